@@ -47,6 +47,8 @@ pub enum ArtifactKind {
     Instances,
     /// Category of each pixel, 8-bit PNG.
     Semantics,
+    /// Category of each pixel after the water, 8-bit PNG.
+    SemanticsVisible,
     /// Unit normals in camera axes, linear NPY.
     Normals,
     /// Bits of the inspection findings that each pixel shows, 8-bit PNG.
@@ -73,7 +75,7 @@ pub enum ArtifactKind {
 
 impl ArtifactKind {
     /// Every kind with a fixed name; `enhanced.<method>` comes beside them.
-    pub const FIXED: [(&'static str, Self); 22] = [
+    pub const FIXED: [(&'static str, Self); 23] = [
         ("rgb", Self::Rgb),
         ("clean", Self::Clean),
         ("direct", Self::Direct),
@@ -86,6 +88,7 @@ impl ArtifactKind {
         ("transmittance", Self::Transmittance),
         ("instances", Self::Instances),
         ("semantics", Self::Semantics),
+        ("semantics.visible", Self::SemanticsVisible),
         ("normals", Self::Normals),
         ("findings", Self::Findings),
         ("boxes", Self::Boxes),
@@ -116,6 +119,9 @@ impl ArtifactKind {
             Self::Transmittance => "transmittance of the water along the ray, 0..1: NPY float32 [h, w, 3]",
             Self::Instances => "instance of each pixel, 0 = background: 8- or 16-bit PNG",
             Self::Semantics => "category of each pixel by its number: 8-bit PNG; `categories` lists them",
+            Self::SemanticsVisible => {
+                "`semantics` with background where the water transmits less than 2 % in every channel: 8-bit PNG"
+            }
             Self::Normals => "unit normals in camera axes, right, down, ahead: NPY float32 [h, w, 3]",
             Self::Findings => {
                 "bits of the inspection findings that each pixel shows: 8-bit PNG; `findings` lists them"
@@ -155,7 +161,7 @@ impl ArtifactKind {
     pub fn needs_labels(&self) -> bool {
         matches!(
             self,
-            Self::Semantics | Self::Normals | Self::Findings | Self::Boxes
+            Self::Semantics | Self::SemanticsVisible | Self::Normals | Self::Findings | Self::Boxes
         )
     }
 
@@ -170,7 +176,9 @@ impl ArtifactKind {
     pub fn needs(&self) -> Option<ScenePart> {
         match self {
             Self::Range | Self::Truth | Self::TruthReport => Some(ScenePart::Range),
-            Self::Instances | Self::Semantics | Self::Boxes => Some(ScenePart::Instances),
+            Self::Instances | Self::Semantics | Self::SemanticsVisible | Self::Boxes => {
+                Some(ScenePart::Instances)
+            }
             Self::Normals | Self::Findings => Some(ScenePart::Surfaces),
             _ => None,
         }
@@ -194,6 +202,7 @@ impl ArtifactKind {
             Self::Range
             | Self::Instances
             | Self::Semantics
+            | Self::SemanticsVisible
             | Self::Findings
             | Self::SnowMask
             | Self::Raw

@@ -27,6 +27,9 @@ pub struct Camera {
     /// a way past a procedural scene; absent: its usual place
     #[serde(skip_serializing_if = "Option::is_none")]
     pub path: Option<Path>,
+    /// where a camera without waypoints is and looks; drawn from the scene's seed unless given
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub view: Option<CameraView>,
     /// against gravity: right, down and ahead of a picture's camera, of any length but 0; absent: [0, -1, 0], a level camera
     #[field(vector, within(-1000.0, 1000.0))]
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -86,6 +89,29 @@ pub struct Camera {
     pub jpeg: Option<Jpeg>,
 }
 
+/// The view of a procedural scene. The camera looks at or past what the family shows; values that are not given are drawn from the
+/// scene's seed.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, Described)]
+#[serde(deny_unknown_fields)]
+pub struct CameraView {
+    /// elevation of the line of sight, negative looks down; drawn from -30 to 40 unless given, nearer to the family's own where nothing would be in view
+    #[field(within(-85.0, 85.0), unit = "degree")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pitch_deg: Option<f64>,
+    /// azimuth of the line of sight: 0 looks along y at the front of the site, 90 along x; drawn about the family's own unless given
+    #[field(within(-180.0, 180.0), unit = "degree")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub yaw_deg: Option<f64>,
+    /// height of the camera above the bottom, in open water above a level 6 m below the middle of the site; drawn from the family's range unless given
+    #[field(within(0.05, 60.0), unit = "m")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub height_m: Option<f64>,
+    /// distance along the line of sight to the vertical through the target; drawn from the family's range unless given
+    #[field(within(0.05, 50.0), unit = "m")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub distance_m: Option<f64>,
+}
+
 /// A frame's place on the way of a camera.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, Described)]
 #[serde(deny_unknown_fields)]
@@ -134,6 +160,7 @@ impl Camera {
             height,
             hfov_deg,
             path: None,
+            view: None,
             up: None,
             preset: None,
             seed: None,
@@ -166,6 +193,7 @@ impl Camera {
     pub fn is_pinhole(&self) -> bool {
         let bare = Self {
             path: self.path,
+            view: self.view,
             up: self.up,
             ..Self::pinhole(self.width, self.height, self.hfov_deg)
         };

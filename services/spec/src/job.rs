@@ -27,6 +27,9 @@ pub use draft::Draft;
 /// Grids span the frames instead: cell = i mod product of the axes, axes in the order of their pointers' bytes, the
 /// last one fastest. An axis inside a choice, a site or another grid counts whether or not its place is chosen; axes at
 /// the same pointer of several sites are one, as long as the longest.
+///
+/// With `camera.path` the frames of one pass over the path share their world: laws of `scene`, of `camera.view` and inside
+/// `camera.path` draw for the number of the pass, which is i / (product of the axes × frames of the path), instead of i.
 #[derive(Debug, Clone)]
 pub struct Job {
     /// The name of a frame's site, or how it is drawn. `None` for a job without a site.
@@ -114,12 +117,19 @@ impl Job {
                 FieldError::new("", message).limit(format!("0..{}", self.frames)),
             ));
         }
-        let mut parameters = self.document(index).value(&|law| law.draw(index));
+        let document = self.document(index);
+        let path_frames = path_frames(document, index);
+        let pass = index / self.cells / path_frames.unwrap_or(1).max(1);
+        let mut parameters = document.value(&|law| match law.law {
+            Law::Grid { .. } => law.draw(index),
+            _ if path_frames.is_some() && is_shared_by_pass(&law.pointer) => law.draw(pass),
+            _ => law.draw(index),
+        });
         // Each cell of the grid goes through the whole path, and then again.
         if let Some(Value::Object(path)) = parameters.pointer_mut("/camera/path")
             && !path.contains_key("frame")
         {
-            let frames = path.get("frames").and_then(Value::as_u64).unwrap_or(1);
+            let frames = path_frames.unwrap_or(1).max(1);
             path.insert("frame".to_owned(), (index / self.cells % frames).into());
         }
         Frame::read(index, parameters)
@@ -164,6 +174,31 @@ impl Job {
     #[must_use]
     pub fn warnings(&self) -> &[String] {
         &self.warnings
+    }
+}
+
+/// Frames of the path that a frame is on, of one that stays at a given place 1; `None` without a path.
+fn path_frames(document: &Node, index: u64) -> Option<u64> {
+    let camera = document.get("camera")?.value(&|law| law.draw(index));
+    let path = camera.get("path")?;
+    match path.get("frame") {
+        Some(_) => Some(1),
+        None => path.get("frames").and_then(Value::as_u64),
+    }
+}
+
+/// Whether all frames of a pass over a path share what the law at this pointer draws.
+fn is_shared_by_pass(pointer: &str) -> bool {
+    let mut parts = pointer.split('/').skip(1);
+    match parts.next() {
+        Some("scene") => true,
+        Some("camera") => match parts.find(|part| ["view", "path"].contains(part)) {
+            Some("view") => true,
+            // The path itself decides how long a pass is.
+            Some(_) => parts.next().is_some(),
+            None => false,
+        },
+        _ => false,
     }
 }
 

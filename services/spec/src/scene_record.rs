@@ -92,6 +92,9 @@ pub struct InstanceRecord {
     pub bounds: [usize; 4],
     /// How many pixels show it.
     pub pixels: u64,
+    /// Of growth: the number of the object in view that it is attached to.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub host: Option<u16>,
     /// Its median range in meters.
     pub range_m: Option<f64>,
     /// Transmittance of the water at that range, R, G, B.

@@ -61,8 +61,10 @@ pub struct LinearPicture {
 #[derive(PartialEq)]
 struct SceneKey {
     scene: Scene,
-    /// Its sides, field of view and path.
+    /// Its sides, field of view, view and path.
     camera: Camera,
+    /// Depth of the camera, up to which piles reach.
+    depth_m: Option<f64>,
     /// What its lens looks into.
     view: Option<Source>,
     labeled: bool,
@@ -188,21 +190,24 @@ impl Slot {
 
     /// The scene of a frame; the last one is kept, since a job often shows one scene in many waters.
     fn scene(&mut self, frame: &Frame, source: &SceneSource) -> Result<Arc<Prepared>, RenderError> {
-        let view = rendered_parts(frame)?.and_then(|parts| parts.source);
+        let source_view = rendered_parts(frame)?.and_then(|parts| parts.source);
         let Camera {
             width,
             height,
             hfov_deg,
             path,
+            view,
             ..
         } = frame.camera;
         let key = SceneKey {
             scene: frame.scene.clone(),
             camera: Camera {
                 path,
+                view,
                 ..Camera::pinhole(width, height, hfov_deg)
             },
-            view,
+            depth_m: frame.water.depth_m,
+            view: source_view,
             labeled: scene::needs_labels(frame),
         };
         if let Some((last, prepared)) = &self.last_scene
@@ -210,7 +215,7 @@ impl Slot {
         {
             return Ok(Arc::clone(prepared));
         }
-        let prepared = Arc::new(scene::prepare(frame, source, view)?);
+        let prepared = Arc::new(scene::prepare(frame, source, source_view)?);
         self.last_scene = match frame.scene {
             Scene::Files { .. } => None,
             _ => Some((key, Arc::clone(&prepared))),

@@ -66,12 +66,16 @@ vocabulary! {
     Stone = 14, "stone";
     /// Lost or broken things on the ground.
     Debris = 15, "debris";
-    /// An animal: mussels, tube worms, fish, jellyfish.
+    /// A free-swimming animal: fish, jellyfish.
     Fauna = 16, "fauna";
-    /// A plant that hangs or stands off.
-    Flora = 17, "flora";
+    /// Growth on a structure or stone: mussels, tube worms, weed.
+    Growth = 17, "growth";
     /// A bubble of gas.
     Bubble = 18, "bubble";
+    /// A buoy, float or sphere in the water.
+    Buoy = 19, "buoy";
+    /// A crate or frame that hangs in the water.
+    Crate = 20, "crate";
 }
 
 vocabulary! {
@@ -94,10 +98,15 @@ vocabulary! {
 }
 
 impl Category {
+    /// Whether it is a part of a structure: neither natural nor lost.
+    pub(crate) fn is_structure(self) -> bool {
+        !self.is_life() && !matches!(self, Self::Background | Self::Seabed | Self::Stone | Self::Debris)
+    }
+
     /// Whether it lives or floats: such things stop no camera and cast no shadow of contact.
     #[must_use]
     pub fn is_life(self) -> bool {
-        matches!(self, Self::Fauna | Self::Flora | Self::Bubble)
+        matches!(self, Self::Fauna | Self::Growth | Self::Bubble)
     }
 }
 

@@ -64,6 +64,20 @@ pub enum SceneError {
         /// Distance from the surface, below 0 inside.
         distance_m: f64,
     },
+    /// A view whose camera would be inside a solid or too close to one.
+    #[error(
+        "`camera.{field}` is {value}, which puts the camera {clearance_m:.3} m from a surface; the limit is {} m: \
+        change it or leave it out",
+        LEAST_CLEARANCE_M
+    )]
+    View {
+        /// The field of the description's `camera`.
+        field: &'static str,
+        /// Its value.
+        value: f64,
+        /// Distance from the surface, below 0 inside.
+        clearance_m: f64,
+    },
     /// Classes without a mask, of objects that the mask does not show, or a mask of more objects than can be told apart.
     #[error("`{field}`: {reason}")]
     Objects {
@@ -97,6 +111,7 @@ impl SceneError {
             | Self::Objects { field, .. }
             | Self::Size { field, .. }
             | Self::Missing { field, .. }
+            | Self::View { field, .. }
             | Self::Number { field, .. } => field,
         }
     }

@@ -1,7 +1,7 @@
 //! The procedural families: a module for each, and a row in the table.
 
 use crate::site::Site;
-use crate::{pipeline, shaft, structure};
+use crate::{open_water, pipeline, shaft, structure};
 
 /// A procedural family.
 #[derive(Debug, Clone, Copy)]
@@ -14,7 +14,7 @@ pub struct Family {
     pub(crate) site: fn(u64, Option<f32>) -> Site,
 }
 
-const TABLE: [Family; 3] = [
+const TABLE: [Family; 4] = [
     Family {
         name: "structure",
         about: "piles, braced legs, pipes, plates and beams on a rippled seabed",
@@ -29,6 +29,11 @@ const TABLE: [Family; 3] = [
         name: "pipeline",
         about: "a coated pipe on its supports with field joints, weld seams, anodes and damage",
         site: pipeline::site,
+    },
+    Family {
+        name: "open-water",
+        about: "posts, mooring lines, buoys, hanging crates and cables in mid-water, without a bottom",
+        site: open_water::site,
     },
 ];
 

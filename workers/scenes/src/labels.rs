@@ -48,20 +48,30 @@ pub struct Instance {
     pub bounds: [usize; 4],
     /// How many pixels show it.
     pub pixels: usize,
+    /// Of growth: the number of the object in view that it is attached to.
+    pub host: Option<u16>,
+}
+
+/// What an instance of a procedural scene is.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Shown {
+    pub(crate) category: Category,
+    /// Instance that growth is attached to.
+    pub(crate) host: Option<u16>,
 }
 
 impl Labels {
-    /// `categories` are those of the instances from 1 on.
+    /// `shown` are the instances from 1 on.
     pub(crate) fn procedural(
         surfaces: Surfaces,
         numbers: &Plane<u16>,
-        categories: &[Category],
+        shown: &[Shown],
         pose: CameraPose,
         intrinsics: Intrinsics,
     ) -> Self {
         let (width, height) = numbers.size();
         let plane = |data| Plane::new(width, height, data).expect("one sample for each pixel");
-        let class = |number: u16| categories[usize::from(number) - 1] as u8;
+        let class = |number: u16| shown[usize::from(number) - 1].category as u8;
         let surfaces = SurfaceLabels {
             z_depth: plane(surfaces.z_depth),
             normals: surfaces.normals.map(plane),
@@ -69,9 +79,13 @@ impl Labels {
             pose,
             intrinsics,
         };
+        let mut labels = Self::of_mask(numbers, class);
+        keep_hosts(&mut labels.instances, |number| {
+            shown[usize::from(number) - 1].host
+        });
         Self {
             surfaces: Some(surfaces),
-            ..Self::of_mask(numbers, class)
+            ..labels
         }
     }
 
@@ -84,21 +98,26 @@ impl Labels {
         codes: impl Fn(&Plane<u8>) -> Plane<u8>,
         reals: impl Fn(&Plane<f32>) -> Plane<f32>,
     ) -> Self {
-        let class = |number: u16| {
-            let found = self.instances.iter().find(|instance| instance.number == number);
-            found.map_or(UNLABELED.0, |instance| instance.class)
-        };
         let surfaces = self.surfaces.as_ref().map(|surfaces| SurfaceLabels {
             z_depth: reals(&surfaces.z_depth),
             normals: surfaces.normals.each_ref().map(&reals),
             findings: codes(&surfaces.findings),
             ..*surfaces
         });
+        let mut instances = instances(numbers, |number| {
+            self.instance(number)
+                .map_or(UNLABELED.0, |instance| instance.class)
+        });
+        keep_hosts(&mut instances, |number| self.instance(number)?.host);
         Self {
             semantics: codes(&self.semantics),
-            instances: instances(numbers, class),
+            instances,
             surfaces,
         }
+    }
+
+    fn instance(&self, number: u16) -> Option<&Instance> {
+        self.instances.iter().find(|instance| instance.number == number)
     }
 
     /// The labels that follow from the instance mask of an uploaded scene. Objects without a class are [`UNLABELED`].
@@ -118,6 +137,14 @@ impl Labels {
             instances,
             surfaces: None,
         }
+    }
+}
+
+/// Sets the hosts of instances, as far as they are in view themselves.
+fn keep_hosts(instances: &mut [Instance], host_of: impl Fn(u16) -> Option<u16>) {
+    let numbers: Vec<u16> = instances.iter().map(|instance| instance.number).collect();
+    for instance in instances {
+        instance.host = host_of(instance.number).filter(|host| numbers.binary_search(host).is_ok());
     }
 }
 
@@ -166,6 +193,7 @@ fn instances(numbers: &Plane<u16>, class_of: impl Fn(u16) -> u8) -> Vec<Instance
         class: class_of(number),
         bounds,
         pixels,
+        host: None,
     };
     seen.map(instance).collect()
 }

@@ -9,6 +9,7 @@ mod error;
 mod families;
 pub mod labels;
 mod life;
+mod open_water;
 mod path;
 mod pipeline;
 pub mod pose;

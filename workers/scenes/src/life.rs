@@ -15,12 +15,11 @@ use imaging::vector::{Vec3, vec3};
 use spec::Life;
 
 use crate::site::Site;
-use crate::site::bounds::Bounds;
 use crate::site::builder::Builder;
 use crate::site::chance::Dice;
 use crate::site::pose::{UP, up};
 use crate::site::solid::Solid;
-use crate::site::tree::{Bundle, Tree};
+use crate::site::tree::Tree;
 
 /// Rays that look for places.
 const RAYS: usize = 12_000;
@@ -42,6 +41,8 @@ const MOST_SOLIDS: usize = 9_000;
 struct Spot {
     place: Vec3,
     normal: Vec3,
+    /// The object that it is on.
+    host: u16,
     /// From the usual eye, m.
     range: f32,
     /// What the place stands for, m².
@@ -177,7 +178,7 @@ fn spots(site: &Site, eye: Vec3, seed: u64) -> Vec<Spot> {
             from
         };
         let heading = direction(dice, 1);
-        let (met, number) = meet(&tree, &site.solids, from, heading)?;
+        let (met, number) = tree.first_met(&site.solids, from, heading, REACH_M)?;
         let solid = &site.solids[usize::from(number)];
         if solid.object == 0 {
             return None;
@@ -191,38 +192,12 @@ fn spots(site: &Site, eye: Vec3, seed: u64) -> Vec<Spot> {
         Some(Spot {
             place,
             normal,
+            host: solid.object,
             range: (place - eye).length(),
             area: solid_angle * met * met / facing,
         })
     });
     found.collect()
-}
-
-/// The first solid on a ray and how far it is; none where the ground comes first or nothing is in reach.
-fn meet(tree: &Tree, solids: &[Solid], from: Vec3, heading: Vec3) -> Option<(f32, u16)> {
-    let ground = if heading.z < 0.0 {
-        -from.z / heading.z
-    } else {
-        f32::INFINITY
-    };
-    let reach = REACH_M.min(ground);
-    let point = |place: Vec3| Bounds {
-        low: place,
-        high: place,
-    };
-    let bundle = Bundle {
-        from: point(from),
-        to: point(from + heading * reach),
-    };
-    let mut nearest = (reach, None);
-    tree.search(&bundle, |number| {
-        let met = solids[usize::from(number)].enter(from, heading);
-        if met < nearest.0 {
-            nearest = (met, Some(number));
-        }
-        nearest.0 / reach
-    });
-    nearest.1.map(|number| (nearest.0, number))
 }
 
 /// Height of a place above the ground is kept at this at least, m.

@@ -7,7 +7,7 @@ use imaging::vector::{Vec3, vec3};
 
 use crate::categories::Category;
 use crate::site::Site;
-use crate::site::builder::{Builder, View};
+use crate::site::builder::{Builder, Heights, View};
 use crate::site::chance::Dice;
 use crate::site::finish::{Coat, Material, Pattern};
 use crate::site::pose::{UP, horizontal, up};
@@ -128,6 +128,11 @@ fn view(dice: Dice, pipe: &Pipe, buried: bool) -> View {
         roll: dice.between(26, -0.1, 0.1),
         lamp_m: (target - eye).length() * dice.between(27, 0.9, 1.3),
         ambient: dice.between(28, 0.06, 0.32),
+        floor: 0.0,
+        heights: Heights::Camera([least, pipe.height.max(least) + 1.4]),
+        stretch: [0.8, 1.8],
+        turn_deg: 20.0,
+        least_structure: 0.08,
     }
 }
 

@@ -5,7 +5,7 @@ use imaging::vector::{Vec3, vec3};
 
 use crate::categories::Category;
 use crate::site::Site;
-use crate::site::builder::{Builder, View};
+use crate::site::builder::{Builder, Heights, View};
 use crate::site::chance::Dice;
 use crate::site::finish::{Courses, Material, Pattern, Unroll};
 use crate::site::pose::{Pose, UP, ZERO, up};
@@ -115,13 +115,19 @@ fn tunnel(builder: &mut Builder, dice: Dice) -> View {
     let height = |choice, reach: f32| center + dice.between(choice, -reach, reach) * radius;
     let eye_x = dice.between(30, -0.3, 0.3) * radius;
     let (x, y) = (dice.between(32, -0.75, 0.75) * radius, dice.between(33, 1.5, 4.5));
+    let eye_height = height(31, 0.25).max(0.45);
     View {
-        eye: vec3(eye_x, 0.0, height(31, 0.25).max(0.45)),
+        eye: vec3(eye_x, 0.0, eye_height),
         target: vec3(x, y, height(34, 0.5).max(0.1)),
         travel: along * 5.0,
         roll: dice.between(35, -0.1, 0.1),
         lamp_m: dice.between(36, 1.9, 3.0),
         ambient: dice.between(37, 0.005, 0.05),
+        floor: 0.0,
+        heights: Heights::Camera([eye_height; 2]),
+        stretch: [1.0; 2],
+        turn_deg: 10.0,
+        least_structure: 0.08,
     }
 }
 
@@ -169,6 +175,11 @@ fn shaft(builder: &mut Builder, dice: Dice, half: [f32; 2]) -> View {
         roll: dice.between(36, -0.12, 0.12),
         lamp_m: dice.between(37, 1.7, 2.8),
         ambient: dice.between(38, 0.005, 0.06),
+        floor: 0.0,
+        heights: Heights::Camera([height; 2]),
+        stretch: [1.0; 2],
+        turn_deg: 10.0,
+        least_structure: 0.08,
     }
 }
 

@@ -23,6 +23,7 @@ pub(crate) mod pose;
 mod shade;
 pub(crate) mod solid;
 pub(crate) mod tree;
+pub(crate) mod view;
 
 use imaging::vector::DVec3;
 
@@ -31,6 +32,7 @@ use crate::categories::Category;
 use finish::Finish;
 use pits::Pit;
 use solid::Solid;
+use view::Usual;
 
 pub(crate) use picture::{FAR_M, Picture, Surfaces, Wanted, render};
 pub(crate) use shade::LABEL_BEVEL_M;
@@ -40,6 +42,8 @@ pub(crate) use shade::LABEL_BEVEL_M;
 pub(crate) struct Object {
     pub(crate) finish: Finish,
     pub(crate) category: Category,
+    /// The object that growth is attached to.
+    pub(crate) host: Option<u16>,
 }
 
 /// A site with its usual view and light.
@@ -52,6 +56,8 @@ pub(crate) struct Site {
     pub(crate) pose: CameraPose,
     /// What that camera looks at.
     pub(crate) target: DVec3,
+    /// What poses are drawn around.
+    pub(crate) usual: Usual,
     /// The way along which a camera moves past the site: a vector of the usual length, m.
     pub(crate) travel: DVec3,
     /// Distance at which the lamp gives full light, m.

@@ -6,7 +6,7 @@ mod build;
 use imaging::vector::vec3;
 
 use crate::site::Site;
-use crate::site::builder::{Builder, View};
+use crate::site::builder::{Builder, Heights, View};
 use crate::site::chance::Dice;
 use crate::site::pose::{UP, ZERO, up};
 
@@ -15,7 +15,11 @@ pub(crate) fn site(seed: u64, burial: Option<f32>) -> Site {
     let dice = Dice::new(seed, "structure");
     let mut builder = Builder::new(seed, "structure");
     let kind = dice.count(0, 0, 5);
-    let build::Aim { target, distance } = match kind {
+    let build::Aim {
+        target,
+        distance,
+        top,
+    } = match kind {
         0 => builder.single_pile(),
         1 => builder.pile_row(),
         2 => builder.braced_legs(),
@@ -47,5 +51,10 @@ pub(crate) fn site(seed: u64, burial: Option<f32>) -> Site {
         roll: dice.between(7, -0.09, 0.09),
         lamp_m: (aim - eye).length() * dice.between(8, 0.85, 1.25),
         ambient: dice.between(9, 0.08, 0.35),
+        floor: 0.0,
+        heights: Heights::Camera([0.5, (0.65 * top).max(1.5)]),
+        stretch: [0.85, 1.9],
+        turn_deg: 15.0,
+        least_structure: 0.08,
     })
 }

@@ -3,10 +3,13 @@
 use imaging::geometry::Intrinsics;
 use imaging::vector::DVec3;
 use imaging::{Plane, Rgb};
-use spec::{Ground, Life, Path, SceneLighting, Waypoint};
+use spec::{CameraView, Ground, Life, Path, SceneLighting, Waypoint};
 
-use crate::labels::Labels;
+use crate::categories::Category;
+use crate::labels::{Labels, Shown};
 use crate::path::CameraPath;
+use crate::site::solid::Shape;
+use crate::site::view::{self, Stage};
 use crate::site::{self, Picture, Site, Wanted};
 use crate::{CameraPose, Family, LEAST_CLEARANCE_M, Scene, SceneError};
 use crate::{bottom, life};
@@ -15,6 +18,12 @@ use crate::{bottom, life};
 const CLEAR_M: f64 = 0.2;
 /// Places tested on each side of the usual pose.
 const STEPS: usize = 60;
+/// Height of piles above the surface of the sea, m.
+const FREEBOARD_M: f32 = 1.0;
+/// Least vertical component of the axis of a pile that reaches the surface.
+const LEAST_RISE: f32 = 0.9;
+/// Least length of such a pile, m.
+const LEAST_PILE_M: f32 = 3.0;
 /// A path is no shorter than this share of its usual length.
 const SHORTEST_SHARE: f64 = 0.02;
 
@@ -62,6 +71,34 @@ impl World {
         Ok(Self { site, structures })
     }
 
+    /// Moves the camera of a single frame: the given values replace those drawn from the seed, the others are drawn again to fit.
+    /// Growth stays where the seed's own view finds it.
+    ///
+    /// # Errors
+    /// [`SceneError::View`] if every camera with these values is too close to a surface.
+    pub fn set_view(&mut self, view: &CameraView) -> Result<(), SceneError> {
+        let stage = Stage::new(&self.site.solids[..self.structures], &self.site.objects);
+        let chosen = self.site.usual.choose(&stage, view)?;
+        self.site.look_from(&chosen);
+        Ok(())
+    }
+
+    /// Extends piles beyond the surface of the sea at this height above the bottom, m, as far as a camera can see them.
+    pub fn raise_piles(&mut self, surface_m: f64) {
+        let top = surface_m.min(self.site.pose.position_m.z + f64::from(site::FAR_M)) as f32 + FREEBOARD_M;
+        for solid in &mut self.site.solids[..self.structures] {
+            let is_pile = self.site.objects[usize::from(solid.object)].category == Category::Pile;
+            let Shape::Tube(tube) = &mut solid.shape else {
+                continue;
+            };
+            let (foot, axis) = (solid.pose.origin, solid.pose.axes[2]);
+            // Collars are piles too, but short.
+            if is_pile && axis.z > LEAST_RISE && tube.length > LEAST_PILE_M {
+                tube.length = tube.length.max((top - foot.z) / axis.z);
+            }
+        }
+    }
+
     /// The pose of a single frame.
     #[must_use]
     pub fn pose(&self) -> CameraPose {
@@ -78,9 +115,10 @@ impl World {
     /// round things it may be less than the true distance, never more; growth, ropes, animals and bubbles do not count.
     #[must_use]
     pub fn clearance(&self, point: DVec3) -> f64 {
-        let point = point.as_f32();
-        let solids = self.site.solids[..self.structures].iter();
-        f64::from(solids.map(|solid| solid.distance(point)).fold(point.z, f32::min))
+        f64::from(view::clearance(
+            &self.site.solids[..self.structures],
+            point.as_f32(),
+        ))
     }
 
     /// The path of a camera: between the waypoints of the description, or past the site, through the usual position along
@@ -176,14 +214,26 @@ impl World {
         let mut picture = site::render(&self.site, pose, size, intrinsics, 0..size.1, wanted);
         let surfaces = picture.labels.take().expect("labels were asked for");
         let (scene, shown) = scene(picture, size, intrinsics);
-        let category = |&object: &u16| self.site.objects[usize::from(object)].category;
-        let categories: Vec<_> = shown.iter().map(category).collect();
         let instances = scene
             .instances
             .as_ref()
             .expect("procedural scenes have instances");
-        let labels = Labels::procedural(surfaces, instances, &categories, *pose, *intrinsics);
+        let labels = Labels::procedural(surfaces, instances, &self.describe(&shown), *pose, *intrinsics);
         (scene, labels)
+    }
+
+    /// What the instances from 1 on are, by their objects in ascending order.
+    fn describe(&self, shown: &[u16]) -> Vec<Shown> {
+        let objects = shown.iter().map(|&object| self.site.objects[usize::from(object)]);
+        objects
+            .map(|object| Shown {
+                category: object.category,
+                host: object
+                    .host
+                    .and_then(|host| shown.binary_search(&host).ok())
+                    .map(|at| at as u16 + 1),
+            })
+            .collect()
     }
 }
 
@@ -227,6 +277,7 @@ mod tests {
     use super::*;
     use crate::FAMILIES;
     use crate::path::tests::{STILL, straight};
+    use crate::site::solid::Solid;
 
     const SEEDS: std::ops::Range<u64> = 0..24;
 
@@ -313,17 +364,34 @@ mod tests {
     }
 
     #[test]
+    fn piles_reach_beyond_the_surface_and_nothing_below_moves() {
+        const SURFACE_M: f64 = 25.0;
+        let mut raised = 0;
+        for seed in SEEDS {
+            let bare = World::new("structure", seed).unwrap();
+            let mut world = World::new("structure", seed).unwrap();
+            world.raise_piles(SURFACE_M);
+            assert_eq!(bare.pose(), world.pose());
+            for (before, after) in bare.site.solids.iter().zip(&world.site.solids) {
+                let top = |solid: &Solid| solid.corners()[4].z;
+                assert_eq!(before.pose, after.pose);
+                if top(before) != top(after) {
+                    raised += 1;
+                    assert!(top(before) < top(after) && f64::from(top(after)) > SURFACE_M);
+                }
+            }
+        }
+        assert!(raised > 20, "{raised}");
+    }
+
+    #[test]
     fn a_path_through_something_is_refused() {
         let world = World::new("pipeline", 3).unwrap();
-        let (position, target) = (world.pose().position_m, world.target());
-        let start = Waypoint {
-            position_m: position.into(),
-            target_m: target.into(),
-        };
-        let through = Waypoint {
-            position_m: (target + (target - position)).into(),
-            target_m: (target + (target - position) * 3.0).into(),
-        };
+        let [x, y, _]: [f64; 3] = world.target().into();
+        let [start, through] = [3.0, -1.0].map(|height| Waypoint {
+            position_m: [x, y, height],
+            target_m: [x, y + 1.0, height],
+        });
         let path = straight(start, through, 101);
         let error = world.check(&path).unwrap_err();
         assert!(

@@ -104,7 +104,7 @@ fn semantics_are_the_categories_of_the_instances() {
             seen[usize::from(*category)] += 1;
         }
     });
-    let lives = [Category::Fauna, Category::Flora, Category::Bubble];
+    let lives = [Category::Fauna, Category::Growth, Category::Bubble];
     for (category, name) in CATEGORIES {
         let is_seen = seen[*category as usize] > 0;
         assert_eq!(

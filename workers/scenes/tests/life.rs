@@ -1,9 +1,10 @@
 //! Life and the bottom: what they add to pictures and labels, and what they leave alone.
 #![allow(clippy::unwrap_used)]
 
+use imaging::Plane;
 use imaging::geometry::Intrinsics;
 use imaging::rays::Rays;
-use scenes::categories::Category;
+use scenes::categories::{CATEGORIES, Category};
 use scenes::{FAMILIES, Labels, Scene, World};
 use spec::{Ground, Life};
 
@@ -47,7 +48,7 @@ fn nothing_asked_for_is_nothing_changed() {
 
 #[test]
 fn life_has_categories_of_its_own_and_stands_before_what_was_there() {
-    let kinds = [Category::Fauna, Category::Flora, Category::Bubble];
+    let kinds = [Category::Fauna, Category::Growth, Category::Bubble];
     let mut met = [0usize; 3];
     for family in FAMILIES {
         for seed in 0..6 {
@@ -69,11 +70,38 @@ fn life_has_categories_of_its_own_and_stands_before_what_was_there() {
                 }
             }
             for instance in &labels.instances {
-                assert!(instance.pixels > 0 && usize::from(instance.class) < 19);
+                assert!(instance.pixels > 0 && usize::from(instance.class) < CATEGORIES.len());
             }
         }
     }
-    assert!(met[0] > 2_000 && met[1] > 500 && met[2] > 20, "{met:?}");
+    assert!(met[0] > 500 && met[1] > 2_000 && met[2] > 20, "{met:?}");
+}
+
+#[test]
+fn growth_names_the_object_that_it_is_on() {
+    let mut hosted = 0;
+    for family in FAMILIES {
+        for seed in 0..4 {
+            let (scene, labels) = seen(&filled(family, seed, Some(&ALL), None));
+            let shown: Vec<u16> = labels.instances.iter().map(|instance| instance.number).collect();
+            for instance in &labels.instances {
+                let Some(host) = instance.host else { continue };
+                assert_eq!(instance.class, Category::Growth as u8, "{family} {seed}");
+                let at = shown.binary_search(&host).unwrap();
+                let is_life = |class: u8| CATEGORIES[usize::from(class)].0.is_life();
+                assert!(
+                    !is_life(labels.instances[at].class) && host != 1,
+                    "{family} {seed}"
+                );
+                hosted += 1;
+            }
+            let numbers = scene.instances.unwrap();
+            let codes = |plane: &Plane<u8>| plane.clone();
+            let moved = labels.moved(&numbers, codes, Plane::clone);
+            assert_eq!(moved.instances, labels.instances);
+        }
+    }
+    assert!(hosted > 200, "{hosted}");
 }
 
 #[test]

@@ -51,13 +51,7 @@ impl Checker<'_> {
                     _ => {}
                 }
             }
-            let chance = |node: &Node| node.laws().iter().any(|law| law.key() != "grid");
             let still = |(_, scene): &(String, &Node)| scene.get("family").is_none();
-            if document.get("scene").is_some_and(chance) {
-                let message =
-                    "`camera.path` goes through one world, but laws change `scene` from frame to frame";
-                self.refuse(|| FieldError::new("/scene", message).limit("no law but `grid`"));
-            }
             if places(document, "scene").iter().any(still) {
                 let message = "`camera.path` needs a procedural scene";
                 self.refuse(|| FieldError::new(&format!("{pointer}/path"), message));

@@ -74,6 +74,30 @@ impl Checker<'_> {
         }
     }
 
+    /// A view needs a scene that is rendered, and no waypoints in its place.
+    fn views(&mut self, document: &Node) {
+        let scenes = places(document, "scene");
+        let renders = scenes.iter().any(|(_, scene)| scene.get("family").is_some());
+        for (pointer, camera) in places(document, "camera") {
+            if camera.get("view").is_none() {
+                continue;
+            }
+            let paths = camera.get("path").map(|path| path.alternatives(""));
+            let has_waypoints = paths
+                .into_iter()
+                .flatten()
+                .any(|(_, path)| path.get("start").is_some());
+            let message = if !renders {
+                "`camera.view` needs a procedural scene: a picture has the view it was taken from"
+            } else if has_waypoints {
+                "`camera.view` is given together with `start` of `camera.path`; leave one of them out"
+            } else {
+                continue;
+            };
+            self.refuse(|| FieldError::new(&format!("{pointer}/view"), message));
+        }
+    }
+
     /// Checks the size of the picture, and that what moves has a way to move.
     pub(super) fn camera(&mut self, document: &Node) {
         let scenes = places(document, "scene");
@@ -81,6 +105,7 @@ impl Checker<'_> {
         let all_rendered = scenes.iter().all(|(_, scene)| is_rendered(scene));
         let none_rendered = !scenes.iter().any(|(_, scene)| is_rendered(scene));
         self.depths(document);
+        self.views(document);
         for (pointer, camera) in places(document, "camera") {
             let side = |name| camera.get(name).and_then(Node::greatest).unwrap_or_default();
             let (width, height) = (side("width"), side("height"));

@@ -8,6 +8,7 @@ mod errors;
 mod law_errors;
 mod laws;
 mod lights;
+mod paths;
 mod scenes;
 mod sites;
 mod soup;

@@ -109,7 +109,13 @@ impl Place {
         }
     }
 
-    fn new(frame: &Frame, world: World) -> Result<Self, RenderError> {
+    fn new(frame: &Frame, mut world: World) -> Result<Self, RenderError> {
+        if let Some(view) = &frame.camera.view {
+            world.set_view(view)?;
+        }
+        if let Some(depth_m) = frame.water.depth_m {
+            world.raise_piles(highest_camera(frame, &world) + depth_m);
+        }
         let world = Arc::new(world);
         let Some(path) = frame.camera.path else {
             return Ok(Self { world, path: None });
@@ -154,6 +160,15 @@ impl Place {
             labels,
             ..prepared
         })
+    }
+}
+
+/// Height of the camera of a frame, or of the higher end of its path, m.
+fn highest_camera(frame: &Frame, world: &World) -> f64 {
+    let path = frame.camera.path.and_then(|path| path.start.zip(path.end));
+    match path {
+        Some((start, end)) => start.position_m[2].max(end.position_m[2]),
+        None => world.pose().position_m.z,
     }
 }
 

@@ -10,6 +10,7 @@ use serde_json::json;
 use spec::{ArtifactKind, Counts, Encode, FrameRecord, ScenePart};
 
 use super::enhance::Enhancements;
+use super::labels::visible_semantics;
 use super::range_file::millimeters;
 use super::snow;
 use super::truth::Traced;
@@ -119,12 +120,7 @@ fn content<'a>(
         ArtifactKind::Direct => Some(linear(&layers.direct)),
         ArtifactKind::ForwardScatter => Some(linear(&layers.forward_scatter)),
         ArtifactKind::Backscatter => Some(linear(&layers.backscatter)),
-        ArtifactKind::Transmittance => {
-            let transmittance = transmittance(context);
-            let planes = transmittance.planes().each_ref();
-            let planes = planes.map(|plane| context.view_labels(plane).into_owned());
-            Some(Content::Linear(Cow::Owned(Rgb::new(planes).ok()?)))
-        }
+        ArtifactKind::Transmittance => Some(Content::Linear(Cow::Owned(seen_transmittance(context)?))),
         ArtifactKind::Preview => Some(Content::Picture(Cow::Owned(codec::downscale(rgb, PREVIEW_PX)))),
         ArtifactKind::Enhanced(method) => {
             let enhanced = pictures.enhancements.get(method)?;
@@ -137,6 +133,10 @@ fn content<'a>(
         }
         ArtifactKind::Instances => codes(context.instances()),
         ArtifactKind::Semantics => codes(labels.map(|labels| &labels.semantics)),
+        ArtifactKind::SemanticsVisible => {
+            let visible = visible_semantics(&labels?.semantics, &seen_transmittance(context)?);
+            codes(Some(&visible))
+        }
         ArtifactKind::Findings => codes(surfaces.map(|surfaces| &surfaces.findings)),
         ArtifactKind::Normals => {
             let normals = Rgb::new(surfaces?.normals.clone()).ok()?;
@@ -166,6 +166,13 @@ fn content<'a>(
         ArtifactKind::TruthReport => Some(Content::Json(json!(pictures.traced?.report))),
         ArtifactKind::Range => Some(Content::Range(Cow::Borrowed(context.range()?))),
     }
+}
+
+/// Transmittance of the water in the geometry of the picture.
+fn seen_transmittance(context: &FrameContext<'_>) -> Option<Rgb<f32>> {
+    let transmittance = transmittance(context);
+    let planes = transmittance.planes().each_ref();
+    Rgb::new(planes.map(|plane| context.view_labels(plane).into_owned())).ok()
 }
 
 /// The codes of three sensors pixel by pixel.

@@ -4,12 +4,27 @@ use imaging::{Plane, Rgb};
 use optics::chain::Layers;
 use optics::visibility;
 use scenes::Labels;
-use scenes::categories::CATEGORIES;
+use scenes::categories::{CATEGORIES, Category};
 use scenes::classes::UNLABELED;
 use scenes::labels::Instance;
 use spec::{InstanceRecord, SceneCategory, SceneRecord};
 
 use crate::context::FrameContext;
+
+/// Pixels that transmit less than this in all channels count as water in `semantics.visible`.
+const LEAST_TRANSMITTANCE: f32 = 0.02;
+
+/// The semantic mask with water where surfaces are out of sight.
+pub(crate) fn visible_semantics(semantics: &Plane<u8>, transmittance: &Rgb<f32>) -> Plane<u8> {
+    let [red, green, blue] = transmittance.planes().each_ref().map(Plane::data);
+    let mut visible = semantics.clone();
+    for (pixel, code) in visible.data_mut().iter_mut().enumerate() {
+        if red[pixel].max(green[pixel]).max(blue[pixel]) < LEAST_TRANSMITTANCE {
+            *code = Category::Background as u8;
+        }
+    }
+    visible
+}
 
 /// The record of the scene; none without a camera pose and without labels.
 pub(crate) fn describe(context: &FrameContext<'_>, layers: &Layers) -> Option<SceneRecord> {
@@ -91,6 +106,7 @@ fn describe_instance(
         class,
         bounds,
         pixels,
+        host,
     } = *instance;
     let seen = context
         .instances()
@@ -101,6 +117,7 @@ fn describe_instance(
         category: class_name(context, class).to_owned(),
         bounds,
         pixels: pixels as u64,
+        host,
         range_m,
         transmittance: path_m.map(|meters| attenuation.map(|c| (-c * meters).exp())),
         contrast: seen.as_ref().map(|seen| seen.after),

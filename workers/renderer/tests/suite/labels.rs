@@ -1,6 +1,6 @@
 //! Labels of procedural scenes, what the water leaves to be seen of them, and sequences.
 
-use imaging::codec::{FilePlane, decode_plane};
+use imaging::codec::{FilePlane, Radiance, decode_plane, decode_radiance};
 use renderer::{Rendered, SceneSource, Slot};
 use serde_json::{Value, json};
 
@@ -55,6 +55,66 @@ fn masks_boxes_and_record_speak_of_the_same_objects() {
     }
     let pose = scene.world_from_camera.unwrap();
     assert_eq!(pose[3], [0.0, 0.0, 0.0, 1.0]);
+}
+
+#[test]
+fn surfaces_out_of_sight_are_water_in_visible_semantics() {
+    let rendered = render(&parse(&job(&json!({
+        "water": {"optics": "jerlov-9C"}, "artifacts": ["semantics", "semantics.visible", "transmittance"],
+    }))));
+    let codes = |kind: &str| match decode_plane(file_of(&rendered.files, kind)).unwrap() {
+        FilePlane::Codes(plane) => plane,
+        FilePlane::Floats(_) => panic!("a mask"),
+    };
+    let (all, visible) = (codes("semantics"), codes("semantics.visible"));
+    let Radiance::Linear(transmittance) = decode_radiance(file_of(&rendered.files, "transmittance")).unwrap()
+    else {
+        panic!("linear light")
+    };
+    let mut hidden = 0;
+    for pixel in 0..96 * 64 {
+        let most = transmittance
+            .planes()
+            .iter()
+            .map(|plane| plane.data()[pixel])
+            .fold(0.0, f32::max);
+        let expected = if most < 0.02 { 0 } else { all.data()[pixel] };
+        assert_eq!(visible.data()[pixel], expected);
+        hidden += usize::from(visible.data()[pixel] != all.data()[pixel]);
+    }
+    assert!(hidden > 100, "{hidden}");
+    let plain = render(&parse(&job(
+        &json!({"artifacts": ["semantics", "semantics.visible"]}),
+    )));
+    let [all, visible] = ["semantics", "semantics.visible"].map(|kind| file_of(&plain.files, kind));
+    assert_eq!(all, visible, "without a water everything is in sight");
+}
+
+#[test]
+fn a_view_changes_the_pose_and_names_a_value_that_leaves_no_place() {
+    let view = |view: Value| json!({"camera": {"width": 48, "height": 32, "view": view}});
+    let engine = engine_without_runtime();
+    let mut slot = Slot::new(&engine);
+    let mut pose = |fields: &Value| {
+        let frame = parse(&job(fields)).resolve(0).unwrap();
+        slot.render(&frame, &SceneSource::Local)
+            .map(|rendered| rendered.record.scene.unwrap().world_from_camera.unwrap())
+    };
+    let drawn = pose(&view(json!({}))).unwrap();
+    let high = pose(&view(json!({"height_m": 4.0, "pitch_deg": -30}))).unwrap();
+    assert_ne!(drawn, high);
+    assert!((high[2][3] - 4.0).abs() < 1e-9 && (high[2][2] + 0.5).abs() < 1e-9);
+    assert_eq!(
+        pose(&view(json!({}))).unwrap(),
+        drawn,
+        "the cache of scenes tells views apart"
+    );
+    let error = pose(&json!({
+        "scene": {"kind": "procedural", "family": "shaft", "seed": 1},
+        "camera": {"view": {"distance_m": 30}},
+    }));
+    let message = error.unwrap_err().to_string();
+    assert!(message.contains("`camera.view.distance_m` is 30"), "{message}");
 }
 
 fn file_of<'a>(files: &'a [renderer::File], kind: &str) -> &'a [u8] {
@@ -142,9 +202,6 @@ fn paths_that_cannot_be_are_refused() {
     assert!(message(&with(json!({"frames": 9, "start": point(0.0)}))).contains("together, or neither"));
     assert!(message(&with(json!({"frames": 9, "frame": 9}))).contains("has 9 frames"));
     assert!(message(&with(json!({"frames": 0}))).contains("camera.path.frames"));
-    let mut other = with(json!({"frames": 9}));
-    other["scene"]["seed"] = json!({"int": [0, 9]});
-    assert!(message(&other).contains("one world"));
     let mut uploaded = with(json!({"frames": 9}));
     uploaded["scene"] = json!({"kind": "uploaded", "id": "scn_1"});
     assert!(message(&uploaded).contains("procedural"));

@@ -10,7 +10,7 @@ fn job(lamp: &Value, beside: &Value) -> Value {
                          "direction": [-0.3, 0.05, 1], "cone_deg": 60}]);
     let mut job = json!({
         "scene": {"kind": "procedural", "family": "structure", "seed": 5},
-        "camera": {"width": 96, "height": 64},
+        "camera": {"width": 96, "height": 64, "view": {"pitch_deg": -10, "height_m": 1.6, "distance_m": 3}},
         "water": {"optics": "jerlov-1C"},
         "metrics": [],
         "artifacts": ["rgb"]
@@ -95,7 +95,7 @@ fn snow_in_shadow_is_as_dark_in_the_reference() {
 fn a_lamp_before_open_water_needs_no_rays() {
     // Straight up into open water.
     let lamp = json!({"position_m": [0.3, 0, 0.3], "direction": [0, 0, 1]});
-    let at = |height: f64| json!({"position_m": [0, -30, height], "target_m": [0.1, -30, height + 20.0]});
+    let at = |height: f64| json!({"position_m": [0, -300, height], "target_m": [0.1, -300, height + 20.0]});
     let path = json!({"frames": 2, "frame": 0, "start": at(20.0), "end": at(21.0)});
     let (_, lines) = picture(lamp, json!({"camera": {"width": 96, "height": 64, "path": path}}));
     for stage in ["lamp_shadows", "glow_shadows"] {

@@ -13,6 +13,8 @@ use crate::site::finish::{Finish, Material};
 use crate::site::pose::{Pose, horizontal, up};
 use crate::site::solid::Ball;
 
+/// A rope that reaches no bottom ends this far below its start, m.
+const DROP_M: f32 = 14.0;
 /// Parts of a rope.
 const LINKS: usize = 36;
 const BACKS: [[f32; 3]; 4] = [
@@ -49,7 +51,7 @@ impl Colony {
         let to = if dice.chance(10, 0.5) {
             pick(11).place + pick(11).normal * 0.02
         } else {
-            vec3(from.x + away.x, from.y + away.y, 0.02)
+            vec3(from.x + away.x, from.y + away.y, (from.z - DROP_M).max(0.02))
         };
         let thick = dice.between(12, 0.006, 0.018);
         let mut color = Body {

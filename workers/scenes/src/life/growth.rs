@@ -23,13 +23,13 @@ impl Colony {
     /// A cluster of mussels: shells on end, crowded, their pointed sides in the surface.
     pub(super) fn mussels(&mut self, dice: Dice, spot: &Spot) {
         let color = dice.pick(1, &SHELLS);
-        self.begin(
+        self.grow_on(
+            spot,
             Body {
                 color,
                 gloss: 0.25,
                 belly: 1.0,
             },
-            Category::Fauna,
             dice,
         );
         let [x, y] = beside(spot.normal);
@@ -61,13 +61,13 @@ impl Colony {
     /// A tuft of worms in tubes of chalk, some with their crowns out.
     pub(super) fn worms(&mut self, dice: Dice, spot: &Spot) {
         let color = dice.pick(1, &TUBES);
-        self.begin(
+        self.grow_on(
+            spot,
             Body {
                 color,
                 gloss: 0.05,
                 belly: 1.0,
             },
-            Category::Fauna,
             dice,
         );
         let count = if spot.range < 2.5 { dice.count(2, 5, 10) } else { 3 };
@@ -89,13 +89,13 @@ impl Colony {
         }
         if dice.chance(4, 0.6) && spot.range < 3.0 {
             let color = dice.pick(5, &CROWNS);
-            self.begin(
+            self.grow_on(
+                spot,
                 Body {
                     color,
                     gloss: 0.0,
                     belly: 1.0,
                 },
-                Category::Fauna,
                 dice,
             );
             for (end, thick) in ends {
@@ -108,13 +108,13 @@ impl Colony {
     /// A plant of some fronds. It leaves its surface, then hangs, drawn aside by the current; from the top of things it stands up first.
     pub(super) fn weed(&mut self, dice: Dice, spot: &Spot) {
         let color = dice.pick(1, &WEEDS);
-        self.begin(
+        self.grow_on(
+            spot,
             Body {
                 color,
                 gloss: 0.08,
                 belly: 0.8,
             },
-            Category::Flora,
             dice,
         );
         let long = dice.between(2, 0.12, 0.3) + 0.5 * dice.between(3, 0.0, 1.0) * dice.between(4, 0.0, 1.0);
@@ -148,6 +148,10 @@ impl Colony {
         let dice = self.builder.about("current");
         let (sin, cos) = libm::sincosf(dice.between(0, 0.0, 6.3));
         vec3(cos, sin, 0.0) * dice.between(1, 0.2, 1.0)
+    }
+
+    fn grow_on(&mut self, spot: &Spot, body: Body, dice: Dice) {
+        self.builder.growth_on(spot.host, body.finish(dice));
     }
 
     pub(super) fn begin(&mut self, body: Body, category: Category, dice: Dice) {

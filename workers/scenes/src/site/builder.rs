@@ -1,13 +1,15 @@
 //! Puts the solids of a site together.
 
 use imaging::vector::{Vec3, vec3};
+use spec::CameraView;
 
 use super::chance::Dice;
 use super::finish::{Finish, Material, Pattern};
 use super::pose::{Pose, UP, horizontal, up};
 use super::solid::{Ball, Block, Ring, Shape, Solid, Stone, Tube};
+pub(crate) use super::view::Heights;
+use super::view::{Stage, Usual, Viewpoint, clearance};
 use super::{Object, Site};
-use crate::CameraPose;
 use crate::categories::Category;
 
 /// A camera keeps this far from everything, m.
@@ -32,6 +34,16 @@ pub(crate) struct View {
     pub(crate) travel: Vec3,
     pub(crate) lamp_m: f32,
     pub(crate) ambient: f32,
+    /// Height of the bottom, m; in open water of a level below the site.
+    pub(crate) floor: f32,
+    /// Heights of drawn cameras.
+    pub(crate) heights: Heights,
+    /// Horizontal distances of drawn cameras in parts of that of `eye`.
+    pub(crate) stretch: [f32; 2],
+    /// Largest turn of drawn cameras from this view, degrees.
+    pub(crate) turn_deg: f32,
+    /// Share of the middle of a drawn frame that must show structures.
+    pub(crate) least_structure: f64,
 }
 
 impl Builder {
@@ -41,6 +53,7 @@ impl Builder {
         let ground = Object {
             finish: Finish::new(Material::Sand, Dice::new(seed, family).object(1)),
             category: Category::Seabed,
+            host: None,
         };
         Self {
             seed,
@@ -79,18 +92,35 @@ impl Builder {
         Dice::new(self.seed, &format!("{}/{topic}", self.family))
     }
 
+    /// The site, and the view of its seed.
     pub(crate) fn site(self, view: &View) -> Site {
         let (eye, target) = (self.clear_eye(view).as_f64(), view.target.as_f64());
-        Site {
+        let usual = Usual {
+            dice: self.about("view"),
+            view: Viewpoint::between(eye, target),
+            roll: f64::from(view.roll),
+            floor: f64::from(view.floor),
+            heights: view.heights,
+            least_structure: view.least_structure,
+            stretch: view.stretch,
+            turn_deg: view.turn_deg,
+        };
+        let mut site = Site {
             solids: self.solids,
             objects: self.objects,
             pits: Vec::new(),
-            pose: CameraPose::looking(eye, target, f64::from(view.roll)),
+            pose: usual.view.pose(usual.roll),
             target,
+            usual,
             travel: view.travel.as_f64(),
             lamp_m: view.lamp_m,
             ambient: view.ambient,
+        };
+        let chosen = usual.choose(&Stage::new(&site.solids, &site.objects), &CameraView::default());
+        if let Ok(chosen) = chosen {
+            site.look_from(&chosen);
         }
+        site
     }
 
     /// The eye of a view, drawn back until nothing is close to it.
@@ -98,8 +128,7 @@ impl Builder {
         let back = (view.eye - view.target).normalized();
         let mut eye = view.eye;
         for _ in 0..24 {
-            let nearest = self.solids.iter().map(|solid| solid.distance(eye));
-            if nearest.fold(f32::INFINITY, f32::min) >= CLEAR_M {
+            if clearance(&self.solids, vec3(eye.x, eye.y, eye.z.max(CLEAR_M))) >= CLEAR_M {
                 break;
             }
             eye = eye + back * 0.15;
@@ -131,7 +160,20 @@ impl Builder {
 
     /// Begins an object of a finish.
     pub(crate) fn object_of(&mut self, finish: Finish, category: Category) {
-        self.objects.push(Object { finish, category });
+        self.push(finish, category, None);
+    }
+
+    /// Begins growth on an object.
+    pub(crate) fn growth_on(&mut self, host: u16, finish: Finish) {
+        self.push(finish, Category::Growth, Some(host));
+    }
+
+    fn push(&mut self, finish: Finish, category: Category, host: Option<u16>) {
+        self.objects.push(Object {
+            finish,
+            category,
+            host,
+        });
         self.current = self.objects.len() as u16 - 1;
     }
 

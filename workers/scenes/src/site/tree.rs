@@ -1,5 +1,7 @@
 //! The boxes of a site's solids in a binary tree, so that a bundle of ways is held against few of them.
 
+use imaging::vector::Vec3;
+
 use super::bounds::Bounds;
 use super::solid::Solid;
 
@@ -68,6 +70,40 @@ impl Bundle {
 }
 
 impl Tree {
+    /// The first solid on a ray within `reach` meters along a unit vector, and how far it is; `None` if there is none or the
+    /// ground comes first.
+    pub(crate) fn first_met(
+        &self,
+        solids: &[Solid],
+        from: Vec3,
+        heading: Vec3,
+        reach: f32,
+    ) -> Option<(f32, u16)> {
+        let ground = if heading.z < 0.0 {
+            -from.z / heading.z
+        } else {
+            f32::INFINITY
+        };
+        let reach = reach.min(ground);
+        let point = |place: Vec3| Bounds {
+            low: place,
+            high: place,
+        };
+        let bundle = Bundle {
+            from: point(from),
+            to: point(from + heading * reach),
+        };
+        let mut nearest = (reach, None);
+        self.search(&bundle, |number| {
+            let met = solids[usize::from(number)].enter(from, heading);
+            if met < nearest.0 {
+                nearest = (met, Some(number));
+            }
+            nearest.0 / reach
+        });
+        nearest.1.map(|number| (nearest.0, number))
+    }
+
     /// The tree of some solids.
     pub(crate) fn new(solids: &[Solid]) -> Self {
         let boxes: Vec<Bounds> = solids

@@ -14,11 +14,17 @@ use crate::site::solid::Ring;
 pub(super) struct Aim {
     pub(super) target: Vec3,
     pub(super) distance: f32,
+    /// Up to which height there is something to see.
+    pub(super) top: f32,
 }
 
 impl Aim {
-    fn new(target: Vec3, distance: f32) -> Self {
-        Self { target, distance }
+    fn new(target: Vec3, distance: f32, top: f32) -> Self {
+        Self {
+            target,
+            distance,
+            top,
+        }
     }
 }
 
@@ -76,7 +82,7 @@ impl Builder {
             let half = vec3(radius * 2.2, radius * 2.2, dice.between(5, 0.15, 0.4));
             self.block(up(half.z), half, dice.between(6, 0.0, 1.5));
         }
-        Aim::new(up(dice.between(7, 1.2, 2.2)), radius * 3.0 + 1.4)
+        Aim::new(up(dice.between(7, 1.2, 2.2)), radius * 3.0 + 1.4, 14.0)
     }
 
     pub(super) fn pile_row(&mut self) -> Aim {
@@ -101,7 +107,7 @@ impl Builder {
             self.object(Material::Steel, Category::Brace);
             self.tube(first + up(0.4), foot(1) + up(height - 0.2), 0.09);
         }
-        Aim::new(up(1.4), 3.4)
+        Aim::new(up(1.4), 3.4, 14.0)
     }
 
     pub(super) fn braced_legs(&mut self) -> Aim {
@@ -137,7 +143,7 @@ impl Builder {
         }
         let z = dice.between(4, 0.9, 2.0);
         self.anode(corner(0, 0.0), leg, -1.4, z);
-        Aim::new(vec3(-0.5, -half, dice.between(5, 1.2, 2.2)), 2.6)
+        Aim::new(vec3(-0.5, -half, dice.between(5, 1.2, 2.2)), 2.6, height)
     }
 
     pub(super) fn pipeline(&mut self, burial: Option<f32>) -> Aim {
@@ -171,7 +177,7 @@ impl Builder {
             let wheel = Pose::along(hub, foot + vec3(0.0, -2.0, 0.98), 0.0);
             self.put(Ring::new(0.2, 0.025, PI), wheel);
         }
-        Aim::new(up(height * 0.9), radius * 3.0 + 1.3)
+        Aim::new(up(height * 0.9), radius * 3.0 + 1.3, 2.6)
     }
 
     pub(super) fn plate_wall(&mut self) -> Aim {
@@ -203,7 +209,7 @@ impl Builder {
             let bolt = plate + along * u + up(v);
             self.tube(bolt, bolt + out * 0.085, 0.032);
         }
-        Aim::new(front + up(dice.between(7, 0.9, 1.8)), 2.4)
+        Aim::new(front + up(dice.between(7, 0.9, 1.8)), 2.4, 7.5)
     }
 
     pub(super) fn frame_of_beams(&mut self) -> Aim {
@@ -231,7 +237,7 @@ impl Builder {
         let foot = along * 0.6 + across * 0.2 - up(0.3);
         let head = along * 0.9 + across * 0.3 + up(6.0);
         self.tube(foot, head, dice.between(4, 0.18, 0.34));
-        Aim::new(vec3(0.0, -0.5, z * 0.7), 2.8)
+        Aim::new(vec3(0.0, -0.5, z * 0.7), 2.8, 4.0)
     }
 
     /// An I-beam on end: two flanges and a web.
