@@ -13,7 +13,7 @@ use crate::earlier::refuse_earlier_version;
 use crate::frame::Frame;
 use crate::invalid::{FieldError, Invalid};
 use crate::json;
-use crate::node::Node;
+use crate::node::{Law, Node};
 use crate::scene_parts::Uploads;
 use crate::site::{OF_THE_JOB, insert_descriptions};
 use crate::vocabulary::Vocabulary;
