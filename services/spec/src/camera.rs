@@ -16,72 +16,84 @@ pub use sensor::{Cfa, Chroma, Exposure, Jpeg, Metering, Sensor, Tone, WhiteBalan
 #[serde(deny_unknown_fields)]
 pub struct Camera {
     /// columns; at most 64 000 000 pixels in all
-    #[field(within(1, 16_384), default = 768, unit = "px")]
+    #[field(within(1, 16_384), default = 768, unit = "px", needs("scene.family"))]
     pub width: usize,
     /// rows
-    #[field(within(1, 16_384), default = 492, unit = "px")]
+    #[field(within(1, 16_384), default = 492, unit = "px", needs("scene.family"))]
     pub height: usize,
     /// horizontal field of view
     #[field(within(1.0, 170.0), default = 80, unit = "degree")]
     pub hfov_deg: f64,
-    /// a way past a procedural scene; absent: its usual place
+    /// a way past a procedural scene; without one the camera stays at its usual place
+    #[field(needs_always("scene.family"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub path: Option<Path>,
-    /// against gravity: right, down and ahead of a picture's camera, of any length but 0; absent: [0, -1, 0], a level camera
-    #[field(vector, within(-1000.0, 1000.0))]
+    /// against gravity: right, down and ahead of a picture's camera; [0, -1, 0], a level camera, by default
+    #[field(vector, within(-1000.0, 1000.0), nonzero, needs("scene.id", "scene.rgb"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub up: Option<[f64; 3]>,
-    /// a camera whose parts the fields below replace; absent: a pinhole without noise
-    #[field(names = Camera)]
+    /// a camera whose parts the fields below replace; a pinhole without noise by default
+    #[field(names = Camera, untraced = "a pinhole camera is traced")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub preset: Option<String>,
-    /// seed of the sensor's pattern and noise; absent: the job's
+    /// seed of the sensor's pattern and noise; the job's by default
     #[field(within(0, EXACT))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seed: Option<u64>,
-    /// frames of the path in a second, for exposure and readout; absent: 25
+    /// frames of the path in a second, for exposure and readout; 25 by default
     #[field(within(0.1, 1000.0), unit = "1/s")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frames_per_s: Option<f64>,
-    /// distortion of the lens; absent: none
+    /// distortion of the lens; none by default
+    #[field(untraced = "a pinhole camera is traced")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub distortion: Option<Distortion>,
-    /// window of the housing; absent: none
+    /// window of the housing; none by default
+    #[field(untraced = "a pinhole camera is traced")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub port: Option<Port>,
-    /// pixels of the scene for each of the picture, along a side; absent: 1
-    #[field(within(1, 3))]
+    /// pixels of the scene for each of the picture, along a side; 1 by default
+    #[field(
+        within(1, 3),
+        needs_always("scene.family"),
+        untraced = "one ray is traced for each pixel"
+    )]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub supersample: Option<usize>,
-    /// blur out of focus; absent: none
+    /// blur out of focus; none by default
     #[serde(skip_serializing_if = "Option::is_none")]
     pub defocus: Option<Defocus>,
-    /// blur of movement; absent: none
+    /// blur of movement; none by default
+    #[field(
+        needs("camera.path", "camera.motion.x_px", "camera.motion.y_px"),
+        untraced = "a still camera is traced"
+    )]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub motion: Option<Motion>,
-    /// rolling shutter; absent: all rows at once
+    /// rolling shutter; all rows at once by default
+    #[field(needs("path"), untraced = "all rows are traced at once")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rolling: Option<Rolling>,
-    /// light lost towards the corners; absent: none
+    /// light lost towards the corners; none by default
     #[serde(skip_serializing_if = "Option::is_none")]
     pub vignette: Option<Vignette>,
     /// brightness; by default metered where lamps are the only light of a scene of reflectance, else a factor of 1
     #[serde(skip_serializing_if = "Option::is_none")]
     pub exposure: Option<Exposure>,
-    /// sensor with its noise; absent: none
+    /// sensor with its noise; none by default
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sensor: Option<Sensor>,
-    /// white balance; absent: `off`
+    /// white balance; `off` by default
     #[serde(skip_serializing_if = "Option::is_none")]
     pub white_balance: Option<WhiteBalance>,
-    /// curve from light to codes; absent: `srgb`
+    /// curve from light to codes; `srgb` by default
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tone: Option<Tone>,
-    /// bits of the picture's codes, 8 or 16; absent: 8
+    /// bits of the picture's codes, 8 or 16; 8 by default
     #[field(within(8, 16))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bits: Option<u8>,
-    /// JPEG compression of the picture; absent: none
+    /// JPEG compression of the picture; none by default
     #[serde(skip_serializing_if = "Option::is_none")]
     pub jpeg: Option<Jpeg>,
 }
@@ -93,13 +105,15 @@ pub struct Path {
     /// frames from start to end
     #[field(fixed, within(1, 1_000_000))]
     pub frames: usize,
-    /// place on the path; absent: each frame of the job in turn
-    #[field(fixed, within(0, 999_999), optional)]
+    /// position on the path; each frame of the job in turn by default
+    #[field(fixed, within(0, 999_999), optional, below("frames"))]
     pub frame: usize,
-    /// where it begins; with `end`; absent: the family's own path
+    /// where it begins; on the family's own path by default
+    #[field(needs("end"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub start: Option<Waypoint>,
     /// where it ends
+    #[field(needs("start"), differs("start"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub end: Option<Waypoint>,
     /// amplitude of the vehicle's sway

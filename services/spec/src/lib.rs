@@ -21,6 +21,7 @@ pub mod law;
 mod leaves;
 mod light;
 mod merkle;
+pub mod migration;
 mod node;
 mod normal;
 mod own_water;

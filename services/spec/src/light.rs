@@ -94,8 +94,8 @@ pub struct SpotLamp {
     /// along the axis: linear radiance times m², per steradian
     #[field(within(0.0, 1e6))]
     pub intensity: [f64; 3],
-    /// axis, of any length but 0
-    #[field(vector, within(-1000.0, 1000.0), default = [0, 0, 1])]
+    /// axis
+    #[field(vector, within(-1000.0, 1000.0), default = [0, 0, 1], nonzero)]
     pub direction: [f64; 3],
     /// angle from the axis at which no light is left
     #[field(within(0.5, 90.0), default = 30, unit = "degree")]

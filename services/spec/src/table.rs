@@ -18,8 +18,8 @@ pub struct Row {
     pub presence: Presence,
     /// Whether a law may stand in its place.
     pub laws: bool,
-    /// What it means.
-    pub doc: &'static str,
+    /// What it means, with its rules.
+    pub doc: String,
 }
 
 /// Every accepted field, parents before children.
@@ -34,7 +34,7 @@ pub fn rows() -> Vec<Row> {
 #[must_use]
 pub fn markdown() -> String {
     let mut text =
-        "| field | kind | unit | limits | default | law | meaning |\n|---|---|---|---|---|---|---|\n"
+        "| field | kind | unit | limits | default | varies | meaning |\n|---|---|---|---|---|---|---|\n"
             .to_owned();
     for Row {
         path,
@@ -79,7 +79,7 @@ fn lay_out(path: &str, shape: &Shape, rows: &mut Vec<Row>) {
                     .join(", "),
                 presence: *presence,
                 laws: false,
-                doc: "decides which other fields there are",
+                doc: "decides which other fields there are".to_owned(),
             });
             for option in *options {
                 lay_out_fields(&format!("{path}({})", option.name), option.fields, rows);
@@ -109,7 +109,7 @@ fn lay_out_fields(path: &str, fields: &[Field], rows: &mut Vec<Row>) {
             limit: field.shape.limit(),
             presence: field.presence,
             laws: field.laws,
-            doc: field.doc,
+            doc: field.meaning(),
         });
         lay_out(&path, &field.shape, rows);
     }
@@ -140,6 +140,14 @@ mod tests {
         paths.dedup();
         assert_eq!(paths.len(), rows.len());
         assert!(rows.iter().all(|row| !row.doc.is_empty()));
+    }
+
+    /// A default belongs into the table, or is worded as one.
+    #[test]
+    fn no_meaning_explains_an_absent_field() {
+        for row in rows() {
+            assert!(!row.doc.contains("absent"), "{}: {}", row.path, row.doc);
+        }
     }
 
     /// The documented table is this one. After a change of the fields, copy what the failure prints.

@@ -26,11 +26,11 @@ pub struct Truth {
     /// pixels on a side of the blocks whose errors count
     #[field(fixed, within(1, 64), default = 8, unit = "px")]
     pub block: usize,
-    /// as many paths as one core follows in this time at 500 000 in a second, by convention and not by the clock; absent: no limit
-    /// but `paths_max`
+    /// as many paths as one core follows in this time at 500 000 in a second, by convention and not by the clock; without it
+    /// `paths_max` is the only limit
     #[field(fixed, above(0.0, 1e6), unit = "s")]
     pub budget_s: Option<f64>,
-    /// seed of the paths; absent: the job's
+    /// seed of the paths; the job's by default
     #[field(fixed, within(0, EXACT))]
     pub seed: Option<u64>,
 }

@@ -76,10 +76,10 @@ pub struct Motion {
     #[field(within(1e-5, 1.0), default = 0.01, unit = "s")]
     pub exposure_s: f64,
     /// columns that an uploaded picture moves meanwhile
-    #[field(within(-64.0, 64.0), default = 0, unit = "px")]
+    #[field(within(-64.0, 64.0), default = 0, unit = "px", needs("scene.id", "scene.rgb"))]
     pub x_px: f64,
     /// rows that an uploaded picture moves meanwhile
-    #[field(within(-64.0, 64.0), default = 0, unit = "px")]
+    #[field(within(-64.0, 64.0), default = 0, unit = "px", needs("scene.id", "scene.rgb"))]
     pub y_px: f64,
 }
 

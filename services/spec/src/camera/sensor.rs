@@ -25,7 +25,7 @@ pub struct Metering {
     #[field(within(0.0, 1.0), default = 0.95)]
     pub percentile: f64,
     /// frames in which the factor follows; 0: at once
-    #[field(within(0.0, 1000.0), default = 0)]
+    #[field(within(0.0, 1000.0), default = 0, needs("camera.path"))]
     pub lag_frames: f64,
 }
 
@@ -44,7 +44,7 @@ impl Default for Metering {
 #[serde(deny_unknown_fields, default)]
 #[described(short = "preset")]
 pub struct Sensor {
-    /// the sensor whose fields the others replace; absent: `machine-vision-1/1.8`
+    /// the sensor whose fields the others replace; `machine-vision-1/1.8` by default
     #[field(names = Sensor)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub preset: Option<String>,

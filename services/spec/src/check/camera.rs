@@ -67,98 +67,35 @@ impl Checker<'_> {
                 let varied = if camera.laws().is_empty() {
                     ""
                 } else {
-                    "a camera that the laws can yield: "
+                    "a camera that the distributions can yield: "
                 };
                 self.refuse(|| FieldError::new(&pointer, format!("{varied}{}", fault.message)));
             }
         }
     }
 
-    /// Checks the size of the picture, and that what moves has a way to move.
+    /// The size of the picture, and a file for its codes.
     pub(super) fn camera(&mut self, document: &Node) {
-        let scenes = places(document, "scene");
-        let is_rendered = |scene: &Node| scene.get("family").is_some();
-        let all_rendered = scenes.iter().all(|(_, scene)| is_rendered(scene));
-        let none_rendered = !scenes.iter().any(|(_, scene)| is_rendered(scene));
-        self.depths(document);
+        let is_png = |(_, encode): &(String, &Node)| {
+            let format = encode.get("format").map(|format| format.strings(""));
+            format.into_iter().flatten().all(|(_, name)| name == "png")
+        };
+        let all_png = places(document, "encode").iter().all(is_png);
         for (pointer, camera) in places(document, "camera") {
-            let side = |name| camera.get(name).and_then(Node::greatest).unwrap_or_default();
-            let (width, height) = (side("width"), side("height"));
+            let greatest = |name| camera.get(name).and_then(Node::greatest).unwrap_or_default();
+            let (width, height) = (greatest("width"), greatest("height"));
             if width * height > MAX_PIXELS as f64 {
                 let message =
                     format!("`camera` can be {width}×{height} pixels, the limit is {MAX_PIXELS} pixels");
                 self.refuse(|| FieldError::new(&pointer, message).limit(format!("{MAX_PIXELS} pixels")));
             }
-            let mut refuse = |field: &str, needs: &str| {
-                let message = format!("`camera.{}` needs {needs}", field.replace('/', "."));
-                self.refuse(|| FieldError::new(&format!("{pointer}/{field}"), message));
-            };
-            let has = |name| camera.get(name).is_some();
-            if has("rolling") && !has("path") {
-                refuse("rolling", "`camera.path`: without movement all rows see the same");
-            }
-            if lags(camera) && !has("path") {
-                refuse(
-                    "exposure",
-                    "`camera.path` for its `lag_frames`: without a sequence there is nothing to follow",
+            if greatest("bits") > 8.0 && !all_png {
+                let message = format!(
+                    "`camera.bits` is {}, but only PNG holds more than 8: set `encode.format` to \"png\"",
+                    greatest("bits")
                 );
-            }
-            if has("supersample") && !all_rendered {
-                refuse(
-                    "supersample",
-                    "a procedural scene: a picture has the pixels it has",
-                );
-            }
-            let shifts = |name| {
-                let motion = camera.get("motion");
-                motion
-                    .and_then(|motion| motion.get(name))
-                    .and_then(Node::greatest)
-                    != Some(0.0)
-            };
-            if has("motion") && all_rendered && !has("path") {
-                refuse("motion", "`camera.path`: without it nothing moves");
-            }
-            if has("motion") && none_rendered && !shifts("x_px") && !shifts("y_px") {
-                refuse("motion", "`x_px` or `y_px`: a picture has no path to move along");
-            }
-        }
-    }
-}
-
-impl Checker<'_> {
-    /// More than 8 bits need a file that has them.
-    fn depths(&mut self, document: &Node) {
-        let is_png = |(_, encode): &(String, &Node)| {
-            let format = encode.get("format").map(|format| format.strings(""));
-            format.into_iter().flatten().all(|(_, name)| name == "png")
-        };
-        if places(document, "encode").iter().all(is_png) {
-            return;
-        }
-        for (pointer, camera) in places(document, "camera") {
-            if camera
-                .get("bits")
-                .and_then(Node::greatest)
-                .is_some_and(|bits| bits > 8.0)
-            {
-                let message = "`camera.bits` of 16 need `encode` with the format \"png\"";
                 self.refuse(|| FieldError::new(&format!("{pointer}/bits"), message));
             }
         }
     }
-}
-
-/// Whether the exposure of a camera can follow its metering slowly.
-fn lags(camera: &Node) -> bool {
-    let exposures = camera.get("exposure").map(|exposure| exposure.alternatives(""));
-    exposures.into_iter().flatten().any(|(_, exposure)| {
-        let metering = exposure.get("auto").map(|auto| auto.alternatives(""));
-        let lag = |(_, auto): (String, &Node)| auto.get("lag_frames").and_then(Node::greatest);
-        metering
-            .into_iter()
-            .flatten()
-            .filter_map(lag)
-            .any(|lag| lag > 0.0)
-    })
 }

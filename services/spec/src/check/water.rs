@@ -62,7 +62,7 @@ impl Checker<'_> {
                 let varied = if water.laws().is_empty() {
                     ""
                 } else {
-                    "a water that the laws can yield: "
+                    "a water that the distributions can yield: "
                 };
                 self.refuse(|| FieldError::new(&pointer, format!("{varied}{}", fault.message)));
             }

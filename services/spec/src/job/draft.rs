@@ -2,8 +2,6 @@
 
 use std::collections::BTreeSet;
 
-use serde_json::Value;
-
 use crate::check::{Checker, collection};
 use crate::invalid::{FieldError, Invalid};
 use crate::json::{self, MAX_BYTES};
@@ -17,7 +15,6 @@ use super::{Job, seed};
 /// scenes to look up, so that what they lack is reported along with everything else.
 pub struct Draft<'v> {
     job: Job,
-    written: Value,
     checker: Checker<'v>,
 }
 
@@ -45,11 +42,7 @@ impl<'v> Draft<'v> {
             );
             checker.refuse(|| FieldError::new("", message).limit(format!("{MAX_BYTES} bytes")));
         }
-        Ok(Self {
-            job,
-            written,
-            checker,
-        })
+        Ok(Self { job, checker })
     }
 
     /// Names of all collections that a description may mean: the vocabulary that it is read with has to know their scenes.
@@ -71,16 +64,12 @@ impl<'v> Draft<'v> {
     /// # Errors
     /// Every error of the description together, at most [`crate::MAX_ERRORS`].
     pub fn check(self, uploads: &Uploads) -> Result<Job, Invalid> {
-        let Self {
-            mut job,
-            written,
-            mut checker,
-        } = self;
-        let of_scenes = checker.scenes(&job.document, &written, uploads);
+        let Self { mut job, mut checker } = self;
+        let of_scenes = checker.scenes(&job.document, uploads);
         if !checker.errors.is_empty() {
             return Err(Invalid(checker.errors));
         }
-        job.warnings = warnings::find(&job.document, &written, checker.vocabulary);
+        job.warnings = warnings::find(&job.document, checker.vocabulary);
         job.warnings.extend(of_scenes);
         Ok(job)
     }
