@@ -8,7 +8,7 @@ use spec_derive::Described;
 
 use crate::schema::EXACT;
 
-pub use lens::{Defocus, Distortion, Motion, Port, Rolling, Vignette};
+pub use lens::{Defocus, Distortion, Motion, Port, Vignette};
 pub use sensor::{Cfa, Chroma, Exposure, Jpeg, Metering, Sensor, Tone, WhiteBalance};
 
 /// A camera with square pixels and the principal point in the middle: a pinhole, and of a real one what is given.
@@ -44,6 +44,20 @@ pub struct Camera {
     #[field(within(0.1, 1000.0), unit = "1/s")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frames_per_s: Option<f64>,
+    /// how long the shutter is open: blur of movement along the path, dark current, streaks of drifting snow; by default 0.01 without
+    /// blur
+    #[field(within(1e-5, 1.0), unit = "s", untraced = "a still camera is traced")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub exposure_s: Option<f64>,
+    /// time from the first row to the last of a rolling shutter; all rows at once by default
+    #[field(
+        within(0.0, 0.2),
+        unit = "s",
+        needs("path"),
+        untraced = "all rows are traced at once"
+    )]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub readout_s: Option<f64>,
     /// distortion of the lens; none by default
     #[field(untraced = "a pinhole camera is traced")]
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -63,17 +77,10 @@ pub struct Camera {
     /// blur out of focus; none by default
     #[serde(skip_serializing_if = "Option::is_none")]
     pub defocus: Option<Defocus>,
-    /// blur of movement; none by default
-    #[field(
-        needs("camera.path", "camera.motion.x_px", "camera.motion.y_px"),
-        untraced = "a still camera is traced"
-    )]
+    /// movement of an uploaded picture while the shutter is open; none by default
+    #[field(needs("scene.id", "scene.rgb"), untraced = "a still camera is traced")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub motion: Option<Motion>,
-    /// rolling shutter; all rows at once by default
-    #[field(needs("path"), untraced = "all rows are traced at once")]
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub rolling: Option<Rolling>,
     /// light lost towards the corners; none by default
     #[serde(skip_serializing_if = "Option::is_none")]
     pub vignette: Option<Vignette>,
@@ -152,12 +159,13 @@ impl Camera {
             preset: None,
             seed: None,
             frames_per_s: None,
+            exposure_s: None,
+            readout_s: None,
             distortion: None,
             port: None,
             supersample: None,
             defocus: None,
             motion: None,
-            rolling: None,
             vignette: None,
             exposure: None,
             sensor: None,

@@ -68,9 +68,6 @@ pub struct Frame {
     /// file format of RGB-like artifacts
     #[field(default = {})]
     pub encode: Encode,
-    /// whether PNG files name their kind, unit and meaning in text chunks
-    #[field(fixed)]
-    pub png_text: Option<bool>,
     /// the user's own scalars, queryable as `labels.<name>`
     #[field(fixed, default = {})]
     pub labels: BTreeMap<String, Value>,

@@ -49,8 +49,8 @@ pub use imaging::geometry::Intrinsics;
 
 pub use artifact::{ArtifactKind, is_media_type};
 pub use camera::{
-    Camera, Cfa, Chroma, Defocus, Distortion, Exposure, Jpeg, Metering, Motion, Path, Port, Rolling, Sensor,
-    Tone, Vignette, Waypoint, WhiteBalance,
+    Camera, Cfa, Chroma, Defocus, Distortion, Exposure, Jpeg, Metering, Motion, Path, Port, Sensor, Tone,
+    Vignette, Waypoint, WhiteBalance,
 };
 pub use classes::{Classes, SceneCategory, Segment};
 pub use collection::{MAX_COLLECTION, is_collection};

@@ -28,6 +28,31 @@ pub const REMOVED: &[Removed] = &[
     ),
     field("scene.light", "`scene.lighting`: \"in_air\" or \"water\""),
     field(
+        "camera.motion.samples",
+        "remove it: 8 pictures along the path are averaged",
+    ),
+    field("camera.motion.exposure_s", "`camera.exposure_s`"),
+    field("camera.rolling", "`camera.readout_s`"),
+    field("camera.rolling.readout_s", "`camera.readout_s`"),
+    field("camera.rolling.bands", "remove it: rows are taken in 16 bands"),
+    field(
+        "camera.port.n_w",
+        "remove it: the refractive index is that of sea water",
+    ),
+    field("camera.sensor.exposure_s", "`camera.exposure_s`"),
+    field(
+        "camera.sensor.white_at",
+        "`camera.sensor.light_level`, relative to the exposure of the preset",
+    ),
+    field(
+        "camera.sensor.shot",
+        "remove it: every sensor but the preset `ideal` counts electrons",
+    ),
+    field(
+        "camera.jpeg.measured",
+        "remove it: metrics and enhancements take the compressed picture",
+    ),
+    field(
         "water.ambient",
         "describe the sky by `daylight`, or write `\"daylight\": \"none\"` by night",
     ),
@@ -93,6 +118,7 @@ pub const REMOVED: &[Removed] = &[
         "remove it: particles are blurred by `camera.defocus`",
     ),
     field("water.snow.daylight", DERIVED),
+    field("water.sediment.plume_m", "remove it: plumes are 1.5 m long"),
     field("lights[].shadow", SHADOWS),
     field("lights[].samples", SHADOWS),
     field("lights[].glow_shadow", SHADOWS),
@@ -110,6 +136,12 @@ pub const REMOVED: &[Removed] = &[
         "ibla_guided",
         "\"ibla\": the planner chooses the variant by `fidelity`",
     ),
+    field(
+        "png_text",
+        "remove it: PNG files always name their kind, unit and meaning",
+    ),
+    field("truth.block", "remove it: errors count in blocks of 8 pixels"),
+    field("truth.seed", "remove it: the paths follow `seed`"),
     value("fidelity.variant", "reference", "`\"fidelity\": \"reference\"`"),
     value(
         "fidelity.variant",

@@ -88,9 +88,6 @@ pub struct Sediment {
     /// thrusters whose plumes reach into the view
     #[field(within(0, 8), default = 0)]
     pub thrusters: usize,
-    /// length of a plume
-    #[field(within(0.1, 20.0), default = 1.5, unit = "m")]
-    pub plume_m: f64,
     /// height of a picture's camera above the bottom; 1.5 by default
     #[field(within(0.05, 1000.0), unit = "m", needs("scene.id", "scene.rgb"))]
     pub above_bottom_m: Option<f64>,

@@ -1,12 +1,12 @@
 //! The table of fields laid flat, for documentation.
 
 use crate::fields::DOCUMENT;
-use crate::schema::{Field, Presence, Shape};
+use crate::schema::{Field, Presence, Shape, Variant};
 
 /// One accepted field.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Row {
-    /// Path such as `lights[].x`; for objects of several kinds with the kind: `scene(uploaded).id`.
+    /// Path such as `lights[].x`; for objects of several kinds with the kinds: `scene(uploaded).id`.
     pub path: String,
     /// What may stand there.
     pub kind: &'static str,
@@ -81,9 +81,7 @@ fn lay_out(path: &str, shape: &Shape, rows: &mut Vec<Row>) {
                 laws: false,
                 doc: "decides which other fields there are".to_owned(),
             });
-            for option in *options {
-                lay_out_fields(&format!("{path}({})", option.name), option.fields, rows);
-            }
+            lay_out_options(path, options, rows);
         }
         Shape::List { element, .. } => lay_out(&format!("{path}[]"), element, rows),
         Shape::Either(_, object) => lay_out(path, object, rows),
@@ -95,6 +93,28 @@ fn lay_out(path: &str, shape: &Shape, rows: &mut Vec<Row>) {
         | Shape::Bool
         | Shape::Labels
         | Shape::Scalar => {}
+    }
+}
+
+/// The fields of objects of several kinds. Fields that some kinds share are listed once.
+fn lay_out_options(path: &str, options: &[Variant], rows: &mut Vec<Row>) {
+    let mut groups: Vec<(Vec<&str>, Vec<Row>)> = Vec::new();
+    for option in options {
+        for field in option.fields {
+            let mut own = Vec::new();
+            lay_out_fields("", std::slice::from_ref(field), &mut own);
+            match groups.iter_mut().find(|(_, rows)| *rows == own) {
+                Some((kinds, _)) => kinds.push(option.name),
+                None => groups.push((vec![option.name], own)),
+            }
+        }
+    }
+    for (kinds, own) in groups {
+        let prefix = format!("{path}({})", kinds.join(", "));
+        rows.extend(own.into_iter().map(|row| Row {
+            path: format!("{prefix}.{}", row.path),
+            ..row
+        }));
     }
 }
 

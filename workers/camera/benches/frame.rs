@@ -137,11 +137,7 @@ fn codes(bench: &mut Criterion) {
     });
     let (picture, _) = tone::codes(&light, Tone::Srgb);
     for chroma in [Chroma::Full, Chroma::Half] {
-        let law = Jpeg {
-            quality: 80,
-            chroma,
-            measured: true,
-        };
+        let law = Jpeg { quality: 80, chroma };
         bench.bench_function(&format!("jpeg, {chroma:?}"), |b| {
             b.iter(|| jpeg::compressed(black_box(&picture), law));
         });

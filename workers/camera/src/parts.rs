@@ -113,7 +113,7 @@ impl Parts {
         };
         let sensor = match &camera.sensor {
             Some(law) => Some(checked(
-                preset::sensor(law).ok_or(PartsError::UnknownSensor)?,
+                preset::sensor(law, camera.exposure_s).ok_or(PartsError::UnknownSensor)?,
                 size,
             )?),
             None => None,

@@ -7,6 +7,12 @@ use spec::{Frame, Scene};
 /// Frames of a path in a second where the description does not say.
 pub(crate) const FRAMES_PER_S: f64 = 25.0;
 
+/// Pictures that the blur of an exposure is averaged from: enough that the copies of an edge that moves by 8 pixels are a pixel
+/// apart.
+pub(crate) const BLUR_SAMPLES: usize = 8;
+/// Bands of rows that share a pose while a rolling shutter is read: steps between them stay below a pixel for skews of up to 16.
+const READOUT_BANDS: usize = 16;
+
 /// One picture of those that make a frame.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Moment {
@@ -39,11 +45,11 @@ pub(crate) fn moments(frame: &Frame, height: usize) -> Vec<Moment> {
     }
     let rate = camera.frames_per_s.unwrap_or(FRAMES_PER_S);
     let (samples, exposure_s) = camera
-        .motion
-        .map_or((1, 0.0), |motion| (motion.samples, motion.exposure_s));
+        .exposure_s
+        .map_or((1, 0.0), |exposure_s| (BLUR_SAMPLES, exposure_s));
     let (bands, readout_s) = camera
-        .rolling
-        .map_or((1, 0.0), |rolling| (rolling.bands.min(height), rolling.readout_s));
+        .readout_s
+        .map_or((1, 0.0), |readout_s| (READOUT_BANDS.min(height), readout_s));
     let mut moments = Vec::new();
     for band in 0..bands {
         let rows = band * height / bands..(band + 1) * height / bands;
