@@ -40,10 +40,9 @@ pub struct Camera {
     #[field(within(0, EXACT))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seed: Option<u64>,
-    /// frames of the path in a second, for exposure and readout; 25 by default
-    #[field(within(0.1, 1000.0), unit = "1/s")]
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub frames_per_s: Option<f64>,
+    /// frames of the path in a second, for exposure and readout
+    #[field(within(0.1, 1000.0), default = 25, unit = "1/s", needs("path"))]
+    pub frames_per_s: f64,
     /// how long the shutter is open: blur of movement along the path, dark current, streaks of drifting snow; by default 0.01 without
     /// blur
     #[field(within(1e-5, 1.0), unit = "s", untraced = "a still camera is traced")]
@@ -66,14 +65,14 @@ pub struct Camera {
     #[field(untraced = "a pinhole camera is traced")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub port: Option<Port>,
-    /// pixels of the scene for each of the picture, along a side; 1 by default
+    /// pixels of the scene for each of the picture, along a side
     #[field(
         within(1, 3),
+        default = 1,
         needs_always("scene.family"),
         untraced = "one ray is traced for each pixel"
     )]
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub supersample: Option<usize>,
+    pub supersample: usize,
     /// blur out of focus; none by default
     #[serde(skip_serializing_if = "Option::is_none")]
     pub defocus: Option<Defocus>,
@@ -93,13 +92,12 @@ pub struct Camera {
     /// white balance; `off` by default
     #[serde(skip_serializing_if = "Option::is_none")]
     pub white_balance: Option<WhiteBalance>,
-    /// curve from light to codes; `srgb` by default
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub tone: Option<Tone>,
-    /// bits of the picture's codes, 8 or 16; 8 by default
-    #[field(within(8, 16))]
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub bits: Option<u8>,
+    /// curve from light to codes
+    #[field(default = "srgb")]
+    pub tone: Tone,
+    /// bits of the picture's codes, 8 or 16
+    #[field(within(8, 16), default = 8)]
+    pub bits: u8,
     /// JPEG compression of the picture; none by default
     #[serde(skip_serializing_if = "Option::is_none")]
     pub jpeg: Option<Jpeg>,
@@ -158,20 +156,20 @@ impl Camera {
             up: None,
             preset: None,
             seed: None,
-            frames_per_s: None,
+            frames_per_s: 25.0,
             exposure_s: None,
             readout_s: None,
             distortion: None,
             port: None,
-            supersample: None,
+            supersample: 1,
             defocus: None,
             motion: None,
             vignette: None,
             exposure: None,
             sensor: None,
             white_balance: None,
-            tone: None,
-            bits: None,
+            tone: Tone::Srgb,
+            bits: 8,
             jpeg: None,
         }
     }

@@ -25,9 +25,9 @@ pub struct Snow {
     /// share of the light that a particle sends back
     #[field(within(0.0, 1.0), default = [0.5, 0.5, 0.5])]
     pub albedo: [f64; 3],
-    /// share of particles that are irregular aggregates of smaller ones; 0 by default
-    #[field(within(0.0, 1.0))]
-    pub aggregates: Option<f64>,
+    /// share of particles that are irregular aggregates of smaller ones
+    #[field(within(0.0, 1.0), default = 0)]
+    pub aggregates: f64,
     /// current that carries the particles, in the world's axes: drawn as streaks while the shutter is open; none by default
     #[field(vector, within(-5.0, 5.0), unit = "m/s")]
     pub drift_m_per_s: Option<[f64; 3]>,
@@ -44,7 +44,7 @@ impl Snow {
             near_m: 0.2,
             far_m: 3.0,
             albedo: [0.5; 3],
-            aggregates: None,
+            aggregates: 0.0,
             drift_m_per_s: None,
         }
     }

@@ -6,7 +6,7 @@ use spec::{ArtifactKind, Camera, Encode, Fidelity, HazeBlend, HoleRule, Job, Ran
 use crate::common::{errors, job, job_with, parameters, vocabulary, with};
 
 const LEAST: &str = concat!(
-    r#"{"alpha":1.0,"artifacts":["rgb"],"camera":{"height":492,"hfov_deg":80.0,"width":768},"count":1,"#,
+    r#"{"alpha":1.0,"artifacts":["rgb"],"camera":{"bits":8,"frames_per_s":25.0,"height":492,"hfov_deg":80.0,"supersample":1,"tone":"srgb","width":768},"count":1,"#,
     r#""dataset":"default","daylight":"auto","encode":{"format":"png"},"enhance":[],"fidelity":"picture","labels":{},"#,
     r#""lights":[],"metrics":["entropy","uicm","uism","uiconm","uiqm","uciqe"],"#,
     r#""scene":{"family":"structure","kind":"procedural","lighting":"water","seed":0},"seed":0,"#,

@@ -7,7 +7,7 @@ use optics::setting::Setting;
 use optics::snow::{self, Flake, Seeing};
 use spec::{Frame, Snow};
 
-use super::movement::{BLUR_SAMPLES, FRAMES_PER_S};
+use super::movement::BLUR_SAMPLES;
 
 /// Through what, when and for how long particles are seen.
 #[derive(Debug, Clone, Copy, Default)]
@@ -22,7 +22,6 @@ impl Shutter {
     /// That of a frame's camera, so many frames after the frame's own time.
     pub(crate) fn new(frame: &Frame, parts: Option<&Parts>, later: f64) -> Self {
         let camera = ::camera::preset::complete(&frame.camera);
-        let rate = camera.frames_per_s.unwrap_or(FRAMES_PER_S);
         // Each picture of a blur is exposed for its share of the time.
         let exposure_s = match (camera.exposure_s, camera.path) {
             (Some(exposure_s), Some(_)) => exposure_s / BLUR_SAMPLES as f64,
@@ -36,7 +35,7 @@ impl Shutter {
         Self {
             focus: parts.and_then(|parts| Some((parts.focus?, scale(parts)))),
             exposure_s,
-            time_s: camera.path.map_or(0.0, |path| (path.frame as f64 + later) / rate),
+            time_s: camera.path.map_or(0.0, |path| (path.frame as f64 + later) / camera.frames_per_s),
         }
     }
 

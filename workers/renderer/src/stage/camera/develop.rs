@@ -7,7 +7,7 @@ use ::camera::{balance, jpeg, mosaic, preset, tone};
 use imaging::{Raster, Rgb, Rgb8, transfer};
 use optics::plan::StageId;
 use serde_json::{Value, json};
-use spec::{FrameRecord, Tone, WhiteBalance};
+use spec::{FrameRecord, WhiteBalance};
 
 use crate::context::FrameContext;
 use crate::inputs::camera::Cameras;
@@ -57,7 +57,7 @@ pub(crate) fn develop(
         note(record, "white_balance", json!(gains));
         balance::apply(light.to_mut(), gains);
     }
-    let tone = taking.parts.tone.unwrap_or(Tone::Srgb);
+    let tone = taking.parts.tone;
     let (rgb, clamped) = tone::codes(&light, tone);
     let deep = (taking.parts.bits == 16).then(|| tone::deep_codes(&light, tone));
     let rgb = match taking.parts.jpeg {

@@ -37,7 +37,7 @@ pub(crate) fn metered_frames(frame: &Frame) -> Vec<Frame> {
                 readout_s: None,
                 sensor: None,
                 preset: None,
-                supersample: None,
+                supersample: 1,
                 defocus: None,
                 jpeg: None,
                 ..camera.clone()
