@@ -65,10 +65,8 @@ fn draw_vignette(knobs: &Knobs) -> Value {
         } else {
             0.3
         };
-        let [v1, v2, v3] = knobs.within_rgb("vignette.terms", -1.2 * reach, 1.2 * reach);
-        for (name, term) in [("v1", v1), ("v2", v2), ("v3", v3)] {
-            vignette[name] = json!(term.clamp(-1.0, 1.0));
-        }
+        let v2 = knobs.within("vignette.term", -1.2 * reach, 1.2 * reach);
+        vignette["v2"] = json!(v2.clamp(-1.0, 1.0));
     }
     vignette
 }

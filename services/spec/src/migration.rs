@@ -49,6 +49,14 @@ pub const REMOVED: &[Removed] = &[
         "remove it: every sensor but the preset `ideal` counts electrons",
     ),
     field(
+        "camera.vignette.v1",
+        "`camera.vignette.v` or `camera.vignette.v2`",
+    ),
+    field(
+        "camera.vignette.v3",
+        "`camera.vignette.v` or `camera.vignette.v2`",
+    ),
+    field(
         "camera.jpeg.measured",
         "remove it: metrics and enhancements take the compressed picture",
     ),

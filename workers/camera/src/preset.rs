@@ -205,12 +205,7 @@ pub const CAMERAS: &[CameraPreset] = &[
     },
 ];
 
-const FULL_VIGNETTE: Vignette = Vignette {
-    v: 1.0,
-    v1: 0.0,
-    v2: 0.0,
-    v3: 0.0,
-};
+const FULL_VIGNETTE: Vignette = Vignette { v: 1.0, v2: 0.0 };
 
 const METERED: Metering = Metering {
     target: 0.5,

@@ -78,13 +78,7 @@ pub struct Vignette {
     /// weight of the cosine to the fourth
     #[field(within(0.0, 1.0), default = 1)]
     pub v: f64,
-    /// of q, the square of the radius over that of the farthest corner
-    #[field(within(-1.0, 1.0), default = 0)]
-    pub v1: f64,
-    /// of q²
+    /// of q², the fourth power of the radius over that of the farthest corner
     #[field(within(-1.0, 1.0), default = 0)]
     pub v2: f64,
-    /// of q³
-    #[field(within(-1.0, 1.0), default = 0)]
-    pub v3: f64,
 }
