@@ -65,10 +65,8 @@ fn draw_vignette(knobs: &Knobs) -> Value {
         } else {
             0.3
         };
-        let [v1, v2, v3] = knobs.within_rgb("vignette.terms", -1.2 * reach, 1.2 * reach);
-        for (name, term) in [("v1", v1), ("v2", v2), ("v3", v3)] {
-            vignette[name] = json!(term.clamp(-1.0, 1.0));
-        }
+        let v2 = knobs.within("vignette.term", -1.2 * reach, 1.2 * reach);
+        vignette["v2"] = json!(v2.clamp(-1.0, 1.0));
     }
     vignette
 }
@@ -83,17 +81,13 @@ fn draw_port(knobs: &Knobs) -> Value {
     if knobs.chance("port.is_dome", 0.25) {
         return json!({"kind": "dome", "radius_m": knobs.log("port.radius", 0.02, 1.0)});
     }
-    let index = match knobs.chance("port.is_chromatic", 0.5) {
-        true => knobs.within_rgb("port.indices", 1.0, 1.5),
-        false => [knobs.within("port.index", 1.0, 1.5); 3],
-    };
-    json!({"kind": "flat", "n_w": index})
+    json!({"kind": "flat"})
 }
 
 /// Adds the movement of an uploaded picture.
 pub(super) fn add_shift(knobs: &Knobs, camera: &mut Value) {
     let [x, y, _] = knobs.within_rgb("motion.shift", -12.0, 12.0);
-    camera["motion"] = json!({"samples": 1, "x_px": x, "y_px": y});
+    camera["motion"] = json!({"x_px": x, "y_px": y});
 }
 
 /// Adds a path past a procedural scene, with a few moments for each frame, or a metering that lags behind.
@@ -106,14 +100,9 @@ pub(super) fn add_path(knobs: &Knobs, camera: &mut Value) {
         "sway_deg": knobs.within("path.turn", 0.0, 4.0),
     });
     if knobs.chance("path.moves", 0.5) {
-        camera["motion"] = json!({
-            "samples": knobs.whole("motion.samples", 1, 3), "exposure_s": knobs.log("motion.exposure", 1e-3, 0.3)
-        });
-    }
-    if knobs.chance("path.rolls", 0.4) {
-        camera["rolling"] = json!({
-            "readout_s": knobs.within("rolling.readout", 0.0, 0.2), "bands": knobs.whole("rolling.bands", 1, 3)
-        });
+        camera["exposure_s"] = json!(knobs.log("motion.exposure", 1e-3, 0.3));
+    } else if knobs.chance("path.rolls", 0.4) {
+        camera["readout_s"] = json!(knobs.within("rolling.readout", 0.0, 0.2));
     }
     if knobs.chance("path.lags", 0.5) {
         let mut metering = draw_metering(knobs);

@@ -146,17 +146,17 @@ fn share_above(fast: &Rgb<f32>, exact: &Rgb<f32>, bound: f64) -> f64 {
 }
 
 /// The largest difference of 8-bit codes.
-fn code_difference(fast: &Rgb<f32>, exact: &Rgb<f32>, tone: Option<Tone>) -> u8 {
+fn code_difference(fast: &Rgb<f32>, exact: &Rgb<f32>, tone: Tone) -> u8 {
     let pairs = codes(fast, tone).into_iter().zip(codes(exact, tone));
     pairs.map(|(fast, exact)| fast.abs_diff(exact)).max().unwrap_or(0)
 }
 
 /// 8-bit codes of a picture without noise and white balance.
-fn codes(light: &Rgb<f32>, tone: Option<Tone>) -> Vec<u8> {
+fn codes(light: &Rgb<f32>, tone: Tone) -> Vec<u8> {
     let exponent = match tone {
-        None | Some(Tone::Srgb) => return transfer::encode_rgb8(light).0.data().to_vec(),
-        Some(Tone::Linear) => 1.0,
-        Some(Tone::Gamma(gamma)) => 1.0 / gamma,
+        Tone::Srgb => return transfer::encode_rgb8(light).0.data().to_vec(),
+        Tone::Linear => 1.0,
+        Tone::Gamma(gamma) => 1.0 / gamma,
     };
     let samples = light.planes().iter().flat_map(|plane| plane.data());
     samples

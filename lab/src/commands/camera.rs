@@ -25,13 +25,12 @@ const COLUMNS: usize = 3;
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let flat = json!({"kind": "flat", "n_w": [1.3377, 1.3408, 1.3459]});
     let cameras = [
         json!({}),
-        json!({"port": flat}),
+        json!({"port": {"kind": "flat"}}),
         json!({"distortion": {"k1": -0.14, "k2": 0.02}, "vignette": {}}),
         json!({"defocus": {"aperture_m": 0.03, "focus_m": 1.2}}),
-        json!({"motion": {"samples": 32, "exposure_s": 0.25}}),
+        json!({"exposure_s": 0.25}),
         json!({"sensor": {"preset": "small-pixel-1/2.3", "light_level": 0.004, "gain": 8}, "white_balance": "gray_world"}),
     ];
     let mut pictures = Vec::new();

@@ -8,7 +8,7 @@ use spec_derive::Described;
 
 use crate::schema::EXACT;
 
-pub use lens::{Defocus, Distortion, Motion, Port, Rolling, Vignette};
+pub use lens::{Defocus, Distortion, Motion, Port, Vignette};
 pub use sensor::{Cfa, Chroma, Exposure, Jpeg, Metering, Sensor, Tone, WhiteBalance};
 
 /// A camera with square pixels and the principal point in the middle: a pinhole, and of a real one what is given.
@@ -16,75 +16,93 @@ pub use sensor::{Cfa, Chroma, Exposure, Jpeg, Metering, Sensor, Tone, WhiteBalan
 #[serde(deny_unknown_fields)]
 pub struct Camera {
     /// columns; at most 64 000 000 pixels in all
-    #[field(within(1, 16_384), default = 768, unit = "px")]
+    #[field(within(1, 16_384), default = 768, unit = "px", needs("scene.family"))]
     pub width: usize,
     /// rows
-    #[field(within(1, 16_384), default = 492, unit = "px")]
+    #[field(within(1, 16_384), default = 492, unit = "px", needs("scene.family"))]
     pub height: usize,
     /// horizontal field of view
     #[field(within(1.0, 170.0), default = 80, unit = "degree")]
     pub hfov_deg: f64,
-    /// a way past a procedural scene; absent: its usual place
+    /// a way past a procedural scene; without one the camera stays at its usual place
+    #[field(needs_always("scene.family"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub path: Option<Path>,
     /// where a camera without waypoints is and looks; drawn from the scene's seed unless given
+    #[field(needs_always("scene.family"), excludes("path.start"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub view: Option<CameraView>,
-    /// against gravity: right, down and ahead of a picture's camera, of any length but 0; absent: [0, -1, 0], a level camera
-    #[field(vector, within(-1000.0, 1000.0))]
+    /// against gravity: right, down and ahead of a picture's camera; [0, -1, 0], a level camera, by default
+    #[field(vector, within(-1000.0, 1000.0), nonzero, needs("scene.id", "scene.rgb"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub up: Option<[f64; 3]>,
-    /// a camera whose parts the fields below replace; absent: a pinhole without noise
-    #[field(names = Camera)]
+    /// a camera whose parts the fields below replace; a pinhole without noise by default
+    #[field(names = Camera, untraced = "a pinhole camera is traced")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub preset: Option<String>,
-    /// seed of the sensor's pattern and noise; absent: the job's
+    /// seed of the sensor's pattern and noise; the job's by default
     #[field(within(0, EXACT))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seed: Option<u64>,
-    /// frames of the path in a second, for exposure and readout; absent: 25
-    #[field(within(0.1, 1000.0), unit = "1/s")]
+    /// frames of the path in a second, for exposure and readout
+    #[field(within(0.1, 1000.0), default = 25, unit = "1/s", needs("path"))]
+    pub frames_per_s: f64,
+    /// how long the shutter is open: blur of movement along the path, dark current, streaks of drifting snow; by default 0.01 without
+    /// blur
+    #[field(within(1e-5, 1.0), unit = "s", untraced = "a still camera is traced")]
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub frames_per_s: Option<f64>,
-    /// distortion of the lens; absent: none
+    pub exposure_s: Option<f64>,
+    /// time from the first row to the last of a rolling shutter; all rows at once by default
+    #[field(
+        within(0.0, 0.2),
+        unit = "s",
+        needs("path"),
+        untraced = "all rows are traced at once"
+    )]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub readout_s: Option<f64>,
+    /// distortion of the lens; none by default
+    #[field(untraced = "a pinhole camera is traced")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub distortion: Option<Distortion>,
-    /// window of the housing; absent: none
+    /// window of the housing; none by default
+    #[field(untraced = "a pinhole camera is traced")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub port: Option<Port>,
-    /// pixels of the scene for each of the picture, along a side; absent: 1
-    #[field(within(1, 3))]
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub supersample: Option<usize>,
-    /// blur out of focus; absent: none
+    /// pixels of the scene for each of the picture, along a side
+    #[field(
+        within(1, 3),
+        default = 1,
+        needs_always("scene.family"),
+        untraced = "one ray is traced for each pixel"
+    )]
+    pub supersample: usize,
+    /// blur out of focus; none by default
     #[serde(skip_serializing_if = "Option::is_none")]
     pub defocus: Option<Defocus>,
-    /// blur of movement; absent: none
+    /// movement of an uploaded picture while the shutter is open; none by default
+    #[field(needs("scene.id", "scene.rgb"), untraced = "a still camera is traced")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub motion: Option<Motion>,
-    /// rolling shutter; absent: all rows at once
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub rolling: Option<Rolling>,
-    /// light lost towards the corners; absent: none
+    /// light lost towards the corners; none by default
     #[serde(skip_serializing_if = "Option::is_none")]
     pub vignette: Option<Vignette>,
     /// brightness; by default metered where lamps are the only light of a scene of reflectance, else a factor of 1
     #[serde(skip_serializing_if = "Option::is_none")]
     pub exposure: Option<Exposure>,
-    /// sensor with its noise; absent: none
+    /// sensor with its noise; none by default
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sensor: Option<Sensor>,
-    /// white balance; absent: `off`
+    /// white balance; `off` by default
     #[serde(skip_serializing_if = "Option::is_none")]
     pub white_balance: Option<WhiteBalance>,
-    /// curve from light to codes; absent: `srgb`
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub tone: Option<Tone>,
-    /// bits of the picture's codes, 8 or 16; absent: 8
-    #[field(within(8, 16))]
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub bits: Option<u8>,
-    /// JPEG compression of the picture; absent: none
+    /// curve from light to codes
+    #[field(default = "srgb")]
+    pub tone: Tone,
+    /// bits of the picture's codes, 8 or 16
+    #[field(within(8, 16), default = 8)]
+    pub bits: u8,
+    /// JPEG compression of the picture; none by default
     #[serde(skip_serializing_if = "Option::is_none")]
     pub jpeg: Option<Jpeg>,
 }
@@ -119,13 +137,15 @@ pub struct Path {
     /// frames from start to end
     #[field(fixed, within(1, 1_000_000))]
     pub frames: usize,
-    /// place on the path; absent: each frame of the job in turn
-    #[field(fixed, within(0, 999_999), optional)]
+    /// position on the path; each frame of the job in turn by default
+    #[field(fixed, within(0, 999_999), optional, below("frames"))]
     pub frame: usize,
-    /// where it begins; with `end`; absent: the family's own path
+    /// where it begins; on the family's own path by default
+    #[field(needs("end"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub start: Option<Waypoint>,
     /// where it ends
+    #[field(needs("start"), differs("start"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub end: Option<Waypoint>,
     /// amplitude of the vehicle's sway
@@ -164,19 +184,20 @@ impl Camera {
             up: None,
             preset: None,
             seed: None,
-            frames_per_s: None,
+            frames_per_s: 25.0,
+            exposure_s: None,
+            readout_s: None,
             distortion: None,
             port: None,
-            supersample: None,
+            supersample: 1,
             defocus: None,
             motion: None,
-            rolling: None,
             vignette: None,
             exposure: None,
             sensor: None,
             white_balance: None,
-            tone: None,
-            bits: None,
+            tone: Tone::Srgb,
+            bits: 8,
             jpeg: None,
         }
     }

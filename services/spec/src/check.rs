@@ -11,6 +11,8 @@ mod names;
 mod object;
 mod own_water;
 mod places;
+mod present;
+mod rules;
 mod scene;
 mod truth;
 mod water;
@@ -59,6 +61,16 @@ impl Place {
         }
     }
 
+    /// Its name with this in place of each position in a list.
+    pub(crate) fn path(&self, item: &str) -> String {
+        let mut parts = self.name.split('[');
+        let first = parts.next().unwrap_or_default().to_owned();
+        parts.fold(first, |path, part| {
+            let rest = part.split_once(']').map_or(part, |(_, rest)| rest);
+            path + item + rest
+        })
+    }
+
     pub(crate) fn item(&self, position: usize) -> Self {
         Self {
             pointer: format!("{}/{position}", self.pointer),
@@ -105,7 +117,7 @@ impl Checker<'_> {
             if laws {
                 return self.law(at, shape, key, map);
             }
-            self.refuse(|| FieldError::new(&at.pointer, format!("{at} cannot be a law")));
+            self.refuse(|| FieldError::new(&at.pointer, format!("{at} cannot be a distribution")));
             return None;
         }
         match (shape, value) {
@@ -145,7 +157,7 @@ impl Checker<'_> {
 
     fn wrong_kind(&mut self, at: &Place, shape: &Shape, laws: bool, value: &Value) -> Option<Node> {
         self.refuse(|| {
-            let or_law = if laws { " or a law" } else { "" };
+            let or_law = if laws { " or a distribution" } else { "" };
             let message = format!(
                 "{at} must be {}{or_law}, but is {}",
                 shape.describe(),

@@ -19,6 +19,7 @@ const COUNT: Field = Field {
     laws: false,
     unit: None,
     doc: "frames of each grid cell",
+    rules: &[],
     type_name: None,
 };
 

@@ -45,7 +45,7 @@ pub struct Frame {
     #[field(default = {})]
     pub water: Water,
     /// share of the styled image
-    #[field(within(0.0, 1.0), default = 1)]
+    #[field(within(0.0, 1.0), default = 1, needs("water.style"))]
     pub alpha: f64,
     /// the sky above the water, `none` by night, or `auto`
     #[field(default = "auto")]
@@ -63,8 +63,8 @@ pub struct Frame {
     /// sensor; `reference`, the slow f64 reference; or a number
     #[field(default = "picture")]
     pub fidelity: Fidelity,
-    /// how well the artifacts `truth` and `truth_report` must know the light; absent: as its defaults
-    #[field(fixed)]
+    /// how well the artifacts `truth` and `truth_report` must know the light
+    #[field(fixed, needs("artifacts.truth", "artifacts.truth_report"))]
     pub truth: Option<Truth>,
     /// what to store
     #[field(names = Artifact, max = 64, distinct, default = ["rgb"])]
@@ -72,9 +72,6 @@ pub struct Frame {
     /// file format of RGB-like artifacts
     #[field(default = {})]
     pub encode: Encode,
-    /// whether PNG files name their kind, unit and meaning in text chunks
-    #[field(fixed)]
-    pub png_text: Option<bool>,
     /// the user's own scalars, queryable as `labels.<name>`
     #[field(fixed, default = {})]
     pub labels: BTreeMap<String, Value>,
@@ -161,9 +158,9 @@ pub enum Scene {
         /// what lights its surfaces
         #[field(default = "water")]
         lighting: SceneLighting,
-        /// what lives on and about it, and what hangs there; absent: nothing
+        /// what lives on and about it, and what hangs there; nothing by default
         life: Option<Life>,
-        /// what current and grain make of its bottom; absent: an even one
+        /// what current and grain make of its bottom; an even one by default
         ground: Option<Ground>,
     },
     /// Uploaded before through the API.
@@ -184,19 +181,19 @@ pub enum Scene {
         #[field(names = Path)]
         range: Option<String>,
         /// distances along the optical axis, instead of `range`
-        #[field(names = Path)]
+        #[field(names = Path, excludes("range"))]
         z_depth: Option<String>,
         /// instance of each pixel, 0 = background
         #[field(names = Path)]
         instances: Option<String>,
         /// JSON that says what the instances are
-        #[field(names = Path)]
+        #[field(names = Path, needs("instances"))]
         classes: Option<String>,
-        /// meters of one unit of that file
-        #[field(above(0.0, 1e6), unit = "m")]
+        /// meters of one unit of the range file
+        #[field(above(0.0, 1e6), unit = "m", needs("range", "z_depth"))]
         unit_m: Option<f64>,
-        /// code that means no return in that file
-        #[field(within(0, 65_535))]
+        /// code that means no return in the range file
+        #[field(within(0, 65_535), needs("range", "z_depth"))]
         invalid_code: Option<u16>,
         /// what lights its surfaces
         #[field(default = "in_air")]

@@ -37,7 +37,7 @@ pub struct Ground {
     /// depth of the pits that currents dig around feet, in their diameters
     #[field(within(0.0, 2.0), default = 0)]
     pub scour: f64,
-    /// share of a pipe's diameter that lies under the bottom; absent: as the seed has it
+    /// share of a pipe's diameter that lies under the bottom; drawn from the seed by default
     #[field(within(0.0, 1.0))]
     pub burial: Option<f64>,
     /// strength of the second scale of texture, of grains and shells on sand and stones

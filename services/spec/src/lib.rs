@@ -22,6 +22,7 @@ pub mod law;
 mod leaves;
 mod light;
 mod merkle;
+pub mod migration;
 mod node;
 mod normal;
 mod own_water;
@@ -51,7 +52,7 @@ pub use imaging::geometry::Intrinsics;
 pub use artifact::{ArtifactKind, is_media_type};
 pub use camera::{
     Camera, CameraView, Cfa, Chroma, Defocus, Distortion, Exposure, Jpeg, Metering, Motion, Path, Port,
-    Rolling, Sensor, Tone, Vignette, Waypoint, WhiteBalance,
+    Sensor, Tone, Vignette, Waypoint, WhiteBalance,
 };
 pub use classes::{Classes, SceneCategory, Segment};
 pub use collection::{MAX_COLLECTION, is_collection};

@@ -77,7 +77,7 @@ pub struct PointLamp {
     /// meters right, down and ahead of the camera
     #[field(vector, within(-1000.0, 1000.0), unit = "m")]
     pub position_m: [f64; 3],
-    /// linear radiance times m², per steradian
+    /// linear radiance times m², per steradian; of a spot along its axis
     #[field(within(0.0, 1e6))]
     pub intensity: [f64; 3],
     /// radius of the sphere that shines: the larger, the softer its shadows
@@ -91,11 +91,11 @@ pub struct SpotLamp {
     /// meters right, down and ahead of the camera
     #[field(vector, within(-1000.0, 1000.0), unit = "m")]
     pub position_m: [f64; 3],
-    /// along the axis: linear radiance times m², per steradian
+    /// linear radiance times m², per steradian; of a spot along its axis
     #[field(within(0.0, 1e6))]
     pub intensity: [f64; 3],
-    /// axis, of any length but 0
-    #[field(vector, within(-1000.0, 1000.0), default = [0, 0, 1])]
+    /// axis
+    #[field(vector, within(-1000.0, 1000.0), default = [0, 0, 1], nonzero)]
     pub direction: [f64; 3],
     /// angle from the axis at which no light is left
     #[field(within(0.5, 90.0), default = 30, unit = "degree")]

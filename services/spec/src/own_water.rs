@@ -48,7 +48,7 @@ pub struct OwnWater {
     #[field(fixed, within(0.0, 1000.0), unit = "1/m")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scattering_per_m: Option<[f64; 3]>,
-    /// c; absent: a + b
+    /// c; a + b by default
     #[field(fixed, within(0.0, 1000.0), unit = "1/m")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub beam_attenuation_per_m: Option<[f64; 3]>,
@@ -60,7 +60,7 @@ pub struct OwnWater {
     #[field(fixed, within(0.002, 0.5))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub backscatter_fraction: Option<f64>,
-    /// backscatter radiance at infinite range, linear; absent: derived from K_d
+    /// backscatter radiance at infinite range, linear; derived from K_d by default
     #[field(fixed, within(0.0, 1000.0))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub veiling_light: Option<[f64; 3]>,

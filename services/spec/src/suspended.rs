@@ -25,10 +25,10 @@ pub struct Snow {
     /// share of the light that a particle sends back
     #[field(within(0.0, 1.0), default = [0.5, 0.5, 0.5])]
     pub albedo: [f64; 3],
-    /// share of particles that are irregular aggregates of smaller ones; absent: 0
-    #[field(within(0.0, 1.0))]
-    pub aggregates: Option<f64>,
-    /// current that carries the particles, in the world's axes: drawn as streaks while the shutter is open; absent: none
+    /// share of particles that are irregular aggregates of smaller ones
+    #[field(within(0.0, 1.0), default = 0)]
+    pub aggregates: f64,
+    /// current that carries the particles, in the world's axes: drawn as streaks while the shutter is open; none by default
     #[field(vector, within(-5.0, 5.0), unit = "m/s")]
     pub drift_m_per_s: Option<[f64; 3]>,
 }
@@ -44,7 +44,7 @@ impl Snow {
             near_m: 0.2,
             far_m: 3.0,
             albedo: [0.5; 3],
-            aggregates: None,
+            aggregates: 0.0,
             drift_m_per_s: None,
         }
     }
@@ -88,10 +88,7 @@ pub struct Sediment {
     /// thrusters whose plumes reach into the view
     #[field(within(0, 8), default = 0)]
     pub thrusters: usize,
-    /// length of a plume
-    #[field(within(0.1, 20.0), default = 1.5, unit = "m")]
-    pub plume_m: f64,
-    /// height of a picture's camera above the bottom; a procedural scene knows its bottom; absent: 1.5
-    #[field(within(0.05, 1000.0), unit = "m")]
+    /// height of a picture's camera above the bottom; 1.5 by default
+    #[field(within(0.05, 1000.0), unit = "m", needs("scene.id", "scene.rgb"))]
     pub above_bottom_m: Option<f64>,
 }

@@ -1,12 +1,12 @@
 //! The table of fields laid flat, for documentation.
 
 use crate::fields::DOCUMENT;
-use crate::schema::{Field, Presence, Shape};
+use crate::schema::{Field, Presence, Shape, Variant};
 
 /// One accepted field.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Row {
-    /// Path such as `lights[].x`; for objects of several kinds with the kind: `scene(uploaded).id`.
+    /// Path such as `lights[].x`; for objects of several kinds with the kinds: `scene(uploaded).id`.
     pub path: String,
     /// What may stand there.
     pub kind: &'static str,
@@ -18,8 +18,8 @@ pub struct Row {
     pub presence: Presence,
     /// Whether a law may stand in its place.
     pub laws: bool,
-    /// What it means.
-    pub doc: &'static str,
+    /// What it means, with its rules.
+    pub doc: String,
 }
 
 /// Every accepted field, parents before children.
@@ -34,7 +34,7 @@ pub fn rows() -> Vec<Row> {
 #[must_use]
 pub fn markdown() -> String {
     let mut text =
-        "| field | kind | unit | limits | default | law | meaning |\n|---|---|---|---|---|---|---|\n"
+        "| field | kind | unit | limits | default | varies | meaning |\n|---|---|---|---|---|---|---|\n"
             .to_owned();
     for Row {
         path,
@@ -79,11 +79,9 @@ fn lay_out(path: &str, shape: &Shape, rows: &mut Vec<Row>) {
                     .join(", "),
                 presence: *presence,
                 laws: false,
-                doc: "decides which other fields there are",
+                doc: "decides which other fields there are".to_owned(),
             });
-            for option in *options {
-                lay_out_fields(&format!("{path}({})", option.name), option.fields, rows);
-            }
+            lay_out_options(path, options, rows);
         }
         Shape::List { element, .. } => lay_out(&format!("{path}[]"), element, rows),
         Shape::Either(_, object) => lay_out(path, object, rows),
@@ -98,6 +96,28 @@ fn lay_out(path: &str, shape: &Shape, rows: &mut Vec<Row>) {
     }
 }
 
+/// The fields of objects of several kinds. Fields that some kinds share are listed once.
+fn lay_out_options(path: &str, options: &[Variant], rows: &mut Vec<Row>) {
+    let mut groups: Vec<(Vec<&str>, Vec<Row>)> = Vec::new();
+    for option in options {
+        for field in option.fields {
+            let mut own = Vec::new();
+            lay_out_fields("", std::slice::from_ref(field), &mut own);
+            match groups.iter_mut().find(|(_, rows)| *rows == own) {
+                Some((kinds, _)) => kinds.push(option.name),
+                None => groups.push((vec![option.name], own)),
+            }
+        }
+    }
+    for (kinds, own) in groups {
+        let prefix = format!("{path}({})", kinds.join(", "));
+        rows.extend(own.into_iter().map(|row| Row {
+            path: format!("{prefix}.{}", row.path),
+            ..row
+        }));
+    }
+}
+
 fn lay_out_fields(path: &str, fields: &[Field], rows: &mut Vec<Row>) {
     for field in fields {
         let dot = if path.is_empty() { "" } else { "." };
@@ -109,7 +129,7 @@ fn lay_out_fields(path: &str, fields: &[Field], rows: &mut Vec<Row>) {
             limit: field.shape.limit(),
             presence: field.presence,
             laws: field.laws,
-            doc: field.doc,
+            doc: field.meaning(),
         });
         lay_out(&path, &field.shape, rows);
     }
@@ -140,6 +160,14 @@ mod tests {
         paths.dedup();
         assert_eq!(paths.len(), rows.len());
         assert!(rows.iter().all(|row| !row.doc.is_empty()));
+    }
+
+    /// A default belongs into the table, or is worded as one.
+    #[test]
+    fn no_meaning_explains_an_absent_field() {
+        for row in rows() {
+            assert!(!row.doc.contains("absent"), "{}: {}", row.path, row.doc);
+        }
     }
 
     /// The documented table is this one. After a change of the fields, copy what the failure prints.

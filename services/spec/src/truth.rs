@@ -3,8 +3,6 @@
 use serde::{Deserialize, Serialize};
 use spec_derive::Described;
 
-use crate::schema::EXACT;
-
 /// Paths of one channel that a core of a server processor is taken to follow in a second. A convention and no measurement of the
 /// machine at hand, so that the bytes of a frame with a time budget follow from its description alone.
 pub const NOMINAL_PATHS_PER_S: f64 = 500_000.0;
@@ -23,16 +21,10 @@ pub struct Truth {
     /// most paths of each pixel and channel; pixels times paths beyond 2^32 need `budget_s`
     #[field(fixed, within(16, 1_048_576), default = 65536)]
     pub paths_max: u64,
-    /// pixels on a side of the blocks whose errors count
-    #[field(fixed, within(1, 64), default = 8, unit = "px")]
-    pub block: usize,
-    /// as many paths as one core follows in this time at 500 000 in a second, by convention and not by the clock; absent: no limit
-    /// but `paths_max`
+    /// as many paths as one core follows in this time at 500 000 in a second, by convention and not by the clock; without it
+    /// `paths_max` is the only limit
     #[field(fixed, above(0.0, 1e6), unit = "s")]
     pub budget_s: Option<f64>,
-    /// seed of the paths; absent: the job's
-    #[field(fixed, within(0, EXACT))]
-    pub seed: Option<u64>,
 }
 
 impl Default for Truth {
@@ -40,9 +32,7 @@ impl Default for Truth {
         Self {
             target: 0.02,
             paths_max: 65_536,
-            block: 8,
             budget_s: None,
-            seed: None,
         }
     }
 }

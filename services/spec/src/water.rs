@@ -9,25 +9,27 @@ use crate::suspended::{Sediment, Snow, Turbidity};
 /// The water and its style.
 #[derive(Debug, Clone, PartialEq, Deserialize, Described)]
 pub struct Water {
-    /// a preset or coefficients; absent: no water
+    /// a preset or coefficients; no water by default
     pub optics: Option<Optics>,
     /// multiplies every per-meter quantity
-    #[field(above(0.0, 1000.0), default = 1)]
+    #[field(above(0.0, 1000.0), default = 1, needs("optics"))]
     pub range_scale: f64,
-    /// depth of the camera below the surface; absent: 5 by day
-    #[field(within(0.0, 12_000.0), unit = "m")]
+    /// depth of the camera below the surface; 5 by day if it is not given
+    #[field(within(0.0, 12_000.0), unit = "m", needs("optics"))]
     pub depth_m: Option<f64>,
     /// what a pixel without a valid range means
-    #[field(default = "background")]
+    #[field(default = "background", needs("optics"))]
     pub holes: HoleRule,
     /// style model
     #[field(names = Style)]
     pub style: Option<String>,
-    /// marine snow; absent: none
+    /// marine snow; none by default
     pub snow: Option<Snow>,
-    /// patches of murkier water that multiply every coefficient; absent: even water
+    /// patches of murkier water that multiply every coefficient; none by default
+    #[field(needs("optics"))]
     pub turbidity: Option<Turbidity>,
-    /// clouds of stirred sediment near the bottom and behind thrusters; absent: none
+    /// clouds of stirred sediment near the bottom and behind thrusters; none by default
+    #[field(untraced = "clouds are not traced")]
     pub sediment: Option<Sediment>,
 }
 
@@ -81,7 +83,7 @@ pub struct Optics {
     #[field(within(0.0, 1000.0), unit = "1/m")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scattering_per_m: Option<[f64; 3]>,
-    /// of the revised model; absent: as c
+    /// of the revised model; c by default
     #[field(within(0.0, 1000.0), unit = "1/m")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub backscatter_attenuation_per_m: Option<[f64; 3]>,
@@ -90,21 +92,21 @@ pub struct Optics {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub diffuse_attenuation_per_m: Option<[f64; 3]>,
     /// backscatter radiance at infinite range, linear
-    #[field(within(0.0, 1000.0))]
+    #[field(within(0.0, 1000.0), excludes("daylight.sun_elevation_deg"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub veiling_light: Option<[f64; 3]>,
     /// brightness of a derived veiling light
-    #[field(within(0.0, 1000.0))]
+    #[field(within(0.0, 1000.0), excludes("daylight.sun_elevation_deg"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub veil_gain: Option<f64>,
-    /// b_b/b, for the glow of lamps; absent: 0.0183
+    /// b_b/b; 0.0183 if the preset has none
     #[field(within(0.002, 0.5))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub backscatter_fraction: Option<f64>,
     /// phase function of the water, of the airlight of lamps, the forward scatter and the Monte Carlo truth alike
     #[field(default = "ff")]
     pub phase: PhaseFunction,
-    /// a published model of forward scatter; absent: two kernels from a and b, or none where these are not known
+    /// a published model of forward scatter; by default two kernels from a and b, or none if these are unknown
     #[serde(skip_serializing_if = "Option::is_none")]
     pub forward_scatter: Option<ForwardScatter>,
 }
@@ -124,15 +126,15 @@ pub struct ForwardScatter {
     /// the form
     #[field(default = "jaffe")]
     pub model: ScatterModel,
-    /// G, at most c; absent: derived
+    /// G, at most c; derived by default
     #[field(within(0.0, 1000.0), unit = "1/m")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub g_per_m: Option<[f64; 3]>,
-    /// growth of the kernel with range; absent: derived
+    /// growth of the kernel with range; derived by default
     #[field(within(0.0, 100_000.0), unit = "px/m")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub spread_px_per_m: Option<[f64; 3]>,
-    /// kernel at range 0; absent: 0, or derived with the growth
+    /// kernel at range 0; 0 by default, or derived with the growth
     #[field(within(0.0, 100_000.0), unit = "px")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub spread_offset_px: Option<[f64; 3]>,
@@ -198,6 +200,10 @@ pub enum HoleRule {
     /// The frame is refused.
     Reject,
     /// range that takes the place of a hole's
-    #[field(within(0.001, 100_000.0), unit = "m")]
+    #[field(
+        within(0.001, 100_000.0),
+        unit = "m",
+        untraced = "a hole is open water, whatever range stands for it"
+    )]
     RangeM(f64),
 }

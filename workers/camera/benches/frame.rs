@@ -76,12 +76,7 @@ fn light(bench: &mut Criterion) {
             b.iter(|| defocus::blur(black_box(&scene), &radii));
         });
     }
-    let law = Vignette {
-        v: 1.0,
-        v1: 0.0,
-        v2: -0.1,
-        v3: 0.0,
-    };
+    let law = Vignette { v: 1.0, v2: -0.1 };
     let falloff = FallOff::new(law, Intrinsics::centered(458.0, WIDTH, HEIGHT), (WIDTH, HEIGHT));
     let mut exposed = scene.clone();
     bench.bench_function("vignette and fixed exposure", |b| {
@@ -137,11 +132,7 @@ fn codes(bench: &mut Criterion) {
     });
     let (picture, _) = tone::codes(&light, Tone::Srgb);
     for chroma in [Chroma::Full, Chroma::Half] {
-        let law = Jpeg {
-            quality: 80,
-            chroma,
-            measured: true,
-        };
+        let law = Jpeg { quality: 80, chroma };
         bench.bench_function(&format!("jpeg, {chroma:?}"), |b| {
             b.iter(|| jpeg::compressed(black_box(&picture), law));
         });

@@ -18,6 +18,8 @@ pub use reference::blur_reference;
 use imaging::{Plane, vectorized};
 use spec::{Defocus, Port};
 
+use crate::geometry::SEA_WATER;
+
 /// Below this radius in pixels a disc holds points of a single pixel and is the identity: the nearest points of the next pixel
 /// are more than 9/16 away.
 pub const SHARP_PX: f64 = 0.5625;
@@ -89,9 +91,9 @@ fn radii_row(focus: &Focus, range: &[f32], radii: &mut [f64]) {
 fn nearness(range_m: f64, port: Option<Port>) -> f64 {
     match port {
         None | Some(Port::None {}) => 1.0 / range_m,
-        Some(Port::Flat { n_w, .. }) => n_w[1] / range_m,
-        Some(Port::Dome { n_w, radius_m }) => {
-            let n = n_w[1];
+        Some(Port::Flat { .. }) => SEA_WATER[1] / range_m,
+        Some(Port::Dome { radius_m }) => {
+            let n = SEA_WATER[1];
             // What touches the dome is seen at the dome.
             let beyond = (range_m - radius_m).max(0.0);
             1.0 / (radius_m + 1.0 / ((n - 1.0) / radius_m + n / beyond))
@@ -115,10 +117,7 @@ mod tests {
             aperture_m: 0.01,
             focus_m: 1.0,
         };
-        let dome = Port::Dome {
-            n_w: [1.34; 3],
-            radius_m: 0.1,
-        };
+        let dome = Port::Dome { radius_m: 0.1 };
         for port in [None, Some(dome)] {
             let focus = Focus::new(law, 800.0, port);
             assert_eq!(focus.radius_px(1.0), 0.0);
@@ -133,14 +132,10 @@ mod tests {
     #[test]
     fn the_largest_radius_is_that_of_every_range_between() {
         let flat = Port::Flat {
-            n_w: [1.34; 3],
             pupil_m: 0.0,
             glass_m: 0.0,
         };
-        let dome = Port::Dome {
-            n_w: [1.34; 3],
-            radius_m: 0.1,
-        };
+        let dome = Port::Dome { radius_m: 0.1 };
         for port in [None, Some(flat), Some(dome)] {
             for focus_m in [0.05, 0.7, 1000.0] {
                 let law = Defocus {
@@ -167,10 +162,7 @@ mod tests {
 
     #[test]
     fn a_dome_shows_infinity_at_four_radii() {
-        let dome = Port::Dome {
-            n_w: [1.34; 3],
-            radius_m: 0.1,
-        };
+        let dome = Port::Dome { radius_m: 0.1 };
         let far = 1.0 / nearness(f64::INFINITY, Some(dome));
         assert!((far / 0.1 - 3.94).abs() < 0.01, "{far}");
     }

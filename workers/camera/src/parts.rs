@@ -31,7 +31,7 @@ pub struct Parts {
     /// White balance.
     pub balance: Option<WhiteBalance>,
     /// Curve to codes.
-    pub tone: Option<Tone>,
+    pub tone: Tone,
     /// Bits of the codes: 8 or 16.
     pub bits: u8,
     /// Compression.
@@ -93,7 +93,7 @@ impl Parts {
         let camera = preset::complete(camera);
         let asks_geometry = camera.distortion.is_some()
             || matches!(camera.port, Some(Port::Flat { .. }))
-            || camera.supersample.is_some_and(|factor| factor > 1);
+            || camera.supersample > 1;
         let (size, air) = match scenery {
             Scenery::Rendered => {
                 let (width, height) = (camera.width, camera.height);
@@ -113,7 +113,7 @@ impl Parts {
         };
         let sensor = match &camera.sensor {
             Some(law) => Some(checked(
-                preset::sensor(law).ok_or(PartsError::UnknownSensor)?,
+                preset::sensor(law, camera.exposure_s).ok_or(PartsError::UnknownSensor)?,
                 size,
             )?),
             None => None,
@@ -149,12 +149,12 @@ impl Parts {
 
     /// Whether nothing happens between exposed light and codes but today's curve.
     fn is_electronic_free(&self) -> bool {
-        self.sensor.is_none() && self.balance.is_none() && self.tone.is_none() && self.bits == 8
+        self.sensor.is_none() && self.balance.is_none() && self.tone == Tone::Srgb && self.bits == 8
     }
 }
 
 fn checked_bits(camera: &Camera) -> Result<u8, PartsError> {
-    match camera.bits.unwrap_or(8) {
+    match camera.bits {
         8 => Ok(8),
         16 if camera.jpeg.is_some() => Err(PartsError::DeepJpeg(16)),
         16 => Ok(16),
@@ -183,7 +183,7 @@ fn source(
     scenery: Scenery,
 ) -> Result<Option<Source>, PartsError> {
     lens.check(size)?;
-    let supersample = camera.supersample.unwrap_or(1);
+    let supersample = camera.supersample;
     match scenery {
         Scenery::Rendered if supersample == 1 && is_still(lens, lens.camera, size) => Ok(None),
         Scenery::Rendered => match Source::around(lens, size, supersample) {

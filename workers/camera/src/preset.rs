@@ -1,6 +1,6 @@
 //! Sensors and cameras by name, with what their numbers are taken from.
 
-use spec::{Camera, Cfa, Distortion, Exposure, Metering, Port, Rolling, Vignette, WhiteBalance};
+use spec::{Camera, Cfa, Distortion, Exposure, Metering, Port, Vignette, WhiteBalance};
 
 use crate::sensor::Sensor;
 
@@ -18,6 +18,9 @@ pub struct SensorPreset {
     bits: u8,
 }
 
+/// Exposure time of descriptions without one, s: a frame of a moving inspection camera is rarely exposed for longer.
+pub const EXPOSURE_S: f64 = 0.01;
+
 /// What the table assumes where no source gives all numbers of one sensor together.
 const ASSUMED: Sensor = Sensor {
     full_well_e: 0.0,
@@ -27,7 +30,7 @@ const ASSUMED: Sensor = Sensor {
     dsnu_e: 0.5,
     dark_e_per_s: 1.0,
     hot_share: 0.0,
-    exposure_s: 0.01,
+    exposure_s: EXPOSURE_S,
     read_noise_e: 0.0,
     row_noise_e: 0.3,
     shot: true,
@@ -117,23 +120,24 @@ impl SensorPreset {
     }
 }
 
-/// The sensor of a description: its preset with fields replaced. None of a name that is not known.
+/// The sensor of a description that is exposed for so many seconds: its preset with fields replaced. `None` if the preset is
+/// unknown.
 #[must_use]
-pub fn sensor(law: &spec::Sensor) -> Option<Sensor> {
+pub fn sensor(law: &spec::Sensor, exposure_s: Option<f64>) -> Option<Sensor> {
     let name = law.preset.as_deref().unwrap_or(SENSORS[0].name);
     let preset = SensorPreset::find(name)?.sensor();
     Some(Sensor {
         full_well_e: law.full_well_e.unwrap_or(preset.full_well_e),
-        white_at: law.white_at.unwrap_or(preset.white_at) * law.light_level.unwrap_or(1.0),
+        white_at: preset.white_at * law.light_level.unwrap_or(1.0),
         prnu: law.prnu.unwrap_or(preset.prnu),
         dcnu: law.dcnu.unwrap_or(preset.dcnu),
         dsnu_e: law.dsnu_e.unwrap_or(preset.dsnu_e),
         dark_e_per_s: law.dark_e_per_s.unwrap_or(preset.dark_e_per_s),
         hot_share: law.hot_share.unwrap_or(preset.hot_share),
-        exposure_s: law.exposure_s.unwrap_or(preset.exposure_s),
+        exposure_s: exposure_s.unwrap_or(preset.exposure_s),
         read_noise_e: law.read_noise_e.unwrap_or(preset.read_noise_e),
         row_noise_e: law.row_noise_e.unwrap_or(preset.row_noise_e),
-        shot: law.shot.unwrap_or(preset.shot),
+        shot: preset.shot,
         bits: law.bits.unwrap_or(preset.bits),
         black_dn: law.black_dn.unwrap_or(preset.black_dn),
         gain: law.gain.unwrap_or(preset.gain),
@@ -153,11 +157,8 @@ pub struct CameraPreset {
     sensor: &'static str,
     port: Option<Port>,
     distortion: Option<Distortion>,
-    rolling: Option<Rolling>,
+    readout_s: Option<f64>,
 }
-
-/// Sea water of 20 °C and 35 psu at 650, 550 and 450 nm (Quan and Fry 1995).
-const SEA_WATER: [f64; 3] = [1.3377, 1.3408, 1.3459];
 
 const BARREL: Distortion = Distortion {
     k1: -0.12,
@@ -175,24 +176,20 @@ pub const CAMERAS: &[CameraPreset] = &[
         source: "sensor `machine-vision-1/1.8`; refractive index of sea water by Quan and Fry 1995; the rest assumed",
         sensor: "machine-vision-1/1.8",
         port: Some(Port::Flat {
-            n_w: SEA_WATER,
             pupil_m: 0.0,
             glass_m: 0.0,
         }),
         distortion: None,
-        rolling: None,
+        readout_s: None,
     },
     CameraPreset {
         name: "low-light-dome",
         about: "large pixels behind a dome of 0.1 m",
         source: "sensor `large-pixel-1/1.2`; the rest assumed",
         sensor: "large-pixel-1/1.2",
-        port: Some(Port::Dome {
-            n_w: SEA_WATER,
-            radius_m: 0.1,
-        }),
+        port: Some(Port::Dome { radius_m: 0.1 }),
         distortion: None,
-        rolling: None,
+        readout_s: None,
     },
     CameraPreset {
         name: "action-flat-port",
@@ -200,24 +197,15 @@ pub const CAMERAS: &[CameraPreset] = &[
         source: "sensor `small-pixel-1/2.3`; refractive index of sea water by Quan and Fry 1995; distortion and readout assumed",
         sensor: "small-pixel-1/2.3",
         port: Some(Port::Flat {
-            n_w: SEA_WATER,
             pupil_m: 0.0,
             glass_m: 0.0,
         }),
         distortion: Some(BARREL),
-        rolling: Some(Rolling {
-            readout_s: 0.02,
-            bands: 16,
-        }),
+        readout_s: Some(0.02),
     },
 ];
 
-const FULL_VIGNETTE: Vignette = Vignette {
-    v: 1.0,
-    v1: 0.0,
-    v2: 0.0,
-    v3: 0.0,
-};
+const FULL_VIGNETTE: Vignette = Vignette { v: 1.0, v2: 0.0 };
 
 const METERED: Metering = Metering {
     target: 0.5,
@@ -242,9 +230,9 @@ pub fn complete(camera: &Camera) -> Camera {
     };
     complete.port = camera.port.or(preset.port);
     complete.distortion = camera.distortion.or(preset.distortion);
-    complete.rolling = camera
-        .rolling
-        .or(preset.rolling.filter(|_| camera.path.is_some()));
+    complete.readout_s = camera
+        .readout_s
+        .or(preset.readout_s.filter(|_| camera.path.is_some()));
     complete.vignette = camera.vignette.or(Some(FULL_VIGNETTE));
     complete.exposure = camera.exposure.or(Some(Exposure::Auto(METERED)));
     complete.white_balance = camera.white_balance.or(Some(WhiteBalance::GrayWorld));
@@ -270,14 +258,14 @@ mod tests {
             });
             camera.port = Some(Port::None {});
             let complete = complete(&camera);
-            let sensor = sensor(complete.sensor.as_ref().unwrap()).unwrap();
+            let sensor = sensor(complete.sensor.as_ref().unwrap(), None).unwrap();
             assert_eq!(sensor.gain, 4.0);
             assert_eq!(
                 sensor.full_well_e,
                 SensorPreset::find(preset.sensor).unwrap().full_well_e
             );
             assert_eq!(complete.port, Some(Port::None {}));
-            assert!(complete.rolling.is_none());
+            assert!(complete.readout_s.is_none());
         }
     }
 
@@ -285,6 +273,6 @@ mod tests {
     fn a_camera_without_preset_stays_what_it_is() {
         let camera = Camera::pinhole(64, 48, 60.0);
         assert_eq!(complete(&camera), camera);
-        assert_eq!(sensor(&spec::Sensor::default()), Some(SENSORS[0].sensor()));
+        assert_eq!(sensor(&spec::Sensor::default(), None), Some(SENSORS[0].sensor()));
     }
 }

@@ -38,14 +38,5 @@ fn faults(camera: &Camera, renders: bool) -> Vec<Fault> {
             format!("`camera.{}`: {wrong}", path.join(".")),
         ));
     }
-    if let Some(rolling) = camera.rolling
-        && rolling.bands > camera.height
-    {
-        let message = format!(
-            "`camera.rolling.bands` is {}, but the picture has {} rows",
-            rolling.bands, camera.height
-        );
-        faults.push(fault(vec!["rolling", "bands"], message));
-    }
     faults
 }

@@ -17,20 +17,35 @@ const IN_F64: f64 = 32.0 * f64::EPSILON;
 /// The fall-off over a picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FallOff {
-    law: Vignette,
+    /// Weight of the cosine, v.
+    cosine_weight: f64,
+    /// v1, v2 and v3.
+    terms: [f64; 3],
     camera: Intrinsics,
     /// 1 over the square of the radius of the farthest corner; 0 in a picture of one pixel.
     per_corner: f64,
 }
 
 impl FallOff {
-    /// That of a lens whose picture has these sides.
+    /// The fall-off of a lens whose picture has these sides.
     #[must_use]
-    pub fn new(law: Vignette, camera: Intrinsics, (width, height): (usize, usize)) -> Self {
+    pub fn new(law: Vignette, camera: Intrinsics, size: (usize, usize)) -> Self {
+        Self::with_terms(law.v, [0.0, law.v2, 0.0], camera, size)
+    }
+
+    /// The fall-off with the weight of the cosine and v1, v2 and v3.
+    #[must_use]
+    pub fn with_terms(
+        cosine_weight: f64,
+        terms: [f64; 3],
+        camera: Intrinsics,
+        (width, height): (usize, usize),
+    ) -> Self {
         let (x, y) = (farthest(camera.cx, width), farthest(camera.cy, height));
         let square = x * x + y * y;
         Self {
-            law,
+            cosine_weight,
+            terms,
             camera,
             per_corner: if square > 0.0 { 1.0 / square } else { 0.0 },
         }
@@ -39,7 +54,7 @@ impl FallOff {
     /// The factor of a pixel.
     #[must_use]
     pub fn factor(&self, x: usize, y: usize) -> f64 {
-        let Vignette { v, v1, v2, v3 } = self.law;
+        let (v, [v1, v2, v3]) = (self.cosine_weight, self.terms);
         let (x, y) = (x as f64 - self.camera.cx, y as f64 - self.camera.cy);
         let r2 = x * x + y * y;
         let stretch = 1.0 + r2 / (self.camera.focal_px * self.camera.focal_px);
@@ -89,12 +104,12 @@ impl FallOff {
     /// `1 - v + v cos⁴ θ` at a squared radius.
     fn cosine(&self, r2: f64) -> f64 {
         let stretch = 1.0 + r2 / (self.camera.focal_px * self.camera.focal_px);
-        1.0 - self.law.v + self.law.v / (stretch * stretch)
+        1.0 - self.cosine_weight + self.cosine_weight / (stretch * stretch)
     }
 
     /// Limits of the polynomial between two values of q.
     fn rest(&self, inner: f64, outer: f64) -> Factors {
-        let Vignette { v1, v2, v3, .. } = self.law;
+        let [v1, v2, v3] = self.terms;
         let q = (inner + outer) / 2.0;
         let middle = 1.0 + q * (v1 + q * (v2 + q * v3));
         let slope = v1.abs() + outer * (2.0 * v2.abs() + outer * 3.0 * v3.abs());
@@ -153,7 +168,7 @@ pub fn expose(picture: &mut Rgb<f32>, falloff: Option<&FallOff>, gain: f64) {
 /// The factors of a row. Doubles cost nothing here and keep the factor exact to a last bit of f32.
 #[inline(always)]
 fn row(falloff: &FallOff, y: usize, gain: f64, factors: &mut [f32]) {
-    let Vignette { v, v1, v2, v3 } = falloff.law;
+    let (v, [v1, v2, v3]) = (falloff.cosine_weight, falloff.terms);
     let Intrinsics { focal_px, cx, cy } = falloff.camera;
     let down = (y as f64 - cy) * (y as f64 - cy);
     let per_focal = 1.0 / (focal_px * focal_px);
@@ -194,15 +209,15 @@ mod tests {
                     2.0 * unit(element) - 1.0
                 }
             };
-            let law = Vignette {
-                v: unit(0).round() * unit(1),
-                v1: signed(2),
-                v2: signed(3),
-                v3: signed(4),
-            };
+            let terms = [2, 3, 4].map(signed);
             let (cx, cy) = (40.0 * unit(5), 28.0 * unit(6));
             let focal_px = 5.0 * libm::exp(6.0 * unit(7));
-            FallOff::new(law, Intrinsics { focal_px, cx, cy }, SIZE)
+            FallOff::with_terms(
+                unit(0).round() * unit(1),
+                terms,
+                Intrinsics { focal_px, cx, cy },
+                SIZE,
+            )
         })
     }
 

@@ -8,7 +8,7 @@ use camera::vignette::{self, FallOff};
 use camera::{exposure, mosaic, preset};
 use imaging::geometry::Intrinsics;
 use imaging::{Plane, Rgb};
-use spec::{Cfa, Distortion, Metering, Vignette};
+use spec::{Cfa, Distortion, Metering};
 
 /// f32 of light up to 1 or so.
 const ROUNDING: f64 = 1e-5;
@@ -144,20 +144,15 @@ fn blur_has_the_reference_s_disc_at_every_pixel() {
 
 #[test]
 fn vignette_and_metering_agree_with_the_reference() {
-    let law = Vignette {
-        v: 0.8,
-        v1: 0.1,
-        v2: -0.4,
-        v3: 0.1,
-    };
     let metering = Metering {
         target: 0.4,
         percentile: 0.9,
         lag_frames: 0.0,
     };
     for (width, height) in SIZES {
-        let falloff = FallOff::new(
-            law,
+        let falloff = FallOff::with_terms(
+            0.8,
+            [0.1, -0.4, 0.1],
             Intrinsics::centered(0.7 * width as f64, width, height),
             (width, height),
         );

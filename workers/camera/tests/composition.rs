@@ -10,7 +10,7 @@ use camera::vignette::{self, FallOff};
 use imaging::geometry::Intrinsics;
 use imaging::random::Stream;
 use imaging::{Plane, Rgb};
-use spec::{Defocus, Distortion, Exposure, Metering, Vignette};
+use spec::{Defocus, Distortion, Exposure, Metering};
 
 /// Brightest exposed light that counts.
 const WHITE: f64 = 1.0;
@@ -67,12 +67,8 @@ impl Case {
         let source = (dice.unit(1) < 0.7)
             .then(|| Source::around(&lens, size, 1 + dice.pick(2, 3)))
             .flatten();
-        let law = Vignette {
-            v: dice.unit(3).round() * dice.unit(4),
-            v1: dice.between(5, -1.0, 1.0),
-            v2: dice.between(6, -1.0, 1.0),
-            v3: dice.between(7, -1.0, 1.0),
-        };
+        let cosine_weight = dice.unit(3).round() * dice.unit(4);
+        let terms = [5, 6, 7].map(|element| dice.between(element, -1.0, 1.0));
         let defocus = Defocus {
             aperture_m: dice.magnitude(8, 1e-4, 0.1),
             focus_m: dice.magnitude(9, 0.2, 20.0),
@@ -82,7 +78,8 @@ impl Case {
             size,
             source,
             focus: (dice.unit(10) < 0.8).then(|| Focus::new(defocus, lens.camera.focal_px, None)),
-            falloff: (dice.unit(11) < 0.7).then(|| FallOff::new(law, lens.camera, size)),
+            falloff: (dice.unit(11) < 0.7)
+                .then(|| FallOff::with_terms(cosine_weight, terms, lens.camera, size)),
             lens,
             exposure: exposure_of(dice),
             range: range(dice, size),

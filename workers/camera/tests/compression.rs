@@ -7,11 +7,7 @@ use imaging::codec::{Radiance, decode_radiance, encode_jpeg};
 use spec::{Chroma, Jpeg};
 
 fn law(quality: u8, chroma: Chroma) -> Jpeg {
-    Jpeg {
-        quality,
-        chroma,
-        measured: true,
-    }
+    Jpeg { quality, chroma }
 }
 
 fn photo(width: usize, height: usize) -> Rgb8 {

@@ -99,7 +99,6 @@ impl Surroundings {
     /// Those of a frame.
     #[must_use]
     pub fn of_frame(frame: &Frame) -> Self {
-        const FRAMES_PER_S: f64 = 25.0;
         Self {
             daylight: frame.daylight,
             has_lamps: frame.has_lamps(),
@@ -107,7 +106,7 @@ impl Surroundings {
             frames_per_s: frame
                 .camera
                 .path
-                .map(|_| frame.camera.frames_per_s.unwrap_or(FRAMES_PER_S)),
+                .map(|_| frame.camera.frames_per_s),
         }
     }
 

@@ -41,6 +41,8 @@ const NOZZLE_M: f64 = 0.05;
 pub const FAR_M: f64 = 15.0;
 /// Height of a picture's camera above the bottom where nothing says it, m.
 const ABOVE_M: f64 = 1.5;
+/// Length of a plume, m.
+const PLUME_M: f64 = 1.5;
 
 /// A plume in camera axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -185,7 +187,7 @@ impl Clouds {
         }
         let aside = (dot(away, away) - along * along).max(0.0);
         let wide = NOZZLE_M + WIDENING * along;
-        1.0 - aside / (wide * wide) - (along / self.law.plume_m).powi(2)
+        1.0 - aside / (wide * wide) - (along / PLUME_M).powi(2)
     }
 }
 

@@ -20,7 +20,7 @@ const SNOWS: [(&str, Snow); 4] = [
             far_m: 3.0,
             radius_m: 6e-4,
             spectrum: 3.0,
-            aggregates: Some(0.4),
+            aggregates: 0.4,
             drift_m_per_s: Some([0.3, -0.1, 0.2]),
             ..Snow::of(200.0)
         },

@@ -148,10 +148,9 @@ impl Slot {
             developed.rgb.data_mut()[0] ^= 1;
         }
         record.counts.clamped = developed.clamped;
-        let measured = developed.measured();
-        let enhancements = watch.time("enhance", || enhance::run(context, measured, &mut record))?;
+        let enhancements = watch.time("enhance", || enhance::run(context, &developed.rgb, &mut record))?;
         watch.time("metrics", || {
-            measure::run(context, measured, &enhancements, &mut record)
+            measure::run(context, &developed.rgb, &enhancements, &mut record)
         })?;
         record.scene = watch.time("labels", || labels::describe(context, &light.layers));
 

@@ -270,7 +270,7 @@ fn findings(_: &Library) -> Vec<Entry> {
 
 fn fields(_: &Library) -> Vec<Entry> {
     let about = |row: &table::Row| match row.limit.as_str() {
-        "" => row.doc.to_owned(),
+        "" => row.doc.clone(),
         limit => format!("{}; {limit}", row.doc),
     };
     let field = |row: table::Row| Entry {

@@ -100,7 +100,8 @@ impl Writer<'_> {
             plain.schema
         };
         let own = schema.get("description").and_then(Value::as_str);
-        let notes = [Some(field.doc), own, field.unit.map(|_| "unit:")];
+        let meaning = field.meaning();
+        let notes = [Some(meaning.as_str()), own, field.unit.map(|_| "unit:")];
         let mut text = notes.into_iter().flatten().collect::<Vec<_>>().join("; ");
         if let Some(unit) = field.unit {
             text = format!("{text} {unit}");

@@ -77,6 +77,8 @@ pub(crate) struct FieldAttributes {
     pub(crate) names: Option<TokenStream>,
     pub(crate) max: Option<LitInt>,
     pub(crate) distinct: bool,
+    /// What it must fit together with, each a `Rule`.
+    pub(crate) rules: Vec<TokenStream>,
 }
 
 /// The limits of a number.
@@ -135,10 +137,35 @@ impl FieldAttributes {
             }
             "max" => self.max = Some(meta.value()?.parse()?),
             "distinct" => self.distinct = true,
+            "nonzero" => self.rules.push(quote!(crate::schema::Rule::NonZero)),
+            "untraced" => {
+                let reason: LitStr = meta.value()?.parse()?;
+                self.rules.push(quote!(crate::schema::Rule::Untraced(#reason)));
+            }
+            "needs" | "needs_always" | "excludes" | "below" | "differs" => {
+                self.rules.push(rule(&word, meta)?)
+            }
             _ => return Err(meta.error("no attribute of a field")),
         }
         Ok(())
     }
+}
+
+/// A rule that names other fields: `needs("range", "z_depth")`.
+fn rule(word: &str, meta: &ParseNestedMeta<'_>) -> syn::Result<TokenStream> {
+    let content;
+    parenthesized!(content in meta.input);
+    let paths: Vec<_> = Punctuated::<LitStr, Token![,]>::parse_terminated(&content)?
+        .into_iter()
+        .collect();
+    Ok(match (word, paths.as_slice()) {
+        ("needs", [_, ..]) => quote!(crate::schema::Rule::Needs(&[#(#paths),*])),
+        ("excludes", [_, ..]) => quote!(crate::schema::Rule::Excludes(&[#(#paths),*])),
+        ("needs_always", [path]) => quote!(crate::schema::Rule::NeedsAlways(#path)),
+        ("below", [path]) => quote!(crate::schema::Rule::Below(#path)),
+        ("differs", [path]) => quote!(crate::schema::Rule::Differs(#path)),
+        _ => return Err(meta.error("the paths of other fields were expected")),
+    })
 }
 
 fn pair(meta: &ParseNestedMeta<'_>) -> syn::Result<(Expr, Expr)> {

@@ -77,7 +77,7 @@ impl Member {
             Some(unit) => quote!(Some(#unit)),
             None => quote!(None),
         };
-        let doc = &self.attributes.doc;
+        let (doc, rules) = (&self.attributes.doc, &self.attributes.rules);
         let type_name = type_name(&self.ty, &self.attributes);
         quote! {
             crate::schema::Field {
@@ -87,6 +87,7 @@ impl Member {
                 laws: #laws,
                 unit: #unit,
                 doc: #doc,
+                rules: &[#(#rules),*],
                 type_name: #type_name,
             }
         }

@@ -26,6 +26,15 @@
 //! | `vector` | its three numbers are x, y, z, not R, G, B |
 //! | `names = Style`, `words = LIST` | what strings may stand there |
 //! | `max = 64`, `distinct` | length of a list, and whether its elements differ |
+//! | `needs("a", "b")` | one of these must be given as well |
+//! | `needs_always("a")` | this must be given in every frame |
+//! | `excludes("a", "b")` | none of these may be given as well |
+//! | `below("a")`, `differs("a")` | how it compares with that field |
+//! | `nonzero` | its three numbers are not all 0 |
+//! | `untraced = "why"` | the Monte Carlo truth does not model it |
+//!
+//! A name without a dot is a field of the same object; a path with dots starts at the description, as in `water.optics`,
+//! or names a word of a list, as in `artifacts.truth`.
 //!
 //! An enum of words is one of their names in snake case. An enum with `#[serde(tag = "kind")]` is an object whose field
 //! `kind` names the variant. In any other enum each variant with a value is an object of one field, and those without are

@@ -32,9 +32,6 @@ pub enum Port {
     None {},
     /// A flat window: refraction narrows the view and stretches it towards the corners.
     Flat {
-        /// refractive index of the water, R, G, B
-        #[field(within(1.0, 1.5), default = [1.34, 1.34, 1.34])]
-        n_w: [f64; 3],
         /// from the entrance pupil to the glass
         #[field(within(0.0, 0.2), default = 0, unit = "m")]
         pupil_m: f64,
@@ -44,9 +41,6 @@ pub enum Port {
     },
     /// A dome about the entrance pupil: directions stay, only focus changes.
     Dome {
-        /// refractive index of the water
-        #[field(within(1.0, 1.5), default = [1.34, 1.34, 1.34])]
-        n_w: [f64; 3],
         /// radius of the dome
         #[field(within(0.02, 1.0), default = 0.1, unit = "m")]
         radius_m: f64,
@@ -65,34 +59,16 @@ pub struct Defocus {
     pub focus_m: f64,
 }
 
-/// Movement while the shutter is open.
+/// Movement of an uploaded picture while the shutter is open.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, Described)]
 #[serde(deny_unknown_fields)]
 pub struct Motion {
-    /// pictures along the path that are averaged
-    #[field(within(1, 64), default = 8)]
-    pub samples: usize,
-    /// how long the shutter is open
-    #[field(within(1e-5, 1.0), default = 0.01, unit = "s")]
-    pub exposure_s: f64,
-    /// columns that an uploaded picture moves meanwhile
+    /// columns that it moves
     #[field(within(-64.0, 64.0), default = 0, unit = "px")]
     pub x_px: f64,
-    /// rows that an uploaded picture moves meanwhile
+    /// rows that it moves
     #[field(within(-64.0, 64.0), default = 0, unit = "px")]
     pub y_px: f64,
-}
-
-/// A shutter that reads row after row.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, Described)]
-#[serde(deny_unknown_fields)]
-pub struct Rolling {
-    /// time from the first row to the last
-    #[field(within(0.0, 0.2), unit = "s")]
-    pub readout_s: f64,
-    /// bands of rows that share a pose
-    #[field(within(1, 16_384), default = 16)]
-    pub bands: usize,
 }
 
 /// Light that falls off towards the corners.
@@ -102,13 +78,7 @@ pub struct Vignette {
     /// weight of the cosine to the fourth
     #[field(within(0.0, 1.0), default = 1)]
     pub v: f64,
-    /// of q, the square of the radius over that of the farthest corner
-    #[field(within(-1.0, 1.0), default = 0)]
-    pub v1: f64,
-    /// of q²
+    /// of q², the fourth power of the radius over that of the farthest corner
     #[field(within(-1.0, 1.0), default = 0)]
     pub v2: f64,
-    /// of q³
-    #[field(within(-1.0, 1.0), default = 0)]
-    pub v3: f64,
 }

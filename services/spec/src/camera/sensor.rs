@@ -25,7 +25,7 @@ pub struct Metering {
     #[field(within(0.0, 1.0), default = 0.95)]
     pub percentile: f64,
     /// frames in which the factor follows; 0: at once
-    #[field(within(0.0, 1000.0), default = 0)]
+    #[field(within(0.0, 1000.0), default = 0, needs("camera.path"))]
     pub lag_frames: f64,
 }
 
@@ -44,7 +44,7 @@ impl Default for Metering {
 #[serde(deny_unknown_fields, default)]
 #[described(short = "preset")]
 pub struct Sensor {
-    /// the sensor whose fields the others replace; absent: `machine-vision-1/1.8`
+    /// the sensor whose fields the others replace; `machine-vision-1/1.8` by default
     #[field(names = Sensor)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub preset: Option<String>,
@@ -52,11 +52,7 @@ pub struct Sensor {
     #[field(within(100.0, 1e7), unit = "e-")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub full_well_e: Option<f64>,
-    /// share of the full well that white fills
-    #[field(above(0.0, 1.0))]
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub white_at: Option<f64>,
-    /// multiplies `white_at`: how little light the scene is taken in
+    /// light of the scene as a share of the light that the sensor is exposed for; the less, the more noise
     #[field(above(0.0, 1.0))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub light_level: Option<f64>,
@@ -80,10 +76,6 @@ pub struct Sensor {
     #[field(within(0.0, 0.1))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hot_share: Option<f64>,
-    /// how long dark current gathers
-    #[field(within(1e-6, 100.0), unit = "s")]
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub exposure_s: Option<f64>,
     /// noise of reading a pixel
     #[field(within(0.0, 1000.0), unit = "e-")]
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -92,9 +84,6 @@ pub struct Sensor {
     #[field(within(0.0, 1000.0), unit = "e-")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub row_noise_e: Option<f64>,
-    /// whether light arrives in whole electrons
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub shot: Option<bool>,
     /// bits of the converter
     #[field(within(8, 16))]
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -154,7 +143,7 @@ pub enum Tone {
     Gamma(f64),
 }
 
-/// What compression leaves of the picture: it is encoded and decoded again.
+/// What compression leaves of the picture: it is encoded and decoded again, before metrics and enhancements.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, Described)]
 #[serde(deny_unknown_fields)]
 pub struct Jpeg {
@@ -164,9 +153,6 @@ pub struct Jpeg {
     /// resolution of the color
     #[field(default = "full")]
     pub chroma: Chroma,
-    /// whether metrics and enhancements take the picture after it
-    #[field(default = true)]
-    pub measured: bool,
 }
 
 /// Resolution of the color in a JPEG file.

@@ -1,53 +1,35 @@
 //! Daylight, the water that it shines into, and the scene that it lights.
 
+use super::present::Contents;
 use super::{Checker, has_lamps, places};
 use crate::invalid::FieldError;
 use crate::node::Node;
 
-impl Checker<'_> {
-    /// A sky needs water and sets its veil; reflectance needs light.
-    pub(super) fn daylight(&mut self, document: &Node) {
-        let waters: Vec<_> = places(document, "water");
-        let optics: Vec<_> = waters
-            .iter()
-            .filter_map(|(pointer, water)| Some((pointer, water.get("optics")?)))
-            .flat_map(|(pointer, optics)| optics.alternatives(&format!("{pointer}/optics")))
-            .collect();
-        let skies: Vec<_> = places(document, "daylight")
-            .into_iter()
-            .filter(|(_, daylight)| daylight.get("sun_elevation_deg").is_some())
-            .collect();
-        for (pointer, _) in &skies {
-            if optics.is_empty() {
-                let message = "`daylight` describes a sky, but `water.optics` is not given: there is no water for it to light";
-                self.refuse(|| FieldError::new(pointer, message));
-            }
-        }
-        for (pointer, optics) in &optics {
-            for field in ["veiling_light", "veil_gain"] {
-                if optics.get(field).is_some() && !skies.is_empty() {
-                    let message = format!(
-                        "`water.optics.{field}` is given, but `daylight` describes a sky, which sets the veil; remove one of them"
-                    );
-                    self.refuse(|| FieldError::new(&format!("{pointer}/{field}"), message));
-                }
-            }
-        }
-        self.unlit_scene(document, !skies.is_empty());
-    }
+/// Fields that decide whether a scene is black.
+const LIGHTING: [&str; 3] = ["/daylight", "/lights", "/scene"];
 
-    /// A scene of reflectance in a night without lamps is black.
-    fn unlit_scene(&mut self, document: &Node, has_sky: bool) {
-        let is_night = places(document, "daylight")
-            .iter()
-            .all(|(_, daylight)| daylight.strings("").iter().any(|(_, word)| *word == "none"));
-        if has_sky || !is_night || has_lamps(document) {
+impl Checker<'_> {
+    /// A sky needs water, and reflectance needs light.
+    pub(super) fn daylight(&mut self, document: &Node, contents: &Contents<'_>) {
+        let has_sky = contents.has("daylight.sun_elevation_deg", None);
+        if has_sky && !contents.has("water.optics", None) {
+            let message = "`daylight` is a sky, but needs `water.optics`: there is no water for it to light";
+            self.refuse(|| FieldError::new("/daylight", message));
+        }
+        let is_wrong = |pointer: &&str| {
+            self.errors
+                .iter()
+                .any(|error| error.pointer.starts_with(*pointer))
+        };
+        let daylight = document.get("daylight");
+        let is_night =
+            daylight.is_some_and(|daylight| daylight.strings("").iter().all(|(_, word)| *word == "none"));
+        if has_sky || !is_night || has_lamps(document) || LIGHTING.iter().any(is_wrong) {
             return;
         }
         for (pointer, scene) in places(document, "scene") {
             let lighting = scene.get("lighting").map(|lighting| lighting.strings(""));
-            let is_reflectance = lighting.into_iter().flatten().any(|(_, word)| word == "water");
-            if is_reflectance {
+            if lighting.into_iter().flatten().any(|(_, word)| word == "water") {
                 let message = "`scene.lighting` is \"water\", but `daylight` is \"none\" and there are no lamps: the scene is \
                                black; add a lamp or daylight, or set `scene.lighting` to \"in_air\"";
                 self.refuse(|| FieldError::new(&format!("{pointer}/lighting"), message));

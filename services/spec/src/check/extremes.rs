@@ -1,6 +1,13 @@
 //! The values that the laws of a part of the description can yield, as far as they are tried.
 
+use std::collections::BTreeSet;
+
+use serde::de::DeserializeOwned;
+
+use super::Checker;
+use crate::invalid::FieldError;
 use crate::node::{Drawn, LawNode, Node};
+use crate::rules::Fault;
 
 /// This many frames from the first on are tried as they are.
 const FRAMES_TRIED: u64 = 64;
@@ -29,11 +36,45 @@ impl Extremes<'_> {
     }
 }
 
+impl Checker<'_> {
+    /// Tries a top-level field at the extremes of its distributions and in the first of `frames` frames, unless it has errors
+    /// already. Adds the first fault of each place and field.
+    pub(super) fn try_values<T: DeserializeOwned>(
+        &mut self,
+        name: &str,
+        node: &Node,
+        frames: u64,
+        find_faults: &dyn Fn(&T) -> Vec<Fault>,
+    ) {
+        let top = format!("/{name}");
+        if self.errors.iter().any(|error| error.pointer.starts_with(&top)) {
+            return;
+        }
+        let varied = if node.laws().is_empty() {
+            String::new()
+        } else {
+            format!("a {name} that the distributions can yield: ")
+        };
+        let mut found = BTreeSet::new();
+        each_draw(node, frames, &mut |draw| {
+            let Ok(values) = T::deserialize(node.value(&draw)) else {
+                return;
+            };
+            for fault in find_faults(&values) {
+                let pointer = node.locate(&top, &fault.path, &draw);
+                if found.insert((pointer.clone(), fault.path.last().copied())) {
+                    self.refuse(|| FieldError::new(&pointer, format!("{varied}{}", fault.message)));
+                }
+            }
+        });
+    }
+}
+
 /// A way to draw laws.
-pub(super) type Draw<'d> = dyn Fn(&LawNode) -> Drawn + 'd;
+type Draw<'d> = dyn Fn(&LawNode) -> Drawn + 'd;
 
 /// Hands out ways to draw the laws of a part: at their extremes, then as the first of `frames` frames draw them.
-pub(super) fn each_draw(node: &Node, frames: u64, found: &mut dyn FnMut(&Draw<'_>)) {
+fn each_draw(node: &Node, frames: u64, found: &mut dyn FnMut(&Draw<'_>)) {
     for extremes in extremes(node) {
         found(&|law: &LawNode| extremes.draw(law));
     }

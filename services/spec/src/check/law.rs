@@ -58,9 +58,9 @@ impl Checker<'_> {
         for (other, value) in map.iter().filter(|(other, _)| !allowed.contains(&other.as_str())) {
             self.refuse(|| {
                 let message = if KEYS.contains(&other.as_str()) {
-                    format!("{at} holds two laws, `{key}` and `{other}`")
+                    format!("{at} holds two distributions, `{key}` and `{other}`")
                 } else {
-                    format!("{at} is a law, `{key}`, and cannot hold `{other}` too")
+                    format!("{at} is a distribution, `{key}`, and cannot hold `{other}` too")
                 };
                 FieldError::new(&at.field(other).pointer, message)
                     .value(value)

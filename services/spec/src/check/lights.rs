@@ -1,28 +1,13 @@
-//! What must fit together within and between the lights.
+//! The lamps and the haze of a description.
 
 use super::Checker;
-use super::places::{is_zero, lists};
+use super::places::lists;
 use crate::invalid::FieldError;
 use crate::node::Node;
 
 impl Checker<'_> {
-    pub(super) fn lights(&mut self, document: &Node) {
-        self.light_spaces(document);
-        self.lamp_axes(document);
-    }
-
-    fn lamp_axes(&mut self, document: &Node) {
-        for (pointer, light) in lights(document) {
-            if light.get("direction").is_some_and(is_zero) {
-                let message = "this lamp's `direction` is [0, 0, 0], which is none";
-                self.refuse(|| {
-                    FieldError::new(&format!("{pointer}/direction"), message).limit("a length above 0")
-                });
-            }
-        }
-    }
-
-    fn light_spaces(&mut self, document: &Node) {
+    /// All haze shares one space.
+    pub(super) fn haze_spaces(&mut self, document: &Node) {
         let mut first: Option<String> = None;
         for (pointer, space) in spaces(document) {
             match &first {

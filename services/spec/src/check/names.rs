@@ -4,6 +4,7 @@ use serde_json::Value;
 
 use super::{Checker, Place};
 use crate::invalid::{FieldError, quote};
+use crate::migration;
 use crate::node::Node;
 use crate::schema::Names;
 
@@ -46,8 +47,13 @@ impl Checker<'_> {
 
     fn refuse_text(&mut self, at: &Place, names: Names, text: &str) {
         let allowed = self.vocabulary.listed(names);
+        let removed = migration::find_value(&at.path(""), text);
         self.refuse(|| {
             let value = Value::from(text);
+            if let Some(removed) = removed {
+                let message = format!("{at} {} was removed in 0.2: write {}", quote(&value), removed.now);
+                return FieldError::new(&at.pointer, message).value(&value);
+            }
             let problem = match names {
                 Names::Preset if self.vocabulary.waters.contains_key(text) => {
                     "is a water of your own: choose among whole waters, as in {\"optics\": {\"choice\": […]}}"
@@ -76,7 +82,7 @@ impl Checker<'_> {
     /// Refuses presets that lack what rendering needs. With coefficients beside them the optics decide.
     pub(super) fn refuse_unrenderable(&mut self, at: &Place, optics: &Node, is_object: bool) {
         let Node::Object(fields) = optics else { return };
-        let harmless = ["preset", "veil_gain", "forward_scatter"];
+        let harmless = ["preset", "veil_gain", "phase", "forward_scatter"];
         if !fields.iter().all(|(name, _)| harmless.contains(&name.as_str())) {
             return;
         }

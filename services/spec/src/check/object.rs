@@ -5,6 +5,7 @@ use serde_json::{Map, Value};
 use super::{Checker, Place, collection};
 use crate::invalid::FieldError;
 use crate::json::describe;
+use crate::migration;
 use crate::node::{Node, float};
 use crate::schema::{Field, MAX_LABEL_KEY, MAX_LABEL_TEXT, MAX_LABELS, Presence, Shape, Variant};
 
@@ -22,7 +23,8 @@ impl Checker<'_> {
             .filter(|field| map.contains_key(field.name))
             .copied()
             .collect();
-        if present.len() == 1 {
+        let is_removed = |key: &String| migration::find_field(&at.field(key).path("[]"), None).is_some();
+        if present.len() == 1 || map.keys().any(is_removed) {
             self.refuse_unknown(at, &names, map, |_| None);
             return Some(Node::Object(self.fields(at, &present, map)));
         }
@@ -137,9 +139,14 @@ impl Checker<'_> {
         let checked = match numbers.as_ref().unwrap_or(value) {
             Value::Object(map) => self.object(at, fields, map),
             Value::String(_) => {
-                let field = fields.iter().find(|candidate| candidate.name == field)?;
-                let node = self.node(at, &field.shape, false, value)?;
-                Node::Object(vec![(field.name.to_owned(), node)])
+                let (own, others): (Vec<Field>, Vec<Field>) = fields
+                    .iter()
+                    .copied()
+                    .partition(|candidate| candidate.name == field);
+                let node = self.node(at, &own.first()?.shape, false, value)?;
+                let mut nodes = self.fields(at, &others, &Map::new());
+                nodes.push((field.to_owned(), node));
+                Node::Object(nodes)
             }
             _ => return self.wrong_kind(at, &Shape::Short("", &[]), true, value),
         };
@@ -198,6 +205,9 @@ impl Checker<'_> {
         note: impl Fn(&str) -> Option<String>,
     ) {
         for (key, value) in map.iter().filter(|(key, _)| !names.contains(&key.as_str())) {
+            if self.refuse_removed(&at.field(key), value) {
+                continue;
+            }
             self.refuse(|| {
                 let message = note(key).unwrap_or_else(|| format!("{at} has no field `{key}`"));
                 FieldError::new(&at.field(key).pointer, message)
@@ -205,6 +215,22 @@ impl Checker<'_> {
                     .allowed(names, key)
             });
         }
+    }
+
+    /// Whether a field is one of 0.1: refused with what to write now, if possible for each field inside.
+    fn refuse_removed(&mut self, at: &Place, value: &Value) -> bool {
+        let Some(removed) = migration::find_field(&at.path("[]"), value.as_str()) else {
+            return false;
+        };
+        let mut found_inside = false;
+        for (key, value) in value.as_object().into_iter().flatten() {
+            found_inside |= self.refuse_removed(&at.field(key), value);
+        }
+        if !found_inside {
+            let message = format!("{at} was removed in 0.2: {}", removed.now);
+            self.refuse(|| FieldError::new(&at.pointer, message).value(value));
+        }
+        true
     }
 
     fn fields(&mut self, at: &Place, fields: &[Field], map: &Map<String, Value>) -> Vec<(String, Node)> {

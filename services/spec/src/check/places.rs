@@ -22,9 +22,3 @@ pub(super) fn lists<'a>(document: &'a Node, name: &str) -> Vec<(Place, &'a [Node
     }
     lists
 }
-
-/// Whether a list holds nothing but the constant 0.
-pub(super) fn is_zero(list: &Node) -> bool {
-    let nothing = |node: &Node| matches!(node, Node::Constant(value) if value.as_f64() == Some(0.0));
-    matches!(list, Node::List(axis) if axis.iter().all(nothing))
-}

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use serde_json::Value;
 
 use super::places::{lists, places};
+use super::present::Contents;
 use super::{Checker, Place};
 use crate::artifact::ArtifactKind;
 use crate::invalid::FieldError;
@@ -47,15 +48,17 @@ struct Lacking {
 
 impl Checker<'_> {
     /// Checks what the description asks of its scenes. Returns warnings about what only some frames have.
-    pub(crate) fn scenes(&mut self, document: &Node, written: &Value, uploads: &Uploads) -> Vec<String> {
+    pub(crate) fn scenes(&mut self, document: &Node, uploads: &Uploads) -> Vec<String> {
         let scenes = self.candidates(document, uploads);
         let mut warnings = Vec::new();
         if scenes.is_empty() {
             return warnings;
         }
         let brings_camera = scenes.iter().all(|scene| scene.parts.camera);
-        if brings_camera && written.pointer("/camera/hfov_deg").is_some() {
-            warnings.push("`camera.hfov_deg` has no effect: the scene brings its own camera".to_owned());
+        if brings_camera && Contents::read(document).has_given("camera.hfov_deg", None) {
+            let message =
+                "`camera.hfov_deg` is given, but the scene brings its own camera: remove `camera.hfov_deg`";
+            self.refuse(|| FieldError::new("/camera/hfov_deg", message));
         }
         let lacking = ScenePart::ALL.map(|part| lacking(&scenes, part));
         let of = |ask: &Ask| &lacking[ask.part as usize];

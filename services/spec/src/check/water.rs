@@ -1,72 +1,41 @@
-//! What must fit together within the water: the rules of waters, asked for those that the laws can yield.
-
-use std::collections::BTreeSet;
+//! The rules of waters, asked for those that the distributions can yield.
 
 use serde::Deserialize;
 
-use super::Checker;
-use super::extremes::each_draw;
-use super::{has_lamps, is_traced, places};
+use super::{Checker, has_lamps, is_traced, places};
 use crate::daylight::Daylight;
-use crate::invalid::FieldError;
-use crate::node::{Drawn, LawNode, Node};
+use crate::node::Node;
 use crate::rules::Sight;
 use crate::water::Water;
 
 impl Checker<'_> {
-    /// Tries the water at the extremes of its laws and of the first of `frames` frames. Says nothing about a water
-    /// that has errors already.
+    /// Tries the water under each kind of daylight.
     pub(crate) fn water(&mut self, document: &Node, frames: u64) {
         let Some(water) = document.get("water") else {
             return;
         };
         let alternatives = water.alternatives("");
         let has = |name| alternatives.iter().any(|(_, water)| water.get(name).is_some());
-        if !(has("optics") || has("snow"))
-            || self
-                .errors
-                .iter()
-                .any(|error| error.pointer.starts_with("/water"))
-        {
+        if !(has("optics") || has("snow")) {
             return;
         }
-        let mut found = BTreeSet::new();
-        for daylight in daylights(document) {
-            let sight = Sight {
-                lamps: has_lamps(document),
+        let (lamps, traced, solid) = (has_lamps(document), is_traced(document), widest(document));
+        let sights: Vec<_> = daylights(document)
+            .into_iter()
+            .map(|daylight| Sight {
+                lamps,
                 daylight,
-                traced: is_traced(document),
-                solid: widest(document),
-            };
-            each_draw(water, frames, &mut |draw| {
-                self.try_water(water, sight, &draw, &mut found)
-            });
-        }
-    }
-
-    /// Adds the errors of one water; of each place and field only the first.
-    fn try_water(
-        &mut self,
-        water: &Node,
-        sight: Sight,
-        draw: &impl Fn(&LawNode) -> Drawn,
-        found: &mut BTreeSet<(String, &'static str)>,
-    ) {
-        let Ok(values) = Water::deserialize(water.value(draw)) else {
-            return;
-        };
-        for fault in (self.vocabulary.rules.faults)(&values, sight) {
-            let pointer = water.locate("/water", &fault.path, draw);
-            let field = fault.path.last().copied().unwrap_or_default();
-            if found.insert((pointer.clone(), field)) {
-                let varied = if water.laws().is_empty() {
-                    ""
-                } else {
-                    "a water that the laws can yield: "
-                };
-                self.refuse(|| FieldError::new(&pointer, format!("{varied}{}", fault.message)));
-            }
-        }
+                traced,
+                solid,
+            })
+            .collect();
+        let find_faults = self.vocabulary.rules.faults;
+        self.try_values("water", water, frames, &|water: &Water| {
+            sights
+                .iter()
+                .flat_map(|sight| find_faults(water, *sight))
+                .collect()
+        });
     }
 }
 
@@ -79,7 +48,7 @@ fn daylights(document: &Node) -> Vec<Daylight> {
     all
 }
 
-/// `W H / f²` of the widest and highest camera that the laws can yield.
+/// `W H / f²` of the widest and highest camera that the distributions can yield.
 fn widest(document: &Node) -> Option<f64> {
     let own = |(_, scene): &(String, &Node)| scene.get("family").is_some();
     let cameras = places(document, "camera").into_iter().filter_map(|(_, camera)| {

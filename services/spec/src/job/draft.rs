@@ -155,8 +155,8 @@ impl<'v> Draft<'v> {
     pub fn check(mut self, uploads: &Uploads) -> Result<Job, Invalid> {
         let mut found = Vec::new();
         for (document, part) in self.job.documents.iter().zip(&mut self.parts) {
-            let of_scenes = part.checker.scenes(&document.node, &self.written, uploads);
-            let mut warnings = warnings::find(&document.node, &self.written, part.checker.vocabulary);
+            let of_scenes = part.checker.scenes(&document.node, uploads);
+            let mut warnings = warnings::find(&document.node, part.checker.vocabulary);
             warnings.extend(of_scenes);
             found.push(warnings);
         }

@@ -48,12 +48,15 @@ pub(crate) fn vocabulary(local: bool) -> Vocabulary {
     }
 }
 
-/// The least that a description must say, with these fields beside it.
+/// The least that a description must have, with these fields; a style if `alpha` needs one.
 pub(crate) fn with(fields: Value) -> Value {
     let mut document = json!({"scene": {"kind": "procedural", "family": "structure"}});
     let Value::Object(fields) = fields else {
         return fields;
     };
+    if fields.contains_key("alpha") {
+        document["water"] = json!({"style": "muddy"});
+    }
     for (key, value) in fields {
         document[key] = value;
     }

@@ -3,25 +3,26 @@
 use serde_json::{Value, json};
 use spec::{ArtifactKind, Camera, Encode, Fidelity, HazeBlend, HoleRule, Job, RangeKind, Scene};
 
-use crate::common::{job, job_with, parameters, vocabulary, with};
+use crate::common::{errors, job, job_with, parameters, vocabulary, with};
 
 const LEAST: &str = concat!(
-    r#"{"alpha":1.0,"artifacts":["rgb"],"camera":{"height":492,"hfov_deg":80.0,"width":768},"count":1,"#,
-    r#""dataset":"default","encode":{"format":"png"},"enhance":[],"fidelity":{"tolerance":0.0003},"labels":{},"#,
+    r#"{"alpha":1.0,"artifacts":["rgb"],"camera":{"bits":8,"frames_per_s":25.0,"height":492,"hfov_deg":80.0,"supersample":1,"tone":"srgb","width":768},"count":1,"#,
+    r#""dataset":"default","daylight":"auto","encode":{"format":"png"},"enhance":[],"fidelity":"picture","labels":{},"#,
     r#""lights":[],"metrics":["entropy","uicm","uism","uiconm","uiqm","uciqe"],"#,
-    r#""scene":{"family":"structure","kind":"procedural","seed":0},"seed":0,"#,
-    r#""water":{"ambient":"none","holes":"background","range_scale":1.0}}"#,
+    r#""scene":{"family":"structure","kind":"procedural","lighting":"water","seed":0},"seed":0,"#,
+    r#""water":{"holes":"background","range_scale":1.0}}"#,
 );
 
 /// One of everything.
 fn everything() -> Value {
     json!({
         "dataset": "shaft-v1", "count": 1000, "seed": 42,
-        "scene": {"kind": "procedural", "family": "structure", "seed": {"int": [0, 1_000_000]}},
+        "scene": {"kind": "procedural", "family": "structure", "seed": {"int": [0, 1_000_000]}, "lighting": "in_air"},
+        "daylight": "none",
         "camera": {"width": 640, "height": 480, "hfov_deg": {"uniform": [60, 90]}},
         "water": {"optics": {"choice": ["jerlov-1C", "jerlov-3C"]}, "range_scale": {"uniform": [0.5, 2.0]},
             "style": {"choice": ["atlantic", "mediterranean", "muddy"], "weights": [1, 1, 2]},
-            "depth_m": 4, "ambient": "exposed", "holes": {"range_m": 20}},
+            "depth_m": 4, "holes": {"range_m": 20}},
         "alpha": {"uniform": [0.0, 1.0]},
         "lights": [{"kind": "haze", "x": {"uniform": [0, 1]}, "y": 1.0, "size": 0.2,
             "intensity": {"normal": [0.8, 0.1], "clip": [0, 1]}, "color": [1, 1, {"grid": [0.5, 1]}],
@@ -53,9 +54,9 @@ fn the_canonical_form_is_a_fixed_point() {
 
 #[test]
 fn order_spacing_and_the_form_of_numbers_do_not_change_the_digest() {
-    let one = br#"{"scene":{"kind":"procedural","family":"structure","seed":7},"alpha":0.50,"count":10}"#;
+    let one = br#"{"scene":{"kind":"procedural","family":"structure","seed":7},"alpha":0.50,"count":10,"water":{"style":"muddy"}}"#;
     let other = br#"{ "count": 1e1, "alpha": 5e-1, "scene": {"seed": 7.0, "family": "structure", "kind": "procedural"},
-        "water": {"range_scale": 1}, "labels": {} }"#;
+        "water": {"range_scale": 1, "style": "muddy"}, "labels": {} }"#;
     let [one, other] = [&one[..], &other[..]].map(|text| Job::parse(text, &vocabulary(false)).unwrap());
     assert_eq!(one.canonical(), other.canonical());
     assert_eq!(one.digest(), other.digest());
@@ -129,7 +130,7 @@ fn presets_are_stored_by_their_full_name_whatever_their_form() {
         let frame = job_with(json!({"water": {"optics": optics}})).resolve(0).unwrap();
         assert_eq!(
             frame.parameters["water"]["optics"],
-            json!({"preset": "jerlov-3C/williamson2022"})
+            json!({"phase": "ff", "preset": "jerlov-3C/williamson2022"})
         );
         assert_eq!(
             frame.water.optics.unwrap().preset.as_deref(),
@@ -186,15 +187,33 @@ fn files_are_read_only_where_the_vocabulary_says_local() {
 }
 
 #[test]
-fn what_has_no_effect_is_warned_of() {
-    let warnings = |fields: Value| job_with(fields).warnings().join("\n");
-    assert_eq!(warnings(json!({})), "");
-    assert!(warnings(json!({"alpha": 0.5})).contains("`alpha`"));
-    assert_eq!(warnings(json!({"alpha": 0.5, "water": {"style": "muddy"}})), "");
-    assert!(warnings(json!({"water": {"range_scale": 2}})).contains("`water.range_scale`"));
+fn what_has_no_effect_is_refused() {
+    let refused = |document: Value| {
+        let found = errors(&document);
+        assert_eq!(found.len(), 1, "{document}: {found:#?}");
+        (found[0].pointer.clone(), found[0].message.clone())
+    };
+    let scene = || json!({"kind": "procedural", "family": "structure"});
+    let (pointer, message) = refused(json!({"scene": scene(), "alpha": 0.5}));
+    assert_eq!(pointer, "/alpha");
+    assert_eq!(
+        message,
+        "`alpha` is 0.5, but needs `water.style`: add it, or remove `alpha`"
+    );
+    job_with(json!({"alpha": 0.5, "water": {"style": "muddy"}}));
+    let (pointer, _) = refused(json!({"scene": scene(), "water": {"range_scale": 2}}));
+    assert_eq!(pointer, "/water/range_scale");
     let uploaded =
         json!({"scene": {"kind": "uploaded", "id": "scn_1"}, "camera": {"width": 9, "hfov_deg": 60}});
-    assert!(warnings(uploaded).contains("`camera.width`"));
+    let (pointer, message) = refused(uploaded);
+    assert_eq!(pointer, "/camera/width");
+    assert!(message.contains("needs a procedural scene"), "{message}");
+}
+
+#[test]
+fn a_value_equal_to_the_default_needs_nothing() {
+    job_with(json!({"water": {"range_scale": 1, "holes": "background"}}));
+    job(&json!({"scene": {"kind": "uploaded", "id": "scn_1"}, "camera": {"width": 768, "height": 492}}));
 }
 
 #[test]

@@ -86,7 +86,7 @@ fn numbers_outside_their_limits_are_refused() {
         ),
         (json!({"water": {"depth_m": -1}}), "/water/depth_m", "0..=12000"),
         (
-            json!({"water": {"holes": {"range_m": 0}}}),
+            json!({"water": {"optics": "jerlov-1C", "holes": {"range_m": 0}}}),
             "/water/holes/range_m",
             "0.001..=100000",
         ),
@@ -122,11 +122,11 @@ fn values_of_the_wrong_kind_say_what_was_expected() {
     let refused = [
         (
             json!({"alpha": "NaN"}),
-            "`alpha` must be a number or a law, but is the string \"NaN\"",
+            "`alpha` must be a number or a distribution, but is the string \"NaN\"",
         ),
         (
             json!({"alpha": null}),
-            "`alpha` must be a number or a law, but is null; leave the field out instead",
+            "`alpha` must be a number or a distribution, but is null; leave the field out instead",
         ),
         (
             json!({"count": "3"}),
@@ -134,23 +134,23 @@ fn values_of_the_wrong_kind_say_what_was_expected() {
         ),
         (
             json!({"lights": {}}),
-            "`lights` must be a list or a law, but is an object",
+            "`lights` must be a list or a distribution, but is an object",
         ),
         (
             json!({"water": []}),
-            "`water` must be an object or a law, but is a list of 0",
+            "`water` must be an object or a distribution, but is a list of 0",
         ),
         (
             json!({"water": {"optics": 3}}),
-            "`water.optics` must be a string or an object or a law, but is 3",
+            "`water.optics` must be a string or an object or a distribution, but is 3",
         ),
         (
             json!({"labels": {"a": [1]}}),
-            "`labels.a` must be a number, string or boolean or a law, but is a list of 1",
+            "`labels.a` must be a number, string or boolean or a distribution, but is a list of 1",
         ),
         (
             json!({"water": {"optics": {"preset": "jerlov-1C", "veiling_light": [1, 2]}}}),
-            "`water.optics.veiling_light` must be a list of three numbers, R, G, B or a law, but is a list of 2",
+            "`water.optics.veiling_light` must be a list of three numbers, R, G, B or a distribution, but is a list of 2",
         ),
     ];
     for (fields, message) in refused {
@@ -238,7 +238,7 @@ fn what_decides_the_shape_must_be_there_and_constant() {
     );
     for field in ["count", "seed", "dataset"] {
         let error = only_error(json!({field: {"choice": [1, 2]}}));
-        assert_eq!(error.message, format!("`{field}` cannot be a law"));
+        assert_eq!(error.message, format!("`{field}` cannot be a distribution"));
     }
 }
 
@@ -250,6 +250,42 @@ fn fidelity_is_exactly_one_of_three() {
             Some("exactly one")
         );
     }
+}
+
+#[test]
+fn a_removed_field_names_the_new_one() {
+    let found = errors(&with(json!({
+        "scene": {"kind": "procedural", "family": "structure", "light": "albedo"},
+        "water": {"ambient": "exposed", "from_above": {"sun_share": 0.5, "sun": {"elevation_deg": 30}, "caustics": {}}},
+        "lights": [{"kind": "point", "position_m": [0, 0, 0], "intensity": [1, 1, 1], "shadow": "soft"}],
+        "enhance": ["ibla_guided"],
+        "fidelity": {"variant": "noise"}, "rays": "auto"
+    })));
+    let messages: Vec<_> = found
+        .iter()
+        .map(|error| (error.pointer.as_str(), error.message.as_str()))
+        .collect();
+    let expected = [
+        ("/scene/light", "`\"lighting\": \"water\"`"),
+        ("/water/ambient", "`daylight`"),
+        ("/water/from_above/sun_share", "`daylight.cloud_cover`"),
+        (
+            "/water/from_above/sun/elevation_deg",
+            "`daylight.sun_elevation_deg`",
+        ),
+        ("/water/from_above/caustics", "`daylight.wind_m_per_s`"),
+        ("/lights/0/shadow", "casts shadows"),
+        ("/enhance/0", "\"ibla\""),
+        ("/fidelity/variant", "`\"fidelity\": \"picture\"`"),
+        ("/rays", "remove it"),
+    ];
+    for (pointer, text) in expected {
+        let is_found = messages
+            .iter()
+            .any(|(at, message)| *at == pointer && message.contains(text));
+        assert!(is_found, "{pointer} {text}: {messages:#?}");
+    }
+    assert_eq!(found.len(), expected.len(), "{messages:#?}");
 }
 
 #[test]

@@ -109,7 +109,7 @@ fn keys_beside_a_law_are_refused() {
     assert!(
         alpha(json!({"uniform": [0, 1], "int": [0, 1]}))
             .message
-            .contains("holds two laws")
+            .contains("holds two distributions")
     );
     let error = alpha(json!({"choice": [0, 1], "weigths": [1, 1]}));
     assert_eq!(error.did_you_mean.as_deref(), Some("weights"));

@@ -121,8 +121,7 @@ fn a_job_gives_the_published_answers() {
 
 #[test]
 fn a_law_inside_a_choice_is_addressed_by_its_place_in_the_description() {
-    let ranges =
-        json!({"choice": [{"style": "muddy"}, {"range_scale": {"uniform": [0.5, 2.0]}}], "weights": [0, 1]});
+    let ranges = json!({"choice": [{"style": "muddy"}, {"optics": "jerlov-1C", "range_scale": {"uniform": [0.5, 2.0]}}], "weights": [0, 1]});
     let job = job_with(json!({"seed": 42, "count": 64, "water": ranges}));
     let published = vectors();
     let vector = published
@@ -138,8 +137,7 @@ fn a_law_inside_a_choice_is_addressed_by_its_place_in_the_description() {
 fn adding_a_law_does_not_change_the_others() {
     let few = json!({"count": 50, "seed": 7, "alpha": {"uniform": [0, 1]}, "water": {"style": "muddy"}});
     let mut more = few.clone();
-    more["water"] =
-        json!({"style": {"choice": ["muddy", "atlantic"]}, "range_scale": {"log_uniform": [0.1, 10]}});
+    more["water"] = json!({"style": {"choice": ["muddy", "atlantic"]}, "range_scale": {"log_uniform": [0.1, 10]}, "optics": "jerlov-1C"});
     more["lights"] = json!([{"kind": "haze", "x": {"uniform": [0, 1]}, "y": 0}]);
     let (few, more) = (job_with(few), job_with(more));
     for index in 0..50 {
@@ -220,7 +218,7 @@ fn a_choice_may_hold_laws_objects_and_lists() {
             {"beam_attenuation_per_m": {"choice": [[0.1, 0.2, 0.3], [{"uniform": [0.4, 0.5]}, 0.5, 0.6]]},
              "veiling_light": [0, 0, 0]}]}},
         "encode": {"choice": [{"format": "png"}, {"format": "jpeg", "quality": {"int": [50, 60]}}]},
-        "fidelity": {"choice": [{"variant": "reference"}, {"terms": {"int": [4, 8]}}, {"tolerance": 1e-3}]}}));
+        "fidelity": {"choice": ["reference", {"terms": {"int": [4, 8]}}, {"tolerance": 1e-3}]}}));
     let frames: Vec<_> = (0..200).map(|index| job.resolve(index).unwrap()).collect();
     assert!(frames.iter().any(|frame| frame.alpha == 0.0) && frames.iter().any(|frame| frame.alpha > 0.5));
     assert!(
@@ -238,7 +236,7 @@ fn a_choice_may_hold_laws_objects_and_lists() {
             .iter()
             .any(|frame| { matches!(frame.encode, Encode::Jpeg { quality: 50..=60 }) })
     );
-    assert!(frames.iter().any(|frame| frame.fidelity == Fidelity::REFERENCE));
+    assert!(frames.iter().any(|frame| frame.fidelity == Fidelity::Reference));
     assert!(
         frames
             .iter()

@@ -2,13 +2,16 @@
 
 use serde_json::json;
 
-use crate::common::{errors, job, job_with, only_error, with};
+use crate::common::{errors, job_with, only_error, with};
 
 #[test]
 fn a_mask_of_snow_needs_snow() {
     let error = only_error(json!({"artifacts": ["rgb", "snow_mask"]}));
     assert_eq!(error.pointer, "/artifacts/1");
-    assert_eq!(error.message, "the artifact \"snow_mask\" needs `water.snow`");
+    assert_eq!(
+        error.message,
+        "the artifact \"snow_mask\" needs `water.snow` or `water.sediment`: add it, or remove the artifact"
+    );
 }
 
 fn snow(fields: serde_json::Value) -> serde_json::Value {
@@ -23,7 +26,7 @@ fn snow_says_everything_that_is_wrong_with_it() {
             .map(|error| error.pointer)
             .collect::<Vec<_>>()
     };
-    let wrong = json!({"density_per_m3": -1, "radius_m": 1, "radius_spread": 2, "near_m": 0, "far_m": 1e3, "albedo": [2, 0, 0]});
+    let wrong = json!({"density_per_m3": -1, "radius_m": 1, "spectrum": 9, "near_m": 0, "far_m": 1e3, "albedo": [2, 0, 0]});
     let mut found = pointers(snow(wrong));
     found.sort_unstable();
     let expected = [
@@ -32,7 +35,7 @@ fn snow_says_everything_that_is_wrong_with_it() {
         "far_m",
         "near_m",
         "radius_m",
-        "radius_spread",
+        "spectrum",
     ];
     assert_eq!(found, expected.map(|field| format!("/water/snow/{field}")));
     assert_eq!(pointers(snow(json!({}))), ["/water/snow/density_per_m3"]);
@@ -48,7 +51,7 @@ fn snow_says_everything_that_is_wrong_with_it() {
     let many = only_error(snow(many));
     assert_eq!(many.pointer, "/water/snow/density_per_m3");
     assert!(many.message.contains("in this view"), "{}", many.message);
-    let patchy = json!({"water": {"turbidity": {"contrast": 1, "scale_m": 0}}});
+    let patchy = json!({"water": {"optics": "jerlov-1C", "turbidity": {"contrast": 1, "scale_m": 0}}});
     assert_eq!(
         pointers(patchy),
         ["/water/turbidity/contrast", "/water/turbidity/scale_m"]
@@ -56,27 +59,15 @@ fn snow_says_everything_that_is_wrong_with_it() {
 }
 
 #[test]
-fn snow_before_a_lens_says_what_is_wrong_with_it() {
-    let wrong = json!({"density_per_m3": 1, "discs": "square", "spectrum": 9, "aggregates": 2,
-        "drift_m_per_s": [9, 0, 0], "daylight": "noon"});
+fn aggregates_and_drift_have_limits() {
+    let wrong = json!({"density_per_m3": 1, "aggregates": 2, "drift_m_per_s": [9, 0, 0]});
     let mut found: Vec<_> = errors(&with(snow(wrong)))
         .into_iter()
         .map(|error| error.pointer)
         .collect();
     found.sort_unstable();
-    let expected = ["aggregates", "daylight", "discs", "drift_m_per_s/0", "spectrum"];
+    let expected = ["aggregates", "drift_m_per_s/0"];
     assert_eq!(found, expected.map(|field| format!("/water/snow/{field}")));
-    let dry = json!({"density_per_m3": 1, "daylight": "depth"});
-    let error = only_error(snow(dry));
-    assert_eq!(error.pointer, "/water/snow/daylight");
-    assert!(
-        error.message.contains("diffuse_attenuation_per_m"),
-        "{}",
-        error.message
-    );
-    // A known water has it.
-    let wet = json!({"water": {"optics": "jerlov-3C", "snow": {"density_per_m3": 1, "daylight": "depth"}}});
-    job(&with(wet));
 }
 
 #[test]

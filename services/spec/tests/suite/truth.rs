@@ -1,7 +1,7 @@
 //! The truth of a frame: what is asked of it, and what it does not go with.
 
 use serde_json::{Value, json};
-use spec::{Phase, Truth};
+use spec::Truth;
 
 use crate::common::{errors, job_with, only_error, with};
 
@@ -25,50 +25,13 @@ fn traced(beside: Value) -> Value {
 fn absent_fields_are_their_defaults_and_change_no_job() {
     let frame = job_with(traced(json!({}))).resolve(0).unwrap();
     assert!(frame.is_traced());
-    assert_eq!((frame.truth, frame.water.phase), (None, None));
+    assert_eq!(frame.truth, None);
     assert!(frame.parameters.get("truth").is_none());
     let frame = job_with(traced(json!({"truth": {}}))).resolve(0).unwrap();
     assert_eq!(frame.truth, Some(Truth::default()));
     let plain = job_with(json!({}));
     assert!(!plain.resolve(0).unwrap().is_traced());
-    assert!(!plain.canonical().contains("truth") && !plain.canonical().contains("phase"));
-}
-
-#[test]
-fn both_phase_functions_are_read() {
-    let phase = |phase: Value| {
-        let mut job = traced(json!({}));
-        job["water"]["phase"] = phase;
-        job_with(job).resolve(0).unwrap().water.phase.unwrap()
-    };
-    assert_eq!(phase(json!({})), Phase::default());
-    assert_eq!(
-        phase(json!({"kind": "ff", "backscatter_fraction": 0.01})),
-        Phase::Ff {
-            backscatter_fraction: Some(0.01)
-        }
-    );
-    assert_eq!(phase(json!({"kind": "hg", "g": 0.9})), Phase::Hg { g: Some(0.9) });
-}
-
-#[test]
-fn numbers_of_a_phase_function_belong_to_their_kind() {
-    let refused = |phase: Value| {
-        let mut job = traced(json!({}));
-        job["water"]["phase"] = phase;
-        only_error(job)
-    };
-    for (phase, at) in [
-        (json!({"kind": "ff", "g": 0.9}), "/water/phase/g"),
-        (
-            json!({"kind": "hg", "backscatter_fraction": 0.01}),
-            "/water/phase/backscatter_fraction",
-        ),
-        (json!({"kind": "hg", "g": 0.99}), "/water/phase/g"),
-        (json!({"kind": "mie"}), "/water/phase/kind"),
-    ] {
-        assert_eq!(refused(phase.clone()).pointer, at, "{phase}");
-    }
+    assert!(!plain.canonical().contains("truth"));
 }
 
 #[test]
@@ -101,13 +64,12 @@ fn more_paths_than_the_limit_need_a_budget_that_pays_for_the_first() {
 #[test]
 fn what_is_not_traced_is_refused_all_at_once() {
     let job = traced(json!({
-        "scene": {"kind": "procedural", "family": "structure", "light": "albedo"},
+        "scene": {"kind": "procedural", "family": "structure"},
         "camera": {"width": 64, "height": 48, "distortion": {"k1": -0.1}, "port": {"kind": "flat"}},
         "water": {
             "depth_m": 5, "holes": {"range_m": 9}, "sediment": {},
             "optics": {"absorption_per_m": [0.35, 0.08, 0.07], "scattering_per_m": [0.16, 0.18, 0.2],
-                            "veiling_light": [0, 0, 0]},
-            "from_above": {"surfaces": {"choice": ["normal", "depth"]}, "sun_share": 0.5, "caustics": {}}
+                            "veiling_light": [0, 0, 0]}
         }
     }));
     let found: Vec<String> = errors(&with(job))
@@ -117,10 +79,8 @@ fn what_is_not_traced_is_refused_all_at_once() {
     for pointer in [
         "/camera/distortion",
         "/camera/port",
-        "/water/holes",
+        "/water/holes/range_m",
         "/water/sediment",
-        "/water/from_above/surfaces",
-        "/water/from_above/caustics",
     ] {
         assert!(
             found.iter().any(|at| at == pointer),
@@ -139,19 +99,9 @@ fn water_whose_scattering_is_not_known_has_no_truth() {
 }
 
 #[test]
-fn fields_of_the_truth_without_its_artifacts_are_warned_of() {
-    let job = job_with(
-        json!({"truth": {"target": 0.1}, "water": {"optics": "jerlov-1C", "phase": {"kind": "hg"}}}),
-    );
-    let about = |field: &str| {
-        job.warnings()
-            .iter()
-            .any(|text| text.starts_with(&format!("`{field}` has no effect")))
-    };
-    assert!(about("truth") && about("water.phase"), "{:?}", job.warnings());
-    assert!(
-        job_with(traced(json!({"truth": {"target": 0.1}})))
-            .warnings()
-            .is_empty()
-    );
+fn the_accuracy_of_a_truth_needs_its_artifacts() {
+    let error = only_error(json!({"truth": {"target": 0.1}}));
+    assert_eq!(error.pointer, "/truth");
+    assert!(error.message.contains("artifact `truth`"), "{}", error.message);
+    job_with(traced(json!({"truth": {"target": 0.1}})));
 }

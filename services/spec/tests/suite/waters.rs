@@ -3,7 +3,7 @@
 use optics::own_water::parse_own;
 use serde_json::{Value, json};
 use spec::{
-    Ambient, ForwardScatter, Haze, HazeBlend, HazeSpace, HoleRule, Optics, ScatterModel, ScatterSource, Water,
+    ForwardScatter, Haze, HazeBlend, HazeSpace, HoleRule, Optics, ScatterModel, ScatterSource, Water,
 };
 
 use crate::common::{errors, job_with, only_error, vocabulary, with};
@@ -15,7 +15,7 @@ fn optics(optics: Value) -> Value {
 #[test]
 fn every_field_reaches_the_frame() {
     let job = job_with(
-        json!({"water": {"range_scale": 2, "depth_m": 3, "ambient": "absolute", "holes": "reject",
+        json!({"water": {"range_scale": 2, "depth_m": 3, "holes": "reject",
         "optics": {"absorption_per_m": [0.1, 0.2, 0.3], "scattering_per_m": [0.4, 0.5, 0.6],
             "beam_attenuation_per_m": [0.5, 0.7, 0.9], "backscatter_attenuation_per_m": [1, 2, 3],
             "diffuse_attenuation_per_m": [0.01, 0.02, 0.03], "veiling_light": [0.7, 0.8, 0.9], "veil_gain": 0.4,
@@ -25,7 +25,6 @@ fn every_field_reaches_the_frame() {
     let expected = Water {
         range_scale: 2.0,
         depth_m: Some(3.0),
-        ambient: Ambient::Absolute,
         holes: HoleRule::Reject,
         ..Optics {
             absorption_per_m: Some([0.1, 0.2, 0.3]),
@@ -41,7 +40,6 @@ fn every_field_reaches_the_frame() {
                 spread_px_per_m: Some([4.0, 5.0, 6.0]),
                 spread_offset_px: Some([7.0, 8.0, 9.0]),
                 source: ScatterSource::Direct,
-                ..ScatterModel::Jaffe.into()
             }),
             ..Optics::default()
         }
@@ -92,7 +90,9 @@ fn the_ends_of_laws_are_tried_against_each_other() {
     let error = only_error(with_g(json!([low, 0, 0])));
     assert_eq!(error.pointer, "/water/optics/forward_scatter/g_per_m");
     assert!(
-        error.message.starts_with("a water that the laws can yield: "),
+        error
+            .message
+            .starts_with("a water that the distributions can yield: "),
         "{}",
         error.message
     );
@@ -126,13 +126,6 @@ fn a_water_that_lacks_numbers_says_which() {
         "{messages:?}"
     );
     assert_eq!(found[0].pointer, "/water/optics");
-    let ambient = only_error(json!({"water": {"optics": "jerlov-1C", "ambient": "exposed"}}));
-    assert!(
-        ambient.message.starts_with("depth_m is missing"),
-        "{}",
-        ambient.message
-    );
-    assert_eq!(ambient.pointer, "/water");
 }
 
 #[test]
@@ -194,7 +187,7 @@ fn fields_that_vary_together_stand_in_one_choice() {
 fn a_water_of_the_users_own_is_written_out_in_numbers() {
     let short = job_with(optics(json!("quay")));
     let canonical: Value = serde_json::from_str(short.canonical()).unwrap();
-    let written = json!({"name": "quay", "absorption_per_m": [0.4, 0.2, 0.5], "scattering_per_m": [1.0, 1.1, 1.3],
+    let written = json!({"name": "quay", "phase": "ff", "absorption_per_m": [0.4, 0.2, 0.5], "scattering_per_m": [1.0, 1.1, 1.3],
         "diffuse_attenuation_per_m": [0.6, 0.4, 0.8], "backscatter_fraction": 0.02});
     assert_eq!(canonical["water"]["optics"], written);
     let mut forgetful = vocabulary(false);

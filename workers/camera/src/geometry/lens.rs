@@ -5,6 +5,9 @@ use spec::{Distortion, Port};
 
 /// Least slope of the distorted radius over the ideal one: below it, neighboring directions meet in one pixel.
 const LEAST_SLOPE: f64 = 0.05;
+/// Refractive index of sea water of 20 °C and 35 psu at 650, 550 and 450 nm (Quan and Fry 1995). Fresh and cold water differ by
+/// less than 0.007, which moves no corner of a view of 80° by more than a hundredth of the picture.
+pub(crate) const SEA_WATER: [f64; 3] = [1.3377, 1.3408, 1.3459];
 /// How far beyond the farthest corner a lens must not fold.
 const BEYOND_CORNER: f64 = 1.1;
 /// Steps of the radius in which a lens is searched for folds.
@@ -80,7 +83,7 @@ impl Lens {
     #[must_use]
     pub fn new(camera: Intrinsics, distortion: Option<Distortion>, port: Option<Port>) -> Self {
         let refraction = match port {
-            Some(Port::Flat { n_w, .. }) => Refraction::Flat { index: n_w },
+            Some(Port::Flat { .. }) => Refraction::Flat { index: SEA_WATER },
             Some(Port::None {} | Port::Dome { .. }) | None => Refraction::None,
         };
         Self {
@@ -193,25 +196,21 @@ impl Lens {
 #[must_use]
 pub fn pupil_error_px(lens: &Lens, port: &Port, (width, height): (usize, usize), range_m: f64) -> f64 {
     const GLASS: f64 = 1.5;
-    let &Port::Flat {
-        n_w,
-        pupil_m,
-        glass_m,
-    } = port
-    else {
+    let &Port::Flat { pupil_m, glass_m } = port else {
         return 0.0;
     };
+    let index = lens.magnification();
     let (x, y) = ((width as f64 - 1.0) / 2.0, (height as f64 - 1.0) / 2.0);
     let tan_air = x.hypot(y) / lens.camera.focal_px;
     let sin_air = tan_air / (1.0 + tan_air * tan_air).sqrt();
     let tangent = |sin: f64| sin / (1.0 - sin * sin).sqrt();
-    let sin_water = sin_air / n_w[1];
+    let sin_water = sin_air / index;
     if sin_water == 0.0 {
         return 0.0;
     }
     let at_corner = (pupil_m * tan_air + glass_m * tangent(sin_air / GLASS)) / tangent(sin_water);
-    let on_axis = n_w[1] * (pupil_m + glass_m / GLASS);
-    (at_corner - on_axis).abs() * sin_water / range_m * lens.camera.focal_px * n_w[1]
+    let on_axis = index * (pupil_m + glass_m / GLASS);
+    (at_corner - on_axis).abs() * sin_water / range_m * lens.camera.focal_px * index
 }
 
 /// Pixels of the border that are tried along a side: a lens is smooth, and a map has a margin.
@@ -280,7 +279,6 @@ mod tests {
     #[test]
     fn the_pupil_behind_the_port_shifts_near_corners() {
         let port = |pupil_m| Port::Flat {
-            n_w: [1.34; 3],
             pupil_m,
             glass_m: 0.0,
         };

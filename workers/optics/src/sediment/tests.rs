@@ -11,7 +11,6 @@ const LAW: Sediment = Sediment {
     scale_m: 0.6,
     edge: 0.25,
     thrusters: 0,
-    plume_m: 1.5,
     above_bottom_m: Some(1.0),
 };
 const SIZE: (usize, usize) = (150, 98);

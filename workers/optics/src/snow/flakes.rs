@@ -241,11 +241,11 @@ impl<'a> Cells<'a> {
             let world = [0, 1, 2].map(|axis| self.side * (cell[axis] as f64 + draw(axis as u64)));
             let radius = self.junge(self.snow.spectrum, draw(3));
             let address = base + 1 + DRAWS * particle;
-            match self.snow.aggregates {
-                Some(share) if self.part(address, MOST_PARTS, 1) < share => {
-                    self.aggregate(address, world, radius, take);
-                }
-                _ => take(self.eye.to_camera(world), radius),
+            let share = self.snow.aggregates;
+            if share > 0.0 && self.part(address, MOST_PARTS, 1) < share {
+                self.aggregate(address, world, radius, take);
+            } else {
+                take(self.eye.to_camera(world), radius);
             }
         }
     }

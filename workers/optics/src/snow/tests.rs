@@ -260,7 +260,7 @@ fn near_particles_are_wide_and_faint_and_those_in_focus_small() {
 fn aggregates_have_the_area_of_their_particles() {
     let whole = flakes(&eye(), &SNOW, WORLD, SIZE, &Seeing::STILL);
     let snow = Snow {
-        aggregates: Some(1.0),
+        aggregates: 1.0,
         ..SNOW
     };
     let parts = flakes(&eye(), &snow, WORLD, SIZE, &Seeing::STILL);

@@ -4,8 +4,11 @@ use std::ops::Range;
 
 use spec::{Frame, Scene};
 
-/// Frames of a path in a second where the description does not say.
-pub(crate) const FRAMES_PER_S: f64 = 25.0;
+/// Pictures that the blur of an exposure is averaged from: enough that the copies of an edge that moves by 8 pixels are a pixel
+/// apart.
+pub(crate) const BLUR_SAMPLES: usize = 8;
+/// Bands of rows that share a pose while a rolling shutter is read: steps between them stay below a pixel for skews of up to 16.
+const READOUT_BANDS: usize = 16;
 
 /// One picture of those that make a frame.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,13 +40,12 @@ pub(crate) fn moments(frame: &Frame, height: usize) -> Vec<Moment> {
     if camera.path.is_none() || !matches!(frame.scene, Scene::Procedural { .. }) {
         return still();
     }
-    let rate = camera.frames_per_s.unwrap_or(FRAMES_PER_S);
     let (samples, exposure_s) = camera
-        .motion
-        .map_or((1, 0.0), |motion| (motion.samples, motion.exposure_s));
+        .exposure_s
+        .map_or((1, 0.0), |exposure_s| (BLUR_SAMPLES, exposure_s));
     let (bands, readout_s) = camera
-        .rolling
-        .map_or((1, 0.0), |rolling| (rolling.bands.min(height), rolling.readout_s));
+        .readout_s
+        .map_or((1, 0.0), |readout_s| (READOUT_BANDS.min(height), readout_s));
     let mut moments = Vec::new();
     for band in 0..bands {
         let rows = band * height / bands..(band + 1) * height / bands;
@@ -51,7 +53,7 @@ pub(crate) fn moments(frame: &Frame, height: usize) -> Vec<Moment> {
         for sample in 0..samples {
             let open = (sample as f64 + 0.5) / samples as f64 - 0.5;
             moments.push(Moment {
-                later: rate * (readout_s * (middle - 0.5) + exposure_s * open),
+                later: camera.frames_per_s * (readout_s * (middle - 0.5) + exposure_s * open),
                 rows: rows.clone(),
                 weight: 1.0 / samples as f64,
                 labels: sample == samples / 2,

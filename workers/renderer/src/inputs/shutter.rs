@@ -2,14 +2,12 @@
 
 use ::camera::Parts;
 use ::camera::defocus::Focus;
+use ::camera::preset::EXPOSURE_S;
 use optics::setting::Setting;
 use optics::snow::{self, Flake, Seeing};
 use spec::{Frame, Snow};
 
-use super::movement::FRAMES_PER_S;
-
-/// Exposure time of descriptions without one, s.
-const EXPOSURE_S: f64 = 0.01;
+use super::movement::BLUR_SAMPLES;
 
 /// Through what, when and for how long particles are seen.
 #[derive(Debug, Clone, Copy, Default)]
@@ -24,13 +22,11 @@ impl Shutter {
     /// That of a frame's camera, so many frames after the frame's own time.
     pub(crate) fn new(frame: &Frame, parts: Option<&Parts>, later: f64) -> Self {
         let camera = ::camera::preset::complete(&frame.camera);
-        let rate = camera.frames_per_s.unwrap_or(FRAMES_PER_S);
-        let sensor = camera.sensor.as_ref().and_then(::camera::preset::sensor);
-        // Each picture of a movement is open for its part of the time.
-        let exposure_s = match (camera.motion, camera.path) {
-            (Some(motion), Some(_)) => motion.exposure_s / motion.samples as f64,
-            (Some(motion), None) => motion.exposure_s,
-            (None, _) => sensor.map_or(EXPOSURE_S, |sensor| sensor.exposure_s),
+        // Each picture of a blur is exposed for its share of the time.
+        let exposure_s = match (camera.exposure_s, camera.path) {
+            (Some(exposure_s), Some(_)) => exposure_s / BLUR_SAMPLES as f64,
+            (Some(exposure_s), None) => exposure_s,
+            (None, _) => EXPOSURE_S,
         };
         let scale = |parts: &Parts| {
             let shown = parts.lens.camera.focal_px * parts.lens.magnification();
@@ -39,7 +35,7 @@ impl Shutter {
         Self {
             focus: parts.and_then(|parts| Some((parts.focus?, scale(parts)))),
             exposure_s,
-            time_s: camera.path.map_or(0.0, |path| (path.frame as f64 + later) / rate),
+            time_s: camera.path.map_or(0.0, |path| (path.frame as f64 + later) / camera.frames_per_s),
         }
     }
 

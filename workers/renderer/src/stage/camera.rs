@@ -37,7 +37,10 @@ const DARK_CODE: f64 = 1.0 / 255.0 / 12.92;
 /// The frame with what its description leaves to its camera: the tolerance of a sensor's noise, and metering by the light of lamps alone.
 pub(crate) fn complete(frame: &Frame) -> Cow<'_, Frame> {
     let camera = ::camera::preset::complete(&frame.camera);
-    let sensor = camera.sensor.as_ref().and_then(::camera::preset::sensor);
+    let sensor = camera
+        .sensor
+        .as_ref()
+        .and_then(|sensor| ::camera::preset::sensor(sensor, camera.exposure_s));
     let mut completed = Cow::Borrowed(frame);
     if let Some(sensor) = sensor.filter(|_| frame.fidelity == Fidelity::Picture) {
         completed.to_mut().fidelity = Fidelity::Tolerance(sensor.tolerance().clamp(DARK_CODE, 1.0));
@@ -55,7 +58,10 @@ pub(crate) fn complete(frame: &Frame) -> Cow<'_, Frame> {
 /// The least noise of the sensor in exposed light; 0 without a sensor.
 pub(crate) fn least_noise(frame: &Frame) -> f64 {
     let camera = ::camera::preset::complete(&frame.camera);
-    let sensor = camera.sensor.as_ref().and_then(::camera::preset::sensor);
+    let sensor = camera
+        .sensor
+        .as_ref()
+        .and_then(|sensor| ::camera::preset::sensor(sensor, camera.exposure_s));
     sensor.map_or(0.0, |sensor| 3.0 * sensor.tolerance())
 }
 

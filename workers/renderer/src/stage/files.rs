@@ -51,11 +51,7 @@ pub(crate) fn encode(
         cancel::check();
         if let Some(content) = content_or_warn(context, pictures, kind, record) {
             let encode = context.frame.encode;
-            let texts = match context.frame.png_text {
-                Some(true) => texts(kind),
-                _ => Vec::new(),
-            };
-            let bytes = encode_content(content, encode, &texts, &mut record.counts)?;
+            let bytes = encode_content(content, encode, &texts(kind), &mut record.counts)?;
             files.push(File::new(kind.to_string(), kind.media_type(encode), bytes));
         }
     }

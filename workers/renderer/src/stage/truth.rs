@@ -28,6 +28,9 @@ pub struct Tracing {
     pub limit: &'static str,
 }
 
+/// Pixels on a side of the blocks whose errors count: smaller ones need more paths, larger ones hide edges.
+const BLOCK_PX: usize = 8;
+
 /// Light of a frame by Monte Carlo, and the chain held against it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Traced {
@@ -56,11 +59,11 @@ pub(crate) fn run(
     let tracing = Tracing {
         goal: Goal {
             target: asked.target,
-            block: asked.block,
+            block: BLOCK_PX,
             most_paths: most.paths,
         },
         law: law(context),
-        seed: asked.seed.unwrap_or(frame.seed),
+        seed: frame.seed,
         is_shared: false,
         limit: most.limit,
     };

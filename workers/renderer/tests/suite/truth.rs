@@ -16,7 +16,7 @@ fn lit(beside: &Value) -> Value {
         "water": {"optics": {"absorption_per_m": [0.3, 0.2, 0.1], "scattering_per_m": [0.2, 0.2, 0.2],
                   "veiling_light": [0, 0, 0]}},
         "lights": [{"kind": "spot", "position_m": [0.5, -0.2, 0.1], "intensity": [8, 8, 8], "cone_deg": 50}],
-        "truth": {"paths_max": 64, "block": 4, "target": 0.001},
+        "truth": {"paths_max": 64, "target": 0.001},
         "metrics": [],
         "artifacts": ["truth", "truth_report"]
     });
@@ -94,20 +94,19 @@ fn a_frame_is_traced_for_its_artifacts_alone_and_the_same_each_time() {
 #[test]
 fn a_budget_is_paths_and_not_time() {
     // 0.04 s are 20 000 paths: 34 of each of 192 pixels and three channels, of which 32 are a doubling of the first.
-    let truth = json!({"budget_s": 0.04, "block": 4, "target": 0.001});
+    let truth = json!({"budget_s": 0.04, "target": 0.001});
     let rendered = render(&parse(&lit(&json!({"truth": truth}))));
     let record = rendered.record.truth.clone().unwrap();
     assert_eq!((record.paths, record.ended_by.as_str()), (32, "budget_s"));
-    let exact = json!({"paths_max": 32, "block": 4, "target": 0.001});
+    let exact = json!({"paths_max": 32, "target": 0.001});
     let same = render(&parse(&lit(&json!({"truth": exact}))));
     assert_eq!(file(&rendered, "truth"), file(&same, "truth"));
 }
 
 #[test]
-fn another_seed_or_phase_function_changes_the_paths() {
+fn the_seed_and_the_phase_function_change_the_paths() {
     let first = render(&parse(&lit(&json!({}))));
-    let truth = json!({"paths_max": 64, "block": 4, "target": 0.001, "seed": 9});
-    let other = render(&parse(&lit(&json!({"truth": truth}))));
+    let other = render(&parse(&lit(&json!({"seed": 9}))));
     assert_ne!(file(&first, "truth"), file(&other, "truth"));
     let mut job = lit(&json!({}));
     job["water"]["optics"]["phase"] = json!("hg");
@@ -127,7 +126,7 @@ fn floor(files: &Files, sky: &Value, paths: u64) -> Rendered {
         "camera": {"up": [0, 0, -1], "hfov_deg": 60},
         "water": {"depth_m": DEPTH_M, "optics": {"absorption_per_m": ABSORPTION, "scattering_per_m": SCATTERING}},
         "daylight": sky,
-        "truth": {"paths_max": paths, "block": 8},
+        "truth": {"paths_max": paths},
         "metrics": [],
         "artifacts": ["truth", "truth_report"]
     })))
@@ -207,7 +206,7 @@ fn a_stored_job_with_clouds_of_sediment_is_not_traced() {
     let job = files.stored_job(&json!({
         "water": {"depth_m": 5, "sediment": {},
                   "optics": {"absorption_per_m": [0.3, 0.2, 0.1], "scattering_per_m": [0.2, 0.2, 0.2]}},
-        "truth": {"paths_max": 16, "target": 0.02, "block": 8},
+        "truth": {"paths_max": 16, "target": 0.02},
         "artifacts": ["truth"]
     }));
     let error = try_render(&job, &engine_without_runtime()).unwrap_err();

@@ -7,7 +7,7 @@ use ::camera::{balance, jpeg, mosaic, preset, tone};
 use imaging::{Raster, Rgb, Rgb8, transfer};
 use optics::plan::StageId;
 use serde_json::{Value, json};
-use spec::{FrameRecord, Tone, WhiteBalance};
+use spec::{FrameRecord, WhiteBalance};
 
 use crate::context::FrameContext;
 use crate::inputs::camera::Cameras;
@@ -16,21 +16,12 @@ use crate::inputs::camera::Cameras;
 pub(crate) struct Developed {
     /// The result.
     pub(crate) rgb: Rgb8,
-    /// What enhancements and metrics take, where that is not the result: the picture before its compression.
-    pub(crate) before: Option<Rgb8>,
     /// The same in 16 bits, where the camera has them.
     pub(crate) deep: Option<Raster>,
     /// Samples that were clamped.
     pub(crate) clamped: u64,
     /// The codes of the sensor.
     pub(crate) raw: Option<Raw>,
-}
-
-impl Developed {
-    /// What enhancements and metrics take.
-    pub(crate) fn measured(&self) -> &Rgb8 {
-        self.before.as_ref().unwrap_or(&self.rgb)
-    }
 }
 
 /// The codes of exposed light.
@@ -44,7 +35,6 @@ pub(crate) fn develop(
         let (rgb, clamped) = transfer::encode_rgb8(light);
         return Developed {
             rgb,
-            before: None,
             deep: None,
             clamped,
             raw: None,
@@ -67,17 +57,15 @@ pub(crate) fn develop(
         note(record, "white_balance", json!(gains));
         balance::apply(light.to_mut(), gains);
     }
-    let tone = taking.parts.tone.unwrap_or(Tone::Srgb);
+    let tone = taking.parts.tone;
     let (rgb, clamped) = tone::codes(&light, tone);
     let deep = (taking.parts.bits == 16).then(|| tone::deep_codes(&light, tone));
-    let compressed = taking.parts.jpeg.map(|law| (law, jpeg::compressed(&rgb, law)));
-    let (rgb, before) = match compressed {
-        Some((law, left)) => (left, (!law.measured).then_some(rgb)),
-        None => (rgb, None),
+    let rgb = match taking.parts.jpeg {
+        Some(law) => jpeg::compressed(&rgb, law),
+        None => rgb,
     };
     Developed {
         rgb,
-        before,
         deep,
         clamped,
         raw,

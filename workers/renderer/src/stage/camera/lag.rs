@@ -33,10 +33,11 @@ pub(crate) fn metered_frames(frame: &Frame) -> Vec<Frame> {
                 height: camera.height.div_ceil(SMALLER),
                 path: Some(path),
                 motion: None,
-                rolling: None,
+                exposure_s: None,
+                readout_s: None,
                 sensor: None,
                 preset: None,
-                supersample: None,
+                supersample: 1,
                 defocus: None,
                 jpeg: None,
                 ..camera.clone()

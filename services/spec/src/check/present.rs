@@ -1,0 +1,173 @@
+//! The fields that a checked description holds, by their paths.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use serde_json::Value;
+
+use super::Place;
+use crate::fields::DOCUMENT;
+use crate::node::Node;
+use crate::schema::{Field, Presence, Shape};
+
+/// A field of a checked description.
+pub(super) struct Present<'a> {
+    pub(super) field: &'static Field,
+    pub(super) at: Place,
+    /// The object that holds it.
+    pub(super) object: &'a Node,
+    pub(super) node: &'a Node,
+    /// The alternative of its top-level field that it belongs to.
+    pub(super) branch: usize,
+}
+
+impl Present<'_> {
+    /// Whether it has another value than its default.
+    pub(super) fn is_given(&self) -> bool {
+        match self.field.presence {
+            Presence::Default(text) => {
+                let default = serde_json::from_str(text).unwrap_or_default();
+                !is_same(&default, &self.node.canonical())
+            }
+            Presence::Required | Presence::Optional => true,
+        }
+    }
+}
+
+/// The fields of a description and their paths, such as `water.optics`, apart for each alternative of a top-level field.
+#[derive(Default)]
+pub(super) struct Contents<'a> {
+    pub(super) fields: Vec<Present<'a>>,
+    /// Fields that are there, by default or not.
+    present: BTreeSet<(String, usize)>,
+    /// Fields with another value than their default, and the words of lists, as in `artifacts.raw`.
+    given: BTreeSet<(String, usize)>,
+    /// Alternatives of each top-level field.
+    branches: BTreeMap<&'static str, usize>,
+}
+
+impl<'a> Contents<'a> {
+    pub(super) fn read(document: &'a Node) -> Self {
+        let mut contents = Self::default();
+        if let Shape::Object(fields) = DOCUMENT {
+            contents.add_fields(fields, document, &Place::default(), None);
+        }
+        contents
+    }
+
+    /// Whether a frame can have this path, given or by default. `own` is the branch of a top-level field that the frame has.
+    pub(super) fn has(&self, path: &str, own: Option<(&str, usize)>) -> bool {
+        self.holds(&self.present, path, own)
+    }
+
+    /// Whether a frame can have this path with another value than its default.
+    pub(super) fn has_given(&self, path: &str, own: Option<(&str, usize)>) -> bool {
+        self.holds(&self.given, path, own)
+    }
+
+    /// Whether every frame has this path.
+    pub(super) fn is_certain(&self, path: &str) -> bool {
+        let mut branches = self.branches_of(top_of(path));
+        branches.all(|branch| self.present.contains(&(path.to_owned(), branch)))
+    }
+
+    fn holds(&self, set: &BTreeSet<(String, usize)>, path: &str, own: Option<(&str, usize)>) -> bool {
+        let top = top_of(path);
+        match own {
+            Some((own_top, branch)) if own_top == top => set.contains(&(path.to_owned(), branch)),
+            _ => self
+                .branches_of(top)
+                .any(|branch| set.contains(&(path.to_owned(), branch))),
+        }
+    }
+
+    fn branches_of(&self, top: &str) -> std::ops::Range<usize> {
+        0..self.branches.get(top).copied().unwrap_or_default()
+    }
+
+    /// `branch` is `None` at the top level.
+    fn add_fields(&mut self, fields: &'static [Field], object: &'a Node, at: &Place, branch: Option<usize>) {
+        for field in fields {
+            let Some(node) = object.get(field.name) else {
+                continue;
+            };
+            let at = at.field(field.name);
+            let values = node.alternatives(&at.pointer);
+            if branch.is_none() {
+                self.branches.insert(field.name, values.len());
+            }
+            for (position, (pointer, value)) in values.into_iter().enumerate() {
+                let at = Place {
+                    pointer,
+                    name: at.name.clone(),
+                };
+                self.add_inside(&field.shape, value, &at, branch.unwrap_or(position));
+            }
+            self.add(Present {
+                field,
+                at,
+                object,
+                node,
+                branch: branch.unwrap_or_default(),
+            });
+        }
+    }
+
+    fn add(&mut self, present: Present<'a>) {
+        let key = (present.at.path(""), present.branch);
+        if present.is_given() {
+            self.given.insert(key.clone());
+        }
+        self.present.insert(key);
+        self.fields.push(present);
+    }
+
+    /// What a value holds.
+    fn add_inside(&mut self, shape: &'static Shape, value: &'a Node, at: &Place, branch: usize) {
+        match (shape, value) {
+            (Shape::Object(fields) | Shape::Short(_, fields) | Shape::OneOf(fields), Node::Object(_)) => {
+                self.add_fields(fields, value, at, Some(branch));
+            }
+            (Shape::Tagged { tag, options, .. }, Node::Object(_)) => {
+                let written = value.get(tag).map(|tag| tag.strings("")).unwrap_or_default();
+                let is_meant = |name: &str| written.iter().any(|(_, written)| *written == name);
+                if let Some(option) = options.iter().find(|option| is_meant(option.name)) {
+                    self.add_fields(option.fields, value, at, Some(branch));
+                }
+            }
+            (Shape::Either(_, object), Node::Object(_)) => self.add_inside(object, value, at, branch),
+            (Shape::List { element, .. }, Node::List(items)) => {
+                for (position, item) in items.iter().enumerate() {
+                    let at = at.item(position);
+                    for (pointer, value) in item.alternatives(&at.pointer) {
+                        let at = Place {
+                            pointer,
+                            name: at.name.clone(),
+                        };
+                        self.add_inside(element, value, &at, branch);
+                    }
+                }
+            }
+            (Shape::Text(_), Node::Constant(word)) if at.name.ends_with(']') => {
+                let word = word.as_str().unwrap_or_default();
+                self.given.insert((format!("{}.{word}", at.path("")), branch));
+            }
+            _ => {}
+        }
+    }
+}
+
+/// Whether two values are the same, whether whole numbers are written 2 or 2.0.
+fn is_same(left: &Value, right: &Value) -> bool {
+    match (left, right) {
+        (Value::Number(left), Value::Number(right)) => left.as_f64() == right.as_f64(),
+        (Value::Array(left), Value::Array(right)) => {
+            left.len() == right.len() && left.iter().zip(right).all(|(left, right)| is_same(left, right))
+        }
+        _ => left == right,
+    }
+}
+
+/// The top-level field of a path.
+pub(super) fn top_of(path: &str) -> &str {
+    path.split(['.', '[']).next().unwrap_or_default()
+}

@@ -1,0 +1,246 @@
+//! Fields and values of descriptions for 0.1, and what to write now.
+
+/// A field or a value that descriptions no longer have.
+#[derive(Debug, Clone, Copy)]
+pub struct Removed {
+    /// Its path, such as `lights[].shadow`.
+    pub path: &'static str,
+    /// The value that is gone; the whole field without one.
+    pub value: Option<&'static str>,
+    /// What to write instead.
+    pub now: &'static str,
+}
+
+/// The water decides it.
+const DERIVED: &str = "remove it: it follows from `water.optics`, `water.depth_m` and `daylight`";
+/// The planner decides it.
+const PLANNED: &str = "remove it: the planner chooses by `fidelity`";
+/// Lamps are physical.
+const SHADOWS: &str = "remove it: every lamp casts shadows, softer with a larger `radius_m`";
+
+/// Everything that was removed, in the order of the fields.
+pub const REMOVED: &[Removed] = &[
+    value("scene.light", "baked", "`\"lighting\": \"in_air\"`"),
+    value(
+        "scene.light",
+        "albedo",
+        "`\"lighting\": \"water\"`, the default of procedural scenes",
+    ),
+    field("scene.light", "`scene.lighting`: \"in_air\" or \"water\""),
+    field(
+        "camera.motion.samples",
+        "remove it: 8 pictures along the path are averaged",
+    ),
+    field("camera.motion.exposure_s", "`camera.exposure_s`"),
+    field("camera.rolling", "`camera.readout_s`"),
+    field("camera.rolling.readout_s", "`camera.readout_s`"),
+    field("camera.rolling.bands", "remove it: rows are taken in 16 bands"),
+    field(
+        "camera.port.n_w",
+        "remove it: the refractive index is that of sea water",
+    ),
+    field("camera.sensor.exposure_s", "`camera.exposure_s`"),
+    field(
+        "camera.sensor.white_at",
+        "`camera.sensor.light_level`, relative to the exposure of the preset",
+    ),
+    field(
+        "camera.sensor.shot",
+        "remove it: every sensor but the preset `ideal` counts electrons",
+    ),
+    field(
+        "camera.vignette.v1",
+        "`camera.vignette.v` or `camera.vignette.v2`",
+    ),
+    field(
+        "camera.vignette.v3",
+        "`camera.vignette.v` or `camera.vignette.v2`",
+    ),
+    field(
+        "camera.jpeg.measured",
+        "remove it: metrics and enhancements take the compressed picture",
+    ),
+    field(
+        "water.ambient",
+        "describe the sky by `daylight`, or write `\"daylight\": \"none\"` by night",
+    ),
+    field("water.from_above", "describe the sky by `daylight`"),
+    field("water.from_above.veil", DERIVED),
+    field(
+        "water.from_above.level",
+        "remove it; `camera.exposure` sets the brightness",
+    ),
+    field("water.from_above.horizon", DERIVED),
+    field("water.from_above.p", DERIVED),
+    field("water.from_above.q", DERIVED),
+    field(
+        "water.from_above.surfaces",
+        "`scene.lighting`: \"water\" lights the surfaces, \"in_air\" leaves them as they are",
+    ),
+    field(
+        "water.from_above.sun_share",
+        "`daylight.cloud_cover` and `daylight.sun_elevation_deg`, which it follows from",
+    ),
+    field(
+        "water.from_above.sun",
+        "`daylight.sun_elevation_deg` and `daylight.sun_azimuth_deg`",
+    ),
+    field(
+        "water.from_above.sun.elevation_deg",
+        "`daylight.sun_elevation_deg`",
+    ),
+    field("water.from_above.sun.azimuth_deg", "`daylight.sun_azimuth_deg`"),
+    field(
+        "water.from_above.sun.shadow",
+        "remove it: the sun casts shadows unless `daylight.cloud_cover` is 1",
+    ),
+    field("water.from_above.ambient_rays", PLANNED),
+    field(
+        "water.from_above.caustics",
+        "`daylight.wind_m_per_s`, which the waves follow from",
+    ),
+    field(
+        "water.from_above.shafts",
+        "remove it: shafts follow from `daylight` and the waves",
+    ),
+    field("water.multiple", PLANNED),
+    field("water.glow_phase", "`water.optics.phase`: \"ff\" or \"hg\""),
+    field(
+        "water.phase",
+        "`water.optics.phase`: \"ff\" or \"hg\", with `water.optics.backscatter_fraction`",
+    ),
+    field("water.style_tier", PLANNED),
+    field(
+        "water.optics.forward_scatter.spread",
+        "remove it: two kernels follow from a and b where no `forward_scatter` is given",
+    ),
+    field("water.optics.forward_scatter.law", "`water.optics.phase`"),
+    field("water.optics.forward_scatter.occlusion", PLANNED),
+    field("water.optics.forward_scatter.layers", PLANNED),
+    field(
+        "water.snow.radius_spread",
+        "`water.snow.spectrum`, the slope of the radii",
+    ),
+    field(
+        "water.snow.discs",
+        "remove it: particles are blurred by `camera.defocus`",
+    ),
+    field("water.snow.daylight", DERIVED),
+    field("water.sediment.plume_m", "remove it: plumes are 1.5 m long"),
+    field("lights[].shadow", SHADOWS),
+    field("lights[].samples", SHADOWS),
+    field("lights[].glow_shadow", SHADOWS),
+    field(
+        "rays",
+        "remove it: shadow rays use the solids of a procedural scene, else the range image",
+    ),
+    value(
+        "enhance",
+        "ibla_hybrid",
+        "\"ibla\": the planner chooses the variant by `fidelity`",
+    ),
+    value(
+        "enhance",
+        "ibla_guided",
+        "\"ibla\": the planner chooses the variant by `fidelity`",
+    ),
+    field(
+        "png_text",
+        "remove it: PNG files always name their kind, unit and meaning",
+    ),
+    field("truth.block", "remove it: errors count in blocks of 8 pixels"),
+    field("truth.seed", "remove it: the paths follow `seed`"),
+    value("fidelity.variant", "reference", "`\"fidelity\": \"reference\"`"),
+    value(
+        "fidelity.variant",
+        "display",
+        "`\"fidelity\": \"picture\"`, the default",
+    ),
+    value(
+        "fidelity.variant",
+        "noise",
+        "`\"fidelity\": \"picture\"`, the default, which allows for the noise of a sensor",
+    ),
+    field(
+        "fidelity.variant",
+        "`\"fidelity\": \"picture\"` or `\"fidelity\": \"reference\"`",
+    ),
+];
+
+const fn field(path: &'static str, now: &'static str) -> Removed {
+    Removed {
+        path,
+        value: None,
+        now,
+    }
+}
+
+const fn value(path: &'static str, value: &'static str, now: &'static str) -> Removed {
+    Removed {
+        path,
+        value: Some(value),
+        now,
+    }
+}
+
+/// What to write in place of a field at this path, if it was removed; `written` decides where the field alone does not.
+pub(crate) fn find_field(path: &str, written: Option<&str>) -> Option<&'static Removed> {
+    let mut rows = REMOVED.iter().filter(|removed| removed.path == path);
+    let of_value = rows
+        .clone()
+        .find(|removed| removed.value.is_some() && removed.value == written);
+    of_value.or_else(|| rows.find(|removed| removed.value.is_none()))
+}
+
+/// What to write in place of a value of a field that is still there, if the value was removed.
+pub(crate) fn find_value(path: &str, written: &str) -> Option<&'static Removed> {
+    let is_it = |removed: &&Removed| removed.path == path && removed.value == Some(written);
+    REMOVED.iter().find(is_it)
+}
+
+/// The table in Markdown.
+#[must_use]
+pub fn markdown() -> String {
+    let mut text = "| up to 0.1 | from 0.2 |\n|---|---|\n".to_owned();
+    for Removed { path, value, now } in REMOVED {
+        let value = value.map(|value| format!(": \"{value}\"")).unwrap_or_default();
+        text += &format!("| `{path}{value}` | {now} |\n");
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::table;
+
+    #[test]
+    fn no_removed_field_is_accepted() {
+        let accepted: Vec<_> = table::rows().into_iter().map(|row| row.path).collect();
+        for removed in REMOVED.iter().filter(|removed| removed.value.is_none()) {
+            assert!(
+                !accepted.iter().any(|path| without_kinds(path) == removed.path),
+                "{}",
+                removed.path
+            );
+        }
+    }
+
+    fn without_kinds(path: &str) -> String {
+        let parts = path
+            .split('(')
+            .map(|part| part.split_once(')').map_or(part, |(_, rest)| rest));
+        parts.collect()
+    }
+
+    /// After a change of the table, copy what the failure prints.
+    #[test]
+    fn the_migration_table_of_the_documentation_is_up_to_date() {
+        let written = include_str!("../../../docs/migration.md");
+        assert!(
+            written.contains(&markdown()),
+            "docs/migration.md should hold:\n{}",
+            markdown()
+        );
+    }
+}
