@@ -65,7 +65,7 @@ pub struct Camera {
     /// light lost towards the corners; absent: none
     #[serde(skip_serializing_if = "Option::is_none")]
     pub vignette: Option<Vignette>,
-    /// brightness; absent: as the light is
+    /// brightness; by default metered where lamps are the only light of a scene of reflectance, else a factor of 1
     #[serde(skip_serializing_if = "Option::is_none")]
     pub exposure: Option<Exposure>,
     /// sensor with its noise; absent: none

@@ -296,4 +296,7 @@ pub enum Fidelity {
     /// kernels of the fast forward scatter
     #[field(within(1, 64))]
     Terms(usize),
+    /// expected milliseconds of one core: the effects and the tolerance with the least expected distance from the reference that fit
+    #[field(above(0.0, 1e6), unit = "ms")]
+    BudgetMs(f64),
 }

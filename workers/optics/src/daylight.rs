@@ -48,6 +48,8 @@ pub use sun::SunLight;
 pub use surface::{Reaching, surfaces, surfaces_reference, with_lamps};
 pub use veil::{VeilOf, veil, veil_reference};
 
+use crate::plan::StageId;
+
 /// The veil's exponent keeps at least this share of c: light cannot decay faster upwards than along a ray.
 pub const MOST_DECAY: f64 = 0.95;
 
@@ -61,6 +63,8 @@ pub struct Daylight {
     pub(crate) rays: usize,
     /// The waves, and how the water blurs what they draw.
     pub(crate) caustics: Option<(Caustics, Blur)>,
+    /// Whether the pattern of the waves shows on surfaces.
+    pub(crate) draws_caustics: bool,
     pub(crate) has_shafts: bool,
     /// True meters of one length of the range.
     pub(crate) scale: f64,
@@ -74,6 +78,21 @@ pub struct Daylight {
 }
 
 impl Daylight {
+    /// Leaves an effect out.
+    pub(crate) fn leave_out(&mut self, effect: StageId) {
+        match effect {
+            StageId::SunShadow => {
+                if let Some(sun) = &mut self.sun {
+                    sun.casts_shadows = false;
+                }
+            }
+            StageId::AmbientAccess => self.rays = 0,
+            StageId::Caustics => self.draws_caustics = false,
+            StageId::Shafts => self.has_shafts = false,
+            _ => {}
+        }
+    }
+
     /// Whether the veil depends on the direction.
     #[must_use]
     pub fn varies(&self) -> bool {
@@ -129,6 +148,12 @@ impl Daylight {
     #[must_use]
     pub fn scale(&self) -> f64 {
         self.scale
+    }
+
+    /// Whether caustics show on surfaces.
+    #[must_use]
+    pub fn draws_caustics(&self) -> bool {
+        self.draws_caustics
     }
 
     /// Whether caustics show in the water before surfaces, too.

@@ -4,8 +4,8 @@
 use serde::Deserialize;
 use spec::{Daylight, Frame, HoleRule, NamedDaylight, Optics, PhaseFunction, SceneLighting, Sky};
 
-use crate::daylight::DaylightModel;
-use crate::preset::{self, Channels, all_known};
+use crate::daylight::{DaylightModel, decay_from};
+use crate::preset::{self, all_known};
 
 /// Depth of the camera by day where none is given, m.
 const DAY_DEPTH_M: f64 = 5.0;
@@ -110,6 +110,16 @@ impl Surroundings {
                 .map(|_| frame.camera.frames_per_s.unwrap_or(FRAMES_PER_S)),
         }
     }
+
+    /// Whether there is no daylight: none is described, or lamps shine and neither daylight nor a depth is given.
+    #[must_use]
+    pub fn is_night(&self, depth_m: Option<f64>) -> bool {
+        match self.daylight {
+            Daylight::Sky(_) => false,
+            Daylight::Named(NamedDaylight::None) => true,
+            Daylight::Named(NamedDaylight::Auto) => self.has_lamps && depth_m.is_none(),
+        }
+    }
 }
 
 impl Medium {
@@ -119,13 +129,16 @@ impl Medium {
         let mut optics = water.optics.clone()?;
         let known = Known::of_optics(&optics);
         let sky = known.sky(surroundings, water.depth_m);
-        if sky.is_none() && !known.has_veil && is_night(surroundings, water.depth_m) {
+        if sky.is_none() && !known.has_veil && surroundings.is_night(water.depth_m) {
             optics.veiling_light = Some([0.0; 3]);
+        }
+        if sky.is_some() && optics.diffuse_attenuation_per_m.is_none() {
+            optics.diffuse_attenuation_per_m = known.decay();
         }
         let depth_m = water.depth_m.or(sky.map(|_| DAY_DEPTH_M));
         let is_reflectance = surroundings.is_reflectance;
         Some(Self {
-            kernels: if optics.forward_scatter.is_none() && known.has_scattering {
+            kernels: if optics.forward_scatter.is_none() && known.coefficients.is_some() {
                 Kernels::Two
             } else {
                 Kernels::One
@@ -146,36 +159,25 @@ impl Medium {
     }
 }
 
-/// Whether lamps are all the light of a frame.
-fn is_night(surroundings: &Surroundings, depth_m: Option<f64>) -> bool {
-    match surroundings.daylight {
-        Daylight::Sky(_) => false,
-        Daylight::Named(NamedDaylight::None) => true,
-        Daylight::Named(NamedDaylight::Auto) => surroundings.has_lamps && depth_m.is_none(),
-    }
-}
-
-/// What optics and their preset know.
+/// The numbers of optics and their preset.
 struct Known {
     has_veil: bool,
-    has_scattering: bool,
+    /// a and b, 1/m; `None` if either is unknown.
+    coefficients: Option<[[f64; 3]; 2]>,
 }
 
 impl Known {
     fn of_optics(optics: &Optics) -> Self {
         let preset = optics.preset.as_deref().and_then(preset::find);
         let decomposition = preset.filter(|_| optics.beam_attenuation_per_m.is_none());
-        let is_known =
-            |given: Option<[f64; 3]>, own: Option<Channels>| given.or(own.and_then(all_known)).is_some();
+        let absorption = decomposition.and_then(|preset| all_known(preset.absorption));
+        let scattering = decomposition.and_then(|preset| all_known(preset.scattering));
+        let absorption = optics.absorption_per_m.or(absorption);
         Self {
             has_veil: optics.sets_veil() || preset.is_some_and(|preset| preset.veiling_light.is_some()),
-            has_scattering: is_known(
-                optics.absorption_per_m,
-                decomposition.map(|preset| preset.absorption),
-            ) && is_known(
-                optics.scattering_per_m,
-                decomposition.map(|preset| preset.scattering),
-            ),
+            coefficients: absorption
+                .zip(optics.scattering_per_m.or(scattering))
+                .map(|(a, b)| [a, b]),
         }
     }
 
@@ -183,8 +185,15 @@ impl Known {
     fn sky(&self, surroundings: &Surroundings, depth_m: Option<f64>) -> Option<Sky> {
         match surroundings.daylight {
             Daylight::Sky(sky) => Some(sky),
-            Daylight::Named(_) if is_night(surroundings, depth_m) => None,
-            Daylight::Named(_) => (self.has_scattering && !self.has_veil).then(Sky::default),
+            Daylight::Named(_) if surroundings.is_night(depth_m) => None,
+            Daylight::Named(_) => (self.coefficients.is_some() && !self.has_veil).then(Sky::default),
         }
+    }
+
+    /// K of daylight in this water. A measured K_d of a preset is that of another sky and another day than its a and b; the veil, the
+    /// surfaces and the reference agree if all follow from a and b.
+    fn decay(&self) -> Option<[f64; 3]> {
+        let [a, b] = self.coefficients?;
+        Some([0, 1, 2].map(|i| decay_from(a[i], b[i])))
     }
 }

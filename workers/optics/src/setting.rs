@@ -6,8 +6,9 @@ use spec::{Beyond, Frame, Scene, SceneLighting, Snow};
 
 use crate::daylight::{Gaze, SurfaceLight};
 use crate::eye::Eye;
-use crate::lamp::{GlowPhase, LAMP_RADIUS_M, Lamp, Lighting};
+use crate::lamp::{GlowPhase, LAMP_RADIUS_M, Lamp, Lighting, Shadow};
 use crate::medium::{Medium, Surroundings};
+use crate::plan::StageId;
 use crate::sediment::Clouds;
 use crate::snow::{self, World};
 use crate::turbidity::Field;
@@ -142,6 +143,20 @@ impl Setting {
             world,
             depth_m: medium.and_then(|medium| medium.depth_m),
         })
+    }
+
+    /// Leaves an effect out of lamps or daylight.
+    pub fn leave_out(&mut self, effect: StageId) {
+        if effect == StageId::LampShadows {
+            for lamp in self.lighting.iter_mut().flat_map(|lighting| &mut lighting.lamps) {
+                *lamp = lamp.with_shadow(Shadow::None, false);
+            }
+        }
+        for water in [&mut self.water, &mut self.around].into_iter().flatten() {
+            if let Some(daylight) = &mut water.daylight {
+                daylight.leave_out(effect);
+            }
+        }
     }
 
     /// Beam attenuation of the water, 1/m; 0 without.

@@ -5,7 +5,6 @@ use std::borrow::Cow;
 use ::camera::geometry::Refraction;
 use imaging::rays::Rays;
 use imaging::{Plane, Rgb};
-use optics::daylight::Daylight;
 use optics::plan::{Plan, StageId, Variant};
 use optics::setting::Setting;
 use optics::visible_bounds::VisibleBounds;
@@ -13,12 +12,14 @@ use optics::water::Water;
 use scenes::Labels;
 use spec::{Frame, Intrinsics, LensRecord};
 
+use crate::effects::Effects;
 use crate::error::RenderError;
 use crate::inputs::camera::{self, Cameras, Taking};
 use crate::inputs::caustics::{self, LastTiles, Pattern};
 use crate::inputs::scene::Prepared;
 use crate::inputs::shutter::Shutter;
 use crate::inputs::{patches, rays};
+use crate::preview;
 use crate::stopwatch::Stopwatch;
 
 /// The inputs of the stages of one moment of a frame. Stages do not change them.
@@ -30,7 +31,7 @@ pub(crate) struct FrameContext<'a> {
     patchy: Option<Plane<f32>>,
     /// Mean, least and greatest path as a share of the range; `None` in even water or in a frame of holes.
     pub(crate) path_factors: Option<[f64; 3]>,
-    /// The pattern of the waves; `None` without caustics.
+    /// The pattern of the waves; `None` without caustics and shafts.
     pub(crate) pattern: Option<Pattern>,
     /// Bounds of the picture, tile by tile; `None` without range.
     pub(crate) view: Option<VisibleBounds>,
@@ -40,6 +41,8 @@ pub(crate) struct FrameContext<'a> {
     pub(crate) shutter: Shutter,
     /// The camera; `None` of a pinhole, which shows the scene as it is.
     pub(crate) taking: Option<Taking>,
+    /// The effects that are left out, applied to all of the above.
+    pub(crate) effects: Effects,
     pub(crate) plan: Plan,
 }
 
@@ -47,9 +50,7 @@ pub(crate) struct FrameContext<'a> {
 #[derive(Default)]
 pub(crate) struct Resources {
     pub(crate) cameras: Cameras,
-    pub(crate) tiles: LastTiles,
-    /// Whether waves draw no caustics: they are even on average, and their pattern costs more than a thinned picture.
-    pub(crate) is_calm: bool,
+    tiles: LastTiles,
 }
 
 impl<'a> FrameContext<'a> {
@@ -65,13 +66,6 @@ impl<'a> FrameContext<'a> {
         let taking = camera::taking(frame, prepared, &mut resources.cameras)?;
         let range = prepared.scene.range.as_ref();
         let patchy = watch.time("turbidity", || patches::find_paths(frame, range?, &setting));
-        let daylight = setting.water.as_ref().and_then(Water::daylight);
-        let has_waves = !resources.is_calm && daylight.is_some_and(Daylight::has_waves);
-        let pattern = range.filter(|_| has_waves).and_then(|range| {
-            watch.time("above", || {
-                caustics::find_pattern(frame, &setting, range, &mut resources.tiles)
-            })
-        });
         let view =
             range.map(|range| VisibleBounds::measure(&prepared.scene.radiance, range, &setting.eye.camera));
         Ok(Self {
@@ -85,11 +79,30 @@ impl<'a> FrameContext<'a> {
                 .zip(range)
                 .and_then(|(path, range)| patches::measure_paths(path, range)),
             patchy,
-            pattern,
+            pattern: None,
+            effects: Effects::default(),
             view,
             taking,
             plan: Plan::default(),
         })
+    }
+
+    /// Leaves effects out, and finds the pattern of the waves if it is seen. A context without this call has all effects of a calm
+    /// sea.
+    pub(crate) fn apply(&mut self, effects: Effects, resources: &mut Resources, watch: &mut Stopwatch) {
+        for id in preview::ESTIMATED.into_iter().filter(|id| !effects.runs(*id)) {
+            self.setting.leave_out(id);
+        }
+        let has_pattern = effects.runs(StageId::Caustics) || effects.runs(StageId::Shafts);
+        let range = self.prepared.scene.range.as_ref();
+        let daylight = self.setting.water.as_ref().and_then(Water::daylight);
+        let is_daylit = has_pattern && daylight.is_some();
+        self.pattern = range.filter(|_| is_daylit).and_then(|range| {
+            watch.time("above", || {
+                caustics::find_pattern(self.frame, &self.setting, range, &mut resources.tiles)
+            })
+        });
+        self.effects = effects;
     }
 
     /// The occluders of the sun and lamps.

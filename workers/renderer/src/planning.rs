@@ -44,6 +44,7 @@ pub(crate) fn plan_frame(
     stages.extend(camera::assess_electronics(context));
     stages.extend(enhance::assess(context.frame));
     stages.extend(truth::assess(context));
+    context.effects.annotate(&mut stages);
     stages.sort_by_key(|stage| stage.id);
     judge_models(&mut stages, &assessment);
     Ok(Plan { tolerance, stages })

@@ -1,5 +1,6 @@
 //! The pipeline of one frame.
 
+mod effects;
 mod exposure;
 mod light;
 
@@ -120,11 +121,11 @@ impl Slot {
         finish: impl FnOnce(&FrameContext<'_>, &Pictures<'_>, &mut FrameRecord) -> Result<T, RenderError>,
     ) -> Result<(T, FrameRecord), RenderError> {
         let mut watch = Stopwatch::start();
-        let within_noise = camera::with_tolerance(frame);
-        let frame = within_noise.as_ref().unwrap_or(frame);
+        let frame = &*camera::complete(frame);
         let prepared = watch.time("scene", || self.scene(frame, source))?;
         let mut context = FrameContext::new(frame, &prepared, 0.0, &mut self.resources, &mut watch)?;
         let expected = watch.time("plan", || self.expect_exposure(&context))?;
+        self.choose_effects(&mut context, expected, &mut watch)?;
         let (taken, mut record) = self.take(&mut context, expected, &mut watch)?;
         let Taken { light, exposed } = &taken;
         let context = &context;
@@ -174,12 +175,12 @@ impl Slot {
     /// # Errors
     /// [`RenderError`] from the scene, the water or the style.
     pub fn plan(&mut self, frame: &Frame, source: &SceneSource) -> Result<Plan, RenderError> {
-        let within_noise = camera::with_tolerance(frame);
-        let frame = within_noise.as_ref().unwrap_or(frame);
+        let frame = &*camera::complete(frame);
         let prepared = self.scene(frame, source)?;
         let unused = &mut Stopwatch::start();
         let mut context = FrameContext::new(frame, &prepared, 0.0, &mut self.resources, unused)?;
         let expected = self.expect_exposure(&context)?;
+        self.choose_effects(&mut context, expected, unused)?;
         context.plan = plan_frame(&context, expected, None, &self.networks.engine)?;
         self.plan_moments(&mut context, expected)?;
         Ok(context.plan)

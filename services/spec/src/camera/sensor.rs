@@ -29,6 +29,16 @@ pub struct Metering {
     pub lag_frames: f64,
 }
 
+impl Default for Metering {
+    fn default() -> Self {
+        Self {
+            target: 0.5,
+            percentile: 0.95,
+            lag_frames: 0.0,
+        }
+    }
+}
+
 /// A sensor after the linear model of EMVA 1288; absent fields come from its preset.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, Described)]
 #[serde(deny_unknown_fields, default)]

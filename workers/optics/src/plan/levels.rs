@@ -23,7 +23,7 @@ pub fn frame_tolerance(frame: &Frame, bounds: &SceneBounds, around: Option<&Wate
     match frame.fidelity {
         Fidelity::Tolerance(tolerance) => Some(tolerance),
         Fidelity::Terms(_) | Fidelity::Reference => None,
-        Fidelity::Picture => {
+        Fidelity::Picture | Fidelity::BudgetMs(_) => {
             // Snow may be darker than anything in the water, airlight lifts darkness to another slope of the curve, and an exposure
             // may do either.
             let is_covered =
@@ -40,7 +40,7 @@ pub fn frame_tolerance(frame: &Frame, bounds: &SceneBounds, around: Option<&Wate
 pub(super) fn tolerance(bounds: &SceneBounds, water: &Water, fidelity: Fidelity) -> Option<f64> {
     match fidelity {
         Fidelity::Tolerance(tolerance) => Some(tolerance),
-        Fidelity::Picture => Some(display_tolerance(bounds, water)),
+        Fidelity::Picture | Fidelity::BudgetMs(_) => Some(display_tolerance(bounds, water)),
         Fidelity::Terms(_) | Fidelity::Reference => None,
     }
 }

@@ -20,6 +20,8 @@ pub enum StageId {
     AmbientAccess,
     /// The pattern of the waves on surfaces and in the water.
     Caustics,
+    /// Shafts of sunlight in the water.
+    Shafts,
     /// Light of lamps on surfaces.
     Lamps,
     /// Shadows of lamps on surfaces.
@@ -82,6 +84,7 @@ impl StageId {
             Self::SunShadow => "sun_shadow",
             Self::AmbientAccess => "ambient_access",
             Self::Caustics => "caustics",
+            Self::Shafts => "shafts",
             Self::Turbidity => "turbidity",
             Self::Lamps => "lamps",
             Self::LampShadows => "lamp_shadows",

@@ -32,7 +32,7 @@ impl Pattern {
 pub(crate) struct LastTiles(Option<Arc<Tiles>>);
 
 impl LastTiles {
-    fn of(&mut self, waves: &Waves, blur: &Blur, depths_m: Vec<f64>) -> Arc<Tiles> {
+    fn find(&mut self, waves: &Waves, blur: &Blur, depths_m: Vec<f64>) -> Arc<Tiles> {
         match &self.0 {
             Some(tiles) if tiles.are(waves, blur, &depths_m) => Arc::clone(tiles),
             _ => {
@@ -44,22 +44,41 @@ impl LastTiles {
     }
 }
 
-/// The pattern that a frame asks for; none where nothing shows it.
+/// The pattern of a frame; `None` if nothing shows it.
 pub(crate) fn find_pattern(
     frame: &Frame,
     setting: &Setting,
     range: &Plane<f32>,
     last: &mut LastTiles,
 ) -> Option<Pattern> {
-    let water = setting.water.as_ref()?;
-    let daylight = water.daylight()?;
-    let number = frame.camera.path.map_or(frame.index, |path| path.frame as u64);
-    let (waves, blur) = daylight.waves(frame.seed, number)?;
-    let is_seen = daylight.surfaces() == SurfaceLight::Normal || daylight.has_shafts();
-    let (shallowest, deepest) = daylight
-        .depths_m(&of_surfaces(range, water.holes()))
-        .filter(|_| is_seen)?;
-    let depths = daylight::slices(shallowest, deepest);
-    let tiles = last.of(&waves, &blur, depths);
+    let (waves, blur) = find_waves(frame, setting)?;
+    let depths = find_slices(setting, range)?;
+    let tiles = last.find(&waves, &blur, depths);
     Some(Pattern { waves, blur, tiles })
+}
+
+/// The pattern of a frame in a tile of so many cells along a side.
+pub(crate) fn find_coarse_tiles(
+    frame: &Frame,
+    setting: &Setting,
+    range: &Plane<f32>,
+    cells: usize,
+) -> Option<Tiles> {
+    let (waves, blur) = find_waves(frame, setting)?;
+    let depths = find_slices(setting, range)?;
+    Some(Tiles::new(&Waves { cells, ..waves }, &blur, depths))
+}
+
+fn find_waves(frame: &Frame, setting: &Setting) -> Option<(Waves, Blur)> {
+    let daylight = setting.water.as_ref()?.daylight()?;
+    let is_seen = daylight.surfaces() == SurfaceLight::Normal || daylight.has_shafts();
+    let number = frame.camera.path.map_or(frame.index, |path| path.frame as u64);
+    daylight.waves(frame.seed, number).filter(|_| is_seen)
+}
+
+/// The depths of the surfaces in view at which tiles are made, m.
+fn find_slices(setting: &Setting, range: &Plane<f32>) -> Option<Vec<f64>> {
+    let water = setting.water.as_ref()?;
+    let (shallowest, deepest) = water.daylight()?.depths_m(&of_surfaces(range, water.holes()))?;
+    Some(daylight::slices(shallowest, deepest))
 }

@@ -23,21 +23,10 @@ use crate::stopwatch::Stopwatch;
 const AGAIN: f64 = 1.05;
 
 /// Caches for thinned pictures, apart from those of frames.
+#[derive(Default)]
 pub(super) struct Thin {
-    resources: Resources,
+    pub(super) resources: Resources,
     kernels: KernelCache,
-}
-
-impl Default for Thin {
-    fn default() -> Self {
-        Self {
-            resources: Resources {
-                is_calm: true,
-                ..Resources::default()
-            },
-            kernels: KernelCache::default(),
-        }
-    }
 }
 
 /// The light of a frame, and the exposed picture; `None` of a pinhole, whose picture is that light.
@@ -194,6 +183,7 @@ impl Slot {
                 &mut self.resources,
                 unused,
             )?;
+            at.apply(context.effects.clone(), &mut self.resources, &mut Stopwatch::start());
             at.plan = plan_frame(&at, expected, None, &self.networks.engine)?;
             visit(self, &at, moment)?;
         }

@@ -14,6 +14,7 @@ use crate::light::Light;
 use crate::pipeline;
 use crate::planning::plan_frame;
 use crate::source::SceneSource;
+use crate::stage::camera;
 use crate::stage::truth::{self as traced, Round, Traced, Tracing};
 use crate::stopwatch::Stopwatch;
 
@@ -74,10 +75,12 @@ impl Slot {
         source: &SceneSource,
         finish: impl FnOnce(&FrameContext<'_>, Light) -> Result<T, RenderError>,
     ) -> Result<T, RenderError> {
+        let frame = &*camera::complete(frame);
         let prepared = Arc::clone(&self.scene(frame, source)?);
         let watch = &mut Stopwatch::start();
         let mut context = FrameContext::new(frame, &prepared, 0.0, &mut self.resources, watch)?;
         let expected = self.expect_exposure(&context)?;
+        self.choose_effects(&mut context, expected, watch)?;
         context.plan = plan_frame(&context, expected, None, &self.networks.engine)?;
         let light = pipeline::render(&context, &mut self.kernels, &mut FrameRecord::default(), watch)?;
         finish(&context, light)

@@ -13,8 +13,11 @@ pub(crate) use lag::{follow, metered_frames};
 pub(crate) use metering::{Expected, expect_factor, thin_frame, thin_scene};
 pub(crate) use shutter::{expose, gather};
 
+use std::borrow::Cow;
+
 use imaging::Rgb;
-use spec::{Fidelity, Frame, Haze, HazeSpace};
+use optics::medium::Surroundings;
+use spec::{Exposure, Fidelity, Frame, Haze, HazeSpace, Metering};
 
 /// The haze that is laid before a camera; without one, and in the space of codes, haze comes behind the style.
 pub(crate) fn haze_before(frame: &Frame) -> Vec<Haze> {
@@ -31,17 +34,29 @@ pub(crate) fn haze_behind(frame: &Frame, has_camera: bool) -> Vec<Haze> {
 /// The least tolerance of a picture in 8-bit codes: one code of the darkest light.
 const DARK_CODE: f64 = 1.0 / 255.0 / 12.92;
 
-/// The frame with the tolerance of its sensor noise; `None` without a sensor and for frames of another fidelity.
-pub(crate) fn with_tolerance(frame: &Frame) -> Option<Frame> {
-    if frame.fidelity != Fidelity::Picture {
-        return None;
-    }
+/// The frame with what its description leaves to its camera: the tolerance of a sensor's noise, and metering by the light of lamps alone.
+pub(crate) fn complete(frame: &Frame) -> Cow<'_, Frame> {
     let camera = ::camera::preset::complete(&frame.camera);
-    let sensor = camera.sensor.as_ref().and_then(::camera::preset::sensor)?;
-    Some(Frame {
-        fidelity: Fidelity::Tolerance(sensor.tolerance().clamp(DARK_CODE, 1.0)),
-        ..frame.clone()
-    })
+    let sensor = camera.sensor.as_ref().and_then(::camera::preset::sensor);
+    let mut completed = Cow::Borrowed(frame);
+    if let Some(sensor) = sensor.filter(|_| frame.fidelity == Fidelity::Picture) {
+        completed.to_mut().fidelity = Fidelity::Tolerance(sensor.tolerance().clamp(DARK_CODE, 1.0));
+    }
+    let surroundings = Surroundings::of_frame(frame);
+    let is_lamplit = surroundings.has_lamps
+        && surroundings.is_reflectance
+        && surroundings.is_night(frame.water.depth_m);
+    if is_lamplit && camera.exposure.is_none() {
+        completed.to_mut().camera.exposure = Some(Exposure::Auto(Metering::default()));
+    }
+    completed
+}
+
+/// The least noise of the sensor in exposed light; 0 without a sensor.
+pub(crate) fn least_noise(frame: &Frame) -> f64 {
+    let camera = ::camera::preset::complete(&frame.camera);
+    let sensor = camera.sensor.as_ref().and_then(::camera::preset::sensor);
+    sensor.map_or(0.0, |sensor| 3.0 * sensor.tolerance())
 }
 
 /// The average of pictures, added one by one, each to some rows.

@@ -86,6 +86,7 @@ impl Checks {
             sun: sun(above),
             rays: above.ambient_rays,
             caustics: above.caustics.map(|waves| (waves, blur(known, c))),
+            draws_caustics: above.caustics.is_some(),
             has_shafts: above.shafts,
             scale,
             fields,

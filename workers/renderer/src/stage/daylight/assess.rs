@@ -14,6 +14,7 @@ const SUNNY_NS: f64 = 9.0;
 const SUN_RAY_NS: f64 = 30.0;
 const AMBIENT_RAY_NS: f64 = 20.0;
 const CAUSTICS_NS: f64 = 40.0;
+const SHAFTS_NS: f64 = 12.0;
 /// A ray through a range image; of those of ambient occlusion there is one for each fifth pixel.
 const SCREEN_RAY_NS: f64 = 1_000.0;
 /// Shadows of the sun and caustics are each left out if that changes no more than this part of the tolerance.
@@ -52,9 +53,16 @@ pub(crate) fn assess(assessment: &Assessment<'_>) -> Vec<Stage> {
     if is_sloped && daylight.ambient_rays() > 0 {
         stages.push(assess_ambient(assessment, daylight.ambient_rays()));
     }
-    if sun.is_some() && context.pattern.is_some() {
+    if sun.is_some() && context.pattern.is_some() && daylight.draws_caustics() {
         // Brighter by no more than the peak, and darker by no more than all of it.
         stages.push(assess_caustics(assessment, sunlight * (peak - 1.0).max(1.0)));
+    }
+    if sun.is_some() && context.pattern.is_some() && daylight.has_shafts() {
+        let shafts = Stage {
+            bound: None,
+            ..Stage::new(StageId::Shafts, Variant::Fast("coarse_rays"))
+        };
+        stages.push(shafts.costing(SHAFTS_NS, assessment.pixels()));
     }
     stages
 }

@@ -1,0 +1,156 @@
+//! Effects that a frame has only if they change its picture.
+
+use std::collections::BTreeMap;
+
+use optics::plan::{Stage, StageId};
+
+use crate::context::FrameContext;
+
+/// An effect is left out if fewer pixels than this share change by more than [`VISIBLE_CODES`].
+pub(crate) const LEAST_SHARE: f64 = 1e-3;
+/// Changes of an 8-bit picture up to this many codes are not seen.
+pub(crate) const VISIBLE_CODES: f64 = 2.0;
+
+/// The estimated change of the final picture by an effect.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Change {
+    /// Share of the pixels that change by more than [`VISIBLE_CODES`] and more than the noise of the sensor.
+    pub(crate) share: f64,
+    /// Mean change of all pixels in codes.
+    pub(crate) mean_codes: f64,
+    /// Expected milliseconds of the effect.
+    pub(crate) cost_ms: f64,
+}
+
+impl Change {
+    fn is_visible(&self) -> bool {
+        self.share >= LEAST_SHARE
+    }
+
+    /// Mean codes for each millisecond.
+    fn gain_per_ms(&self) -> f64 {
+        self.mean_codes / self.cost_ms.max(f64::MIN_POSITIVE)
+    }
+
+    fn describe(&self) -> String {
+        format!(
+            "{:.2} % of pixels by more than {VISIBLE_CODES} codes",
+            100.0 * self.share
+        )
+    }
+}
+
+/// The effects of a frame by the stage that computes each: those that were estimated. All others run.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Effects {
+    estimated: BTreeMap<StageId, Change>,
+    /// Visible effects that a budget leaves no time for.
+    dropped: Vec<StageId>,
+}
+
+impl Effects {
+    pub(crate) fn add(&mut self, id: StageId, change: Change) {
+        self.estimated.insert(id, change);
+    }
+
+    /// Whether an effect runs.
+    pub(crate) fn runs(&self, id: StageId) -> bool {
+        let is_visible = self.estimated.get(&id).is_none_or(Change::is_visible);
+        is_visible && !self.dropped.contains(&id)
+    }
+
+    /// Drops the running effect that changes the picture least for its time. Returns whether there was one.
+    pub(crate) fn drop_least(&mut self) -> bool {
+        let running = self.estimated.iter().filter(|(id, _)| self.runs(**id));
+        let least = running.min_by(|(_, a), (_, b)| a.gain_per_ms().total_cmp(&b.gain_per_ms()));
+        let least = least.map(|(id, _)| *id);
+        self.dropped.extend(least);
+        least.is_some()
+    }
+
+    /// Adds what is known of the effects to the stages of a plan.
+    pub(crate) fn annotate(&self, stages: &mut Vec<Stage>) {
+        for (id, change) in &self.estimated {
+            let described = change.describe();
+            if self.runs(*id) {
+                if let Some(stage) = stages.iter_mut().find(|stage| stage.id == *id) {
+                    let rest = stage.note.take().map(|note| format!("; {note}"));
+                    stage.note = Some(format!("changes {described}{}", rest.unwrap_or_default()));
+                }
+                continue;
+            }
+            let reason = if self.dropped.contains(id) {
+                "left out by `fidelity.budget_ms`"
+            } else {
+                "skipped"
+            };
+            stages.retain(|stage| stage.id != *id);
+            stages.push(Stage {
+                note: Some(format!(
+                    "{reason}, would change {described}, saves {:.0} ms",
+                    change.cost_ms
+                )),
+                ..Stage::skipped(*id)
+            });
+        }
+    }
+}
+
+/// Nanoseconds per pixel of what an estimate may save.
+const SUN_SHADOW_NS: f64 = 30.0;
+const AMBIENT_NS: f64 = 160.0;
+const CAUSTICS_NS: f64 = 40.0;
+const SHAFTS_NS: f64 = 12.0;
+const LAMP_SHADOW_NS: f64 = 63.0;
+
+/// The expected cost of an effect in ms.
+pub(crate) fn expect_cost(id: StageId, context: &FrameContext<'_>) -> f64 {
+    let lamps = context.setting.lighting.as_ref().map_or(0, |lighting| lighting.lamps.len());
+    let ns = match id {
+        StageId::SunShadow => SUN_SHADOW_NS,
+        StageId::AmbientAccess => AMBIENT_NS,
+        StageId::Caustics => CAUSTICS_NS,
+        StageId::Shafts => SHAFTS_NS,
+        StageId::LampShadows => LAMP_SHADOW_NS * lamps as f64,
+        _ => 0.0,
+    };
+    let (width, height) = context.setting.size;
+    ns * (width * height) as f64 / 1e6
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn change(share: f64, mean_codes: f64, cost_ms: f64) -> Change {
+        Change {
+            share,
+            mean_codes,
+            cost_ms,
+        }
+    }
+
+    #[test]
+    fn a_budget_drops_the_least_gain_for_its_time_first() {
+        let mut effects = Effects::default();
+        effects.add(StageId::SunShadow, change(0.2, 8.0, 10.0));
+        effects.add(StageId::AmbientAccess, change(0.3, 4.0, 40.0));
+        effects.add(StageId::Caustics, change(0.0, 0.1, 30.0));
+        assert!(!effects.runs(StageId::Caustics), "it is not visible");
+        assert!(effects.drop_least());
+        assert!(effects.runs(StageId::SunShadow) && !effects.runs(StageId::AmbientAccess));
+        assert!(effects.drop_least());
+        assert!(!effects.drop_least());
+    }
+
+    #[test]
+    fn a_plan_lists_what_was_left_out_and_why() {
+        let mut effects = Effects::default();
+        effects.add(StageId::LampShadows, change(4e-4, 0.01, 21.0));
+        let mut stages = Vec::new();
+        effects.annotate(&mut stages);
+        let note = "skipped, would change 0.04 % of pixels by more than 2 codes, saves 21 ms";
+        assert_eq!(stages[0].note.as_deref(), Some(note));
+        assert!(stages[0].variant.is_skipped());
+    }
+}
