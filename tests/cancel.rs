@@ -46,14 +46,14 @@ fn long() -> Vec<(&'static str, Value)> {
             "reference water",
             frame(
                 (256, 200),
-                json!({"fidelity": {"variant": "reference"}, "water": {"optics": "jerlov-3C"}}),
+                json!({"fidelity": "reference", "water": {"optics": "jerlov-3C"}}),
             ),
         ),
         (
             "reference lamps",
             frame(
                 (256, 250),
-                json!({"fidelity": {"variant": "reference"}, "water": {"optics": "jerlov-3C"}, "lights": lamps}),
+                json!({"fidelity": "reference", "water": {"optics": "jerlov-3C"}, "lights": lamps}),
             ),
         ),
         (

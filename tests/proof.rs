@@ -1,13 +1,12 @@
-//! The binary does what the binary before the last rebuild did: frame by frame, over HTTP, over an old data folder.
+//! The binary renders the frames and writes the documents of `tests/proof`.
 
 use std::process::Command;
 
 use fathom_tests::{fathom, root};
 
-/// Failure: a difference from `tests/proof` that `tests/proof/expected.txt` does not name with a reason, or a line there
-/// that is no longer needed.
+/// Failure: a difference from `tests/proof`. After a wanted change `scripts/proof.sh --make` writes it again.
 #[test]
-fn frames_documents_and_an_old_data_folder_are_as_they_were() {
+fn frames_and_documents_are_as_recorded() {
     let output = Command::new("bash")
         .args(["scripts/proof.sh", "--check"])
         .env("FATHOM", fathom())

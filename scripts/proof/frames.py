@@ -1,6 +1,5 @@
-"""Renders every case with a binary and reads what it says of each frame."""
+"""Renders every case with a binary and reads the record and files of each frame."""
 
-import collections
 import concurrent.futures
 import hashlib
 import json
@@ -10,9 +9,8 @@ import struct
 import subprocess
 import zlib
 
-# What one column of frames.txt covers, so that a difference says what changed.
-COLUMNS = ["frame", "files", "pixels", "parameters", "optics", "plan", "measured", "rest"]
-Frame = collections.namedtuple("Frame", COLUMNS + ["details"])
+# What one column of frames.txt covers, so that a difference names what changed.
+COLUMNS = ["frame", "pixels", "parameters", "optics", "plan", "measured", "rest"]
 
 
 def digest(data):
@@ -79,27 +77,30 @@ def product_digest(record, parameters):
     return hashed.hexdigest()
 
 
-def frame(line, folder, known):
-    """A frame from its record and its files. `known` holds the pixels of files by the digest of their bytes."""
+def read_frame(line, folder):
+    """The columns of a frame from its record and its files."""
     record = json.loads(line)
-    parameters = member_text(line, "parameters")
     files = {entry["kind"]: entry for entry in record["artifacts"]}
     stored = {path.stem: path.read_bytes() for path in pathlib.Path(folder, str(record["frame"])).iterdir()}
     assert {kind: digest(data) for kind, data in stored.items()} == {kind: entry["digest"] for kind, entry in files.items()}
-    rest = {key: record.get(key) for key in ("counts", "warnings", "scene")} | {"inputs": record["provenance"]["inputs"]}
-    rest["artifacts"] = {kind: [entry["bytes"], entry["media_type"]] for kind, entry in files.items()}
-    rest["timings"] = sorted(record["timings_ms"])
-    kinds = sorted(stored)
-    details = {"parameters": record["parameters"], "optics": record["optics"], "plan": record["plan"], "measured": record["measurements"], "rest": rest,
-               "files": {kind: files[kind]["digest"] for kind in kinds}}
-    details["pixels"] = {kind: known.get(files[kind]["digest"]) or digest(pixels(stored[kind])) for kind in kinds}
-    short = {column: digest(canonical(details[column]))[:16] for column in COLUMNS[1:]}
-    return Frame(frame=product_digest(record, parameters), details=details, **short)
+    rest = {key: record.get(key) for key in ("counts", "warnings", "scene", "promise")} | {"inputs": record["provenance"]["inputs"]}
+    rest["media_types"] = {kind: entry["media_type"] for kind, entry in files.items()}
+    covered = {"pixels": {kind: digest(pixels(stored[kind])) for kind in sorted(stored)}, "parameters": record["parameters"],
+               "optics": record["optics"], "plan": record["plan"], "measured": record["measurements"], "rest": rest}
+    return [product_digest(record, member_text(line, "parameters")), *(digest(canonical(covered[column]))[:16] for column in COLUMNS[1:])]
 
 
-def render(binary, name, job, work, known):
-    """The frames of a case: a `Frame`, or the text of an error, by number; and the digest of the canonical job, or why it is
-    refused, as `job`."""
+def changed(before, after):
+    """What changed from one row to another."""
+    old, new = before.split(), after.split()
+    if len(old) != len(COLUMNS) or len(new) != len(COLUMNS):
+        return f"{before} -> {after}"
+    return ", ".join(column for column, was, now in zip(COLUMNS, old, new) if was != now)
+
+
+def render(binary, name, job, work):
+    """The rows of a case: digests of a frame, or an error, by number; and the digest of the canonical job, or why it is refused, as
+    `job`."""
     place = work / "jobs"
     place.mkdir(exist_ok=True)
     (place / f"{name}.json").write_text(json.dumps(job))
@@ -111,21 +112,17 @@ def render(binary, name, job, work, known):
         return {"job": "refused: " + " ".join(done.stderr.split())}
     if done.returncode not in (0, 1):
         raise SystemExit(f"{name}: exit status {done.returncode}\n{done.stderr}")
-    frames = {"job": digest((out / "job.json").read_bytes())}
-    for line in (out / "records.jsonl").read_text().splitlines():
-        frames[json.loads(line)["frame"]] = frame(line, out, known)
-    for line in (out / "errors.jsonl").read_text().splitlines():
-        failure = json.loads(line)
-        frames[failure["frame"]] = failure["error"]
-    images = [frames[key].frame for key in sorted(key for key in frames if key != "job") if isinstance(frames[key], Frame)]
-    whole = digest(b"fathom-job-v1" + "".join(images).encode())
+    rows = {line["frame"]: f"error: {line['error']}" for line in map(json.loads, (out / "errors.jsonl").read_text().splitlines())}
+    images = {json.loads(line)["frame"]: read_frame(line, out) for line in (out / "records.jsonl").read_text().splitlines()}
+    rows |= {number: " ".join([row[0][:16], *row[1:]]) for number, row in images.items()}
+    whole = digest(b"fathom-job-v1" + "".join(images[number][0] for number in sorted(images)).encode())
     assert f"digest {whole}" in done.stdout.splitlines(), f"{name}: the digest of the job is not that of its frames"
-    return frames
+    return {"job": digest((out / "job.json").read_bytes())[:16]} | {number: rows[number] for number in sorted(rows)}
 
 
-def render_all(binary, jobs, work, known):
+def render_all(binary, jobs, work):
     with concurrent.futures.ThreadPoolExecutor(2) as pool:
-        running = {name: pool.submit(render, binary, name, job, work, known) for name, job in jobs.items()}
+        running = {name: pool.submit(render, binary, name, job, work) for name, job in jobs.items()}
         return {name: task.result() for name, task in running.items()}
 
 

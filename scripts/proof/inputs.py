@@ -58,54 +58,9 @@ def write(folder, kept):
     place = lambda name: pathlib.Path(folder, name)
     rows = lambda make: [b"".join(make(column, row) for column in range(WIDTH)) for row in range(HEIGHT)]
     size = (WIDTH, HEIGHT)
-    rgb8 = rows(lambda c, r: bytes(codes(c, r, k) for k in range(3)))
-    png(place("rgb8.png"), *size, 2, 8, rgb8)
-    png(place("rgba8.png"), *size, 6, 8, rows(lambda c, r: bytes(codes(c, r, k) for k in range(3)) + bytes([255 - c])))
-    png(place("gray8.png"), *size, 0, 8, rows(lambda c, r: bytes([codes(c, r, 1)])))
-    png(place("rgb16.png"), *size, 2, 16, rows(lambda c, r: struct.pack(">3H", *(codes(c, r, k, 65535) for k in range(3)))))
+    png(place("rgb8.png"), *size, 2, 8, rows(lambda c, r: bytes(codes(c, r, k) for k in range(3))))
     png(place("range16.png"), *size, 0, 16, rows(lambda c, r: struct.pack(">H", millimeters(c, r))))
-    png(place("range8.png"), *size, 0, 8, rows(lambda c, r: bytes([millimeters(c, r) // 40 % 256])))
-    png(place("instances8.png"), *size, 0, 8, rows(lambda c, r: bytes([c // 20 + r // 20])))
-    linear = [codes(c, r, k) / 256 for c, r in pixels() for k in range(3)]
-    npy(place("rgb.npy"), "f", (HEIGHT, WIDTH, 3), linear)
-    npy(place("rgb64.npy"), "d", (HEIGHT, WIDTH, 3), linear)
-    npy(place("rgb_negative.npy"), "f", (HEIGHT, WIDTH, 3), [value - 0.125 for value in linear])
     meters = [float("nan") if millimeters(c, r) == INVALID else millimeters(c, r) / 1024 for c, r in pixels()]
     npy(place("range.npy"), "f", size[::-1], meters)
-    npy(place("range64.npy"), "d", size[::-1], meters)
-    npy(place("range16.npy"), "H", size[::-1], [millimeters(c, r) for c, r in pixels()])
-    npy(place("far.npy"), "f", size[::-1], [value * 16 for value in meters])
     for path in kept.iterdir():
         shutil.copy(path, place(path.name))
-
-
-def network(inputs, operator):
-    """An ONNX file of one elementwise operator, written by hand: a network that only ONNX Runtime can run."""
-    def field(number, value):
-        if isinstance(value, int):
-            return varint(number << 3) + varint(value)
-        data = value.encode() if isinstance(value, str) else value
-        return varint(number << 3 | 2) + varint(len(data)) + data
-
-    def varint(value):
-        out = bytearray()
-        while value >= 0x80:
-            out.append(value & 0x7F | 0x80)
-            value >>= 7
-        return bytes(out + bytes([value]))
-
-    def picture(name, channels):
-        sides = [field(1, 1), field(1, channels), field(2, "h"), field(2, "w")]
-        shape = b"".join(field(1, side) for side in sides)
-        return field(1, name) + field(2, field(1, field(1, 1) + field(2, shape)))
-
-    node = b"".join(field(1, name) for name, _ in inputs) + field(2, "styled") + field(4, operator)
-    graph = field(1, node) + field(2, "proof")
-    graph += b"".join(field(11, picture(*each)) for each in inputs) + field(12, picture("styled", 3))
-    return field(1, 8) + field(7, graph) + field(8, field(1, "") + field(2, 17))
-
-
-def foreign_styles(folder):
-    """Two networks that are not of our form, for cases that need ONNX Runtime."""
-    pathlib.Path(folder, "foreign.onnx").write_bytes(network([("image", 3)], "Sqrt"))
-    pathlib.Path(folder, "foreign-noise.onnx").write_bytes(network([("image", 3), ("noise", 1)], "Mean"))

@@ -23,8 +23,11 @@ WRONG = {
     "missing-veil": GOOD | {"water": {"optics": {"beam_attenuation_per_m": [1, 1, 1]}}}, "missing-c": GOOD | {"water": {"optics": {"absorption_per_m": [1, 1, 1]}}},
     "spread": GOOD | {"water": {"optics": {"preset": "jerlov-IB", "forward_scatter": {"spread_px_per_m": [100001, -1, 0], "model": "jafe"}}}},
     "holes": GOOD | {"water": {"optics": "jerlov-IB", "holes": {"range_m": 0}}}, "holes-far": GOOD | {"water": {"optics": "jerlov-IB", "holes": {"range_m": 100001}}},
-    "words": GOOD | {"water": {"ambient": "x", "holes": "y", "style": "z", "style_tier": "w"}},
-    "snow": GOOD | {"water": {"snow": {"density_per_m3": -1, "radius_m": 1, "radius_spread": 2, "near_m": 0, "far_m": 101, "albedo": [2, 0]}}},
+    "words": GOOD | {"daylight": "dawn", "water": {"ambient": "x", "holes": "y", "style": "z"}, "scene": GOOD["scene"] | {"lighting": "baked"}},
+    "sky": GOOD | {"daylight": {"sun_elevation_deg": 0, "cloud_cover": 2, "wind_m_per_s": -1}},
+    "sky-and-veil": GOOD | {"daylight": {"cloud_cover": 1}, "water": {"optics": {"preset": "jerlov-3C", "veil_gain": 1}}},
+    "black": GOOD | {"daylight": "none", "water": {"optics": "jerlov-3C"}},
+    "snow": GOOD | {"water": {"snow": {"density_per_m3": -1, "radius_m": 1, "spectrum": 9, "near_m": 0, "far_m": 101, "albedo": [2, 0]}}},
     "snow-order": GOOD | {"water": {"snow": {"density_per_m3": 1, "near_m": 3, "far_m": 2}}}, "snow-cover": GOOD | {"water": {"snow": {"density_per_m3": 1000000}}},
     "snow-mask": GOOD | {"artifacts": ["snow_mask"]}, "turbidity": GOOD | {"water": {"turbidity": {"contrast": 1, "scale_m": 0}}},
     "haze": GOOD | {"lights": [{"kind": "haze", "x": 101, "y": "a", "intensity": 2, "color": [1001, 0, 0], "blend": "x", "space": "y"}]},
@@ -32,7 +35,7 @@ WRONG = {
     "lamp": GOOD | {"lights": [{"kind": "point", "position_m": [0, 0], "intensity": [1e7, 0, 0]}, {"kind": "spot", "position_m": [0, 0, 1001], "intensity": [1, 1, 1], "direction": [0, 0, 0], "cone_deg": 91}]},
     "lamp-kind": GOOD | {"lights": [{"kind": "lamp"}]}, "lamp-no-scatter": GOOD | {"water": {"optics": "uuv-simulator"}, "lights": [{"kind": "point", "position_m": [0, 0, 0], "intensity": [1, 1, 1]}]},
     "names": GOOD | {"enhance": ["hscn", "hscm", "hscm"], "metrics": ["uiqn", "uiqm@tabel1"], "artifacts": ["rbg", "enhanced.hscm", "hscm_mask"]},
-    "fidelity": GOOD | {"fidelity": {"tolerance": 1e-4, "terms": 3}}, "fidelity-terms": GOOD | {"fidelity": {"terms": 65}}, "fidelity-variant": GOOD | {"fidelity": {"variant": "referenz"}},
+    "fidelity": GOOD | {"fidelity": {"tolerance": 1e-4, "terms": 3}}, "fidelity-terms": GOOD | {"fidelity": {"terms": 65}}, "fidelity-word": GOOD | {"fidelity": "referenz"},
     "encode": GOOD | {"encode": {"format": "gif"}}, "quality": GOOD | {"encode": {"format": "png", "quality": 3}}, "jpeg": GOOD | {"encode": {"format": "jpeg", "quality": 101}},
     "labels": GOOD | {"labels": {"a b": 1, "list": [1], "long": "x" * 257}},
     "path": GOOD | {"camera": {"path": {"frames": 0, "sway_m": 2, "sway_deg": 29, "sway_frames": 1, "start": {"position_m": [0, 0, 0]}}}},
@@ -52,11 +55,6 @@ def refusals(binary, work):
         assert not (work / "wrong").exists(), f"{name} is rendered"
         told[name] = [f"exit status {done.returncode}"] + done.stderr.strip().splitlines()[1:]
     return told
-
-
-def pointers(lines):
-    """The places that errors name, whatever words they use."""
-    return sorted({line.split()[0] for line in lines if line.startswith("  /")} | {lines[0]})
 
 
 def options(binary, command=()):

@@ -22,6 +22,7 @@ pub(crate) fn names() -> PyResult<BTreeMap<&'static str, Vec<String>>> {
         ("families", known.families),
         ("findings", findings.collect()),
         ("metrics", known.metrics),
+        ("sites", spec::SITES.map(|site| site.name.to_owned()).to_vec()),
         ("styles", known.styles),
         ("waters", known.presets),
     ]))

@@ -105,6 +105,7 @@ def test_every_name_is_listed(job: fathom.Job) -> None:
         "families",
         "findings",
         "metrics",
+        "sites",
         "styles",
         "waters",
     }

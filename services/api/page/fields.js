@@ -22,8 +22,14 @@ export const GROUPS = [
     slider("/water/range_scale", 0.02, 4, { log: true, value: 1 }),
     choice("/water/style", "/v1/styles", { none: "no style" }),
     slider("/alpha", 0, 1, { value: 1 }),
-    choice("/water/ambient", null, { options: ["none", "absolute", "exposed"], none: "default" }),
     slider("/water/depth_m", 0, 60, { value: 5, optional: true }),
+  ]],
+  ["Daylight", [
+    choice("/daylight", null, { options: ["none"], none: "auto, or the sky below" }),
+    slider("/daylight/sun_elevation_deg", 5, 90, { value: 45, optional: true }),
+    slider("/daylight/sun_azimuth_deg", 0, 360, { value: 0, below: "/daylight" }),
+    slider("/daylight/cloud_cover", 0, 1, { value: 0.5, below: "/daylight" }),
+    slider("/daylight/wind_m_per_s", 0, 20, { value: 4, below: "/daylight" }),
   ]],
   ["Turbidity and snow", [
     slider("/water/turbidity/contrast", 0, 0.95, { value: 0.5, optional: true }),
@@ -33,6 +39,7 @@ export const GROUPS = [
   ]],
   ["Scene and camera", [
     choice("/scene/family", "/v1/lists/families", { value: "structure" }),
+    choice("/scene/lighting", null, { options: ["water", "in_air"], none: "default" }),
     slider("/scene/seed", 0, 1000000, { whole: true, value: 0 }),
     choice("/camera/preset", "/v1/lists/cameras", { none: "pinhole" }),
     slider("/camera/hfov_deg", 20, 150, { value: 80 }),
@@ -54,9 +61,9 @@ export const LAMPS = {
   haze: [slider("x", 0, 1, { value: 0.5 }), slider("y", 0, 1, { value: 0.5 }), slider("size", 0.02, 0.6, { value: 0.2 }),
     slider("intensity", 0, 1, { value: 0.6 })],
   point: [slider("position_m/0", -3, 3, { value: 0.4 }), slider("position_m/1", -3, 3, { value: -0.2 }),
-    slider("position_m/2", -1, 8, { value: 0.2 })],
+    slider("position_m/2", -1, 8, { value: 0.2 }), slider("radius_m", 0, 0.5, { value: 0.02 })],
   spot: [slider("position_m/0", -3, 3, { value: 0.4 }), slider("position_m/1", -3, 3, { value: -0.2 }),
-    slider("position_m/2", -1, 8, { value: 0 }), slider("cone_deg", 1, 90, { value: 35 })],
+    slider("position_m/2", -1, 8, { value: 0 }), slider("cone_deg", 1, 90, { value: 35 }), slider("radius_m", 0, 0.5, { value: 0.02 })],
 };
 export const NEW_LAMPS = {
   haze: { kind: "haze", x: 0.5, y: 0.6, size: 0.2, intensity: 0.6 },

@@ -30,16 +30,16 @@ export class Form {
     const pointer = holder?.dataset.pointer;
     const open = new Map([...this.element.querySelectorAll("details")].map((one) => [one.dataset.group, one.open]));
     this.notes.clear();
-    const groups = GROUPS.map(([title, fields], index) => h("details.panel", { "data-group": title, open: open.get(title) ?? index !== 1 },
+    const groups = GROUPS.map(([title, fields], index) => h("details.panel", { "data-group": title, open: open.get(title) ?? ![1, 2].includes(index) },
       h("summary", {}, title), fields.map((field) => this.control(field))));
-    groups.splice(2, 0, this.lamps(open));
+    groups.splice(3, 0, this.lamps(open));
     put(this.element, groups);
     const control = [...this.element.querySelectorAll("[data-pointer]")].find((one) => one.dataset.pointer === pointer);
     control?.querySelector(active.classList.contains("law-kind") ? ".law-kind" : "input, select:not(.law-kind), button")?.focus();
   }
 
   control(field, label) {
-    if (field.below && at(this.job, field.below) === undefined) return null;
+    if (field.below && typeof at(this.job, field.below) !== "object") return null;
     const value = at(this.job, field.pointer);
     const name = field.pointer.slice(1).replaceAll("/", ".").replace(/\.(\d+)/g, "[$1]");
     const about = this.about.get(name.replace(/\[\d+\]/g, "[]").replace(/(position_m)\[\]$/, "$1"));

@@ -14,7 +14,6 @@ use crate::leaf_tree::LeafTree;
 const ALIASES: &[(&str, &str)] = &[
     ("snow.density_per_m3", "water.snow.density_per_m3"),
     ("snow.radius_m", "water.snow.radius_m"),
-    ("snow.radius_spread", "water.snow.radius_spread"),
     ("snow.near_m", "water.snow.near_m"),
     ("snow.far_m", "water.snow.far_m"),
     ("snow.albedo.r", "water.snow.albedo.r"),

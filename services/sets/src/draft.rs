@@ -36,7 +36,7 @@ impl Draft {
         let tar = layout::tar(shard, &name);
         let common = Common {
             job: set.card().digest.clone(),
-            dataset: set.job().dataset().to_owned(),
+            dataset: set.card().dataset(),
             tar: tar.clone(),
         };
         let rows = Upload::new(&set.store, layout::rows(shard, &name));

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use spec::Job;
+use spec::{Job, is_of_earlier_version};
 
 use crate::error::SetError;
 use crate::layout;
@@ -66,8 +66,8 @@ impl Card {
         })
     }
 
-    /// Reads a card and the job in it.
-    pub(crate) fn read(text: &[u8]) -> Result<(Self, Job), SetError> {
+    /// Reads a card and the job in it: `None` of version 0.1, whose frames can be read but not rendered.
+    pub(crate) fn read(text: &[u8]) -> Result<(Self, Option<Job>), SetError> {
         let unreadable = |reason: &dyn std::fmt::Display| SetError::unreadable(layout::JOB, reason);
         let card: Self = serde_json::from_slice(text)
             .map_err(|error| SetError::Refused(format!("{} is that of no set: {error}", layout::JOB)))?;
@@ -77,9 +77,12 @@ impl Card {
                 card.format
             )));
         }
-        let job = Job::trusted(&card.job).map_err(|error| unreadable(&error))?;
+        let job = match is_of_earlier_version(&card.job) {
+            true => None,
+            false => Some(Job::trusted(&card.job).map_err(|error| unreadable(&error))?),
+        };
         let is_whole = spec::sha256(card.job.as_bytes()) == card.digest
-            && job.frames() == card.frames
+            && job.as_ref().is_none_or(|job| job.frames() == card.frames)
             && (1..=MOST_FRAMES_PER_SHARD).contains(&card.frames_per_shard);
         if !is_whole {
             return Err(unreadable(&"its parts contradict each other"));
@@ -125,6 +128,12 @@ impl Card {
     pub fn frames_of(&self, shard: u64) -> Range<u64> {
         let first = shard * self.frames_per_shard;
         first..self.frames.min(first + self.frames_per_shard)
+    }
+
+    /// Name of the dataset.
+    #[must_use]
+    pub fn dataset(&self) -> String {
+        self.words("/dataset").into_iter().collect()
     }
 
     /// Every artifact kind that a frame can have, sorted.

@@ -65,7 +65,7 @@ impl Set {
         self.check_files(&markers)?;
         let sum = |value: fn(&Marker) -> u64| markers.iter().map(value).sum();
         let manifest = Manifest {
-            dataset: self.job().dataset().to_owned(),
+            dataset: card.dataset(),
             job: card.digest.clone(),
             digest: self.digest()?,
             root: root(&markers)?,

@@ -1,6 +1,6 @@
 //! A set that is open: its store, its job, its markers.
 
-use spec::{Job, SetState};
+use spec::{EARLIER_VERSION, Job, SetState};
 
 use crate::error::SetError;
 use crate::job::{Card, NewSet};
@@ -15,7 +15,8 @@ use crate::store::Store;
 pub struct Set {
     pub(crate) store: Store,
     card: Card,
-    job: Job,
+    /// `None`: it is of version 0.1.
+    job: Option<Job>,
 }
 
 impl Set {
@@ -34,7 +35,7 @@ impl Set {
         let text = serde_json::to_vec_pretty(&card)
             .map_err(|error| SetError::Machine(format!("job.json cannot be written: {error}")))?;
         let (card, job) = match store.create(layout::JOB, &text)? {
-            None => (card, new.job.clone()),
+            None => (card, Some(new.job.clone())),
             Some(found) => {
                 let (card, job) = Card::read(&found)?;
                 card.accept(new, store.location())?;
@@ -76,10 +77,13 @@ impl Set {
         &self.card
     }
 
-    /// The job.
-    #[must_use]
-    pub fn job(&self) -> &Job {
-        &self.job
+    /// The job, to render its frames.
+    ///
+    /// # Errors
+    /// [`SetError::Refused`]: the job is of version 0.1.
+    pub fn job(&self) -> Result<&Job, SetError> {
+        let job = self.job.as_ref();
+        job.ok_or_else(|| SetError::Refused(format!("{}: {EARLIER_VERSION}", self.location())))
     }
 
     /// The marker of a shard that is done.

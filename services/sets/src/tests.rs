@@ -3,11 +3,12 @@
 use std::thread;
 use std::time::{Duration, Instant};
 
+use serde_json::{Value, json};
 use spec::{Job, SetState, Vocabulary};
 
 use crate::error::SetError;
 use crate::faulty::{Fault, store};
-use crate::job::NewSet;
+use crate::job::{Card, NewSet};
 use crate::layout;
 use crate::location::Location;
 use crate::marker::{Commit, FailedFrame, Marker};
@@ -73,6 +74,18 @@ fn a_set_is_begun_once_and_holds_one_job() {
         store.list(layout::PROBE).unwrap().is_empty(),
         "probes are removed"
     );
+}
+
+#[test]
+fn a_set_of_version_0_1_is_read_but_has_no_job_to_render() {
+    let mut description: Value = serde_json::from_str(job(95).canonical()).unwrap();
+    description.as_object_mut().unwrap().remove("daylight");
+    let text = description.to_string();
+    let card = json!({"format": 1, "digest": spec::sha256(text.as_bytes()), "job": text, "frames": 95, "frames_per_shard": 10,
+                      "code_version": "0.1.0", "metrics": ["uiqm"]});
+    let (card, job) = Card::read(card.to_string().as_bytes()).unwrap();
+    assert!(job.is_none());
+    assert_eq!((card.dataset().as_str(), card.shards()), ("reef", 10));
 }
 
 #[test]

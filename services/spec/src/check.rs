@@ -90,10 +90,7 @@ impl Checker<'_> {
     pub(crate) fn refuse(&mut self, error: impl FnOnce() -> FieldError) {
         match self.errors.len() {
             0..MAX_ERRORS => self.errors.push(error()),
-            MAX_ERRORS => {
-                let message = format!("there are more than {MAX_ERRORS} errors; the rest are not listed");
-                self.errors.push(FieldError::new("", message));
-            }
+            MAX_ERRORS => self.errors.push(FieldError::too_many()),
             _ => {}
         }
     }

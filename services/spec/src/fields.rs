@@ -22,7 +22,8 @@ const COUNT: Field = Field {
     type_name: None,
 };
 
-const JOB: [Field; Frame::FIELDS.len() + 1] = {
+/// The fields of a job.
+pub(crate) const JOB: [Field; Frame::FIELDS.len() + 1] = {
     let mut fields = [COUNT; Frame::FIELDS.len() + 1];
     fields[0] = Frame::FIELDS[0];
     let mut position = 1;

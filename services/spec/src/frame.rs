@@ -14,6 +14,7 @@ use crate::inhabited::{Ground, Life};
 use crate::light::{Haze, Light, RaySource};
 use crate::scene_files::{RangeFile, RangeKind, SceneFiles};
 use crate::schema::EXACT;
+use crate::site::SiteName;
 use crate::truth::Truth;
 use crate::water::Water;
 
@@ -32,7 +33,10 @@ pub struct Frame {
     /// seed of all laws and of stage randomness
     #[field(fixed, within(0, u64::MAX), default = 0)]
     pub seed: u64,
-    /// what the camera would see in air
+    /// the place that the description starts from, such as `shaft`: every field beside it replaces the site's
+    pub site: Option<SiteName>,
+    /// what the camera would see in air; required unless `site` has it
+    #[field(optional)]
     pub scene: Scene,
     /// pinhole camera, principal point in the middle, or a real one
     #[field(default = {})]

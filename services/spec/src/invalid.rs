@@ -50,6 +50,12 @@ impl FieldError {
         }
     }
 
+    /// The notice in place of errors beyond [`MAX_ERRORS`].
+    pub(crate) fn too_many() -> Self {
+        let message = format!("there are more than {MAX_ERRORS} errors; the rest are not listed");
+        Self::new("", message)
+    }
+
     /// Adds the refused value, unless it is too long to be of use.
     #[must_use]
     pub fn value(mut self, value: &Value) -> Self {

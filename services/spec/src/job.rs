@@ -1,19 +1,21 @@
 //! A job: a frame description with laws in place of values, valid by construction.
 
 mod draft;
+mod grids;
 
 use std::collections::BTreeSet;
 
 use imaging::digest::sha256;
 use serde_json::Value;
 
-use crate::check::{Checker, Place, places, whole};
-use crate::fields::{DOCUMENT, MAX_FRAMES};
+use crate::check::{places, whole};
+use crate::earlier::refuse_earlier_version;
 use crate::frame::Frame;
 use crate::invalid::{FieldError, Invalid};
 use crate::json;
-use crate::node::{Law, Node};
+use crate::node::Node;
 use crate::scene_parts::Uploads;
+use crate::site::{OF_THE_JOB, insert_descriptions};
 use crate::vocabulary::Vocabulary;
 
 pub use draft::Draft;
@@ -23,10 +25,14 @@ pub use draft::Draft;
 /// Each law draws its value for frame i from (seed, JSON pointer of the law, i) alone, see [`crate::law`]; so any
 /// frame can be resolved by itself, another law changes nothing, and a greater `count` keeps the frames there were.
 /// Grids span the frames instead: cell = i mod product of the axes, axes in the order of their pointers' bytes, the
-/// last one fastest. An axis inside a choice or another grid counts whether or not its place is chosen.
+/// last one fastest. An axis inside a choice, a site or another grid counts whether or not its place is chosen; axes at
+/// the same pointer of several sites are one, as long as the longest.
 #[derive(Debug, Clone)]
 pub struct Job {
-    pub(crate) document: Node,
+    /// The name of a frame's site, or how it is drawn. `None` for a job without a site.
+    site: Option<Node>,
+    /// One for each site, or that of the job without a site. Never empty.
+    documents: Vec<Document>,
     pub(crate) canonical: String,
     dataset: String,
     frames: u64,
@@ -34,6 +40,14 @@ pub struct Job {
     cells: u64,
     seed: u64,
     pub(crate) warnings: Vec<String>,
+}
+
+/// A complete description, checked.
+#[derive(Debug, Clone)]
+struct Document {
+    /// Name of the site; empty without one.
+    site: String,
+    node: Node,
 }
 
 impl Job {
@@ -46,47 +60,15 @@ impl Job {
     }
 
     /// Reads the canonical text of a job that was accepted before. Its names and numbers are believed, so that it renders
-    /// what it rendered then, whatever names and limits there are by now.
+    /// what it rendered then, whatever names, sites and limits there are by now.
     ///
     /// # Errors
-    /// What is no description by its form: the text is damaged, or of another version of the program.
+    /// A text that does not parse: it is damaged, or the job of version 0.1.
     pub fn trusted(canonical: &str) -> Result<Self, Invalid> {
         let value = json::read(canonical.as_bytes())?;
-        let mut checker = Checker {
-            vocabulary: &Vocabulary::default(),
-            trusting: true,
-            seed: seed(&value),
-            errors: Vec::new(),
-        };
-        let job = Self::read(&value, &mut checker)?;
-        if checker.errors.is_empty() {
-            Ok(job)
-        } else {
-            Err(Invalid(checker.errors))
-        }
-    }
-
-    /// The job of a description that is right field by field, or as far as it is: the checker holds what is wrong.
-    pub(crate) fn read(value: &Value, checker: &mut Checker<'_>) -> Result<Self, Invalid> {
-        let document = checker.node(&Place::default(), &DOCUMENT, false, value);
-        let Some(mut document) = document else {
-            return Err(Invalid(std::mem::take(&mut checker.errors)));
-        };
-        let product = lay_out_grids(&mut document);
-        let frames = frames(&document, product, checker);
-        let dataset = document
-            .get("dataset")
-            .map(|node| node.strings(""))
-            .unwrap_or_default();
-        Ok(Self {
-            dataset: dataset.into_iter().map(|(_, name)| name.to_owned()).collect(),
-            warnings: Vec::new(),
-            canonical: document.canonical().to_string(),
-            frames,
-            cells: product.unwrap_or(1),
-            seed: checker.seed,
-            document,
-        })
+        refuse_earlier_version(&value)?;
+        let vocabulary = Vocabulary::default();
+        Draft::start(value, &vocabulary, true)?.finish()
     }
 
     /// Canonical JSON text: sorted keys, no spaces, defaults filled in, presets by full name and in object form,
@@ -109,7 +91,7 @@ impl Job {
         &self.dataset
     }
 
-    /// Number of frames: count × product of the grid axes, 1..=[`MAX_FRAMES`].
+    /// Number of frames: count × product of the grid axes, 1..=[`crate::fields::MAX_FRAMES`].
     #[must_use]
     pub fn frames(&self) -> u64 {
         self.frames
@@ -132,7 +114,7 @@ impl Job {
                 FieldError::new("", message).limit(format!("0..{}", self.frames)),
             ));
         }
-        let mut parameters = self.document.value(&|law| law.draw(index));
+        let mut parameters = self.document(index).value(&|law| law.draw(index));
         // Each cell of the grid goes through the whole path, and then again.
         if let Some(Value::Object(path)) = parameters.pointer_mut("/camera/path")
             && !path.contains_key("frame")
@@ -144,28 +126,38 @@ impl Job {
             .map_err(|error| single(FieldError::new("", format!("frame {index}: {error}"))))
     }
 
+    /// The description that a frame is drawn from.
+    fn document(&self, index: u64) -> &Node {
+        let drawn = self.site.as_ref().map(|site| site.value(&|law| law.draw(index)));
+        let is_drawn = |document: &&Document| drawn.as_ref().is_some_and(|name| *name == document.site);
+        let document = self.documents.iter().find(is_drawn);
+        &document.unwrap_or(&self.documents[0]).node
+    }
+
     /// Names of all style models that a frame can ask for, sorted.
     #[must_use]
     pub fn styles(&self) -> Vec<String> {
-        let names: BTreeSet<_> = places(&self.document, "water")
-            .into_iter()
-            .filter_map(|(_, water)| water.get("style"))
-            .flat_map(|name| name.strings(""))
-            .map(|(_, name)| name.to_owned())
-            .collect();
-        names.into_iter().collect()
+        self.strings("water", "style")
     }
 
     /// Ids of all uploaded scenes that a frame can ask for, sorted.
     #[must_use]
     pub fn uploaded_scene_ids(&self) -> Vec<String> {
-        let ids: BTreeSet<_> = places(&self.document, "scene")
-            .into_iter()
-            .filter_map(|(_, scene)| scene.get("id"))
-            .flat_map(|id| id.strings(""))
-            .map(|(_, id)| id.to_owned())
+        self.strings("scene", "id")
+    }
+
+    /// Every string that a field of an object can have in any site, sorted.
+    fn strings(&self, object: &str, field: &str) -> Vec<String> {
+        let objects = self
+            .documents
+            .iter()
+            .flat_map(|document| places(&document.node, object));
+        let strings: BTreeSet<_> = objects
+            .filter_map(|(_, object)| object.get(field))
+            .flat_map(|node| node.strings(""))
+            .map(|(_, text)| text.to_owned())
             .collect();
-        ids.into_iter().collect()
+        strings.into_iter().collect()
     }
 
     /// What the user should know, though nothing is wrong.
@@ -184,45 +176,19 @@ fn single(error: FieldError) -> Invalid {
     Invalid(vec![error])
 }
 
-/// Gives every grid axis its stride; returns the product of their lengths, or `None` beyond u64.
-fn lay_out_grids(document: &mut Node) -> Option<u64> {
-    let mut axes: Vec<_> = document
-        .laws()
-        .into_iter()
-        .filter(|node| matches!(node.law, Law::Grid { .. }))
-        .map(|node| (node.pointer.clone(), node.values().len() as u64))
-        .collect();
-    axes.sort_unstable();
-    let mut product: Option<u64> = Some(1);
-    let mut strides = std::collections::BTreeMap::new();
-    for (pointer, length) in axes.into_iter().rev() {
-        strides.insert(pointer, product.unwrap_or(1));
-        product = product.and_then(|product| product.checked_mul(length));
-    }
-    document.change_laws(&mut |node| {
-        if let Law::Grid { stride, .. } = &mut node.law {
-            *stride = strides.get(&node.pointer).copied().unwrap_or(1);
-        }
-    });
-    product
-}
-
-fn frames(document: &Node, product: Option<u64>, checker: &mut Checker<'_>) -> u64 {
-    let Some(count) = document.get("count").and_then(Node::greatest) else {
-        return 0;
-    };
-    let count = count as u64;
-    match product.and_then(|product| product.checked_mul(count)) {
-        Some(frames) if frames <= MAX_FRAMES => frames,
-        _ => {
-            let cells = product.map_or("more than 2^64".to_owned(), |product| product.to_string());
-            let message = format!("`count` {count} × {cells} grid cells is more than {MAX_FRAMES} frames");
-            checker.refuse(|| {
-                FieldError::new("/count", message)
-                    .value(&count.into())
-                    .limit(format!("{MAX_FRAMES} frames"))
-            });
-            0
+/// The canonical form of a job: that of its description, or of each description in place of its site's name.
+fn canonical(site: Option<&Node>, documents: &[Document]) -> Value {
+    let mut job = documents[0].node.canonical();
+    if let Some(site @ Node::Law(_)) = site {
+        let descriptions = documents
+            .iter()
+            .map(|document| (document.site.as_str(), document.node.canonical()));
+        let descriptions = descriptions.collect();
+        if let Value::Object(fields) = &mut job {
+            fields.retain(|field, _| OF_THE_JOB.contains(&field.as_str()));
+            let site = insert_descriptions(&site.canonical(), &descriptions);
+            fields.insert("site".to_owned(), site);
         }
     }
+    job
 }

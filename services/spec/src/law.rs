@@ -2,16 +2,24 @@
 //!
 //! The law at JSON pointer `p` of a job with seed `s` takes, for frame `i`,
 //! `u = imaging::random::Stream::law(s, p).unit(i, 0)`. The pointer is that of the place where the law stands in the
-//! description, so a law inside the second value of a choice has a pointer such as `/water/choice/1/range_scale`.
+//! description, so a law inside the second value of a choice has a pointer such as `/water/choice/1/range_scale`. Where
+//! a job mixes sites, it is the pointer within the site's description: a site draws the same alone and among others.
 //! Filling in defaults moves nothing, so submitted and canonical description have the same pointers.
 //!
 //! Every function is plain IEEE double arithmetic in the order written, with transcendentals from `libm`: the same
 //! bits on every machine. `tests/vectors/laws.json` holds known answers.
 
+use serde_json::Value;
+
 use crate::normal::normal_quantile;
 
 /// The keys that make an object a law.
 pub const KEYS: [&str; 6] = ["choice", "grid", "int", "log_uniform", "normal", "uniform"];
+
+/// Whether a value is written as a law.
+pub(crate) fn is_law(value: &Value) -> bool {
+    KEYS.iter().any(|key| value.get(key).is_some())
+}
 
 /// Half of the spacing of u: `normal` takes the middle of the cell that u stands for.
 const HALF_STEP: f64 = 1.0 / (1_u64 << 54) as f64;

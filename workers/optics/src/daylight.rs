@@ -42,7 +42,9 @@ pub use caustics::{
 pub use field::{CRITICAL_COSINE, Field, REFRACTIVE_INDEX, Shape, decay_from, fresnel};
 pub use gaze::Gaze;
 pub use model::{Caustics, DaylightModel, Sun, SurfaceLight, VeilModel};
-pub use seen::{Surfaces, access, access_reference, sunlit, sunlit_reference};
+pub use seen::{
+    Surfaces, access, access_reference, occlude_veil, sunlit, sunlit_reference, veil_access, veil_access_reference,
+};
 pub use slope::{SLOPES, share_by_slope};
 pub use sun::SunLight;
 pub use surface::{Reaching, surfaces, surfaces_reference, with_lamps};
@@ -66,6 +68,8 @@ pub struct Daylight {
     /// Whether the pattern of the waves shows on surfaces.
     pub(crate) draws_caustics: bool,
     pub(crate) has_shafts: bool,
+    /// Whether surfaces occlude the daylight that the veil comes from.
+    pub(crate) occludes_veil: bool,
     /// True meters of one length of the range.
     pub(crate) scale: f64,
     /// The radiance of each channel.
@@ -89,6 +93,7 @@ impl Daylight {
             StageId::AmbientAccess => self.rays = 0,
             StageId::Caustics => self.draws_caustics = false,
             StageId::Shafts => self.has_shafts = false,
+            StageId::VeilOcclusion => self.occludes_veil = false,
             _ => {}
         }
     }
@@ -154,6 +159,12 @@ impl Daylight {
     #[must_use]
     pub fn draws_caustics(&self) -> bool {
         self.draws_caustics
+    }
+
+    /// Whether surfaces occlude the daylight that the veil comes from.
+    #[must_use]
+    pub fn occludes_veil(&self) -> bool {
+        self.occludes_veil
     }
 
     /// Whether caustics show in the water before surfaces, too.

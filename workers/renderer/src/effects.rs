@@ -102,6 +102,7 @@ const AMBIENT_NS: f64 = 160.0;
 const CAUSTICS_NS: f64 = 40.0;
 const SHAFTS_NS: f64 = 12.0;
 const LAMP_SHADOW_NS: f64 = 63.0;
+const VEIL_OCCLUSION_NS: f64 = 8.0;
 
 /// The expected cost of an effect in ms.
 pub(crate) fn expect_cost(id: StageId, context: &FrameContext<'_>) -> f64 {
@@ -112,6 +113,7 @@ pub(crate) fn expect_cost(id: StageId, context: &FrameContext<'_>) -> f64 {
         StageId::Caustics => CAUSTICS_NS,
         StageId::Shafts => SHAFTS_NS,
         StageId::LampShadows => LAMP_SHADOW_NS * lamps as f64,
+        StageId::VeilOcclusion => VEIL_OCCLUSION_NS,
         _ => 0.0,
     };
     let (width, height) = context.setting.size;

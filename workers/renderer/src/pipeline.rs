@@ -40,7 +40,7 @@ pub(crate) fn render(
         .as_ref()
         .unwrap_or(&context.prepared.scene.radiance);
     let mut layers = watch.time("water", || water::run(context, radiance, kernels))?;
-    watch.time("water", || daylight::run_shafts(context, &mut layers));
+    watch.time("water", || daylight::run_in_water(context, &mut layers));
     let airlight = watch.time_if(has_lamps, "lamps", || airlight::run(context));
     if let Some(airlight) = &airlight {
         airlight::add(airlight, &mut layers);

@@ -20,12 +20,13 @@ use crate::inputs::caustics::find_coarse_tiles;
 const TILE_CELLS: usize = 32;
 
 /// Effects that are estimated, in the order of light.
-pub(crate) const ESTIMATED: [StageId; 5] = [
+pub(crate) const ESTIMATED: [StageId; 6] = [
     StageId::SunShadow,
     StageId::AmbientAccess,
     StageId::Caustics,
     StageId::Shafts,
     StageId::LampShadows,
+    StageId::VeilOcclusion,
 ];
 
 /// A thinned scene in its light.
@@ -79,6 +80,7 @@ impl<'a> Preview<'a> {
             StageId::Caustics => self.with_caustics()?,
             StageId::Shafts => self.with_shafts()?,
             StageId::LampShadows => self.with_lamp_shadows()?,
+            StageId::VeilOcclusion => self.with_veil_occlusion()?,
             _ => return None,
         };
         Some(self.compare(&with, &without, cost_ms))
@@ -145,14 +147,29 @@ impl<'a> Preview<'a> {
 
     fn with_shafts(&self) -> Option<[Rgb<f32>; 2]> {
         let (daylight, sun) = self.sun().filter(|(daylight, _)| daylight.has_shafts())?;
-        let attenuation = self.water.direct_attenuation().into_iter().fold(f64::INFINITY, f64::min);
         let tiles = self.tiles.as_ref()?;
-        let shafts = daylight::shafts(&self.range, daylight, sun, tiles, attenuation);
+        let shafts = daylight::shafts(&self.range, daylight, sun, tiles, self.clearest());
         let mut veil = self.veil();
         let mut total = self.arriving(Light::default());
         let plain = total.clone();
         daylight::with_shafts(&mut veil, &mut total, &shafts, daylight, sun);
         Some([total, plain])
+    }
+
+    fn with_veil_occlusion(&self) -> Option<[Rgb<f32>; 2]> {
+        let daylight = self.daylight().filter(|daylight| daylight.occludes_veil())?;
+        let access = daylight::veil_access(&self.range, daylight, self.clearest(), self.rays()?);
+        let mut veil = self.veil();
+        let mut total = self.arriving(Light::default());
+        let plain = total.clone();
+        daylight::occlude_veil(&mut veil, &mut total, &access);
+        Some([total, plain])
+    }
+
+    /// Attenuation of the clearest channel.
+    fn clearest(&self) -> f64 {
+        let attenuation = self.water.direct_attenuation();
+        attenuation.into_iter().fold(f64::INFINITY, f64::min)
     }
 
     fn with_lamp_shadows(&self) -> Option<[Rgb<f32>; 2]> {

@@ -9,7 +9,7 @@ use std::time::Duration;
 use imaging::Samples;
 use imaging::codec::{Radiance, decode_picture, decode_radiance};
 use serde_json::{Value, json};
-use spec::{FrameRecord, Job};
+use spec::{EARLIER_VERSION, FrameRecord, Job, is_of_earlier_version};
 use tempfile::TempDir;
 
 use super::Images;
@@ -44,6 +44,9 @@ impl Images {
     /// Renders a frame of a stored job.
     pub(crate) async fn rerender(&self, job_id: &str, frame: u64) -> Result<Again, Problem> {
         let spec = found(self.catalogue.description(job_id).await?, "job", job_id)?;
+        if is_of_earlier_version(&spec) {
+            return Err(Problem::new(Slug::RenderFailed, EARLIER_VERSION));
+        }
         let resolved = Job::trusted(&spec)?.resolve(frame)?;
         if resolved.scene.files().is_some() {
             // Of an imported set: paths on this machine that whoever made it had no right to read.

@@ -40,6 +40,7 @@ impl Jobs {
     /// Offers a paused job again.
     pub(crate) async fn resume(self: &Arc<Self>, id: String) -> Result<JobRow, Problem> {
         self.in_turn(|jobs| async move {
+            jobs.check_version(&id).await?;
             let row = jobs.set_state(&id, SetState::Running).await?;
             jobs.leases.dispatch.free(|table, _| table.resume(&id));
             jobs.notify(&id, "resumed");
@@ -76,6 +77,7 @@ impl Jobs {
     /// Offers the quarantined frames again.
     pub(crate) async fn retry_failed(self: &Arc<Self>, id: String) -> Result<JobRow, Problem> {
         self.in_turn(|jobs| async move {
+            jobs.check_version(&id).await?;
             if let Some((engine, row)) = jobs.shared(&id).await? {
                 if !matches!(row.state, JobState::Cancelled | JobState::Done) {
                     engine.retry(&row).await?;
@@ -101,6 +103,7 @@ impl Jobs {
     /// Takes the images of some frames away, which are then rendered again.
     pub(super) async fn reopen(self: &Arc<Self>, id: String, frames: Vec<u64>) -> Result<JobRow, Problem> {
         self.in_turn(|jobs| async move {
+            jobs.check_version(&id).await?;
             let again = jobs.catalogue.reopen(&id, frames).await?;
             let dispatch = &jobs.leases.dispatch;
             let is_known = dispatch.free(|table, _| table.reopen(&id, &again.frames));

@@ -10,14 +10,14 @@ mod wait;
 use std::sync::Arc;
 
 use catalogue::{Catalogue, JobRow};
-use spec::Vocabulary;
+use spec::{EARLIER_VERSION, Vocabulary, is_of_earlier_version};
 use tokio::sync::Mutex;
 use tokio_util::sync::CancellationToken;
 
 use crate::bytes::Bytes;
 use crate::clock::{Clock, ordered_id};
 use crate::engine::Engine;
-use crate::http::problem::{Problem, found};
+use crate::http::problem::{Problem, Slug, found};
 use crate::images::Images;
 use crate::leases::Leases;
 use crate::processes::Processes;
@@ -56,6 +56,9 @@ impl Jobs {
     pub(crate) async fn get(&self, id: &str) -> Result<JobRow, Problem> {
         let mut row = found(self.catalogue.job(id).await?, "job", id)?;
         row.warnings.extend(self.leases.dispatch.waits_for(id));
+        if !row.state.has_ended() && self.check_version(id).await.is_err() {
+            row.warnings.push(EARLIER_VERSION.to_owned());
+        }
         Ok(row)
     }
 
@@ -65,7 +68,23 @@ impl Jobs {
         if !jobs.is_empty() {
             tracing::info!(jobs = jobs.len(), "unfinished jobs are taken up again");
         }
-        jobs.into_iter().for_each(|job| self.leases.dispatch.add_job(job));
+        for job in jobs {
+            let description = self.catalogue.description(&job.row.id).await?;
+            if description.is_some_and(|text| is_of_earlier_version(&text)) {
+                tracing::warn!(job = job.row.id, "{EARLIER_VERSION}");
+            } else {
+                self.leases.dispatch.add_job(job);
+            }
+        }
         Ok(())
+    }
+
+    /// Refuses to render frames of a job of version 0.1.
+    async fn check_version(&self, id: &str) -> Result<(), Problem> {
+        let description = found(self.catalogue.description(id).await?, "job", id)?;
+        match is_of_earlier_version(&description) {
+            true => Err(Problem::new(Slug::JobState, EARLIER_VERSION)),
+            false => Ok(()),
+        }
     }
 }

@@ -18,7 +18,7 @@ impl Descriptions {
             return Ok(job);
         }
         let text = found(catalogue.description(id).await?, "job", id)?;
-        let job = Arc::new(Job::trusted(&text).map_err(|error| Problem::internal(&error))?);
+        let job = Arc::new(Job::trusted(&text)?);
         self.jobs().insert(id, Arc::clone(&job));
         Ok(job)
     }

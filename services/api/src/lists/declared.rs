@@ -7,7 +7,7 @@ use quality::{MetricId, MetricInfo, Profile};
 use renderer::vocabulary;
 use scenes::Family;
 use scenes::categories::{CATEGORIES, FINDINGS};
-use spec::{JERLOV_TYPES, table};
+use spec::{JERLOV_TYPES, SITES, table};
 use style::Library;
 
 use super::{Entry, List};
@@ -15,6 +15,13 @@ use crate::http::problem::Slug;
 
 /// Every list, in the order of the documentation.
 pub(super) const LISTS: &[List] = &[
+    List {
+        name: "sites",
+        about: "whole places that a job can start from",
+        places: &["`site` of a job", "`fathom new`"],
+        stored_at: None,
+        shipped: Some(sites),
+    },
     List {
         name: "artifacts",
         about: "what can be stored of a frame",
@@ -188,6 +195,13 @@ fn entry(name: impl Into<String>, about: impl Into<String>) -> Entry {
         unit: None,
         about: about.into(),
     }
+}
+
+fn sites(_: &Library) -> Vec<Entry> {
+    SITES
+        .iter()
+        .map(|site| entry(site.name, site.summary()))
+        .collect()
 }
 
 fn artifacts(library: &Library) -> Vec<Entry> {

@@ -28,6 +28,10 @@ pub struct SetHead {
     pub location: String,
     /// Canonical text of its job.
     pub job: String,
+    /// Name of its dataset.
+    pub dataset: String,
+    /// Frames of its job.
+    pub frames: u64,
 }
 
 /// Images of a shard that are stored together.

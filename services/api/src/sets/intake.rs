@@ -6,7 +6,7 @@ use std::pin::Pin;
 use catalogue::{Catalogue, CatalogueError, InsertJob, JobRow, NewImage, NewJob, NewShard, UnixMs};
 use futures::future::poll_immediate;
 use futures::stream::{FuturesUnordered, StreamExt};
-use spec::{Draft, Invalid, Job, Uploads, Vocabulary};
+use spec::{Draft, Invalid, Job, Uploads, Vocabulary, is_of_earlier_version};
 
 use super::feed::{Known, SetHead, SetImage};
 use crate::jobs::new_job_id;
@@ -39,7 +39,6 @@ pub enum IntakeError {
 pub struct Intake<'c> {
     catalogue: &'c Catalogue,
     head: SetHead,
-    job: Job,
     id: String,
     is_there: bool,
 }
@@ -54,7 +53,7 @@ impl<'c> Intake<'c> {
         head: SetHead,
         vocabulary: &Vocabulary,
     ) -> Result<Self, IntakeError> {
-        let job = read(&head.job, vocabulary).map_err(|invalid| IntakeError::Job {
+        check(&head, vocabulary).map_err(|invalid| IntakeError::Job {
             location: head.location.clone(),
             invalid,
         })?;
@@ -69,7 +68,6 @@ impl<'c> Intake<'c> {
             _ => Ok(Self {
                 catalogue,
                 head,
-                job,
                 is_there: known.is_some(),
                 id: known.map_or_else(new_job_id, |known| known.id),
             }),
@@ -112,10 +110,10 @@ impl<'c> Intake<'c> {
     pub async fn begin(&mut self, now: UnixMs) -> Result<JobRow, CatalogueError> {
         let new = NewJob {
             id: self.id.clone(),
-            dataset: self.job.dataset().to_owned(),
+            dataset: self.head.dataset.clone(),
             spec: self.head.job.clone(),
             spec_digest: spec::sha256(self.head.job.as_bytes()),
-            frames: self.job.frames(),
+            frames: self.head.frames,
             priority: 0,
             created_at: now,
             idempotency: None,
@@ -220,10 +218,15 @@ pub fn prepare(
     images.into_iter().map(prepare).collect()
 }
 
-/// Reads the job of a set. Its frames are rendered: neither styles nor files of scenes need be here.
-fn read(text: &str, vocabulary: &Vocabulary) -> Result<Job, Invalid> {
+/// Checks the job of a set. Its frames are rendered: neither styles nor files of scenes need be here. A job of version 0.1 has been
+/// checked by the program that rendered it.
+fn check(head: &SetHead, vocabulary: &Vocabulary) -> Result<(), Invalid> {
+    if is_of_earlier_version(&head.job) {
+        return Ok(());
+    }
     let mut vocabulary = vocabulary.clone();
     vocabulary.local = true;
-    vocabulary.styles.extend(Job::trusted(text)?.styles());
-    Draft::read(text.as_bytes(), &vocabulary)?.check(&Uploads::Known(BTreeMap::new()))
+    vocabulary.styles.extend(Job::trusted(&head.job)?.styles());
+    let draft = Draft::read(head.job.as_bytes(), &vocabulary)?;
+    draft.check(&Uploads::Known(BTreeMap::new())).map(drop)
 }

@@ -29,7 +29,7 @@ fn snow_and_turbidity_are_columns_and_the_mask_is_stored() {
         items.unwrap_or_else(|| panic!("{filter}: {page}")).len()
     };
     for whole in [
-        "snow.radius_m = 0.003 and snow.radius_spread = 0.5 and snow.near_m = 0.2 and snow.far_m = 3",
+        "snow.radius_m = 0.003 and water.snow.spectrum = 4 and snow.near_m = 0.2 and snow.far_m = 3",
         "snow.albedo.r = 0.5 and snow.albedo.g = 0.6 and snow.albedo.b = 0.7",
         "turbidity.contrast = 0.5 and turbidity.scale_m = 1.5",
         "turbidity.least > 0.4 and turbidity.most < 3.1 and turbidity.mean > 0.4",

@@ -16,6 +16,7 @@ mod jobs;
 mod list;
 mod live;
 mod measure;
+mod new;
 mod plan;
 mod query;
 mod render;
@@ -60,6 +61,8 @@ pub(crate) enum Command {
     Seal(cli::seal::SealArguments),
     /// Remove files of a set that belong to no shard
     Gc(cluster::Arguments),
+    /// Write a job file that starts from a site
+    New(new::Arguments),
     /// Show how a frame would be rendered: variant, error bound and cost of each stage
     Plan(plan::Arguments),
     /// Submit a job to a service
@@ -144,6 +147,7 @@ impl Command {
             Self::Seal(arguments) => seal::run(&arguments),
             Self::Verify(arguments) => verify::run(&arguments),
             Self::Import(arguments) => import::run(&arguments),
+            Self::New(arguments) => new::run(&arguments),
             Self::Plan(arguments) => plan::run(&arguments),
             Self::Submit(arguments) => submit::run(&arguments),
             Self::Jobs(arguments) => jobs::run(&arguments),

@@ -14,6 +14,7 @@ const TOPICS: &[Topic] = &[
     Topic {
         title: "Rendering commands",
         commands: &[
+            ("new", "fathom new shaft --out job.json"),
             ("render", "fathom render job.json --out frames --slots 4"),
             ("plan", "fathom plan job.json --frame 3"),
             ("demo", "fathom demo --out data/demo"),

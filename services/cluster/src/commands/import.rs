@@ -36,6 +36,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let head = SetHead {
         location: location.to_string(),
         job: set.card().job.clone(),
+        dataset: set.card().dataset(),
+        frames: set.card().frames,
     };
     let begun = Instant::now();
     let imported = runtime

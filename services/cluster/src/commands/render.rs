@@ -71,7 +71,7 @@ fn render(arguments: &Arguments, set: &Set, selection: &Selection) -> Result<Tal
     let watch = Watch::start(set, every, stop_at_signal()?);
     let mut crew = Crew::new(
         recipe(&arguments.style, arguments.slots(), &arguments.set.limits)?,
-        set.job(),
+        set.job().map_err(failure)?,
     );
     let mut passed = 0;
     for shard in missing {

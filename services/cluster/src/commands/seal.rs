@@ -23,7 +23,7 @@ pub(crate) fn run(arguments: &SealArguments) -> Result<(), Failure> {
 
 /// The preset waters that a frame of the job can have.
 fn waters(set: &Set) -> Vec<Source> {
-    let job = set.job().canonical();
+    let job = &set.card().job;
     let named = presets()
         .iter()
         .filter(|preset| job.contains(&format!("\"{}\"", preset.name)));
@@ -47,5 +47,10 @@ fn styles(set: &Set, arguments: &SealArguments) -> Result<Vec<Source>, Failure> 
             licence: card.licence,
         })
     };
-    set.job().styles().into_iter().map(source).collect()
+    set.job()
+        .map_err(failure)?
+        .styles()
+        .into_iter()
+        .map(source)
+        .collect()
 }

@@ -28,6 +28,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let head = SetHead {
         location: location.to_string(),
         job: set.card().job.clone(),
+        dataset: set.card().dataset(),
+        frames: set.card().frames,
     };
     write(&line(&Line::Set(head))?)?;
     let mut known = String::new();

@@ -207,7 +207,7 @@ impl Worker {
         }
         Ok(Current {
             name: task.set.clone(),
-            crew: Crew::new(self.recipe.clone(), set.job()),
+            crew: Crew::new(self.recipe.clone(), set.job()?),
             watch: Watch::start(&set, STATE_INTERVAL, Arc::clone(&self.stop)),
             set,
         })

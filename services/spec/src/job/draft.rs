@@ -4,51 +4,133 @@ use std::collections::BTreeSet;
 
 use serde_json::Value;
 
-use crate::check::{Checker, collection};
-use crate::invalid::{FieldError, Invalid};
+use crate::check::{Checker, Place, collection, places};
+use crate::fields::DOCUMENT;
+use crate::invalid::{FieldError, Invalid, MAX_ERRORS};
 use crate::json::{self, MAX_BYTES};
+use crate::node::Node;
 use crate::scene_parts::Uploads;
+use crate::site::Sites;
 use crate::vocabulary::Vocabulary;
 use crate::warnings;
 
-use super::{Job, seed};
+use super::grids::{count_frames, lay_out_grids};
+use super::{Document, Job, canonical, seed};
 
 /// A description that has been read; what is wrong with it so far is kept for [`Draft::check`]. It tells which uploaded
 /// scenes to look up, so that what they lack is reported along with everything else.
 pub struct Draft<'v> {
     job: Job,
     written: Value,
+    /// Errors of the job as a whole.
+    errors: Vec<FieldError>,
+    /// For each document of the job its checker, with the errors of that document.
+    parts: Vec<Part<'v>>,
+}
+
+/// How a document of the job was read.
+struct Part<'v> {
     checker: Checker<'v>,
+    /// JSON pointer to the fields that only this document has; empty for the job itself.
+    pointer: String,
+}
+
+impl Part<'_> {
+    /// The errors of the document, with their pointers into what was written.
+    fn take_errors(&mut self, written: &Value) -> Vec<FieldError> {
+        let mut errors = std::mem::take(&mut self.checker.errors);
+        for error in &mut errors {
+            if written.pointer(&error.pointer).is_none() {
+                error.pointer.insert_str(0, &self.pointer);
+            }
+        }
+        errors
+    }
 }
 
 impl<'v> Draft<'v> {
     /// Reads a description.
     ///
     /// # Errors
-    /// A text that is not JSON, or no object.
+    /// A text that is not JSON, no object, or a site that cannot be read.
     pub fn read(json: &[u8], vocabulary: &'v Vocabulary) -> Result<Self, Invalid> {
-        let written = json::read(json)?;
-        let mut checker = Checker {
+        let mut draft = Self::start(json::read(json)?, vocabulary, false)?;
+        let frames = draft.job.frames();
+        for (document, part) in draft.job.documents.iter().zip(&mut draft.parts) {
+            part.checker.across(&document.node);
+            part.checker.water(&document.node, frames);
+            part.checker.cameras(&document.node, frames);
+        }
+        draft.refuse_path_through_sites();
+        let length = draft.job.canonical.len();
+        if length > MAX_BYTES {
+            let message =
+                format!("the description with its defaults has {length} bytes, the limit is {MAX_BYTES}");
+            draft
+                .errors
+                .push(FieldError::new("", message).limit(format!("{MAX_BYTES} bytes")));
+        } else if draft.job.site.is_some()
+            && let Err(Invalid(errors)) = json::read(draft.job.canonical.as_bytes())
+        {
+            // The descriptions of sites are nested deeper than what was written.
+            draft.errors.extend(errors);
+        }
+        Ok(draft)
+    }
+
+    /// Reads the form of a description; its errors are kept. In a description that is trusted, names and limits are
+    /// believed.
+    pub(super) fn start(written: Value, vocabulary: &'v Vocabulary, trusting: bool) -> Result<Self, Invalid> {
+        let seed = seed(&written);
+        let new_checker = || Checker {
             vocabulary,
-            trusting: false,
-            seed: seed(&written),
+            trusting,
+            seed,
             errors: Vec::new(),
         };
-        let job = Job::read(&written, &mut checker)?;
-        checker.across(&job.document);
-        checker.water(&job.document, job.frames());
-        checker.cameras(&job.document, job.frames());
-        if job.canonical.len() > MAX_BYTES {
-            let message = format!(
-                "the description with its defaults has {} bytes, the limit is {MAX_BYTES}",
-                job.canonical.len()
-            );
-            checker.refuse(|| FieldError::new("", message).limit(format!("{MAX_BYTES} bytes")));
+        let mut checker = new_checker();
+        let Some(Sites {
+            name: mut site,
+            descriptions,
+        }) = Sites::expand(&written, &mut checker)
+        else {
+            return Err(Invalid(checker.errors));
+        };
+        let (mut documents, mut parts) = (Vec::new(), Vec::new());
+        for description in descriptions {
+            let mut checker = new_checker();
+            let Some(node) = checker.node(&Place::default(), &DOCUMENT, false, &description.value) else {
+                return Err(Invalid(checker.errors));
+            };
+            checker.require_scene(&node);
+            documents.push(Document {
+                site: description.name,
+                node,
+            });
+            let pointer = description.pointer;
+            parts.push(Part { checker, pointer });
         }
+        let trees = documents.iter_mut().map(|document| &mut document.node);
+        let cells = lay_out_grids(trees.chain(site.as_mut()));
+        let mut errors = Vec::new();
+        let frames = count_frames(&documents[0].node, cells, &mut errors);
+        let dataset = documents[0].node.get("dataset").map(|node| node.strings(""));
+        let dataset = dataset.into_iter().flatten().map(|(_, name)| name.to_owned());
+        let job = Job {
+            dataset: dataset.collect(),
+            warnings: Vec::new(),
+            canonical: canonical(site.as_ref(), &documents).to_string(),
+            frames,
+            cells: cells.unwrap_or(1),
+            seed,
+            site,
+            documents,
+        };
         Ok(Self {
             job,
             written,
-            checker,
+            errors,
+            parts,
         })
     }
 
@@ -70,18 +152,73 @@ impl<'v> Draft<'v> {
     ///
     /// # Errors
     /// Every error of the description together, at most [`crate::MAX_ERRORS`].
-    pub fn check(self, uploads: &Uploads) -> Result<Job, Invalid> {
-        let Self {
-            mut job,
-            written,
-            mut checker,
-        } = self;
-        let of_scenes = checker.scenes(&job.document, &written, uploads);
-        if !checker.errors.is_empty() {
-            return Err(Invalid(checker.errors));
+    pub fn check(mut self, uploads: &Uploads) -> Result<Job, Invalid> {
+        let mut found = Vec::new();
+        for (document, part) in self.job.documents.iter().zip(&mut self.parts) {
+            let of_scenes = part.checker.scenes(&document.node, &self.written, uploads);
+            let mut warnings = warnings::find(&document.node, &self.written, part.checker.vocabulary);
+            warnings.extend(of_scenes);
+            found.push(warnings);
         }
-        job.warnings = warnings::find(&job.document, &written, checker.vocabulary);
-        job.warnings.extend(of_scenes);
-        Ok(job)
+        self.job.warnings = self.join(&found, |site, warning| format!("site `{site}`: {warning}"));
+        self.finish()
+    }
+
+    /// The job, if nothing is wrong with it so far.
+    pub(super) fn finish(mut self) -> Result<Job, Invalid> {
+        let parts = self.parts.iter_mut();
+        let found: Vec<_> = parts.map(|part| part.take_errors(&self.written)).collect();
+        let of_sites = self.join(&found, |site, error| FieldError {
+            message: format!("site `{site}`: {}", error.message),
+            ..error.clone()
+        });
+        self.errors.extend(of_sites);
+        if self.errors.len() > MAX_ERRORS {
+            self.errors.truncate(MAX_ERRORS);
+            self.errors.push(FieldError::too_many());
+        }
+        if self.errors.is_empty() {
+            Ok(self.job)
+        } else {
+            Err(Invalid(self.errors))
+        }
+    }
+
+    /// Joins what was found in each document: once if it was found in all, else labelled with the site's name.
+    fn join<T: Clone + PartialEq>(&self, found: &[Vec<T>], label: impl Fn(&str, &T) -> T) -> Vec<T> {
+        let mut joined = Vec::new();
+        for (position, (items, document)) in found.iter().zip(&self.job.documents).enumerate() {
+            for item in items {
+                if !found.iter().all(|others| others.contains(item)) {
+                    joined.push(label(&document.site, item));
+                } else if position == 0 {
+                    joined.push(item.clone());
+                }
+            }
+        }
+        joined
+    }
+
+    /// A path goes through one world.
+    fn refuse_path_through_sites(&mut self) {
+        let mut laws = self.job.site.iter().flat_map(Node::laws);
+        let documents = self.job.documents.iter();
+        let mut cameras = documents.flat_map(|document| places(&document.node, "camera"));
+        if laws.any(|law| law.key() != "grid") && cameras.any(|(_, camera)| camera.get("path").is_some()) {
+            let message = "`camera.path` goes through one world, but `site` is drawn for each frame";
+            self.errors
+                .push(FieldError::new("/site", message).limit("no law but `grid`"));
+        }
+    }
+}
+
+impl Checker<'_> {
+    /// Without a site a description has a scene of its own.
+    fn require_scene(&mut self, document: &Node) {
+        let is_wrong = |error: &FieldError| error.pointer.starts_with("/scene");
+        if document.get("scene").is_none() && !self.errors.iter().any(is_wrong) {
+            let message = "`scene` is missing: what the camera would see in air, or name a `site`";
+            self.refuse(|| FieldError::new("/scene", message).limit("required"));
+        }
     }
 }

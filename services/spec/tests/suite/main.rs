@@ -9,6 +9,7 @@ mod law_errors;
 mod laws;
 mod lights;
 mod scenes;
+mod sites;
 mod soup;
 mod suspended;
 mod truth;

@@ -65,6 +65,21 @@ fn description() -> impl Strategy<Value = Value> {
         })
 }
 
+/// A valid description, or a job that mixes two of them as sites of its own.
+fn description_or_mix() -> impl Strategy<Value = Value> {
+    let mix = (description(), description(), any::<bool>()).prop_map(|(first, second, in_turn)| {
+        let sites = [("first", &first), ("second", &second)].map(|(name, description)| {
+            let mut site = description.as_object().unwrap().clone();
+            site.retain(|field, _| field != "count" && field != "seed");
+            site.insert("name".to_owned(), json!(name));
+            site
+        });
+        let law = if in_turn { "grid" } else { "choice" };
+        json!({"count": first["count"], "seed": first["seed"], "site": {law: sites}})
+    });
+    prop_oneof![2 => description(), 1 => mix]
+}
+
 /// A place anywhere in a document.
 fn place(document: &mut Value, mut at: usize) -> Option<&mut Value> {
     if at == 0 {
@@ -175,7 +190,7 @@ proptest! {
     }
 
     #[test]
-    fn valid_descriptions_keep_their_promises(document in description()) {
+    fn valid_descriptions_keep_their_promises(document in description_or_mix()) {
         let job = parse(&document).unwrap();
         try_frames(&job);
         let again = Job::parse(job.canonical().as_bytes(), &vocabulary(false)).unwrap();
@@ -183,7 +198,7 @@ proptest! {
     }
 
     #[test]
-    fn frames_do_not_depend_on_the_count(document in description(), more in 20_u64..1000) {
+    fn frames_do_not_depend_on_the_count(document in description_or_mix(), more in 20_u64..1000) {
         let few = parse(&document).unwrap();
         let mut document = document;
         document["count"] = json!(more);
@@ -194,7 +209,7 @@ proptest! {
     }
 
     #[test]
-    fn mutated_descriptions_never_panic(document in description(), at in 0_usize..60, odd in odd(), more in odd(), also in 0_usize..60) {
+    fn mutated_descriptions_never_panic(document in description_or_mix(), at in 0_usize..60, odd in odd(), more in odd(), also in 0_usize..60) {
         let mut document = document;
         for (at, value) in [(at, odd), (also, more)] {
             if let Some(place) = place(&mut document, at) {
@@ -207,7 +222,7 @@ proptest! {
     }
 
     #[test]
-    fn cut_descriptions_never_panic(document in description(), cut in 0.0..1.0) {
+    fn cut_descriptions_never_panic(document in description_or_mix(), cut in 0.0..1.0) {
         let text = document.to_string();
         let cut = (cut * text.len() as f64) as usize;
         prop_assert!(Job::parse(&text.as_bytes()[..cut], &vocabulary(false)).is_err());

@@ -13,11 +13,11 @@ const COSINE: f64 = 4.0;
 const SLOPE: f64 = 16.0;
 
 impl Daylight {
-    /// Whether rays are traced for shadows of the sun or for ambient occlusion.
+    /// Whether rays are traced for shadows of the sun, ambient occlusion or occlusion of the veil.
     #[must_use]
     pub fn traces_rays(&self) -> bool {
         let casts_shadows = self.sun.is_some_and(|sun| sun.casts_shadows);
-        self.surfaces == SurfaceLight::Normal && (casts_shadows || self.rays > 0)
+        self.occludes_veil || self.surfaces == SurfaceLight::Normal && (casts_shadows || self.rays > 0)
     }
 
     /// Rays of ambient occlusion from each place.

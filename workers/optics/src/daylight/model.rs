@@ -36,6 +36,8 @@ pub struct DaylightModel {
     pub caustics: Option<Caustics>,
     /// Whether caustics show in the water before surfaces as well.
     pub shafts: bool,
+    /// Whether surfaces occlude the daylight that the veil comes from.
+    pub occludes_veil: bool,
 }
 
 impl Default for DaylightModel {
@@ -48,6 +50,7 @@ impl Default for DaylightModel {
             ambient_rays: 0,
             caustics: None,
             shafts: false,
+            occludes_veil: false,
         }
     }
 }
@@ -81,6 +84,7 @@ impl DaylightModel {
             ambient_rays: if is_reflectance { AMBIENT_RAYS } else { 0 },
             caustics: has_sun.then_some(caustics),
             shafts: has_sun,
+            occludes_veil: true,
             ..Self::default()
         }
     }

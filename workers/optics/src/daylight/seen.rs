@@ -6,9 +6,11 @@
 
 mod sky;
 mod sunlit;
+mod veil;
 
 pub use sky::{access, access_reference};
 pub use sunlit::{sunlit, sunlit_reference};
+pub use veil::{occlude_veil, veil_access, veil_access_reference};
 
 use imaging::Plane;
 use imaging::vector::DVec3;

@@ -32,6 +32,8 @@ pub enum StageId {
     Turbidity,
     /// The veil by direction.
     Veil,
+    /// Occlusion of the daylight that the veil comes from.
+    VeilOcclusion,
     /// Occlusion-aware forward scatter: gates that stop spread light.
     Occlusion,
     /// Forward scatter of a channel.
@@ -90,6 +92,7 @@ impl StageId {
             Self::LampShadows => "lamp_shadows",
             Self::Attenuation => "attenuation",
             Self::Veil => "veil",
+            Self::VeilOcclusion => "veil_occlusion",
             Self::Occlusion => "occlusion",
             Self::ForwardScatter(channel) => {
                 ["forward_scatter.r", "forward_scatter.g", "forward_scatter.b"][usize::from(channel % 3)]

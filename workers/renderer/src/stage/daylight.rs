@@ -124,8 +124,31 @@ fn sunlight(
     Some(light)
 }
 
+/// Occludes the veil of daylight, and adds the pattern of the waves to it.
+pub(crate) fn run_in_water(context: &FrameContext<'_>, layers: &mut Layers) {
+    occlude_veil(context, layers);
+    add_shafts(context, layers);
+}
+
+fn occlude_veil(context: &FrameContext<'_>, layers: &mut Layers) {
+    let Some(water) = &context.setting.water else { return };
+    let daylight = water.daylight().filter(|daylight| daylight.occludes_veil());
+    let (Some(daylight), Some(range), Some(rays)) =
+        (daylight, &context.prepared.scene.range, context.rays())
+    else {
+        return;
+    };
+    let clearest = water.direct_attenuation().into_iter().fold(f64::INFINITY, f64::min);
+    let access = match context.plan.variant(StageId::VeilOcclusion) {
+        Variant::Skip => return,
+        Variant::Reference => daylight::veil_access_reference(range, daylight, clearest, rays),
+        _ => daylight::veil_access(range, daylight, clearest, rays),
+    };
+    daylight::occlude_veil(&mut layers.backscatter, &mut layers.scattered, &access);
+}
+
 /// Adds the pattern to the veil, for frames with shafts.
-pub(crate) fn run_shafts(context: &FrameContext<'_>, layers: &mut Layers) {
+fn add_shafts(context: &FrameContext<'_>, layers: &mut Layers) {
     let setting = &context.setting;
     let daylight = setting.water.as_ref().and_then(Water::daylight);
     let daylight = daylight.filter(|daylight| daylight.has_shafts());

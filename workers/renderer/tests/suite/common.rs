@@ -46,7 +46,9 @@ impl Files {
 
     /// The same as stored by a service that did not yet check what its scene lacks.
     pub(crate) fn stored_job(&self, fields: &Value) -> Job {
-        Job::trusted(&self.description(fields).to_string()).unwrap()
+        let mut description = self.description(fields);
+        description["daylight"] = json!("auto");
+        Job::trusted(&description.to_string()).unwrap()
     }
 
     pub(crate) fn description(&self, fields: &Value) -> Value {

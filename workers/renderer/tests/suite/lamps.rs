@@ -10,8 +10,9 @@ fn spot(direction: Value) -> Value {
            "direction": direction, "cone_deg": 40.0})
 }
 
-fn dark_water() -> Value {
-    json!({"optics": {"preset": "jerlov-1C", "veil_gain": 0.0}, "depth_m": 200.0, "ambient": "absolute"})
+/// Water with lamps in it, without `depth_m` or `daylight`: night.
+fn night() -> Value {
+    json!({"optics": "jerlov-1C"})
 }
 
 /// The samples of an NPY artifact.
@@ -31,14 +32,22 @@ fn brightest(bytes: &[u8]) -> f32 {
 }
 
 #[test]
-fn at_a_depth_without_daylight_only_the_lamps_are_seen() {
+fn by_night_only_the_lamps_are_seen() {
     let files = Files::new();
-    let artifacts = json!(["rgb", "direct", "backscatter"]);
-    let dark = json!({"water": dark_water(), "artifacts": artifacts});
-    let dark = render(&files.job(&dark));
-    assert!(brightest(file(&dark, "direct")) < 1e-4);
-    let lit = json!({"water": dark_water(), "artifacts": artifacts, "lights": [spot(json!([0, 0, 1]))]});
-    let lit = render(&files.job(&lit));
+    let mut scene = files.scene("range.npy");
+    scene["lighting"] = json!("water");
+    let fields = |lights: Value| json!({"scene": scene.clone(), "water": night(), "artifacts": ["rgb", "direct", "backscatter"], "lights": lights});
+    let mut dark = fields(json!([]));
+    dark["daylight"] = json!("none");
+    let errors = parse_errors(&files.description(&dark));
+    assert!(errors[0].message.contains("the scene is black"), "{errors:?}");
+    let faint = {
+        let mut lamp = spot(json!([0, 0, 1]));
+        lamp["intensity"] = json!([1e-4, 1e-4, 1e-4]);
+        render(&files.job(&fields(json!([lamp]))))
+    };
+    assert!(brightest(file(&faint, "direct")) < 1e-4);
+    let lit = render(&files.job(&fields(json!([spot(json!([0, 0, 1]))]))));
     assert!(brightest(file(&lit, "direct")) > 1e-3);
     assert!(brightest(file(&lit, "backscatter")) > 1e-3, "the water glows");
     assert!(lit.record.timings_ms.contains_key("lamps"));
@@ -57,47 +66,30 @@ fn at_a_depth_without_daylight_only_the_lamps_are_seen() {
 fn the_glow_is_brighter_where_it_rises_toward_the_back() {
     let files = Files::new();
     let frame = |phase: Value| {
-        let mut water = dark_water();
+        let mut optics = json!({"preset": "jerlov-1C"});
         if !phase.is_null() {
-            water["glow_phase"] = phase;
+            optics["phase"] = phase;
         }
-        let fields =
-            json!({"water": water, "artifacts": ["backscatter"], "lights": [spot(json!([0, 0, 1]))]});
+        let fields = json!({"water": {"optics": optics}, "artifacts": ["backscatter"],
+                            "lights": [spot(json!([0, 0, 1]))]});
         render(&files.job(&fields))
     };
     let [absent, hg, ff] = [json!(null), json!("hg"), json!("ff")].map(frame);
-    assert_eq!(file(&absent, "backscatter"), file(&hg, "backscatter"));
+    assert_eq!(file(&absent, "backscatter"), file(&ff, "backscatter"));
     let sum = |bytes: &[u8]| samples(bytes).into_iter().sum::<f32>();
     let more = sum(file(&ff, "backscatter")) / sum(file(&hg, "backscatter"));
     assert!((1.1..1.7).contains(&more), "{more}");
-    let says = |rendered: &renderer::Rendered| {
-        let plan = rendered.record.plan.as_array().unwrap();
-        let glow = plan.iter().find(|line| line["stage"] == "glow").unwrap();
-        glow["model_error"].as_str().unwrap().to_owned()
-    };
-    assert_ne!(says(&ff), says(&hg));
-    let wrong = json!({"water": {"optics": "jerlov-1C", "glow_phase": "petzold"}});
+    let wrong = json!({"water": {"optics": {"preset": "jerlov-1C", "phase": "petzold"}}});
     let errors = parse_errors(&files.description(&wrong));
-    assert_eq!(errors[0].pointer, "/water/glow_phase");
+    assert_eq!(errors[0].pointer, "/water/optics/phase");
     assert_eq!(errors[0].allowed, ["ff", "hg"]);
 }
 
 #[test]
-fn a_lamp_aimed_away_and_a_scene_without_range_are_said_in_the_record() {
+fn lamps_over_a_scene_without_range_are_skipped_with_a_warning() {
     let files = Files::new();
-    let mut away = spot(json!([0, 0, -1]));
-    away["position_m"] = json!([0.0, 0.0, -0.5]);
-    let warnings = |water: Value| {
-        let fields = json!({"water": water, "lights": [away.clone()]});
-        render(&files.job(&fields)).record.warnings
-    };
-    assert_eq!(
-        warnings(json!({"optics": "jerlov-3C", "multiple": "none"})),
-        ["no lamp lights anything in view"]
-    );
-    // Some of the light that scatters more than once arrives wherever a lamp is aimed.
-    assert!(warnings(json!({"optics": "jerlov-3C"})).is_empty());
-    let fields = json!({"scene": files.scene_without_range(), "lights": [away]});
+    let lights = json!([spot(json!([0, 0, 1]))]);
+    let fields = json!({"scene": files.scene_without_range(), "lights": lights});
     assert_eq!(
         render(&files.stored_job(&fields)).record.warnings,
         ["the scene has no range: the lamps are skipped"]
@@ -112,10 +104,7 @@ fn the_reference_and_the_fast_form_give_the_same_picture() {
                             "lights": [spot(json!([0, 0, 1]))], "fidelity": fidelity});
         samples(file(&render(&files.job(&fields)), "backscatter"))
     };
-    let (fast, exact) = (
-        frame(json!({"tolerance": 1e-4})),
-        frame(json!({"variant": "reference"})),
-    );
+    let (fast, exact) = (frame(json!({"tolerance": 1e-4})), frame(json!("reference")));
     let worst = fast
         .iter()
         .zip(&exact)
@@ -129,7 +118,7 @@ fn the_reference_and_the_fast_form_give_the_same_picture() {
 fn patches_of_turbidity_dim_and_brighten_the_glow() {
     let files = Files::new();
     let glow = |turbidity: Value, fidelity: Value| {
-        let mut water = dark_water();
+        let mut water = night();
         water["turbidity"] = turbidity;
         let fields = json!({"water": water, "artifacts": ["backscatter"],
                             "lights": [spot(json!([0, 0, 1]))], "fidelity": fidelity});
@@ -147,7 +136,7 @@ fn patches_of_turbidity_dim_and_brighten_the_glow() {
     let patchy = glow(patches.clone(), json!({"tolerance": 1e-4}));
     let most = even.iter().copied().fold(0.0, f32::max);
     assert!(difference(&even, &patchy) > 0.05 * most);
-    let exact = glow(patches, json!({"variant": "reference"}));
+    let exact = glow(patches, json!("reference"));
     assert!(difference(&exact, &patchy) < 1.1e-4);
 }
 

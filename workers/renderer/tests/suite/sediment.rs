@@ -39,7 +39,7 @@ fn clouds_in_view_have_a_line_with_their_cost_and_change_the_picture() {
         assert!(at("glow") < at("sediment") && at("sediment") < at("snow"));
     }
     let mut exact = with_clouds(&json!({}));
-    exact["fidelity"] = json!({"variant": "reference"});
+    exact["fidelity"] = json!("reference");
     let exact = render(&files.job(&exact));
     assert_eq!(line(&exact.record.plan).unwrap()["variant"], "reference");
 }
@@ -84,8 +84,8 @@ fn what_is_skipped_is_not_there_in_the_reference_either() {
                           "fidelity": fidelity}),
         )
     };
-    let jobs = [json!({"tolerance": 3e-4}), json!({"variant": "reference"})].map(fields);
-    let air = files.job(&json!({"fidelity": {"variant": "reference"}}));
+    let jobs = [json!({"tolerance": 3e-4}), json!("reference")].map(fields);
+    let air = files.job(&json!({"fidelity": "reference"}));
     let mut slot = Slot::new(&engine_without_runtime());
     let plain = slot
         .linear(&air.resolve(0).unwrap(), &SceneSource::Local)

@@ -92,7 +92,7 @@ fn with_everything_in_the_water_the_shares_add_up_to_the_tolerance_and_the_pictu
                             "artifacts": ["scattered", "snow_mask"]});
         render(&files.job(&fields))
     };
-    let exact = frame(json!({"variant": "reference"}));
+    let exact = frame(json!("reference"));
     for tolerance in [3e-4, 1e-3] {
         let fast = frame(json!({"tolerance": tolerance}));
         let bound = |name: &str| stage(&fast.record.plan, name)["bound"].as_f64().unwrap();
@@ -153,7 +153,7 @@ fn whatever_is_in_the_water_no_error_exceeds_the_bounds_of_the_plan() {
     };
     let tolerance = 3e-4;
     let [fast, exact] =
-        [json!({"tolerance": tolerance}), json!({"variant": "reference"})].map(|of| files.job(&fields(of)));
+        [json!({"tolerance": tolerance}), json!("reference")].map(|of| files.job(&fields(of)));
     for index in 0..10 {
         let [fast, exact] = [&fast, &exact].map(|job| {
             let mut slot = Slot::new(&engine_without_runtime());
@@ -260,7 +260,7 @@ fn a_lens_makes_wide_faint_discs_of_near_particles_and_a_current_draws_them_out(
     let files = Files::new();
     let frame = |camera: Value, more: Value| {
         let mut snow = json!({"density_per_m3": 3000.0, "radius_m": 0.0015, "near_m": 0.15, "far_m": 1.0,
-            "albedo": [1, 1, 1], "discs": "lens"});
+            "albedo": [1, 1, 1]});
         snow.as_object_mut()
             .unwrap()
             .extend(more.as_object().unwrap().clone());

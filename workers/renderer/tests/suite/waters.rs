@@ -43,7 +43,7 @@ fn a_frame_of_holes_shows_the_veil_alone() {
 #[test]
 fn holes_under_the_rule_reject_fail_for_good() {
     let files = Files::new();
-    let water = json!({"optics": "jerlov-3C", "holes": "reject"});
+    let water = json!({"optics": {"preset": "jerlov-3C", "veil_gain": 1}, "holes": "reject"});
     let error = try_render(&files.job(&json!({"water": water})), &engine_without_runtime()).unwrap_err();
     assert!(!error.retryable());
     assert_eq!(

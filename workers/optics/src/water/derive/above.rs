@@ -87,6 +87,7 @@ impl Checks {
             rays: above.ambient_rays,
             caustics: above.caustics.map(|waves| (waves, blur(known, c))),
             draws_caustics: above.caustics.is_some(),
+            occludes_veil: above.occludes_veil,
             has_shafts: above.shafts,
             scale,
             fields,

@@ -1,7 +1,8 @@
 //! The plan of daylight.
 
-use optics::daylight::SurfaceLight;
+use optics::daylight::{Daylight, SurfaceLight};
 use optics::plan::{ErrorBound, Stage, StageId, Variant};
+use optics::water::Water;
 use spec::RaySource;
 
 use super::{farthest_surface, on_surfaces};
@@ -15,13 +16,30 @@ const SUN_RAY_NS: f64 = 30.0;
 const AMBIENT_RAY_NS: f64 = 20.0;
 const CAUSTICS_NS: f64 = 40.0;
 const SHAFTS_NS: f64 = 12.0;
+const VEIL_OCCLUSION_NS: f64 = 8.0;
 /// A ray through a range image; of those of ambient occlusion there is one for each fifth pixel.
 const SCREEN_RAY_NS: f64 = 1_000.0;
 /// Shadows of the sun and caustics are each left out if that changes no more than this part of the tolerance.
 const SKIP_SHARE: f64 = 0.0625;
 
-/// Daylight on surfaces with the sun's shadows, ambient occlusion and caustics; or one factor for the whole scene.
+/// Daylight of a frame on surfaces and in the water.
 pub(crate) fn assess(assessment: &Assessment<'_>) -> Vec<Stage> {
+    let mut stages = assess_surfaces(assessment);
+    let daylight = assessment.context.setting.water.as_ref().and_then(Water::daylight);
+    let is_occluded = daylight.is_some_and(Daylight::occludes_veil) && assessment.context.rays().is_some();
+    if is_occluded {
+        let occlusion = Stage {
+            bound: None,
+            note: Some("traced for every 16th pixel".to_owned()),
+            ..Stage::new(StageId::VeilOcclusion, assessment.variant("coarse_rays"))
+        };
+        stages.push(occlusion.costing(VEIL_OCCLUSION_NS, assessment.pixels()));
+    }
+    stages
+}
+
+/// Daylight on surfaces with the sun's shadows, ambient occlusion and caustics; or one factor for the whole scene.
+fn assess_surfaces(assessment: &Assessment<'_>) -> Vec<Stage> {
     let context = assessment.context;
     let (Some(daylight), Some(far)) = (on_surfaces(&context.setting), farthest_surface(context)) else {
         return vec![assess_factor(assessment)];

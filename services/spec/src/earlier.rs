@@ -1,0 +1,52 @@
+//! Jobs of version 0.1, which data folders and sets still hold. Their images are listed and served, but they cannot be rendered.
+
+use serde_json::Value;
+
+use crate::invalid::{FieldError, Invalid};
+
+/// Why a job of version 0.1 is not rendered.
+pub const EARLIER_VERSION: &str = "the job was described for version 0.1, and this version cannot render it again; its images can be \
+                                   listed and read, or rendered by version 0.1";
+
+/// Whether this is the canonical text of a job of version 0.1: every later one has `daylight`.
+#[must_use]
+pub fn is_of_earlier_version(canonical: &str) -> bool {
+    serde_json::from_str(canonical).is_ok_and(|job: Value| lacks_daylight(&job))
+}
+
+/// Refuses a stored job of version 0.1.
+pub(crate) fn refuse_earlier_version(job: &Value) -> Result<(), Invalid> {
+    match lacks_daylight(job) {
+        true => Err(Invalid(vec![FieldError::new("", EARLIER_VERSION)])),
+        false => Ok(()),
+    }
+}
+
+fn lacks_daylight(job: &Value) -> bool {
+    job.as_object()
+        .is_some_and(|fields| !fields.contains_key("daylight"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::job::Job;
+    use crate::vocabulary::Vocabulary;
+
+    #[test]
+    fn stored_jobs_of_version_0_1_are_refused_in_one_sentence() {
+        let text = br#"{"scene":{"kind":"procedural","family":"shaft"}}"#;
+        let vocabulary = Vocabulary {
+            families: vec!["shaft".to_owned()],
+            ..Vocabulary::default()
+        };
+        let job = Job::parse(text, &vocabulary).unwrap();
+        assert!(!is_of_earlier_version(job.canonical()));
+        assert!(Job::trusted(job.canonical()).is_ok());
+        let mut earlier: Value = serde_json::from_str(job.canonical()).unwrap();
+        earlier.as_object_mut().unwrap().remove("daylight");
+        assert!(is_of_earlier_version(&earlier.to_string()));
+        let refused = Job::trusted(&earlier.to_string()).unwrap_err();
+        assert!(refused.to_string().contains("version 0.1"), "{refused}");
+    }
+}

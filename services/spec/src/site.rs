@@ -1,0 +1,94 @@
+//! Sites: descriptions of whole places that a job can start from.
+
+mod expand;
+mod merge;
+
+use serde::Deserialize;
+use serde_json::{Map, Value};
+use spec_derive::Described;
+
+pub(crate) use expand::{OF_THE_JOB, Sites, insert_descriptions};
+
+/// The site of a frame. A job that names one as a string starts from its preset; in this form the job or frame is
+/// already complete.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize, Described)]
+#[described(short = "name")]
+pub struct SiteName {
+    /// name of the site
+    #[field(fixed, names = WaterName)]
+    pub name: String,
+}
+
+/// A site that comes with the program.
+#[derive(Debug, Clone, Copy)]
+pub struct SitePreset {
+    /// Its name in jobs.
+    pub name: &'static str,
+    text: &'static str,
+}
+
+/// The sites that come with the program.
+pub const SITES: [SitePreset; 7] = [
+    SitePreset::new("harbour-wall", include_str!("../sites/harbour-wall.json")),
+    SitePreset::new("lock-chamber", include_str!("../sites/lock-chamber.json")),
+    SitePreset::new("pile-in-current", include_str!("../sites/pile-in-current.json")),
+    SitePreset::new("pipeline", include_str!("../sites/pipeline.json")),
+    SitePreset::new("shaft", include_str!("../sites/shaft.json")),
+    SitePreset::new("tank", include_str!("../sites/tank.json")),
+    SitePreset::new("paper", include_str!("../sites/paper.json")),
+];
+
+/// Keys of a site's file that are not part of its description.
+const COMMENTS: [&str; 2] = ["summary", "note"];
+
+impl SitePreset {
+    const fn new(name: &'static str, text: &'static str) -> Self {
+        Self { name, text }
+    }
+
+    /// Returns the site of this name.
+    #[must_use]
+    pub fn find(name: &str) -> Option<&'static Self> {
+        SITES.iter().find(|site| site.name == name)
+    }
+
+    /// What the site shows, in one line.
+    #[must_use]
+    pub fn summary(&self) -> String {
+        let file = self.file();
+        file["summary"].as_str().unwrap_or_default().to_owned()
+    }
+
+    /// The description, with distributions in place of values.
+    #[must_use]
+    pub fn description(&self) -> Map<String, Value> {
+        let mut fields = self.file();
+        fields.retain(|key, _| !COMMENTS.contains(&key.as_str()));
+        fields
+    }
+
+    fn file(&self) -> Map<String, Value> {
+        serde_json::from_str(self.text).expect("the files of sites are JSON objects, a test reads them all")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_site_has_a_summary_a_note_and_no_field_of_the_job_as_a_whole() {
+        for site in SITES {
+            assert!(
+                site.summary()
+                    .ends_with(|letter: char| letter.is_ascii_alphanumeric())
+            );
+            assert!(site.file()["note"].is_string(), "{}", site.name);
+            let fields = site.description();
+            assert!(fields.contains_key("scene") && fields.contains_key("water"));
+            for field in OF_THE_JOB {
+                assert!(!fields.contains_key(field), "{}: {field}", site.name);
+            }
+        }
+    }
+}
