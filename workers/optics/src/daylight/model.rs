@@ -85,7 +85,6 @@ impl DaylightModel {
             caustics: has_sun.then_some(caustics),
             shafts: has_sun,
             occludes_veil: true,
-            ..Self::default()
         }
     }
 

@@ -28,6 +28,8 @@ pub(in crate::daylight) fn daylight(size: (usize, usize), up: [f64; 3], share: f
         sun: (share > 0.0).then(|| SunLight::new(share, &sun)),
         rays: 16,
         caustics: None,
+        draws_caustics: false,
+        occludes_veil: false,
         has_shafts: false,
         scale: 1.0,
         fields: [field(0.35, 0.16), field(0.08, 0.18), field(0.07, 0.2)],
