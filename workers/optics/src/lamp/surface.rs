@@ -2,6 +2,7 @@
 
 mod discs;
 mod joined;
+mod precise;
 mod row;
 mod shade;
 
@@ -13,10 +14,11 @@ use super::beam::Profile;
 use super::{Lamp, Lighting};
 use crate::attenuation::masked;
 use crate::elementary::{HALVINGS, fade};
-use crate::extremes::{brightest, greatest};
+use crate::extremes::brightest;
 use crate::range::{self, SHORTEST_M};
 use crate::turbidity::{self, RUN};
 use joined::{Blur, Joined};
+use precise::Precise;
 use row::{Row, places_of};
 use shade::Shade;
 
@@ -35,7 +37,23 @@ pub struct Irradiance {
 /// [`irradiance_reference`](super::irradiance_reference) in f32. Nothing casts a shadow.
 #[must_use]
 pub fn irradiance(range: &Plane<f32>, normals: &[Plane<f32>; 3], lighting: &Lighting) -> Irradiance {
-    shine_on(range, normals, lighting, None)
+    shine_on(range, normals, lighting, Limits::NONE)
+}
+
+/// [`irradiance`] whose rounding is at most `rounding` and one more rounding of the light itself. Runs of pixels on which f32 might
+/// err by more are computed in f64.
+#[must_use]
+pub fn irradiance_within(
+    rounding: f64,
+    range: &Plane<f32>,
+    normals: &[Plane<f32>; 3],
+    lighting: &Lighting,
+) -> Irradiance {
+    let limits = Limits {
+        rounding,
+        ..Limits::NONE
+    };
+    shine_on(range, normals, lighting, limits)
 }
 
 /// [`shaded_irradiance_reference`](super::shaded_irradiance_reference) in f32. A ray that grazes an edge may pass on its other
@@ -47,16 +65,45 @@ pub fn shaded_irradiance(
     range: &Plane<f32>,
     normals: &[Plane<f32>; 3],
     lighting: &Lighting,
-    (rays, unseen): (&dyn Rays, f64),
+    rays: (&dyn Rays, f64),
 ) -> Irradiance {
-    shine_on(range, normals, lighting, Some((rays, unseen)))
+    shaded_irradiance_within(f64::INFINITY, (range, normals), lighting, rays)
+}
+
+/// [`shaded_irradiance`] whose rounding is limited as by [`irradiance_within`].
+#[must_use]
+pub fn shaded_irradiance_within(
+    rounding: f64,
+    (range, normals): (&Plane<f32>, &[Plane<f32>; 3]),
+    lighting: &Lighting,
+    rays: (&dyn Rays, f64),
+) -> Irradiance {
+    let limits = Limits {
+        rounding,
+        rays: Some(rays),
+    };
+    shine_on(range, normals, lighting, limits)
+}
+
+/// The largest rounding in f32, and the rays of shadows with the light that needs none.
+#[derive(Clone, Copy)]
+struct Limits<'a> {
+    rounding: f64,
+    rays: Option<(&'a dyn Rays, f64)>,
+}
+
+impl Limits<'_> {
+    const NONE: Self = Self {
+        rounding: f64::INFINITY,
+        rays: None,
+    };
 }
 
 fn shine_on(
     range: &Plane<f32>,
     normals: &[Plane<f32>; 3],
     lighting: &Lighting,
-    rays: Option<(&dyn Rays, f64)>,
+    limits: Limits<'_>,
 ) -> Irradiance {
     let (width, height) = range.size();
     let [mut red, mut green, mut blue] = [(); 3].map(|()| Plane::filled(width, height, 0.0f32));
@@ -66,15 +113,16 @@ fn shine_on(
     let radius = lighting.radius_m as f32;
     let joined = Joined::new(lighting);
     let sources: Vec<Source> = lighting.lamps.iter().map(Source::new).collect();
-    let limits: Vec<Rounding> = lighting
+    let roundings = lighting
         .lamps
         .iter()
-        .map(|lamp| Rounding::new(lamp, lighting, range))
-        .collect();
+        .map(|lamp| Rounding::new(lamp, lighting, range));
+    let roundings: Vec<Rounding> = roundings.collect();
+    let mut precise = Precise::new(lighting, width, limits.rounding);
     let patches = (lighting.patches.as_ref()).map(|field| turbidity::Rays::new(field, camera));
     let mut murk = vec![1.0f32; width];
     let shades: Vec<Option<Shade>> = (lighting.lamps.iter())
-        .map(|lamp| Shade::new(lamp, lighting, (range, normals), rays?))
+        .map(|lamp| Shade::new(lamp, lighting, (range, normals), limits.rays?))
         .collect();
     let mut blurs: Vec<Option<Blur>> = (lighting.lamps.iter())
         .map(|lamp| Blur::new(lamp, lighting, width))
@@ -86,8 +134,8 @@ fn shine_on(
         let mut to = places.each_mut().map(Vec::as_mut_slice);
         vectorized!(places_of(lens, y as f32, range.row(y), &mut to));
         let own = Row::new((&places, 0..width), (normals, y * width), (attenuation, radius));
-        let mut lost = 0.0;
-        for (((lamp, limit), shade), blur) in sources.iter().zip(&limits).zip(&shades).zip(&mut blurs) {
+        precise.start_row();
+        for (((lamp, limit), shade), blur) in sources.iter().zip(&roundings).zip(&shades).zip(&mut blurs) {
             let shade = shade.as_ref().map(|shade| shade.of_row(y));
             if let Some(patches) = &patches {
                 vectorized!(murk_of(patches, y, range.row(y), (own, lamp.place), &mut murk));
@@ -110,9 +158,10 @@ fn shine_on(
                     joined::shine_shaded(own, *lamp, water, (&murk, shade, blur), reborrow(&mut to));
                 }
             }
-            lost += limit.within(greatest(&near), greatest(&seen));
+            precise.include(limit, &near, &seen);
         }
-        rounding = rounding.max(lost);
+        let rows = [&mut red, &mut green, &mut blue].map(|plane| plane.row_mut(y));
+        rounding = rounding.max(precise.finish_row(y, (range, normals), &shades, rows));
     }
     Irradiance {
         light: Rgb::new([red, green, blue]).expect("planes of one frame"),
@@ -142,14 +191,14 @@ pub fn irradiance_of(brightest: [f32; 3], light: f64) -> f64 {
     light * std::f64::consts::PI / most.max(1e-30)
 }
 
-/// Rounding of [`lit`] as a share of the light.
-pub const LIT_ROUNDING: f64 = 4.0 * STEP;
+/// Rounding of [`lit`], and of irradiance that was computed in f64, as a share of the light.
+pub const LIT_ROUNDING: f64 = 5.0 * STEP;
 
 /// What [`lit`] may differ by from the same in f64, where the light of the lamps may differ by `rounding`.
 #[must_use]
 pub fn lit_rounding(radiance: &Rgb<f32>, lit: &Rgb<f32>, rounding: f64) -> f64 {
     let most = |light: &Rgb<f32>| f64::from(brightest(light).into_iter().fold(0.0, f32::max));
-    most(radiance) * rounding / std::f64::consts::PI + 4.0 * STEP * most(lit)
+    most(radiance) * rounding / std::f64::consts::PI + LIT_ROUNDING * most(lit)
 }
 
 /// One rounding of f32.

@@ -9,7 +9,7 @@ use optics::snow::World;
 use optics::turbidity::Field;
 use spec::Turbidity;
 
-use crate::errors::worst;
+use crate::errors::{peak, worst};
 
 const SIZE: (usize, usize) = (37, 9);
 const FRAMES: u64 = 400;
@@ -163,6 +163,44 @@ fn no_glow_errs_by_more_than_its_nodes_and_its_rounding() {
         // The bound of sums of more than one kind of light is at least three times their error.
         let least = if multiple { 0.1 } else { 0.3 };
         assert!(closest > least, "{closest}");
+    }
+}
+
+/// Rounding of light up to this to f32, with room for its own error.
+fn sample_rounding(light: f64) -> f64 {
+    6.1e-8 * light + 2e-38
+}
+
+#[test]
+fn rounding_stays_within_a_limit_that_f32_would_exceed() {
+    for (seed, multiple) in (0..FRAMES).flat_map(|seed| [(seed, false), (seed, true)]) {
+        let Case { range, lighting } = case(seed, multiple);
+        let normals = lamp::normals_of(&range, &lighting.camera);
+        let reference = lamp::irradiance_reference(&exact(&range), &normals, &lighting);
+        let limit = 1e-3 * lamp::irradiance(&range, &normals, &lighting).rounding;
+        let fast = lamp::irradiance_within(limit, &range, &normals, &lighting);
+        let (error, most) = (
+            worst(&fast.light, &reference),
+            limit.max(sample_rounding(peak(&reference))),
+        );
+        assert!(
+            error <= fast.rounding && fast.rounding <= most,
+            "surfaces {seed}: {error:e} {most:e}"
+        );
+        if multiple {
+            continue;
+        }
+        let reference = lamp::airlight_reference(&exact(&range), &lighting, REFERENCE_NODES);
+        let limit = 1e-3 * lamp::airlight(&range, &lighting, 1e-4).rounding;
+        let fast = lamp::airlight_within(limit, &range, &lighting, 1e-4);
+        let (error, most) = (
+            worst(&fast.light, &reference),
+            limit.max(sample_rounding(peak(&reference))),
+        );
+        assert!(
+            error <= fast.left + fast.rounding && fast.rounding <= most,
+            "airlight {seed}: {error:e} {most:e}"
+        );
     }
 }
 

@@ -27,8 +27,10 @@ pub(crate) fn assess(assessment: &Assessment<'_>) -> Vec<Stage> {
         0.0
     };
     let ns = lighting.lamps.len() as f64 * (SURFACE_NS + patches);
+    let share = assessment.budget.lamp_rounding();
     let light = Stage {
-        bound: Some(bound_light(assessment, bounds)),
+        share: Some(share),
+        bound: Some(bound_light(assessment, bounds, share)),
         ..Stage::new(StageId::Lamps, assessment.variant("f32"))
     };
     let mut stages = vec![light.costing(ns, assessment.pixels())];
@@ -36,8 +38,8 @@ pub(crate) fn assess(assessment: &Assessment<'_>) -> Vec<Stage> {
     stages
 }
 
-/// What f32 may lose of the light on surfaces, as it leaves them.
-fn bound_light(assessment: &Assessment<'_>, bounds: &SurfaceBounds) -> ErrorBound {
+/// Rounding of the light on surfaces, as it leaves them: at most `share`, because pixels that would lose more are computed in f64.
+fn bound_light(assessment: &Assessment<'_>, bounds: &SurfaceBounds, share: f64) -> ErrorBound {
     let tiles = assessment
         .context
         .view
@@ -48,7 +50,7 @@ fn bound_light(assessment: &Assessment<'_>, bounds: &SurfaceBounds) -> ErrorBoun
         f64::from(reflectance) * rounding / std::f64::consts::PI
     });
     ErrorBound {
-        absolute: errors.fold(0.0, f64::max),
+        absolute: errors.fold(0.0, f64::max).min(share),
         relative: lamp::LIT_ROUNDING,
     }
 }
@@ -141,12 +143,18 @@ fn shine(context: &FrameContext<'_>, lighting: &Lighting, range: &Plane<f32>) ->
         Variant::Shadows(shadows) if shadows.lamps > 0 => Some((&shadows.lighting, stage.share?)),
         _ => None,
     });
+    let limit = context.plan.stage(StageId::Lamps).and_then(|stage| stage.share);
+    let rounding = limit
+        .zip(context.view.as_ref())
+        .map_or(f64::INFINITY, |(share, view)| {
+            lamp::irradiance_of(view.brightest(), share)
+        });
     let (Some((needed, share)), Some(rays), Some(view)) = (cast, rays, &context.view) else {
-        return lamp::irradiance(range, &normals, lighting);
+        return lamp::irradiance_within(rounding, range, &normals, lighting);
     };
     let each = share / lighting.lamps.len() as f64;
     let unseen = lamp::irradiance_of(view.brightest(), each);
-    lamp::shaded_irradiance(range, &normals, needed, (rays, unseen))
+    lamp::shaded_irradiance_within(rounding, (range, &normals), needed, (rays, unseen))
 }
 
 /// Whether any sample is positive.
