@@ -49,8 +49,8 @@ pub use reference::{
 pub use shadow::Shadow;
 pub(crate) use shadow::places_within;
 pub use surface::{
-    Irradiance, LIT_ROUNDING, irradiance, irradiance_of, irradiance_within, lit, lit_rounding,
-    shaded_irradiance, shaded_irradiance_within,
+    Irradiance, LIT_ROUNDING, irradiance, irradiance_in_tiles, irradiance_of, lit, lit_rounding,
+    shaded_irradiance, shaded_irradiance_in_tiles,
 };
 
 pub use crate::legendre::gauss_legendre;

@@ -14,11 +14,10 @@ use super::beam::Profile;
 use super::{Lamp, Lighting};
 use crate::attenuation::masked;
 use crate::elementary::{HALVINGS, fade};
-use crate::extremes::brightest;
+use crate::extremes::{brightest, greatest};
 use crate::range::{self, SHORTEST_M};
 use crate::turbidity::{self, RUN};
 use joined::{Blur, Joined};
-use precise::Precise;
 use row::{Row, places_of};
 use shade::Shade;
 
@@ -37,23 +36,22 @@ pub struct Irradiance {
 /// [`irradiance_reference`](super::irradiance_reference) in f32. Nothing casts a shadow.
 #[must_use]
 pub fn irradiance(range: &Plane<f32>, normals: &[Plane<f32>; 3], lighting: &Lighting) -> Irradiance {
-    shine_on(range, normals, lighting, Limits::NONE)
+    shine_on(range, normals, lighting, Options::default())
 }
 
-/// [`irradiance`] whose rounding is at most `rounding` and one more rounding of the light itself. Runs of pixels on which f32 might
-/// err by more are computed in f64.
+/// [`irradiance`] with some tiles of a [`VisibleBounds`](crate::visible_bounds::VisibleBounds) in f64: those that are true.
 #[must_use]
-pub fn irradiance_within(
-    rounding: f64,
+pub fn irradiance_in_tiles(
+    precise: &[bool],
     range: &Plane<f32>,
     normals: &[Plane<f32>; 3],
     lighting: &Lighting,
 ) -> Irradiance {
-    let limits = Limits {
-        rounding,
-        ..Limits::NONE
+    let options = Options {
+        precise,
+        ..Options::default()
     };
-    shine_on(range, normals, lighting, limits)
+    shine_on(range, normals, lighting, options)
 }
 
 /// [`shaded_irradiance_reference`](super::shaded_irradiance_reference) in f32. A ray that grazes an edge may pass on its other
@@ -67,43 +65,36 @@ pub fn shaded_irradiance(
     lighting: &Lighting,
     rays: (&dyn Rays, f64),
 ) -> Irradiance {
-    shaded_irradiance_within(f64::INFINITY, (range, normals), lighting, rays)
+    shaded_irradiance_in_tiles(&[], (range, normals), lighting, rays)
 }
 
-/// [`shaded_irradiance`] whose rounding is limited as by [`irradiance_within`].
+/// [`shaded_irradiance`] with some tiles in f64 as in [`irradiance_in_tiles`].
 #[must_use]
-pub fn shaded_irradiance_within(
-    rounding: f64,
+pub fn shaded_irradiance_in_tiles(
+    precise: &[bool],
     (range, normals): (&Plane<f32>, &[Plane<f32>; 3]),
     lighting: &Lighting,
     rays: (&dyn Rays, f64),
 ) -> Irradiance {
-    let limits = Limits {
-        rounding,
+    let options = Options {
+        precise,
         rays: Some(rays),
     };
-    shine_on(range, normals, lighting, limits)
+    shine_on(range, normals, lighting, options)
 }
 
-/// The largest rounding in f32, and the rays of shadows with the light that needs none.
-#[derive(Clone, Copy)]
-struct Limits<'a> {
-    rounding: f64,
+/// Tiles in f64, and the rays of shadows with the light that needs none.
+#[derive(Clone, Copy, Default)]
+struct Options<'a> {
+    precise: &'a [bool],
     rays: Option<(&'a dyn Rays, f64)>,
-}
-
-impl Limits<'_> {
-    const NONE: Self = Self {
-        rounding: f64::INFINITY,
-        rays: None,
-    };
 }
 
 fn shine_on(
     range: &Plane<f32>,
     normals: &[Plane<f32>; 3],
     lighting: &Lighting,
-    limits: Limits<'_>,
+    options: Options<'_>,
 ) -> Irradiance {
     let (width, height) = range.size();
     let [mut red, mut green, mut blue] = [(); 3].map(|()| Plane::filled(width, height, 0.0f32));
@@ -113,16 +104,15 @@ fn shine_on(
     let radius = lighting.radius_m as f32;
     let joined = Joined::new(lighting);
     let sources: Vec<Source> = lighting.lamps.iter().map(Source::new).collect();
-    let roundings = lighting
+    let limits: Vec<Rounding> = lighting
         .lamps
         .iter()
-        .map(|lamp| Rounding::new(lamp, lighting, range));
-    let roundings: Vec<Rounding> = roundings.collect();
-    let mut precise = Precise::new(lighting, width, limits.rounding);
+        .map(|lamp| Rounding::new(lamp, lighting, range))
+        .collect();
     let patches = (lighting.patches.as_ref()).map(|field| turbidity::Rays::new(field, camera));
     let mut murk = vec![1.0f32; width];
     let shades: Vec<Option<Shade>> = (lighting.lamps.iter())
-        .map(|lamp| Shade::new(lamp, lighting, (range, normals), limits.rays?))
+        .map(|lamp| Shade::new(lamp, lighting, (range, normals), options.rays?))
         .collect();
     let mut blurs: Vec<Option<Blur>> = (lighting.lamps.iter())
         .map(|lamp| Blur::new(lamp, lighting, width))
@@ -134,8 +124,8 @@ fn shine_on(
         let mut to = places.each_mut().map(Vec::as_mut_slice);
         vectorized!(places_of(lens, y as f32, range.row(y), &mut to));
         let own = Row::new((&places, 0..width), (normals, y * width), (attenuation, radius));
-        precise.start_row();
-        for (((lamp, limit), shade), blur) in sources.iter().zip(&roundings).zip(&shades).zip(&mut blurs) {
+        let mut lost = 0.0;
+        for (((lamp, limit), shade), blur) in sources.iter().zip(&limits).zip(&shades).zip(&mut blurs) {
             let shade = shade.as_ref().map(|shade| shade.of_row(y));
             if let Some(patches) = &patches {
                 vectorized!(murk_of(patches, y, range.row(y), (own, lamp.place), &mut murk));
@@ -158,15 +148,13 @@ fn shine_on(
                     joined::shine_shaded(own, *lamp, water, (&murk, shade, blur), reborrow(&mut to));
                 }
             }
-            precise.include(limit, &near, &seen);
+            lost += limit.within(greatest(&near), greatest(&seen));
         }
-        let rows = [&mut red, &mut green, &mut blue].map(|plane| plane.row_mut(y));
-        rounding = rounding.max(precise.finish_row(y, (range, normals), &shades, rows));
+        rounding = rounding.max(lost);
     }
-    Irradiance {
-        light: Rgb::new([red, green, blue]).expect("planes of one frame"),
-        rounding,
-    }
+    let mut light = Rgb::new([red, green, blue]).expect("planes of one frame");
+    precise::replace(options.precise, (range, normals), (lighting, &shades), &mut light);
+    Irradiance { light, rounding }
 }
 
 /// The scene by the light that it has, `gain` times J for each channel, and by that of the lamps: `J (gain + E/π)`.
