@@ -5,7 +5,7 @@
 
 mod bound;
 
-pub use bound::{GainLimits, Luminance, luminance_rounding, metered_slope};
+pub use bound::{luminance_rounding, metered_slope};
 
 use imaging::{Rgb, vectorized};
 use spec::Metering;
@@ -59,12 +59,8 @@ pub fn lagging(before: f64, metered: f64, lag_frames: f64) -> f64 {
     if lag_frames <= 0.0 {
         return metered;
     }
-    before * libm::pow(metered / before, share(lag_frames))
-}
-
-/// The share of the way to the metered factor that a frame goes: `1 - e^(-1/lag)`.
-fn share(lag_frames: f64) -> f64 {
-    1.0 - libm::exp(-1.0 / lag_frames)
+    let share = 1.0 - libm::exp(-1.0 / lag_frames);
+    before * libm::pow(metered / before, share)
 }
 
 fn luminances(picture: &Rgb<f32>, falloff: Option<&FallOff>) -> Vec<f32> {

@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used)]
 
 use camera::defocus::{self, Focus};
-use camera::exposure::{self, GainLimits, Luminance};
+use camera::exposure;
 use camera::geometry::{self, Lens, Refraction, Sampling, Source};
 use camera::vignette::{self, FallOff};
 use imaging::geometry::Intrinsics;
@@ -88,7 +88,8 @@ impl Case {
         }
     }
 
-    fn fast(&self) -> Rgb<f32> {
+    /// The exposed light of the f32 chain, and the factor of its exposure.
+    fn fast(&self) -> (Rgb<f32>, f64) {
         let mut picture = match &self.source {
             Some(source) => {
                 let maps = geometry::coordinates(&self.lens, source, self.size);
@@ -104,7 +105,7 @@ impl Case {
             Exposure::Auto(metering) => exposure::metered(&picture, self.falloff.as_ref(), metering),
         };
         vignette::expose(&mut picture, self.falloff.as_ref(), gain);
-        picture
+        (picture, gain)
     }
 
     /// The exposed light, and the factor of its exposure.
@@ -134,8 +135,8 @@ impl Case {
         (fallen.map(|&v| v * gain), gain)
     }
 
-    /// The bound of exposed light cut at white; `gain` is the factor of the reference, which a plan knows only limits of.
-    fn bound(&self, gain: Option<f64>) -> f64 {
+    /// The bound of exposed light cut at white, whose factor is at most `gain`.
+    fn bound(&self, gain: f64) -> f64 {
         let lights = self.fast.planes().iter().flat_map(|plane| plane.data());
         let peak = f64::from(lights.fold(0.0f32, |peak, &v| peak.max(v)));
         let mut error = apart(&self.exact, &self.fast, f64::INFINITY);
@@ -159,25 +160,23 @@ impl Case {
             .falloff
             .map_or(1.0, |falloff| falloff.limits(self.size).largest);
         let error = error * largest;
-        let limits = match &self.exposure {
-            Exposure::Fixed(gain) => GainLimits::fixed(*gain),
-            Exposure::Auto(metering) => GainLimits::metered(metering, luminance(metering, gain), error),
+        let exposed = match &self.exposure {
+            Exposure::Fixed(gain) => gain * error,
+            Exposure::Auto(metering) => {
+                exposure::metered_slope(gain, metering, WHITE) * error
+                    + exposure::luminance_rounding() * WHITE
+            }
         };
-        let exposed = limits.exposed_error(error, WHITE);
-        let peak = (limits.most * largest * (peak + error)).min(WHITE);
-        exposed + vignette::rounding_bound(self.falloff.as_ref(), limits.most, peak)
+        let peak = (gain * largest * (peak + error)).min(WHITE);
+        exposed + vignette::rounding_bound(self.falloff.as_ref(), gain, peak)
     }
-}
 
-/// The metered luminance of a factor.
-fn luminance(metering: &Metering, gain: Option<f64>) -> Luminance {
-    let is_cut = |gain: &f64| *gain <= 1.0 / exposure::MOST_GAIN || *gain >= exposure::MOST_GAIN;
-    let known = gain
-        .filter(|gain| !is_cut(gain))
-        .map(|gain| metering.target / gain);
-    Luminance {
-        least: known.unwrap_or(0.0),
-        most: known.unwrap_or(f64::INFINITY),
+    /// The largest factor without metering.
+    fn most_gain(&self) -> f64 {
+        match self.exposure {
+            Exposure::Fixed(gain) => gain,
+            Exposure::Auto(_) => exposure::MOST_GAIN,
+        }
     }
 }
 
@@ -286,14 +285,14 @@ fn no_exposed_light_errs_by_more_than_the_composed_bound() {
     let mut ratios = Vec::new();
     for frame in 0..frames {
         let case = Case::new(frame);
-        let (exact, gain) = case.reference();
-        let error = apart(&exact, &case.fast(), WHITE);
-        for known in [Some(gain), None] {
-            let bound = case.bound(known);
+        let ((exact, gain), (fast, fast_gain)) = (case.reference(), case.fast());
+        let (error, metered) = (apart(&exact, &fast, WHITE), gain.max(fast_gain));
+        for gain in [metered, case.most_gain()] {
+            let bound = case.bound(gain);
             assert!(error <= bound, "frame {frame}: {error:e} of {bound:e}");
         }
         if error > 0.0 {
-            ratios.push(case.bound(Some(gain)) / error);
+            ratios.push(case.bound(metered) / error);
         }
     }
     ratios.sort_by(f64::total_cmp);

@@ -31,7 +31,7 @@ mod sight;
 mod surface;
 mod tiles;
 
-pub use airlight::{Airlight, airlight, airlight_with_nodes, shaded_airlight};
+pub use airlight::{Airlight, airlight, airlight_with_nodes, airlight_within, shaded_airlight};
 pub use beyond::most_white_beyond;
 pub use bounds::{AirlightBounds, SurfaceBounds, bound_airlight, bound_irradiance};
 pub use nodes::MOST_NODES;
@@ -49,7 +49,8 @@ pub use reference::{
 pub use shadow::Shadow;
 pub(crate) use shadow::places_within;
 pub use surface::{
-    Irradiance, LIT_ROUNDING, irradiance, irradiance_of, lit, lit_rounding, shaded_irradiance,
+    Irradiance, LIT_ROUNDING, irradiance, irradiance_in_tiles, irradiance_of, lit, lit_rounding,
+    shaded_irradiance, shaded_irradiance_in_tiles,
 };
 
 pub use crate::legendre::gauss_legendre;

@@ -7,6 +7,7 @@
 mod composite;
 mod integrand;
 mod intervals;
+mod precise;
 mod rounding;
 mod shadowed;
 mod spread;
@@ -66,15 +67,23 @@ impl Airlight {
 /// as [`MOST_NODES`] suffice for it. `range` in meters along the ray; a hole has no end.
 #[must_use]
 pub fn airlight(range: &Plane<f32>, lighting: &Lighting, tolerance: f64) -> Airlight {
+    airlight_within(f64::INFINITY, range, lighting, tolerance)
+}
+
+/// [`airlight`] whose rounding is at most `rounding` and one more rounding of the light itself, where light is scattered once. Runs of
+/// pixels on which f32 might err by more are computed in f64. Multiple scattering has no such limit.
+#[must_use]
+pub fn airlight_within(rounding: f64, range: &Plane<f32>, lighting: &Lighting, tolerance: f64) -> Airlight {
     let share = tolerance / lighting.lamps.len().max(1) as f64;
-    glow(range, lighting, Order::Within(share))
+    glow(range, lighting, (Order::Within(share), rounding))
 }
 
 /// [`airlight`] with the same number of nodes on every ray: an even one from 2 to [`MOST_NODES`], any other is brought to the next
 /// below or to these ends.
 #[must_use]
 pub fn airlight_with_nodes(range: &Plane<f32>, lighting: &Lighting, nodes: usize) -> Rgb<f32> {
-    glow(range, lighting, Order::Fixed(nodes.clamp(2, MOST_NODES))).light
+    let nodes = nodes.clamp(2, MOST_NODES);
+    glow(range, lighting, (Order::Fixed(nodes), f64::INFINITY)).light
 }
 
 /// How many nodes a run of pixels takes.
@@ -86,7 +95,7 @@ enum Order {
     Fixed(usize),
 }
 
-fn glow(range: &Plane<f32>, lighting: &Lighting, order: Order) -> Airlight {
+fn glow(range: &Plane<f32>, lighting: &Lighting, (order, limit): (Order, f64)) -> Airlight {
     let (width, height) = range.size();
     let mut glow = [const { Vec::new() }; 3].map(|_: Vec<f32>| vec![0.0f32; width * height]);
     let rules = &*RULES;
@@ -99,7 +108,7 @@ fn glow(range: &Plane<f32>, lighting: &Lighting, order: Order) -> Airlight {
             errors.rounding += own.rounding;
         }
     } else {
-        errors = once(range, lighting, (rules, order), &mut glow);
+        errors = once(range, lighting, (rules, order, limit), &mut glow);
     }
     let plane = |data| Plane::new(width, height, data).expect("one sample for each pixel");
     Airlight {
@@ -109,11 +118,11 @@ fn glow(range: &Plane<f32>, lighting: &Lighting, order: Order) -> Airlight {
     }
 }
 
-/// Sets the light that is scattered once.
+/// Sets the light that is scattered once, in f64 where its rounding in f32 is above a limit.
 fn once(
     range: &Plane<f32>,
     lighting: &Lighting,
-    (rules, order): (&[Vec<[f32; 2]>], Order),
+    (rules, order, limit): (&[Vec<[f32; 2]>], Order, f64),
     glow: &mut [Vec<f32>; 3],
 ) -> Errors {
     let (width, height) = range.size();
@@ -138,6 +147,9 @@ fn once(
                 vectorized!(murk_of(lamp, &rays, patches, start, &mut murk));
             }
             add_once(lamp, &rays, &murk, (rules, &mut sum, &mut errors));
+        }
+        if errors.rounding > limit {
+            errors.rounding = precise::sum_up(range, lighting, (x..x + run, y), &mut sum);
         }
         worst.include(errors);
         for (plane, sum) in glow.iter_mut().zip(&sum) {

@@ -14,21 +14,30 @@ use super::shadow::{SPREAD_PLACES, Shadow, share_seen};
 use super::sight::{Disc, Radius, Sight, Starts};
 use super::{Lamp, Lighting};
 
-/// Light of one lamp at a place, of each channel.
-struct Arriving {
+/// Light of one lamp at a place, of each channel, as the radiance of a white surface that faces the lamp.
+pub(super) struct Arriving {
     /// That was not scattered.
-    direct: [f64; 3],
+    pub(super) direct: [f64; 3],
     /// That was scattered on its way, and the radius of the disc at the lamp that it comes from, m.
-    spread: [f64; 3],
+    pub(super) spread: [f64; 3],
     spread_m: [f64; 3],
 }
 
 impl Arriving {
     fn new(place: [f64; 3], lamp: &Lamp, lighting: &Lighting) -> Self {
         let range = dot(place, place).sqrt().max(lighting.radius_m);
+        Self::on_ray((place.map(|v| v / range), range), place, lamp, lighting)
+    }
+
+    /// Light at a place on a ray from the camera, a unit vector and the range there.
+    pub(super) fn on_ray(
+        (ray, range): ([f64; 3], f64),
+        place: [f64; 3],
+        lamp: &Lamp,
+        lighting: &Lighting,
+    ) -> Self {
         let away = [0, 1, 2].map(|i| place[i] - lamp.position_m[i]);
         let distance = dot(away, away).sqrt().max(lighting.radius_m);
-        let ray = place.map(|v| v / range);
         let murk = mean(lighting.patches.as_ref(), ray, last(range, distance));
         let cosine = |axis: [f64; 3]| dot(axis, away) / distance;
         let profile = lamp.beam.profile(cosine);

@@ -69,6 +69,27 @@ fn airlight(range: &Plane<f64>, lighting: &Lighting, nodes: usize, rays: Option<
     })
 }
 
+/// Airlight that is scattered once on the ray of a pixel that ends at this range, without shadows, by one rule over the whole ray.
+pub(super) fn light_of_ray(
+    (x, y): (usize, usize),
+    range_m: f64,
+    lighting: &Lighting,
+    rule: &[(f64, f64)],
+) -> [f64; 3] {
+    let ray = direction(&lighting.camera, x, y);
+    let end = if is_hole(range_m) { f64::INFINITY } else { range_m };
+    let mut sum = [0.0; 3];
+    for lamp in &lighting.lamps {
+        let glow = Glow::new(ray, end, lamp, lighting, false);
+        let [from, to] = glow.ends;
+        if to > from {
+            let light = glow.between([from, to], rule);
+            (0..3).for_each(|i| sum[i] += light[i]);
+        }
+    }
+    sum
+}
+
 /// Rules of the quadrature: over a whole ray, and over a part of it.
 struct Rules {
     whole: Vec<(f64, f64)>,

@@ -2,6 +2,7 @@
 
 mod discs;
 mod joined;
+mod precise;
 mod row;
 mod shade;
 
@@ -35,7 +36,22 @@ pub struct Irradiance {
 /// [`irradiance_reference`](super::irradiance_reference) in f32. Nothing casts a shadow.
 #[must_use]
 pub fn irradiance(range: &Plane<f32>, normals: &[Plane<f32>; 3], lighting: &Lighting) -> Irradiance {
-    shine_on(range, normals, lighting, None)
+    shine_on(range, normals, lighting, Options::default())
+}
+
+/// [`irradiance`] with some tiles of a [`VisibleBounds`](crate::visible_bounds::VisibleBounds) in f64: those that are true.
+#[must_use]
+pub fn irradiance_in_tiles(
+    precise: &[bool],
+    range: &Plane<f32>,
+    normals: &[Plane<f32>; 3],
+    lighting: &Lighting,
+) -> Irradiance {
+    let options = Options {
+        precise,
+        ..Options::default()
+    };
+    shine_on(range, normals, lighting, options)
 }
 
 /// [`shaded_irradiance_reference`](super::shaded_irradiance_reference) in f32. A ray that grazes an edge may pass on its other
@@ -47,16 +63,38 @@ pub fn shaded_irradiance(
     range: &Plane<f32>,
     normals: &[Plane<f32>; 3],
     lighting: &Lighting,
-    (rays, unseen): (&dyn Rays, f64),
+    rays: (&dyn Rays, f64),
 ) -> Irradiance {
-    shine_on(range, normals, lighting, Some((rays, unseen)))
+    shaded_irradiance_in_tiles(&[], (range, normals), lighting, rays)
+}
+
+/// [`shaded_irradiance`] with some tiles in f64 as in [`irradiance_in_tiles`].
+#[must_use]
+pub fn shaded_irradiance_in_tiles(
+    precise: &[bool],
+    (range, normals): (&Plane<f32>, &[Plane<f32>; 3]),
+    lighting: &Lighting,
+    rays: (&dyn Rays, f64),
+) -> Irradiance {
+    let options = Options {
+        precise,
+        rays: Some(rays),
+    };
+    shine_on(range, normals, lighting, options)
+}
+
+/// Tiles in f64, and the rays of shadows with the light that needs none.
+#[derive(Clone, Copy, Default)]
+struct Options<'a> {
+    precise: &'a [bool],
+    rays: Option<(&'a dyn Rays, f64)>,
 }
 
 fn shine_on(
     range: &Plane<f32>,
     normals: &[Plane<f32>; 3],
     lighting: &Lighting,
-    rays: Option<(&dyn Rays, f64)>,
+    options: Options<'_>,
 ) -> Irradiance {
     let (width, height) = range.size();
     let [mut red, mut green, mut blue] = [(); 3].map(|()| Plane::filled(width, height, 0.0f32));
@@ -74,7 +112,7 @@ fn shine_on(
     let patches = (lighting.patches.as_ref()).map(|field| turbidity::Rays::new(field, camera));
     let mut murk = vec![1.0f32; width];
     let shades: Vec<Option<Shade>> = (lighting.lamps.iter())
-        .map(|lamp| Shade::new(lamp, lighting, (range, normals), rays?))
+        .map(|lamp| Shade::new(lamp, lighting, (range, normals), options.rays?))
         .collect();
     let mut blurs: Vec<Option<Blur>> = (lighting.lamps.iter())
         .map(|lamp| Blur::new(lamp, lighting, width))
@@ -114,10 +152,9 @@ fn shine_on(
         }
         rounding = rounding.max(lost);
     }
-    Irradiance {
-        light: Rgb::new([red, green, blue]).expect("planes of one frame"),
-        rounding,
-    }
+    let mut light = Rgb::new([red, green, blue]).expect("planes of one frame");
+    precise::replace(options.precise, (range, normals), (lighting, &shades), &mut light);
+    Irradiance { light, rounding }
 }
 
 /// The scene by the light that it has, `gain` times J for each channel, and by that of the lamps: `J (gain + E/π)`.
@@ -142,14 +179,14 @@ pub fn irradiance_of(brightest: [f32; 3], light: f64) -> f64 {
     light * std::f64::consts::PI / most.max(1e-30)
 }
 
-/// Rounding of [`lit`] as a share of the light.
-pub const LIT_ROUNDING: f64 = 4.0 * STEP;
+/// Rounding of [`lit`], and of irradiance that was computed in f64, as a share of the light.
+pub const LIT_ROUNDING: f64 = 5.0 * STEP;
 
 /// What [`lit`] may differ by from the same in f64, where the light of the lamps may differ by `rounding`.
 #[must_use]
 pub fn lit_rounding(radiance: &Rgb<f32>, lit: &Rgb<f32>, rounding: f64) -> f64 {
     let most = |light: &Rgb<f32>| f64::from(brightest(light).into_iter().fold(0.0, f32::max));
-    most(radiance) * rounding / std::f64::consts::PI + 4.0 * STEP * most(lit)
+    most(radiance) * rounding / std::f64::consts::PI + LIT_ROUNDING * most(lit)
 }
 
 /// One rounding of f32.

@@ -4,18 +4,21 @@ use spec::Promise;
 
 use super::{MOST_TERMS, Plan, StageId, Variant};
 
-/// The largest tolerance of a description.
-const MOST_TOLERANCE: f64 = 1.0;
+/// White of the exposed light. A picture is cut at black and white, so no sample of it errs by more.
+const WHITE: f64 = 1.0;
 /// A bound may exceed a tolerance by the rounding of the sum of its parts.
 const SUM_ROUNDING: f64 = 1e-9;
 
 impl Plan {
     /// The promise; `None` without a tolerance.
+    ///
+    /// It refers to the exposed light cut at black and white, in the fast chain as in the exact one. Its bound is therefore at most
+    /// [`WHITE`], whatever the stages add up to; [`Plan::errors`] composes their bounds without this limit.
     #[must_use]
     pub fn promise(&self) -> Option<Promise> {
         let tolerance = self.tolerance?;
         let errors = self.errors().map(super::ErrorBound::up_to_white);
-        let bound = errors.into_iter().fold(0.0, f64::max);
+        let bound = errors.into_iter().fold(0.0, f64::max).min(WHITE);
         let unbounded: Vec<_> = self.unbounded().map(|id| id.name().to_owned()).collect();
         let apart = if unbounded.is_empty() {
             String::new()
@@ -50,7 +53,7 @@ impl Plan {
         }
         let worst = self.find_largest();
         let culprit = worst.map_or(String::new(), |(id, error)| {
-            format!(", most of it ({error:.2e}) from {}", id.name())
+            format!(", most of it ({:.2e}) from {}", error.min(WHITE), id.name())
         });
         let remedy = match worst.map(|(id, _)| id) {
             Some(StageId::Lamps | StageId::LampShadows | StageId::Glow) => {
@@ -64,12 +67,13 @@ impl Plan {
             _ => None,
         };
         let enough = round_up(bound);
-        let raise = (enough <= MOST_TOLERANCE).then(|| format!("raise `fidelity.tolerance` to {enough:e}"));
+        // A tolerance of white admits any picture.
+        let raise = (enough < WHITE).then(|| format!("raise `fidelity.tolerance` to {enough:e}"));
         let remedies = match (raise, remedy) {
             (Some(raise), Some(remedy)) => format!("{raise} or {remedy}"),
             (Some(raise), None) => raise,
-            (None, Some(remedy)) => format!("no tolerance is large enough: {remedy}"),
-            (None, None) => "no tolerance is large enough".to_owned(),
+            (None, Some(remedy)) => format!("no tolerance below white is large enough: {remedy}"),
+            (None, None) => "no tolerance below white is large enough".to_owned(),
         };
         Some(format!(
             "the bounds add up to {bound:.2e} and the tolerance is {tolerance:.2e}{culprit}; {remedies}"
@@ -171,6 +175,23 @@ mod tests {
             "{exceeds}"
         );
         assert!(exceeds.contains("lower the intensity"), "{exceeds}");
+    }
+
+    #[test]
+    fn no_promise_is_above_white() {
+        let promise = plan(1e7, 20.0).promise().unwrap();
+        assert_eq!(promise.bound, 1.0);
+        assert!(promise.text.contains("within 1.00e0"), "{}", promise.text);
+        let exceeds = promise.exceeds.unwrap();
+        assert!(
+            exceeds.contains("add up to 1.00e0") && exceeds.contains("(1.00e0) from lamps"),
+            "{exceeds}"
+        );
+        assert!(
+            exceeds.contains("no tolerance below white is large enough: lower"),
+            "{exceeds}"
+        );
+        assert!(!exceeds.contains("raise"), "{exceeds}");
     }
 
     #[test]

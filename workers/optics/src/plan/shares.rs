@@ -3,8 +3,10 @@
 use super::levels::{DEFAULT_TOLERANCE, ROUNDING};
 use super::{ErrorBound, Gain, Stage, StageId, compose, compose_gain};
 
-/// Share of the quadrature of airlight: more nodes cost little compared with more kernels.
+/// Share of airlight, for quadrature and rounding: more nodes cost little compared with more kernels.
 const AIRLIGHT: f64 = 0.25;
+/// Share of rounding of the light of lamps on surfaces. Pixels that would lose more are computed in f64.
+const LAMP_ROUNDING: f64 = 0.125;
 /// Share of clouds of sediment, used only if it leaves them out.
 const SEDIMENT: f64 = 0.125;
 /// Share of the snow: wider discs cost next to nothing.
@@ -48,10 +50,16 @@ impl Budget {
         self.whole
     }
 
-    /// The part of the quadrature of airlight.
+    /// The part of airlight, for its quadrature and its rounding.
     #[must_use]
     pub fn airlight(&self) -> f64 {
         AIRLIGHT * self.whole
+    }
+
+    /// The part of rounding of the light of lamps on surfaces.
+    #[must_use]
+    pub fn lamp_rounding(&self) -> f64 {
+        LAMP_ROUNDING * self.whole
     }
 
     /// Largest effect of clouds of sediment that may be left out.

@@ -143,6 +143,8 @@ pub enum Variant {
     Fast(&'static str),
     /// In f64.
     Reference,
+    /// Light of lamps in f32, and in f64 on the tiles of the view that are true.
+    Tiled(Vec<bool>),
     /// Forward scatter with a kernel narrower than a pixel.
     Pointwise,
     /// Forward scatter interpolated between these kernels.
@@ -163,6 +165,7 @@ impl Variant {
             Self::Skip => "skip",
             Self::Fast(name) => name,
             Self::Reference => "reference",
+            Self::Tiled(_) => "f32_f64",
             Self::Pointwise => "pointwise",
             Self::Interpolated(_) | Self::Layered(_) => "chebyshev",
             Self::Gated(_) => "gated",

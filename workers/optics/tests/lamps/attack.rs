@@ -9,7 +9,7 @@ use optics::snow::World;
 use optics::turbidity::Field;
 use spec::Turbidity;
 
-use crate::errors::worst;
+use crate::errors::{peak, worst};
 
 const SIZE: (usize, usize) = (37, 9);
 const FRAMES: u64 = 400;
@@ -163,6 +163,57 @@ fn no_glow_errs_by_more_than_its_nodes_and_its_rounding() {
         // The bound of sums of more than one kind of light is at least three times their error.
         let least = if multiple { 0.1 } else { 0.3 };
         assert!(closest > least, "{closest}");
+    }
+}
+
+/// Rounding of light up to this to f32, with room for its own error.
+fn sample_rounding(light: f64) -> f64 {
+    6.1e-8 * light + 2e-38
+}
+
+#[test]
+fn airlight_stays_within_a_rounding_that_f32_would_exceed() {
+    for seed in 0..FRAMES {
+        let Case { range, lighting } = case(seed, false);
+        let reference = lamp::airlight_reference(&exact(&range), &lighting, REFERENCE_NODES);
+        let limit = 1e-3 * lamp::airlight(&range, &lighting, 1e-4).rounding;
+        let fast = lamp::airlight_within(limit, &range, &lighting, 1e-4);
+        let (error, most) = (
+            worst(&fast.light, &reference),
+            limit.max(sample_rounding(peak(&reference))),
+        );
+        assert!(
+            error <= fast.left + fast.rounding && fast.rounding <= most,
+            "frame {seed}: {error:e} {most:e}"
+        );
+    }
+}
+
+#[test]
+fn surfaces_in_f64_err_by_no_more_than_a_sample_rounds() {
+    let planes = |light: &Rgb<f64>| light.planes().each_ref().map(|plane| plane.data().to_vec());
+    for (seed, multiple) in (0..FRAMES).flat_map(|seed| [(seed, false), (seed, true)]) {
+        let Case { range, lighting } = case(seed, multiple);
+        let normals = lamp::normals_of(&range, &lighting.camera);
+        let reference = lamp::irradiance_reference(&exact(&range), &normals, &lighting);
+        let in_f32 = lamp::irradiance(&range, &normals, &lighting).light;
+        // The first of two tiles, which is 32 pixels wide.
+        let fast = lamp::irradiance_in_tiles(&[true, false], &range, &normals, &lighting).light;
+        for (channel, exact) in planes(&reference).iter().enumerate() {
+            for (at, exact) in exact.iter().enumerate() {
+                let (x, y) = (at % SIZE.0, at / SIZE.0);
+                let sample = fast.planes()[channel].pixel(x, y);
+                if x >= 32 {
+                    assert_eq!(sample, in_f32.planes()[channel].pixel(x, y));
+                    continue;
+                }
+                let error = (f64::from(sample) - exact).abs();
+                assert!(
+                    error <= sample_rounding(*exact),
+                    "frame {seed} at {x}, {y}: {error:e} of {exact:e}"
+                );
+            }
+        }
     }
 }
 

@@ -15,6 +15,11 @@ const AIRLIGHT_NS: f64 = 12.6;
 const RAYS: f64 = 10.0;
 const DISC_RAYS: f64 = 7.0;
 
+/// Part of the share that the quadrature may use; the remainder is for rounding.
+const QUADRATURE: f64 = 0.5;
+/// Rounding of airlight that was computed in f64, as a share of it.
+const ROUNDING: f64 = 6e-8;
+
 /// Airlight and the shadows in it.
 pub(crate) fn assess(assessment: &Assessment<'_>) -> Vec<Stage> {
     let lighting = assessment.context.setting.lighting.as_ref();
@@ -28,9 +33,17 @@ pub(crate) fn assess(assessment: &Assessment<'_>) -> Vec<Stage> {
     } else {
         0.0
     };
+    // Pixels that would lose more by rounding are computed in f64.
+    let rounding = match lighting.absorption.is_none() && !lamps::casts_into_water(lighting) {
+        true => bounds.rounding.min((1.0 - QUADRATURE) * share),
+        false => bounds.rounding,
+    };
     let light = Stage {
         share: Some(share),
-        bound: Some(ErrorBound::absolute(share + bounds.rounding)),
+        bound: Some(ErrorBound {
+            absolute: QUADRATURE * share + rounding,
+            relative: ROUNDING,
+        }),
         ..Stage::new(StageId::Glow, assessment.variant("quadrature"))
     };
     let ns = lighting.lamps.len() as f64 * (AIRLIGHT_NS + patches);
@@ -77,11 +90,12 @@ fn run_reference(context: &FrameContext<'_>, lighting: &Lighting, range: &Plane<
 }
 
 fn run_fast(context: &FrameContext<'_>, lighting: &Lighting, range: &Plane<f32>, share: f64) -> Airlight {
+    let tolerance = QUADRATURE * share;
     match (context.plan.variant(StageId::GlowShadows), context.rays()) {
         (Variant::Shadows(shadows), Some(rays)) if shadows.lamps > 0 => {
-            lamp::shaded_airlight(range, &shadows.lighting, share, rays)
+            lamp::shaded_airlight(range, &shadows.lighting, tolerance, rays)
         }
-        _ => lamp::airlight(range, lighting, share),
+        _ => lamp::airlight_within(share - tolerance, range, lighting, tolerance),
     }
 }
 

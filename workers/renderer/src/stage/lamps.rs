@@ -11,6 +11,8 @@ use crate::context::FrameContext;
 /// Nanoseconds per pixel: normals and light of each lamp on surfaces, and the same in patches of turbidity on top.
 const SURFACE_NS: f64 = 6.6;
 pub(super) const PATCHES_NS: f64 = 6.0;
+/// Light of each lamp on a surface in f64.
+const PRECISE_NS: f64 = 250.0;
 /// Each shadow ray to a lamp through a scene, the most to a soft lamp, and those to the disc of multiply scattered light.
 pub(super) const SHADOW_RAY_NS: f64 = 17.5;
 const SOFT_RAYS: usize = 3;
@@ -26,18 +28,41 @@ pub(crate) fn assess(assessment: &Assessment<'_>) -> Vec<Stage> {
     } else {
         0.0
     };
-    let ns = lighting.lamps.len() as f64 * (SURFACE_NS + patches);
+    let share = assessment.budget.lamp_rounding();
+    let errors = tile_errors(assessment, bounds);
+    let precise: Vec<bool> = errors.iter().map(|error| *error > share).collect();
+    let count = precise.iter().filter(|is_precise| **is_precise).count();
+    let part = count as f64 / precise.len().max(1) as f64;
+    let ns = lighting.lamps.len() as f64 * (SURFACE_NS + patches + PRECISE_NS * part);
+    let in_f32 = errors.into_iter().filter(|error| *error <= share);
     let light = Stage {
-        bound: Some(bound_light(assessment, bounds)),
-        ..Stage::new(StageId::Lamps, assessment.variant("f32"))
+        share: Some(share),
+        bound: Some(ErrorBound {
+            absolute: in_f32.fold(0.0, f64::max),
+            relative: lamp::LIT_ROUNDING,
+        }),
+        note: (count > 0).then(|| {
+            format!(
+                "{count} of {} tiles in f64, whose f32 may err by more than the share",
+                precise.len()
+            )
+        }),
+        ..Stage::new(
+            StageId::Lamps,
+            if count > 0 && !assessment.is_reference() {
+                Variant::Tiled(precise)
+            } else {
+                assessment.variant("f32")
+            },
+        )
     };
     let mut stages = vec![light.costing(ns, assessment.pixels())];
     stages.extend(assess_shadows(assessment, lighting));
     stages
 }
 
-/// What f32 may lose of the light on surfaces, as it leaves them.
-fn bound_light(assessment: &Assessment<'_>, bounds: &SurfaceBounds) -> ErrorBound {
+/// Rounding of the light on surfaces in f32, as it leaves them, tile by tile.
+fn tile_errors(assessment: &Assessment<'_>, bounds: &SurfaceBounds) -> Vec<f64> {
     let tiles = assessment
         .context
         .view
@@ -47,10 +72,7 @@ fn bound_light(assessment: &Assessment<'_>, bounds: &SurfaceBounds) -> ErrorBoun
         let reflectance = tile.brightest.into_iter().fold(0.0, f32::max);
         f64::from(reflectance) * rounding / std::f64::consts::PI
     });
-    ErrorBound {
-        absolute: errors.fold(0.0, f64::max),
-        relative: lamp::LIT_ROUNDING,
-    }
+    errors.collect()
 }
 
 fn assess_shadows(assessment: &Assessment<'_>, lighting: &Lighting) -> Option<Stage> {
@@ -141,12 +163,16 @@ fn shine(context: &FrameContext<'_>, lighting: &Lighting, range: &Plane<f32>) ->
         Variant::Shadows(shadows) if shadows.lamps > 0 => Some((&shadows.lighting, stage.share?)),
         _ => None,
     });
+    let precise = match context.plan.variant(StageId::Lamps) {
+        Variant::Tiled(tiles) => tiles.as_slice(),
+        _ => &[],
+    };
     let (Some((needed, share)), Some(rays), Some(view)) = (cast, rays, &context.view) else {
-        return lamp::irradiance(range, &normals, lighting);
+        return lamp::irradiance_in_tiles(precise, range, &normals, lighting);
     };
     let each = share / lighting.lamps.len() as f64;
     let unseen = lamp::irradiance_of(view.brightest(), each);
-    lamp::shaded_irradiance(range, &normals, needed, (rays, unseen))
+    lamp::shaded_irradiance_in_tiles(precise, (range, &normals), needed, (rays, unseen))
 }
 
 /// Whether any sample is positive.

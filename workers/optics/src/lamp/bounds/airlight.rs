@@ -230,6 +230,17 @@ impl<'a> Bounded<'a> {
             + profile.line_error;
         let is_lit = f64::from(u8::from(direct_profile > 0.0));
         let mut sent = Sent::default();
+        let spreads = lighting
+            .absorption
+            .map(|a| [0, 1, 2].map(|i| self.spread(a[i], i, at)));
+        // Of all channels at once, by the widest of their kernels.
+        let widest = spreads.map_or(0.0, |spreads| {
+            spreads.iter().map(|[scale, _]| *scale).fold(0.0, f64::max)
+        });
+        let blurred = profile.blurred(at.to_axis, [glow_scale(0.0), widest.max(glow_scale(0.0))], margin);
+        if direct_profile <= 0.0 && (spreads.is_none() || blurred.lit <= 0.0) {
+            return sent;
+        }
         for i in 0..3 {
             let depths = at.path.map(|path| lighting.attenuation[i] * path);
             let direct = (-depths[0]).exp();
@@ -237,13 +248,12 @@ impl<'a> Bounded<'a> {
             let strength = self.strength[i] * at.phase;
             let mut light = direct_profile * direct;
             let mut error = is_lit * cosine * direct + direct_profile * EXPONENT * STEP * decayed;
-            if let Some(a) = lighting.absorption {
-                let [scale, all] = self.spread(a[i], i, at);
+            if let (Some(a), Some(spreads)) = (lighting.absorption, spreads) {
+                let [_, all] = spreads[i];
                 let all_error = self.spread_error(a[i], at) + SWOLLEN * STEP * all;
                 if profile.axis.is_none() {
                     (light, error) = (all, all_error);
                 } else {
-                    let blurred = profile.blurred(at.to_axis, [glow_scale(0.0), scale], margin);
                     let rest = (-depths[1]).exp();
                     let joined = (all - rest).max(0.0);
                     light = (direct_profile.max(blurred.most) * all).min(light + blurred.most * joined);
