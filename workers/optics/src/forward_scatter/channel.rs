@@ -24,7 +24,20 @@ pub(crate) struct Channel<'a> {
     pub(super) gain: f32,
     /// Reach of its kernels if its light passes a gate.
     gate: Option<GateReach>,
+    /// Light of one kernel that passed the gate behind.
+    passed: Option<Passed<'a>>,
     size: (usize, usize),
+}
+
+/// Light that passed a gate and goes on with one of the kernels.
+#[derive(Clone, Copy)]
+pub(super) struct Passed<'a> {
+    /// Light at the gate, in folded order.
+    pub(super) light: &'a [f32],
+    /// Share of it that the kernel spreads, in units of the channel's light.
+    pub(super) share: f32,
+    /// The kernel.
+    pub(super) k: usize,
 }
 
 impl<'a> Channel<'a> {
@@ -62,8 +75,15 @@ impl<'a> Channel<'a> {
             sum: 0,
             gain: 1.0,
             gate: None,
+            passed: None,
             size,
         }
+    }
+
+    /// The same with the light that passed the gate behind.
+    #[must_use]
+    pub(super) fn with_passed(self, passed: Option<Passed<'a>>) -> Self {
+        Self { passed, ..self }
     }
 
     /// The same as a part of sum number `sum`.
@@ -157,6 +177,12 @@ impl Pair {
     pub(super) fn transfers(self, channels: &[Channel<'_>], cache: &mut KernelCache) -> [Arc<Grid>; 2] {
         self.both()
             .map(|Term { channel, k }| channels[channel].transfer(k, cache))
+    }
+
+    /// Light that passed the gate behind and goes on with the kernel of each term.
+    pub(super) fn passed<'a>(self, channels: &[Channel<'a>]) -> [Option<Passed<'a>>; 2] {
+        let passed = |term: Term| channels[term.channel].passed.filter(|passed| passed.k == term.k);
+        [passed(self.first), self.second.and_then(passed)]
     }
 
     /// The share of both in at most [`BLOCK`] pixels.

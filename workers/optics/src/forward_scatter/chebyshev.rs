@@ -18,7 +18,7 @@ use imaging::fft::Complex;
 use imaging::vectorized;
 
 use super::basis::BLOCK;
-use super::channel::{Channel, Pair, pairs};
+use super::channel::{Channel, Pair, Passed, pairs};
 use super::{KernelCache, Nodes};
 
 /// Spreads the light `source` of each pixel with the pixel's own kernel scale `gamma`, in pixels, finite. Never negative.
@@ -75,7 +75,15 @@ pub(super) fn accumulate(
         let gains = pair.channels().map(|channel| channels[channel].gain);
         cache.transform(size).forward(
             |place, row| {
-                vectorized!(split(channels, pair, line(place, width), row));
+                let pixels = line(place, width);
+                vectorized!(split(channels, pair, pixels.clone(), row));
+                let [one, other] = pair.passed(channels);
+                if let Some(passed) = one {
+                    vectorized!(add_passed(passed, pixels.clone(), row, |to| &mut to.re));
+                }
+                if let Some(passed) = other {
+                    vectorized!(add_passed(passed, pixels.clone(), row, |to| &mut to.im));
+                }
             },
             first.columns().max(second.columns()),
             |p, column| {
@@ -157,6 +165,19 @@ fn split(channels: &[Channel<'_>], pair: Pair, pixels: Range<usize>, row: &mut [
         {
             *sample = Complex::new(one * first, other * second);
         }
+    }
+}
+
+/// Adds light that passed a gate to one part of a row.
+#[inline(always)]
+fn add_passed(
+    passed: Passed<'_>,
+    pixels: Range<usize>,
+    row: &mut [Complex<f32>],
+    part: impl Fn(&mut Complex<f32>) -> &mut f32,
+) {
+    for (to, light) in row.iter_mut().zip(&passed.light[pixels]) {
+        *part(to) += passed.share * light;
     }
 }
 

@@ -65,9 +65,9 @@ impl Divided {
         }
     }
 
-    /// One layer; none where no pixel is of it.
-    pub(super) fn layer(&self, layer: usize, cache: &mut KernelCache) -> Option<Layer> {
-        let (nearest, farthest) = self.spans_m[layer]?;
+    /// One layer. It is dark where no pixel is of it.
+    pub(super) fn layer(&self, layer: usize, cache: &mut KernelCache) -> Layer {
+        let (nearest, farthest) = self.spans_m[layer].unwrap_or_default();
         // Ranges are filled from the nearest of the layer on: rounding is that of their differences.
         let nearest = if layer > 0 { nearest as f32 } else { 0.0 };
         let reach = farthest as f32 - nearest;
@@ -98,7 +98,7 @@ impl Divided {
         }
         let range = values.remove(0);
         let light = values;
-        Some(Layer { mask, range, light })
+        Layer { mask, range, light }
     }
 
     /// Spreads planes by the kernel that fills, two in each transform.

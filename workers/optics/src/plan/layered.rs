@@ -7,8 +7,10 @@ use spec::Fidelity;
 use super::Variant;
 use super::gates;
 use super::passages::{Passage, Passages, Through};
-use super::scatter::{Chosen, ScatterNeed, WORST_MARGIN, fewest, largest_share, samples, widened};
-use crate::forward_scatter::{Bound, Kernels, Nodes, widest_px};
+use super::scatter::{
+    Chosen, MOST_TERMS, ScatterNeed, WORST_MARGIN, largest_share, samples, widened,
+};
+use crate::forward_scatter::{Bound, Gate, Kernels, Nodes, widest_px};
 use crate::kernel;
 use crate::layering::Layering;
 use crate::water::{Scatter, Spread, Tail};
@@ -33,6 +35,8 @@ struct Part {
     bins: Vec<((f64, f64), f64)>,
     /// The gate in front.
     way: Option<Way>,
+    /// Scale at the range of the gate behind, whose light one of the kernels spreads.
+    passing: Option<f64>,
 }
 
 /// The way of a layer's light through gates.
@@ -60,7 +64,7 @@ pub(super) fn choose(need: &ScatterNeed<'_>, fidelity: Fidelity, share: f64) -> 
         return (Variant::Pointwise, None);
     }
     if let Fidelity::Terms(terms) = fidelity {
-        let nodes = |part: &Part| Nodes::chebyshev(part.span.0, part.span.1, terms);
+        let nodes = |part: &Part| part.with_passing(Nodes::chebyshev(part.span.0, part.span.1, terms));
         return (Variant::Layered(kernels(&layers, nodes)), None);
     }
     // Both kernels of all layers may move light onto one pixel.
@@ -77,41 +81,114 @@ pub(super) fn choose(need: &ScatterNeed<'_>, fidelity: Fidelity, share: f64) -> 
         .layering
         .map_or(0.0, |layering| gate_rounding(need, layering));
     let left = (share - rounding).max(LEAST_SHARE * share);
-    let each = left / parts().count() as f64;
-    let mut error = rounding;
-    let nodes = |part: &Part| {
-        let (nodes, added) = part.nodes(each);
-        error += added;
-        nodes
-    };
-    let kernels = kernels(&layers, nodes);
-    (Variant::Layered(kernels), Some(error))
+    let mut choices: Vec<Choice<'_>> = parts().map(Choice::new).collect();
+    improve(&mut choices, left);
+    let error = rounding + choices.iter().map(|choice| choice.error).sum::<f64>();
+    let mut chosen = choices.into_iter();
+    let nodes = |_: &Part| chosen.next().expect("a choice for each part").nodes;
+    (Variant::Layered(kernels(&layers, nodes)), Some(error))
+}
+
+/// Adds nodes to the part with the largest error until all together err by at most `most`.
+fn improve(choices: &mut [Choice<'_>], most: f64) {
+    while choices.iter().map(|choice| choice.error).sum::<f64>() > most {
+        let open = choices.iter_mut().filter(|choice| choice.terms < MOST_TERMS);
+        let Some(worst) = open.max_by(|a, b| a.error.total_cmp(&b.error)) else {
+            return;
+        };
+        worst.take(worst.terms + 1);
+    }
+}
+
+/// Nodes of a part, and those it could have.
+struct Choice<'a> {
+    part: &'a Part,
+    ladders: Vec<Ladder>,
+    /// The number of nodes; those of a narrow span are fewer.
+    terms: usize,
+    nodes: Nodes,
+    error: f64,
+}
+
+impl<'a> Choice<'a> {
+    /// The part with a single node.
+    fn new(part: &'a Part) -> Self {
+        let mut choice = Self {
+            part,
+            ladders: part.ladders(),
+            terms: 0,
+            nodes: Nodes::chebyshev(0.0, 0.0, 1),
+            error: f64::INFINITY,
+        };
+        choice.take(1);
+        choice
+    }
+
+    /// Takes so many nodes.
+    fn take(&mut self, terms: usize) {
+        self.terms = terms;
+        let nodes = self.ladders.iter().map(|ladder| ladder.nodes(self.part, terms));
+        let best = nodes.min_by(|(_, a), (_, b)| a.total_cmp(b));
+        (self.nodes, self.error) = best.expect("at least one origin");
+    }
+}
+
+/// How nodes of one part are interpolated from one origin.
+struct Ladder {
+    bound: Bound,
+    /// Kernel scales less the origin, pixels.
+    span: (f64, f64),
+    origin: f64,
+    /// Factor of an interpolation error at the camera.
+    gain: f64,
+}
+
+impl Ladder {
+    /// So many nodes, and the largest error at the camera.
+    fn nodes(&self, part: &Part, terms: usize) -> (Nodes, f64) {
+        let span = (self.span.0 + self.origin, self.span.1 + self.origin);
+        let nodes = part.with_passing(Nodes::chebyshev_from(self.origin, span, terms));
+        let beyond = |k: usize| (nodes.gamma(k) - self.origin).max(0.0);
+        let gammas: Vec<f64> = (0..nodes.terms()).map(beyond).collect();
+        let error = WORST_MARGIN * self.bound.errors(&gammas).worst * self.gain;
+        (nodes, error)
+    }
 }
 
 impl Part {
-    /// The fewest nodes whose error arrives with at most `most`, and that error.
-    fn nodes(&self, most: f64) -> (Nodes, f64) {
+    /// Nodes of which one is the scale of the light that passes the gate behind.
+    fn with_passing(&self, nodes: Nodes) -> Nodes {
+        match self.passing {
+            Some(gamma) => nodes.with_node_at(gamma),
+            None => nodes,
+        }
+    }
+
+    /// One ladder for each origin to try.
+    fn ladders(&self) -> Vec<Ladder> {
         let Some(way) = &self.way else {
-            let bound = Bound::new(samples(&self.bins, widened(self.span.0, self.span.1)));
-            return fewest(&bound, widened(self.span.0, self.span.1), most, false);
+            let span = widened(self.span.0, self.span.1);
+            return vec![Ladder {
+                bound: Bound::new(samples(&self.bins, span)),
+                span,
+                origin: 0.0,
+                gain: 1.0,
+            }];
         };
         let shares = if way.gain(0.0) > FEW_TIMES * way.gain(1.0) {
             ORIGINS
         } else {
             &ORIGINS[..1]
         };
-        let choices = shares.iter().map(|&share| self.nodes_from(way, share, most));
-        let best = choices.min_by(|(a, a_error), (b, b_error)| {
-            let exceeds = |error: f64| (error / most).max(1.0);
-            exceeds(*a_error)
-                .total_cmp(&exceeds(*b_error))
-                .then(a.terms().cmp(&b.terms()))
-        });
-        best.expect("at least one origin")
+        // A kernel narrower than the origin has no quotient by it.
+        let origin = |share: f64| share * way.through.gate.gammas[way.kernel];
+        let fits = |share: f64| share == 0.0 || origin(share) <= self.passing.unwrap_or(f64::INFINITY);
+        let fitting = shares.iter().filter(|&&share| fits(share));
+        fitting.map(|&share| self.ladder_from(way, share)).collect()
     }
 
-    /// The same with kernels interpolated from the origin `share` γ of the gate.
-    fn nodes_from(&self, way: &Way, share: f64, most: f64) -> (Nodes, f64) {
+    /// Kernels interpolated from the origin `share` γ of the gate.
+    fn ladder_from(&self, way: &Way, share: f64) -> Ladder {
         let origin = share * way.through.gate.gammas[way.kernel];
         let beyond = |(near, far): (f64, f64)| ((near - origin).max(0.0), (far - origin).max(0.0));
         let bins: Vec<_> = self
@@ -120,17 +197,14 @@ impl Part {
             .map(|&(scales, light)| (beyond(scales), light))
             .collect();
         let (least, far) = beyond(self.span);
-        let wide = widened(least, far);
+        let span = widened(least, far);
         let margin = if share > 0.0 { QUOTIENT_MARGIN } else { 1.0 };
-        let gain = margin * way.gain(share);
-        let (nodes, error) = fewest(&Bound::new(samples(&bins, wide)), wide, most / gain, false);
-        let span = (wide.0 + origin, wide.1 + origin);
-        let nodes = if origin > 0.0 {
-            Nodes::chebyshev_from(origin, span, nodes.terms())
-        } else {
-            nodes
-        };
-        (nodes, error * gain)
+        Ladder {
+            bound: Bound::new(samples(&bins, span)),
+            span,
+            origin,
+            gain: margin * way.gain(share),
+        }
     }
 }
 
@@ -201,23 +275,27 @@ fn parts_of_layers(need: &ScatterNeed<'_>) -> Vec<[Option<Part>; 2]> {
             let light = spread_by(radiance, (near, far.max(near)));
             (near <= far && light > 0.0).then_some(((near, far), light))
         });
-        return vec![kernels.parts((nearest, farthest), &bins.collect::<Vec<_>>(), None)];
+        return vec![kernels.parts((nearest, farthest), &bins.collect::<Vec<_>>(), None, None)];
     };
     let passages = Passages::new(water, channel, layering, bounds.widest_px);
     let of_layer = |(l, span): (usize, &Option<(f64, f64)>)| {
-        let Some((near, far)) = *span else {
-            return [None, None];
-        };
         let through = match passages.of_layer(l) {
             Passage::Open => None,
             Passage::Through(through) => Some(through),
             Passage::Closed => return [None, None],
         };
+        let is_last = l + 1 == layering.count();
+        let behind = match (!is_last).then(|| passages.of_layer(l + 1)) {
+            Some(Passage::Through(behind)) => Some(behind.gate),
+            _ => None,
+        };
         // What is hidden takes ranges and light of its layer, in any combination.
-        let light = gates::brightest(bounds, water, channel, (near, far));
-        let steps = steps((near, far)).map(|step| (step, spread_by(light, step)));
-        let lit = steps.filter(|(_, light)| *light > 0.0);
-        kernels.parts((near, far), &lit.collect::<Vec<_>>(), through)
+        let lit = span.map_or(Vec::new(), |(near, far)| {
+            let light = gates::brightest(bounds, water, channel, (near, far));
+            let steps = steps((near, far)).map(|step| (step, spread_by(light, step)));
+            steps.filter(|(_, light)| *light > 0.0).collect()
+        });
+        kernels.parts(span.unwrap_or_default(), &lit, through, behind)
     };
     layering.spans_m.iter().enumerate().map(of_layer).collect()
 }
@@ -237,12 +315,13 @@ struct Two {
 }
 
 impl Two {
-    /// What the narrow and the wide kernel spread of lit ranges.
+    /// What the narrow and the wide kernel spread of lit ranges, and of light that passes the gate `behind`.
     fn parts(
         &self,
         span: (f64, f64),
         lit: &[((f64, f64), f64)],
         through: Option<Through>,
+        behind: Option<Gate>,
     ) -> [Option<Part>; 2] {
         let of = |kernel: usize, spread: Spread, taken: &dyn Fn((f64, f64)) -> f64| {
             let gammas = |(near, far): (f64, f64)| {
@@ -253,10 +332,18 @@ impl Two {
                 .iter()
                 .map(|&(step, light)| (gammas(step), light * taken(step)));
             let bins: Vec<_> = bins.filter(|(_, light)| *light > 0.0).collect();
-            (!bins.is_empty()).then(|| Part {
-                span: gammas(span),
+            let passing = behind.filter(|gate| gate.spread[kernel] > 0.0);
+            let passing = passing.map(|gate| gate.gammas[kernel]);
+            let own = (!bins.is_empty()).then(|| gammas(span));
+            let span = match (own, passing) {
+                (Some((near, far)), Some(gamma)) => Some((near.min(gamma), far.max(gamma))),
+                (own, passing) => own.or(passing.map(|gamma| (gamma, gamma))),
+            };
+            span.map(|span| Part {
+                span,
                 bins,
                 way: through.map(|through| Way { through, kernel }),
+                passing,
             })
         };
         match self.tail {
