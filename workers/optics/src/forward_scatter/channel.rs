@@ -26,6 +26,8 @@ pub(crate) struct Channel<'a> {
     gate: Option<GateReach>,
     /// Light of one kernel that passed the gate behind.
     passed: Option<Passed<'a>>,
+    /// Rows to each coarse row that its kernels are computed on.
+    pub(super) step: usize,
     size: (usize, usize),
 }
 
@@ -54,29 +56,40 @@ impl<'a> Channel<'a> {
     ) -> Self {
         let size = light.size();
         assert_eq!(size, gamma.size(), "light and kernel scale belong to one frame");
-        let [light, gamma] = [light, gamma].map(|plane| folded(plane, cache));
-        Self::folded(light, gamma, nodes, size)
+        let [light, mut gamma] = [light, gamma].map(|plane| folded(plane, cache));
+        let basis = Basis::new(nodes);
+        vectorized!(basis.locate(&mut gamma));
+        Self::located(light, gamma, nodes, size)
     }
 
-    /// The same, given both in folded order.
-    pub(super) fn folded(
+    /// The same, given light and located scales in folded order.
+    pub(super) fn located(
         light: Vec<f32>,
-        mut gamma: Vec<f32>,
+        located: Vec<f32>,
         nodes: &'a Nodes,
         size: (usize, usize),
     ) -> Self {
-        let basis = Basis::new(nodes);
-        vectorized!(basis.locate(&mut gamma));
         Self {
             nodes,
-            basis,
+            basis: Basis::new(nodes),
             light,
-            located: gamma,
+            located,
             sum: 0,
             gain: 1.0,
             gate: None,
             passed: None,
+            step: 1,
             size,
+        }
+    }
+
+    /// The same on coarse rows, if `step` divides the frame.
+    #[must_use]
+    pub(crate) fn on_coarse_rows(self, step: usize) -> Self {
+        let divides = step > 1 && self.size.1.is_multiple_of(step);
+        Self {
+            step: if divides { step } else { 1 },
+            ..self
         }
     }
 

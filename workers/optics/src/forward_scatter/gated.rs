@@ -15,6 +15,7 @@ use imaging::dct::Folding;
 use imaging::fft::Complex;
 use imaging::{Plane, vectorized};
 
+use super::basis::Basis;
 use super::channel::{Channel, Passed, folded};
 use super::chebyshev::{accumulate, back, line, zeros};
 use super::gate::Gate;
@@ -159,29 +160,25 @@ fn add_spread(
     let mut channels = Vec::new();
     for behind in seen {
         let Behind { source, sum, gate, .. } = *behind;
-        let parts = spread(source.channel, layer, &layer.light[sum], water, size, cache);
         let nodes = [&source.kernels[l].narrow, &source.kernels[l].wide];
+        let units = gate.map_or([1.0; 2], |gate| gate.units());
+        let parts = spread(layer, source.channel, &layer.light[sum], &Kernel::both(nodes, units), water, size, cache);
         for (kernel, (part, nodes)) in parts.into_iter().zip(nodes).enumerate() {
-            match (part, nodes) {
-                (Some([mut light, gamma]), Some(nodes)) => {
-                    let unit = gate.map(|gate| gate.units()[kernel]);
-                    if let Some(unit) = unit {
-                        let scale = (1.0 / unit) as f32;
-                        vectorized!(light.iter_mut().for_each(|v| *v *= scale));
-                    }
-                    let channel = Channel::folded(light, gamma, nodes, size)
-                        .part_of(sum)
-                        .with_passed(behind.passed(kernel, nodes));
-                    channels.push(match gate {
-                        Some(gate) => {
-                            let gain = gate.units()[kernel] / gate.direct;
-                            channel.through(gate.reaches()[kernel], gain as f32)
-                        }
-                        None => channel,
-                    });
+            let (Some([light, located]), Some(nodes)) = (part, nodes) else {
+                continue;
+            };
+            let step = [1, source.kernels[l].wide_step][kernel];
+            let channel = Channel::located(light, located, nodes, size)
+                .on_coarse_rows(step)
+                .part_of(sum)
+                .with_passed(behind.passed(kernel, nodes));
+            channels.push(match gate {
+                Some(gate) => {
+                    let gain = units[kernel] / gate.direct;
+                    channel.through(gate.reaches()[kernel], gain as f32)
                 }
-                (part, _) => cache.buffers.give(part.into_iter().flatten()),
-            }
+                None => channel,
+            });
         }
     }
     accumulate(&channels, size, spectra, cache);
@@ -276,11 +273,30 @@ fn arriving([mask, range, light]: [&[f32]; 3], path: Path, row: &mut [f32]) {
     }
 }
 
-/// The light of a layer that each of its kernels spreads, with the scales of that kernel.
+/// The narrow or the wide kernel of a layer.
+struct Kernel {
+    basis: Basis,
+    /// The unit of its light.
+    unit: f64,
+}
+
+impl Kernel {
+    fn both(nodes: [&Option<Nodes>; 2], units: [f64; 2]) -> [Option<Self>; 2] {
+        [0, 1].map(|kernel| {
+            nodes[kernel].as_ref().map(|nodes| Self {
+                basis: Basis::new(nodes),
+                unit: units[kernel],
+            })
+        })
+    }
+}
+
+/// The light of a layer that each of its kernels spreads in units of the kernel, with the located scales of that kernel.
 fn spread(
-    c: usize,
     layer: &Layer,
+    c: usize,
     light: &[f32],
+    kernels: &[Option<Kernel>; 2],
     water: &Water,
     (width, height): (usize, usize),
     cache: &mut KernelCache,
@@ -290,19 +306,45 @@ fn spread(
     };
     let widest = widest_px(width, height);
     let (g, excess) = (g[c] as f32, (water.direct_attenuation[c] - g[c]).max(0.0) as f32);
-    let [mut narrow, mut gamma] = [(); 2].map(|()| cache.buffers.take(light.len()));
-    let [mask, range] = [&layer.mask, &layer.range].map(Vec::as_slice);
-    vectorized!({
-        for (to, ((&mask, &z), &light)) in narrow.iter_mut().zip(mask.iter().zip(range).zip(light)) {
-            *to = mask * light * scattered_share(g, excess, z);
+    let spreads = [Some(spread), tail.map(|tail| tail.spread)];
+    let mut planes = kernels.each_ref().map(|kernel| {
+        let kernel = kernel.as_ref();
+        kernel.map(|_| [(); 2].map(|()| cache.buffers.take(light.len())))
+    });
+    let mut rows = [(); 2].map(|()| vec![0.0; width]);
+    // All of a row while it is in the nearest cache.
+    for pixels in (0..height).map(|place| line(place, width)) {
+        let [mask, range] = [&layer.mask, &layer.range].map(|plane| &plane[pixels.clone()]);
+        let light = &light[pixels.clone()];
+        let [narrow, wide] = &mut rows;
+        vectorized!(scattered(narrow, [mask, range, light], g, excess));
+        if let Some(tail) = tail {
+            vectorized!(tail.split(c, range, narrow, wide));
         }
-    });
-    vectorized!(spread.scales(c, widest, range, &mut gamma));
-    let wide = tail.map(|tail| {
-        let [mut wide, mut gamma] = [(); 2].map(|()| cache.buffers.take(light.len()));
-        vectorized!(tail.split(c, range, &mut narrow, &mut wide));
-        vectorized!(tail.spread.scales(c, widest, range, &mut gamma));
-        [wide, gamma]
-    });
-    [Some([narrow, gamma]), wide]
+        for (kernel, (planes, row)) in planes.iter_mut().zip(&rows).enumerate() {
+            let (Some([to, located]), Some(Kernel { basis, unit }), Some(spread)) =
+                (planes, &kernels[kernel], spreads[kernel])
+            else {
+                continue;
+            };
+            let (to, located) = (&mut to[pixels.clone()], &mut located[pixels.clone()]);
+            let scale = (1.0 / unit) as f32;
+            vectorized!(scaled(row, scale, to));
+            vectorized!(spread.scales(c, widest, range, located));
+            vectorized!(basis.locate(located));
+        }
+    }
+    planes
+}
+
+#[inline(always)]
+fn scattered(to: &mut [f32], [mask, range, light]: [&[f32]; 3], g: f32, excess: f32) {
+    for (to, ((&mask, &z), &light)) in to.iter_mut().zip(mask.iter().zip(range).zip(light)) {
+        *to = mask * light * scattered_share(g, excess, z);
+    }
+}
+
+#[inline(always)]
+fn scaled(from: &[f32], factor: f32, to: &mut [f32]) {
+    to.iter_mut().zip(from).for_each(|(to, &from)| *to = factor * from);
 }

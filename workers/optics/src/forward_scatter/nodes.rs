@@ -127,6 +127,8 @@ pub struct Kernels {
     pub narrow: Option<Nodes>,
     /// Of the wide one.
     pub wide: Option<Nodes>,
+    /// Rows of the frame to each coarse row on which the wide kernel is computed; 1 or less on all rows.
+    pub wide_step: usize,
 }
 
 impl Kernels {

@@ -8,13 +8,21 @@ use super::Variant;
 use super::gates;
 use super::passages::{Passage, Passages, Through};
 use super::scatter::{
-    Chosen, MOST_TERMS, ScatterNeed, WORST_MARGIN, largest_share, samples, widened,
+    Chosen, MOST_TERMS, SPAN_STEP, ScatterNeed, WORST_MARGIN, largest_share, samples, widened, widened_to,
 };
-use crate::forward_scatter::{Bound, Gate, Kernels, Nodes, widest_px};
+use super::water::PILED_UP;
+use crate::forward_scatter::{self, Bound, Gate, Kernels, Nodes, aliasing, widest_px};
 use crate::kernel;
 use crate::layering::Layering;
 use crate::water::{Scatter, Spread, Tail};
 
+/// Layers between gates have narrow spans, and kernels that follow from the range of the gates: similar frames share none of them.
+const GATED_SPAN_STEP: f64 = 1.0 / 256.0;
+/// Coarse rows may use up this share of the error of the kernels.
+const COARSE_SHARE: f64 = 1.0 / 16.0;
+/// Sum of the absolute shares of all nodes in a pixel: below 1.5 for the numbers of nodes of wide kernels, with room for one that is not in
+/// its best place.
+const LEBESGUE: f64 = 3.0;
 /// A layer is divided into this many ranges of equal ratio.
 const STEPS: i32 = 16;
 /// Origins to try behind a gate, as shares of the kernel's scale at the gate.
@@ -37,6 +45,8 @@ struct Part {
     way: Option<Way>,
     /// Scale at the range of the gate behind, whose light one of the kernels spreads.
     passing: Option<f64>,
+    /// The most of that light.
+    passing_light: f64,
 }
 
 /// The way of a layer's light through gates.
@@ -81,12 +91,45 @@ pub(super) fn choose(need: &ScatterNeed<'_>, fidelity: Fidelity, share: f64) -> 
         .layering
         .map_or(0.0, |layering| gate_rounding(need, layering));
     let left = (share - rounding).max(LEAST_SHARE * share);
+    let size = need.frame_sides();
+    let steps = layers.iter().map(|[_, wide]| match wide {
+        Some(wide) => wide.coarse(COARSE_SHARE * left / layers.len() as f64, size),
+        None => Coarse::default(),
+    });
+    let steps: Vec<Coarse> = steps.collect();
+    let coarse = steps.iter().map(|coarse| coarse.error).sum::<f64>();
     let mut choices: Vec<Choice<'_>> = parts().map(Choice::new).collect();
-    improve(&mut choices, left);
-    let error = rounding + choices.iter().map(|choice| choice.error).sum::<f64>();
+    improve(&mut choices, left - coarse);
+    let error = rounding + coarse + choices.iter().map(|choice| choice.error).sum::<f64>();
     let mut chosen = choices.into_iter();
     let nodes = |_: &Part| chosen.next().expect("a choice for each part").nodes;
-    (Variant::Layered(kernels(&layers, nodes)), Some(error))
+    let mut kernels = kernels(&layers, nodes);
+    for (kernels, coarse) in kernels.iter_mut().zip(steps) {
+        kernels.wide_step = coarse.step;
+    }
+    (Variant::Layered(kernels), Some(error))
+}
+
+/// The coarse rows of a kernel, and their error at the camera.
+#[derive(Debug, Clone, Copy, Default)]
+struct Coarse {
+    step: usize,
+    error: f64,
+}
+
+impl Part {
+    /// The coarsest rows in a frame of this size whose error arrives with at most `most`.
+    fn coarse(&self, most: f64, size: (usize, usize)) -> Coarse {
+        let gain = self.way.as_ref().map_or(1.0, |way| way.gain(0.0));
+        let passing = self.passing_light;
+        let light = self.brightest() + passing;
+        let with_error = |step: usize| Coarse {
+            step,
+            error: LEBESGUE * aliasing(self.span.0, step) * light * gain,
+        };
+        let mut steps = forward_scatter::steps(self.span.0, size).map(with_error);
+        steps.find(|coarse| coarse.error <= most).unwrap_or_default()
+    }
 }
 
 /// Adds nodes to the part with the largest error until all together err by at most `most`.
@@ -167,7 +210,11 @@ impl Part {
     /// One ladder for each origin to try.
     fn ladders(&self) -> Vec<Ladder> {
         let Some(way) = &self.way else {
-            let span = widened(self.span.0, self.span.1);
+            let step = match self.passing {
+                Some(_) => GATED_SPAN_STEP,
+                None => SPAN_STEP,
+            };
+            let span = widened_to(step, self.span.0, self.span.1);
             return vec![Ladder {
                 bound: Bound::new(samples(&self.bins, span)),
                 span,
@@ -197,7 +244,7 @@ impl Part {
             .map(|&(scales, light)| (beyond(scales), light))
             .collect();
         let (least, far) = beyond(self.span);
-        let span = widened(least, far);
+        let span = widened_to(GATED_SPAN_STEP, least, far);
         let margin = if share > 0.0 { QUOTIENT_MARGIN } else { 1.0 };
         Ladder {
             bound: Bound::new(samples(&bins, span)),
@@ -241,6 +288,7 @@ fn kernels(layers: &[[Option<Part>; 2]], mut nodes: impl FnMut(&Part) -> Nodes) 
     let kernels = layers.iter().map(|[narrow, wide]| Kernels {
         narrow: narrow.as_ref().map(&mut nodes),
         wide: wide.as_ref().map(&mut nodes),
+        wide_step: 1,
     });
     kernels.collect()
 }
@@ -295,6 +343,12 @@ fn parts_of_layers(need: &ScatterNeed<'_>) -> Vec<[Option<Part>; 2]> {
             let steps = steps((near, far)).map(|step| (step, spread_by(light, step)));
             steps.filter(|(_, light)| *light > 0.0).collect()
         });
+        let lights = layering.spans_m[l + 1..].iter().flatten();
+        let lights = lights.map(|&span| gates::brightest(bounds, water, channel, span));
+        let behind = behind.map(|gate| Behind {
+            gate,
+            light: lights.fold(0.0, f64::max),
+        });
         kernels.parts(span.unwrap_or_default(), &lit, through, behind)
     };
     layering.spans_m.iter().enumerate().map(of_layer).collect()
@@ -304,6 +358,13 @@ fn parts_of_layers(need: &ScatterNeed<'_>) -> Vec<[Option<Part>; 2]> {
 fn steps((near, far): (f64, f64)) -> impl Iterator<Item = (f64, f64)> {
     let ratio = (far / near).powf(1.0 / f64::from(STEPS));
     (0..STEPS).map(move |step| (near * ratio.powi(step), near * ratio.powi(step + 1)))
+}
+
+/// The gate behind a layer, and the most light that passes it.
+#[derive(Clone, Copy)]
+struct Behind {
+    gate: Gate,
+    light: f64,
 }
 
 /// The kernels of a channel.
@@ -321,7 +382,7 @@ impl Two {
         span: (f64, f64),
         lit: &[((f64, f64), f64)],
         through: Option<Through>,
-        behind: Option<Gate>,
+        behind: Option<Behind>,
     ) -> [Option<Part>; 2] {
         let of = |kernel: usize, spread: Spread, taken: &dyn Fn((f64, f64)) -> f64| {
             let gammas = |(near, far): (f64, f64)| {
@@ -332,8 +393,8 @@ impl Two {
                 .iter()
                 .map(|&(step, light)| (gammas(step), light * taken(step)));
             let bins: Vec<_> = bins.filter(|(_, light)| *light > 0.0).collect();
-            let passing = behind.filter(|gate| gate.spread[kernel] > 0.0);
-            let passing = passing.map(|gate| gate.gammas[kernel]);
+            let behind = behind.filter(|behind| behind.gate.spread[kernel] > 0.0);
+            let passing = behind.map(|behind| behind.gate.gammas[kernel]);
             let own = (!bins.is_empty()).then(|| gammas(span));
             let span = match (own, passing) {
                 (Some((near, far)), Some(gamma)) => Some((near.min(gamma), far.max(gamma))),
@@ -344,6 +405,7 @@ impl Two {
                 bins,
                 way: through.map(|through| Way { through, kernel }),
                 passing,
+                passing_light: behind.map_or(0.0, |behind| PILED_UP * behind.light * behind.gate.spread[kernel]),
             })
         };
         match self.tail {
