@@ -152,7 +152,10 @@ impl KernelCache {
 
     /// The transform of a frame size.
     pub(super) fn transform(&mut self, (width, height): (usize, usize)) -> &mut PairDct {
-        let known = self.transforms.iter().position(|transform| transform.size() == (width, height));
+        let known = self
+            .transforms
+            .iter()
+            .position(|transform| transform.size() == (width, height));
         let transform = match known {
             Some(at) => self.transforms.remove(at),
             None => PairDct::new(width, height),

@@ -99,12 +99,7 @@ struct Spread<'a> {
 }
 
 impl<'a> Spread<'a> {
-    fn new(
-        channels: &'a [Channel<'a>],
-        pair: Pair,
-        size: (usize, usize),
-        cache: &mut KernelCache,
-    ) -> Self {
+    fn new(channels: &'a [Channel<'a>], pair: Pair, size: (usize, usize), cache: &mut KernelCache) -> Self {
         Self {
             channels,
             pair,

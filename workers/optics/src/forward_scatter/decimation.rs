@@ -142,7 +142,10 @@ fn shares(y: usize, taps: &[f64], step: usize, places: &[Vec<usize>]) -> Vec<Sha
         let mirrored = mirrored.min(2 * coarse - 1 - mirrored);
         weights[mirrored as usize] += taps.get(tap as usize).copied().unwrap_or(0.0);
     }
-    let pairs = weights.into_iter().zip(places).filter(|(weight, _)| *weight > 0.0);
+    let pairs = weights
+        .into_iter()
+        .zip(places)
+        .filter(|(weight, _)| *weight > 0.0);
     pairs
         .flat_map(|(weight, places)| {
             places.iter().map(move |&place| Share {
@@ -190,7 +193,10 @@ mod tests {
         let error = |y: usize| {
             let terms = errors.iter().enumerate();
             let weight = |q: usize| if q == 0 { 1.0 } else { 2.0 };
-            terms.map(|(q, e)| weight(q) * e * cosine(q, y, height)).sum::<f64>() / height as f64
+            terms
+                .map(|(q, e)| weight(q) * e * cosine(q, y, height))
+                .sum::<f64>()
+                / height as f64
         };
         (0..height).map(|y| error(y).abs()).sum()
     }
@@ -201,7 +207,15 @@ mod tests {
     #[test]
     fn the_error_of_coarse_rows_is_within_its_bound_at_every_row() {
         let mut largest = 0.0f64;
-        for (step, ratio) in [(2, 5.0), (2, 6.0), (2, 9.0), (3, 5.0), (4, 5.0), (4, 7.0), (8, 5.0)] {
+        for (step, ratio) in [
+            (2, 5.0),
+            (2, 6.0),
+            (2, 9.0),
+            (3, 5.0),
+            (4, 5.0),
+            (4, 7.0),
+            (8, 5.0),
+        ] {
             let (gamma, height) = (ratio * step as f64, 48 * step);
             for y in [0, 1, 2, 3, 5, 7, height / 2, height / 2 + 1, height - 1] {
                 let (error, bound) = (error_sum(gamma, height, step, y), aliasing(gamma, step));

@@ -159,10 +159,20 @@ fn add_spread(
 ) {
     let mut channels = Vec::new();
     for behind in seen {
-        let Behind { source, sum, gate, .. } = *behind;
+        let Behind {
+            source, sum, gate, ..
+        } = *behind;
         let nodes = [&source.kernels[l].narrow, &source.kernels[l].wide];
         let units = gate.map_or([1.0; 2], |gate| gate.units());
-        let parts = spread(layer, source.channel, &layer.light[sum], &Kernel::both(nodes, units), water, size, cache);
+        let parts = spread(
+            layer,
+            source.channel,
+            &layer.light[sum],
+            &Kernel::both(nodes, units),
+            water,
+            size,
+            cache,
+        );
         for (kernel, (part, nodes)) in parts.into_iter().zip(nodes).enumerate() {
             let (Some([light, located]), Some(nodes)) = (part, nodes) else {
                 continue;
@@ -256,7 +266,9 @@ fn add_direct(
 
 #[inline(always)]
 fn add_part(to: &mut [f32], column: &[Complex<f32>], part: impl Fn(Complex<f32>) -> f32) {
-    to.iter_mut().zip(column).for_each(|(to, &value)| *to += part(value));
+    to.iter_mut()
+        .zip(column)
+        .for_each(|(to, &value)| *to += part(value));
 }
 
 #[inline(always)]
@@ -346,5 +358,7 @@ fn scattered(to: &mut [f32], [mask, range, light]: [&[f32]; 3], g: f32, excess: 
 
 #[inline(always)]
 fn scaled(from: &[f32], factor: f32, to: &mut [f32]) {
-    to.iter_mut().zip(from).for_each(|(to, &from)| *to = factor * from);
+    to.iter_mut()
+        .zip(from)
+        .for_each(|(to, &from)| *to = factor * from);
 }

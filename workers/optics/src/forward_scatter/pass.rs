@@ -78,12 +78,7 @@ impl<'a> Response<'a> {
 }
 
 /// Uncovered light of one or two channels at the gate.
-fn take_back(
-    pair: &[Response<'_>],
-    mask: Option<&[f32]>,
-    transform: &mut PairDct,
-    passed: &mut [Vec<f32>],
-) {
+fn take_back(pair: &[Response<'_>], mask: Option<&[f32]>, transform: &mut PairDct, passed: &mut [Vec<f32>]) {
     let (width, height) = transform.size();
     let mut response = vec![0.0; height];
     transform.inverse(

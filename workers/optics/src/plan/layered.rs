@@ -405,7 +405,8 @@ impl Two {
                 bins,
                 way: through.map(|through| Way { through, kernel }),
                 passing,
-                passing_light: behind.map_or(0.0, |behind| PILED_UP * behind.light * behind.gate.spread[kernel]),
+                passing_light: behind
+                    .map_or(0.0, |behind| PILED_UP * behind.light * behind.gate.spread[kernel]),
             })
         };
         match self.tail {
