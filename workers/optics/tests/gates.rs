@@ -59,11 +59,11 @@ fn outcome(scene: &Scene, cache: &mut KernelCache) -> Outcome {
 }
 
 /// Random scenes of one seed: none exceeds its bound.
-fn search(seed: u64, count: u64) {
+fn search(seed: u64, count: u64, size: Option<(usize, usize)>) {
     let mut cache = KernelCache::new();
     let (mut ratios, mut exceeding, mut failed) = (Vec::new(), 0, Vec::new());
     for index in 0..count {
-        let scene = scenes::random(seed, index);
+        let scene = scenes::random_of_size(seed, index, size);
         let outcome = outcome(&scene, &mut cache);
         if outcome.is_gated {
             ratios.push(outcome.error / outcome.bound);
@@ -84,7 +84,12 @@ fn search(seed: u64, count: u64) {
 
 #[test]
 fn random_gated_frames_stay_within_their_bounds() {
-    search(1, 40);
+    search(1, 40, None);
+}
+
+#[test]
+fn what_is_filled_on_coarse_rows_stays_within_its_bound() {
+    search(2, 12, Some(scenes::WIDE));
 }
 
 #[test]

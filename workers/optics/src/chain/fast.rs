@@ -203,7 +203,12 @@ fn channels_of_two<'a>(
         let Variant::Layered(layers) = steps[c] else {
             continue;
         };
-        let Some(Kernels { narrow: near, wide }) = layers.first() else {
+        let Some(Kernels {
+            narrow: near,
+            wide,
+            wide_step,
+        }) = layers.first()
+        else {
             continue;
         };
         let widest = widest_px(frame.range.width(), frame.range.height());
@@ -211,12 +216,13 @@ fn channels_of_two<'a>(
         let [mut own, mut beyond] = [(); 2].map(|()| empty(frame.range, cache));
         own.data_mut().copy_from_slice(light.data());
         vectorized!(tail.split(c, range.data(), own.data_mut(), beyond.data_mut()));
-        for (nodes, spread, part) in [(near, narrow, own), (wide, &tail.spread, beyond)] {
+        let parts = [(near, narrow, own, 1), (wide, &tail.spread, beyond, *wide_step)];
+        for (nodes, spread, part, step) in parts {
             if let Some(nodes) = nodes {
                 let mut gamma = empty(frame.range, cache);
                 vectorized!(spread.scales(c, widest, range.data(), gamma.data_mut()));
                 let channel = forward_scatter::Channel::new(&part, &gamma, nodes, cache);
-                channels.push(channel.part_of(places.len()));
+                channels.push(channel.on_coarse_rows(step).part_of(places.len()));
                 cache.buffers.give([gamma.into_data()]);
             }
             cache.buffers.give([part.into_data()]);

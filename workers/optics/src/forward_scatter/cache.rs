@@ -4,23 +4,32 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use imaging::dct::PairDct;
+use imaging::fft::Complex;
 
 use super::buffers::{Buffers, MOST_KEPT_BYTES};
+use super::decimation::Decimation;
 use crate::kernel::{GateReach, Transfer};
 
 /// Memory that cached transfer functions may take: at least 40 of a 768×492 frame, a few frames' worth of nodes. Beyond it the
 /// least recently used goes.
 const CACHE_BYTES: usize = 64 << 20;
 
-/// Transfer functions by (kernel scale, frame size), least recently used first out, and the transform of the last size with
-/// its plane. One for each thread, for a frame is computed on one.
+/// Transforms and decimations of so many sizes are kept: of a frame, of its coarse rows for filling, and of those for kernels.
+const MOST_SIZES: usize = 4;
+
+/// Transfer functions by (kernel scale, frame size), least recently used first out, and the transforms of the last sizes with
+/// their planes. One for each thread, for a frame is computed on one.
 #[derive(Default)]
 pub struct KernelCache {
     grids: HashMap<Key, Entry>,
     clock: u64,
     bytes: usize,
-    transform: Option<PairDct>,
+    /// Of a frame and of its coarse rows, the last used first.
+    transforms: Vec<PairDct>,
+    decimations: Vec<Arc<Decimation>>,
     pub(crate) buffers: Buffers,
+    /// Coarse rows of the last transform.
+    pub(super) coarse: Vec<Complex<f32>>,
     hits: u64,
     misses: u64,
 }
@@ -143,15 +152,36 @@ impl KernelCache {
 
     /// The transform of a frame size.
     pub(super) fn transform(&mut self, (width, height): (usize, usize)) -> &mut PairDct {
-        self.transform
-            .take_if(|transform| transform.size() != (width, height));
-        self.transform.get_or_insert_with(|| PairDct::new(width, height))
+        let known = self
+            .transforms
+            .iter()
+            .position(|transform| transform.size() == (width, height));
+        let transform = match known {
+            Some(at) => self.transforms.remove(at),
+            None => PairDct::new(width, height),
+        };
+        self.transforms.truncate(MOST_SIZES - 1);
+        self.transforms.insert(0, transform);
+        &mut self.transforms[0]
+    }
+
+    /// Coarse rows of a height.
+    pub(super) fn decimation(&mut self, height: usize, step: usize) -> Arc<Decimation> {
+        let is_known = |decimation: &Arc<Decimation>| (decimation.height, decimation.step) == (height, step);
+        let known = self.decimations.iter().position(is_known);
+        let decimation = match known {
+            Some(at) => self.decimations.remove(at),
+            None => Arc::new(Decimation::new(height, step)),
+        };
+        self.decimations.truncate(MOST_SIZES - 1);
+        self.decimations.insert(0, Arc::clone(&decimation));
+        decimation
     }
 
     /// Lets go of the transform of a very large frame.
     pub(crate) fn trim(&mut self) {
-        self.transform
-            .take_if(|transform| transform.bytes() > MOST_KEPT_BYTES);
+        self.transforms
+            .retain(|transform| transform.bytes() <= MOST_KEPT_BYTES);
     }
 
     /// How often a transfer function was there, and how often it was not.

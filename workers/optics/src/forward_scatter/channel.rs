@@ -24,7 +24,22 @@ pub(crate) struct Channel<'a> {
     pub(super) gain: f32,
     /// Reach of its kernels if its light passes a gate.
     gate: Option<GateReach>,
+    /// Light of one kernel that passed the gate behind.
+    passed: Option<Passed<'a>>,
+    /// Rows to each coarse row that its kernels are computed on.
+    pub(super) step: usize,
     size: (usize, usize),
+}
+
+/// Light that passed a gate and goes on with one of the kernels.
+#[derive(Clone, Copy)]
+pub(super) struct Passed<'a> {
+    /// Light at the gate, in folded order.
+    pub(super) light: &'a [f32],
+    /// Share of it that the kernel spreads, in units of the channel's light.
+    pub(super) share: f32,
+    /// The kernel.
+    pub(super) k: usize,
 }
 
 impl<'a> Channel<'a> {
@@ -41,29 +56,47 @@ impl<'a> Channel<'a> {
     ) -> Self {
         let size = light.size();
         assert_eq!(size, gamma.size(), "light and kernel scale belong to one frame");
-        let [light, gamma] = [light, gamma].map(|plane| folded(plane, cache));
-        Self::folded(light, gamma, nodes, size)
+        let [light, mut gamma] = [light, gamma].map(|plane| folded(plane, cache));
+        let basis = Basis::new(nodes);
+        vectorized!(basis.locate(&mut gamma));
+        Self::located(light, gamma, nodes, size)
     }
 
-    /// The same, given both in folded order.
-    pub(super) fn folded(
+    /// The same, given light and located scales in folded order.
+    pub(super) fn located(
         light: Vec<f32>,
-        mut gamma: Vec<f32>,
+        located: Vec<f32>,
         nodes: &'a Nodes,
         size: (usize, usize),
     ) -> Self {
-        let basis = Basis::new(nodes);
-        vectorized!(basis.locate(&mut gamma));
         Self {
             nodes,
-            basis,
+            basis: Basis::new(nodes),
             light,
-            located: gamma,
+            located,
             sum: 0,
             gain: 1.0,
             gate: None,
+            passed: None,
+            step: 1,
             size,
         }
+    }
+
+    /// The same on coarse rows, if `step` divides the frame.
+    #[must_use]
+    pub(crate) fn on_coarse_rows(self, step: usize) -> Self {
+        let divides = step > 1 && self.size.1.is_multiple_of(step);
+        Self {
+            step: if divides { step } else { 1 },
+            ..self
+        }
+    }
+
+    /// The same with the light that passed the gate behind.
+    #[must_use]
+    pub(super) fn with_passed(self, passed: Option<Passed<'a>>) -> Self {
+        Self { passed, ..self }
     }
 
     /// The same as a part of sum number `sum`.
@@ -157,6 +190,12 @@ impl Pair {
     pub(super) fn transfers(self, channels: &[Channel<'_>], cache: &mut KernelCache) -> [Arc<Grid>; 2] {
         self.both()
             .map(|Term { channel, k }| channels[channel].transfer(k, cache))
+    }
+
+    /// Light that passed the gate behind and goes on with the kernel of each term.
+    pub(super) fn passed<'a>(self, channels: &[Channel<'a>]) -> [Option<Passed<'a>>; 2] {
+        let passed = |term: Term| channels[term.channel].passed.filter(|passed| passed.k == term.k);
+        [passed(self.first), self.second.and_then(passed)]
     }
 
     /// The share of both in at most [`BLOCK`] pixels.

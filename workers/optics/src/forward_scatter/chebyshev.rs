@@ -11,6 +11,7 @@
 //! width changes is the order of sums inside the FFT, in the last place.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use imaging::Plane;
 use imaging::dct::Folding;
@@ -18,7 +19,8 @@ use imaging::fft::Complex;
 use imaging::vectorized;
 
 use super::basis::BLOCK;
-use super::channel::{Channel, Pair, pairs};
+use super::cache::Grid;
+use super::channel::{Channel, Pair, Passed, pairs};
 use super::{KernelCache, Nodes};
 
 /// Spreads the light `source` of each pixel with the pixel's own kernel scale `gamma`, in pixels, finite. Never negative.
@@ -69,38 +71,123 @@ pub(super) fn accumulate(
     sums: &mut [Vec<f32>],
     cache: &mut KernelCache,
 ) {
-    let (width, height) = size;
-    for pair in pairs(channels.iter().map(Channel::terms)) {
-        let [first, second] = pair.transfers(channels, cache);
-        let gains = pair.channels().map(|channel| channels[channel].gain);
-        cache.transform(size).forward(
-            |place, row| {
-                vectorized!(split(channels, pair, line(place, width), row));
-            },
-            first.columns().max(second.columns()),
+    let mut steps: Vec<usize> = channels.iter().map(|channel| channel.step).collect();
+    steps.sort_unstable();
+    steps.dedup();
+    for step in steps {
+        let terms = channels.iter().map(|channel| match channel.step {
+            own if own == step => channel.terms(),
+            _ => 0,
+        });
+        for pair in pairs(terms) {
+            let spread = Spread::new(channels, pair, size, cache);
+            if step == 1 {
+                spread.add_to(sums, cache);
+            } else {
+                spread.add_coarse_to(sums, step, cache);
+            }
+        }
+    }
+}
+
+/// Two terms on their way to their spectra.
+struct Spread<'a> {
+    channels: &'a [Channel<'a>],
+    pair: Pair,
+    transfers: [Arc<Grid>; 2],
+    size: (usize, usize),
+}
+
+impl<'a> Spread<'a> {
+    fn new(channels: &'a [Channel<'a>], pair: Pair, size: (usize, usize), cache: &mut KernelCache) -> Self {
+        Self {
+            channels,
+            pair,
+            transfers: pair.transfers(channels, cache),
+            size,
+        }
+    }
+
+    fn add_to(&self, sums: &mut [Vec<f32>], cache: &mut KernelCache) {
+        cache.transform(self.size).forward(
+            |place, row| self.fill(place, row),
+            self.columns(),
+            |p, column| self.take(p, column, sums),
+        );
+    }
+
+    /// The same on coarse rows. Their spectrum is that of low frequencies.
+    fn add_coarse_to(&self, sums: &mut [Vec<f32>], step: usize, cache: &mut KernelCache) {
+        let (width, height) = self.size;
+        let decimation = cache.decimation(height, step);
+        let coarse_size = (width, decimation.coarse_height());
+        let mut coarse = std::mem::take(&mut cache.coarse);
+        coarse.clear();
+        coarse.resize(width * coarse_size.1, Complex::default());
+        let mut row = vec![Complex::default(); width];
+        for place in 0..height {
+            self.fill(place, &mut row);
+            decimation.add_row(place, &row, &mut coarse);
+        }
+        let mut spectrum = vec![Complex::default(); coarse_size.1];
+        cache.transform(coarse_size).forward(
+            |place, row| row.copy_from_slice(&coarse[line(place, width)]),
+            self.columns(),
             |p, column| {
-                let [one, other] = pair.channels().map(|channel| channels[channel].sum);
-                let band = line(p, height);
-                match [first.column(p), second.column(p)] {
-                    [Some(first), Some(second)] if one == other && gains == [1.0; 2] => {
-                        add_products(&mut sums[one][band], column, [first, second]);
-                    }
-                    [Some(first), Some(second)] if one == other => {
-                        add_gained(&mut sums[one][band], column, [first, second], gains);
-                    }
-                    [first, second] => {
-                        if let Some(transfer) = first {
-                            add_product(&mut sums[one][band.clone()], column, transfer, |v| {
-                                gains[0] * v.re
-                            });
-                        }
-                        if let Some(transfer) = second {
-                            add_product(&mut sums[other][band], column, transfer, |v| gains[1] * v.im);
-                        }
-                    }
+                let pairs = column.iter().zip(decimation.response());
+                for (to, (value, response)) in spectrum.iter_mut().zip(pairs) {
+                    *to = value.unscale(*response);
                 }
+                self.take(p, &spectrum, sums);
             },
         );
+        cache.coarse = coarse;
+    }
+
+    fn columns(&self) -> usize {
+        let [first, second] = &self.transfers;
+        first.columns().max(second.columns())
+    }
+
+    /// A row of light of both terms.
+    fn fill(&self, place: usize, row: &mut [Complex<f32>]) {
+        let pixels = line(place, self.size.0);
+        vectorized!(split(self.channels, self.pair, pixels.clone(), row));
+        let [one, other] = self.pair.passed(self.channels);
+        if let Some(passed) = one {
+            vectorized!(add_passed(passed, pixels.clone(), row, |to| &mut to.re));
+        }
+        if let Some(passed) = other {
+            vectorized!(add_passed(passed, pixels.clone(), row, |to| &mut to.im));
+        }
+    }
+
+    /// Adds a column of low frequencies under the transfer function of each term.
+    fn take(&self, p: usize, column: &[Complex<f32>], sums: &mut [Vec<f32>]) {
+        let channels = self.pair.channels().map(|channel| &self.channels[channel]);
+        let gains = channels.map(|channel| channel.gain);
+        let [one, other] = channels.map(|channel| channel.sum);
+        let start = p * self.size.1;
+        let band = start..start + column.len();
+        let transfers = self.transfers.each_ref().map(|transfer| transfer.column(p));
+        match transfers {
+            [Some(first), Some(second)] if one == other && gains == [1.0; 2] => {
+                add_products(&mut sums[one][band], column, [first, second]);
+            }
+            [Some(first), Some(second)] if one == other => {
+                add_gained(&mut sums[one][band], column, [first, second], gains);
+            }
+            [first, second] => {
+                if let Some(transfer) = first {
+                    add_product(&mut sums[one][band.clone()], column, transfer, |v| {
+                        gains[0] * v.re
+                    });
+                }
+                if let Some(transfer) = second {
+                    add_product(&mut sums[other][band], column, transfer, |v| gains[1] * v.im);
+                }
+            }
+        }
     }
 }
 
@@ -157,6 +244,19 @@ fn split(channels: &[Channel<'_>], pair: Pair, pixels: Range<usize>, row: &mut [
         {
             *sample = Complex::new(one * first, other * second);
         }
+    }
+}
+
+/// Adds light that passed a gate to one part of a row.
+#[inline(always)]
+fn add_passed(
+    passed: Passed<'_>,
+    pixels: Range<usize>,
+    row: &mut [Complex<f32>],
+    part: impl Fn(&mut Complex<f32>) -> &mut f32,
+) {
+    for (to, light) in row.iter_mut().zip(&passed.light[pixels]) {
+        *part(to) += passed.share * light;
     }
 }
 

@@ -6,19 +6,22 @@
 //! P_l = S_l + A(G_l) · DCT[ Y ]                            from the farthest layer to the nearest
 //! ```
 //!
-//! `A(Z) = T + w ((1−m) H(γ₁) + m H(γ₂))` is the response of a path of Z. Behind a gate the spectra hold P/T(G), and the light of each
-//! transform is in units of the [`Gate`]. A/T is at least 1 and all transforms are of light of order 1, so that the division does not
-//! amplify their rounding.
+//! `A(Z) = T + w ((1−m) H(γ₁) + m H(γ₂))` is the response of a path of Z. The light Y goes on like light of layer l at the range of
+//! its gate, so it shares the transforms of that layer: the kernels of the range are among those of the layer. Behind a gate the spectra
+//! hold P/T(G), and the light of each transform is in units of the [`Gate`]. A/T is at least 1 and all transforms are of light of order
+//! 1, so that the division does not amplify their rounding.
 
+use imaging::dct::Folding;
 use imaging::fft::Complex;
 use imaging::{Plane, vectorized};
 
-use super::channel::{Channel, folded};
+use super::basis::Basis;
+use super::channel::{Channel, Passed, folded};
 use super::chebyshev::{accumulate, back, line, zeros};
 use super::gate::Gate;
 use super::layer::{Divided, Layer};
-use super::pass::{Opening, pass};
-use super::{KernelCache, Kernels, widest_px};
+use super::pass::{open_gate, pass};
+use super::{KernelCache, Kernels, Nodes, widest_px};
 use crate::attenuation::{exp_negative, scattered_share};
 use crate::layering::Layering;
 use crate::water::{Scatter, Water};
@@ -42,6 +45,28 @@ struct Behind<'a> {
     sum: usize,
     /// The gate in front of the layer; `None` for the nearest layer.
     gate: Option<Gate>,
+    /// The gate behind the layer with the light that passes it.
+    passed: Option<(Gate, &'a [f32])>,
+}
+
+impl<'a> Behind<'a> {
+    /// Light behind the layer that goes on with one of its kernels, 0 the narrow and 1 the wide one.
+    fn passed(&self, kernel: usize, nodes: &Nodes) -> Option<Passed<'a>> {
+        let (behind, light) = self.passed?;
+        let unit = self.gate.map_or(1.0, |gate| gate.units()[kernel]);
+        Some(Passed {
+            light,
+            share: (behind.spread[kernel] / unit) as f32,
+            k: nodes.nearest(behind.gammas[kernel]),
+        })
+    }
+
+    /// The same light and its share that goes on unscattered.
+    fn passed_direct(&self) -> Option<(&'a [f32], f32)> {
+        let (behind, light) = self.passed?;
+        let onward = behind.direct / self.gate.map_or(1.0, |gate| gate.direct);
+        Some((light, onward as f32))
+    }
 }
 
 /// Light that arrives in each channel, except the direct light of the nearest layer, which passes no gate. Never negative.
@@ -71,24 +96,23 @@ pub(crate) fn gated_channels(
         })
         .collect();
     let mut spectra = zeros(sources.len(), size, cache);
+    let mut passed: Vec<Option<Vec<f32>>> = sources.iter().map(|_| None).collect();
     for l in (0..layering.count()).rev() {
         let layer = divided.layer(l, cache);
         if l + 1 < layering.count() {
-            let openings: Vec<Option<Opening>> =
-                gates.iter().map(|gates| Opening::between(gates, l)).collect();
-            let mask = layer.as_ref().map(|layer| layer.mask.as_slice());
-            pass(&mut spectra, &openings, mask, size, cache);
+            let open: Vec<Option<Gate>> = gates.iter().map(|gates| open_gate(gates, l)).collect();
+            cache.buffers.give(passed.into_iter().flatten());
+            passed = pass(&spectra, &open, Some(&layer.mask), size, cache);
+            spectra.iter_mut().for_each(|spectrum| spectrum.fill(0.0));
         }
-        // An empty layer has no light.
-        let Some(layer) = layer else { continue };
-        let seen: Vec<Behind<'_>> = sources
-            .iter()
-            .enumerate()
-            .filter(|(sum, _)| gates[*sum][..l].iter().all(Option::is_some))
-            .map(|(sum, source)| Behind {
+        let seen = sources.iter().zip(&gates).enumerate();
+        let seen: Vec<Behind<'_>> = seen
+            .filter(|(_, (_, gates))| gates[..l].iter().all(Option::is_some))
+            .map(|(sum, (source, gates))| Behind {
                 source,
                 sum,
-                gate: l.checked_sub(1).and_then(|front| gates[sum][front]),
+                gate: l.checked_sub(1).and_then(|front| gates[front]),
+                passed: gates.get(l).copied().flatten().zip(passed[sum].as_deref()),
             })
             .collect();
         if l > 0 {
@@ -97,12 +121,30 @@ pub(crate) fn gated_channels(
         add_spread(&layer, l, &seen, water, size, &mut spectra, cache);
         cache.buffers.give(layer.into_buffers());
     }
-    let planes = back(&spectra, size, cache);
+    let mut planes = back(&spectra, size, cache);
+    for (plane, (gates, passed)) in planes.iter_mut().zip(gates.iter().zip(&passed)) {
+        if let (Some(gate), Some(passed)) = (gates[0], passed) {
+            add_unfolded(passed, gate.direct as f32, plane);
+        }
+    }
     cache.buffers.give(spectra);
+    cache.buffers.give(passed.into_iter().flatten());
     cache
         .buffers
         .give([divided.range].into_iter().chain(divided.light));
     planes
+}
+
+/// Adds a share of a folded plane.
+fn add_unfolded(folded: &[f32], share: f32, plane: &mut Plane<f32>) {
+    let (width, height) = plane.size();
+    let folding = Folding::new(width, height);
+    let mut row = vec![0.0; width];
+    for (place, folded) in folded.chunks_exact(width.max(1)).enumerate() {
+        folding.unfold_row(folded, |value| share * value, &mut row);
+        let to = plane.data_mut()[line(folding.row(place), width)].iter_mut();
+        to.zip(&row).for_each(|(to, value)| *to += value);
+    }
 }
 
 /// Adds the light of layer `l` that its kernels spread.
@@ -116,28 +158,37 @@ fn add_spread(
     cache: &mut KernelCache,
 ) {
     let mut channels = Vec::new();
-    for Behind { source, sum, gate } in seen {
-        let parts = spread(source.channel, layer, &layer.light[*sum], water, size, cache);
+    for behind in seen {
+        let Behind {
+            source, sum, gate, ..
+        } = *behind;
         let nodes = [&source.kernels[l].narrow, &source.kernels[l].wide];
+        let units = gate.map_or([1.0; 2], |gate| gate.units());
+        let parts = spread(
+            layer,
+            source.channel,
+            &layer.light[sum],
+            &Kernel::both(nodes, units),
+            water,
+            size,
+            cache,
+        );
         for (kernel, (part, nodes)) in parts.into_iter().zip(nodes).enumerate() {
-            match (part, nodes) {
-                (Some([mut light, gamma]), Some(nodes)) => {
-                    let unit = gate.map(|gate| gate.units()[kernel]);
-                    if let Some(unit) = unit {
-                        let scale = (1.0 / unit) as f32;
-                        vectorized!(light.iter_mut().for_each(|v| *v *= scale));
-                    }
-                    let channel = Channel::folded(light, gamma, nodes, size).part_of(*sum);
-                    channels.push(match gate {
-                        Some(gate) => {
-                            let gain = gate.units()[kernel] / gate.direct;
-                            channel.through(gate.reaches()[kernel], gain as f32)
-                        }
-                        None => channel,
-                    });
+            let (Some([light, located]), Some(nodes)) = (part, nodes) else {
+                continue;
+            };
+            let step = [1, source.kernels[l].wide_step][kernel];
+            let channel = Channel::located(light, located, nodes, size)
+                .on_coarse_rows(step)
+                .part_of(sum)
+                .with_passed(behind.passed(kernel, nodes));
+            channels.push(match gate {
+                Some(gate) => {
+                    let gain = units[kernel] / gate.direct;
+                    channel.through(gate.reaches()[kernel], gain as f32)
                 }
-                (part, _) => cache.buffers.give(part.into_iter().flatten()),
-            }
+                None => channel,
+            });
         }
     }
     accumulate(&channels, size, spectra, cache);
@@ -164,7 +215,7 @@ impl Path {
     }
 }
 
-/// Adds the direct light of a layer.
+/// Adds the direct light of a layer, and that of farther ones which passes the gate behind it.
 fn add_direct(
     layer: &Layer,
     seen: &[Behind<'_>],
@@ -174,48 +225,39 @@ fn add_direct(
     cache: &mut KernelCache,
 ) {
     let (width, height) = size;
-    let rows = |part: usize| {
-        let Behind { source, sum, gate } = seen.get(part)?;
+    let write = |behind: &Behind<'_>, place: usize, row: &mut [f32]| {
         let path = Path::new(
-            water.direct_attenuation[source.channel],
-            gate.map_or(0.0, |gate| gate.range_m),
+            water.direct_attenuation[behind.source.channel],
+            behind.gate.map_or(0.0, |gate| gate.range_m),
         );
-        Some((path, &layer.light[*sum]))
+        let pixels = line(place, width);
+        let [mask, range, light] = [&layer.mask, &layer.range, &layer.light[behind.sum]];
+        let rows = [mask, range, light].map(|plane| &plane[pixels.clone()]);
+        vectorized!(arriving(rows, path, row));
+        if let Some((light, share)) = behind.passed_direct() {
+            let pairs = row.iter_mut().zip(&light[pixels]);
+            pairs.for_each(|(to, light)| *to += share * light);
+        }
     };
-    for first in (0..seen.len()).step_by(2) {
-        let [one, other] = [rows(first), rows(first + 1)];
+    let mut rows = [vec![0.0; width], vec![0.0; width]];
+    for pair in seen.chunks(2) {
         cache.transform(size).forward(
             |place, row| {
-                let pixels = line(place, width);
-                let (mask, range) = (&layer.mask[pixels.clone()], &layer.range[pixels.clone()]);
-                row.fill(Complex::default());
-                if let Some((path, light)) = one {
-                    vectorized!(arriving(
-                        mask,
-                        range,
-                        &light[pixels.clone()],
-                        path,
-                        row,
-                        |to, v| { to.re = v }
-                    ));
+                for (behind, row) in pair.iter().zip(&mut rows) {
+                    write(behind, place, row);
                 }
-                if let Some((path, light)) = other {
-                    vectorized!(arriving(
-                        mask,
-                        range,
-                        &light[pixels.clone()],
-                        path,
-                        row,
-                        |to, v| { to.im = v }
-                    ));
-                }
+                let [one, other] = &rows;
+                let values = row.iter_mut().zip(one.iter().zip(other));
+                values.for_each(|(to, (&one, &other))| *to = Complex::new(one, other));
             },
             width,
             |p, column| {
-                let band = line(p, height);
-                for (part, Behind { sum, .. }) in seen[first..].iter().take(2).enumerate() {
-                    let to = spectra[*sum][band.clone()].iter_mut().zip(column);
-                    to.for_each(|(to, value)| *to += if part == 0 { value.re } else { value.im });
+                for (part, behind) in pair.iter().enumerate() {
+                    let to = &mut spectra[behind.sum][line(p, height)];
+                    match part {
+                        0 => vectorized!(add_part(to, column, |v| v.re)),
+                        _ => vectorized!(add_part(to, column, |v| v.im)),
+                    }
                 }
             },
         );
@@ -223,14 +265,14 @@ fn add_direct(
 }
 
 #[inline(always)]
-fn arriving(
-    mask: &[f32],
-    range: &[f32],
-    light: &[f32],
-    path: Path,
-    row: &mut [Complex<f32>],
-    set: impl Fn(&mut Complex<f32>, f32),
-) {
+fn add_part(to: &mut [f32], column: &[Complex<f32>], part: impl Fn(Complex<f32>) -> f32) {
+    to.iter_mut()
+        .zip(column)
+        .for_each(|(to, &value)| *to += part(value));
+}
+
+#[inline(always)]
+fn arriving([mask, range, light]: [&[f32]; 3], path: Path, row: &mut [f32]) {
     let Path {
         attenuation,
         gate_m: [high, low],
@@ -239,15 +281,34 @@ fn arriving(
         let beyond = z - high - low;
         // The nearest layer is not filled: outside of it range and mask are 0.
         let beyond = if beyond > 0.0 { beyond } else { 0.0 };
-        set(to, mask * light * exp_negative(attenuation * beyond));
+        *to = mask * light * exp_negative(attenuation * beyond);
     }
 }
 
-/// The light of a layer that each of its kernels spreads, with the scales of that kernel.
+/// The narrow or the wide kernel of a layer.
+struct Kernel {
+    basis: Basis,
+    /// The unit of its light.
+    unit: f64,
+}
+
+impl Kernel {
+    fn both(nodes: [&Option<Nodes>; 2], units: [f64; 2]) -> [Option<Self>; 2] {
+        [0, 1].map(|kernel| {
+            nodes[kernel].as_ref().map(|nodes| Self {
+                basis: Basis::new(nodes),
+                unit: units[kernel],
+            })
+        })
+    }
+}
+
+/// The light of a layer that each of its kernels spreads in units of the kernel, with the located scales of that kernel.
 fn spread(
-    c: usize,
     layer: &Layer,
+    c: usize,
     light: &[f32],
+    kernels: &[Option<Kernel>; 2],
     water: &Water,
     (width, height): (usize, usize),
     cache: &mut KernelCache,
@@ -257,19 +318,47 @@ fn spread(
     };
     let widest = widest_px(width, height);
     let (g, excess) = (g[c] as f32, (water.direct_attenuation[c] - g[c]).max(0.0) as f32);
-    let [mut narrow, mut gamma] = [(); 2].map(|()| cache.buffers.take(light.len()));
-    let [mask, range] = [&layer.mask, &layer.range].map(Vec::as_slice);
-    vectorized!({
-        for (to, ((&mask, &z), &light)) in narrow.iter_mut().zip(mask.iter().zip(range).zip(light)) {
-            *to = mask * light * scattered_share(g, excess, z);
+    let spreads = [Some(spread), tail.map(|tail| tail.spread)];
+    let mut planes = kernels.each_ref().map(|kernel| {
+        let kernel = kernel.as_ref();
+        kernel.map(|_| [(); 2].map(|()| cache.buffers.take(light.len())))
+    });
+    let mut rows = [(); 2].map(|()| vec![0.0; width]);
+    // All of a row while it is in the nearest cache.
+    for pixels in (0..height).map(|place| line(place, width)) {
+        let [mask, range] = [&layer.mask, &layer.range].map(|plane| &plane[pixels.clone()]);
+        let light = &light[pixels.clone()];
+        let [narrow, wide] = &mut rows;
+        vectorized!(scattered(narrow, [mask, range, light], g, excess));
+        if let Some(tail) = tail {
+            vectorized!(tail.split(c, range, narrow, wide));
         }
-    });
-    vectorized!(spread.scales(c, widest, range, &mut gamma));
-    let wide = tail.map(|tail| {
-        let [mut wide, mut gamma] = [(); 2].map(|()| cache.buffers.take(light.len()));
-        vectorized!(tail.split(c, range, &mut narrow, &mut wide));
-        vectorized!(tail.spread.scales(c, widest, range, &mut gamma));
-        [wide, gamma]
-    });
-    [Some([narrow, gamma]), wide]
+        for (kernel, (planes, row)) in planes.iter_mut().zip(&rows).enumerate() {
+            let (Some([to, located]), Some(Kernel { basis, unit }), Some(spread)) =
+                (planes, &kernels[kernel], spreads[kernel])
+            else {
+                continue;
+            };
+            let (to, located) = (&mut to[pixels.clone()], &mut located[pixels.clone()]);
+            let scale = (1.0 / unit) as f32;
+            vectorized!(scaled(row, scale, to));
+            vectorized!(spread.scales(c, widest, range, located));
+            vectorized!(basis.locate(located));
+        }
+    }
+    planes
+}
+
+#[inline(always)]
+fn scattered(to: &mut [f32], [mask, range, light]: [&[f32]; 3], g: f32, excess: f32) {
+    for (to, ((&mask, &z), &light)) in to.iter_mut().zip(mask.iter().zip(range).zip(light)) {
+        *to = mask * light * scattered_share(g, excess, z);
+    }
+}
+
+#[inline(always)]
+fn scaled(from: &[f32], factor: f32, to: &mut [f32]) {
+    to.iter_mut()
+        .zip(from)
+        .for_each(|(to, &from)| *to = factor * from);
 }

@@ -1,15 +1,22 @@
 //! A layer of a frame as if nothing were in front of it, in f32 and in the order of the transform.
 
+use std::ops::Range;
+
 use imaging::fft::Complex;
 use imaging::vectorized;
 
 use super::KernelCache;
+use super::cache::Grid;
 use super::chebyshev::line;
+use super::decimation::{Decimation, steps};
 use crate::layering::Layering;
 use crate::range::is_hole;
 
 /// The kernel that fills what is hidden, as a share of the frame's width; at least 1 pixel.
 const FILL_SHARE: f64 = 1.0 / 40.0;
+/// Coarse rows for filling are narrower than those for other kernels by this factor: what is filled is a quotient, whose divisor may be
+/// small.
+const FILL_RATIO: f64 = 1.25;
 /// Where less than this of the kernel meets anything known, nothing is known.
 pub(crate) const FILL_LEAST: f64 = 1e-6;
 
@@ -65,9 +72,9 @@ impl Divided {
         }
     }
 
-    /// One layer; none where no pixel is of it.
-    pub(super) fn layer(&self, layer: usize, cache: &mut KernelCache) -> Option<Layer> {
-        let (nearest, farthest) = self.spans_m[layer]?;
+    /// One layer. It is dark where no pixel is of it.
+    pub(super) fn layer(&self, layer: usize, cache: &mut KernelCache) -> Layer {
+        let (nearest, farthest) = self.spans_m[layer].unwrap_or_default();
         // Ranges are filled from the nearest of the layer on: rounding is that of their differences.
         let nearest = if layer > 0 { nearest as f32 } else { 0.0 };
         let reach = farthest as f32 - nearest;
@@ -98,48 +105,90 @@ impl Divided {
         }
         let range = values.remove(0);
         let light = values;
-        Some(Layer { mask, range, light })
+        Layer { mask, range, light }
     }
 
-    /// Spreads planes by the kernel that fills, two in each transform.
+    /// Spreads planes by the kernel that fills, two in each transform, on coarse rows.
     fn spread(&self, mut planes: Vec<&mut Vec<f32>>, cache: &mut KernelCache) {
         let (width, height) = self.size;
-        let kernel = cache.transfer(fill_gamma_px(width), width, height);
-        let columns = kernel.columns();
-        let mut spectrum = vec![Complex::default(); columns * height];
+        let gamma = fill_gamma_px(width);
+        let kernel = cache.transfer(gamma, width, height);
+        let step = steps(gamma / FILL_RATIO, self.size).next().unwrap_or(1);
+        let decimation = cache.decimation(height, step);
+        let factors = coarse_kernel(&kernel, &decimation);
+        let (columns, coarse_height) = (kernel.columns(), decimation.coarse_height());
+        let mut coarse = std::mem::take(&mut cache.coarse);
+        coarse.resize(width * coarse_height, Complex::default());
+        let transform = cache.transform((width, coarse_height));
+        let mut row = vec![Complex::default(); width];
+        let mut spectrum = vec![Complex::default(); columns * coarse_height];
         for pair in planes.chunks_mut(2) {
-            let transform = cache.transform(self.size);
+            coarse.fill(Complex::default());
+            for place in 0..height {
+                join_rows(pair, line(place, width), &mut row);
+                decimation.add_row(place, &row, &mut coarse);
+            }
             transform.forward(
-                |place, row| {
-                    let pixels = line(place, width);
-                    let (one, other) = (&pair[0][pixels.clone()], pair.get(1).map(|other| &other[pixels]));
-                    row.iter_mut()
-                        .zip(one)
-                        .for_each(|(to, &one)| *to = Complex::new(one, 0.0));
-                    if let Some(other) = other {
-                        row.iter_mut().zip(other).for_each(|(to, &other)| to.im = other);
-                    }
-                },
+                |place, row| row.copy_from_slice(&coarse[line(place, width)]),
                 columns,
                 |p, column| {
-                    let Some(kernel) = kernel.column(p) else { return };
-                    let to = spectrum[line(p, height)].iter_mut();
-                    to.zip(column.iter().zip(kernel))
-                        .for_each(|(to, (value, &h))| *to = value.scale(h));
+                    let band = line(p, coarse_height);
+                    let (to, factors) = (&mut spectrum[band.clone()], &factors[band]);
+                    vectorized!(scale(to, column, factors));
                 },
             );
             transform.inverse(
-                |p, column| column.copy_from_slice(&spectrum[line(p, height)]),
+                |p, column| column.copy_from_slice(&spectrum[line(p, coarse_height)]),
                 columns,
-                |place, row| {
-                    let pixels = line(place, width);
-                    for (part, plane) in pair.iter_mut().enumerate() {
-                        let to = plane[pixels.clone()].iter_mut().zip(row.iter());
-                        to.for_each(|(to, value)| *to = if part == 0 { value.re } else { value.im });
-                    }
-                },
+                |place, row| coarse[line(place, width)].copy_from_slice(row),
             );
+            for place in 0..height {
+                decimation.row_between(place, &coarse, &mut row);
+                part_rows(&row, line(place, width), pair);
+            }
         }
+        cache.coarse = coarse;
+    }
+}
+
+/// H over the responses of both ways to and from the coarse rows.
+fn coarse_kernel(kernel: &Grid, decimation: &Decimation) -> Vec<f32> {
+    let response = decimation.response();
+    let mut factors = Vec::with_capacity(kernel.columns() * response.len());
+    for column in (0..kernel.columns()).filter_map(|p| kernel.column(p)) {
+        let pairs = column.iter().zip(response);
+        factors.extend(pairs.map(|(h, w)| h / (w * w * decimation.step as f32)));
+    }
+    factors
+}
+
+/// One row of one or two planes.
+fn join_rows(planes: &[&mut Vec<f32>], pixels: Range<usize>, row: &mut [Complex<f32>]) {
+    let one = &planes[0][pixels.clone()];
+    let other = &planes[planes.len() - 1][pixels];
+    vectorized!({
+        for (to, (&one, &other)) in row.iter_mut().zip(one.iter().zip(other)) {
+            *to = Complex::new(one, other);
+        }
+    });
+}
+
+/// Undoes [`join_rows`].
+fn part_rows(row: &[Complex<f32>], pixels: Range<usize>, planes: &mut [&mut Vec<f32>]) {
+    for (part, plane) in planes.iter_mut().enumerate() {
+        let to = &mut plane[pixels.clone()];
+        vectorized!({
+            for (to, value) in to.iter_mut().zip(row) {
+                *to = if part == 0 { value.re } else { value.im };
+            }
+        });
+    }
+}
+
+#[inline(always)]
+fn scale(to: &mut [Complex<f32>], values: &[Complex<f32>], factors: &[f32]) {
+    for (to, (value, &factor)) in to.iter_mut().zip(values.iter().zip(factors)) {
+        *to = value.scale(factor);
     }
 }
 

@@ -79,6 +79,25 @@ impl Nodes {
         }
     }
 
+    /// The same nodes with the nearest one moved to `gamma`, a scale of their span: light of that scale needs no interpolation.
+    #[must_use]
+    pub(crate) fn with_node_at(mut self, gamma: f64) -> Self {
+        let nearest = self.nearest(gamma);
+        if let Self::Chebyshev { gammas, .. } = &mut self {
+            gammas[nearest] = gamma;
+        }
+        self
+    }
+
+    /// The kernel whose scale is nearest to `gamma`.
+    #[must_use]
+    pub(crate) fn nearest(&self, gamma: f64) -> usize {
+        let distance = |&k: &usize| (self.gamma(k) - gamma).abs();
+        (0..self.terms())
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+            .expect("at least one kernel")
+    }
+
     /// How many kernels.
     #[must_use]
     pub fn terms(&self) -> usize {
@@ -108,6 +127,8 @@ pub struct Kernels {
     pub narrow: Option<Nodes>,
     /// Of the wide one.
     pub wide: Option<Nodes>,
+    /// Rows of the frame to each coarse row on which the wide kernel is computed; 1 or less on all rows.
+    pub wide_step: usize,
 }
 
 impl Kernels {

@@ -1,104 +1,95 @@
-//! The gate between two layers: light is taken back to it, stopped at covered pixels, and sent on.
+//! The gate between two layers: light is taken back to it and stopped at covered pixels. What passes goes on as light of the nearer layer
+//! at the range of the gate.
 
 use imaging::dct::PairDct;
 use imaging::fft::Complex;
 use imaging::vectorized;
+use std::sync::Arc;
 
 use super::KernelCache;
+use super::cache::Grid;
 use super::chebyshev::{line, zeros};
 use super::gate::Gate;
 
-/// A gate that light of one channel passes.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Opening {
-    gate: Gate,
-    /// T of this gate over T of the next nearer one, the unit of the light from here on.
-    onward: f64,
+/// The gate number `l` of a channel; `None` if it or a nearer one is opaque.
+pub(super) fn open_gate(gates: &[Option<Gate>], l: usize) -> Option<Gate> {
+    let is_open = gates[..=l].iter().all(Option::is_some);
+    gates[l].filter(|_| is_open)
 }
 
-impl Opening {
-    /// Gate number `l` of a channel; `None` if it or a nearer one is opaque.
-    pub(super) fn between(gates: &[Option<Gate>], l: usize) -> Option<Self> {
-        let is_open = gates[..=l].iter().all(Option::is_some);
-        let gate = gates[l].filter(|_| is_open)?;
-        let next = l.checked_sub(1).and_then(|next| gates[next]);
-        Some(Self {
-            gate,
-            onward: gate.direct / next.map_or(1.0, |next| next.direct),
-        })
-    }
-
-    /// A/T column by column.
-    fn response(&self, size: (usize, usize), cache: &mut KernelCache) -> Vec<f32> {
-        let (width, height) = size;
-        let mut response = cache.buffers.take(width * height);
-        response.fill(1.0);
-        let parts = self.gate.ratios().into_iter().zip(self.gate.reaches());
-        for (ratio, reach) in parts.filter(|(ratio, _)| *ratio != 0.0) {
-            let (weight, kernel) = (ratio as f32, cache.gated_transfer(reach.gamma_px, size, reach));
-            for p in 0..kernel.columns() {
-                let column = &mut response[line(p, height)];
-                let kernel = kernel.column(p).unwrap_or_default();
-                vectorized!({
-                    for (to, h) in column.iter_mut().zip(kernel) {
-                        *to += weight * h;
-                    }
-                });
-            }
-        }
-        response
-    }
-}
-
-/// Takes light back to a gate, multiplies it by the uncovered share of each pixel, and sends it on. A channel without an opening becomes
-/// dark; without a mask all pixels are open.
+/// Light of each channel that passes its gate; `None` for a channel whose gate is opaque. Without a mask all pixels are open.
+/// `spectra` are in units of the direct transmittance of the gate.
 pub(super) fn pass(
-    spectra: &mut [Vec<f32>],
-    openings: &[Option<Opening>],
+    spectra: &[Vec<f32>],
+    gates: &[Option<Gate>],
     mask: Option<&[f32]>,
     size: (usize, usize),
     cache: &mut KernelCache,
-) {
-    let mut open = Vec::new();
-    for (spectrum, opening) in spectra.iter_mut().zip(openings) {
-        match opening {
-            Some(opening) => open.push(Open {
-                spectrum,
-                response: opening.response(size, cache),
-                onward: opening.onward as f32,
-            }),
-            None => spectrum.fill(0.0),
+) -> Vec<Option<Vec<f32>>> {
+    let open: Vec<usize> = (0..gates.len()).filter(|&c| gates[c].is_some()).collect();
+    let mut passed: Vec<Option<Vec<f32>>> = gates.iter().map(|_| None).collect();
+    for pair in open.chunks(2) {
+        let responses: Vec<Response<'_>> = pair
+            .iter()
+            .filter_map(|&c| Some(Response::new(&spectra[c], gates[c]?, size, cache)))
+            .collect();
+        let mut light = zeros(pair.len(), size, cache);
+        take_back(&responses, mask, cache.transform(size), &mut light);
+        for (&c, light) in pair.iter().zip(light) {
+            passed[c] = Some(light);
         }
     }
-    let mut passed = zeros(2, size, cache);
-    for pair in open.chunks_mut(2) {
-        let transform = cache.transform(size);
-        take_back(pair, mask, transform, &mut passed);
-        send_on(pair, &passed, transform);
-    }
-    cache.buffers.give(passed);
-    cache.buffers.give(open.into_iter().map(|open| open.response));
+    passed
 }
 
-/// One channel at its gate.
-struct Open<'a> {
-    spectrum: &'a mut Vec<f32>,
-    response: Vec<f32>,
-    onward: f32,
+/// The spectrum of one channel and the response of its gate, `A/T`.
+struct Response<'a> {
+    spectrum: &'a [f32],
+    /// n/T and v/T with the kernel of each.
+    kernels: Vec<(f32, Arc<Grid>)>,
+}
+
+impl<'a> Response<'a> {
+    fn new(spectrum: &'a [f32], gate: Gate, size: (usize, usize), cache: &mut KernelCache) -> Self {
+        let parts = gate.ratios().into_iter().zip(gate.reaches());
+        let kernels = parts.filter(|(ratio, _)| *ratio != 0.0);
+        let kernels = kernels.map(|(ratio, reach)| {
+            let kernel = cache.gated_transfer(reach.gamma_px, size, reach);
+            (ratio as f32, kernel)
+        });
+        Self {
+            spectrum,
+            kernels: kernels.collect(),
+        }
+    }
+
+    /// A/T of one column of the spectrum.
+    fn column(&self, p: usize, response: &mut [f32]) {
+        response.fill(1.0);
+        for (ratio, kernel) in &self.kernels {
+            let Some(kernel) = kernel.column(p) else { continue };
+            vectorized!({
+                for (to, h) in response.iter_mut().zip(kernel) {
+                    *to += ratio * h;
+                }
+            });
+        }
+    }
 }
 
 /// Uncovered light of one or two channels at the gate.
-fn take_back(pair: &[Open<'_>], mask: Option<&[f32]>, transform: &mut PairDct, passed: &mut [Vec<f32>]) {
+fn take_back(pair: &[Response<'_>], mask: Option<&[f32]>, transform: &mut PairDct, passed: &mut [Vec<f32>]) {
     let (width, height) = transform.size();
+    let mut response = vec![0.0; height];
     transform.inverse(
         |p, column| {
             column.fill(Complex::default());
-            for (part, open) in pair.iter().enumerate() {
-                let band = line(p, height);
-                let (values, response) = (&open.spectrum[band.clone()], &open.response[band]);
+            for (part, of) in pair.iter().enumerate() {
+                of.column(p, &mut response);
+                let values = &of.spectrum[line(p, height)];
                 match part {
-                    0 => vectorized!(quotients(values, response, column, |to, v| to.re = v)),
-                    _ => vectorized!(quotients(values, response, column, |to, v| to.im = v)),
+                    0 => vectorized!(quotients(values, &response, column, |to, v| to.re = v)),
+                    _ => vectorized!(quotients(values, &response, column, |to, v| to.im = v)),
                 }
             }
         },
@@ -111,31 +102,6 @@ fn take_back(pair: &[Open<'_>], mask: Option<&[f32]>, transform: &mut PairDct, p
                 match part {
                     0 => vectorized!(uncovered(row, covers, light, |v| v.re)),
                     _ => vectorized!(uncovered(row, covers, light, |v| v.im)),
-                }
-            }
-        },
-    );
-}
-
-/// Spectra of the light beyond the gate.
-fn send_on(pair: &mut [Open<'_>], passed: &[Vec<f32>], transform: &mut PairDct) {
-    let (width, height) = transform.size();
-    transform.forward(
-        |place, row| {
-            let pixels = line(place, width);
-            let lights = passed[0][pixels.clone()].iter().zip(&passed[1][pixels]);
-            row.iter_mut()
-                .zip(lights)
-                .for_each(|(value, (&one, &other))| *value = Complex::new(one, other));
-        },
-        width,
-        |p, column| {
-            for (part, open) in pair.iter_mut().enumerate() {
-                let band = line(p, height);
-                let (values, response) = (&mut open.spectrum[band.clone()], &open.response[band]);
-                match part {
-                    0 => vectorized!(products(column, response, open.onward, values, |v| v.re)),
-                    _ => vectorized!(products(column, response, open.onward, values, |v| v.im)),
                 }
             }
         },
@@ -164,18 +130,5 @@ fn uncovered(
         for (to, cover) in to.iter_mut().zip(covers) {
             *to *= 1.0 - cover;
         }
-    }
-}
-
-#[inline(always)]
-fn products(
-    column: &[Complex<f32>],
-    by: &[f32],
-    onward: f32,
-    to: &mut [f32],
-    part: impl Fn(Complex<f32>) -> f32,
-) {
-    for (to, (&value, by)) in to.iter_mut().zip(column.iter().zip(by)) {
-        *to = part(value) * by * onward;
     }
 }

@@ -7,12 +7,22 @@ use spec::Fidelity;
 use super::Variant;
 use super::gates;
 use super::passages::{Passage, Passages, Through};
-use super::scatter::{Chosen, ScatterNeed, WORST_MARGIN, fewest, largest_share, samples, widened};
-use crate::forward_scatter::{Bound, Kernels, Nodes, widest_px};
+use super::scatter::{
+    Chosen, MOST_TERMS, SPAN_STEP, ScatterNeed, WORST_MARGIN, largest_share, samples, widened, widened_to,
+};
+use super::water::PILED_UP;
+use crate::forward_scatter::{self, Bound, Gate, Kernels, Nodes, aliasing, widest_px};
 use crate::kernel;
 use crate::layering::Layering;
 use crate::water::{Scatter, Spread, Tail};
 
+/// Layers between gates have narrow spans, and kernels that follow from the range of the gates: similar frames share none of them.
+const GATED_SPAN_STEP: f64 = 1.0 / 256.0;
+/// Coarse rows may use up this share of the error of the kernels.
+const COARSE_SHARE: f64 = 1.0 / 16.0;
+/// Sum of the absolute shares of all nodes in a pixel: below 1.5 for the numbers of nodes of wide kernels, with room for one that is not in
+/// its best place.
+const LEBESGUE: f64 = 3.0;
 /// A layer is divided into this many ranges of equal ratio.
 const STEPS: i32 = 16;
 /// Origins to try behind a gate, as shares of the kernel's scale at the gate.
@@ -33,6 +43,10 @@ struct Part {
     bins: Vec<((f64, f64), f64)>,
     /// The gate in front.
     way: Option<Way>,
+    /// Scale at the range of the gate behind, whose light one of the kernels spreads.
+    passing: Option<f64>,
+    /// The most of that light.
+    passing_light: f64,
 }
 
 /// The way of a layer's light through gates.
@@ -60,7 +74,7 @@ pub(super) fn choose(need: &ScatterNeed<'_>, fidelity: Fidelity, share: f64) -> 
         return (Variant::Pointwise, None);
     }
     if let Fidelity::Terms(terms) = fidelity {
-        let nodes = |part: &Part| Nodes::chebyshev(part.span.0, part.span.1, terms);
+        let nodes = |part: &Part| part.with_passing(Nodes::chebyshev(part.span.0, part.span.1, terms));
         return (Variant::Layered(kernels(&layers, nodes)), None);
     }
     // Both kernels of all layers may move light onto one pixel.
@@ -77,41 +91,151 @@ pub(super) fn choose(need: &ScatterNeed<'_>, fidelity: Fidelity, share: f64) -> 
         .layering
         .map_or(0.0, |layering| gate_rounding(need, layering));
     let left = (share - rounding).max(LEAST_SHARE * share);
-    let each = left / parts().count() as f64;
-    let mut error = rounding;
-    let nodes = |part: &Part| {
-        let (nodes, added) = part.nodes(each);
-        error += added;
-        nodes
-    };
-    let kernels = kernels(&layers, nodes);
+    let size = need.frame_sides();
+    let steps = layers.iter().map(|[_, wide]| match wide {
+        Some(wide) => wide.coarse(COARSE_SHARE * left / layers.len() as f64, size),
+        None => Coarse::default(),
+    });
+    let steps: Vec<Coarse> = steps.collect();
+    let coarse = steps.iter().map(|coarse| coarse.error).sum::<f64>();
+    let mut choices: Vec<Choice<'_>> = parts().map(Choice::new).collect();
+    improve(&mut choices, left - coarse);
+    let error = rounding + coarse + choices.iter().map(|choice| choice.error).sum::<f64>();
+    let mut chosen = choices.into_iter();
+    let nodes = |_: &Part| chosen.next().expect("a choice for each part").nodes;
+    let mut kernels = kernels(&layers, nodes);
+    for (kernels, coarse) in kernels.iter_mut().zip(steps) {
+        kernels.wide_step = coarse.step;
+    }
     (Variant::Layered(kernels), Some(error))
 }
 
+/// The coarse rows of a kernel, and their error at the camera.
+#[derive(Debug, Clone, Copy, Default)]
+struct Coarse {
+    step: usize,
+    error: f64,
+}
+
 impl Part {
-    /// The fewest nodes whose error arrives with at most `most`, and that error.
-    fn nodes(&self, most: f64) -> (Nodes, f64) {
+    /// The coarsest rows in a frame of this size whose error arrives with at most `most`.
+    fn coarse(&self, most: f64, size: (usize, usize)) -> Coarse {
+        let gain = self.way.as_ref().map_or(1.0, |way| way.gain(0.0));
+        let passing = self.passing_light;
+        let light = self.brightest() + passing;
+        let with_error = |step: usize| Coarse {
+            step,
+            error: LEBESGUE * aliasing(self.span.0, step) * light * gain,
+        };
+        let mut steps = forward_scatter::steps(self.span.0, size).map(with_error);
+        steps.find(|coarse| coarse.error <= most).unwrap_or_default()
+    }
+}
+
+/// Adds nodes to the part with the largest error until all together err by at most `most`.
+fn improve(choices: &mut [Choice<'_>], most: f64) {
+    while choices.iter().map(|choice| choice.error).sum::<f64>() > most {
+        let open = choices.iter_mut().filter(|choice| choice.terms < MOST_TERMS);
+        let Some(worst) = open.max_by(|a, b| a.error.total_cmp(&b.error)) else {
+            return;
+        };
+        worst.take(worst.terms + 1);
+    }
+}
+
+/// Nodes of a part, and those it could have.
+struct Choice<'a> {
+    part: &'a Part,
+    ladders: Vec<Ladder>,
+    /// The number of nodes; those of a narrow span are fewer.
+    terms: usize,
+    nodes: Nodes,
+    error: f64,
+}
+
+impl<'a> Choice<'a> {
+    /// The part with a single node.
+    fn new(part: &'a Part) -> Self {
+        let mut choice = Self {
+            part,
+            ladders: part.ladders(),
+            terms: 0,
+            nodes: Nodes::chebyshev(0.0, 0.0, 1),
+            error: f64::INFINITY,
+        };
+        choice.take(1);
+        choice
+    }
+
+    /// Takes so many nodes.
+    fn take(&mut self, terms: usize) {
+        self.terms = terms;
+        let nodes = self.ladders.iter().map(|ladder| ladder.nodes(self.part, terms));
+        let best = nodes.min_by(|(_, a), (_, b)| a.total_cmp(b));
+        (self.nodes, self.error) = best.expect("at least one origin");
+    }
+}
+
+/// How nodes of one part are interpolated from one origin.
+struct Ladder {
+    bound: Bound,
+    /// Kernel scales less the origin, pixels.
+    span: (f64, f64),
+    origin: f64,
+    /// Factor of an interpolation error at the camera.
+    gain: f64,
+}
+
+impl Ladder {
+    /// So many nodes, and the largest error at the camera.
+    fn nodes(&self, part: &Part, terms: usize) -> (Nodes, f64) {
+        let span = (self.span.0 + self.origin, self.span.1 + self.origin);
+        let nodes = part.with_passing(Nodes::chebyshev_from(self.origin, span, terms));
+        let beyond = |k: usize| (nodes.gamma(k) - self.origin).max(0.0);
+        let gammas: Vec<f64> = (0..nodes.terms()).map(beyond).collect();
+        let error = WORST_MARGIN * self.bound.errors(&gammas).worst * self.gain;
+        (nodes, error)
+    }
+}
+
+impl Part {
+    /// Nodes of which one is the scale of the light that passes the gate behind.
+    fn with_passing(&self, nodes: Nodes) -> Nodes {
+        match self.passing {
+            Some(gamma) => nodes.with_node_at(gamma),
+            None => nodes,
+        }
+    }
+
+    /// One ladder for each origin to try.
+    fn ladders(&self) -> Vec<Ladder> {
         let Some(way) = &self.way else {
-            let bound = Bound::new(samples(&self.bins, widened(self.span.0, self.span.1)));
-            return fewest(&bound, widened(self.span.0, self.span.1), most, false);
+            let step = match self.passing {
+                Some(_) => GATED_SPAN_STEP,
+                None => SPAN_STEP,
+            };
+            let span = widened_to(step, self.span.0, self.span.1);
+            return vec![Ladder {
+                bound: Bound::new(samples(&self.bins, span)),
+                span,
+                origin: 0.0,
+                gain: 1.0,
+            }];
         };
         let shares = if way.gain(0.0) > FEW_TIMES * way.gain(1.0) {
             ORIGINS
         } else {
             &ORIGINS[..1]
         };
-        let choices = shares.iter().map(|&share| self.nodes_from(way, share, most));
-        let best = choices.min_by(|(a, a_error), (b, b_error)| {
-            let exceeds = |error: f64| (error / most).max(1.0);
-            exceeds(*a_error)
-                .total_cmp(&exceeds(*b_error))
-                .then(a.terms().cmp(&b.terms()))
-        });
-        best.expect("at least one origin")
+        // A kernel narrower than the origin has no quotient by it.
+        let origin = |share: f64| share * way.through.gate.gammas[way.kernel];
+        let fits = |share: f64| share == 0.0 || origin(share) <= self.passing.unwrap_or(f64::INFINITY);
+        let fitting = shares.iter().filter(|&&share| fits(share));
+        fitting.map(|&share| self.ladder_from(way, share)).collect()
     }
 
-    /// The same with kernels interpolated from the origin `share` γ of the gate.
-    fn nodes_from(&self, way: &Way, share: f64, most: f64) -> (Nodes, f64) {
+    /// Kernels interpolated from the origin `share` γ of the gate.
+    fn ladder_from(&self, way: &Way, share: f64) -> Ladder {
         let origin = share * way.through.gate.gammas[way.kernel];
         let beyond = |(near, far): (f64, f64)| ((near - origin).max(0.0), (far - origin).max(0.0));
         let bins: Vec<_> = self
@@ -120,17 +244,14 @@ impl Part {
             .map(|&(scales, light)| (beyond(scales), light))
             .collect();
         let (least, far) = beyond(self.span);
-        let wide = widened(least, far);
+        let span = widened_to(GATED_SPAN_STEP, least, far);
         let margin = if share > 0.0 { QUOTIENT_MARGIN } else { 1.0 };
-        let gain = margin * way.gain(share);
-        let (nodes, error) = fewest(&Bound::new(samples(&bins, wide)), wide, most / gain, false);
-        let span = (wide.0 + origin, wide.1 + origin);
-        let nodes = if origin > 0.0 {
-            Nodes::chebyshev_from(origin, span, nodes.terms())
-        } else {
-            nodes
-        };
-        (nodes, error * gain)
+        Ladder {
+            bound: Bound::new(samples(&bins, span)),
+            span,
+            origin,
+            gain: margin * way.gain(share),
+        }
     }
 }
 
@@ -167,6 +288,7 @@ fn kernels(layers: &[[Option<Part>; 2]], mut nodes: impl FnMut(&Part) -> Nodes) 
     let kernels = layers.iter().map(|[narrow, wide]| Kernels {
         narrow: narrow.as_ref().map(&mut nodes),
         wide: wide.as_ref().map(&mut nodes),
+        wide_step: 1,
     });
     kernels.collect()
 }
@@ -201,23 +323,33 @@ fn parts_of_layers(need: &ScatterNeed<'_>) -> Vec<[Option<Part>; 2]> {
             let light = spread_by(radiance, (near, far.max(near)));
             (near <= far && light > 0.0).then_some(((near, far), light))
         });
-        return vec![kernels.parts((nearest, farthest), &bins.collect::<Vec<_>>(), None)];
+        return vec![kernels.parts((nearest, farthest), &bins.collect::<Vec<_>>(), None, None)];
     };
     let passages = Passages::new(water, channel, layering, bounds.widest_px);
     let of_layer = |(l, span): (usize, &Option<(f64, f64)>)| {
-        let Some((near, far)) = *span else {
-            return [None, None];
-        };
         let through = match passages.of_layer(l) {
             Passage::Open => None,
             Passage::Through(through) => Some(through),
             Passage::Closed => return [None, None],
         };
+        let is_last = l + 1 == layering.count();
+        let behind = match (!is_last).then(|| passages.of_layer(l + 1)) {
+            Some(Passage::Through(behind)) => Some(behind.gate),
+            _ => None,
+        };
         // What is hidden takes ranges and light of its layer, in any combination.
-        let light = gates::brightest(bounds, water, channel, (near, far));
-        let steps = steps((near, far)).map(|step| (step, spread_by(light, step)));
-        let lit = steps.filter(|(_, light)| *light > 0.0);
-        kernels.parts((near, far), &lit.collect::<Vec<_>>(), through)
+        let lit = span.map_or(Vec::new(), |(near, far)| {
+            let light = gates::brightest(bounds, water, channel, (near, far));
+            let steps = steps((near, far)).map(|step| (step, spread_by(light, step)));
+            steps.filter(|(_, light)| *light > 0.0).collect()
+        });
+        let lights = layering.spans_m[l + 1..].iter().flatten();
+        let lights = lights.map(|&span| gates::brightest(bounds, water, channel, span));
+        let behind = behind.map(|gate| Behind {
+            gate,
+            light: lights.fold(0.0, f64::max),
+        });
+        kernels.parts(span.unwrap_or_default(), &lit, through, behind)
     };
     layering.spans_m.iter().enumerate().map(of_layer).collect()
 }
@@ -226,6 +358,13 @@ fn parts_of_layers(need: &ScatterNeed<'_>) -> Vec<[Option<Part>; 2]> {
 fn steps((near, far): (f64, f64)) -> impl Iterator<Item = (f64, f64)> {
     let ratio = (far / near).powf(1.0 / f64::from(STEPS));
     (0..STEPS).map(move |step| (near * ratio.powi(step), near * ratio.powi(step + 1)))
+}
+
+/// The gate behind a layer, and the most light that passes it.
+#[derive(Clone, Copy)]
+struct Behind {
+    gate: Gate,
+    light: f64,
 }
 
 /// The kernels of a channel.
@@ -237,12 +376,13 @@ struct Two {
 }
 
 impl Two {
-    /// What the narrow and the wide kernel spread of lit ranges.
+    /// What the narrow and the wide kernel spread of lit ranges, and of light that passes the gate `behind`.
     fn parts(
         &self,
         span: (f64, f64),
         lit: &[((f64, f64), f64)],
         through: Option<Through>,
+        behind: Option<Behind>,
     ) -> [Option<Part>; 2] {
         let of = |kernel: usize, spread: Spread, taken: &dyn Fn((f64, f64)) -> f64| {
             let gammas = |(near, far): (f64, f64)| {
@@ -253,10 +393,20 @@ impl Two {
                 .iter()
                 .map(|&(step, light)| (gammas(step), light * taken(step)));
             let bins: Vec<_> = bins.filter(|(_, light)| *light > 0.0).collect();
-            (!bins.is_empty()).then(|| Part {
-                span: gammas(span),
+            let behind = behind.filter(|behind| behind.gate.spread[kernel] > 0.0);
+            let passing = behind.map(|behind| behind.gate.gammas[kernel]);
+            let own = (!bins.is_empty()).then(|| gammas(span));
+            let span = match (own, passing) {
+                (Some((near, far)), Some(gamma)) => Some((near.min(gamma), far.max(gamma))),
+                (own, passing) => own.or(passing.map(|gamma| (gamma, gamma))),
+            };
+            span.map(|span| Part {
+                span,
                 bins,
                 way: through.map(|through| Way { through, kernel }),
+                passing,
+                passing_light: behind
+                    .map_or(0.0, |behind| PILED_UP * behind.light * behind.gate.spread[kernel]),
             })
         };
         match self.tail {

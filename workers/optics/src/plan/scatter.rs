@@ -21,7 +21,7 @@ const SAMPLES: usize = 41;
 /// No frame needs more kernels.
 pub const MOST_TERMS: usize = 64;
 /// Spans of scales are widened to multiples of this in s, so that similar frames share their kernels.
-const SPAN_STEP: f64 = 1.0 / 16.0;
+pub(super) const SPAN_STEP: f64 = 1.0 / 16.0;
 
 /// One channel of a frame whose form is to be chosen.
 #[derive(Clone, Copy)]
@@ -31,6 +31,14 @@ pub(super) struct ScatterNeed<'a> {
     pub(super) channel: usize,
     /// Layers behind gates, where the frame has some.
     pub(super) layering: Option<&'a Layering>,
+}
+
+impl ScatterNeed<'_> {
+    /// The longer and the shorter side of the frame, pixels.
+    pub(super) fn frame_sides(&self) -> (usize, usize) {
+        let longer = (self.bounds.widest_px / widest_px(1, 1)) as usize;
+        (longer, self.bounds.pixels / longer.max(1))
+    }
 }
 
 pub(super) fn choose(need: &ScatterNeed<'_>, fidelity: Fidelity, share: f64) -> Chosen {
@@ -177,11 +185,16 @@ fn is_point(least: f64, most: f64) -> bool {
 
 /// The span in whole steps of s; one of a single scale stays as it is.
 pub(super) fn widened(least: f64, most: f64) -> (f64, f64) {
+    widened_to(SPAN_STEP, least, most)
+}
+
+/// The same with steps of another size.
+pub(super) fn widened_to(step: f64, least: f64, most: f64) -> (f64, f64) {
     if is_point(least, most) {
         return (least, most);
     }
-    let low = (place(least) / SPAN_STEP).floor() * SPAN_STEP;
-    let high = (place(most) / SPAN_STEP).ceil() * SPAN_STEP;
+    let low = (place(least) / step).floor() * step;
+    let high = (place(most) / step).ceil() * step;
     (scale_at(low).max(0.0), scale_at(high))
 }
 

@@ -101,8 +101,11 @@ impl Draw {
     }
 }
 
-/// Random scene number `index`.
-pub(crate) fn random(seed: u64, index: u64) -> Scene {
+/// A frame so wide that what is hidden is filled on coarse rows.
+pub(crate) const WIDE: (usize, usize) = (640, 8);
+
+/// Random scene number `index`, of a small frame if no size is given.
+pub(crate) fn random_of_size(seed: u64, index: u64, size: Option<(usize, usize)>) -> Scene {
     let mut draw = Draw {
         stream: Stream::stage(seed, "gates"),
         index,
@@ -149,7 +152,8 @@ pub(crate) fn random(seed: u64, index: u64) -> Scene {
     };
     let nearest = (lengths / attenuation).clamp(0.05, 40.0);
     let tolerance = [3e-4, 3e-4, 3e-4, 3e-3, 1e-4, 3e-5][draw.below(6)];
-    let (width, height) = (16 + draw.below(65), 16 + draw.below(49));
+    let small = (16 + draw.below(65), 16 + draw.below(49));
+    let (width, height) = size.unwrap_or(small);
     let (radiance, range) = picture(&mut draw, (width, height), nearest);
     Scene {
         name: format!("{seed}/{index} {water:?}, {nearest:.3} m, {width}×{height}"),
