@@ -271,20 +271,15 @@ fn the_noise_of_the_sensor_is_a_tolerance() {
         let plan = slot.plan(&job.resolve(0).unwrap(), &SceneSource::Local);
         plan.unwrap().tolerance
     };
-    let noise = json!("picture");
     let camera = json!({"sensor": {"read_noise_e": 30.0, "full_well_e": 10_000.0}});
-    let tolerance = plan(json!({"camera": camera, "fidelity": noise})).unwrap();
+    let tolerance = plan(json!({"camera": camera})).unwrap();
     // 30 electrons of 9000, and a third of that.
     assert!(
         (tolerance / (30.0 / 9000.0 / 3.0) - 1.0).abs() < 1e-3,
         "{tolerance}"
     );
-    let wrong = parse_errors(&job(&json!({"fidelity": noise})));
-    assert!(
-        wrong[0].message.contains("`camera.sensor`"),
-        "{}",
-        wrong[0].message
-    );
+    let quiet = plan(json!({})).unwrap();
+    assert!(quiet < 0.5 / 255.0, "{quiet}: within a code without a sensor");
 }
 
 #[test]

@@ -15,12 +15,13 @@ fn promise(plan: &Plan) -> f64 {
     plan.promise().expect("a frame with a tolerance").bound
 }
 
-/// A structure in turbid water, 8 m deep, by daylight, which a camera multiplies.
+/// A structure in turbid water under a faint veil: dim, so that a camera multiplies its light. Nothing casts shadows, whose edges have
+/// no bound.
 fn job(exposure: &Value, fidelity: &Value) -> Value {
     json!({
-        "scene": {"kind": "procedural", "family": "structure"},
+        "scene": {"kind": "procedural", "family": "structure", "lighting": "in_air"},
         "camera": {"width": 80, "height": 60, "bits": 16, "tone": "linear", "exposure": exposure},
-        "water": {"optics": "jerlov-3C", "depth_m": 8},
+        "water": {"optics": {"preset": "jerlov-3C", "veil_gain": 0.01}, "range_scale": 3},
         "fidelity": fidelity,
         "metrics": [],
     })
