@@ -184,7 +184,11 @@ impl Writer<'_> {
                         options.insert(0, word);
                         json!({"oneOf": options})
                     }
-                    object => json!({"oneOf": [word, writer.plain(object, type_name, laws).schema]}),
+                    object => {
+                        // The name without `Fields` is that of the alternatives.
+                        let fields = writer.plain(object, &format!("{type_name}Fields"), laws);
+                        json!({"oneOf": [word, fields.schema]})
+                    }
                 }
             }),
         }
