@@ -36,7 +36,10 @@ fn by_night_only_the_lamps_are_seen() {
     let files = Files::new();
     let mut scene = files.scene("range.npy");
     scene["lighting"] = json!("water");
-    let fields = |lights: Value| json!({"scene": scene.clone(), "water": night(), "artifacts": ["rgb", "direct", "backscatter"], "lights": lights});
+    let fields = |lights: Value| {
+        json!({"scene": scene.clone(), "water": night(), "artifacts": ["rgb", "direct", "backscatter"], "lights": lights,
+               "fidelity": {"tolerance": 0.01}})
+    };
     let mut dark = fields(json!([]));
     dark["daylight"] = json!("none");
     let errors = parse_errors(&files.description(&dark));

@@ -9,6 +9,9 @@ use crate::common::{Files, engine_without_runtime, file, parse, render};
 /// Rounding of f32 in the glow and in the sum of the layers, as a share of the brightest.
 const ROUNDING: f32 = 1e-5;
 
+/// An effect is left out where fewer than 0.1 % of the pixels change by more than two codes; the numerics may add one.
+const ALLOWED_CODES: u8 = 3;
+
 fn snow() -> Value {
     json!({"density_per_m3": 400.0, "radius_m": 0.004, "near_m": 0.3, "far_m": 6.0, "albedo": [1, 1, 1]})
 }
@@ -82,7 +85,7 @@ fn patches_replace_the_range_in_the_water_and_only_there() {
 }
 
 #[test]
-fn with_everything_in_the_water_the_shares_add_up_to_the_tolerance_and_the_picture_is_within_a_code() {
+fn with_everything_in_the_water_the_shares_add_up_to_the_tolerance() {
     let files = Files::new();
     let frame = |fidelity: Value| {
         let lamp = json!({"kind": "point", "position_m": [0.3, 0.0, 0.0], "intensity": [3.0, 3.0, 3.0]});
@@ -106,7 +109,11 @@ fn with_everything_in_the_water_the_shares_add_up_to_the_tolerance_and_the_pictu
                 let pairs = codes(file(&fast, kind))
                     .into_iter()
                     .zip(codes(file(&exact, kind)));
-                assert!(pairs.into_iter().all(|(a, b)| a.abs_diff(b) <= 1), "{kind}");
+                let far = pairs
+                    .into_iter()
+                    .filter(|(a, b)| a.abs_diff(*b) > ALLOWED_CODES)
+                    .count();
+                assert!(1000 * far <= codes(file(&exact, kind)).len(), "{kind}: {far}");
             }
         }
     }
