@@ -15,6 +15,8 @@ pub(crate) struct Assessment<'a> {
     pub(crate) surfaces: Option<SurfaceBounds>,
     /// Airlight of lamps; `None` without lamps.
     pub(crate) airlight: Option<AirlightBounds>,
+    /// The tolerated error of the exposed light; `None` for a fixed number of kernels and for the reference.
+    pub(crate) tolerance: Option<f64>,
     pub(crate) budget: Budget,
 }
 

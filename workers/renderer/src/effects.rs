@@ -90,6 +90,7 @@ impl Effects {
                     "{reason}, would change {described}, saves {:.0} ms",
                     change.cost_ms
                 )),
+                bound: None,
                 ..Stage::skipped(*id)
             });
         }

@@ -26,7 +26,12 @@ pub(crate) fn plan_frame(
     let seen = lighting.as_ref().zip(context.view.as_ref());
     let surfaces = seen.map(|(lighting, view)| lamp::bound_irradiance(lighting, view));
     let bounds = bound_scene(context, surfaces.as_ref());
-    let tolerance = frame_tolerance(context.frame, &bounds, around.as_ref());
+    let tolerance = frame_tolerance(
+        context.frame,
+        &bounds,
+        around.as_ref(),
+        camera::hidden_error(context.frame),
+    );
     let airlight = seen.map(|(lighting, view)| lamp::bound_airlight(lighting, view));
     let peak = brightest_light(context, &bounds, airlight.as_ref());
     let target = tolerance.map(|tolerance| promised.map_or(tolerance, |bound| bound.min(tolerance)));
@@ -36,13 +41,14 @@ pub(crate) fn plan_frame(
         airlight,
         surfaces,
         bounds,
+        tolerance,
         budget: Budget::new(target, &optics),
     };
     let mut stages = pipeline::assess(&assessment);
     stages.extend(optics);
     stages.extend([style::assess(&assessment, engine)?, haze::assess(&assessment)]);
     stages.extend(camera::assess_electronics(context));
-    stages.extend(enhance::assess(context.frame));
+    stages.extend(enhance::assess(context.frame, tolerance));
     stages.extend(truth::assess(context));
     context.effects.annotate(&mut stages);
     stages.sort_by_key(|stage| stage.id);

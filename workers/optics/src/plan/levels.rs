@@ -17,9 +17,15 @@ pub(super) const DEFAULT_TOLERANCE: f64 = 3e-4;
 /// An error up to this changes 8-bit codes by at most one, even in black.
 const DARK: f64 = 1.0 / 255.0 / 12.92;
 
-/// The tolerated error of the exposed light of a frame; `None` for a fixed number of kernels and for the reference.
+/// The tolerated error of the exposed light of a frame; `None` for a fixed number of kernels and for the reference. Errors up to
+/// `hidden` are hidden by the noise of the sensor; 0 without one.
 #[must_use]
-pub fn frame_tolerance(frame: &Frame, bounds: &SceneBounds, around: Option<&Water>) -> Option<f64> {
+pub fn frame_tolerance(
+    frame: &Frame,
+    bounds: &SceneBounds,
+    around: Option<&Water>,
+    hidden: f64,
+) -> Option<f64> {
     match frame.fidelity {
         Fidelity::Tolerance(tolerance) => Some(tolerance),
         Fidelity::Terms(_) | Fidelity::Reference => None,
@@ -28,10 +34,11 @@ pub fn frame_tolerance(frame: &Frame, bounds: &SceneBounds, around: Option<&Wate
             // may do either.
             let is_covered =
                 frame.has_lamps() || frame.water.snow.is_some() || frame.camera.exposure.is_some();
-            Some(match around {
+            let code = match around {
                 Some(water) if !is_covered => display_tolerance(bounds, water),
                 _ => DARK,
-            })
+            };
+            Some(code.max(hidden))
         }
     }
 }

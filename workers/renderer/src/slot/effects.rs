@@ -12,8 +12,8 @@ use crate::stage::camera::{self, Expected};
 use crate::stopwatch::Stopwatch;
 
 impl Slot {
-    /// Leaves out the effects that do not change the picture of a frame, as far as a thinned picture shows. The reference and frames of a
-    /// fixed number of kernels have all.
+    /// Leaves out the effects that do not change the picture of a frame, as far as a thinned picture shows. Frames of another
+    /// fidelity than `picture` have all.
     pub(super) fn choose_effects(
         &mut self,
         context: &mut FrameContext<'_>,
@@ -21,8 +21,8 @@ impl Slot {
         watch: &mut Stopwatch,
     ) -> Result<(), RenderError> {
         let mut effects = match context.frame.fidelity {
-            Fidelity::Reference | Fidelity::Terms(_) => Effects::default(),
-            _ => watch.time("plan", || self.estimate_effects(context, expected))?,
+            Fidelity::Reference | Fidelity::Terms(_) | Fidelity::Tolerance(_) => Effects::default(),
+            Fidelity::Picture | Fidelity::BudgetMs(_) => watch.time("plan", || self.estimate_effects(context, expected))?,
         };
         let Fidelity::BudgetMs(budget_ms) = context.frame.fidelity else {
             context.apply(effects, &mut self.resources, watch);
@@ -60,7 +60,7 @@ impl Slot {
         let unused = &mut Stopwatch::start();
         let thin = FrameContext::new(&frame, &prepared, 0.0, &mut self.thin.resources, unused)?;
         let gain = expected.map_or(1.0, |expected| expected.gain);
-        let Some(preview) = Preview::new(&thin, gain, camera::least_noise(context.frame)) else {
+        let Some(preview) = Preview::new(&thin, gain, 3.0 * camera::hidden_error(context.frame)) else {
             return Ok(effects);
         };
         for id in ESTIMATED {

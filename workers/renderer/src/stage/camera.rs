@@ -17,7 +17,7 @@ use std::borrow::Cow;
 
 use imaging::Rgb;
 use optics::medium::Surroundings;
-use spec::{Exposure, Fidelity, Frame, Haze, HazeSpace, Metering};
+use spec::{Exposure, Frame, Haze, HazeSpace, Metering};
 
 /// The haze that is laid before a camera; without one, and in the space of codes, haze comes behind the style.
 pub(crate) fn haze_before(frame: &Frame) -> Vec<Haze> {
@@ -31,20 +31,11 @@ pub(crate) fn haze_behind(frame: &Frame, has_camera: bool) -> Vec<Haze> {
     frame.haze().into_iter().filter(comes).collect()
 }
 
-/// The least tolerance of a picture in 8-bit codes: one code of the darkest light.
-const DARK_CODE: f64 = 1.0 / 255.0 / 12.92;
-
-/// The frame with what its description leaves to its camera: the tolerance of a sensor's noise, and metering by the light of lamps alone.
+/// The frame with the exposure that its description leaves to its camera: metered where lamps are the only light of a scene of
+/// reflectance.
 pub(crate) fn complete(frame: &Frame) -> Cow<'_, Frame> {
     let camera = ::camera::preset::complete(&frame.camera);
-    let sensor = camera
-        .sensor
-        .as_ref()
-        .and_then(|sensor| ::camera::preset::sensor(sensor, camera.exposure_s));
     let mut completed = Cow::Borrowed(frame);
-    if let Some(sensor) = sensor.filter(|_| frame.fidelity == Fidelity::Picture) {
-        completed.to_mut().fidelity = Fidelity::Tolerance(sensor.tolerance().clamp(DARK_CODE, 1.0));
-    }
     let surroundings = Surroundings::of_frame(frame);
     let is_lamplit = surroundings.has_lamps
         && surroundings.is_reflectance
@@ -55,14 +46,14 @@ pub(crate) fn complete(frame: &Frame) -> Cow<'_, Frame> {
     completed
 }
 
-/// The least noise of the sensor in exposed light; 0 without a sensor.
-pub(crate) fn least_noise(frame: &Frame) -> f64 {
+/// Errors of exposed light that the noise of the sensor hides: a third of its least noise; 0 without a sensor.
+pub(crate) fn hidden_error(frame: &Frame) -> f64 {
     let camera = ::camera::preset::complete(&frame.camera);
     let sensor = camera
         .sensor
         .as_ref()
         .and_then(|sensor| ::camera::preset::sensor(sensor, camera.exposure_s));
-    sensor.map_or(0.0, |sensor| 3.0 * sensor.tolerance())
+    sensor.map_or(0.0, |sensor| sensor.tolerance().min(1.0))
 }
 
 /// The average of pictures, added one by one, each to some rows.

@@ -6,7 +6,7 @@ use enhance::ibla::Form;
 use enhance::{Enhanced, Method};
 use imaging::{Raster, Rgb8};
 use optics::plan::{Stage, StageId, Variant};
-use spec::{Fidelity, Frame, FrameRecord};
+use spec::{Frame, FrameRecord};
 
 use crate::context::FrameContext;
 use crate::error::RenderError;
@@ -18,7 +18,7 @@ pub(crate) type Enhancements = BTreeMap<String, Enhanced>;
 const IBLA: &str = Form::ALL[0].name();
 
 /// The methods of a frame, and the variant of `ibla`.
-pub(crate) fn assess(frame: &Frame) -> Vec<Stage> {
+pub(crate) fn assess(frame: &Frame, tolerance: Option<f64>) -> Vec<Stage> {
     if frame.enhance.is_empty() {
         return vec![Stage {
             cost_ms: None,
@@ -36,7 +36,7 @@ pub(crate) fn assess(frame: &Frame) -> Vec<Stage> {
             method: form.name(),
             distance: form.method().distance(),
         });
-        choose_ibla(&variants, frame.fidelity)
+        choose_ibla(&variants, tolerance)
     });
     std::iter::once(methods).chain(ibla).collect()
 }
@@ -51,7 +51,7 @@ struct IblaVariant {
 
 /// The fastest variant whose distance is within the tolerance, the exact one without. The distance is no bound: some frames exceed
 /// it.
-fn choose_ibla(variants: &[IblaVariant], fidelity: Fidelity) -> Stage {
+fn choose_ibla(variants: &[IblaVariant], tolerance: Option<f64>) -> Stage {
     let (exact, faster) = (variants[0], &variants[1..]);
     let stage = |variant: IblaVariant, share: Option<f64>, note: String| Stage {
         share,
@@ -60,7 +60,7 @@ fn choose_ibla(variants: &[IblaVariant], fidelity: Fidelity) -> Stage {
         note: Some(note),
         ..Stage::new(StageId::Ibla, Variant::Fast(variant.method))
     };
-    let Fidelity::Tolerance(tolerance) = fidelity else {
+    let Some(tolerance) = tolerance else {
         return stage(exact, None, "only a tolerance allows a faster variant".to_owned());
     };
     if let Some(near) = faster.iter().rfind(|variant| variant.distance <= tolerance) {
@@ -143,7 +143,7 @@ mod tests {
             (0.13, "far", far),
             (1.0, "far", far),
         ] {
-            let stage = choose_ibla(&VARIANTS, Fidelity::Tolerance(tolerance));
+            let stage = choose_ibla(&VARIANTS, Some(tolerance));
             assert_eq!(stage.variant.name(), method, "{tolerance}");
             assert_eq!(stage.note.as_deref(), Some(note), "{tolerance}");
             assert_eq!(stage.share, (method != "exact").then_some(tolerance));
@@ -153,17 +153,7 @@ mod tests {
 
     #[test]
     fn without_a_tolerance_the_exact_variant_runs() {
-        for fidelity in [
-            Fidelity::Reference,
-            Fidelity::Picture,
-            Fidelity::Terms(4),
-        ] {
-            let stage = choose_ibla(&VARIANTS, fidelity);
-            assert_eq!(
-                (stage.variant.name(), stage.share),
-                ("exact", None),
-                "{fidelity:?}"
-            );
-        }
+        let stage = choose_ibla(&VARIANTS, None);
+        assert_eq!((stage.variant.name(), stage.share), ("exact", None));
     }
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use imaging::{Rgb, transfer};
 use optics::plan::{ErrorBound, Stage, StageId, Variant};
-use spec::{Fidelity, FrameRecord};
+use spec::FrameRecord;
 use style::{Beside, RANGE_SCALE_M, Session, StyleError, StyleModel};
 
 use crate::assessment::Assessment;
@@ -112,10 +112,7 @@ pub(crate) fn assess(assessment: &Assessment<'_>, engine: &Engine) -> Result<Sta
     let distance = card
         .table
         .map(|table| frame.alpha * (STEEPEST * table.max_255 / 255.0));
-    let share = match frame.fidelity {
-        Fidelity::Tolerance(tolerance) => Some(tolerance),
-        _ => None,
-    };
+    let share = assessment.tolerance;
     let is_near = distance
         .zip(share)
         .is_some_and(|(distance, share)| distance <= share);
