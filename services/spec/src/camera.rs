@@ -6,8 +6,6 @@ mod sensor;
 use serde::{Deserialize, Serialize};
 use spec_derive::Described;
 
-use crate::schema::EXACT;
-
 pub use lens::{Defocus, Distortion, Motion, Port, Vignette};
 pub use sensor::{Cfa, Chroma, Exposure, Jpeg, Metering, Sensor, Tone, WhiteBalance};
 
@@ -28,8 +26,8 @@ pub struct Camera {
     #[field(needs_always("scene.family"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub path: Option<Path>,
-    /// where a camera without waypoints is and looks; drawn from the scene's seed unless given
-    #[field(needs_always("scene.family"), excludes("path.start"))]
+    /// where a camera without waypoints is and looks; drawn from the seed of the scene by default
+    #[field(needs("scene.family"), excludes("camera.path.start"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub view: Option<CameraView>,
     /// against gravity: right, down and ahead of a picture's camera; [0, -1, 0], a level camera, by default
@@ -40,10 +38,6 @@ pub struct Camera {
     #[field(names = Camera, untraced = "a pinhole camera is traced")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub preset: Option<String>,
-    /// seed of the sensor's pattern and noise; the job's by default
-    #[field(within(0, EXACT))]
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub seed: Option<u64>,
     /// frames of the path in a second, for exposure and readout
     #[field(within(0.1, 1000.0), default = 25, unit = "1/s", needs("path"))]
     pub frames_per_s: f64,
@@ -183,7 +177,6 @@ impl Camera {
             view: None,
             up: None,
             preset: None,
-            seed: None,
             frames_per_s: 25.0,
             exposure_s: None,
             readout_s: None,

@@ -8,7 +8,7 @@ use crate::invalid::{FieldError, Invalid};
 pub const EARLIER_VERSION: &str = "the job was described for version 0.1, and this version cannot render it again; its images can be \
                                    listed and read, or rendered by version 0.1";
 
-/// Whether this is the canonical text of a job of version 0.1: every later one has `daylight`.
+/// Whether this is the canonical text of a job of version 0.1: every later one has `daylight`, or several sites that have.
 #[must_use]
 pub fn is_of_earlier_version(canonical: &str) -> bool {
     serde_json::from_str(canonical).is_ok_and(|job: Value| lacks_daylight(&job))
@@ -23,8 +23,11 @@ pub(crate) fn refuse_earlier_version(job: &Value) -> Result<(), Invalid> {
 }
 
 fn lacks_daylight(job: &Value) -> bool {
-    job.as_object()
-        .is_some_and(|fields| !fields.contains_key("daylight"))
+    job.as_object().is_some_and(|fields| {
+        ["daylight", "site"]
+            .iter()
+            .all(|later| !fields.contains_key(*later))
+    })
 }
 
 #[cfg(test)]
@@ -35,7 +38,7 @@ mod tests {
 
     #[test]
     fn stored_jobs_of_version_0_1_are_refused_in_one_sentence() {
-        let text = br#"{"scene":{"kind":"procedural","family":"shaft"}}"#;
+        let text = br#"{"scene":{"kind":"procedural","family":"shaft"},"metrics":[]}"#;
         let vocabulary = Vocabulary {
             families: vec!["shaft".to_owned()],
             ..Vocabulary::default()

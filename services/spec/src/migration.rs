@@ -36,6 +36,10 @@ pub const REMOVED: &[Removed] = &[
     field("camera.rolling.readout_s", "`camera.readout_s`"),
     field("camera.rolling.bands", "remove it: rows are taken in 16 bands"),
     field(
+        "camera.seed",
+        "remove it: pattern and noise of the sensor follow `seed`",
+    ),
+    field(
         "camera.port.n_w",
         "remove it: the refractive index is that of sea water",
     ),

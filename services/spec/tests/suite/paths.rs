@@ -67,7 +67,7 @@ fn a_view_needs_a_procedural_scene_and_no_waypoints() {
     let error = only_error(json!({"scene": uploaded, "camera": {"view": view}}));
     assert_eq!(
         error.message,
-        "`camera.view` needs a procedural scene: a picture has the view it was taken from"
+        "`camera.view` is given, but needs a procedural scene: add it, or remove `camera.view`"
     );
     let error = only_error(json!({"camera": {"view": {"pitch_deg": 90}}}));
     assert_eq!(

@@ -78,7 +78,7 @@ fn objects_are_merged_and_everything_else_is_replaced() {
         "site": "harbour-wall",
         "scene": {"seed": 12},
         "camera": {"width": 320, "exposure": {"fixed": 2.0}},
-        "water": {"optics": {"veil_gain": 0.5}, "depth_m": 9, "snow": null},
+        "water": {"optics": {"backscatter_fraction": 0.02}, "depth_m": 9, "snow": null},
         "lights": [],
         "fidelity": {"tolerance": 0.01},
     }));
@@ -86,8 +86,8 @@ fn objects_are_merged_and_everything_else_is_replaced() {
     let at = |pointer: &str| parameters.pointer(pointer).unwrap_or(&Value::Null).clone();
     assert_eq!(at("/scene/seed"), 12);
     assert_eq!(
-        (at("/scene/light"), at("/scene/ground/scour")),
-        (json!("albedo"), json!(0.5))
+        (at("/scene/lighting"), at("/scene/ground/scour")),
+        (json!("water"), json!(0.5))
     );
     assert_eq!(
         (at("/camera/width"), at("/camera/height")),
@@ -99,7 +99,7 @@ fn objects_are_merged_and_everything_else_is_replaced() {
     // The site's short form is completed.
     assert_eq!(
         at("/water/optics"),
-        json!({"preset": "jerlov-1C/williamson2022", "veil_gain": 0.5})
+        json!({"preset": "jerlov-1C/williamson2022", "backscatter_fraction": 0.02, "phase": "ff"})
     );
     assert_eq!(at("/water/depth_m"), 9.0);
     assert_eq!((at("/water/snow"), at("/lights")), (Value::Null, json!([])));
@@ -111,7 +111,10 @@ fn a_law_replaces_the_object_that_it_varies() {
     let water = json!({"optics": "jerlov-3C", "depth_m": 4});
     let job = job(&json!({"site": "tank", "water": {"choice": [water]}}));
     let water = &parameters(&job, 0)["water"];
-    assert_eq!(water["optics"], json!({"preset": "jerlov-3C/williamson2022"}));
+    assert_eq!(
+        water["optics"],
+        json!({"preset": "jerlov-3C/williamson2022", "phase": "ff"})
+    );
     assert_eq!(
         (&water["range_scale"], water.get("multiple")),
         (&json!(1.0), None)
@@ -120,17 +123,17 @@ fn a_law_replaces_the_object_that_it_varies() {
 
 #[test]
 fn another_family_or_kind_replaces_the_scene() {
-    let pipeline = job(&json!({"site": "harbour-wall", "scene": {"family": "pipeline", "light": "albedo"}}));
+    let pipeline = job(&json!({"site": "harbour-wall", "scene": {"family": "pipeline"}}));
     assert_eq!(
         parameters(&pipeline, 0)["scene"],
-        json!({"kind": "procedural", "family": "pipeline", "light": "albedo", "seed": 0})
+        json!({"kind": "procedural", "family": "pipeline", "lighting": "water", "seed": 0})
     );
     let uploaded = job(&json!({
         "site": "paper", "scene": {"kind": "uploaded", "id": "scn_a"}, "camera": null,
     }));
     assert_eq!(
         parameters(&uploaded, 0)["scene"],
-        json!({"kind": "uploaded", "id": "scn_a"})
+        json!({"kind": "uploaded", "id": "scn_a", "lighting": "in_air"})
     );
     assert_eq!(uploaded.uploaded_scene_ids(), ["scn_a"]);
 }
@@ -213,7 +216,7 @@ fn the_canonical_form_holds_every_description_and_is_a_fixed_point() {
 fn a_grid_of_sites_takes_each_in_turn_and_shares_the_axes_of_all() {
     let job = job(&json!({
         "site": {"grid": ["tank", "shaft", "pipeline"]}, "count": 2, "alpha": {"grid": [0.5, 1]},
-        "labels": {"run": "a"},
+        "water": {"style": "muddy"}, "labels": {"run": "a"},
     }));
     assert_eq!(job.frames(), 12);
     let cells: std::collections::BTreeSet<_> = (0..6)
@@ -228,7 +231,8 @@ fn a_grid_of_sites_takes_each_in_turn_and_shares_the_axes_of_all() {
 
 #[test]
 fn a_job_can_describe_sites_of_its_own() {
-    let quay = json!({"name": "quay", "scene": {"kind": "procedural", "family": "structure"}, "alpha": 0.5});
+    let quay = json!({"name": "quay", "scene": {"kind": "procedural", "family": "structure"}, "alpha": 0.5,
+        "water": {"style": "muddy"}});
     let job = job(&json!({"site": {"choice": [quay, "tank"]}, "count": 50, "camera": {"width": 100}}));
     let frames: Vec<_> = (0..50).map(|frame| parameters(&job, frame)).collect();
     let quay = frames
@@ -258,8 +262,12 @@ fn an_unknown_site_comes_with_the_known_ones() {
 #[test]
 fn what_is_no_site_is_refused_at_its_place() {
     let cases = [
-        (json!(7), "/site", "must be a string or a law"),
-        (json!({"nam": "shaft"}), "/site", "must be a string or a law"),
+        (json!(7), "/site", "must be a string or a distribution"),
+        (
+            json!({"nam": "shaft"}),
+            "/site",
+            "must be a string or a distribution",
+        ),
         (json!({"choice": []}), "/site", "`choice` is empty"),
         (
             json!({"choice": ["shaft"], "weights": [1, 2]}),
@@ -348,12 +356,10 @@ fn a_path_needs_the_same_site_in_every_frame() {
 }
 
 #[test]
-fn warnings_name_the_site_that_they_are_about() {
-    let mixed = job(&json!({"site": {"choice": ["paper", "tank"]}, "alpha": 0.5}));
-    let [warning] = mixed.warnings() else {
-        panic!("{:#?}", mixed.warnings())
-    };
-    assert!(warning.starts_with("site `tank`: `alpha`"), "{warning}");
+fn a_field_without_effect_in_a_site_is_refused_for_that_site() {
+    let found = errors(&json!({"site": {"choice": ["paper", "tank"]}, "alpha": 0.5}));
+    assert_eq!((found.len(), found[0].pointer.as_str()), (1, "/alpha"));
+    assert!(found[0].message.starts_with("site `tank`: `alpha`"), "{found:#?}");
 }
 
 #[test]

@@ -73,7 +73,7 @@ pub(crate) fn develop(
 }
 
 fn read(context: &FrameContext<'_>, sensor: &Sensor, light: &Rgb<f32>, cameras: &mut Cameras) -> Raw {
-    let seed = context.frame.camera.seed.unwrap_or(context.frame.seed);
+    let seed = context.frame.seed;
     let chance = Chance {
         seed,
         frame: context.frame.index,
