@@ -46,7 +46,13 @@ pub(crate) struct Effects {
     estimated: BTreeMap<StageId, Change>,
     /// Visible effects that a budget leaves no time for.
     dropped: Vec<StageId>,
+    /// How often a budget has doubled the tolerance.
+    doublings: i32,
 }
+
+/// A budget doubles the tolerance this often before it drops visible effects: errors stay within four codes, and bounds are larger than
+/// errors.
+const MOST_DOUBLINGS: i32 = 2;
 
 impl Effects {
     pub(crate) fn add(&mut self, id: StageId, change: Change) {
@@ -59,8 +65,22 @@ impl Effects {
         is_visible && !self.dropped.contains(&id)
     }
 
+    /// The factor of the tolerance.
+    pub(crate) fn tolerance_factor(&self) -> f64 {
+        2f64.powi(self.doublings)
+    }
+
+    /// Makes the frame cheaper: doubles the tolerance, then drops effects. Returns whether anything was left to do.
+    pub(crate) fn economize(&mut self) -> bool {
+        if self.doublings < MOST_DOUBLINGS {
+            self.doublings += 1;
+            return true;
+        }
+        self.drop_least()
+    }
+
     /// Drops the running effect that changes the picture least for its time. Returns whether there was one.
-    pub(crate) fn drop_least(&mut self) -> bool {
+    fn drop_least(&mut self) -> bool {
         let running = self.estimated.iter().filter(|(id, _)| self.runs(**id));
         let least = running.min_by(|(_, a), (_, b)| a.gain_per_ms().total_cmp(&b.gain_per_ms()));
         let least = least.map(|(id, _)| *id);

@@ -32,6 +32,7 @@ pub(crate) fn plan_frame(
         around.as_ref(),
         camera::hidden_error(context.frame),
     );
+    let tolerance = tolerance.map(|tolerance| tolerance * context.effects.tolerance_factor());
     let airlight = seen.map(|(lighting, view)| lamp::bound_airlight(lighting, view));
     let peak = brightest_light(context, &bounds, airlight.as_ref());
     let target = tolerance.map(|tolerance| promised.map_or(tolerance, |bound| bound.min(tolerance)));

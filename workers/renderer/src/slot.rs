@@ -131,6 +131,7 @@ impl Slot {
         let (taken, mut record) = self.take(&mut context, expected, &mut watch)?;
         let Taken { light, exposed } = &taken;
         let context = &context;
+        record.warnings.extend(effects::find_overrun(context));
         let traced = if truth::is_asked(context) {
             watch.time("truth", || truth::run(context, light, &mut record))?
         } else {

@@ -33,7 +33,7 @@ impl Slot {
         while plan_frame(context, expected, None, engine)?
             .cost_ms()
             .is_some_and(|cost| cost > budget_ms)
-            && effects.drop_least()
+            && effects.economize()
         {
             context.apply(effects.clone(), &mut self.resources, watch);
         }
@@ -71,4 +71,16 @@ impl Slot {
         }
         Ok(effects)
     }
+}
+
+/// The warning of a frame whose cheapest plan exceeds its budget.
+pub(super) fn find_overrun(context: &FrameContext<'_>) -> Option<String> {
+    let Fidelity::BudgetMs(budget_ms) = context.frame.fidelity else {
+        return None;
+    };
+    let cost = context.plan.cost_ms().filter(|cost| *cost > budget_ms)?;
+    Some(format!(
+        "`fidelity.budget_ms` is {budget_ms}, but the cheapest plan is expected to take {cost:.0} ms; raise it or make the picture \
+         smaller"
+    ))
 }
