@@ -1,5 +1,6 @@
 //! The effects of a frame, chosen before it is planned.
 
+use optics::plan::Plan;
 use spec::Fidelity;
 
 use super::Slot;
@@ -22,7 +23,9 @@ impl Slot {
     ) -> Result<(), RenderError> {
         let mut effects = match context.frame.fidelity {
             Fidelity::Reference | Fidelity::Terms(_) | Fidelity::Tolerance(_) => Effects::default(),
-            Fidelity::Picture | Fidelity::BudgetMs(_) => watch.time("plan", || self.estimate_effects(context, expected))?,
+            Fidelity::Picture | Fidelity::BudgetMs(_) => {
+                watch.time("plan", || self.estimate_effects(context, expected))?
+            }
         };
         let Fidelity::BudgetMs(budget_ms) = context.frame.fidelity else {
             context.apply(effects, &mut self.resources, watch);
@@ -30,11 +33,7 @@ impl Slot {
         };
         context.apply(effects.clone(), &mut self.resources, watch);
         let engine = &self.networks.engine;
-        while plan_frame(context, expected, None, engine)?
-            .cost_ms()
-            .is_some_and(|cost| cost > budget_ms)
-            && effects.economize()
-        {
+        while expect_ms(&plan_frame(context, expected, None, engine)?) > budget_ms && effects.economize() {
             context.apply(effects.clone(), &mut self.resources, watch);
         }
         Ok(())
@@ -73,13 +72,18 @@ impl Slot {
     }
 }
 
+/// Expected milliseconds of the stages that have a figure.
+fn expect_ms(plan: &Plan) -> f64 {
+    plan.stages.iter().filter_map(|stage| stage.cost_ms).sum()
+}
+
 /// The warning of a frame whose cheapest plan exceeds its budget.
 pub(super) fn find_overrun(context: &FrameContext<'_>) -> Option<String> {
     let Fidelity::BudgetMs(budget_ms) = context.frame.fidelity else {
         return None;
     };
-    let cost = context.plan.cost_ms().filter(|cost| *cost > budget_ms)?;
-    Some(format!(
+    let cost = expect_ms(&context.plan);
+    (cost > budget_ms).then(|| format!(
         "`fidelity.budget_ms` is {budget_ms}, but the cheapest plan is expected to take {cost:.0} ms; raise it or make the picture \
          smaller"
     ))

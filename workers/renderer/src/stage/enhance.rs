@@ -20,10 +20,7 @@ const IBLA: &str = Form::ALL[0].name();
 /// The methods of a frame, and the variant of `ibla`.
 pub(crate) fn assess(frame: &Frame, tolerance: Option<f64>) -> Vec<Stage> {
     if frame.enhance.is_empty() {
-        return vec![Stage {
-            cost_ms: None,
-            ..Stage::skipped(StageId::Enhance)
-        }];
+        return vec![Stage::skipped(StageId::Enhance)];
     }
     let methods = Stage {
         bound: None,

@@ -6,6 +6,7 @@ mod artifacts;
 mod camera;
 mod common;
 mod daylight;
+mod effects;
 mod enhance;
 mod examples;
 mod folders;
