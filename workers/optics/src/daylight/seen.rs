@@ -7,6 +7,7 @@
 mod sky;
 mod sunlit;
 mod veil;
+mod veil_grid;
 
 pub use sky::{access, access_reference};
 pub use sunlit::{sunlit, sunlit_reference};

@@ -57,7 +57,7 @@ pub(crate) fn run(context: &FrameContext<'_>) -> Option<Rgb<f32>> {
     let daylight = on_surfaces(setting)?;
     let scene = &prepared.scene.radiance;
     let range = &*of_surfaces(prepared.scene.range.as_ref()?, water.holes());
-    let normals = normals(prepared, range, setting, daylight);
+    let normals = normals(prepared, range, setting);
     let surfaces = Surfaces {
         range,
         normals: &normals,
@@ -174,17 +174,9 @@ fn add_shafts(context: &FrameContext<'_>, layers: &mut Layers) {
     );
 }
 
-/// Those of the scene, or of its range; none where daylight does not go by them.
-fn normals<'a>(
-    prepared: &'a Prepared,
-    range: &Plane<f32>,
-    setting: &Setting,
-    daylight: &Daylight,
-) -> Cow<'a, [Plane<f32>; 3]> {
+/// Those of the scene, or of its range.
+fn normals<'a>(prepared: &'a Prepared, range: &Plane<f32>, setting: &Setting) -> Cow<'a, [Plane<f32>; 3]> {
     match &prepared.scene.normals {
-        _ if daylight.surfaces() != SurfaceLight::Normal => {
-            Cow::Owned([(); 3].map(|()| Plane::filled(0, 0, 0.0)))
-        }
         Some(normals) => Cow::Borrowed(normals),
         None => Cow::Owned(lamp::normals_of(range, &setting.eye.camera)),
     }

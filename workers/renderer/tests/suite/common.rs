@@ -163,3 +163,9 @@ pub(crate) fn file<'a>(rendered: &'a Rendered, kind: &str) -> &'a [u8] {
     let found = rendered.files.iter().find(|file| file.kind == kind);
     &found.unwrap_or_else(|| panic!("no artifact {kind}")).bytes
 }
+
+/// The samples of a picture, apart from the text in its file, which names the kind.
+pub(crate) fn pixels(rendered: &Rendered, kind: &str) -> Vec<u8> {
+    let picture = imaging::codec::decode_picture(file(rendered, kind)).unwrap();
+    picture.to_rgb8().pixels().flatten().collect()
+}

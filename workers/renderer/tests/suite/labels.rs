@@ -4,7 +4,7 @@ use imaging::codec::{FilePlane, Radiance, decode_plane, decode_radiance};
 use renderer::{Rendered, SceneSource, Slot};
 use serde_json::{Value, json};
 
-use crate::common::{Files, engine_without_runtime, file, parse, parse_errors, render, try_render};
+use crate::common::{Files, engine_without_runtime, file, parse, parse_errors, pixels, render, try_render};
 
 fn job(fields: &Value) -> Value {
     let mut description = json!({
@@ -86,7 +86,7 @@ fn surfaces_out_of_sight_are_water_in_visible_semantics() {
     let plain = render(&parse(&job(
         &json!({"artifacts": ["semantics", "semantics.visible"]}),
     )));
-    let [all, visible] = ["semantics", "semantics.visible"].map(|kind| file_of(&plain.files, kind));
+    let [all, visible] = ["semantics", "semantics.visible"].map(|kind| pixels(&plain, kind));
     assert_eq!(all, visible, "without a water everything is in sight");
 }
 
@@ -198,9 +198,12 @@ fn paths_that_cannot_be_are_refused() {
     let with = |path: Value| job(&json!({"camera": {"path": path}}));
     let message = |description: &Value| parse_errors(description)[0].message.clone();
     let zero = with(json!({"frames": 9, "start": point(0.0), "end": point(0.0)}));
-    assert!(message(&zero).contains("its length is 0"));
-    assert!(message(&with(json!({"frames": 9, "start": point(0.0)}))).contains("together, or neither"));
-    assert!(message(&with(json!({"frames": 9, "frame": 9}))).contains("has 9 frames"));
+    assert!(message(&zero).contains("is the same as `camera.path.start`"));
+    assert!(message(&with(json!({"frames": 9, "start": point(0.0)}))).contains("needs `camera.path.end`"));
+    assert!(
+        message(&with(json!({"frames": 9, "frame": 9})))
+            .contains("must be below `camera.path.frames`, which is 9")
+    );
     assert!(message(&with(json!({"frames": 0}))).contains("camera.path.frames"));
     let mut uploaded = with(json!({"frames": 9}));
     uploaded["scene"] = json!({"kind": "uploaded", "id": "scn_1"});

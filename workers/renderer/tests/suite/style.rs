@@ -4,7 +4,7 @@ use optics::plan::StageId;
 use renderer::{SceneSource, Slot};
 use serde_json::json;
 
-use crate::common::{Files, WIDTH, engine, engine_without_runtime, file, parse, try_render};
+use crate::common::{Files, WIDTH, engine, engine_without_runtime, file, parse, pixels, try_render};
 
 #[test]
 fn without_the_runtime_a_style_of_another_form_fails_for_good_and_says_what_to_run() {
@@ -24,7 +24,7 @@ fn with_alpha_zero_no_network_runs() {
     let job =
         files.job(&json!({"water": {"style": "atlantic"}, "alpha": 0.0, "artifacts": ["rgb", "clean"]}));
     let rendered = try_render(&job, &engine_without_runtime()).unwrap();
-    assert_eq!(file(&rendered, "rgb"), file(&rendered, "clean"));
+    assert_eq!(pixels(&rendered, "rgb"), pixels(&rendered, "clean"));
     assert!(!rendered.record.provenance.inputs.contains_key("style.atlantic"));
 }
 
@@ -104,7 +104,7 @@ fn a_style_that_takes_a_range_is_given_that_of_each_pixel_and_leaves_a_scene_wit
     assert!(2 * near_and_far[0] > 3 * near_and_far[1], "{near_and_far:?}");
     assert!(ramp.record.provenance.inputs.contains_key("style.atlantic-range"));
     let bare = styled(files.scene_without_range());
-    assert_eq!(file(&bare, "rgb"), file(&bare, "clean"));
+    assert_eq!(pixels(&bare, "rgb"), pixels(&bare, "clean"));
     assert!(!bare.record.provenance.inputs.contains_key("style.atlantic-range"));
 }
 

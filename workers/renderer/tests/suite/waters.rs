@@ -3,7 +3,7 @@
 use renderer::{SceneSource, Slot};
 use serde_json::{Value, json};
 
-use crate::common::{Files, engine_without_runtime, file, render, try_render};
+use crate::common::{Files, engine_without_runtime, file, pixels, render, try_render};
 
 #[test]
 fn a_scene_without_range_passes_the_water_as_it_is() {
@@ -12,7 +12,7 @@ fn a_scene_without_range_passes_the_water_as_it_is() {
     let water = json!({"optics": "jerlov-9C"});
     let fields = json!({"scene": files.scene_without_range(), "water": water, "artifacts": artifacts});
     let rendered = render(&files.stored_job(&fields));
-    assert_eq!(file(&rendered, "rgb"), file(&rendered, "clean"));
+    assert_eq!(pixels(&rendered, "rgb"), pixels(&rendered, "clean"));
     assert_eq!(
         rendered.record.warnings,
         ["the scene has no range: the water's optics are skipped"]

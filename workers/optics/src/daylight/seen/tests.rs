@@ -141,3 +141,67 @@ fn directions_are_unit_vectors_about_the_normal_with_the_mean_cosine_of_even_lig
         assert!((mean - 2.0 / 3.0).abs() < 1e-3, "{mean}");
     }
 }
+
+/// c of the clearest channel in tests of the veil, 1/m.
+const ATTENUATION: f64 = 0.26;
+/// The interpolated veil differs by no more in the mean, and by no more than [`MOST_VEIL_ERROR`] in 99 % of the pixels: values that
+/// differ by 0.1 are interpolated, and a shadow narrower than the grid is missed.
+const MEAN_VEIL_ERROR: f32 = 0.005;
+const MOST_VEIL_ERROR: f32 = 0.1;
+
+#[test]
+fn the_veil_of_coarse_grids_agrees_with_that_of_every_pixel() {
+    for size in [(1, 1), (3, 1), (1, 9), (48, 32), (96, 64), (321, 241), (640, 480)] {
+        let scene = scene(size);
+        let exact = veil_access_reference(&scene.range, &scene.daylight, ATTENUATION, &Ball);
+        let fast = veil_access(&scene.range, &scene.daylight, ATTENUATION, &Ball);
+        let pairs = exact.data().iter().zip(fast.data());
+        let errors: Vec<f32> = pairs.map(|(a, b)| (a - b).abs()).collect();
+        assert!(fast.data().iter().all(|v| (0.0..=1.0).contains(v)), "{size:?}");
+        let mean = errors.iter().sum::<f32>() / errors.len() as f32;
+        let large = errors.iter().filter(|error| **error > MOST_VEIL_ERROR).count();
+        assert!(
+            mean <= MEAN_VEIL_ERROR && 100 * large <= errors.len(),
+            "{size:?}: {mean}, {large}"
+        );
+        if size.0 > 40 {
+            let least = exact.data().iter().copied().fold(1.0, f32::min);
+            assert!(least < 0.85, "{least}");
+        }
+    }
+}
+
+/// A wall across the view at this distance; none at an infinite one.
+struct Wall(f64);
+
+impl Rays for Wall {
+    fn hit(&self, origin: [f64; 3], direction: [f64; 3], from: f64, to: f64) -> Option<Hit> {
+        let distance = (self.0 - origin[2]) / direction[2];
+        (distance >= from && distance <= to).then_some(Hit {
+            distance,
+            normal: [0.0, 0.0, -1.0],
+            object: 1,
+        })
+    }
+}
+
+/// Mean of the veil that remains before a wall.
+fn mean_before_wall(meters: f64) -> f32 {
+    let size = (96, 64);
+    let daylight = surface::tests::daylight(size, [0.0, -1.0, 0.0], 0.7, 6.0);
+    let range = Plane::from_fn(size.0, size.1, |x, y| {
+        let ray = daylight.gaze.camera.ray(x as f64, y as f64).normalized();
+        (meters / ray.z) as f32
+    });
+    let range = range.map(|&z| if z.is_finite() { z } else { f32::NAN });
+    let access = veil_access(&range, &daylight, ATTENUATION, &Wall(meters));
+    access.data().iter().sum::<f32>() / access.data().len() as f32
+}
+
+#[test]
+fn open_water_keeps_its_veil_and_a_wall_darkens_it() {
+    assert_eq!(mean_before_wall(f64::INFINITY), 1.0);
+    let walls = [8.0, 3.0, 1.0].map(mean_before_wall);
+    assert!(walls.is_sorted_by(|far, near| far > near), "{walls:?}");
+    assert!(walls[0] < 0.999 && walls[2] > 0.2, "{walls:?}");
+}

@@ -9,22 +9,24 @@
 //! ```
 //!
 //! s is 1 in a direction without occluder within 1.5 attenuation lengths, else the light of the water before it, whose distance is taken
-//! as even in that length: `1 − (1 − e^{−1.5})/1.5`. The sun is occluded by one ray of its own.
+//! as even in that length: `1 − (1 − e^{−1.5})/1.5`. The sun is occluded by shadow rays of its own from more places: each is in shadow
+//! or not, and few places would draw steps into the veil.
 
 use imaging::rays::{Rays, Ways};
 use imaging::vector::{DVec3, vec3};
 use imaging::{Plane, Rgb, vectorized};
 
-use super::super::Daylight;
+use super::super::{Daylight, SunLight};
+use super::veil_grid::Grid;
 use super::{single, to_sea};
 use crate::range::is_hole;
 
-/// Places along each line of sight.
+/// Places along each line of sight with shadow rays all around.
 const PLACES: usize = 3;
-/// Directions from each place.
+/// Directions from each of them.
 const DIRECTIONS: usize = 16;
-/// Every so many pixels has a line of sight of its own: the veil is smooth.
-const STRIDE: usize = 16;
+/// Places along each line of sight with a shadow ray toward the sun.
+const SUN_PLACES: usize = 12;
 /// Attenuation lengths within which occluders count.
 const REACH: f64 = 1.5;
 /// Light of the water before an occluder: the mean of `1 − e^{−x}` over 0..1.5.
@@ -36,38 +38,24 @@ const ASYMMETRY: f64 = 0.5;
 const FARTHEST: f64 = 8.0;
 /// The golden angle.
 const TURN: f64 = 2.399_963_229_728_653;
+/// Lines of sight that are traced together.
+const BATCH: usize = 64;
 
-/// The share of the veil that remains at every pixel. `attenuation` is c of the clearest channel.
+/// The share of the veil that remains at every pixel. `attenuation` is c of the clearest channel. Interpolates between lines of sight of
+/// coarse grids where these agree, see [`Grid`].
 #[must_use]
 pub fn veil_access(range: &Plane<f32>, daylight: &Daylight, attenuation: f64, rays: &dyn Rays) -> Plane<f32> {
     let veil = OccludedVeil::new(daylight, attenuation);
-    let (width, height) = range.size();
-    let (columns, rows) = (width.div_ceil(STRIDE) + 1, height.div_ceil(STRIDE) + 1);
-    let mut ways = Ways::default();
-    let mut clear = Vec::new();
-    let mut coarse = Plane::filled(columns, rows, 1.0f32);
-    for row in 0..rows {
-        ways.clear();
-        let pixel = |column: usize| ((column * STRIDE).min(width - 1), (row * STRIDE).min(height - 1));
-        for column in 0..columns {
-            let (x, y) = pixel(column);
-            for place in veil.places(range, x, y) {
-                for direction in veil.directions() {
-                    let end = place + direction * veil.reach(place, direction);
-                    ways.push(single(place), single(end));
-                }
-            }
-        }
-        clear.clear();
-        clear.resize(ways.len(), true);
-        rays.look(&ways, &mut clear);
-        let of_pixel = PLACES * veil.ways_per_place();
-        for (column, clear) in clear.chunks(of_pixel).enumerate() {
-            let (x, y) = pixel(column);
-            coarse.row_mut(row)[column] = veil.share(x, y, |k| clear[k]) as f32;
-        }
+    let lost = range.map(|&z| veil.lost(veil.length(z)) as f32);
+    let mut access = Plane::filled(range.width(), range.height(), f32::NAN);
+    let mut grid = Some(Grid::coarsest(range.size()));
+    while let Some(current) = grid {
+        let pixels = current.needed(&access);
+        let traced = veil.trace(range, &pixels, rays);
+        current.interpolate(&pixels, &traced, &lost, &mut access);
+        grid = current.finer();
     }
-    Plane::from_fn(width, height, |x, y| between(&coarse, x, y))
+    access
 }
 
 /// [`veil_access`] at every pixel, one ray after the other.
@@ -80,19 +68,16 @@ pub fn veil_access_reference(
 ) -> Plane<f32> {
     let veil = OccludedVeil::new(daylight, attenuation);
     Plane::from_fn(range.width(), range.height(), |x, y| {
-        let clear: Vec<bool> = veil
-            .places(range, x, y)
-            .into_iter()
-            .flat_map(|place| {
-                let directions = veil.directions();
-                directions.map(move |direction| (place, direction))
-            })
-            .map(|(place, direction)| {
-                let meters = veil.reach(place, direction);
-                !rays.occluded(place.into(), direction.into(), 0.0, meters)
-            })
-            .collect();
-        veil.share(x, y, |k| clear[k]) as f32
+        let line = veil.line(range, [x, y]);
+        let is_clear = |k: usize| {
+            let ShadowRay {
+                from,
+                direction,
+                meters,
+            } = veil.shadow_ray(&line, k);
+            !rays.occluded(from.into(), direction.into(), 0.0, meters)
+        };
+        veil.share(&line, is_clear) as f32
     })
 }
 
@@ -112,16 +97,20 @@ fn change(veil: &mut [f32], light: &mut [f32], access: &[f32]) {
     }
 }
 
-/// Interpolates linearly between the lines of sight of a coarse grid.
-fn between(coarse: &Plane<f32>, x: usize, y: usize) -> f32 {
-    let (column, row) = (x / STRIDE, y / STRIDE);
-    let [right, down] = [x, y].map(|v| (v % STRIDE) as f32 / STRIDE as f32);
-    let mix = |row: usize| {
-        let [left, next] = [column, column + 1].map(|column| coarse.pixel(column, row));
-        left + (next - left) * right
-    };
-    let [above, below] = [mix(row), mix(row + 1)];
-    above + (below - above) * down
+/// A line of sight from the camera.
+struct Line {
+    /// Unit vector.
+    direction: DVec3,
+    /// The share of light that its length takes away.
+    lost: f64,
+}
+
+/// A ray from a place of a line of sight.
+struct ShadowRay {
+    from: DVec3,
+    /// Unit vector.
+    direction: DVec3,
+    meters: f64,
 }
 
 /// The geometry and the weights of an occluded veil.
@@ -142,7 +131,7 @@ impl<'a> OccludedVeil<'a> {
             let (sine, cosine) = (TURN * k as f64).sin_cos();
             vec3(level * cosine, rise, level * sine)
         };
-        let shares = |sun: &super::super::SunLight| {
+        let mean_share = |sun: &SunLight| {
             let shares = daylight
                 .fields
                 .each_ref()
@@ -157,70 +146,115 @@ impl<'a> OccludedVeil<'a> {
             sun: daylight
                 .sun
                 .as_ref()
-                .map(|sun| (sun.toward(&daylight.gaze).into(), shares(sun))),
+                .map(|sun| (sun.toward(&daylight.gaze).into(), mean_share(sun))),
         }
     }
 
-    fn ways_per_place(&self) -> usize {
-        DIRECTIONS + usize::from(self.sun.is_some())
+    /// Shadow rays of each line of sight.
+    fn rays_per_line(&self) -> usize {
+        PLACES * DIRECTIONS + self.sun.map_or(0, |_| SUN_PLACES)
     }
 
-    fn directions(&self) -> impl Iterator<Item = DVec3> + '_ {
-        let sun = self.sun.map(|(direction, _)| direction);
-        self.directions.iter().copied().chain(sun)
+    /// Length of a line of sight to a surface, without the sea surface.
+    fn length(&self, z: f32) -> f64 {
+        if is_hole(z) {
+            FARTHEST / self.attenuation
+        } else {
+            f64::from(z)
+        }
     }
 
-    /// Length of a shadow ray: to the sea surface, and of those to the sky no farther than [`REACH`].
-    fn reach(&self, place: DVec3, direction: DVec3) -> f64 {
-        let surface = to_sea(self.daylight, place, direction.dot(self.up));
-        let is_sun = self.sun.is_some_and(|(sun, _)| sun == direction);
-        let reach = if is_sun { FARTHEST } else { REACH };
-        surface.min(reach / self.attenuation)
+    /// `1 − e^{−c t}`.
+    fn lost(&self, meters: f64) -> f64 {
+        -(-self.attenuation * meters).exp_m1()
     }
 
-    /// Places of a line of sight, equal in `1 − e^{−c t}`.
-    fn places(&self, range: &Plane<f32>, x: usize, y: usize) -> [DVec3; PLACES] {
-        let ray = self.daylight.gaze.camera.ray(x as f64, y as f64).normalized();
-        let z = range.pixel(x, y);
-        let rise = ray.dot(self.up);
-        let open = FARTHEST / self.attenuation;
-        let end = if is_hole(z) { open } else { f64::from(z) };
-        let end = end.min(to_sea(self.daylight, vec3(0.0, 0.0, 0.0), rise));
-        let lost = -(-self.attenuation * end).exp_m1();
-        std::array::from_fn(|k| {
-            let share = (k as f64 + 0.5) / PLACES as f64;
-            ray * (-(-share * lost).ln_1p() / self.attenuation)
-        })
+    fn line(&self, range: &Plane<f32>, [x, y]: [usize; 2]) -> Line {
+        let direction = self.daylight.gaze.camera.ray(x as f64, y as f64).normalized();
+        let sea = to_sea(self.daylight, vec3(0.0, 0.0, 0.0), direction.dot(self.up));
+        let end = self.length(range.pixel(x, y)).min(sea);
+        Line {
+            direction,
+            lost: self.lost(end),
+        }
     }
 
-    /// V of a pixel whose shadow rays are clear or not, in the order of its places and their directions.
-    fn share(&self, x: usize, y: usize, clear: impl Fn(usize) -> bool) -> f64 {
-        let sight = self.daylight.gaze.camera.ray(x as f64, y as f64).normalized();
-        // The shape of green stands for all: channels differ less than directions.
-        let shape = &self.daylight.fields[1].shape;
-        let weight = |direction: &DVec3| {
-            let cosine = sight.dot(*direction);
-            let spread = 1.0 + ASYMMETRY * ASYMMETRY - 2.0 * ASYMMETRY * cosine;
-            shape.phi(direction.dot(self.up)) / spread.powf(1.5)
-        };
-        let weights: Vec<f64> = self.directions.iter().map(weight).collect();
-        let all: f64 = weights.iter().sum();
-        let per_place = self.ways_per_place();
-        let of_place = |place: usize| {
-            let first = place * per_place;
-            let open = weights
-                .iter()
-                .enumerate()
-                .map(|(k, weight)| weight * if clear(first + k) { 1.0 } else { BEFORE_OCCLUDER });
-            let sky = open.sum::<f64>() / all;
-            match self.sun {
-                Some((_, share)) => {
-                    let sun = if clear(first + DIRECTIONS) { 1.0 } else { 0.0 };
-                    share * sun + (1.0 - share) * sky
-                }
-                None => sky,
+    /// Shadow ray `k` of a line of sight: [`DIRECTIONS`] from each of its [`PLACES`], then those toward the sun. Each ends at the sea
+    /// surface, and those not toward the sun within [`REACH`].
+    fn shadow_ray(&self, line: &Line, k: usize) -> ShadowRay {
+        let (share, direction, reach) = match self.sun {
+            Some((sun, _)) if k >= PLACES * DIRECTIONS => {
+                let place = (k - PLACES * DIRECTIONS) as f64;
+                ((place + 0.5) / SUN_PLACES as f64, sun, FARTHEST)
+            }
+            _ => {
+                let place = (k / DIRECTIONS) as f64;
+                (
+                    (place + 0.5) / PLACES as f64,
+                    self.directions[k % DIRECTIONS],
+                    REACH,
+                )
             }
         };
-        (0..PLACES).map(of_place).sum::<f64>() / PLACES as f64
+        let from = line.direction * (-(-share * line.lost).ln_1p() / self.attenuation);
+        let surface = to_sea(self.daylight, from, direction.dot(self.up));
+        ShadowRay {
+            from,
+            direction,
+            meters: surface.min(reach / self.attenuation),
+        }
+    }
+
+    /// V of these pixels, many rays at once: those of one kind of neighboring pixels follow each other.
+    fn trace(&self, range: &Plane<f32>, pixels: &[[usize; 2]], rays: &dyn Rays) -> Vec<f32> {
+        let mut values = Vec::with_capacity(pixels.len());
+        let (mut ways, mut clear) = (Ways::default(), Vec::new());
+        for batch in pixels.chunks(BATCH) {
+            let lines: Vec<Line> = batch.iter().map(|&pixel| self.line(range, pixel)).collect();
+            ways.clear();
+            for k in 0..self.rays_per_line() {
+                for line in &lines {
+                    let ShadowRay {
+                        from,
+                        direction,
+                        meters,
+                    } = self.shadow_ray(line, k);
+                    ways.push(single(from), single(from + direction * meters));
+                }
+            }
+            clear.clear();
+            clear.resize(ways.len(), true);
+            rays.look(&ways, &mut clear);
+            let shares = lines
+                .iter()
+                .enumerate()
+                .map(|(i, line)| self.share(line, |k| clear[k * lines.len() + i]) as f32);
+            values.extend(shares);
+        }
+        values
+    }
+
+    /// V of a line of sight whose shadow rays are clear or not.
+    fn share(&self, line: &Line, is_clear: impl Fn(usize) -> bool) -> f64 {
+        // The shape of green stands for all: channels differ less than directions.
+        let shape = &self.daylight.fields[1].shape;
+        let (mut open, mut all) = (0.0, 0.0);
+        for (k, direction) in self.directions.iter().enumerate() {
+            let cosine = line.direction.dot(*direction);
+            let spread = 1.0 + ASYMMETRY * ASYMMETRY - 2.0 * ASYMMETRY * cosine;
+            let weight = shape.phi(direction.dot(self.up)) / spread.powf(1.5);
+            let clear = (0..PLACES)
+                .filter(|place| is_clear(place * DIRECTIONS + k))
+                .count() as f64;
+            let remains = clear / PLACES as f64;
+            all += weight;
+            open += weight * (remains + (1.0 - remains) * BEFORE_OCCLUDER);
+        }
+        let sky = open / all;
+        self.sun.map_or(sky, |(_, share)| {
+            let first = PLACES * DIRECTIONS;
+            let clear = (first..first + SUN_PLACES).filter(|&k| is_clear(k)).count() as f64;
+            share * clear / SUN_PLACES as f64 + (1.0 - share) * sky
+        })
     }
 }

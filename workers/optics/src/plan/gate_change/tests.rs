@@ -1,7 +1,8 @@
 use imaging::random::Stream;
-use spec::{ForwardScatter, Occlusion, Optics, ScatterModel, ScatterSpread};
+use spec::{Optics, ScatterModel};
 
 use super::*;
+use crate::medium::{Kernels, Medium};
 
 const WIDTH: usize = 384;
 const HEIGHT: usize = 246;
@@ -13,14 +14,15 @@ const TOLERANCE: f64 = 0.25;
 fn water(preset: &str) -> Water {
     let optics = Optics {
         preset: Some(preset.to_owned()),
-        forward_scatter: Some(ForwardScatter {
-            spread: Some(ScatterSpread::Two),
-            occlusion: Some(Occlusion::Gated),
-            ..ScatterModel::Jaffe.into()
-        }),
+        forward_scatter: Some(ScatterModel::Jaffe.into()),
         ..Optics::default()
     };
-    Water::resolve(&optics.into(), 300.0).unwrap()
+    let medium = Medium {
+        kernels: Kernels::Two,
+        layers: Some(3),
+        ..optics.into()
+    };
+    Water::resolve(&medium, 300.0).unwrap()
 }
 
 /// A pile, a plate and a ladder before a wall, the first at `near_m`, with reflectances that differ by `contrast`.

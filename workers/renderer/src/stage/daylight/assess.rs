@@ -1,6 +1,6 @@
 //! The plan of daylight.
 
-use optics::daylight::{Daylight, SurfaceLight};
+use optics::daylight::Daylight;
 use optics::plan::{ErrorBound, Stage, StageId, Variant};
 use optics::water::Water;
 use spec::RaySource;
@@ -35,7 +35,7 @@ pub(crate) fn assess(assessment: &Assessment<'_>) -> Vec<Stage> {
     if is_occluded {
         let occlusion = Stage {
             bound: None,
-            note: Some("traced for every 16th pixel".to_owned()),
+            note: Some("traced between similar lines of sight for every 16th pixel at most".to_owned()),
             ..Stage::new(StageId::VeilOcclusion, assessment.variant("coarse_rays"))
         };
         stages.push(occlusion.costing(VEIL_OCCLUSION_NS, assessment.pixels()));
@@ -49,20 +49,16 @@ fn assess_surfaces(assessment: &Assessment<'_>) -> Vec<Stage> {
     let (Some(daylight), Some(far)) = (on_surfaces(&context.setting), farthest_surface(context)) else {
         return vec![assess_factor(assessment)];
     };
-    let is_sloped = daylight.surfaces() == SurfaceLight::Normal;
     let reflectance = optics::brightest(&context.prepared.scene.radiance);
     let peak = context
         .pattern
         .as_ref()
         .map_or(1.0, |pattern| pattern.peak().max(1.0));
-    let sun = daylight.sun().filter(|_| is_sloped);
+    let sun = daylight.sun();
     let ns = if sun.is_some() { SUNNY_NS } else { OVERCAST_NS };
     let surfaces = Stage {
         bound: Some(daylight.rounding(reflectance, far, peak)),
-        ..Stage::new(
-            StageId::Surfaces,
-            assessment.variant(if is_sloped { "by_normal" } else { "by_depth" }),
-        )
+        ..Stage::new(StageId::Surfaces, assessment.variant("by_normal"))
     };
     let sunlight = (0..3).map(|c| f64::from(reflectance[c]) * daylight.most_sunlight(c, far));
     let sunlight = sunlight.fold(0.0, f64::max);
@@ -73,7 +69,7 @@ fn assess_surfaces(assessment: &Assessment<'_>) -> Vec<Stage> {
     if sun.is_some_and(|sun| sun.casts_shadows) {
         stages.push(assess_sun_shadow(assessment, sunlight));
     }
-    if is_sloped && daylight.ambient_rays() > 0 {
+    if daylight.ambient_rays() > 0 {
         stages.push(assess_ambient(assessment, daylight.ambient_rays()));
     }
     if sun.is_some() && context.pattern.is_some() && daylight.draws_caustics() {
