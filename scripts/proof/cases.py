@@ -25,9 +25,10 @@ class Cases(dict):
     def add(self, name, water=None, family=None, scene=None, size=(96, 64), **fields):
         assert name not in self, name
         family = family or FAMILIES[len(self) % 3]
-        camera = {"width": size[0], "height": size[1]} | fields.pop("camera", {})
-        job = {"scene": scene or {"kind": "procedural", "family": family, "seed": len(self)}, "camera": camera, "seed": len(self),
-               "metrics": ["entropy"]}
+        scene = scene or {"kind": "procedural", "family": family, "seed": len(self)}
+        # A picture has its own size.
+        camera = {"width": size[0], "height": size[1]} if scene["kind"] == "procedural" else {}
+        job = {"scene": scene, "camera": camera | fields.pop("camera", {}), "seed": len(self), "metrics": ["entropy"]}
         self[name] = job | ({} if water is None else {"water": water}) | fields
 
 
@@ -101,7 +102,7 @@ def cameras(add):
     add("camera-sensor", {"optics": "jerlov-1C"}, camera=sensor | {"jpeg": {"quality": 80}}, artifacts=["rgb", "raw"], count=2)
     add("camera-deep", {"optics": "jerlov-1C"}, camera={"bits": 16, "tone": "linear", "exposure": {"fixed": 3}})
     add("path", {"optics": "jerlov-1C", "snow": SNOW}, "pipeline", count=3, artifacts=["rgb", "snow_mask", "boxes"],
-        camera={"path": {"frames": 3, "sway_m": 0.05, "sway_deg": 2, "sway_frames": 7.5}, "motion": {"samples": 3, "exposure_s": 0.04}})
+        camera={"path": {"frames": 3, "sway_m": 0.05, "sway_deg": 2, "sway_frames": 7.5}, "exposure_s": 0.04})
 
 
 def files(add):
@@ -123,7 +124,7 @@ def results(add):
     add("jpeg", {"optics": "jerlov-II"}, encode={"format": "jpeg", "quality": 80})
     for name, fidelity in [("tight", {"tolerance": 1e-6}), ("loose", {"tolerance": 0.01}), ("terms", {"terms": 3}), ("reference", "reference")]:
         add(f"fidelity-{name}", {"optics": "jerlov-3C"}, size=(40, 26), fidelity=fidelity, artifacts=LAYERS)
-    add("truth", {"optics": "jerlov-1C"}, lights=[SPOT], size=(12, 8), truth={"paths_max": 32, "block": 4}, artifacts=["truth", "truth_report"])
+    add("truth", {"optics": "jerlov-1C"}, lights=[SPOT], size=(12, 8), truth={"paths_max": 32}, artifacts=["truth", "truth_report"])
 
 
 def laws(add):

@@ -3,7 +3,7 @@
 use scenes::categories::FINDINGS;
 
 /// Colors of the categories by their numbers: the background dark, what inspections are about bright.
-const CATEGORY_COLORS: [[u8; 3]; 19] = [
+const CATEGORY_COLORS: [[u8; 3]; 21] = [
     [24, 38, 56],
     [176, 148, 104],
     [230, 159, 0],
@@ -23,6 +23,8 @@ const CATEGORY_COLORS: [[u8; 3]; 19] = [
     [255, 150, 120],
     [60, 200, 60],
     [170, 240, 255],
+    [0, 90, 255],
+    [110, 60, 20],
 ];
 /// Colors of the findings by their bits: crack, corrosion, spalling, joint, growth, coating damage.
 const FINDING_COLORS: [[u8; 3]; 6] = [
