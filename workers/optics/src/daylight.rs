@@ -43,7 +43,8 @@ pub use field::{CRITICAL_COSINE, Field, REFRACTIVE_INDEX, Shape, decay_from, fre
 pub use gaze::Gaze;
 pub use model::{Caustics, DaylightModel, Sun, SurfaceLight, VeilModel};
 pub use seen::{
-    Surfaces, access, access_reference, occlude_veil, sunlit, sunlit_reference, veil_access, veil_access_reference,
+    Surfaces, access, access_reference, occlude_veil, sunlit, sunlit_reference, veil_access,
+    veil_access_reference,
 };
 pub use slope::{SLOPES, share_by_slope};
 pub use sun::SunLight;

@@ -103,10 +103,7 @@ impl Surroundings {
             daylight: frame.daylight,
             has_lamps: frame.has_lamps(),
             is_reflectance: frame.scene.lighting() == SceneLighting::Water,
-            frames_per_s: frame
-                .camera
-                .path
-                .map(|_| frame.camera.frames_per_s),
+            frames_per_s: frame.camera.path.map(|_| frame.camera.frames_per_s),
         }
     }
 

@@ -95,7 +95,9 @@ impl Setting {
         } else {
             Water::resolve_lit
         };
-        let water = medium.as_ref().map(|medium| resolve(medium, view.camera.focal_px));
+        let water = medium
+            .as_ref()
+            .map(|medium| resolve(medium, view.camera.focal_px));
         let water = water.and_then(|water| {
             let refused = |wrong: Vec<_>| errors.extend(wrong.into_iter().map(SettingError::Water));
             let water = water.map_err(refused).ok()?;

@@ -107,7 +107,11 @@ const VEIL_OCCLUSION_NS: f64 = 8.0;
 
 /// The expected cost of an effect in ms.
 pub(crate) fn expect_cost(id: StageId, context: &FrameContext<'_>) -> f64 {
-    let lamps = context.setting.lighting.as_ref().map_or(0, |lighting| lighting.lamps.len());
+    let lamps = context
+        .setting
+        .lighting
+        .as_ref()
+        .map_or(0, |lighting| lighting.lamps.len());
     let ns = match id {
         StageId::SunShadow => SUN_SHADOW_NS,
         StageId::AmbientAccess => AMBIENT_NS,

@@ -196,7 +196,10 @@ impl<'a> Preview<'a> {
                 };
                 daylight::surfaces(scene, &self.range, &self.normals, daylight, reaching)
             });
-        let lamps = setting.lighting.as_ref().map(|lighting| self.shine(lighting, light.shadows));
+        let lamps = setting
+            .lighting
+            .as_ref()
+            .map(|lighting| self.shine(lighting, light.shadows));
         let surfaces = match (daylit, lamps) {
             (Some(daylit), Some(lamps)) => daylight::with_lamps(daylit, scene, &lamps),
             (Some(daylit), None) => daylit,
@@ -216,9 +219,7 @@ impl<'a> Preview<'a> {
     fn veil(&self) -> Rgb<f32> {
         let attenuation = self.water.direct_attenuation();
         let veil = self.water.veiling_light();
-        self.for_each_pixel(|channel, _, _, z| {
-            (veil[channel] * -(-attenuation[channel] * z).exp_m1()) as f32
-        })
+        self.for_each_pixel(|channel, _, _, z| (veil[channel] * -(-attenuation[channel] * z).exp_m1()) as f32)
     }
 
     fn for_each_pixel(&self, light: impl Fn(usize, usize, usize, f64) -> f32) -> Rgb<f32> {

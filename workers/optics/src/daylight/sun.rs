@@ -1,9 +1,9 @@
 //! The sun as the water lets it through.
 
-use imaging::vector::DVec3;
 use super::field::{Field, MOST_GAIN, REFRACTIVE_INDEX};
 use super::gaze::Gaze;
 use super::model::Sun;
+use imaging::vector::DVec3;
 
 /// The share b/20 of the scattering takes light out of the sun's own direction; the rest goes on nearly straight.
 const LOST_BY_SCATTERING: f64 = 0.05;

@@ -8,10 +8,7 @@ use crate::preset::diffuse_in_disguise;
 use crate::snow;
 
 /// What must fit together within the water of a description.
-pub const RULES: WaterRules = WaterRules {
-    faults,
-    warning,
-};
+pub const RULES: WaterRules = WaterRules { faults, warning };
 
 /// No camera changes what is looked at here.
 const ANY_FOCAL_PX: f64 = 500.0;

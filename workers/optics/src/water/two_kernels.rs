@@ -73,5 +73,8 @@ pub(super) fn contradictions(medium: &Medium) -> Vec<WaterError> {
     } else {
         return Vec::new();
     };
-    vec![WaterError::Contradiction { field: "model", reason }]
+    vec![WaterError::Contradiction {
+        field: "model",
+        reason,
+    }]
 }

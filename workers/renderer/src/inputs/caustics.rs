@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use imaging::Plane;
-use optics::daylight::{self, SurfaceLight, Blur, Tiles, Waves};
+use optics::daylight::{self, Blur, SurfaceLight, Tiles, Waves};
 use optics::range::of_surfaces;
 use optics::setting::Setting;
 use spec::Frame;

@@ -35,7 +35,9 @@ impl Shutter {
         Self {
             focus: parts.and_then(|parts| Some((parts.focus?, scale(parts)))),
             exposure_s,
-            time_s: camera.path.map_or(0.0, |path| (path.frame as f64 + later) / camera.frames_per_s),
+            time_s: camera
+                .path
+                .map_or(0.0, |path| (path.frame as f64 + later) / camera.frames_per_s),
         }
     }
 

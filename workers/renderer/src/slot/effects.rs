@@ -22,7 +22,9 @@ impl Slot {
     ) -> Result<(), RenderError> {
         let mut effects = match context.frame.fidelity {
             Fidelity::Reference | Fidelity::Terms(_) | Fidelity::Tolerance(_) => Effects::default(),
-            Fidelity::Picture | Fidelity::BudgetMs(_) => watch.time("plan", || self.estimate_effects(context, expected))?,
+            Fidelity::Picture | Fidelity::BudgetMs(_) => {
+                watch.time("plan", || self.estimate_effects(context, expected))?
+            }
         };
         let Fidelity::BudgetMs(budget_ms) = context.frame.fidelity else {
             context.apply(effects, &mut self.resources, watch);

@@ -183,7 +183,11 @@ impl Slot {
                 &mut self.resources,
                 unused,
             )?;
-            at.apply(context.effects.clone(), &mut self.resources, &mut Stopwatch::start());
+            at.apply(
+                context.effects.clone(),
+                &mut self.resources,
+                &mut Stopwatch::start(),
+            );
             at.plan = plan_frame(&at, expected, None, &self.networks.engine)?;
             visit(self, &at, moment)?;
         }

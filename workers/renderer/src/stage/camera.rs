@@ -37,9 +37,8 @@ pub(crate) fn complete(frame: &Frame) -> Cow<'_, Frame> {
     let camera = ::camera::preset::complete(&frame.camera);
     let mut completed = Cow::Borrowed(frame);
     let surroundings = Surroundings::of_frame(frame);
-    let is_lamplit = surroundings.has_lamps
-        && surroundings.is_reflectance
-        && surroundings.is_night(frame.water.depth_m);
+    let is_lamplit =
+        surroundings.has_lamps && surroundings.is_reflectance && surroundings.is_night(frame.water.depth_m);
     if is_lamplit && camera.exposure.is_none() {
         completed.to_mut().camera.exposure = Some(Exposure::Auto(Metering::default()));
     }

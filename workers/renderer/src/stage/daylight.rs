@@ -9,7 +9,9 @@ use std::borrow::Cow;
 use imaging::rays::Rays;
 use imaging::{Plane, Rgb};
 use optics::chain::Layers;
-use optics::daylight::{self, Daylight, SurfaceLight, RAYS_PER_CELL, Reaching, Refraction, SunLight, Surfaces};
+use optics::daylight::{
+    self, Daylight, RAYS_PER_CELL, Reaching, Refraction, SunLight, SurfaceLight, Surfaces,
+};
 use optics::lamp;
 use optics::plan::{Plan, StageId, Variant};
 use optics::range::{farthest, of_surfaces};
@@ -131,14 +133,18 @@ pub(crate) fn run_in_water(context: &FrameContext<'_>, layers: &mut Layers) {
 }
 
 fn occlude_veil(context: &FrameContext<'_>, layers: &mut Layers) {
-    let Some(water) = &context.setting.water else { return };
+    let Some(water) = &context.setting.water else {
+        return;
+    };
     let daylight = water.daylight().filter(|daylight| daylight.occludes_veil());
-    let (Some(daylight), Some(range), Some(rays)) =
-        (daylight, &context.prepared.scene.range, context.rays())
+    let (Some(daylight), Some(range), Some(rays)) = (daylight, &context.prepared.scene.range, context.rays())
     else {
         return;
     };
-    let clearest = water.direct_attenuation().into_iter().fold(f64::INFINITY, f64::min);
+    let clearest = water
+        .direct_attenuation()
+        .into_iter()
+        .fold(f64::INFINITY, f64::min);
     let access = match context.plan.variant(StageId::VeilOcclusion) {
         Variant::Skip => return,
         Variant::Reference => daylight::veil_access_reference(range, daylight, clearest, rays),

@@ -105,7 +105,10 @@ fn boxes_masks_and_range_follow_the_lens() {
         assert_eq!(scenes::categories::CATEGORIES[category].1, instance.category);
     }
     let lens = scene.lens.unwrap();
-    assert_eq!((lens.distortion.k1, lens.flat_port_n_w), (-0.1, Some([1.3377, 1.3408, 1.3459])));
+    assert_eq!(
+        (lens.distortion.k1, lens.flat_port_n_w),
+        (-0.1, Some([1.3377, 1.3408, 1.3459]))
+    );
     // 80 degrees across: 48 / tan 40.
     assert!((scene.intrinsics.focal_px - 57.2).abs() < 0.1);
 }

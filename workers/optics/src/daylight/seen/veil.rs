@@ -143,7 +143,10 @@ impl<'a> OccludedVeil<'a> {
             vec3(level * cosine, rise, level * sine)
         };
         let shares = |sun: &super::super::SunLight| {
-            let shares = daylight.fields.each_ref().map(|field| sun.share_at(field, daylight.depth));
+            let shares = daylight
+                .fields
+                .each_ref()
+                .map(|field| sun.share_at(field, daylight.depth));
             (shares[0] + shares[1] + shares[2]) / 3.0
         };
         Self {
@@ -205,9 +208,10 @@ impl<'a> OccludedVeil<'a> {
         let per_place = self.ways_per_place();
         let of_place = |place: usize| {
             let first = place * per_place;
-            let open = weights.iter().enumerate().map(|(k, weight)| {
-                weight * if clear(first + k) { 1.0 } else { BEFORE_OCCLUDER }
-            });
+            let open = weights
+                .iter()
+                .enumerate()
+                .map(|(k, weight)| weight * if clear(first + k) { 1.0 } else { BEFORE_OCCLUDER });
             let sky = open.sum::<f64>() / all;
             match self.sun {
                 Some((_, share)) => {

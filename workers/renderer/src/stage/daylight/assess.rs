@@ -25,7 +25,12 @@ const SKIP_SHARE: f64 = 0.0625;
 /// Daylight of a frame on surfaces and in the water.
 pub(crate) fn assess(assessment: &Assessment<'_>) -> Vec<Stage> {
     let mut stages = assess_surfaces(assessment);
-    let daylight = assessment.context.setting.water.as_ref().and_then(Water::daylight);
+    let daylight = assessment
+        .context
+        .setting
+        .water
+        .as_ref()
+        .and_then(Water::daylight);
     let is_occluded = daylight.is_some_and(Daylight::occludes_veil) && assessment.context.rays().is_some();
     if is_occluded {
         let occlusion = Stage {
