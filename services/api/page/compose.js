@@ -78,7 +78,10 @@ class Compose {
   }
 
   current() {
-    return settled(this.job, this.first[this.frame]?.parameters);
+    const drawn = this.first[this.frame]?.parameters;
+    const own = settled(this.job, drawn);
+    // The values of a site are known once they are drawn.
+    return this.job.site !== undefined && drawn?.site ? replaced(drawn, own) : own;
   }
 
   // After the last change: errors, cost, the frames of the laws, and the frame in full.
@@ -115,7 +118,7 @@ class Compose {
   }
 
   tell({ frames, estimate }) {
-    const tolerance = at(this.job, "/fidelity/tolerance");
+    const tolerance = at(this.job.site === undefined ? this.job : this.first[0].parameters, "/fidelity/tolerance");
     put(this.facts, `${count(frames, "frame")}, about ${duration(estimate.seconds)} with ${count(estimate.slots, "slot")}, `
       + `${bytes(estimate.bytes)}, error within ${typeof tolerance === "number" || tolerance === undefined ? number(tolerance ?? 3e-4) : "the tolerance"}`);
   }
@@ -193,6 +196,7 @@ class Compose {
     const move = (dx, dy, isDragging) => {
       const now = this.current();
       const light = now.lights[index];
+      this.job.lights ??= structuredClone(now.lights);
       const { x, y } = inPicture(light, now.camera ?? {});
       for (const [pointer, value] of Object.entries(placed(light, now.camera ?? {}, x + dx, y + dy))) {
         set(this.job, `/lights/${index}/${pointer}`, value);
@@ -241,6 +245,13 @@ function opened(text) {
     // An address that was cut short begins with the usual job.
   }
   return structuredClone(START);
+}
+
+// Objects are merged and everything else is replaced, as a job replaces fields of its site.
+function replaced(base, own) {
+  const isObject = (one) => one !== null && typeof one === "object" && !Array.isArray(one);
+  if (!isObject(base) || !isObject(own)) return own;
+  return { ...base, ...Object.fromEntries(Object.entries(own).map(([key, value]) => [key, replaced(base[key], value)])) };
 }
 
 // Where a light is in the picture, as shares of its sides.

@@ -2,7 +2,7 @@
 
 import { known } from "./api.js";
 import { h, put, select } from "./dom.js";
-import { GROUPS, LAMPS, NEW_LAMPS, at, put as set } from "./fields.js";
+import { GROUPS, LAMPS, NEW_LAMPS, START, at, put as set } from "./fields.js";
 import { lawEditor, lawOf, lawsFor, newLaw } from "./laws.js";
 import { number } from "./text.js";
 
@@ -18,6 +18,7 @@ export class Form {
   async start() {
     const lists = [...new Set(GROUPS.flatMap(([, fields]) => fields.map((field) => field.list)).filter(Boolean))];
     const found = await Promise.all([known("/v1/lists/fields"), ...lists.map(known)]);
+    this.sites = (await known("/v1/lists/sites")).map((site) => [site.name, `${site.name}: ${site.about}`]);
     this.about = new Map(found.shift().map((field) => [field.name.replace(/\([a-z]+\)/g, ""), field]));
     this.options = new Map(lists.map((list, index) => [list, found[index].map((one) => one.name)]));
     this.draw();
@@ -31,11 +32,30 @@ export class Form {
     const open = new Map([...this.element.querySelectorAll("details")].map((one) => [one.dataset.group, one.open]));
     this.notes.clear();
     const groups = GROUPS.map(([title, fields], index) => h("details.panel", { "data-group": title, open: open.get(title) ?? ![1, 2].includes(index) },
-      h("summary", {}, title), fields.map((field) => this.control(field))));
+      h("summary", {}, title), fields.filter((field) => title === "Job" || this.isShown(field)).map((field) => this.control(field))));
     groups.splice(3, 0, this.lamps(open));
-    put(this.element, groups);
+    put(this.element, this.siteSelect(), groups);
     const control = [...this.element.querySelectorAll("[data-pointer]")].find((one) => one.dataset.pointer === pointer);
     control?.querySelector(active.classList.contains("law-kind") ? ".law-kind" : "input, select:not(.law-kind), button")?.focus();
+  }
+
+  // With a site the form shows the fields that replace the site's.
+  isShown(field) {
+    return this.job.site === undefined || at(this.job, field.pointer) !== undefined;
+  }
+
+  // A site replaces the description; name, count and seed of the job stay.
+  siteSelect() {
+    const { site } = this.job;
+    const isOwn = site !== undefined && typeof site !== "string";
+    const options = [["", isOwn ? "as in the JSON" : "none"], ...this.sites];
+    return select("Site", options, isOwn ? "" : site ?? "", (name) => {
+      const { dataset, count, seed } = this.job;
+      for (const key of Object.keys(this.job)) delete this.job[key];
+      Object.assign(this.job, name ? { site: name } : structuredClone(START), { dataset, count, seed });
+      this.draw();
+      this.changed(false);
+    });
   }
 
   control(field, label) {

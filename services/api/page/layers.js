@@ -8,7 +8,7 @@ import { path } from "./text.js";
 
 // In the order in which light goes; what is not named comes after.
 const ORDER = ["rgb", "clean", "direct", "forward_scatter", "backscatter", "scattered", "styled", "hazed", "range", "transmittance",
-  "semantics", "instances", "findings", "normals", "snow_mask"];
+  "semantics", "semantics.visible", "instances", "findings", "normals", "snow_mask"];
 
 export class Layers {
   constructor(route, base, record, about) {
@@ -90,7 +90,7 @@ export class Layers {
       this.stage.style.maxWidth = `calc(70vh * ${image.width / image.height})`;
       canvas.getContext("2d").putImageData(image, 0, 0);
       this.notes[side] = [`${kind}: ${this.about.get(kind) ?? ""}`, image.legend && ` (${image.legend})`,
-        kind === "semantics" && h("br"), kind === "semantics" && (await this.categories(image.codes))];
+        kind.startsWith("semantics") && [h("br"), await this.categories(image.codes)]];
     } catch (error) {
       if (this.route.signal.aborted) return undefined;
       this.notes[side] = `${kind}: ${error.message}`;

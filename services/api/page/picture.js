@@ -25,7 +25,7 @@ export async function pixels(path, kind, mediaType, signal) {
   if (mediaType === "application/x-npy") return ofArray(readNpy(data), kind);
   if (kind === "range") return ofRange(await readPng16(data));
   const picture = await readPicture(data, mediaType);
-  if (["instances", "semantics", "findings"].includes(kind)) return ofCodes(picture);
+  if (["instances", "semantics", "semantics.visible", "findings"].includes(kind)) return ofCodes(picture);
   return picture;
 }
 

@@ -9,7 +9,7 @@ import { Grid } from "./grid.js";
 import { codeColor, picture, pixels } from "./picture.js";
 import { bytes, count, number, path, queryOf, quoted } from "./text.js";
 
-const OVERLAYS = [["", "none"], ["semantics", "categories"], ["instances", "instances"], ["boxes", "boxes"], ["range", "range"]];
+const OVERLAYS = [["", "none"], ["semantics", "categories"], ["semantics.visible", "visible categories"], ["instances", "instances"], ["boxes", "boxes"], ["range", "range"]];
 
 // Images that the grid has room for until it is known how many there are.
 const FIRST = 100;

@@ -79,6 +79,11 @@ class Frame:
         return self._array("semantics")
 
     @property
+    def visible_semantics(self) -> NDArray[np.uint8]:
+        """`semantics`, with background where the water transmits less than 2 % in every channel: uint8, (H, W)."""
+        return self._array("semantics.visible")
+
+    @property
     def instances(self) -> NDArray[np.uint16]:
         """Instance of each pixel: uint16, (H, W); 0 is the background."""
         return self._array("instances")

@@ -290,6 +290,8 @@ mod tests {
         assert_eq!(submitted.row, stored);
         let paused = jobs.pause(stored.id.clone()).await.unwrap();
         jobs.resume(stored.id.clone()).await.unwrap();
+        // Resuming reads the description, which may be of an earlier version.
+        let reads = reads + 1;
         let cancelled = jobs.cancel(stored.id.clone()).await.unwrap();
         assert_eq!(jobs.catalogue.reads(), reads, "every change returns its row");
         assert_eq!((stored.version, paused.version), (1, 2));

@@ -85,7 +85,7 @@ fn library() -> Library {
 fn job(frames: u64, fields: &Value) -> Job {
     let mut description = json!({
         "scene": {"kind": "uploaded", "id": "scn_018f0000000070008000000000000000"},
-        "camera": {"width": 48, "height": 32, "hfov_deg": 80}, "count": frames,
+        "camera": {"hfov_deg": 80}, "count": frames,
         "water": {"optics": "jerlov-3C", "range_scale": {"uniform": [0.5, 3]}},
         "artifacts": ["rgb", "range"], "metrics": ["uciqe"]});
     for (name, value) in fields.as_object().unwrap() {

@@ -239,7 +239,7 @@ fn a_preview_shows_what_a_submission_would_do_and_stores_nothing() {
     let service = start();
     let mut body = job();
     body["count"] = json!(1000);
-    body["alpha"] = json!({"uniform": [0.0, 1.0]});
+    body["camera"]["hfov_deg"] = json!({"uniform": [60.0, 80.0]});
     body["water"]["range_scale"] = json!({"grid": [0.5, 2.0]});
     let preview = service.post("/v1/jobs/preview?frames=3", &body);
     assert_eq!(preview.status, 200, "{}", preview.text());
@@ -248,8 +248,8 @@ fn a_preview_shows_what_a_submission_would_do_and_stores_nothing() {
     let first = preview["first"].as_array().unwrap();
     assert_eq!(first.len(), 3);
     assert_eq!(first[1]["parameters"]["water"]["range_scale"], 2.0, "{preview}");
-    let alpha = first[2]["parameters"]["alpha"].as_f64().unwrap();
-    assert!(alpha > 0.0 && alpha < 1.0);
+    let hfov = first[2]["parameters"]["camera"]["hfov_deg"].as_f64().unwrap();
+    assert!(hfov > 60.0 && hfov < 80.0);
     let seconds = |preview: &serde_json::Value| preview["estimate"]["seconds"].as_f64().unwrap();
     assert!(seconds(&preview) > 0.0 && preview["estimate"]["bytes"].as_f64().unwrap() > 2000.0);
     let mut twice = body.clone();
@@ -264,9 +264,9 @@ fn a_preview_shows_what_a_submission_would_do_and_stores_nothing() {
     service
         .post("/v1/jobs/preview?frames=101", &body)
         .problem(400, "invalid-query");
-    body["alpha"] = json!(1.2);
+    body["camera"] = json!({"hfov_deg": 200});
     service.post("/v1/jobs/preview", &body).problem(422, "validation");
-    body["alpha"] = json!(1);
+    body["camera"] = json!({"hfov_deg": 80});
     body["scene"] = json!({"kind": "uploaded", "id": "scn_00000000000000000000000000000000"});
     service.post("/v1/jobs/preview", &body).problem(422, "validation");
 }

@@ -7,10 +7,10 @@ use imaging::Rgb8;
 use imaging::codec::decode_picture;
 use serde_json::{Value, json};
 
-/// A job over an uploaded scene; one frame in clear air and one in water.
+/// A job over an uploaded scene without the tint of daylight; one frame in clear air and one in water.
 fn job_over(scene: &Value) -> Value {
     json!({
-        "dataset": "uploads", "seed": 7,
+        "dataset": "uploads", "seed": 7, "daylight": "none",
         "scene": {"kind": "uploaded", "id": scene["id"]},
         "water": {"optics": "jerlov-5C", "range_scale": {"grid": [0.000_001, 1.0]}},
         "artifacts": ["rgb", "range"], "metrics": ["uiqm", "uciqe"]

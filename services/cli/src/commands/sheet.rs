@@ -98,7 +98,7 @@ pub(crate) fn draw(remote: &Remote, question: &Question<'_>, kind: &str, out: &P
     let tiles: Vec<Tile> = rows.iter().zip(&stored).map(tile).collect();
     let mut picture = sheet(&tiles, COLUMNS, TILE_PX);
     let (mut scenes, mut named) = (SceneClasses::new(remote), Named::new());
-    if kind == "semantics" {
+    if matches!(kind, "semantics" | "semantics.visible") {
         rows.iter().try_for_each(|row| scenes.add(row, &mut named))?;
     }
     if let Some(legend) = paint.legend(&stored, &named) {

@@ -7,10 +7,10 @@ use super::*;
 
 pub(in crate::leases) fn frame() -> Frame {
     let description = json!({
-        "count": 2, "seed": u64::MAX, "alpha": {"uniform": [0.1, 0.9]},
+        "count": 2, "seed": u64::MAX,
         "scene": {"kind": "procedural", "family": "structure", "seed": 3},
         "camera": {"width": 32, "height": 24, "hfov_deg": 80.1},
-        "water": {"optics": "jerlov-3C"},
+        "water": {"optics": "jerlov-3C", "range_scale": {"uniform": [0.1, 0.9]}},
         "enhance": ["hscm"],
         "metrics": ["uiqm", "uciqe"],
         "artifacts": ["rgb", "range", "enhanced.hscm"]

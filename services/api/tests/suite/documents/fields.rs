@@ -80,7 +80,10 @@ fn compare(document: &Value, place: &str, shape: &Shape, schema: &Value) -> usiz
             let object = followed(document, &schema["oneOf"][1]);
             return compare_object(document, place, fields, object, &[]);
         }
-        Shape::Either(_, object) => return compare(document, place, object, schema),
+        Shape::Either(_, Shape::OneOf(fields)) => {
+            return compare(document, place, &Shape::OneOf(fields), schema);
+        }
+        Shape::Either(_, object) => return compare(document, place, object, &schema["oneOf"][1]),
         Shape::Bool | Shape::Labels | Shape::Scalar => {}
     }
     0

@@ -82,7 +82,7 @@ impl<'a> Export<'a> {
             .selection
             .kinds
             .iter()
-            .any(|kind| kind == "semantics" || kind == "boxes");
+            .any(|kind| matches!(kind.as_str(), "semantics" | "semantics.visible" | "boxes"));
         for row in &rows {
             self.met.add(row);
             if has_classes {

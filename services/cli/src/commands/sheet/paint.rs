@@ -36,7 +36,7 @@ impl Stored {
         };
         Ok(match kind {
             "range" => Self::Range(codes()?),
-            "semantics" => Self::Semantics(codes()?),
+            "semantics" | "semantics.visible" => Self::Semantics(codes()?),
             "instances" => Self::Instances(codes()?),
             "findings" => Self::Findings(codes()?),
             "normals" => Self::Picture(linear(kind, bytes, |axes| {
