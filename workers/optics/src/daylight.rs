@@ -51,10 +51,23 @@ pub use sun::SunLight;
 pub use surface::{Reaching, surfaces, surfaces_reference, with_lamps};
 pub use veil::{VeilOf, veil, veil_reference};
 
-use crate::plan::StageId;
-
 /// The veil's exponent keeps at least this share of c: light cannot decay faster upwards than along a ray.
 pub const MOST_DECAY: f64 = 0.95;
+
+/// An effect of daylight that a picture can do without.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum DaylightEffect {
+    /// Shadows of the sun.
+    SunShadow,
+    /// Ambient occlusion of surfaces.
+    AmbientOcclusion,
+    /// The pattern of the waves on surfaces.
+    Caustics,
+    /// The pattern of the waves in the water.
+    Shafts,
+    /// Occlusion of the daylight that the veil comes from.
+    VeilOcclusion,
+}
 
 /// Light from above in one water, as one camera meets it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -84,18 +97,17 @@ pub struct Daylight {
 
 impl Daylight {
     /// Leaves an effect out.
-    pub(crate) fn leave_out(&mut self, effect: StageId) {
+    pub(crate) fn leave_out(&mut self, effect: DaylightEffect) {
         match effect {
-            StageId::SunShadow => {
+            DaylightEffect::SunShadow => {
                 if let Some(sun) = &mut self.sun {
                     sun.casts_shadows = false;
                 }
             }
-            StageId::AmbientAccess => self.rays = 0,
-            StageId::Caustics => self.draws_caustics = false,
-            StageId::Shafts => self.has_shafts = false,
-            StageId::VeilOcclusion => self.occludes_veil = false,
-            _ => {}
+            DaylightEffect::AmbientOcclusion => self.rays = 0,
+            DaylightEffect::Caustics => self.draws_caustics = false,
+            DaylightEffect::Shafts => self.has_shafts = false,
+            DaylightEffect::VeilOcclusion => self.occludes_veil = false,
         }
     }
 

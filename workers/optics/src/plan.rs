@@ -10,7 +10,6 @@
 mod bins;
 mod bounds;
 mod casting;
-mod gate_change;
 mod gates;
 mod layered;
 mod levels;
@@ -27,7 +26,6 @@ mod water;
 pub use crate::error_bound::{ErrorBound, Gain};
 pub use bounds::{RangeBin, SceneBounds, TileGains};
 pub use casting::Casting;
-pub use gate_change::{GateScene, estimate_gate_change};
 pub use levels::{brightest_behind, display_tolerance, frame_tolerance};
 pub use model::{Conditions, ModelError};
 pub use scatter::MOST_TERMS;

@@ -4,7 +4,7 @@ use imaging::geometry::Intrinsics;
 use imaging::vector::dot;
 use spec::{Beyond, Frame, Scene, SceneLighting, Snow};
 
-use crate::daylight::{Gaze, SurfaceLight};
+use crate::daylight::{DaylightEffect, Gaze, SurfaceLight};
 use crate::eye::Eye;
 use crate::lamp::{GlowPhase, LAMP_RADIUS_M, Lamp, Lighting, Shadow};
 use crate::medium::{Medium, Surroundings};
@@ -154,6 +154,14 @@ impl Setting {
                 *lamp = lamp.with_shadow(Shadow::None, false);
             }
         }
+        let effect = match effect {
+            StageId::SunShadow => DaylightEffect::SunShadow,
+            StageId::AmbientAccess => DaylightEffect::AmbientOcclusion,
+            StageId::Caustics => DaylightEffect::Caustics,
+            StageId::Shafts => DaylightEffect::Shafts,
+            StageId::VeilOcclusion => DaylightEffect::VeilOcclusion,
+            _ => return,
+        };
         for water in [&mut self.water, &mut self.around].into_iter().flatten() {
             if let Some(daylight) = &mut water.daylight {
                 daylight.leave_out(effect);

@@ -12,14 +12,13 @@ use optics::water::Water;
 use scenes::Labels;
 use spec::{Frame, Intrinsics, LensRecord};
 
-use crate::effects::Effects;
+use crate::effects::{ESTIMATED, Effects};
 use crate::error::RenderError;
 use crate::inputs::camera::{self, Cameras, Taking};
 use crate::inputs::caustics::{self, LastTiles, Pattern};
 use crate::inputs::scene::Prepared;
 use crate::inputs::shutter::Shutter;
 use crate::inputs::{patches, rays};
-use crate::preview;
 use crate::stopwatch::Stopwatch;
 
 /// The inputs of the stages of one moment of a frame. Stages do not change them.
@@ -90,7 +89,7 @@ impl<'a> FrameContext<'a> {
     /// Leaves effects out, and finds the pattern of the waves if it is seen. A context without this call has all effects of a calm
     /// sea.
     pub(crate) fn apply(&mut self, effects: Effects, resources: &mut Resources, watch: &mut Stopwatch) {
-        for id in preview::ESTIMATED.into_iter().filter(|id| !effects.runs(*id)) {
+        for id in ESTIMATED.into_iter().filter(|id| !effects.runs(*id)) {
             self.setting.leave_out(id);
         }
         let has_pattern = effects.runs(StageId::Caustics) || effects.runs(StageId::Shafts);

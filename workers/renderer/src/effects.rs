@@ -4,12 +4,20 @@ use std::collections::BTreeMap;
 
 use optics::plan::{Stage, StageId};
 
-use crate::context::FrameContext;
-
 /// An effect is left out if fewer pixels than this share change by more than [`VISIBLE_CODES`].
 pub(crate) const LEAST_SHARE: f64 = 1e-3;
 /// Changes of an 8-bit picture up to this many codes are not seen.
 pub(crate) const VISIBLE_CODES: f64 = 2.0;
+
+/// Effects that are estimated, in the order of light.
+pub(crate) const ESTIMATED: [StageId; 6] = [
+    StageId::SunShadow,
+    StageId::AmbientAccess,
+    StageId::Caustics,
+    StageId::Shafts,
+    StageId::LampShadows,
+    StageId::VeilOcclusion,
+];
 
 /// The estimated change of the final picture by an effect.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -126,12 +134,7 @@ const LAMP_SHADOW_NS: f64 = 63.0;
 const VEIL_OCCLUSION_NS: f64 = 8.0;
 
 /// The expected cost of an effect in ms.
-pub(crate) fn expect_cost(id: StageId, context: &FrameContext<'_>) -> f64 {
-    let lamps = context
-        .setting
-        .lighting
-        .as_ref()
-        .map_or(0, |lighting| lighting.lamps.len());
+pub(crate) fn expect_cost(id: StageId, pixels: usize, lamps: usize) -> f64 {
     let ns = match id {
         StageId::SunShadow => SUN_SHADOW_NS,
         StageId::AmbientAccess => AMBIENT_NS,
@@ -141,8 +144,7 @@ pub(crate) fn expect_cost(id: StageId, context: &FrameContext<'_>) -> f64 {
         StageId::VeilOcclusion => VEIL_OCCLUSION_NS,
         _ => 0.0,
     };
-    let (width, height) = context.setting.size;
-    ns * (width * height) as f64 / 1e6
+    ns * pixels as f64 / 1e6
 }
 
 #[cfg(test)]

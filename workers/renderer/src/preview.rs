@@ -19,16 +19,6 @@ use crate::inputs::caustics::find_coarse_tiles;
 /// Cells along the tile of caustics whose contrast is estimated: a quarter of those of a frame.
 const TILE_CELLS: usize = 32;
 
-/// Effects that are estimated, in the order of light.
-pub(crate) const ESTIMATED: [StageId; 6] = [
-    StageId::SunShadow,
-    StageId::AmbientAccess,
-    StageId::Caustics,
-    StageId::Shafts,
-    StageId::LampShadows,
-    StageId::VeilOcclusion,
-];
-
 /// A thinned scene in its light.
 pub(crate) struct Preview<'a> {
     context: &'a FrameContext<'a>,

@@ -2,16 +2,18 @@
 
 use imaging::codec::DecodeError;
 
-use crate::{FAMILIES, LEAST_CLEARANCE_M};
+use crate::LEAST_CLEARANCE_M;
 
 /// A scene that cannot be made from what was given.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SceneError {
     /// No such procedural family.
-    #[error("scene family `{family}` does not exist; there is {}", FAMILIES.join(", "))]
+    #[error("scene family `{family}` does not exist; there is {known}")]
     UnknownFamily {
         /// The requested name.
         family: String,
+        /// The names that exist.
+        known: String,
     },
     /// A file is damaged, too large, or of a type that the field does not take.
     #[error("`{field}`: {reason}")]

@@ -11,7 +11,7 @@ use crate::path::CameraPath;
 use crate::site::solid::Shape;
 use crate::site::view::{self, Stage};
 use crate::site::{self, Picture, Site, Wanted};
-use crate::{CameraPose, Family, LEAST_CLEARANCE_M, Scene, SceneError};
+use crate::{CameraPose, FAMILIES, Family, LEAST_CLEARANCE_M, Scene, SceneError};
 use crate::{bottom, life};
 
 /// What [`World::path`] keeps free, m.
@@ -58,6 +58,7 @@ impl World {
     ) -> Result<Self, SceneError> {
         let known = Family::parse(family).ok_or_else(|| SceneError::UnknownFamily {
             family: family.to_owned(),
+            known: FAMILIES.join(", "),
         })?;
         let burial = ground.and_then(|ground| ground.burial);
         let mut site = (known.site)(seed, burial.map(|share| share as f32));

@@ -5,10 +5,10 @@ use spec::Fidelity;
 
 use super::Slot;
 use crate::context::FrameContext;
-use crate::effects::{Effects, expect_cost};
+use crate::effects::{ESTIMATED, Effects, expect_cost};
 use crate::error::RenderError;
 use crate::planning::plan_frame;
-use crate::preview::{ESTIMATED, Preview};
+use crate::preview::Preview;
 use crate::stage::camera::{self, Expected};
 use crate::stopwatch::Stopwatch;
 
@@ -62,8 +62,11 @@ impl Slot {
         let Some(preview) = Preview::new(&thin, gain, 3.0 * camera::hidden_error(context.frame)) else {
             return Ok(effects);
         };
+        let (width, height) = context.setting.size;
+        let lamps = context.setting.lighting.as_ref();
+        let lamps = lamps.map_or(0, |lighting| lighting.lamps.len());
         for id in ESTIMATED {
-            let change = preview.measure_change(id, expect_cost(id, context));
+            let change = preview.measure_change(id, expect_cost(id, width * height, lamps));
             if let Some(change) = change {
                 effects.add(id, change);
             }
