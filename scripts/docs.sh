@@ -17,7 +17,5 @@ for frame in "$work"/table1/*/; do
 done
 "$lab" table1 "$work/frames" --out docs/table1
 
-"$lab" look examples/inspection-*.json --out docs/pictures/inspection.png
-
 "$lab" stability --enhance --scenes 8 --out "$work/stability"
 cp "$work"/stability/*.png "$work"/stability/stability.{md,csv} docs/stability/
