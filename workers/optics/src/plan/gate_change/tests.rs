@@ -68,9 +68,6 @@ fn the_estimate_is_near_the_actual_share_of_changed_pixels() {
                 };
                 let estimate = estimate_gate_change(&scene, LEAST);
                 let actual = actual_change(&radiance, &range, &water);
-                println!(
-                    "{preset}, {near_m} m before {wall_m} m, contrast {contrast}: {estimate:.4} for {actual:.4}"
-                );
                 let tolerance = TOLERANCE * actual;
                 shares.push((estimate, actual, tolerance));
             }
