@@ -51,7 +51,7 @@ fn a_missing_runtime_exits_with_four_and_everything_else_still_renders() {
     let out = folder.path().join("out");
     let mut job = json!({"scene": {"kind": "procedural", "family": "structure", "seed": 1},
         "camera": {"width": 48, "height": 32, "hfov_deg": 80},
-        "water": {"optics": "jerlov-3C", "style": "foreign"}, "alpha": 0.5});
+        "water": {"optics": "jerlov-3C", "style": "foreign"}});
     let styles = folder.path().join("styles");
     std::fs::create_dir(&styles).expect("a writable folder");
     std::fs::write(styles.join("foreign.onnx"), b"a network of another form").expect("a writable folder");

@@ -19,7 +19,7 @@ fn make(data: &Path) -> Vec<String> {
         "dataset": "tour", "count": 8, "seed": 8, "labels": {"run": "a"},
         "scene": {"kind": "procedural", "family": "structure", "seed": {"int": [0, 1_000_000]}},
         "camera": {"width": 40, "height": 26, "hfov_deg": 80}, "alpha": {"uniform": [0.2, 0.8]},
-        "water": {"optics": "jerlov-3C"}, "enhance": ["hscm"], "metrics": ["entropy", "uciqe"],
+        "water": {"optics": "jerlov-3C", "style": "muddy"}, "enhance": ["hscm"], "metrics": ["entropy", "uciqe"],
         "artifacts": ["rgb", "range", "enhanced.hscm"]
     }));
     let done = service.finished(&id);

@@ -302,7 +302,7 @@ fn job(count: u64) -> Value {
         "dataset": "reef", "count": count, "seed": 11,
         "scene": {"kind": "procedural", "family": "structure", "seed": {"int": [0, 1_000_000]}},
         "camera": {"width": 48, "height": 32, "hfov_deg": {"uniform": [60, 90]}},
-        "water": {"optics": {"choice": ["jerlov-3C", "jerlov-7C"]}}, "alpha": {"uniform": [0.2, 0.8]},
+        "water": {"optics": {"choice": ["jerlov-3C", "jerlov-7C"]}, "style": "muddy"}, "alpha": {"uniform": [0.2, 0.8]},
         "enhance": ["hscm"], "metrics": ["entropy", "uiqm"], "artifacts": KINDS
     })
 }

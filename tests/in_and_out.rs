@@ -307,7 +307,7 @@ fn a_folder_becomes_a_collection_and_every_scene_of_it_frames() {
 
     let job = folder.path().join("job.json");
     let described = json!({"dataset": "dock", "count": 2, "scene": {"kind": "collection", "name": "dock", "each": true},
-        "water": {"optics": "jerlov-3C"}, "artifacts": ["rgb", "range"], "alpha": {"uniform": [0, 1]}});
+        "water": {"optics": "jerlov-3C", "style": "muddy"}, "artifacts": ["rgb", "range"], "alpha": {"uniform": [0, 1]}});
     std::fs::write(&job, described.to_string()).expect("a writable folder");
     let job = job.to_str().expect("text");
     let (status, printed, told) = call(&["submit", job, "--wait"]);

@@ -157,9 +157,12 @@ impl Variations<'_> {
             .filter(|_| lit)
             .map(|(x, y)| json!({"kind": "haze", "x": x, "y": y, "size": 0.2, "intensity": 0.9, "color": [1, 1, 1]}))
             .collect();
-        let description = json!({"scene": scene(self.arguments)?, "camera": {"width": 768, "height": 492,
-            "hfov_deg": self.arguments.hfov_deg}, "water": water, "alpha": alpha, "lights": lights, "metrics": [],
+        let mut description = json!({"scene": scene(self.arguments)?, "camera": {"width": 768, "height": 492,
+            "hfov_deg": self.arguments.hfov_deg}, "water": water, "lights": lights, "metrics": [],
             "artifacts": kinds});
+        if style.is_some() {
+            description["alpha"] = json!(alpha);
+        }
         let frame = self.studio.frame(&description, 0)?;
         self.studio.render(&frame)
     }

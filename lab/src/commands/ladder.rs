@@ -164,9 +164,13 @@ fn description(arguments: &Arguments, model: &str, style: Option<&str>, lit: boo
     }
     let light = |x: f64| json!({"kind": "haze", "x": x, "y": 1, "size": 0.2, "intensity": 0.9});
     let lights: Vec<Value> = [0.0, 1.0].into_iter().filter(|_| lit).map(light).collect();
-    Ok(json!({
+    let mut description = json!({
         "scene": {"kind": "procedural", "family": family, "seed": seed, "lighting": "in_air"},
         "camera": {"width": 768, "height": 492, "hfov_deg": 80},
-        "water": water, "alpha": 0.4, "lights": lights, "metrics": [], "artifacts": ["rgb"]
-    }))
+        "water": water, "lights": lights, "metrics": [], "artifacts": ["rgb"]
+    });
+    if style.is_some() {
+        description["alpha"] = json!(0.4);
+    }
+    Ok(description)
 }

@@ -140,8 +140,11 @@ impl Pictures {
     }
 
     fn frame(&self, family: &str, seed: u64, camera: &Value, water: &Value) -> Result<Frame, Failure> {
-        let document = json!({"scene": {"kind": "procedural", "family": family, "seed": seed, "lighting": "in_air"},
-            "camera": camera, "water": water, "alpha": 0.6, "artifacts": ["rgb", "range"], "metrics": []});
+        let mut document = json!({"scene": {"kind": "procedural", "family": family, "seed": seed, "lighting": "in_air"},
+            "camera": camera, "water": water, "artifacts": ["rgb", "range"], "metrics": []});
+        if water.get("style").is_some() {
+            document["alpha"] = json!(0.6);
+        }
         self.studio.frame(&document, 0)
     }
 

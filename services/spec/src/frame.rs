@@ -14,9 +14,18 @@ use crate::inhabited::{Ground, Life};
 use crate::light::{Haze, Light, RaySource};
 use crate::scene_files::{RangeFile, RangeKind, SceneFiles};
 use crate::schema::EXACT;
-use crate::site::SiteName;
 use crate::truth::Truth;
 use crate::water::Water;
+
+/// The site of a frame. A job that names one as a string starts from its preset; in this form the job or frame is
+/// already complete.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize, Described)]
+#[described(short = "name")]
+pub struct SiteName {
+    /// name of the site
+    #[field(fixed, names = WaterName)]
+    pub name: String,
+}
 
 /// One image of a job, with every law replaced by its value.
 ///

@@ -3,21 +3,9 @@
 mod expand;
 mod merge;
 
-use serde::Deserialize;
 use serde_json::{Map, Value};
-use spec_derive::Described;
 
 pub(crate) use expand::{OF_THE_JOB, Sites, insert_descriptions};
-
-/// The site of a frame. A job that names one as a string starts from its preset; in this form the job or frame is
-/// already complete.
-#[derive(Debug, Clone, PartialEq, Eq, Deserialize, Described)]
-#[described(short = "name")]
-pub struct SiteName {
-    /// name of the site
-    #[field(fixed, names = WaterName)]
-    pub name: String,
-}
 
 /// A site that comes with the program.
 #[derive(Debug, Clone, Copy)]

@@ -1,4 +1,4 @@
-//! The work of tracing the truth of a frame.
+//! The paths that the truth of a frame takes.
 
 use super::present::Contents;
 use super::{Checker, places};

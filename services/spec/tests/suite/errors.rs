@@ -383,11 +383,8 @@ fn a_canonical_form_beyond_the_size_limit_is_refused() {
         vec!["{}"; 50_000].join(",")
     );
     let found = Job::parse(water.as_bytes(), &vocabulary(false)).unwrap_err().0;
-    assert!(
-        found[0].message.contains("with its defaults"),
-        "{}",
-        found[0].message
-    );
+    let message = &found[0].message;
+    assert!(message.contains("with its defaults"), "{message}");
 }
 
 #[test]

@@ -145,8 +145,8 @@ fn mixed_sites_come_in_the_shares_of_their_weights() {
         let parameters = parameters(&job, *frame);
         let is_wall = parameters["site"]["name"] == "harbour-wall";
         assert_eq!(parameters["scene"]["family"] == "structure", is_wall);
-        // The shaft has four lamps, the wall two or none.
-        assert_eq!(parameters["lights"].as_array().unwrap().len() < 4, is_wall);
+        // Only walls are lit by daylight alone, and only some.
+        assert!(is_wall || !parameters["lights"].as_array().unwrap().is_empty());
         is_wall
     });
     // 600 frames, share 2/3: the standard deviation is 11.5 frames.

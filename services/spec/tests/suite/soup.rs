@@ -214,6 +214,8 @@ proptest! {
     #[test]
     fn frames_do_not_depend_on_the_count(document in description_or_mix(), more in 20_u64..1000) {
         let few = parse(&document).unwrap();
+        let cells = few.frames() / document["count"].as_u64().unwrap_or(1);
+        prop_assume!(cells * more <= 100_000_000);
         let mut document = document;
         document["count"] = json!(more);
         let many = parse(&document).unwrap();
