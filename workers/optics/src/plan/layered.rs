@@ -2,6 +2,8 @@
 //!
 //! Each layer and each of its kernels has nodes of its own: a wide kernel needs few, and those of low frequencies only.
 
+mod two;
+
 use spec::Fidelity;
 
 use super::Variant;
@@ -10,11 +12,11 @@ use super::passages::{Passage, Passages, Through};
 use super::scatter::{
     Chosen, MOST_TERMS, SPAN_STEP, ScatterNeed, WORST_MARGIN, largest_share, samples, widened, widened_to,
 };
-use super::water::PILED_UP;
-use crate::forward_scatter::{self, Bound, Gate, Kernels, Nodes, aliasing, widest_px};
+use crate::forward_scatter::{self, Bound, Kernels, Nodes, aliasing, widest_px};
 use crate::kernel;
 use crate::layering::Layering;
-use crate::water::{Scatter, Spread, Tail};
+use crate::water::Scatter;
+use two::{Behind, Two};
 
 /// Layers between gates have narrow spans, and kernels that follow from the range of the gates: similar frames share none of them.
 const GATED_SPAN_STEP: f64 = 1.0 / 256.0;
@@ -358,65 +360,4 @@ fn parts_of_layers(need: &ScatterNeed<'_>) -> Vec<[Option<Part>; 2]> {
 fn steps((near, far): (f64, f64)) -> impl Iterator<Item = (f64, f64)> {
     let ratio = (far / near).powf(1.0 / f64::from(STEPS));
     (0..STEPS).map(move |step| (near * ratio.powi(step), near * ratio.powi(step + 1)))
-}
-
-/// The gate behind a layer, and the most light that passes it.
-#[derive(Clone, Copy)]
-struct Behind {
-    gate: Gate,
-    light: f64,
-}
-
-/// The kernels of a channel.
-struct Two {
-    channel: usize,
-    spread: Spread,
-    tail: Option<Tail>,
-    widest_px: f64,
-}
-
-impl Two {
-    /// What the narrow and the wide kernel spread of lit ranges, and of light that passes the gate `behind`.
-    fn parts(
-        &self,
-        span: (f64, f64),
-        lit: &[((f64, f64), f64)],
-        through: Option<Through>,
-        behind: Option<Behind>,
-    ) -> [Option<Part>; 2] {
-        let of = |kernel: usize, spread: Spread, taken: &dyn Fn((f64, f64)) -> f64| {
-            let gammas = |(near, far): (f64, f64)| {
-                let gamma = |meters: f64| spread.gamma(self.channel, meters, self.widest_px);
-                (gamma(near), gamma(far))
-            };
-            let bins = lit
-                .iter()
-                .map(|&(step, light)| (gammas(step), light * taken(step)));
-            let bins: Vec<_> = bins.filter(|(_, light)| *light > 0.0).collect();
-            let behind = behind.filter(|behind| behind.gate.spread[kernel] > 0.0);
-            let passing = behind.map(|behind| behind.gate.gammas[kernel]);
-            let own = (!bins.is_empty()).then(|| gammas(span));
-            let span = match (own, passing) {
-                (Some((near, far)), Some(gamma)) => Some((near.min(gamma), far.max(gamma))),
-                (own, passing) => own.or(passing.map(|gamma| (gamma, gamma))),
-            };
-            span.map(|span| Part {
-                span,
-                bins,
-                way: through.map(|through| Way { through, kernel }),
-                passing,
-                passing_light: behind
-                    .map_or(0.0, |behind| PILED_UP * behind.light * behind.gate.spread[kernel]),
-            })
-        };
-        match self.tail {
-            None => [of(0, self.spread, &|_| 1.0), None],
-            Some(tail) => [
-                of(0, self.spread, &|(near, _)| {
-                    1.0 - tail.share_at(self.channel, near)
-                }),
-                of(1, tail.spread, &|(_, far)| tail.share_at(self.channel, far)),
-            ],
-        }
-    }
 }
