@@ -21,6 +21,7 @@ mod layer;
 mod nodes;
 mod pass;
 mod reference;
+mod spectra;
 
 pub use bound::{Bound, Errors, ScaleLight};
 pub use cache::KernelCache;

@@ -78,7 +78,7 @@ def plan(job: Job | Mapping[str, Any] | str | os.PathLike[str], index: int = 0) 
 
 
 def names() -> dict[str, list[str]]:
-    """Return every name there is: of artifacts, enhancements, families, metrics, sites, styles and waters, and of labels.
+    """Return the names of artifacts, enhancements, families, metrics, sites, styles, waters and labels.
 
     `categories` stand in the order of their numbers in `semantics`, `findings` in that of their bits.
     """

@@ -11,7 +11,7 @@ use imaging::dct::Folding;
 use imaging::fft::Complex;
 use imaging::vectorized;
 
-use super::chebyshev::line;
+use super::spectra::line;
 
 /// Boxes that are convolved. The mirror at the sides of the frame needs an odd number.
 const ORDER: usize = 7;

@@ -17,10 +17,11 @@ use imaging::{Plane, vectorized};
 
 use super::basis::Basis;
 use super::channel::{Channel, Passed, folded};
-use super::chebyshev::{accumulate, back, line, zeros};
+use super::chebyshev::accumulate;
 use super::gate::Gate;
 use super::layer::{Divided, Layer};
 use super::pass::{open_gate, pass};
+use super::spectra::{back, line, zeros};
 use super::{KernelCache, Kernels, Nodes, widest_px};
 use crate::attenuation::{exp_negative, scattered_share};
 use crate::layering::Layering;

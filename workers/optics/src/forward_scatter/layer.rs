@@ -7,8 +7,8 @@ use imaging::vectorized;
 
 use super::KernelCache;
 use super::cache::Grid;
-use super::chebyshev::line;
 use super::decimation::{Decimation, steps};
+use super::spectra::line;
 use crate::layering::Layering;
 use crate::range::is_hole;
 

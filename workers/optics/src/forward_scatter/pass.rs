@@ -8,8 +8,8 @@ use std::sync::Arc;
 
 use super::KernelCache;
 use super::cache::Grid;
-use super::chebyshev::{line, zeros};
 use super::gate::Gate;
+use super::spectra::{line, zeros};
 
 /// The gate number `l` of a channel; `None` if it or a nearer one is opaque.
 pub(super) fn open_gate(gates: &[Option<Gate>], l: usize) -> Option<Gate> {
