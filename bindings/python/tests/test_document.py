@@ -19,15 +19,17 @@ from conftest import description
 jsonschema = pytest.importorskip("jsonschema")
 
 ROOT = Path(__file__).parents[3]
-# What no schema can say: fields that must fit together, names of users, what a water lacks.
+# What no schema can say: fields that must fit together, names of users, what a water lacks, a scene where no site brings one.
 BEYOND_A_SCHEMA = {
     "black",
+    "empty",
     "g-above-c",
     "haze-spaces",
     "inconsistent",
     "lamp-no-scatter",
     "missing-c",
     "missing-veil",
+    "no-scene",
     "path-frame",
     "preset",
     "range-twice",
