@@ -184,7 +184,7 @@ impl<'v> Draft<'v> {
         }
     }
 
-    /// Joins what was found in each document: once if it was found in all, else labelled with the site's name.
+    /// Joins what was found in each document: once if it was found in all, else labeled with the site's name.
     fn join<T: Clone + PartialEq>(&self, found: &[Vec<T>], label: impl Fn(&str, &T) -> T) -> Vec<T> {
         let mut joined = Vec::new();
         for (position, (items, document)) in found.iter().zip(&self.job.documents).enumerate() {
