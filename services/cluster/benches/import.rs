@@ -67,7 +67,7 @@ fn fill(folder: &std::path::Path, images: u64) -> Result<(), Box<dyn Error>> {
         frame_limit: Duration::from_secs(60),
         memory_limit_bytes: u64::MAX,
     };
-    let mut crew = Crew::new(recipe, set.job());
+    let mut crew = Crew::new(recipe, set.job()?);
     for shard in 0..set.card().shards() {
         run_shard(&set, shard, &mut crew, &|| Ok(()))?;
     }
