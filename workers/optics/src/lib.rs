@@ -20,6 +20,7 @@ mod legendre;
 pub mod medium;
 pub mod own_water;
 pub mod plan;
+mod polynomial;
 pub mod preset;
 pub mod range;
 mod screen;
