@@ -16,7 +16,7 @@ mod haze;
 pub mod kernel;
 pub mod lamp;
 pub mod layering;
-mod legendre;
+pub mod legendre;
 pub mod medium;
 pub mod own_water;
 pub mod plan;
