@@ -30,6 +30,9 @@ pub(super) const EDGE_INSIDE: f64 = 0.02;
 pub(super) const LEAST_COSINE: f64 = 1e-3;
 /// Irradiance grows toward the surface by e to this power at most.
 pub(super) const MOST_GAIN: f64 = 20.0;
+/// Width of the window's edge in the cosine: of light that kept its direction, and of light from the forward peak.
+pub(super) const SHARP_EDGE: f64 = 0.02;
+pub(super) const BLURRED_EDGE: f64 = 0.3;
 /// Darker radiance counts as this.
 const DARKEST: f64 = 1e-12;
 
@@ -48,8 +51,8 @@ pub struct Field {
     pub decay: f64,
     /// c = a + w b, where the forward peak of scattering does not count.
     pub attenuation: f64,
-    /// b, which blurs the edge of the window.
-    pub scattering: f64,
+    /// (1 − w) b, the forward peak, which blurs the edge of the window.
+    pub peak: f64,
     /// Radiance of the horizon.
     pub horizon: f64,
     /// `ln A(μ)`.
@@ -150,7 +153,7 @@ impl Field {
                 radiance.attenuation * scale
             },
             attenuation: radiance.attenuation * scale,
-            scattering: scattering * scale,
+            peak: (1.0 - exchange.wide.share) * scattering * scale,
             horizon: source.value(0.0).exp() / rate.value(0.0),
             source,
             rate,
@@ -163,12 +166,6 @@ impl Field {
             sunny: exchange.wide.with_repeated(&twice.repeated, twice.share),
             slopes: share_by_slope(&nodes.map(|node| [node.rise, node.weight]), &radiance.total),
         }
-    }
-
-    /// Width of the window's edge in the cosine, at a depth: `0.02 + 0.02 min(b z, 10)`.
-    #[must_use]
-    pub fn edge(&self, depth: f64) -> f64 {
-        0.02 + 0.02 * (self.scattering * depth).min(10.0)
     }
 
     /// k in a direction.
@@ -199,12 +196,19 @@ impl Field {
         if rise <= 0.0 {
             return 0.0;
         }
-        let s = ((rise - CRITICAL_COSINE) / self.edge(depth) + 0.5).clamp(0.0, 1.0);
-        let through = 1.0 - fresnel(rise.max(CRITICAL_COSINE + EDGE_INSIDE));
-        let through = through * s * s * (3.0 - 2.0 * s);
+        let steep = rise.max(LEAST_COSINE);
+        let blurred = -(-self.peak * depth / steep).exp_m1();
+        let inside = (1.0 - blurred) * ramp(rise, SHARP_EDGE) + blurred * ramp(rise, BLURRED_EDGE);
+        let through = (1.0 - fresnel(rise.max(CRITICAL_COSINE + EDGE_INSIDE))) * inside;
         let light = through * self.sky + (1.0 - through) * self.mirrored.value(rise).exp();
-        light * (-self.attenuation * depth / rise.max(LEAST_COSINE)).exp()
+        light * (-self.attenuation * depth / steep).exp()
     }
+}
+
+/// From 0 outside of the window to 1 inside, over this width of the cosine.
+fn ramp(rise: f64, width: f64) -> f64 {
+    let s = ((rise - CRITICAL_COSINE) / width + 0.5).clamp(0.0, 1.0);
+    s * s * (3.0 - 2.0 * s)
 }
 
 /// A ray through sunlit water.

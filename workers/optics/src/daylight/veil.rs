@@ -4,8 +4,8 @@ use imaging::Plane;
 use imaging::vectorized;
 
 use super::field::{
-    CRITICAL_COSINE, EDGE_INSIDE, Field, LEAST_COSINE, MIRROR_TERMS, MOST_GAIN, RATE_TERMS, REFRACTIVE_INDEX,
-    SOURCE_TERMS, SunnyRay,
+    BLURRED_EDGE, CRITICAL_COSINE, EDGE_INSIDE, Field, LEAST_COSINE, MIRROR_TERMS, MOST_GAIN, RATE_TERMS,
+    REFRACTIVE_INDEX, SHARP_EDGE, SOURCE_TERMS, SunnyRay,
 };
 use super::gaze::Gaze;
 use super::wide::{PEAK_COSINE, TERMS};
@@ -140,8 +140,8 @@ impl VeilOf {
             .map_or(0.0, |sun| field.attenuation * (1.0 + 1.0 / sun.rise));
         let rates = 8.0 * (field.rate.magnitude() + sun) * longest;
         let surface = if is_open {
-            let edge = 1.5 / field.edge(self.depth);
-            let lost = field.attenuation * self.depth / CRITICAL_COSINE;
+            let edge = 1.5 / SHARP_EDGE;
+            let lost = (field.attenuation + field.peak) * self.depth / CRITICAL_COSINE;
             4.0 * (edge + lost)
         } else {
             0.0
@@ -269,7 +269,7 @@ struct Single {
     below: f32,
     light: f32,
     depth: f32,
-    edge: f32,
+    peak: f32,
     sky: f32,
 }
 
@@ -285,7 +285,7 @@ impl Single {
             below: of.below as f32,
             light: of.light as f32,
             depth: *depth as f32,
-            edge: (1.0 / field.edge(*depth)) as f32,
+            peak: field.peak as f32,
             sky: field.sky as f32,
         }
     }
@@ -378,24 +378,31 @@ fn scale(light: f32, to: &mut [f32]) {
     }
 }
 
+#[inline(always)]
+fn ramp(rise: f32, inverse_width: f32) -> f32 {
+    let s = (rise - CRITICAL_COSINE as f32) * inverse_width + 0.5;
+    let s = if s > 0.0 { s } else { 0.0 };
+    let s = if s < 1.0 { s } else { 1.0 };
+    s * s * (3.0 - 2.0 * s)
+}
+
 /// Adds the light of the sea's surface to rays that reach it.
 #[inline(always)]
 fn surface(of: &Single, range: &[f32], rises: &[f32], to: &mut [f32]) {
     const INDEX: f32 = REFRACTIVE_INDEX as f32;
-    const CRITICAL: f32 = CRITICAL_COSINE as f32;
     const INSIDE: f32 = (CRITICAL_COSINE + EDGE_INSIDE) as f32;
     const LEAST: f32 = LEAST_COSINE as f32;
     for (to, (&z, &rise)) in to.iter_mut().zip(range.iter().zip(rises)) {
-        let s = (rise - CRITICAL) * of.edge + 0.5;
-        let s = if s > 0.0 { s } else { 0.0 };
-        let s = if s < 1.0 { s } else { 1.0 };
+        let steep = if rise > LEAST { rise } else { LEAST };
+        let sharp = exp_negative(of.peak * of.depth / steep);
+        let inside = sharp * ramp(rise, 1.0 / SHARP_EDGE as f32)
+            + (1.0 - sharp) * ramp(rise, 1.0 / BLURRED_EDGE as f32);
         let cosine = if rise > INSIDE { rise } else { INSIDE };
         let k = 1.0 - INDEX * INDEX * (1.0 - cosine * cosine);
         let k = (if k > 0.0 { k } else { 0.0 }).sqrt();
         let across = (INDEX * cosine - k) / (INDEX * cosine + k);
         let along = (cosine - INDEX * k) / (cosine + INDEX * k);
-        let through = (1.0 - 0.5 * (across * across + along * along)) * (s * s * (3.0 - 2.0 * s));
-        let steep = if rise > LEAST { rise } else { LEAST };
+        let through = (1.0 - 0.5 * (across * across + along * along)) * inside;
         let arrives = exp_negative(of.attenuation * of.depth / steep);
         let mirrored = exp_negative(-horner(of.mirrored, rise));
         let light = (through * of.sky + (1.0 - through) * mirrored) * arrives;

@@ -1,7 +1,7 @@
 //! Daylight: surfaces and caustics against the case, and radiance by direction against Monte Carlo.
 
+use imaging::Plane;
 use imaging::geometry::Intrinsics;
-use imaging::{Plane, Rgb};
 use optics::daylight::{
     Blur, Caustics, Daylight, DaylightModel, Field, Gaze, RAYS_PER_CELL, REFRACTIVE_INDEX, Reaching,
     Refraction, SLOPES, Sun, SurfaceLight, Tiles, Waves, caustics, caustics_reference, share_by_slope,
