@@ -78,7 +78,7 @@ pub fn water(
         farthest,
         water,
         clear: is_clear,
-        veil: !is_clear && *plan.variant(StageId::Veil) == Variant::Fast(BY_DIRECTION),
+        veil: *plan.variant(StageId::Veil) == Variant::Fast(BY_DIRECTION),
         gates: match plan.variant(StageId::Occlusion) {
             Variant::Gated(layering) => Some(layering),
             _ => None,

@@ -1,28 +1,8 @@
-//! Light from above: how bright the water is in every direction, and the veil that follows from it.
+//! Daylight: how bright the water is in every direction, the veil that follows, and the light on surfaces.
 //!
-//! Downwelling irradiance falls with depth as `E(z) = E(0) e^{−K z}`. Radiance in the direction v that one looks in, with μ the
-//! cosine of v from the vertical (1 up, −1 down), is
-//!
-//! ```text
-//! L(v, z) = max( Λ E(z) Φ(μ), W(μ, z) ),   Φ(μ) = exp(p μ + q μ²)
-//! ```
-//!
-//! Λ is the horizon's share of the irradiance and W the sky through Snell's window. Under an overcast sky `Λ = min(0.15, 0.47
-//! b_b/a)`, `q = clamp((0.45 ln(1/Λ) − 0.76)/1.03, 0, 2.5)` and `p = 1.6 + q` fit Monte Carlo runs in Fournier–Forand water (b_b/b
-//! 0.008 and 0.0183, b/a 0.3 to 5) at K z of 0.5 to 3: Λ within 20 %, every direction of two other waters within 0.89-1.20. Not
-//! valid above K z of 0.3, for a low sun, or near the bottom.
-//!
-//! Along a ray the source of the veil falls with depth like the irradiance (Duntley 1963; Preisendorfer 1976), so that
-//!
-//! ```text
-//! B(v, Z) = B_h Φ(μ) (1 − e^{−(c − K μ) Z})
-//! ```
-//!
-//! with B_h the veiling light at the horizon. Horizontally this is the veil of constant water. A pixel without a range shows the
-//! water up to the surface, at `Z = h/μ`, and the window; downwards it shows `B_h Φ(μ)`.
-//!
-//! All lengths here are those of the range, and coefficients are per unit of it: a range scale multiplies the ones and divides
-//! the depth.
+//! Radiance in open water is solved by radiative transfer ([`transport`]) once for each channel of a frame and then kept in a form
+//! that is cheap at every pixel ([`field`]). Irradiance falls with depth as `E(z) = E(0) e^{−K z}`, with K such that E at the camera is
+//! that of the solution.
 
 mod caustics;
 mod field;
@@ -33,15 +13,18 @@ mod seen;
 mod slope;
 mod sun;
 mod surface;
+mod transport;
 mod veil;
+mod wide;
 
 pub use caustics::{
     Blur, RAYS_PER_CELL, Refraction, Tiles, Waves, caustics, caustics_reference, shafts, slices,
     tile_reference, with_shafts,
 };
-pub use field::{CRITICAL_COSINE, Field, REFRACTIVE_INDEX, Shape, decay_from, fresnel};
+pub use field::{CRITICAL_COSINE, Field, REFRACTIVE_INDEX, fresnel};
+pub(crate) use field::{Fields, Place};
 pub use gaze::Gaze;
-pub use model::{Caustics, DaylightModel, Sun, SurfaceLight, VeilModel};
+pub use model::{Caustics, DaylightModel, Sun, SurfaceLight};
 pub use seen::{
     Surfaces, access, access_reference, occlude_veil, sunlit, sunlit_reference, veil_access,
     veil_access_reference,
@@ -50,9 +33,9 @@ pub use slope::{SLOPES, share_by_slope};
 pub use sun::SunLight;
 pub use surface::{Reaching, surfaces, surfaces_reference, with_lamps};
 pub use veil::{VeilOf, veil, veil_reference};
+pub use wide::WideScattering;
 
-/// The veil's exponent keeps at least this share of c: light cannot decay faster upwards than along a ray.
-pub const MOST_DECAY: f64 = 0.95;
+use veil::SunnyWater;
 
 /// An effect of daylight that a picture can do without.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -72,7 +55,6 @@ pub(crate) enum DaylightEffect {
 /// Light from above in one water, as one camera meets it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Daylight {
-    pub(crate) veil: VeilModel,
     pub(crate) surfaces: SurfaceLight,
     pub(crate) sun: Option<SunLight>,
     /// Rays that tell how much of the light from all around reaches a surface.
@@ -88,8 +70,12 @@ pub struct Daylight {
     pub(crate) scale: f64,
     /// The radiance of each channel.
     pub(crate) fields: [Field; 3],
+    /// How the water scatters outside of the forward peak.
+    pub(crate) wide: WideScattering,
     /// Depth of the camera in lengths of the range.
     pub(crate) depth: f64,
+    /// How far the bottom is below the camera, in the same; infinite without one.
+    pub(crate) below: f64,
     /// The irradiance at the camera over that which is white.
     pub(crate) level: [f64; 3],
     pub(crate) gaze: Gaze,
@@ -109,18 +95,6 @@ impl Daylight {
             DaylightEffect::Shafts => self.has_shafts = false,
             DaylightEffect::VeilOcclusion => self.occludes_veil = false,
         }
-    }
-
-    /// Whether the veil depends on the direction.
-    #[must_use]
-    pub fn varies(&self) -> bool {
-        self.veil != VeilModel::Constant
-    }
-
-    /// Whether radiance by direction matters to any of it.
-    #[must_use]
-    pub fn needs_field(&self) -> bool {
-        self.varies() || self.surfaces == SurfaceLight::Normal
     }
 
     /// What it does to surfaces.
@@ -192,12 +166,6 @@ impl Daylight {
         self.level
     }
 
-    /// How the veil depends on the direction.
-    #[must_use]
-    pub fn veil_form(&self) -> VeilModel {
-        self.veil
-    }
-
     /// The radiance field of each channel.
     #[must_use]
     pub fn fields(&self) -> &[Field; 3] {
@@ -216,24 +184,39 @@ impl Daylight {
         Self { gaze, ..*self }
     }
 
-    /// The veil of one channel in water of this attenuation and veiling light at the horizon.
+    /// The same light with other fields, for tests of surfaces alone.
     #[must_use]
-    pub fn veil_of(&self, channel: usize, attenuation: f64, horizon_light: f64) -> VeilOf {
-        let field = self.fields[channel];
+    pub fn with_fields(&self, fields: [Field; 3]) -> Self {
+        Self { fields, ..*self }
+    }
+
+    /// The veil of one channel.
+    #[must_use]
+    pub fn veil_of(&self, channel: usize) -> VeilOf {
         VeilOf {
-            field: Field {
-                decay: field.decay.min(MOST_DECAY * attenuation),
-                ..field
-            },
-            attenuation,
-            light: horizon_light,
+            field: self.fields[channel],
+            light: std::f64::consts::PI * self.level[channel],
             depth: self.depth,
+            below: self.below,
+            sun: self.sun.map(|sun| SunnyWater {
+                toward: sun.toward(&self.gaze),
+                rise: sun.rise,
+            }),
         }
     }
 
-    /// `B_h = π e Λ`: the radiance of the horizon, where a white horizontal patch at the camera has the radiance e.
+    /// The share of singly scattered sunlight in the veil of a ray, in the green channel, which stands for all.
+    pub(crate) fn sun_share_of_veil(&self, ray: [f64; 3], length: f64) -> f64 {
+        let rise = (0..3).map(|axis| ray[axis] * self.gaze.up[axis]).sum();
+        let veil = self.veil_of(1);
+        let all = veil.at(ray, rise, Some(length));
+        let diffuse = VeilOf { sun: None, ..veil }.at(ray, rise, Some(length));
+        if all > 0.0 { 1.0 - diffuse / all } else { 0.0 }
+    }
+
+    /// Radiance of the horizon, where white is 1.
     #[must_use]
-    pub(crate) fn physical(&self) -> [f64; 3] {
-        [0, 1, 2].map(|i| std::f64::consts::PI * self.level[i] * self.fields[i].shape.horizon)
+    pub(crate) fn horizon_light(&self) -> [f64; 3] {
+        [0, 1, 2].map(|i| std::f64::consts::PI * self.level[i] * self.fields[i].horizon)
     }
 }

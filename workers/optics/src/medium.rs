@@ -4,11 +4,20 @@
 use serde::Deserialize;
 use spec::{Daylight, Frame, HoleRule, NamedDaylight, Optics, PhaseFunction, SceneLighting, Sky};
 
-use crate::daylight::{DaylightModel, decay_from};
+use crate::daylight::DaylightModel;
 use crate::preset::{self, all_known};
 
 /// Depth of the camera by day where none is given, m.
 const DAY_DEPTH_M: f64 = 5.0;
+
+/// A level bottom, which sends daylight back up.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+pub struct Bottom {
+    /// How far below the camera, m.
+    pub below_m: f64,
+    /// Its reflectance, 0..=1.
+    pub reflectance: [f64; 3],
+}
 
 /// Water with its models.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -32,6 +41,8 @@ pub struct Medium {
     pub airlight_phase: PhaseFunction,
     /// Daylight by direction and depth; `None`: `ambient` and the veiling light.
     pub daylight: Option<DaylightModel>,
+    /// The bottom of the sea; `None`: too deep to matter.
+    pub bottom: Option<Bottom>,
 }
 
 impl Default for Medium {
@@ -46,6 +57,7 @@ impl Default for Medium {
             layers: None,
             airlight_phase: PhaseFunction::Hg,
             daylight: None,
+            bottom: None,
         }
     }
 }
@@ -128,9 +140,6 @@ impl Medium {
         if sky.is_none() && !known.has_veil && surroundings.is_night(water.depth_m) {
             optics.veiling_light = Some([0.0; 3]);
         }
-        if sky.is_some() && optics.diffuse_attenuation_per_m.is_none() {
-            optics.diffuse_attenuation_per_m = known.decay();
-        }
         let depth_m = water.depth_m.or(sky.map(|_| DAY_DEPTH_M));
         let is_reflectance = surroundings.is_reflectance;
         Some(Self {
@@ -151,6 +160,7 @@ impl Medium {
             depth_m,
             holes: water.holes,
             layers: None,
+            bottom: None,
         })
     }
 }
@@ -184,12 +194,5 @@ impl Known {
             Daylight::Named(_) if surroundings.is_night(depth_m) => None,
             Daylight::Named(_) => (self.coefficients.is_some() && !self.has_veil).then(Sky::default),
         }
-    }
-
-    /// K of daylight in this water. A measured K_d of a preset is that of another sky and another day than its a and b; the veil, the
-    /// surfaces and the reference agree if all follow from a and b.
-    fn decay(&self) -> Option<[f64; 3]> {
-        let [a, b] = self.coefficients?;
-        Some([0, 1, 2].map(|i| decay_from(a[i], b[i])))
     }
 }

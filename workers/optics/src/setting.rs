@@ -7,7 +7,7 @@ use spec::{Beyond, Frame, Scene, SceneLighting, Snow};
 use crate::daylight::{DaylightEffect, Gaze, SurfaceLight};
 use crate::eye::Eye;
 use crate::lamp::{GlowPhase, LAMP_RADIUS_M, Lamp, Lighting, Shadow};
-use crate::medium::{Medium, Surroundings};
+use crate::medium::{Bottom, Medium, Surroundings};
 use crate::plan::StageId;
 use crate::sediment::Clouds;
 use crate::snow::{self, World};
@@ -25,6 +25,8 @@ pub struct View {
     pub world_from_camera: Option<[[f64; 4]; 4]>,
     /// Whether the scene has a range; without, there is no water before it.
     pub has_range: bool,
+    /// The bottom below the camera, where it is known.
+    pub bottom: Option<Bottom>,
 }
 
 /// The surroundings of a scene.
@@ -89,7 +91,12 @@ impl Setting {
             Vec::new()
         });
         let is_wet = view.has_range && frame.water.optics.is_some();
-        let medium = Medium::choose(&frame.water, &Surroundings::of_frame(frame)).filter(|_| is_wet);
+        let medium = Medium::choose(&frame.water, &Surroundings::of_frame(frame))
+            .filter(|_| is_wet)
+            .map(|medium| Medium {
+                bottom: view.bottom,
+                ..medium
+            });
         let resolve = if lamps.is_empty() {
             Water::resolve
         } else {

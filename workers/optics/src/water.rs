@@ -12,7 +12,7 @@ pub use rules::RULES;
 
 use spec::{HoleRule, PhaseFunction, ScatterSource};
 
-use crate::daylight::{Daylight, Field, Gaze, SurfaceLight, VeilOf};
+use crate::daylight::{Daylight, Gaze, SurfaceLight, VeilOf};
 use crate::lamp::{GlowPhase, asymmetry_of};
 use crate::medium::Medium;
 use derive::Request;
@@ -192,11 +192,9 @@ impl Water {
         }
     }
 
-    /// The veil of one channel where it depends on the direction.
+    /// The veil of one channel by direction, in daylight.
     pub(crate) fn varied_veil(&self, channel: usize) -> Option<VeilOf> {
-        let daylight = self.daylight.filter(Daylight::varies)?;
-        let attenuation = self.backscatter_attenuation[channel];
-        Some(daylight.veil_of(channel, attenuation, self.veiling_light[channel]))
+        Some(self.daylight?.veil_of(channel))
     }
 
     /// No veil in the picture is brighter in this channel, with open water in view or without.
@@ -318,9 +316,9 @@ impl Water {
             Scatter::Jaffe { g, spread, tail, .. } => (Some(g), Some(spread), tail),
             Scatter::Simplified { spread } => (None, Some(spread), None),
         };
-        let directed = self.daylight.filter(|daylight| daylight.needs_field());
-        let of_field =
-            |number: fn(&Field) -> f64| directed.map(|daylight| daylight.fields.each_ref().map(number));
+        let horizon = self
+            .daylight
+            .map(|daylight| daylight.fields.each_ref().map(|field| field.horizon));
         vec![
             ("absorption_per_m", self.absorption),
             ("scattering_per_m", self.scattering),
@@ -339,9 +337,7 @@ impl Water {
             ("wide_spread_offset_px", tail.map(|tail| tail.spread.offset_px)),
             ("wide_share", tail.map(|tail| [tail.share; 3])),
             ("wide_share_per_m", tail.map(|tail| tail.share_per_m)),
-            ("horizon", of_field(|field| field.shape.horizon)),
-            ("p", of_field(|field| field.shape.p)),
-            ("q", of_field(|field| field.shape.q)),
+            ("horizon", horizon),
         ]
     }
 }

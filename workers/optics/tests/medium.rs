@@ -1,7 +1,7 @@
 //! The models that a description gets.
 #![allow(clippy::unwrap_used)]
 
-use optics::daylight::{SurfaceLight, VeilModel};
+use optics::daylight::SurfaceLight;
 use optics::medium::{Ambient, Kernels, Medium, Surroundings};
 use optics::water::Water;
 use spec::{Daylight, NamedDaylight, Optics, PhaseFunction, ScatterModel, Sky};
@@ -34,10 +34,7 @@ fn choose(optics: Optics, surroundings: &Surroundings) -> Medium {
 fn a_plain_water_by_day_has_the_veil_of_a_sky_and_lit_surfaces() {
     let medium = choose(coastal(), &DAY);
     let daylight = medium.daylight.unwrap();
-    assert_eq!(
-        (daylight.veil, daylight.surfaces),
-        (VeilModel::Physical, SurfaceLight::Normal)
-    );
+    assert_eq!(daylight.surfaces, SurfaceLight::Normal);
     assert_eq!(medium.depth_m, Some(5.0));
     assert_eq!((medium.kernels, medium.ambient), (Kernels::Two, Ambient::None));
     assert_eq!(medium.airlight_phase, PhaseFunction::Ff);

@@ -142,7 +142,7 @@ impl<'a> Preview<'a> {
         let mut veil = self.veil();
         let mut total = self.arriving(Light::default());
         let plain = total.clone();
-        daylight::with_shafts(&mut veil, &mut total, &shafts, daylight, sun);
+        daylight::with_shafts(&mut veil, &mut total, &shafts, daylight);
         Some([total, plain])
     }
 

@@ -72,6 +72,12 @@ impl World {
         Ok(Self { site, structures })
     }
 
+    /// Mean reflectance of the ground, at z = 0.
+    #[must_use]
+    pub fn ground_reflectance(&self) -> [f64; 3] {
+        self.site.objects[0].finish.base.map(f64::from)
+    }
+
     /// Moves the camera of a single frame: the given values replace those drawn from the seed, the others are drawn again to fit.
     /// Growth stays where the seed's own view finds it.
     ///

@@ -53,6 +53,8 @@ pub struct Subject<'a> {
     pub radiance: &'a Rgb<f32>,
     /// Range, m.
     pub range: &'a Plane<f32>,
+    /// Reflectance of the ground, object 0 of the rays; `None` if it is not known.
+    pub ground: Option<[f64; 3]>,
 }
 
 impl<'a> Scene<'a> {
@@ -82,13 +84,14 @@ impl<'a> Scene<'a> {
             .patches
             .as_ref()
             .map(|field| field.seen_from(&setting.eye));
-        let picture = Picture::new(
+        let mut picture = Picture::new(
             subject.radiance,
             subject.range,
             setting.eye.camera,
             if sea.is_some() { [0.0; 3] } else { setting.gain() },
             !lamps.is_empty() || sea.is_some(),
         );
+        picture.ground = subject.ground.filter(|_| sea.is_some());
         Ok(Self {
             rays,
             surfaces: Surfaces::Picture(picture),

@@ -66,7 +66,9 @@ pub struct Picture<'a> {
     pub gain: [f64; 3],
     /// Whether lamps light it, too: then the radiance, at most 1, stands for the reflectance.
     pub reflects: bool,
-    /// Of places that the camera does not see: the mean of those it does.
+    /// Reflectance of the ground, object 0, where the camera does not see it.
+    pub ground: Option<[f64; 3]>,
+    /// Of other places that the camera does not see: the mean of those it does.
     mean: [f64; 3],
 }
 
@@ -95,12 +97,15 @@ impl<'a> Picture<'a> {
             camera,
             gain,
             reflects,
+            ground: None,
             mean,
         }
     }
 
-    fn at(&self, place: DVec3) -> Material {
-        let air = self.pixel(place).map_or(self.mean, |(x, y)| {
+    fn at(&self, hit: &Hit, place: DVec3) -> Material {
+        let ground = self.ground.filter(|_| hit.object == 0);
+        let hidden = ground.unwrap_or(self.mean);
+        let air = self.pixel(place).map_or(hidden, |(x, y)| {
             self.radiance
                 .planes()
                 .each_ref()
@@ -142,7 +147,7 @@ impl Surfaces<'_> {
                 .get(hit.object as usize)
                 .copied()
                 .unwrap_or(Material::BLACK),
-            Self::Picture(picture) => picture.at(place),
+            Self::Picture(picture) => picture.at(hit, place),
         }
     }
 }

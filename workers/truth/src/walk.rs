@@ -246,7 +246,7 @@ impl<'s, const N: usize> Walk<'s, N> {
         let place = along.origin + along.direction * distance;
         self.sun_on_water(place, along.direction);
         let phase = &self.scene.phase;
-        let direction = match self.lamp_to_aim_at(place) {
+        let direction = match self.source_to_aim_at(place) {
             Some(toward) => phase.turn(toward, self.dice.pair()),
             None => phase.turn(along.direction, self.dice.pair()),
         };
@@ -267,7 +267,7 @@ impl<'s, const N: usize> Walk<'s, N> {
                 let normal = DVec3::from(hit.normal);
                 let start = leaving(place.into(), hit.normal);
                 let origin = DVec3::from(start.origin);
-                let direction = match self.lamp_to_aim_at(origin) {
+                let direction = match self.source_to_aim_at(origin) {
                     Some(toward) => self.scene.phase.turn(toward, self.dice.pair()),
                     None => {
                         let [height, azimuth] = self.dice.pair();
@@ -290,23 +290,40 @@ impl<'s, const N: usize> Walk<'s, N> {
         }
     }
 
-    /// Half of the directions are drawn about the way to a lamp, chosen evenly: the unit vector there.
-    fn lamp_to_aim_at(&mut self, place: DVec3) -> Option<DVec3> {
-        let lamps = &self.scene.lamps;
+    /// Half of the directions are drawn about that to a lamp or the sun, chosen evenly: the unit vector there. Without it the forward
+    /// peak of the phase function toward them is rarely met, and too little light is the usual result of few paths.
+    fn source_to_aim_at(&mut self, place: DVec3) -> Option<DVec3> {
         if !self.aims() || self.dice.next() >= 0.5 {
             return None;
         }
-        let chosen = (self.dice.next() * lamps.len() as f64) as usize;
-        let away = lamps[chosen.min(lamps.len() - 1)].place + -place;
-        (away.length() > 0.0).then(|| away.normalized())
+        let sources = self.sources();
+        let chosen = ((self.dice.next() * sources as f64) as usize).min(sources - 1);
+        match self.scene.lamps.get(chosen) {
+            Some(lamp) => {
+                let away = lamp.place + -place;
+                (away.length() > 0.0).then(|| away.normalized())
+            }
+            None => self.sun_direction(),
+        }
+    }
+
+    fn sun_direction(&self) -> Option<DVec3> {
+        Some(self.scene.sea?.sun?.direction)
+    }
+
+    fn sources(&self) -> usize {
+        self.scene.lamps.len() + usize::from(self.sun_direction().is_some())
     }
 
     fn aims(&self) -> bool {
-        let scatters = self
-            .channels
+        self.sources() > 0 && self.scatters()
+    }
+
+    fn scatters(&self) -> bool {
+        let water = &self.scene.water;
+        self.channels
             .iter()
-            .any(|&channel| self.scene.water[channel].scattering > 0.0);
-        !self.scene.lamps.is_empty() && scatters
+            .any(|&channel| water[channel].scattering > 0.0)
     }
 
     /// Weighs a direction that was drawn from both densities; `wanted` is the one of the light.
@@ -314,17 +331,18 @@ impl<'s, const N: usize> Walk<'s, N> {
         if !self.aims() {
             return;
         }
-        let lamps = &self.scene.lamps;
-        let toward = |lamp: &crate::Lamp| {
+        let density = |toward| self.scene.phase.density(versine(toward, direction));
+        let toward_lamp = |lamp: &crate::Lamp| {
             let away = lamp.place + -place;
-            let density = |toward| self.scene.phase.density(versine(toward, direction));
             if away.length() > 0.0 {
                 density(away.normalized())
             } else {
                 wanted
             }
         };
-        let aimed = lamps.iter().map(toward).sum::<f64>() / lamps.len() as f64;
+        let toward_lamps: f64 = self.scene.lamps.iter().map(toward_lamp).sum();
+        let toward_sun = self.sun_direction().map_or(0.0, density);
+        let aimed = (toward_lamps + toward_sun) / self.sources() as f64;
         let factor = wanted / (0.5 * wanted + 0.5 * aimed);
         self.weight.iter_mut().for_each(|weight| *weight *= factor);
     }

@@ -1,6 +1,24 @@
-//! The radiance of the water in every direction: two numbers from a, b and b_b/b, and Snell's window.
+//! Daylight around the camera in a form that is cheap at every pixel.
+//!
+//! From the radiances of [`super::transport`], per unit of downwelling irradiance at the camera:
+//!
+//! ```text
+//! L(v, Z) = A(μ) ℓ(k(μ), Z) + b E_s p(v·s) ℓ(c − c μ/μ_s, Z),   ℓ(k, Z) = (1 − e^{−k Z})/k
+//! ```
+//!
+//! is the light that the water scatters into a ray of length Z in the direction v that one looks in; μ is its cosine from the vertical
+//! (1 up), s the direction to the sun with cosine μ_s and E_s the sun's irradiance at right angles to it. The second term is sunlight that
+//! is scattered once, the first all other. `ln A` and k are polynomials in μ; k is such that the light along the whole ray, up to the
+//! surface, is that of the radiative transfer. Upward rays end at the surface with `e^{−c h/μ} ((1 − R) sky + R mirrored)`.
+//!
+//! All lengths here are those of the range, and coefficients are per unit of it: a range scale multiplies the ones and divides the depth.
 
-use std::f64::consts::PI;
+use super::slope::{SLOPES, share_by_slope};
+use super::sun::SunLight;
+use super::transport::{Above, DIRECTIONS, Exchange, FIRST_UP, Radiance, azimuth_mean, effective_length};
+use super::wide::{PEAK_COSINE, Repeated, TERMS, WideScattering};
+use crate::medium::Bottom;
+use crate::polynomial::Polynomial;
 
 /// Refractive index of sea water.
 pub const REFRACTIVE_INDEX: f64 = 1.34;
@@ -8,45 +26,287 @@ pub const REFRACTIVE_INDEX: f64 = 1.34;
 pub const CRITICAL_COSINE: f64 = 0.665_644_869_282_918_2;
 /// How far inside the window's edge its reflectance is taken at least: at the edge itself it is 1.
 pub(super) const EDGE_INSIDE: f64 = 0.02;
-/// Least cosine in the exponent of the window.
+/// Least cosine in the exponent of light from the surface.
 pub(super) const LEAST_COSINE: f64 = 1e-3;
-/// The window is at most e to this power times as bright as the irradiance at the camera. Only in depths far beyond those that the
-/// field holds for would it be brighter.
+/// Irradiance grows toward the surface by e to this power at most.
 pub(super) const MOST_GAIN: f64 = 20.0;
-/// The darkest horizon, where the water scatters nothing.
-const LEAST_HORIZON: f64 = 1e-5;
-const MOST_HORIZON: f64 = 0.15;
-const BRIGHT_CEILING: f64 = 2.5;
+/// Width of the window's edge in the cosine: of light that kept its direction, and of light from the forward peak.
+pub(super) const SHARP_EDGE: f64 = 0.02;
+pub(super) const BLURRED_EDGE: f64 = 0.3;
+/// Darker radiance counts as this.
+const DARKEST: f64 = 1e-12;
 
-/// How radiance depends on the direction, with its level against the irradiance.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Shape {
-    /// Λ, radiance of the horizon over downwelling irradiance, per steradian.
-    pub horizon: f64,
-    /// p, slope of the logarithm of radiance with the cosine from the vertical.
-    pub p: f64,
-    /// q, its curvature.
-    pub q: f64,
-}
+/// Brighter sky counts as this: kilometers down it is a number of f32 still, and nothing of it arrives.
+const BRIGHTEST: f64 = 1e30;
 
-/// The radiance field of one channel. Coefficients are per unit of range.
+/// Coefficients of the polynomials.
+pub(super) const SOURCE_TERMS: usize = 7;
+pub(super) const RATE_TERMS: usize = 6;
+pub(super) const MIRROR_TERMS: usize = 4;
+
+/// The radiance field of one channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Field {
-    /// Its shape.
-    pub shape: Shape,
-    /// K, the decay of irradiance with depth.
+    /// K, the mean decay of irradiance between the surface and the camera.
     pub decay: f64,
-    /// a + 0.1 b, by which the sky fades on its way down.
-    pub window: f64,
-    /// b, which blurs the edge of the window.
-    pub scattering: f64,
+    /// c = a + w b, where the forward peak of scattering does not count.
+    pub attenuation: f64,
+    /// (1 − w) b, the forward peak, which blurs the edge of the window.
+    pub peak: f64,
+    /// Radiance of the horizon.
+    pub horizon: f64,
+    /// `ln A(μ)`.
+    pub(super) source: Polynomial<SOURCE_TERMS>,
+    /// k(μ).
+    pub(super) rate: Polynomial<RATE_TERMS>,
+    /// Logarithm of the radiance in every direction without the direct sun.
+    pub(super) around: Polynomial<SOURCE_TERMS>,
+    /// Logarithm of the upwelling radiance at the surface in the mirrored direction, by the cosine of the direction that looks up.
+    pub(super) mirrored: Polynomial<MIRROR_TERMS>,
+    /// Radiance of the sky in the water before the surface reflects a part of it.
+    pub(super) sky: f64,
+    /// b E_s.
+    pub(super) sunlight: f64,
+    /// Logarithm of the phase function of sunlight by the cosine from the sun: of one scattering, and of a second as far as its light
+    /// still depends on the azimuth.
+    pub(super) sunny: Polynomial<TERMS>,
+    /// Irradiance without the direct sun by the slope of a surface, over that of a horizontal one.
+    pub slopes: [f64; SLOPES],
 }
 
-/// `K = sqrt(a² + 0.19 a b)/0.83`, the decay of daylight in water of this absorption and scattering: within 8 % for b_b/b of
-/// 0.008 to 0.0183 under an overcast sky.
-#[must_use]
-pub fn decay_from(absorption: f64, scattering: f64) -> f64 {
-    (absorption * absorption + 0.19 * absorption * scattering).sqrt() / 0.83
+/// The daylight of a place: three channels and the phase function that they share.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Fields {
+    pub(crate) channels: [Field; 3],
+    /// Downwelling irradiance at the camera where that just below the surface is 1.
+    pub(crate) irradiance: [f64; 3],
+    pub(crate) wide: WideScattering,
+}
+
+/// A place in the sea.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Place {
+    pub(crate) absorption: [f64; 3],
+    pub(crate) scattering: [f64; 3],
+    pub(crate) depth_m: f64,
+    pub(crate) sun: Option<SunLight>,
+    /// True meters of one length of the range.
+    pub(crate) scale: f64,
+    pub(crate) bottom: Option<Bottom>,
+}
+
+impl Place {
+    /// Length of a whole ray, m.
+    fn end(&self, rise: f64) -> f64 {
+        if rise > 0.0 {
+            self.depth_m / rise
+        } else {
+            self.bottom.map_or(f64::INFINITY, |bottom| bottom.below_m / -rise)
+        }
+    }
+
+    fn above(&self, channel: usize) -> Above {
+        Above {
+            depth: self.depth_m,
+            sun: self.sun,
+            bottom: self
+                .bottom
+                .map(|bottom| (bottom.below_m, bottom.reflectance[channel])),
+        }
+    }
+}
+
+impl Fields {
+    pub(crate) fn new(place: &Place, wide: WideScattering) -> Self {
+        let exchange = Exchange::new(wide);
+        let radiances =
+            [0, 1, 2].map(|i| exchange.solve(place.absorption[i], place.scattering[i], place.above(i)));
+        let channel = |i: usize| Field::new(&radiances[i], &exchange, place, place.scattering[i]);
+        Self {
+            channels: [0, 1, 2].map(channel),
+            irradiance: radiances.each_ref().map(|radiance| radiance.irradiance),
+            wide,
+        }
+    }
+}
+
+impl Field {
+    fn new(radiance: &Radiance, exchange: &Exchange, place: &Place, scattering: f64) -> Self {
+        let &Place { depth_m, scale, .. } = place;
+        let nodes = &exchange.directions;
+        let relative = |light: f64| (light / radiance.irradiance).max(DARKEST);
+        let samples = |values: [f64; DIRECTIONS]| {
+            (0..DIRECTIONS).map(move |j| [nodes[j].rise, values[j], nodes[j].weight])
+        };
+        let twice = SecondSunlight::new(radiance, exchange, place, scattering);
+        let [source, path] = twice.remove_from(radiance);
+        let rates: [f64; DIRECTIONS] = std::array::from_fn(|j| {
+            let length = path[j] / source[j].max(f64::MIN_POSITIVE);
+            rate_of(length, place.end(nodes[j].rise), radiance.attenuation)
+        });
+        let source = Polynomial::fit(samples(source.map(|light| (relative(light) * scale).ln())));
+        let rate = Polynomial::fit(samples(rates.map(|rate| rate * scale)));
+        Self {
+            decay: if depth_m > 0.0 {
+                -radiance.irradiance.ln() / depth_m * scale
+            } else {
+                radiance.attenuation * scale
+            },
+            attenuation: radiance.attenuation * scale,
+            peak: (1.0 - exchange.wide.share) * scattering * scale,
+            horizon: source.value(0.0).exp() / rate.value(0.0),
+            source,
+            rate,
+            around: Polynomial::fit(samples(radiance.total.map(|light| relative(light).ln()))),
+            mirrored: Polynomial::fit(
+                samples(radiance.mirrored.map(|light| relative(light).ln())).skip(FIRST_UP),
+            ),
+            sky: (radiance.sky / radiance.irradiance).min(BRIGHTEST),
+            sunlight: scattering * scale * radiance.sun / radiance.irradiance,
+            sunny: exchange.wide.with_repeated(&twice.repeated, twice.share),
+            slopes: share_by_slope(&nodes.map(|node| [node.rise, node.weight]), &radiance.total),
+        }
+    }
+
+    /// k in a direction.
+    #[must_use]
+    pub(super) fn rate(&self, rise: f64) -> f64 {
+        self.rate.value(rise)
+    }
+
+    /// Light that water scatters into a ray of this length, without singly scattered sunlight.
+    #[must_use]
+    pub(super) fn scattered(&self, rise: f64, length: f64) -> f64 {
+        let rate = self.rate(rise).max(-MOST_GAIN / length.max(f64::MIN_POSITIVE));
+        self.source.value(rise).exp() * effective_length(rate, length)
+    }
+
+    /// Singly scattered sunlight of a ray at this cosine from the sun.
+    #[must_use]
+    pub(super) fn sunlit(&self, ray: SunnyRay) -> f64 {
+        let rate = self.attenuation * (1.0 - ray.rise / ray.sun_rise);
+        let rate = rate.max(-MOST_GAIN / ray.length.max(f64::MIN_POSITIVE));
+        let density = self.sunny.value(ray.cosine.clamp(-1.0, PEAK_COSINE)).exp();
+        self.sunlight * density * effective_length(rate, ray.length)
+    }
+
+    /// Light from the surface at the end of a ray that rises.
+    #[must_use]
+    pub(super) fn surface(&self, rise: f64, depth: f64) -> f64 {
+        if rise <= 0.0 {
+            return 0.0;
+        }
+        let steep = rise.max(LEAST_COSINE);
+        let blurred = -(-self.peak * depth / steep).exp_m1();
+        let inside = (1.0 - blurred) * ramp(rise, SHARP_EDGE) + blurred * ramp(rise, BLURRED_EDGE);
+        let through = (1.0 - fresnel(rise.max(CRITICAL_COSINE + EDGE_INSIDE))) * inside;
+        let light = through * self.sky + (1.0 - through) * self.mirrored.value(rise).exp();
+        light * (-self.attenuation * depth / steep).exp()
+    }
+}
+
+/// From 0 outside of the window to 1 inside, over this width of the cosine.
+fn ramp(rise: f64, width: f64) -> f64 {
+    let s = ((rise - CRITICAL_COSINE) / width + 0.5).clamp(0.0, 1.0);
+    s * s * (3.0 - 2.0 * s)
+}
+
+/// A ray through sunlit water.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SunnyRay {
+    pub(super) rise: f64,
+    pub(super) length: f64,
+    /// Of the angle to the sun.
+    pub(super) cosine: f64,
+    pub(super) sun_rise: f64,
+}
+
+/// Sunlight that was scattered twice. The transfer keeps only its mean over the azimuth; here it gets back the direction of the sun, as
+/// if every first scattering had the same path.
+struct SecondSunlight {
+    repeated: Repeated,
+    /// Its source over that of one scattering.
+    share: f64,
+    /// Its mean over the azimuth, source and path, in each direction.
+    means: [[f64; DIRECTIONS]; 2],
+}
+
+/// At least this share of the source stays even over the azimuth.
+const LEAST_EVEN: f64 = 0.2;
+
+impl SecondSunlight {
+    fn new(radiance: &Radiance, exchange: &Exchange, place: &Place, scattering: f64) -> Self {
+        let repeated = exchange.wide.repeated();
+        let nodes = &exchange.directions;
+        let Some(sun) = place.sun.filter(|_| radiance.sun > 0.0 && scattering > 0.0) else {
+            return Self {
+                repeated,
+                share: 0.0,
+                means: [[0.0; DIRECTIONS]; 2],
+            };
+        };
+        let single = scattering * radiance.sun;
+        let mean = nodes.map(|node| single * azimuth_mean(node.rise, sun.rise, |x| repeated.density(x)));
+        let weighted = |values: &[f64; DIRECTIONS]| -> f64 {
+            nodes
+                .iter()
+                .zip(values)
+                .map(|(node, value)| node.weight * value)
+                .sum()
+        };
+        let lengths = nodes.map(|node| {
+            let rate = radiance.attenuation * (1.0 - node.rise / sun.rise);
+            effective_length(rate.max(-MOST_GAIN / place.end(node.rise)), place.end(node.rise))
+        });
+        let fits = |part: f64, whole: f64| (1.0 - LEAST_EVEN) * whole / part.max(f64::MIN_POSITIVE);
+        let limits = (0..DIRECTIONS)
+            .map(|j| fits(mean[j], radiance.source[j]).min(fits(mean[j] * lengths[j], radiance.path[j])));
+        let share = limits.fold(
+            weighted(&radiance.twice) / weighted(&mean).max(f64::MIN_POSITIVE),
+            f64::min,
+        );
+        Self {
+            repeated,
+            share,
+            means: [
+                mean.map(|light| share * light),
+                std::array::from_fn(|j| share * mean[j] * lengths[j]),
+            ],
+        }
+    }
+
+    /// Source and path without it.
+    fn remove_from(&self, radiance: &Radiance) -> [[f64; DIRECTIONS]; 2] {
+        let [source, path] = &self.means;
+        [
+            std::array::from_fn(|j| radiance.source[j] - source[j]),
+            std::array::from_fn(|j| radiance.path[j] - path[j]),
+        ]
+    }
+}
+
+/// k of rays that never end is at least this share of c.
+const LEAST_RATE: f64 = 0.02;
+
+/// The k for which `ℓ(k, end)` is a length: by bisection, since ℓ falls with k.
+fn rate_of(length: f64, end: f64, attenuation: f64) -> f64 {
+    if length <= 0.0 || !length.is_finite() {
+        return attenuation;
+    }
+    if end == f64::INFINITY {
+        return (1.0 / length).max(LEAST_RATE * attenuation);
+    }
+    let bound = MOST_GAIN / end;
+    let (mut low, mut high) = (-bound, (2.0 / length).max(bound));
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if effective_length(middle, end) > length {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    0.5 * (low + high)
 }
 
 /// Reflectance of the sea surface from within the water for light that is not polarized, at a cosine from the vertical: 1 beyond
@@ -64,120 +324,5 @@ pub fn fresnel(cosine: f64) -> f64 {
     0.5 * (across * across + along * along)
 }
 
-impl Shape {
-    /// The shape that follows from absorption and backscattering b_b, 1/m.
-    #[must_use]
-    pub fn of_water(absorption: f64, backscattering: f64) -> Self {
-        let horizon = 0.47 * backscattering / absorption.max(f64::MIN_POSITIVE);
-        let horizon = horizon.min(MOST_HORIZON).max(LEAST_HORIZON);
-        let q = ((0.45 * (1.0 / horizon).ln() - 0.76) / 1.03).clamp(0.0, BRIGHT_CEILING);
-        Self {
-            horizon,
-            p: 1.6 + q,
-            q,
-        }
-    }
-
-    /// `Φ(μ) = exp(p μ + q μ²)`.
-    #[must_use]
-    pub fn phi(&self, rise: f64) -> f64 {
-        (rise * (self.p + self.q * rise)).exp()
-    }
-
-    /// Least and greatest Φ between two cosines.
-    pub(crate) fn extremes(&self, (low, high): (f64, f64)) -> (f64, f64) {
-        let turn = if self.q == 0.0 {
-            low
-        } else {
-            -self.p / (2.0 * self.q)
-        };
-        let values = [low, high, turn.clamp(low, high)].map(|rise| self.phi(rise));
-        let least = values.into_iter().fold(f64::INFINITY, f64::min);
-        (least, values.into_iter().fold(0.0, f64::max))
-    }
-}
-
-impl Field {
-    /// Width of the window's edge in the cosine, at a depth: `0.02 + 0.02 min(b z, 10)`.
-    #[must_use]
-    pub fn edge(&self, depth: f64) -> f64 {
-        0.02 + 0.02 * (self.scattering * depth).min(10.0)
-    }
-
-    /// `W(μ, z) / E(z)`: the sky through the surface over the irradiance at the depth,
-    /// `(1 − R(μ)) (n²/π) e^{−(a + 0.1 b) z/μ + K z}` within the window, whose edge is smooth.
-    #[must_use]
-    pub fn sky(&self, rise: f64, depth: f64) -> f64 {
-        let s = ((rise - CRITICAL_COSINE) / self.edge(depth) + 0.5).clamp(0.0, 1.0);
-        if s == 0.0 {
-            return 0.0;
-        }
-        let through = 1.0 - fresnel(rise.max(CRITICAL_COSINE + EDGE_INSIDE));
-        let lost = self.window * depth / rise.max(LEAST_COSINE) - self.decay * depth;
-        let arriving = (-lost).min(MOST_GAIN).exp();
-        through * REFRACTIVE_INDEX * REFRACTIVE_INDEX / PI * arriving * s * s * (3.0 - 2.0 * s)
-    }
-
-    /// `L(v, z) / E(z)`: radiance in a direction over the irradiance at the depth.
-    #[must_use]
-    pub fn radiance(&self, rise: f64, depth: f64) -> f64 {
-        (self.shape.horizon * self.shape.phi(rise)).max(self.sky(rise, depth))
-    }
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_critical_cosine_is_that_of_the_index() {
-        let exact = (1.0 - 1.0 / REFRACTIVE_INDEX.powi(2)).sqrt();
-        assert!((CRITICAL_COSINE - exact).abs() < 1e-15, "{exact:.17}");
-        assert_eq!(fresnel(CRITICAL_COSINE - 1e-9), 1.0);
-        assert!((fresnel(1.0) - (0.34f64 / 2.34).powi(2)).abs() < 1e-12);
-    }
-
-    #[test]
-    fn the_horizon_is_brighter_than_what_is_below_and_darker_than_the_window() {
-        let shape = Shape::of_water(0.179, 0.219 * 0.0183);
-        assert!((shape.phi(-1.0) - (-1.6f64).exp()).abs() < 1e-12);
-        assert_eq!(shape.phi(0.0), 1.0);
-        let field = Field {
-            shape,
-            decay: decay_from(0.179, 0.219),
-            window: 0.179 + 0.1 * 0.219,
-            scattering: 0.219,
-        };
-        assert!(field.radiance(1.0, 7.0) > 20.0 * field.radiance(0.0, 7.0));
-        // The edge of the window is no step.
-        let steps = (0..400).map(|i| 0.5 + 1e-3 * f64::from(i));
-        let radiances: Vec<f64> = steps.map(|rise| field.radiance(rise, 7.0)).collect();
-        let most = radiances
-            .windows(2)
-            .map(|pair| pair[1] - pair[0])
-            .fold(0.0, f64::max);
-        assert!(most < 0.06 * radiances[399], "{most}");
-    }
-
-    #[test]
-    fn water_that_scatters_or_absorbs_nothing_has_a_field() {
-        for (a, b) in [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0)] {
-            let shape = Shape::of_water(a, b);
-            assert!(shape.phi(1.0).is_finite() && shape.horizon >= LEAST_HORIZON);
-        }
-    }
-
-    #[test]
-    fn no_direction_between_two_is_outside_the_extremes() {
-        for (p, q) in [(0.0, 0.0), (2.0, -3.0), (1.0, 2.0), (10.0, -5.0)] {
-            let shape = Shape { horizon: 0.01, p, q };
-            for (low, high) in [(-1.0, 1.0), (-0.3, 0.4), (0.2, 0.2)] {
-                let (least, most) = shape.extremes((low, high));
-                for step in 0..=100 {
-                    let phi = shape.phi(low + (high - low) * f64::from(step) / 100.0);
-                    assert!(phi >= least * 0.999_999 && phi <= most * 1.000_001);
-                }
-            }
-        }
-    }
-}
+mod tests;

@@ -1,6 +1,5 @@
 //! Limits of daylight on surfaces that are known before any of it is computed.
 
-use super::slope::share_by_slope;
 use super::{Daylight, SurfaceLight};
 use crate::error_bound::ErrorBound;
 
@@ -43,13 +42,7 @@ impl Daylight {
         let most = self
             .irradiance(channel, highest)
             .max(self.irradiance(channel, lowest));
-        let shape = &self.fields[channel].shape;
-        // Radiance that rises to the zenith lights surfaces that face up most.
-        let around = if shape.p >= 2.0 * shape.q.abs() {
-            1.0
-        } else {
-            share_by_slope(shape).into_iter().fold(0.0, f64::max)
-        };
+        let around = self.fields[channel].slopes.into_iter().fold(0.0, f64::max);
         most * self.sun.map_or(around, |sun| around.max(peak / sun.rise))
     }
 

@@ -22,8 +22,6 @@ const AMBIENT_RAYS: usize = 8;
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct DaylightModel {
-    /// How the veil depends on the line of sight.
-    pub veil: VeilModel,
     /// How daylight lights surfaces.
     pub surfaces: SurfaceLight,
     /// Share of the sun in the irradiance just below the surface, 0..=1.
@@ -43,7 +41,6 @@ pub struct DaylightModel {
 impl Default for DaylightModel {
     fn default() -> Self {
         Self {
-            veil: VeilModel::Constant,
             surfaces: SurfaceLight::None,
             sun_share: 0.0,
             sun: Sun::default(),
@@ -69,7 +66,6 @@ impl DaylightModel {
             ..Caustics::default()
         };
         Self {
-            veil: VeilModel::Physical,
             surfaces: if is_reflectance {
                 SurfaceLight::Normal
             } else {
@@ -121,18 +117,6 @@ fn sun_share(sky: &Sky) -> f64 {
     let direct = in_air * (1.0 - fresnel(in_water));
     let diffuse = (1.0 - in_air) * SKY_TRANSMITTANCE;
     direct / (direct + diffuse)
-}
-
-/// How the veil depends on the line of sight.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum VeilModel {
-    /// The same in all directions.
-    Constant,
-    /// The veiling light is that of the horizon; above it is brighter, below darker.
-    Field,
-    /// The same, with the radiance of the horizon that daylight gives next to white surfaces.
-    Physical,
 }
 
 /// How daylight lights surfaces.

@@ -5,11 +5,6 @@ use super::gaze::Gaze;
 use super::model::Sun;
 use imaging::vector::DVec3;
 
-/// The share b/20 of the scattering takes light out of the sun's own direction; the rest goes on nearly straight.
-const LOST_BY_SCATTERING: f64 = 0.05;
-/// a + b/20 is this much of b less than a + b/10, by which the sky fades.
-const BELOW_WINDOW: f64 = 0.1 - LOST_BY_SCATTERING;
-
 /// Sunlight in the water: parallel, with the rest of the irradiance coming from all around.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SunLight {
@@ -45,13 +40,13 @@ impl SunLight {
         (DVec3::from(gaze.up) * self.rise + east * (level * cosine) + north * (level * sine)).into()
     }
 
-    /// The rate at which the sun's share falls with depth in a channel, `(a + 0.05 b)/μ − K`.
+    /// The rate at which the sun's share falls with depth in a channel, `c/μ − K`.
     #[must_use]
     pub(super) fn fading(&self, field: &Field) -> f64 {
-        (field.window - BELOW_WINDOW * field.scattering) / self.rise - field.decay
+        field.attenuation / self.rise - field.decay
     }
 
-    /// σ, the sun's share in the irradiance of a channel at a depth: `clamp(share e^{−((a + 0.05 b)/μ − K) z}, 0, 1)`.
+    /// σ, the sun's share in the irradiance of a channel at a depth: `clamp(share e^{−(c/μ − K) z}, 0, 1)`.
     #[must_use]
     pub fn share_at(&self, field: &Field, depth: f64) -> f64 {
         (self.share * (-self.fading(field) * depth).min(MOST_GAIN).exp()).clamp(0.0, 1.0)

@@ -4,18 +4,18 @@
 //!
 //! ```text
 //! J = ρ e(X) [ σ V C max(n·s, 0)/μ_s + (1 − σ) A D(n·U) ]
-//! e(X) = E(z)/N,   σ = clamp(share e^{−(a + 0.05 b) z/μ_s + K z}, 0, 1)
+//! e(X) = E(z)/N,   σ = clamp(share e^{−c z/μ_s + K z}, 0, 1)
 //! ```
 //!
 //! with s the direction to the sun and μ_s its cosine from the vertical, V whether the sun is seen, C its caustics, A the share of
-//! the light from all around that nothing hides, and D how much of it falls on a slope ([`share_by_slope`]). N is the irradiance of
+//! the light from all around that nothing hides, and D how much of it falls on a slope ([`super::share_by_slope`]). N is the irradiance of
 //! white: J is in units of the radiance of a white horizontal patch.
 
 use imaging::vectorized;
 use imaging::{Plane, Rgb};
 
 use super::field::MOST_GAIN;
-use super::slope::{SLOPES, between, share_by_slope};
+use super::slope::{SLOPES, between};
 use super::veil::{Row, rises_of};
 use super::{Daylight, SunLight};
 use crate::attenuation::{exp_negative, masked};
@@ -55,7 +55,6 @@ pub fn surfaces_reference(
     let toward = daylight.sun.map(|sun| (sun, sun.toward(gaze)));
     let bands = [0, 1, 2].map(|c| {
         let field = &daylight.fields[c];
-        let table = share_by_slope(&field.shape);
         let albedo = &reflectance.planes()[c];
         Plane::from_fn(range.width(), range.height(), |x, y| {
             let (rho, z) = (albedo.pixel(x, y), range.pixel(x, y));
@@ -69,7 +68,7 @@ pub fn surfaces_reference(
             let around = reaching
                 .access
                 .map_or(1.0, |a| f64::from(a.planes()[c].pixel(x, y)));
-            let around = around * between(&table, dot(gaze.up));
+            let around = around * between(&field.slopes, dot(gaze.up));
             let Some((sun, toward)) = toward else {
                 return arriving * around;
             };
@@ -164,7 +163,7 @@ const PIECES: usize = SLOPES - 1;
 impl Channel {
     fn new(daylight: &Daylight, c: usize) -> Self {
         let field = &daylight.fields[c];
-        let table: [f64; SLOPES] = share_by_slope(&field.shape);
+        let table = &field.slopes;
         let sun = daylight.sun.as_ref();
         Self {
             level: daylight.level[c] as f32,

@@ -3,116 +3,156 @@
 use imaging::Plane;
 use imaging::vectorized;
 
-use super::field::{CRITICAL_COSINE, EDGE_INSIDE, Field, LEAST_COSINE, MOST_GAIN, REFRACTIVE_INDEX};
+use super::field::{
+    BLURRED_EDGE, CRITICAL_COSINE, EDGE_INSIDE, Field, LEAST_COSINE, MIRROR_TERMS, MOST_GAIN, RATE_TERMS,
+    REFRACTIVE_INDEX, SHARP_EDGE, SOURCE_TERMS, SunnyRay,
+};
 use super::gaze::Gaze;
-use crate::attenuation::{exp_negative, masked, one_minus_exp_negative};
+use super::wide::{PEAK_COSINE, TERMS};
+use crate::attenuation::{exp_negative, masked};
+use crate::polynomial::horner;
 use crate::range::is_hole;
 
-/// Pixels that are looked at together for holes.
+/// Pixels that are checked together for holes.
 const RUN: usize = 64;
 /// One rounding of f32.
 const STEP: f64 = 6e-8;
+/// Rays that meet no surface are this many attenuation lengths long.
+const FARTHEST: f64 = 60.0;
+/// Steps in the cosine from the vertical when a maximum is searched for.
+const SEARCH: usize = 64;
 
 /// The veil of one channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VeilOf {
-    /// Its radiance field, whose K is at most 0.95 c.
     pub(crate) field: Field,
-    /// c of the veil, per unit of range.
-    pub(crate) attenuation: f64,
-    /// B_h, the veiling light at the horizon.
+    /// Factor of the field: π times the light of a white horizontal patch at the camera.
     pub(crate) light: f64,
     /// h, depth of the camera in lengths of the range.
     pub(crate) depth: f64,
+    /// How far the bottom is below the camera, in lengths of the range; infinite without one.
+    pub(crate) below: f64,
+    pub(crate) sun: Option<SunnyWater>,
+}
+
+/// What singly scattered sunlight depends on besides the field.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct SunnyWater {
+    /// Unit vector toward the sun, camera axes.
+    pub(crate) toward: [f64; 3],
+    /// Its cosine from the vertical.
+    pub(crate) rise: f64,
 }
 
 impl VeilOf {
-    /// B at a cosine from the vertical, before a surface at this range or in open water; 0 where the water attenuates nothing.
+    /// B along a unit vector in camera axes, with its cosine from the vertical, before a surface at this range or in open water; 0 where
+    /// the water attenuates nothing.
     #[must_use]
-    pub fn at(&self, rise: f64, range: Option<f64>) -> f64 {
-        if self.attenuation <= 0.0 {
+    pub fn at(&self, ray: [f64; 3], rise: f64, range: Option<f64>) -> f64 {
+        if self.field.attenuation <= 0.0 {
             return 0.0;
         }
-        let source = self.light * self.field.shape.phi(rise);
-        let within = |range: f64| source * -(-(self.attenuation - self.field.decay * rise) * range).exp_m1();
-        match range {
-            Some(range) => within(range),
-            None if rise > 0.0 => within(self.depth / rise).max(self.sky(rise)),
-            None => source,
-        }
+        let length = range.unwrap_or(f64::INFINITY).min(self.end(rise));
+        let sunlit = self.sun.map_or(0.0, |sun| {
+            let cosine = (0..3).map(|axis| ray[axis] * sun.toward[axis]).sum();
+            let ray = SunnyRay {
+                rise,
+                length,
+                cosine,
+                sun_rise: sun.rise,
+            };
+            self.field.sunlit(ray)
+        });
+        let surface = if range.is_none() {
+            self.field.surface(rise, self.depth)
+        } else {
+            0.0
+        };
+        self.light * (self.field.scattered(rise, length) + sunlit + surface)
     }
 
-    /// The sky through the window in units of the veil.
-    fn sky(&self, rise: f64) -> f64 {
-        self.light / self.field.shape.horizon * self.field.sky(rise, self.depth)
+    /// Length of a ray that meets nothing but the surface or the bottom of the sea.
+    fn end(&self, rise: f64) -> f64 {
+        let farthest = FARTHEST / self.field.attenuation;
+        if rise > 0.0 {
+            farthest.min(self.depth / rise)
+        } else {
+            farthest.min(self.below / rise.abs().max(1e-6))
+        }
     }
 
     /// The greatest veil between two cosines, with open water in view or without.
     pub(crate) fn brightest(&self, rises: (f64, f64), is_open: bool) -> f64 {
-        if self.attenuation <= 0.0 {
+        if self.field.attenuation <= 0.0 {
             return 0.0;
         }
-        let water = self.light * self.field.shape.extremes(rises).1;
-        // The sky brightens towards the zenith.
-        let sky = if is_open && rises.1 > 0.0 {
-            self.sky(rises.1)
-        } else {
-            0.0
-        };
-        water.max(sky)
+        let step = (rises.1 - rises.0) / SEARCH as f64;
+        let light = (0..=SEARCH).map(|k| self.most(rises.0 + step * k as f64, is_open));
+        // Between two steps the logarithms rise by no more than their slopes allow.
+        let slope = self.field.source.magnitude() + 0.5 * self.field.mirrored.magnitude();
+        light.fold(0.0, f64::max) * (0.5 * step * slope.min(40.0)).exp()
     }
 
-    /// No veil between these cosines and ranges is farther from that of constant water than this; infinite where the window may be
-    /// seen.
-    ///
-    /// With A = 1 − e^{−(c − K μ) Z} and A₀ = 1 − e^{−c Z}: `|Φ A − A₀| ≤ |Φ − 1| A + |A − A₀|`, where the second is greatest at
-    /// `Z = ln(c/(c − K μ))/(K μ)` or at an end.
-    pub(crate) fn change(&self, rises: (f64, f64), (near, far): (f64, f64), is_open: bool) -> f64 {
-        let (least, most) = self.field.shape.extremes(rises);
-        let uneven = (most - 1.0).abs().max((least - 1.0).abs());
-        let c = self.attenuation;
-        if c <= 0.0 {
-            return 0.0;
-        }
-        let shift = |rise: f64| {
-            let k = self.field.decay * rise;
-            let peak = if k.abs() > 1e-12 * c {
-                (c / (c - k)).ln() / k
-            } else {
-                1.0 / c
+    /// The greatest veil of a direction around the vertical.
+    fn most(&self, rise: f64, is_open: bool) -> f64 {
+        let length = self.end(rise);
+        let sunlit = self.sun.map_or(0.0, |sun| {
+            // The azimuth of the sun, as far as the vertical angles allow.
+            let across = ((1.0 - rise * rise) * (1.0 - sun.rise * sun.rise))
+                .max(0.0)
+                .sqrt();
+            let ray = SunnyRay {
+                rise,
+                length,
+                cosine: rise * sun.rise + across,
+                sun_rise: sun.rise,
             };
-            let at = peak.clamp(near, far);
-            ((-(c - k) * at).exp() - (-c * at).exp()).abs()
-        };
-        let moved = shift(rises.0).max(shift(rises.1));
-        let surfaces = uneven + moved;
-        if !is_open {
-            return self.light * surfaces;
-        }
-        if rises.1 > CRITICAL_COSINE - 0.5 * self.field.edge(self.depth) {
-            return f64::INFINITY;
-        }
-        let above = if rises.1 > 0.0 {
-            most * (-(c - self.field.decay * rises.1) * self.depth / rises.1).exp()
+            let opposite = SunnyRay {
+                cosine: rise * sun.rise - across,
+                ..ray
+            };
+            self.field.sunlit(ray).max(self.field.sunlit(opposite))
+        });
+        let surface = if is_open {
+            self.field.surface(rise, self.depth)
         } else {
             0.0
         };
-        self.light * (surfaces + above)
+        self.light * (self.field.scattered(rise, length) + sunlit + surface)
     }
 
-    /// What f32 may lose of the veil: roundings of μ and of the exponent of Φ, which may grow by p + 2 |q| times them, and in open
-    /// water those of the window's edge, whose profile rises by 1.5 over its width.
+    /// What f32 may lose of the veil: roundings of μ and of the terms of each polynomial, which the exponentials and lengths carry on.
     pub(crate) fn rounding(&self, rises: (f64, f64), is_open: bool) -> f64 {
-        let slope = self.field.shape.p + 2.0 * self.field.shape.q.abs();
-        let water = self.brightest(rises, false) * STEP * (20.0 + 8.0 * slope);
-        if !is_open {
-            return water;
-        }
-        let edge = 1.5 / self.field.edge(self.depth);
-        let exponent = (self.field.window / CRITICAL_COSINE + self.field.decay) * self.depth;
-        let sky = if rises.1 > 0.0 { self.sky(rises.1) } else { 0.0 };
-        water + sky * STEP * (20.0 + 4.0 * edge + 4.0 * exponent)
+        let field = &self.field;
+        let exponent = 8.0 * (field.source.magnitude() + field.mirrored.magnitude())
+            + self.sun.map_or(0.0, |_| 8.0 * field.sunny.magnitude());
+        let longest = rises_of_interest(rises).fold(0.0, |most: f64, rise| {
+            let length = self.end(rise);
+            let rate = field.rate(rise);
+            most.max(if rate > 0.0 {
+                length.min(1.0 / rate)
+            } else {
+                length
+            })
+        });
+        let sun = self
+            .sun
+            .map_or(0.0, |sun| field.attenuation * (1.0 + 1.0 / sun.rise));
+        let rates = 8.0 * (field.rate.magnitude() + sun) * longest;
+        let surface = if is_open {
+            let edge = 1.5 / SHARP_EDGE;
+            let lost = (field.attenuation + field.peak) * self.depth / CRITICAL_COSINE;
+            4.0 * (edge + lost)
+        } else {
+            0.0
+        };
+        self.brightest(rises, is_open) * STEP * (40.0 + exponent + rates + surface)
     }
+}
+
+/// Cosines at which the sensitivity of the veil is sampled.
+fn rises_of_interest((low, high): (f64, f64)) -> impl Iterator<Item = f64> {
+    (0..=SEARCH).map(move |k| low + (high - low) * k as f64 / SEARCH as f64)
 }
 
 /// The veil of a channel in f64, pixel by pixel. Holes show open water.
@@ -120,7 +160,8 @@ impl VeilOf {
 pub fn veil_reference(range: &Plane<f64>, of: &VeilOf, gaze: &Gaze) -> Plane<f64> {
     Plane::from_fn(range.width(), range.height(), |x, y| {
         let z = range.pixel(x, y);
-        of.at(gaze.rise(x, y), (!is_hole(z)).then_some(z))
+        let ray = gaze.camera.ray(x as f64, y as f64).normalized();
+        of.at(ray.into(), gaze.rise(x, y), (!is_hole(z)).then_some(z))
     })
 }
 
@@ -130,7 +171,7 @@ pub fn veil_reference(range: &Plane<f64>, of: &VeilOf, gaze: &Gaze) -> Plane<f64
 /// If it has not.
 pub fn veil(range: &Plane<f32>, of: &VeilOf, gaze: &Gaze, to: &mut [f32]) {
     assert_eq!(range.data().len(), to.len(), "a sample for each pixel");
-    if of.attenuation <= 0.0 {
+    if of.field.attenuation <= 0.0 {
         to.fill(0.0);
         return;
     }
@@ -139,24 +180,38 @@ pub fn veil(range: &Plane<f32>, of: &VeilOf, gaze: &Gaze, to: &mut [f32]) {
         return;
     }
     let single = Single::new(of);
-    let mut rises = vec![0.0f32; width];
+    let [mut rises, mut cosines] = [(); 2].map(|()| vec![0.0f32; width]);
     for (y, to) in to.chunks_exact_mut(width).enumerate() {
-        let row = Row::new(gaze, y);
-        vectorized!(rises_of(row, &mut rises));
+        vectorized!(rises_of(Row::new(gaze, y), &mut rises));
         let range = range.row(y);
-        vectorized!(surfaces(single, range, &rises, to));
+        vectorized!(scattered(&single, range, &rises, to));
+        if let Some(sun) = &of.sun {
+            vectorized!(rises_of(Row::toward(gaze, y, sun.toward), &mut cosines));
+            let sunny = SunnySingle::new(of, sun);
+            vectorized!(sunlit(
+                &single,
+                &sunny,
+                range,
+                Rays {
+                    rises: &rises,
+                    cosines: &cosines
+                },
+                to
+            ));
+        }
         for start in (0..width).step_by(RUN) {
             let run = start..(start + RUN).min(width);
             let is_open = range[run.clone()].iter().any(|&z| !masked(z).0);
             if is_open {
-                vectorized!(open_water(
-                    single,
+                vectorized!(surface(
+                    &single,
                     &range[run.clone()],
                     &rises[run.clone()],
                     &mut to[run.clone()]
                 ));
             }
         }
+        vectorized!(scale(single.light, to));
     }
 }
 
@@ -172,8 +227,12 @@ pub(super) struct Row {
 
 impl Row {
     pub(super) fn new(gaze: &Gaze, y: usize) -> Self {
+        Self::toward(gaze, y, gaze.up)
+    }
+
+    /// The rays against any unit vector in camera axes.
+    pub(super) fn toward(gaze: &Gaze, y: usize, [x, down, ahead]: [f64; 3]) -> Self {
         let v = (y as f64 - gaze.camera.cy) / gaze.camera.focal_px;
-        let [x, down, ahead] = gaze.up;
         Self {
             inverse_focal: (1.0 / gaze.camera.focal_px) as f32,
             cx: gaze.camera.cx as f32,
@@ -202,102 +261,152 @@ pub(super) fn rises_of(row: Row, rises: &mut [f32]) {
 /// [`VeilOf`] in f32.
 #[derive(Clone, Copy)]
 struct Single {
-    p: f32,
-    q: f32,
+    source: [f32; SOURCE_TERMS],
+    rate: [f32; RATE_TERMS],
+    mirrored: [f32; MIRROR_TERMS],
     attenuation: f32,
-    decay: f32,
+    farthest: f32,
+    below: f32,
     light: f32,
     depth: f32,
-    edge: f32,
-    /// `(a + 0.1 b) h` and `K h`.
-    lost: [f32; 2],
+    peak: f32,
     sky: f32,
 }
 
 impl Single {
     fn new(of: &VeilOf) -> Self {
         let VeilOf { field, depth, .. } = of;
-        let n = REFRACTIVE_INDEX;
         Self {
-            p: field.shape.p as f32,
-            q: field.shape.q as f32,
-            attenuation: of.attenuation as f32,
-            decay: field.decay as f32,
+            source: field.source.single(),
+            rate: field.rate.single(),
+            mirrored: field.mirrored.single(),
+            attenuation: field.attenuation as f32,
+            farthest: (FARTHEST / field.attenuation) as f32,
+            below: of.below as f32,
             light: of.light as f32,
             depth: *depth as f32,
-            edge: (1.0 / field.edge(*depth)) as f32,
-            lost: [(field.window * depth) as f32, (field.decay * depth) as f32],
-            sky: (of.light / field.shape.horizon * n * n / std::f64::consts::PI) as f32,
+            peak: field.peak as f32,
+            sky: field.sky as f32,
+        }
+    }
+
+    /// Length of a ray that meets nothing but the surface or the bottom of the sea.
+    #[inline(always)]
+    fn end(&self, rise: f32) -> f32 {
+        let steep = rise.abs();
+        let steep = if steep > 1e-6 { steep } else { 1e-6 };
+        let height = if rise > 0.0 { self.depth } else { self.below };
+        let end = height / steep;
+        if end < self.farthest { end } else { self.farthest }
+    }
+
+    /// Length of the ray of a pixel.
+    #[inline(always)]
+    fn length(&self, z: f32, rise: f32) -> f32 {
+        let (valid, z) = masked(z);
+        let end = self.end(rise);
+        if valid && z < end { z } else { end }
+    }
+}
+
+/// Singly scattered sunlight in f32.
+#[derive(Clone, Copy)]
+struct SunnySingle {
+    light: f32,
+    phase: [f32; TERMS],
+    /// c and c/μ_s.
+    attenuation: f32,
+    growth: f32,
+}
+
+impl SunnySingle {
+    fn new(of: &VeilOf, sun: &SunnyWater) -> Self {
+        Self {
+            light: of.field.sunlight as f32,
+            phase: of.field.sunny.single(),
+            attenuation: of.field.attenuation as f32,
+            growth: (of.field.attenuation / sun.rise) as f32,
         }
     }
 }
 
-/// `Φ(μ)`: the exponential holds for both signs.
+/// Cosines of the rays of a row from the vertical and from the sun.
+#[derive(Clone, Copy)]
+struct Rays<'a> {
+    rises: &'a [f32],
+    cosines: &'a [f32],
+}
+
+/// `(1 − e^{−k z})/k` for exponents from [`MOST_GAIN`] on.
 #[inline(always)]
-fn phi(p: f32, q: f32, rise: f32) -> f32 {
-    exp_negative(-(rise * (p + q * rise)))
+fn effective_length(rate: f32, z: f32) -> f32 {
+    const LEAST: f32 = -MOST_GAIN as f32;
+    let x = rate * z;
+    let x = if x > LEAST { x } else { LEAST };
+    let small = z
+        * (1.0
+            - x * (0.5
+                - x * (1.666_666_7e-1 - x * (4.166_666_8e-2 - x * (8.333_334e-3 - x * 1.388_889e-3)))));
+    let large = z * (1.0 - exp_negative(x)) / x;
+    if x < 0.25 && x > -0.25 { small } else { large }
 }
 
 #[inline(always)]
-fn surfaces(of: Single, range: &[f32], rises: &[f32], to: &mut [f32]) {
-    let Single {
-        p,
-        q,
-        attenuation,
-        decay,
-        light,
-        ..
-    } = of;
+fn scattered(of: &Single, range: &[f32], rises: &[f32], to: &mut [f32]) {
     for (to, (&z, &rise)) in to.iter_mut().zip(range.iter().zip(rises)) {
-        let (_, z) = masked(z);
-        *to = light * phi(p, q, rise) * one_minus_exp_negative((attenuation - decay * rise) * z);
+        let rate = horner(of.rate, rise);
+        *to = exp_negative(-horner(of.source, rise)) * effective_length(rate, of.length(z, rise));
     }
 }
 
 #[inline(always)]
-fn open_water(of: Single, range: &[f32], rises: &[f32], to: &mut [f32]) {
+fn sunlit(of: &Single, sunny: &SunnySingle, range: &[f32], rays: Rays<'_>, to: &mut [f32]) {
+    const PEAK: f32 = PEAK_COSINE as f32;
+    let rays = rays.rises.iter().zip(rays.cosines);
+    for (to, (&z, (&rise, &cosine))) in to.iter_mut().zip(range.iter().zip(rays)) {
+        let cosine = if cosine < PEAK { cosine } else { PEAK };
+        let density = exp_negative(-horner(sunny.phase, cosine));
+        let rate = sunny.attenuation - sunny.growth * rise;
+        *to += sunny.light * density * effective_length(rate, of.length(z, rise));
+    }
+}
+
+#[inline(always)]
+fn scale(light: f32, to: &mut [f32]) {
+    for to in to {
+        *to *= light;
+    }
+}
+
+#[inline(always)]
+fn ramp(rise: f32, inverse_width: f32) -> f32 {
+    let s = (rise - CRITICAL_COSINE as f32) * inverse_width + 0.5;
+    let s = if s > 0.0 { s } else { 0.0 };
+    let s = if s < 1.0 { s } else { 1.0 };
+    s * s * (3.0 - 2.0 * s)
+}
+
+/// Adds the light of the sea's surface to rays that reach it.
+#[inline(always)]
+fn surface(of: &Single, range: &[f32], rises: &[f32], to: &mut [f32]) {
     const INDEX: f32 = REFRACTIVE_INDEX as f32;
-    const CRITICAL: f32 = CRITICAL_COSINE as f32;
     const INSIDE: f32 = (CRITICAL_COSINE + EDGE_INSIDE) as f32;
-    let Single {
-        p,
-        q,
-        attenuation,
-        decay,
-        light,
-        depth,
-        edge,
-        lost: [window, decayed],
-        sky,
-    } = of;
+    const LEAST: f32 = LEAST_COSINE as f32;
     for (to, (&z, &rise)) in to.iter_mut().zip(range.iter().zip(rises)) {
-        let source = light * phi(p, q, rise);
-        let steep = if rise > 1e-6 { rise } else { 1e-6 };
-        let water = source * one_minus_exp_negative((attenuation - decay * rise) * (depth / steep));
-        let s = (rise - CRITICAL) * edge + 0.5;
-        let s = if s > 0.0 { s } else { 0.0 };
-        let s = if s < 1.0 { s } else { 1.0 };
+        let steep = if rise > LEAST { rise } else { LEAST };
+        let sharp = exp_negative(of.peak * of.depth / steep);
+        let inside = sharp * ramp(rise, 1.0 / SHARP_EDGE as f32)
+            + (1.0 - sharp) * ramp(rise, 1.0 / BLURRED_EDGE as f32);
         let cosine = if rise > INSIDE { rise } else { INSIDE };
         let k = 1.0 - INDEX * INDEX * (1.0 - cosine * cosine);
         let k = (if k > 0.0 { k } else { 0.0 }).sqrt();
         let across = (INDEX * cosine - k) / (INDEX * cosine + k);
         let along = (cosine - INDEX * k) / (cosine + INDEX * k);
-        let through = 1.0 - 0.5 * (across * across + along * along);
-        let cosine = if rise > LEAST_COSINE as f32 {
-            rise
-        } else {
-            LEAST_COSINE as f32
-        };
-        let faded = window / cosine - decayed;
-        let faded = if faded > -MOST_GAIN as f32 {
-            faded
-        } else {
-            -MOST_GAIN as f32
-        };
-        let through = sky * through * exp_negative(faded) * (s * s * (3.0 - 2.0 * s));
-        let above = if water > through { water } else { through };
-        let shown = if rise > 0.0 { above } else { source };
-        *to = if masked(z).0 { *to } else { shown };
+        let through = (1.0 - 0.5 * (across * across + along * along)) * inside;
+        let arrives = exp_negative(of.attenuation * of.depth / steep);
+        let mirrored = exp_negative(-horner(of.mirrored, rise));
+        let light = (through * of.sky + (1.0 - through) * mirrored) * arrives;
+        *to += if rise > 0.0 && !masked(z).0 { light } else { 0.0 };
     }
 }
 

@@ -191,8 +191,8 @@ pub(super) fn attenuation_effect(bounds: &SceneBounds, water: &Water, channel: u
         is_varied,
     } = Channel::of_scene(bounds, water, channel);
     if is_varied {
-        // Light from below decays by c + K at most.
-        return bright * -(-direct * farthest).exp_m1() + veil * -(-2.0 * back * farthest).exp_m1();
+        // The veil of daylight is a stage of its own.
+        return bright * -(-direct * farthest).exp_m1();
     }
     if direct == back {
         let contrast = (bright - veil).abs().max((dark - veil).abs());

@@ -34,7 +34,7 @@ pub fn assess_water(
     let mut attenuation = assess_attenuation(bounds, water, fidelity, share);
     let mut stages = Vec::new();
     let mut used = used_by(&attenuation, share);
-    let veil = veil::assess(bounds, water, fidelity, share);
+    let veil = veil::assess(bounds, water, fidelity);
     used += veil.as_ref().map_or(0.0, |stage| used_by(stage, share));
     let mut gates = gates::assess(bounds, water, fidelity, share);
     used += gates.as_ref().map_or(0.0, |stage| used_by(stage, share));

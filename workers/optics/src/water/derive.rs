@@ -63,32 +63,36 @@ pub(super) fn resolve(request: &Request<'_>, focal_px: f64) -> Result<Water, Vec
         let reason = "give it, or both absorption_per_m and scattering_per_m";
         checks.missing("beam_attenuation_per_m", reason);
     }
-    let diffuse_attenuation = optics
-        .diffuse_attenuation_per_m
-        .or(preset.and_then(|p| all_known(p.diffuse_attenuation)))
-        .or_else(|| checks.estimated_decay(request, absorption.zip(scattering)));
-    let decay = checks.decay(request, diffuse_attenuation);
     let backscatter_fraction = optics
         .backscatter_fraction
         .or(preset.and_then(|p| p.backscatter_fraction));
     let known = above::Known {
         absorption,
         scattering,
-        attenuation,
-        diffuse_attenuation,
         backscatter_fraction,
         is_complete,
         focal_px,
     };
     let daylight = checks.daylight(request, &known);
+    let diffuse_attenuation = daylight
+        .map(|daylight| {
+            daylight
+                .fields
+                .each_ref()
+                .map(|field| field.decay / daylight.scale)
+        })
+        .or(optics.diffuse_attenuation_per_m)
+        .or(preset.and_then(|p| all_known(p.diffuse_attenuation)));
+    let decay = checks.decay(request, diffuse_attenuation);
+    let has_daylight = water.daylight.is_some();
     let given_veil = optics.veiling_light.or(preset.and_then(|p| p.veiling_light));
     let veiling_light = match given_veil {
-        _ if above::sets_veil(request) => daylight.map(|daylight| daylight.physical()),
+        _ if has_daylight => daylight.map(|daylight| daylight.horizon_light()),
         Some(veil) if water.ambient == Ambient::Absolute => decay.map(|decay| each(|i| veil[i] * decay[i])),
         Some(veil) => Some(veil),
         None => checks.daylight_veil(request, diffuse_attenuation),
     };
-    if veiling_light.is_none() && given_veil.is_none() && is_complete && !above::sets_veil(request) {
+    if veiling_light.is_none() && given_veil.is_none() && is_complete && !has_daylight {
         let reason = "give it, or diffuse_attenuation_per_m to derive its color from";
         checks.missing("veiling_light", reason);
     }
@@ -260,7 +264,8 @@ impl Checks {
             .depth_m
             .zip(diffuse_attenuation)
             .map(|(h, kd)| kd.map(|k| (-k * h).exp()));
-        if request.medium.ambient != Ambient::None && decay.is_none() {
+        let follows_daylight = request.medium.daylight.is_some();
+        if request.medium.ambient != Ambient::None && decay.is_none() && !follows_daylight {
             let field = if request.medium.depth_m.is_none() {
                 "depth_m"
             } else {

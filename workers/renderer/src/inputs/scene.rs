@@ -8,6 +8,7 @@ use camera::PartsError;
 use camera::geometry::Source;
 use imaging::codec::{self, Radiance};
 use imaging::geometry::Intrinsics;
+use optics::medium::Bottom;
 use optics::range::is_hole;
 use optics::setting::View;
 use scenes::uploaded;
@@ -52,7 +53,15 @@ impl Prepared {
                 .unwrap_or_else(|| Intrinsics::centered(self.focal_px, width, height)),
             world_from_camera: self.pose.map(|pose| pose.world_from_camera()),
             has_range: self.scene.range.is_some(),
+            bottom: self.bottom(),
         }
+    }
+
+    /// The ground below the camera of a procedural scene.
+    fn bottom(&self) -> Option<Bottom> {
+        let below_m = self.pose?.world_from_camera()[2][3];
+        let reflectance = self.world.as_ref()?.ground_reflectance();
+        (below_m > 0.0).then_some(Bottom { below_m, reflectance })
     }
 }
 

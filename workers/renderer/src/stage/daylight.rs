@@ -165,13 +165,7 @@ fn add_shafts(context: &FrameContext<'_>, layers: &mut Layers) {
     // Per length of the range, as the range is.
     let attenuation = pattern.blur.attenuation * daylight.scale();
     let shafts = daylight::shafts(path, daylight, sun, &pattern.tiles, attenuation);
-    daylight::with_shafts(
-        &mut layers.backscatter,
-        &mut layers.scattered,
-        &shafts,
-        daylight,
-        sun,
-    );
+    daylight::with_shafts(&mut layers.backscatter, &mut layers.scattered, &shafts, daylight);
 }
 
 /// Those of the scene, or of its range.

@@ -99,6 +99,7 @@ pub(crate) fn trace(
         setting: &context.setting,
         radiance: &prepared.scene.radiance,
         range,
+        ground: prepared.world.as_ref().map(|world| world.ground_reflectance()),
     };
     let scene = Scene::of_frame(&subject, &*solids, tracing.law.phase())?;
     let shutter = Shutter {

@@ -59,7 +59,7 @@ pub(crate) enum Material {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Finish {
     pub(crate) material: Material,
-    base: [f32; 3],
+    pub(crate) base: [f32; 3],
     key: u32,
     /// Share of rust, dirt or cracks, about 0..1.
     wear: f32,

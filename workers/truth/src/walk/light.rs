@@ -11,6 +11,10 @@ use crate::phase::versine;
 use crate::scene::{Along, End, Met};
 use crate::sea::fresnel;
 
+/// `1 − cos` of 2°, by which waves in light wind spread the sun under water. The phase function is averaged over this cone: toward a
+/// point its forward peak has no bounded variance.
+const SUN_VERSINE: f64 = 6.1e-4;
+
 impl<const N: usize> Walk<'_, N> {
     /// Adds light of the present order, for each channel, times the weight of the path.
     fn add(&mut self, order: usize, light: [f64; N]) {
@@ -23,7 +27,7 @@ impl<const N: usize> Walk<'_, N> {
     /// Adds what every lamp scatters once into a segment, at one place each, drawn evenly in the angle at the lamp (Kulla and
     /// Fajardo 2012).
     pub(super) fn lamps_along(&mut self, along: Along, end: &End) {
-        if !self.aims() {
+        if !self.scatters() {
             return;
         }
         let scene = self.scene;
@@ -153,7 +157,10 @@ impl<const N: usize> Walk<'_, N> {
     /// Adds the light of the sun that the water scatters at a place toward where the path came from.
     pub(super) fn sun_on_water(&mut self, place: DVec3, came: DVec3) {
         if let Some((light, direction)) = self.sun(place, 0.0) {
-            let scattered = self.scene.phase.density(versine(direction, came));
+            let scattered = self
+                .scene
+                .phase
+                .density_toward(versine(direction, came), SUN_VERSINE);
             self.add(self.order, light.map(|light| light * scattered));
         }
     }

@@ -76,17 +76,14 @@ pub fn shafts(
     fine
 }
 
-/// Multiplies the sun's share of the veil by the shafts: adds what that changes to `light` as well.
-pub fn with_shafts(
-    veil: &mut Rgb<f32>,
-    light: &mut Rgb<f32>,
-    shafts: &Plane<f32>,
-    daylight: &Daylight,
-    sun: &SunLight,
-) {
-    let channels = veil.planes_mut().into_iter().zip(light.planes_mut());
-    for (c, (veil, light)) in channels.enumerate() {
-        let share = sun.share_at(&daylight.fields[c], daylight.depth) as f32;
+/// Multiplies the sun's share of the veil by the shafts: adds what that changes to `light` as well. The share is that of the ray in the
+/// middle of the picture, an attenuation length long.
+pub fn with_shafts(veil: &mut Rgb<f32>, light: &mut Rgb<f32>, shafts: &Plane<f32>, daylight: &Daylight) {
+    let camera = &daylight.gaze.camera;
+    let ray = camera.ray(camera.cx, camera.cy).normalized();
+    let length = 1.0 / daylight.fields[1].attenuation.max(1e-6);
+    let share = daylight.sun_share_of_veil(ray.into(), length) as f32;
+    for (veil, light) in veil.planes_mut().into_iter().zip(light.planes_mut()) {
         vectorized!(change(veil, light, shafts.data(), share));
     }
 }

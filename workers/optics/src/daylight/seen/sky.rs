@@ -5,8 +5,10 @@ use imaging::vector::DVec3;
 use imaging::{Plane, Rgb, vectorized};
 
 use super::super::Daylight;
+use super::super::field::SOURCE_TERMS;
 use super::{SQUARE, Surfaces, single, to_sea};
 use crate::attenuation::exp_negative;
+use crate::polynomial::horner;
 use crate::range::is_hole;
 
 /// The golden angle.
@@ -94,7 +96,7 @@ impl<'a> Sky<'a> {
             let rise = self.directions.about(k, normal).dot(self.daylight.gaze.up.into());
             let is_clear = clear(k);
             for c in 0..3 {
-                let light = self.daylight.fields[c].shape.phi(rise);
+                let light = self.daylight.fields[c].around.value(rise).exp();
                 all[c] += light;
                 open[c] += if is_clear { light } else { 0.0 };
             }
@@ -342,7 +344,7 @@ struct Gaze {
     up: [f32; 3],
     depth: f32,
     farthest: f32,
-    shapes: [[f32; 2]; 3],
+    around: [[f32; SOURCE_TERMS]; 3],
 }
 
 impl Gaze {
@@ -352,7 +354,7 @@ impl Gaze {
             up: sky.daylight.gaze.up.map(|v| v as f32),
             depth: sky.daylight.depth as f32,
             farthest: sky.farthest as f32,
-            shapes: [0, 1, 2].map(|c| [fields[c].shape.p as f32, fields[c].shape.q as f32]),
+            around: [0, 1, 2].map(|c| fields[c].around.single()),
         }
     }
 }
@@ -363,7 +365,7 @@ fn spread(spots: &Spots, gaze: Gaze, [ahead, along, aside]: [f32; 3], bundle: &m
         up,
         depth,
         farthest,
-        shapes,
+        around,
     } = gaze;
     for i in 0..BATCH {
         let v = [0, 1, 2].map(|axis| {
@@ -381,8 +383,7 @@ fn spread(spots: &Spots, gaze: Gaze, [ahead, along, aside]: [f32; 3], bundle: &m
             bundle.to[axis][i] = from[axis] + v[axis] * meters;
         }
         for c in 0..3 {
-            let [p, q] = shapes[c];
-            bundle.light[c][i] = exp_negative(-(rise * (p + q * rise)));
+            bundle.light[c][i] = exp_negative(-horner(around[c], rise));
         }
     }
 }

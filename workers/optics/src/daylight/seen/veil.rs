@@ -2,10 +2,10 @@
 //!
 //! Daylight is scattered toward the camera along the whole line of sight. Next to walls and under structures a part of it is occluded.
 //! At places of each ray, equal in `1 − e^{−c t}`, shadow rays are traced in directions ω spread evenly over the sphere, weighted by the
-//! radiance Φ from there and by the Henyey–Greenstein function of its angle to the line of sight v:
+//! radiance L from there and by the phase function p without its forward peak:
 //!
 //! ```text
-//! V = Σ Φ(μ_ω) p(ω·v) s(ω) / Σ Φ(μ_ω) p(ω·v)
+//! V = Σ L(μ_ω) p(ω·v) s(ω) / Σ L(μ_ω) p(ω·v)
 //! ```
 //!
 //! s is 1 in a direction without occluder within 1.5 attenuation lengths, else the light of the water before it, whose distance is taken
@@ -16,7 +16,7 @@ use imaging::rays::{Rays, Ways};
 use imaging::vector::{DVec3, vec3};
 use imaging::{Plane, Rgb, vectorized};
 
-use super::super::{Daylight, SunLight};
+use super::super::Daylight;
 use super::veil_grid::Grid;
 use super::{single, to_sea};
 use crate::range::is_hole;
@@ -31,9 +31,6 @@ const SUN_PLACES: usize = 12;
 const REACH: f64 = 1.5;
 /// Light of the water before an occluder: the mean of `1 − e^{−x}` over 0..1.5.
 const BEFORE_OCCLUDER: f64 = 0.482;
-/// Mean cosine of the scattering that turns daylight into the veil. The forward peak of the phase function carries light of surfaces,
-/// which forward scatter computes.
-const ASYMMETRY: f64 = 0.5;
 /// Attenuation lengths of a line of sight that meets no surface.
 const FARTHEST: f64 = 8.0;
 /// The golden angle.
@@ -103,6 +100,8 @@ struct Line {
     direction: DVec3,
     /// The share of light that its length takes away.
     lost: f64,
+    /// The share of singly scattered sunlight in its veil.
+    sun_share: f64,
 }
 
 /// A ray from a place of a line of sight.
@@ -119,8 +118,8 @@ struct OccludedVeil<'a> {
     attenuation: f64,
     up: DVec3,
     directions: Vec<DVec3>,
-    /// Toward the sun, and its share at the camera.
-    sun: Option<(DVec3, f64)>,
+    /// Toward the sun.
+    sun: Option<DVec3>,
 }
 
 impl<'a> OccludedVeil<'a> {
@@ -131,22 +130,12 @@ impl<'a> OccludedVeil<'a> {
             let (sine, cosine) = (TURN * k as f64).sin_cos();
             vec3(level * cosine, rise, level * sine)
         };
-        let mean_share = |sun: &SunLight| {
-            let shares = daylight
-                .fields
-                .each_ref()
-                .map(|field| sun.share_at(field, daylight.depth));
-            (shares[0] + shares[1] + shares[2]) / 3.0
-        };
         Self {
             daylight,
             attenuation: attenuation.max(1e-6),
             up: daylight.gaze.up.into(),
             directions: (0..DIRECTIONS).map(direction).collect(),
-            sun: daylight
-                .sun
-                .as_ref()
-                .map(|sun| (sun.toward(&daylight.gaze).into(), mean_share(sun))),
+            sun: daylight.sun.map(|sun| sun.toward(&daylight.gaze).into()),
         }
     }
 
@@ -176,6 +165,11 @@ impl<'a> OccludedVeil<'a> {
         Line {
             direction,
             lost: self.lost(end),
+            sun_share: if self.sun.is_some() {
+                self.daylight.sun_share_of_veil(direction.into(), end)
+            } else {
+                0.0
+            },
         }
     }
 
@@ -183,7 +177,7 @@ impl<'a> OccludedVeil<'a> {
     /// surface, and those not toward the sun within [`REACH`].
     fn shadow_ray(&self, line: &Line, k: usize) -> ShadowRay {
         let (share, direction, reach) = match self.sun {
-            Some((sun, _)) if k >= PLACES * DIRECTIONS => {
+            Some(sun) if k >= PLACES * DIRECTIONS => {
                 let place = (k - PLACES * DIRECTIONS) as f64;
                 ((place + 0.5) / SUN_PLACES as f64, sun, FARTHEST)
             }
@@ -236,13 +230,12 @@ impl<'a> OccludedVeil<'a> {
 
     /// V of a line of sight whose shadow rays are clear or not.
     fn share(&self, line: &Line, is_clear: impl Fn(usize) -> bool) -> f64 {
-        // The shape of green stands for all: channels differ less than directions.
-        let shape = &self.daylight.fields[1].shape;
+        // Green stands for all: channels differ less than directions.
+        let field = &self.daylight.fields[1];
         let (mut open, mut all) = (0.0, 0.0);
         for (k, direction) in self.directions.iter().enumerate() {
-            let cosine = line.direction.dot(*direction);
-            let spread = 1.0 + ASYMMETRY * ASYMMETRY - 2.0 * ASYMMETRY * cosine;
-            let weight = shape.phi(direction.dot(self.up)) / spread.powf(1.5);
+            let radiance = field.around.value(direction.dot(self.up)).exp();
+            let weight = radiance * self.daylight.wide.density(line.direction.dot(*direction));
             let clear = (0..PLACES)
                 .filter(|place| is_clear(place * DIRECTIONS + k))
                 .count() as f64;
@@ -251,7 +244,8 @@ impl<'a> OccludedVeil<'a> {
             open += weight * (remains + (1.0 - remains) * BEFORE_OCCLUDER);
         }
         let sky = open / all;
-        self.sun.map_or(sky, |(_, share)| {
+        self.sun.map_or(sky, |_| {
+            let share = line.sun_share;
             let first = PLACES * DIRECTIONS;
             let clear = (first..first + SUN_PLACES).filter(|&k| is_clear(k)).count() as f64;
             share * clear / SUN_PLACES as f64 + (1.0 - share) * sky

@@ -1,8 +1,11 @@
 use imaging::geometry::Intrinsics;
 
-use super::super::field::{Field, Shape};
+use spec::PhaseFunction;
+
+use super::super::WideScattering;
+use super::super::field::{Fields, Place};
 use super::super::gaze::Gaze;
-use super::super::model::{Sun, SurfaceLight, VeilModel};
+use super::super::model::{Sun, SurfaceLight};
 use super::*;
 use crate::extremes::brightest;
 
@@ -11,29 +14,34 @@ const PEAK: f64 = 2.8;
 
 pub(in crate::daylight) fn daylight(size: (usize, usize), up: [f64; 3], share: f64, depth: f64) -> Daylight {
     let camera = Intrinsics::centered(0.8 * size.0.max(size.1) as f64, size.0, size.1);
-    let field = |a: f64, b: f64| Field {
-        shape: Shape::of_water(a, 0.0183 * b),
-        decay: 1.1 * a,
-        window: a + 0.1 * b,
-        scattering: b,
-    };
     let sun = Sun {
         elevation_deg: 35.0,
         azimuth_deg: 110.0,
         casts_shadows: true,
     };
+    let sun = (share > 0.0).then(|| SunLight::new(share, &sun));
+    let place = Place {
+        absorption: [0.35, 0.08, 0.07],
+        scattering: [0.16, 0.18, 0.2],
+        depth_m: depth,
+        sun,
+        scale: 1.0,
+        bottom: None,
+    };
+    let fields = Fields::new(&place, WideScattering::new(PhaseFunction::Ff, 0.0183));
     Daylight {
-        veil: VeilModel::Constant,
         surfaces: SurfaceLight::Normal,
-        sun: (share > 0.0).then(|| SunLight::new(share, &sun)),
+        sun,
         rays: 16,
         caustics: None,
         draws_caustics: false,
         occludes_veil: false,
         has_shafts: false,
         scale: 1.0,
-        fields: [field(0.35, 0.16), field(0.08, 0.18), field(0.07, 0.2)],
+        fields: fields.channels,
+        wide: fields.wide,
         depth,
+        below: f64::INFINITY,
         level: [0.2, 0.9, 1.0],
         gaze: Gaze::new(camera, size, up),
     }

@@ -1,45 +1,63 @@
 use imaging::geometry::Intrinsics;
+use spec::PhaseFunction;
 
-use super::super::field::Shape;
+use super::super::field::{Fields, Place};
+use super::super::model::Sun;
+use super::super::sun::SunLight;
+use super::super::wide::WideScattering;
 use super::*;
+use crate::medium::Bottom;
 
-fn coastal() -> VeilOf {
-    VeilOf {
-        field: Field {
-            shape: Shape::of_water(0.179, 0.004),
-            decay: 0.25,
-            window: 0.2,
-            scattering: 0.219,
-        },
-        attenuation: 0.398,
-        light: 0.2,
-        depth: 7.0,
-    }
-}
-
-#[test]
-fn a_level_ray_has_the_veil_of_constant_water() {
-    let of = coastal();
-    for z in [0.01, 1.0, 20.0] {
-        let constant = 0.2 * (1.0 - f64::exp(-0.398 * z));
-        assert!((of.at(0.0, Some(z)) - constant).abs() < 1e-15);
-    }
-    assert_eq!(of.at(0.0, None), 0.2);
-    assert!(of.at(0.5, Some(30.0)) > 2.0 * of.at(0.0, Some(30.0)));
-    assert!(of.at(-0.5, Some(30.0)) < 0.6 * of.at(0.0, Some(30.0)));
-}
-
-#[test]
-fn water_that_attenuates_nothing_has_no_veil() {
-    let of = VeilOf {
-        attenuation: 0.0,
-        ..coastal()
+fn coastal(depth: f64, share: f64, gaze: &Gaze) -> VeilOf {
+    let sun = Sun {
+        elevation_deg: 40.0,
+        azimuth_deg: 70.0,
+        casts_shadows: true,
     };
-    assert_eq!((of.at(0.3, None), of.at(-0.3, Some(9.0))), (0.0, 0.0));
+    let sun = (share > 0.0).then(|| SunLight::new(share, &sun));
+    let place = Place {
+        absorption: [0.179; 3],
+        scattering: [0.219; 3],
+        depth_m: depth,
+        sun,
+        scale: 1.0,
+        bottom: (share > 0.5).then_some(Bottom {
+            below_m: 3.0,
+            reflectance: [0.4; 3],
+        }),
+    };
+    let fields = Fields::new(&place, WideScattering::new(PhaseFunction::Ff, 0.0183));
+    VeilOf {
+        field: fields.channels[0],
+        light: 0.7,
+        depth,
+        below: place.bottom.map_or(f64::INFINITY, |bottom| bottom.below_m),
+        sun: sun.map(|sun| SunnyWater {
+            toward: sun.toward(gaze),
+            rise: sun.rise,
+        }),
+    }
+}
+
+#[test]
+fn the_veil_grows_with_range_and_is_brighter_above_than_below() {
+    let of = coastal(7.0, 0.0, &Gaze::unknown(9.0));
+    let along = |rise: f64, range: Option<f64>| of.at([1.0, 0.0, 0.0], rise, range);
+    assert_eq!(along(0.0, Some(0.0)), 0.0);
+    assert!(along(0.0, Some(1.0)) < along(0.0, Some(3.0)) && along(0.0, Some(30.0)) <= along(0.0, None));
+    assert!(along(0.5, Some(30.0)) > 2.0 * along(0.0, Some(30.0)));
+    assert!(along(-0.5, Some(30.0)) < 0.7 * along(0.0, Some(30.0)));
+}
+
+#[test]
+fn water_is_brightest_toward_the_sun() {
     let gaze = Gaze::unknown(9.0);
-    let mut to = [1.0; 4];
-    veil(&Plane::filled(2, 2, f32::NAN), &of, &gaze, &mut to);
-    assert_eq!(to, [0.0; 4]);
+    let of = coastal(7.0, 0.8, &gaze);
+    let [x, _, z] = of.sun.unwrap().toward;
+    let level = x.hypot(z);
+    let toward = of.at([x / level, 0.0, z / level], 0.0, Some(3.0));
+    let away = of.at([-x / level, 0.0, -z / level], 0.0, Some(3.0));
+    assert!(toward > 1.5 * away, "{toward} {away}");
 }
 
 #[test]
@@ -57,9 +75,15 @@ fn both_forms_agree_within_the_bound_at_every_place_of_a_wide_picture() {
             1 => 1e-3,
             _ => 0.05 * (x * y) as f32 + 0.3,
         });
-        for (decay, depth) in [(0.0, 0.0), (0.25, 7.0), (0.378, 40.0), (0.3, 12_000.0)] {
-            let mut of = coastal();
-            (of.field.decay, of.depth) = (decay, depth);
+        for (share, depth) in [
+            (0.0, 0.0),
+            (0.6, 0.0),
+            (0.0, 7.0),
+            (0.6, 7.0),
+            (0.9, 40.0),
+            (0.3, 12_000.0),
+        ] {
+            let of = coastal(depth, share, &gaze);
             let mut fast = vec![0.0; 97 * 83];
             veil(&range, &of, &gaze, &mut fast);
             let exact = veil_reference(&range.map(|&z| f64::from(z)), &of, &gaze);
@@ -68,30 +92,10 @@ fn both_forms_agree_within_the_bound_at_every_place_of_a_wide_picture() {
             for (fast, exact) in fast.iter().zip(exact.data()) {
                 assert!(
                     (f64::from(*fast) - exact).abs() <= limit,
-                    "{up:?} {depth}: {fast} {exact}"
+                    "{up:?} {depth} {share}: {fast} {exact} beyond {limit:e}"
                 );
                 assert!(*exact <= brightest * (1.0 + 1e-12), "{exact} above {brightest}");
             }
         }
     }
-}
-
-#[test]
-fn no_pixel_is_farther_from_constant_water_than_the_bound_says() {
-    let of = coastal();
-    for rises in [(-0.4, 0.3), (-0.01, 0.02), (0.1, 0.2), (-0.9, -0.8)] {
-        for span in [(0.1, 0.2), (0.5, 40.0), (3.0, 3.0)] {
-            let bound = of.change(rises, span, false);
-            for i in 0..=50 {
-                for j in 0..=50 {
-                    let at = |(low, high): (f64, f64), k: i32| low + (high - low) * f64::from(k) / 50.0;
-                    let (rise, z) = (at(rises, i), at(span, j));
-                    let constant = of.light * -(-of.attenuation * z).exp_m1();
-                    let change = (of.at(rise, Some(z)) - constant).abs();
-                    assert!(change <= bound * (1.0 + 1e-9), "{rise} {z}: {change} > {bound}");
-                }
-            }
-        }
-    }
-    assert_eq!(of.change((0.0, 0.9), (1.0, 2.0), true), f64::INFINITY);
 }
