@@ -1,4 +1,4 @@
-//! What current and grain make of the bottom of a site: pits around feet, and a second scale of texture.
+//! Effects of current and grain size on the bottom: scour pits around feet and a second scale of texture.
 
 use imaging::vector::{Vec3, vec3};
 use spec::Ground;
@@ -10,21 +10,20 @@ use crate::site::pits::{Pit, depth};
 use crate::site::pose::up;
 use crate::site::solid::{Shape, Solid};
 
-/// Most pits of a site: a ray is held against each.
+/// Limit on pits per site: every ray is tested against each.
 const MOST_PITS: usize = 8;
-/// Width of a pit beside its foot over its depth: sand stands no steeper.
+/// Width of a pit next to its foot divided by its depth: steeper sand slides.
 const SLOPE: f32 = 2.5;
-/// Feet wider than this have no pit of their own: walls, m.
+/// Wider feet (walls) get no pit, m.
 const WIDEST_M: f32 = 3.0;
 
-/// A foot in the ground.
 struct Foot {
     place: Vec3,
     diameter: f32,
     solid: usize,
 }
 
-/// Applies what a description asks of the bottom.
+/// Applies the description of the bottom.
 pub(crate) fn dig(site: &mut Site, ground: &Ground) {
     let grain = ground.grain as f32;
     let objects = site.objects.iter_mut();
@@ -64,7 +63,7 @@ fn scour(site: &mut Site, share: f32) {
     for foot in &feet {
         lengthen(&mut site.solids[foot.solid], deepest + 0.3);
     }
-    // What lies there lies in the pit.
+    // Objects in the scour area drop into the pit.
     for solid in &mut site.solids {
         let category = site.objects[usize::from(solid.object)].category;
         if matches!(category, Category::Stone | Category::Debris | Category::Cable)
@@ -74,7 +73,7 @@ fn scour(site: &mut Site, share: f32) {
             solid.pose.origin = place - up(depth(&pits, place.x, place.y));
         }
     }
-    // Mounds that a pit cuts are gone.
+    // Remove mounds cut by a pit.
     site.solids
         .retain(|solid| !(solid.object == 0 && is_cut(solid, &pits)));
     site.pits = pits;
@@ -109,7 +108,6 @@ fn foot(site: &Site, number: usize) -> Option<Foot> {
     })
 }
 
-/// Makes a foot reach so much deeper.
 fn lengthen(solid: &mut Solid, by: f32) {
     let axis = solid.pose.axes[2];
     match &mut solid.shape {

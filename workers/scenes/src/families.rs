@@ -1,4 +1,4 @@
-//! The procedural families: a module for each, and a row in the table.
+//! Table of the procedural families, one module each.
 
 use crate::site::Site;
 use crate::{open_water, pipeline, shaft, structure};
@@ -6,11 +6,11 @@ use crate::{open_water, pipeline, shaft, structure};
 /// A procedural family.
 #[derive(Debug, Clone, Copy)]
 pub struct Family {
-    /// Name by which descriptions ask for it.
+    /// Name in job descriptions.
     pub name: &'static str,
-    /// What its scenes show.
+    /// Short description.
     pub about: &'static str,
-    /// The site of a seed, pipes buried by a share of their diameter where that is given.
+    /// Builds the site of a seed. The second argument is the buried share of a pipe's diameter.
     pub(crate) site: fn(u64, Option<f32>) -> Site,
 }
 
@@ -49,7 +49,7 @@ pub const FAMILIES: &[&str] = &{
 };
 
 impl Family {
-    /// Returns the family of this name, if there is one.
+    /// Returns the family of this name.
     #[must_use]
     pub fn parse(name: &str) -> Option<Self> {
         TABLE.into_iter().find(|family| family.name == name)

@@ -1,4 +1,5 @@
-//! The family `open-water`: posts, mooring lines, buoys, hanging crates and cables in mid-water. The bottom is out of sight.
+//! The family `open-water`: posts, mooring lines, buoys, hanging crates and cables in mid-water. The bottom is out of
+//! sight.
 
 use imaging::vector::{Vec3, vec3};
 
@@ -10,13 +11,13 @@ use crate::site::finish::{Finish, Material};
 use crate::site::pose::{Pose, UP, horizontal, up};
 use crate::site::solid::Ring;
 
-/// Height above the bottom from which heights of the camera count, m: farther than any picture shows.
+/// Origin of camera heights above the bottom, m: farther than any picture shows.
 const FLOOR_M: f32 = 66.0;
-/// Height of what the camera looks at above that, m.
+/// Height of the camera's target above [`FLOOR_M`], m.
 const MIDDLE_M: f32 = 6.0;
-/// Length of what goes on out of sight in both directions, m.
+/// Half length of objects that extend out of sight in both directions, m.
 const HALF_LENGTH_M: f32 = 30.0;
-/// Pitch of the links of a chain in parts of their size.
+/// Pitch of chain links relative to their size.
 const LINK_PITCH: f32 = 1.55;
 const CHAIN_LINKS: usize = 48;
 const BOW_PARTS: usize = 48;
@@ -33,7 +34,6 @@ const ROPES: [[f32; 3]; 4] = [
     [0.12, 0.12, 0.11],
 ];
 
-/// The site of a seed.
 pub(crate) fn site(seed: u64, _: Option<f32>) -> Site {
     let dice = Dice::new(seed, "open-water");
     let mut builder = Builder::new(seed, "open-water");
@@ -72,7 +72,6 @@ fn item(builder: &mut Builder, dice: Dice, kind: usize, place: Vec3) {
     }
 }
 
-/// A straight line through a place, nearly upright.
 fn upright(dice: Dice, lean: f32) -> Vec3 {
     (UP + dice.shift(80, [lean, lean])).normalized()
 }
@@ -190,7 +189,7 @@ fn crate_on_slings(builder: &mut Builder, dice: Dice, place: Vec3) {
             );
         }
     }
-    // Closed, or with a load on its floor.
+    // Closed, or open with a load on its floor.
     let fill = dice.pick(4, &[0.97, 0.97, 0.55]);
     builder.object(Material::Steel, Category::Crate);
     builder.block(
@@ -229,7 +228,7 @@ fn cables(builder: &mut Builder, dice: Dice, place: Vec3) {
 /// A cable that hangs between two ends at one height: a parabola.
 struct Bow {
     lowest: Vec3,
-    /// Half of the way between its ends.
+    /// Half the vector between its ends.
     half: Vec3,
     sag: f32,
 }

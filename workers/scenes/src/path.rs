@@ -10,15 +10,15 @@ use spec::{Path, Waypoint};
 
 use crate::{CameraPose, SceneError};
 
-/// A camera must look at something at least this far away, and a path of several frames be at least this long, in meters.
+/// Minimum distance between camera and target, and minimum length of a path of several frames, m.
 const SHORTEST_M: f64 = 1e-3;
 
-/// A straight path from a start to an end at constant speed. Frame 0 is at the start, the last frame at the end; a path of one
-/// frame stays at the start. A pose is a pure function of the path and the frame.
+/// A straight path from a start to an end at constant speed. Frame 0 is at the start, the last frame at the end; a path
+/// of one frame stays at the start. A pose is a pure function of the path and the frame.
 ///
-/// The vehicle sways: each of three shifts and three turns along and about the camera's axes is the sum of two sines of about
-/// `sway_frames` and 0.37 of it with seeded phases, 0.7 and 0.3 of the amplitude (`sway_m`, `sway_deg`): smooth, and never more
-/// than the amplitude.
+/// The vehicle sways: each of three shifts and three rotations along and about the camera's axes is the sum of two
+/// sines with periods of about `sway_frames` and 0.37 of it, seeded phases, and 0.7 and 0.3 of the amplitude (`sway_m`,
+/// `sway_deg`). The sum never exceeds the amplitude.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CameraPath {
     start: Sight,
@@ -27,7 +27,6 @@ pub struct CameraPath {
     seed: u64,
 }
 
-/// A camera's position and what it looks at.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Sight {
     position: DVec3,
@@ -44,11 +43,11 @@ impl From<Waypoint> for Sight {
 }
 
 impl CameraPath {
-    /// A path between two waypoints, with the frames and the sway of a description within its limits.
+    /// A path between two waypoints with the frames and the sway of a description.
     ///
     /// # Errors
-    /// [`SceneError::Number`] for each of: a path of several frames shorter than [`SHORTEST_M`]; a target nearer to the camera
-    /// than that anywhere on the path.
+    /// [`SceneError::Number`] for a path of several frames shorter than [`SHORTEST_M`] and for a target closer to the
+    /// camera than that anywhere on the path.
     pub fn new(path: &Path, ends: [Waypoint; 2], seed: u64) -> Result<Self, Vec<SceneError>> {
         let [start, end] = ends.map(Sight::from);
         let mut errors = Vec::new();
@@ -82,13 +81,13 @@ impl CameraPath {
         self.path.frames
     }
 
-    /// The pose of a frame, from 0 on; frames after the last stay at the end.
+    /// The pose of a frame, counted from 0. Later frames stay at the end.
     #[must_use]
     pub fn pose(&self, frame: usize) -> CameraPose {
         self.pose_at(frame as f64)
     }
 
-    /// The pose at a time between frames, in frames; before the first it stays at the start.
+    /// The pose at a fractional frame. Negative times stay at the start.
     #[must_use]
     pub fn pose_at(&self, frame: f64) -> CameraPose {
         let steps = self.path.frames.saturating_sub(1);
@@ -109,7 +108,7 @@ impl CameraPath {
         moved
     }
 
-    /// -1..=1.
+    /// Sway in -1..=1.
     fn swing(&self, frame: f64, axis: u64) -> f64 {
         let dice = Stream::stage(self.seed, "path/sway");
         let draw = |choice: u64| dice.unit(axis, choice);
@@ -122,7 +121,6 @@ impl CameraPath {
     }
 }
 
-/// The least distance between camera and target on the path.
 fn nearest_target(start: &Sight, end: &Sight) -> f64 {
     let from = start.target - start.position;
     let change = end.target - end.position - from;
@@ -131,7 +129,7 @@ fn nearest_target(start: &Sight, end: &Sight) -> f64 {
     (from + change * if square > 0.0 { share } else { 0.0 }).length()
 }
 
-/// A vector turned about a unit axis (Rodrigues).
+/// Rotates a vector about a unit axis (Rodrigues).
 fn turned(v: DVec3, axis: DVec3, angle: f64) -> DVec3 {
     let (sin, cos) = libm::sincos(angle);
     let along = axis * (axis.dot(v) * (1.0 - cos));
@@ -194,7 +192,7 @@ pub(crate) mod tests {
             let (here, next) = (away(frame), away(frame + 1));
             most = most.max(here.length());
             assert!(here.length() <= 0.05 * 3f64.sqrt() + 1e-12);
-            // Five swings of the fast sine in 40 frames: at most a few percent of the amplitude a frame.
+            // Five periods of the fast sine in 40 frames: at most a few percent of the amplitude per frame.
             assert!((next - here).length() < 0.05 * 0.6, "frame {frame}");
             let pose = path.pose(frame);
             assert!(pose.ahead.dot(straight.pose(frame).ahead) > libm::cos(0.03 * 3.0));

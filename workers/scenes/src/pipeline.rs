@@ -1,5 +1,5 @@
-//! The family `pipeline`: a coated pipe on blocks, saddles, trestles or the bare seabed, with field joints, weld seams, anodes
-//! and damage, as a survey flies along it.
+//! The family `pipeline`: a coated pipe on blocks, saddles, trestles or the bare seabed, with field joints, weld seams,
+//! anodes and damage, as seen by a survey vehicle.
 
 use std::f32::consts::FRAC_PI_2;
 
@@ -12,11 +12,10 @@ use crate::site::chance::Dice;
 use crate::site::finish::{Coat, Material, Pattern};
 use crate::site::pose::{UP, horizontal, up};
 
-/// Half the length of pipe, m.
 const HALF_M: f32 = 26.0;
 /// Height of a course of bags, m.
 const COURSE_M: f32 = 0.15;
-/// Bands over field joints: heat-shrink sleeves, tape, mastic, primed steel.
+/// Colors of field-joint bands: heat-shrink sleeves, tape, mastic, primed steel.
 const BANDS: [[f32; 3]; 4] = [
     [0.04, 0.04, 0.043],
     [0.17, 0.10, 0.05],
@@ -24,7 +23,6 @@ const BANDS: [[f32; 3]; 4] = [
     [0.33, 0.33, 0.32],
 ];
 
-/// A pipe over the ground.
 struct Pipe {
     radius: f32,
     /// Height of its axis.
@@ -35,28 +33,26 @@ struct Pipe {
 }
 
 impl Pipe {
-    /// A point of the axis.
     fn axis(&self, distance: f32) -> Vec3 {
         self.along * distance + up(self.height)
     }
 
-    /// A tube around it, `thick` meters larger.
+    /// A tube around the pipe, `thick` meters larger.
     fn sleeve(&self, builder: &mut Builder, [from, to]: [f32; 2], thick: f32) {
         builder.tube(self.axis(from), self.axis(to), self.radius + thick);
     }
 
-    /// The point of the ground under it.
+    /// The point of the ground under the pipe.
     fn under(&self, distance: f32) -> Vec3 {
         self.along * distance
     }
 }
 
-/// The site of a seed.
 pub(crate) fn site(seed: u64, burial: Option<f32>) -> Site {
     let dice = Dice::new(seed, "pipeline");
     let mut builder = Builder::new(seed, "pipeline");
     let kind = dice.count(0, 0, 4);
-    // What lies on the ground lies among bags or rock.
+    // Bags or rock support a pipe on the ground.
     let kind = if burial.is_some() { 3 + kind % 2 } else { kind };
     let radius = dice.between(1, 0.16, 0.5);
     let clearance = match (burial, kind) {
@@ -103,10 +99,10 @@ pub(crate) fn site(seed: u64, burial: Option<f32>) -> Site {
     builder.site(&view(dice, &pipe, kind > 2))
 }
 
-/// From beside the pipe, or along it as a survey flies.
+/// A view across the pipe, or along it as in a survey.
 fn view(dice: Dice, pipe: &Pipe, buried: bool) -> View {
     let beside = dice.chance(20, 0.55);
-    // Over the banks beside a pipe that lies on the ground.
+    // Look over the banks of a buried pipe.
     let least = if buried { 0.9 } else { 0.4 };
     let (eye, target) = if beside {
         let distance = pipe.radius + dice.between(21, 1.1, 2.8);
@@ -136,7 +132,7 @@ fn view(dice: Dice, pipe: &Pipe, buried: bool) -> View {
     }
 }
 
-/// Anodes like bracelets, a flange, straps with a cable on top.
+/// Bracelet anodes, a flange, and straps with a cable on top.
 fn fittings(builder: &mut Builder, dice: Dice, pipe: &Pipe, joint: f32) {
     let half = dice.between(30, 0.18, 0.3);
     for place in [joint - dice.between(31, 0.8, 2.4), joint + 5.1, joint - 8.3] {
@@ -163,7 +159,7 @@ fn fittings(builder: &mut Builder, dice: Dice, pipe: &Pipe, joint: f32) {
     }
 }
 
-/// Numbers and positions along the pipe of its supports, some ahead and some behind.
+/// Numbers and positions of the supports along the pipe, ahead and behind.
 fn places(dice: Dice, spacing: f32) -> impl Iterator<Item = (u64, f32)> {
     let start = dice.between(40, -0.5, 0.5) * spacing;
     (0..6u64).map(move |i| {
@@ -172,7 +168,7 @@ fn places(dice: Dice, spacing: f32) -> impl Iterator<Item = (u64, f32)> {
     })
 }
 
-/// Plain blocks of concrete.
+/// Plain concrete blocks.
 fn blocks(builder: &mut Builder, dice: Dice, pipe: &Pipe) {
     for (i, place) in places(dice, dice.between(39, 1.9, 3.4)) {
         builder.object(Material::Concrete(Pattern::Boards), Category::Support);
@@ -183,7 +179,7 @@ fn blocks(builder: &mut Builder, dice: Dice, pipe: &Pipe) {
     }
 }
 
-/// Blocks with cheeks beside the pipe and a strap over it.
+/// Blocks with cheeks on both sides of the pipe and a strap over it.
 fn saddles(builder: &mut Builder, dice: Dice, pipe: &Pipe) {
     for (i, place) in places(dice, dice.between(39, 2.2, 3.8)) {
         builder.object(Material::Concrete(Pattern::Boards), Category::Support);
@@ -220,12 +216,12 @@ fn trestles(builder: &mut Builder, dice: Dice, pipe: &Pipe) {
     }
 }
 
-/// Stacks of bags under and beside a pipe that lies on the ground.
+/// Stacks of bags under and along a pipe on the ground.
 fn bags(builder: &mut Builder, dice: Dice, pipe: &Pipe) {
     bank(builder, dice, pipe);
     for (i, place) in places(dice, dice.between(39, 1.6, 3.2)) {
         builder.object(Material::Bag, Category::Support);
-        // Courses like bricks, each leaning on the pipe and on the one below.
+        // Staggered courses, each leaning on the pipe and on the course below.
         let courses = (((pipe.height + 0.2 * pipe.radius) / COURSE_M) as usize).clamp(1, 3);
         for bag in 0..4 * courses {
             let choose = dice.object(100 + 16 * i as usize + bag);
@@ -245,7 +241,7 @@ fn bags(builder: &mut Builder, dice: Dice, pipe: &Pipe) {
     }
 }
 
-/// Rock that was dumped along the pipe.
+/// Dumped rock along the pipe.
 fn berm(builder: &mut Builder, dice: Dice, pipe: &Pipe) {
     bank(builder, dice, pipe);
     let side = if dice.chance(60, 0.5) { 1.0 } else { -1.0 };
@@ -255,7 +251,7 @@ fn berm(builder: &mut Builder, dice: Dice, pipe: &Pipe) {
     }
 }
 
-/// Sand banked along a pipe that lies on the ground.
+/// Sand banked along a pipe on the ground.
 fn bank(builder: &mut Builder, dice: Dice, pipe: &Pipe) {
     for i in 0..7 {
         let choose = dice.object(200 + i);

@@ -1,8 +1,8 @@
-//! Rays through a procedural world: what they meet, and which of many ways are clear.
+//! Nearest hits and occlusion tests in a procedural world.
 //!
-//! The solids are those that pictures show, met by the same formulas in single precision: the ray through the center of a pixel
-//! meets what the pixel shows, at its range. A ray that begins inside a solid leaves it unhindered. The ground ends 60 m from the
-//! camera, as in pictures.
+//! Rays intersect the rendered solids by the same single-precision formulas: the ray through the center of a pixel hits
+//! the surface shown there, at its range. A ray that starts inside a solid leaves it unhindered. The ground ends 60 m
+//! from the camera, as in pictures.
 
 use imaging::rays::{Cuboid, Hit, OFFSET, Rays, Ways};
 use imaging::vector::{DVec3, Vec3};
@@ -16,10 +16,10 @@ use crate::site::tree::{Bundle, Tree};
 use crate::site::{FAR_M, LABEL_BEVEL_M, Site};
 use crate::{CameraPose, World};
 
-/// Longer rays are cut off here, m: no site is as large.
+/// Longer rays are clipped to this length, m; larger than any site.
 const LONGEST_M: f64 = 1e3;
 
-/// A world as rays from about a camera meet it, in the axes of that camera. Numbers of objects are those of the world, 0 the ground.
+/// A world in the axes of a camera. Object numbers are those of the world; 0 is the ground.
 pub struct WorldRays<'a> {
     site: &'a Site,
     pose: CameraPose,
@@ -27,7 +27,7 @@ pub struct WorldRays<'a> {
 }
 
 impl World {
-    /// The world for rays in the axes of a camera.
+    /// This world for rays in the axes of a camera.
     #[must_use]
     pub fn rays(&self, pose: &CameraPose) -> WorldRays<'_> {
         WorldRays {
@@ -53,7 +53,7 @@ impl Rays for WorldRays<'_> {
             }
             None => (pits::normal(&self.site.pits, place), 0),
         };
-        // A rounded edge may turn away from the ray; it is brought back to the edge of what the ray can meet.
+        // A rounded edge may face away from the ray; turn its normal back until it is perpendicular to the ray.
         let away = normal.dot(heading).max(0.0) * 1.001;
         let normal = (normal - heading * away).normalized().as_f64();
         let CameraPose {
@@ -71,7 +71,7 @@ impl Rays for WorldRays<'_> {
             from: self.bounds_in_world(from),
             to: self.bounds_in_world(to),
         };
-        // What is dug out of the ground has walls that no box says anything of.
+        // Pits have walls outside of any bounding box.
         if bundle.to.low.z <= 0.0 || !self.site.pits.is_empty() {
             return true;
         }
@@ -129,7 +129,7 @@ impl WorldRays<'_> {
         right * direction.x + down * direction.y + ahead * direction.z
     }
 
-    /// Clears the ways that lead through the mouth of a pit, and marks those that lead through its wall.
+    /// Clears shadow rays that pass through the mouth of a pit and marks those that hit its wall.
     fn sink(&self, run: &mut Run, ends: &[[f32; RUN]; 3]) {
         for i in 0..RUN {
             let (begin, end) = (load(&run.from, i), load(ends, i));
@@ -142,7 +142,7 @@ impl WorldRays<'_> {
         }
     }
 
-    /// The box of the world around one in the axes of the camera, as much larger as single precision may lose.
+    /// The bounding box in world coordinates, enlarged by the possible rounding error.
     fn bounds_in_world(&self, cuboid: &Cuboid) -> Bounds {
         let point = |corner: [f64; 3]| {
             let place = self.place_in_world(corner.into());
@@ -162,7 +162,7 @@ impl WorldRays<'_> {
         self.pose.position_m + self.direction_in_world(place)
     }
 
-    /// How far along a unit vector the nearest surface is, and which solid's; none: the ground's.
+    /// Distance along a unit vector to the nearest surface, and its solid (`None`: the ground).
     fn nearest(&self, begin: Vec3, heading: Vec3, meters: f32) -> Option<(f32, Option<u16>)> {
         if meters <= 0.0 {
             return None;
@@ -203,8 +203,8 @@ struct Frame {
     axes: [Vec3; 3],
 }
 
-/// Takes a run of ways into the world, moved off the surfaces that they leave, and marks those that the ground lies on. The last
-/// way fills the rest of the run.
+/// Transforms a packet of shadow rays into the world, offsets their origins off the surfaces, and marks those blocked
+/// by the ground. The last ray fills the rest of the packet.
 #[inline(always)]
 fn begin(frame: Frame, ways: &Ways, first: usize, run: &mut Run, ends: &mut [[f32; RUN]; 3]) {
     let [right, down, ahead] = frame.axes;
@@ -220,7 +220,7 @@ fn begin(frame: Frame, ways: &Ways, first: usize, run: &mut Run, ends: &mut [[f3
     for i in 0..RUN {
         let [from, to] = [load(&local[0], i), load(&local[1], i)];
         let way = to - from;
-        // As far off as `imaging::rays::offset` says.
+        // The offset of `imaging::rays::offset`.
         let off = OFFSET as f32 * from.length().max(1.0);
         let share = (off / way.length().max(1e-30)).min(1.0);
         let from = from + way * share;

@@ -1,5 +1,5 @@
-//! The family `shaft`: flooded shafts and tunnels with a lining of concrete segments, cast rings or masonry, mud on the floor,
-//! and what hangs on the walls: ladders, pipes and cables on brackets.
+//! The family `shaft`: flooded shafts and tunnels lined with concrete segments, cast rings or masonry, with mud on the
+//! floor and ladders, pipes and cables on the walls.
 
 use imaging::vector::{Vec3, vec3};
 
@@ -11,12 +11,12 @@ use crate::site::finish::{Courses, Material, Pattern, Unroll};
 use crate::site::pose::{Pose, UP, ZERO, up};
 use crate::site::solid::{Block, Bore, Ring, Room};
 
-/// Length of a tunnel and height of a shaft, m.
+/// Length of a tunnel or height of a shaft, m.
 const LENGTH_M: f32 = 64.0;
 
-/// A way along the wall, on which things are fixed.
+/// Axes for objects fixed to a wall.
 struct Wall {
-    /// On the wall where the camera looks.
+    /// A point on the wall in view.
     foot: Vec3,
     /// Along the wall and the axis.
     along: Vec3,
@@ -24,7 +24,6 @@ struct Wall {
     out: Vec3,
 }
 
-/// The site of a seed.
 pub(crate) fn site(seed: u64, _: Option<f32>) -> Site {
     let dice = Dice::new(seed, "shaft");
     let mut builder = Builder::new(seed, "shaft");
@@ -83,7 +82,7 @@ fn lining(dice: Dice, unroll: Unroll, radius: f32) -> Material {
     }))
 }
 
-/// A level tunnel along y, silted up at the bottom.
+/// A level tunnel along y with silt on its floor.
 fn tunnel(builder: &mut Builder, dice: Dice) -> View {
     let radius = dice.between(1, 1.2, 2.4);
     let center = radius * dice.between(2, 0.6, 0.9);
@@ -131,10 +130,10 @@ fn tunnel(builder: &mut Builder, dice: Dice) -> View {
     }
 }
 
-/// What hangs in an upright shaft of the given half widths, and a camera in it.
+/// Furniture of an upright shaft of the given half widths, and a camera in it.
 fn shaft(builder: &mut Builder, dice: Dice, half: [f32; 2]) -> View {
     let height = dice.between(30, 1.4, 6.0);
-    // The far wall in the picture: the camera looks along +y.
+    // The far wall is in view: the camera looks along +y.
     let offset = dice.between(20, -0.3, 0.3) * half[0];
     let round = half[0] == half[1];
     let chord = |x: f32| (half[1] * half[1] - x * x).sqrt();
@@ -164,7 +163,7 @@ fn shaft(builder: &mut Builder, dice: Dice, half: [f32; 2]) -> View {
     builder.debris(dice.count(24, 1, 4), vec3(0.0, 0.2, 0.0), half.map(|h| 0.45 * h));
     let x = dice.between(31, -0.25, 0.25) * half[0];
     let y = dice.between(32, -0.6, 0.0) * half[1];
-    // Level at the wall, slanting, or steeply down.
+    // Level at the wall, slanted, or steeply down.
     let drop = dice.pick(33, &[0.0, 0.3, 0.9, 2.4]) + dice.between(34, -0.3, 0.3);
     let far = half[1] * 0.9;
     let target_x = dice.between(35, -0.5, 0.5) * half[0];
@@ -183,7 +182,7 @@ fn shaft(builder: &mut Builder, dice: Dice, half: [f32; 2]) -> View {
     }
 }
 
-/// A pipe, cables or a tray along a wall on brackets, from and to the given distances along it.
+/// A pipe, cables or a tray on brackets along a wall, between two distances along it.
 fn run(builder: &mut Builder, dice: Dice, wall: &Wall, [from, to]: [f32; 2]) {
     let Wall { foot, along, out } = *wall;
     let across = along.cross(out);
@@ -224,7 +223,7 @@ fn run(builder: &mut Builder, dice: Dice, wall: &Wall, [from, to]: [f32; 2]) {
         bracket(builder, foot + along * place, axes, out, gap);
     }
     if dice.chance(5, 0.35) {
-        // A cable that has come loose hangs in a bow.
+        // A loose cable hangs in a bow.
         builder.object(Material::Rubber, Category::Cable);
         let bow = Ring::new(dice.between(6, 0.25, 0.5), 0.016, 1.7);
         let center = axis(dice.between(7, 0.2, 2.0)) + out * 0.05;

@@ -1,5 +1,5 @@
-//! The family `structure`: piles, braced legs, pipelines, plates and beams on a rippled seabed, as an inspection robot
-//! meets them under a jetty or beside a platform: six kinds of site, each with its own choices.
+//! The family `structure`: piles, braced legs, pipelines, plates and beams on a rippled seabed, as found under a jetty
+//! or next to a platform. Six kinds of site, each with independent choices.
 
 mod build;
 
@@ -10,7 +10,6 @@ use crate::site::builder::{Builder, Heights, View};
 use crate::site::chance::Dice;
 use crate::site::pose::{UP, ZERO, up};
 
-/// The site of a seed.
 pub(crate) fn site(seed: u64, burial: Option<f32>) -> Site {
     let dice = Dice::new(seed, "structure");
     let mut builder = Builder::new(seed, "structure");

@@ -1,8 +1,8 @@
-//! Scenes from files: a picture, and with it a range map or a z-depth map, a camera, an instance mask.
+//! Scenes from files: a picture with an optional range or z-depth map, camera and instance mask.
 //!
-//! PNG, JPEG and WebP pictures are sRGB-encoded; the floats of NPY and EXR are linear radiance. Orientation tags are not applied,
-//! since the maps lie pixel by pixel on the picture as it is stored. Nothing is guessed: a map of integer codes needs
-//! the length of its unit and the code that stands for "no value".
+//! PNG, JPEG and WebP pictures are sRGB-encoded; the floats of NPY and EXR are linear radiance. Orientation tags are
+//! ignored, since maps match the stored pixels. There are no guesses: a map of integer codes needs the length of its
+//! unit and the code for "no value".
 
 use imaging::codec::{self, FilePlane, Radiance};
 use imaging::geometry::{Intrinsics, range_from_z_depth};
@@ -12,16 +12,17 @@ use spec::{Classes, RangeFile, RangeKind, SceneFiles};
 
 use crate::{Scene, SceneError, labels};
 
-/// Most objects of an instance mask: each takes time of its own in a frame with boxes.
+/// Limit on the objects of an instance mask: each adds time to a frame with boxes.
 pub const MAX_OBJECTS: usize = 10_000;
-/// Most numbers that an error lists.
+/// Limit on the numbers listed in an error.
 const MAX_LISTED: usize = 10;
 
-/// Decodes a scene. Holes of the range are NaN; a negative radiance stays, for the chain to clamp and count.
+/// Decodes a scene. Holes of the range are NaN; negative radiances are kept and clamped later by the chain, which
+/// counts them.
 ///
 /// # Errors
-/// [`SceneError`]: a file that cannot be used, sides that differ, a number that is missing or out of its limits, a
-/// radiance that is not finite.
+/// [`SceneError`]: an unusable file, sizes that differ, a number that is missing or out of range, a non-finite
+/// radiance.
 pub fn decode<T: AsRef<[u8]>>(upload: &SceneFiles<T>) -> Result<Scene, SceneError> {
     if let Some(camera) = &upload.intrinsics {
         check_camera(camera)?;
@@ -42,7 +43,7 @@ pub fn decode<T: AsRef<[u8]>>(upload: &SceneFiles<T>) -> Result<Scene, SceneErro
     })
 }
 
-/// Checks what the instance mask and the classes of a new scene say of its objects. Scenes stored before are not held to it.
+/// Checks the instance mask and the classes of a new scene. Previously stored scenes are exempt.
 ///
 /// # Errors
 /// [`SceneError::Objects`].

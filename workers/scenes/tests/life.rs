@@ -1,4 +1,4 @@
-//! Life and the bottom: what they add to pictures and labels, and what they leave alone.
+//! Biota and bottom: their effect on pictures and labels, and the parts that stay unchanged.
 #![allow(clippy::unwrap_used)]
 
 use imaging::Plane;

@@ -1,4 +1,4 @@
-//! Rays through a world are those of its pictures.
+//! Rays through a world agree with its pictures.
 #![allow(clippy::unwrap_used)]
 
 use imaging::geometry::Intrinsics;
@@ -9,11 +9,11 @@ use scenes::{FAMILIES, Labels, Scene, World};
 
 const SEEDS: std::ops::Range<u64> = 0..24;
 const SIZE: (usize, usize) = (97, 61);
-/// Of ranges: single precision on both sides, from an origin moved along the ray.
+/// Ranges: single precision on both sides, from an origin moved along the ray.
 const SAME: f64 = 2e-4;
-/// Of normals of labels, which stand on rounded places.
+/// Normals of labels, which are computed at rounded positions.
 const SAME_NORMAL: f64 = 0.02;
-/// Rays that graze an edge may meet one side or the other; no more than this share of them.
+/// Allowed share of rays that graze an edge and hit either side.
 const GRAZING: f64 = 0.002;
 
 struct View {
@@ -49,7 +49,7 @@ impl View {
         [0, 1, 2].map(|axis| f64::from(normals[axis].pixel(x, y))).into()
     }
 
-    /// Places on surfaces with their normals.
+    /// Surface points with their normals.
     fn surfaces(&self) -> Vec<(DVec3, DVec3)> {
         let pixels = (0..SIZE.1).flat_map(|y| (0..SIZE.0).map(move |x| (x, y)));
         let seen = pixels.filter(|&(x, y)| self.range(x, y).is_finite());
@@ -58,7 +58,7 @@ impl View {
     }
 }
 
-/// Counts of tests and of those that failed, by family.
+/// Counts of tests and failures by family.
 fn every_view(mut check: impl FnMut(&View) -> (usize, usize)) {
     for family in FAMILIES {
         let counts = SEEDS.map(|seed| check(&View::new(family, seed)));
@@ -92,7 +92,7 @@ fn the_ray_through_a_pixel_meets_what_the_pixel_shows() {
             all += 1;
             wrong += usize::from(!is_same);
         }
-        // One instance is one object, but for grazing rays.
+        // An instance corresponds to one object, except for grazing rays.
         for met in objects.iter_mut().filter(|met| met.len() > 20) {
             met.sort_unstable();
             let middle = met[met.len() / 2];

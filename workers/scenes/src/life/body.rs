@@ -1,4 +1,4 @@
-//! The surfaces of living things.
+//! Surfaces of animals and plants.
 
 use crate::site::chance::Dice;
 use crate::site::finish::{Finish, Material};
@@ -6,10 +6,10 @@ use crate::site::finish::{Finish, Material};
 /// Skin, shell or leaf.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Body {
-    /// Albedo of what faces up.
+    /// Albedo of the upper side.
     pub(super) color: [f32; 3],
     pub(super) gloss: f32,
-    /// How many times as bright it is underneath.
+    /// Brightness of the underside relative to that.
     pub(super) belly: f32,
 }
 

@@ -1,4 +1,4 @@
-//! What hangs and swims free: ropes, fish, jellyfish, bubbles.
+//! Ropes, fish, jellyfish and bubbles in open water.
 
 use std::f32::consts::TAU;
 
@@ -13,9 +13,8 @@ use crate::site::finish::{Finish, Material};
 use crate::site::pose::{Pose, horizontal, up};
 use crate::site::solid::Ball;
 
-/// A rope that reaches no bottom ends this far below its start, m.
+/// Length of a rope that reaches no bottom, m.
 const DROP_M: f32 = 14.0;
-/// Parts of a rope.
 const LINKS: usize = 36;
 const BACKS: [[f32; 3]; 4] = [
     [0.07, 0.085, 0.075],
@@ -32,14 +31,14 @@ const ROPES: [[f32; 3]; 4] = [
 ];
 
 impl Colony {
-    /// A rope from a structure that sags to another place, or to the bottom and along it.
+    /// A rope that sags from a structure to another point, or to the bottom and along it.
     pub(super) fn rope(&mut self, dice: Dice, spots: &[Spot]) {
         let near: Vec<&Spot> = spots.iter().filter(|spot| spot.range < 5.0).collect();
         if near.is_empty() {
             return;
         }
         let pick = |choice: u64| near[dice.count(choice, 0, near.len() - 1)];
-        // The highest of some places is what it hangs from.
+        // It hangs from the highest of several candidates.
         let first = (0..6).map(pick).fold(
             pick(0),
             |best, spot| {
@@ -73,7 +72,7 @@ impl Colony {
         for link in 0..LINKS {
             self.limb(at(link), at(link + 1), thick);
         }
-        // Its end lies on the bottom or hangs.
+        // Its end rests on the bottom or hangs.
         let (mut end, mut heading) = (at(LINKS), horizontal(dice.between(18, 0.0, TAU)));
         for link in 0..10u64 {
             let turn = dice.between(20 + link, -0.5, 0.5);
@@ -84,7 +83,7 @@ impl Colony {
         }
     }
 
-    /// A fish: body, tail, fins and eyes. Those of a site swim more or less the same way.
+    /// A fish with body, tail, fins and eyes. All fish of a site swim in roughly the same direction.
     pub(super) fn fish(&mut self, dice: Dice, place: Vec3) {
         let school = self.builder.about("school");
         let color = school.pick(1, &BACKS).map(|v| v * dice.between(4, 0.8, 1.3));
@@ -142,7 +141,7 @@ impl Colony {
         }
     }
 
-    /// A jellyfish: a bell, its inside, arms and tentacles.
+    /// A jellyfish: bell, inner bell, arms and tentacles.
     pub(super) fn jellyfish(&mut self, dice: Dice, place: Vec3) {
         let color = dice.pick(4, &BELLS);
         self.begin(
@@ -194,7 +193,7 @@ impl Colony {
         }
     }
 
-    /// A bubble: round where it is small, a lens where it is large (Clift, Grace and Weber 1978).
+    /// A bubble: small ones are spheres, large ones are flattened (Clift, Grace and Weber 1978).
     pub(super) fn bubble(&mut self, dice: Dice, place: Vec3) {
         let share = dice.between(4, 0.0, 1.0);
         let radius = 0.0008 + 0.006 * share * share * share;

@@ -1,4 +1,4 @@
-//! Growth on surfaces: mussels, tube worms, and weed that hangs.
+//! Growth on surfaces: mussels, tube worms and hanging weed.
 
 use imaging::vector::{Vec3, vec3};
 
@@ -20,7 +20,7 @@ const WEEDS: [[f32; 3]; 4] = [
 ];
 
 impl Colony {
-    /// A cluster of mussels: shells on end, crowded, their pointed sides in the surface.
+    /// A cluster of mussels: crowded upright shells with their pointed ends in the surface.
     pub(super) fn mussels(&mut self, dice: Dice, spot: &Spot) {
         let color = dice.pick(1, &SHELLS);
         self.grow_on(
@@ -34,7 +34,7 @@ impl Colony {
         );
         let [x, y] = beside(spot.normal);
         let wide = dice.between(2, 0.04, 0.11);
-        // Far ones are seen as lumps.
+        // Distant clusters are a few lumps.
         let count = match spot.range {
             near if near < 1.6 => dice.count(3, 9, 18),
             near if near < 3.0 => dice.count(3, 6, 10),
@@ -58,7 +58,7 @@ impl Colony {
         }
     }
 
-    /// A tuft of worms in tubes of chalk, some with their crowns out.
+    /// A tuft of worms in chalk tubes, some with extended crowns.
     pub(super) fn worms(&mut self, dice: Dice, spot: &Spot) {
         let color = dice.pick(1, &TUBES);
         self.grow_on(
@@ -105,7 +105,8 @@ impl Colony {
         }
     }
 
-    /// A plant of some fronds. It leaves its surface, then hangs, drawn aside by the current; from the top of things it stands up first.
+    /// A plant of several fronds. Fronds leave the surface, then hang and drift with the current; on upward surfaces
+    /// they rise first.
     pub(super) fn weed(&mut self, dice: Dice, spot: &Spot) {
         let color = dice.pick(1, &WEEDS);
         self.grow_on(
@@ -133,7 +134,7 @@ impl Colony {
                 heading = (heading + weight).normalized();
                 let to = above_ground(from + heading * step, 0.01);
                 let leaf = Pose::along((from + to) * 0.5, to, own.between(40 + part, 0.0, 6.3));
-                // Broadest in the middle of the frond.
+                // A frond is widest in the middle.
                 let along = (part as f32 + 0.7) / parts as f32;
                 let broad = wide * (0.5 + 1.6 * along * (1.0 - along) * 2.0);
                 let radii = vec3(broad, 0.15 * broad + 0.001, 0.62 * step);
@@ -143,7 +144,7 @@ impl Colony {
         }
     }
 
-    /// The current of this site, horizontal, at most of length 1.
+    /// The current of this site: horizontal, length at most 1.
     pub(super) fn current(&self) -> Vec3 {
         let dice = self.builder.about("current");
         let (sin, cos) = libm::sincosf(dice.between(0, 0.0, 6.3));
@@ -158,7 +159,7 @@ impl Colony {
         self.builder.object_of(body.finish(dice), category);
     }
 
-    /// A tube that begins a little before its place, so that bends have no gaps.
+    /// A tube that starts slightly early, so that bends have no gaps.
     pub(super) fn limb(&mut self, from: Vec3, to: Vec3, radius: f32) {
         let (begin, way) = (from, to - from);
         let length = way.length() + radius;
@@ -167,7 +168,6 @@ impl Colony {
     }
 }
 
-/// The number of a part among all parts of its kind.
 pub(super) fn dice_number(dice: Dice, part: u64) -> usize {
     (1 << 20) + dice.key(900) as usize % (1 << 16) * 64 + part as usize
 }

@@ -1,18 +1,18 @@
-//! Boxes along the axes of a frame.
+//! Axis-aligned bounding boxes.
 
 use imaging::vector::{Vec3, vec3};
 
 use super::lanes::{larger, smaller};
 use super::solid::Solid;
 
-/// A box between its lowest and its highest corner, in meters.
+/// A box between its lowest and its highest corner, m.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Bounds {
     pub(crate) low: Vec3,
     pub(crate) high: Vec3,
 }
 
-/// Farther than anything.
+/// Larger than any site.
 const EVERYWHERE_M: f32 = 1e9;
 
 impl Bounds {
@@ -32,7 +32,6 @@ impl Bounds {
         }
     }
 
-    /// Everything below the given height.
     pub(super) fn below(height: f32) -> Self {
         Self {
             low: vec3(-EVERYWHERE_M, -EVERYWHERE_M, -EVERYWHERE_M),
@@ -40,7 +39,7 @@ impl Bounds {
         }
     }
 
-    /// A box around a solid in the world; around a hollow's wall, everything.
+    /// The box of a solid in world coordinates; for a hollow's wall, everything.
     pub(super) fn around(solid: &Solid) -> Self {
         if solid.is_hollow() {
             return Self::below(EVERYWHERE_M);
@@ -79,7 +78,7 @@ impl Bounds {
         }
     }
 
-    /// The box that is larger by so many meters on every side.
+    /// The box enlarged by `margin` meters on every side.
     pub(crate) fn grown(&self, margin: f32) -> Self {
         let margin = vec3(margin, margin, margin);
         Self {
@@ -88,7 +87,6 @@ impl Bounds {
         }
     }
 
-    /// The box around both.
     pub(crate) fn with(&self, other: &Self) -> Self {
         Self {
             low: self.low.zip(other.low, smaller),

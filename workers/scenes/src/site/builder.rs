@@ -1,4 +1,4 @@
-//! Puts the solids of a site together.
+//! Assembles the solids of a site.
 
 use imaging::vector::{Vec3, vec3};
 use spec::CameraView;
@@ -12,10 +12,10 @@ use super::view::{Stage, Usual, Viewpoint, clearance};
 use super::{Object, Site};
 use crate::categories::Category;
 
-/// A camera keeps this far from everything, m.
+/// Minimum distance of a camera from surfaces, m.
 const CLEAR_M: f32 = 0.3;
 
-/// Collects solids; parts of one object share a number and a finish.
+/// Collects solids. Parts of one object share a number and a finish.
 pub(crate) struct Builder {
     seed: u64,
     family: &'static str,
@@ -30,19 +30,18 @@ pub(crate) struct View {
     pub(crate) eye: Vec3,
     pub(crate) target: Vec3,
     pub(crate) roll: f32,
-    /// The way past the site, m.
+    /// Track past the site, m.
     pub(crate) travel: Vec3,
     pub(crate) lamp_m: f32,
     pub(crate) ambient: f32,
-    /// Height of the bottom, m; in open water of a level below the site.
+    /// Height of the bottom, m; in open water a level below the site.
     pub(crate) floor: f32,
-    /// Heights of drawn cameras.
     pub(crate) heights: Heights,
-    /// Horizontal distances of drawn cameras in parts of that of `eye`.
+    /// Horizontal distances of drawn cameras relative to that of `eye`.
     pub(crate) stretch: [f32; 2],
-    /// Largest turn of drawn cameras from this view, degrees.
+    /// Largest rotation of drawn cameras from this view, degrees.
     pub(crate) turn_deg: f32,
-    /// Share of the middle of a drawn frame that must show structures.
+    /// Minimum share of structures in the middle of a drawn frame.
     pub(crate) least_structure: f64,
 }
 
@@ -65,7 +64,7 @@ impl Builder {
         }
     }
 
-    /// A builder that goes on with the objects of a site, of choices of its own.
+    /// A builder that continues the object numbers of a site, with independent choices.
     pub(crate) fn over(site: &Site, seed: u64, family: &'static str) -> Self {
         Self {
             seed,
@@ -77,22 +76,21 @@ impl Builder {
         }
     }
 
-    /// How many solids it has put.
+    /// Number of added solids.
     pub(crate) fn count(&self) -> usize {
         self.solids.len()
     }
 
-    /// The solids that it has put, and all objects.
+    /// The added solids, and all objects.
     pub(crate) fn added(self) -> (Vec<Solid>, Vec<Object>) {
         (self.solids, self.objects)
     }
 
-    /// Choices about a topic of this site.
+    /// Choices for a topic of this site.
     pub(crate) fn about(&self, topic: &str) -> Dice {
         Dice::new(self.seed, &format!("{}/{topic}", self.family))
     }
 
-    /// The site, and the view of its seed.
     pub(crate) fn site(self, view: &View) -> Site {
         let (eye, target) = (self.clear_eye(view).as_f64(), view.target.as_f64());
         let usual = Usual {
@@ -123,7 +121,7 @@ impl Builder {
         site
     }
 
-    /// The eye of a view, drawn back until nothing is close to it.
+    /// The eye of a view, moved back until it is clear.
     fn clear_eye(&self, view: &View) -> Vec3 {
         let back = (view.eye - view.target).normalized();
         let mut eye = view.eye;
@@ -137,7 +135,7 @@ impl Builder {
         eye
     }
 
-    /// A flange pair with bolts around a pipe; `along` is a unit vector.
+    /// A bolted flange pair around a pipe; `along` is a unit vector.
     pub(crate) fn flange(&mut self, place: Vec3, along: Vec3, radius: f32) {
         self.object(Material::Steel, Category::Fitting);
         for side in [-0.075, 0.075] {
@@ -158,7 +156,7 @@ impl Builder {
         self.object_of(Finish::new(material, dice), category);
     }
 
-    /// Begins an object of a finish.
+    /// Begins an object with a given finish.
     pub(crate) fn object_of(&mut self, finish: Finish, category: Category) {
         self.push(finish, category, None);
     }
@@ -198,7 +196,7 @@ impl Builder {
         self.put(Ball { radii }, Pose::upright(center, yaw));
     }
 
-    /// A part of a torus about `axis` through the center, the middle of the bend towards `toward`.
+    /// A bend of a torus about `axis` through the center, its middle towards `toward`.
     pub(crate) fn ring(&mut self, ring: Ring, center: Vec3, axis: Vec3, toward: Vec3) {
         let z = axis.normalized();
         let y = (toward - z * toward.dot(z)).normalized();
@@ -206,7 +204,7 @@ impl Builder {
         self.put(ring, Pose { origin: center, axes });
     }
 
-    /// A heap of the ground itself: `height` meters high, and `radius` wide where it meets the ground under `place`.
+    /// A mound of the ground, `height` meters high and `radius` meters wide where it meets the ground under `place`.
     pub(crate) fn mound(&mut self, place: Vec3, radius: f32, height: f32) {
         let object = std::mem::replace(&mut self.current, 0);
         let ball = (radius * radius + height * height) / (2.0 * height);
@@ -227,7 +225,7 @@ impl Builder {
         }
     }
 
-    /// Stones scattered within `reach` meters along x and y of a place.
+    /// Stones scattered within `reach` meters of a point along x and y.
     pub(crate) fn stones(&mut self, count: usize, place: Vec3, reach: [f32; 2], sizes: [f32; 2]) {
         let first = self.objects.len();
         for i in 0..count {
@@ -244,7 +242,7 @@ impl Builder {
         }
     }
 
-    /// Things that were lost or broke off: rods, broken blocks, tires, cables, half sunk in.
+    /// Debris: rods, broken blocks, tires and cables, half buried.
     pub(crate) fn debris(&mut self, count: usize, place: Vec3, reach: [f32; 2]) {
         for i in 0..count {
             let dice = self.about("debris").object(i);
@@ -284,7 +282,7 @@ impl Builder {
         }
     }
 
-    /// A cable in two bends, one to each side.
+    /// A cable in two opposite bends.
     fn cable(&mut self, dice: Dice, center: Vec3, along: Vec3) {
         const THICK_M: f32 = 0.02;
         let axis = vec3(dice.between(5, -0.04, 0.04), 0.0, 1.0).normalized();
@@ -296,7 +294,7 @@ impl Builder {
         let (first, second) = (dice.between(4, 0.3, 0.9), dice.between(8, 0.3, 0.9));
         let (half, other) = (dice.between(6, 0.6, 1.4), dice.between(7, 0.5, 1.3));
         self.ring(Ring::new(first, THICK_M, half), center, axis, toward);
-        // Where the first bend ends, the second goes on the other way round.
+        // The second bend starts where the first ends and curves the other way.
         let end = turned(toward, half);
         let pivot = center + end * (first + second);
         let bend = Ring::new(second, THICK_M, other);

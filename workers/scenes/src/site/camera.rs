@@ -5,15 +5,14 @@ use imaging::vector::{Vec3, vec3};
 
 use crate::CameraPose;
 
-/// A camera in the scene. Rays are not normalized: a ray advances one meter along the optical axis for each
-/// unit of its parameter, so a parameter is a z-depth, and `parameter * |ray|` a range.
+/// A camera in the scene. Rays are not normalized: a ray parameter is a z-depth, and `parameter * |ray|` a range.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Camera {
     pub(crate) eye: Vec3,
     pub(crate) ahead: Vec3,
     pub(crate) right: Vec3,
     pub(crate) down: Vec3,
-    /// Also the angle that a pixel spans at the principal point, in radians.
+    /// Also the angle of a pixel at the principal point, radians.
     pub(crate) inverse_focal: f32,
     cx: f32,
     cy: f32,
@@ -44,7 +43,7 @@ impl Camera {
             + self.down * ((y - self.cy) * self.inverse_focal)
     }
 
-    /// What one pixel to the right adds to a ray.
+    /// Difference of the rays of horizontal neighbors.
     pub(crate) fn across(&self) -> Vec3 {
         self.right * self.inverse_focal
     }
@@ -56,7 +55,7 @@ impl Camera {
         vec3(away.dot(self.right), away.dot(self.down), away.dot(self.ahead))
     }
 
-    /// Index coordinates of a point in camera axes that lies ahead.
+    /// Index coordinates of a point ahead, in camera axes.
     #[inline(always)]
     pub(crate) fn project(&self, point: Vec3) -> (f32, f32) {
         let scale = 1.0 / (self.inverse_focal * point.z);

@@ -1,9 +1,9 @@
-//! Seeded choices, addressed and never drawn in order: (seed, topic, object number, choice number).
+//! Seeded choices by address (seed, topic, object number, choice number), never drawn in order.
 
 use imaging::random::Stream;
 use imaging::vector::Vec3;
 
-/// The choices about an object of a topic.
+/// Choices for an object of a topic.
 #[derive(Clone, Copy)]
 pub(crate) struct Dice {
     stream: Stream,
@@ -11,7 +11,7 @@ pub(crate) struct Dice {
 }
 
 impl Dice {
-    /// The choices about object 0 of a topic.
+    /// Choices for object 0 of a topic.
     pub(crate) fn new(seed: u64, topic: &str) -> Self {
         Self {
             stream: Stream::stage(seed, topic),
@@ -19,7 +19,7 @@ impl Dice {
         }
     }
 
-    /// The choices about another object of the topic.
+    /// Choices for another object of the topic.
     pub(crate) fn object(self, object: usize) -> Self {
         Self {
             object: object as u64,
@@ -53,12 +53,11 @@ impl Dice {
         self.between(choice, 0.0, 1.0) < probability
     }
 
-    /// One of the options, of which there must be some.
+    /// Picks an option; `options` must not be empty.
     pub(crate) fn pick<T: Copy>(self, choice: u64, options: &[T]) -> T {
         options[self.count(choice, 0, options.len() - 1)]
     }
 
-    /// Key of a noise field.
     pub(crate) fn key(self, choice: u64) -> u32 {
         self.stream.bits(self.object, choice) as u32
     }

@@ -1,7 +1,7 @@
-//! Surfaces: color, relief and defects from seeded noise in the solid's own frame, so that the texture stays on the surface while
+//! Surfaces: color, relief and defects from seeded noise in the solid's frame, so that the texture stays fixed while
 //! the camera moves.
 //!
-//! Albedos are linear and lie between 0.02 and 0.8, as those of real wet and dry materials do.
+//! Albedos are linear and between 0.02 and 0.8, as measured for wet and dry materials.
 
 mod coat;
 mod concrete;
@@ -22,7 +22,6 @@ use crate::categories::FINDINGS;
 pub(crate) use coat::Coat;
 pub(crate) use pattern::{Courses, Pattern, Unroll};
 
-/// What a surface is made of.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Material {
     /// Painted steel, rusting from edges and scratches.
@@ -45,17 +44,17 @@ pub(crate) enum Material {
     Sand,
     /// Skin, shell or leaf.
     Body {
-        /// Albedo of what faces up.
+        /// Albedo of the upper side.
         color: [f32; 3],
         gloss: f32,
-        /// How many times as bright it is underneath.
+        /// Brightness of the underside relative to that.
         belly: f32,
     },
     /// The silvery skin of a bubble.
     Bubble,
 }
 
-/// A material with the choices of one object.
+/// A material with the parameters of one object.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Finish {
     pub(crate) material: Material,
@@ -65,35 +64,34 @@ pub(crate) struct Finish {
     wear: f32,
     /// Share of growth, about 0..1; below -0.9 there is none.
     growth: f32,
-    /// Direction of ripples, place of formwork, in turns.
+    /// Direction of ripples or position of formwork, in turns.
     direction: f32,
-    /// Share of silt on what faces up, 0..1.
+    /// Share of silt on upward surfaces, 0..1.
     silt: f32,
     /// Strength of the second scale of texture, 0..1.
     pub(crate) grain: f32,
 }
 
-/// A group of points on a solid.
 #[derive(Clone, Copy)]
 pub(crate) struct Points<'a> {
-    /// In the solid's frame, moved to the object's own part of the noise.
+    /// In the solid's frame, shifted to the object's part of the noise.
     pub(crate) place: Place<'a>,
     /// In the solid's frame.
     pub(crate) local: &'a Lane3,
     pub(crate) world: &'a Lane3,
-    /// How near an edge each point is, 0..1.
+    /// Closeness of each point to an edge, 0..1.
     pub(crate) edge: &'a Lane,
-    /// How much each surface faces up, -1..1.
+    /// Vertical component of each normal, -1..1.
     pub(crate) rise: &'a Lane,
 }
 
-/// A group of points with the noise that every material is made of.
+/// Points with the noise shared by all materials.
 #[derive(Clone, Copy)]
 struct Grain<'a> {
     points: &'a Points<'a>,
-    /// Changes over about a meter; its slope is 0 where a material does not need it.
+    /// Varies over about a meter; its slope is 0 for materials that do not use it.
     broad: &'a Noise,
-    /// Changes over about a hand's breadth.
+    /// Varies over about 10 cm.
     fine: &'a Noise,
 }
 
@@ -120,7 +118,7 @@ const PAINTS: [[f32; 3]; 7] = [
 const SILT: [f32; 3] = [0.22, 0.195, 0.15];
 
 impl Finish {
-    /// A material with its share of what the dice decide.
+    /// Draws the parameters of a material.
     pub(crate) fn new(material: Material, dice: Dice) -> Self {
         let light = dice.between(7, 0.8, 1.15);
         let tint =
@@ -202,7 +200,7 @@ impl Finish {
     }
 }
 
-/// What lives in the open is brighter underneath.
+/// Brightens the underside of animals (countershading).
 #[inline(always)]
 fn lighten(surface: &mut Surface, belly: f32, rise: &Lane) {
     for i in 0..LANES {
@@ -213,7 +211,7 @@ fn lighten(surface: &mut Surface, belly: f32, rise: &Lane) {
     }
 }
 
-/// Silt lies on whatever faces up.
+/// Adds silt to upward surfaces.
 #[inline(always)]
 fn settle(surface: &mut Surface, most: f32, rise: &Lane, broad: &Lane) {
     for i in 0..LANES {
@@ -229,7 +227,7 @@ fn settle(surface: &mut Surface, most: f32, rise: &Lane, broad: &Lane) {
     }
 }
 
-/// How much of a line of the given half width a pixel shows at a distance from its middle, 0..1.
+/// Share of a pixel covered by a line of the given half width at a distance from its middle, 0..1.
 #[inline(always)]
 fn line(distance: f32, half_width: f32, footprint: f32) -> f32 {
     let inverse = 1.0 / footprint;

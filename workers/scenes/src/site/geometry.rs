@@ -1,4 +1,4 @@
-//! Positions of a group of surface points, and how the camera sees them.
+//! Positions and viewing geometry of a group of surface points.
 
 use imaging::vector::Vec3;
 
@@ -6,12 +6,11 @@ use super::camera::Camera;
 use super::lanes::{LANES, Lane, Lane3, larger, load, store};
 use super::pose::Pose;
 
-/// Positions and viewing geometry of a group.
 #[derive(Default)]
 pub(super) struct Geometry {
     pub(super) world: Lane3,
     pub(super) local: Lane3,
-    /// Where noise is taken.
+    /// Noise coordinates.
     pub(super) grain: Lane3,
     /// Unit directions to the camera in the solid's frame.
     pub(super) view: Lane3,

@@ -1,5 +1,5 @@
-//! Seeded noise over space: gradient noise with its analytic slope (Perlin 2002; derivative after Quilez 2008),
-//! sums of its octaves, and scattered dots. The lattice is hashed with integers, so it is the same everywhere.
+//! Seeded noise over space: gradient noise with its analytic slope (Perlin 2002; derivative after Quilez 2008), sums of
+//! its octaves, and scattered dots. The lattice hash uses integers only, so it is portable.
 
 use imaging::vectorized;
 
@@ -13,12 +13,12 @@ pub(crate) struct Noise {
     pub(crate) slope: Lane3,
 }
 
-/// Where noise is evaluated. A point's noise depends on its own position and footprint only.
+/// Sample points of noise. A point's noise depends on its position and footprint only.
 #[derive(Clone, Copy)]
 pub(crate) struct Place<'a> {
     /// Position in meters.
     pub(crate) position: &'a Lane3,
-    /// Length in meters that a pixel covers on the surface.
+    /// Length of a pixel on the surface, m.
     pub(crate) footprint: &'a Lane,
     /// The smallest footprint.
     pub(crate) finest: f32,
@@ -54,12 +54,12 @@ struct Octave {
 }
 
 impl Place<'_> {
-    /// The sum of the octaves. An octave fades out as its cells come down to two pixels, where it would alias.
+    /// The sum of the octaves. An octave fades out as its cells shrink to two pixels, where it would alias.
     pub(crate) fn noise(&self, octaves: Octaves) -> Noise {
         self.sum::<true>(octaves)
     }
 
-    /// The values of [`Place::noise`] alone, in about half the time.
+    /// Values of [`Place::noise`] without slopes, in about half the time.
     pub(crate) fn values(&self, octaves: Octaves) -> Lane {
         self.sum::<false>(octaves).value
     }
@@ -108,7 +108,7 @@ pub(crate) fn hash([x, y, z]: [u32; 3]) -> u32 {
     h ^ (h >> 15)
 }
 
-/// The integers that are hashed for a cell of a lattice; the coordinates are whole numbers.
+/// The integers to hash for a cell of a lattice. The coordinates must be whole numbers.
 #[inline(always)]
 pub(crate) fn lattice(cell: [f32; 3], key: u32) -> [u32; 3] {
     // 1.5 * 2^23 shifts the integer into the mantissa.
@@ -120,8 +120,8 @@ pub(crate) fn lattice(cell: [f32; 3], key: u32) -> [u32; 3] {
     ]
 }
 
-/// The gradient at a corner, in parts of [`GRADIENT_UNIT`]: the hash, and it again without its top ten and twenty bits, as
-/// signed numbers.
+/// The gradient at a corner, in units of [`GRADIENT_UNIT`]: the hash as a signed number, and the same without its top
+/// ten and top twenty bits.
 #[inline(always)]
 pub(super) fn gradient(corner: [u32; 3]) -> [f32; 3] {
     let h = hash(corner);
@@ -129,7 +129,7 @@ pub(super) fn gradient(corner: [u32; 3]) -> [f32; 3] {
     [part(h), part(h << 10), part(h << 20)]
 }
 
-/// A component of a gradient reaches from -1 to 1 after multiplication with this.
+/// Scales a gradient component to -1..1.
 pub(super) const GRADIENT_UNIT: f32 = 1.0 / 2_147_483_648.0;
 
 #[inline(always)]
@@ -140,7 +140,8 @@ fn add_octave<const SLOPE: bool>(sum: &mut Noise, position: &Lane3, footprint: &
         weight,
         key,
     } = octave;
-    // Every octave has a lattice of its own: a flat surface must not lie in a lattice plane, where the noise is poor.
+    // Every octave has a shifted lattice: a flat surface must not coincide with a lattice plane, where the noise is
+    // poor.
     let shift = [key & 0xff, key >> 8 & 0xff, key >> 16 & 0xff].map(|bits| 0.3 + bits as f32 * (0.4 / 255.0));
     for i in 0..LANES {
         let on = |axis: usize| position[axis][i] * per_meter[axis] + shift[axis];

@@ -1,4 +1,4 @@
-//! The part of the picture in which a solid can appear.
+//! The part of the picture where a solid can appear.
 
 use std::ops::Range;
 
@@ -7,15 +7,15 @@ use imaging::vector::Vec3;
 use super::camera::Camera;
 use super::solid::Solid;
 
-/// Solids are cut off this far before the camera when their outline is found, m.
+/// Near plane of outlines, m.
 const NEAR_M: f32 = 0.02;
-/// Room around the outline, px.
+/// Margin around the outline, px.
 const MARGIN_PX: f32 = 1.0;
 
 /// The convex outline of a solid's box in the picture.
 pub(crate) struct Outline {
     rows: Range<usize>,
-    /// Lines whose hull is the outline.
+    /// Segments whose hull is the outline.
     lines: Vec<[(f32, f32); 2]>,
     width: usize,
 }
@@ -38,7 +38,7 @@ impl Outline {
             }
         }
         let seen: Vec<(f32, f32)> = points.iter().map(|point| camera.project(*point)).collect();
-        // A convex body lies within the hull of its edges; a cut one within the hull of all its corners.
+        // A convex body is inside the hull of its edges; a clipped one inside the hull of all its corners.
         let lines: Vec<_> = if whole {
             edges.map(|(a, b)| [seen[a], seen[b]]).collect()
         } else {
@@ -56,7 +56,7 @@ impl Outline {
         }
     }
 
-    /// The columns of a row in which the solid can be met.
+    /// The columns of a row where the solid may be hit.
     pub(crate) fn columns(&self, y: usize) -> Range<usize> {
         if !self.rows.contains(&y) {
             return 0..0;

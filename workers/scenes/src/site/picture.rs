@@ -1,4 +1,4 @@
-//! Rendering row by row: the surface that each ray meets first, then its light.
+//! Renders row by row: first the nearest surface of each ray, then its light.
 
 use std::ops::Range;
 
@@ -14,40 +14,38 @@ use super::shade::Shader;
 use super::solid::{Nearest, Rays};
 use crate::CameraPose;
 
-/// The ground ends here: beyond it no light of a lamp at the camera returns.
+/// End of the ground: light of a camera lamp does not return from beyond.
 pub(crate) const FAR_M: f32 = 60.0;
 
-/// Some rows of a picture, all planes by rows.
+/// Some rows of a picture; all planes are row-major.
 pub(crate) struct Picture {
     /// Linear radiance, or reflectance: red, green, blue.
     pub(crate) bands: [Vec<f32>; 3],
-    /// Range in meters, infinite where nothing is met.
+    /// Range in meters, infinite in open water.
     pub(crate) range: Vec<f32>,
-    /// Number of the object plus 1; 0 where nothing is met.
+    /// Number of the object plus 1; 0 in open water.
     pub(crate) objects: Vec<u16>,
     pub(crate) labels: Option<Surfaces>,
 }
 
-/// Surface data for labels.
 pub(crate) struct Surfaces {
-    /// Depth along the optical axis in meters, infinite where nothing is met.
+    /// Depth along the optical axis in meters, infinite in open water.
     pub(crate) z_depth: Vec<f32>,
-    /// Unit normals without relief, in camera axes; zero where nothing is met.
+    /// Unit normals without relief in camera axes; zero in open water.
     pub(crate) normals: [Vec<f32>; 3],
     /// One bit per finding.
     pub(crate) findings: Vec<u8>,
 }
 
-/// What a picture is to show.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Wanted {
     /// Reflectance instead of radiance.
     pub(crate) reflectance: bool,
-    /// Surface data beside it.
+    /// Also surface data for labels.
     pub(crate) surfaces: bool,
 }
 
-/// Renders some rows of what a camera sees.
+/// Renders a range of rows.
 pub(crate) fn render(
     site: &Site,
     pose: &CameraPose,
@@ -99,8 +97,8 @@ fn fill_ranges(range: &mut [f32], parameter: &[f32], start: Vec3, step: Vec3) {
     }
 }
 
-/// The nearest surface for every ray of a row: its parameter along the ray (infinite: none) and whose it is, the index of a
-/// solid, or after all solids the ground and then nothing.
+/// The nearest surface for every ray of a row: its parameter along the ray (infinite for open water) and its owner, the
+/// index of a solid; the number of solids means the ground, one more means open water.
 fn trace(
     site: &Site,
     camera: &Camera,
@@ -142,7 +140,7 @@ fn trace(
     }
 }
 
-/// Where rays from `height` meters above the ground meet it.
+/// Intersects rays from `height` meters above the ground with it.
 #[inline(always)]
 fn meet_ground(
     parameter: &mut [f32],

@@ -1,4 +1,4 @@
-//! Gathers the pixels of each solid into groups, wherever they are in the picture, and shades a group at a time.
+//! Gathers the pixels of each solid into groups across the picture, and shades whole groups.
 
 use imaging::vector::{Vec3, vec3};
 use imaging::vectorized;
@@ -16,18 +16,18 @@ use super::pits;
 use super::pose::{Pose, UP, ZERO};
 use super::solid::Solid;
 
-/// Reach of the shadow where two surfaces meet, m.
+/// Reach of contact shadows, m.
 const CONTACT_M: f32 = 0.45;
-/// Solids farther off than this are left out; somewhat more than the reach, so that leaving one out changes no bit.
+/// Solids farther off are skipped; slightly more than the reach, so that skipping changes no bit.
 const NEAR_M: f32 = 1.01 * CONTACT_M;
-/// Edges are rounded over this width in the normal, m.
+/// Width of rounded edges in the normals, m.
 const BEVEL_M: f32 = 0.012;
-/// The same in the normals of labels, m.
+/// Width of rounded edges in label normals, m.
 pub(crate) const LABEL_BEVEL_M: f32 = 1e-3;
-/// Mounds of the ground run out over this height, m.
+/// Mounds blend into the ground over this height, m.
 const RUN_OUT_M: f32 = 0.06;
 
-/// Pixels of one solid that wait to be shaded.
+/// Pixels of one solid waiting for a full group.
 #[derive(Clone, Default)]
 struct Queue {
     len: usize,
@@ -37,15 +37,14 @@ struct Queue {
     pixel: [u32; LANES],
 }
 
-/// Shades the pixels of a picture.
 pub(super) struct Shader<'a> {
     site: &'a Site,
     camera: &'a Camera,
     light: Light,
-    /// Whether reflectance is shown instead of radiance.
+    /// Renders reflectance instead of radiance.
     reflectance: bool,
     boxes: Vec<Bounds>,
-    /// For each solid and the ground, the solids that come near it.
+    /// For each solid and the ground, the solids within reach.
     near: Vec<Vec<u16>>,
     queues: Vec<Queue>,
 }
@@ -56,7 +55,7 @@ impl<'a> Shader<'a> {
         let ground = Bounds::below(0.0);
         let near = boxes.iter().chain([&ground]).enumerate();
         let near = near.map(|(own, bounds)| {
-            // Mounds are a part of the ground and cast no shadow on it; life is too small and too much.
+            // Mounds belong to the ground and cast no shadow on it; biota are too small and too numerous.
             let casts = |&other: &usize| {
                 let object = site.solids[other].object;
                 other != own && object != 0 && !site.objects[usize::from(object)].category.is_life()
@@ -76,7 +75,7 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// Takes a row, whose first pixel has the given index, and shades what makes up whole groups.
+    /// Adds a row that starts at pixel index `first`, and shades the groups that are full.
     pub(super) fn row(
         &mut self,
         y: usize,
@@ -107,7 +106,7 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// Shades what is left.
+    /// Shades the remaining pixels.
     pub(super) fn finish(&mut self, picture: &mut Picture) {
         for whose in 0..self.queues.len() {
             self.flush(whose, picture);
@@ -148,7 +147,7 @@ impl<'a> Shader<'a> {
         let solid = self.site.solids.get(whose);
         let pose = solid.map_or(Pose::upright(ZERO, 0.0), |solid| solid.pose);
         let object = solid.map_or(0, |solid| usize::from(solid.object));
-        // Parts of one form lie in different places of the noise: no two plates of a wall rust alike.
+        // Offset the noise between parts of one shape: no two plates of a wall rust the same way.
         let part = (whose % 251) as f32;
         let origin = if object == 0 {
             pose.origin
@@ -206,7 +205,7 @@ impl<'a> Shader<'a> {
         bands
     }
 
-    /// How open each point is to the light from above: less where another solid or the ground is near.
+    /// Openness of each point to light from above: reduced near other solids and the ground.
     fn openness(&self, whose: usize, above_ground: bool, world: &Lane3) -> Lane {
         let group = vectorized!(Bounds::of_points(world));
         let mut distance = [CONTACT_M; LANES];
@@ -253,7 +252,7 @@ impl<'a> Shader<'a> {
     }
 }
 
-/// Unit normals in camera axes; one that an edge has turned away from the camera is brought back to the edge of what it sees.
+/// Unit normals in camera axes. Normals that an edge turned away from the camera are clamped to perpendicular.
 #[inline(always)]
 fn face_camera(shown: &mut Lane3, normal: &Lane3, view: &Lane3, axes: &[Vec3; 3]) {
     let axes = *axes;
@@ -267,7 +266,7 @@ fn face_camera(shown: &mut Lane3, normal: &Lane3, view: &Lane3, axes: &[Vec3; 3]
     }
 }
 
-/// One bit for each finding that covers more than half of the pixel.
+/// Sets the bit of each finding that covers more than half of the pixel.
 #[inline(always)]
 fn set_bits(mask: &mut [u32; LANES], findings: &[Lane]) {
     for (bit, strength) in findings.iter().enumerate() {

@@ -1,5 +1,5 @@
-//! The solids that sites are built of: where a ray enters each, how far a point is from it, its normal and its box.
-//! A ray that misses enters at infinity. Eyes are outside every solid.
+//! The solids of sites: ray intersection, distance, normal and bounding box. Misses enter at infinity. Eyes are outside
+//! every solid.
 
 mod ball;
 mod block;
@@ -26,23 +26,23 @@ pub(crate) use room::Room;
 pub(crate) use stone::Stone;
 pub(crate) use tube::Tube;
 
-/// What a form knows in its own frame, in meters. The functions of points and rays are inlined into loops over many of them.
+/// Geometry of a shape in its frame, in meters. Implementations are inlined into loops over many points or rays.
 trait Form {
-    /// The parameter at which the ray from `o` along `d` meets the surface first, infinite if it does not.
+    /// Parameter of the first hit of the ray from `o` along `d`; infinite for a miss.
     fn enter(&self, o: Vec3, d: Vec3) -> f32;
-    /// Signed distance of a point from the surface, as [`Solid::approach`] describes it.
+    /// Signed distance of a point from the surface; see [`Solid::approach`].
     fn distance(&self, p: Vec3) -> f32;
-    /// Unit normal at a point of the surface and how close the point is to an edge, 0..1; see [`Solid::normals`].
+    /// Unit normal at a point of the surface and closeness of the point to an edge, 0..1; see [`Solid::normals`].
     fn normal(&self, p: Vec3, bevel: f32) -> (Vec3, f32);
     /// A box around the solid, or around its hollow.
     fn bounds(&self) -> Bounds;
 }
 
-/// Declares the forms, and `for_form!`: a loop over points or rays, compiled for each form and for the vector instructions of
-/// this CPU.
+/// Declares the shapes, and `for_form!`: a loop over points or rays, compiled for each shape and for this CPU's vector
+/// instructions.
 macro_rules! forms {
     ($dollar:tt $($Form:ident),*) => {
-        /// Form and measures of a solid in its own frame.
+        /// Shape and dimensions of a solid in its frame.
         #[derive(Debug, Clone, Copy)]
         pub(crate) enum Shape {
             $($Form($Form)),*
@@ -70,12 +70,11 @@ mod ways;
 
 pub(crate) use ways::{RUN, Run};
 
-/// A solid in the scene.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Solid {
     pub(crate) shape: Shape,
     pub(crate) pose: Pose,
-    /// The object that it is a part of; 0 is the ground.
+    /// Its object; 0 is the ground.
     pub(crate) object: u16,
 }
 
@@ -87,14 +86,14 @@ pub(crate) struct Rays {
     pub(crate) step: Vec3,
 }
 
-/// The nearest surface so far for each of a run of rays: the ray parameter, infinite if there is none, and whose.
+/// Nearest hit so far of each ray: the parameter, infinite for a miss, and the owner.
 pub(crate) struct Nearest<'a> {
     pub(crate) parameter: &'a mut [f32],
     pub(crate) owner: &'a mut [u16],
 }
 
 impl Solid {
-    /// Takes over the rays that meet this solid first.
+    /// Updates the rays whose nearest hit is this solid.
     pub(crate) fn meet(&self, rays: &Rays, mut nearest: Nearest<'_>, owner: u16) {
         let rays = Rays {
             eye: self.pose.point_in(rays.eye),
@@ -108,31 +107,32 @@ impl Solid {
         }
     }
 
-    /// Lowers each of `distances` to the distance in meters of its point from the surface; for balls and stones a lower bound
-    /// of about the right size, no less than the distance from its box.
+    /// Lowers each of `distances` to the distance in meters of its point from the surface. For balls and stones this is
+    /// a lower bound of about the right size, at least the distance from the bounding box.
     pub(crate) fn approach(&self, points: &Lane3, distances: &mut Lane) {
         let pose = &self.pose;
         for_form!(&self.shape, form => vectorized!(lower(form, pose, points, distances)));
     }
 
-    /// The distance in meters of a point of the world from the surface, as [`Solid::approach`] has it.
+    /// Distance in meters of a world point from the surface, with the bounds of [`Solid::approach`].
     pub(crate) fn distance(&self, point: Vec3) -> f32 {
         let local = self.pose.point_in(point);
         for_form!(&self.shape, form => form.distance(local))
     }
 
-    /// Unit normals of points on the surface, in this solid's frame, and how close each is to an edge, 0..1.
-    /// Edges are rounded over `bevel` meters in the normal only.
+    /// Unit normals at surface points, in this solid's frame, and closeness of each to an edge, 0..1. Only the normals
+    /// are rounded, over `bevel` meters.
     pub(crate) fn normals(&self, local: &Lane3, bevel: f32, normals: &mut Lane3, edge: &mut Lane) {
         for_form!(&self.shape, form => vectorized!(orient(form, local, bevel, normals, edge)));
     }
 
-    /// Whether the solid is what lies around a hollow.
+    /// Whether the solid surrounds a hollow.
     pub(crate) fn is_hollow(&self) -> bool {
         matches!(self.shape, Shape::Bore(_) | Shape::Room(_))
     }
 
-    /// The eight corners, in the world, of a box around the solid, or around its hollow; bit k of the number says low or high on axis k.
+    /// The eight corners of the bounding box (of the hollow, for hollows) in world coordinates; bit k of the index
+    /// selects low or high on axis k.
     pub(crate) fn corners(&self) -> [Vec3; 8] {
         let Bounds { low, high } = for_form!(&self.shape, form => form.bounds());
         let ends: [[f32; 3]; 2] = [low.into(), high.into()];
@@ -162,7 +162,7 @@ fn take(form: &impl Form, rays: &Rays, nearest: &mut Nearest<'_>, owner: u16) {
     }
 }
 
-/// [`take`] for a ring, whose rays march side by side.
+/// [`take`] for a ring; several rays march together.
 #[inline(always)]
 fn march(ring: &Ring, rays: &Rays, nearest: &mut Nearest<'_>, owner: u16) {
     let Rays { eye, first, step } = *rays;

@@ -1,36 +1,35 @@
-//! The boxes of a site's solids in a binary tree, so that a bundle of ways is held against few of them.
+//! Bounding-volume hierarchy of a site's solids for packets of shadow rays.
 
 use imaging::vector::Vec3;
 
 use super::bounds::Bounds;
 use super::solid::Solid;
 
-/// Boxes are grown by this, m: in single precision a way may touch a solid just outside of its box.
+/// Boxes are enlarged by this, m: rounding can place a hit just outside of a box.
 const MARGIN_M: f32 = 1e-3;
-/// Solids of a leaf.
+/// Solids per leaf.
 const FEW: usize = 2;
-/// Deeper than any tree of so many solids as there are numbers for.
+/// Deeper than any tree of `u16` solid numbers.
 const DEPTH: usize = 64;
 
-/// Solids by their boxes.
 pub(crate) struct Tree {
     nodes: Vec<Node>,
-    /// Numbers of the solids, those of a leaf side by side.
+    /// Solid numbers; those of a leaf are contiguous.
     order: Vec<u16>,
-    /// Hollows have no box: what lies around them is everywhere.
+    /// Hollows have unbounded walls and no box.
     hollows: Vec<u16>,
     boxes: Vec<Bounds>,
 }
 
 struct Node {
     bounds: Bounds,
-    /// Of a leaf its solids, from the first on; else the left child stands behind its parent and the right one here.
+    /// For a leaf, the index of its first solid; otherwise that of the right child. The left child follows its parent.
     first: usize,
-    /// 0: no leaf.
+    /// 0 for inner nodes.
     count: usize,
 }
 
-/// Ways from one box to another: a share of the way along, all of them are in the box that lies between by that share.
+/// Shadow rays from one box to another. At any share of the length, all of them are inside the interpolated box.
 #[derive(Clone, Copy)]
 pub(crate) struct Bundle {
     pub(crate) from: Bounds,
@@ -38,12 +37,12 @@ pub(crate) struct Bundle {
 }
 
 impl Bundle {
-    /// The share of the way before which no way of the bundle reaches a box; none where none ever does.
+    /// Smallest share of the length at which any ray can reach a box; `None` if the packet misses it.
     pub(crate) fn reaches(&self, other: &Bounds) -> Option<f32> {
         let ends = |bounds: &Bounds| -> [[f32; 3]; 2] { [bounds.low.into(), bounds.high.into()] };
         let ([from_low, from_high], [to_low, to_high]) = (ends(&self.from), ends(&self.to));
         let [low, high] = ends(other);
-        // Most boxes are beside all of the bundle.
+        // Most boxes are outside the packet on some axis.
         let is_beside = |axis: usize| {
             (from_low[axis] > high[axis]) & (to_low[axis] >= high[axis])
                 | (from_high[axis] < low[axis]) & (to_high[axis] <= low[axis])
@@ -52,7 +51,7 @@ impl Bundle {
             return None;
         }
         let (mut enter, mut leave) = (0.0f32, 1.0f32);
-        // Where a quantity that changes evenly from one end to the other is at most 0.
+        // Interval where a linearly changing quantity is at most 0.
         let mut below_zero = |start: f32, end: f32| {
             let cross = start / (start - end);
             if start > 0.0 {
@@ -70,8 +69,8 @@ impl Bundle {
 }
 
 impl Tree {
-    /// The first solid on a ray within `reach` meters along a unit vector, and how far it is; `None` if there is none or the
-    /// ground comes first.
+    /// The first solid on a ray within `reach` meters along a unit vector, and its distance; `None` if there is none or
+    /// the ground is nearer.
     pub(crate) fn first_met(
         &self,
         solids: &[Solid],
@@ -104,7 +103,6 @@ impl Tree {
         nearest.1.map(|number| (nearest.0, number))
     }
 
-    /// The tree of some solids.
     pub(crate) fn new(solids: &[Solid]) -> Self {
         let boxes: Vec<Bounds> = solids
             .iter()
@@ -124,8 +122,8 @@ impl Tree {
         }
     }
 
-    /// Calls `meet` for every solid that a way of the bundle may lie on. It returns the share of the ways beyond which nothing
-    /// matters any more; below 0, the search ends.
+    /// Calls `meet` for every solid that may block a ray of the packet. It returns the share of the length beyond which
+    /// hits no longer matter; a negative value ends the search.
     pub(crate) fn search(&self, bundle: &Bundle, mut meet: impl FnMut(u16) -> f32) {
         let mut within = 1.0;
         for &number in &self.hollows {
@@ -161,7 +159,7 @@ impl Tree {
     }
 }
 
-/// Adds the tree of some solids, of which the first is number `first` of all in order.
+/// Adds the subtree of some solids; `first` is the index of the first one in the overall order.
 fn grow(boxes: &[Bounds], order: &mut [u16], first: usize, nodes: &mut Vec<Node>) {
     let of = |number: &u16| &boxes[usize::from(*number)];
     let bounds = order
@@ -174,7 +172,7 @@ fn grow(boxes: &[Bounds], order: &mut [u16], first: usize, nodes: &mut Vec<Node>
     if count > 0 {
         return;
     }
-    // Halves along the axis in which their middles lie farthest apart.
+    // Split along the axis with the largest extent of box centers.
     let middle = |number: &u16, axis: usize| {
         let Bounds { low, high } = *of(number);
         <[f32; 3]>::from(low + high)[axis]

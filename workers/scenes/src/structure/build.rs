@@ -10,11 +10,11 @@ use crate::site::finish::{Material, Pattern};
 use crate::site::pose::{Pose, UP, ZERO, horizontal, up};
 use crate::site::solid::Ring;
 
-/// What the camera looks at, and from how far away, in meters.
+/// Target of the camera and its distance, m.
 pub(super) struct Aim {
     pub(super) target: Vec3,
     pub(super) distance: f32,
-    /// Up to which height there is something to see.
+    /// Height of the top of the structure.
     pub(super) top: f32,
 }
 
@@ -36,7 +36,6 @@ impl Builder {
         self.dice.pick(choice, &options)
     }
 
-    /// An upright pile with collars.
     fn pile(&mut self, foot: Vec3, radius: f32, material: Material, collars: usize) {
         self.object(material, Category::Pile);
         self.tube(foot - up(0.5), foot + up(14.0), radius);
@@ -47,7 +46,7 @@ impl Builder {
         }
     }
 
-    /// Sand that the current has heaped against a foot, more on one side.
+    /// Sand heaped against a foot by the current, more on one side.
     fn bank(&mut self, foot: Vec3, radius: f32) {
         let bank = self.about("bank");
         let dice = bank.object((foot.x * 64.0) as i32 as usize);
@@ -161,7 +160,7 @@ impl Builder {
         self.tube(axis(-9.0), axis(9.0), radius);
         let flange = dice.between(4, -0.8, 0.8);
         self.flange(axis(flange), along, radius);
-        // What lies on the ground needs no supports.
+        // A pipe on the ground needs no supports.
         for i in 0..if burial.is_some() { 0 } else { 4 } {
             self.object(BOARDS, Category::Support);
             let place = along * (-4.2 + 2.7 * i as f32 + dice.between(20 + i, -0.3, 0.3));
@@ -240,7 +239,7 @@ impl Builder {
         Aim::new(vec3(0.0, -0.5, z * 0.7), 2.8, 4.0)
     }
 
-    /// An I-beam on end: two flanges and a web.
+    /// An upright I-beam: two flanges and a web.
     fn upright_beam(&mut self, foot: Vec3, half: f32, height: f32, yaw: f32) {
         let center = foot + up(height / 2.0 - 0.2);
         let out = horizontal(yaw + FRAC_PI_2);

@@ -1,4 +1,4 @@
-//! Concrete and masonry: joints, pores, stains, cracks along the level lines of a noise, and spalls that bare rusting bars.
+//! Concrete and masonry: joints, pores, stains, cracks along level lines of noise, and spalls that expose rusting bars.
 
 use imaging::vectorized;
 
@@ -9,7 +9,7 @@ use crate::site::lanes::{LANES, floor, larger, load, mix, ramp};
 use crate::site::noise::{Noise, Octaves};
 
 const DIRT: [f32; 3] = [0.62, 0.55, 0.42];
-/// Fresh break: paler, with the colors of the aggregate.
+/// Fresh break: paler, in the colors of the aggregate.
 const BROKEN: [f32; 3] = [0.30, 0.275, 0.235];
 /// Half the width of the widest crack, m.
 const CRACK_M: f32 = 0.0038;
@@ -54,7 +54,7 @@ fn cast(
     } = *finish;
     let Grain { points, broad, fine } = *grain;
     let (local, footprint, edge) = (points.local, points.place.footprint, points.edge);
-    // Added to the noise where it is tested for a spall.
+    // Threshold of the noise for a spall.
     let spalling = 0.55 * wear - 0.14;
     for i in 0..LANES {
         let (speck, broad) = (fine.value[i], broad.value[i]);
@@ -62,7 +62,7 @@ fn cast(
         let steep = load(&cracks.slope, i);
         let climb = larger(steep.length(), 0.2);
         let steep: [f32; 3] = steep.into();
-        // A crack follows a level line, as far as the broad noise lets it run.
+        // A crack follows a level line where the broad noise allows it.
         let open = ramp(0.8 * broad + wear, -0.05, 0.25);
         let width = CRACK_M * (0.35 + 0.65 * open) * if open > 0.0 { 1.0 } else { 0.0 };
         let away = (field - 0.06 * speck).abs() / climb;
@@ -70,7 +70,7 @@ fn cast(
         let broken = field + spalling + 0.12 * speck + 0.2 * edge[i];
         let spall = ramp(broken, 0.36, 0.43);
         let rim = 4.0 * spall * (1.0 - spall);
-        // Bars show where the spall is deep.
+        // Deep spalls expose the bars.
         let along = local[2][i] / BAR_PITCH_M + phase;
         let bar_away = (along - floor(along + 0.5)).abs() * BAR_PITCH_M;
         let bar = ramp(broken, 0.47, 0.52) * line(bar_away, BAR_M, footprint[i]);

@@ -1,4 +1,4 @@
-//! The second scale of texture: grains, and shells and pebbles among them, that show from near.
+//! Second scale of texture: grains, shells and pebbles that show at close range.
 
 use imaging::vectorized;
 
@@ -9,7 +9,6 @@ use crate::site::noise::{Noise, Octaves};
 const SHELL: [f32; 3] = [0.55, 0.52, 0.46];
 
 impl Finish {
-    /// Strews grains over sand or stone.
     pub(super) fn strew(&self, points: &Points<'_>, surface: &mut Surface) {
         let place = &points.place;
         let lumps = place.noise(Octaves::even(9.0, 2, self.key ^ 0x6b));

@@ -15,7 +15,7 @@ pub(super) const WEED: [[f32; 3]; 4] = [
 ];
 const FILM: [f32; 3] = [0.125, 0.115, 0.07];
 const SHELL: [f32; 3] = [0.42, 0.39, 0.34];
-/// Below this sum of choices not even the film shows.
+/// Bare surface below this sum of choices.
 const BARE: f32 = -0.3;
 const DENSE: f32 = 0.8;
 
@@ -34,7 +34,7 @@ impl Finish {
     }
 }
 
-/// More grows where the noise says so, and on what faces up.
+/// Raises the density with the patch noise and on upward surfaces.
 #[inline(always)]
 fn thrive(density: &mut Lane, growth: f32, patch: &Lane, grain: &Grain<'_>) {
     let (broad, rise) = (&grain.broad.value, grain.points.rise);
@@ -54,7 +54,7 @@ fn settle(
 ) {
     for i in 0..LANES {
         let speck = fine.value[i];
-        // Fine noise tears the border of a clump into tufts; near the middle it is closed.
+        // Fine noise frays the border of a clump; its middle stays closed.
         let any = ramp(density[i], BARE, BARE + 0.15);
         let film = 0.72 * any * ramp(density[i] + 0.2 * speck, BARE, 0.45);
         let clump = any * ramp(density[i] + 0.6 * speck, 0.22, DENSE);

@@ -1,4 +1,4 @@
-//! An ellipsoid.
+//! Ellipsoid.
 
 use imaging::vector::Vec3;
 

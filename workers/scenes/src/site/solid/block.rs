@@ -1,4 +1,4 @@
-//! A box.
+//! Box.
 
 use imaging::vector::Vec3;
 

@@ -14,7 +14,7 @@ pub(crate) struct Bore {
 }
 
 impl Form for Bore {
-    /// Where a ray from inside reaches the wall.
+    /// First hit of a ray from inside.
     #[inline(always)]
     fn enter(&self, o: Vec3, d: Vec3) -> f32 {
         let square = larger(d.x * d.x + d.y * d.y, 1e-12);

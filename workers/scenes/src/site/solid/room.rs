@@ -13,7 +13,7 @@ pub(crate) struct Room {
 }
 
 impl Form for Room {
-    /// Where a ray from inside reaches a wall.
+    /// First hit of a ray from inside.
     #[inline(always)]
     fn enter(&self, o: Vec3, d: Vec3) -> f32 {
         let leave = |o: f32, d: f32, half: f32| {

@@ -1,4 +1,4 @@
-//! A broken stone: the body that a dozen planes cut out of space.
+//! A broken stone: the intersection of a dozen half-spaces.
 
 use imaging::vector::{Vec3, vec3};
 
@@ -16,8 +16,8 @@ pub(crate) struct Stone {
     reach: Vec3,
 }
 
-/// Does the same with every plane of a stone, without a loop: the compiler turns loops over rays and points into vector
-/// instructions only where there is none within.
+/// Unrolls a loop over the planes of a stone: the compiler vectorizes loops over rays and points only without inner
+/// loops.
 macro_rules! for_planes {
     ($stone:expr, $normal:ident, $offset:ident => $work:block) => {
         for_planes!($stone, $normal, $offset => $work; 0 1 2 3 4 5 6 7 8 9 10 11 12 13)
@@ -33,7 +33,7 @@ macro_rules! for_planes {
 impl Stone {
     /// A stone of about the given half sides.
     pub(crate) fn broken(half: Vec3, dice: Dice) -> Self {
-        // Directions of a golden spiral are spread evenly, so that the body is closed on every side.
+        // The directions of a golden spiral are evenly spread, so that the body is closed on every side.
         let planes = std::array::from_fn(|i| {
             let choice = 100 + 4 * i as u64;
             let z = 1.0 - (2.0 * i as f32 + 1.0) / PLANES as f32 + dice.between(choice, -0.06, 0.06);

@@ -1,4 +1,4 @@
-//! Rays against solids slowly and in f64, by other formulas than the fast ones where there are others.
+//! Reference intersections in f64, by different formulas where possible.
 
 use imaging::geometry::Intrinsics;
 use imaging::vector::{DVec3, vec3};
@@ -6,7 +6,7 @@ use imaging::vector::{DVec3, vec3};
 use super::{Ring, Shape, Solid};
 use crate::{FAMILIES, World};
 
-/// Rays that graze an edge may meet another solid in f64; no more than this share of them.
+/// Allowed share of rays that graze an edge and hit another solid in f64.
 const GRAZING: f64 = 0.002;
 /// Single precision: seven digits of coordinates up to 60 m, and a march that ends 0.2 mm before a ring.
 const RANGE_TOLERANCE: f64 = 5e-4;
@@ -53,7 +53,7 @@ fn range_is_that_of_the_analytic_intersection_in_f64() {
     }
 }
 
-/// The parameter at which the ray from `eye` along `ray` meets the solid first; infinite if it does not.
+/// Parameter of the first hit of the ray from `eye` along `ray`; infinite for a miss.
 fn enter(solid: &Solid, eye: DVec3, ray: DVec3) -> f64 {
     let inward = |v: DVec3| DVec3::from(solid.pose.axes.map(|axis| axis.as_f64().dot(v)));
     let (o, d) = (inward(eye - solid.pose.origin.as_f64()), inward(ray));
@@ -138,7 +138,7 @@ fn faces(o: DVec3, d: DVec3, half: DVec3) -> Vec<(f64, usize)> {
     crossings.collect()
 }
 
-/// The first change of sign of the distance along the ray, in steps of a part of the thickness, then bisected.
+/// First sign change of the distance along the ray, in steps of a part of the thickness, then bisected.
 fn bend(ring: &Ring, o: DVec3, d: DVec3) -> Option<f64> {
     let (bend, tube) = (f64::from(ring.bend_radius), f64::from(ring.tube_radius));
     let [sin, cos] = ring.half_angle.map(f64::from);

@@ -1,5 +1,4 @@
-//! Ways through the world that a solid may lie on, a run of them at a time, and single rays. What begins inside a solid is not
-//! stopped by it.
+//! Occlusion tests for packets of shadow rays, and single rays. A solid does not block a ray that starts inside it.
 
 use imaging::vector::Vec3;
 use imaging::vectorized;
@@ -8,21 +7,21 @@ use super::{Form, Ring, Shape, Solid, ring};
 use crate::site::lanes::load;
 use crate::site::pose::Pose;
 
-/// Ways of a run: those from a square of eight pixels a side.
+/// Rays per packet: those of a square of eight pixels a side.
 pub(crate) const RUN: usize = 64;
 
-/// A run of ways in the world.
+/// A packet of shadow rays in world coordinates.
 pub(crate) struct Run {
-    /// Where they begin.
+    /// Origins.
     pub(crate) from: [[f32; RUN]; 3],
-    /// The vectors to where they end.
+    /// Vectors to the ends.
     pub(crate) way: [[f32; RUN]; 3],
-    /// 1 where something lies on the way, else 0.
+    /// 1 if occluded, else 0.
     pub(crate) hidden: [f32; RUN],
 }
 
 impl Solid {
-    /// Marks the ways of a run that this solid lies on.
+    /// Marks the rays occluded by this solid.
     pub(crate) fn hide(&self, run: &mut Run) {
         let pose = &self.pose;
         match &self.shape {
@@ -31,7 +30,7 @@ impl Solid {
         }
     }
 
-    /// Where a ray of the world enters, in lengths of its direction; infinite if it does not.
+    /// Entry parameter of a world ray, in lengths of its direction; infinite for a miss.
     pub(crate) fn enter(&self, origin: Vec3, direction: Vec3) -> f32 {
         let (o, d) = (self.pose.point_in(origin), self.pose.direction_in(direction));
         match &self.shape {
