@@ -1,4 +1,4 @@
-//! A Gaussian window along rows and columns, the border repeated outwards.
+//! Gaussian window along rows and columns, with replicated borders.
 
 use imaging::{Plane, vectorized};
 
@@ -15,14 +15,13 @@ pub fn gaussian(plane: &Plane<f64>, radius: usize, sigma_px: f64, variant: Varia
     }
 }
 
-/// Half of the weights along one axis, the center first.
 fn weights(radius: usize, sigma_px: f64) -> Vec<f64> {
     let weight = |i: usize| (-0.5 * (i as f64 / sigma_px).powi(2)).exp();
     let sum = 1.0 + 2.0 * (1..=radius).map(weight).sum::<f64>();
     (0..=radius).map(|i| weight(i) / sum).collect()
 }
 
-/// The sample at `i - radius` of `0..n`, or the nearest.
+/// Index of the sample at `i - radius`, clamped to `0..n`.
 fn around(i: usize, radius: usize, n: usize) -> usize {
     i.saturating_sub(radius).min(n - 1)
 }
@@ -42,15 +41,14 @@ fn reference(plane: &Plane<f64>, weights: &[f64]) -> Plane<f64> {
     })
 }
 
-/// Samples whose sums are held in registers at once: eight vectors of four.
+/// Samples whose sums stay in registers: eight vectors of four.
 const BLOCK: usize = 32;
 
-/// Down the columns, then along the row just made, while it is in the nearest cache.
+/// Blurs down the columns, then along the new row while it is in the nearest cache.
 #[inline(always)]
 fn passes(plane: &Plane<f64>, weights: &[f64]) -> Plane<f64> {
     let (width, height) = plane.size();
     let radius = weights.len() - 1;
-    // Rows of whole blocks.
     let stride = width.div_ceil(BLOCK) * BLOCK;
     let mut padded = vec![0.0f64; stride * height];
     let rows = plane.data().chunks_exact(width);

@@ -1,4 +1,4 @@
-//! The largest and the smallest value in a square window; what lies outside the picture is ignored.
+//! Maximum and minimum in a square window clipped to the picture.
 
 use imaging::simd::{larger, smaller};
 use imaging::{Plane, vectorized};
@@ -42,17 +42,17 @@ fn reference<T: Copy>(plane: &Plane<T>, radius: usize, pick: impl Fn(T, T) -> T)
     })
 }
 
-/// Runs of two, four, eight… samples, and in the end two runs that cover the window: a few vector steps for each sample
-/// up to a radius of 31, faster than any method whose count does not depend on the radius but which goes sample by
-/// sample. Replicating the border does what ignoring the outside does, since the edge sample lies in the window anyway.
+/// Maxima of runs of two, four, eight… samples, and finally of two runs that cover the window. Up to a radius of 31
+/// that is a few vector steps per sample, faster than scalar methods with a constant count. Replicating the border
+/// equals clipping the window, since the edge sample is inside the window anyway.
 #[inline(always)]
 fn doubled<T: Copy>(plane: &Plane<T>, radius: usize, pick: impl Fn(T, T) -> T + Copy) -> Plane<T> {
     let (width, height) = plane.size();
     let window = 2 * radius + 1;
-    // The longest run of a power of two that fits the window.
+    // The longest power-of-two run inside the window.
     let longest = 1 << window.ilog2();
 
-    // Along the rows; a row of `runs` holds what starts `radius` above the row of the result.
+    // Along the rows; row `y` of `runs` starts `radius` above row `y` of the result.
     let mut line = Vec::with_capacity(width + 2 * radius);
     let mut runs: Vec<Vec<T>> = Vec::with_capacity(height + 2 * radius);
     for y in 0..height {

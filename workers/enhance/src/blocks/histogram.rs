@@ -1,8 +1,7 @@
-//! Counts of the codes of a picture's channels: a curve over codes needs no more than these.
+//! Code histograms of a picture's channels.
 
 use imaging::Rgb8;
 
-/// How often each code occurs.
 pub(crate) type Histogram = [u64; 256];
 
 /// The histograms of red, green and blue.
@@ -29,12 +28,12 @@ pub(crate) fn sum(histogram: &Histogram) -> u64 {
     (0..).zip(histogram).map(|(code, count)| code * count).sum()
 }
 
-/// Mean code; the histogram holds some.
+/// Mean code; the histogram must not be empty.
 pub(crate) fn mean(histogram: &Histogram) -> f64 {
     sum(histogram) as f64 / total(histogram) as f64
 }
 
-/// The least and the greatest code that occurs.
+/// The smallest and the largest code present.
 pub(crate) fn ends(histogram: &Histogram) -> (usize, usize) {
     let low = histogram.iter().position(|&count| count > 0).unwrap_or(0);
     let high = histogram.iter().rposition(|&count| count > 0).unwrap_or(0);

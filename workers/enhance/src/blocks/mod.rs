@@ -1,5 +1,5 @@
-//! What several methods are made of. Each block with a fast form also has the definition, chosen by
-//! [`Variant`](crate::Variant); the `agreement` tests hold the two together.
+//! Building blocks shared by methods. Each fast block has a reference selected by [`Variant`](crate::Variant); the
+//! `agreement` tests compare the two.
 
 mod blur;
 mod extremum;

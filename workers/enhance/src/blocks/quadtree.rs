@@ -1,21 +1,19 @@
-//! Searching a region of the picture by taking a quarter of a quarter of a quarter.
+//! Quadtree search for a region of a picture.
 
 use std::ops::Range;
 
 use imaging::{Plane, Rgb8, luma1000};
 
-/// The search ends at a region that spans no more than the picture's pixels divided by this.
+/// The search ends at a region of at most the picture's pixels divided by this.
 const PARTS: usize = 1024;
 
-/// Scores closer together than this are equal: regions with the same content must tie, whatever rounding their sums saw.
+/// Scores within this distance are ties: regions with the same content must tie regardless of rounding.
 const EQUAL: f64 = 1e-9;
 
 /// A rectangle of pixels.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Region {
-    /// Columns.
     pub columns: Range<usize>,
-    /// Rows.
     pub rows: Range<usize>,
 }
 
@@ -67,8 +65,8 @@ impl Region {
     }
 }
 
-/// Starting from the whole picture, keeps the quarter with the lowest score, the first of equals, until it spans no more than
-/// one of so many parts of the picture's pixels or cannot be divided. Each pixel is scored a third more than once on the whole, whatever the depth.
+/// Starting from the whole picture, keeps the quarter with the lowest score, the first of ties, until it spans at most
+/// one of `parts` parts of the picture's pixels or cannot be divided. The cost is 4/3 scores per pixel at any depth.
 fn search((width, height): (usize, usize), parts: usize, score: impl Fn(&Region) -> f64) -> Region {
     let mut region = Region {
         columns: 0..width,
@@ -92,7 +90,7 @@ fn search((width, height): (usize, usize), parts: usize, score: impl Fn(&Region)
     region
 }
 
-/// The region with the lowest variance of luma. Sums are whole numbers, so that equal variances are equal.
+/// The region with the lowest variance of luma. Sums are integers, so that ties are exact.
 #[must_use]
 pub fn calmest(picture: &Rgb8) -> Region {
     search((picture.width(), picture.height()), PARTS, |region| {
@@ -118,7 +116,7 @@ pub fn lowest(plane: &Plane<f64>) -> Region {
     lowest_part(plane, PARTS)
 }
 
-/// The region that the search for it comes through at one of so many parts of the plane.
+/// The ancestor of [`lowest`] that spans at most one of `parts` parts of the plane.
 pub(crate) fn lowest_part(plane: &Plane<f64>, parts: usize) -> Region {
     search(plane.size(), parts, |region| {
         let rows = region.slices(plane.data(), plane.width(), 1);

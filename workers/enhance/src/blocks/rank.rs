@@ -5,12 +5,12 @@ use imaging::Plane;
 use super::norm::range;
 use crate::variant::Variant;
 
-/// Values whose distances from the largest agree to this many binary places are equal: windows with the same content
-/// must tie, and running sums leave 1e-13 of noise on them.
+/// Values whose distances from the maximum agree to this many binary places are ties: windows with the same content
+/// must tie, and running sums leave noise of 1e-13.
 const EQUAL_BITS: i32 = 30;
 
-/// Positions of the `count` largest values in falling order; of values as far below the
-/// largest, to the nearest 2^-30, the earlier position first. All positions when there are fewer. Values lie within ±2^32.
+/// Positions of the `count` largest values in descending order, or all positions if there are fewer. Values whose
+/// distances from the maximum agree to 2^-30 tie; the earlier position wins. Values must be within ±2^32.
 #[must_use]
 pub fn largest(plane: &Plane<f64>, count: usize, variant: Variant) -> Vec<usize> {
     let mut chosen = match variant {
@@ -31,14 +31,14 @@ fn candidates(plane: &Plane<f64>, count: usize) -> Vec<usize> {
         return Vec::new();
     }
     let (low, high) = range(plane.data());
-    // A bin is at least as wide as what counts as equal.
+    // A bin is at least as wide as a tie.
     let scale = ((BINS - 1) as f64 / (high - low)).min(2f64.powi(EQUAL_BITS));
     let bin = |value: f64| ((value - low) * scale) as usize;
     let mut counts = [0usize; BINS];
     for &value in plane.data() {
         counts[bin(value).min(BINS - 1)] += 1;
     }
-    // One bin more than needed, for values that round up into the ones taken.
+    // One extra bin for values that round up into the selected ones.
     let mut bound = BINS;
     let mut held = 0;
     while held < count && bound > 0 {

@@ -1,7 +1,8 @@
-//! Gray world: the mean of a scene is taken to be gray, so each channel is scaled to the mean of all (Buchsbaum 1980,
-//! "A spatial processor model for object color perception").
+//! Gray world: assumes that the mean of a scene is gray and scales each channel to the mean of all (Buchsbaum 1980, "A
+//! spatial processor model for object color perception").
 //!
-//! `c' = c · m / m_c`, with `m_c` the mean of channel c and `m` the mean of the three. A channel without light stays black.
+//! `c' = c · m / m_c`, with `m_c` the mean of channel c and `m` the mean of the three. A channel without light stays
+//! black.
 
 use imaging::Raster;
 

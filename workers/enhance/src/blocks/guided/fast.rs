@@ -1,13 +1,13 @@
-//! One sweep down the picture with running sums. The coefficients of a window's row go straight into the sums for their
-//! means, and a ring of rows remembers what must leave those sums again: nothing of the picture's size is kept but the
-//! result. Everything is in double precision, since the background light is sought among nearly equal distances.
+//! One sweep down the picture with running sums. The coefficients of a row are added to the sums for their means
+//! immediately, and a ring of rows stores the values to subtract later: only the result is as large as the picture. All
+//! sums are f64, since the background light is a search among nearly equal distances.
 
 use imaging::{Plane, vectorized};
 
 use super::{Guide, solve};
 use crate::blocks::sums::{WindowSums, exchange, inverse_counts};
 
-/// Columns whose sums are held in the nearest cache at once.
+/// Columns whose sums stay in the nearest cache.
 const BLOCK: usize = 32;
 /// Guide, its products, the plane, and its products with the guide.
 const MOMENTS: usize = 13;
@@ -85,7 +85,7 @@ fn sweep(guide: &Guide, plane: &Plane<f64>) -> Plane<f64> {
     filtered
 }
 
-/// Takes the row that enters into the column sums, and the one that leaves out of them.
+/// Adds the entering row to the column sums and subtracts the leaving one.
 #[inline(always)]
 fn slide(columns: &mut [Vec<f64>; MOMENTS], enters: Row, leaves: Row) {
     let (codes, rest) = columns.split_at_mut(3);

@@ -1,4 +1,4 @@
-//! The definition, plane by plane in double precision.
+//! The definition, plane by plane in f64.
 
 use imaging::Plane;
 
@@ -46,7 +46,7 @@ pub(super) fn guided(guide: &Guide, plane: &Plane<f64>) -> Plane<f64> {
     })
 }
 
-/// The mean of the samples within `radius` columns and rows of each sample, divided by the number that lie inside.
+/// The mean of the samples within `radius` columns and rows, over the part of the window inside the plane.
 pub(super) fn box_mean(plane: &Plane<f64>, radius: usize) -> Plane<f64> {
     let (width, height) = plane.size();
     let along = Plane::from_fn(width, height, |x, y| {

@@ -1,14 +1,13 @@
-//! The part of a picture that is solved for: cells, each a tile's columns and a few rows.
+//! The part of a picture that is solved for: cells, each the columns of a tile and a few rows.
 
 use imaging::Plane;
 
 use super::tile::BLOCK;
 use crate::blocks::Region;
 
-/// Rows of a cell: an even number, and more than coefficients and windows reach.
+/// Rows of a cell: even, and more than the reach of coefficients and windows.
 pub(super) const ROWS: usize = 8;
 
-/// A set of cells of a picture.
 #[derive(Debug, Clone)]
 pub(super) struct Cells {
     across: usize,
@@ -17,12 +16,12 @@ pub(super) struct Cells {
 }
 
 impl Cells {
-    /// All of a picture.
+    /// All cells of a picture.
     pub(super) fn whole(width: usize, height: usize) -> Self {
         Self::filled(width, height, true)
     }
 
-    /// Those that hold a value of at most `limit`.
+    /// The cells with a value of at most `limit`.
     pub(super) fn at_most(plane: &Plane<f64>, limit: f64) -> Self {
         let mut cells = Self::filled(plane.width(), plane.height(), false);
         for (y, row) in plane.data().chunks_exact(plane.width()).enumerate() {
@@ -34,7 +33,7 @@ impl Cells {
         cells
     }
 
-    /// With those of a region.
+    /// Adds the cells of a region.
     pub(super) fn with(mut self, region: &Region) -> Self {
         for y in region.rows.start / ROWS..region.rows.end.div_ceil(ROWS) {
             let columns = region.columns.start / BLOCK..region.columns.end.div_ceil(BLOCK);
@@ -43,7 +42,7 @@ impl Cells {
         self
     }
 
-    /// With so many cells more on each side.
+    /// Adds a margin of cells on each side.
     pub(super) fn grown(&self, columns: usize, rows: usize) -> Self {
         let mut grown = self.clone();
         for y in 0..self.down {
@@ -58,13 +57,13 @@ impl Cells {
         grown
     }
 
-    /// Whether the tile of a row of pixels is in the set.
+    /// Whether the tile at a row of pixels is in the set.
     #[inline(always)]
     pub(super) fn has(&self, tile: usize, y: usize) -> bool {
         self.chosen[y / ROWS * self.across + tile]
     }
 
-    /// Whether one of the columns `first..=last` of a row of pixels is in the set.
+    /// Whether any of the columns `first..=last` of a row of pixels is in the set.
     pub(super) fn has_columns(&self, first: usize, last: usize, y: usize) -> bool {
         (first / BLOCK..=last / BLOCK).any(|tile| self.has(tile, y))
     }

@@ -7,9 +7,9 @@ use imaging::{Plane, vectorized};
 
 use super::cells::Cells;
 
-/// Pixels around the picture that hold zeros: the reach of a coefficient.
+/// Width of the rim of zeros around the picture: the reach of a coefficient.
 pub(super) const RIM: usize = 2;
-/// From a pixel to itself and to the later ones of its neighborhood: columns and rows.
+/// Offsets from a pixel to itself and to the later ones of its neighborhood: columns and rows.
 pub(super) const STEPS: [(isize, usize); 13] = [
     (0, 0),
     (1, 0),
@@ -26,9 +26,9 @@ pub(super) const STEPS: [(isize, usize); 13] = [
     (2, 2),
 ];
 
-/// What is added to the covariance of each window, for colors in 0..=255.
+/// Added to the diagonal of each window's covariance, for colors in 0..=255.
 const RIDGE: f64 = 1e-7 / 9.0 * 255.0 * 255.0;
-/// Windows that are worked on together: what is known of them stays in the first-level cache.
+/// Windows per block: their whitened colors fit the first-level cache.
 const BLOCK: usize = 64;
 /// Windows whose sums stay in registers; a block is several groups.
 const GROUP: usize = 16;
@@ -41,9 +41,8 @@ type Lanes<T> = [T; BLOCK];
 /// A row of each of [`STEPS`], with its rim.
 pub(super) type Row<T> = [Vec<T>; STEPS.len()];
 
-/// What coefficients are summed in. Of a window's colors that are whitened products are 9 at most: f32 is enough for a system in f32.
+/// Number type of the coefficient sums. Products of whitened colors are at most 9: f32 is enough for a system in f32.
 pub(super) trait Real: Copy + Add<Output = Self> + AddAssign + Mul<Output = Self> {
-    /// The nearest value.
     fn of(value: f64) -> Self;
 }
 
@@ -61,8 +60,8 @@ impl Real for f64 {
     }
 }
 
-/// Hands the rows of a picture of at least 3 × 3 pixels to `take`, from the first to the last. They are those of the windows that begin
-/// in `cells`.
+/// Calls `take` with the rows of a picture of at least 3 × 3 pixels, in order, summed over the windows that begin in
+/// `cells`.
 pub(super) fn each_row<T: Real>(
     channels: &[Plane<u8>; 3],
     cells: &Cells,
@@ -71,7 +70,7 @@ pub(super) fn each_row<T: Real>(
     let (width, height) = channels[0].size();
     let zero = T::of(0.0);
     let empty = || -> Row<T> { std::array::from_fn(|_| vec![zero; width + 2 * RIM]) };
-    // Windows reach three rows: a row is complete when the windows that end in it are added.
+    // Windows span three rows: a row is complete after the windows that end in it.
     let mut rows: [Row<T>; SIDE] = std::array::from_fn(|_| empty());
     let mut white = Box::new([[[zero; BLOCK]; 3]; PIXELS]);
     for y in 0..height {
@@ -94,8 +93,9 @@ pub(super) fn each_row<T: Real>(
     }
 }
 
-/// The colors of each window less their mean, multiplied by `C⁻¹`, `C Cᵀ` their covariance: their products are those with its inverse.
-/// Of colors along a line the adjugate would lose the ridge to rounding, and the matrix would not stay positive.
+/// Whitened colors of each window: the difference from the mean times `C⁻¹`, with `C Cᵀ` the covariance. Their products
+/// equal those with the inverse covariance. For colors on a line the adjugate would lose the ridge to rounding, and the
+/// matrix would not stay positive.
 #[inline(always)]
 fn whiten<T: Real>(lines: &[[&[u8]; SIDE]; 3], count: usize, white: &mut [[Lanes<T>; 3]; PIXELS]) {
     for start in (0..count).step_by(GROUP) {
@@ -111,7 +111,6 @@ fn whiten<T: Real>(lines: &[[&[u8]; SIDE]; 3], count: usize, white: &mut [[Lanes
     }
 }
 
-/// Writes those of a group from a place on.
 #[inline(always)]
 fn whiten_group<T: Real>(
     codes: &[[[i32; GROUP]; PIXELS]; 3],
@@ -161,7 +160,7 @@ fn whiten_group<T: Real>(
     }
 }
 
-/// Adds the windows from column `x` on. Each coefficient adds its windows from left to right, whatever the block.
+/// Adds the windows from column `x` on. Each coefficient sums its windows from left to right, for any block size.
 #[inline(always)]
 fn add<T: Real>(white: &[[Lanes<T>; 3]; PIXELS], (x, count): (usize, usize), rows: &mut [Row<T>; SIDE]) {
     let share = T::of(-1.0 / 9.0);
@@ -181,9 +180,8 @@ fn add<T: Real>(white: &[[Lanes<T>; 3]; PIXELS], (x, count): (usize, usize), row
     }
 }
 
-/// Place in [`STEPS`].
 fn step_of(columns: isize, rows: usize) -> usize {
-    // The row of the pixel itself has no steps to the left.
+    // The pixel's row has no steps to the left.
     let first = if rows == 0 { 0 } else { 5 * rows };
     first.wrapping_add_signed(columns)
 }

@@ -1,18 +1,18 @@
-//! Contrast-limited adaptive histogram equalization (Zuiderveld 1994), in the form that OpenCV made common.
+//! Contrast-limited adaptive histogram equalization (Zuiderveld 1994), in the variant of OpenCV.
 //!
-//! The picture is covered by a grid of tiles. Each tile's histogram is clipped at a multiple of its mean bin, what
-//! was cut is spread over all bins, and the cumulative histogram becomes the tile's table. A pixel takes the tables
-//! of the four nearest tile centers, weighted bilinearly.
+//! A grid of tiles covers the picture. Each tile's histogram is clipped at a multiple of its mean bin, the excess is
+//! spread over all bins, and the cumulative histogram becomes the tile's table. A pixel blends the tables of the four
+//! nearest tile centers bilinearly.
 
 use imaging::{Plane, reflected, vectorized};
 
 type Table = [u8; 256];
 
 /// Equalizes a plane of at least one pixel. `grid` is the number of tiles across and down, at least one each;
-/// `clip_limit` is in mean bins, and 0 does not clip.
+/// `clip_limit` is in mean bins; 0 disables clipping.
 ///
-/// When either side is not a multiple of its number of tiles, both are extended by reflection for the histograms:
-/// by `tiles - side mod tiles`, which is a whole row of pixels per tile on a side that did divide.
+/// If either side is not a multiple of its number of tiles, both are extended by reflection for the histograms: by
+/// `tiles - side mod tiles`, which is a whole row of pixels per tile on a side that did divide.
 #[must_use]
 pub fn clahe(picture: &Plane<u8>, (across, down): (usize, usize), clip_limit: f64) -> Plane<u8> {
     let tiles = Tiles::new(picture.size(), across, down);
@@ -61,7 +61,7 @@ impl Tiles {
         }
     }
 
-    /// One table per tile, row by row.
+    /// One table per tile, row-major.
     fn tables(&self, picture: &Plane<u8>, clip_limit: f64) -> Vec<Table> {
         let (width, height) = picture.size();
         let extended_width = self.across * self.width_px;
@@ -108,7 +108,7 @@ impl Tiles {
     }
 }
 
-/// Cuts every bin at `limit` and spreads the excess: equally, then one by one at equal steps.
+/// Clips every bin at `limit` and spreads the excess: equally, then singly at equal steps.
 fn clip(histogram: &mut [u32; 256], limit: u32) {
     let excess: u32 = histogram.iter().map(|count| count.saturating_sub(limit)).sum();
     for count in histogram.iter_mut() {
@@ -122,12 +122,12 @@ fn clip(histogram: &mut [u32; 256], limit: u32) {
     }
 }
 
-/// Where a pixel lies between the centers of the tiles along one axis.
+/// Position of a pixel between tile centers along one axis.
 #[derive(Clone, Copy)]
 struct Neighbors {
-    /// The gap between centers, which is the number of the tile behind it; before the first center it is 0.
+    /// The gap between centers, equal to the number of the following tile; 0 before the first center.
     gap: usize,
-    /// Share of the tile behind the gap.
+    /// Weight of the following tile.
     weight: f64,
 }
 
@@ -143,7 +143,7 @@ impl Neighbors {
 }
 
 /// For each gap between tile centers and each code: the four table entries in one word, low byte first in the order
-/// upper left, upper right, lower left, lower right. One look-up a pixel instead of four.
+/// upper left, upper right, lower left, lower right. One look-up per pixel instead of four.
 fn blend_tables(upper: &[Table], lower: &[Table]) -> Vec<[u32; 256]> {
     let last = upper.len() - 1;
     let table = |gap: usize| {
@@ -192,7 +192,7 @@ mod tests {
         let mut histogram = [0u32; 256];
         histogram[7] = 256 + 3 + 10;
         clip(&mut histogram, 10);
-        // 259 over the limit: one for every bin, and the three left go to bins 0, 85 and 170.
+        // 259 over the limit: one for every bin, and the remaining three in bins 0, 85 and 170.
         assert_eq!(histogram[7], 11);
         assert_eq!(
             (histogram[0], histogram[85], histogram[170], histogram[255]),

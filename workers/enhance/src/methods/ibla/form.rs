@@ -1,4 +1,4 @@
-//! The forms of the method, which refine planes by the matting Laplacian or by the guided filter.
+//! The variants of IBLA, which refine planes by the matting Laplacian or by the guided filter.
 
 use imaging::{Plane, Rgb8};
 
@@ -8,7 +8,7 @@ use crate::blocks::{Guide, Matting, guided, lowest_refined};
 use crate::methods::Method;
 use crate::variant::Variant;
 
-/// A form of the method: what refines blurriness, from which the light follows, and closeness, from which the transmittance does.
+/// Refinement of blurriness, which determines the light, and of closeness, which determines the transmittance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Form {
     /// Both by matting: the method `ibla`.
@@ -20,10 +20,9 @@ pub enum Form {
 }
 
 impl Form {
-    /// All, the exact one first, each faster than the one before it.
+    /// All variants from the exact one to the fastest.
     pub const ALL: [Self; 3] = [Self::Matting, Self::Hybrid, Self::Guided];
 
-    /// The name of its method.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -33,13 +32,12 @@ impl Form {
         }
     }
 
-    /// Its method.
     #[must_use]
     pub fn method(self) -> Method {
         Method::parse(self.name()).expect("each form is a method")
     }
 
-    /// Blurriness refined: `P_b`.
+    /// Refines blurriness: `P_b`.
     pub(super) fn refined(self, guide: &Guide, plane: &Plane<f64>, variant: Variant) -> Plane<f64> {
         match self {
             Self::Matting => Matting::new(guide, variant).refined(plane),
@@ -49,11 +47,11 @@ impl Form {
     }
 }
 
-/// The three colors that the background light of a picture of at least one pixel lies between. With refined blurriness `P_b`, small
-/// where the picture is blurred, they are in this order
+/// The three candidate colors of the background light of a picture of at least one pixel. With refined blurriness
+/// `P_b`, small where the picture is blurred, they are in this order
 ///
-/// - the mean color of the thousandth of the pixels with the smallest `P_b`, of one pixel at least,
-/// - that of the quadtree region with the lowest variance of luma, which no form changes,
+/// - the mean color of the thousandth of the pixels with the smallest `P_b`, at least one pixel,
+/// - that of the quadtree region with the lowest variance of luma, the same for all variants,
 /// - that of the quadtree region with the smallest mean `P_b`,
 ///
 /// each red, green and blue in 0..=1 of the codes.

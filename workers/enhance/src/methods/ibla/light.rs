@@ -8,21 +8,21 @@ use crate::variant::Variant;
 
 /// Codes above this are above 0.5.
 const HALF: usize = 127;
-/// Part of bright pixels at which the light turns from the darkest to the brightest candidate.
+/// Share of bright pixels at the transition from the darkest to the brightest candidate.
 const BRIGHT_PART: f64 = 0.2;
-/// One of so many pixels counts as most blurred.
+/// The most blurred pixels are one in this many.
 const BLURRED: usize = 1000;
-/// Candidates that differ by more than this make a channel whose sigmoid is undecided uncertain.
+/// If candidates of a channel with an undecided sigmoid differ by more than this, the light is unstable.
 const APART: f64 = 0.1;
 
-/// The background light and what it was made of.
+/// The background light and its candidates.
 #[derive(Debug)]
 pub(super) struct Light {
     /// The color, 0..=1.
     pub(super) color: [f64; 3],
     /// Colors of the most blurred pixels, of the calmest region and of the most blurred region.
     pub(super) candidates: [[f64; 3]; 3],
-    /// Shares of the brightest candidate in the light.
+    /// Weights of the brightest candidate.
     shares: [f64; 3],
 }
 
@@ -43,7 +43,8 @@ impl Light {
         }
     }
 
-    /// Whether a channel's candidates lie far apart and its share is undecided; `others` are undecided shares of all channels.
+    /// Whether a channel's candidates are far apart and its share is undecided; `others` are undecided shares of all
+    /// channels.
     pub(super) fn is_unstable(&self, others: [f64; 2]) -> bool {
         let is_undecided = |share: f64| (0.05..=0.95).contains(&share);
         let apart = spread(&self.candidates).map(|(low, high)| high - low > APART);
@@ -52,7 +53,7 @@ impl Light {
     }
 }
 
-/// The least and the greatest of each channel.
+/// The minimum and maximum of each channel.
 fn spread(candidates: &[[f64; 3]; 3]) -> [(f64, f64); 3] {
     std::array::from_fn(|c| {
         let values = candidates.map(|candidate| candidate[c]);
@@ -63,7 +64,7 @@ fn spread(candidates: &[[f64; 3]; 3]) -> [(f64, f64); 3] {
     })
 }
 
-/// The part of the pixels of each channel that lies above 0.5.
+/// The share of pixels above 0.5 in each channel.
 fn bright_parts(picture: &Rgb8) -> [f64; 3] {
     histogram::histograms(picture).map(|counts| {
         let bright: u64 = counts[HALF + 1..].iter().sum();

@@ -4,12 +4,12 @@ use super::super::vectors::{VARIANTS, assert_picture, assert_plane, cases, expec
 use super::*;
 use crate::blocks::{calmest, lowest};
 
-/// The light may be off by this: near ties flip single pixels of a candidate.
+/// Near ties flip single pixels of a candidate.
 const LIGHT_TOLERANCE: f64 = 0.01;
-/// Refined planes may be off by this part of their range.
+/// Tolerance of refined planes relative to their range.
 const PLANE_TOLERANCE: f64 = 1e-3;
 
-/// A form of the method: its name, how it refines a plane, and the whole of it.
+/// A variant: its name, its refinement of a plane, and the complete method.
 type Refined<'a> = (
     &'static str,
     &'a dyn Fn(&Plane<f64>) -> Plane<f64>,
@@ -113,11 +113,11 @@ fn bright_haze_is_not_blackened_and_a_bright_wall_is_named() {
     assert!(warnings.contains(&Warning::Blackened) && warnings.contains(&Warning::LampAsBackground));
 }
 
-/// The candidates of the hybrid may be off by this in pictures where nothing but noise decides which pixels are the most blurred. Of
-/// rendered frames 97 % keep them within [`LIGHT_TOLERANCE`]: `docs/agreement.md`.
+/// Tolerance of the hybrid's candidates in pictures where noise decides which pixels are the most blurred. 97 % of
+/// rendered frames are within [`LIGHT_TOLERANCE`]: `docs/agreement.md`.
 const NOISY_LIGHT_TOLERANCE: f64 = 0.05;
 
-/// Water, darker with depth, and things in it that lose contrast with their distance, seen with noise.
+/// Water, darker with depth, and objects that lose contrast with distance, with noise.
 fn scene(seed: usize) -> Rgb8 {
     let (width, height) = (547, 353);
     let random = |n: usize| {

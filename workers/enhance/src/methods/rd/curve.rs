@@ -1,4 +1,4 @@
-//! Steps 1 to 4: what each code of a channel becomes.
+//! Steps 1 to 4: the curve of each channel.
 
 use imaging::Rgb8;
 
@@ -7,13 +7,12 @@ use crate::variant::Variant;
 
 /// α of the Rayleigh distribution.
 const ALPHA: f64 = 0.4;
-/// A value this close to a whole number, or to the mean, counts as equal to it: rounding must not move it.
+/// A value this close to an integer or to the mean counts as equal to it: rounding must not move it.
 const EQUAL: f64 = 1e-9;
 
-/// What each code of red, green and blue becomes, in 0..=255.
+/// Curves of red, green and blue over the codes, in 0..=255.
 pub(super) type Curves = [[f64; 256]; 3];
 
-/// The curves of red, green and blue.
 pub(super) fn curves(picture: &Rgb8, variant: Variant) -> Curves {
     let counts = histograms(picture);
     let gains = gains(counts.each_ref().map(histogram::mean));
@@ -39,8 +38,7 @@ pub(super) fn curves(picture: &Rgb8, variant: Variant) -> Curves {
     })
 }
 
-/// Step 1: what each channel is multiplied by. Of equal means the first channel counts as the smallest and as the
-/// largest.
+/// Step 1: the gain of each channel. Among equal means the first channel counts as both smallest and largest.
 fn gains(means: [f64; 3]) -> [f64; 3] {
     let mut sorted = means;
     sorted.sort_unstable_by(f64::total_cmp);
@@ -56,7 +54,7 @@ fn gains(means: [f64; 3]) -> [f64; 3] {
     gains
 }
 
-/// `f(C)`, cut to a whole code.
+/// `f(C)`, truncated to an integer code.
 fn rayleigh(share: f64) -> f64 {
     if share >= 1.0 {
         return 255.0;
@@ -71,7 +69,7 @@ fn whole(value: f64) -> usize {
     (value + EQUAL) as usize
 }
 
-/// Steps 3 and 4 on counts of codes.
+/// Steps 3 and 4 on histograms.
 fn merged(values: &[f64; 256], counts: &Histogram) -> [f64; 256] {
     let total = histogram::total(counts) as f64;
     let mean = values
@@ -100,7 +98,7 @@ fn merged(values: &[f64; 256], counts: &Histogram) -> [f64; 256] {
     })
 }
 
-/// Steps 3 and 4 on the pixels themselves.
+/// Steps 3 and 4 on the pixels.
 fn merged_by_pixels(values: &[f64; 256], picture: &Rgb8, channel: usize) -> [f64; 256] {
     let pixels: Vec<f64> = picture
         .pixels()
@@ -131,7 +129,7 @@ mod tests {
         assert_eq!(gains([10.0, 40.0, 20.0]), [2.0, 0.5, 1.0]);
         assert_eq!(gains([7.0; 3]), [1.0; 3]);
         assert_eq!(gains([0.0, 40.0, 20.0]), [1.0, 0.5, 1.0]);
-        // With one channel of light the middle mean is 0: nothing is taken away.
+        // With light in one channel only, the middle mean is 0: gains stay 1.
         assert_eq!(gains([0.0, 40.0, 0.0]), [1.0; 3]);
         assert_eq!(gains([0.0; 3]), [1.0; 3]);
     }

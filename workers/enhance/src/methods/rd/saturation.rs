@@ -1,7 +1,7 @@
-//! Step 5: saturation and value of HSV, with the hue kept.
+//! Step 5: saturation and value of HSV, with constant hue.
 //!
-//! `V = max`, `S = (max - min) / max`, 0 where max = 0. With the hue kept a channel goes from c to
-//! `V' (1 - S' (max - c) / (max - min))`.
+//! `V = max`, `S = (max - min) / max`, 0 for max = 0. At constant hue a channel changes from c to `V' (1 - S' (max - c)
+//! / (max - min))`.
 
 use imaging::simd::{larger, smaller};
 use imaging::{Rgb8, vectorized};
@@ -10,7 +10,7 @@ use super::curve::Curves;
 use crate::blocks::tails;
 use crate::variant::Variant;
 
-/// Part of the pixels beyond either end of saturation and of value.
+/// Share of the pixels beyond either end of saturation and of value.
 const TAIL: f64 = 0.01;
 
 pub(super) fn stretched(picture: &Rgb8, curves: &Curves, variant: Variant) -> Rgb8 {
@@ -49,7 +49,7 @@ fn saturation_and_value([r, g, b]: [f64; 3]) -> (f64, f64) {
     (if max > 0.0 { (max - min) / max } else { 0.0 }, max)
 }
 
-/// Pixels converted at once.
+/// Pixels per block.
 const BLOCK: usize = 32;
 
 /// The colors of a block of pixels, channel by channel, 0..=1.
@@ -91,7 +91,7 @@ struct Stretch {
     value: (f64, f64),
 }
 
-/// `(z - a) / (b - a)` between the ends; what lies outside, and everything when the ends meet, keeps its value.
+/// `(z - a) / (b - a)` between the ends; values outside, and all values if the ends meet, are unchanged.
 #[inline(always)]
 fn between(z: f64, (a, b): (f64, f64)) -> f64 {
     let stretched = (z - a) / if b > a { b - a } else { 1.0 };

@@ -1,4 +1,4 @@
-//! Step 3: lightness stretched and colors strengthened in CIE Lab.
+//! Step 3: stretches lightness and strengthens colors in CIE Lab.
 
 use imaging::{Plane, Rgb, Rgb8, lab, transfer, vectorized};
 
@@ -7,11 +7,11 @@ use crate::blocks::tails;
 use crate::elementary::exp;
 use crate::variant::Variant;
 
-/// Part of the pixels beyond either end of the lightness.
+/// Share of the pixels beyond either end of the lightness.
 const TAIL: f64 = 0.01;
 /// `1.3^(1 - |p| / 128)`.
 const STRENGTH: f64 = 1.3;
-/// Lightness closer together than this is one value.
+/// Lightness within this span is one value.
 const FLAT_L: f64 = 1e-6;
 
 pub(super) fn stretched(picture: &Rgb8, curves: &Curves, variant: Variant) -> Rgb8 {
@@ -49,7 +49,7 @@ fn fast(picture: &Rgb8, curves: &Curves) -> Rgb8 {
     let mut opponents = [0; 2].map(|_| vec![0.0f32; pixels]);
     vectorized!(to_lab(picture.data(), &linear, &mut lightness, &mut opponents));
     let (low, high) = tails(&lightness, TAIL, Variant::Fast);
-    // Strip by strip, so that the linear light of the whole picture is never held.
+    // Strip by strip, to avoid a full-size plane of linear light.
     let width = picture.width();
     let mut codes = Vec::with_capacity(picture.data().len());
     let [a, b] = opponents.each_ref().map(|plane| plane.chunks(STRIP * width));
@@ -63,10 +63,10 @@ fn fast(picture: &Rgb8, curves: &Curves) -> Rgb8 {
     Rgb8::new(width, picture.height(), codes).expect("three codes for each pixel")
 }
 
-/// Rows turned into codes at once.
+/// Rows per strip.
 const STRIP: usize = 16;
 
-/// Pixels converted at once.
+/// Pixels per block.
 const BLOCK: usize = 32;
 
 #[inline(always)]

@@ -3,7 +3,7 @@ use imaging::codec::decode_picture;
 use super::super::vectors::{VARIANTS, assert_picture, assert_plane, cases, expected, file, numbers};
 use super::*;
 
-/// The refined exposure may be off by this part of its range.
+/// Tolerance of the refined exposure relative to its range.
 const EXPOSURE_TOLERANCE: f64 = 2e-3;
 
 #[test]

@@ -1,4 +1,4 @@
-//! Padded sides.
+//! Padded side lengths.
 
 /// The least side of at least `n` (`n >= 1`) whose only prime factors are 2, 3 and 5.
 #[must_use]

@@ -1,4 +1,4 @@
-//! The definition, in double precision: pad, transform, multiply, transform back, crop.
+//! The definition in f64: pad, transform, multiply, transform back, crop.
 
 use imaging::fft::{self, Complex, Fft};
 use imaging::{Plane, reflected};
@@ -7,7 +7,6 @@ use super::padding::padded_side;
 use super::{R_HIGH, R_LOW};
 use crate::methods::hscm::luma::Luma;
 
-/// The filtered logarithm `x`.
 pub(super) fn filtered_log(luma: &Luma, delta: f64) -> Plane<f64> {
     let (width, height) = luma.codes().size();
     let (padded_width, padded_height) = (padded_side(width), padded_side(height));

@@ -1,8 +1,7 @@
-//! The fast variant: the circular Gaussian as two short passes, in single precision.
+//! The fast variant: the circular Gaussian as two short passes in f32.
 //!
-//! One sweep down the picture. The rows that a column sum needs are kept in a ring, so nothing leaves the cache
-//! between the logarithm and the finished row. Padding is never stored: each pass looks up which sample lies at
-//! a padded position.
+//! One sweep down the picture. A ring holds the rows of a column sum, so that all data stay in the cache between the
+//! logarithm and the finished row. Padding is never stored: each pass maps padded positions to samples.
 
 use imaging::reflected;
 
@@ -12,10 +11,10 @@ use super::recipe::Kernels;
 use super::{R_HIGH, R_LOW};
 use crate::methods::hscm::luma::Luma;
 
-/// Columns whose sums are held in registers at once: four vectors of eight.
+/// Columns whose sums stay in registers: four vectors of eight.
 pub(super) const BLOCK: usize = 32;
 
-/// Filters a picture; `finish` takes each finished row of `x`, from the top down. Compile it by `vectorized!`.
+/// Filters a picture; calls `finish` with each finished row of `x`, from the top down. Compile it by `vectorized!`.
 #[inline(always)]
 pub(super) fn sweep(luma: &Luma, kernels: &Kernels, finish: &mut impl FnMut(usize, &[f32])) {
     let (gain, drop) = (R_HIGH as f32, (R_HIGH - R_LOW) as f32);
@@ -49,7 +48,7 @@ pub(super) fn sweep(luma: &Luma, kernels: &Kernels, finish: &mut impl FnMut(usiz
     }
 }
 
-/// The last rows of a sweep, by their position.
+/// The latest rows of a sweep by position.
 pub(super) struct Ring {
     rows: usize,
     stride: usize,
@@ -76,7 +75,7 @@ impl Ring {
     }
 }
 
-/// Logarithm and row sums of one row of the picture.
+/// Computes the logarithm and row sums of one row.
 struct RowPass<'a> {
     luma: &'a Luma,
     kernel: &'a [f32],

@@ -1,4 +1,4 @@
-//! The definition: collect the window, find its middle.
+//! The definition: sorts each window.
 
 use imaging::Plane;
 
