@@ -1,4 +1,4 @@
-//! Times of the parts of a camera over a frame of 768×492 on one core.
+//! Times of the camera's stages on a frame of 768×492 on one core.
 
 use std::hint::black_box;
 
@@ -104,7 +104,7 @@ fn codes(bench: &mut Criterion) {
         let light = (electrons / sensor.white_e()) as f32;
         Rgb::from_fn(WIDTH, HEIGHT, |_, _| [light; 3])
     };
-    // Each pixel below or above the switch between Poisson's forms, as if by chance.
+    // Pixels alternate irregularly between both sides of the Poisson switch.
     let mixed = Rgb::from_fn(WIDTH, HEIGHT, |x, y| {
         let electrons = 60.0 * ((x * 7919 + y * 104_729) % 1013) as f64 / 1013.0;
         [(electrons / sensor.white_e()) as f32; 3]

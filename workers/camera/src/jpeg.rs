@@ -1,9 +1,9 @@
-//! What JPEG compression leaves of a picture: everything of encoding and decoding but the file.
+//! JPEG losses: encoding and decoding without the file.
 //!
-//! Only the quantization of the cosine transform of 8×8 blocks, the rounding of codes and, at half resolution, the means of the
-//! color lose anything; the entropy code does not. Tables of ITU T.81, annex K, scaled by quality as the Independent JPEG
-//! Group's encoder does; color by JFIF. At half resolution the color of 2×2 pixels is their mean, and comes back between the
-//! nearest four, 9 : 3 : 3 : 1. Plain f32 in a fixed order: the same codes on every CPU.
+//! Losses come only from the quantization of the cosine transform of 8×8 blocks, the rounding of codes and, at half
+//! resolution, the means of the color. Tables of ITU T.81, annex K, scaled by quality as in the Independent JPEG
+//! Group's encoder; color by JFIF. At half resolution the color of 2×2 pixels is their mean, upsampled from the nearest
+//! four, 9 : 3 : 3 : 1. Plain f32 in a fixed order: the same codes on every CPU.
 
 use imaging::{Rgb8, cancel, vectorized};
 use spec::{Chroma, Jpeg};
@@ -34,7 +34,7 @@ const COLOR: [[u16; SIDE]; SIDE] = [
     [99, 99, 99, 99, 99, 99, 99, 99],
 ];
 
-/// A channel whose sides are whole blocks; what lies beyond the picture repeats its edge.
+/// A channel of whole blocks; the picture's edge is repeated.
 struct Channel {
     width: usize,
     height: usize,
@@ -70,7 +70,7 @@ fn pixel(picture: &Rgb8, x: usize, y: usize) -> [f32; 3] {
     [0, 1, 2].map(|channel| f32::from(picture.data()[at + channel]))
 }
 
-/// Y, Cb or Cr of a pixel, rounded as a file holds it.
+/// Y, Cb or Cr of a pixel, rounded as in a file.
 fn component([r, g, b]: [f32; 3], channel: usize) -> f32 {
     let value = match channel {
         0 => 0.299 * r + 0.587 * g + 0.114 * b,
@@ -89,14 +89,14 @@ fn decoded(y: f32, blue: f32, red: f32) -> [u8; 3] {
     channels.map(|value| code(value) as u8)
 }
 
-/// The nearest whole number of 0..=255.
+/// The nearest integer in 0..=255.
 #[inline(always)]
 fn code(value: f32) -> f32 {
     let value = (value + 0.5).floor();
     imaging::simd::smaller(imaging::simd::larger(value, 0.0), 255.0)
 }
 
-/// The table at a quality: `(t s + 50)/100` with s = 5000/q below 50, else 200 - 2q, within 1..=255.
+/// The quantization table at a quality: `(t s + 50)/100` with s = 5000/q below 50, else 200 - 2q, clamped to 1..=255.
 fn scaled(table: &[[u16; SIDE]; SIDE], quality: u8) -> Block {
     let quality = u32::from(quality.clamp(1, 100));
     let scale = if quality < 50 {
@@ -154,7 +154,7 @@ impl Channel {
         }
     }
 
-    /// Its blocks transformed, rounded to multiples of the table, and transformed back to codes.
+    /// Transforms its blocks, rounds to multiples of the table, and transforms back to codes.
     fn quantized(mut self, table: &Block) -> Self {
         let (forward, width) = (transform(), self.width);
         let back = transposed(&forward);
@@ -165,7 +165,7 @@ impl Channel {
         self
     }
 
-    /// Means of 2×2 samples of a picture of these sides.
+    /// Means of 2×2 samples of a picture of this size.
     fn halved(&self, width: usize, height: usize) -> Self {
         Self::from_fn(width.div_ceil(2), height.div_ceil(2), |x, y| {
             let at = |dx: usize, dy: usize| {
@@ -176,7 +176,7 @@ impl Channel {
         })
     }
 
-    /// Back at the sides of the picture: between the nearest four.
+    /// Upsamples to this size from the nearest four samples.
     fn doubled(&self, width: usize, height: usize) -> Self {
         let (columns, rows) = (width.div_ceil(2), height.div_ceil(2));
         let beside = |i: usize, side: usize| {

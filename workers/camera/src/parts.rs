@@ -1,4 +1,4 @@
-//! What of a camera is asked for, every number known.
+//! Resolves a described camera to its parts with all numbers.
 
 use imaging::geometry::Intrinsics;
 use spec::{Camera, Exposure, Jpeg, Port, Tone, WhiteBalance};
@@ -16,11 +16,11 @@ pub struct Parts {
     pub size: (usize, usize),
     /// The lens behind its port, in air.
     pub lens: Lens,
-    /// The picture that it looks into; none where it shows that picture as it is.
+    /// The picture in front of the lens; `None` if the camera shows it unchanged.
     pub source: Option<Source>,
-    /// Whether distortion, port or supersampling are asked for.
+    /// Whether distortion, port or supersampling are described.
     pub asks_geometry: bool,
-    /// Blur out of focus.
+    /// Defocus.
     pub focus: Option<Focus>,
     /// Fall-off towards the corners.
     pub falloff: Option<FallOff>,
@@ -38,22 +38,22 @@ pub struct Parts {
     pub jpeg: Option<Jpeg>,
 }
 
-/// What a camera looks into.
+/// Input of a camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Scenery {
-    /// A scene that is rendered as large as need be.
+    /// A scene rendered at the required size.
     Rendered,
-    /// A picture with its camera in the water.
+    /// A picture with its intrinsics in water.
     Picture(Intrinsics, (usize, usize)),
 }
 
-/// A camera that has no picture of such a scene.
+/// A camera that cannot take a picture of such a scene.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PartsError {
     /// The lens folds.
     #[error(transparent)]
     Fold(#[from] crate::geometry::Fold),
-    /// The source picture is beyond the limits of pictures.
+    /// The source picture exceeds the size limits.
     #[error(
         "the lens sees so much more than the picture's sides that the scene would need over {side} pixels a side or {pixels} in all",
         side = imaging::codec::MAX_SIDE_PX, pixels = imaging::codec::MAX_PIXELS
@@ -65,7 +65,7 @@ pub enum PartsError {
     /// A picture cannot be taken from several poses.
     #[error("only a procedural scene can be seen from several poses")]
     NoPath,
-    /// The sensor is not of the table.
+    /// The sensor is not in the table.
     #[error("the sensor is not known")]
     UnknownSensor,
     /// Codes have 8 or 16 bits.
@@ -74,10 +74,10 @@ pub enum PartsError {
     /// JPEG has 8 bits.
     #[error("a picture of {0} bits cannot be compressed: JPEG has 8")]
     DeepJpeg(u8),
-    /// Black is at or above the largest code.
+    /// The black level is at or above the largest code.
     #[error("black is at {black}, but the largest code is {most}")]
     Black {
-        /// Code of no light.
+        /// Black level.
         black: u16,
         /// Largest code.
         most: f64,
@@ -85,7 +85,7 @@ pub enum PartsError {
 }
 
 impl Parts {
-    /// The parts of a camera before a scene; those of its preset included.
+    /// Resolves the parts of a camera for a scene, including its preset.
     ///
     /// # Errors
     /// [`PartsError`].
@@ -136,7 +136,7 @@ impl Parts {
         })
     }
 
-    /// Whether nothing is asked for.
+    /// Whether the camera has no parts.
     #[must_use]
     pub fn is_pinhole(&self) -> bool {
         !self.asks_geometry
@@ -147,7 +147,7 @@ impl Parts {
             && self.jpeg.is_none()
     }
 
-    /// Whether nothing happens between exposed light and codes but today's curve.
+    /// Whether exposed light is converted to codes by the sRGB curve only.
     fn is_electronic_free(&self) -> bool {
         self.sensor.is_none() && self.balance.is_none() && self.tone == Tone::Srgb && self.bits == 8
     }
@@ -175,7 +175,7 @@ fn checked(sensor: Sensor, (width, height): (usize, usize)) -> Result<Sensor, Pa
     Ok(sensor)
 }
 
-/// The picture that the lens looks into; none where no pixel moves.
+/// The picture in front of the lens; `None` if no pixel moves.
 fn source(
     lens: &Lens,
     size: (usize, usize),
@@ -195,7 +195,7 @@ fn source(
     }
 }
 
-/// Whether no pixel of the border, where a lens moves most, looks elsewhere than a pinhole's.
+/// Whether no border pixel moves; a lens moves those most.
 fn is_still(lens: &Lens, pinhole: Intrinsics, (width, height): (usize, usize)) -> bool {
     let walk = |side: usize| (0..=32).map(move |i| i * (side - 1) / 32);
     walk(height)

@@ -1,4 +1,4 @@
-//! The fast forms against their references over sizes and inputs, and what must hold of the camera whatever is given.
+//! Fast variants against their references over sizes and inputs, and invariants of the camera.
 #![allow(clippy::unwrap_used)]
 
 use camera::defocus;
@@ -10,7 +10,7 @@ use imaging::geometry::Intrinsics;
 use imaging::{Plane, Rgb};
 use spec::{Cfa, Distortion, Metering};
 
-/// f32 of light up to 1 or so.
+/// f32 of light up to about 1.
 const ROUNDING: f64 = 1e-5;
 const SIZES: [(usize, usize); 7] = [(2, 2), (3, 2), (5, 17), (64, 5), (131, 37), (256, 9), (257, 130)];
 
@@ -296,7 +296,7 @@ fn the_pattern_stays_and_the_noise_changes_from_frame_to_frame() {
     assert_eq!(shot(2, 0), shot(2, 0));
     assert_ne!(shot(2, 0), shot(2, 1));
     assert_ne!(shot(2, 0), shot(3, 0));
-    // What a thousand pixels have in common in two frames is the pattern: with PRNU alone all of it.
+    // The correlation of a thousand pixels between two frames is due to the pattern: with PRNU only, all of it.
     let quiet = Sensor {
         shot: false,
         read_noise_e: 0.0,
@@ -310,7 +310,7 @@ fn the_pattern_stays_and_the_noise_changes_from_frame_to_frame() {
 
 #[test]
 fn a_pattern_too_large_to_be_kept_is_the_same() {
-    // 4 Mi samples are kept, one row more is not.
+    // 4 Mi samples are stored, one more row is not.
     let sensor = preset::SENSORS[0].sensor();
     let (width, height) = (2048, 2050);
     let scene = Rgb::from_fn(width, height, |x, _| [0.1 + 1e-4 * x as f32; 3]);

@@ -1,5 +1,5 @@
-//! Hill climbing against the rounding bounds of defocus and geometry: samples change one by one, and a change stays if it
-//! brings the error nearer to the bound.
+//! Hill climbing against the rounding bounds of defocus and geometry: samples change one by one, and a change is kept
+//! if it brings the error closer to the bound.
 #![allow(clippy::unwrap_used)]
 
 use camera::defocus;
@@ -9,7 +9,7 @@ use imaging::random::Stream;
 use imaging::{Plane, Rgb};
 use spec::Distortion;
 
-/// Changes tried from each start; `FATHOM_CLIMB_STEPS` replaces them.
+/// Changes per start; overridden by `FATHOM_CLIMB_STEPS`.
 const STEPS: u64 = 600;
 
 fn steps() -> u64 {
@@ -17,7 +17,7 @@ fn steps() -> u64 {
     steps.map_or(STEPS, |steps| steps.parse().unwrap())
 }
 
-/// The largest ratio of error to bound that climbing finds; `ratio` is that of a picture with samples of 0 to 1.
+/// The largest ratio of error to bound found by climbing; `ratio` evaluates a picture with samples of 0 to 1.
 fn climb(seed: u64, size: (usize, usize), ratio: impl Fn(&Rgb<f32>) -> f64) -> f64 {
     let stream = Stream::stage(seed, "climb");
     let start = |x: usize, y: usize, c: usize| match seed % 3 {

@@ -1,6 +1,6 @@
-//! Bounds of geometry, defocus, vignette and exposure composed, `error = error * gain + bound`, against the f32 chain and its
-//! f64 reference. Adversaries: steps of all light, a single bright pixel, dark scenes, ties at the metered percentile, radii on
-//! the edge between two discs, errors of the input that all point to one side.
+//! Bounds of geometry, defocus, vignette and exposure composed, `error = error * gain + bound`, against the f32 chain
+//! and its f64 reference. Adversaries: full-range steps, a single bright pixel, dark scenes, ties at the metered
+//! percentile, radii on the edge between two discs, input errors of one sign.
 #![allow(clippy::unwrap_used)]
 
 use camera::defocus::{self, Focus};
@@ -12,9 +12,9 @@ use imaging::random::Stream;
 use imaging::{Plane, Rgb};
 use spec::{Defocus, Distortion, Exposure, Metering};
 
-/// Brightest exposed light that counts.
+/// Light is clipped here.
 const WHITE: f64 = 1.0;
-/// Frames of the committed search; `FATHOM_ATTACK_FRAMES` replaces them.
+/// Frames of the committed search; overridden by `FATHOM_ATTACK_FRAMES`.
 const FRAMES: u64 = 300;
 
 /// A camera, and a scene in front of it.
@@ -30,7 +30,7 @@ struct Case {
     fast: Rgb<f32>,
 }
 
-/// Random numbers of a frame, each named by its place.
+/// Random numbers of a frame by element.
 #[derive(Clone, Copy)]
 struct Dice {
     stream: Stream,
@@ -46,7 +46,7 @@ impl Dice {
         least + (most - least) * self.unit(element)
     }
 
-    /// Evenly spread over the logarithm.
+    /// Log-uniform.
     fn magnitude(self, element: u64, least: f64, most: f64) -> f64 {
         self.between(element, least.ln(), most.ln()).exp()
     }
@@ -88,7 +88,7 @@ impl Case {
         }
     }
 
-    /// The exposed light of the f32 chain, and the factor of its exposure.
+    /// The exposed light of the f32 chain, and its gain.
     fn fast(&self) -> (Rgb<f32>, f64) {
         let mut picture = match &self.source {
             Some(source) => {
@@ -108,7 +108,7 @@ impl Case {
         (picture, gain)
     }
 
-    /// The exposed light, and the factor of its exposure.
+    /// The exposed light of the reference, and its gain.
     fn reference(&self) -> (Rgb<f64>, f64) {
         let mut picture = match &self.source {
             Some(source) => {
@@ -135,7 +135,7 @@ impl Case {
         (fallen.map(|&v| v * gain), gain)
     }
 
-    /// The bound of exposed light cut at white, whose factor is at most `gain`.
+    /// The bound of exposed light clipped at white, with a gain of at most `gain`.
     fn bound(&self, gain: f64) -> f64 {
         let lights = self.fast.planes().iter().flat_map(|plane| plane.data());
         let peak = f64::from(lights.fold(0.0f32, |peak, &v| peak.max(v)));
@@ -143,7 +143,7 @@ impl Case {
         if let Some(source) = &self.source {
             error += geometry::sampling_bound(source, peak, peak);
         }
-        // Light behind a stage is brighter than before it by no more than the error of the stage.
+        // Light after a stage is at most the error of the stage brighter.
         let peak = peak + error;
         if let Some(focus) = &self.focus {
             let ranges = || self.range.data().iter().map(|&meters| f64::from(meters));
@@ -171,7 +171,7 @@ impl Case {
         exposed + vignette::rounding_bound(self.falloff.as_ref(), gain, peak)
     }
 
-    /// The largest factor without metering.
+    /// The largest gain without metering.
     fn most_gain(&self) -> f64 {
         match self.exposure {
             Exposure::Fixed(gain) => gain,
@@ -219,7 +219,7 @@ fn exposure_of(dice: Dice) -> Exposure {
     })
 }
 
-/// Even ranges, steps, slopes, noise and holes.
+/// Constant ranges, steps, slopes, noise and holes.
 fn range(dice: Dice, size: (usize, usize)) -> Plane<f32> {
     let [near, far] = [40, 41].map(|element| dice.magnitude(element, 0.1, 30.0));
     let kind = dice.pick(42, 5);
@@ -246,7 +246,8 @@ fn lights(dice: Dice, size: (usize, usize)) -> (Rgb<f64>, Rgb<f32>) {
             let unit = dice.unit((200_000 + channel + 3 * (x + 2048 * y)) as u64);
             level
                 * match kind {
-                    // Steps, a single bright pixel, ties on both sides of a percentile, gradients, noise, even light.
+                    // Steps, a single bright pixel, ties on both sides of a percentile, gradients, noise, uniform
+                    // light.
                     0 => ((x / 3 + y / 2) % 2) as f64,
                     1 => f64::from((x, y) == bright),
                     2 if x % 4 == 0 => 0.5,
@@ -270,7 +271,7 @@ fn lights(dice: Dice, size: (usize, usize)) -> (Rgb<f64>, Rgb<f32>) {
     (exact, fast)
 }
 
-/// The largest difference of light, both cut at white.
+/// The largest difference of light, both clipped at white.
 fn apart(exact: &Rgb<f64>, fast: &Rgb<f32>, white: f64) -> f64 {
     let planes = exact.planes().iter().zip(fast.planes());
     let pairs = planes.flat_map(|(exact, fast)| exact.data().iter().zip(fast.data()));

@@ -15,15 +15,15 @@ use serde::Deserialize;
 use serde_json::Value;
 use spec::{Cfa, Distortion, Metering, Tone, WhiteBalance};
 
-/// Largest error in light of the f64 form and of the f32 form, and of places in px.
+/// Largest error of light in f64 and f32, and of positions in px.
 const EXACT: f64 = 1e-10;
 const FAST: f64 = 1e-5;
 const PLACE_PX: f64 = 1e-9;
-/// Light that is made of the stored codes.
+/// Light from the stored codes.
 const FROM_CODES: f64 = 1e-9;
-/// Share of pixels whose code may differ, by an electron: another library's sine, cosine and logarithm.
+/// Share of pixels whose code may differ by an electron: another library's sine, cosine and logarithm.
 const CODES_APART: f64 = 1e-4;
-/// Share of samples of the result that may differ, by 1.
+/// Share of result samples that may differ by 1.
 const RESULT_APART: f64 = 1e-3;
 
 #[derive(Deserialize)]
@@ -294,7 +294,7 @@ fn sensor_agrees(case: &Case) {
     let samples = planes(&expected).iter().map(|plane| plane.data().len()).sum();
     let pattern = Pattern::new(&sensor, chance.seed, samples);
     let reference = sensor::read_reference(&exposed, &sensor, chance);
-    // The fast form is given the same light: what f32 loses of it is no matter of the sensor.
+    // The fast variant gets the rounded light: f32 rounding is not the sensor's error.
     let fast = sensor::read(&narrow(&exposed), &sensor, chance, &pattern);
     let light = narrow(&exposed).map(|&v| f64::from(v));
     let of_same_light = sensor::read_reference(&light, &sensor, chance);

@@ -1,33 +1,33 @@
-//! Points of a disc within each pixel, for every disc up to a radius.
+//! Number of points within each pixel, for every disc up to a radius.
 //!
-//! A point is `(a, b)/16` pixels from the center with odd a and b, so `a² + b² = 8k + 2` with a whole k, its ring. A disc holds
-//! the points of all rings up to one: radii of one ring have the same disc, and weights are whole counts.
+//! A point is at `(a, b)/16` pixels from the center with odd a and b, so `a² + b² = 8k + 2` with an integer k, its
+//! ring. A disc contains all rings up to one: radii within the same ring share a disc, and weights are integer counts.
 
 use super::POINTS;
 
 /// Length of a pixel's side in the units of a and b.
 const SIDE: i32 = 2 * POINTS as i32;
 
-/// The last ring within a radius in pixels; the innermost one where the radius holds no point, as for NaN.
+/// The last ring within a radius in pixels; the innermost one if the radius contains no point or is NaN.
 #[inline(always)]
 pub(super) fn ring(radius_px: f64) -> i32 {
-    // A power of two leaves the rounded square as it is, so that the comparison is the same as in the reference.
+    // Scaling by a power of two is exact, so that the comparison equals that of the reference.
     let square = radius_px * radius_px * f64::from(SIDE * SIDE);
     ((square as i32).max(2) - 2) / 8
 }
 
 /// Points within each pixel of a disc.
 pub(super) struct Counts {
-    /// Farthest row and column that a disc may hold.
+    /// Farthest row and column of a disc.
     reach: usize,
     pixels: Vec<Pixel>,
-    /// Points up to each ring, of one pixel after the other.
+    /// Points up to each ring, pixel after pixel.
     growth: Vec<u8>,
-    /// One over the number of points of the whole disc, by ring.
+    /// Reciprocal of the number of points of the disc, by ring.
     norms: Vec<f32>,
 }
 
-/// Where the counts of a pixel are.
+/// Position of a pixel's counts.
 #[derive(Clone, Copy)]
 struct Pixel {
     /// The ring before its first point.
@@ -38,7 +38,7 @@ struct Pixel {
 }
 
 impl Counts {
-    /// Counts of the discs of radii up to this one in pixels.
+    /// Counts of all discs up to a radius in pixels.
     pub(super) fn up_to(radius_px: f64) -> Self {
         let last = ring(radius_px) as usize;
         let reach = (radius_px + 0.5) as usize;
@@ -79,7 +79,7 @@ impl Counts {
         self.reach
     }
 
-    /// The number of a pixel whose distances along rows and columns are these, in any order.
+    /// Index of a pixel from its row and column distances, in either order.
     #[inline(always)]
     pub(super) fn pixel(dx: usize, dy: usize) -> usize {
         let (near, far) = if dx < dy { (dx, dy) } else { (dy, dx) };
@@ -98,7 +98,7 @@ impl Counts {
         self.growth[start + (ring - before).clamp(0, rings) as usize]
     }
 
-    /// Points of some discs within a pixel.
+    /// Points of several discs within a pixel.
     #[inline(always)]
     pub(super) fn fill(&self, pixel: usize, discs: &[i32], counts: &mut [f32]) {
         let Pixel { before, rings, start } = self.pixels[pixel];
@@ -108,7 +108,7 @@ impl Counts {
         }
     }
 
-    /// One over the number of points of a disc.
+    /// Reciprocal of the number of points of a disc.
     #[inline(always)]
     pub(super) fn norm(&self, ring: i32) -> f32 {
         self.norms[ring as usize]
@@ -129,7 +129,7 @@ fn points_of(pixel: usize) -> impl Iterator<Item = i32> {
     (0..POINTS as i32).map(move |k| SIDE * pixel as i32 + 2 * k + 1 - SIDE / 2)
 }
 
-/// Pixels about the center with these distances.
+/// Number of pixels at these distances from the center.
 fn copies(near: usize, far: usize) -> u32 {
     match (near, far) {
         (_, 0) => 1,
@@ -143,7 +143,7 @@ fn copies(near: usize, far: usize) -> u32 {
 mod tests {
     use super::*;
 
-    /// Points of a pixel within a radius, by the definition.
+    /// Points of a pixel within a radius, by definition.
     fn points(dx: usize, dy: usize, radius: f64) -> u32 {
         let place = |pixel: usize, k: usize| pixel as f64 + (k as f64 + 0.5) / 8.0 - 0.5;
         let all = (0..64).map(|k| (place(dx, k % 8), place(dy, k / 8)));

@@ -1,10 +1,10 @@
-//! Defocus in f64 with the disc of every pixel.
+//! Defocus in f64 with a disc per pixel.
 
 use imaging::{Plane, Rgb};
 
 use super::{POINTS, mirrored};
 
-/// A quadrant of a disc's weights, row by row: `weights[dy][dx]`, the whole disc sums to 1.
+/// A quadrant of a disc's weights, row-major: `weights[dy][dx]`. The complete disc sums to 1.
 struct Disc {
     weights: Vec<Vec<f64>>,
 }
@@ -53,7 +53,7 @@ impl Disc {
     }
 }
 
-/// The picture with every pixel blurred by its disc, in f64.
+/// Blurs every pixel by its disc, in f64.
 #[must_use]
 pub fn blur_reference(picture: &Rgb<f64>, radii: &Plane<f64>) -> Rgb<f64> {
     let (width, height) = picture.size();
@@ -83,7 +83,7 @@ pub fn blur_reference(picture: &Rgb<f64>, radii: &Plane<f64>) -> Rgb<f64> {
     })
 }
 
-/// The signs of a first-quadrant place in all quadrants.
+/// The signs of a first-quadrant offset in all quadrants.
 fn signs(dx: usize, dy: usize) -> impl Iterator<Item = (isize, isize)> {
     let ways = |d: usize| if d == 0 { &[1][..] } else { &[1, -1][..] };
     ways(dy)

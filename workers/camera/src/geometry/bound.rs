@@ -4,24 +4,26 @@ use super::map::Source;
 use crate::rounding;
 
 /// Largest difference in direction between the fast map and its reference, in focal lengths of the source picture. Both
-/// inverses stop after a step below `ARRIVED`; where they converge within `MOST_STEPS` steps, less than twice that is left.
+/// inverses stop after a step below `ARRIVED`; if they converge within `MOST_STEPS` steps, the rest is less than twice
+/// that.
 const DIRECTION: f64 = 1e-12;
-/// Roundings of a place in f64, in units of the side of the source picture.
+/// Rounding of an f64 position, in units of the side of the source picture.
 const PLACE_ROUNDING: f64 = 16.0 * f64::EPSILON;
 
-/// Largest difference in pixels between a place of [`super::coordinates`] and of [`super::coordinates_reference`], along rows
-/// or columns.
+/// Largest difference in pixels between [`super::coordinates`] and [`super::coordinates_reference`], along rows or
+/// columns.
 #[must_use]
 pub fn place_bound_px(source: &Source) -> f64 {
     let side = source.size.0.max(source.size.1) as f64;
     DIRECTION * source.camera.focal_px + PLACE_ROUNDING * side
 }
 
-/// Largest error of [`super::Sampling::picture`] along the fast map against [`super::resample_reference`] along the reference.
+/// Largest error of [`super::Sampling::picture`] along the fast map against [`super::resample_reference`] along the
+/// reference.
 ///
-/// No sample of the source picture is larger than `peak` in magnitude; two that are next to each other differ by at most
-/// `difference`, which is at most `peak` where no light is negative. Bilinear weights are at least 0 and sum to 1 for any
-/// supersampling: the gain is 1.
+/// No sample of the source picture is larger than `peak` in magnitude; neighbors differ by at most `difference`, which
+/// is at most `peak` without negative light. Bilinear weights are at least 0 and sum to 1 for any supersampling: the
+/// gain is 1.
 #[must_use]
 pub fn sampling_bound(source: &Source, peak: f64, difference: f64) -> f64 {
     // `a + (b - a) x` twice in a row: each rounds the sum once, the difference, its product and half of it for x.
@@ -75,7 +77,7 @@ mod tests {
         all.filter(|lens| lens.check(SIZE).is_ok()).collect()
     }
 
-    /// Pictures with steps of all their light between neighbors, and with nearly even light.
+    /// Pictures with full-range steps between neighbors, and nearly uniform ones.
     fn scenes(size: (usize, usize)) -> Vec<(Rgb<f32>, f64)> {
         let stream = Stream::stage(5, "scenes");
         let unit = |x: usize, y: usize, c: usize| stream.unit((c + 3 * x) as u64, y as u64) as f32;

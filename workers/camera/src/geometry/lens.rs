@@ -3,24 +3,24 @@
 use imaging::geometry::Intrinsics;
 use spec::{Distortion, Port};
 
-/// Least slope of the distorted radius over the ideal one: below it, neighboring directions meet in one pixel.
+/// Smallest slope of the distorted radius over the ideal one: below it, neighboring directions meet in one pixel.
 const LEAST_SLOPE: f64 = 0.05;
-/// Refractive index of sea water of 20 °C and 35 psu at 650, 550 and 450 nm (Quan and Fry 1995). Fresh and cold water differ by
-/// less than 0.007, which moves no corner of a view of 80° by more than a hundredth of the picture.
+/// Refractive index of sea water of 20 °C and 35 psu at 650, 550 and 450 nm (Quan and Fry 1995). Fresh and cold water
+/// differ by less than 0.007, which moves no corner of a view of 80° by more than a hundredth of the picture.
 pub(crate) const SEA_WATER: [f64; 3] = [1.3377, 1.3408, 1.3459];
-/// How far beyond the farthest corner a lens must not fold.
+/// Radius, relative to the farthest corner, up to which a lens must not fold.
 const BEYOND_CORNER: f64 = 1.1;
-/// Steps of the radius in which a lens is searched for folds.
+/// Steps of the search for folds.
 const FOLD_STEPS: usize = 256;
-/// The inverse has arrived when a step moves it by less, in units of the focal length.
+/// The inverse has converged after a step below this, in focal lengths.
 pub(crate) const ARRIVED: f64 = 1e-13;
-/// Most steps of the inverse.
+/// Limit on the steps of the inverse.
 pub(crate) const MOST_STEPS: usize = 50;
 
-/// What the port does to directions.
+/// Refraction by the port.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Refraction {
-    /// Nothing: no port, or a dome about the pupil.
+    /// No port, or a dome around the pupil.
     None,
     /// A flat port: `sin θ_w = sin θ_a / n` for each channel.
     Flat {
@@ -29,27 +29,27 @@ pub enum Refraction {
     },
 }
 
-/// The lens behind its port, as the picture shows it.
+/// The lens behind its port.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lens {
     /// Focal length in air and principal point, in pixels of the output.
     pub camera: Intrinsics,
-    /// Distortion, all 0 of an ideal lens.
+    /// Distortion; all 0 for an ideal lens.
     pub distortion: Distortion,
-    /// The port.
+    /// Refraction by the port.
     pub refraction: Refraction,
 }
 
-/// Why a lens has no picture of these sides.
+/// A lens that cannot make a picture of this size.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Fold {
-    /// Two directions fall on one place.
+    /// Two directions map to the same position.
     #[error("the lens folds: at {radius:.3} focal lengths from the axis its radius no longer grows")]
     Radius {
         /// Ideal radius over the focal length.
         radius: f64,
     },
-    /// No direction is found for a pixel.
+    /// No direction maps to a pixel.
     #[error("the lens folds: no direction falls on pixel ({x}, {y})")]
     Pixel {
         /// Column.
@@ -71,15 +71,15 @@ pub(crate) fn distorted(d: &Distortion, x: f64, y: f64) -> (f64, f64) {
     )
 }
 
-/// The factor of a direction's tangent behind a flat port: `tan θ_w / tan θ_a` of `rho2 = tan² θ_a`.
+/// The factor of a direction's tangent behind a flat port: `tan θ_w / tan θ_a` for `rho2 = tan² θ_a`.
 #[inline(always)]
 pub(crate) fn refracted(rho2: f64, index: f64) -> f64 {
-    // t / ρ with s² = ρ² / ((1 + ρ²) n²), t = s / √(1 - s²): finite on the axis as well.
+    // t / ρ with s² = ρ² / ((1 + ρ²) n²), t = s / √(1 - s²): also finite on the axis.
     1.0 / ((1.0 + rho2) * index * index - rho2).sqrt()
 }
 
 impl Lens {
-    /// A lens whose port is described.
+    /// A lens behind a described port.
     #[must_use]
     pub fn new(camera: Intrinsics, distortion: Option<Distortion>, port: Option<Port>) -> Self {
         let refraction = match port {
@@ -99,7 +99,7 @@ impl Lens {
         matches!(self.refraction, Refraction::Flat { index: [r, g, b] } if r != g || g != b)
     }
 
-    /// How much a pinhole in the water must be longer to show the center at the same scale.
+    /// Ratio of focal lengths of a pinhole in water with the same scale in the center.
     #[must_use]
     pub fn magnification(&self) -> f64 {
         match self.refraction {
@@ -108,7 +108,7 @@ impl Lens {
         }
     }
 
-    /// The ideal coordinates of distorted ones, found by repeated substitution; none where it does not end.
+    /// The ideal coordinates of distorted ones by fixed-point iteration; `None` if it does not converge.
     #[must_use]
     pub fn undistorted(&self, xd: f64, yd: f64) -> Option<(f64, f64)> {
         let (mut x, mut y) = (xd, yd);
@@ -135,7 +135,7 @@ impl Lens {
         }
     }
 
-    /// The pixel that shows a direction in the water; none beyond what the port lets in.
+    /// The pixel that shows a direction in water; `None` beyond the port's field of view.
     #[must_use]
     pub fn pixel_of(&self, (x, y): (f64, f64)) -> Option<(f64, f64)> {
         let (x, y) = match self.refraction {
@@ -158,7 +158,7 @@ impl Lens {
         ))
     }
 
-    /// Checks that each pixel of a picture of these sides looks in one direction.
+    /// Checks that each pixel of a picture of this size looks in one direction.
     ///
     /// # Errors
     /// [`Fold`].
@@ -187,12 +187,12 @@ impl Lens {
     }
 }
 
-/// How far in px the corner of a picture is off for what is at this range, because the rays behind a flat port meet in no one
-/// point; 0 of other ports.
+/// Error in px at the corner of a picture for objects at this range, because rays behind a flat port do not meet in a
+/// single viewpoint; 0 for other ports.
 ///
-/// In the water the ray of angle θ meets the axis `dz(θ) = (d_p tan θ_a + d_g tan θ_g)/tan θ_w` behind the outer face, on the axis
-/// `n_w (d_p + d_g/n_g)`; the viewpoint stands there, from which range is measured. The error is
-/// `|dz(θ) - dz(0)| sin θ_w / Z` radians (d_p from pupil to glass, d_g its thickness, n_g = 1.5).
+/// In water the ray of angle θ meets the axis `dz(θ) = (d_p tan θ_a + d_g tan θ_g)/tan θ_w` behind the outer face, for
+/// small angles `n_w (d_p + d_g/n_g)`; this is the viewpoint, the origin of the range. The error is `|dz(θ) - dz(0)|
+/// sin θ_w / Z` radians (d_p from pupil to glass, d_g its thickness, n_g = 1.5).
 #[must_use]
 pub fn pupil_error_px(lens: &Lens, port: &Port, (width, height): (usize, usize), range_m: f64) -> f64 {
     const GLASS: f64 = 1.5;
@@ -213,10 +213,10 @@ pub fn pupil_error_px(lens: &Lens, port: &Port, (width, height): (usize, usize),
     (at_corner - on_axis).abs() * sin_water / range_m * lens.camera.focal_px * index
 }
 
-/// Pixels of the border that are tried along a side: a lens is smooth, and a map has a margin.
+/// Border pixels tested per side: a lens is smooth, and a map has a margin.
 const BORDER_STEPS: usize = 64;
 
-/// Pixels of the border, its corners among them.
+/// Sampled border pixels, including the corners.
 pub(crate) fn border((width, height): (usize, usize)) -> impl Iterator<Item = (usize, usize)> {
     let walk = |side: usize| (0..=BORDER_STEPS).map(move |i| i * (side - 1) / BORDER_STEPS);
     let rows = walk(width).flat_map(move |x| [(x, 0), (x, height - 1)]);

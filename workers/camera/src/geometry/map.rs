@@ -1,4 +1,4 @@
-//! The map itself: for each output pixel and channel a place in the source picture.
+//! The map: for each output pixel and channel a position in the source picture.
 
 use imaging::codec::{MAX_PIXELS, MAX_SIDE_PX};
 use imaging::geometry::Intrinsics;
@@ -7,24 +7,24 @@ use spec::Distortion;
 
 use super::lens::{ARRIVED, Lens, MOST_STEPS, Refraction, border, distorted, refracted};
 
-/// Pixels around what the map reaches.
+/// Margin around the area reached by the map.
 const MARGIN_PX: f64 = 2.0;
 /// Pixels that are inverted together.
 const LANES: usize = 16;
 
-/// The picture that a pinhole takes in the water.
+/// A pinhole picture in water.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Source {
     /// Columns and rows.
     pub size: (usize, usize),
-    /// Its camera.
+    /// Its intrinsics.
     pub camera: Intrinsics,
 }
 
 impl Source {
-    /// The smallest picture about its center that holds all that a lens maps of these sides, with two pixels of margin and
-    /// `supersample` pixels for each of the output along a side. Its sides are even, so that samples of a supersampled picture
-    /// fall between pixels. None if it would be larger than a picture may be.
+    /// The smallest centered picture that contains the mapped area of a lens and output size, with two pixels of margin
+    /// and `supersample` pixels per output pixel along a side. Its sides are even, so that samples of a supersampled
+    /// picture fall between pixels. `None` beyond the size limits of pictures.
     #[must_use]
     pub fn around(lens: &Lens, size: (usize, usize), supersample: usize) -> Option<Self> {
         let focal_px = supersample as f64 * lens.camera.focal_px * lens.magnification();
@@ -48,7 +48,7 @@ impl Source {
     }
 }
 
-/// Places in the source picture, in its pixels.
+/// Positions in the source picture, in its pixels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Coordinates {
     /// Columns.
@@ -60,7 +60,7 @@ pub struct Coordinates {
 /// The map of a channel, pixel by pixel.
 ///
 /// # Panics
-/// When the lens folds within the picture, see [`Lens::check`].
+/// If the lens folds within the picture, see [`Lens::check`].
 #[must_use]
 pub fn coordinates_reference(
     lens: &Lens,
@@ -81,7 +81,7 @@ pub fn coordinates_reference(
     }
 }
 
-/// The map of the channels: one where all look alike, else R, G, B. The same as the reference but for the last bits.
+/// The maps of the channels: one if all are equal, else R, G, B. Equal to the reference apart from the last bits.
 #[must_use]
 pub fn coordinates(lens: &Lens, source: &Source, (width, height): (usize, usize)) -> Vec<Coordinates> {
     let channels = if lens.is_chromatic() { 3 } else { 1 };
@@ -111,7 +111,7 @@ fn ideal_row(lens: &Lens, row: usize, xs: &mut [f64], ys: &mut [f64]) {
         let xd: [f64; LANES] = std::array::from_fn(|lane| ((block * LANES + lane) as f64 - cx) / focal_px);
         let (mut x, mut y) = (xd, [yd; LANES]);
         if !is_ideal {
-            // Beyond the last pixel of a row, a lane repeats it: it may lie where the lens folds.
+            // Lanes beyond the end of a row repeat its last pixel: the lens may fold there.
             let last = xs.len() - 1;
             let xd: [f64; LANES] = std::array::from_fn(|lane| xd[lane.min(last)]);
             x = xd;
@@ -122,7 +122,7 @@ fn ideal_row(lens: &Lens, row: usize, xs: &mut [f64], ys: &mut [f64]) {
     }
 }
 
-/// Repeated substitution until all lanes have arrived.
+/// Fixed-point iteration until all lanes have converged.
 #[inline(always)]
 fn invert(d: &Distortion, xd: &[f64; LANES], yd: f64, x: &mut [f64; LANES], y: &mut [f64; LANES]) {
     for _ in 0..MOST_STEPS {

@@ -4,18 +4,18 @@ use imaging::{Plane, Rgb, cancel};
 
 use super::map::Coordinates;
 
-/// A map ready to be sampled: which four pixels, and how far between them.
+/// A map prepared for sampling: four pixels and the weights between them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sampling {
     size: (usize, usize),
     source: (usize, usize),
     /// One for all channels, or three.
     taps: Vec<Vec<Tap>>,
-    /// 0 where a channel looks beyond the source picture; none where that is nowhere.
+    /// 0 where a channel looks outside the source picture; `None` if all are inside everywhere.
     valid: Option<Plane<u8>>,
 }
 
-/// The upper left of four pixels, and the place between them.
+/// The upper left of four pixels, and the position between them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Tap {
     index: u32,
@@ -23,12 +23,12 @@ struct Tap {
     y: f32,
 }
 
-/// Whether a place lies on a picture whose pixels are squares.
+/// Whether a position is on a picture of square pixels.
 fn is_inside(place: f64, side: usize) -> bool {
     place >= -0.5 && place < side as f64 - 0.5
 }
 
-/// The lower pixel beside a place and the way beyond it; places outside are those of the edge.
+/// The lower neighbor of a position and the distance from it, clamped to the edge.
 fn between(place: f64, side: usize) -> (usize, f64) {
     let last = side as f64 - 1.0;
     let place = place.clamp(0.0, last);
@@ -37,7 +37,7 @@ fn between(place: f64, side: usize) -> (usize, f64) {
 }
 
 impl Sampling {
-    /// Along these maps, one for all channels or three, over a source picture of these sides.
+    /// Prepares these maps, one for all channels or three, for a source picture of this size.
     ///
     /// # Panics
     /// Without a map.
@@ -71,22 +71,22 @@ impl Sampling {
         }
     }
 
-    /// Columns and rows of what is sampled along it.
+    /// Columns and rows of the output.
     #[must_use]
     pub fn size(&self) -> (usize, usize) {
         self.size
     }
 
-    /// 1 where all channels look into the source picture, 0 where one looks beyond; none where all do everywhere.
+    /// 1 where all channels look into the source picture, else 0; `None` if all do everywhere.
     #[must_use]
     pub fn valid(&self) -> Option<&Plane<u8>> {
         self.valid.as_ref()
     }
 
-    /// A picture along the map, bilinear; beyond the source picture its edge goes on.
+    /// Samples a picture bilinearly along the map; its edge extends outwards.
     ///
     /// # Panics
-    /// When the picture has other sides than the source.
+    /// If the picture does not have the size of the source.
     #[must_use]
     pub fn picture(&self, picture: &Rgb<f32>) -> Rgb<f32> {
         assert_eq!(
@@ -111,10 +111,10 @@ impl Sampling {
         Rgb::new(planes).expect("three planes of one map")
     }
 
-    /// Labels along the map of the green channel, each the nearest sample.
+    /// Samples labels along the map of the green channel, nearest neighbor.
     ///
     /// # Panics
-    /// When the plane has other sides than the source.
+    /// If the plane does not have the size of the source.
     #[must_use]
     pub fn labels<T: Copy>(&self, labels: &Plane<T>) -> Plane<T> {
         assert_eq!(
@@ -133,7 +133,7 @@ impl Sampling {
         Plane::new(self.size.0, self.size.1, data).expect("a sample for each tap")
     }
 
-    /// Ways to the pixel on the right and to that below; 0 in a source of one column or row.
+    /// Index steps to the right and lower neighbor; 0 for a source of one column or row.
     fn steps(&self) -> (usize, usize) {
         let (width, height) = self.source;
         (usize::from(width > 1), if height > 1 { width } else { 0 })
@@ -150,7 +150,7 @@ fn bilinear(data: &[f32], tap: &Tap, right: usize, below: usize) -> f32 {
     upper + (lower - upper) * tap.y
 }
 
-/// A channel of a picture along its map in f64.
+/// Samples a channel of a picture along its map in f64.
 #[must_use]
 pub fn resample_reference(plane: &Plane<f64>, map: &Coordinates) -> Plane<f64> {
     let (width, height) = plane.size();

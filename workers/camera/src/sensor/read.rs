@@ -8,7 +8,7 @@ use super::pattern::{Fixed, FixedBlock, Pattern, elements};
 use super::{Chance, Raw, Sensor, color_of};
 use crate::elementary::whole;
 
-/// The codes of exposed light, white = 1; `pattern` is that of this sensor.
+/// The codes of exposed light, white = 1; `pattern` must belong to this sensor.
 #[must_use]
 pub fn read(light: &Rgb<f32>, sensor: &Sensor, chance: Chance, pattern: &Pattern) -> Raw {
     let (width, height) = light.size();
@@ -64,7 +64,7 @@ struct Reader<'a> {
     pattern: &'a Pattern,
     chance: Chance,
     streams: Streams,
-    /// Of a pattern that is too large to be kept.
+    /// Buffer for patterns too large to store.
     drawn: Fixed,
     arrival: Arrival,
 }
@@ -108,7 +108,7 @@ fn collect(electrons: &mut [f64], light: &[f32], white_e: f64, fixed: &FixedBloc
     }
 }
 
-/// Electrons with their noise as codes.
+/// Converts electrons to codes with their noise.
 #[inline(always)]
 fn convert(
     sensor: &Sensor,
