@@ -1,6 +1,6 @@
-//! Whether a model from outside is usable: a trial on frames that break networks.
+//! Checks that an external model is usable, on frames that break networks.
 //!
-//! It may take any time and memory: run it in a process of its own.
+//! Time and memory are unlimited: run it in a separate process.
 
 mod external;
 
@@ -11,18 +11,18 @@ use crate::library::StyleModel;
 use crate::runtime::{Runtime, RuntimeMissing};
 use crate::session::{Beside, Session};
 
-/// Sizes that a network must take: the smallest, one that no stride divides, the usual one.
+/// Required sizes: the smallest, one divisible by no stride, the usual one.
 const SIZES: [(usize, usize); 3] = [(1, 1), (33, 17), (768, 492)];
 /// The size for the frames beyond the first.
 const SMALL: (usize, usize) = SIZES[1];
 
-/// Why a model cannot be used.
+/// A model that cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum Unfit {
-    /// Not the bytes of a model.
+    /// Not an ONNX file.
     #[error("it is no ONNX file")]
     NotOnnx,
-    /// A part of it is missing here, or is no part of it.
+    /// A tensor is stored outside of the file.
     #[error(
         "its tensor `{tensor}` lies in another file; a model must be one file with all of its tensors in it"
     )]
@@ -30,7 +30,7 @@ pub enum Unfit {
         /// The tensor's name.
         tensor: String,
     },
-    /// It does not load, fails, or returns no picture.
+    /// It does not load, fails, or returns an invalid picture.
     #[error(transparent)]
     Fails(#[from] StyleError),
     /// It returns a sample that is not finite.
@@ -43,20 +43,20 @@ pub enum Unfit {
         /// Rows of the frame.
         height: usize,
     },
-    /// It draws random numbers: a frame could not be rendered again.
+    /// It draws random numbers: frames would not be reproducible.
     #[error(
         "it answers differently to the same frame of {}×{}; a style must draw no random numbers of its own, but may have an input `noise`",
         SMALL.0,
         SMALL.1
     )]
     Random,
-    /// It runs on ONNX Runtime only, which is not here.
+    /// It requires ONNX Runtime, which is missing.
     #[error(transparent)]
     Runtime(#[from] RuntimeMissing),
 }
 
-/// Tries a model on frames of 1×1, of odd sides and of the usual size, on black, on white, and twice on the same.
-/// `runtime` is asked for only if the model needs it.
+/// Runs a model on frames of 1×1, of odd sides and of the usual size, on black, on white, and twice on the same.
+/// `runtime` is called only if the model needs it.
 ///
 /// # Errors
 /// [`Unfit`]: the first defect.
@@ -75,7 +75,7 @@ pub fn check(model: &StyleModel, runtime: impl Fn() -> Result<Runtime, RuntimeMi
     for level in [0.0, 1.0] {
         answer(&mut first, &Rgb::from_fn(SMALL.0, SMALL.1, |_, _| [level; 3]))?;
     }
-    // A session of its own, as another worker has.
+    // A new session, as in another worker.
     let again = answer(&mut session()?, &ramp(SMALL))?;
     if again == answer(&mut first, &ramp(SMALL))? {
         Ok(())
@@ -94,7 +94,7 @@ fn ramp((width, height): (usize, usize)) -> Rgb<f32> {
 
 fn answer(session: &mut Session, frame: &Rgb<f32>) -> Result<Rgb<f32>, Unfit> {
     let (width, height) = frame.size();
-    // Standard normal noise has few values beyond ±2; the same each time.
+    // Standard normal noise has few values beyond ±2; deterministic.
     let noise = Plane::from_fn(width, height, |x, y| ((x * 7 + y * 13) % 41) as f32 / 10.0 - 2.0);
     let range = Plane::from_fn(width, height, |x, y| (x + y) as f32 / (width + height) as f32);
     let beside = Beside {

@@ -1,8 +1,8 @@
-//! The inputs of a model file, read without ONNX Runtime.
+//! Reads the inputs of a model file without ONNX Runtime.
 
 use crate::net::wire::under;
 
-/// Returns whether a model has an input of this name beside its picture; false for a file that is no model.
+/// Whether a model has an input of this name besides its picture; false for a file that is not a model.
 pub(crate) fn takes(onnx: &[u8], name: &str) -> bool {
     let graph = under(onnx, 7).next().unwrap_or_default();
     // Old files list their weights among the inputs as well.

@@ -1,4 +1,4 @@
-//! Where ONNX Runtime is searched for.
+//! Search path of ONNX Runtime.
 
 use std::path::{Path, PathBuf};
 
@@ -6,11 +6,10 @@ use std::path::{Path, PathBuf};
 const LIBRARY: &str = "libonnxruntime.so";
 /// Folder that scripts/get-onnxruntime.sh fills.
 const FOLDER: &str = ".onnxruntime";
-/// How many folders are looked into, the first included: `target/release/deps` of a checkout lies three
-/// below its root.
+/// Folders searched upwards, including the first: `target/release/deps` of a checkout is three levels below its root.
 const LEVELS: usize = 4;
 
-/// The parts of the environment that decide the search.
+/// The inputs of the search.
 pub(crate) struct Surroundings {
     /// `ORT_DYLIB_PATH`.
     pub(crate) variable: Option<PathBuf>,
@@ -31,15 +30,15 @@ impl Surroundings {
     }
 }
 
-/// A place where the library may lie.
+/// A possible location of the library.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Candidate {
     pub(crate) path: PathBuf,
-    /// Whether the user named it; then the search ends here.
+    /// Named by the user; the search ends here.
     pub(crate) named: bool,
 }
 
-/// The places, in the order in which they are tried.
+/// The candidates in search order.
 pub(crate) fn candidates(surroundings: &Surroundings) -> impl Iterator<Item = Candidate> {
     let named = surroundings
         .variable

@@ -1,13 +1,12 @@
-//! Tensors of an ONNX file that lie in other files. A model that came from outside may have none: they would be read
-//! from wherever their names point to.
+//! Rejects external tensors in ONNX files: an uploaded model could read arbitrary paths through them.
 
 use super::Unfit;
 use crate::net::wire::{Value, fields};
 
-/// Graphs in graphs, as loops and branches have them; real models have three.
+/// Limit on nested graphs (loops and branches); real models have three.
 const MAX_DEPTH: usize = 64;
 
-/// The messages of an ONNX file that can hold a tensor.
+/// ONNX messages that can contain a tensor.
 #[derive(Clone, Copy, PartialEq)]
 enum Message {
     Model,
@@ -21,7 +20,7 @@ enum Message {
 }
 
 impl Message {
-    /// What stands under a field, if it can hold a tensor.
+    /// The message type of a field, if it can contain a tensor.
     fn below(self, field: u32) -> Option<Self> {
         Some(match (self, field) {
             (Self::Model, 7) | (Self::Training, 1 | 2) | (Self::Attribute, 6 | 11) => Self::Graph,
@@ -36,10 +35,10 @@ impl Message {
     }
 }
 
-/// Searches a file for tensors outside of it.
+/// Searches a file for external tensors.
 ///
 /// # Errors
-/// [`Unfit::NotOnnx`] or [`Unfit::External`], whichever comes first.
+/// [`Unfit::NotOnnx`] or [`Unfit::External`], the first found.
 pub(super) fn look(onnx: &[u8]) -> Result<(), Unfit> {
     let has_graph = fields(onnx).any(|field| matches!(field, Some((7, Value::Bytes(_)))));
     if !has_graph {

@@ -1,5 +1,4 @@
-//! The network in one pass over the frame: no picture of intermediate values is kept at full resolution, only the last
-//! three rows of the features.
+//! The network in one pass over the frame: at full resolution only the last three rows of the features are stored.
 
 mod across;
 mod context;
@@ -18,41 +17,41 @@ use planes::{close_row, stride};
 
 use super::layer::{COLOR, OUTPUT, PIXEL, RANGE_COLOR, RANGE_PIXEL, Weights};
 
-/// Vectors of a block of the features: with four of its eight outputs, eight sums.
+/// Vectors per block of features: with four of its eight outputs, eight sums.
 const PIXEL_VECTORS: usize = 2;
-/// Vectors of a block of the result: with its three outputs, nine sums.
+/// Vectors per block of the result: with its three outputs, nine sums.
 const OUTPUT_VECTORS: usize = 3;
 
-/// What a pixel is given as: its color, and in a network that takes a range its color times its range, and its range.
+/// Channels of a pixel: its color; a network with a range adds color times range, and range.
 const PLAIN: usize = 3;
 const RANGED: usize = 7;
 
-/// A network that is ready to run.
+/// A network with its weights packed for execution.
 #[derive(Debug, Clone)]
 pub struct Network {
     context: Context,
     pixel: Packed<4>,
     output: Packed<3>,
     color: Packed<3>,
-    /// Channels that a pixel is given as.
+    /// Channels of a pixel.
     channels: usize,
 }
 
-/// What a network needs while it runs; kept between frames. Nothing in it changes a result.
+/// Buffers reused between frames; their contents do not affect results.
 #[derive(Debug, Default)]
 pub struct Scratch {
     context: context::Buffers,
     widened: Widened,
-    /// The last three rows of the frame, bordered: `[row % 3][channel]`.
+    /// The last three rows of the frame, with borders: `[row % 3][channel]`.
     image: Vec<f32>,
-    /// The last three rows of the features, bordered.
+    /// The last three rows of the features, with borders.
     features: Vec<f32>,
     /// A row of the result.
     styled: [Vec<f32>; 3],
 }
 
 impl Network {
-    /// Orders the weights for the run.
+    /// Packs the weights.
     #[must_use]
     pub fn new(weights: &Weights) -> Self {
         let (mut pixel, mut color) = (Packed::new(weights, PIXEL), Packed::new(weights, COLOR));
@@ -69,18 +68,18 @@ impl Network {
         }
     }
 
-    /// Whether it takes a range.
+    /// Whether it has a range input.
     #[must_use]
     pub fn takes_range(&self) -> bool {
         self.channels == RANGED
     }
 
-    /// Repaints a frame of sRGB-encoded samples in 0..=1; so is the result. An empty frame stays empty. `range` is that
-    /// of the frame's pixels, 0 at the camera and 1 far away: all are at the camera if it is absent, and a network that
-    /// takes none does not look at it. The bits depend on frame and range alone, not on the CPU.
+    /// Repaints a frame of sRGB-encoded samples in 0..=1 and returns the same encoding. An empty frame stays empty.
+    /// `range` is that of the frame's pixels, 0 at the camera and 1 far away; absent, all pixels are at the camera. A
+    /// network without a range input ignores it. The bits depend on frame and range only, not on the CPU.
     ///
     /// # Panics
-    /// When the range is smaller than the frame.
+    /// If the range is smaller than the frame.
     #[must_use]
     pub fn apply(&self, encoded: &Rgb<f32>, range: Option<&Plane<f32>>, scratch: &mut Scratch) -> Rgb<f32> {
         let (width, height) = encoded.size();
@@ -179,8 +178,8 @@ impl WithSimd for Run<'_> {
     }
 }
 
-/// Row `y` of the frame as the network is given it, bordered: colors, then with a network that takes a range colors times
-/// range, and the range.
+/// Row `y` of the network's input with borders: colors; then, for a network with a range, colors times range, and the
+/// range.
 #[inline(always)]
 fn copy_row(encoded: &Rgb<f32>, range: Option<&Plane<f32>>, y: usize, rows: &mut [f32], stride: usize) {
     let width = encoded.width();
@@ -210,7 +209,7 @@ fn copy_row(encoded: &Rgb<f32>, range: Option<&Plane<f32>>, y: usize, rows: &mut
 struct Rows<'a> {
     rows: &'a [f32],
     stride: usize,
-    /// Slots of the rows above, at and below the current one.
+    /// Slots of the previous, the current and the next row.
     slots: [usize; 3],
 }
 
@@ -221,7 +220,7 @@ impl<'a> Rows<'a> {
     }
 }
 
-/// Slots of the rows above, at and below `y`, continued by the edge.
+/// Slots of the rows above, at and below `y`, clamped to the edge.
 fn neighbors(y: usize, height: usize) -> [usize; 3] {
     [y.saturating_sub(1) % 3, y % 3, (y + 1).min(height - 1) % 3]
 }

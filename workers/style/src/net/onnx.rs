@@ -1,22 +1,22 @@
-//! The network as an ONNX file: one fixed graph around the trained numbers.
+//! The network as an ONNX file: one fixed graph around the parameters.
 //!
 //! The graph, for an image `x` of any size in 0..=1:
 //!
 //! ```text
-//! c = relu(reduce(relu(enter(mean of each 4×4 pixels of x))))         reduce goes in steps of 2
+//! c = relu(reduce(relu(enter(mean of each 4×4 pixels of x))))         reduce has stride 2
 //! c = c + mix_b(spread_b(relu(mix_a(spread_a(c)))))                    twice
 //! h = relu(pixel(x) + resize(leave(c), bilinear, to the size of x))
 //! styled = clamp(color(x) + output(h), 0, 1)
 //! ```
 //!
-//! A network that takes a range has a second input q, 0 at the camera and 1 far away, and with `r = (q x, q)`
+//! A network with a range has a second input q, 0 at the camera and 1 far away, and with `r = (q x, q)`
 //!
 //! ```text
 //! h = relu(pixel(x) + range_pixel(r) + resize(leave(c), bilinear, to the size of x))
 //! styled = clamp(color(x) + range_color(r) + output(h), 0, 1)
 //! ```
 //!
-//! Filters of side 3 continue a picture by its edge. Opset 17, float32.
+//! 3×3 filters extend a picture by its edge. Opset 17, float32.
 
 mod graph;
 
@@ -31,7 +31,7 @@ pub use graph::{Attribute, Form, Graph};
 const IR_VERSION: i64 = 8;
 const OPSET: i64 = 17;
 
-/// The ONNX file of a network; `metadata` are pairs of key and value that say where it comes from.
+/// The ONNX file of a network; `metadata` are key-value pairs about its provenance.
 #[must_use]
 pub fn write(weights: &Weights, metadata: &[(&str, &str)]) -> Vec<u8> {
     model(&graph(weights), metadata)
@@ -56,7 +56,7 @@ pub fn model(graph: &[u8], metadata: &[(&str, &str)]) -> Vec<u8> {
     model
 }
 
-/// The numbers of a network in an ONNX file, or `None` unless its graph is this one to the last byte.
+/// The weights of a network in an ONNX file, or `None` unless its graph is exactly this one.
 #[must_use]
 pub fn read(file: &[u8]) -> Option<Weights> {
     let mut found = None;
@@ -106,7 +106,7 @@ fn graph(weights: &Weights) -> Vec<u8> {
     graph.finish("fathom_style")
 }
 
-/// The context branch, as wide as the picture in the end.
+/// The context branch, upsampled to the size of the picture.
 fn context(graph: &mut Graph) {
     graph.node(
         "AveragePool",
@@ -175,7 +175,7 @@ fn pixels(graph: &mut Graph, takes_range: bool) {
     graph.node("Clip", &[sum, "black", "white"], "styled", &[]);
 }
 
-/// What the range adds to the features and to the color map.
+/// Contribution of the range to the features and to the color map.
 fn ranged(graph: &mut Graph) {
     graph.input("range", 1);
     graph.node("Mul", &["image", "range"], "image.ranged", &[]);

@@ -1,4 +1,4 @@
-//! The network as it is written down, in f64: what the fast variant and the trained files are compared with.
+//! The network by definition, in f64: the reference for the fast variant and for the trained files.
 
 use imaging::{Plane, Rgb};
 
@@ -8,8 +8,8 @@ use super::layer::{
 
 type Planes = Vec<Plane<f64>>;
 
-/// Repaints a picture; empty ones stay empty. Slow, and without a limit of its own. `range` is that of the picture's
-/// pixels, 0 at the camera and 1 far away: all are at the camera if it is absent, and a network that takes none does not look at it.
+/// Repaints a picture; empty ones stay empty. Slow, and of unlimited size. `range` is that of the picture's pixels, 0
+/// at the camera and 1 far away; absent, all pixels are at the camera. A network without a range input ignores it.
 #[must_use]
 pub fn apply_reference(weights: &Weights<f64>, encoded: &Rgb<f64>, range: Option<&Plane<f64>>) -> Rgb<f64> {
     let (width, height) = encoded.size();
@@ -68,7 +68,7 @@ fn sum(one: Planes, other: &[Plane<f64>]) -> Planes {
         .collect()
 }
 
-/// Means of 4×4 pixels; at the right and lower edge of those that are there.
+/// Means of 4×4 pixels, clipped at the right and lower edge.
 fn pooled(image: &[Plane<f64>]) -> Planes {
     let pool = |plane: &Plane<f64>| {
         let (width, height) = plane.size();
@@ -85,7 +85,7 @@ fn pooled(image: &[Plane<f64>]) -> Planes {
     image.iter().map(pool).collect()
 }
 
-/// A convolution that goes on beyond the border with the edge.
+/// A convolution that extends the picture by its edge.
 fn convolved(weights: &Weights<f64>, layer: Layer, input: &[Plane<f64>], step: usize) -> Planes {
     let (width, height) = input[0].size();
     let (weight, bias) = (weights.weight(layer), weights.bias(layer));
@@ -110,7 +110,7 @@ fn convolved(weights: &Weights<f64>, layer: Layer, input: &[Plane<f64>], step: u
     (0..layer.outputs).map(make).collect()
 }
 
-/// Bilinear, pixel centers at half integers, continued by the edge.
+/// Bilinear, pixel centers at half integers, clamped to the edge.
 fn resize(plane: &Plane<f64>, width: usize, height: usize) -> Plane<f64> {
     let along = |at: usize, to: usize, from: usize| {
         let place = ((at as f64 + 0.5) * from as f64 / to as f64 - 0.5).clamp(0.0, (from - 1) as f64);

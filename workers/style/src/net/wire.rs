@@ -1,21 +1,21 @@
-//! As much of the protobuf wire format as an ONNX file needs.
+//! The subset of the protobuf wire format used by ONNX files.
 
 use prost::encoding::{WireType, decode_key, decode_varint, encode_key, encode_varint};
 
-/// Bytes under a field number.
+/// Writes bytes under a field number.
 pub(crate) fn bytes(out: &mut Vec<u8>, field: u32, bytes: &[u8]) {
     encode_key(field, WireType::LengthDelimited, out);
     encode_varint(bytes.len() as u64, out);
     out.extend_from_slice(bytes);
 }
 
-/// An integer under a field number; negative ones in two's complement of 64 bits.
+/// Writes an integer under a field number; negative ones in 64-bit two's complement.
 pub(crate) fn integer(out: &mut Vec<u8>, field: u32, value: i64) {
     encode_key(field, WireType::Varint, out);
     encode_varint(value as u64, out);
 }
 
-/// What stands under a field number.
+/// The value of a field.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Value<'a> {
     Integer(u64),
@@ -24,7 +24,7 @@ pub(crate) enum Value<'a> {
     Fixed,
 }
 
-/// The fields of a message in their order; stops with `None` inside at the first byte that is no protobuf.
+/// The fields of a message in order; ends with `None` at the first invalid byte.
 pub(crate) fn fields(message: &[u8]) -> impl Iterator<Item = Option<(u32, Value<'_>)>> {
     let mut rest = Some(message);
     std::iter::from_fn(move || {

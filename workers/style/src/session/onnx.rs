@@ -1,4 +1,4 @@
-//! A network of any form on ONNX Runtime.
+//! A network of any architecture on ONNX Runtime.
 
 use imaging::{Plane, Rgb};
 use ort::environment::Environment;
@@ -11,7 +11,7 @@ use super::Beside;
 pub(super) struct Graph {
     session: ort::session::Session,
     ports: Ports,
-    /// The frame as the network takes it, `[1, 3, height, width]`; kept between frames.
+    /// The frame as network input, `[1, 3, height, width]`; reused between frames.
     samples: Vec<f32>,
 }
 
@@ -45,7 +45,7 @@ impl Graph {
         self.ports.range.is_some()
     }
 
-    /// Runs a frame that was checked. An error says what the network did.
+    /// Runs a checked frame. The error describes the failure.
     pub(super) fn run(&mut self, encoded: &Rgb<f32>, beside: Beside<'_>) -> Result<Rgb<f32>, String> {
         let (width, height) = encoded.size();
         self.samples.clear();
@@ -85,7 +85,7 @@ impl Graph {
     }
 }
 
-/// One thread, no spinning, one operator after the other, and kernels that repeat their result.
+/// One thread, no spinning, sequential operators and deterministic kernels.
 fn options(environment: &Environment) -> ort::Result<SessionBuilder> {
     Ok(SessionBuilder::new(environment)?
         .with_intra_threads(1)?
@@ -98,8 +98,8 @@ fn options(environment: &Environment) -> ort::Result<SessionBuilder> {
 }
 
 impl Ports {
-    /// Finds the inputs `image`, `noise` and `range` and the output `styled` by name; an only input or a first output of
-    /// another name takes the place of `image` or `styled`.
+    /// Finds the inputs `image`, `noise` and `range` and the output `styled` by name. A single input or a first output
+    /// of another name serves as `image` or `styled`.
     fn find(inputs: &[Outlet], outputs: &[Outlet]) -> Result<Self, String> {
         let named = |outlets: &[Outlet], name: &str| outlets.iter().position(|outlet| outlet.name() == name);
         let [noise, range] = ["noise", "range"].map(|name| named(inputs, name).filter(|_| inputs.len() > 1));
@@ -129,7 +129,7 @@ impl Ports {
     }
 }
 
-/// Refuses what is not float32 of shape `[n, channels, h, w]`, where any of them may be open (-1).
+/// Rejects anything but float32 of shape `[n, channels, h, w]`, where each may be dynamic (-1).
 fn check_kind(outlet: &Outlet, channels: i64) -> Result<(), String> {
     if let ValueType::Tensor {
         ty: TensorElementType::Float32,

@@ -38,7 +38,7 @@ fn shipped() -> Vec<(String, Weights)> {
     names.map(|name| (name.to_owned(), weights(name))).collect()
 }
 
-/// The shipped networks and two random ones, the last of which takes a range.
+/// The shipped networks and two random ones; the last has a range.
 fn networks() -> Vec<(String, Weights)> {
     let mut networks = shipped();
     networks.push(("random".to_owned(), random(false)));
@@ -46,7 +46,7 @@ fn networks() -> Vec<(String, Weights)> {
     networks
 }
 
-/// A random network, whose layers keep the size of the values.
+/// A random network whose layers preserve the magnitude of the values.
 fn random(takes_range: bool) -> Weights {
     let stream = Stream::stage(5, "agreement");
     let mut random = Weights::zeros(takes_range);
@@ -70,7 +70,7 @@ fn random(takes_range: bool) -> Weights {
     random
 }
 
-/// The range of a picture: everything from the camera to far away, with steps.
+/// Ranges of a picture: from the camera to far away, with steps.
 fn range(width: usize, height: usize) -> Plane<f32> {
     let stream = Stream::stage(7, "agreement");
     Plane::from_fn(width, height, |x, y| {
@@ -78,7 +78,7 @@ fn range(width: usize, height: usize) -> Plane<f32> {
     })
 }
 
-/// A ramp, and noise that is as rough as a picture can be.
+/// A ramp, and noise as rough as possible.
 fn pictures(width: usize, height: usize) -> [(&'static str, Rgb<f32>); 2] {
     let stream = Stream::stage(6, "agreement");
     let ramp = Rgb::from_fn(width, height, |x, y| {
@@ -196,7 +196,7 @@ fn what_was_computed_before_changes_no_bit() {
     assert_eq!(network.apply(&empty, None, &mut used), empty);
 }
 
-/// A layer that did not matter could be wrong unseen. A few channels are dead behind their ReLU, as in any network.
+/// A layer without effect could be wrong unnoticed. A few channels are dead behind their ReLU, as in any network.
 #[test]
 fn the_numbers_of_every_layer_count() {
     let (_, weights) = networks().pop().unwrap();

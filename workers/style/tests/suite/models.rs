@@ -1,4 +1,4 @@
-//! Models of other forms than the shipped ones: what is taken, and what is refused with which words.
+//! Models of other architectures than the shipped ones: accepted shapes, and errors of rejected ones.
 
 use imaging::{Plane, Rgb};
 use style::{Beside, Session, StyleError};

@@ -48,7 +48,7 @@ fn every_size_from_one_pixel_gives_a_picture_of_that_size_and_twice_the_same_bit
     }
 }
 
-/// Black is lifted by the water's own light, and white loses its red first, or its blue in mud.
+/// The water lifts black by its veil, and absorbs red first, or blue in mud.
 #[test]
 fn flat_frames_take_the_color_of_their_water() {
     let flat = |name: &str, light: f32| {

@@ -1,4 +1,4 @@
-//! The context branch: everything below full resolution.
+//! The context branch: all layers below full resolution.
 
 use imaging::Rgb;
 use pulp::{Simd, WithSimd};
@@ -8,7 +8,7 @@ use super::packed::Packed;
 use super::planes::Planes;
 use crate::net::layer::{BLOCKS, ENTER, LEAVE, REDUCE, Weights};
 
-/// Vectors of a block; with four outputs that makes eight sums, which the registers of AVX2 hold.
+/// Vectors of a block; with four outputs eight sums, which fit the registers of AVX2.
 const VECTORS: usize = 2;
 
 /// Weights of the branch.
@@ -58,7 +58,7 @@ impl Context {
         }
     }
 
-    /// The features that the branch hands to every pixel, at an eighth of the resolution: 8 channels.
+    /// The context features at an eighth of the resolution: 8 channels.
     pub(super) fn run<'a>(&self, image: &Rgb<f32>, buffers: &'a mut Buffers) -> &'a Planes {
         pool(image, &mut buffers.sums, &mut buffers.pooled);
         let (width, height) = (buffers.pooled.width, buffers.pooled.height);
@@ -104,7 +104,7 @@ impl WithSimd for Run<'_> {
     }
 }
 
-/// Means of 4×4 pixels; at the right and lower edge of those that are there.
+/// Means of 4×4 pixels, clipped at the right and lower edge.
 fn pool(image: &Rgb<f32>, sums: &mut Vec<f32>, pooled: &mut Planes) {
     let (width, height) = image.size();
     pooled.reshape(3, width.div_ceil(4), height.div_ceil(4));
@@ -131,7 +131,7 @@ fn pool(image: &Rgb<f32>, sums: &mut Vec<f32>, pooled: &mut Planes) {
     pooled.close();
 }
 
-/// A filter of side 3 over all channels.
+/// A 3×3 filter over all channels.
 #[inline(always)]
 fn filter3<S: Simd>(simd: S, packed: &Packed<4>, input: &Planes, output: &mut Planes, relu: bool) {
     let inputs = packed.groups[0].weights.len() / packed.taps;
@@ -173,7 +173,7 @@ fn put<S: Simd>(
     }
 }
 
-/// Even and odd columns of the bordered rows, so that a filter in steps of 2 reads neighbors.
+/// Splits the bordered rows into even and odd columns, so that a filter of stride 2 reads neighbors.
 fn split(planes: &Planes, halves: &mut [Planes; 2]) {
     let [even, odd] = halves;
     let columns = even.width;
@@ -189,7 +189,7 @@ fn split(planes: &Planes, halves: &mut [Planes; 2]) {
     }
 }
 
-/// A filter of side 3 in steps of 2, with ReLU.
+/// A 3×3 filter of stride 2 with ReLU.
 #[inline(always)]
 fn reduce<S: Simd>(simd: S, packed: &Packed<4>, [even, odd]: &[Planes; 2], output: &mut Planes) {
     let inputs = packed.groups[0].weights.len() / packed.taps;
@@ -213,7 +213,7 @@ fn reduce<S: Simd>(simd: S, packed: &Packed<4>, [even, odd]: &[Planes; 2], outpu
     output.close();
 }
 
-/// A filter of side 3 for each channel by itself. The border of the result is left open: only [`mix`] reads it.
+/// A 3×3 depthwise filter. The border of the result stays undefined: only [`mix`] reads it.
 #[inline(always)]
 fn spread_out<S: Simd>(simd: S, packed: &Packed<1>, input: &Planes, output: &mut Planes) {
     for (channel, group) in packed.groups.iter().enumerate() {
@@ -230,7 +230,7 @@ fn spread_out<S: Simd>(simd: S, packed: &Packed<1>, input: &Planes, output: &mut
     }
 }
 
-/// Mixes the channels of each pixel: replaces the output with ReLU, or is added to it.
+/// Mixes the channels of each pixel: replaces the output with ReLU, or adds to it.
 #[inline(always)]
 fn mix<S: Simd>(simd: S, packed: &Packed<4>, input: &Planes, output: &mut Planes, replace: bool) {
     for y in 0..input.height {

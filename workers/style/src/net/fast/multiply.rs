@@ -1,6 +1,7 @@
-//! The inner loop of every layer: one sample of a row times the weights of several outputs, a block of columns at a time.
+//! The inner loop of every layer: one sample of a row times the weights of several outputs, a block of columns at a
+//! time.
 //!
-//! Products and sums are separate instructions, never fused ones, so every CPU gives the same bits.
+//! Products and sums are separate instructions, never fused, so every CPU yields the same bits.
 
 use pulp::Simd;
 
@@ -25,7 +26,7 @@ pub(super) fn multiply<S: Simd, const OUT: usize, const V: usize>(
     }
 }
 
-/// Adds a row of a filter of side 3. `samples` begins one column before the block.
+/// Adds a row of a 3×3 filter. `samples` begins one column before the block.
 #[inline(always)]
 pub(super) fn multiply_row<S: Simd, const OUT: usize, const V: usize>(
     simd: S,

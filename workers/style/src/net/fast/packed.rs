@@ -1,4 +1,4 @@
-//! Weights in the order in which the inner loop takes them.
+//! Weights in the order of the inner loop.
 
 use crate::net::layer::{Layer, Weights};
 
@@ -33,7 +33,7 @@ impl<const OUT: usize> Packed<OUT> {
         }
     }
 
-    /// Makes one layer of two that are added: it is given the channels of both.
+    /// Fuses two layers whose outputs are added into one over the channels of both.
     pub(super) fn join(&mut self, other: Self) {
         for (group, other) in self.groups.iter_mut().zip(other.groups) {
             group.weights.extend(other.weights);

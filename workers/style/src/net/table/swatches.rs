@@ -1,14 +1,14 @@
-//! Pictures that a table is fitted to: soft clouds of color, as frames have them away from edges.
+//! Pictures for fitting a table: soft clouds of color, like frames away from edges.
 
 use imaging::Rgb;
 use imaging::random::Stream;
 
 const SIDE: usize = 96;
 const PICTURES: u64 = 24;
-/// Cells of the clouds across a picture, and how far their colors reach.
+/// Cells of the clouds across a picture, and their color amplitude.
 const CLOUDS: [(usize, f64); 2] = [(3, 0.6), (12, 0.25)];
 
-/// The pictures, always the same.
+/// The pictures; deterministic.
 pub(super) fn swatches() -> impl Iterator<Item = Rgb<f32>> {
     (0..PICTURES).map(|picture| {
         let stream = Stream::stage(picture, "colour table");
