@@ -1,7 +1,7 @@
-//! Content pictures, made on the fly: samples of what a network may be asked to repaint.
+//! Content pictures generated on the fly: examples of frames for a network to repaint.
 //!
-//! Two of three are procedural scenes, the others simple shapes in any color, so that no palette is preferred. Then,
-//! by chance: water as `optics` computes it, gamma, gain, a sloping light, noise; some are flat or nearly black.
+//! Two of three are procedural scenes, the others simple shapes in any color, so that no palette is preferred. Random
+//! effects follow: water computed by `optics`, gamma, gain, a light gradient, noise; some are flat or nearly black.
 
 mod shapes;
 
@@ -16,7 +16,7 @@ use spec::{ForwardScatter, HoleRule, Optics, ScatterModel};
 use crate::loss::normals;
 use crate::tensor::Tensor;
 
-/// Side of a content picture in pixels; training takes smaller crops of it.
+/// Side of a content picture in pixels; training uses smaller crops of it.
 pub const SIDE: usize = 192;
 
 /// The content pictures of a seed.
@@ -31,7 +31,7 @@ pub struct Contents {
 pub struct Content {
     /// Three channels of [`SIDE`]², sRGB-encoded, 0..=1.
     pub picture: Tensor<f32>,
-    /// The range of each pixel as a network is given it: 0 at the camera, 1 far away.
+    /// The range of each pixel as network input: 0 at the camera, 1 far away.
     pub range: Tensor<f32>,
 }
 
@@ -45,7 +45,7 @@ impl Content {
     }
 }
 
-/// Ranges in meters as a network is given them.
+/// Converts ranges in meters to network input.
 fn given(range: Vec<f32>) -> Tensor<f32> {
     let range = Plane::new(SIDE, SIDE, range).expect("one sample for each pixel");
     Tensor {
@@ -63,7 +63,7 @@ struct Air {
 }
 
 impl Contents {
-    /// Pictures for a purpose: those of training and those that are held out never meet.
+    /// Pictures for a purpose. Those of training and of validation are disjoint.
     #[must_use]
     pub fn new(seed: u64, purpose: &str) -> Self {
         Self {
@@ -131,15 +131,15 @@ impl Contents {
     }
 }
 
-/// Largest standard deviation of the noise: what a good camera has under water. A network without chance can neither
-/// take away more nor add any, so more would only be a floor under the distance from the style.
+/// Largest standard deviation of the noise: that of a good camera under water. A deterministic network can neither
+/// remove nor add noise, so more would only be a floor under the distance from the style.
 const MAX_NOISE: f64 = 0.01;
-/// Pictures are rounded to 16 bits, so that the last bits of a transform, which depend on the CPU, are gone.
+/// Pictures are rounded to 16 bits, which removes the CPU-dependent last bits of a transform.
 const CODES: f32 = 65_535.0;
 /// Range of open water, in meters.
 const FAR_M: f64 = 40.0;
 
-/// Random values of one picture, addressed by name.
+/// Random values of one picture, by name.
 struct Chance {
     stream: Stream,
     index: u64,
@@ -150,7 +150,7 @@ impl Chance {
         self.numbered(name, 0)
     }
 
-    /// The address is the name's FNV-1a hash with a number.
+    /// The address is the FNV-1a hash of the name with a number.
     fn numbered(&self, name: &str, number: u64) -> f64 {
         let hash = name.bytes().fold(0xcbf2_9ce4_8422_2325u64, |hash, byte| {
             (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3)
@@ -163,12 +163,12 @@ impl Chance {
     }
 }
 
-/// The picture under a random water, half of the time one that scatters light forward. In f64: the transform in f32 has other
-/// bits on another CPU.
+/// The picture in a random water, half of the time one with forward scatter. In f64: the f32 transform has other bits
+/// on another CPU.
 fn submerged(air: &Air, chance: &Chance) -> Tensor<f32> {
     let rgb = |name: &str, low, high| [0, 1, 2].map(|channel| chance.between(name, channel, low, high));
     let strength = chance.between("strength", 0, 0.03, 0.5);
-    // One kernel for the whole picture takes one transform.
+    // A single kernel for the picture needs a single transform.
     let kernel = |gamma_px: f64| ForwardScatter {
         spread_px_per_m: Some([0.0; 3]),
         spread_offset_px: Some([gamma_px; 3]),
@@ -189,7 +189,7 @@ fn submerged(air: &Air, chance: &Chance) -> Tensor<f32> {
     Tensor::from(&layers.scattered.map(|&light| light as f32))
 }
 
-/// Gain and a sloping light, encoding, gamma, noise.
+/// Applies gain and a light gradient, encoding, gamma, noise.
 fn finish(light: Tensor<f32>, gain: f64, chance: &Chance) -> Tensor<f32> {
     let gamma = chance.between("gamma", 0, 0.75, 1.35);
     let slope = [0, 1].map(|axis| chance.between("slope", axis, -0.5, 0.5));

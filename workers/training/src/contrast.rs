@@ -1,4 +1,4 @@
-//! How much contrast a network keeps of what is near and of what is far.
+//! Contrast kept by a network, for near and for far parts of a scene.
 
 use std::ops::Range;
 
@@ -8,31 +8,30 @@ use rayon::prelude::*;
 use style::net::layer::Weights;
 use style::net::{Network, Scratch};
 
-/// What counts as near, and as far, in meters.
+/// Near band, m.
 const NEAR_M: Range<f32> = 0.0..2.0;
-/// What counts as far, in meters: beyond it nothing is seen in most waters.
+/// Far band, m: beyond it scenes are invisible in most waters.
 const FAR_M: Range<f32> = 4.0..12.0;
-/// Scenes that are looked at.
+/// Tested scenes.
 const SEEDS: Range<u64> = 100..124;
 const WIDTH: usize = 240;
 const HEIGHT: usize = 180;
-/// Side of the windows that contrast is measured in.
+/// Side of the contrast windows.
 const WINDOW: usize = 7;
-/// Least standard deviation of the brightness that counts as contrast before: a flat window has none to keep.
+/// Windows with a smaller standard deviation of brightness have no contrast to keep.
 const LEAST: f64 = 0.01;
 
-/// Share of the contrast that is kept: the sum over windows of the standard deviation of the brightness (of sRGB-encoded
+/// Share of the contrast kept: the sum over windows of the standard deviation of the brightness (of sRGB-encoded
 /// values) after, over that before.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContrastKept {
-    /// Of what is nearer than 2 m.
+    /// Nearer than 2 m.
     pub near: f64,
-    /// Of what is 4 to 12 m away.
+    /// 4 to 12 m away.
     pub far: f64,
 }
 
-/// Measures a network at alpha 1 over new scenes in air. `ranges` hands each scene's range in meters to the network, as it is
-/// or changed.
+/// Measures a network at alpha 1 over new scenes in air. `ranges` maps each scene's range in meters to the network's.
 #[must_use]
 pub fn contrast_kept(weights: &Weights, ranges: impl Fn(&Plane<f32>) -> Plane<f32> + Sync) -> ContrastKept {
     let network = Network::new(weights);
@@ -57,7 +56,7 @@ pub fn contrast_kept(weights: &Weights, ranges: impl Fn(&Plane<f32>) -> Plane<f3
     }
 }
 
-/// Sums of the contrast before and after, over the windows that lie within a band of range.
+/// Sums of the contrast before and after, over the windows within a band of range.
 fn sums(before: &Rgb<f32>, after: &Rgb<f32>, range: &Plane<f32>, band: &Range<f32>) -> [f64; 2] {
     let mut sums = [0.0; 2];
     for top in (0..HEIGHT - WINDOW).step_by(WINDOW) {

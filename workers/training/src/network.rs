@@ -1,14 +1,14 @@
-//! The network of the style waters as training sees it: forward with a trace, and its gradient.
+//! The network of the style waters for training: forward with a trace, and its gradient.
 //!
 //! ```text
-//! c = relu(reduce(relu(enter(mean of each 4×4 pixels of x))))         reduce goes in steps of 2
+//! c = relu(reduce(relu(enter(mean of each 4×4 pixels of x))))         reduce has stride 2
 //! c = c + mix_b(spread_b(relu(mix_a(spread_a(c)))))                    twice
 //! h = relu(pixel(x) + resize(leave(c), bilinear, to the size of x))
 //! styled = color(x) + output(h)                                       not clamped
 //! ```
 //!
-//! With a range q of each pixel and `r = (q x, q)`, `range_pixel(r)` is added to what `h` is made of, and `range_color(r)` to
-//! the result.
+//! With a range q of each pixel and `r = (q x, q)`, `range_pixel(r)` is added to the argument of `h`, and
+//! `range_color(r)` to the result.
 
 use style::net::layer::{
     BLOCKS, COLOR, ENTER, LEAVE, Layer, OUTPUT, PIXEL, RANGE_COLOR, RANGE_PIXEL, REDUCE, Weights,
@@ -20,9 +20,9 @@ use crate::tensor::Tensor;
 
 /// Intermediate results of a forward run, kept for the gradient.
 pub struct Trace<T> {
-    /// The result before it is clamped.
+    /// The result before clamping.
     pub styled: Tensor<T>,
-    /// What each layer was given; bordered for those of side 3.
+    /// Input of each layer, with borders for 3×3 filters.
     inputs: Vec<(Layer, Tensor<T>)>,
     /// The context before the blocks.
     context: Tensor<T>,
@@ -35,7 +35,7 @@ impl<T> Trace<T> {
     }
 }
 
-/// The colors of a picture times their range, and the range: what a network that takes a range is given beside the picture.
+/// The colors of a picture times their range, and the range: the second input of a network with a range.
 #[must_use]
 pub fn ranged<T: Real>(image: &Tensor<T>, range: &Tensor<T>) -> Tensor<T> {
     let mut out = Tensor::zeros(4, image.height, image.width);
@@ -49,7 +49,7 @@ pub fn ranged<T: Real>(image: &Tensor<T>, range: &Tensor<T>) -> Tensor<T> {
     out
 }
 
-/// Runs the network on a picture of three channels; `ranged` is [`ranged()`] for a network that takes a range.
+/// Runs the network on a picture of three channels. `ranged` is [`ranged()`] for a network with a range.
 #[must_use]
 pub fn forward<T: Real>(weights: &Weights<T>, image: &Tensor<T>, ranged: Option<&Tensor<T>>) -> Trace<T> {
     let mut inputs = Vec::with_capacity(weights.layers().len());
@@ -94,7 +94,7 @@ pub fn forward<T: Real>(weights: &Weights<T>, image: &Tensor<T>, ranged: Option<
     }
 }
 
-/// The gradient of all numbers of the network from that of its result.
+/// The gradient of all parameters of the network from that of its result.
 #[must_use]
 pub fn backward<T: Real>(weights: &Weights<T>, trace: &Trace<T>, gradient: &Tensor<T>) -> Weights<T> {
     let mut sums = Weights::zeros(weights.takes_range());
@@ -102,7 +102,7 @@ pub fn backward<T: Real>(weights: &Weights<T>, trace: &Trace<T>, gradient: &Tens
         3 => filter::backward_weights(trace.input(layer), gradient, step, sums.layer_mut(layer)),
         _ => mix::backward_weights(trace.input(layer), gradient, sums.layer_mut(layer)),
     };
-    // The gradient of what a filter was given; behind a ReLU, zero where the ReLU was closed.
+    // The gradient of a filter's input; behind a ReLU, zero where the ReLU was closed.
     let through = |layer: Layer, gradient: &Tensor<T>, step, behind_relu| {
         let input = trace.input(layer);
         let mut back = filter::backward_input(gradient, weights.weight(layer), input, step);

@@ -1,4 +1,4 @@
-//! The held-out score: the losses on new scenes, with the result as the network delivers it.
+//! The held-out score: the losses of the network's clamped output on new scenes.
 
 use std::ops::Range;
 
@@ -14,24 +14,24 @@ use crate::loss::{Losses, Ranges, losses};
 use crate::photo::Photo;
 use crate::tensor::Tensor;
 
-/// New scenes that are judged; they are the same for every training.
+/// New scenes, the same for every training.
 ///
-/// Over sixteen the color distance still moves by half with which scenes they are.
+/// With sixteen the color distance still varies by half with the choice of scenes.
 const SCENES: u64 = 64;
-/// Those that networks are compared on pixel by pixel.
+/// Scenes for comparing networks pixel by pixel.
 const SHOWN: u64 = 16;
 /// Side of a scene in pixels.
 const SIDE: usize = 160;
-/// How often patches are drawn.
+/// Number of patch draws.
 const DRAWS: u64 = 3;
 const SEED: u64 = 0x5c0e;
 
-/// How a network does on new scenes. Lower is better.
+/// Performance on new scenes. Lower is better.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Score {
     /// Texture, color and content; see [`Losses`].
     pub losses: Losses,
-    /// Root mean square of what the network does beyond its color map, of 255.
+    /// RMS difference between the network and its color map, of 255.
     pub branch: f64,
 }
 
@@ -53,7 +53,7 @@ pub fn score(weights: &Weights, photos: &[Photo]) -> Score {
     score_over(weights, photos, 0..SCENES, DRAWS)
 }
 
-/// The same over other new scenes, with patches drawn any number of times: how far a score moves with its scenes.
+/// The score over other scenes and any number of patch draws, to measure its variation.
 #[must_use]
 pub fn score_over(weights: &Weights, photos: &[Photo], scenes: Range<u64>, draws: u64) -> Score {
     let crops = crops(scenes);

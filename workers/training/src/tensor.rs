@@ -7,7 +7,7 @@ use crate::real::Real;
 /// Samples `[channel][row][column]`.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Tensor<T> {
-    /// How many channels.
+    /// Number of channels.
     pub channels: usize,
     /// Rows of a channel.
     pub height: usize,
@@ -88,7 +88,7 @@ impl<T: Real> Tensor<T> {
         }
     }
 
-    /// A border of one sample around every channel, a copy of the edge.
+    /// Adds a border of one sample around every channel, a copy of the edge.
     #[must_use]
     pub fn padded(&self) -> Self {
         let (width, height) = (self.width, self.height);
@@ -104,7 +104,7 @@ impl<T: Real> Tensor<T> {
         out
     }
 
-    /// The gradient before [`Tensor::padded`] from that after it: what stands in the border goes to the edge.
+    /// The gradient before [`Tensor::padded`] from the one after it: border gradients are added to the edge.
     #[must_use]
     pub fn unpadded(&self) -> Self {
         let (width, height) = (self.width - 2, self.height - 2);
@@ -123,7 +123,7 @@ impl<T: Real> Tensor<T> {
         out
     }
 
-    /// With zeros in place of what is below.
+    /// Replaces negative samples by zero.
     #[must_use]
     pub fn relu(mut self) -> Self {
         for value in &mut self.data {
@@ -136,7 +136,7 @@ impl<T: Real> Tensor<T> {
         self
     }
 
-    /// The gradient before a ReLU from that after it, given what the ReLU made.
+    /// The gradient before a ReLU from the one after it and the ReLU's output.
     pub fn unrelu(&mut self, made: &Self) {
         for (gradient, &made) in self.data.iter_mut().zip(&made.data) {
             *gradient = if made > T::default() {

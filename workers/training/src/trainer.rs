@@ -1,4 +1,4 @@
-//! Training, step by step. The numbers depend on photos, seed and step count alone, not on how many threads work.
+//! Training, step by step. The result depends on photos, seed and step count only, not on the number of threads.
 
 use imaging::random::Stream;
 use rayon::prelude::*;
@@ -12,25 +12,25 @@ use crate::optimizer::Adam;
 use crate::photo::Photo;
 use crate::transfer::{ColorStats, Transfer, ranged_transfer, transfer};
 
-/// Pictures of a batch: many small ones, since the style's colors must be found over all of them together, and a batch
-/// of few is too far from the whole.
+/// Pictures of a batch: many small ones, since the style's colors are matched over all of them together, and a small
+/// batch is too far from the complete set.
 const BATCH: usize = 48;
 /// Side of a crop in pixels: at the coarsest level it is one patch.
 const CROP: usize = 56;
-/// Content pictures of each brightness; a step takes one of them.
+/// Content pictures per brightness class; a step uses one of them.
 const CHOICE: usize = 8;
-/// Content pictures of a training: many, since the color transfer that it starts from is only as good as they are like
-/// those that will come.
+/// Content pictures of a training: many, since the initial color transfer is only as good as their similarity to later
+/// frames.
 const POOL: usize = BATCH * CHOICE;
-/// Bias that the features of a pixel begin with.
+/// Initial bias of the pixel features.
 const PIXEL_BIAS: f32 = 0.25;
-/// Steps over which losses are averaged to tell the best weights.
+/// Steps over which losses are averaged to select the best weights.
 const WINDOW: usize = 50;
 
-/// A training under way.
+/// A training in progress.
 pub struct Trainer {
     style: Vec<Pyramid<f32>>,
-    /// Ranges of the style, as far as its veil tells them.
+    /// Ranges of the style, estimated from the veil.
     style_ranges: Vec<Pyramid<f32>>,
     /// Content pictures from dark to bright.
     pool: Vec<Content>,
@@ -48,15 +48,15 @@ pub struct Trainer {
 pub struct Best {
     /// The weights.
     pub weights: Weights,
-    /// After how many steps.
+    /// The step of these weights.
     pub step: usize,
-    /// Mean losses of the steps that led to them.
+    /// Mean losses of the steps before it.
     pub losses: Losses,
 }
 
 impl Trainer {
-    /// Prepares to learn one water from one or more photos of it, by a network that takes a range or none: measures colors,
-    /// and starts from the closed-form color transfer.
+    /// Prepares to learn one water from one or more photos, by a network with or without a range: measures colors and
+    /// starts from the closed-form color transfer.
     ///
     /// # Panics
     /// Without a photo.
@@ -71,7 +71,7 @@ impl Trainer {
             .map(|index| contents.content(index))
             .collect();
         let start = started(&pool, photos, takes_range);
-        // Floats that are not negative are ordered as their bits are.
+        // Non-negative floats have the order of their bits.
         pool.sort_by_cached_key(|content| {
             content
                 .picture
@@ -96,7 +96,7 @@ impl Trainer {
         }
     }
 
-    /// The color transfer alone, as a network.
+    /// The color transfer as a network.
     #[must_use]
     pub fn color_transfer(&self) -> &Weights {
         &self.start
@@ -114,7 +114,7 @@ impl Trainer {
         self.optimizer.done() >= self.steps
     }
 
-    /// One step, and the losses before it.
+    /// Performs one step and returns the losses before it.
     pub fn step(&mut self) -> Losses {
         let step = self.optimizer.done() as u64;
         let takes_range = self.weights.takes_range();
@@ -142,7 +142,7 @@ impl Trainer {
             .zip(&gradients)
             .map(|(trace, gradient)| backward(&self.weights, trace, gradient))
             .collect();
-        // In the order of the pictures, whichever was ready first.
+        // In the order of the pictures, independent of thread timing.
         let mut gradient = Weights::zeros(takes_range);
         for part in &parts {
             for (sum, value) in gradient.values_mut().iter_mut().zip(part.values()) {
@@ -164,7 +164,7 @@ impl Trainer {
         })
     }
 
-    /// Keeps the weights at the end of each window of steps, if the window was the best.
+    /// Keeps the weights at the end of a window of steps if the window was the best.
     fn remember(&mut self, losses: Losses) {
         self.window.push(losses);
         if self.window.len() < WINDOW && !self.is_done() {
@@ -185,8 +185,8 @@ impl Trainer {
         }
     }
 
-    /// A crop of a picture of the brightness that belongs to a place of the batch. So each batch has about the colors of
-    /// all pictures, as if it were several times as large.
+    /// A crop of a picture whose brightness class belongs to a position of the batch. Each batch therefore has about
+    /// the colors of all pictures, as if it were several times as large.
     fn crop(&self, step: u64, place: usize) -> Content {
         let draw = |purpose: u64| self.stream.unit(1 << 40 | step, place as u64 * 4 + purpose);
         let content = &self.pool[place * CHOICE + (draw(3) * CHOICE as f64) as usize];
@@ -195,7 +195,7 @@ impl Trainer {
     }
 }
 
-/// The color transfer, for either half of the range if the network takes one.
+/// The color transfer, for either half of the range if the network has one.
 fn started(pool: &[Content], photos: &[Photo], takes_range: bool) -> Weights {
     let mut start = Weights::zeros(takes_range);
     let mut put = |layer, values: &[f64], offsets: &[f64]| {
@@ -225,7 +225,7 @@ fn started(pool: &[Content], photos: &[Photo], takes_range: bool) -> Weights {
     start
 }
 
-/// Uniform in ±1/sqrt(fan-in), smaller at the ends of the residual branches, beside the color map of the start.
+/// Uniform in ±1/sqrt(fan-in), smaller at the ends of the residual branches, with the initial color map.
 fn randomized(start: &Weights, stream: &Stream) -> Weights {
     let mut weights = start.clone();
     for (index, &layer) in start.layers().iter().enumerate() {
@@ -247,7 +247,7 @@ fn randomized(start: &Weights, stream: &Stream) -> Weights {
         for (at, bias) in bias.iter_mut().enumerate() {
             *bias = match layer {
                 OUTPUT => 0.0,
-                // Features begin alive: the context can push all of them below the ReLU for good.
+                // Features begin active: the context could push all of them below the ReLU permanently.
                 PIXEL => PIXEL_BIAS,
                 RANGE_PIXEL => 0.0,
                 _ => draw(1 << 20 | at) as f32,

@@ -1,8 +1,10 @@
-//! The closed-form color transfer: the affine map that gives one set of colors the mean and covariance of another.
+//! The closed-form color transfer: the affine map from the mean and covariance of one set of colors to those of
+//! another.
 //!
-//! `y = A x + b`, `A = Cx^-1/2 (Cx^1/2 Cs Cx^1/2)^1/2 Cx^-1/2`, `b = ms - A mx`: the linear Monge-Kantorovich map between
-//! Gaussians (Pitié and Kokaram 2007, "The linear Monge-Kantorovitch linear color mapping for example-based color
-//! transfer"), for means m and covariances C of the content (x) and the style (s), each with 1e-5 on its diagonal.
+//! `y = A x + b`, `A = Cx^-1/2 (Cx^1/2 Cs Cx^1/2)^1/2 Cx^-1/2`, `b = ms - A mx`: the linear Monge-Kantorovich map
+//! between Gaussians (Pitié and Kokaram 2007, "The linear Monge-Kantorovitch linear color mapping for example-based
+//! color transfer"), for means m and covariances C of the content (x) and the style (s), each with 1e-5 on its
+//! diagonal.
 
 use crate::tensor::Tensor;
 
@@ -20,7 +22,7 @@ pub(crate) struct ColorStats {
 }
 
 impl ColorStats {
-    /// Of all pixels of the pictures.
+    /// Over all pixels of the pictures.
     pub(crate) fn measure<'a>(pictures: impl Iterator<Item = &'a Tensor<f32>>) -> Self {
         let (mut count, mut sums, mut products) = (0.0, [0.0; 3], [[0.0; 3]; 3]);
         for picture in pictures {
@@ -43,7 +45,7 @@ impl ColorStats {
         Self { mean, covariance }
     }
 
-    /// The greatest standard deviation of a channel.
+    /// The largest standard deviation of a channel.
     pub(crate) fn spread(&self) -> f64 {
         let spread = |channel: usize| self.covariance[channel][channel].max(0.0).sqrt();
         (0..3).map(spread).fold(0.0, f64::max)
@@ -74,8 +76,8 @@ pub(crate) struct Transfer {
     pub(crate) change: (Matrix, [f64; 3]),
 }
 
-/// The transfer between the nearer halves of two sets of pictures, and between the farther halves: linear in the range q of the
-/// content, through both at the means of q of the halves. The halves are of all pixels of a set, by its own order of range.
+/// The transfer between the near halves of two sets of pictures, and between the far halves: linear in the range q of
+/// the content, through both at the mean q of the halves. Halves are over all pixels of a set, in its order of range.
 pub(crate) fn ranged_transfer<'a>(
     contents: impl Iterator<Item = (&'a Tensor<f32>, &'a Tensor<f32>)>,
     styles: impl Iterator<Item = (&'a Tensor<f32>, &'a Tensor<f32>)>,
@@ -83,7 +85,7 @@ pub(crate) fn ranged_transfer<'a>(
     let (contents, styles) = (Halves::split(contents), Halves::split(styles));
     let maps = [0, 1].map(|half| transfer(&contents.colors[half], &styles.colors[half]));
     let [near, far] = contents.ranges;
-    // Where all pixels have one range, the nearer half stands for all.
+    // If all pixels have the same range, the near half represents all.
     let apart = if far > near { far - near } else { f64::INFINITY };
     let slope = |one: f64, other: f64| (other - one) / apart;
     let rows =
@@ -99,7 +101,7 @@ pub(crate) fn ranged_transfer<'a>(
     }
 }
 
-/// Colors and mean range of the nearer and of the farther half of the pixels of a set.
+/// Colors and mean range of the near and of the far half of a set's pixels.
 struct Halves {
     colors: [ColorStats; 2],
     ranges: [f64; 2],
@@ -140,7 +142,7 @@ fn product(a: &Matrix, b: &Matrix) -> Matrix {
     [0, 1, 2].map(|row| [0, 1, 2].map(|column| (0..3).map(|at| a[row][at] * b[at][column]).sum()))
 }
 
-/// A power of a symmetric matrix without negative eigenvalues, by Jacobi rotations.
+/// A power of a symmetric positive semidefinite matrix, by Jacobi rotations.
 fn power(matrix: &Matrix, exponent: f64) -> Matrix {
     let (mut a, mut vectors) = (*matrix, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
     // A 3×3 matrix is diagonal to the last bit after five or six sweeps.
@@ -202,7 +204,7 @@ mod tests {
             let mean: f64 = (0..3).map(|at| map[row][at] * CONTENT.mean[at]).sum();
             assert!((mean + offset[row] - style.mean[row]).abs() < 1e-12);
             for column in 0..3 {
-                // The floor on both diagonals is all that is left.
+                // The remaining difference is the floor on both diagonals.
                 assert!((mapped[row][column] - style.covariance[row][column]).abs() < 5e-5);
             }
         }

@@ -1,21 +1,22 @@
-//! How far away the pixels of a photo are, estimated from the veil: what is far away has the color of the open water.
+//! Estimates the range order of a photo's pixels from the veil: distant parts have the color of the open water.
 //!
-//! The veil's color `V(y) = a + b y` is fitted over the flattest windows of the photo, brighter above where the light comes
-//! from above. What reaches the camera of a surface deviates from it by `(J − V) exp(−c Z)` at most, so the largest
-//! deviation around a pixel falls with its range: `1 − that, over the largest of the photo` rises with the range. Only the
-//! order of the values is used: neither the scale of the range nor the colors J are known of a photo.
+//! The veil's color `V(y) = a + b y` is fitted over the flattest windows of the photo; light from above makes it
+//! brighter at the top. The arriving light of a surface deviates from it by at most `(J − V) exp(−c Z)`, so the largest
+//! deviation around a pixel falls with its range: `1 − deviation / largest deviation of the photo` rises with the
+//! range. Only the order of the values is used, since neither the scale of the range nor the colors J of a photo are
+//! known.
 
 use crate::loss::pyramid::Pyramid;
 use crate::tensor::Tensor;
 
-/// The level of the pyramid that is looked at: means of 4×4 pixels.
+/// Pyramid level in use: means of 4×4 pixels.
 const LEVEL: usize = 2;
-/// From the middle of a window to its border, in samples of that level.
+/// Half width of a window, in samples of that level.
 const REACH: usize = 4;
 /// Share of the windows that count as open water: the flattest.
 const OPEN: f64 = 0.15;
 
-/// The estimate for every pixel, one channel, 0 where the photo is farthest from its veil and 1 where it is the veil.
+/// The estimate for every pixel, one channel: 0 at the largest deviation from the veil, 1 at the veil.
 pub(crate) fn estimate(photo: &Pyramid<f32>) -> Tensor<f32> {
     let picture = &photo.levels[LEVEL];
     let deviation = deviation(picture, &fitted(picture, &flattest(picture)));
@@ -34,7 +35,7 @@ pub(crate) fn estimate(photo: &Pyramid<f32>) -> Tensor<f32> {
     out
 }
 
-/// The places of the flattest windows.
+/// The positions of the flattest windows.
 fn flattest(picture: &Tensor<f32>) -> Vec<usize> {
     let size = (picture.width, picture.height);
     let mut spread = vec![0.0; picture.width * picture.height];
@@ -54,7 +55,7 @@ fn flattest(picture: &Tensor<f32>) -> Vec<usize> {
     order
 }
 
-/// Offset and slope over the rows of each channel, by least squares over some places.
+/// Offset and slope over the rows of each channel, by least squares over some positions.
 fn fitted(picture: &Tensor<f32>, places: &[usize]) -> [[f64; 2]; 3] {
     let count = places.len() as f64;
     let row = |place: usize| (place / picture.width) as f64;
@@ -75,7 +76,7 @@ fn fitted(picture: &Tensor<f32>, places: &[usize]) -> [[f64; 2]; 3] {
     })
 }
 
-/// The greatest difference of a channel from the veil, for every sample.
+/// The largest deviation of a channel from the veil, for every sample.
 fn deviation(picture: &Tensor<f32>, veil: &[[f64; 2]; 3]) -> Vec<f64> {
     let of = |at: usize| {
         let row = (at / picture.width) as f64;
@@ -88,7 +89,7 @@ fn deviation(picture: &Tensor<f32>, veil: &[[f64; 2]; 3]) -> Vec<f64> {
     (0..picture.width * picture.height).map(of).collect()
 }
 
-/// What the samples of the window around every sample give together, along rows and then along columns.
+/// Folds the window around every sample by `both`, along rows and then along columns.
 fn around(samples: &[f64], (width, height): (usize, usize), both: impl Fn(f64, f64) -> f64) -> Vec<f64> {
     let over = |samples: &[f64], along: usize, side: usize, across: usize, lines: usize| {
         let mut out = samples.to_vec();

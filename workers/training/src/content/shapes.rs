@@ -43,7 +43,7 @@ pub(super) fn draw(chance: &Chance) -> Air {
                 }
                 let odd = ((u as f64 / cell) as usize + (v as f64 / cell) as usize) % 2 == 1;
                 let paint = if kind == 2 && odd { other } else { one };
-                // Round things are darker at their side.
+                // Round shapes darken towards their sides.
                 let shade = if kind == 0 {
                     1.0
                 } else {
@@ -59,7 +59,8 @@ pub(super) fn draw(chance: &Chance) -> Air {
     Air { light, range }
 }
 
-/// Cloudy noise of mean 0 and variance 1, row by row: random values on grids, one finer than the other, smoothly joined.
+/// Cloudy noise of mean 0 and variance 1, row-major: random values on grids of increasing resolution, smoothly
+/// interpolated.
 fn clouds(seed: u64) -> Vec<f32> {
     const COARSEST_CELLS: usize = 3;
     const OCTAVES: u64 = 5;
@@ -72,7 +73,7 @@ fn clouds(seed: u64) -> Vec<f32> {
         let grid: Vec<f64> = (0..(columns * columns) as u64)
             .map(|node| stream.unit(octave, node) - 0.5)
             .collect();
-        // Cell and smooth place in it.
+        // Cell and smoothed position inside it.
         let split = |place: usize| {
             let place = place as f64 * cells as f64 / SIDE as f64;
             let inside = place.fract();

@@ -1,9 +1,9 @@
-//! Means of 4×4 pixels, bilinear enlargement, halving; and their gradients where training needs them.
+//! Means of 4×4 pixels, bilinear upsampling, halving; and the gradients needed by training.
 
 use crate::real::Real;
 use crate::tensor::Tensor;
 
-/// Means of 4×4 pixels; at the right and lower edge, of the pixels that exist.
+/// Means of 4×4 pixels, clipped at the right and lower edge.
 pub(crate) fn pooled<T: Real>(image: &Tensor<T>) -> Tensor<T> {
     let mut out = Tensor::zeros(image.channels, image.height.div_ceil(4), image.width.div_ceil(4));
     for channel in 0..image.channels {
@@ -24,11 +24,11 @@ pub(crate) fn pooled<T: Real>(image: &Tensor<T>) -> Tensor<T> {
     out
 }
 
-/// Where the samples of an enlarged line come from.
+/// For each sample of an upsampled line: lower source sample, upper source sample, weight of the latter.
 struct Line<T>(Vec<(usize, usize, T)>);
 
 impl<T: Real> Line<T> {
-    /// Pixel centers at half integers, continued by the edge.
+    /// Pixel centers at half integers, clamped to the edge.
     fn new(from: usize, to: usize) -> Self {
         let place = |at: usize| {
             let exact = ((at as f64 + 0.5) * from as f64 / to as f64 - 0.5).clamp(0.0, (from - 1) as f64);
@@ -67,7 +67,7 @@ pub(crate) fn resized<T: Real>(input: &Tensor<T>, height: usize, width: usize) -
     out
 }
 
-/// The gradient before [`resized`] from that after it.
+/// The gradient before [`resized`] from the one after it.
 pub(crate) fn unresized<T: Real>(gradient: &Tensor<T>, height: usize, width: usize) -> Tensor<T> {
     let (rows, columns) = (
         Line::<T>::new(height, gradient.height),
@@ -98,7 +98,7 @@ pub(crate) fn unresized<T: Real>(gradient: &Tensor<T>, height: usize, width: usi
     out
 }
 
-/// Means of 2×2 pixels; an odd last row or column is left out.
+/// Means of 2×2 pixels, without an odd last row or column.
 pub(crate) fn halved<T: Real>(image: &Tensor<T>) -> Tensor<T> {
     let quarter = T::from_f64(0.25);
     let mut out = Tensor::zeros(image.channels, image.height / 2, image.width / 2);
@@ -114,7 +114,7 @@ pub(crate) fn halved<T: Real>(image: &Tensor<T>) -> Tensor<T> {
     out
 }
 
-/// Adds the gradient before [`halved`] from that after it.
+/// Adds the gradient before [`halved`] from the one after it.
 pub(crate) fn unhalved<T: Real>(gradient: &Tensor<T>, sums: &mut Tensor<T>) {
     let quarter = T::from_f64(0.25);
     for channel in 0..gradient.channels {

@@ -1,10 +1,10 @@
-//! How much of the content is lost: windowed normalized cross-correlation of the picture before and after.
+//! Content loss: windowed normalized cross-correlation of the picture before and after.
 //!
-//! `ncc = cov / sqrt((va + e)(vb + e))` in windows of 7×7 in steps of 2, for a before and b after;
-//! `loss = mean(w (1 - ncc)) / (mean(w) + 0.05)`, `w = va / (va + 4e-4)`, so that flat places do not count. Gain and offset
-//! of b do not matter: a water may take contrast and lift black. With ranges q, 0 near and 1 far, w is times `(1 − q)²` at the
-//! window's center: what is far away is not there to be kept. Brightness at all levels; from the second on also two
-//! color differences at a quarter of the weight. Mean over levels.
+//! `ncc = cov / sqrt((va + e)(vb + e))` in windows of 7×7 in steps of 2, for a before and b after; `loss = mean(w (1 -
+//! ncc)) / (mean(w) + 0.05)`, `w = va / (va + 4e-4)`, so that flat windows do not count. Gain and offset of b do not
+//! matter: a water may reduce contrast and lift black. With ranges q, 0 near and 1 far, w is multiplied by `(1 − q)²`
+//! at the window's center: distant content may vanish. Brightness at all levels; from the second on also two color
+//! differences at a quarter of the weight. Mean over levels.
 
 use rayon::prelude::*;
 
@@ -20,14 +20,14 @@ const VARIANCE_FLOOR: f64 = 1e-5;
 const HALF_WEIGHT: f64 = 4e-4;
 const MEAN_FLOOR: f64 = 0.05;
 
-/// Axes in color with the weight of each: brightness and two differences.
+/// Color axes and their weights: brightness and two differences.
 const AXES: [([f64; 3], f64); 3] = [
     ([0.299, 0.587, 0.114], 1.0),
     ([0.5, -0.5, 0.0], 0.25),
     ([0.25, 0.25, -0.5], 0.25),
 ];
 
-/// The loss of a batch, and the gradient for each picture, times its weight, added to `gradients`.
+/// The loss of a batch. Adds the weighted gradient for each picture to `gradients`.
 pub(crate) fn content<T: Real>(
     before: &[Pyramid<T>],
     after: &[Pyramid<T>],
@@ -74,7 +74,7 @@ pub(crate) fn content<T: Real>(
     loss
 }
 
-/// A picture along an axis in color.
+/// A picture projected on a color axis.
 fn projected<T: Real>(picture: &Tensor<T>, axis: [f64; 3]) -> Tensor<T> {
     let [r, g, b] = axis.map(T::from_f64);
     let mut out = Tensor::zeros(1, picture.height, picture.width);
@@ -89,7 +89,7 @@ fn projected<T: Real>(picture: &Tensor<T>, axis: [f64; 3]) -> Tensor<T> {
     out
 }
 
-/// What the windows of a plane say.
+/// Window sums of a plane.
 struct Windows<T> {
     before: Tensor<T>,
     after: Tensor<T>,
@@ -143,7 +143,7 @@ impl<T: Real> Windows<T> {
         windows
     }
 
-    /// A window from the means of a, b, a², b² and ab, and the share of its weight that its range leaves.
+    /// Adds a window from the means of a, b, a², b² and ab, and the factor of its weight due to range.
     fn push(&mut self, [a, b, aa, bb, ab]: [f64; 5], near: f64) {
         let (va, vb, cov) = ((aa - a * a).max(0.0), bb - b * b, ab - a * b);
         let flat = vb <= 0.0;
@@ -164,7 +164,7 @@ impl<T: Real> Windows<T> {
             .push([alpha, beta, -(alpha * a + beta * b)].map(T::from_f64));
     }
 
-    /// Adds the gradient of `factor * lost` to a picture's.
+    /// Adds the gradient of `factor * lost` to that of a picture.
     fn add_gradient(&self, gradient: &mut Tensor<T>, axis: [f64; 3], factor: f64) {
         let width = self.before.width;
         let mut sums = vec![[T::default(); 3]; self.before.data.len()];

@@ -1,4 +1,4 @@
-//! What a step draws by chance: filters, directions and places of patches, each addressed by (step, purpose).
+//! Random draws of a step: filters, directions and patch positions, each addressed by (step, purpose).
 
 use imaging::random::Stream;
 
@@ -67,14 +67,14 @@ pub(crate) fn directions<T: Real>(stream: &Stream, index: u64) -> Vec<[T; 3]> {
         .collect()
 }
 
-/// Where a patch lies.
+/// Position of a patch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Place {
     pub(crate) x: usize,
     pub(crate) y: usize,
 }
 
-/// Places of patches in a picture of this size.
+/// Positions of patches in a picture of this size.
 pub(crate) fn places(
     stream: &Stream,
     index: u64,

@@ -1,12 +1,12 @@
-//! How far the patches of two sets of pictures are apart: sliced Wasserstein distances (Rabin, Peyré, Delon and Bernot
+//! Distance between the patches of two sets of pictures: sliced Wasserstein distances (Rabin, Peyré, Delon and Bernot
 //! 2011, "Wasserstein barycenter and its application to texture mixing").
 //!
 //! `distance(f) = mean over i of |sorted(f·a)_i - sorted(f·b)_i| / (s + e)`, for patches a of the results and b of the
 //! style, a direction f, and the standard deviation s of f·b. Texture: random filters over 7×7×3 samples, e = 0.002.
-//! Color: random directions in the color of the center, e = 0.02. Both are means over directions and levels.
-//! Patches are pooled over the batch: no single picture must look like the whole style. With ranges the patches of either
-//! side are ordered by the range at their center and split into [`BANDS`] of as many; the distance is the mean of those of the
-//! bands, each with its own s. A band of one side is held against the same of the other.
+//! Color: random directions in the color of the center, e = 0.02. Both are means over directions and levels. Patches
+//! are pooled over the batch: a single picture need not look like the complete style. With ranges, the patches of
+//! either side are sorted by the range at their center and split into [`BANDS`] of equal size; the distance is the mean
+//! over bands, each with its s. Bands are compared in order.
 
 use imaging::random::Stream;
 use rayon::prelude::*;
@@ -18,7 +18,7 @@ use super::{COLOR, Ranges, TEXTURE};
 use crate::real::Real;
 use crate::tensor::Tensor;
 
-/// Patches drawn at each level.
+/// Patches per level.
 const PATCHES: [usize; LEVELS] = [2048, 2048, 1024, 1024];
 /// Bands of range.
 const BANDS: usize = 4;
@@ -72,19 +72,19 @@ pub(crate) fn sliced<T: Real>(
     }
 }
 
-/// Splits a number of patches as evenly as it goes.
+/// Splits a number of patches as evenly as possible.
 fn shared_out(patches: usize, pictures: usize) -> impl Iterator<Item = usize> {
     (0..pictures).map(move |index| patches * (index + 1) / pictures - patches * index / pictures)
 }
 
-/// Pictures of a level, and the places of their patches.
+/// Pictures of a level and the positions of their patches.
 struct Drawn<'a, T> {
     pictures: Vec<&'a Tensor<T>>,
     places: Vec<Vec<Place>>,
 }
 
 impl<'a, T: Real> Drawn<'a, T> {
-    /// Draws patches of all pictures, from the addresses of the stream that begin at `first`.
+    /// Draws patches of all pictures, at the stream addresses from `first` on.
     fn new(pictures: &'a [Pyramid<T>], level: usize, stream: &Stream, first: u64) -> Self {
         let pictures: Vec<_> = pictures.iter().map(|picture| &picture.levels[level]).collect();
         let counts = shared_out(PATCHES[level], pictures.len());
@@ -165,7 +165,8 @@ fn compare<T: Real>(
     }
 }
 
-/// The mean distance of bands of two sets of as many numbers, each in its order, and its slope for each of the first.
+/// The mean distance over bands of two sets of equal size, each in its order, and its slope for each element of the
+/// first.
 fn banded<T: Real>(
     [ours, theirs]: [&[T]; 2],
     [our_order, their_order]: &[Vec<u32>; 2],
@@ -192,7 +193,7 @@ fn banded<T: Real>(
     (sum / BANDS as f64, slopes)
 }
 
-/// Distance of two sets of as many numbers, and its slope for each of the first.
+/// Distance of two sets of equal size, and its slope for each element of the first.
 fn apart<T: Real>(ours: &[T], theirs: &[T], floor: f64, factor: f64) -> (f64, Vec<T>) {
     let count = theirs.len() as f64;
     let mean = theirs.iter().map(|v| v.to_f64()).sum::<f64>() / count;

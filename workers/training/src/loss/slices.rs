@@ -1,4 +1,4 @@
-//! Patches of a picture projected on the filters and directions of a level, and slopes carried back to its pixels.
+//! Projects patches of a picture on the filters and directions of a level, and propagates slopes back to its pixels.
 
 use imaging::vectorized;
 
@@ -37,7 +37,7 @@ pub(super) fn projections<T: Real>(picture: &Tensor<T>, places: &[Place], slices
     out
 }
 
-/// Where a patch has its center, by channel.
+/// Index of a patch's center, by channel.
 fn center(channel: usize) -> usize {
     (channel * PATCH + PATCH / 2) * PATCH + PATCH / 2
 }
@@ -63,7 +63,7 @@ fn project<T: Real>(samples: &[[T; CHUNK]], slices: &Slices<T>, sums: &mut [[T; 
     }
 }
 
-/// Adds the slopes of all slices to the pixels of the patches; those of the first patch stand at `start`.
+/// Adds the slopes of all slices to the pixels of the patches; `start` is the index of the first patch's slopes.
 pub(super) fn scatter<T: Real>(
     gradient: &mut Tensor<T>,
     places: &[Place],
