@@ -11,7 +11,7 @@ pub(crate) struct Blocks {
 }
 
 impl Blocks {
-    /// Blocks of `side` pixels; along an axis that is shorter there is one block as long as the axis.
+    /// Blocks of `side` pixels; a shorter axis has one block of its length.
     pub(crate) fn new((width, height): (usize, usize), side: usize) -> Self {
         let (width_px, height_px) = (side.min(width), side.min(height));
         Self {
@@ -22,18 +22,18 @@ impl Blocks {
         }
     }
 
-    /// How many blocks there are; at least one.
+    /// Number of blocks; at least one.
     pub(crate) fn count(&self) -> f64 {
         (self.across * self.down) as f64
     }
 
-    /// Rows that lie in blocks.
+    /// Number of rows inside blocks.
     pub(crate) fn rows(&self) -> usize {
         self.down * self.height_px
     }
 
-    /// Least and greatest sample of each block, row by row. A picture's row holds `samples` values for each pixel, and
-    /// `fill(y, row)` writes that part of row y that lies in blocks. Each row is requested once, from the top down.
+    /// Minimum and maximum sample of each block, row-major. A picture's row has `samples` values per pixel, and
+    /// `fill(y, row)` writes the part of row y inside blocks. Each row is requested once, from the top down.
     #[inline(always)]
     pub(crate) fn extremes<T: Copy + PartialOrd + Default>(
         &self,

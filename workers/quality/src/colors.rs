@@ -1,13 +1,13 @@
-//! The distinct colors of a picture: most pictures have far fewer of them than pixels.
+//! The distinct colors of a picture, usually far fewer than pixels.
 
 use crate::work::{Part, Work};
 
-/// Every color that occurs, in the order of R, then G, then B, and how often.
+/// All colors in the order of R, then G, then B, and their counts.
 pub(crate) struct Colors {
     /// Codes of one color after the other.
     pub(crate) codes: Vec<u8>,
     pub(crate) counts: Vec<u32>,
-    /// Pixels of the picture.
+    /// Number of pixels of the picture.
     pub(crate) pixels: usize,
 }
 

@@ -23,14 +23,14 @@ pub(crate) fn blue(work: &Work) -> f64 {
     of_codes(work.part::<Channels>().0[2].data())
 }
 
-/// Entropy over distinct colors, 0..=24 and never above `log2` of the number of pixels.
+/// Entropy over distinct colors, 0..=24 and at most `log2` of the number of pixels.
 pub(crate) fn joint(work: &Work) -> f64 {
     let colors = work.part::<Colors>();
     of_counts(colors.counts.iter().copied(), colors.pixels)
 }
 
-/// Entropy of the pairs (gray code, mean gray code of the 3 × 3 neighborhood rounded down), 0..=16. The center counts
-/// to its neighborhood and the border is replicated.
+/// Entropy of the pairs (gray code, mean gray code of the 3 × 3 neighborhood rounded down), 0..=16. The neighborhood
+/// includes the center; the border is replicated.
 pub(crate) fn with_neighborhood(work: &Work) -> f64 {
     let gray = &work.part::<Gray>().0;
     let (width, height) = gray.size();
@@ -61,7 +61,7 @@ fn of_codes(codes: &[u8]) -> f64 {
     of_counts(counts.into_iter(), codes.len())
 }
 
-/// `-Σ p log2 p` with `p = count / total`, in the order given; `0 log 0` is 0.
+/// `-Σ p log2 p` with `p = count / total`, in the given order; `0 log 0` is 0.
 fn of_counts(counts: impl Iterator<Item = u32>, total: usize) -> f64 {
     let total = total as f64;
     let mut entropy = 0.0;

@@ -1,4 +1,4 @@
-//! Measuring a picture by any number of metrics.
+//! Measures a picture by any number of metrics.
 
 use std::collections::BTreeMap;
 
@@ -8,11 +8,11 @@ use crate::error::QualityError;
 use crate::registry::{Compute, MetricId};
 use crate::work::Work;
 
-/// Measures a picture, and returns the values in the order of the request. Pixels are 8-bit sRGB codes.
+/// Measures a picture and returns the values in the order of the request. Pixels are 8-bit sRGB codes.
 ///
 /// # Errors
-/// [`QualityError`] when the picture has no pixel, when a metric compares and `clean` is `None`, or when `clean` has
-/// another size.
+/// [`QualityError`] if the picture has no pixels, if a metric needs `clean` and it is `None`, or if `clean` has another
+/// size.
 pub fn measure(
     picture: &Rgb8,
     clean: Option<&Rgb8>,
@@ -46,7 +46,7 @@ pub fn measure(
     Ok(measured.collect())
 }
 
-/// A metric's value, computed once: sums are made of it, too.
+/// A metric's value, computed once: sums need it, too.
 fn value(work: &Work, metric: MetricId, known: &mut BTreeMap<MetricId, f64>) -> f64 {
     if let Some(value) = known.get(&metric) {
         return *value;
@@ -59,7 +59,7 @@ fn value(work: &Work, metric: MetricId, known: &mut BTreeMap<MetricId, f64>) -> 
             terms.iter().map(term).sum()
         }
     };
-    // Adding 0 turns -0 into +0 and leaves everything else.
+    // Adding 0 turns -0 into +0 and nothing else.
     known.insert(metric, computed + 0.0);
     computed + 0.0
 }

@@ -2,8 +2,8 @@
 
 use crate::work::Work;
 
-/// Greatest value, given for equal pictures too: a single code that is off by one in 64 million pixels is at 131 dB, and
-/// values above this are not distinguished.
+/// Largest value, also for equal pictures: a single code off by one in 64 million pixels is at 131 dB, and higher
+/// values are not distinguished.
 pub(crate) const CAP_DB: f64 = 100.0;
 
 /// Peak signal-to-noise ratio, 0..=100 dB.

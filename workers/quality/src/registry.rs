@@ -6,14 +6,14 @@ use std::ops::RangeInclusive;
 use crate::work::Work;
 use crate::{ciede2000, corners, entropy, light_uniformity, psnr, ssim, uciqe, uicm, uiconm, uiqm, uism};
 
-/// Which published arithmetic a metric follows.
+/// Published arithmetic of a metric.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Profile {
-    /// The formulas of the article (Panetta, Gao and Agaian 2016). The default: its name is not written.
+    /// The formulas of the article (Panetta, Gao and Agaian 2016). The default, omitted from names.
     Panetta,
-    /// The program that underwater deep-learning papers share, with its slips.
+    /// The program shared by underwater deep-learning papers, with its errors.
     Funie,
-    /// What agrees with the arithmetic of the published comparison table of enhancement methods.
+    /// Agrees with the published comparison table of enhancement methods.
     Table1,
 }
 
@@ -21,7 +21,7 @@ impl Profile {
     /// Every profile, the default first.
     pub const ALL: [Self; 3] = [Self::Panetta, Self::Funie, Self::Table1];
 
-    /// Whose arithmetic it is.
+    /// Source of the arithmetic.
     #[must_use]
     pub fn about(self) -> &'static str {
         match self {
@@ -33,7 +33,7 @@ impl Profile {
         }
     }
 
-    /// As written behind the `@`.
+    /// Name after the `@`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -44,12 +44,12 @@ impl Profile {
     }
 }
 
-/// How a metric is computed.
+/// Computation of a metric.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Compute {
     /// From the picture.
     Direct(fn(&Work) -> f64),
-    /// As a sum of other metrics of the same profile, by their names and weights.
+    /// As a sum of other metrics of the same profile, by name and weight.
     Sum(&'static [(&'static str, f64)]),
 }
 
@@ -60,11 +60,11 @@ pub struct MetricInfo {
     pub name: &'static str,
     /// Profile, for metrics that have several.
     pub profile: Option<Profile>,
-    /// What it measures.
+    /// Short description.
     pub about: &'static str,
-    /// Bounds that no 8-bit picture leaves; infinite where no bound is known.
+    /// Bounds over all 8-bit pictures; infinite if unknown.
     pub range: RangeInclusive<f64>,
-    /// Whether a clean picture is needed.
+    /// Whether it needs a clean picture.
     pub needs_reference: bool,
     pub(crate) compute: Compute,
 }
@@ -74,7 +74,7 @@ pub struct MetricInfo {
 pub struct MetricId(u8);
 
 impl MetricId {
-    /// The metric of this name, `name` or `name@profile`; a name without profile means `panetta`.
+    /// The metric of this name, `name` or `name@profile`; the default profile is `panetta`.
     #[must_use]
     pub fn parse(name: &str) -> Option<Self> {
         let (name, profile) = name
@@ -102,7 +102,7 @@ impl MetricId {
         &REGISTRY[usize::from(self.0)]
     }
 
-    /// The metric of another name and the same profile.
+    /// The metric of another name in the same profile.
     pub(crate) fn sibling(self, name: &str) -> Self {
         let profile = self.info().profile;
         let row = REGISTRY
@@ -112,7 +112,7 @@ impl MetricId {
     }
 }
 
-/// The name that [`MetricId::parse`] reads; the default profile is left out.
+/// The name for [`MetricId::parse`], without the default profile.
 impl fmt::Display for MetricId {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let info = self.info();
@@ -290,7 +290,7 @@ static REGISTRY: &[MetricInfo] = &[
         0.0..=1.0,
         uciqe::sigma_c,
     ),
-    // White comes out at 1 + 4e-8: the rows of the matrix do not add up to the white exactly.
+    // White yields 1 + 4e-8: the rows of the matrix do not add up to the white exactly.
     row(
         "uciqe_con_l",
         "part of uciqe: contrast of lightness",

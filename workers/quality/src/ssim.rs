@@ -1,10 +1,10 @@
 //! SSIM against a clean picture, on gray codes (Wang, Bovik, Sheikh and Simoncelli 2004).
 //!
-//! `SSIM = mean of (2 μ_x μ_y + C1)(2 σ_xy + C2) / ((μ_x² + μ_y² + C1)(σ_x² + σ_y² + C2))` over windows of 11 × 11
-//! with Gaussian weights, σ = 1.5 px; `C1 = (0.01 · 255)²`, `C2 = (0.03 · 255)²`; moments are weighted means.
+//! `SSIM = mean of (2 μ_x μ_y + C1)(2 σ_xy + C2) / ((μ_x² + μ_y² + C1)(σ_x² + σ_y² + C2))` over windows of 11 × 11 with
+//! Gaussian weights, σ = 1.5 px; `C1 = (0.01 · 255)²`, `C2 = (0.03 · 255)²`; moments are weighted means.
 //!
-//! Border: only windows that lie wholly inside count. A picture with a side below 11 has none; there every pixel
-//! has a window, and both pictures go on beyond their borders by reflection without repeating the edge.
+//! Border: only complete windows count. A picture with a side below 11 has none; there every pixel has a window, and
+//! both pictures are extended by reflection without repeating the edge.
 
 use std::borrow::Cow;
 
@@ -25,10 +25,10 @@ pub(crate) fn ssim(work: &Work) -> f64 {
     vectorized!(separable(&x, &y))
 }
 
-/// The definition, window by window: what the fast variant is compared with.
+/// The definition, window by window: the reference of the fast variant.
 ///
 /// # Panics
-/// When the planes differ in size or have no pixel.
+/// If the planes differ in size or are empty.
 #[must_use]
 pub fn ssim_reference(x: &Plane<u8>, y: &Plane<u8>) -> f64 {
     assert_eq!(x.size(), y.size(), "planes to compare are of one size");
@@ -76,7 +76,7 @@ impl Moments {
     }
 }
 
-/// The same down the columns, then along the rows.
+/// The fast variant: down the columns, then along the rows.
 #[inline(always)]
 fn separable(picture: &Plane<u8>, clean: &Plane<u8>) -> f64 {
     let weights = weights();
@@ -124,7 +124,7 @@ fn weights() -> [f64; WINDOW_PX] {
     std::array::from_fn(|i| weight(i) / sum)
 }
 
-/// The plane itself where windows fit, else with half a window of reflection around it.
+/// The unchanged plane if windows fit, else with half a window of reflection around it.
 fn extended(plane: &Plane<u8>) -> Cow<'_, Plane<u8>> {
     let (width, height) = plane.size();
     if width.min(height) >= WINDOW_PX {
@@ -151,7 +151,7 @@ mod tests {
         for (width, height) in [(1, 1), (1, 9), (10, 40), (11, 11), (12, 11), (31, 23), (64, 13)] {
             let x = Plane::from_fn(width, height, |x, y| (x * 37 + y * y * 11) as u8);
             let y = Plane::from_fn(width, height, |x, y| (x * x * 5 + y * 29) as u8);
-            // Both sum the same terms; 121 products of 16-bit values in double precision.
+            // Both sum the same terms; 121 products of 16-bit values in f64.
             assert!(
                 (fast(&x, &y) - ssim_reference(&x, &y)).abs() < 1e-11,
                 "{width}×{height}"

@@ -1,9 +1,9 @@
 //! UCIQE: spread of chroma, contrast of lightness and mean saturation in CIE Lab (Yang and Sowmya 2015).
 //!
-//! sRGB codes → linear light → XYZ (sRGB primaries) → Lab with white (0.95047, 1, 1.08883); `l = L / 100`,
-//! `C = sqrt(a² + b²) / 100` (0 below 1e-6, which is rounding of a gray).
-//! `UCIQE = 0.4680 σ_C + 0.2745 con_l + 0.2576 μ_s`: σ_C the standard deviation of C; con_l the mean of the k largest l
-//! less the mean of the k smallest, k one hundredth of the pixels, at least 1; μ_s the mean of `s = C / sqrt(C² + l²)`.
+//! sRGB codes → linear light → XYZ (sRGB primaries) → Lab with white (0.95047, 1, 1.08883); `l = L / 100`, `C = sqrt(a²
+//! + b²) / 100` (0 below 1e-6, which is rounding of a gray). `UCIQE = 0.4680 σ_C + 0.2745 con_l + 0.2576 μ_s`: σ_C the
+//! standard deviation of C; con_l the mean of the k largest l less the mean of the k smallest, k one hundredth of the
+//! pixels, at least 1; μ_s the mean of `s = C / sqrt(C² + l²)`.
 
 use imaging::{lab, vectorized};
 
@@ -11,7 +11,7 @@ use crate::colors::Colors;
 use crate::linear::LINEAR;
 use crate::work::{Part, Work};
 
-/// UCIQE itself.
+/// The weighted sum.
 pub(crate) fn uciqe(work: &Work) -> f64 {
     let Terms { sigma_c, con_l, mu_s } = *work.part();
     0.4680 * sigma_c + 0.2745 * con_l + 0.2576 * mu_s
@@ -48,7 +48,7 @@ impl Part for Terms {
 
 /// Colors converted together.
 const BATCH: usize = 64;
-/// Independent partial sums, added up in this order whatever the vector unit.
+/// Independent partial sums, added in a fixed order on any vector unit.
 const LANES: usize = 8;
 
 #[inline(always)]
@@ -59,7 +59,7 @@ fn terms(colors: &Colors, linear: &[f64; 256]) -> Terms {
         pixels,
     } = colors;
     let mut lightness = vec![0.0f64; counts.len()];
-    // Chroma is taken relative to the first color's, so that its variance does not cancel.
+    // Chroma relative to the first color's, so that its variance does not cancel.
     let origin = Batch::new(linear, &codes[..3]).chroma[0];
     let [mut chroma_sums, mut square_sums, mut saturation_sums] = [[0.0f64; LANES]; 3];
     let weighted = lightness.chunks_mut(BATCH).zip(counts.chunks(BATCH));
@@ -83,7 +83,7 @@ fn terms(colors: &Colors, linear: &[f64; 256]) -> Terms {
     }
 }
 
-/// What is measured of each color.
+/// Lab quantities of a batch of colors.
 struct Batch {
     lightness: [f64; BATCH],
     chroma: [f64; BATCH],
@@ -112,8 +112,8 @@ impl Batch {
     }
 }
 
-/// Mean of the k largest values less the mean of the k smallest, k a hundredth of them, rounded, at least 1. Every value
-/// stands for as many as its count.
+/// Mean of the k largest values less the mean of the k smallest, k a hundredth of them, rounded, at least 1. `counts`
+/// are the multiplicities of the values.
 fn contrast(lightness: &[f64], counts: &[u32]) -> f64 {
     const BINS: usize = 4096;
     let total: usize = counts.iter().map(|&count| count as usize).sum();
@@ -161,7 +161,7 @@ fn first(values: &[(f64, u32)], wanted: usize) -> f64 {
     sum
 }
 
-/// The bin that only some of the k first values fall into, and how many of it.
+/// The bin that contains the k-th value, and the number of its values among the first k.
 struct Boundary {
     bin: usize,
     wanted: usize,

@@ -1,7 +1,7 @@
 //! UICM, colorfulness: spread of the opponent colors `RG = R - G` and `YB = (R + G) / 2 - B`, less their shift from
 //! gray (Panetta, Gao and Agaian 2016, eq. 1-4).
 //!
-//! `UICM = -0.0268 sqrt(μ_RG² + μ_YB²) + 0.1586 sqrt(σ²_RG + σ²_YB)`, where μ leaves out the lowest tenth of the sorted
+//! `UICM = -0.0268 sqrt(μ_RG² + μ_YB²) + 0.1586 sqrt(σ²_RG + σ²_YB)`, where μ omits the lowest tenth of the sorted
 //! values (rounded up) and the highest tenth (rounded down), and σ² is the mean squared distance of all values from
 //! that μ.
 //!
@@ -21,7 +21,7 @@ pub(crate) fn funie(work: &Work) -> f64 {
     uicm(rg.moments(1), yb.moments(1))
 }
 
-/// UICM with YB in whole numbers.
+/// UICM with integral YB.
 pub(crate) fn table1(work: &Work) -> f64 {
     let Opponents { rg, yb } = &*work.part();
     uicm(rg.moments(0), yb.rounded_down().moments(0))
@@ -31,7 +31,7 @@ fn uicm(rg: Moments, yb: Moments) -> f64 {
     -0.0268 * (rg.mean * rg.mean + yb.mean * yb.mean).sqrt() + 0.1586 * (rg.variance + yb.variance).sqrt()
 }
 
-/// Histograms of the opponent colors of a picture.
+/// Histograms of a picture's opponent colors.
 pub(crate) struct Opponents {
     rg: Histogram,
     yb: Histogram,
@@ -42,7 +42,7 @@ impl Part for Opponents {
         let mut rg = vec![0u32; 511];
         let mut yb = vec![0u32; 1021];
         for [r, g, b] in work.picture().pixels() {
-            // Wide before the subtraction: 8 bits would wrap around.
+            // Widen before the subtraction: 8 bits would wrap around.
             let [r, g, b] = [r, g, b].map(usize::from);
             rg[255 + r - g] += 1;
             yb[510 + r + g - 2 * b] += 1;
@@ -89,8 +89,8 @@ impl Histogram {
         }
     }
 
-    /// Trimmed mean and the variance about it. `missing` further values are left out of the sum, but not of the number
-    /// that it is divided by. When the trimming leaves nothing, which is one pixel, the mean is the plain one.
+    /// Trimmed mean and the variance about it. `missing` further values are omitted from the sum, but not from its
+    /// divisor. If the trimming leaves no values, as for one pixel, the plain mean is used.
     fn moments(&self, missing: u64) -> Moments {
         let total: u64 = self.counts.iter().map(|&count| u64::from(count)).sum();
         let (below, above) = (total.div_ceil(10), total / 10);

@@ -1,14 +1,13 @@
 //! UIConM, contrast of blocks as an entropy-like mean (Panetta, Gao and Agaian 2016, eq. 7-8).
 //!
-//! For a block with greatest intensity M and least m, of `I = (R + G + B) / 3` in blocks of 10 × 10,
-//! `q = [γ (M - m) / (γ - m)] / [M + m - M m / γ]` with γ = 1026: a difference over a sum of the parameterized
-//! logarithmic image model. `UIConM = -1 / (k1 k2) Σ q ln q`, 0 where M = m.
+//! For a block with largest intensity M and smallest m, of `I = (R + G + B) / 3` in blocks of 10 × 10, `q = [γ (M - m)
+//! / (γ - m)] / [M + m - M m / γ]` with γ = 1026: a difference over a sum of the parameterized logarithmic image model.
+//! `UIConM = -1 / (k1 k2) Σ q ln q`, 0 for M = m.
 //!
-//! `funie` takes M and m over the three channels together and the ordinary `q = (M - m) / (M + m)`, so a plain color
-//! has contrast. `table1` takes whole thirds of the channels and blocks of 4 × 4; with
-//! `t = γ (m - M) / m / (γ - M m / γ)` and `φ(z) = -γ ln(1 - z / γ)` it is the mean of
-//! `γ (1 - exp(-φ(t) φ(ln |t|) / γ))` over blocks with 0 < m < M. It falls without a bound worth naming where one dark
-//! pixel stands beside a bright one, and higher is not better.
+//! `funie` uses M and m over the three channels together and the ordinary `q = (M - m) / (M + m)`, so a plain color has
+//! contrast. `table1` uses integer thirds of the channels and blocks of 4 × 4; with `t = γ (m - M) / m / (γ - M m / γ)`
+//! and `φ(z) = -γ ln(1 - z / γ)` it is the mean of `γ (1 - exp(-φ(t) φ(ln |t|) / γ))` over blocks with 0 < m < M. It is
+//! practically unbounded below for a dark pixel next to a bright one, and higher is not better.
 
 use crate::blocks::Blocks;
 use crate::work::Work;
@@ -46,7 +45,7 @@ pub(crate) fn table1(work: &Work) -> f64 {
             *sum = p[0] / 3 + p[1] / 3 + p[2] / 3;
         }
     };
-    // Many blocks share their extremes: a term is computed once for each pair.
+    // Many blocks share their extremes: each pair is computed once.
     let mut known = vec![None; 1 << 16];
     mean(work, TABLE1_BLOCK_PX, 1, thirds, |low, high| {
         let pair = usize::from(low) << 8 | usize::from(high);
@@ -57,8 +56,8 @@ pub(crate) fn table1(work: &Work) -> f64 {
     })
 }
 
-/// The mean over blocks of what `term` returns for the least and the greatest sample, 0 where they are equal. `fill` makes the
-/// samples of a row, this many for each pixel, of its codes.
+/// The mean over blocks of `term` of the smallest and the largest sample, 0 if they are equal. `fill` computes the
+/// samples of a row from its codes, `samples` per pixel.
 fn mean<T: Copy + PartialOrd + Default>(
     work: &Work,
     side_px: usize,

@@ -1,11 +1,11 @@
 //! UISM, sharpness: contrast of edges, channel by channel (Panetta, Gao and Agaian 2016, eq. 5-6).
 //!
-//! With the edge strength `E = c · sqrt(gx² + gy²)` of a channel with codes c and Sobel derivatives gx, gy,
-//! `EME = 2 / (k1 k2) Σ ln(max E / min E)` over blocks of 10 × 10; a block whose least strength is 0 adds nothing.
-//! `UISM = 0.299 EME_R + 0.587 EME_G + 0.114 EME_B`.
+//! With the edge strength `E = c · sqrt(gx² + gy²)` of a channel with codes c and Sobel derivatives gx, gy, `EME = 2 /
+//! (k1 k2) Σ ln(max E / min E)` over blocks of 10 × 10; a block with smallest strength 0 adds 0. `UISM = 0.299 EME_R +
+//! 0.587 EME_G + 0.114 EME_B`.
 //!
-//! `funie` weighs blue by 0.144, a transposition of its program. `table1` takes blocks of 4 × 4 and the vertical
-//! derivative in place of both, cut at 255; it rescales each channel to codes, and there a block that holds a 0 adds 1.
+//! `funie` weights blue by 0.144, a transposition of its program. `table1` uses blocks of 4 × 4 and only the vertical
+//! derivative, clipped at 255; it rescales each channel to codes, and a block with a 0 then adds 1.
 
 use imaging::simd::{larger, smaller};
 use imaging::{Plane, vectorized};
@@ -54,7 +54,7 @@ fn eme(channel: &Plane<u8>) -> f64 {
     let blocks = Blocks::new(channel.size(), BLOCK_PX);
     let mut sobel = Sobel::new(channel, Border::Replicate);
     let (mut gx, mut gy) = (vec![0i16; channel.width()], vec![0i16; channel.width()]);
-    // E² is a whole number below 2^38: f64 holds it, and the order of its blocks' extremes is that of E.
+    // E² is an integer below 2^38: f64 holds it, and the order of the extremes is that of E.
     let extremes = blocks.extremes(1, |y, row: &mut [f64]| {
         let count = row.len();
         sobel.row(y, &mut gx[..count], &mut gy[..count]);
@@ -79,7 +79,7 @@ fn vertical(channel: &Plane<u8>) -> f64 {
     let mut sobel = Sobel::new(channel, Border::Reflect);
     let (mut gx, mut gy) = (vec![0i16; width], vec![0i16; width]);
     let mut strength = vec![0.0f64; width];
-    // The extremes of what lies beside and below the blocks; those of the blocks are known anyway.
+    // The extremes outside the blocks; those of the blocks are known.
     let (mut least, mut greatest) = (f64::INFINITY, 0.0f64);
     let mut measure_row = |y: usize, row: &mut [f64]| {
         sobel.row(y, &mut gx, &mut gy);

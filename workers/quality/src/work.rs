@@ -1,4 +1,4 @@
-//! One picture being measured: what metrics share is computed once, when the first of them asks.
+//! A picture being measured: results shared by metrics are computed once, on first use.
 
 use std::any::{Any, TypeId};
 use std::cell::RefCell;
@@ -7,14 +7,14 @@ use std::rc::Rc;
 
 use imaging::{Plane, Rgb8};
 
-/// A picture, the clean one where given, and what has been computed from them so far.
+/// A picture, the clean one if given, and the parts computed so far.
 pub(crate) struct Work<'a> {
     picture: &'a Rgb8,
     clean: Option<&'a Rgb8>,
     parts: RefCell<HashMap<TypeId, Rc<dyn Any>>>,
 }
 
-/// What several metrics are computed from.
+/// A result shared by several metrics.
 pub(crate) trait Part: 'static {
     fn new(work: &Work) -> Self;
 }
@@ -32,7 +32,7 @@ impl<'a> Work<'a> {
         self.picture
     }
 
-    /// The clean picture, of the same size. Only metrics that declare `needs_reference` may call this.
+    /// The clean picture, of the same size. Only for metrics that declare `needs_reference`.
     pub(crate) fn clean(&self) -> &'a Rgb8 {
         self.clean
             .expect("metrics that compare run only with a clean picture")
@@ -44,7 +44,7 @@ impl<'a> Work<'a> {
         &self.picture.data()[y * stride..][..stride]
     }
 
-    /// Returns a part, which is computed on the first call.
+    /// Returns a part, computing it on the first call.
     pub(crate) fn part<P: Part>(&self) -> Rc<P> {
         let kind = TypeId::of::<P>();
         let known = self.parts.borrow().get(&kind).cloned();
@@ -66,7 +66,7 @@ impl Part for Gray {
     }
 }
 
-/// Red, green and blue apart.
+/// Planes of red, green and blue.
 pub(crate) struct Channels(pub(crate) [Plane<u8>; 3]);
 
 impl Part for Channels {
