@@ -1,11 +1,11 @@
 //! The two-dimensional cosine transform of any size.
 //!
-//! Forward, type II, not normalized: `X[q][p] = Σ_y Σ_x x[y][x] cos(π p (x+½)/W) cos(π q (y+½)/H)`. The inverse undoes it
-//! exactly. A plane under this transform is a mirror box: half-sample symmetric on all sides, so that a convolution with
-//! an even kernel becomes a product, without wrap-around and without padding.
+//! Forward, type II, not normalized: `X[q][p] = Σ_y Σ_x x[y][x] cos(π p (x+½)/W) cos(π q (y+½)/H)`, with an exact
+//! inverse. A plane under this transform is a mirror box: half-sample symmetric on all sides, so that a convolution
+//! with an even kernel becomes a product, without wrap-around and without padding.
 //!
-//! Each pass is a complex FFT of the same length (Makhoul 1980, "A fast cosine transform in one and two dimensions") that
-//! carries two real lines at once. [`Dct2`] is the plain form in f64, [`PairDct`] the fast one in f32.
+//! Each pass is a complex FFT of the same length (Makhoul 1980, "A fast cosine transform in one and two dimensions")
+//! that transforms two real lines together. [`Dct2`] is the plain variant in f64, [`PairDct`] the fast one in f32.
 
 mod folding;
 mod group;
@@ -17,7 +17,7 @@ pub use pair::PairDct;
 use crate::cancel;
 use crate::fft::{self, Complex, Ffts};
 
-/// Columns that a vertical pass gathers together: 16 f32 fill a cache line.
+/// Columns gathered together by a vertical pass: 16 f32 fill a cache line.
 const COLUMNS: usize = 16;
 
 /// The transforms of one frame size, with their buffers.
@@ -51,15 +51,15 @@ impl Dct2 {
     /// Transforms a row-major plane in place.
     ///
     /// # Panics
-    /// When the plane is of another size.
+    /// If the plane has another size.
     pub fn forward(&mut self, plane: &mut [f64]) {
         self.both_axes(plane, Lines::forward);
     }
 
-    /// Undoes [`Dct2::forward`] in place.
+    /// Inverts [`Dct2::forward`] in place.
     ///
     /// # Panics
-    /// When the plane is of another size.
+    /// If the plane has another size.
     pub fn inverse(&mut self, plane: &mut [f64]) {
         self.both_axes(plane, Lines::inverse);
     }
@@ -127,7 +127,7 @@ impl Lines {
         }
     }
 
-    /// Even samples go forward, odd samples come back: the order in which the FFT sees a mirrored line.
+    /// Even samples forward, then odd samples backward: the order of a mirrored line in the FFT.
     fn place(&self, index: usize) -> usize {
         if index.is_multiple_of(2) {
             index / 2

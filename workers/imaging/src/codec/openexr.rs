@@ -1,8 +1,9 @@
-//! OpenEXR files: the channels R, G and B as linear light, or Z as distances; half or float, whatever the compression.
+//! OpenEXR files: the channels R, G and B as linear light, or Z as distances; half or float, any compression.
 //!
-//! A channel of a layer is called `LAYER.R`. Channels without a layer come first; else there must be one layer alone that has
-//! them, or one that is called `Combined`, as Blender calls the picture among its passes. A Z beside X and Y is the part of a
-//! vector and no distance. The pixels are those of the data window; deep files and subsampled channels are refused.
+//! A channel of a layer is called `LAYER.R`. Channels without a layer have priority; otherwise exactly one layer must
+//! contain them, or one called `Combined`, Blender's name of the picture among its passes. A Z with X and Y is a
+//! component of a vector and not a distance. The pixels are those of the data window; deep files and subsampled
+//! channels are rejected.
 
 use std::io::Cursor;
 
@@ -18,14 +19,14 @@ use super::{DecodeError, MAX_DECODER_BYTES, check_size};
 use crate::{Plane, Rgb};
 
 const MAGIC: &[u8] = &[0x76, 0x2f, 0x31, 0x01];
-/// The layer of a picture that stands among other passes.
+/// Layer of the picture among Blender's other passes.
 const PICTURE_LAYER: &str = "Combined.";
 
 pub(super) fn is_exr(bytes: &[u8]) -> bool {
     bytes.starts_with(MAGIC)
 }
 
-/// Columns and rows of the data window that stands first in the header.
+/// Columns and rows of the first data window in the header.
 pub(super) fn announced_sides(bytes: &[u8]) -> Option<(usize, usize)> {
     /// Headers have a few hundred bytes.
     const HEADER_BYTES: usize = 1 << 16;
@@ -98,7 +99,7 @@ fn decode(bytes: &[u8], names: &[&str], wanted: &'static str) -> Result<Vec<Plan
     pixels.into_iter().map(Pixels::whole).collect()
 }
 
-/// Refuses what cannot be decoded, or only with too much memory.
+/// Rejects unsupported files and those that need too much memory.
 fn check(header: &Header) -> Result<(), DecodeError> {
     let Vec2(width, height) = header.layer_size;
     check_size(width, height)?;
@@ -161,7 +162,7 @@ fn channel_names(header: &Header) -> Vec<String> {
         .collect()
 }
 
-/// What a file holds, for messages.
+/// The content of a file, for messages.
 fn listed(headers: &[Header]) -> String {
     const MOST: usize = 20;
     let names: Vec<String> = headers.iter().flat_map(channel_names).collect();
@@ -174,12 +175,12 @@ fn listed(headers: &[Header]) -> String {
     format!("the channels {}{more}", shown.join(", "))
 }
 
-/// One channel on its way from blocks to a plane.
+/// A channel being assembled from blocks.
 struct Pixels {
     width: usize,
     height: usize,
     data: Vec<f32>,
-    /// Samples that have come so far.
+    /// Number of samples received.
     filled: usize,
 }
 
@@ -220,7 +221,7 @@ impl Pixels {
     }
 }
 
-/// Takes the wanted channels out of a block.
+/// Copies the requested channels out of a block.
 fn take(
     block: &UncompressedBlock,
     channels: &ChannelList,

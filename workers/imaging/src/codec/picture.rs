@@ -1,4 +1,4 @@
-//! The decoders of picture files, each kept within the limits, and their samples as a raster.
+//! The decoders of picture files within the limits.
 
 use std::io::Cursor;
 
@@ -9,7 +9,7 @@ use zune_core::options::DecoderOptions;
 use super::{DecodeError, MAX_DECODER_BYTES, check_size, jpeg};
 use crate::{Channels, Raster, Samples};
 
-/// Formats of pictures, recognized by their first bytes.
+/// Picture formats, detected by their first bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Format {
     Png,
@@ -17,7 +17,7 @@ pub(super) enum Format {
     WebP,
 }
 
-/// Pixels as a decoder hands them out, alpha last.
+/// Decoded pixels, alpha last.
 struct Pixels {
     width: usize,
     height: usize,
@@ -104,7 +104,7 @@ fn decode_png(bytes: &[u8]) -> Result<Pixels, DecodeError> {
 
 fn decode_jpeg(bytes: &[u8]) -> Result<Pixels, DecodeError> {
     let damaged = |error: zune_jpeg::errors::DecodeErrors| Format::Jpeg.damaged(error);
-    // Sides are not limited here: they are checked below, so that the error names them.
+    // Sides are checked below instead, so that the error reports them.
     let options = DecoderOptions::default()
         .set_strict_mode(false)
         .set_max_width(usize::MAX)

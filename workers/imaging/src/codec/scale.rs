@@ -1,10 +1,9 @@
-//! Smaller pictures for looking at.
+//! Downscales pictures for display.
 
 use crate::Rgb8;
 
-/// A picture whose longer side is at most `max_side`, by the mean of the codes under each new pixel. Codes are
-/// averaged as they are, not as light: this is for previews and sheets. A picture that already fits is returned
-/// unchanged.
+/// A picture whose longer side is at most `max_side`, by the mean of the codes under each new pixel. Averages codes,
+/// not light: for previews and sheets only. A picture within the limit is returned unchanged.
 #[must_use]
 pub fn downscale(picture: &Rgb8, max_side: usize) -> Rgb8 {
     let (width, height) = (picture.width(), picture.height());

@@ -8,8 +8,8 @@ use super::npy::{self, Header};
 use super::openexr;
 use super::picture::Format;
 
-/// Columns and rows that the header of a PNG, JPEG, WebP or NPY file announces, the latter of shape [height, width] or
-/// [height, width, channels]; none for other bytes. Nothing is decoded, and the sides may be beyond the limits.
+/// Columns and rows from the header of a PNG, JPEG, WebP or NPY file, the latter of shape [height, width] or [height,
+/// width, channels]; `None` for other bytes. Nothing is decoded, and the sides may exceed the limits.
 #[must_use]
 pub fn read_sides(bytes: &[u8]) -> Option<(usize, usize)> {
     if npy::is_npy(bytes) {
@@ -37,7 +37,7 @@ pub fn read_sides(bytes: &[u8]) -> Option<(usize, usize)> {
     }
 }
 
-/// Pixels that the header of any file announces that is decoded here; 0 for other bytes. Only as true as the header.
+/// Number of pixels from the header of any decodable file; 0 for other bytes. The header may be wrong.
 #[must_use]
 pub fn announced_pixels(bytes: &[u8]) -> usize {
     let sides = read_sides(bytes).or_else(|| openexr::announced_sides(bytes));

@@ -1,12 +1,12 @@
-//! Columns of a plane in groups that a fast transform works on together.
+//! Groups of columns for the fast transform.
 
 use crate::fft::Complex;
 
 /// Columns that are transformed together, and as many mirrored ones: eight complex numbers are a cache line.
 pub(super) const TILE: usize = 16;
 
-/// Columns that a butterfly joins: `low..low + count` and those mirrored to them, `width − k` for each k, in ascending order;
-/// or one that is mirrored to itself.
+/// Columns joined by a butterfly: `low..low + count` and their mirrors, `width − k` for each k, in ascending order; or
+/// a single self-mirrored column.
 #[derive(Clone, Copy)]
 pub(super) struct Group {
     low: usize,
@@ -15,7 +15,7 @@ pub(super) struct Group {
 }
 
 impl Group {
-    /// The columns below a limit, each with its mirror, of a row of this width: those that stand alone first.
+    /// The columns below a limit with their mirrors, for this width: self-mirrored ones first.
     pub(super) fn below(limit: usize, width: usize) -> impl Iterator<Item = Self> {
         let alone = |low| Self {
             low,
@@ -36,7 +36,7 @@ impl Group {
         all.filter(move |group| group.low < limit)
     }
 
-    /// How many of the columns, which are ascending in both halves, are below the limit. The mirrored ones are greater.
+    /// Number of columns below the limit. Columns ascend within both halves; the mirrored ones are larger.
     pub(super) fn below_limit(self, limit: usize) -> usize {
         let low = limit.saturating_sub(self.low).min(self.count);
         let mirrored = limit.saturating_sub(self.mirrored).min(self.count);
@@ -57,7 +57,7 @@ impl Group {
         (self.low..self.low + self.count).chain(self.mirrored..self.mirrored + mirrored)
     }
 
-    /// Copies the columns of a row-major plane into lines of their own.
+    /// Copies the columns of a row-major plane into contiguous lines.
     pub(super) fn load(
         self,
         plane: &[Complex<f32>],
@@ -75,7 +75,7 @@ impl Group {
         }
     }
 
-    /// Undoes [`Group::load`].
+    /// Inverse of [`Group::load`].
     pub(super) fn store(
         self,
         lines: &[Complex<f32>],
@@ -93,7 +93,7 @@ impl Group {
         }
     }
 
-    /// Applies a butterfly to each column and the one mirrored to it.
+    /// Applies a butterfly to each column and its mirror.
     #[inline(always)]
     pub(super) fn across(
         self,

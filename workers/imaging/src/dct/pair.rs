@@ -1,8 +1,8 @@
-//! The transform for speed: two real planes travel as the real and the imaginary part of one complex plane.
+//! The fast transform: two real planes are the real and the imaginary part of one complex plane.
 //!
-//! The cosine transform is linear, so one complex FFT per axis serves both. Samples come in folded order on both axes, see
-//! [`Folding`]. Rows and columns of coefficients are passed on one by one while they are in the nearest
-//! cache: a plane of a frame does not fit there, and writing it out and reading it again would take longer than the FFT.
+//! The cosine transform is linear, so one complex FFT per axis serves both. Samples are in folded order on both axes,
+//! see [`Folding`]. Rows and columns of coefficients are passed on singly while they are in the nearest cache: a
+//! complete plane does not fit there, and writing and reading it would take longer than the FFT.
 
 use super::group::{Group, TILE};
 use crate::fft::{self, Complex, Ffts};
@@ -16,7 +16,7 @@ pub struct PairDct {
     columns: Axis,
     /// Between the axes: row-major, folded.
     plane: Vec<Complex<f32>>,
-    /// Columns that are being worked on, each contiguous.
+    /// Contiguous copies of the current columns.
     tile: Vec<Complex<f32>>,
     scratch: Vec<Complex<f32>>,
 }
@@ -64,15 +64,15 @@ impl PairDct {
         (self.width, self.height)
     }
 
-    /// Memory that the transform takes.
+    /// Size of the buffers in bytes.
     #[must_use]
     pub fn bytes(&self) -> usize {
         size_of_val(self.plane.as_slice()) + size_of_val(self.tile.as_slice())
     }
 
-    /// From two planes to the first `columns` columns of their spectra: a caller that needs low frequencies only does not pay
-    /// for the others. `fill` writes a row of both in folded order, given its place in that order; `take` is given each column
-    /// p of coefficients, of frequencies q upwards, in some order.
+    /// Transforms two planes to the first `columns` columns of their spectra, for callers that need low frequencies
+    /// only. `fill` writes a row of both in folded order, by its position in that order; `take` receives each column p
+    /// of coefficients, with ascending frequencies q, in any order.
     pub fn forward(
         &mut self,
         mut fill: impl FnMut(usize, &mut [Complex<f32>]),
@@ -106,8 +106,9 @@ impl PairDct {
         }
     }
 
-    /// From two spectra, of which all but the first `columns` columns are 0, back to the planes. `fill` writes each of those
-    /// columns p of coefficients, in some order; `take` is given the rows of both planes, with their place in folded order.
+    /// Transforms two spectra, with zeros beyond the first `columns` columns, back to planes. `fill` writes each of
+    /// those columns p of coefficients, in any order; `take` receives the rows of both planes, with their position in
+    /// folded order.
     pub fn inverse(
         &mut self,
         mut fill: impl FnMut(usize, &mut [Complex<f32>]),
@@ -144,7 +145,7 @@ impl PairDct {
     }
 }
 
-/// Applies a butterfly to numbers k and N−k of a line, k = 1 … N/2; number 0 stays as it is.
+/// Applies a butterfly to numbers k and N−k of a line, k = 1 … N/2; number 0 is unchanged.
 #[inline(always)]
 fn along(
     line: &mut [Complex<f32>],
