@@ -1,4 +1,4 @@
-//! How far a model is from the truth, and how well that is known.
+//! Distance of a model from the truth, with its uncertainty.
 
 use imaging::{Plane, Rgb};
 use optics::range::is_hole;
@@ -6,19 +6,19 @@ use serde::{Serialize, Serializer};
 
 use crate::estimate::{Blocks, Estimate, Part};
 
-/// Errors below as many standard errors are not measured.
+/// Values below this many standard errors are not measured.
 const LEAST: f64 = 2.0;
-/// A block is resolved where its error exceeds its noise by this share of the truth.
+/// A block is resolved if its error exceeds its noise and this share of the truth.
 const RESOLVED: f64 = 0.02;
-/// Neighbors of which one is farther by more than this factor belong to an occlusion edge.
+/// Neighbors whose ranges differ by more than this factor form an occlusion edge.
 const EDGE: f64 = 1.25;
-/// Half the width of an interval of 95 % in standard errors.
+/// Half the width of a 95 % interval in standard errors.
 const CONFIDENCE: f64 = 1.96;
 
-/// A number that noise may hide. A hidden one is not 0.
+/// A number that may be hidden by noise. A hidden one is not 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Measured {
-    /// It is this.
+    /// Measured value.
     Value(f64),
     /// It is below twice its standard error.
     NotMeasured,
@@ -53,7 +53,7 @@ impl Serialize for Measured {
 /// The error e = model − truth over some blocks of one channel.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Difference {
-    /// Blocks.
+    /// Number of blocks.
     pub blocks: usize,
     /// Mean of the truth.
     pub truth: f64,
@@ -67,23 +67,23 @@ pub struct Difference {
     pub relative_bias: Measured,
     /// Root of the mean of e² less that of the noise.
     pub rms: Measured,
-    /// The rms over the mean of the truth.
+    /// RMS of e after subtracting the noise variance.
     pub relative_rms: Measured,
     /// Share of the blocks with |e| above twice their noise and 2 % of the truth.
     pub resolved: f64,
 }
 
-/// A model held against the truth, red, green and blue; where there are no such blocks, none.
+/// Comparison of a model with the truth, red, green and blue; `None` without such blocks.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
-    /// Blocks within surfaces or within open water.
+    /// Blocks inside surfaces or open water.
     pub smooth: Option<[Difference; 3]>,
-    /// Blocks that an occlusion edge cuts.
+    /// Blocks crossed by an occlusion edge.
     pub edges: Option<[Difference; 3]>,
 }
 
 impl Comparison {
-    /// Compares linear light, pixel by pixel of the same frame, averaged over blocks of `side` pixels.
+    /// Compares linear light pixel by pixel, averaged over blocks of `side` pixels.
     #[must_use]
     pub fn new(
         model: &Rgb<f32>,
@@ -132,7 +132,7 @@ fn difference(
     }
     let bias_error = (noise / n).sqrt();
     let bias = Measured::new(own - mean, bias_error);
-    // The mean square of noise alone scatters by √(2/n) of itself.
+    // The mean square of pure noise has a relative spread of √(2/n).
     let hidden = noise * (1.0 + LEAST * (2.0 / n).sqrt());
     let rms = if square > hidden {
         Measured::Value((square - noise).sqrt())
@@ -152,7 +152,7 @@ fn difference(
     }
 }
 
-/// Whether one of two neighbors within the block stands clearly before the other.
+/// Whether two neighbors inside the block form an occlusion edge.
 fn has_edge(range: &Plane<f32>, block: &[usize]) -> bool {
     let width = range.width();
     let at = |i: usize| range.data()[i];

@@ -1,40 +1,42 @@
-//! Doubling the paths of a frame until it is known well enough.
+//! Doubles the paths of a frame until its error is small enough.
 
 use std::ops::Range;
 
 use crate::dice::MOST_PATHS;
 use crate::estimate::{BATCHES, Estimate, Part, Pixel};
 
-/// With fewer paths, rare and bright light is missed and the scatter does not show it.
+/// Fewer paths miss rare bright light, and the scatter does not reveal it.
 const LEAST_PATHS: u64 = 256;
-/// The error of light with a variance falls to 0.71 with twice the paths; what falls to no less than this has a heavy tail.
+/// The error of light with finite variance falls to 0.71 with twice the paths; a factor of at least this indicates a
+/// heavy tail.
 const SLOW: f64 = 0.85;
 
-/// How well a frame must be known.
+/// Required accuracy.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Goal {
-    /// Error of the median block as a share of the frame's mean.
+    /// Error of the median block relative to the frame's mean.
     pub target: f64,
     /// Pixels on a side of a block.
     pub block: usize,
-    /// Most paths of a pixel.
+    /// Limit on the paths of a pixel.
     pub most_paths: u64,
 }
 
-/// A frame traced toward a goal.
+/// A traced frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Truth {
     /// Its paths.
     pub estimate: Estimate,
-    /// Whether the goal was met before the paths ran out.
+    /// Whether the goal was reached before the limit on paths.
     pub is_converged: bool,
-    /// Channels whose error falls slower than the root of the paths: a heavy tail, whose light is still too little.
+    /// Channels whose error falls slower than the root of the paths: a heavy tail, whose light is underestimated.
     pub is_slow: [bool; 3],
 }
 
-/// Doubles the paths of every pixel until the goal is met: the median block known to the target, and the mean of the frame the same
-/// as with half the paths to within the target, since too few paths look converged and are too dark. `trace` returns what the
-/// samples of a range say of every pixel, row by row, and none where it will not go on; without any sample there is no truth.
+/// Doubles the paths of every pixel until the goal is reached: the median block within the target, and the mean of the
+/// frame within the target of the mean with half the paths, since too few paths look converged and are too dark.
+/// `trace` returns the sums of every pixel for a range of samples, row by row, or `None` to stop; without any sample
+/// there is no truth.
 pub fn converge(
     size: (usize, usize),
     goal: &Goal,
@@ -134,7 +136,7 @@ mod tests {
 
     #[test]
     fn light_with_a_heavy_tail_is_called_slow() {
-        // Twice as many paths bring a path that is twice as bright.
+        // Twice the paths add a path that is twice as bright.
         let rare = |sample: u64| {
             if (sample + 1).is_power_of_two() {
                 (sample + 1) as f64

@@ -1,4 +1,4 @@
-//! What many paths say: means, their standard errors, and when they are known well enough.
+//! Statistics over paths: means and their standard errors.
 
 use std::ops::Range;
 
@@ -10,7 +10,7 @@ use crate::dice::Address;
 use crate::scene::{Along, Scene};
 use crate::walk::{ORDERS, Tally};
 
-/// Equal batches of the paths of a pixel, from whose scatter the error follows.
+/// Equal batches of the paths of a pixel; the error follows from their scatter.
 pub const BATCHES: usize = 16;
 
 /// A mean and its standard error.
@@ -22,14 +22,14 @@ pub struct Level {
     pub error: f64,
 }
 
-/// Which light: by how often the water scattered it.
+/// Light by the number of scattering events.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Part {
-    /// Never.
+    /// None.
     Unscattered,
-    /// Once or more often.
+    /// One or more.
     Scattered,
-    /// All.
+    /// Any.
     All,
 }
 
@@ -43,11 +43,11 @@ impl Part {
     }
 }
 
-/// The paths of a pixel, summed by channel, order and batch.
+/// Sums over the paths of a pixel by channel, order and batch.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pixel {
     sums: [[[f64; BATCHES]; ORDERS]; 3],
-    /// Paths that a limit ended.
+    /// Paths ended by a limit.
     pub cut: u64,
 }
 
@@ -57,7 +57,7 @@ impl Pixel {
         cut: 0,
     };
 
-    /// Traces some of the paths of a pixel. `shared` takes all channels on one path.
+    /// Traces some of the paths of a pixel. With `shared`, one path serves all channels.
     #[must_use]
     pub fn trace(
         scene: &Scene<'_>,
@@ -135,7 +135,7 @@ pub(crate) fn level(batches: &[f64]) -> Level {
     }
 }
 
-/// A frame cut into squares, those at its right and lower edge smaller.
+/// A frame divided into squares; those at its right and lower edge are smaller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Blocks {
     /// Columns and rows of the frame.
@@ -145,7 +145,7 @@ pub struct Blocks {
 }
 
 impl Blocks {
-    /// The pixels of each square, by their numbers row by row.
+    /// The pixels of each square by row-major number.
     pub fn each(self) -> impl Iterator<Item = Vec<usize>> {
         let (width, height) = self.size;
         let corners = (0..height).step_by(self.side);
@@ -169,12 +169,12 @@ pub struct Estimate {
     pub(crate) pixels: Vec<Pixel>,
 }
 
-/// How the errors of blocks spread.
+/// Distribution of the errors of blocks.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Spread {
-    /// Half of the blocks are known better.
+    /// Median.
     pub median: f64,
-    /// All but one in twenty are known better.
+    /// 95th percentile.
     pub percentile_95: f64,
 }
 
@@ -185,7 +185,7 @@ impl Estimate {
         self.pixels[pixel].level(self.paths, channel, part)
     }
 
-    /// Mean and error over some pixels, which are independent of each other.
+    /// Mean and error over several independent pixels.
     #[must_use]
     pub fn mean(&self, pixels: &[usize], channel: usize, part: Part) -> Level {
         let n = pixels.len() as f64;
@@ -225,7 +225,7 @@ impl Estimate {
         }
     }
 
-    /// Paths that a limit ended.
+    /// Paths ended by a limit.
     #[must_use]
     pub fn cut(&self) -> u64 {
         self.pixels.iter().map(|pixel| pixel.cut).sum()

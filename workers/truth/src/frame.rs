@@ -1,4 +1,4 @@
-//! The truth of a frame of a job: what its description and its scene say, as light meets it.
+//! Builds the Monte Carlo scene of a job's frame.
 
 use std::ops::Range;
 
@@ -21,7 +21,7 @@ use crate::sea::Sea;
 use crate::surface::{Picture, Surfaces};
 use crate::water::{Coefficients, Murk};
 
-/// Why a frame has no truth.
+/// A frame without a truth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum NoTruth {
     /// Without absorption and scattering there is no transfer.
@@ -29,20 +29,20 @@ pub enum NoTruth {
         "water.optics: the scattering of the water is not known, give absorption_per_m and scattering_per_m"
     )]
     NoScattering,
-    /// More light scattered than lost.
+    /// The scattering exceeds the attenuation.
     #[error("water.optics: scattering exceeds beam attenuation")]
     MoreScatteredThanLost,
     /// Clouds of sediment are not traced.
     #[error("water.sediment: clouds are not traced")]
     Clouds,
-    /// The irradiance at the surface is no number.
+    /// The irradiance at the surface overflows.
     #[error(
         "water.depth_m: so little daylight is left that the irradiance at the surface is beyond all numbers"
     )]
     TooDeep,
 }
 
-/// A frame to be traced.
+/// Input of a traced frame.
 #[derive(Debug, Clone, Copy)]
 pub struct Subject<'a> {
     /// Its description.
@@ -56,9 +56,10 @@ pub struct Subject<'a> {
 }
 
 impl<'a> Scene<'a> {
-    /// The scene of a frame: its picture in air sends out its radiance and, where there are lamps, sends their light back by as much,
-    /// at most all of it. A scene of reflectance that daylight lights lies below a flat sea under an even sky and its sun, whose light
-    /// in the water is traced, too; elsewhere daylight's veil is not in it, and snow, style, haze and camera never are.
+    /// The scene of a frame: its picture in air emits its radiance and, with lamps, reflects their light with the same
+    /// factor, at most
+    /// 1. A scene of reflectance under daylight is below a flat sea with a uniform sky and its sun; their light in the water is traced,
+    /// too. Otherwise daylight's veil is not included. Snow, style, haze and camera are never included.
     ///
     /// # Errors
     /// [`NoTruth`].
@@ -101,7 +102,7 @@ impl<'a> Scene<'a> {
     }
 }
 
-/// The sea over surfaces that daylight lights; `None` where it does not. Its surface is calm: waves redistribute sunlight, but their
+/// The sea over surfaces with daylight; `None` without. Its surface is calm: waves redistribute sunlight, but their
 /// mean over the picture is that of a calm sea.
 fn sea(setting: &Setting) -> Result<Option<Sea>, NoTruth> {
     let Some(daylight) = setting.water.as_ref().and_then(Water::daylight) else {
@@ -130,18 +131,18 @@ fn coefficients(water: &Water) -> Result<[Coefficients; 3], NoTruth> {
     }))
 }
 
-/// The paths of a frame that are traced together.
+/// Parameters of the paths of a frame.
 #[derive(Debug, Clone, Copy)]
 pub struct Shutter {
     /// The camera.
     pub camera: Intrinsics,
     /// Columns of the frame.
     pub width: usize,
-    /// Number of the frame.
+    /// Frame number.
     pub frame: u64,
     /// Random numbers.
     pub stream: Stream,
-    /// Whether a path serves all channels.
+    /// Whether one path serves all channels.
     pub is_shared: bool,
 }
 

@@ -1,13 +1,13 @@
-//! The truth: radiative transfer through water and surfaces by Monte Carlo, and how far the chain is from it.
+//! Monte Carlo reference: radiative transfer through water and surfaces, and the distance of the chain from it.
 //!
-//! Water has absorption a and scattering b in 1/m and one phase function; surfaces are Lambertian with a reflectance within 0..=1 and
-//! an emitted radiance; lamps are spheres of a small radius; above all may lie a flat sea surface with a sky and a sun. Polarization,
-//! inelastic scattering and waves are left out. Channels are independent of each other.
+//! Water has absorption a and scattering b in 1/m and one phase function; surfaces are Lambertian with a reflectance in
+//! 0..=1 and an emitted radiance; lamps are small spheres; an optional flat sea surface has a sky and a sun.
+//! Polarization, inelastic scattering and waves are not modeled. Channels are independent.
 //!
-//! [`Scene::trace`] follows light from the camera to its sources and needs nothing of the scene but [`imaging::rays::Rays`];
-//! [`lantern`] follows it from a lamp and shares nothing with the other but the phase function. Every random number has an
-//! address ([`Address`]), so no result depends on the number of threads. [`Estimate`] says how well a mean is known, and
-//! [`Comparison`] what that tells of a model.
+//! [`Scene::trace`] traces light from the camera to its sources and requires only [`imaging::rays::Rays`] of the scene;
+//! [`lantern`] traces it from a lamp and shares only the phase function with the former. Every random number has an
+//! address ([`Address`]), so no result depends on the number of threads. [`Estimate`] contains means with their errors,
+//! and [`Comparison`] the distance of a model.
 
 mod compare;
 mod converge;

@@ -1,4 +1,4 @@
-//! A scene for the truth, and what lies at the end of a segment.
+//! Monte Carlo scene, and the ends of its segments.
 
 use imaging::rays::{Hit, Rays};
 use imaging::vector::DVec3;
@@ -9,36 +9,36 @@ use crate::sea::Sea;
 use crate::surface::{Material, Surfaces};
 use crate::water::{Coefficients, Murk};
 
-/// All that light meets. Places are in the axes of the camera, which is at the origin.
+/// A complete scene. Positions are in camera axes, the camera at the origin.
 pub struct Scene<'a> {
-    /// Where surfaces are.
+    /// Geometry.
     pub rays: &'a (dyn Rays + Sync),
-    /// What they do to light.
+    /// Materials.
     pub surfaces: Surfaces<'a>,
     /// The lamps.
     pub lamps: Vec<Lamp>,
-    /// The sea surface; none in water without end.
+    /// The sea surface; `None` in unbounded water.
     pub sea: Option<Sea>,
     /// The water of each channel.
     pub water: [Coefficients; 3],
-    /// How it scatters.
+    /// Phase function.
     pub phase: Phase,
-    /// Where it is murkier.
+    /// Turbidity over space.
     pub murk: Murk,
 }
 
 /// A ray of the camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Along {
-    /// Where it begins.
+    /// Origin.
     pub origin: DVec3,
     /// Unit vector.
     pub direction: DVec3,
 }
 
-/// What a segment ends at.
+/// Kind of a segment's end.
 pub(crate) enum Met {
-    /// It goes on without end.
+    /// Unbounded.
     Nothing,
     /// A surface.
     Surface { hit: Hit, material: Material },
@@ -48,13 +48,13 @@ pub(crate) enum Met {
 
 /// The end of a segment.
 pub(crate) struct End {
-    /// Along the segment, m; infinite where there is none.
+    /// Along the segment, m; infinite if unbounded.
     pub(crate) distance: f64,
     pub(crate) met: Met,
 }
 
 impl Scene<'_> {
-    /// What a segment ends at.
+    /// Finds the end of a segment.
     pub(crate) fn end(&self, along: Along, from: f64) -> End {
         let Along { origin, direction } = along;
         let sea = self.sea.as_ref().and_then(|sea| sea.distance(origin, direction));
@@ -83,7 +83,7 @@ impl Scene<'_> {
         }
     }
 
-    /// Whether anything stands between a place and one that is `distance` away.
+    /// Whether anything blocks the segment of this length.
     pub(crate) fn is_blocked(&self, origin: DVec3, direction: DVec3, from: f64, distance: f64) -> bool {
         self.rays
             .occluded(origin.into(), direction.into(), from, distance)

@@ -11,56 +11,57 @@ use crate::phase::{about, versine};
 use crate::scene::{Along, End, Met, Scene};
 use crate::sea::fresnel;
 
-/// Light is kept apart by how often the water scattered it: never, once, more often.
+/// Light is summed by scattering order: 0, 1, more.
 pub const ORDERS: usize = 3;
-/// A path of more segments is cut, and counted.
+/// Longer paths are cut and counted.
 pub const MOST_SEGMENTS: usize = 2000;
-/// Paths that weigh less play roulette.
+/// Paths of smaller weight undergo Russian roulette.
 const LIGHT: f64 = 0.1;
 
-/// What one path says of the radiance of N channels.
+/// Estimate of one path for the radiance of N channels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tally<const N: usize> {
     /// By order of scattering.
     pub orders: [[f64; N]; ORDERS],
-    /// Whether it was ended by a limit: its light is then too little.
+    /// Whether a limit ended it: its light is underestimated.
     pub is_cut: bool,
 }
 
-/// A path under way. With one channel it is split at its first segment: what a surface sends there is added without noise. With
-/// several, distances are those of a leading channel, and each weighs by the mean density of all (balance heuristic, Veach 1995).
+/// A path in progress. With one channel it is split at its first segment, whose end then contributes without noise.
+/// With several, distances are sampled from a leading channel, and weights use the mean density of all (balance
+/// heuristic, Veach 1995).
 struct Walk<'s, const N: usize> {
     scene: &'s Scene<'s>,
     channels: [usize; N],
-    /// Which of the channels gives the distances.
+    /// Index of the channel that samples distances.
     leading: usize,
     /// Light of each channel over the mean density.
     weight: [f64; N],
-    /// Density of each channel over their mean.
+    /// Density of each channel over the mean.
     density: [f64; N],
     order: usize,
     orders: [[f64; N]; ORDERS],
     dice: Dice,
 }
 
-/// How a segment ends for the walk.
+/// Sampled end of a segment.
 enum Event {
-    /// The water scatters at this distance.
+    /// Scattering at this distance.
     Water(f64),
-    /// The end is reached.
+    /// The geometric end.
     End,
 }
 
 impl Scene<'_> {
-    /// One path of one channel along a ray: an estimate of its radiance by the order of scattering.
+    /// Traces one path of one channel along a ray: an estimate of its radiance by scattering order.
     #[must_use]
     pub fn trace(&self, along: Along, stream: Stream, address: Address) -> Tally<1> {
         let channel = (address.channel as usize).min(2);
         Walk::new(self, [channel], Dice::new(stream, address)).run(along)
     }
 
-    /// One path of all channels: its colors belong together, and it takes a third of the time. For attenuations within a factor of
-    /// 3 of each other.
+    /// Traces one path for all channels: colors stay consistent, in a third of the time. For attenuations within a
+    /// factor of 3 of each other.
     #[must_use]
     pub fn trace_shared(&self, along: Along, stream: Stream, address: Address) -> Tally<3> {
         let address = Address {
@@ -125,7 +126,7 @@ impl<'s, const N: usize> Walk<'s, N> {
         true
     }
 
-    /// The first segment: the end's own light without noise, then one branch.
+    /// The first segment: the end's emission without noise, then one branch.
     fn split(&mut self, along: Along, end: &End) -> Option<Event> {
         let passes = self.transmittance(along, end.distance)[0];
         self.add_end(along, end, [passes; N]);
@@ -177,7 +178,7 @@ impl<'s, const N: usize> Walk<'s, N> {
         Some(Event::End)
     }
 
-    /// Weighs an event at a distance: `source` gives the factors of light and of density beside the transmittance.
+    /// Weights an event at a distance; `source` returns the factors of light and of density besides the transmittance.
     fn pass(&mut self, along: Along, distance: f64, source: impl Fn(&crate::Coefficients) -> [f64; 2]) {
         if N == 1 {
             let [light, density] = source(&self.scene.water[self.channels[0]]);
@@ -198,7 +199,7 @@ impl<'s, const N: usize> Walk<'s, N> {
             .for_each(|value| *value *= scale);
     }
 
-    /// Share of the light of each channel that passes a part of a segment.
+    /// Transmittance of a part of a segment per channel.
     fn transmittance(&self, along: Along, distance: f64) -> [f64; N] {
         if distance == f64::INFINITY {
             return [0.0; N];
@@ -208,8 +209,8 @@ impl<'s, const N: usize> Walk<'s, N> {
             .map(|channel| (-self.scene.water[channel].attenuation() * meters).exp())
     }
 
-    /// The distance to where the leading channel is scattered or absorbed: by delta tracking where the water is not even
-    /// (Woodcock et al. 1965).
+    /// Samples the distance to the next event of the leading channel: by delta tracking in non-uniform water (Woodcock
+    /// et al. 1965).
     fn free_path(&mut self, along: Along, end: f64) -> f64 {
         let attenuation = self.scene.water[self.channels[self.leading]].attenuation();
         if attenuation <= 0.0 {
@@ -231,7 +232,7 @@ impl<'s, const N: usize> Walk<'s, N> {
         f64::INFINITY
     }
 
-    /// Share of the light that the end of a segment sends back.
+    /// Reflectance at the end of a segment.
     fn sent_back(&self, end: &End) -> [f64; N] {
         match &end.met {
             Met::Nothing => [0.0; N],
@@ -240,7 +241,7 @@ impl<'s, const N: usize> Walk<'s, N> {
         }
     }
 
-    /// Goes on from where the water scatters.
+    /// Continues after scattering in the water.
     fn scatter(&mut self, along: Along, distance: f64) -> Option<(Along, f64)> {
         self.order += 1;
         let place = along.origin + along.direction * distance;
@@ -259,7 +260,7 @@ impl<'s, const N: usize> Walk<'s, N> {
         Some((along, 0.0))
     }
 
-    /// Goes on from the end of a segment.
+    /// Continues from the end of a segment.
     fn reflect(&mut self, along: Along, end: &End) -> Option<(Along, f64)> {
         let place = along.origin + along.direction * end.distance;
         match (&end.met, &self.scene.sea) {
@@ -290,7 +291,7 @@ impl<'s, const N: usize> Walk<'s, N> {
         }
     }
 
-    /// Half of the directions are drawn about the way to a lamp, chosen evenly: the unit vector there.
+    /// Half of the directions are drawn around the direction to a lamp, chosen uniformly: returns the latter.
     fn lamp_to_aim_at(&mut self, place: DVec3) -> Option<DVec3> {
         let lamps = &self.scene.lamps;
         if !self.aims() || self.dice.next() >= 0.5 {
@@ -309,7 +310,7 @@ impl<'s, const N: usize> Walk<'s, N> {
         !self.scene.lamps.is_empty() && scatters
     }
 
-    /// Weighs a direction that was drawn from both densities; `wanted` is the one of the light.
+    /// Weights a direction drawn from both densities; `wanted` is the one of the light.
     fn weigh_aim(&mut self, place: DVec3, direction: DVec3, wanted: f64) {
         if !self.aims() {
             return;

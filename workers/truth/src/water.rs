@@ -1,4 +1,4 @@
-//! What the water does to light, and where it is murkier.
+//! Water coefficients and their variation over space.
 
 use imaging::vector::DVec3;
 use optics::turbidity::Field;
@@ -30,25 +30,25 @@ impl Coefficients {
     }
 }
 
-/// The factor m of all coefficients over the places of the water.
+/// The turbidity factor m of all coefficients.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Murk {
     /// 1 everywhere.
     Even,
     /// The patches of a frame, in the axes of its camera.
     Patches(Box<Field>),
-    /// Layers over one another.
+    /// Horizontal layers.
     Layers(Layers),
 }
 
-/// Layers of water, each with a factor of its own.
+/// Horizontal layers of water with a factor each.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Layers {
     /// Unit vector against gravity, camera axes.
     pub up: DVec3,
     /// Depth of the origin below the surface, m.
     pub depth_m: f64,
-    /// Depths at which one layer ends and the next begins, rising, m.
+    /// Depths of the boundaries between layers, ascending, m.
     pub edges_m: Vec<f64>,
     /// Factor of each layer from the surface down: one more than edges.
     pub factors: Vec<f64>,
@@ -82,7 +82,7 @@ impl Layers {
     fn meters(&self, origin: DVec3, direction: DVec3, distance: f64) -> f64 {
         let (from, fall) = (self.depth(origin), -self.up.dot(direction));
         if (fall * distance).abs() < 1e-9 || !distance.is_finite() {
-            // Level, or without end: the layer that it ends in is all that counts.
+            // Horizontal or unbounded: only the final layer counts.
             let depth = if distance.is_finite() || fall == 0.0 {
                 from
             } else {
@@ -95,7 +95,7 @@ impl Layers {
 }
 
 impl Murk {
-    /// m at a place.
+    /// m at a point.
     #[must_use]
     pub fn factor(&self, point: DVec3) -> f64 {
         match self {
@@ -105,7 +105,7 @@ impl Murk {
         }
     }
 
-    /// The greatest m that there may be.
+    /// Upper bound of m.
     #[must_use]
     pub fn most(&self) -> f64 {
         match self {
@@ -115,7 +115,7 @@ impl Murk {
         }
     }
 
-    /// ∫ m along a ray: its length through water of the mean, m.
+    /// ∫ m along a ray: its equivalent length in water of the mean, m.
     #[must_use]
     pub fn meters(&self, origin: DVec3, direction: DVec3, distance: f64) -> f64 {
         match self {

@@ -6,10 +6,10 @@ use crate::phase::Phase;
 
 /// Half angle of the disc, degrees.
 const HALF_DEG: f64 = 5.0;
-/// Angles of the table, even steps from 0 to 180 degrees.
+/// Angles of the table, in even steps from 0 to 180 degrees.
 const STEPS: usize = 1800;
 
-/// Mean of p over a disc about a direction, by the angle of that direction.
+/// Mean of p over a disc around a direction, by the angle of that direction.
 pub(super) struct Disc {
     means: Vec<f64>,
 }
@@ -22,7 +22,7 @@ impl Disc {
         }
     }
 
-    /// The mean at a cosine, linear between the angles of the table.
+    /// The mean at a cosine, linearly interpolated.
     pub(super) fn at(&self, cosine: f64) -> f64 {
         let place = cosine.clamp(-1.0, 1.0).acos() / PI * STEPS as f64;
         let step = (place as usize).min(STEPS - 1);
@@ -31,7 +31,7 @@ impl Disc {
     }
 }
 
-/// The light of each ring of scattering angles, times the share of the ring that lies in the disc.
+/// The light of each ring of scattering angles, times the ring's share inside the disc.
 fn mean(phase: &Phase, angle: f64) -> f64 {
     let half = HALF_DEG.to_radians();
     let solid = 2.0 * PI * (1.0 - half.cos());
@@ -45,7 +45,7 @@ fn mean(phase: &Phase, angle: f64) -> f64 {
         }
         (gap / product).clamp(-1.0, 1.0).acos() / PI
     };
-    // Rings fine enough for the disc, over the angles that it can hold.
+    // Rings much narrower than the disc, over the angles inside it.
     let (low, high) = ((angle - half).max(0.0), (angle + half).min(PI));
     let versine = |at: f64| 2.0 * (0.5 * at).sin().powi(2);
     let rings = 400;

@@ -1,4 +1,4 @@
-//! What photons leave at cameras and walls.
+//! Contributions of photons to cameras and walls.
 
 use std::f64::consts::PI;
 
@@ -9,7 +9,7 @@ use crate::estimate::{Level, level};
 /// Sums of one batch.
 #[derive(Debug, Clone)]
 pub(super) struct Tally {
-    /// By look, wall and camera: scattered once, and in all.
+    /// By look, wall and camera: single scattering, and all.
     glow: Vec<[f64; 2]>,
     /// By wall and ring.
     walls: Vec<f64>,
@@ -24,7 +24,7 @@ impl Tally {
         }
     }
 
-    /// Adds a scattered photon to the walls that it crosses first on its next free path.
+    /// Adds a scattered photon to the walls that its next free path is the first to cross.
     pub(super) fn cross(&mut self, bench: &Bench, photon: &Photon, free: f64) {
         let end = photon.place.z + photon.direction.z * free;
         if photon.order == 0 || end <= photon.deepest {
@@ -46,7 +46,7 @@ impl Tally {
         }
     }
 
-    /// Adds what an event sends to the cameras.
+    /// Adds the contribution of an event to the cameras.
     pub(super) fn join(&mut self, bench: &Bench, disc: &Disc, photon: &Photon) {
         let depth = photon.place.z;
         let radius = photon.place.x.hypot(photon.place.y);
@@ -56,7 +56,7 @@ impl Tally {
         let outward = (photon.direction.x * photon.place.x + photon.direction.y * photon.place.y) / radius;
         for (number, look) in bench.looks_deg.iter().enumerate() {
             let (sin, cos) = look.to_radians().sin_cos();
-            // The event on this side of the axis, and on the other.
+            // The event on either side of the axis.
             for side in [1.0, -1.0] {
                 let camera = side * radius - depth * sin / cos;
                 if camera > 0.0 {
@@ -102,7 +102,7 @@ impl Tally {
         }
     }
 
-    /// Means over batches; `scale` turns the sum of a batch into light.
+    /// Means over batches; `scale` converts the sum of a batch to light.
     pub(super) fn levels(bench: &Bench, batches: &[Self], scale: f64, photons: u64) -> Shone {
         let of = |pick: &dyn Fn(&Self) -> f64| -> Level {
             let values: Vec<f64> = batches.iter().map(|batch| scale * pick(batch)).collect();

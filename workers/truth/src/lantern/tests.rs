@@ -15,7 +15,7 @@ fn bench(scattering: f64, cone_deg: Option<f64>) -> Bench {
     }
 }
 
-/// Light of a lamp at the origin that is scattered once into a ray, by the midpoint rule along the ray.
+/// Single-scattered light of a lamp at the origin along a ray, by the midpoint rule.
 fn single(bench: &Bench, phase: &Phase, look_deg: f64, wall: f64, camera: f64) -> f64 {
     let (sin, cos) = look_deg.to_radians().sin_cos();
     let c = bench.water.attenuation();
@@ -71,7 +71,7 @@ fn photons_that_are_not_absorbed_all_arrive() {
     let shone = bench.shine(&phase, 2, 0..4000);
     let [_, outer] = bench.ring_m(0, 0);
     let scattered = shone.scattered[0][0].mean * PI * outer * outer / bench.power();
-    // What never met the water: the profile rises evenly in the cosine.
+    // Unscattered light: the profile is linear in the cosine.
     let cone = 20f64.to_radians().cos();
     let steps = 10_000;
     let direct: f64 = (0..steps)

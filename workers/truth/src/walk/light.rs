@@ -1,4 +1,4 @@
-//! The light that a path collects.
+//! Light collected by a path.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -12,7 +12,7 @@ use crate::scene::{Along, End, Met};
 use crate::sea::fresnel;
 
 impl<const N: usize> Walk<'_, N> {
-    /// Adds light of the present order, for each channel, times the weight of the path.
+    /// Adds light of a scattering order, per channel, times the weight of the path.
     fn add(&mut self, order: usize, light: [f64; N]) {
         let sums = &mut self.orders[order.min(ORDERS - 1)];
         for i in 0..N {
@@ -20,8 +20,8 @@ impl<const N: usize> Walk<'_, N> {
         }
     }
 
-    /// Adds what every lamp scatters once into a segment, at one place each, drawn evenly in the angle at the lamp (Kulla and
-    /// Fajardo 2012).
+    /// Adds the single scattering of every lamp into a segment, at one point each, uniform in the angle at the lamp
+    /// (Kulla and Fajardo 2012).
     pub(super) fn lamps_along(&mut self, along: Along, end: &End) {
         if !self.aims() {
             return;
@@ -74,7 +74,7 @@ impl<const N: usize> Walk<'_, N> {
         }))
     }
 
-    /// Distance and direction to a lamp, where nothing hides the place of it that is looked for.
+    /// Distance and direction to a lamp if its sampled point is visible.
     fn unblocked(&mut self, lamp: &Lamp, place: DVec3, from: f64) -> Option<(f64, DVec3)> {
         let away = lamp.place + -place;
         let reach = away.length();
@@ -95,7 +95,7 @@ impl<const N: usize> Walk<'_, N> {
         (!blocked).then_some((reach, toward))
     }
 
-    /// Adds the light that the end of a segment sends, of the present order. `passes` is the share of it that arrives.
+    /// Adds the light emitted by the end of a segment; `passes` is its transmittance.
     pub(super) fn add_end(&mut self, along: Along, end: &End, passes: [f64; N]) {
         let light = match &end.met {
             Met::Nothing => return,
@@ -124,7 +124,7 @@ impl<const N: usize> Walk<'_, N> {
         self.add(self.order, arrives);
     }
 
-    /// The light of lamps and sun that falls on a surface.
+    /// The irradiance of a surface by lamps and sun.
     fn irradiance(&mut self, place: DVec3, normal: [f64; 3]) -> [f64; N] {
         let start = leaving(place.into(), normal);
         let (origin, normal) = (DVec3::from(start.origin), DVec3::from(normal));
@@ -150,7 +150,7 @@ impl<const N: usize> Walk<'_, N> {
         sum
     }
 
-    /// Adds the light of the sun that the water scatters at a place toward where the path came from.
+    /// Adds sunlight scattered by the water at a point towards the previous one.
     pub(super) fn sun_on_water(&mut self, place: DVec3, came: DVec3) {
         if let Some((light, direction)) = self.sun(place, 0.0) {
             let scattered = self.scene.phase.density(versine(direction, came));
@@ -158,7 +158,8 @@ impl<const N: usize> Walk<'_, N> {
         }
     }
 
-    /// Irradiance of the sun at right angles to it at a place, and where it stands; none in the shadow and without a sun.
+    /// Irradiance of the sun perpendicular to its direction at a point, and that direction; `None` in shadow or without
+    /// a sun.
     fn sun(&self, place: DVec3, from: f64) -> Option<([f64; N], DVec3)> {
         let sea = self.scene.sea.as_ref()?;
         let sun = sea.sun.as_ref()?;
@@ -174,7 +175,7 @@ impl<const N: usize> Walk<'_, N> {
     }
 }
 
-/// A place of a disc of this radius across a unit vector, even over its area.
+/// A uniformly sampled point of a disc perpendicular to a unit vector.
 fn across(toward: DVec3, radius: f64, [distance, azimuth]: [f64; 2]) -> DVec3 {
     // The axes of Duff et al. 2017.
     let [x, y, z]: [f64; 3] = toward.into();

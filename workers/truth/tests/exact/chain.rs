@@ -1,5 +1,5 @@
-//! The chain's light of a lamp in a frame with a box and a wall, held against the truth that is stored of it: what each effect brings
-//! it nearer.
+//! The chain's light of a lamp in a frame with a box and a wall against the stored truth: the improvement by each
+//! effect.
 
 use std::path::Path;
 
@@ -16,13 +16,13 @@ use crate::support::{Solid, Solids};
 
 /// b_b/b of the stored frame's phase function.
 const BACKSCATTER: f64 = 0.0183;
-/// Share b/20 of the scattering takes light out of the picture; the rest is forward scatter, here left where it arrives.
+/// A share b/20 of the scattering leaves the picture; the rest is forward scatter, counted here at its origin.
 const LOST: f64 = 0.05;
-/// The frame's mean is known to 0.4 % and the formulas of all orders are fits to within about a tenth; the published means have two
-/// digits.
+/// The frame's mean is known to 0.4 % and the formulas of all orders are fits to about a tenth; the published means
+/// have two digits.
 const TOLERANCE: f64 = 0.02;
 
-/// The frame: what its rays meet.
+/// Geometry of the frame.
 struct Frame {
     case: Case,
     solids: Solids,
@@ -79,7 +79,7 @@ impl Frame {
         }
     }
 
-    /// Mean of the chain's light over that of the truth, where light of surfaces falls with this attenuation.
+    /// Mean of the chain's light over that of the truth, with this attenuation of surface light.
     fn share(&self, lighting: &Lighting, attenuation: f64) -> f64 {
         let casts = lighting.lamps[0].shadow() != Shadow::None;
         let rays = &self.solids;

@@ -1,4 +1,4 @@
-//! What is known exactly of radiative transfer, and what must hold whatever the scene.
+//! Exact results of radiative transfer, and invariants of every scene.
 
 use std::f64::consts::PI;
 
@@ -36,7 +36,7 @@ fn a_bright_wall_in_water_that_only_absorbs_fades_exactly() {
     }
 }
 
-/// Light of a lamp scattered once, by the midpoint rule in the angle at the lamp.
+/// Single-scattered light of a lamp, by the midpoint rule in the angle at the lamp.
 fn single(phase: &Phase, lamp: &Lamp, along: Along, end: f64, b: f64, c: f64) -> f64 {
     let nearest = along.direction.dot(lamp.place);
     let offset = (lamp.place.dot(lamp.place) - nearest * nearest).sqrt();
@@ -137,7 +137,7 @@ fn unscattered_light_of_a_lamp_with_a_shadow_is_exact() {
             0.5 / PI * facing / (reach * reach) * (-c * (reach + far.length())).exp()
         };
         let peak = 0.5 / PI / 9.0 * (-c * 6.0f64).exp();
-        // Rays that graze the box are not resolved by the steps above.
+        // The steps above do not resolve rays that graze the box.
         if (found - expected).abs() > 1e-4 * peak {
             let grazes = found == 0.0 || expected == 0.0;
             assert!(grazes, "{along:?}: {found}, expected {expected}");
@@ -147,7 +147,8 @@ fn unscattered_light_of_a_lamp_with_a_shadow_is_exact() {
     assert!(lit > 200 && dark > 10, "{lit} lit, {dark} dark");
 }
 
-/// Light sent back and let through by a slab between z = 0 and a depth, at right angles; without noise where it is not scattered.
+/// Reflected and transmitted light of a slab between z = 0 and a depth at normal incidence; without noise for
+/// unscattered light.
 fn slab(phase: Phase, albedo: f64, depth: f64, paths: u64) -> [Mean; 2] {
     let solids = Solids(vec![Solid::Wall(-1e-9), Solid::Wall(depth)]);
     [0, 1].map(|side| {
@@ -264,7 +265,7 @@ fn a_closed_room_that_sends_out_what_it_takes_is_even() {
 
 #[test]
 fn a_lamp_and_the_place_it_is_seen_from_can_change_places() {
-    // Light that arrives at a place from a lamp at another, over all directions; a bright block beside one of them.
+    // Light at a point from a lamp at another, over all directions; a bright block next to one of them.
     let block = Solid::Block {
         low: [0.3, -0.6, 0.4],
         high: [0.9, 0.6, 1.4],
@@ -356,7 +357,7 @@ fn a_path_of_all_channels_has_the_means_of_three() {
 
 #[test]
 fn the_sun_lights_a_floor_and_the_water_above_it() {
-    // A level floor 2 m below the camera, the sun upright, water that only absorbs: E ρ/π e^{−a (z + Z)}.
+    // A level floor 2 m below the camera, the sun at the zenith, purely absorbing water: E ρ/π e^{−a (z + Z)}.
     let below = Solid::Block {
         low: [-100.0, 2.0, -100.0],
         high: [100.0, 3.0, 100.0],
@@ -375,10 +376,10 @@ fn the_sun_lights_a_floor_and_the_water_above_it() {
     clear.sea = Some(sea);
     let along = along([0.0, 1.0, 1.0]);
     let found = radiance(&clear, along, 0, 32)[3].mean;
-    // The surface of the sea sends next to nothing of so dark a floor back to it.
+    // The sea surface reflects almost no light of a floor this dark back to it.
     let expected = 1e-5 / PI * (-0.1 * (7.0 + 2.0 * 2f64.sqrt())).exp();
     assert!((found / expected - 1.0).abs() < 1e-4, "{found} and {expected}");
-    // Scattered once toward a level look in open water: b p(90°) E e^{−c h} ∫ e^{−c t} dt.
+    // Single scattering toward a level look in open water: b p(90°) E e^{−c h} ∫ e^{−c t} dt.
     let empty = Solids(Vec::new());
     let mut open = scene(&empty, Vec::new(), water(0.2, 0.3), Phase::henyey_greenstein(0.5));
     open.sea = Some(sea);

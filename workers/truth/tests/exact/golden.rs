@@ -147,7 +147,8 @@ struct Stored {
 }
 
 impl Stored {
-    /// Checks the mean of some pixels. Few paths miss the rare bright ones, so a share `tail` of the light is allowed in addition to noise.
+    /// Checks the mean of some pixels. Few paths miss the rare bright ones, so a share `tail` of the light is allowed
+    /// in addition to noise.
     fn agrees(&self, ours: &[Mean], pixels: &[usize], tail: f64, what: &str) {
         let n = pixels.len() as f64;
         let sum = |value: &dyn Fn(usize) -> f64| pixels.iter().map(|&i| value(i)).sum::<f64>();

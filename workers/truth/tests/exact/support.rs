@@ -1,17 +1,17 @@
-//! Solids of tests, and means over paths.
+//! Test solids, and means over paths.
 
 use imaging::random::Stream;
 use imaging::rays::{Hit, Rays};
 use imaging::vector::{DVec3, vec3};
 use truth::{Address, Along, Coefficients, ORDERS, Phase, Scene, Surfaces};
 
-/// A surface; its number among the solids is that of its material.
+/// A surface; its index among the solids selects its material.
 pub(crate) enum Solid {
-    /// The plane z = this, without end.
+    /// The unbounded plane z = this.
     Wall(f64),
     /// The part of the plane z = `z` with |x| up to `half`.
     Plate { z: f64, half: f64 },
-    /// A box, from outside or from inside.
+    /// A box, from outside or inside.
     Block { low: [f64; 3], high: [f64; 3] },
 }
 
@@ -126,7 +126,7 @@ impl Mean {
     }
 }
 
-/// Radiance of the first channel along a ray by order of scattering, and in all as the last.
+/// Radiance of the first channel along a ray by scattering order, followed by the total.
 pub(crate) fn radiance(scene: &Scene<'_>, along: Along, pixel: u64, paths: u64) -> [Mean; ORDERS + 1] {
     let stream: Stream = truth::stream(7);
     const BATCHES: usize = 32;
