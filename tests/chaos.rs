@@ -1,8 +1,8 @@
-//! Everything that can go wrong, at random by seed, and an audit at the end by a reader that has nothing of the program.
+//! Random faults by seed, followed by an audit with an independent reader.
 //!
-//! `FATHOM_CHAOS_S` sets how many seconds (15 unless set), `FATHOM_SEED` what happens. On a small disk in memory: kills and
-//! suspensions of services and workers, kills at the named points, a full disk, a clock that jumps by days, bytes that rot,
-//! callers that send half a request, and workers that send nonsense or lie in well-formed messages.
+//! `FATHOM_CHAOS_S` sets the duration in seconds (default 15), `FATHOM_SEED` the sequence. On a small in-memory disk:
+//! kills and suspensions of services and workers, kills at the named points, a full disk, a clock that jumps by days,
+//! corrupted bytes, clients that send half a request, and workers that send invalid or well-formed but wrong messages.
 
 use std::io::Write;
 use std::net::TcpStream;
@@ -22,11 +22,11 @@ const WORKER_CALLS: [&str; 4] = ["register", "beat", "commit", "fail"];
 /// Failure: see [`everything_at_once`].
 #[test]
 fn chaos_loses_nothing_and_stores_nothing_wrong() {
-    // What the jobs of a second leave takes half a megabyte.
+    // The jobs of one second need half a megabyte.
     small_disk::run("everything_at_once", &format!("size={}m", 120 + seconds()));
 }
 
-/// What happened.
+/// Event counters.
 #[derive(Default, Debug)]
 struct Count {
     services_killed: u64,
@@ -65,7 +65,7 @@ impl Chaos {
             ("LD_PRELOAD", self.library.to_str().expect("text")),
             ("FATHOM_CLOCK_FILE", clock.to_str().expect("text")),
         ];
-        // On a full disk it may refuse.
+        // A full disk is a valid reason to refuse.
         let started = Service::launch(&self.data, &["--workers", "1", "--slots", "1"], &environment);
         if started.is_err() {
             self.free();
@@ -77,7 +77,7 @@ impl Chaos {
         let _ = std::fs::remove_file(self.folder.join("ballast"));
     }
 
-    /// One thing that happens while the service runs. Returns false once it has ended.
+    /// Applies one random event while the service runs. Returns false if the service has ended.
     fn happen(&mut self, service: &mut Service, workers: &mut Vec<Worker>) -> bool {
         let address = service.url.trim_start_matches("http://").to_owned();
         match self.dice.below(20) {
@@ -153,7 +153,7 @@ impl Chaos {
         service.is_alive()
     }
 
-    /// A byte of a picture rots, and is restored by rendering.
+    /// Corrupts a byte of a picture, which is restored by rendering.
     fn rot(&mut self) {
         let Ok(entries) = std::fs::read_dir(self.data.join("packs")) else {
             return;
@@ -184,9 +184,9 @@ fn seconds() -> u64 {
     std::env::var("FATHOM_CHAOS_S").map_or(15, |n| n.parse().expect("a number"))
 }
 
-/// Failure: an accepted job that is gone or does not end with the digest of an undisturbed run, a frame with two images, a row
-/// without its bytes, bytes with another digest, a count that is wrong, a response with anything but what is stored, a service that
-/// does not start.
+/// Failure: an accepted job is lost or ends with another digest than an undisturbed run, a frame has two images, a row
+/// lacks its bytes, bytes have another digest, a count is wrong, a response differs from the stored data, or the
+/// service does not start.
 #[test]
 #[ignore = "run by the test above, on a small disk"]
 fn everything_at_once() {
@@ -235,13 +235,13 @@ fn everything_at_once() {
     );
 }
 
-/// Everything that was accepted ends as it should, and the folder and the responses are as they should be.
+/// Waits for all accepted jobs, then audits the folder and the responses.
 fn settle(chaos: &Chaos, expected: &str) {
     let service = Service::start(&chaos.data, &["--workers", "2", "--slots", "1"]);
     for id in &chaos.accepted {
         let mut job = service.finished(id);
         while job["state"] == "done_with_failures" {
-            // Frames that met three deaths in a row were rightly given up.
+            // Frames with three deaths in a row are correctly given up.
             assert_eq!(
                 service.post(&format!("/v1/jobs/{id}/retry-failed"), &json!({})).0,
                 200

@@ -1,4 +1,4 @@
-//! Formats of an export before services that lie, that vanish and that count their requests.
+//! Export formats with malicious, vanishing and request-counting services.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ use tar::Header;
 
 const JOB: &str = "job_0198c0ffee007000800000000000000a";
 const FRAMES: u64 = 6;
-/// Formats that `fathom` writes without another program.
+/// Formats written by `fathom` without another program.
 const FORMATS: [&str; 6] = ["folder", "webdataset", "coco", "yolo", "colmap", "transforms"];
 
 fn text(bytes: &[u8]) -> String {
@@ -74,10 +74,10 @@ fn images() -> Vec<Image> {
     (0..FRAMES).map(image).collect()
 }
 
-/// How often each frame was asked for.
+/// Number of requests per frame.
 type Asked = Arc<Mutex<BTreeMap<u64, u32>>>;
 
-/// Serves the dataset `tour`, and nothing of the frames from `end` on.
+/// Serves the dataset `tour` up to frame `end`.
 fn serve(images: Vec<Image>, asked: Asked, end: u64) -> String {
     let columns: BTreeSet<String> = images
         .iter()
@@ -92,7 +92,7 @@ fn serve(images: Vec<Image>, asked: Asked, end: u64) -> String {
         let body = match place {
             "/v1/datasets/tour" => json!({"name": "tour", "columns": columns}),
             "/v1/datasets/tour/stats" => json!({"groups": [{"count": images.len()}]}),
-            // The first frame at the second place of the path.
+            // The first frame is at the second position of the path.
             "/v1/images" if query.contains("camera.path.frame%20%3D%201") => json!({"items": [{"frame": 1}]}),
             "/v1/images" => {
                 json!({"items": images.iter().map(|image| &image.row).collect::<Vec<_>>(), "next_cursor": null})
@@ -189,7 +189,7 @@ fn an_export_whose_service_vanished_goes_on_where_it_was() {
         let second = export(&url, format, folder.path());
         assert!(second.status.success(), "{format}: {}", text(&second.stderr));
         let again = taken(&asked);
-        // Shards are fetched as a whole; of the other formats some frames may have been under way.
+        // Shards are fetched whole; other formats may have had some frames in flight.
         assert!(
             again.contains_key(&5) && !again.contains_key(&0),
             "{format}: {again:?}"
@@ -200,7 +200,7 @@ fn an_export_whose_service_vanished_goes_on_where_it_was() {
     }
 }
 
-/// Every path below a folder with the bytes of files.
+/// All paths below a folder with the bytes of files.
 fn below(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut found = BTreeMap::new();
     for entry in std::fs::read_dir(folder).expect("a readable folder") {
@@ -266,7 +266,7 @@ fn a_service_that_lies_about_records_masks_and_paths_completes_no_export() {
     }
 }
 
-/// Gives an image another file, with the digest of it.
+/// Replaces a file of an image and its digest.
 fn relabel(image: &mut Image, name: &'static str, bytes: Vec<u8>) {
     let kind = name.split('.').next().unwrap_or_default();
     image.row[format!("artifacts.{kind}")] = sha256(&bytes).into();

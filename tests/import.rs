@@ -1,5 +1,5 @@
-//! Sets that were rendered without a service, shown by one: nothing is copied, and nothing that the store says is believed.
-//! Above each test stands what counts as failure.
+//! Sets rendered without a service and shown by one: no data is copied, and the store is not trusted. The comment above
+//! each test defines failure.
 
 mod follow;
 mod sets;
@@ -14,7 +14,7 @@ use sets::{Work, files, marker, text};
 
 const KINDS: [&str; 3] = ["rgb", "range", "enhanced.hscm"];
 
-/// Failure: a service over an imported set responds otherwise than one that has rendered the same job.
+/// Failure: a service over an imported set responds differently from one that has rendered the same job.
 #[test]
 fn an_imported_set_is_shown_as_if_the_service_had_rendered_it() {
     let work = Work::new(&job(30));
@@ -94,7 +94,7 @@ fn an_imported_set_is_shown_as_if_the_service_had_rendered_it() {
     assert_eq!(content(&work.set()), before, "the set stays as it is");
 }
 
-/// Failure: a byte of a damaged artifact is served, or `verify` and `scrub` do not name it.
+/// Failure: a byte of a damaged artifact is served, or `verify` and `scrub` miss it.
 #[test]
 fn damaged_tars_are_named_and_never_served() {
     let work = Work::new(&job(12));
@@ -149,8 +149,8 @@ fn damaged_tars_are_named_and_never_served() {
     );
 }
 
-/// Failure: a part of a set is not shown while the rest is rendered, the service renders the rest itself, or what is
-/// rendered again is not taken.
+/// Failure: finished parts are not shown while the rest is rendered, the service renders the rest, or newly rendered
+/// parts are not imported.
 #[test]
 fn a_set_that_grows_is_imported_bit_by_bit() {
     let work = Work::new(&job(20));
@@ -211,7 +211,7 @@ fn a_set_that_grows_is_imported_bit_by_bit() {
     assert_ne!(imported(&work)["id"], row["id"], "it can be imported again");
 }
 
-/// Failure: something of a set that contradicts itself is imported.
+/// Failure: any part of a contradictory set is imported.
 #[test]
 fn a_set_that_contradicts_itself_is_refused() {
     let work = Work::new(&job(8));
@@ -249,14 +249,14 @@ fn a_set_that_contradicts_itself_is_refused() {
         wrong[at] ^= 0x55;
         fs::write(&rows, &wrong).expect("writable rows");
         refused(&work, "SHA-256");
-        // A marker that was changed along with it.
+        // A marker changed consistently with it.
         let mut marker = good.clone();
         marker["rows"]["sha256"] = json!(sha256(&wrong));
         fs::write(&path, marker.to_string()).expect("a writable marker");
         let output = run_on(&work, "import", &["--json", "--data", &text_of(&data(&work))]);
         match output.status.code() {
             Some(1) => {}
-            // Imports do not read this column: they make images from the records, which have a digest.
+            // Imports ignore this column: they build images from the records, which have a digest.
             Some(0) if at < whole.len() - 6 => {
                 let printed: Value = serde_json::from_slice(&output.stdout).expect("JSON");
                 assert_eq!(printed["job"]["digest"], good["digest"], "{at}");
@@ -282,7 +282,7 @@ fn refused(work: &Work, part: &str) {
     assert_eq!(service.get("/v1/jobs").1["items"], json!([]), "{part}");
 }
 
-/// What a service is asked. Times are left out: they are those of different machines.
+/// Requests to compare, without times, which differ between machines.
 const QUESTIONS: [&str; 11] = [
     "/v1/images?dataset=reef&fields=frame,job,dataset,digest,warned,alpha,uiqm,hscm.uiqm,artifacts.rgb",
     "/v1/images?filter=uiqm%20%3E%200&order_by=-uiqm&fields=frame,uiqm,water.optics,camera.hfov_deg",
@@ -319,7 +319,7 @@ fn run_on(work: &Work, command: &str, more: &[&str]) -> Output {
     work.command(command, more)
 }
 
-/// Imports what is there; returns the job.
+/// Imports the available shards; returns the job.
 fn imported(work: &Work) -> Value {
     let output = run_on(work, "import", &["--json", "--data", &text_of(&data(work))]);
     assert!(output.status.success(), "{}", text(&output.stderr));

@@ -1,4 +1,4 @@
-//! `fathom train`: what it makes, and what it does with photos that cannot be learned from.
+//! `fathom train`: its products, and unsuitable photos.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -153,7 +153,7 @@ fn gray_deep_and_huge_photos_are_taken() {
     }
 }
 
-/// The color transfer is written before the first step; an interrupt keeps the best so far.
+/// The color transfer is written before the first step; an interrupt keeps the best result so far.
 #[test]
 fn an_interrupted_training_leaves_whole_files_and_says_so_on_the_card() {
     let folder = temporary();
@@ -192,13 +192,13 @@ fn an_interrupted_training_leaves_whole_files_and_says_so_on_the_card() {
     assert_eq!(card(&out)["training"]["steps"], 100_000);
 }
 
-/// A folder that cannot be written: known before the first step, and nothing half-written stays.
+/// A read-only folder is detected before the first step, and no partial file remains.
 #[test]
 fn a_full_disk_is_an_error_and_leaves_nothing_behind() {
     let folder = temporary();
     let photo = muddy_photo(folder.path());
     let out = folder.path().join("out");
-    // A folder in the place of one product: its last rename fails as a full disk's write does.
+    // A folder at the path of a product: its last rename fails as a full disk's write does.
     std::fs::create_dir_all(out.join("harbour.sheet.png/in-the-way")).expect("a writable folder");
     let output = train(&photo, &out, &["--steps", "2"]);
     assert_eq!(output.status.code(), Some(1));

@@ -1,6 +1,6 @@
-//! Chance that can be repeated.
+//! Reproducible random numbers.
 
-/// A small generator of its own, so that a failed run can be repeated (a linear congruential one with the constants of Knuth).
+/// A linear congruential generator with Knuth's constants, so that a failed run can be repeated.
 pub struct Dice(pub u64);
 
 impl Dice {
