@@ -42,17 +42,15 @@ fn scour(site: &mut Site, share: f32) {
     let mut feet: Vec<Foot> = (0..site.solids.len())
         .filter_map(|solid| foot(site, solid))
         .collect();
-    let away = |foot: &Foot| {
-        let away = foot.place - target;
-        away.x * away.x + away.y * away.y
-    };
-    feet.sort_by(|a, b| away(a).total_cmp(&away(b)));
+    feet.sort_by(|a, b| horizontal_square(a.place - target).total_cmp(&horizontal_square(b.place - target)));
     let mut pits: Vec<Pit> = Vec::new();
     for foot in &feet {
         let deep = share * foot.diameter;
         let pit = Pit::new(foot.place, 0.5 * foot.diameter + SLOPE * deep, deep);
-        let apart = |other: &Pit| (other.place - pit.place).length() > 0.6 * (other.radius + pit.radius);
-        if pits.len() < MOST_PITS && pits.iter().all(apart) {
+        let is_separate = pits
+            .iter()
+            .all(|other| (other.place - pit.place).length() > 0.6 * (other.radius + pit.radius));
+        if pits.len() < MOST_PITS && is_separate {
             pits.push(pit);
         }
     }
@@ -131,9 +129,12 @@ fn is_cut(mound: &Solid, pits: &[Pit]) -> bool {
     };
     let (center, radius) = (mound.pose.origin, ball.radii.x);
     let wide = (radius * radius - center.z * center.z).max(0.0).sqrt();
-    let cuts = |pit: &Pit| {
+    pits.iter().any(|pit| {
         let away = pit.place - vec3(center.x, center.y, 0.0);
         away.length() < pit.radius + wide
-    };
-    pits.iter().any(cuts)
+    })
+}
+
+fn horizontal_square(v: Vec3) -> f32 {
+    v.x * v.x + v.y * v.y
 }

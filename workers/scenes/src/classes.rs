@@ -276,11 +276,14 @@ fn known_code(name: &str) -> Option<u8> {
 
 /// Whether a text is safe to print on one line: no control, invisible or direction-changing characters.
 fn is_name(text: &str) -> bool {
-    let hidden = |c: char| matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}');
     let length = text.chars().count();
     (1..=MAX_NAME).contains(&length)
         && text.trim() == text
-        && !text.chars().any(|c| c.is_control() || hidden(c))
+        && !text.chars().any(|c| c.is_control() || is_hidden(c))
+}
+
+fn is_hidden(c: char) -> bool {
+    matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}')
 }
 
 fn escaped(key: &str) -> String {
@@ -314,8 +317,8 @@ mod tests {
         let own = [(2, "pile"), (128, "chain"), (129, "rope")];
         assert_eq!(names(text), own.map(|(id, name)| (id, name.to_owned())));
         let classes = read(text.as_bytes()).unwrap();
-        let of = [1, 2, 7, 300, 3].map(|number| classes.class_of(number));
-        assert_eq!(of, [Some(2), Some(2), Some(129), Some(128), None]);
+        let found = [1, 2, 7, 300, 3].map(|number| classes.class_of(number));
+        assert_eq!(found, [Some(2), Some(2), Some(129), Some(128), None]);
     }
 
     #[test]

@@ -69,7 +69,6 @@ impl Labels {
     ) -> Self {
         let (width, height) = numbers.size();
         let plane = |data| Plane::new(width, height, data).expect("one sample for each pixel");
-        let class = |number: u16| shown[usize::from(number) - 1].category as u8;
         let surfaces = SurfaceLabels {
             z_depth: plane(surfaces.z_depth),
             normals: surfaces.normals.map(plane),
@@ -77,7 +76,7 @@ impl Labels {
             pose,
             intrinsics,
         };
-        let mut labels = Self::of_mask(numbers, class);
+        let mut labels = Self::of_mask(numbers, |number| shown[usize::from(number) - 1].category as u8);
         keep_hosts(&mut labels.instances, |number| {
             shown[usize::from(number) - 1].host
         });
@@ -186,14 +185,14 @@ fn instances(numbers: &Plane<u16>, class_of: impl Fn(u16) -> u8) -> Vec<Instance
         }
     }
     let seen = (0..=u16::MAX).zip(found).filter(|(_, (_, pixels))| *pixels > 0);
-    let instance = |(number, (bounds, pixels))| Instance {
+    seen.map(|(number, (bounds, pixels))| Instance {
         number,
         class: class_of(number),
         bounds,
         pixels,
         host: None,
-    };
-    seen.map(instance).collect()
+    })
+    .collect()
 }
 
 #[cfg(test)]

@@ -53,7 +53,7 @@ pub(crate) fn settle(site: &mut Site, life: &Life, seed: u64) {
     let eye = site.pose.position_m.as_f32();
     let target = site.target.as_f32();
     let mut colony = Colony {
-        builder: Builder::over(site, seed, "life"),
+        builder: Builder::from_site(site, seed, "life"),
         eye,
         middle: eye + (target - eye) * 0.6,
         stage: site.solids.clone(),
@@ -94,7 +94,7 @@ pub(crate) fn settle(site: &mut Site, life: &Life, seed: u64) {
         ("bubbles", life.bubbles, Colony::bubble),
     ] {
         let dice = Dice::new(seed, &format!("life/{topic}"));
-        let count = density * volume + f64::from(dice.between(0, 0.0, 1.0));
+        let count = density * volume + f64::from(dice.uniform(0, 0.0, 1.0));
         for animal in 0..count as usize {
             let dice = dice.object(animal + 1);
             if let (Some(at), true) = (colony.free_place(dice), colony.has_room()) {
@@ -123,7 +123,7 @@ impl Colony {
 
     /// A point in open water; `None` if something is near.
     fn free_place(&self, dice: Dice) -> Option<Vec3> {
-        let radius = BALL_M * libm::cbrtf(dice.between(0, 0.0, 1.0));
+        let radius = BALL_M * libm::cbrtf(dice.uniform(0, 0.0, 1.0));
         let place = self.middle + direction(dice, 1) * radius;
         let solids = self.stage.iter().map(|solid| solid.distance(place));
         let clear = solids.fold(place.z, f32::min).min((place - self.eye).length());
@@ -136,21 +136,21 @@ fn crowding(dice: Dice, place: Vec3) -> f32 {
     let cell = [place.x, place.y, place.z].map(|v| libm::floorf(v / PATCH_M) as i32 as usize & 0x3ff);
     let share = dice
         .object((1 << 40) + (cell[0] << 20) + (cell[1] << 10) + cell[2])
-        .between(0, 0.0, 1.0);
+        .uniform(0, 0.0, 1.0);
     // The integral of 3 s² is 1.
     3.0 * share * share
 }
 
 /// A uniformly distributed direction, from two choices.
 fn direction(dice: Dice, choice: u64) -> Vec3 {
-    let rise = dice.between(choice, -1.0, 1.0);
-    let (sin, cos) = libm::sincosf(dice.between(choice + 1, 0.0, TAU));
+    let rise = dice.uniform(choice, -1.0, 1.0);
+    let (sin, cos) = libm::sincosf(dice.uniform(choice + 1, 0.0, TAU));
     let flat = (1.0 - rise * rise).max(0.0).sqrt();
     vec3(flat * cos, flat * sin, rise)
 }
 
 /// Two unit vectors orthogonal to a unit vector and to each other.
-fn beside(normal: Vec3) -> [Vec3; 2] {
+fn tangents(normal: Vec3) -> [Vec3; 2] {
     let helper = if normal.z.abs() < 0.9 {
         UP
     } else {
@@ -168,21 +168,21 @@ fn spots(site: &Site, eye: Vec3, seed: u64) -> Vec<Spot> {
     let solid_angle = 4.0 * PI / RAYS as f32;
     let found = (0..RAYS).filter_map(|ray| {
         let dice = dice.object(ray);
-        let from = eye + travel * dice.between(0, -0.4, 0.4);
-        let nearest = site.solids.iter().map(|solid| solid.distance(from));
+        let start = eye + travel * dice.uniform(0, -0.4, 0.4);
+        let nearest = site.solids.iter().map(|solid| solid.distance(start));
         // A displaced eye may be inside a wall and see only its back; fall back to the usual eye.
-        let from = if ray % 2 == 0 || nearest.fold(from.z, f32::min) < 0.05 {
+        let start = if ray % 2 == 0 || nearest.fold(start.z, f32::min) < 0.05 {
             eye
         } else {
-            from
+            start
         };
         let heading = direction(dice, 1);
-        let (met, number) = tree.first_met(&site.solids, from, heading, REACH_M)?;
+        let (met, number) = tree.first_met(&site.solids, start, heading, REACH_M)?;
         let solid = &site.solids[usize::from(number)];
         if solid.object == 0 {
             return None;
         }
-        let place = from + heading * met;
+        let place = start + heading * met;
         if place.z < 0.0 {
             return None;
         }

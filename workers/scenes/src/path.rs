@@ -51,17 +51,25 @@ impl CameraPath {
     pub fn new(path: &Path, ends: [Waypoint; 2], seed: u64) -> Result<Self, Vec<SceneError>> {
         let [start, end] = ends.map(Sight::from);
         let mut errors = Vec::new();
-        let mut check = |good: bool, field: &'static str, value: f64, limit: &'static str| {
-            if !good {
-                errors.push(SceneError::Number { field, value, limit });
-            }
-        };
+
         let traveled = (end.position - start.position).length() + (end.target - start.target).length();
         let moves = path.frames == 1 || traveled >= SHORTEST_M;
-        check(moves, "path.end", traveled, "at least 0.001 m from the start");
+        if !moves {
+            errors.push(SceneError::Number {
+                field: "path.end",
+                value: traveled,
+                limit: "at least 0.001 m from the start",
+            });
+        }
         let nearest = nearest_target(&start, &end);
-        let limit = "at least 0.001 m from the camera, all the way";
-        check(nearest >= SHORTEST_M, "path.end.target_m", nearest, limit);
+        let is_clear = nearest >= SHORTEST_M;
+        if !is_clear {
+            errors.push(SceneError::Number {
+                field: "path.end.target_m",
+                value: nearest,
+                limit: "at least 0.001 m from the camera, all the way",
+            });
+        }
         if errors.is_empty() {
             let path = *path;
             Ok(Self {
@@ -92,15 +100,14 @@ impl CameraPath {
     pub fn pose_at(&self, frame: f64) -> CameraPose {
         let steps = self.path.frames.saturating_sub(1);
         let share = frame.max(0.0).min(steps as f64) / steps.max(1) as f64;
-        let between = |a: DVec3, b: DVec3| a + (b - a) * share;
-        let eye = between(self.start.position, self.end.position);
-        let target = between(self.start.target, self.end.target);
+        let eye = interpolate(self.start.position, self.end.position, share);
+        let target = interpolate(self.start.target, self.end.target, share);
         let still = held::pose([self.start, self.end], eye, target);
-        let swing = |axis: usize| self.swing(frame, axis as u64);
         let mut moved = still;
         for (i, axis) in [still.right, still.down, still.ahead].into_iter().enumerate() {
-            moved.position_m = moved.position_m + axis * (self.path.sway_m * swing(i));
-            let angle = self.path.sway_deg.to_radians() * swing(3 + i);
+            let [shift, turn] = [i, 3 + i].map(|axis| self.swing(frame, axis as u64));
+            moved.position_m = moved.position_m + axis * (self.path.sway_m * shift);
+            let angle = self.path.sway_deg.to_radians() * turn;
             moved.right = turned(moved.right, axis, angle);
             moved.down = turned(moved.down, axis, angle);
             moved.ahead = turned(moved.ahead, axis, angle);
@@ -111,22 +118,22 @@ impl CameraPath {
     /// Sway in -1..=1.
     fn swing(&self, frame: f64, axis: u64) -> f64 {
         let dice = Stream::stage(self.seed, "path/sway");
-        let draw = |choice: u64| dice.unit(axis, choice);
-        let wave = |period: f64, choice: u64| {
-            let period = period * (0.8 + 0.4 * draw(choice));
-            libm::sin(TAU * (frame / period + draw(choice + 1)))
-        };
-        let slow = wave(self.path.sway_frames, 0);
-        0.7 * slow + 0.3 * wave(0.37 * self.path.sway_frames, 2)
+        let periods = [self.path.sway_frames, 0.37 * self.path.sway_frames];
+        let [slow, fast] = [0, 1].map(|k| {
+            let choice = 2 * k as u64;
+            let period = periods[k] * (0.8 + 0.4 * dice.unit(axis, choice));
+            libm::sin(TAU * (frame / period + dice.unit(axis, choice + 1)))
+        });
+        0.7 * slow + 0.3 * fast
     }
 }
 
 fn nearest_target(start: &Sight, end: &Sight) -> f64 {
-    let from = start.target - start.position;
-    let change = end.target - end.position - from;
+    let first = start.target - start.position;
+    let change = end.target - end.position - first;
     let square = change.dot(change);
-    let share = (-from.dot(change) / square).clamp(0.0, 1.0);
-    (from + change * if square > 0.0 { share } else { 0.0 }).length()
+    let share = (-first.dot(change) / square).clamp(0.0, 1.0);
+    (first + change * if square > 0.0 { share } else { 0.0 }).length()
 }
 
 /// Rotates a vector about a unit axis (Rodrigues).
@@ -134,6 +141,10 @@ fn turned(v: DVec3, axis: DVec3, angle: f64) -> DVec3 {
     let (sin, cos) = libm::sincos(angle);
     let along = axis * (axis.dot(v) * (1.0 - cos));
     (v * cos + axis.cross(v) * sin + along).normalized()
+}
+
+fn interpolate(a: DVec3, b: DVec3, share: f64) -> DVec3 {
+    a + (b - a) * share
 }
 
 #[cfg(test)]

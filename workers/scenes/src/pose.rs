@@ -56,8 +56,8 @@ impl CameraPose {
     /// # Errors
     /// The violated condition.
     pub fn from_matrix(matrix: &[[f64; 4]; 4]) -> Result<Self, &'static str> {
-        let column = |at: usize| -> DVec3 { [0, 1, 2].map(|row: usize| matrix[row][at]).into() };
-        let (right, down, ahead, position_m) = (column(0), column(1), column(2), column(3));
+        let [right, down, ahead, position_m] =
+            [0, 1, 2, 3].map(|column: usize| DVec3::from([0, 1, 2].map(|row: usize| matrix[row][column])));
         if matrix.as_flattened().iter().any(|value| !value.is_finite()) {
             return Err("all numbers must be finite");
         }
@@ -115,19 +115,22 @@ impl CameraPose {
 /// # Errors
 /// The violated condition with its JSON pointer.
 pub fn read(text: &[u8]) -> Result<[[f64; 4]; 4], Invalid> {
-    let refused = |message: &str| Invalid(vec![FieldError::new("", message)]);
     let shape =
         "a pose must be {\"world_from_camera\": [[…], […], […], [0, 0, 0, 1]]}, four rows of four numbers";
     let mut value = spec::read_json(text)?;
     if let Value::Object(map) = &mut value {
         value = match (map.len(), map.remove("world_from_camera")) {
             (1, Some(matrix)) => matrix,
-            _ => return Err(refused(shape)),
+            _ => return Err(rejection(shape)),
         };
     }
-    let matrix: [[f64; 4]; 4] = serde_json::from_value(value).map_err(|_| refused(shape))?;
-    CameraPose::from_matrix(&matrix).map_err(refused)?;
+    let matrix: [[f64; 4]; 4] = serde_json::from_value(value).map_err(|_| rejection(shape))?;
+    CameraPose::from_matrix(&matrix).map_err(rejection)?;
     Ok(matrix)
+}
+
+fn rejection(message: &str) -> Invalid {
+    Invalid(vec![FieldError::new("", message)])
 }
 
 #[cfg(test)]

@@ -90,7 +90,7 @@ impl Rays for WorldRays<'_> {
     }
 
     fn look(&self, ways: &Ways, clear: &mut [bool]) {
-        let frame = Frame {
+        let frame = CameraFrame {
             eye: self.pose.position_m.as_f32(),
             axes: [self.pose.right, self.pose.down, self.pose.ahead].map(DVec3::as_f32),
         };
@@ -106,8 +106,8 @@ impl Rays for WorldRays<'_> {
                 self.sink(&mut run, &ends);
             }
             let bundle = Bundle {
-                from: vectorized!(Bounds::of_points(&run.from)),
-                to: vectorized!(Bounds::of_points(&ends)),
+                from: vectorized!(Bounds::from_points(&run.from)),
+                to: vectorized!(Bounds::from_points(&ends)),
             };
             self.tree.search(&bundle, |number| {
                 self.site.solids[usize::from(number)].hide(&mut run);
@@ -144,18 +144,12 @@ impl WorldRays<'_> {
 
     /// The bounding box in world coordinates, enlarged by the possible rounding error.
     fn bounds_in_world(&self, cuboid: &Cuboid) -> Bounds {
-        let point = |corner: [f64; 3]| {
+        let corners = cuboid.corners().map(|corner| {
             let place = self.place_in_world(corner.into());
             let lost = (OFFSET * place.length().max(1.0)) as f32;
-            let place = place.as_f32();
-            Bounds {
-                low: place,
-                high: place,
-            }
-            .grown(lost)
-        };
-        let corners = cuboid.corners().map(point);
-        corners.iter().fold(corners[0], |all, corner| all.with(corner))
+            Bounds::from_point(place.as_f32()).grown(lost)
+        });
+        corners.iter().fold(corners[0], |all, corner| all.union(corner))
     }
 
     fn place_in_world(&self, place: DVec3) -> DVec3 {
@@ -177,13 +171,9 @@ impl WorldRays<'_> {
                 (nearest, is_met) = (ground, true);
             }
         }
-        let point = |place: Vec3| Bounds {
-            low: place,
-            high: place,
-        };
         let bundle = Bundle {
-            from: point(begin),
-            to: point(begin + heading * meters),
+            from: Bounds::from_point(begin),
+            to: Bounds::from_point(begin + heading * meters),
         };
         self.tree.search(&bundle, |number| {
             let met = self.site.solids[usize::from(number)].enter(begin, heading);
@@ -198,16 +188,23 @@ impl WorldRays<'_> {
 
 /// The camera in single precision.
 #[derive(Clone, Copy)]
-struct Frame {
+struct CameraFrame {
     eye: Vec3,
     axes: [Vec3; 3],
+}
+
+impl CameraFrame {
+    #[inline(always)]
+    fn rotate(&self, v: Vec3) -> Vec3 {
+        let [right, down, ahead] = self.axes;
+        right * v.x + down * v.y + ahead * v.z
+    }
 }
 
 /// Transforms a packet of shadow rays into the world, offsets their origins off the surfaces, and marks those blocked
 /// by the ground. The last ray fills the rest of the packet.
 #[inline(always)]
-fn begin(frame: Frame, ways: &Ways, first: usize, run: &mut Run, ends: &mut [[f32; RUN]; 3]) {
-    let [right, down, ahead] = frame.axes;
+fn begin(frame: CameraFrame, ways: &Ways, first: usize, run: &mut Run, ends: &mut [[f32; RUN]; 3]) {
     let count = RUN.min(ways.len() - first);
     let mut local = [[[0.0f32; RUN]; 3]; 2];
     for (lanes, ends) in local.iter_mut().zip([&ways.from, &ways.to]) {
@@ -223,10 +220,9 @@ fn begin(frame: Frame, ways: &Ways, first: usize, run: &mut Run, ends: &mut [[f3
         // The offset of `imaging::rays::offset`.
         let off = OFFSET as f32 * from.length().max(1.0);
         let share = (off / way.length().max(1e-30)).min(1.0);
-        let from = from + way * share;
-        let way = to - from;
-        let turned = |v: Vec3| right * v.x + down * v.y + ahead * v.z;
-        let (begin, way) = (frame.eye + turned(from), turned(way));
+        let start = from + way * share;
+        let way = to - start;
+        let (begin, way) = (frame.eye + frame.rotate(start), frame.rotate(way));
         let end = begin + way;
         store(&mut run.from, i, begin);
         store(&mut run.way, i, way);

@@ -48,18 +48,23 @@ pub fn decode<T: AsRef<[u8]>>(upload: &SceneFiles<T>) -> Result<Scene, SceneErro
 /// # Errors
 /// [`SceneError::Objects`].
 pub fn check_objects(scene: &Scene, classes: Option<&Classes>) -> Result<(), SceneError> {
-    let wrong = |field, reason| Err(SceneError::Objects { field, reason });
     let Some(mask) = &scene.instances else {
-        let reason = "they say what the objects of `instances` are, which is not given".to_owned();
-        return classes.map_or(Ok(()), |_| wrong("classes", reason));
+        return classes.map_or(Ok(()), |_| {
+            Err(SceneError::Objects {
+                field: "classes",
+                reason: "they describe the objects of `instances`, which is missing".to_owned(),
+            })
+        });
     };
     let objects = labels::objects(mask);
     if objects.len() > MAX_OBJECTS {
-        let reason = format!(
-            "the mask shows {} objects, the limit is {MAX_OBJECTS}",
-            objects.len()
-        );
-        return wrong("instances", reason);
+        return Err(SceneError::Objects {
+            field: "instances",
+            reason: format!(
+                "the mask shows {} objects, the limit is {MAX_OBJECTS}",
+                objects.len()
+            ),
+        });
     }
     let absent = classes.iter().flat_map(|classes| &classes.segments_info);
     let absent: Vec<String> = absent
@@ -69,17 +74,17 @@ pub fn check_objects(scene: &Scene, classes: Option<&Classes>) -> Result<(), Sce
     if absent.is_empty() {
         return Ok(());
     }
-    let some = absent[..absent.len().min(MAX_LISTED)].join(", ");
+    let listed = absent[..absent.len().min(MAX_LISTED)].join(", ");
     let more = absent.len().saturating_sub(MAX_LISTED);
     let more = if more > 0 {
         format!(" and {more} more")
     } else {
         String::new()
     };
-    wrong(
-        "classes",
-        format!("no pixel of the instance mask has the numbers {some}{more}"),
-    )
+    Err(SceneError::Objects {
+        field: "classes",
+        reason: format!("no pixel of the instance mask has the numbers {listed}{more}"),
+    })
 }
 
 fn check_camera(camera: &Intrinsics) -> Result<(), SceneError> {
@@ -105,8 +110,13 @@ fn decode_radiance(bytes: &[u8]) -> Result<Rgb<f32>, SceneError> {
         Radiance::Linear(radiance) => radiance,
     };
     let [r, g, b] = radiance.planes().each_ref().map(Plane::data);
-    let bad = |i: usize| [r[i], g[i], b[i]].into_iter().find(|sample| !sample.is_finite());
-    if let Some((i, value)) = (0..r.len()).find_map(|i| bad(i).map(|value| (i, value))) {
+    let invalid = (0..r.len()).find_map(|i| {
+        let value = [r[i], g[i], b[i]]
+            .into_iter()
+            .find(|sample| !sample.is_finite())?;
+        Some((i, value))
+    });
+    if let Some((i, value)) = invalid {
         return Err(SceneError::Radiance {
             x: i % radiance.width(),
             y: i / radiance.width(),
@@ -127,10 +137,11 @@ fn decode_range<T: AsRef<[u8]>>(
     {
         return Err(number("unit_m", unit, "finite and above 0"));
     }
-    let missing = |field, reason| SceneError::Missing { field, reason };
     if file.kind == RangeKind::ZDepth && camera.is_none() {
-        let reason = "z-depth becomes range along the ray by the focal length and the principal point";
-        return Err(missing("intrinsics", reason));
+        return Err(SceneError::Missing {
+            field: "intrinsics",
+            reason: "z-depth becomes range along the ray by the focal length and the principal point",
+        });
     }
     let plane =
         codec::decode_plane(file.file.as_ref()).map_err(|reason| SceneError::File { field, reason })?;
@@ -142,10 +153,14 @@ fn decode_range<T: AsRef<[u8]>>(
         }
         FilePlane::Codes(codes) => {
             check_size(field, codes.size(), image)?;
-            let no_unit = missing("unit_m", "integer codes have no length of their own");
-            let unit = file.unit_m.ok_or(no_unit)?;
-            let reason = "one of the integer codes stands for a pixel without a distance";
-            let invalid = file.invalid_code.ok_or(missing("invalid_code", reason))?;
+            let unit = file.unit_m.ok_or(SceneError::Missing {
+                field: "unit_m",
+                reason: "integer codes do not define a length",
+            })?;
+            let invalid = file.invalid_code.ok_or(SceneError::Missing {
+                field: "invalid_code",
+                reason: "one of the integer codes marks pixels without a distance",
+            })?;
             codes.map(|&code| meters_or_hole(f64::from(code), unit, code == invalid))
         }
     };
@@ -163,16 +178,19 @@ fn meters_or_hole(value: f64, unit_m: f64, hole: bool) -> f32 {
 
 fn decode_instances(bytes: &[u8], image: (usize, usize)) -> Result<Plane<u16>, SceneError> {
     let field = "instances";
-    let file = |reason| SceneError::File { field, reason };
-    match codec::decode_plane(bytes).map_err(file)? {
+    let plane = codec::decode_plane(bytes).map_err(|reason| SceneError::File { field, reason })?;
+    match plane {
         FilePlane::Codes(codes) => {
             check_size(field, codes.size(), image)?;
             Ok(codes)
         }
-        FilePlane::Floats(_) => Err(file(codec::DecodeError::Unsuitable {
-            found: "floats".into(),
-            wanted: "integer codes of 8 or 16 bits",
-        })),
+        FilePlane::Floats(_) => Err(SceneError::File {
+            field,
+            reason: codec::DecodeError::Unsuitable {
+                found: "floats".into(),
+                wanted: "integer codes of 8 or 16 bits",
+            },
+        }),
     }
 }
 

@@ -137,20 +137,20 @@ impl World {
         let (eye, target, travel) = (self.site.pose.position_m, self.site.target, self.site.travel);
         let room = CLEAR_M + 2.0 * sway_m;
         // Both directions from the usual pose, until something is near.
-        let free = |direction: f64| {
-            let share = |steps: usize| direction * 0.5 * steps as f64 / STEPS as f64;
-            let clear = |&step: &usize| self.clearance(eye + travel * share(step)) >= room;
-            share((1..=STEPS).take_while(clear).count())
-        };
-        let (mut first, mut last) = (free(-1.0), free(1.0));
+        let [mut first, mut last] = [-1.0, 1.0].map(|direction| {
+            let steps = (1..=STEPS)
+                .take_while(|&step| self.clearance(eye + travel * travel_share(direction, step)) >= room)
+                .count();
+            travel_share(direction, steps)
+        });
         if last - first < SHORTEST_SHARE {
             (first, last) = (-0.5 * SHORTEST_SHARE, 0.5 * SHORTEST_SHARE);
         }
-        let waypoint = |share: f64| Waypoint {
+        let [first, last] = [first, last].map(|share| Waypoint {
             position_m: (eye + travel * share).into(),
             target_m: (target + travel * share).into(),
-        };
-        (waypoint(first), waypoint(last))
+        });
+        (first, last)
     }
 
     /// Checks that a camera on the path stays clear of surfaces, in at most 1000 of its frames.
@@ -271,6 +271,10 @@ fn renumber(instances: &mut [u16]) -> Vec<u16> {
     let ids = instances.iter_mut();
     ids.for_each(|id| *id = numbers[usize::from(*id)]);
     shown
+}
+
+fn travel_share(direction: f64, steps: usize) -> f64 {
+    direction * 0.5 * steps as f64 / STEPS as f64
 }
 
 #[cfg(test)]

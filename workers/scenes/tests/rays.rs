@@ -178,8 +178,8 @@ fn what_may_not_be_hidden_is_clear_and_nothing_is_nearer_than_its_clearance() {
                 let place = |k: u64| [0, 1, 2].map(|i| 6.0 * draw(k + i) - if i == 2 { 0.5 } else { 3.0 });
                 let (from, to) = (place(0), place(3));
                 let boxes = [
-                    Cuboid::about(from, 0.4 * draw(6)),
-                    Cuboid::about(to, 0.1 * draw(7)),
+                    Cuboid::centered(from, 0.4 * draw(6)),
+                    Cuboid::centered(to, 0.1 * draw(7)),
                 ];
                 let within = |cuboid: &Cuboid, k: u64| {
                     [0, 1, 2].map(|i| {

@@ -37,45 +37,48 @@ impl Colony {
         if near.is_empty() {
             return;
         }
-        let pick = |choice: u64| near[dice.count(choice, 0, near.len() - 1)];
         // It hangs from the highest of several candidates.
-        let first = (0..6).map(pick).fold(
-            pick(0),
+        let first = (0..6).map(|choice| pick_spot(&near, dice, choice)).fold(
+            pick_spot(&near, dice, 0),
             |best, spot| {
                 if spot.place.z > best.place.z { spot } else { best }
             },
         );
-        let from = first.place + first.normal * 0.02;
-        let away = horizontal(dice.between(8, 0.0, TAU)) * dice.between(9, 0.5, 2.0);
-        let to = if dice.chance(10, 0.5) {
-            pick(11).place + pick(11).normal * 0.02
+        let start = first.place + first.normal * 0.02;
+        let away = horizontal(dice.uniform(8, 0.0, TAU)) * dice.uniform(9, 0.5, 2.0);
+        let finish = if dice.chance(10, 0.5) {
+            let spot = pick_spot(&near, dice, 11);
+            spot.place + spot.normal * 0.02
         } else {
-            vec3(from.x + away.x, from.y + away.y, (from.z - DROP_M).max(0.02))
+            vec3(start.x + away.x, start.y + away.y, (start.z - DROP_M).max(0.02))
         };
-        let thick = dice.between(12, 0.006, 0.018);
+        let thick = dice.uniform(12, 0.006, 0.018);
         let mut color = Body {
             color: dice.pick(13, &ROPES),
             gloss: 0.03,
             belly: 1.0,
         };
-        color.color = color.color.map(|v| v * dice.between(14, 0.7, 1.1));
+        color.color = color.color.map(|v| v * dice.uniform(14, 0.7, 1.1));
         self.begin(color, Category::Cable, dice);
-        let sag = (to - from).length() * dice.between(15, 0.08, 0.35);
+        let sag = (finish - start).length() * dice.uniform(15, 0.08, 0.35);
         let drift = self.current() * (0.4 * sag) + first.normal * (0.7 * sag);
-        let wave = dice.between(16, 0.01, 0.05);
-        let at = |link: usize| {
+        let wave = dice.uniform(16, 0.01, 0.05);
+        let node = |link: usize| {
             let t = link as f32 / LINKS as f32;
             let bow = 4.0 * t * (1.0 - t);
-            let curl = horizontal(9.0 * t + dice.between(17, 0.0, TAU)) * (wave * bow);
-            above_ground(from + (to - from) * t + drift * bow + curl - up(sag * bow), thick)
+            let curl = horizontal(9.0 * t + dice.uniform(17, 0.0, TAU)) * (wave * bow);
+            above_ground(
+                start + (finish - start) * t + drift * bow + curl - up(sag * bow),
+                thick,
+            )
         };
         for link in 0..LINKS {
-            self.limb(at(link), at(link + 1), thick);
+            self.limb(node(link), node(link + 1), thick);
         }
         // Its end rests on the bottom or hangs.
-        let (mut end, mut heading) = (at(LINKS), horizontal(dice.between(18, 0.0, TAU)));
+        let (mut end, mut heading) = (node(LINKS), horizontal(dice.uniform(18, 0.0, TAU)));
         for link in 0..10u64 {
-            let turn = dice.between(20 + link, -0.5, 0.5);
+            let turn = dice.uniform(20 + link, -0.5, 0.5);
             heading = (heading + horizontal(turn * 6.0) * 0.45).normalized();
             let next = above_ground(end + heading * 0.07 - up(0.05), thick);
             self.limb(end, next, thick);
@@ -85,8 +88,8 @@ impl Colony {
 
     /// A fish with body, tail, fins and eyes. All fish of a site swim in roughly the same direction.
     pub(super) fn fish(&mut self, dice: Dice, place: Vec3) {
-        let school = self.builder.about("school");
-        let color = school.pick(1, &BACKS).map(|v| v * dice.between(4, 0.8, 1.3));
+        let school = self.builder.dice_for("school");
+        let color = school.pick(1, &BACKS).map(|v| v * dice.uniform(4, 0.8, 1.3));
         self.begin(
             Body {
                 color,
@@ -96,35 +99,38 @@ impl Colony {
             Category::Fauna,
             dice,
         );
-        let length = school.between(2, 0.05, 0.14) * dice.between(5, 0.7, 1.3);
-        let yaw = school.between(3, 0.0, TAU) + dice.between(6, -0.7, 0.7);
-        let ahead = (horizontal(yaw) + up(dice.between(7, -0.2, 0.2))).normalized();
+        let length = school.uniform(2, 0.05, 0.14) * dice.uniform(5, 0.7, 1.3);
+        let yaw = school.uniform(3, 0.0, TAU) + dice.uniform(6, -0.7, 0.7);
+        let ahead = (horizontal(yaw) + up(dice.uniform(7, -0.2, 0.2))).normalized();
         let side = up(1.0).cross(ahead).normalized();
         let over = ahead.cross(side);
-        let bend = dice.between(8, -0.35, 0.35);
+        let bend = dice.uniform(8, -0.35, 0.35);
         let axes = [ahead, side, over];
-        let ball = |colony: &mut Self, origin: Vec3, radii: [f32; 3], axes: [Vec3; 3]| {
-            let radii = Vec3::from(radii) * length;
-            colony.builder.put(Ball { radii }, Pose { origin, axes });
-        };
-        ball(self, place, [1.0, 0.17, 0.3], axes);
+        self.put_ellipsoid(length, [1.0, 0.17, 0.3], Pose { origin: place, axes });
         // The tail is bent aside, its two lobes up and down.
         let back = (ahead + side * bend).normalized();
         let aside = over.cross(back).normalized();
         let root = place - back * (0.95 * length);
-        ball(self, root, [0.28, 0.05, 0.1], [back, aside, over]);
+        let pose = Pose {
+            origin: root,
+            axes: [back, aside, over],
+        };
+        self.put_ellipsoid(length, [0.28, 0.05, 0.1], pose);
         for lobe in [-1.0f32, 1.0] {
             let way = (over * lobe - back * 0.9).normalized();
             let center = root - back * (0.2 * length) + way * (0.17 * length);
-            ball(self, center, [0.24, 0.02, 0.08], [way, aside, way.cross(aside)]);
+            let pose = Pose {
+                origin: center,
+                axes: [way, aside, way.cross(aside)],
+            };
+            self.put_ellipsoid(length, [0.24, 0.02, 0.08], pose);
         }
         let fin = (over * 0.8 - ahead * 0.9).normalized();
-        ball(
-            self,
-            place + over * (0.28 * length),
-            [0.25, 0.015, 0.12],
-            [fin, side, fin.cross(side)],
-        );
+        let pose = Pose {
+            origin: place + over * (0.28 * length),
+            axes: [fin, side, fin.cross(side)],
+        };
+        self.put_ellipsoid(length, [0.25, 0.015, 0.12], pose);
         self.begin(
             Body {
                 color: [0.02; 3],
@@ -137,8 +143,13 @@ impl Colony {
         for eye in [-1.0f32, 1.0] {
             let center =
                 place + ahead * (0.7 * length) + side * (eye * 0.1 * length) + over * (0.08 * length);
-            ball(self, center, [0.05, 0.03, 0.05], axes);
+            self.put_ellipsoid(length, [0.05, 0.03, 0.05], Pose { origin: center, axes });
         }
+    }
+
+    fn put_ellipsoid(&mut self, length: f32, radii: [f32; 3], pose: Pose) {
+        let radii = Vec3::from(radii) * length;
+        self.builder.put(Ball { radii }, pose);
     }
 
     /// A jellyfish: bell, inner bell, arms and tentacles.
@@ -153,10 +164,10 @@ impl Colony {
             Category::Fauna,
             dice,
         );
-        let radius = dice.between(5, 0.04, 0.11);
-        let axis = (up(1.0) + horizontal(dice.between(6, 0.0, TAU)) * dice.between(7, 0.0, 0.7)).normalized();
-        let pose = Pose::along(place, place + axis, 0.0);
-        let open = dice.between(8, 0.45, 0.75);
+        let radius = dice.uniform(5, 0.04, 0.11);
+        let axis = (up(1.0) + horizontal(dice.uniform(6, 0.0, TAU)) * dice.uniform(7, 0.0, 0.7)).normalized();
+        let pose = Pose::pointing(place, place + axis, 0.0);
+        let open = dice.uniform(8, 0.45, 0.75);
         self.builder.put(
             Ball {
                 radii: vec3(radius, radius, radius * open),
@@ -176,30 +187,34 @@ impl Colony {
             let center = place + out * (0.2 * radius) - axis * radius;
             let radii = vec3(0.09 * radius, 0.05 * radius, 0.8 * radius);
             self.builder
-                .put(Ball { radii }, Pose::along(center, center + way, 0.4));
+                .put(Ball { radii }, Pose::pointing(center, center + way, 0.4));
         }
         for tentacle in 0..12u64 {
             let own = dice.object(dice_number(dice, tentacle));
             let (sin, cos) = libm::sincosf(tentacle as f32 * TAU / 12.0);
             let out = pose.axes[0] * cos + pose.axes[1] * sin;
-            let mut from = place + out * (0.85 * radius) - axis * (0.35 * radius);
-            let step = radius * own.between(0, 0.3, 0.7);
+            let mut start = place + out * (0.85 * radius) - axis * (0.35 * radius);
+            let step = radius * own.uniform(0, 0.3, 0.7);
             for part in 0..5u64 {
-                let sway = horizontal(own.between(1, 0.0, TAU) + part as f32) * 0.35;
-                let to = above_ground(from + (sway - axis + self.current() * 0.2) * step, 0.01);
-                self.limb(from, to, 0.016 * radius + 0.0006);
-                from = to;
+                let sway = horizontal(own.uniform(1, 0.0, TAU) + part as f32) * 0.35;
+                let end = above_ground(start + (sway - axis + self.current() * 0.2) * step, 0.01);
+                self.limb(start, end, 0.016 * radius + 0.0006);
+                start = end;
             }
         }
     }
 
     /// A bubble: small ones are spheres, large ones are flattened (Clift, Grace and Weber 1978).
     pub(super) fn bubble(&mut self, dice: Dice, place: Vec3) {
-        let share = dice.between(4, 0.0, 1.0);
+        let share = dice.uniform(4, 0.0, 1.0);
         let radius = 0.0008 + 0.006 * share * share * share;
         let flat = 1.0 - 0.45 * share * share;
         self.builder
             .object_of(Finish::new(Material::Bubble, dice), Category::Bubble);
         self.builder.ball(place, vec3(radius, radius, radius * flat), 0.0);
     }
+}
+
+fn pick_spot<'a>(spots: &[&'a Spot], dice: Dice, choice: u64) -> &'a Spot {
+    spots[dice.count(choice, 0, spots.len() - 1)]
 }

@@ -3,7 +3,7 @@
 use imaging::vector::{Vec3, vec3};
 
 use super::body::Body;
-use super::{Colony, Spot, above_ground, beside, direction};
+use super::{Colony, Spot, above_ground, direction, tangents};
 use crate::categories::Category;
 use crate::site::chance::Dice;
 use crate::site::pose::{Pose, up};
@@ -32,8 +32,8 @@ impl Colony {
             },
             dice,
         );
-        let [x, y] = beside(spot.normal);
-        let wide = dice.between(2, 0.04, 0.11);
+        let [x, y] = tangents(spot.normal);
+        let wide = dice.uniform(2, 0.04, 0.11);
         // Distant clusters are a few lumps.
         let count = match spot.range {
             near if near < 1.6 => dice.count(3, 9, 18),
@@ -43,16 +43,16 @@ impl Colony {
         for shell in 0..count as u64 {
             let own = dice.object(dice_number(dice, shell));
             let grown = if count > 3 {
-                own.between(0, 0.018, 0.036)
+                own.uniform(0, 0.018, 0.036)
             } else {
                 wide * 0.5
             };
             let out = (spot.normal + direction(own, 1) * 0.55).normalized();
-            let (sin, cos) = libm::sincosf(own.between(3, 0.0, 6.3));
-            let aside = wide * own.between(4, 0.0, 1.0).sqrt();
+            let (sin, cos) = libm::sincosf(own.uniform(3, 0.0, 6.3));
+            let aside = wide * own.uniform(4, 0.0, 1.0).sqrt();
             let foot = spot.place + x * (aside * cos) + y * (aside * sin);
             let center = foot + out * (grown * 0.5);
-            let pose = Pose::along(center, center + out, own.between(5, 0.0, 6.3));
+            let pose = Pose::pointing(center, center + out, own.uniform(5, 0.0, 6.3));
             let radii = vec3(grown * 0.5, grown * 0.36, grown);
             self.builder.put(Ball { radii }, pose);
         }
@@ -71,21 +71,21 @@ impl Colony {
             dice,
         );
         let count = if spot.range < 2.5 { dice.count(2, 5, 10) } else { 3 };
-        let [x, y] = beside(spot.normal);
+        let [x, y] = tangents(spot.normal);
         let mut ends = Vec::new();
         for worm in 0..count as u64 {
             let own = dice.object(dice_number(dice, worm));
-            let thick = own.between(0, 0.002, 0.0042) * if count == 3 { 1.6 } else { 1.0 };
-            let foot = spot.place + x * own.between(1, -0.035, 0.035) + y * own.between(2, -0.035, 0.035);
+            let thick = own.uniform(0, 0.002, 0.0042) * if count == 3 { 1.6 } else { 1.0 };
+            let foot = spot.place + x * own.uniform(1, -0.035, 0.035) + y * own.uniform(2, -0.035, 0.035);
             let mut heading = (spot.normal * 0.5 + direction(own, 3)).normalized();
-            let mut from = foot - spot.normal * 0.003;
+            let mut start = foot - spot.normal * 0.003;
             for part in 0..3u64 {
-                let to = from + heading * own.between(5 + part, 0.012, 0.035);
-                self.limb(from, to, thick);
+                let target = start + heading * own.uniform(5 + part, 0.012, 0.035);
+                self.limb(start, target, thick);
                 heading = (heading + spot.normal * 0.55 + direction(own, 10 + 2 * part) * 0.5).normalized();
-                from = to;
+                start = target;
             }
-            ends.push((from, thick));
+            ends.push((start, thick));
         }
         if dice.chance(4, 0.6) && spot.range < 3.0 {
             let color = dice.pick(5, &CROWNS);
@@ -118,37 +118,37 @@ impl Colony {
             },
             dice,
         );
-        let long = dice.between(2, 0.12, 0.3) + 0.5 * dice.between(3, 0.0, 1.0) * dice.between(4, 0.0, 1.0);
+        let long = dice.uniform(2, 0.12, 0.3) + 0.5 * dice.uniform(3, 0.0, 1.0) * dice.uniform(4, 0.0, 1.0);
         let parts = if spot.range < 3.0 { 6 } else { 4 };
         let fronds = if spot.range < 3.0 { dice.count(5, 4, 8) } else { 3 };
         let current = self.current();
         let hangs = if spot.normal.z > 0.6 { 0.35 } else { 1.0 };
         for frond in 0..fronds as u64 {
             let own = dice.object(dice_number(dice, frond));
-            let mut from = spot.place;
+            let mut start = spot.place;
             let mut heading = (spot.normal + direction(own, 0) * 0.8).normalized();
-            let step = long * own.between(2, 0.6, 1.1) / parts as f32;
-            let wide = own.between(3, 0.05, 0.11) * step + 0.006;
+            let step = long * own.uniform(2, 0.6, 1.1) / parts as f32;
+            let wide = own.uniform(3, 0.05, 0.11) * step + 0.006;
             for part in 0..parts as u64 {
                 let weight = up(-hangs * 0.45) + current * 0.3 + direction(own, 10 + 2 * part) * 0.3;
                 heading = (heading + weight).normalized();
-                let to = above_ground(from + heading * step, 0.01);
-                let leaf = Pose::along((from + to) * 0.5, to, own.between(40 + part, 0.0, 6.3));
+                let end = above_ground(start + heading * step, 0.01);
+                let leaf = Pose::pointing((start + end) * 0.5, end, own.uniform(40 + part, 0.0, 6.3));
                 // A frond is widest in the middle.
                 let along = (part as f32 + 0.7) / parts as f32;
                 let broad = wide * (0.5 + 1.6 * along * (1.0 - along) * 2.0);
                 let radii = vec3(broad, 0.15 * broad + 0.001, 0.62 * step);
                 self.builder.put(Ball { radii }, leaf);
-                from = to;
+                start = end;
             }
         }
     }
 
     /// The current of this site: horizontal, length at most 1.
     pub(super) fn current(&self) -> Vec3 {
-        let dice = self.builder.about("current");
-        let (sin, cos) = libm::sincosf(dice.between(0, 0.0, 6.3));
-        vec3(cos, sin, 0.0) * dice.between(1, 0.2, 1.0)
+        let dice = self.builder.dice_for("current");
+        let (sin, cos) = libm::sincosf(dice.uniform(0, 0.0, 6.3));
+        vec3(cos, sin, 0.0) * dice.uniform(1, 0.2, 1.0)
     }
 
     fn grow_on(&mut self, spot: &Spot, body: Body, dice: Dice) {
@@ -163,7 +163,7 @@ impl Colony {
     pub(super) fn limb(&mut self, from: Vec3, to: Vec3, radius: f32) {
         let (begin, way) = (from, to - from);
         let length = way.length() + radius;
-        let pose = Pose::along(begin, to, 0.0);
+        let pose = Pose::pointing(begin, to, 0.0);
         self.builder.put(Tube { radius, length }, pose);
     }
 }

@@ -52,11 +52,13 @@ pub(super) fn pose(ends: [Sight; 2], eye: DVec3, target: DVec3) -> CameraPose {
 fn steepest(first: DVec3, last: DVec3, whole: f64) -> f64 {
     // On the arc a cos t + b sin t the height is a_z cos t + b_z sin t: extreme at the ends or where its slope is 0.
     let across = (last - first * first.dot(last)).normalized();
-    let height = |t: f64| (first.z * libm::cos(t) + across.z * libm::sin(t)).abs();
     let summit = libm::atan2(across.z, first.z);
     let summits = [summit - PI, summit, summit + PI].into_iter();
     let inside = summits.filter(|t| (0.0..=whole).contains(t));
-    inside.map(height).fold(height(0.0).max(height(whole)), f64::max)
+    inside
+        .chain([0.0, whole])
+        .map(|t| (first.z * libm::cos(t) + across.z * libm::sin(t)).abs())
+        .fold(0.0, f64::max)
 }
 
 #[cfg(test)]

@@ -65,7 +65,7 @@ impl Builder {
     }
 
     /// A builder that continues the object numbers of a site, with independent choices.
-    pub(crate) fn over(site: &Site, seed: u64, family: &'static str) -> Self {
+    pub(crate) fn from_site(site: &Site, seed: u64, family: &'static str) -> Self {
         Self {
             seed,
             family,
@@ -87,15 +87,15 @@ impl Builder {
     }
 
     /// Choices for a topic of this site.
-    pub(crate) fn about(&self, topic: &str) -> Dice {
+    pub(crate) fn dice_for(&self, topic: &str) -> Dice {
         Dice::new(self.seed, &format!("{}/{topic}", self.family))
     }
 
     pub(crate) fn site(self, view: &View) -> Site {
         let (eye, target) = (self.clear_eye(view).as_f64(), view.target.as_f64());
         let usual = Usual {
-            dice: self.about("view"),
-            view: Viewpoint::between(eye, target),
+            dice: self.dice_for("view"),
+            view: Viewpoint::looking(eye, target),
             roll: f64::from(view.roll),
             floor: f64::from(view.floor),
             heights: view.heights,
@@ -142,7 +142,7 @@ impl Builder {
             let middle = place + along * side;
             self.tube(middle - along * 0.05, middle + along * 0.05, radius * 1.45);
         }
-        let pose = Pose::along(place, place + along, 0.0);
+        let pose = Pose::pointing(place, place + along, 0.0);
         for bolt in 0..14 {
             let (sin, cos) = libm::sincosf(bolt as f32 * 0.4488);
             let out = (pose.axes[0] * cos + pose.axes[1] * sin) * (radius * 1.24);
@@ -152,7 +152,7 @@ impl Builder {
 
     /// Begins an object.
     pub(crate) fn object(&mut self, material: Material, category: Category) {
-        let dice = self.about("finish").object(self.objects.len());
+        let dice = self.dice_for("finish").object(self.objects.len());
         self.object_of(Finish::new(material, dice), category);
     }
 
@@ -185,7 +185,7 @@ impl Builder {
 
     pub(crate) fn tube(&mut self, a: Vec3, b: Vec3, radius: f32) {
         let length = (b - a).length();
-        self.put(Tube { radius, length }, Pose::along(a, b, 0.0));
+        self.put(Tube { radius, length }, Pose::pointing(a, b, 0.0));
     }
 
     pub(crate) fn block(&mut self, center: Vec3, half: Vec3, yaw: f32) {
@@ -229,15 +229,15 @@ impl Builder {
     pub(crate) fn stones(&mut self, count: usize, place: Vec3, reach: [f32; 2], sizes: [f32; 2]) {
         let first = self.objects.len();
         for i in 0..count {
-            let dice = self.about("stone").object(first + i);
+            let dice = self.dice_for("stone").object(first + i);
             self.object(Material::Stone, Category::Stone);
             // Most are small.
-            let share = dice.between(0, 0.0, 1.0);
+            let share = dice.uniform(0, 0.0, 1.0);
             let size = sizes[0] + (sizes[1] - sizes[0]) * share * share;
-            let (length, height) = (size * dice.between(1, 0.8, 1.4), size * dice.between(2, 0.5, 0.9));
+            let (length, height) = (size * dice.uniform(1, 0.8, 1.4), size * dice.uniform(2, 0.5, 0.9));
             let half = vec3(length, size, height);
-            let center = place + (dice.shift(3, reach) + up(half.z * dice.between(7, 0.1, 0.5)));
-            let pose = Pose::upright(center, dice.between(5, 0.0, 6.3));
+            let center = place + (dice.shift(3, reach) + up(half.z * dice.uniform(7, 0.1, 0.5)));
+            let pose = Pose::upright(center, dice.uniform(5, 0.0, 6.3));
             self.put(Stone::broken(half, dice), pose);
         }
     }
@@ -245,21 +245,21 @@ impl Builder {
     /// Debris: rods, broken blocks, tires and cables, half buried.
     pub(crate) fn debris(&mut self, count: usize, place: Vec3, reach: [f32; 2]) {
         for i in 0..count {
-            let dice = self.about("debris").object(i);
+            let dice = self.dice_for("debris").object(i);
             let center = place + dice.shift(0, reach);
-            let along = horizontal(dice.between(2, 0.0, 6.3));
+            let along = horizontal(dice.uniform(2, 0.0, 6.3));
             match dice.count(3, 0, 3) {
                 0 => {
                     self.object(Material::Steel, Category::Debris);
-                    let half = along * dice.between(4, 0.25, 0.9);
-                    let tilt = up(dice.between(5, 0.0, 0.12));
-                    let radius = dice.between(6, 0.015, 0.06);
+                    let half = along * dice.uniform(4, 0.25, 0.9);
+                    let tilt = up(dice.uniform(5, 0.0, 0.12));
+                    let radius = dice.uniform(6, 0.015, 0.06);
                     self.tube(center - half - tilt, center + half + tilt, radius);
                 }
                 1 => {
                     self.object(Material::Concrete(Pattern::Boards), Category::Debris);
-                    let half = dice.within(4, [0.12, 0.08, 0.04], [0.4, 0.2, 0.1]);
-                    let x = (along + up(dice.between(7, -0.4, 0.4))).normalized();
+                    let half = dice.point_in(4, [0.12, 0.08, 0.04], [0.4, 0.2, 0.1]);
+                    let x = (along + up(dice.uniform(7, -0.4, 0.4))).normalized();
                     let y = UP.cross(x).normalized();
                     let pose = Pose {
                         origin: center + up(0.5 * half.z),
@@ -269,7 +269,7 @@ impl Builder {
                 }
                 2 => {
                     self.object(Material::Rubber, Category::Debris);
-                    let thick = dice.between(4, 0.06, 0.1);
+                    let thick = dice.uniform(4, 0.06, 0.1);
                     let tire = Ring::new(2.6 * thick, thick, std::f32::consts::PI);
                     let lean = dice.shift(5, [0.5, 0.5]) + UP;
                     self.ring(tire, center + up(0.3 * thick), lean, along);
@@ -285,19 +285,21 @@ impl Builder {
     /// A cable in two opposite bends.
     fn cable(&mut self, dice: Dice, center: Vec3, along: Vec3) {
         const THICK_M: f32 = 0.02;
-        let axis = vec3(dice.between(5, -0.04, 0.04), 0.0, 1.0).normalized();
-        let turned = |v: Vec3, angle: f32| {
-            let (sin, cos) = libm::sincosf(angle);
-            v * cos + axis.cross(v) * sin
-        };
+        let axis = vec3(dice.uniform(5, -0.04, 0.04), 0.0, 1.0).normalized();
         let toward = (along - axis * along.dot(axis)).normalized();
-        let (first, second) = (dice.between(4, 0.3, 0.9), dice.between(8, 0.3, 0.9));
-        let (half, other) = (dice.between(6, 0.6, 1.4), dice.between(7, 0.5, 1.3));
+        let (first, second) = (dice.uniform(4, 0.3, 0.9), dice.uniform(8, 0.3, 0.9));
+        let (half, other) = (dice.uniform(6, 0.6, 1.4), dice.uniform(7, 0.5, 1.3));
         self.ring(Ring::new(first, THICK_M, half), center, axis, toward);
         // The second bend starts where the first ends and curves the other way.
-        let end = turned(toward, half);
+        let end = rotate(toward, axis, half);
         let pivot = center + end * (first + second);
         let bend = Ring::new(second, THICK_M, other);
-        self.ring(bend, pivot, axis, turned(-end, -other));
+        self.ring(bend, pivot, axis, rotate(-end, axis, -other));
     }
+}
+
+/// Rotates a vector perpendicular to a unit axis.
+fn rotate(v: Vec3, axis: Vec3, angle: f32) -> Vec3 {
+    let (sin, cos) = libm::sincosf(angle);
+    v * cos + axis.cross(v) * sin
 }

@@ -44,7 +44,7 @@ impl Camera {
     }
 
     /// Difference of the rays of horizontal neighbors.
-    pub(crate) fn across(&self) -> Vec3 {
+    pub(crate) fn column_step(&self) -> Vec3 {
         self.right * self.inverse_focal
     }
 

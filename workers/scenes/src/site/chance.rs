@@ -28,7 +28,7 @@ impl Dice {
     }
 
     /// Uniform in `low..high`.
-    pub(crate) fn between(self, choice: u64, low: f32, high: f32) -> f32 {
+    pub(crate) fn uniform(self, choice: u64, low: f32, high: f32) -> f32 {
         low + (high - low) * self.stream.unit(self.object, choice) as f32
     }
 
@@ -38,19 +38,20 @@ impl Dice {
     }
 
     /// A point of a box, from three successive choices.
-    pub(crate) fn within(self, choice: u64, low: [f32; 3], high: [f32; 3]) -> Vec3 {
-        let component = |axis: usize| self.between(choice + axis as u64, low[axis], high[axis]);
-        [0, 1, 2].map(component).into()
+    pub(crate) fn point_in(self, choice: u64, low: [f32; 3], high: [f32; 3]) -> Vec3 {
+        [0, 1, 2]
+            .map(|axis: usize| self.uniform(choice + axis as u64, low[axis], high[axis]))
+            .into()
     }
 
     /// A horizontal shift of at most `reach` along x and y, from two successive choices.
     pub(crate) fn shift(self, choice: u64, [x, y]: [f32; 2]) -> Vec3 {
-        self.within(choice, [-x, -y, 0.0], [x, y, 0.0])
+        self.point_in(choice, [-x, -y, 0.0], [x, y, 0.0])
     }
 
     /// True with the given probability.
     pub(crate) fn chance(self, choice: u64, probability: f32) -> bool {
-        self.between(choice, 0.0, 1.0) < probability
+        self.uniform(choice, 0.0, 1.0) < probability
     }
 
     /// Picks an option; `options` must not be empty.

@@ -120,40 +120,23 @@ const SILT: [f32; 3] = [0.22, 0.195, 0.15];
 impl Finish {
     /// Draws the parameters of a material.
     pub(crate) fn new(material: Material, dice: Dice) -> Self {
-        let light = dice.between(7, 0.8, 1.15);
-        let tint =
-            |base: [f32; 3]| [0, 1, 2].map(|c| base[c] * light * dice.between(8 + c as u64, 0.93, 1.07));
-        let pick = |bases: &[[f32; 3]]| tint(dice.pick(2, bases));
-        let base = match material {
-            Material::Steel => pick(&PAINTS),
-            Material::Coated(_) => pick(&coat::COATS),
-            Material::Concrete(_) => tint([0.36, 0.34, 0.30]),
-            Material::Growth => pick(&growth::WEED),
-            Material::Anode => tint([0.56, 0.56, 0.53]),
-            Material::Stone => pick(&[[0.22, 0.21, 0.19], [0.30, 0.24, 0.17], [0.13, 0.13, 0.14]]),
-            Material::Rubber => tint([0.035, 0.035, 0.038]),
-            Material::Bag => pick(&[[0.42, 0.38, 0.30], [0.30, 0.31, 0.26]]),
-            Material::Body { color, .. } => tint(color),
-            Material::Bubble => [0.42, 0.45, 0.47],
-            Material::Sand => pick(&[[0.38, 0.31, 0.21], [0.27, 0.25, 0.21], [0.20, 0.17, 0.13]]),
-        };
         let growth = match material {
             Material::Growth => 1.2,
-            Material::Steel | Material::Coated(_) | Material::Concrete(_) => dice.between(3, -0.55, 0.5),
-            Material::Stone | Material::Bag | Material::Rubber => dice.between(3, -0.4, 0.3),
+            Material::Steel | Material::Coated(_) | Material::Concrete(_) => dice.uniform(3, -0.55, 0.5),
+            Material::Stone | Material::Bag | Material::Rubber => dice.uniform(3, -0.4, 0.3),
             Material::Anode => -0.5,
             Material::Sand | Material::Body { .. } | Material::Bubble => -1.0,
         };
         Self {
             material,
-            base,
+            base: draw_albedo(material, dice),
             key: dice.key(4),
-            wear: dice.between(5, -0.35, 0.45),
+            wear: dice.uniform(5, -0.35, 0.45),
             growth,
-            direction: dice.between(6, 0.0, 1.0),
+            direction: dice.uniform(6, 0.0, 1.0),
             silt: match material {
                 Material::Body { .. } | Material::Bubble => 0.0,
-                _ => dice.between(11, 0.12, 0.8),
+                _ => dice.uniform(11, 0.12, 0.8),
             },
             grain: 0.0,
         }
@@ -233,4 +216,22 @@ fn line(distance: f32, half_width: f32, footprint: f32) -> f32 {
     let inverse = 1.0 / footprint;
     let part = 2.0 * half_width * inverse;
     clamp01(0.5 + (half_width - distance) * inverse) * if part < 1.0 { part } else { 1.0 }
+}
+
+fn draw_albedo(material: Material, dice: Dice) -> [f32; 3] {
+    let base = match material {
+        Material::Steel => dice.pick(2, &PAINTS),
+        Material::Coated(_) => dice.pick(2, &coat::COATS),
+        Material::Concrete(_) => [0.36, 0.34, 0.30],
+        Material::Growth => dice.pick(2, &growth::WEED),
+        Material::Anode => [0.56, 0.56, 0.53],
+        Material::Stone => dice.pick(2, &[[0.22, 0.21, 0.19], [0.30, 0.24, 0.17], [0.13, 0.13, 0.14]]),
+        Material::Rubber => [0.035, 0.035, 0.038],
+        Material::Bag => dice.pick(2, &[[0.42, 0.38, 0.30], [0.30, 0.31, 0.26]]),
+        Material::Body { color, .. } => color,
+        Material::Bubble => return [0.42, 0.45, 0.47],
+        Material::Sand => dice.pick(2, &[[0.38, 0.31, 0.21], [0.27, 0.25, 0.21], [0.20, 0.17, 0.13]]),
+    };
+    let light = dice.uniform(7, 0.8, 1.15);
+    [0, 1, 2].map(|c| base[c] * light * dice.uniform(8 + c as u64, 0.93, 1.07))
 }

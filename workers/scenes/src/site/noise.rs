@@ -125,8 +125,7 @@ pub(crate) fn lattice(cell: [f32; 3], key: u32) -> [u32; 3] {
 #[inline(always)]
 pub(super) fn gradient(corner: [u32; 3]) -> [f32; 3] {
     let h = hash(corner);
-    let part = |bits: u32| bits as i32 as f32;
-    [part(h), part(h << 10), part(h << 20)]
+    [h as i32 as f32, (h << 10) as i32 as f32, (h << 20) as i32 as f32]
 }
 
 /// Scales a gradient component to -1..1.
@@ -144,26 +143,19 @@ fn add_octave<const SLOPE: bool>(sum: &mut Noise, position: &Lane3, footprint: &
     // poor.
     let shift = [key & 0xff, key >> 8 & 0xff, key >> 16 & 0xff].map(|bits| 0.3 + bits as f32 * (0.4 / 255.0));
     for i in 0..LANES {
-        let on = |axis: usize| position[axis][i] * per_meter[axis] + shift[axis];
-        let p = [on(0), on(1), on(2)];
+        let p = [
+            position[0][i] * per_meter[0] + shift[0],
+            position[1][i] * per_meter[1] + shift[1],
+            position[2][i] * per_meter[2] + shift[2],
+        ];
         let cell = p.map(floor);
         let f = [p[0] - cell[0], p[1] - cell[1], p[2] - cell[2]];
         let (low, high) = (lattice(cell, key), lattice(cell.map(|c| c + 1.0), key));
         let u = f.map(|t| t * t * t * (t * (t * 6.0 - 15.0) + 10.0));
-        // Value and gradient at a corner of the cell.
-        let corner = |x: u32, y: u32, z: u32, away: [f32; 3]| {
-            let g = gradient([x, y, z]);
-            let value = g[0] * away[0] + g[1] * away[1] + g[2] * away[2];
-            [value, g[0], g[1], g[2]]
-        };
-        let blend = |a: [f32; 4], b: [f32; 4], t: f32| {
-            let part = |n: usize| mix(a[n], b[n], t);
-            [part(0), part(1), part(2), part(3)]
-        };
         // Value and gradient on an edge of the cell along x, and the difference of the values at its ends.
         let edge = |y: u32, z: u32, from_y: f32, from_z: f32| {
-            let a = corner(low[0], y, z, [f[0], from_y, from_z]);
-            let b = corner(high[0], y, z, [f[0] - 1.0, from_y, from_z]);
+            let a = evaluate_corner([low[0], y, z], [f[0], from_y, from_z]);
+            let b = evaluate_corner([high[0], y, z], [f[0] - 1.0, from_y, from_z]);
             (blend(a, b, u[0]), b[0] - a[0])
         };
         let (c00, d00) = edge(low[1], low[2], f[1], f[2]);
@@ -184,6 +176,24 @@ fn add_octave<const SLOPE: bool>(sum: &mut Noise, position: &Lane3, footprint: &
             sum.slope[2][i] += seen * per_meter[2] * (c[3] + du[2] * along_z);
         }
     }
+}
+
+/// Value and gradient at a corner of the cell.
+#[inline(always)]
+fn evaluate_corner(corner: [u32; 3], away: [f32; 3]) -> [f32; 4] {
+    let g = gradient(corner);
+    let value = g[0] * away[0] + g[1] * away[1] + g[2] * away[2];
+    [value, g[0], g[1], g[2]]
+}
+
+#[inline(always)]
+fn blend(a: [f32; 4], b: [f32; 4], t: f32) -> [f32; 4] {
+    [
+        mix(a[0], b[0], t),
+        mix(a[1], b[1], t),
+        mix(a[2], b[2], t),
+        mix(a[3], b[3], t),
+    ]
 }
 
 #[cfg(test)]
@@ -235,15 +245,15 @@ mod tests {
         for x in 0..24 {
             for y in 0..24 {
                 for z in 0..24 {
-                    let here = gradient_at(x, y, z);
+                    let current = gradient_at(x, y, z);
                     let neighbors = [(x + 1, y, z), (x, y + 1, z), (x, y, z + 1)];
                     for (n, (x, y, z)) in neighbors.into_iter().enumerate() {
                         let other = gradient_at(x, y, z);
                         for axis in 0..3 {
-                            alike[3 * n + axis] += f64::from(here[axis]) * f64::from(other[axis]);
+                            alike[3 * n + axis] += f64::from(current[axis]) * f64::from(other[axis]);
                         }
                     }
-                    (0..3).for_each(|axis| mean[axis] += f64::from(here[axis]));
+                    (0..3).for_each(|axis| mean[axis] += f64::from(current[axis]));
                     count += 1.0;
                 }
             }

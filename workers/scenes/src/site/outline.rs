@@ -50,7 +50,7 @@ impl Outline {
             .iter()
             .fold(f32::NEG_INFINITY, |high, point| high.max(point.1));
         Self {
-            rows: within(low, high, camera.height),
+            rows: pixel_range(low, high, camera.height),
             lines,
             width: camera.width,
         }
@@ -68,25 +68,31 @@ impl Outline {
             if b.1 < top || a.1 > bottom {
                 continue;
             }
-            let slope = (b.0 - a.0) / (b.1 - a.1);
-            let column = |y: f32| if b.1 > a.1 { a.0 + (y - a.1) * slope } else { a.0 };
-            let (first, last) = (
-                column(top.max(a.1)),
-                if b.1 > bottom { column(bottom) } else { b.0 },
-            );
+            let first = crossing(*a, *b, top.max(a.1));
+            let last = if b.1 > bottom {
+                crossing(*a, *b, bottom)
+            } else {
+                b.0
+            };
             low = low.min(first.min(last));
             high = high.max(first.max(last));
         }
-        within(low, high, self.width)
+        pixel_range(low, high, self.width)
     }
 }
 
-fn within(low: f32, high: f32, side: usize) -> Range<usize> {
+fn pixel_range(low: f32, high: f32, side: usize) -> Range<usize> {
     if low > high {
         return 0..0;
     }
     let start = (low - MARGIN_PX).floor().clamp(0.0, side as f32) as usize;
     start..((high + MARGIN_PX).ceil() + 1.0).clamp(start as f32, side as f32) as usize
+}
+
+/// The column of a segment at a row between its ends.
+fn crossing(a: (f32, f32), b: (f32, f32), y: f32) -> f32 {
+    let slope = (b.0 - a.0) / (b.1 - a.1);
+    if b.1 > a.1 { a.0 + (y - a.1) * slope } else { a.0 }
 }
 
 #[cfg(test)]
@@ -119,7 +125,7 @@ mod tests {
             };
             let solid = Solid {
                 shape: tube.into(),
-                pose: Pose::along(a, b, 0.0),
+                pose: Pose::pointing(a, b, 0.0),
                 object: 1,
             };
             let outline = Outline::new(&solid, &camera);
@@ -128,7 +134,7 @@ mod tests {
                 let rays = Rays {
                     eye: camera.eye,
                     first: camera.ray(0.0, y as f32),
-                    step: camera.across(),
+                    step: camera.column_step(),
                 };
                 let nearest = Nearest {
                     parameter: &mut parameter,

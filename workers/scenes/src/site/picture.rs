@@ -55,8 +55,8 @@ pub(crate) fn render(
     wanted: Wanted,
 ) -> Picture {
     let camera = Camera::new(pose, (width, height), lens);
-    let outline = |solid| Outline::new(solid, &camera);
-    let outlines: Vec<Outline> = site.solids.iter().map(outline).collect();
+    let outlines = site.solids.iter().map(|solid| Outline::new(solid, &camera));
+    let outlines: Vec<Outline> = outlines.collect();
     let pixels = width * rows.len();
     let blank = || vec![0.0; pixels];
     let mut picture = Picture {
@@ -77,7 +77,7 @@ pub(crate) fn render(
         trace(site, &camera, &outlines, y, &mut parameter, &mut owner);
         let first = row * width;
         let range = &mut picture.range[first..first + width];
-        let (start, step) = (camera.ray(0.0, y as f32), camera.across());
+        let (start, step) = (camera.ray(0.0, y as f32), camera.column_step());
         vectorized!(fill_ranges(range, &parameter, start, step));
         let objects = owner.iter().map(|&owner| shown[usize::from(owner)]);
         picture.objects.extend(objects);
@@ -108,7 +108,7 @@ fn trace(
     owner: &mut [u16],
 ) {
     let ground = site.solids.len() as u16;
-    let (start, step, height) = (camera.ray(0.0, y as f32), camera.across(), camera.eye.z);
+    let (start, step, height) = (camera.ray(0.0, y as f32), camera.column_step(), camera.eye.z);
     vectorized!(meet_ground(parameter, owner, (start, step), height, ground));
     if !site.pits.is_empty() {
         for (i, parameter) in parameter.iter_mut().enumerate() {

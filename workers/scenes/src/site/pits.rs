@@ -80,8 +80,8 @@ pub(crate) fn sink(pits: &[Pit], from: Vec3, direction: Vec3, reach: f32) -> f32
     let mut met = first.leave(from, direction).max(reach);
     // Each pit can pass the ray on to another at most once.
     for _ in pits {
-        let at = from + direction * met;
-        let Some(next) = pits.iter().find(|pit| pit.holds(at)) else {
+        let position = from + direction * met;
+        let Some(next) = pits.iter().find(|pit| pit.holds(position)) else {
             break;
         };
         met = next.leave(from, direction).max(met);
@@ -124,8 +124,7 @@ pub(crate) fn is_between(pits: &[Pit], begin: Vec3, end: Vec3) -> bool {
     if below.z >= 0.0 {
         return false;
     }
-    let inside = |pit: &&Pit| pit.is_over(below.x, below.y);
-    let Some(pit) = pits.iter().find(inside) else {
+    let Some(pit) = pits.iter().find(|pit| pit.is_over(below.x, below.y)) else {
         return true;
     };
     if above.z <= 0.0 {
@@ -159,10 +158,10 @@ mod tests {
         let pits = [pit(), Pit::new(vec3(2.2, 2.0, 0.0), 1.2, 0.6)];
         let mut deep = 0;
         for i in 0..400 {
-            let from = vec3(-2.0, 2.0 + 0.002 * i as f32, 2.0);
+            let start = vec3(-2.0, 2.0 + 0.002 * i as f32, 2.0);
             let target = vec3(0.01 * i as f32, 2.0, 0.0);
-            let way = target - from;
-            let met = from + way * sink(&pits, from, way, 1.0);
+            let way = target - start;
+            let met = start + way * sink(&pits, start, way, 1.0);
             let wanted = -depth(&pits, met.x, met.y);
             assert!((met.z - wanted).abs() < 2e-3, "{i}: {met:?} {wanted}");
             deep += usize::from(met.z < -0.3);

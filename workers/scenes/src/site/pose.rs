@@ -33,7 +33,7 @@ impl Pose {
     }
 
     /// With z from `a` to `b` and x rotated by `roll` radians about it.
-    pub(crate) fn along(a: Vec3, b: Vec3, roll: f32) -> Self {
+    pub(crate) fn pointing(a: Vec3, b: Vec3, roll: f32) -> Self {
         let z = (b - a).normalized();
         let (sin, cos) = libm::sincosf(roll);
         let helper = if z.z.abs() < 0.9 { UP } else { vec3(1.0, 0.0, 0.0) };
@@ -69,7 +69,7 @@ mod tests {
 
     #[test]
     fn a_point_survives_the_way_into_a_frame_and_out_again() {
-        let pose = Pose::along(vec3(1.0, -2.0, 0.5), vec3(0.2, 1.0, 3.0), 1.1);
+        let pose = Pose::pointing(vec3(1.0, -2.0, 0.5), vec3(0.2, 1.0, 3.0), 1.1);
         let point = vec3(0.3, 4.0, -1.0);
         assert!((pose.point_out(pose.point_in(point)) - point).length() < 1e-5);
         assert!(pose.axes[0].cross(pose.axes[1]).dot(pose.axes[2]) > 0.999);

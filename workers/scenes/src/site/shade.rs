@@ -51,16 +51,15 @@ pub(super) struct Shader<'a> {
 
 impl<'a> Shader<'a> {
     pub(super) fn new(site: &'a Site, camera: &'a Camera, reflectance: bool) -> Self {
-        let boxes: Vec<Bounds> = site.solids.iter().map(Bounds::around).collect();
-        let ground = Bounds::below(0.0);
+        let boxes: Vec<Bounds> = site.solids.iter().map(Bounds::from_solid).collect();
+        let ground = Bounds::half_space(0.0);
         let near = boxes.iter().chain([&ground]).enumerate();
         let near = near.map(|(own, bounds)| {
             // Mounds belong to the ground and cast no shadow on it; biota are too small and too numerous.
-            let casts = |&other: &usize| {
+            let others = (0..boxes.len()).filter(|&other| {
                 let object = site.solids[other].object;
                 other != own && object != 0 && !site.objects[usize::from(object)].category.is_life()
-            };
-            let others = (0..boxes.len()).filter(casts);
+            });
             let others = others.filter(|&other| bounds.touches(&boxes[other], NEAR_M));
             others.map(|other| other as u16).collect()
         });
@@ -207,7 +206,7 @@ impl<'a> Shader<'a> {
 
     /// Openness of each point to light from above: reduced near other solids and the ground.
     fn openness(&self, whose: usize, above_ground: bool, world: &Lane3) -> Lane {
-        let group = vectorized!(Bounds::of_points(world));
+        let group = vectorized!(Bounds::from_points(world));
         let mut distance = [CONTACT_M; LANES];
         for &other in &self.near[whose] {
             let other = usize::from(other);

@@ -39,30 +39,30 @@ pub(crate) struct Bundle {
 impl Bundle {
     /// Smallest share of the length at which any ray can reach a box; `None` if the packet misses it.
     pub(crate) fn reaches(&self, other: &Bounds) -> Option<f32> {
-        let ends = |bounds: &Bounds| -> [[f32; 3]; 2] { [bounds.low.into(), bounds.high.into()] };
-        let ([from_low, from_high], [to_low, to_high]) = (ends(&self.from), ends(&self.to));
-        let [low, high] = ends(other);
+        let ([from_low, from_high], [to_low, to_high]) = (self.from.ends(), self.to.ends());
+        let [low, high] = other.ends();
         // Most boxes are outside the packet on some axis.
-        let is_beside = |axis: usize| {
+        let is_outside = |axis: usize| {
             (from_low[axis] > high[axis]) & (to_low[axis] >= high[axis])
                 | (from_high[axis] < low[axis]) & (to_high[axis] <= low[axis])
         };
-        if is_beside(0) | is_beside(1) | is_beside(2) {
+        if is_outside(0) | is_outside(1) | is_outside(2) {
             return None;
         }
         let (mut enter, mut leave) = (0.0f32, 1.0f32);
-        // Interval where a linearly changing quantity is at most 0.
-        let mut below_zero = |start: f32, end: f32| {
-            let cross = start / (start - end);
-            if start > 0.0 {
-                enter = enter.max(cross);
-            } else if end > 0.0 {
-                leave = leave.min(cross);
-            }
-        };
         for axis in 0..3 {
-            below_zero(from_low[axis] - high[axis], to_low[axis] - high[axis]);
-            below_zero(low[axis] - from_high[axis], low[axis] - to_high[axis]);
+            // Both quantities change linearly and must be at most 0 inside the box.
+            for (start, end) in [
+                (from_low[axis] - high[axis], to_low[axis] - high[axis]),
+                (low[axis] - from_high[axis], low[axis] - to_high[axis]),
+            ] {
+                let cross = start / (start - end);
+                if start > 0.0 {
+                    enter = enter.max(cross);
+                } else if end > 0.0 {
+                    leave = leave.min(cross);
+                }
+            }
         }
         (enter <= leave).then_some(enter)
     }
@@ -84,13 +84,9 @@ impl Tree {
             f32::INFINITY
         };
         let reach = reach.min(ground);
-        let point = |place: Vec3| Bounds {
-            low: place,
-            high: place,
-        };
         let bundle = Bundle {
-            from: point(from),
-            to: point(from + heading * reach),
+            from: Bounds::from_point(from),
+            to: Bounds::from_point(from + heading * reach),
         };
         let mut nearest = (reach, None);
         self.search(&bundle, |number| {
@@ -106,7 +102,7 @@ impl Tree {
     pub(crate) fn new(solids: &[Solid]) -> Self {
         let boxes: Vec<Bounds> = solids
             .iter()
-            .map(|solid| Bounds::around(solid).grown(MARGIN_M))
+            .map(|solid| Bounds::from_solid(solid).grown(MARGIN_M))
             .collect();
         let (hollows, mut order): (Vec<u16>, Vec<u16>) =
             (0..solids.len() as u16).partition(|&number| solids[usize::from(number)].is_hollow());
@@ -135,14 +131,14 @@ impl Tree {
         let (mut stack, mut height) = ([0usize; DEPTH], 1);
         while height > 0 {
             height -= 1;
-            let at = stack[height];
-            let node = &self.nodes[at];
+            let position = stack[height];
+            let node = &self.nodes[position];
             if !bundle.reaches(&node.bounds).is_some_and(|share| share <= within) {
                 continue;
             }
             if node.count == 0 {
                 stack[height] = node.first;
-                stack[height + 1] = at + 1;
+                stack[height + 1] = position + 1;
                 height += 2;
                 continue;
             }
@@ -161,38 +157,38 @@ impl Tree {
 
 /// Adds the subtree of some solids; `first` is the index of the first one in the overall order.
 fn grow(boxes: &[Bounds], order: &mut [u16], first: usize, nodes: &mut Vec<Node>) {
-    let of = |number: &u16| &boxes[usize::from(*number)];
     let bounds = order
         .iter()
-        .map(of)
-        .fold(*of(&order[0]), |all, one| all.with(one));
-    let at = nodes.len();
+        .map(|&number| &boxes[usize::from(number)])
+        .fold(boxes[usize::from(order[0])], |all, bounds| all.union(bounds));
+    let node = nodes.len();
     let count = if order.len() <= FEW { order.len() } else { 0 };
     nodes.push(Node { bounds, first, count });
     if count > 0 {
         return;
     }
     // Split along the axis with the largest extent of box centers.
-    let middle = |number: &u16, axis: usize| {
-        let Bounds { low, high } = *of(number);
-        <[f32; 3]>::from(low + high)[axis]
-    };
-    let spread = |axis: usize| {
-        let ends = order.iter().map(|number| middle(number, axis));
-        let (low, high) = ends.fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), v| {
+    let spreads = [0, 1, 2].map(|axis| {
+        let middles = order.iter().map(|&number| middle(boxes, number, axis));
+        let (low, high) = middles.fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), v| {
             (a.min(v), b.max(v))
         });
         high - low
-    };
-    let spreads = [0, 1, 2].map(spread);
+    });
     let axis = (0..3).fold(
         0,
         |best, axis| if spreads[axis] > spreads[best] { axis } else { best },
     );
-    order.sort_by(|a, b| middle(a, axis).total_cmp(&middle(b, axis)));
+    order.sort_by(|&a, &b| middle(boxes, a, axis).total_cmp(&middle(boxes, b, axis)));
     let half = order.len() / 2;
     let (left, right) = order.split_at_mut(half);
     grow(boxes, left, first, nodes);
-    nodes[at].first = nodes.len();
+    nodes[node].first = nodes.len();
     grow(boxes, right, first + half, nodes);
+}
+
+/// Twice the center of a box along an axis.
+fn middle(boxes: &[Bounds], number: u16, axis: usize) -> f32 {
+    let Bounds { low, high } = boxes[usize::from(number)];
+    <[f32; 3]>::from(low + high)[axis]
 }

@@ -67,7 +67,7 @@ pub(crate) struct Viewpoint {
 }
 
 impl Viewpoint {
-    pub(crate) fn between(eye: DVec3, target: DVec3) -> Self {
+    pub(crate) fn looking(eye: DVec3, target: DVec3) -> Self {
         let way = target - eye;
         let flat = libm::hypot(way.x, way.y);
         Self {
@@ -211,21 +211,22 @@ impl Usual {
     /// A candidate pose; `share` is a value of [`LEVELING`].
     fn draw(&self, attempt: usize, share: f64, given: &CameraView) -> Viewpoint {
         let dice = self.dice.object(attempt);
-        let between = |choice: u64, [low, high]: [f32; 2]| f64::from(dice.between(choice, low, high));
-        let drawn = f64::from(self.dice.between(0, PITCH_DEG[0], PITCH_DEG[1]));
+        let drawn = f64::from(self.dice.uniform(0, PITCH_DEG[0], PITCH_DEG[1]));
         let pitch_deg = given
             .pitch_deg
             .unwrap_or(self.view.pitch_deg + (drawn - self.view.pitch_deg) * share);
-        let turn_deg = between(1, [-self.turn_deg, self.turn_deg]);
+        let turn_deg = draw_from(dice, 1, [-self.turn_deg, self.turn_deg]);
         let flat = self.view.distance_m * libm::cos(self.view.pitch_deg.to_radians());
         // Limit the distance of a steep camera, so that it stays above its base point.
         let slope = libm::cos(pitch_deg.to_radians()).max(0.5);
         let distance_m = given
             .distance_m
-            .unwrap_or(flat * between(2, self.stretch) / slope);
+            .unwrap_or(flat * draw_from(dice, 2, self.stretch) / slope);
         let height_m = match self.heights {
-            Heights::Camera(range) => between(3, range),
-            Heights::Target(range) => between(3, range) - distance_m * libm::sin(pitch_deg.to_radians()),
+            Heights::Camera(range) => draw_from(dice, 3, range),
+            Heights::Target(range) => {
+                draw_from(dice, 3, range) - distance_m * libm::sin(pitch_deg.to_radians())
+            }
         };
         Viewpoint {
             target: self.view.target,
@@ -261,4 +262,8 @@ impl Site {
         self.pose = view.pose(self.usual.roll);
         self.target = view.aim();
     }
+}
+
+fn draw_from(dice: Dice, choice: u64, [low, high]: [f32; 2]) -> f64 {
+    f64::from(dice.uniform(choice, low, high))
 }

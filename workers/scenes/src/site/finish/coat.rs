@@ -74,10 +74,8 @@ impl Finish {
                 let skin = mix(skin, 0.5 * skin + 0.16, 0.6 * lifted + 0.25 * ridge);
                 surface.albedo[c][i] = mix(skin, metal * (1.0 + 0.2 * weld), damage);
             }
-            // A weld bead is highest in its middle, where the slope changes sign.
-            let bead = |signed: f32, half: f32, part: f32| -0.8 * part * signed / (half + 0.5 * footprint);
-            let around = bead(arc, SEAM_M, ridge);
-            let along = bead(from_joint, WELD_M, weld * (1.0 - 0.6 * sleeve)) - step * 0.8;
+            let around = bead_slope(arc, SEAM_M, ridge, footprint);
+            let along = bead_slope(from_joint, WELD_M, weld * (1.0 - 0.6 * sleeve), footprint) - step * 0.8;
             let rough = 0.0008 + 0.004 * damage;
             let rim = 3.2 * damage * (1.0 - damage);
             let slope = [-y / radius * around, x / radius * around, along];
@@ -92,4 +90,10 @@ impl Finish {
             findings[Finding::Joint as usize][i] = if jointed { 1.0 } else { 0.0 };
         }
     }
+}
+
+/// A weld bead is highest in its middle, where the slope changes sign.
+#[inline(always)]
+fn bead_slope(signed: f32, half: f32, part: f32, footprint: f32) -> f32 {
+    -0.8 * part * signed / (half + 0.5 * footprint)
 }

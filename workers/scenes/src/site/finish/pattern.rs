@@ -74,21 +74,19 @@ pub(super) fn boards(joints: &mut Joints, grain: &Grain<'_>, phase: f32) {
 #[inline(always)]
 fn unrolled(unroll: Unroll, local: &Lane3) -> (Lane, [Lane; 2]) {
     let (mut u, mut toward) = (ZEROS, [ZEROS; 2]);
-    let mut lay = |i: usize, arc: f32, [x, y]: [f32; 2]| (u[i], toward[0][i], toward[1][i]) = (arc, x, y);
     let [xs, ys, _] = local;
     match unroll {
         Unroll::Round { radius } => {
             for i in 0..LANES {
                 let (x, y) = (xs[i], ys[i]);
-                lay(i, radius * angle(y, x), [-y / radius, x / radius]);
+                (u[i], toward[0][i], toward[1][i]) = (radius * angle(y, x), -y / radius, x / radius);
             }
         }
         Unroll::Walls { half } => {
             for i in 0..LANES {
                 let (x, y) = (xs[i], ys[i]);
                 let on_x = half[0] - x.abs() < half[1] - y.abs();
-                let [across, along] = if on_x { [0.0, 1.0] } else { [1.0, 0.0] };
-                lay(i, if on_x { y } else { x }, [across, along]);
+                (u[i], toward[0][i], toward[1][i]) = if on_x { (y, 0.0, 1.0) } else { (x, 1.0, 0.0) };
             }
         }
     }
@@ -116,24 +114,12 @@ pub(super) fn courses(joints: &mut Joints, courses: &Courses, around: f32, key: 
         let number = floor(w);
         let piece = number - around * floor(number / around);
         let (in_u, in_v) = (w - number, v - course);
-        // Signed distances to the middle of the nearest joint, m.
-        let signed = |part: f32, side: f32| {
-            if part > 0.5 {
-                (part - 1.0) * side
-            } else {
-                part * side
-            }
-        };
-        let (from_u, from_v) = (signed(in_u, length), signed(in_v, height));
+        let (from_u, from_v) = (joint_distance(in_u, length), joint_distance(in_v, height));
         let (au, av) = (from_u.abs(), from_v.abs());
         joints.joint[i] = line(smaller(au, av), joint, footprint[i]);
-        // Edges of pieces are worn round over two joint widths: the surface falls towards the joint.
-        let fall = |from: f32, distance: f32| {
-            let near = 1.0 - ramp(distance, joint, 3.0 * joint);
-            if from < 0.0 { -0.9 * near } else { 0.9 * near }
-        };
         let visible = 1.0 - ramp(footprint[i], 2.0 * joint, 6.0 * joint);
-        let (slope_u, slope_v) = (visible * fall(from_u, au), visible * fall(from_v, av));
+        let slope_u = visible * worn_slope(from_u, au, joint);
+        let slope_v = visible * worn_slope(from_v, av, joint);
         let bolt_u = ((in_u - 0.5).abs() - 0.25) * length;
         let bolt_v = av - 0.17;
         let round = bolt_u * bolt_u * 160.0 + bolt_v * bolt_v * 320.0;
@@ -145,4 +131,21 @@ pub(super) fn courses(joints: &mut Joints, courses: &Courses, around: f32, key: 
         joints.slope[1][i] = slope_u * toward[1][i];
         joints.slope[2][i] = slope_v;
     }
+}
+
+/// Signed distance to the middle of the nearest joint, m.
+#[inline(always)]
+fn joint_distance(part: f32, side: f32) -> f32 {
+    if part > 0.5 {
+        (part - 1.0) * side
+    } else {
+        part * side
+    }
+}
+
+/// Edges of pieces are worn round over two joint widths: the surface falls towards the joint.
+#[inline(always)]
+fn worn_slope(signed: f32, distance: f32, joint: f32) -> f32 {
+    let near = 1.0 - ramp(distance, joint, 3.0 * joint);
+    if signed < 0.0 { -0.9 * near } else { 0.9 * near }
 }

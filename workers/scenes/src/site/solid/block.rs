@@ -44,8 +44,8 @@ impl Form for Block {
         let part = p.zip(self.half, |p, half| larger(p.abs() - half + bevel, 0.0));
         let scale = 1.0 / larger(part.length(), 1e-9);
         let edge = 3.0 * (1.0 - scale * largest(part));
-        let signed = |part: f32, p: f32| if p < 0.0 { -part * scale } else { part * scale };
-        (part.zip(p, signed), smaller(edge, 1.0))
+        let normal = part.zip(p, |part, p| if p < 0.0 { -part * scale } else { part * scale });
+        (normal, smaller(edge, 1.0))
     }
 
     fn bounds(&self) -> Bounds {

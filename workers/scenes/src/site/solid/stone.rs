@@ -36,14 +36,14 @@ impl Stone {
         // The directions of a golden spiral are evenly spread, so that the body is closed on every side.
         let planes = std::array::from_fn(|i| {
             let choice = 100 + 4 * i as u64;
-            let z = 1.0 - (2.0 * i as f32 + 1.0) / PLANES as f32 + dice.between(choice, -0.06, 0.06);
-            let (sin, cos) = libm::sincosf(2.399_963 * i as f32 + dice.between(choice + 1, -0.35, 0.35));
+            let z = 1.0 - (2.0 * i as f32 + 1.0) / PLANES as f32 + dice.uniform(choice, -0.06, 0.06);
+            let (sin, cos) = libm::sincosf(2.399_963 * i as f32 + dice.uniform(choice + 1, -0.35, 0.35));
             let flat = (1.0 - z * z).max(0.0).sqrt();
             let direction = vec3(flat * cos, flat * sin, z);
             // The plane that cuts the unit ball, stretched to the half sides.
             let normal = direction.zip(half, |v, half| v / half);
             let scale = 1.0 / normal.length();
-            (normal * scale, scale * dice.between(choice + 2, 0.62, 0.95))
+            (normal * scale, scale * dice.uniform(choice + 2, 0.62, 0.95))
         });
         Self {
             planes,
