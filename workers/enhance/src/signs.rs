@@ -92,10 +92,6 @@ impl Signs {
 
     /// The result is red in the mean and the picture is not.
     pub(crate) fn turned_red(&self) -> bool {
-        let is_red = |histograms: &[Histogram; 3]| {
-            let [r, g, b] = histograms.each_ref().map(mean);
-            r > RED_FACTOR * g.max(b) + RED_CODES
-        };
         is_red(&self.after) && !is_red(&self.before)
     }
 
@@ -116,6 +112,11 @@ pub(crate) fn dark_below(white: u32) -> u32 {
 /// Whether nearly all of the pixels are dark.
 pub(crate) fn is_dark(dark: usize, pixels: usize) -> bool {
     dark as f64 >= DARK_PART * pixels as f64
+}
+
+fn is_red(histograms: &[Histogram; 3]) -> bool {
+    let [r, g, b] = histograms.each_ref().map(mean);
+    r > RED_FACTOR * g.max(b) + RED_CODES
 }
 
 #[cfg(test)]

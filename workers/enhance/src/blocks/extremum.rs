@@ -3,6 +3,7 @@
 use imaging::simd::{larger, smaller};
 use imaging::{Plane, vectorized};
 
+use crate::blocks::sums::inside;
 use crate::variant::Variant;
 
 /// The largest sample within `radius` columns and rows of each sample.
@@ -35,9 +36,9 @@ fn extremes<T: Copy + PartialOrd>(
 
 fn reference<T: Copy>(plane: &Plane<T>, radius: usize, pick: impl Fn(T, T) -> T) -> Plane<T> {
     let (width, height) = plane.size();
-    let around = |i: usize, n: usize| i.saturating_sub(radius)..(i + radius + 1).min(n);
     Plane::from_fn(width, height, |x, y| {
-        let window = around(y, height).flat_map(|j| around(x, width).map(move |i| plane.pixel(i, j)));
+        let (rows, columns) = (inside(y, radius, height), inside(x, radius, width));
+        let window = rows.flat_map(|j| columns.clone().map(move |i| plane.pixel(i, j)));
         window.fold(plane.pixel(x, y), &pick)
     })
 }

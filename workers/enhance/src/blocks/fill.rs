@@ -47,7 +47,10 @@ fn is_border((x, y): (usize, usize), (width, height): (usize, usize)) -> bool {
 }
 
 /// The pixels of a 3 × 3 neighborhood inside the plane.
-fn around((x, y): (usize, usize), (width, height): (usize, usize)) -> impl Iterator<Item = (usize, usize)> {
+fn neighborhood(
+    (x, y): (usize, usize),
+    (width, height): (usize, usize),
+) -> impl Iterator<Item = (usize, usize)> {
     let rows = y.saturating_sub(1)..(y + 2).min(height);
     rows.flat_map(move |y| (x.saturating_sub(1)..(x + 2).min(width)).map(move |x| (x, y)))
 }
@@ -70,7 +73,7 @@ fn drained(plane: &Plane<f64>) -> Plane<f64> {
         if level > filled.data()[position] {
             continue;
         }
-        for (x, y) in around((position % size.0, position / size.0), size) {
+        for (x, y) in neighborhood((position % size.0, position / size.0), size) {
             let position = y * size.0 + x;
             let level = larger(level, plane.data()[position]);
             if level < filled.data()[position] {
@@ -167,7 +170,7 @@ fn lowered(plane: &Plane<f64>) -> Plane<f64> {
     let mut filled = from_above(plane);
     loop {
         let next = Plane::from_fn(size.0, size.1, |x, y| {
-            let least = around((x, y), size)
+            let least = neighborhood((x, y), size)
                 .map(|(x, y)| filled.pixel(x, y))
                 .fold(f64::INFINITY, f64::min);
             match is_border((x, y), size) {

@@ -60,17 +60,10 @@ fn ends(codes: &[u8]) -> ([u8; 3], [u8; 3]) {
         low[i] = low[i].min(code);
         high[i] = high[i].max(code);
     }
-    let channels = |lanes: [u8; RUN], pick: fn(u8, u8) -> u8| {
-        [0, 1, 2].map(|channel| {
-            lanes
-                .into_iter()
-                .skip(channel)
-                .step_by(3)
-                .reduce(pick)
-                .unwrap_or(0)
-        })
-    };
-    (channels(low, u8::min), channels(high, u8::max))
+    (
+        [0, 1, 2].map(|channel| low.into_iter().skip(channel).step_by(3).fold(u8::MAX, u8::min)),
+        [0, 1, 2].map(|channel| high.into_iter().skip(channel).step_by(3).fold(0, u8::max)),
+    )
 }
 
 #[cfg(test)]

@@ -13,7 +13,9 @@ const EQUAL: f64 = 1e-9;
 /// A rectangle of pixels.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Region {
+    /// Columns.
     pub columns: Range<usize>,
+    /// Rows.
     pub rows: Range<usize>,
 }
 
@@ -31,11 +33,10 @@ impl Region {
 
     /// Top left, top right, bottom left, bottom right, without empty ones; the first half of a side is the larger one.
     fn quarters(&self) -> Vec<Self> {
-        let halves = |side: &Range<usize>| {
+        let [columns, rows] = [&self.columns, &self.rows].map(|side| {
             let middle = (side.start + side.len() / 2 + 1).min(side.end);
             [side.start..middle, middle..side.end]
-        };
-        let (columns, rows) = (halves(&self.columns), halves(&self.rows));
+        });
         let quarters = rows.iter().flat_map(|rows| {
             columns.iter().map(|columns| Self {
                 columns: columns.clone(),

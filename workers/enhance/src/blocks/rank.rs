@@ -18,8 +18,10 @@ pub fn largest(plane: &Plane<f64>, count: usize, variant: Variant) -> Vec<usize>
         Variant::Reference => (0..plane.data().len()).collect(),
     };
     let top = chosen.iter().fold(f64::MIN, |top, &i| top.max(plane.data()[i]));
-    let rank = |i: usize| ((top - plane.data()[i]) * 2f64.powi(EQUAL_BITS)).round() as u64;
-    chosen.sort_by_cached_key(|&i| (rank(i), i));
+    chosen.sort_by_cached_key(|&i| {
+        let rank = ((top - plane.data()[i]) * 2f64.powi(EQUAL_BITS)).round() as u64;
+        (rank, i)
+    });
     chosen.truncate(count);
     chosen
 }
@@ -33,10 +35,10 @@ fn candidates(plane: &Plane<f64>, count: usize) -> Vec<usize> {
     let (low, high) = range(plane.data());
     // A bin is at least as wide as a tie.
     let scale = ((BINS - 1) as f64 / (high - low)).min(2f64.powi(EQUAL_BITS));
-    let bin = |value: f64| ((value - low) * scale) as usize;
+    let bin = |value: f64| (((value - low) * scale) as usize).min(BINS - 1);
     let mut counts = [0usize; BINS];
     for &value in plane.data() {
-        counts[bin(value).min(BINS - 1)] += 1;
+        counts[bin(value)] += 1;
     }
     // One extra bin for values that round up into the selected ones.
     let mut bound = BINS;
@@ -46,8 +48,11 @@ fn candidates(plane: &Plane<f64>, count: usize) -> Vec<usize> {
         held += counts[bound];
     }
     let bound = bound.saturating_sub(1);
-    let from_bound = |(i, &value): (usize, &f64)| (bin(value).min(BINS - 1) >= bound).then_some(i);
-    plane.data().iter().enumerate().filter_map(from_bound).collect()
+    let values = plane.data().iter().enumerate();
+    values
+        .filter(|(_, value)| bin(**value) >= bound)
+        .map(|(i, _)| i)
+        .collect()
 }
 
 #[cfg(test)]

@@ -135,9 +135,11 @@ fn dehazed(guide: &Guide, stretch: &Stretch, channel: usize, light: f64, variant
     let codes = &guide.channels()[channel];
     let (width, height) = codes.size();
     let least = window_min(codes, WINDOW_PX, variant);
-    let inside = |at: usize, size: usize| at >= WINDOW_PX && at + WINDOW_PX < size;
     let raw = Plane::from_fn(width, height, |x, y| {
-        if inside(x, width) && inside(y, height) {
+        let is_rim = [(x, width), (y, height)]
+            .into_iter()
+            .any(|(position, side)| position < WINDOW_PX || position + WINDOW_PX >= side);
+        if !is_rim {
             1.0 - stretch.value(least.pixel(x, y)) / light
         } else {
             1.0

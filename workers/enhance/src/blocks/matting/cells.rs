@@ -34,7 +34,7 @@ impl Cells {
     }
 
     /// Adds the cells of a region.
-    pub(super) fn with(mut self, region: &Region) -> Self {
+    pub(super) fn with_region(mut self, region: &Region) -> Self {
         for y in region.rows.start / ROWS..region.rows.end.div_ceil(ROWS) {
             let columns = region.columns.start / BLOCK..region.columns.end.div_ceil(BLOCK);
             self.chosen[y * self.across..][columns].fill(true);

@@ -42,11 +42,11 @@ impl System {
     /// The system of a picture of at least 3 × 3 pixels.
     pub(super) fn new(channels: &[Plane<u8>; 3], closeness: f64) -> Self {
         let (width, height) = channels[0].size();
-        Self::within(channels, closeness, Cells::whole(width, height))
+        Self::in_cells(channels, closeness, Cells::whole(width, height))
     }
 
     /// The system of the pixels in `cells`; all other pixels keep their initial values.
-    pub(super) fn within(channels: &[Plane<u8>; 3], closeness: f64, cells: Cells) -> Self {
+    pub(super) fn in_cells(channels: &[Plane<u8>; 3], closeness: f64, cells: Cells) -> Self {
         let (width, height) = channels[0].size();
         // Windows of the pixels of a cell begin at most one cell away.
         let around = cells.grown(1, 1);

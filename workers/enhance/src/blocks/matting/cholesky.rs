@@ -173,17 +173,12 @@ impl Rectangle {
         if width * height <= LEAF_PX || width.max(height) < 2 * CUT_PX + 1 {
             return (self, Vec::new());
         }
-        let middle = |(start, end): (usize, usize)| start + (end - start - CUT_PX) / 2;
         if width >= height {
-            let at = middle(self.x);
-            let part = |x| Self { x, ..self };
-            let halves = vec![part((self.x.0, at)), part((at + CUT_PX, self.x.1))];
-            (part((at, at + CUT_PX)), halves)
+            let [first, cut, second] = split(self.x).map(|x| Self { x, ..self });
+            (cut, vec![first, second])
         } else {
-            let at = middle(self.y);
-            let part = |y| Self { y, ..self };
-            let halves = vec![part((self.y.0, at)), part((at + CUT_PX, self.y.1))];
-            (part((at, at + CUT_PX)), halves)
+            let [first, cut, second] = split(self.y).map(|y| Self { y, ..self });
+            (cut, vec![first, second])
         }
     }
 
@@ -193,15 +188,14 @@ impl Rectangle {
 
     /// Positions of the surrounding pixels within the reach of coefficients.
     fn ring(self, width: usize, height: usize) -> Vec<usize> {
-        let grown =
-            |(start, end): (usize, usize), most: usize| (start.saturating_sub(RIM), (end + RIM).min(most));
-        let (x, y) = (grown(self.x, width), grown(self.y, height));
-        let inside = |pixel: &usize| {
-            (self.x.0..self.x.1).contains(&(pixel % width)) && (self.y.0..self.y.1).contains(&(pixel / width))
-        };
+        let [x, y] = [(self.x, width), (self.y, height)]
+            .map(|((start, end), side)| (start.saturating_sub(RIM), (end + RIM).min(side)));
         Self { x, y }
             .pixels(width)
-            .filter(|pixel| !inside(pixel))
+            .filter(|pixel| {
+                !((self.x.0..self.x.1).contains(&(pixel % width))
+                    && (self.y.0..self.y.1).contains(&(pixel / width)))
+            })
             .collect()
     }
 }
@@ -251,4 +245,10 @@ impl Part {
             x[pixel] = value;
         }
     }
+}
+
+/// A side before, inside and after its cut.
+fn split((start, end): (usize, usize)) -> [(usize, usize); 3] {
+    let cut = start + (end - start - CUT_PX) / 2;
+    [(start, cut), (cut, cut + CUT_PX), (cut + CUT_PX, end)]
 }

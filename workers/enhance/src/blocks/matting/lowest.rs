@@ -57,9 +57,9 @@ pub fn lowest_refined(guide: &Guide, plane: &Plane<f64>, variant: Variant) -> Pl
     let [half] = System::new(&codes, HALF_CLOSENESS).solved([&halved(plane, mean_value)], HALF_RESIDUAL);
     let start = doubled(&half, plane.size());
     let cells = Cells::at_most(&start, low_value(half, LOWEST))
-        .with(&lowest_part(&start, PARTS))
+        .with_region(&lowest_part(&start, PARTS))
         .grown(MARGIN.0, MARGIN.1);
-    System::within(channels, CLOSENESS[1], cells).continued(plane, &start, RESIDUAL)
+    System::in_cells(channels, CLOSENESS[1], cells).continued(plane, &start, RESIDUAL)
 }
 
 /// The quantile of the values at a share.

@@ -67,12 +67,12 @@ impl<'g> Matting<'g> {
         let (width, height) = guide.channels()[0].size();
         let is_large = width * height >= LARGE;
         let closeness = CLOSENESS[usize::from(is_large)];
-        let laplacian = || Laplacian::new(guide.channels());
+        let channels = guide.channels();
         let solver = match variant {
             _ if width < 3 || height < 3 => Solver::Nothing,
-            Variant::Reference => Solver::Gradients(laplacian()),
-            Variant::Fast if is_large => Solver::Chebyshev(System::new(guide.channels(), closeness)),
-            Variant::Fast => Solver::Factored(Factor::new(&laplacian(), closeness)),
+            Variant::Reference => Solver::Gradients(Laplacian::new(channels)),
+            Variant::Fast if is_large => Solver::Chebyshev(System::new(channels, closeness)),
+            Variant::Fast => Solver::Factored(Factor::new(&Laplacian::new(channels), closeness)),
         };
         Self {
             guide,

@@ -37,8 +37,8 @@ pub(super) fn take_tile<const N: usize>(
     let (mut upper, mut lower) = (block(&b[first], start), block(&b[first], second));
     let (mut upper_last, mut lower_last) = (block(&b[last], start), block(&b[last], second));
     for row in 0..=SIDE {
-        let from = start + row * stride - RIM * stride - RIM;
-        let (values, values_last) = (&now[first][from..][..SPAN], &now[last][from..][..SPAN]);
+        let origin = start + row * stride - RIM * stride - RIM;
+        let (values, values_last) = (&now[first][origin..][..SPAN], &now[last][origin..][..SPAN]);
         for column in 0..SIDE {
             if row < SIDE {
                 let reach = coefficient([records[0], records[1], records[2]], column, row);

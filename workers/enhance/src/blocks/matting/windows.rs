@@ -43,19 +43,19 @@ pub(super) type Row<T> = [Vec<T>; STEPS.len()];
 
 /// Number type of the coefficient sums. Products of whitened colors are at most 9: f32 is enough for a system in f32.
 pub(super) trait Real: Copy + Add<Output = Self> + AddAssign + Mul<Output = Self> {
-    fn of(value: f64) -> Self;
+    fn from_f64(value: f64) -> Self;
 }
 
 impl Real for f32 {
     #[inline(always)]
-    fn of(value: f64) -> Self {
+    fn from_f64(value: f64) -> Self {
         value as Self
     }
 }
 
 impl Real for f64 {
     #[inline(always)]
-    fn of(value: f64) -> Self {
+    fn from_f64(value: f64) -> Self {
         value
     }
 }
@@ -68,10 +68,10 @@ pub(super) fn each_row<T: Real>(
     mut take: impl FnMut(usize, &Row<T>),
 ) {
     let (width, height) = channels[0].size();
-    let zero = T::of(0.0);
-    let empty = || -> Row<T> { std::array::from_fn(|_| vec![zero; width + 2 * RIM]) };
+    let zero = T::from_f64(0.0);
     // Windows span three rows: a row is complete after the windows that end in it.
-    let mut rows: [Row<T>; SIDE] = std::array::from_fn(|_| empty());
+    let mut rows: [Row<T>; SIDE] =
+        std::array::from_fn(|_| std::array::from_fn(|_| vec![zero; width + 2 * RIM]));
     let mut white = Box::new([[[zero; BLOCK]; 3]; PIXELS]);
     for y in 0..height {
         if y + SIDE <= height {
@@ -153,9 +153,9 @@ fn whiten_group<T: Real>(
             let away = |c: usize| f64::from(9 * codes[c][pixel][n] - sums[c][n]) / 9.0;
             let r = away(0) * i11[n];
             let g = (away(1) - c21[n] * r) * i22[n];
-            red[n] = T::of(r);
-            green[n] = T::of(g);
-            blue[n] = T::of((away(2) - c31[n] * r - c32[n] * g) * i33[n]);
+            red[n] = T::from_f64(r);
+            green[n] = T::from_f64(g);
+            blue[n] = T::from_f64((away(2) - c31[n] * r - c32[n] * g) * i33[n]);
         }
     }
 }
@@ -163,17 +163,17 @@ fn whiten_group<T: Real>(
 /// Adds the windows from column `x` on. Each coefficient sums its windows from left to right, for any block size.
 #[inline(always)]
 fn add<T: Real>(white: &[[Lanes<T>; 3]; PIXELS], (x, count): (usize, usize), rows: &mut [Row<T>; SIDE]) {
-    let share = T::of(-1.0 / 9.0);
+    let share = T::from_f64(-1.0 / 9.0);
     for row in 0..SIDE {
         for column in (0..SIDE).rev() {
             let i = SIDE * row + column;
             for j in i..PIXELS {
                 let step = step_of((j % SIDE) as isize - column as isize, j / SIDE - row);
-                let to = &mut rows[row][step][x + column + RIM..][..count];
-                let own = T::of(if i == j { 8.0 / 9.0 } else { -1.0 / 9.0 });
+                let end = &mut rows[row][step][x + column + RIM..][..count];
+                let own = T::from_f64(if i == j { 8.0 / 9.0 } else { -1.0 / 9.0 });
                 let ([a, b, c], [d, e, f]) = (&white[i], &white[j]);
                 for n in 0..count {
-                    to[n] += own + share * (a[n] * d[n] + b[n] * e[n] + c[n] * f[n]);
+                    end[n] += own + share * (a[n] * d[n] + b[n] * e[n] + c[n] * f[n]);
                 }
             }
         }

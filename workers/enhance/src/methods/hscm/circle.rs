@@ -59,8 +59,9 @@ fn inside(circle: &Circle, (width, height): (usize, usize), y: usize) -> Range<u
         return 0..0;
     }
     let reach = room.isqrt();
-    let column = |x: i64| x.clamp(0, width as i64) as usize;
-    column(center_x - reach)..column(center_x + reach + 1)
+    let [start, end] =
+        [center_x - reach, center_x + reach + 1].map(|x: i64| x.clamp(0, width as i64) as usize);
+    start..end
 }
 
 #[cfg(test)]

@@ -25,11 +25,9 @@ pub fn clahe(picture: &Plane<u8>, (across, down): (usize, usize), clip_limit: f6
     for y in 0..height {
         let row = Neighbors::new(y, tiles.height_px);
         if blended_gap != Some(row.gap) {
-            let tile_row = |row: usize| &tables[row * across..][..across];
-            blends = blend_tables(
-                tile_row(row.gap.saturating_sub(1)),
-                tile_row(row.gap.min(down - 1)),
-            );
+            let [upper, lower] = [row.gap.saturating_sub(1), row.gap.min(down - 1)]
+                .map(|row| &tables[row * across..][..across]);
+            blends = blend_tables(upper, lower);
             blended_gap = Some(row.gap);
         }
         let (from, to) = (picture.row(y), equalized.row_mut(y));
@@ -146,12 +144,12 @@ impl Neighbors {
 /// upper left, upper right, lower left, lower right. One look-up per pixel instead of four.
 fn blend_tables(upper: &[Table], lower: &[Table]) -> Vec<[u32; 256]> {
     let last = upper.len() - 1;
-    let table = |gap: usize| {
+    let gaps = (0..=upper.len()).map(|gap| {
         let (left, right) = (gap.saturating_sub(1), gap.min(last));
         let tables = [&upper[left], &upper[right], &lower[left], &lower[right]];
         std::array::from_fn(|code| u32::from_le_bytes(tables.map(|table| table[code])))
-    };
-    (0..=upper.len()).map(table).collect()
+    });
+    gaps.collect()
 }
 
 #[inline(always)]
@@ -168,13 +166,17 @@ fn blend_row(from: &[u8], columns: &[Neighbors], blends: &[[u32; 256]], b: f64, 
         }
         let mut codes = [0u8; BLOCK];
         for ((code, &entry), &a) in codes.iter_mut().zip(&entries).zip(&weights) {
-            let entry_at = |byte: u32| ((entry >> (8 * byte)) & 255) as i32 as f64;
-            let upper = (1.0 - a) * entry_at(0) + a * entry_at(1);
-            let lower = (1.0 - a) * entry_at(2) + a * entry_at(3);
+            let upper = (1.0 - a) * extract_byte(entry, 0) + a * extract_byte(entry, 1);
+            let lower = (1.0 - a) * extract_byte(entry, 2) + a * extract_byte(entry, 3);
             *code = round_ties_even((1.0 - b) * upper + b * lower);
         }
         to.copy_from_slice(&codes[..to.len()]);
     }
+}
+
+#[inline(always)]
+fn extract_byte(word: u32, byte: u32) -> f64 {
+    ((word >> (8 * byte)) & 255) as i32 as f64
 }
 
 /// Rounds a value within 0..=255: adding 2^52 leaves no bit for the fraction.

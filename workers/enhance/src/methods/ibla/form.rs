@@ -23,6 +23,7 @@ impl Form {
     /// All variants from the exact one to the fastest.
     pub const ALL: [Self; 3] = [Self::Matting, Self::Hybrid, Self::Guided];
 
+    /// Name of the method.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -32,9 +33,10 @@ impl Form {
         }
     }
 
+    /// Method of this variant.
     #[must_use]
     pub fn method(self) -> Method {
-        Method::parse(self.name()).expect("each form is a method")
+        Method::parse(self.name()).expect("each variant is a method")
     }
 
     /// Refines blurriness: `P_b`.

@@ -46,10 +46,9 @@ impl Light {
     /// Whether a channel's candidates are far apart and its share is undecided; `others` are undecided shares of all
     /// channels.
     pub(super) fn is_unstable(&self, others: [f64; 2]) -> bool {
-        let is_undecided = |share: f64| (0.05..=0.95).contains(&share);
-        let apart = spread(&self.candidates).map(|(low, high)| high - low > APART);
-        let of_all = others.into_iter().any(is_undecided);
-        (0..3).any(|c| apart[c] && (of_all || is_undecided(self.shares[c])))
+        let are_apart = spread(&self.candidates).map(|(low, high)| high - low > APART);
+        let are_others_undecided = others.into_iter().any(is_undecided);
+        (0..3).any(|c| are_apart[c] && (are_others_undecided || is_undecided(self.shares[c])))
     }
 }
 
@@ -76,13 +75,17 @@ fn bright_parts(picture: &Rgb8) -> [f64; 3] {
 fn mean_of_blurred(picture: &Rgb8, blurriness: &Plane<f64>, variant: Variant) -> [f64; 3] {
     let count = (blurriness.data().len() / BLURRED).max(1);
     let positions = largest(&blurriness.map(|value| -value), count, variant);
-    let sum = |channel: usize| -> u64 {
+    [0, 1, 2].map(|channel| {
         let codes = positions
             .iter()
             .map(|position| picture.data()[3 * position + channel]);
-        codes.map(u64::from).sum()
-    };
-    [0, 1, 2].map(|channel| sum(channel) as f64 / (255 * positions.len()) as f64)
+        let sum: u64 = codes.map(u64::from).sum();
+        sum as f64 / (255 * positions.len()) as f64
+    })
+}
+
+fn is_undecided(share: f64) -> bool {
+    (0.05..=0.95).contains(&share)
 }
 
 #[cfg(test)]

@@ -18,19 +18,12 @@ pub(super) fn curves(picture: &Rgb8, variant: Variant) -> Curves {
     let gains = gains(counts.each_ref().map(histogram::mean));
     std::array::from_fn(|channel| {
         let (low, high) = histogram::ends(&counts[channel]);
-        let scaled = |code: usize| (code as f64 * gains[channel]).min(255.0);
-        let (low, high) = (scaled(low), scaled(high));
-        let value = |code: usize| {
-            if high > low {
-                (scaled(code) - low) / (high - low) * 255.0
-            } else {
-                scaled(code)
-            }
-        };
-        let values = std::array::from_fn(value);
+        let scaled: [f64; 256] = std::array::from_fn(|code| (code as f64 * gains[channel]).min(255.0));
+        let (low, high) = (scaled[low], scaled[high]);
         if high <= low {
-            return values;
+            return scaled;
         }
+        let values = scaled.map(|value| (value - low) / (high - low) * 255.0);
         match variant {
             Variant::Fast => merged(&values, &counts[channel]),
             Variant::Reference => merged_by_pixels(&values, picture, channel),
@@ -106,17 +99,15 @@ fn merged_by_pixels(values: &[f64; 256], picture: &Rgb8, channel: usize) -> [f64
         .collect();
     let mean = pixels.iter().sum::<f64>() / pixels.len() as f64;
     let (lower, upper): (Vec<f64>, Vec<f64>) = pixels.iter().partition(|value| **value <= mean + EQUAL);
-    let share = |set: &[f64], value: f64| {
-        let up_to = set.iter().filter(|&&other| whole(other) <= whole(value)).count();
-        up_to as f64 / set.len().max(1) as f64
-    };
     values.map(|value| {
         let (set, other_picture) = if value <= mean + EQUAL {
             (&lower, 0.0)
         } else {
             (&upper, 255.0)
         };
-        (rayleigh(share(set, value)) + other_picture) / 2.0
+        let below = set.iter().filter(|&&other| whole(other) <= whole(value)).count();
+        let share = below as f64 / set.len().max(1) as f64;
+        (rayleigh(share) + other_picture) / 2.0
     })
 }
 

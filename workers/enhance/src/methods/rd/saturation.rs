@@ -93,7 +93,7 @@ struct Stretch {
 
 /// `(z - a) / (b - a)` between the ends; values outside, and all values if the ends meet, are unchanged.
 #[inline(always)]
-fn between(z: f64, (a, b): (f64, f64)) -> f64 {
+fn stretch(z: f64, (a, b): (f64, f64)) -> f64 {
     let stretched = (z - a) / if b > a { b - a } else { 1.0 };
     if b > a && z >= a && z <= b { stretched } else { z }
 }
@@ -103,7 +103,7 @@ impl Stretch {
         for pixel in picture.data_mut().chunks_exact_mut(3) {
             let color = color(curves, [pixel[0], pixel[1], pixel[2]]);
             let (s, v) = saturation_and_value(color);
-            let (new_s, new_v) = (between(s, self.saturation), between(v, self.value));
+            let (new_s, new_v) = (stretch(s, self.saturation), stretch(v, self.value));
             let spread = s * v;
             for (code, c) in pixel.iter_mut().zip(color) {
                 let share = if spread > 0.0 { (v - c) / spread } else { 0.0 };
@@ -125,8 +125,8 @@ impl Stretch {
             let (mut top, mut slope) = ([0.0f64; BLOCK], [0.0f64; BLOCK]);
             for x in 0..BLOCK {
                 let spread = s[x] * v[x];
-                let light = 255.0 * between(v[x], self.value);
-                let share = between(s[x], self.saturation) / if spread > 0.0 { spread } else { 1.0 };
+                let light = 255.0 * stretch(v[x], self.value);
+                let share = stretch(s[x], self.saturation) / if spread > 0.0 { spread } else { 1.0 };
                 top[x] = light;
                 slope[x] = light * share;
             }

@@ -93,7 +93,7 @@ struct Line {
 impl Line {
     fn new(ends: &Ends, channel: usize) -> Self {
         let (mode, low, high) = (f64::from(ends.mode), f64::from(ends.low), f64::from(ends.high));
-        let to = if mode > 0.0 {
+        let to_ends = if mode > 0.0 {
             let kt = K[channel] * TRANSMITTANCE[channel];
             let n = ((255.0 - high) * kt / mode).floor();
             let top = if n >= 1.0 {
@@ -107,7 +107,7 @@ impl Line {
         };
         Self {
             from: (low, high),
-            to,
+            to: to_ends,
         }
     }
 

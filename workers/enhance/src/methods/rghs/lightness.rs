@@ -93,15 +93,6 @@ fn from_lab(lightness: &[f64], [a, b]: [&[f32]; 2], (low, high): (f64, f64), lig
     let matrix = lab::from_xyz().map(|row| row.map(|value| value as f32));
     let decay = -(STRENGTH.ln() / 128.0) as f32;
     let strengthened = |p: f32| p * (STRENGTH as f32) * exp(decay * p.abs());
-    let response = |t: f32| {
-        const KNEE: f32 = 6.0 / 29.0;
-        let cube = t * t * t;
-        if t > KNEE {
-            cube
-        } else {
-            3.0 * KNEE * KNEE * (t - 4.0 / 29.0)
-        }
-    };
     let planes = lightness
         .chunks(BLOCK)
         .zip(a.chunks(BLOCK).zip(b.chunks(BLOCK)))
@@ -132,5 +123,17 @@ fn from_lab(lightness: &[f64], [a, b]: [&[f32]; 2], (low, high): (f64, f64), lig
         for (plane, out) in light.iter_mut().zip(&out) {
             plane[start..start + l.len()].copy_from_slice(&out[..l.len()]);
         }
+    }
+}
+
+/// The inverse of the response of CIE Lab.
+#[inline(always)]
+fn response(t: f32) -> f32 {
+    const KNEE: f32 = 6.0 / 29.0;
+    let cube = t * t * t;
+    if t > KNEE {
+        cube
+    } else {
+        3.0 * KNEE * KNEE * (t - 4.0 / 29.0)
     }
 }

@@ -107,8 +107,9 @@ pub fn filtered_by(recipe: &Recipe, luma: &Luma) -> Plane<f32> {
     }
     let (width, height) = luma.codes().size();
     let mut logs = Plane::filled(width, height, 0.0f32);
-    let mut finish = |y: usize, row: &[f32]| logs.row_mut(y).copy_from_slice(row);
-    sweep(recipe, luma, &mut finish);
+    sweep(recipe, luma, &mut |y: usize, row: &[f32]| {
+        logs.row_mut(y).copy_from_slice(row)
+    });
     logs
 }
 

@@ -82,13 +82,13 @@ impl Recipe {
 /// [`KERNEL_TAIL_DECIMATED`] remains; `None` if more than half the side would be needed.
 fn half_kernel(side: usize, delta: f64, step: usize) -> Option<Vec<f32>> {
     let n = side / step;
-    let bin = |k: usize| {
+    let bins = (0..n).map(|k| {
         let k = k.min(n - k);
         let signed = k as f64 / delta;
         let lost = if step == 1 { 1.0 } else { response(k, side) };
         Complex::new((-0.5 * signed * signed).exp() / lost / n as f64, 0.0)
-    };
-    let mut bins: Vec<Complex<f64>> = (0..n).map(bin).collect();
+    });
+    let mut bins: Vec<Complex<f64>> = bins.collect();
     fft::double_inverse(n).process(&mut bins);
     let mut outside: f64 = bins[1..].iter().map(|weight| weight.re.abs()).sum();
     let mut taps = vec![bins[0].re];

@@ -95,16 +95,16 @@ impl<'a> RowPass<'a> {
         let padded = padded_side(width);
         let radius = kernel.len() - 1;
         let stride = width.next_multiple_of(BLOCK);
-        let columns = |first: usize| {
+        let [before, after] = [padded - radius, width].map(|first| {
             let positions = (first..first + radius).map(|i| i % padded);
             positions.map(|i| reflected(i as isize, width)).collect()
-        };
+        });
         Self {
             luma,
             kernel,
             logarithm: Logarithm::new(luma),
-            before: columns(padded - radius),
-            after: columns(width),
+            before,
+            after,
             line: vec![0.0; stride + 2 * radius],
             stride,
         }

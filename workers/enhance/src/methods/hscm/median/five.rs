@@ -23,8 +23,8 @@ fn sweep(picture: &Plane<u8>) -> Plane<u8> {
     columns.fill(vec![0u8; line]);
     let mut medians = Vec::with_capacity(width * height);
     for y in 0..height {
-        let row = |row: usize| picture.row((y + row).saturating_sub(RADIUS).min(height - 1));
-        sort_columns([0, 1, 2, 3, 4].map(row), &mut columns);
+        let rows = [0, 1, 2, 3, 4].map(|row| picture.row((y + row).saturating_sub(RADIUS).min(height - 1)));
+        sort_columns(rows, &mut columns);
         for start in (0..width).step_by(BLOCK) {
             let block = window_medians(columns.each_ref().map(|rank| &rank[start..]));
             medians.extend_from_slice(&block[..BLOCK.min(width - start)]);
