@@ -34,7 +34,7 @@ fn geometry(bench: &mut Criterion) {
             distortion: barrel,
             refraction: Refraction::Flat { index },
         };
-        let source = Source::around(&lens, (WIDTH, HEIGHT), 1).expect("a source");
+        let source = Source::covering(&lens, (WIDTH, HEIGHT), 1).expect("a source");
         let scene = picture(source.size.0, source.size.1, 1.0);
         bench.bench_function(&format!("map, {name}"), |b| {
             b.iter(|| {

@@ -88,13 +88,8 @@ fn weigh(luminance: &mut [f32], r: &[f32], g: &[f32], b: &[f32]) {
 
 /// The value at a position of the ascending order. Buckets by the upper bits first exclude most values.
 fn nth(values: &mut [f32], position: usize) -> f32 {
-    let key = |value: f32| {
-        let bits = value.to_bits();
-        // Also ascending for negative floats.
-        (bits ^ ((bits as i32 >> 31) as u32 | 1 << 31)) >> BUCKET_SHIFT
-    };
     let mut counts = vec![0usize; 1 << (32 - BUCKET_SHIFT)];
-    values.iter().for_each(|&value| counts[key(value) as usize] += 1);
+    values.iter().for_each(|&value| counts[bucket_of(value)] += 1);
     let mut before = 0;
     let bucket = counts.iter().position(|count| {
         before += count;
@@ -105,9 +100,15 @@ fn nth(values: &mut [f32], position: usize) -> f32 {
     let mut among: Vec<f32> = values
         .iter()
         .copied()
-        .filter(|&value| key(value) as usize == bucket)
+        .filter(|&value| bucket_of(value) == bucket)
         .collect();
     *among.select_nth_unstable_by(rank, f32::total_cmp).1
+}
+
+fn bucket_of(value: f32) -> usize {
+    let bits = value.to_bits();
+    // Also ascending for negative floats.
+    ((bits ^ ((bits as i32 >> 31) as u32 | 1 << 31)) >> BUCKET_SHIFT) as usize
 }
 
 #[cfg(test)]

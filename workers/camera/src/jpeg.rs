@@ -60,14 +60,17 @@ pub fn compressed(picture: &Rgb8, law: Jpeg) -> Rgb8 {
             .doubled(width, height),
     });
     Rgb8::from_fn(width, height, |x, y| {
-        let at = |channel: &Channel| channel.samples[y * channel.width + x];
-        decoded(at(&brightness), at(&blue) - 128.0, at(&red) - 128.0)
+        decoded(
+            brightness.sample(x, y),
+            blue.sample(x, y) - 128.0,
+            red.sample(x, y) - 128.0,
+        )
     })
 }
 
 fn pixel(picture: &Rgb8, x: usize, y: usize) -> [f32; 3] {
-    let at = 3 * (y * picture.width() + x);
-    [0, 1, 2].map(|channel| f32::from(picture.data()[at + channel]))
+    let position = 3 * (y * picture.width() + x);
+    [0, 1, 2].map(|channel| f32::from(picture.data()[position + channel]))
 }
 
 /// Y, Cb or Cr of a pixel, rounded as in a file.
@@ -141,17 +144,21 @@ fn transposed(block: &Block) -> Block {
 
 impl Channel {
     fn from_fn(width: usize, height: usize, sample: impl Fn(usize, usize) -> f32) -> Self {
-        let whole = |side: usize| side.next_multiple_of(SIDE);
-        let mut samples = Vec::with_capacity(whole(width) * whole(height));
-        for y in 0..whole(height) {
+        let [padded_width, padded_height] = [width, height].map(|side| side.next_multiple_of(SIDE));
+        let mut samples = Vec::with_capacity(padded_width * padded_height);
+        for y in 0..padded_height {
             cancel::check();
-            samples.extend((0..whole(width)).map(|x| sample(x.min(width - 1), y.min(height - 1))));
+            samples.extend((0..padded_width).map(|x| sample(x.min(width - 1), y.min(height - 1))));
         }
         Self {
-            width: whole(width),
-            height: whole(height),
+            width: padded_width,
+            height: padded_height,
             samples,
         }
+    }
+
+    fn sample(&self, x: usize, y: usize) -> f32 {
+        self.samples[y * self.width + x]
     }
 
     /// Transforms its blocks, rounds to multiples of the table, and transforms back to codes.
@@ -168,31 +175,20 @@ impl Channel {
     /// Means of 2×2 samples of a picture of this size.
     fn halved(&self, width: usize, height: usize) -> Self {
         Self::from_fn(width.div_ceil(2), height.div_ceil(2), |x, y| {
-            let at = |dx: usize, dy: usize| {
-                let (x, y) = ((2 * x + dx).min(width - 1), (2 * y + dy).min(height - 1));
-                self.samples[y * self.width + x]
-            };
-            code((at(0, 0) + at(1, 0) + at(0, 1) + at(1, 1)) * 0.25)
+            let [left, right] = [2 * x, 2 * x + 1].map(|x| x.min(width - 1));
+            let [top, bottom] = [2 * y, 2 * y + 1].map(|y| y.min(height - 1));
+            let upper = self.sample(left, top) + self.sample(right, top);
+            code((upper + self.sample(left, bottom) + self.sample(right, bottom)) * 0.25)
         })
     }
 
     /// Upsamples to this size from the nearest four samples.
     fn doubled(&self, width: usize, height: usize) -> Self {
         let (columns, rows) = (width.div_ceil(2), height.div_ceil(2));
-        let beside = |i: usize, side: usize| {
-            let near = i / 2;
-            let far = if i.is_multiple_of(2) {
-                near.saturating_sub(1)
-            } else {
-                (near + 1).min(side - 1)
-            };
-            (near, far)
-        };
         Self::from_fn(width, height, |x, y| {
-            let ((near_x, far_x), (near_y, far_y)) = (beside(x, columns), beside(y, rows));
-            let at = |x: usize, y: usize| self.samples[y * self.width + x];
-            let row = |y: usize| 3.0 * at(near_x, y) + at(far_x, y);
-            code((3.0 * row(near_y) + row(far_y)) * 0.0625)
+            let ((near_x, far_x), (near_y, far_y)) = (nearest_pair(x, columns), nearest_pair(y, rows));
+            let [near, far] = [near_y, far_y].map(|y| 3.0 * self.sample(near_x, y) + self.sample(far_x, y));
+            code((3.0 * near + far) * 0.0625)
         })
     }
 }
@@ -219,4 +215,15 @@ fn quantize_row(rows: &mut [f32], width: usize, table: &Block, forward: &Block, 
             }
         }
     }
+}
+
+/// The nearest and the next sample of a pixel along an axis of `side` samples.
+fn nearest_pair(i: usize, side: usize) -> (usize, usize) {
+    let near = i / 2;
+    let far = if i.is_multiple_of(2) {
+        near.saturating_sub(1)
+    } else {
+        (near + 1).min(side - 1)
+    };
+    (near, far)
 }

@@ -88,19 +88,19 @@ fn demosaic(codes: &Plane<u16>, cfa: Cfa, light: impl Fn(u32) -> f32) -> Rgb<f32
         for x in 0..width {
             let left = reflected(x as isize - 1, width);
             let right = reflected(x as isize + 1, width);
-            let sum = |a: u16, b: u16| u32::from(a) + u32::from(b);
-            let beside = sum(own[left], own[right]);
-            let upright = sum(above[x], below[x]);
+            let horizontal = u32::from(own[left]) + u32::from(own[right]);
+            let vertical = u32::from(above[x]) + u32::from(below[x]);
             let code = 4 * u32::from(own[x]);
             let is_green = (if x % 2 == 0 { first } else { second }) == 1;
             if is_green {
                 green[x] = light(code);
-                inside_row[x] = light(2 * beside);
-                outside_row[x] = light(2 * upright);
+                inside_row[x] = light(2 * horizontal);
+                outside_row[x] = light(2 * vertical);
             } else {
                 inside_row[x] = light(code);
-                green[x] = light(beside + upright);
-                outside_row[x] = light(sum(above[left], above[right]) + sum(below[left], below[right]));
+                green[x] = light(horizontal + vertical);
+                let corners = [above[left], above[right], below[left], below[right]];
+                outside_row[x] = light(corners.map(u32::from).iter().sum());
             }
         }
     }

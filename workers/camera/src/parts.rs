@@ -4,7 +4,7 @@ use imaging::geometry::Intrinsics;
 use spec::{Camera, Exposure, Jpeg, Port, Tone, WhiteBalance};
 
 use crate::defocus::Focus;
-use crate::geometry::{Lens, STILL_PX, Source};
+use crate::geometry::{Lens, STILL_PX, Source, sample_side};
 use crate::preset;
 use crate::sensor::Sensor;
 use crate::vignette::FallOff;
@@ -186,7 +186,7 @@ fn source(
     let supersample = camera.supersample;
     match scenery {
         Scenery::Rendered if supersample == 1 && is_still(lens, lens.camera, size) => Ok(None),
-        Scenery::Rendered => match Source::around(lens, size, supersample) {
+        Scenery::Rendered => match Source::covering(lens, size, supersample) {
             Some(source) => Ok(Some(source)),
             None => Err(PartsError::TooWide),
         },
@@ -197,9 +197,8 @@ fn source(
 
 /// Whether no border pixel moves; a lens moves those most.
 fn is_still(lens: &Lens, pinhole: Intrinsics, (width, height): (usize, usize)) -> bool {
-    let walk = |side: usize| (0..=32).map(move |i| i * (side - 1) / 32);
-    walk(height)
-        .flat_map(|y| walk(width).map(move |x| (x, y)))
+    sample_side(height, 32)
+        .flat_map(|y| sample_side(width, 32).map(move |x| (x, y)))
         .all(|(x, y)| {
             let air = lens.camera.ray(x as f64, y as f64);
             let Some(ideal) = lens.undistorted(air.x, air.y) else {
@@ -207,9 +206,9 @@ fn is_still(lens: &Lens, pinhole: Intrinsics, (width, height): (usize, usize)) -
             };
             (0..3).all(|channel| {
                 let (u, v) = lens.in_water(ideal, channel);
-                let moved =
-                    |u: f64, center: f64, at: usize| (center + pinhole.focal_px * u - at as f64).abs();
-                moved(u, pinhole.cx, x).max(moved(v, pinhole.cy, y)) <= STILL_PX
+                let moved_x = (pinhole.cx + pinhole.focal_px * u - x as f64).abs();
+                let moved_y = (pinhole.cy + pinhole.focal_px * v - y as f64).abs();
+                moved_x.max(moved_y) <= STILL_PX
             })
         })
 }

@@ -18,25 +18,20 @@ fn faults(camera: &Camera, renders: bool) -> Vec<Fault> {
         let water = Intrinsics::centered(camera.focal_px(width), width, height);
         Scenery::Picture(water, (width, height))
     };
-    let fault = |path: Vec<&'static str>, message: String| Fault {
-        path,
-        message,
-        missing: false,
+    let Err(error) = Parts::resolve(camera, scenery) else {
+        return Vec::new();
     };
-    let mut faults = Vec::new();
-    if let Err(wrong) = Parts::resolve(camera, scenery) {
-        let path = match wrong {
-            PartsError::Fold(_) | PartsError::TooWide => vec!["distortion"],
-            PartsError::NoPath => vec!["path"],
-            PartsError::TooSmall => vec!["sensor", "cfa"],
-            PartsError::UnknownSensor => vec!["sensor", "preset"],
-            PartsError::Bits(_) | PartsError::DeepJpeg(_) => vec!["bits"],
-            PartsError::Black { .. } => vec!["sensor", "black_dn"],
-        };
-        faults.push(fault(
-            path.clone(),
-            format!("`camera.{}`: {wrong}", path.join(".")),
-        ));
-    }
-    faults
+    let path = match error {
+        PartsError::Fold(_) | PartsError::TooWide => vec!["distortion"],
+        PartsError::NoPath => vec!["path"],
+        PartsError::TooSmall => vec!["sensor", "cfa"],
+        PartsError::UnknownSensor => vec!["sensor", "preset"],
+        PartsError::Bits(_) | PartsError::DeepJpeg(_) => vec!["bits"],
+        PartsError::Black { .. } => vec!["sensor", "black_dn"],
+    };
+    vec![Fault {
+        message: format!("`camera.{}`: {error}", path.join(".")),
+        path,
+        missing: false,
+    }]
 }

@@ -40,8 +40,7 @@ pub fn deep_codes(light: &Rgb<f32>, tone: Tone) -> Raster {
     let [r, g, b] = light.planes().each_ref().map(|plane| plane.data());
     let mut data = Vec::with_capacity(3 * r.len());
     for ((&r, &g), &b) in r.iter().zip(g).zip(b) {
-        let code = |v: f32| (65_535.0 * curve(f64::from(v), tone) + 0.5).floor() as u16;
-        data.extend([r, g, b].map(code));
+        data.extend([r, g, b].map(|v| (65_535.0 * curve(f64::from(v), tone) + 0.5).floor() as u16));
     }
     let samples = Samples::U16(data);
     Raster::new(width, height, Channels::Rgb, samples, None).expect("three codes for each pixel")
@@ -106,12 +105,12 @@ impl Table {
             0 => 0.0,
             _ => libm::pow((code as f64 - 0.5) / 255.0, exponent),
         });
-        let first = |step: usize| {
+        let first = (0..=STEPS).map(|step| {
             let light = step as f64 / STEPS as f64;
             (starts.partition_point(|&start| start <= light) - 1) as u8
-        };
+        });
         Self {
-            first: (0..=STEPS).map(first).collect(),
+            first: first.collect(),
             starts,
         }
     }

@@ -225,8 +225,11 @@ mod tests {
     fn no_factor_is_beyond_the_limits_and_some_is_near() {
         for falloff in falloffs() {
             let all = falloff.reference(SIZE);
-            let all = || all.data().iter().copied();
-            let (least, largest) = (all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max));
+            let samples = || all.data().iter().copied();
+            let (least, largest) = (
+                samples().fold(f64::INFINITY, f64::min),
+                samples().fold(0.0, f64::max),
+            );
             let limits = falloff.limits(SIZE);
             assert!(limits.least <= least && largest <= limits.largest, "{falloff:?}");
             // Pixels are up to a few hundredths of the radius apart.
@@ -236,7 +239,7 @@ mod tests {
             );
             let strength = falloff.strength(SIZE);
             assert!(
-                all().all(|factor| (1.0 - factor).abs() <= strength),
+                samples().all(|factor| (1.0 - factor).abs() <= strength),
                 "{falloff:?}"
             );
         }

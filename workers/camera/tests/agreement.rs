@@ -63,7 +63,7 @@ fn maps_and_samples_agree_with_their_references() {
         for lens in lenses(width, height) {
             lens.check((width, height)).unwrap();
             for supersample in [1, 2] {
-                let source = Source::around(&lens, (width, height), supersample).unwrap();
+                let source = Source::covering(&lens, (width, height), supersample).unwrap();
                 let scene = picture(source.size.0, source.size.1);
                 let maps = geometry::coordinates(&lens, &source, (width, height));
                 let sampling = Sampling::new(&maps, source.size);

@@ -94,7 +94,7 @@ fn no_picture_is_sampled_beyond_the_bound() {
             },
         };
         lens.check(size).unwrap();
-        let source = Source::around(&lens, size, supersample).unwrap();
+        let source = Source::covering(&lens, size, supersample).unwrap();
         let sampling = Sampling::new(&geometry::coordinates(&lens, &source, size), source.size);
         let maps = [0, 1, 2].map(|c| geometry::coordinates_reference(&lens, &source, size, c));
         let bound = geometry::sampling_bound(&source, 1.0, 1.0);

@@ -42,13 +42,13 @@ impl Dice {
         self.stream.unit(self.frame, element)
     }
 
-    fn between(self, element: u64, least: f64, most: f64) -> f64 {
+    fn uniform(self, element: u64, least: f64, most: f64) -> f64 {
         least + (most - least) * self.unit(element)
     }
 
     /// Log-uniform.
     fn magnitude(self, element: u64, least: f64, most: f64) -> f64 {
-        self.between(element, least.ln(), most.ln()).exp()
+        self.uniform(element, least.ln(), most.ln()).exp()
     }
 
     fn pick(self, element: u64, count: usize) -> usize {
@@ -65,10 +65,10 @@ impl Case {
         let size = [(24, 16), (33, 9), (70, 12)][dice.pick(0, 3)];
         let lens = lens(dice, size);
         let source = (dice.unit(1) < 0.7)
-            .then(|| Source::around(&lens, size, 1 + dice.pick(2, 3)))
+            .then(|| Source::covering(&lens, size, 1 + dice.pick(2, 3)))
             .flatten();
         let cosine_weight = dice.unit(3).round() * dice.unit(4);
-        let terms = [5, 6, 7].map(|element| dice.between(element, -1.0, 1.0));
+        let terms = [5, 6, 7].map(|element| dice.uniform(element, -1.0, 1.0));
         let defocus = Defocus {
             aperture_m: dice.magnitude(8, 1e-4, 0.1),
             focus_m: dice.magnitude(9, 0.2, 20.0),
@@ -139,7 +139,7 @@ impl Case {
     fn bound(&self, gain: f64) -> f64 {
         let lights = self.fast.planes().iter().flat_map(|plane| plane.data());
         let peak = f64::from(lights.fold(0.0f32, |peak, &v| peak.max(v)));
-        let mut error = apart(&self.exact, &self.fast, f64::INFINITY);
+        let mut error = largest_difference(&self.exact, &self.fast, f64::INFINITY);
         if let Some(source) = &self.source {
             error += geometry::sampling_bound(source, peak, peak);
         }
@@ -183,9 +183,9 @@ impl Case {
 fn lens(dice: Dice, size: (usize, usize)) -> Lens {
     let focal_px = size.0 as f64 * dice.magnitude(20, 0.4, 4.0);
     let distortion = Distortion {
-        k1: dice.between(21, -0.2, 0.3),
-        k2: dice.between(22, -0.05, 0.05),
-        p1: dice.between(23, -0.01, 0.01),
+        k1: dice.uniform(21, -0.2, 0.3),
+        k2: dice.uniform(22, -0.05, 0.05),
+        p1: dice.uniform(23, -0.01, 0.01),
         ..Distortion::default()
     };
     let refractions = [
@@ -272,7 +272,7 @@ fn lights(dice: Dice, size: (usize, usize)) -> (Rgb<f64>, Rgb<f32>) {
 }
 
 /// The largest difference of light, both clipped at white.
-fn apart(exact: &Rgb<f64>, fast: &Rgb<f32>, white: f64) -> f64 {
+fn largest_difference(exact: &Rgb<f64>, fast: &Rgb<f32>, white: f64) -> f64 {
     let planes = exact.planes().iter().zip(fast.planes());
     let pairs = planes.flat_map(|(exact, fast)| exact.data().iter().zip(fast.data()));
     let differences = pairs.map(|(e, &f)| (e.min(white) - f64::from(f).min(white)).abs());
@@ -287,7 +287,7 @@ fn no_exposed_light_errs_by_more_than_the_composed_bound() {
     for frame in 0..frames {
         let case = Case::new(frame);
         let ((exact, gain), (fast, fast_gain)) = (case.reference(), case.fast());
-        let (error, metered) = (apart(&exact, &fast, WHITE), gain.max(fast_gain));
+        let (error, metered) = (largest_difference(&exact, &fast, WHITE), gain.max(fast_gain));
         for gain in [metered, case.most_gain()] {
             let bound = case.bound(gain);
             assert!(error <= bound, "frame {frame}: {error:e} of {bound:e}");

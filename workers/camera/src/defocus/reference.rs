@@ -13,25 +13,16 @@ impl Disc {
     fn new(radius: f64) -> Self {
         let reach = (radius + 0.5).floor().max(0.0) as usize;
         let square = radius * radius;
-        let point = |pixel: usize, k: usize| pixel as f64 + (k as f64 + 0.5) / POINTS as f64 - 0.5;
-        let count = |dx: usize, dy: usize| {
-            let rows = (0..POINTS).map(|k| point(dy, k));
-            let inside = rows.map(|y| {
-                let columns = (0..POINTS).map(|k| point(dx, k));
-                columns.filter(|x| x * x + y * y <= square).count()
-            });
-            inside.sum::<usize>() as f64
-        };
         let mut weights: Vec<Vec<f64>> = (0..=reach)
-            .map(|dy| (0..=reach).map(|dx| count(dx, dy)).collect())
+            .map(|dy| (0..=reach).map(|dx| count_points(dx, dy, square)).collect())
             .collect();
-        let times = |k: usize| if k == 0 { 1.0 } else { 2.0 };
+        let copies = [1.0, 2.0];
         let rows = weights.iter().enumerate();
         let sum: f64 = rows
             .flat_map(|(dy, row)| {
                 row.iter()
                     .enumerate()
-                    .map(move |(dx, w)| w * times(dx) * times(dy))
+                    .map(move |(dx, w)| w * copies[dx.min(1)] * copies[dy.min(1)])
             })
             .sum();
         if sum == 0.0 {
@@ -64,7 +55,7 @@ pub fn blur_reference(picture: &Rgb<f64>, radii: &Plane<f64>) -> Rgb<f64> {
             Some((of, disc)) if of == radius => disc,
             _ => Disc::new(radius),
         };
-        let gather = |plane: &Plane<f64>| {
+        let pixel = picture.planes().each_ref().map(|plane| {
             let mut sum = 0.0;
             for (dy, row) in disc.weights.iter().enumerate() {
                 for (dx, weight) in row.iter().enumerate() {
@@ -76,8 +67,7 @@ pub fn blur_reference(picture: &Rgb<f64>, radii: &Plane<f64>) -> Rgb<f64> {
                 }
             }
             sum
-        };
-        let pixel = picture.planes().each_ref().map(gather);
+        });
         known = Some((radius, disc));
         pixel
     })
@@ -85,10 +75,17 @@ pub fn blur_reference(picture: &Rgb<f64>, radii: &Plane<f64>) -> Rgb<f64> {
 
 /// The signs of a first-quadrant offset in all quadrants.
 fn signs(dx: usize, dy: usize) -> impl Iterator<Item = (isize, isize)> {
-    let ways = |d: usize| if d == 0 { &[1][..] } else { &[1, -1][..] };
-    ways(dy)
-        .iter()
-        .flat_map(move |&sy| ways(dx).iter().map(move |&sx| (sy, sx)))
+    let [columns, rows] = [dx, dy].map(|d| if d == 0 { &[1][..] } else { &[1, -1][..] });
+    rows.iter()
+        .flat_map(move |&sy| columns.iter().map(move |&sx| (sy, sx)))
+}
+
+/// Points of a pixel inside the squared radius.
+fn count_points(dx: usize, dy: usize, square: f64) -> f64 {
+    let [xs, ys] =
+        [dx, dy].map(|pixel| (0..POINTS).map(move |k| pixel as f64 + (k as f64 + 0.5) / POINTS as f64 - 0.5));
+    let inside = ys.map(|y| xs.clone().filter(|x| x * x + y * y <= square).count());
+    inside.sum::<usize>() as f64
 }
 
 #[cfg(test)]

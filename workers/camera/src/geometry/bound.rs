@@ -102,17 +102,18 @@ mod tests {
         let mut nearest = 0.0f64;
         for lens in lenses() {
             for supersample in [1, 2, 3] {
-                let source = Source::around(&lens, SIZE, supersample).unwrap();
+                let source = Source::covering(&lens, SIZE, supersample).unwrap();
                 let maps = coordinates(&lens, &source, SIZE);
                 let sampling = Sampling::new(&maps, source.size);
                 let references = [0, 1, 2].map(|c| coordinates_reference(&lens, &source, SIZE, c));
                 for (channel, reference) in references.iter().enumerate() {
                     let map = maps.get(channel).unwrap_or(&maps[0]);
-                    let apart = |a: &Plane<f64>, b: &Plane<f64>| {
+                    let largest_difference = |a: &Plane<f64>, b: &Plane<f64>| {
                         let pairs = a.data().iter().zip(b.data());
                         pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
                     };
-                    let places = apart(&map.x, &reference.x).max(apart(&map.y, &reference.y));
+                    let places = largest_difference(&map.x, &reference.x)
+                        .max(largest_difference(&map.y, &reference.y));
                     assert!(places <= place_bound_px(&source), "{places:e} of {lens:?}");
                 }
                 for (scene, difference) in scenes(source.size) {

@@ -164,8 +164,9 @@ impl Lens {
     /// [`Fold`].
     pub fn check(&self, (width, height): (usize, usize)) -> Result<(), Fold> {
         let Intrinsics { focal_px, cx, cy } = self.camera;
-        let far = |center: f64, side: usize| center.abs().max((side as f64 - 1.0 - center).abs()) / focal_px;
-        let corner = far(cx, width).hypot(far(cy, height)) * BEYOND_CORNER;
+        let [far_x, far_y] = [(cx, width), (cy, height)]
+            .map(|(center, side)| center.abs().max((side as f64 - 1.0 - center).abs()) / focal_px);
+        let corner = far_x.hypot(far_y) * BEYOND_CORNER;
         let Distortion { k1, k2, k3, .. } = self.distortion;
         let (step, mut radius) = (corner / FOLD_STEPS as f64, 0.0);
         loop {
@@ -180,8 +181,7 @@ impl Lens {
             radius += step;
         }
         border((width, height)).try_for_each(|(x, y)| {
-            let place = |i: usize, center: f64| (i as f64 - center) / focal_px;
-            let found = self.undistorted(place(x, cx), place(y, cy));
+            let found = self.undistorted((x as f64 - cx) / focal_px, (y as f64 - cy) / focal_px);
             found.map(|_| ()).ok_or(Fold::Pixel { x, y })
         })
     }
@@ -203,7 +203,6 @@ pub fn pupil_error_px(lens: &Lens, port: &Port, (width, height): (usize, usize),
     let (x, y) = ((width as f64 - 1.0) / 2.0, (height as f64 - 1.0) / 2.0);
     let tan_air = x.hypot(y) / lens.camera.focal_px;
     let sin_air = tan_air / (1.0 + tan_air * tan_air).sqrt();
-    let tangent = |sin: f64| sin / (1.0 - sin * sin).sqrt();
     let sin_water = sin_air / index;
     if sin_water == 0.0 {
         return 0.0;
@@ -218,9 +217,17 @@ const BORDER_STEPS: usize = 64;
 
 /// Sampled border pixels, including the corners.
 pub(crate) fn border((width, height): (usize, usize)) -> impl Iterator<Item = (usize, usize)> {
-    let walk = |side: usize| (0..=BORDER_STEPS).map(move |i| i * (side - 1) / BORDER_STEPS);
-    let rows = walk(width).flat_map(move |x| [(x, 0), (x, height - 1)]);
-    rows.chain(walk(height).flat_map(move |y| [(0, y), (width - 1, y)]))
+    let rows = sample_side(width, BORDER_STEPS).flat_map(move |x| [(x, 0), (x, height - 1)]);
+    rows.chain(sample_side(height, BORDER_STEPS).flat_map(move |y| [(0, y), (width - 1, y)]))
+}
+
+/// `steps + 1` evenly spaced pixels of a side.
+pub(crate) fn sample_side(side: usize, steps: usize) -> impl Iterator<Item = usize> {
+    (0..=steps).map(move |i| i * (side - 1) / steps)
+}
+
+fn tangent(sin: f64) -> f64 {
+    sin / (1.0 - sin * sin).sqrt()
 }
 
 #[cfg(test)]

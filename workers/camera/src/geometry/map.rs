@@ -26,19 +26,18 @@ impl Source {
     /// and `supersample` pixels per output pixel along a side. Its sides are even, so that samples of a supersampled
     /// picture fall between pixels. `None` beyond the size limits of pictures.
     #[must_use]
-    pub fn around(lens: &Lens, size: (usize, usize), supersample: usize) -> Option<Self> {
+    pub fn covering(lens: &Lens, size: (usize, usize), supersample: usize) -> Option<Self> {
         let focal_px = supersample as f64 * lens.camera.focal_px * lens.magnification();
         let (mut across, mut down) = (0.0f64, 0.0f64);
         for (x, y) in border(size) {
-            let place = |i: usize, center: f64| (i as f64 - center) / lens.camera.focal_px;
-            let ideal = lens.undistorted(place(x, lens.camera.cx), place(y, lens.camera.cy))?;
+            let Intrinsics { focal_px, cx, cy } = lens.camera;
+            let ideal = lens.undistorted((x as f64 - cx) / focal_px, (y as f64 - cy) / focal_px)?;
             for channel in 0..3 {
                 let (u, v) = lens.in_water(ideal, channel);
                 (across, down) = (across.max((u * focal_px).abs()), down.max((v * focal_px).abs()));
             }
         }
-        let side = |half: f64| 2.0 * (half + 0.5 + MARGIN_PX).ceil();
-        let (width, height) = (side(across), side(down));
+        let [width, height] = [across, down].map(|half| 2.0 * (half + 0.5 + MARGIN_PX).ceil());
         let fits = width.max(height) <= MAX_SIDE_PX as f64 && width * height <= MAX_PIXELS as f64;
         let size = (width as usize, height as usize);
         fits.then(|| Self {
@@ -68,16 +67,16 @@ pub fn coordinates_reference(
     (width, height): (usize, usize),
     channel: usize,
 ) -> Coordinates {
-    let place = |x: usize, y: usize| {
+    let places = Plane::from_fn(width, height, |x, y| {
         let air = lens.camera.ray(x as f64, y as f64);
         let ideal = lens.undistorted(air.x, air.y).expect("a lens that does not fold");
         let (u, v) = lens.in_water(ideal, channel);
         let Intrinsics { focal_px, cx, cy } = source.camera;
         (cx + focal_px * u, cy + focal_px * v)
-    };
+    });
     Coordinates {
-        x: Plane::from_fn(width, height, |x, y| place(x, y).0),
-        y: Plane::from_fn(width, height, |x, y| place(x, y).1),
+        x: places.map(|place| place.0),
+        y: places.map(|place| place.1),
     }
 }
 
@@ -85,11 +84,11 @@ pub fn coordinates_reference(
 #[must_use]
 pub fn coordinates(lens: &Lens, source: &Source, (width, height): (usize, usize)) -> Vec<Coordinates> {
     let channels = if lens.is_chromatic() { 3 } else { 1 };
-    let empty = || Coordinates {
+    let maps = (0..channels).map(|_| Coordinates {
         x: Plane::filled(width, height, 0.0),
         y: Plane::filled(width, height, 0.0),
-    };
-    let mut maps: Vec<Coordinates> = (0..channels).map(|_| empty()).collect();
+    });
+    let mut maps: Vec<Coordinates> = maps.collect();
     let (mut xs, mut ys) = (vec![0.0; width], vec![0.0; width]);
     for y in 0..height {
         vectorized!(ideal_row(lens, y, &mut xs, &mut ys));

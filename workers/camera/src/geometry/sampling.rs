@@ -23,13 +23,24 @@ struct Tap {
     y: f32,
 }
 
+impl Tap {
+    fn new(x: f64, y: f64, source: (usize, usize)) -> Self {
+        let ((column, x), (row, y)) = (split_position(x, source.0), split_position(y, source.1));
+        Self {
+            index: (row * source.0 + column) as u32,
+            x: x as f32,
+            y: y as f32,
+        }
+    }
+}
+
 /// Whether a position is on a picture of square pixels.
 fn is_inside(place: f64, side: usize) -> bool {
     place >= -0.5 && place < side as f64 - 0.5
 }
 
 /// The lower neighbor of a position and the distance from it, clamped to the edge.
-fn between(place: f64, side: usize) -> (usize, f64) {
+fn split_position(place: f64, side: usize) -> (usize, f64) {
     let last = side as f64 - 1.0;
     let place = place.clamp(0.0, last);
     let lower = place.floor().min((last - 1.0).max(0.0));
@@ -44,18 +55,11 @@ impl Sampling {
     #[must_use]
     pub fn new(maps: &[Coordinates], source: (usize, usize)) -> Self {
         let size = maps[0].x.size();
-        let tap = |(&x, &y): (&f64, &f64)| {
-            let ((column, x), (row, y)) = (between(x, source.0), between(y, source.1));
-            Tap {
-                index: (row * source.0 + column) as u32,
-                x: x as f32,
-                y: y as f32,
-            }
-        };
-        let places = |map: &'_ Coordinates| -> Vec<Tap> {
+        let taps = maps.iter().map(|map| {
             cancel::check();
-            map.x.data().iter().zip(map.y.data()).map(tap).collect()
-        };
+            let places = map.x.data().iter().zip(map.y.data());
+            places.map(|(&x, &y)| Tap::new(x, y, source)).collect()
+        });
         let mut valid = Plane::filled(size.0, size.1, 1u8);
         for map in maps {
             let places = map.x.data().iter().zip(map.y.data());
@@ -66,7 +70,7 @@ impl Sampling {
         Self {
             size,
             source,
-            taps: maps.iter().map(places).collect(),
+            taps: taps.collect(),
             valid: valid.data().contains(&0).then_some(valid),
         }
     }
@@ -124,12 +128,12 @@ impl Sampling {
         );
         let (right, below) = self.steps();
         let taps = self.taps.get(1).unwrap_or(&self.taps[0]);
-        let nearest = |tap: &Tap| {
+        let nearest = taps.iter().map(|tap| {
             let column = if tap.x >= 0.5 { right } else { 0 };
             let row = if tap.y >= 0.5 { below } else { 0 };
             labels.data()[tap.index as usize + column + row]
-        };
-        let data = taps.iter().map(nearest).collect();
+        });
+        let data = nearest.collect();
         Plane::new(self.size.0, self.size.1, data).expect("a sample for each tap")
     }
 
@@ -142,9 +146,9 @@ impl Sampling {
 
 #[inline(always)]
 fn bilinear(data: &[f32], tap: &Tap, right: usize, below: usize) -> f32 {
-    let at = tap.index as usize;
-    let (a, b) = (data[at], data[at + right]);
-    let (c, d) = (data[at + below], data[at + below + right]);
+    let index = tap.index as usize;
+    let (a, b) = (data[index], data[index + right]);
+    let (c, d) = (data[index + below], data[index + below + right]);
     let upper = a + (b - a) * tap.x;
     let lower = c + (d - c) * tap.x;
     upper + (lower - upper) * tap.y
@@ -155,8 +159,8 @@ fn bilinear(data: &[f32], tap: &Tap, right: usize, below: usize) -> f32 {
 pub fn resample_reference(plane: &Plane<f64>, map: &Coordinates) -> Plane<f64> {
     let (width, height) = plane.size();
     Plane::from_fn(map.x.width(), map.x.height(), |i, j| {
-        let (column, x) = between(map.x.pixel(i, j), width);
-        let (row, y) = between(map.y.pixel(i, j), height);
+        let (column, x) = split_position(map.x.pixel(i, j), width);
+        let (row, y) = split_position(map.y.pixel(i, j), height);
         let sample =
             |dx: usize, dy: usize| plane.pixel((column + dx).min(width - 1), (row + dy).min(height - 1));
         let upper = sample(0, 0) * (1.0 - x) + sample(1, 0) * x;

@@ -65,8 +65,8 @@ impl Counter {
         let cells = self.cells[..length].iter();
         for ((&cell, start), window) in cells.zip(&mut self.starts).zip(&mut self.windows) {
             *start = table.starts[usize::from(cell)];
-            let from = usize::from(*start);
-            window.copy_from_slice(&table.sums[from..from + WINDOW]);
+            let origin = usize::from(*start);
+            window.copy_from_slice(&table.sums[origin..origin + WINDOW]);
         }
     }
 }

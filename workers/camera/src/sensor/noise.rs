@@ -24,16 +24,16 @@ pub(super) struct Streams {
 
 impl Streams {
     pub(super) fn new(chance: Chance) -> Self {
-        let stage = |name| Stream::stage(chance.seed, name);
+        let seed = chance.seed;
         Self {
-            prnu: stage("camera-prnu"),
-            dcnu: stage("camera-dcnu"),
-            dsnu: stage("camera-dsnu"),
-            hot: stage("camera-hot"),
-            shot: stage("camera-shot"),
-            shot_normal: stage("camera-shot-normal"),
-            read: stage("camera-read"),
-            row: stage("camera-row"),
+            prnu: Stream::stage(seed, "camera-prnu"),
+            dcnu: Stream::stage(seed, "camera-dcnu"),
+            dsnu: Stream::stage(seed, "camera-dsnu"),
+            hot: Stream::stage(seed, "camera-hot"),
+            shot: Stream::stage(seed, "camera-shot"),
+            shot_normal: Stream::stage(seed, "camera-shot-normal"),
+            read: Stream::stage(seed, "camera-read"),
+            row: Stream::stage(seed, "camera-row"),
         }
     }
 }

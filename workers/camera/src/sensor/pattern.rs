@@ -84,11 +84,11 @@ impl Pattern {
                 (&*drawn, 0)
             }
         };
-        let part = |values: &'a [f32]| values.get(from..from + length).unwrap_or_default();
+        let range = from..from + length;
         FixedBlock {
-            sensitivity: part(&fixed.sensitivity),
-            dark: part(&fixed.dark),
-            offset: part(&fixed.offset),
+            sensitivity: fixed.sensitivity.get(range.clone()).unwrap_or_default(),
+            dark: fixed.dark.get(range.clone()).unwrap_or_default(),
+            offset: fixed.offset.get(range).unwrap_or_default(),
         }
     }
 }
@@ -125,12 +125,12 @@ fn draw(sensor: &Sensor, streams: &Streams, elements: Elements, length: usize, f
         deviation
     });
     if sensor.hot_share > 0.0 {
-        let from = fixed.dark.len() - length;
+        let start = fixed.dark.len() - length;
         let mut units = [0.0; BLOCK];
         streams
             .hot
             .fill_units(0, elements.first, elements.step, &mut units[..length]);
-        let all = fixed.dark[from..].iter_mut().zip(&units);
+        let all = fixed.dark[start..].iter_mut().zip(&units);
         all.filter(|(_, unit)| **unit < sensor.hot_share)
             .for_each(|(dark, _)| *dark *= HOT as f32);
     }

@@ -32,8 +32,8 @@ pub fn read(light: &Rgb<f32>, sensor: &Sensor, chance: Chance, pattern: &Pattern
             for (block, codes) in codes.chunks_mut(BLOCK).enumerate() {
                 let start = y * width + block * BLOCK;
                 let light = &row[block * BLOCK..][..codes.len()];
-                let at = plane * width * height + start;
-                reader.block(light, (plane, start, at), rows[y], codes);
+                let position = plane * width * height + start;
+                reader.block(light, (plane, start, position), rows[y], codes);
             }
         }
         Plane::new(width, height, codes).expect("a code for each pixel")

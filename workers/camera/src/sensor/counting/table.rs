@@ -49,10 +49,9 @@ fn table() -> Table {
 /// The smallest k of an interval of u, from F at the edges of a row; `None` if k may be outside of a window.
 fn least([at_low, at_high]: [&[f64; COUNTS]; 2], part: usize) -> Option<usize> {
     let [from, to] = [part, part + 1].map(|edge| edge as f64 / PARTS as f64);
-    let first = |sums: &[f64; COUNTS], u: f64| sums.iter().position(|&sum| sum > u);
     // F falls with the mean, so that k is smallest at the lower edge.
-    let least = first(at_low, from - f64::from(ROUNDING))?;
-    let most = first(at_high, to + f64::from(ROUNDING))?;
+    let least = at_low.iter().position(|&sum| sum > from - f64::from(ROUNDING))?;
+    let most = at_high.iter().position(|&sum| sum > to + f64::from(ROUNDING))?;
     (most <= least + 2 && least + WINDOW <= COUNTS).then_some(least)
 }
 
