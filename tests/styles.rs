@@ -153,16 +153,20 @@ fn hostile() -> Vec<(&'static str, Vec<u8>, &'static str)> {
         ("empty", Vec::new(), "no ONNX file"),
         ("cut", good()[..60].to_vec(), "no ONNX file"),
         ("one_channel", file(&one_channel), "[1, 3, height, width]"),
-        ("beside", outside("weights.bin"), "`weights` lies in another file"),
+        (
+            "beside",
+            outside("weights.bin"),
+            "`weights` is stored in another file",
+        ),
         (
             "passwords",
             outside("/etc/passwd"),
-            "`weights` lies in another file",
+            "`weights` is stored in another file",
         ),
         (
             "above",
             outside("../catalogue.sqlite"),
-            "`weights` lies in another file",
+            "`weights` is stored in another file",
         ),
         (
             "unknown",
@@ -183,7 +187,7 @@ fn hostile() -> Vec<(&'static str, Vec<u8>, &'static str)> {
         (
             "dice",
             from_image(&[node("RandomUniformLike", &["image"], &["styled"])], &[]),
-            "differently",
+            "frame differ",
         ),
         (
             "greedy",

@@ -23,9 +23,7 @@ pub enum Unfit {
     #[error("it is no ONNX file")]
     NotOnnx,
     /// A tensor is stored outside of the file.
-    #[error(
-        "its tensor `{tensor}` lies in another file; a model must be one file with all of its tensors in it"
-    )]
+    #[error("its tensor `{tensor}` is stored in another file; all tensors of a model must be in one file")]
     External {
         /// The tensor's name.
         tensor: String,
@@ -34,7 +32,7 @@ pub enum Unfit {
     #[error(transparent)]
     Fails(#[from] StyleError),
     /// It returns a sample that is not finite.
-    #[error("it answers a sample of {value} to a frame of {width}×{height}")]
+    #[error("it returns a sample of {value} for a {width}×{height} frame")]
     NotFinite {
         /// The sample.
         value: f32,
@@ -45,7 +43,7 @@ pub enum Unfit {
     },
     /// It draws random numbers: frames would not be reproducible.
     #[error(
-        "it answers differently to the same frame of {}×{}; a style must draw no random numbers of its own, but may have an input `noise`",
+        "two runs on the same {}×{} frame differ; a style must not draw random numbers, but may have an input `noise`",
         SMALL.0,
         SMALL.1
     )]
@@ -61,14 +59,8 @@ pub enum Unfit {
 /// # Errors
 /// [`Unfit`]: the first defect.
 pub fn check(model: &StyleModel, runtime: impl Fn() -> Result<Runtime, RuntimeMissing>) -> Result<(), Unfit> {
-    external::look(&model.onnx)?;
-    let session = || -> Result<Session, Unfit> {
-        match Session::native(model) {
-            Some(session) => Ok(session),
-            None => Ok(runtime()?.session(model)?),
-        }
-    };
-    let mut first = session()?;
+    external::find_external(&model.onnx)?;
+    let mut first = open_session(model, &runtime)?;
     for size in SIZES {
         answer(&mut first, &ramp(size))?;
     }
@@ -76,7 +68,7 @@ pub fn check(model: &StyleModel, runtime: impl Fn() -> Result<Runtime, RuntimeMi
         answer(&mut first, &Rgb::from_fn(SMALL.0, SMALL.1, |_, _| [level; 3]))?;
     }
     // A new session, as in another worker.
-    let again = answer(&mut session()?, &ramp(SMALL))?;
+    let again = answer(&mut open_session(model, &runtime)?, &ramp(SMALL))?;
     if again == answer(&mut first, &ramp(SMALL))? {
         Ok(())
     } else {
@@ -84,11 +76,21 @@ pub fn check(model: &StyleModel, runtime: impl Fn() -> Result<Runtime, RuntimeMi
     }
 }
 
+fn open_session(
+    model: &StyleModel,
+    runtime: &impl Fn() -> Result<Runtime, RuntimeMissing>,
+) -> Result<Session, Unfit> {
+    match Session::native(model) {
+        Some(session) => Ok(session),
+        None => Ok(runtime()?.session(model)?),
+    }
+}
+
 /// A frame of all levels, red from left to right, green from top to bottom.
 fn ramp((width, height): (usize, usize)) -> Rgb<f32> {
-    let level = |at: usize, side: usize| at as f32 / side.max(2) as f32;
     Rgb::from_fn(width, height, |x, y| {
-        [level(x, width), level(y, height), level(x + y, width + height)]
+        [(x, width), (y, height), (x + y, width + height)]
+            .map(|(position, side)| position as f32 / side.max(2) as f32)
     })
 }
 

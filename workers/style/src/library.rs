@@ -240,8 +240,10 @@ fn model_files(folder: &Path) -> Result<Vec<PathBuf>, LibraryError> {
 /// Whether a name is valid for a model: 1 to 64 characters of a-z, 0-9, `_` and `-`.
 #[must_use]
 pub fn is_name(name: &str) -> bool {
-    let allowed = |c: u8| c.is_ascii_lowercase() || c.is_ascii_digit() || c == b'_' || c == b'-';
-    (1..=MAX_NAME_CHARS).contains(&name.len()) && name.bytes().all(allowed)
+    (1..=MAX_NAME_CHARS).contains(&name.len())
+        && name
+            .bytes()
+            .all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == b'_' || c == b'-')
 }
 
 fn unreadable(path: &Path) -> impl Fn(io::Error) -> LibraryError {

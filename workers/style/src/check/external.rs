@@ -21,7 +21,7 @@ enum Message {
 
 impl Message {
     /// The message type of a field, if it can contain a tensor.
-    fn below(self, field: u32) -> Option<Self> {
+    fn nested(self, field: u32) -> Option<Self> {
         Some(match (self, field) {
             (Self::Model, 7) | (Self::Training, 1 | 2) | (Self::Attribute, 6 | 11) => Self::Graph,
             (Self::Model, 20) => Self::Training,
@@ -39,7 +39,7 @@ impl Message {
 ///
 /// # Errors
 /// [`Unfit::NotOnnx`] or [`Unfit::External`], the first found.
-pub(super) fn look(onnx: &[u8]) -> Result<(), Unfit> {
+pub(super) fn find_external(onnx: &[u8]) -> Result<(), Unfit> {
     let has_graph = fields(onnx).any(|field| matches!(field, Some((7, Value::Bytes(_)))));
     if !has_graph {
         return Err(Unfit::NotOnnx);
@@ -54,7 +54,7 @@ fn message(kind: Message, bytes: &[u8], depth: usize) -> Result<(), Unfit> {
     let depth = depth.checked_sub(1).ok_or(Unfit::NotOnnx)?;
     for field in fields(bytes) {
         let (number, value) = field.ok_or(Unfit::NotOnnx)?;
-        if let (Some(below), Value::Bytes(inner)) = (kind.below(number), value) {
+        if let (Some(below), Value::Bytes(inner)) = (kind.nested(number), value) {
             message(below, inner, depth)?;
         }
     }
@@ -83,7 +83,7 @@ mod tests {
     use super::*;
     use crate::net::wire::{bytes, integer};
 
-    fn under(path: &[u32], inner: &[u8]) -> Vec<u8> {
+    fn nest(path: &[u32], inner: &[u8]) -> Vec<u8> {
         path.iter().rev().fold(inner.to_vec(), |inner, &field| {
             let mut outer = Vec::new();
             bytes(&mut outer, field, &inner);
@@ -112,30 +112,33 @@ mod tests {
         ];
         for place in places {
             for tensor in [&elsewhere, &named] {
-                let mut model = under(&[7, 2], b"graph");
-                model.extend(under(place, tensor));
+                let mut model = nest(&[7, 2], b"graph");
+                model.extend(nest(place, tensor));
                 assert!(
-                    matches!(look(&model), Err(Unfit::External { tensor }) if tensor == "weights"),
+                    matches!(find_external(&model), Err(Unfit::External { tensor }) if tensor == "weights"),
                     "{place:?}"
                 );
             }
-            let mut model = under(&[7, 2], b"graph");
-            model.extend(under(place, &under(&[8], b"weights")));
-            assert!(look(&model).is_ok(), "{place:?}");
+            let mut model = nest(&[7, 2], b"graph");
+            model.extend(nest(place, &nest(&[8], b"weights")));
+            assert!(find_external(&model).is_ok(), "{place:?}");
         }
     }
 
     #[test]
     fn what_is_no_onnx_file_or_too_deep_is_told_apart() {
         for file in [&b""[..], b"hello, world", &[0xff; 40]] {
-            assert!(matches!(look(file), Err(Unfit::NotOnnx)));
+            assert!(matches!(find_external(file), Err(Unfit::NotOnnx)));
         }
         let mut path = vec![7];
         path.extend([1, 5, 6].repeat(40));
-        assert!(matches!(look(&under(&path, b"")), Err(Unfit::NotOnnx)));
+        assert!(matches!(find_external(&nest(&path, b"")), Err(Unfit::NotOnnx)));
         for model in ["atlantic", "atlantic-range", "mediterranean", "muddy"] {
             let library = crate::Library::embedded().unwrap();
-            assert!(look(&library.get(model).unwrap().onnx).is_ok(), "{model}");
+            assert!(
+                find_external(&library.get(model).unwrap().onnx).is_ok(),
+                "{model}"
+            );
         }
     }
 }

@@ -216,12 +216,12 @@ mod tests {
 
     #[test]
     fn the_layers_fill_the_list_without_a_gap() {
-        let mut at = 0;
+        let mut position = 0;
         for (index, layer) in ALL.into_iter().enumerate() {
-            assert_eq!(layer.start, at, "{}", layer.name);
-            at = layer.end();
-            assert_eq!(index == 13, at == PARAMETERS, "{}", layer.name);
+            assert_eq!(layer.start, position, "{}", layer.name);
+            position = layer.end();
+            assert_eq!(index == 13, position == PARAMETERS, "{}", layer.name);
         }
-        assert_eq!((PARAMETERS, RANGE_PARAMETERS, at), (4735, 5046, 5046));
+        assert_eq!((PARAMETERS, RANGE_PARAMETERS, position), (4735, 5046, 5046));
     }
 }

@@ -24,7 +24,7 @@ use super::layer::{
     BLOCKS, COLOR, ENTER, LEAVE, Layer, OUTPUT, PIXEL, RANGE_COLOR, RANGE_PARAMETERS, RANGE_PIXEL, REDUCE,
     Weights, layers,
 };
-use super::wire::{Value, bytes, fields, integer, under};
+use super::wire::{Value, bytes, fields, integer, messages};
 
 pub use graph::{Attribute, Form, Graph};
 
@@ -79,7 +79,7 @@ pub fn read(file: &[u8]) -> Option<Weights> {
     }
     let found = found.filter(|_| version == Some(IR_VERSION as u64))?;
     let mut values = Vec::with_capacity(RANGE_PARAMETERS);
-    let takes_range = under(found, 11).nth(1).is_some();
+    let takes_range = messages(found, 11).nth(1).is_some();
     for layer in layers(takes_range) {
         for (name, length) in [("weight", layer.weights()), ("bias", layer.outputs)] {
             values.extend(floats(found, &format!("{}.{name}", layer.name), length)?);
@@ -92,10 +92,10 @@ pub fn read(file: &[u8]) -> Option<Weights> {
 
 /// The raw numbers of an initializer.
 fn floats(graph: &[u8], name: &str, length: usize) -> Option<impl Iterator<Item = f32>> {
-    let tensor = under(graph, 5).find(|tensor| under(tensor, 8).eq([name.as_bytes()]))?;
-    let raw = under(tensor, 9).next().filter(|raw| raw.len() == 4 * length)?;
-    let number = |bytes: &[u8]| f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
-    Some(raw.chunks_exact(4).map(number))
+    let tensor = messages(graph, 5).find(|tensor| messages(tensor, 8).eq([name.as_bytes()]))?;
+    let raw = messages(tensor, 9).next().filter(|raw| raw.len() == 4 * length)?;
+    let (numbers, _) = raw.as_chunks::<4>();
+    Some(numbers.iter().map(|bytes| f32::from_le_bytes(*bytes)))
 }
 
 fn graph(weights: &Weights) -> Vec<u8> {
@@ -219,10 +219,10 @@ mod tests {
     use crate::net::layer::PARAMETERS;
 
     fn some() -> Weights {
-        of(PARAMETERS)
+        numbered(PARAMETERS)
     }
 
-    fn of(count: usize) -> Weights {
+    fn numbered(count: usize) -> Weights {
         Weights::new((0..count).map(|i| (i as f32 * 0.37).fract() - 0.5).collect()).unwrap()
     }
 
@@ -230,7 +230,7 @@ mod tests {
     fn the_numbers_come_back_from_the_file_and_metadata_does_not_matter() {
         for metadata in [&[][..], &[("seed", "7"), ("photo", "none")]] {
             for count in [PARAMETERS, RANGE_PARAMETERS] {
-                assert_eq!(read(&write(&of(count), metadata)).unwrap(), of(count));
+                assert_eq!(read(&write(&numbered(count), metadata)).unwrap(), numbered(count));
             }
         }
     }
@@ -239,12 +239,12 @@ mod tests {
     fn a_file_that_differs_anywhere_in_its_graph_is_another_network() {
         let file = write(&some(), &[]);
         let replaced = |from: &[u8], to: &[u8]| {
-            let at = file
+            let index = file
                 .windows(from.len())
                 .position(|window| window == from)
                 .unwrap();
             let mut file = file.clone();
-            file[at..at + to.len()].copy_from_slice(to);
+            file[index..index + to.len()].copy_from_slice(to);
             read(&file)
         };
         assert_eq!(replaced(b"half_pixel", b"asymmetric"), None);
@@ -253,7 +253,7 @@ mod tests {
         let nan = f32::NAN.to_le_bytes();
         assert_eq!(replaced(&some().weight(REDUCE)[0].to_le_bytes(), &nan), None);
         assert_eq!(read(b""), None);
-        assert_eq!(read(b"no model at all"), None);
+        assert_eq!(read(b"no model index all"), None);
         for end in [1, 100, file.len() / 2, file.len() - 1] {
             assert_eq!(read(&file[..end]), None, "{end}");
         }

@@ -36,18 +36,17 @@ impl Table {
             return None;
         }
         let mut scratch = Scratch::default();
-        let mut repaint = |picture: &Rgb<f32>| network.apply(picture, None, &mut scratch);
         let pairs: Vec<_> = swatches::swatches()
             .map(|before| {
-                let after = repaint(&before);
+                let after = network.apply(&before, None, &mut scratch);
                 (before, after)
             })
             .collect();
-        let node = |index: usize| {
+        let nodes = (0..NODES * NODES * NODES).map(|index| {
             let flat = Rgb::from_fn(1, 1, |_, _| color_of(index));
-            repaint(&flat).pixel(0, 0)
-        };
-        let flat: Vec<[f32; 3]> = (0..NODES * NODES * NODES).map(node).collect();
+            network.apply(&flat, None, &mut scratch).pixel(0, 0)
+        });
+        let flat: Vec<[f32; 3]> = nodes.collect();
         Some(Self::fit(&pairs, &flat))
     }
 

@@ -36,7 +36,7 @@ pub(crate) fn fields(message: &[u8]) -> impl Iterator<Item = Option<(u32, Value<
 }
 
 /// The messages and texts under a field number.
-pub(crate) fn under(message: &[u8], number: u32) -> impl Iterator<Item = &[u8]> {
+pub(crate) fn messages(message: &[u8], number: u32) -> impl Iterator<Item = &[u8]> {
     fields(message).filter_map(move |field| match field? {
         (found, Value::Bytes(bytes)) if found == number => Some(bytes),
         _ => None,

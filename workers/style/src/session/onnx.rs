@@ -81,7 +81,7 @@ impl Graph {
             .try_extract_tensor::<f32>()
             .map_err(failed)?;
         cropped(shape, styled, width, height)
-            .map_err(|answer| format!("answered {answer} to a frame of {width}×{height}"))
+            .map_err(|output| format!("returned {output} for a {width}×{height} frame"))
     }
 }
 
@@ -101,19 +101,18 @@ impl Ports {
     /// Finds the inputs `image`, `noise` and `range` and the output `styled` by name. A single input or a first output
     /// of another name serves as `image` or `styled`.
     fn find(inputs: &[Outlet], outputs: &[Outlet]) -> Result<Self, String> {
-        let named = |outlets: &[Outlet], name: &str| outlets.iter().position(|outlet| outlet.name() == name);
-        let [noise, range] = ["noise", "range"].map(|name| named(inputs, name).filter(|_| inputs.len() > 1));
-        let is_beside = |input: usize| Some(input) == noise || Some(input) == range;
-        let image = named(inputs, "image").or_else(|| (0..inputs.len()).find(|&input| !is_beside(input)));
+        let [noise, range] =
+            ["noise", "range"].map(|name| position(inputs, name).filter(|_| inputs.len() > 1));
+        let mut others = (0..inputs.len()).filter(|&input| Some(input) != noise && Some(input) != range);
+        let image = position(inputs, "image").or_else(|| others.clone().next());
         let image = image.ok_or("it has no input")?;
-        let known = |input: usize| input == image || is_beside(input);
-        if let Some(other) = (0..inputs.len()).find(|&input| !known(input)) {
-            let other = inputs[other].name();
+        if let Some(unknown) = others.find(|&input| input != image) {
+            let unknown = inputs[unknown].name();
             return Err(format!(
-                "nothing is known of its input `{other}`; it may have `image`, `noise` and `range`"
+                "its input `{unknown}` is unknown; it may have `image`, `noise` and `range`"
             ));
         }
-        let styled = named(outputs, "styled").unwrap_or(0);
+        let styled = position(outputs, "styled").unwrap_or(0);
         let styled = outputs.get(styled).ok_or("it has no output")?;
         check_kind(&inputs[image], 3)?;
         check_kind(styled, 3)?;
@@ -171,6 +170,10 @@ fn cropped(shape: &[i64], samples: &[f32], width: usize, height: usize) -> Resul
         Plane::new(width, height, data).map_err(|error| error.to_string())
     };
     Rgb::new([plane(0)?, plane(1)?, plane(2)?]).map_err(|error| error.to_string())
+}
+
+fn position(outlets: &[Outlet], name: &str) -> Option<usize> {
+    outlets.iter().position(|outlet| outlet.name() == name)
 }
 
 #[cfg(test)]

@@ -104,7 +104,7 @@ fn judge(weights: &Weights) -> Session {
     runtime().session(&model).unwrap()
 }
 
-fn with(range: &Plane<f32>) -> Beside<'_> {
+fn with_range(range: &Plane<f32>) -> Beside<'_> {
     Beside {
         noise: None,
         range: Some(range),
@@ -127,7 +127,7 @@ fn fast_reference_and_onnx_runtime_agree_at_every_size() {
                 let fast = network.apply(&frame, Some(&range), &mut scratch);
                 let doubled = (frame.map(|&v| f64::from(v)), range.map(|&v| f64::from(v)));
                 let reference = apply_reference(&exact, &doubled.0, Some(&doubled.1));
-                let judged = judge.apply(&frame, with(&range)).unwrap();
+                let judged = judge.apply(&frame, with_range(&range)).unwrap();
                 let errors = [
                     ("fast and reference", largest_error(&fast, &reference)),
                     ("fast and ONNX Runtime", largest_error(&fast, &judged)),
@@ -155,7 +155,7 @@ fn whole_frames_agree_with_onnx_runtime_and_one_with_the_reference() {
             for (picture, frame) in pictures(width, height) {
                 let range = range(width, height);
                 let fast = network.apply(&frame, Some(&range), &mut scratch);
-                let error = largest_error(&fast, &judge.apply(&frame, with(&range)).unwrap());
+                let error = largest_error(&fast, &judge.apply(&frame, with_range(&range)).unwrap());
                 assert!(error <= FLOAT, "{name}, {picture}, {width}×{height}: {error:.1e}");
             }
         }

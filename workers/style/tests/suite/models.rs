@@ -164,11 +164,11 @@ fn an_answer_that_is_no_picture_of_the_frame_is_refused() {
     };
     assert_eq!(
         refused(&unary("GlobalAveragePool")),
-        "style `test` answered a picture of 1×1 to a frame of 4×3"
+        "style `test` returned a picture of 1×1 for a 4×3 frame"
     );
     assert_eq!(
         refused(&unary("Log")),
-        "style `test` answered a picture with a sample of -inf to a frame of 4×3"
+        "style `test` returned a picture with a sample of -inf for a 4×3 frame"
     );
 }
 
@@ -197,7 +197,7 @@ fn a_model_of_another_form_is_refused_before_it_runs() {
         operands: &[0, 1],
         ..unary("Add")
     };
-    assert!(refused(&other).contains("nothing is known of its input `depth`"));
+    assert!(refused(&other).contains("its input `depth` is unknown"));
     let double = Graph {
         inputs: &[("image", DOUBLE, 3)],
         ..unary("Identity")

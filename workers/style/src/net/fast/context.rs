@@ -44,16 +44,15 @@ pub(super) struct Buffers {
 
 impl Context {
     pub(super) fn new(weights: &Weights) -> Self {
-        let block = |[spread_a, mix_a, spread_b, mix_b]: [_; 4]| MixedBlock {
-            spread_a: Packed::new(weights, spread_a),
-            mix_a: Packed::new(weights, mix_a),
-            spread_b: Packed::new(weights, spread_b),
-            mix_b: Packed::new(weights, mix_b),
-        };
         Self {
             enter: Packed::new(weights, ENTER),
             reduce: Packed::new(weights, REDUCE),
-            blocks: BLOCKS.map(block),
+            blocks: BLOCKS.map(|[spread_a, mix_a, spread_b, mix_b]| MixedBlock {
+                spread_a: Packed::new(weights, spread_a),
+                mix_a: Packed::new(weights, mix_a),
+                spread_b: Packed::new(weights, spread_b),
+                mix_b: Packed::new(weights, mix_b),
+            }),
             leave: Packed::new(weights, LEAVE),
         }
     }

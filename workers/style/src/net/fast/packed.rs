@@ -21,14 +21,14 @@ impl<const OUT: usize> Packed<OUT> {
     pub(super) fn new(weights: &Weights, layer: Layer) -> Self {
         let (weight, bias) = (weights.weight(layer), weights.bias(layer));
         let taps = layer.side * layer.side;
-        let group = |group: usize| Group {
+        let groups = (0..layer.outputs / OUT).map(|group| Group {
             weights: (0..layer.inputs * taps)
-                .map(|at| std::array::from_fn(|o| weight[(group * OUT + o) * layer.inputs * taps + at]))
+                .map(|i| std::array::from_fn(|o| weight[(group * OUT + o) * layer.inputs * taps + i]))
                 .collect(),
             bias: std::array::from_fn(|o| bias[group * OUT + o]),
-        };
+        });
         Self {
-            groups: (0..layer.outputs / OUT).map(group).collect(),
+            groups: groups.collect(),
             taps,
         }
     }

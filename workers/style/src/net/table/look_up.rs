@@ -119,12 +119,12 @@ mod tests {
         for (width, height) in [(1, 1), (7, 3), (640, 2), (53, 31), (0, 4)] {
             // Ties and integral positions are as common as the others.
             let frame = Rgb::from_fn(width, height, |x, y| {
-                let at = (y * width + x) as u64;
-                let value = |channel| match stream.bits(9000 + at, channel) % 4 {
-                    0 => (stream.bits(at, 7) % 17) as f32 / 16.0,
-                    1 => stream.unit(at, 8) as f32,
-                    2 => stream.unit(at, channel) as f32 * 1.2 - 0.1,
-                    _ => stream.unit(at, channel) as f32,
+                let position = (y * width + x) as u64;
+                let value = |channel| match stream.bits(9000 + position, channel) % 4 {
+                    0 => (stream.bits(position, 7) % 17) as f32 / 16.0,
+                    1 => stream.unit(position, 8) as f32,
+                    2 => stream.unit(position, channel) as f32 * 1.2 - 0.1,
+                    _ => stream.unit(position, channel) as f32,
                 };
                 [value(0), value(1), value(2)]
             });

@@ -15,28 +15,24 @@ pub(super) fn swatches() -> impl Iterator<Item = Rgb<f32>> {
         let mean = [0, 1, 2].map(|channel| stream.unit(0, channel));
         let grids = CLOUDS.map(|(cells, reach)| {
             let columns = cells + 2;
-            let node = |at: usize| {
-                [0, 1, 2].map(|channel| reach * (stream.unit(cells as u64, (3 * at + channel) as u64) - 0.5))
-            };
-            (
-                cells,
-                columns,
-                (0..columns * columns).map(node).collect::<Vec<_>>(),
-            )
+            let nodes = (0..columns * columns).map(|node| {
+                [0, 1, 2]
+                    .map(|channel| reach * (stream.unit(cells as u64, (3 * node + channel) as u64) - 0.5))
+            });
+            (cells, columns, nodes.collect::<Vec<_>>())
         });
         Rgb::from_fn(SIDE, SIDE, |x, y| {
             let mut color = mean;
             for (cells, columns, grid) in &grids {
-                let place = |at: usize| {
-                    let exact = at as f64 * *cells as f64 / SIDE as f64;
+                let [(column, u), (row, v)] = [x, y].map(|position| {
+                    let exact = position as f64 * *cells as f64 / SIDE as f64;
                     (exact as usize, exact.fract())
-                };
-                let ((column, u), (row, v)) = (place(x), place(y));
+                });
                 for (channel, value) in color.iter_mut().enumerate() {
-                    let node =
-                        |right: usize, down: usize| grid[(row + down) * columns + column + right][channel];
-                    let above = node(0, 0) + (node(1, 0) - node(0, 0)) * u;
-                    let below = node(0, 1) + (node(1, 1) - node(0, 1)) * u;
+                    let [above, below] = [row, row + 1].map(|row| {
+                        let [left, right] = [0, 1].map(|step| grid[row * columns + column + step][channel]);
+                        left + (right - left) * u
+                    });
                     *value += above + (below - above) * v;
                 }
             }
