@@ -89,10 +89,10 @@ impl Contents {
         if flat < 0.04 {
             let mut picture = Tensor::zeros(3, SIDE, SIDE);
             for channel in 0..3 {
-                let value = chance.between("flat color", channel, 0.0, 1.0);
+                let value = chance.uniform("flat color", channel, 0.0, 1.0);
                 picture.plane_mut(channel as usize).fill(value as f32);
             }
-            let range = chance.between("flat range", 0, 0.3, FAR_M) as f32;
+            let range = chance.uniform("flat range", 0, 0.3, FAR_M) as f32;
             let range = vec![range; SIDE * SIDE];
             return Content {
                 picture,
@@ -107,7 +107,7 @@ impl Contents {
         let gain = if flat < 0.06 {
             0.02
         } else {
-            chance.between("gain", 0, 0.5, 1.2)
+            chance.uniform("gain", 0, 0.5, 1.2)
         };
         let light = if chance.unit("water") < 0.4 {
             submerged(&air, &chance)
@@ -122,7 +122,7 @@ impl Contents {
 
     fn scene(&self, chance: &Chance) -> Air {
         let seed = self.stream.bits(chance.index, 1) ^ self.seed;
-        let lens = Intrinsics::centered(SIDE as f64 * chance.between("focal", 0, 0.5, 1.1), SIDE, SIDE);
+        let lens = Intrinsics::centered(SIDE as f64 * chance.uniform("focal", 0, 0.5, 1.1), SIDE, SIDE);
         let scene = scenes::procedural("structure", seed, SIDE, SIDE, lens).expect("a family that is there");
         Air {
             light: Tensor::from(&scene.radiance),
@@ -158,7 +158,7 @@ impl Chance {
         self.stream.unit(self.index, hash.wrapping_add(number))
     }
 
-    fn between(&self, name: &str, number: u64, low: f64, high: f64) -> f64 {
+    fn uniform(&self, name: &str, number: u64, low: f64, high: f64) -> f64 {
         low + (high - low) * self.numbered(name, number)
     }
 }
@@ -166,18 +166,18 @@ impl Chance {
 /// The picture in a random water, half of the time one with forward scatter. In f64: the f32 transform has other bits
 /// on another CPU.
 fn submerged(air: &Air, chance: &Chance) -> Tensor<f32> {
-    let rgb = |name: &str, low, high| [0, 1, 2].map(|channel| chance.between(name, channel, low, high));
-    let strength = chance.between("strength", 0, 0.03, 0.5);
+    let strength = chance.uniform("strength", 0, 0.03, 0.5);
+    let attenuation = [0, 1, 2].map(|channel| strength * chance.uniform("attenuation", channel, 0.3, 1.7));
     // A single kernel for the picture needs a single transform.
-    let kernel = |gamma_px: f64| ForwardScatter {
+    let forward_scatter = (chance.unit("blur") < 0.5).then(|| ForwardScatter {
         spread_px_per_m: Some([0.0; 3]),
-        spread_offset_px: Some([gamma_px; 3]),
+        spread_offset_px: Some([chance.uniform("sigma", 0, 0.3, 1.7); 3]),
         ..ScatterModel::Simplified.into()
-    };
+    });
     let mut medium = Medium::from(Optics {
-        beam_attenuation_per_m: Some(rgb("attenuation", 0.3, 1.7).map(|share| strength * share)),
-        veiling_light: Some(rgb("veil", 0.0, 0.5)),
-        forward_scatter: (chance.unit("blur") < 0.5).then(|| kernel(chance.between("sigma", 0, 0.3, 1.7))),
+        beam_attenuation_per_m: Some(attenuation),
+        veiling_light: Some([0, 1, 2].map(|channel| chance.uniform("veil", channel, 0.0, 0.5))),
+        forward_scatter,
         ..Optics::default()
     });
     medium.holes = HoleRule::RangeM(FAR_M);
@@ -191,17 +191,17 @@ fn submerged(air: &Air, chance: &Chance) -> Tensor<f32> {
 
 /// Applies gain and a light gradient, encoding, gamma, noise.
 fn finish(light: Tensor<f32>, gain: f64, chance: &Chance) -> Tensor<f32> {
-    let gamma = chance.between("gamma", 0, 0.75, 1.35);
-    let slope = [0, 1].map(|axis| chance.between("slope", axis, -0.5, 0.5));
-    let sigma = chance.between("noise", 0, 0.0, MAX_NOISE) as f32;
+    let gamma = chance.uniform("gamma", 0, 0.75, 1.35);
+    let slope = [0, 1].map(|axis| chance.uniform("slope", axis, -0.5, 0.5));
+    let sigma = chance.uniform("noise", 0, 0.0, MAX_NOISE) as f32;
     let stream = Stream::stage(chance.stream.bits(chance.index, 2), "content noise");
     let mut noise = normals(&stream, chance.index);
     let mut out = light;
     for channel in 0..3 {
         for y in 0..SIDE {
             for (x, value) in out.row_mut(channel, y).iter_mut().enumerate() {
-                let place = |at: usize| at as f64 / SIDE as f64 - 0.5;
-                let lit = gain * (1.0 + slope[0] * place(x) + slope[1] * place(y));
+                let [u, v] = [x, y].map(|position| position as f64 / SIDE as f64 - 0.5);
+                let lit = gain * (1.0 + slope[0] * u + slope[1] * v);
                 let encoded = transfer::encode((f64::from(*value) * lit).clamp(0.0, 1.0));
                 let noise = sigma * noise.next().unwrap_or_default() as f32;
                 let shown = (libm::pow(encoded, gamma) as f32 + noise).clamp(0.0, 1.0);
@@ -218,11 +218,11 @@ mod tests {
 
     #[test]
     fn pictures_depend_on_index_seed_and_purpose_and_nothing_else() {
-        let of = |seed, purpose: &str, index| Contents::new(seed, purpose).picture(index);
+        let draw = |seed, purpose: &str, index| Contents::new(seed, purpose).picture(index);
         for index in [0, 2] {
-            let picture = of(7, "a", index);
-            assert_eq!(of(7, "a", index), picture);
-            for other in [of(8, "a", index), of(7, "b", index), of(7, "a", index + 3)] {
+            let picture = draw(7, "a", index);
+            assert_eq!(draw(7, "a", index), picture);
+            for other in [draw(8, "a", index), draw(7, "b", index), draw(7, "a", index + 3)] {
                 assert!(other != picture);
             }
         }

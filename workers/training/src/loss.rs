@@ -48,13 +48,13 @@ impl Losses {
 
     /// The mean of several losses.
     #[must_use]
-    pub fn mean(of: &[Self]) -> Self {
-        let mean = |part: fn(&Self) -> f64| of.iter().map(part).sum::<f64>() / of.len().max(1) as f64;
+    pub fn mean(losses: &[Self]) -> Self {
+        let count = losses.len().max(1) as f64;
         Self {
-            texture: mean(|l| l.texture),
-            color: mean(|l| l.color),
-            content: mean(|l| l.content),
-            outside: mean(|l| l.outside),
+            texture: losses.iter().map(|l| l.texture).sum::<f64>() / count,
+            color: losses.iter().map(|l| l.color).sum::<f64>() / count,
+            content: losses.iter().map(|l| l.content).sum::<f64>() / count,
+            outside: losses.iter().map(|l| l.outside).sum::<f64>() / count,
         }
     }
 }

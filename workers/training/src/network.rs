@@ -103,7 +103,7 @@ pub fn backward<T: Real>(weights: &Weights<T>, trace: &Trace<T>, gradient: &Tens
         _ => mix::backward_weights(trace.input(layer), gradient, sums.layer_mut(layer)),
     };
     // The gradient of a filter's input; behind a ReLU, zero where the ReLU was closed.
-    let through = |layer: Layer, gradient: &Tensor<T>, step, behind_relu| {
+    let backpropagate = |layer: Layer, gradient: &Tensor<T>, step, behind_relu| {
         let input = trace.input(layer);
         let mut back = filter::backward_input(gradient, weights.weight(layer), input, step);
         if behind_relu {
@@ -111,12 +111,9 @@ pub fn backward<T: Real>(weights: &Weights<T>, trace: &Trace<T>, gradient: &Tens
         }
         back.unpadded()
     };
-    let unmixed = |layer: Layer, gradient: &Tensor<T>| {
-        mix::backward_input(gradient, weights.weight(layer), layer.inputs)
-    };
     learn(COLOR, gradient, 1);
     learn(OUTPUT, gradient, 1);
-    let features = through(OUTPUT, gradient, 1, true);
+    let features = backpropagate(OUTPUT, gradient, 1, true);
     learn(PIXEL, &features, 1);
     if weights.takes_range() {
         learn(RANGE_COLOR, gradient, 1);
@@ -124,19 +121,19 @@ pub fn backward<T: Real>(weights: &Weights<T>, trace: &Trace<T>, gradient: &Tens
     }
     let left = scale::unresized(&features, trace.context.height, trace.context.width);
     learn(LEAVE, &left, 1);
-    let mut context = through(LEAVE, &left, 1, false);
+    let mut context = backpropagate(LEAVE, &left, 1, false);
     for [spread_a, mix_a, spread_b, mix_b] in BLOCKS.into_iter().rev() {
         learn(mix_b, &context, 1);
-        let spread = unmixed(mix_b, &context);
+        let spread = mix::backward_input(&context, weights.weight(mix_b), mix_b.inputs);
         learn(spread_b, &spread, 1);
-        let mixed = through(spread_b, &spread, 1, true);
+        let mixed = backpropagate(spread_b, &spread, 1, true);
         learn(mix_a, &mixed, 1);
-        let spread = unmixed(mix_a, &mixed);
+        let spread = mix::backward_input(&mixed, weights.weight(mix_a), mix_a.inputs);
         learn(spread_a, &spread, 1);
-        context.add(&through(spread_a, &spread, 1, false));
+        context.add(&backpropagate(spread_a, &spread, 1, false));
     }
     context.unrelu(&trace.context);
     learn(REDUCE, &context, 2);
-    learn(ENTER, &through(REDUCE, &context, 2, true), 1);
+    learn(ENTER, &backpropagate(REDUCE, &context, 2, true), 1);
     sums
 }

@@ -36,12 +36,12 @@ impl Real for f32 {
 
     /// Sorts integers with the index in their lower half: faster than sorting indices by value.
     fn ascending(values: &[Self]) -> Vec<u32> {
-        let key = |(place, value): (usize, &Self)| {
+        let keys = values.iter().enumerate().map(|(place, value)| {
             let bits = value.to_bits();
             let ordered = if bits >> 31 == 0 { bits | 1 << 31 } else { !bits };
             u64::from(ordered) << 32 | place as u64
-        };
-        let mut keys: Vec<u64> = values.iter().enumerate().map(key).collect();
+        });
+        let mut keys: Vec<u64> = keys.collect();
         keys.sort_unstable();
         keys.into_iter().map(|key| key as u32).collect()
     }

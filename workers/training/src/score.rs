@@ -43,8 +43,10 @@ pub fn new_scenes() -> Vec<Rgb<f32>> {
 
 fn crops(scenes: Range<u64>) -> Vec<Content> {
     let contents = Contents::new(SEED, "held-out content");
-    let crop = |index| contents.content(index).cropped((16, 16), SIDE, false);
-    scenes.into_par_iter().map(crop).collect()
+    scenes
+        .into_par_iter()
+        .map(|index| contents.content(index).cropped((16, 16), SIDE, false))
+        .collect()
 }
 
 /// Scores a network against photos.
@@ -61,11 +63,11 @@ pub fn score_over(weights: &Weights, photos: &[Photo], scenes: Range<u64>, draws
     let (weight, bias) = plain.layer_mut(OUTPUT);
     weight.fill(0.0);
     bias.fill(0.0);
-    let repainted = |weights: &Weights| -> Vec<Tensor<f32>> {
+    let [results, toned] = [weights, &plain].map(|weights| {
         let network = Network::new(weights);
-        crops.par_iter().map(|crop| repaint(&network, crop)).collect()
-    };
-    let (results, toned) = (repainted(weights), repainted(&plain));
+        let results: Vec<Tensor<f32>> = crops.par_iter().map(|crop| repaint(&network, crop)).collect();
+        results
+    });
     let pairs = results
         .iter()
         .zip(&toned)

@@ -95,10 +95,10 @@ impl<T: Real> Tensor<T> {
         let mut out = Self::zeros(self.channels, height + 2, width + 2);
         for channel in 0..self.channels {
             for y in 0..height + 2 {
-                let from = self.row(channel, y.saturating_sub(1).min(height - 1));
-                let to = out.row_mut(channel, y);
-                to[1..=width].copy_from_slice(from);
-                (to[0], to[width + 1]) = (from[0], from[width - 1]);
+                let start = self.row(channel, y.saturating_sub(1).min(height - 1));
+                let end = out.row_mut(channel, y);
+                end[1..=width].copy_from_slice(start);
+                (end[0], end[width + 1]) = (start[0], start[width - 1]);
             }
         }
         out
@@ -111,13 +111,13 @@ impl<T: Real> Tensor<T> {
         let mut out = Self::zeros(self.channels, height, width);
         for channel in 0..self.channels {
             for y in 0..height + 2 {
-                let from = self.row(channel, y);
-                let to = out.row_mut(channel, y.saturating_sub(1).min(height - 1));
-                for (to, &from) in to.iter_mut().zip(&from[1..=width]) {
-                    *to += from;
+                let start = self.row(channel, y);
+                let end = out.row_mut(channel, y.saturating_sub(1).min(height - 1));
+                for (end, &start) in end.iter_mut().zip(&start[1..=width]) {
+                    *end += start;
                 }
-                to[0] += from[0];
-                to[width - 1] += from[width + 1];
+                end[0] += start[0];
+                end[width - 1] += start[width + 1];
             }
         }
         out
@@ -164,8 +164,10 @@ impl Tensor<f32> {
     /// Three channels as a picture.
     #[must_use]
     pub fn to_rgb(&self) -> Rgb<f32> {
-        let plane = |channel| Plane::new(self.width, self.height, self.plane(channel).to_vec());
-        let planes = [0, 1, 2].map(|channel| plane(channel).expect("a channel of this size"));
+        let planes = [0, 1, 2].map(|channel| {
+            let samples = self.plane(channel).to_vec();
+            Plane::new(self.width, self.height, samples).expect("a channel of this size")
+        });
         Rgb::new(planes).expect("three planes of one size")
     }
 }

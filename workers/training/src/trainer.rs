@@ -2,7 +2,7 @@
 
 use imaging::random::Stream;
 use rayon::prelude::*;
-use style::net::layer::{BLOCKS, COLOR, OUTPUT, PIXEL, RANGE_COLOR, RANGE_PIXEL, Weights};
+use style::net::layer::{BLOCKS, COLOR, Layer, OUTPUT, PIXEL, RANGE_COLOR, RANGE_PIXEL, Weights};
 
 use crate::content::{Content, Contents, SIDE};
 use crate::loss::pyramid::Pyramid;
@@ -122,11 +122,11 @@ impl Trainer {
             .into_par_iter()
             .map(|place| self.crop(step, place))
             .collect();
-        let run = |crop: &Content| {
+        let traces = crops.par_iter().map(|crop| {
             let ranged = takes_range.then(|| ranged(&crop.picture, &crop.range));
             forward(&self.weights, &crop.picture, ranged.as_ref())
-        };
-        let traces: Vec<_> = crops.par_iter().map(run).collect();
+        });
+        let traces: Vec<_> = traces.collect();
         let results = traces.iter().map(|trace| trace.styled.clone()).collect();
         let pyramids = crops
             .into_par_iter()
@@ -188,41 +188,44 @@ impl Trainer {
     /// A crop of a picture whose brightness class belongs to a position of the batch. Each batch therefore has about
     /// the colors of all pictures, as if it were several times as large.
     fn crop(&self, step: u64, place: usize) -> Content {
-        let draw = |purpose: u64| self.stream.unit(1 << 40 | step, place as u64 * 4 + purpose);
-        let content = &self.pool[place * CHOICE + (draw(3) * CHOICE as f64) as usize];
-        let offset = |purpose| (draw(purpose) * (SIDE - CROP + 1) as f64) as usize;
-        content.cropped((offset(0), offset(1)), CROP, draw(2) < 0.5)
+        let [left, top, mirror, choice] =
+            [0, 1, 2, 3].map(|purpose| self.stream.unit(1 << 40 | step, place as u64 * 4 + purpose));
+        let content = &self.pool[place * CHOICE + (choice * CHOICE as f64) as usize];
+        let [left, top] = [left, top].map(|share| (share * (SIDE - CROP + 1) as f64) as usize);
+        content.cropped((left, top), CROP, mirror < 0.5)
     }
 }
 
 /// The color transfer, for either half of the range if the network has one.
 fn started(pool: &[Content], photos: &[Photo], takes_range: bool) -> Weights {
     let mut start = Weights::zeros(takes_range);
-    let mut put = |layer, values: &[f64], offsets: &[f64]| {
-        let (weight, bias) = start.layer_mut(layer);
-        let pairs = weight.iter_mut().chain(bias);
-        for (number, &value) in pairs.zip(values.iter().chain(offsets)) {
-            *number = value as f32;
-        }
-    };
     if takes_range {
         let contents = pool.iter().map(|content| (&content.picture, &content.range));
         let styles = photos
             .iter()
             .map(|photo| (&photo.pyramid.levels[0], &photo.range.levels[0]));
         let Transfer { near, change } = ranged_transfer(contents, styles);
-        put(COLOR, near.0.as_flattened(), &near.1);
+        set_layer(&mut start, COLOR, near.0.as_flattened(), &near.1);
         let change: Vec<f64> = (0..3)
             .flat_map(|row| change.0[row].into_iter().chain([change.1[row]]))
             .collect();
-        put(RANGE_COLOR, &change, &[]);
+        set_layer(&mut start, RANGE_COLOR, &change, &[]);
     } else {
         let content = ColorStats::measure(pool.iter().map(|content| &content.picture));
         let target = ColorStats::measure(photos.iter().map(|photo| &photo.pyramid.levels[0]));
         let (map, offset) = transfer(&content, &target);
-        put(COLOR, map.as_flattened(), &offset);
+        set_layer(&mut start, COLOR, map.as_flattened(), &offset);
     }
     start
+}
+
+/// Sets the weights of a layer, then its biases.
+fn set_layer(weights: &mut Weights, layer: Layer, values: &[f64], offsets: &[f64]) {
+    let (weight, bias) = weights.layer_mut(layer);
+    let numbers = weight.iter_mut().chain(bias);
+    for (number, &value) in numbers.zip(values.iter().chain(offsets)) {
+        *number = value as f32;
+    }
 }
 
 /// Uniform in ±1/sqrt(fan-in), smaller at the ends of the residual branches, with the initial color map.

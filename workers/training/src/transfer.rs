@@ -47,24 +47,24 @@ impl ColorStats {
 
     /// The largest standard deviation of a channel.
     pub(crate) fn spread(&self) -> f64 {
-        let spread = |channel: usize| self.covariance[channel][channel].max(0.0).sqrt();
-        (0..3).map(spread).fold(0.0, f64::max)
+        (0..3)
+            .map(|channel| self.covariance[channel][channel].max(0.0).sqrt())
+            .fold(0.0, f64::max)
     }
 }
 
 /// The map from the colors of the content to those of the style: matrix and offset.
 pub(crate) fn transfer(content: &ColorStats, style: &ColorStats) -> (Matrix, [f64; 3]) {
-    let floored = |colors: &ColorStats| {
+    let [cx, cs] = [content, style].map(|colors| {
         let mut covariance = colors.covariance;
-        (0..3).for_each(|at| covariance[at][at] += FLOOR);
+        (0..3).for_each(|i| covariance[i][i] += FLOOR);
         covariance
-    };
-    let (cx, cs) = (floored(content), floored(style));
+    });
     let (root, inverse) = (power(&cx, 0.5), power(&cx, -0.5));
     let middle = power(&product(&product(&root, &cs), &root), 0.5);
     let map = product(&product(&inverse, &middle), &inverse);
     let offset = [0, 1, 2].map(|row| {
-        let mapped: f64 = (0..3).map(|at| map[row][at] * content.mean[at]).sum();
+        let mapped: f64 = (0..3).map(|i| map[row][i] * content.mean[i]).sum();
         style.mean[row] - mapped
     });
     (map, offset)
@@ -86,16 +86,15 @@ pub(crate) fn ranged_transfer<'a>(
     let maps = [0, 1].map(|half| transfer(&contents.colors[half], &styles.colors[half]));
     let [near, far] = contents.ranges;
     // If all pixels have the same range, the near half represents all.
-    let apart = if far > near { far - near } else { f64::INFINITY };
-    let slope = |one: f64, other: f64| (other - one) / apart;
-    let rows =
-        |of: &dyn Fn(usize, usize) -> f64| [0, 1, 2].map(|row| [0, 1, 2].map(|column| of(row, column)));
-    let matrix = rows(&|row, column| slope(maps[0].0[row][column], maps[1].0[row][column]));
-    let offset = [0, 1, 2].map(|row| slope(maps[0].1[row], maps[1].1[row]));
+    let distance = if far > near { far - near } else { f64::INFINITY };
+    let [(near_matrix, near_offset), (far_matrix, far_offset)] = maps;
+    let rows = [0, 1, 2];
+    let matrix = rows.map(|i| rows.map(|j| (far_matrix[i][j] - near_matrix[i][j]) / distance));
+    let offset = rows.map(|i| (far_offset[i] - near_offset[i]) / distance);
     Transfer {
         near: (
-            rows(&|row, column| maps[0].0[row][column] - near * matrix[row][column]),
-            [0, 1, 2].map(|row| maps[0].1[row] - near * offset[row]),
+            rows.map(|i| rows.map(|j| near_matrix[i][j] - near * matrix[i][j])),
+            rows.map(|i| near_offset[i] - near * offset[i]),
         ),
         change: (matrix, offset),
     }
@@ -117,7 +116,7 @@ impl Halves {
         }
         pixels.sort_by(|one, other| one.0.total_cmp(&other.0));
         let (near, far) = pixels.split_at(pixels.len() / 2);
-        let half = |pixels: &[(f32, [f32; 3])]| {
+        let halves = [near, far].map(|pixels| {
             let mut colors = Tensor::zeros(3, 1, pixels.len());
             for channel in 0..3 {
                 for (out, (_, color)) in colors.plane_mut(channel).iter_mut().zip(pixels) {
@@ -129,8 +128,8 @@ impl Halves {
                 ColorStats::measure(std::iter::once(&colors)),
                 range / pixels.len().max(1) as f64,
             )
-        };
-        let ((near, near_range), (far, far_range)) = (half(near), half(far));
+        });
+        let [(near, near_range), (far, far_range)] = halves;
         Self {
             colors: [near, far],
             ranges: [near_range, far_range],

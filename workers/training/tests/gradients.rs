@@ -110,11 +110,11 @@ fn the_losses_gradient_is_that_of_finite_differences() {
                 losses(&contents, moved, &style, ranges, &stream, 2).0.total()
             };
             let difference = (moved(STEP) - moved(-STEP)) / (2.0 * STEP);
-            let along = |(gradient, direction): (&Tensor<f64>, &Tensor<f64>)| {
+            let product = |(gradient, direction): (&Tensor<f64>, &Tensor<f64>)| {
                 let pairs = gradient.data.iter().zip(&direction.data);
                 pairs.map(|(a, b)| a * (b - 0.5)).sum::<f64>()
             };
-            let found: f64 = gradients.iter().zip(&directions).map(along).sum();
+            let found: f64 = gradients.iter().zip(&directions).map(product).sum();
             let error = (found - difference).abs() / difference.abs();
             assert!(error < OF_LOSSES, "direction {seed}: {found} is not {difference}");
         }

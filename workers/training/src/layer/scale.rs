@@ -30,12 +30,12 @@ struct Line<T>(Vec<(usize, usize, T)>);
 impl<T: Real> Line<T> {
     /// Pixel centers at half integers, clamped to the edge.
     fn new(from: usize, to: usize) -> Self {
-        let place = |at: usize| {
-            let exact = ((at as f64 + 0.5) * from as f64 / to as f64 - 0.5).clamp(0.0, (from - 1) as f64);
+        let samples = (0..to).map(|i| {
+            let exact = ((i as f64 + 0.5) * from as f64 / to as f64 - 0.5).clamp(0.0, (from - 1) as f64);
             let low = exact as usize;
             (low, (low + 1).min(from - 1), T::from_f64(exact - low as f64))
-        };
-        Self((0..to).map(place).collect())
+        });
+        Self(samples.collect())
     }
 }
 
@@ -48,10 +48,10 @@ pub(crate) fn resized<T: Real>(input: &Tensor<T>, height: usize, width: usize) -
     let mut wide = Tensor::zeros(input.channels, input.height, width);
     for channel in 0..input.channels {
         for y in 0..input.height {
-            let from = input.row(channel, y);
-            let to = wide.row_mut(channel, y).iter_mut();
-            for (to, &(low, high, share)) in to.zip(&columns.0) {
-                *to = from[low] + (from[high] - from[low]) * share;
+            let start = input.row(channel, y);
+            let end = wide.row_mut(channel, y).iter_mut();
+            for (end, &(low, high, share)) in end.zip(&columns.0) {
+                *end = start[low] + (start[high] - start[low]) * share;
             }
         }
     }
@@ -59,8 +59,8 @@ pub(crate) fn resized<T: Real>(input: &Tensor<T>, height: usize, width: usize) -
     for channel in 0..input.channels {
         for (y, &(low, high, share)) in rows.0.iter().enumerate() {
             let pairs = wide.row(channel, low).iter().zip(wide.row(channel, high));
-            for (to, (&low, &high)) in out.row_mut(channel, y).iter_mut().zip(pairs) {
-                *to = low + (high - low) * share;
+            for (end, (&low, &high)) in out.row_mut(channel, y).iter_mut().zip(pairs) {
+                *end = low + (high - low) * share;
             }
         }
     }
@@ -73,11 +73,11 @@ pub(crate) fn unresized<T: Real>(gradient: &Tensor<T>, height: usize, width: usi
         Line::<T>::new(height, gradient.height),
         Line::<T>::new(width, gradient.width),
     );
-    let one = T::from_f64(1.0);
+    let first = T::from_f64(1.0);
     let mut wide: Tensor<T> = Tensor::zeros(gradient.channels, height, gradient.width);
     for channel in 0..gradient.channels {
         for (y, &(low, high, share)) in rows.0.iter().enumerate() {
-            for (row, share) in [(low, one - share), (high, share)] {
+            for (row, share) in [(low, first - share), (high, share)] {
                 let sums = wide.row_mut(channel, row).iter_mut();
                 for (sum, &value) in sums.zip(gradient.row(channel, y)) {
                     *sum += value * share;
@@ -88,10 +88,10 @@ pub(crate) fn unresized<T: Real>(gradient: &Tensor<T>, height: usize, width: usi
     let mut out = Tensor::zeros(gradient.channels, height, width);
     for channel in 0..gradient.channels {
         for y in 0..height {
-            let to = out.row_mut(channel, y);
+            let end = out.row_mut(channel, y);
             for (&value, &(low, high, share)) in wide.row(channel, y).iter().zip(&columns.0) {
-                to[low] += value * (one - share);
-                to[high] += value * share;
+                end[low] += value * (first - share);
+                end[high] += value * share;
             }
         }
     }
@@ -119,8 +119,8 @@ pub(crate) fn unhalved<T: Real>(gradient: &Tensor<T>, sums: &mut Tensor<T>) {
     let quarter = T::from_f64(0.25);
     for channel in 0..gradient.channels {
         for y in 0..2 * gradient.height {
-            let from = gradient.row(channel, y / 2);
-            for (pair, &value) in sums.row_mut(channel, y).chunks_exact_mut(2).zip(from) {
+            let start = gradient.row(channel, y / 2);
+            for (pair, &value) in sums.row_mut(channel, y).chunks_exact_mut(2).zip(start) {
                 pair[0] += value * quarter;
                 pair[1] += value * quarter;
             }

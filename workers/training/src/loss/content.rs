@@ -34,28 +34,26 @@ pub(crate) fn content<T: Real>(
     ranges: Option<&[Pyramid<T>]>,
     gradients: &mut [Pyramid<T>],
 ) -> f64 {
-    let of_picture = |(index, (before, after)): (usize, (&Pyramid<T>, &Pyramid<T>))| -> Vec<Vec<Windows<T>>> {
-        let level = |level: usize| {
-            let axes = if level == 0 { &AXES[..1] } else { &AXES[..] };
-            let along = |pyramid: &Pyramid<T>, axis| projected(&pyramid.levels[level], axis);
-            axes.iter()
-                .map(|&(axis, _)| {
-                    let range = ranges.map(|ranges| &ranges[index].levels[level]);
-                    Windows::new(along(before, axis), along(after, axis), range)
-                })
-                .collect()
-        };
-        (0..LEVELS).map(level).collect()
-    };
-    let windows: Vec<_> = before.par_iter().zip(after).enumerate().map(of_picture).collect();
+    let pictures = before.par_iter().zip(after).enumerate();
+    let windows = pictures.map(|(index, (before, after))| {
+        let levels = (0..LEVELS).map(|level| {
+            let range = ranges.map(|ranges| &ranges[index].levels[level]);
+            compare_level(&before.levels[level], &after.levels[level], range, level)
+        });
+        levels.collect::<Vec<_>>()
+    });
+    let windows: Vec<Vec<Vec<Windows<T>>>> = windows.collect();
     let mut loss = 0.0;
     let mut factors = vec![Vec::new(); LEVELS];
     for level in 0..LEVELS {
         for axis in 0..windows[0][level].len() {
-            let all = || windows.iter().map(|picture| &picture[level][axis]);
-            let count = all().map(|windows| windows.slopes.len()).sum::<usize>() as f64;
-            let weight = all().map(|windows| windows.weight).sum::<f64>();
-            let lost = all().map(|windows| windows.lost).sum::<f64>();
+            let pictures = windows.iter().map(|picture| &picture[level][axis]);
+            let count = pictures
+                .clone()
+                .map(|windows| windows.slopes.len())
+                .sum::<usize>() as f64;
+            let weight = pictures.clone().map(|windows| windows.weight).sum::<f64>();
+            let lost = pictures.map(|windows| windows.lost).sum::<f64>();
             let scale = AXES[axis].1 / LEVELS as f64 / (weight / count + MEAN_FLOOR) / count;
             loss += lost * scale;
             factors[level].push(CONTENT * scale);
@@ -74,8 +72,8 @@ pub(crate) fn content<T: Real>(
     loss
 }
 
-/// A picture projected on a color axis.
-fn projected<T: Real>(picture: &Tensor<T>, axis: [f64; 3]) -> Tensor<T> {
+/// A picture project on a color axis.
+fn project<T: Real>(picture: &Tensor<T>, axis: [f64; 3]) -> Tensor<T> {
     let [r, g, b] = axis.map(T::from_f64);
     let mut out = Tensor::zeros(1, picture.height, picture.width);
     let channels = picture
@@ -105,8 +103,7 @@ struct Windows<T> {
 impl<T: Real> Windows<T> {
     fn new(before: Tensor<T>, after: Tensor<T>, range: Option<&Tensor<T>>) -> Self {
         let (width, height) = (before.width, before.height);
-        let count = |side: usize| (side + STEP).saturating_sub(WINDOW) / STEP;
-        let (columns, rows) = (count(width), count(height));
+        let [columns, rows] = [width, height].map(|side| (side + STEP).saturating_sub(WINDOW) / STEP);
         let mut windows = Self {
             before,
             after,
@@ -134,9 +131,8 @@ impl<T: Real> Windows<T> {
                         *moment += sum;
                     }
                 }
-                let center =
-                    |range: &Tensor<T>| range.row(0, STEP * row + WINDOW / 2)[STEP * column + WINDOW / 2];
-                let near = range.map_or(1.0, |range| 1.0 - center(range).to_f64());
+                let (x, y) = (STEP * column + WINDOW / 2, STEP * row + WINDOW / 2);
+                let near = range.map_or(1.0, |range| 1.0 - range.row(0, y)[x].to_f64());
                 windows.push(moments.map(|sum| sum / (WINDOW * WINDOW) as f64), near * near);
             }
         }
@@ -196,4 +192,17 @@ impl<T: Real> Windows<T> {
             }
         }
     }
+}
+
+/// Compares a level along its color axes.
+fn compare_level<T: Real>(
+    before: &Tensor<T>,
+    after: &Tensor<T>,
+    range: Option<&Tensor<T>>,
+    level: usize,
+) -> Vec<Windows<T>> {
+    let axes = if level == 0 { &AXES[..1] } else { &AXES[..] };
+    axes.iter()
+        .map(|&(axis, _)| Windows::new(project(before, axis), project(after, axis), range))
+        .collect()
 }

@@ -41,21 +41,21 @@ pub(crate) fn sliced<T: Real>(
     stream: &Stream,
     step: u64,
 ) -> Sliced<T> {
-    let at_level = |level: usize| {
-        let address = |purpose: usize| (step * LEVELS as u64 + level as u64) * 1024 + purpose as u64;
+    let levels = (0..LEVELS).into_par_iter().map(|level| {
+        let address = (step * LEVELS as u64 + level as u64) * 1024;
         let slices = Slices {
-            filters: filters(stream, address(0)),
-            directions: directions(stream, address(1)),
+            filters: filters(stream, address),
+            directions: directions(stream, address + 1),
         };
-        let drawn = |pictures, purpose| Drawn::new(pictures, level, stream, address(purpose));
-        let (ours, theirs) = (drawn(batch, 2), drawn(style, 512));
+        let ours = Drawn::new(batch, level, stream, address + 2);
+        let theirs = Drawn::new(style, level, stream, address + 512);
         let bands = ranges.map(|ranges| {
             [(&ours, ranges.contents), (&theirs, ranges.style)]
                 .map(|(drawn, ranges)| drawn.by_range(ranges, level))
         });
         compare(&ours, &theirs, bands.as_ref(), &slices)
-    };
-    let levels: Vec<_> = (0..LEVELS).into_par_iter().map(at_level).collect();
+    });
+    let levels: Vec<_> = levels.collect();
     let mut gradients: Vec<Pyramid<T>> = batch.iter().map(Pyramid::like).collect();
     let (mut texture, mut color) = (0.0, 0.0);
     for (level, found) in levels.into_iter().enumerate() {
@@ -116,8 +116,9 @@ impl<'a, T: Real> Drawn<'a, T> {
         let parts: Vec<_> = pairs
             .map(|(picture, places)| projections(picture, places, slices))
             .collect();
-        let joined = |slice: usize| parts.iter().flat_map(|part| &part[slice]).copied().collect();
-        (0..FILTERS + DIRECTIONS).map(joined).collect()
+        (0..FILTERS + DIRECTIONS)
+            .map(|slice| parts.iter().flat_map(|part| &part[slice]).copied().collect())
+            .collect()
     }
 }
 
@@ -134,7 +135,7 @@ fn compare<T: Real>(
     slices: &Slices<T>,
 ) -> Level<T> {
     let (results, styles) = (ours.projected(slices), theirs.projected(slices));
-    let slope = |slice: usize| {
+    let found = (0..FILTERS + DIRECTIONS).into_par_iter().map(|slice| {
         let (share, floor, slices) = if slice < FILTERS {
             (TEXTURE, TEXTURE_FLOOR, FILTERS)
         } else {
@@ -143,25 +144,25 @@ fn compare<T: Real>(
         let factor = share / (slices * LEVELS * results[slice].len()) as f64;
         match bands {
             Some(orders) => banded([&results[slice], &styles[slice]], orders, floor, factor),
-            None => apart(&results[slice], &styles[slice], floor, factor),
+            None => wasserstein(&results[slice], &styles[slice], floor, factor),
         }
-    };
-    let found: Vec<(f64, Vec<T>)> = (0..FILTERS + DIRECTIONS).into_par_iter().map(slope).collect();
-    let mean = |found: &[(f64, Vec<T>)]| found.iter().map(|f| f.0).sum::<f64>() / found.len() as f64;
-    let (texture, color) = (mean(&found[..FILTERS]), mean(&found[FILTERS..]));
+    });
+    let found: Vec<(f64, Vec<T>)> = found.collect();
+    let [texture, color] = [&found[..FILTERS], &found[FILTERS..]]
+        .map(|found| found.iter().map(|f| f.0).sum::<f64>() / found.len() as f64);
     let slopes: Vec<Vec<T>> = found.into_iter().map(|(_, slopes)| slopes).collect();
     let starts: Vec<usize> = (0..ours.places.len())
         .map(|index| ours.places[..index].iter().map(Vec::len).sum())
         .collect();
-    let gradient = |index: usize| {
+    let gradients = (0..ours.pictures.len()).into_par_iter().map(|index| {
         let mut gradient = ours.pictures[index].like();
         scatter(&mut gradient, &ours.places[index], starts[index], slices, &slopes);
         gradient
-    };
+    });
     Level {
         texture,
         color,
-        gradients: (0..ours.pictures.len()).into_par_iter().map(gradient).collect(),
+        gradients: gradients.collect(),
     }
 }
 
@@ -174,17 +175,11 @@ fn banded<T: Real>(
     factor: f64,
 ) -> (f64, Vec<T>) {
     let (mut sum, mut slopes) = (0.0, vec![T::default(); ours.len()]);
-    let end = |band: usize| ours.len() * band / BANDS;
     for band in 0..BANDS {
-        let (our_order, their_order) = (
-            &our_order[end(band)..end(band + 1)],
-            &their_order[end(band)..end(band + 1)],
-        );
-        let in_order = |values: &[T], order: &[u32]| -> Vec<T> {
-            order.iter().map(|&place| values[place as usize]).collect()
-        };
-        let (ours, theirs) = (in_order(ours, our_order), in_order(theirs, their_order));
-        let (distance, found) = apart(&ours, &theirs, floor, factor);
+        let range = ours.len() * band / BANDS..ours.len() * (band + 1) / BANDS;
+        let (our_order, their_order) = (&our_order[range.clone()], &their_order[range]);
+        let (ours, theirs) = (reorder(ours, our_order), reorder(theirs, their_order));
+        let (distance, found) = wasserstein(&ours, &theirs, floor, factor);
         sum += distance;
         for (&place, slope) in our_order.iter().zip(found) {
             slopes[place as usize] = slope;
@@ -194,11 +189,11 @@ fn banded<T: Real>(
 }
 
 /// Distance of two sets of equal size, and its slope for each element of the first.
-fn apart<T: Real>(ours: &[T], theirs: &[T], floor: f64, factor: f64) -> (f64, Vec<T>) {
+fn wasserstein<T: Real>(ours: &[T], theirs: &[T], floor: f64, factor: f64) -> (f64, Vec<T>) {
     let count = theirs.len() as f64;
     let mean = theirs.iter().map(|v| v.to_f64()).sum::<f64>() / count;
-    let square = |v: &T| (v.to_f64() - mean) * (v.to_f64() - mean);
-    let deviation = (theirs.iter().map(square).sum::<f64>() / (count - 1.0)).sqrt();
+    let squares = theirs.iter().map(|v| (v.to_f64() - mean) * (v.to_f64() - mean));
+    let deviation = (squares.sum::<f64>() / (count - 1.0)).sqrt();
     let scale = 1.0 / (deviation + floor);
     let (up, down) = (T::from_f64(factor * scale), T::from_f64(-factor * scale));
     let mut slopes = vec![T::default(); ours.len()];
@@ -213,4 +208,8 @@ fn apart<T: Real>(ours: &[T], theirs: &[T], floor: f64, factor: f64) -> (f64, Ve
         }
     }
     (sum / count * scale, slopes)
+}
+
+fn reorder<T: Copy>(values: &[T], order: &[u32]) -> Vec<T> {
+    order.iter().map(|&place| values[place as usize]).collect()
 }

@@ -22,9 +22,9 @@ pub(super) fn projections<T: Real>(picture: &Tensor<T>, places: &[Place], slices
     for places in places.chunks(CHUNK) {
         for (index, place) in places.iter().enumerate() {
             for line in 0..3 * PATCH {
-                let from = &picture.row(line / PATCH, place.y + line % PATCH)[place.x..place.x + PATCH];
-                for (to, &from) in samples[line * PATCH..][..PATCH].iter_mut().zip(from) {
-                    to[index] = from;
+                let start = &picture.row(line / PATCH, place.y + line % PATCH)[place.x..place.x + PATCH];
+                for (to, &start) in samples[line * PATCH..][..PATCH].iter_mut().zip(start) {
+                    to[index] = start;
                 }
             }
         }
@@ -80,10 +80,10 @@ pub(super) fn scatter<T: Real>(
         vectorized!(unproject(&chunk, slices, &mut samples));
         for (index, place) in places.iter().enumerate() {
             for line in 0..3 * PATCH {
-                let from = &samples[line * PATCH..][..PATCH];
-                let to = gradient.row_mut(line / PATCH, place.y + line % PATCH);
-                for (to, from) in to[place.x..place.x + PATCH].iter_mut().zip(from) {
-                    *to += from[index];
+                let origin = &samples[line * PATCH..][..PATCH];
+                let end = gradient.row_mut(line / PATCH, place.y + line % PATCH);
+                for (end, origin) in end[place.x..place.x + PATCH].iter_mut().zip(origin) {
+                    *end += origin[index];
                 }
             }
         }
