@@ -38,8 +38,9 @@ fn total(codes: &[u8], clean: &[u8]) -> f64 {
         let seen = lab::of_codes::<BLOCK>(codes, [linear; 3]);
         let wanted = lab::of_codes::<BLOCK>(clean, [linear; 3]);
         for x in 0..BLOCK {
-            let color = |lab: &[[f64; BLOCK]; 3]| [lab[0][x], lab[1][x], lab[2][x]];
-            sums[x] += difference(color(&seen), color(&wanted));
+            let seen = [seen[0][x], seen[1][x], seen[2][x]];
+            let wanted = [wanted[0][x], wanted[1][x], wanted[2][x]];
+            sums[x] += difference(seen, wanted);
         }
     }
     sums.iter().sum()
@@ -151,16 +152,14 @@ fn exp_nonpositive(x: f64) -> f64 {
 /// ΔE00 of two colors (L, a, b) by the published formulas, angle by angle: the reference of the fast variant.
 #[must_use]
 pub fn ciede2000_reference([l1, a1, b1]: [f64; 3], [l2, a2, b2]: [f64; 3]) -> f64 {
-    let seventh = |c: f64| (c.powi(7) / (c.powi(7) + 25f64.powi(7))).sqrt();
     let mean_chroma = (a1.hypot(b1) + a2.hypot(b2)) / 2.0;
-    let stretch = 1.0 + 0.5 * (1.0 - seventh(mean_chroma));
-    let hue = |a: f64, b: f64| match (a, b) {
-        (0.0, 0.0) => 0.0,
-        _ => b.atan2(a).to_degrees().rem_euclid(360.0),
-    };
+    let stretch = 1.0 + 0.5 * (1.0 - chroma_ratio(mean_chroma));
     let (a1, a2) = (stretch * a1, stretch * a2);
     let (c1, c2) = (a1.hypot(b1), a2.hypot(b2));
-    let (h1, h2) = (hue(a1, b1), hue(a2, b2));
+    let [h1, h2] = [(a1, b1), (a2, b2)].map(|(a, b)| match (a, b) {
+        (0.0, 0.0) => 0.0,
+        _ => b.atan2(a).to_degrees().rem_euclid(360.0),
+    });
     let gray = c1 * c2 == 0.0;
     let turn = match h2 - h1 {
         _ if gray => 0.0,
@@ -174,18 +173,22 @@ pub fn ciede2000_reference([l1, a1, b1]: [f64; 3], [l2, a2, b2]: [f64; 3]) -> f6
         sum if sum < 360.0 => (sum + 360.0) / 2.0,
         sum => (sum - 360.0) / 2.0,
     };
-    let cosine = |degrees: f64| degrees.to_radians().cos();
-    let t = 1.0 - 0.17 * cosine(mean_hue - 30.0)
-        + 0.24 * cosine(2.0 * mean_hue)
-        + 0.32 * cosine(3.0 * mean_hue + 6.0)
-        - 0.20 * cosine(4.0 * mean_hue - 63.0);
+    let t = 1.0 - 0.17 * (mean_hue - 30.0).to_radians().cos()
+        + 0.24 * (2.0 * mean_hue).to_radians().cos()
+        + 0.32 * (3.0 * mean_hue + 6.0).to_radians().cos()
+        - 0.20 * (4.0 * mean_hue - 63.0).to_radians().cos();
     let (lightness, chroma) = ((l1 + l2) / 2.0 - 50.0, (c1 + c2) / 2.0);
     let rotation = 30.0 * (-((mean_hue - 275.0) / 25.0).powi(2)).exp();
-    let r_t = -(2.0 * rotation).to_radians().sin() * 2.0 * seventh(chroma);
+    let r_t = -(2.0 * rotation).to_radians().sin() * 2.0 * chroma_ratio(chroma);
     let dl = (l2 - l1) / (1.0 + 0.015 * lightness.powi(2) / (20.0 + lightness.powi(2)).sqrt());
     let dc = (c2 - c1) / (1.0 + 0.045 * chroma);
     let dh = 2.0 * (c1 * c2).sqrt() * (turn / 2.0).to_radians().sin() / (1.0 + 0.015 * chroma * t);
     (dl * dl + dc * dc + dh * dh + r_t * dc * dh).max(0.0).sqrt()
+}
+
+/// `sqrt(C⁷ / (C⁷ + 25⁷))` by powers.
+fn chroma_ratio(chroma: f64) -> f64 {
+    (chroma.powi(7) / (chroma.powi(7) + 25f64.powi(7))).sqrt()
 }
 
 #[cfg(test)]

@@ -65,9 +65,8 @@ fn corners(gray: &Plane<u8>) -> Vec<(usize, usize)> {
         }
     }
     let wanted = (width * height / PIXELS_PER_CORNER).clamp(CORNERS.0, CORNERS.1);
-    let stronger = |a: &(f64, usize), b: &(f64, usize)| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1));
     if found.len() > wanted {
-        found.select_nth_unstable_by(wanted, stronger);
+        found.select_nth_unstable_by(wanted, |a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         found.truncate(wanted);
     }
     found
@@ -80,12 +79,11 @@ fn corners(gray: &Plane<u8>) -> Vec<(usize, usize)> {
 #[inline(always)]
 fn mark_highest([above, here, below]: [&[f64]; 3], highest: &mut [bool]) {
     let inner = here.len() - 2;
-    let neighbors = |row: &'_ [f64], x: usize| larger(larger(row[x], row[x + 1]), row[x + 2]);
     let [above, here, below] = [&above[..inner + 2], &here[..inner + 2], &below[..inner + 2]];
     for (x, highest) in highest[1..=inner].iter_mut().enumerate() {
         let most = larger(
-            larger(neighbors(above, x), neighbors(below, x)),
-            neighbors(here, x),
+            larger(largest_of_three(above, x), largest_of_three(below, x)),
+            largest_of_three(here, x),
         );
         *highest = (here[x + 1] > 0.0) & (here[x + 1] >= most);
     }
@@ -136,13 +134,17 @@ fn exchange(sums: &mut [i32], row: &mut [i32], a: &[i16], b: &[i16]) {
 #[inline(always)]
 fn respond(sums: &[Vec<i32>; 3], response: &mut [f64]) {
     const WINDOW: usize = 2 * SUM_PX + 1;
-    let across = |sums: &[i32], x: usize| (0..WINDOW).map(|i| sums[x + i]).sum::<i32>();
     let inner = response.len() - 2 * SUM_PX;
     let [xx, xy, yy] = sums.each_ref().map(|sums| &sums[..inner + 2 * SUM_PX]);
     for (x, response) in response[SUM_PX..SUM_PX + inner].iter_mut().enumerate() {
-        let [xx, xy, yy] = [xx, xy, yy].map(|sums| f64::from(across(sums, x)));
+        let [xx, xy, yy] = [xx, xy, yy].map(|sums| f64::from((0..WINDOW).map(|i| sums[x + i]).sum::<i32>()));
         *response = xx * yy - xy * xy - HARRIS_K * (xx + yy) * (xx + yy);
     }
+}
+
+#[inline(always)]
+fn largest_of_three(row: &[f64], x: usize) -> f64 {
+    larger(larger(row[x], row[x + 1]), row[x + 2])
 }
 
 #[cfg(test)]

@@ -53,12 +53,11 @@ fn cells(work: &Work) -> Vec<f64> {
     let light: &[[u64; 256]; 3] = &LIGHT;
     let picture = work.picture();
     let (across, down) = (CELLS.min(picture.width()), CELLS.min(picture.height()));
-    let edge = |i: usize, cells: usize, side: usize| i * side / cells;
     let mut means = Vec::with_capacity(across * down);
     for j in 0..down {
-        let rows = edge(j, down, picture.height())..edge(j + 1, down, picture.height());
+        let rows = j * picture.height() / down..(j + 1) * picture.height() / down;
         for i in 0..across {
-            let columns = edge(i, across, picture.width())..edge(i + 1, across, picture.width());
+            let columns = i * picture.width() / across..(i + 1) * picture.width() / across;
             let mut sum = 0u64;
             for y in rows.clone() {
                 let pixels = &work.picture_row(y)[3 * columns.start..3 * columns.end];

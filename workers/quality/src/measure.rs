@@ -54,10 +54,10 @@ fn value(work: &Work, metric: MetricId, known: &mut BTreeMap<MetricId, f64>) -> 
     cancel::check();
     let computed = match metric.info().compute {
         Compute::Direct(compute) => compute(work),
-        Compute::Sum(terms) => {
-            let term = |(name, weight): &(&str, f64)| weight * value(work, metric.sibling(name), known);
-            terms.iter().map(term).sum()
-        }
+        Compute::Sum(terms) => terms
+            .iter()
+            .map(|(name, weight)| weight * value(work, metric.sibling(name), known))
+            .sum(),
     };
     // Adding 0 turns -0 into +0 and nothing else.
     known.insert(metric, computed + 0.0);

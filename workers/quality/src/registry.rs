@@ -80,14 +80,14 @@ impl MetricId {
         let (name, profile) = name
             .split_once('@')
             .map_or((name, None), |(name, profile)| (name, Some(profile)));
-        let wanted = |info: &MetricInfo| match (info.profile, profile) {
-            (None, None) => true,
-            (Some(own), profile) => own.name() == profile.unwrap_or(Profile::Panetta.name()),
-            (None, Some(_)) => false,
-        };
-        let row = REGISTRY
-            .iter()
-            .position(|info| info.name == name && wanted(info))?;
+        let row = REGISTRY.iter().position(|info| {
+            info.name == name
+                && match (info.profile, profile) {
+                    (None, None) => true,
+                    (Some(own), profile) => own.name() == profile.unwrap_or(Profile::Panetta.name()),
+                    (None, Some(_)) => false,
+                }
+        })?;
         Some(Self(row as u8))
     }
 
@@ -141,7 +141,7 @@ const fn row(
 }
 
 impl MetricInfo {
-    const fn with(self, profile: Profile) -> Self {
+    const fn with_profile(self, profile: Profile) -> Self {
         Self {
             profile: Some(profile),
             ..self
@@ -218,63 +218,63 @@ static REGISTRY: &[MetricInfo] = &[
         -7.7..=58.0,
         uicm::panetta,
     )
-    .with(Panetta),
+    .with_profile(Panetta),
     row(
         "uicm",
         "colorfulness: spread of the opponent colors, less their shift from gray",
         -7.7..=58.0,
         uicm::funie,
     )
-    .with(Funie),
+    .with_profile(Funie),
     row(
         "uicm",
         "colorfulness: spread of the opponent colors, less their shift from gray",
         -7.7..=58.0,
         uicm::table1,
     )
-    .with(Table1),
+    .with_profile(Table1),
     row(
         "uism",
         "sharpness: contrast of edges, channel by channel",
         0.0..=26.0,
         uism::panetta,
     )
-    .with(Panetta),
+    .with_profile(Panetta),
     row(
         "uism",
         "sharpness: contrast of edges, channel by channel",
         0.0..=26.8,
         uism::funie,
     )
-    .with(Funie),
+    .with_profile(Funie),
     row(
         "uism",
         "sharpness: contrast of edges, channel by channel",
         0.0..=11.1,
         uism::table1,
     )
-    .with(Table1),
+    .with_profile(Table1),
     row(
         "uiconm",
         "contrast of blocks as an entropy-like mean",
         0.0..=0.368,
         uiconm::panetta,
     )
-    .with(Panetta),
+    .with_profile(Panetta),
     row(
         "uiconm",
         "contrast of blocks as an entropy-like mean",
         0.0..=0.368,
         uiconm::funie,
     )
-    .with(Funie),
+    .with_profile(Funie),
     row(
         "uiconm",
         "contrast of blocks as an entropy-like mean",
         -INFINITY..=INFINITY,
         uiconm::table1,
     )
-    .with(Table1),
+    .with_profile(Table1),
     sum(Panetta, -0.3..=10.7, &uiqm::PANETTA),
     sum(Funie, -0.3..=10.9, &uiqm::PANETTA),
     sum(Table1, -INFINITY..=INFINITY, &uiqm::TABLE1),

@@ -119,9 +119,10 @@ fn separable(picture: &Plane<u8>, clean: &Plane<u8>) -> f64 {
 
 /// Gaussian weights along one axis, of sum 1.
 fn weights() -> [f64; WINDOW_PX] {
-    let weight = |i: usize| (-0.5 * ((i as f64 - RADIUS_PX as f64) / SIGMA_PX).powi(2)).exp();
-    let sum: f64 = (0..WINDOW_PX).map(weight).sum();
-    std::array::from_fn(|i| weight(i) / sum)
+    let weights: [f64; WINDOW_PX] =
+        std::array::from_fn(|i| (-0.5 * ((i as f64 - RADIUS_PX as f64) / SIGMA_PX).powi(2)).exp());
+    let sum: f64 = weights.iter().sum();
+    weights.map(|weight| weight / sum)
 }
 
 /// The unchanged plane if windows fit, else with half a window of reflection around it.
@@ -130,11 +131,14 @@ fn extended(plane: &Plane<u8>) -> Cow<'_, Plane<u8>> {
     if width.min(height) >= WINDOW_PX {
         return Cow::Borrowed(plane);
     }
-    let source = |i: usize, n: usize| reflected(i as isize - RADIUS_PX as isize, n);
     Cow::Owned(Plane::from_fn(
         width + 2 * RADIUS_PX,
         height + 2 * RADIUS_PX,
-        |x, y| plane.pixel(source(x, width), source(y, height)),
+        |x, y| {
+            let x = reflected(x as isize - RADIUS_PX as isize, width);
+            let y = reflected(y as isize - RADIUS_PX as isize, height);
+            plane.pixel(x, y)
+        },
     ))
 }
 

@@ -18,12 +18,7 @@ const TABLE1_BLOCK_PX: usize = 4;
 
 /// UIConM of the article.
 pub(crate) fn panetta(work: &Work) -> f64 {
-    let sum = |codes: &[u8], sums: &mut [u16]| {
-        for (sum, p) in sums.iter_mut().zip(codes.chunks_exact(3)) {
-            *sum = u16::from(p[0]) + u16::from(p[1]) + u16::from(p[2]);
-        }
-    };
-    mean(work, BLOCK_PX, 1, sum, |low, high| {
+    mean(work, BLOCK_PX, 1, sum_channels, |low, high| {
         let (m, top) = (f64::from(low) / 3.0, f64::from(high) / 3.0);
         weighted_log((GAMMA * (top - m) / (GAMMA - m)) / (top + m - top * m / GAMMA))
     })
@@ -31,8 +26,7 @@ pub(crate) fn panetta(work: &Work) -> f64 {
 
 /// UIConM over the channels together.
 pub(crate) fn funie(work: &Work) -> f64 {
-    let copy = |codes: &[u8], row: &mut [u8]| row.copy_from_slice(&codes[..row.len()]);
-    mean(work, BLOCK_PX, 3, copy, |low, high| {
+    mean(work, BLOCK_PX, 3, copy_codes, |low, high| {
         let (m, top) = (f64::from(low), f64::from(high));
         weighted_log((top - m) / (top + m))
     })
@@ -40,14 +34,9 @@ pub(crate) fn funie(work: &Work) -> f64 {
 
 /// UIConM of the comparison table.
 pub(crate) fn table1(work: &Work) -> f64 {
-    let thirds = |codes: &[u8], sums: &mut [u8]| {
-        for (sum, p) in sums.iter_mut().zip(codes.chunks_exact(3)) {
-            *sum = p[0] / 3 + p[1] / 3 + p[2] / 3;
-        }
-    };
     // Many blocks share their extremes: each pair is computed once.
     let mut known = vec![None; 1 << 16];
-    mean(work, TABLE1_BLOCK_PX, 1, thirds, |low, high| {
+    mean(work, TABLE1_BLOCK_PX, 1, sum_thirds, |low, high| {
         let pair = usize::from(low) << 8 | usize::from(high);
         *known[pair].get_or_insert_with(|| match low {
             0 => 0.0,
@@ -74,8 +63,24 @@ fn mean<T: Copy + PartialOrd + Default>(
 /// The term of a block with these extremes.
 fn table1_term(m: f64, top: f64) -> f64 {
     let t = GAMMA * (m - top) / m / (GAMMA - top * m / GAMMA);
-    let phi = |z: f64| -GAMMA * (1.0 - z / GAMMA).ln();
-    GAMMA * (1.0 - (-phi(t) * phi(t.abs().ln()) / GAMMA).exp())
+    let [phi_t, phi_log] = [t, t.abs().ln()].map(|z| -GAMMA * (1.0 - z / GAMMA).ln());
+    GAMMA * (1.0 - (-phi_t * phi_log / GAMMA).exp())
+}
+
+fn sum_channels(codes: &[u8], sums: &mut [u16]) {
+    for (sum, p) in sums.iter_mut().zip(codes.chunks_exact(3)) {
+        *sum = u16::from(p[0]) + u16::from(p[1]) + u16::from(p[2]);
+    }
+}
+
+fn copy_codes(codes: &[u8], row: &mut [u8]) {
+    row.copy_from_slice(&codes[..row.len()]);
+}
+
+fn sum_thirds(codes: &[u8], sums: &mut [u8]) {
+    for (sum, p) in sums.iter_mut().zip(codes.chunks_exact(3)) {
+        *sum = p[0] / 3 + p[1] / 3 + p[2] / 3;
+    }
 }
 
 /// `-q ln q`.

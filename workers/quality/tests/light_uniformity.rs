@@ -82,8 +82,8 @@ fn exposure_does_not_matter() {
 
 #[test]
 fn a_lamp_moved_within_the_view_changes_it_little_beside_taking_it_away() {
-    let at = |u: f64, v: f64| uniformity(&floor((u, v), 1.0, 1.0));
-    let (center, beside) = (at(0.5, 0.375), at(0.6, 0.3));
+    let measure_lamp = |u: f64, v: f64| uniformity(&floor((u, v), 1.0, 1.0));
+    let (center, beside) = (measure_lamp(0.5, 0.375), measure_lamp(0.6, 0.3));
     let without = uniformity(&floor((0.5, 0.375), 0.0, 1.0));
     assert!(
         (center - beside).abs() < 0.2 * (without - center),
