@@ -47,8 +47,7 @@ pub fn unwatched<T>(compute: impl FnOnce() -> T) -> T {
 /// Unwinds with [`Cancelled`].
 #[inline]
 pub fn check() {
-    let is_set = |flag: &Arc<AtomicBool>| flag.load(Ordering::Relaxed);
-    if FLAG.with_borrow(|flag| flag.as_ref().is_some_and(is_set)) {
+    if FLAG.with_borrow(|flag| flag.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed))) {
         end();
     }
 }

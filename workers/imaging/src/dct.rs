@@ -114,13 +114,9 @@ struct Lines {
 impl Lines {
     fn new(length: usize) -> Self {
         let ffts = fft::double(length);
-        let twiddle = |k: usize| {
-            let angle = -std::f64::consts::FRAC_PI_2 * k as f64 / length as f64;
-            Complex::new(angle.cos(), angle.sin())
-        };
         Self {
             length,
-            twiddles: (0..length).map(twiddle).collect(),
+            twiddles: (0..length).map(|k| twiddle(k, length)).collect(),
             buffer: vec![Complex::default(); length],
             scratch: vec![Complex::default(); ffts.scratch],
             ffts,
@@ -145,12 +141,12 @@ impl Lines {
             .forward
             .process_with_scratch(&mut self.buffer, &mut self.scratch);
         for k in 0..self.length {
-            let here = self.buffer[k];
+            let current = self.buffer[k];
             let mirrored = self.buffer[if k == 0 { 0 } else { self.length - k }].conj();
-            let one = here + mirrored;
-            let two = here - mirrored;
+            let single = current + mirrored;
+            let two = current - mirrored;
             let twiddle = self.twiddles[k];
-            first[k] = 0.5 * (one.re * twiddle.re - one.im * twiddle.im);
+            first[k] = 0.5 * (single.re * twiddle.re - single.im * twiddle.im);
             if let Some(sample) = second.get_mut(k) {
                 // two = 2i V: its real part after division by 2i is im/2, its imaginary part -re/2.
                 *sample = 0.5 * (two.im * twiddle.re + two.re * twiddle.im);
@@ -166,13 +162,13 @@ impl Lines {
                 let mirrored = if k == 0 { 0.0 } else { line[self.length - k] };
                 Complex::new(line[k], -mirrored) * back
             };
-            let one = pair(first);
+            let single = pair(first);
             let two = if second.is_empty() {
                 Complex::default()
             } else {
                 pair(second)
             };
-            self.buffer[k] = Complex::new(one.re - two.im, one.im + two.re);
+            self.buffer[k] = Complex::new(single.re - two.im, single.im + two.re);
         }
         self.ffts
             .inverse
@@ -185,6 +181,12 @@ impl Lines {
             }
         }
     }
+}
+
+/// `exp(-iπk/2N)`.
+fn twiddle(k: usize, length: usize) -> Complex<f64> {
+    let angle = -std::f64::consts::FRAC_PI_2 * k as f64 / length as f64;
+    Complex::new(angle.cos(), angle.sin())
 }
 
 #[cfg(test)]

@@ -100,15 +100,22 @@ pub fn of_codes<const N: usize>(codes: &[u8], linear: [&[f64; 256]; 3]) -> [[f64
 #[must_use]
 pub fn to_linear([l, a, b]: [f64; 3], from_xyz: &[[f64; 3]; 3]) -> [f64; 3] {
     let y = (l + 16.0) / 116.0;
-    let light = |t: f64| {
-        if t > KNEE {
-            t * t * t
-        } else {
-            3.0 * KNEE * KNEE * (t - 4.0 / 29.0)
-        }
-    };
-    let xyz = [light(y + a / 500.0), light(y), light(y - b / 200.0)];
+    let xyz = [
+        invert_response(y + a / 500.0),
+        invert_response(y),
+        invert_response(y - b / 200.0),
+    ];
     from_xyz.map(|row| row[0] * xyz[0] + row[1] * xyz[1] + row[2] * xyz[2])
+}
+
+/// Inverse of [`response`].
+#[inline(always)]
+fn invert_response(t: f64) -> f64 {
+    if t > KNEE {
+        t * t * t
+    } else {
+        3.0 * KNEE * KNEE * (t - 4.0 / 29.0)
+    }
 }
 
 #[cfg(test)]

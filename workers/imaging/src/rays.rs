@@ -29,7 +29,7 @@ pub struct Cuboid {
 impl Cuboid {
     /// The box around a point, `meters` away on every side.
     #[must_use]
-    pub fn about(place: [f64; 3], meters: f64) -> Self {
+    pub fn centered(place: [f64; 3], meters: f64) -> Self {
         Self {
             low: place.map(|v| v - meters),
             high: place.map(|v| v + meters),
@@ -46,11 +46,9 @@ impl Cuboid {
     #[must_use]
     pub fn distances(&self, place: [f64; 3]) -> [f64; 2] {
         let sides = [0, 1, 2].map(|i| [self.low[i] - place[i], place[i] - self.high[i]]);
-        let length = |way: [f64; 3]| dot(way, way).sqrt();
-        [
-            length(sides.map(|[before, behind]| before.max(behind).max(0.0))),
-            length(sides.map(|[before, behind]| before.abs().max(behind.abs()))),
-        ]
+        let nearest = sides.map(|[before, behind]| before.max(behind).max(0.0));
+        let farthest = sides.map(|[before, behind]| before.abs().max(behind.abs()));
+        [nearest, farthest].map(|way| dot(way, way).sqrt())
     }
 }
 
@@ -201,7 +199,7 @@ mod tests {
             let farthest = cuboid.corners().map(away).into_iter().fold(0.0, f64::max);
             assert_eq!(cuboid.distances(place), [away(clamped), farthest]);
         }
-        assert_eq!(Cuboid::about([1.0; 3], 1.0).distances([1.0; 3])[0], 0.0);
+        assert_eq!(Cuboid::centered([1.0; 3], 1.0).distances([1.0; 3])[0], 0.0);
     }
 
     #[test]

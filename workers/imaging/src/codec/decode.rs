@@ -136,14 +136,14 @@ pub fn decode_radiance(bytes: &[u8]) -> Result<Radiance, DecodeError> {
         }
         _ => return Err(unsuitable(format!("an array of shape {shape:?}"))),
     };
-    let band = |c: usize| {
+    let [red, green, blue] = [0, 1, 2].map(|band| {
         plane(
             shape[1],
             shape[0],
-            data.iter().skip(c).step_by(3).copied().collect(),
+            data.iter().skip(band).step_by(3).copied().collect(),
         )
-    };
-    Rgb::new([band(0)?, band(1)?, band(2)?])
+    });
+    Rgb::new([red?, green?, blue?])
         .map(Radiance::Linear)
         .map_err(|error| DecodeError::Damaged {
             format: "NPY",

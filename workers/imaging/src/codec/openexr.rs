@@ -36,9 +36,10 @@ pub(super) fn announced_sides(bytes: &[u8]) -> Option<(usize, usize)> {
         .filter(|head| is_exr(head))?;
     let place = head.windows(NAME.len()).position(|window| window == NAME)? + NAME.len();
     let corners = head.get(place..place + 16)?.as_chunks::<4>().0;
-    let at = |index: usize| i64::from(i32::from_le_bytes(corners[index]));
-    let side = |first: i64, last: i64| usize::try_from(last - first + 1).ok();
-    Some((side(at(0), at(2))?, side(at(1), at(3))?))
+    let [left, top, right, bottom] = [0, 1, 2, 3].map(|i: usize| i64::from(i32::from_le_bytes(corners[i])));
+    let width = usize::try_from(right - left + 1).ok()?;
+    let height = usize::try_from(bottom - top + 1).ok()?;
+    Some((width, height))
 }
 
 /// Decodes the channels R, G and B.
@@ -76,8 +77,11 @@ fn decode(bytes: &[u8], names: &[&str], wanted: &'static str) -> Result<Vec<Plan
     let unsuitable = |found| DecodeError::Unsuitable { found, wanted };
     let found = find(reader.headers(), names).ok_or_else(|| unsuitable(listed(reader.headers())))?;
     let header = reader.headers()[found.part].clone();
-    let is_number = |&channel: &usize| header.channels.list[channel].sample_type != SampleType::U32;
-    if !found.channels.iter().all(is_number) {
+    let has_integers = found
+        .channels
+        .iter()
+        .any(|&channel| header.channels.list[channel].sample_type == SampleType::U32);
+    if has_integers {
         return Err(unsuitable("channels of integers".to_owned()));
     }
     let Vec2(width, height) = header.layer_size;
@@ -133,24 +137,28 @@ fn find(headers: &[Header], names: &[&str]) -> Option<Found> {
     let mut found: Vec<(&str, Found)> = Vec::new();
     let texts: Vec<Vec<String>> = headers.iter().map(channel_names).collect();
     for (part, texts) in texts.iter().enumerate() {
-        let position = |name: String| texts.iter().position(|text| *text == name);
         let layers = texts.iter().filter_map(|text| text.strip_suffix(names[0]));
         for layer in layers.filter(|layer| layer.is_empty() || layer.ends_with('.')) {
-            let channels = names.iter().map(|name| position(format!("{layer}{name}")));
+            let channels = names.iter().map(|name| {
+                let name = format!("{layer}{name}");
+                texts.iter().position(|text| *text == name)
+            });
             let is_vector = names == ["Z"]
                 && ["X", "Y"]
                     .iter()
-                    .all(|axis| position(format!("{layer}{axis}")).is_some());
+                    .all(|axis| texts.contains(&format!("{layer}{axis}")));
             if let (Some(channels), false) = (channels.collect(), is_vector) {
                 found.push((layer, Found { part, channels }));
             }
         }
     }
     let only = found.len() == 1;
-    let is_meant = |(layer, _): &(&str, Found)| only || layer.is_empty() || layer.ends_with(PICTURE_LAYER);
     // Channels without a layer come first.
     found.sort_by_key(|(layer, _)| !layer.is_empty());
-    found.into_iter().find(is_meant).map(|(_, found)| found)
+    let mut found = found.into_iter();
+    found
+        .find(|(layer, _)| only || layer.is_empty() || layer.ends_with(PICTURE_LAYER))
+        .map(|(_, found)| found)
 }
 
 fn channel_names(header: &Header) -> Vec<String> {

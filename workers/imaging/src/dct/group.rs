@@ -16,12 +16,7 @@ pub(super) struct Group {
 
 impl Group {
     /// The columns below a limit with their mirrors, for this width: self-mirrored ones first.
-    pub(super) fn below(limit: usize, width: usize) -> impl Iterator<Item = Self> {
-        let alone = |low| Self {
-            low,
-            count: 1,
-            mirrored: low,
-        };
+    pub(super) fn select_below(limit: usize, width: usize) -> impl Iterator<Item = Self> {
         let middle = (width > 1 && width.is_multiple_of(2)).then_some(width / 2);
         let pairs = width.div_ceil(2);
         let joined = (1..pairs).step_by(TILE).map(move |low| {
@@ -32,8 +27,12 @@ impl Group {
                 mirrored: width + 1 - low - count,
             }
         });
-        let all = (0..width.min(1)).chain(middle).map(alone).chain(joined);
-        all.filter(move |group| group.low < limit)
+        let single = (0..width.min(1)).chain(middle).map(|low| Self {
+            low,
+            count: 1,
+            mirrored: low,
+        });
+        single.chain(joined).filter(move |group| group.low < limit)
     }
 
     /// Number of columns below the limit. Columns ascend within both halves; the mirrored ones are larger.
@@ -95,7 +94,7 @@ impl Group {
 
     /// Applies a butterfly to each column and its mirror.
     #[inline(always)]
-    pub(super) fn across(
+    pub(super) fn apply(
         self,
         lines: &mut [Complex<f32>],
         twiddles: &[Complex<f32>],

@@ -5,6 +5,7 @@
 //! complete plane does not fit there, and writing and reading it would take longer than the FFT.
 
 use super::group::{Group, TILE};
+use super::twiddle;
 use crate::fft::{self, Complex, Ffts};
 use crate::{cancel, vectorized};
 
@@ -29,13 +30,13 @@ struct Axis {
 
 impl Axis {
     fn new(length: usize) -> Self {
-        let twiddle = |k: usize| {
-            let angle = -std::f64::consts::FRAC_PI_2 * k as f64 / length as f64;
-            Complex::new(angle.cos() as f32, angle.sin() as f32)
-        };
+        let twiddles = (0..length).map(|k| {
+            let twiddle = twiddle(k, length);
+            Complex::new(twiddle.re as f32, twiddle.im as f32)
+        });
         Self {
             ffts: fft::single(length),
-            twiddles: (0..length).map(twiddle).collect(),
+            twiddles: twiddles.collect(),
         }
     }
 }
@@ -90,17 +91,17 @@ impl PairDct {
                 .forward
                 .process_with_scratch(row, &mut self.scratch);
         }
-        for group in Group::below(columns, self.width) {
+        for group in Group::select_below(columns, self.width) {
             let lines = &mut self.tile[..group.columns() * self.height];
             group.load(&self.plane, self.width, lines, self.height);
-            vectorized!(group.across(lines, &self.rows.twiddles, self.height, forward_butterfly));
+            vectorized!(group.apply(lines, &self.rows.twiddles, self.height, forward_butterfly));
             let lines = &mut lines[..group.below_limit(columns) * self.height];
             self.columns
                 .ffts
                 .forward
                 .process_with_scratch(lines, &mut self.scratch);
             for (p, line) in group.places().zip(lines.chunks_exact_mut(self.height)) {
-                vectorized!(along(line, &self.columns.twiddles, forward_butterfly));
+                vectorized!(apply_along(line, &self.columns.twiddles, forward_butterfly));
                 take(p, line);
             }
         }
@@ -118,19 +119,19 @@ impl PairDct {
         if self.plane.is_empty() {
             return;
         }
-        for group in Group::below(self.width, self.width) {
+        for group in Group::select_below(self.width, self.width) {
             let lines = &mut self.tile[..group.columns() * self.height];
             let (some, none) = lines.split_at_mut(group.below_limit(columns) * self.height);
             for (p, line) in group.places().zip(some.chunks_exact_mut(self.height)) {
                 fill(p, line);
-                vectorized!(along(line, &self.columns.twiddles, inverse_butterfly));
+                vectorized!(apply_along(line, &self.columns.twiddles, inverse_butterfly));
             }
             self.columns
                 .ffts
                 .inverse
                 .process_with_scratch(some, &mut self.scratch);
             none.fill(Complex::default());
-            vectorized!(group.across(lines, &self.rows.twiddles, self.height, inverse_butterfly));
+            vectorized!(group.apply(lines, &self.rows.twiddles, self.height, inverse_butterfly));
             group.store(lines, self.height, &mut self.plane, self.width);
         }
         let scale = 1.0 / (self.width * self.height) as f32;
@@ -147,7 +148,7 @@ impl PairDct {
 
 /// Applies a butterfly to numbers k and N−k of a line, k = 1 … N/2; number 0 is unchanged.
 #[inline(always)]
-fn along(
+fn apply_along(
     line: &mut [Complex<f32>],
     twiddles: &[Complex<f32>],
     butterfly: impl Fn(Complex<f32>, &mut Complex<f32>, &mut Complex<f32>),

@@ -23,7 +23,7 @@ impl Encoder {
         let thresholds: Vec<f32> = (1..=255u8).map(threshold).collect();
         let first = (LOWEST.to_bits() >> SHIFT) as usize;
         let last = (1.0f32.to_bits() >> SHIFT) as usize;
-        let bucket = |index: usize| {
+        let buckets = (first..=last).map(|index| {
             let start = f32::from_bits((index as u32) << SHIFT);
             let code = thresholds.partition_point(|&t| t <= start);
             let threshold = thresholds.get(code).copied().unwrap_or(f32::INFINITY);
@@ -31,10 +31,10 @@ impl Encoder {
                 threshold,
                 code: code as u8,
             }
-        };
+        });
         Self {
             first,
-            buckets: (first..=last).map(bucket).collect(),
+            buckets: buckets.collect(),
         }
     }
 
@@ -79,8 +79,8 @@ mod tests {
     fn codes_equal_the_reference_at_every_threshold_and_its_neighbors() {
         let encoder = Encoder::new();
         for code in 1..=255u8 {
-            let at = threshold(code).to_bits();
-            for bits in at - 3..=at + 3 {
+            let position = threshold(code).to_bits();
+            for bits in position - 3..=position + 3 {
                 let l = f32::from_bits(bits);
                 assert_eq!(encoder.code(l), reference(l), "{l:e}");
             }

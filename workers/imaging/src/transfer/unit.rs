@@ -42,10 +42,12 @@ impl Curve {
     fn new(bright: fn(f64) -> f64, foot: f64, slope: f64) -> Self {
         let (foot, slope) = (foot as f32, slope as f32);
         let first = foot.to_bits() >> SHIFT;
-        let edge = |bucket: u32| f64::from(f32::from_bits(bucket << SHIFT));
-        let buckets = first..=ONE >> SHIFT;
-        let parabolas = buckets
-            .map(|bucket| parabola(bright, edge(bucket), edge(bucket + 1)))
+        let parabolas = (first..=ONE >> SHIFT)
+            .map(|bucket| {
+                let [start, end] =
+                    [bucket, bucket + 1].map(|bucket| f64::from(f32::from_bits(bucket << SHIFT)));
+                parabola(bright, start, end)
+            })
             .collect();
         Self {
             foot,

@@ -119,8 +119,8 @@ proptest! {
         ];
         for mut bytes in files {
             for (at, value) in &changes {
-                let at = at.index(bytes.len());
-                bytes[at] = *value;
+                let position = at.index(bytes.len());
+                bytes[position] = *value;
             }
             decode_all(&bytes);
             bytes.truncate(kept.index(bytes.len()));

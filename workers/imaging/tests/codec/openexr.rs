@@ -142,12 +142,12 @@ fn the_picture_among_the_passes_of_a_renderer_is_found() {
 #[test]
 fn a_size_beyond_the_limits_is_refused_from_the_header() {
     let mut bytes = picture();
-    let at = bytes
+    let index = bytes
         .windows(10)
         .position(|window| window == b"dataWindow")
         .unwrap();
     // The name, the type `box2i`, the length and the upper left corner come before the last column.
-    let last_column = at + "dataWindow\0box2i\0".len() + 4 + 8;
+    let last_column = index + "dataWindow\0box2i\0".len() + 4 + 8;
     bytes[last_column..last_column + 4].copy_from_slice(&[0xff, 0xff, 0, 0]);
     let error = codec::decode_radiance(&bytes).unwrap_err();
     assert!(matches!(error, DecodeError::TooLarge { .. }), "{error}");
@@ -170,8 +170,8 @@ fn damaged_files_are_errors_or_pictures_and_never_a_panic() {
         // The header more often than the pixels.
         let reach = if round % 4 == 0 { bytes.len() } else { 400 };
         for _ in 0..1 + round % 3 {
-            let at = next() as usize % reach;
-            bytes[at] = match next() % 3 {
+            let position = next() as usize % reach;
+            bytes[position] = match next() % 3 {
                 0 => 0,
                 1 => 255,
                 _ => next() as u8,
