@@ -33,7 +33,7 @@ impl Measured {
         }
     }
 
-    fn over(self, mean: f64) -> Self {
+    fn relative_to(self, mean: f64) -> Self {
         match self {
             Self::Value(value) if mean > 0.0 => Self::Value(value / mean),
             _ => Self::NotMeasured,
@@ -96,16 +96,14 @@ impl Comparison {
             size: truth.size,
             side,
         };
-        let is_cut = |block: &Vec<usize>| range.is_some_and(|range| has_edge(range, block));
-        let (edges, smooth): (Vec<_>, Vec<_>) = blocks.each().partition(is_cut);
-        let compare = |blocks: &[Vec<usize>]| {
-            let channel = |channel| difference(model, truth, part, channel, blocks);
-            (!blocks.is_empty()).then(|| [0, 1, 2].map(channel))
-        };
-        Self {
-            smooth: compare(&smooth),
-            edges: compare(&edges),
-        }
+        let (edges, smooth): (Vec<_>, Vec<_>) = blocks
+            .pixels()
+            .partition(|block| range.is_some_and(|range| has_edge(range, block)));
+        let [smooth, edges] = [smooth, edges].map(|blocks| {
+            (!blocks.is_empty())
+                .then(|| [0, 1, 2].map(|channel| difference(model, truth, part, channel, &blocks)))
+        });
+        Self { smooth, edges }
     }
 }
 
@@ -145,9 +143,9 @@ fn difference(
         model: own,
         bias,
         confidence: CONFIDENCE * bias_error,
-        relative_bias: bias.over(mean),
+        relative_bias: bias.relative_to(mean),
         rms,
-        relative_rms: rms.over(mean),
+        relative_rms: rms.relative_to(mean),
         resolved,
     }
 }
@@ -155,12 +153,15 @@ fn difference(
 /// Whether two neighbors inside the block form an occlusion edge.
 fn has_edge(range: &Plane<f32>, block: &[usize]) -> bool {
     let width = range.width();
-    let at = |i: usize| range.data()[i];
-    let apart =
-        |a: f32, b: f32| !is_hole(a) && !is_hole(b) && f64::from(a.max(b)) > EDGE * f64::from(a.min(b));
-    let has = |i: usize| block.binary_search(&i).is_ok();
     block.iter().any(|&i| {
-        let right = (i + 1) % width != 0 && has(i + 1) && apart(at(i), at(i + 1));
-        right || (has(i + width) && apart(at(i), at(i + width)))
+        let has_right = (i + 1) % width != 0;
+        let neighbors = [has_right.then_some(i + 1), Some(i + width)];
+        neighbors.into_iter().flatten().any(|other| {
+            block.binary_search(&other).is_ok() && are_apart(range.data()[i], range.data()[other])
+        })
     })
+}
+
+fn are_apart(a: f32, b: f32) -> bool {
+    !is_hole(a) && !is_hole(b) && f64::from(a.max(b)) > EDGE * f64::from(a.min(b))
 }

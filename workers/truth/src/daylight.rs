@@ -39,12 +39,12 @@ impl Sea {
 fn sky_irradiance() -> f64 {
     // In μ = μ_c + (1 − μ_c) u², since R starts as a square root at the edge of the cone.
     let width = 1.0 - CRITICAL_COSINE;
-    let step = |k: usize| {
+    let steps = (0..STEPS).map(|k| {
         let u = (k as f64 + 0.5) / STEPS as f64;
         let cosine = CRITICAL_COSINE + width * u * u;
         (1.0 - fresnel(cosine)) * cosine * 2.0 * width * u
-    };
-    TAU * (0..STEPS).map(step).sum::<f64>() / STEPS as f64
+    });
+    TAU * steps.sum::<f64>() / STEPS as f64
 }
 
 #[cfg(test)]

@@ -146,7 +146,7 @@ pub struct Blocks {
 
 impl Blocks {
     /// The pixels of each square by row-major number.
-    pub fn each(self) -> impl Iterator<Item = Vec<usize>> {
+    pub fn pixels(self) -> impl Iterator<Item = Vec<usize>> {
         let (width, height) = self.size;
         let corners = (0..height).step_by(self.side);
         let corners = corners.flat_map(move |y| (0..width).step_by(self.side).map(move |x| (x, y)));
@@ -214,14 +214,15 @@ impl Estimate {
             side,
         };
         let mut errors: Vec<f64> = blocks
-            .each()
+            .pixels()
             .map(|pixels| self.mean(&pixels, channel, Part::All).error)
             .collect();
         errors.sort_by(f64::total_cmp);
-        let at = |share: f64| errors[((errors.len() - 1) as f64 * share).round() as usize];
+        let [median, percentile_95] =
+            [0.5, 0.95].map(|share| errors[((errors.len() - 1) as f64 * share).round() as usize]);
         Spread {
-            median: at(0.5),
-            percentile_95: at(0.95),
+            median,
+            percentile_95,
         }
     }
 
@@ -242,9 +243,9 @@ mod tests {
             size: (5, 3),
             side: 2,
         };
-        let mut all: Vec<usize> = blocks.each().flatten().collect();
+        let mut all: Vec<usize> = blocks.pixels().flatten().collect();
         all.sort_unstable();
         assert_eq!(all, (0..15).collect::<Vec<_>>());
-        assert_eq!(blocks.each().next(), Some(vec![0, 1, 5, 6]));
+        assert_eq!(blocks.pixels().next(), Some(vec![0, 1, 5, 6]));
     }
 }

@@ -150,7 +150,7 @@ impl Shutter {
     /// Traces samples of some pixels, in the order of their numbers.
     #[must_use]
     pub fn trace(&self, scene: &Scene<'_>, pixels: Range<usize>, samples: &Range<u64>) -> Vec<Pixel> {
-        let pixel = |number: usize| {
+        let traced = pixels.map(|number| {
             let ray = self
                 .camera
                 .ray((number % self.width) as f64, (number / self.width) as f64);
@@ -172,7 +172,7 @@ impl Shutter {
                 samples.clone(),
                 self.is_shared,
             )
-        };
-        pixels.map(pixel).collect()
+        });
+        traced.collect()
     }
 }

@@ -24,28 +24,31 @@ impl Lamp {
     /// The lamps among the validated lights of a frame.
     #[must_use]
     pub fn among(lights: &[Light]) -> Vec<Self> {
-        lights.iter().filter_map(Self::of).collect()
+        lights.iter().filter_map(Self::from_light).collect()
     }
 
-    fn of(light: &Light) -> Option<Self> {
-        let lamp = |place: [f64; 3], intensity, radius_m: f64| Self {
-            place: place.into(),
-            intensity,
-            beam: None,
-            radius_m: radius_m.max(LAMP_RADIUS_M),
-            disc_m: radius_m,
-        };
+    fn from_light(light: &Light) -> Option<Self> {
         match light {
             Light::Haze(_) => None,
-            Light::Point(point) => Some(lamp(point.position_m, point.intensity, point.radius_m)),
+            Light::Point(point) => Some(Self::isotropic(point.position_m, point.intensity, point.radius_m)),
             Light::Spot(spot) => {
                 let axis = DVec3::from(spot.direction).normalized();
                 let cosine = spot.cone_deg.to_radians().cos().max(0.0);
                 Some(Self {
                     beam: Some((axis, cosine)),
-                    ..lamp(spot.position_m, spot.intensity, spot.radius_m)
+                    ..Self::isotropic(spot.position_m, spot.intensity, spot.radius_m)
                 })
             }
+        }
+    }
+
+    fn isotropic(place: [f64; 3], intensity: [f64; 3], radius_m: f64) -> Self {
+        Self {
+            place: place.into(),
+            intensity,
+            beam: None,
+            radius_m: radius_m.max(LAMP_RADIUS_M),
+            disc_m: radius_m,
         }
     }
 

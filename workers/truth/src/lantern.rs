@@ -19,7 +19,7 @@ use imaging::random::Stream;
 use imaging::vector::{DVec3, vec3};
 
 use crate::estimate::Level;
-use crate::phase::{Phase, about};
+use crate::phase::{Phase, tilt};
 use crate::water::Coefficients;
 use disc::Disc;
 use tally::Tally;
@@ -162,7 +162,7 @@ impl<'a> Follower<'a> {
             None => 2.0 * height,
             Some(cone) => (1.0 - cone.to_radians().cos()) * (1.0 - height.sqrt()),
         };
-        about(vec3(0.0, 0.0, 1.0), versine, azimuth)
+        tilt(vec3(0.0, 0.0, 1.0), versine, azimuth)
     }
 
     fn go(&mut self, mut photon: Photon, tally: &mut Tally) {

@@ -52,23 +52,27 @@ impl Phase {
 
     /// Tabulates a function for the share of light scattered within an angle, given as 1 − cos, up to a factor.
     fn from_shares(within: impl Fn(f64) -> f64) -> Self {
-        let angle = |k: usize| match k {
-            0 => 0.0,
-            k => FIRST * (PI / FIRST).powf((k - 1) as f64 / (BINS - 1) as f64),
-        };
-        let half_sine = |angle: f64| (0.5 * angle).sin();
-        let mut edges: Vec<f64> = (0..=BINS).map(|k| 2.0 * half_sine(angle(k)).powi(2)).collect();
+        let angles: Vec<f64> = (0..=BINS)
+            .map(|k| match k {
+                0 => 0.0,
+                k => FIRST * (PI / FIRST).powf((k - 1) as f64 / (BINS - 1) as f64),
+            })
+            .collect();
+        let mut edges: Vec<f64> = angles
+            .iter()
+            .map(|angle| 2.0 * (0.5 * angle).sin().powi(2))
+            .collect();
         edges[BINS] = 2.0;
         let whole = within(2.0);
         let mut shares: Vec<f64> = edges.iter().map(|&v| within(v) / whole).collect();
         (shares[0], shares[BINS]) = (0.0, 1.0);
-        let density = |k: usize| {
-            let (low, high) = (angle(k), angle(k + 1));
+        let densities = (0..BINS).map(|k| {
+            let (low, high) = (angles[k], angles[k + 1]);
             let width = 4.0 * PI * (0.5 * (low + high)).sin() * (0.5 * (high - low)).sin();
             (shares[k + 1] - shares[k]).max(0.0) / width
-        };
+        });
         Self {
-            densities: (0..BINS).map(density).collect(),
+            densities: densities.collect(),
             edges,
             shares,
         }
@@ -110,7 +114,7 @@ impl Phase {
     /// A random direction around a unit vector, from two random numbers.
     #[must_use]
     pub(crate) fn turn(&self, axis: DVec3, [angle, azimuth]: [f64; 2]) -> DVec3 {
-        about(axis, self.draw(angle), azimuth)
+        tilt(axis, self.draw(angle), azimuth)
     }
 
     /// b_b/b: the share of the light scattered backward.
@@ -140,7 +144,7 @@ fn henyey_greenstein_within(g: f64, v: f64) -> f64 {
 }
 
 /// The unit vector at an angle of `1 − cos` from a unit vector, at an azimuth in turns (frame: Duff et al. 2017).
-pub(crate) fn about(axis: DVec3, versine: f64, turns: f64) -> DVec3 {
+pub(crate) fn tilt(axis: DVec3, versine: f64, turns: f64) -> DVec3 {
     let sine = (versine * (2.0 - versine)).max(0.0).sqrt();
     let (sin, cos) = (2.0 * PI * turns).sin_cos();
     let sign = if axis.z >= 0.0 { 1.0 } else { -1.0 };
@@ -242,7 +246,7 @@ mod tests {
     fn turned_directions_keep_their_angle_and_length() {
         for axis in [vec3(0.0, 0.0, 1.0), vec3(0.0, 0.0, -1.0), vec3(0.6, -0.8, 0.0)] {
             for v in [1e-9, 0.3, 1.999] {
-                let turned = about(axis, v, 0.3);
+                let turned = tilt(axis, v, 0.3);
                 assert!((turned.length() - 1.0).abs() < 1e-14);
                 assert!((versine(axis, turned) / v - 1.0).abs() < 1e-6, "{v}");
             }

@@ -118,14 +118,14 @@ impl Truth {
     #[must_use]
     pub fn pictures(&self) -> [Rgb<f32>; 2] {
         let (width, height) = self.estimate.size;
-        let level = |x: usize, y: usize, i| self.estimate.pixel(y * width + x, i, Part::All);
         [
-            Rgb::from_fn(width, height, |x, y| {
-                [0, 1, 2].map(|i| level(x, y, i).mean as f32)
-            }),
-            Rgb::from_fn(width, height, |x, y| {
-                [0, 1, 2].map(|i| level(x, y, i).error as f32)
-            }),
+            |level: Level| level.mean as f32,
+            |level: Level| level.error as f32,
         ]
+        .map(|value| {
+            Rgb::from_fn(width, height, |x, y| {
+                [0, 1, 2].map(|i| value(self.estimate.pixel(y * width + x, i, Part::All)))
+            })
+        })
     }
 }

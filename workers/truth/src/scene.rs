@@ -65,7 +65,7 @@ impl Scene<'_> {
                 distance: hit.distance,
                 met: Met::Surface {
                     hit,
-                    material: self.surfaces.at(&hit, place),
+                    material: self.surfaces.material(&hit, place),
                 },
             };
         }

@@ -99,7 +99,7 @@ impl<'a> Picture<'a> {
         }
     }
 
-    fn at(&self, place: DVec3) -> Material {
+    fn material(&self, place: DVec3) -> Material {
         let air = self.pixel(place).map_or(self.mean, |(x, y)| {
             self.radiance
                 .planes()
@@ -120,8 +120,8 @@ impl<'a> Picture<'a> {
     fn pixel(&self, place: DVec3) -> Option<(usize, usize)> {
         let (width, height) = self.range.size();
         let index = |offset: f64, center: f64, count: usize| {
-            let at = (self.camera.focal_px * offset / place.z + center).round();
-            (at >= 0.0 && at < count as f64).then_some(at as usize)
+            let position = (self.camera.focal_px * offset / place.z + center).round();
+            (position >= 0.0 && position < count as f64).then_some(position as usize)
         };
         if place.z <= 0.0 {
             return None;
@@ -136,13 +136,13 @@ impl<'a> Picture<'a> {
 impl Surfaces<'_> {
     /// The material at a hit point.
     #[must_use]
-    pub fn at(&self, hit: &Hit, place: DVec3) -> Material {
+    pub fn material(&self, hit: &Hit, place: DVec3) -> Material {
         match self {
             Self::ByObject(materials) => materials
                 .get(hit.object as usize)
                 .copied()
                 .unwrap_or(Material::BLACK),
-            Self::Picture(picture) => picture.at(place),
+            Self::Picture(picture) => picture.material(place),
         }
     }
 }

@@ -7,7 +7,7 @@ use imaging::rays::leaving;
 use imaging::vector::DVec3;
 
 use crate::dice::{Address, Dice};
-use crate::phase::{about, versine};
+use crate::phase::{tilt, versine};
 use crate::scene::{Along, End, Met, Scene};
 use crate::sea::fresnel;
 
@@ -101,9 +101,9 @@ impl<'s, const N: usize> Walk<'s, N> {
 
     /// Follows the path to its end. Returns whether a limit ended it.
     fn follow(&mut self, mut along: Along) -> bool {
-        let mut from = 0.0;
+        let mut start = 0.0;
         for segment in 0..MOST_SEGMENTS {
-            let end = self.scene.end(along, from);
+            let end = self.scene.end(along, start);
             self.lamps_along(along, &end);
             let event = if segment == 0 && N == 1 {
                 self.split(along, &end)
@@ -118,7 +118,7 @@ impl<'s, const N: usize> Walk<'s, N> {
             let Some(next) = next.filter(|_| self.survives()) else {
                 return false;
             };
-            (along, from) = next;
+            (along, start) = next;
             if self.dice.is_exhausted() {
                 return true;
             }
@@ -272,7 +272,7 @@ impl<'s, const N: usize> Walk<'s, N> {
                     Some(toward) => self.scene.phase.turn(toward, self.dice.pair()),
                     None => {
                         let [height, azimuth] = self.dice.pair();
-                        about(normal, 1.0 - (1.0 - height).sqrt(), azimuth)
+                        tilt(normal, 1.0 - (1.0 - height).sqrt(), azimuth)
                     }
                 };
                 let cosine = normal.dot(direction);
@@ -316,16 +316,15 @@ impl<'s, const N: usize> Walk<'s, N> {
             return;
         }
         let lamps = &self.scene.lamps;
-        let toward = |lamp: &crate::Lamp| {
+        let densities = lamps.iter().map(|lamp| {
             let away = lamp.place + -place;
-            let density = |toward| self.scene.phase.density(versine(toward, direction));
             if away.length() > 0.0 {
-                density(away.normalized())
+                self.scene.phase.density(versine(away.normalized(), direction))
             } else {
                 wanted
             }
-        };
-        let aimed = lamps.iter().map(toward).sum::<f64>() / lamps.len() as f64;
+        });
+        let aimed = densities.sum::<f64>() / lamps.len() as f64;
         let factor = wanted / (0.5 * wanted + 0.5 * aimed);
         self.weight.iter_mut().for_each(|weight| *weight *= factor);
     }

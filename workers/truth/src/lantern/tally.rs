@@ -35,8 +35,8 @@ impl Tally {
                 continue;
             }
             let distance = (wall - photon.place.z) / photon.direction.z;
-            let at = photon.place + photon.direction * distance;
-            let angle = at.x.hypot(at.y).atan2(wall).to_degrees();
+            let position = photon.place + photon.direction * distance;
+            let angle = position.x.hypot(position.y).atan2(wall).to_degrees();
             let ring = bench.rings_deg.partition_point(|&edge| edge <= angle);
             if let Some(sum) = self.walls.get_mut(number * bench.rings_deg.len() + ring)
                 && ring < bench.rings_deg.len()
@@ -64,7 +64,7 @@ impl Tally {
                     let meters = depth / cos;
                     let light = photon.weight * (-bench.water.attenuation() * meters).exp()
                         / (2.0 * PI * radius * cos);
-                    self.see(bench, number, camera, photon, light, || disc.at(cosine));
+                    self.see(bench, number, camera, photon, light, || disc.mean(cosine));
                 }
             }
         }
@@ -104,32 +104,28 @@ impl Tally {
 
     /// Means over batches; `scale` converts the sum of a batch to light.
     pub(super) fn levels(bench: &Bench, batches: &[Self], scale: f64, photons: u64) -> Shone {
-        let of = |pick: &dyn Fn(&Self) -> f64| -> Level {
-            let values: Vec<f64> = batches.iter().map(|batch| scale * pick(batch)).collect();
-            level(&values)
-        };
         let (walls, cameras, rings) = (bench.walls_m.len(), bench.cameras_m.len(), bench.rings_deg.len());
-        let glow = |look: usize, wall: usize, camera: usize| {
-            let place = (look * walls + wall) * cameras + camera;
-            Glow {
-                once: of(&|batch| batch.glow[place][0]),
-                all: of(&|batch| batch.glow[place][1]),
-            }
-        };
-        let scattered = |wall: usize, ring: usize| {
-            let area = bench.ring_area(wall, ring);
-            of(&|batch| batch.walls[wall * rings + ring] / area)
-        };
+        let glow = (0..bench.looks_deg.len() * walls * cameras).map(|place| {
+            let [once, all] =
+                [0, 1].map(|order: usize| batch_level(batches, |batch| scale * batch.glow[place][order]));
+            Glow { once, all }
+        });
+        let glow: Vec<Glow> = glow.collect();
+        let scattered = (0..walls).map(|wall| {
+            let rings = (0..rings).map(|ring| {
+                let area = bench.ring_area(wall, ring);
+                batch_level(batches, |batch| scale * (batch.walls[wall * rings + ring] / area))
+            });
+            rings.collect()
+        });
         Shone {
             glow: (0..bench.looks_deg.len())
                 .map(|look| {
-                    let row = |wall| (0..cameras).map(|camera| glow(look, wall, camera)).collect();
-                    (0..walls).map(row).collect()
+                    let rows = glow[look * walls * cameras..].chunks(cameras.max(1));
+                    rows.take(walls).map(<[Glow]>::to_vec).collect()
                 })
                 .collect(),
-            scattered: (0..walls)
-                .map(|wall| (0..rings).map(|ring| scattered(wall, ring)).collect())
-                .collect(),
+            scattered: scattered.collect(),
             photons,
         }
     }
@@ -139,17 +135,18 @@ impl Bench {
     /// Inner and outer radius of a ring on a wall, m.
     #[must_use]
     pub fn ring_m(&self, wall: usize, ring: usize) -> [f64; 2] {
-        let radius = |degrees: f64| self.walls_m[wall] * degrees.to_radians().tan();
-        let inner = if ring == 0 {
-            0.0
-        } else {
-            radius(self.rings_deg[ring - 1])
-        };
-        [inner, radius(self.rings_deg[ring])]
+        let [inner, outer] = [ring.saturating_sub(1), ring]
+            .map(|ring| self.walls_m[wall] * self.rings_deg[ring].to_radians().tan());
+        [if ring == 0 { 0.0 } else { inner }, outer]
     }
 
     fn ring_area(&self, wall: usize, ring: usize) -> f64 {
         let [inner, outer] = self.ring_m(wall, ring);
         PI * (outer * outer - inner * inner)
     }
+}
+
+fn batch_level(batches: &[Tally], sum: impl Fn(&Tally) -> f64) -> Level {
+    let values: Vec<f64> = batches.iter().map(sum).collect();
+    level(&values)
 }

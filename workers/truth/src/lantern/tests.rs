@@ -21,7 +21,7 @@ fn single(bench: &Bench, phase: &Phase, look_deg: f64, wall: f64, camera: f64) -
     let c = bench.water.attenuation();
     let (steps, end) = (200_000, (wall / cos).min(60.0));
     let cone = bench.cone_deg.map(|cone| cone.to_radians().cos());
-    let at = |i: usize| {
+    let steps_light = |i: usize| {
         let s = end * (i as f64 + 0.5) / steps as f64;
         let (x, z) = (camera + s * sin, s * cos);
         let r = x.hypot(z);
@@ -29,7 +29,7 @@ fn single(bench: &Bench, phase: &Phase, look_deg: f64, wall: f64, camera: f64) -
         let cosine = -(x * sin + z * cos) / r;
         profile * phase.density(1.0 - cosine) * (-c * (s + r)).exp() / (r * r)
     };
-    bench.water.scattering * (0..steps).map(at).sum::<f64>() * end / steps as f64
+    bench.water.scattering * (0..steps).map(steps_light).sum::<f64>() * end / steps as f64
 }
 
 #[test]

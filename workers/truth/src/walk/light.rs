@@ -43,13 +43,13 @@ impl<const N: usize> Walk<'_, N> {
             .max(0.0)
             .sqrt()
             .max(lamp.radius_m);
-        let from = (-nearest / offset).atan();
-        let to = if end.is_finite() {
+        let start = (-nearest / offset).atan();
+        let target = if end.is_finite() {
             ((end - nearest) / offset).atan()
         } else {
             FRAC_PI_2
         };
-        let beyond = offset * (from + unit * (to - from)).tan();
+        let beyond = offset * (start + unit * (target - start)).tan();
         let distance = nearest + beyond;
         if !(0.0..=end).contains(&distance) {
             return None;
@@ -66,7 +66,7 @@ impl<const N: usize> Walk<'_, N> {
         let scattered = self.scene.phase.density_toward(versine(toward, direction), cone);
         let murk = &self.scene.murk;
         let meters = murk.meters(origin, direction, distance) + murk.meters(place, toward, gap);
-        let stretch = (to - from) * (offset * offset + beyond * beyond) / offset;
+        let stretch = (target - start) * (offset * offset + beyond * beyond) / offset;
         let shape = murk.factor(place) * scattered * profile * stretch / (gap * gap);
         Some(self.channels.map(|channel| {
             let water = self.scene.water[channel];
@@ -83,7 +83,7 @@ impl<const N: usize> Walk<'_, N> {
         }
         let toward = away * (1.0 / reach);
         let shift = if lamp.disc_m > 0.0 {
-            across(toward, lamp.disc_m, self.dice.pair())
+            sample_disc(toward, lamp.disc_m, self.dice.pair())
         } else {
             DVec3::from([0.0; 3])
         };
@@ -176,7 +176,7 @@ impl<const N: usize> Walk<'_, N> {
 }
 
 /// A uniformly sampled point of a disc perpendicular to a unit vector.
-fn across(toward: DVec3, radius: f64, [distance, azimuth]: [f64; 2]) -> DVec3 {
+fn sample_disc(toward: DVec3, radius: f64, [distance, azimuth]: [f64; 2]) -> DVec3 {
     // The axes of Duff et al. 2017.
     let [x, y, z]: [f64; 3] = toward.into();
     let sign = if z >= 0.0 { 1.0 } else { -1.0 };

@@ -42,7 +42,7 @@ fn single(phase: &Phase, lamp: &Lamp, along: Along, end: f64, b: f64, c: f64) ->
     let offset = (lamp.place.dot(lamp.place) - nearest * nearest).sqrt();
     let (from, to) = ((-nearest / offset).atan(), ((end - nearest) / offset).atan());
     let steps = 20_000;
-    let at = |i: usize| {
+    let step = |i: usize| {
         let angle = from + (to - from) * (i as f64 + 0.5) / steps as f64;
         let reach = offset / angle.cos();
         let scattered = phase.density(1.0 + angle.sin());
@@ -50,7 +50,7 @@ fn single(phase: &Phase, lamp: &Lamp, along: Along, end: f64, b: f64, c: f64) ->
         let profile = lamp.profile(toward.normalized());
         profile * scattered * (-c * (nearest + offset * angle.tan() + reach)).exp()
     };
-    b / offset * (0..steps).map(at).sum::<f64>() * (to - from) / steps as f64
+    b / offset * (0..steps).map(step).sum::<f64>() * (to - from) / steps as f64
 }
 
 #[test]
@@ -111,18 +111,20 @@ fn unscattered_light_of_a_lamp_with_a_shadow_is_exact() {
             along.direction * (1.2 / along.direction.z),
             along.direction * (3.0 / along.direction.z),
         );
-        let through = |place: DVec3, low: [f64; 3], high: [f64; 3]| {
+        let is_inside = |place: DVec3, low: [f64; 3], high: [f64; 3]| {
             place.x > low[0] && place.x < high[0] && place.y > low[1] && place.y < high[1]
         };
         let (low, high) = ([-0.1, -0.2], [0.25, 0.25]);
         let steps = 2000;
         let hides = |from: DVec3, to: DVec3| {
             (1..steps).any(|i| {
-                let at = from + (to + -from) * (f64::from(i) / f64::from(steps));
-                at.z > 1.2 && at.z < 1.5 && through(at, [low[0], low[1], 0.0], [high[0], high[1], 0.0])
+                let position = from + (to + -from) * (f64::from(i) / f64::from(steps));
+                position.z > 1.2
+                    && position.z < 1.5
+                    && is_inside(position, [low[0], low[1], 0.0], [high[0], high[1], 0.0])
             })
         };
-        if through(near, [-0.13, -0.23, 0.0], [0.28, 0.28, 0.0]) || hides(vec3(0.0, 0.0, 0.0), far) {
+        if is_inside(near, [-0.13, -0.23, 0.0], [0.28, 0.28, 0.0]) || hides(vec3(0.0, 0.0, 0.0), far) {
             continue;
         }
         let away = lamp.place + -far;
@@ -308,7 +310,7 @@ fn a_lamp_and_the_place_it_is_seen_from_can_change_places() {
                 light.sum::<f64>() * 4.0 * PI * 32.0 / directions as f64
             })
             .collect();
-        Mean::of(&values)
+        Mean::from_batches(&values)
     };
     let [there, back] = [fluence(places[0], places[1]), fluence(places[1], places[0])];
     there.agrees(back.mean, back.error, "reciprocity");
@@ -329,7 +331,7 @@ fn a_path_of_all_channels_has_the_means_of_three() {
     let ray = along([0.1, 0.0, 1.0]);
     let paths = 30_000u64;
     for channel in 0..3u64 {
-        let of = |shared: bool| {
+        let measure = |shared: bool| {
             let mut batches = [0.0; 30];
             for sample in 0..paths {
                 let address = Address {
@@ -347,9 +349,9 @@ fn a_path_of_all_channels_has_the_means_of_three() {
                 };
                 batches[(sample % 30) as usize] += light * 30.0 / paths as f64;
             }
-            Mean::of(&batches)
+            Mean::from_batches(&batches)
         };
-        let (shared, single) = (of(true), of(false));
+        let (shared, single) = (measure(true), measure(false));
         shared.agrees(single.mean, single.error, &format!("channel {channel}"));
         assert!(single.error < 0.05 * single.mean, "{single:?}");
     }

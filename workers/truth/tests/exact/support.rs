@@ -33,8 +33,8 @@ impl Solid {
             Self::Block { low, high } => {
                 let (mut enter, mut leave) = ((f64::NEG_INFINITY, 0), (f64::INFINITY, 0));
                 for axis in 0..3 {
-                    let at = |place: f64| (place - origin[axis]) / direction[axis];
-                    let (a, b) = (at(low[axis]), at(high[axis]));
+                    let parameter = |place: f64| (place - origin[axis]) / direction[axis];
+                    let (a, b) = (parameter(low[axis]), parameter(high[axis]));
                     if a.min(b) > enter.0 {
                         enter = (a.min(b), axis);
                     }
@@ -106,7 +106,7 @@ pub(crate) struct Mean {
 }
 
 impl Mean {
-    pub(crate) fn of(values: &[f64]) -> Self {
+    pub(crate) fn from_batches(values: &[f64]) -> Self {
         let n = values.len() as f64;
         let mean = values.iter().sum::<f64>() / n;
         let square = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>();
@@ -147,5 +147,5 @@ pub(crate) fn radiance(scene: &Scene<'_>, along: Along, pixel: u64, paths: u64) 
             sums[ORDERS][batch] += share * light;
         }
     }
-    sums.map(|batches| Mean::of(&batches))
+    sums.map(|batches| Mean::from_batches(&batches))
 }
