@@ -54,9 +54,9 @@ struct Chaos {
 
 impl Chaos {
     fn start(&mut self) -> Option<Service> {
-        let point = SERVICE_POINTS[self.dice.below(SERVICE_POINTS.len() as u64) as usize];
-        let fault = match self.dice.below(3) {
-            0 => format!("{point}=abort@{}", 1 + self.dice.below(20)),
+        let point = SERVICE_POINTS[self.dice.draw(SERVICE_POINTS.len() as u64) as usize];
+        let fault = match self.dice.draw(3) {
+            0 => format!("{point}=abort@{}", 1 + self.dice.draw(20)),
             _ => String::new(),
         };
         let clock = self.folder.join("clock");
@@ -80,7 +80,7 @@ impl Chaos {
     /// Applies one random event while the service runs. Returns false if the service has ended.
     fn happen(&mut self, service: &mut Service, workers: &mut Vec<Worker>) -> bool {
         let address = service.url.trim_start_matches("http://").to_owned();
-        match self.dice.below(20) {
+        match self.dice.draw(20) {
             0..4 => {
                 let key = format!("{}", self.count.submitted);
                 self.count.submitted += 1;
@@ -89,7 +89,7 @@ impl Chaos {
             }
             4..6 => return false,
             6..8 => {
-                let number = self.dice.below(6);
+                let number = self.dice.draw(6);
                 let is_liar = number >= 4;
                 self.count.liars += u64::from(is_liar);
                 let fault = [("FATHOM_FAULTS", "record.wrong=flag")];
@@ -109,7 +109,7 @@ impl Chaos {
             10 => {
                 if let Some(worker) = workers.last() {
                     worker.signal("STOP");
-                    std::thread::sleep(Duration::from_millis(self.dice.below(500)));
+                    std::thread::sleep(Duration::from_millis(self.dice.draw(500)));
                     worker.signal("CONT");
                     self.count.suspended += 1;
                 }
@@ -123,8 +123,8 @@ impl Chaos {
             12..14 => self.free(),
             14..16 => {
                 self.count.jumps += 1;
-                let days = self.dice.below(41) as i64 - 20;
-                let text = format!("{:<12}", days * 86_400 + self.dice.below(1000) as i64);
+                let days = self.dice.draw(41) as i64 - 20;
+                let text = format!("{:<12}", days * 86_400 + self.dice.draw(1000) as i64);
                 let _ = std::fs::write(self.folder.join("clock"), text);
             }
             16 => {
@@ -138,9 +138,9 @@ impl Chaos {
             }
             17 => {
                 self.count.nonsense += 1;
-                let call = WORKER_CALLS[self.dice.below(WORKER_CALLS.len() as u64) as usize];
-                let body: Vec<u8> = (0..self.dice.below(300))
-                    .map(|_| self.dice.below(256) as u8)
+                let call = WORKER_CALLS[self.dice.draw(WORKER_CALLS.len() as u64) as usize];
+                let body: Vec<u8> = (0..self.dice.draw(300))
+                    .map(|_| self.dice.draw(256) as u8)
                     .collect();
                 let status = service.try_post_bytes(&format!("/v1/worker/{call}"), &body);
                 assert!(
@@ -148,7 +148,7 @@ impl Chaos {
                     "{call} takes nonsense: {status:?}"
                 );
             }
-            _ => std::thread::sleep(Duration::from_millis(self.dice.below(300))),
+            _ => std::thread::sleep(Duration::from_millis(self.dice.draw(300))),
         }
         service.is_alive()
     }
@@ -168,8 +168,8 @@ impl Chaos {
                 .filter_map(|(at, window)| (window == b"IDAT").then_some(at))
                 .collect();
             if path.extension().is_some_and(|end| end == "sqlite") && !pictures.is_empty() {
-                let at = pictures[self.dice.below(pictures.len() as u64) as usize] + 8;
-                bytes[at] ^= 1 << self.dice.below(8);
+                let position = pictures[self.dice.draw(pictures.len() as u64) as usize] + 8;
+                bytes[position] ^= 1 << self.dice.draw(8);
                 std::fs::write(&path, bytes).expect("a pack");
                 self.count.rotten += 1;
             }
@@ -212,7 +212,7 @@ fn everything_at_once() {
         };
         let mut workers = Vec::new();
         while chaos.happen(&mut service, &mut workers) && begun.elapsed() < Duration::from_secs(seconds) {
-            std::thread::sleep(Duration::from_millis(chaos.dice.below(40)));
+            std::thread::sleep(Duration::from_millis(chaos.dice.draw(40)));
         }
         match service.is_alive() {
             true => chaos.count.services_killed += 1,
@@ -221,7 +221,7 @@ fn everything_at_once() {
         service.kill();
         drop(workers);
         chaos.held.clear();
-        if chaos.dice.below(6) == 0 {
+        if chaos.dice.draw(6) == 0 {
             chaos.free();
             chaos.rot();
         }

@@ -193,9 +193,9 @@ fn the_cluster_has_one_store_one_broker_and_one_secret_for_it() {
         assert_eq!(option(serve, place), option(worker, place), "{place}");
     }
     for variable in STORE_VARIABLES.into_iter().chain(["FATHOM_ENGINE_TOKEN"]) {
-        let of = |service: &Value| service["environment"][variable].clone();
-        assert!(of(serve).is_string(), "{variable} is not set");
-        assert_eq!(of(serve), of(worker), "{variable}");
+        let value = |service: &Value| service["environment"][variable].clone();
+        assert!(value(serve).is_string(), "{variable} is not set");
+        assert_eq!(value(serve), value(worker), "{variable}");
     }
     let engine = option(serve, "--engine");
     let (host, port) = engine

@@ -55,9 +55,9 @@ fn kills_at_every_step_and_at_any_time_lose_nothing() {
         // Early or late in the life of the process. A worker lives long enough to finish its first lease: a frame with
         // three deaths in a row is correctly given up.
         let nth = match point {
-            point if point.starts_with("worker") => 6 + dice.below(8),
-            point if point.starts_with("submit") => 1 + dice.below(2),
-            _ => 1 + dice.below(8),
+            point if point.starts_with("worker") => 6 + dice.draw(8),
+            point if point.starts_with("submit") => 1 + dice.draw(2),
+            _ => 1 + dice.draw(8),
         };
         let fault = format!("{point}=abort@{nth}");
         let environment: &[(&str, &str)] = match kill % 4 {
@@ -82,7 +82,7 @@ fn kills_at_every_step_and_at_any_time_lose_nothing() {
                 acknowledged.push((key, id));
             }
         }
-        let until = Instant::now() + Duration::from_millis(40 + dice.below(600));
+        let until = Instant::now() + Duration::from_millis(40 + dice.draw(600));
         while service.is_alive() && Instant::now() < until {
             std::thread::sleep(Duration::from_millis(2));
         }

@@ -109,23 +109,23 @@ struct Damage {
 
 impl Damage {
     fn new(original: &Path, dice: &mut Dice) -> Self {
-        let file = match dice.below(100) < IN_CATALOGUE {
+        let file = match dice.draw(100) < IN_CATALOGUE {
             true => "catalogue.sqlite",
             false => "packs/pack-000001.sqlite",
         };
         let bytes = std::fs::read(original.join(file)).expect("a file");
-        let at = dice.below(bytes.len() as u64) as usize;
-        let is_bit = dice.below(2) == 0;
+        let position = dice.draw(bytes.len() as u64) as usize;
+        let is_bit = dice.draw(2) == 0;
         let byte = match is_bit {
-            true => bytes[at] ^ (1 << dice.below(8)),
+            true => bytes[position] ^ (1 << dice.draw(8)),
             // Another printable character.
-            false => (b'0'..=b'z').nth(dice.below(75) as usize).expect("75 characters"),
+            false => (b'0'..=b'z').nth(dice.draw(75) as usize).expect("75 characters"),
         };
         // The same character is not a damage.
-        let byte = if byte == bytes[at] { byte ^ 1 } else { byte };
+        let byte = if byte == bytes[position] { byte ^ 1 } else { byte };
         Self {
             file,
-            at,
+            at: position,
             byte,
             is_bit,
         }

@@ -68,12 +68,12 @@ fn serve(lie: Lie) -> String {
 }
 
 /// All paths below a folder.
-fn below(folder: &Path) -> BTreeSet<PathBuf> {
+fn list_paths(folder: &Path) -> BTreeSet<PathBuf> {
     let mut found = BTreeSet::new();
     for entry in std::fs::read_dir(folder).expect("a readable folder") {
         let path = entry.expect("a readable folder").path();
         if path.is_dir() && !path.is_symlink() {
-            found.extend(below(&path));
+            found.extend(list_paths(&path));
         }
         found.insert(path);
     }
@@ -138,7 +138,7 @@ fn a_lying_service_writes_nothing_outside_of_the_folder_and_no_file_with_another
             frame.join("0"),
         ]
         .into();
-        let written = below(folder.path());
+        let written = list_paths(folder.path());
         assert!(written.is_subset(&allowed), "lie {index} {row}: {written:?}");
     }
     assert!(!Path::new("/tmp/escape").exists() && !Path::new("/tmp/rgb.png").exists());

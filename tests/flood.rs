@@ -103,11 +103,11 @@ fn round(service: &Service, number: u64, id: &str) -> (u64, u64) {
             .map(|_| {
                 scope.spawn(|| {
                     loop {
-                        let at = next.fetch_add(1, Ordering::SeqCst);
-                        if at >= SUBMISSIONS {
+                        let position = next.fetch_add(1, Ordering::SeqCst);
+                        if position >= SUBMISSIONS {
                             break;
                         }
-                        match submit(service, &job(number * SUBMISSIONS + at)) {
+                        match submit(service, &job(number * SUBMISSIONS + position)) {
                             202 => accepted.fetch_add(1, Ordering::SeqCst),
                             503 => shed.fetch_add(1, Ordering::SeqCst),
                             status => panic!("a submission gave {status}"),

@@ -166,12 +166,12 @@ fn every_format_asks_for_a_frame_once_and_for_none_that_is_there() {
         assert!(first.status.success(), "{format}: {}", text(&first.stderr));
         let once: BTreeMap<u64, u32> = (0..FRAMES).map(|frame| (frame, 1)).collect();
         assert_eq!(taken(&asked), once, "{format}");
-        let files = below(folder.path());
+        let files = read_paths(folder.path());
         let again = export(&url, format, folder.path());
         assert!(again.status.success(), "{format}: {}", text(&again.stderr));
         assert!(text(&again.stdout).contains("(0 files fetched"), "{format}");
         assert_eq!(taken(&asked), BTreeMap::new(), "{format}");
-        assert_eq!(below(folder.path()), files, "{format}");
+        assert_eq!(read_paths(folder.path()), files, "{format}");
     }
 }
 
@@ -201,12 +201,12 @@ fn an_export_whose_service_vanished_goes_on_where_it_was() {
 }
 
 /// All paths below a folder with the bytes of files.
-fn below(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+fn read_paths(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut found = BTreeMap::new();
     for entry in std::fs::read_dir(folder).expect("a readable folder") {
         let path = entry.expect("a readable folder").path();
         if path.is_dir() && !path.is_symlink() {
-            found.extend(below(&path));
+            found.extend(read_paths(&path));
         } else {
             found.insert(path.clone(), std::fs::read(&path).unwrap_or_default());
         }
@@ -257,7 +257,7 @@ fn a_service_that_lies_about_records_masks_and_paths_completes_no_export() {
             text(&output.stderr)
         );
         assert!(text(&output.stderr).contains("the service sent"), "lie {index}");
-        for path in below(folder.path()).keys() {
+        for path in read_paths(folder.path()).keys() {
             assert!(path.starts_with(&out), "lie {index}: {}", path.display());
         }
         for name in ["SHA256SUMS", "metadata.jsonl", "annotations.json"] {

@@ -33,37 +33,37 @@ fn an_imported_set_is_shown_as_if_the_service_had_rendered_it() {
     );
     let importing = Service::start(&data(&work), &["--workers", "0"]);
     let rendering = Service::start(&work.folder().join("other"), &["--workers", "1", "--slots", "2"]);
-    let there = row["id"].as_str().expect("an id").to_owned();
-    let here = rendering.submit(&job(30));
-    let expected = rendering.finished(&here);
+    let remote = row["id"].as_str().expect("an id").to_owned();
+    let current = rendering.submit(&job(30));
+    let expected = rendering.finished(&current);
     for field in ["digest", "bytes", "dataset", "frames", "state"] {
         assert_eq!(row[field], expected[field], "{field}");
     }
     assert_eq!(row["set"], json!(work.set().canonicalize().expect("a set")));
-    assert_eq!(importing.get(&format!("/v1/jobs/{there}")).1, row);
+    assert_eq!(importing.get(&format!("/v1/jobs/{remote}")).1, row);
     for path in QUESTIONS {
-        let (status, expected) = rendering.get_bytes(&path.replace("JOB", &here));
+        let (status, expected) = rendering.get_bytes(&path.replace("JOB", &current));
         assert_eq!(status, 200, "{path}: {}", text(&expected));
-        let (_, shown) = importing.get_bytes(&path.replace("JOB", &there));
-        assert_eq!(text(&shown).replace(&there, &here), text(&expected), "{path}");
+        let (_, shown) = importing.get_bytes(&path.replace("JOB", &remote));
+        assert_eq!(text(&shown).replace(&remote, &current), text(&expected), "{path}");
     }
     for frame in 0..30 {
         for kind in KINDS {
             let path = |job: &str| format!("/v1/images/{job}/{frame}/artifacts/{kind}");
             assert_eq!(
-                importing.get_bytes(&path(&there)),
-                rendering.get_bytes(&path(&here)),
+                importing.get_bytes(&path(&remote)),
+                rendering.get_bytes(&path(&current)),
                 "{frame} {kind}"
             );
         }
     }
     let preview = |job: &str| format!("/v1/images/{job}/3/preview");
     assert_eq!(
-        importing.get_bytes(&preview(&there)),
-        rendering.get_bytes(&preview(&here))
+        importing.get_bytes(&preview(&remote)),
+        rendering.get_bytes(&preview(&current))
     );
     let (_, found) = importing.post(
-        &format!("/v1/images/{there}/5/verify"),
+        &format!("/v1/images/{remote}/5/verify"),
         &json!({"rerender": true}),
     );
     assert_eq!(

@@ -52,12 +52,12 @@ fn what_was_told_survives_a_power_cut() {
     let (mut told, mut unsafe_at_cuts, mut in_life) = (Vec::<(String, u64)>::new(), 0, 0);
     for number in 0..cuts {
         let _ = std::fs::remove_file(&log);
-        let at = (1 + dice.below(STEPS)).to_string();
+        let position = (1 + dice.draw(STEPS)).to_string();
         let environment = [
             ("LD_PRELOAD", library.to_str().expect("text")),
             ("FATHOM_POWER_FOLDER", folder.path().to_str().expect("text")),
             ("FATHOM_POWER_LOG", log.to_str().expect("text")),
-            ("FATHOM_POWER_CUT", &at),
+            ("FATHOM_POWER_CUT", &position),
         ];
         // A cut may happen during startup.
         if let Ok(mut service) = Service::launch(&data, &["--workers", "1", "--slots", "2"], &environment) {
@@ -77,7 +77,11 @@ fn what_was_told_survives_a_power_cut() {
         let lost = cut(&log, seed + number, folder.path());
         unsafe_at_cuts += u64::from(!lost.starts_with("0 writes and 0 names"));
         let accepted: Vec<&str> = told.iter().map(|(id, _)| id.as_str()).collect();
-        audit(&data, &accepted, &format!("cut {number} at step {at}: {lost}"));
+        audit(
+            &data,
+            &accepted,
+            &format!("cut {number} position step {position}: {lost}"),
+        );
     }
     let service = Service::start(&data, &["--workers", "1", "--slots", "2"]);
     for (id, done) in &told {

@@ -153,14 +153,14 @@ fn photos_that_cannot_be_learned_from_are_refused_at_once_and_the_others_taken()
     let data = tempfile::tempdir().unwrap();
     let service = Service::start(data.path(), &["--slots", "1"]);
     let before = names(&service);
-    let of = |side, pixel: fn(usize, usize) -> [u8; 3]| {
+    let encode_square = |side, pixel: fn(usize, usize) -> [u8; 3]| {
         encode_png(&Rgb8::from_fn(side, side, pixel).into()).unwrap()
     };
     let whole = photo();
     let bad = [
-        ("flat", of(100, |_, _| [9, 120, 180]), "flat"),
-        ("black", of(100, |_, _| [0; 3]), "flat"),
-        ("dot", of(1, |_, _| [9; 3]), "1×1"),
+        ("flat", encode_square(100, |_, _| [9, 120, 180]), "flat"),
+        ("black", encode_square(100, |_, _| [0; 3]), "flat"),
+        ("dot", encode_square(1, |_, _| [9; 3]), "1×1"),
         ("text", b"hello, world".to_vec(), "neither PNG"),
         ("empty", Vec::new(), "neither PNG"),
         ("cut", whole[..whole.len() / 2].to_vec(), "photo 1"),
@@ -278,8 +278,8 @@ fn a_disk_that_fills_while_training_ends_the_training_alone() {
 /// All files below a folder.
 fn walk(folder: &Path) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder).unwrap().flatten();
-    let below = |path: PathBuf| if path.is_dir() { walk(&path) } else { vec![path] };
-    entries.flat_map(|entry| below(entry.path())).collect()
+    let list = |path: PathBuf| if path.is_dir() { walk(&path) } else { vec![path] };
+    entries.flat_map(|entry| list(entry.path())).collect()
 }
 
 fn running(service: &Service, id: &Value) {

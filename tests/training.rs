@@ -96,11 +96,12 @@ fn a_photo_becomes_a_style_that_renders_without_any_library_and_the_threads_chan
 fn photos_that_cannot_be_learned_from_are_refused_with_the_reason_and_nothing_is_written() {
     let folder = temporary();
     let encode = |picture: imaging::Rgb8| imaging::codec::encode_png(&picture.into()).expect("a picture");
-    let of = |side, pixel: fn(usize, usize) -> [u8; 3]| encode(imaging::Rgb8::from_fn(side, side, pixel));
+    let encode_square =
+        |side, pixel: fn(usize, usize) -> [u8; 3]| encode(imaging::Rgb8::from_fn(side, side, pixel));
     let cases = [
-        ("black", of(100, |_, _| [0; 3]), "flat"),
-        ("flat", of(100, |_, _| [9, 120, 180]), "flat"),
-        ("dot", of(1, |_, _| [9; 3]), "1×1"),
+        ("black", encode_square(100, |_, _| [0; 3]), "flat"),
+        ("flat", encode_square(100, |_, _| [9, 120, 180]), "flat"),
+        ("dot", encode_square(1, |_, _| [9; 3]), "1×1"),
         ("text", b"not a picture".to_vec(), "picture"),
         ("nothing", Vec::new(), "picture"),
     ];

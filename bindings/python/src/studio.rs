@@ -22,12 +22,11 @@ impl Studio {
         if let Some(studio) = SHIPPED.get().filter(|_| is_shipped) {
             return Ok(Arc::clone(studio));
         }
-        let refused = |error: &dyn ToString| PyValueError::new_err(error.to_string());
-        let library = Library::embedded().map_err(|error| refused(&error))?;
         let library = match styles {
-            Some(folder) => library.with_dir(folder).map_err(|error| refused(&error))?,
-            None => library,
+            Some(folder) => Library::embedded().and_then(|library| library.with_dir(folder)),
+            None => Library::embedded(),
         };
+        let library = library.map_err(|error| PyValueError::new_err(error.to_string()))?;
         let studio = Arc::new(Self {
             engine: Arc::new(Engine::new(library, onnxruntime)),
             idle: Mutex::default(),
