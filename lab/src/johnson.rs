@@ -112,7 +112,7 @@ mod tests {
         assert!(model.needs_runtime() && Session::native(&model).is_none());
         let mut session = Runtime::load(None).unwrap().session(&model).unwrap();
         let frame = Rgb::from_fn(45, 38, |x, y| [x as f32 / 45.0, y as f32 / 38.0, 0.3]);
-        let styled = session.apply(&frame, style::Beside::default()).unwrap();
+        let styled = session.apply(&frame, style::ModelInputs::default()).unwrap();
         assert_eq!(styled.size(), (45, 38));
         let red = styled.planes()[0].data();
         assert!(red.iter().any(|&value| (value - red[0]).abs() > 0.01));

@@ -11,8 +11,8 @@ mod sampling;
 pub use bound::{place_bound_px, sampling_bound};
 pub(crate) use lens::SEA_WATER;
 pub(crate) use lens::sample_side;
-pub use lens::{Fold, Lens, Refraction, pupil_error_px};
-pub use map::{Coordinates, Source, coordinates, coordinates_reference};
+pub use lens::{Fold, Lens, PortRefraction, pupil_error_px};
+pub use map::{Coordinates, SourcePicture, coordinates, coordinates_reference};
 pub use sampling::{Sampling, resample_reference};
 
 /// A map that moves no pixel by more than this is omitted, px.

@@ -9,7 +9,7 @@ use imaging::{Rgb8, cancel, vectorized};
 use spec::{Chroma, Jpeg};
 
 const SIDE: usize = 8;
-type Block = [[f32; SIDE]; SIDE];
+type DctBlock = [[f32; SIDE]; SIDE];
 
 /// Quantization of brightness (T.81, table K.1).
 const BRIGHTNESS: [[u16; SIDE]; SIDE] = [
@@ -35,7 +35,7 @@ const COLOR: [[u16; SIDE]; SIDE] = [
 ];
 
 /// A channel of whole blocks; the picture's edge is repeated.
-struct Channel {
+struct JpegChannel {
     width: usize,
     height: usize,
     samples: Vec<f32>,
@@ -49,7 +49,7 @@ pub fn compressed(picture: &Rgb8, law: Jpeg) -> Rgb8 {
         return picture.clone();
     }
     let [brightness, blue, red] = [0, 1, 2]
-        .map(|channel| Channel::from_fn(width, height, |x, y| component(pixel(picture, x, y), channel)));
+        .map(|channel| JpegChannel::from_fn(width, height, |x, y| component(pixel(picture, x, y), channel)));
     let brightness = brightness.quantized(&scaled(&BRIGHTNESS, law.quality));
     let table = scaled(&COLOR, law.quality);
     let [blue, red] = [blue, red].map(|color| match law.chroma {
@@ -100,7 +100,7 @@ fn code(value: f32) -> f32 {
 }
 
 /// The quantization table at a quality: `(t s + 50)/100` with s = 5000/q below 50, else 200 - 2q, clamped to 1..=255.
-fn scaled(table: &[[u16; SIDE]; SIDE], quality: u8) -> Block {
+fn scaled(table: &[[u16; SIDE]; SIDE], quality: u8) -> DctBlock {
     let quality = u32::from(quality.clamp(1, 100));
     let scale = if quality < 50 {
         5000 / quality
@@ -111,7 +111,7 @@ fn scaled(table: &[[u16; SIDE]; SIDE], quality: u8) -> Block {
 }
 
 /// The orthonormal cosine transform: `c(u)/2 cos((2x+1) u π/16)`, rows u.
-fn transform() -> Block {
+fn transform() -> DctBlock {
     std::array::from_fn(|u| {
         std::array::from_fn(|x| {
             let angle = ((2 * x + 1) * u) as f64 * std::f64::consts::PI / 16.0;
@@ -126,7 +126,7 @@ fn transform() -> Block {
 }
 
 #[inline(always)]
-fn product(a: &Block, b: &Block) -> Block {
+fn product(a: &DctBlock, b: &DctBlock) -> DctBlock {
     let mut product = [[0.0; SIDE]; SIDE];
     for (row, weights) in product.iter_mut().zip(a) {
         for (weight, source) in weights.iter().zip(b) {
@@ -138,11 +138,11 @@ fn product(a: &Block, b: &Block) -> Block {
     product
 }
 
-fn transposed(block: &Block) -> Block {
+fn transposed(block: &DctBlock) -> DctBlock {
     std::array::from_fn(|i| std::array::from_fn(|j| block[j][i]))
 }
 
-impl Channel {
+impl JpegChannel {
     fn from_fn(width: usize, height: usize, sample: impl Fn(usize, usize) -> f32) -> Self {
         let [padded_width, padded_height] = [width, height].map(|side| side.next_multiple_of(SIDE));
         let mut samples = Vec::with_capacity(padded_width * padded_height);
@@ -162,7 +162,7 @@ impl Channel {
     }
 
     /// Transforms its blocks, rounds to multiples of the table, and transforms back to codes.
-    fn quantized(mut self, table: &Block) -> Self {
+    fn quantized(mut self, table: &DctBlock) -> Self {
         let (forward, width) = (transform(), self.width);
         let back = transposed(&forward);
         for y in (0..self.height).step_by(SIDE) {
@@ -194,7 +194,7 @@ impl Channel {
 }
 
 #[inline(always)]
-fn quantize_row(rows: &mut [f32], width: usize, table: &Block, forward: &Block, back: &Block) {
+fn quantize_row(rows: &mut [f32], width: usize, table: &DctBlock, forward: &DctBlock, back: &DctBlock) {
     for x in (0..width).step_by(SIDE) {
         let mut block = [[0.0; SIDE]; SIDE];
         for (y, row) in block.iter_mut().enumerate() {

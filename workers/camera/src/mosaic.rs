@@ -7,14 +7,14 @@
 use imaging::{Plane, Rgb, cancel, reflected};
 use spec::Cfa;
 
-use crate::sensor::{Raw, Sensor, color_of};
+use crate::sensor::{Raw, SensorModel, color_of};
 
 /// Light of every pixel, white = 1; noise can make it negative.
 ///
 /// # Panics
 /// For a mosaic of less than two columns or rows.
 #[must_use]
-pub fn light_of(raw: &Raw, sensor: &Sensor) -> Rgb<f32> {
+pub fn light_of(raw: &Raw, sensor: &SensorModel) -> Rgb<f32> {
     let scale = sensor.light_per_dn();
     let black = f64::from(sensor.black_dn);
     let light = |quarters: u32| ((f64::from(quarters) * 0.25 - black) * scale) as f32;
@@ -33,7 +33,7 @@ pub fn light_of(raw: &Raw, sensor: &Sensor) -> Rgb<f32> {
 /// # Panics
 /// As [`light_of`].
 #[must_use]
-pub fn light_of_reference(raw: &Raw, sensor: &Sensor) -> Rgb<f64> {
+pub fn light_of_reference(raw: &Raw, sensor: &SensorModel) -> Rgb<f64> {
     let light = |code: f64| (code - f64::from(sensor.black_dn)) * sensor.light_per_dn();
     let codes = match raw {
         Raw::Planes(planes) => {

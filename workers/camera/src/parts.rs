@@ -4,9 +4,9 @@ use imaging::geometry::Intrinsics;
 use spec::{Camera, Exposure, Jpeg, Port, Tone, WhiteBalance};
 
 use crate::defocus::Focus;
-use crate::geometry::{Lens, STILL_PX, Source, sample_side};
+use crate::geometry::{Lens, STILL_PX, SourcePicture, sample_side};
 use crate::preset;
-use crate::sensor::Sensor;
+use crate::sensor::SensorModel;
 use crate::vignette::FallOff;
 
 /// The parts of a camera, resolved for a picture; a pinhole without noise has none.
@@ -17,7 +17,7 @@ pub struct Parts {
     /// The lens behind its port, in air.
     pub lens: Lens,
     /// The picture in front of the lens; `None` if the camera shows it unchanged.
-    pub source: Option<Source>,
+    pub source: Option<SourcePicture>,
     /// Whether distortion, port or supersampling are described.
     pub asks_geometry: bool,
     /// Defocus.
@@ -26,8 +26,8 @@ pub struct Parts {
     pub falloff: Option<FallOff>,
     /// Brightness.
     pub exposure: Option<Exposure>,
-    /// Sensor.
-    pub sensor: Option<Sensor>,
+    /// SensorModel.
+    pub sensor: Option<SensorModel>,
     /// White balance.
     pub balance: Option<WhiteBalance>,
     /// Curve to codes.
@@ -162,7 +162,7 @@ fn checked_bits(camera: &Camera) -> Result<u8, PartsError> {
     }
 }
 
-fn checked(sensor: Sensor, (width, height): (usize, usize)) -> Result<Sensor, PartsError> {
+fn checked(sensor: SensorModel, (width, height): (usize, usize)) -> Result<SensorModel, PartsError> {
     if f64::from(sensor.black_dn) >= sensor.most_dn() {
         return Err(PartsError::Black {
             black: sensor.black_dn,
@@ -181,17 +181,17 @@ fn source(
     size: (usize, usize),
     camera: &Camera,
     scenery: Scenery,
-) -> Result<Option<Source>, PartsError> {
+) -> Result<Option<SourcePicture>, PartsError> {
     lens.check(size)?;
     let supersample = camera.supersample;
     match scenery {
         Scenery::Rendered if supersample == 1 && is_still(lens, lens.camera, size) => Ok(None),
-        Scenery::Rendered => match Source::covering(lens, size, supersample) {
+        Scenery::Rendered => match SourcePicture::covering(lens, size, supersample) {
             Some(source) => Ok(Some(source)),
             None => Err(PartsError::TooWide),
         },
         Scenery::Picture(water, _) if is_still(lens, water, size) => Ok(None),
-        Scenery::Picture(water, size) => Ok(Some(Source { size, camera: water })),
+        Scenery::Picture(water, size) => Ok(Some(SourcePicture { size, camera: water })),
     }
 }
 

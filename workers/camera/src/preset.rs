@@ -2,7 +2,7 @@
 
 use spec::{Camera, Cfa, Distortion, Exposure, Metering, Port, Vignette, WhiteBalance};
 
-use crate::sensor::Sensor;
+use crate::sensor::SensorModel;
 
 /// A sensor preset.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -11,7 +11,7 @@ pub struct SensorPreset {
     pub name: &'static str,
     /// Pixels and shutter.
     pub about: &'static str,
-    /// Source of its numbers.
+    /// SourcePicture of its numbers.
     pub source: &'static str,
     full_well_e: f64,
     read_noise_e: f64,
@@ -22,7 +22,7 @@ pub struct SensorPreset {
 pub const EXPOSURE_S: f64 = 0.01;
 
 /// Assumptions where no source gives all numbers of one sensor.
-const ASSUMED: Sensor = Sensor {
+const ASSUMED: SensorModel = SensorModel {
     full_well_e: 0.0,
     white_at: 0.9,
     prnu: 0.005,
@@ -89,8 +89,8 @@ impl SensorPreset {
 
     /// Its parameters.
     #[must_use]
-    pub fn sensor(&self) -> Sensor {
-        let sensor = Sensor {
+    pub fn sensor(&self) -> SensorModel {
+        let sensor = SensorModel {
             full_well_e: self.full_well_e,
             read_noise_e: self.read_noise_e,
             bits: self.bits,
@@ -99,7 +99,7 @@ impl SensorPreset {
         if self.name != "ideal" {
             return sensor;
         }
-        Sensor {
+        SensorModel {
             white_at: 1.0,
             prnu: 0.0,
             dcnu: 0.0,
@@ -122,10 +122,10 @@ impl SensorPreset {
 
 /// The sensor of a description with this exposure time: its preset with fields replaced. `None` for an unknown preset.
 #[must_use]
-pub fn sensor(law: &spec::Sensor, exposure_s: Option<f64>) -> Option<Sensor> {
+pub fn sensor(law: &spec::Sensor, exposure_s: Option<f64>) -> Option<SensorModel> {
     let name = law.preset.as_deref().unwrap_or(SENSORS[0].name);
     let preset = SensorPreset::find(name)?.sensor();
-    Some(Sensor {
+    Some(SensorModel {
         full_well_e: law.full_well_e.unwrap_or(preset.full_well_e),
         white_at: preset.white_at * law.light_level.unwrap_or(1.0),
         prnu: law.prnu.unwrap_or(preset.prnu),
@@ -151,7 +151,7 @@ pub struct CameraPreset {
     pub name: &'static str,
     /// Short description.
     pub about: &'static str,
-    /// Source of its numbers.
+    /// SourcePicture of its numbers.
     pub source: &'static str,
     sensor: &'static str,
     port: Option<Port>,

@@ -18,7 +18,7 @@ mod pattern;
 mod read;
 mod reference;
 
-pub use pattern::Pattern;
+pub use pattern::FixedPattern;
 pub use read::read;
 pub use reference::read_reference;
 
@@ -32,9 +32,9 @@ pub(crate) const MOST_COUNTED: usize = 200;
 /// Dark current of a hot pixel relative to its neighbors.
 pub(crate) const HOT: f64 = 1000.0;
 
-/// Sensor parameters.
+/// SensorModel parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sensor {
+pub struct SensorModel {
     /// Full well, electrons.
     pub full_well_e: f64,
     /// Share of the full well at white, including the light level.
@@ -85,7 +85,7 @@ pub enum Raw {
     Planes([Plane<u16>; 3]),
 }
 
-impl Sensor {
+impl SensorModel {
     /// Codes per electron: `K gain`.
     #[must_use]
     pub fn dn_per_e(&self) -> f64 {

@@ -18,7 +18,7 @@ pub fn codes(light: &Rgb<f32>, tone: Tone) -> (Rgb8, u64) {
         Tone::Linear => 1.0,
         Tone::Gamma(gamma) => gamma,
     };
-    let table = Table::new(exponent);
+    let table = ToneTable::new(exponent);
     let (width, height) = light.size();
     let [r, g, b] = light.planes().each_ref().map(|plane| plane.data());
     let mut clamped = 0;
@@ -93,12 +93,12 @@ pub fn largest_code_change(error: f64, tone: Tone, bits: u8) -> f64 {
 }
 
 /// The light at the start of each code, and the code at the start of each step of light.
-struct Table {
+struct ToneTable {
     starts: [f64; 256],
     first: Vec<u8>,
 }
 
-impl Table {
+impl ToneTable {
     /// For the power `1/exponent`.
     fn new(exponent: f64) -> Self {
         let starts = std::array::from_fn(|code| match code {

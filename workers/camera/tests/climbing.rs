@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use camera::defocus;
-use camera::geometry::{self, Lens, Refraction, Sampling, Source};
+use camera::geometry::{self, Lens, PortRefraction, Sampling, SourcePicture};
 use imaging::geometry::Intrinsics;
 use imaging::random::Stream;
 use imaging::{Plane, Rgb};
@@ -89,12 +89,12 @@ fn no_picture_is_sampled_beyond_the_bound() {
                 p1: 0.01,
                 ..Distortion::default()
             },
-            refraction: Refraction::Flat {
+            refraction: PortRefraction::Flat {
                 index: [1.33, 1.34, 1.35],
             },
         };
         lens.check(size).unwrap();
-        let source = Source::covering(&lens, size, supersample).unwrap();
+        let source = SourcePicture::covering(&lens, size, supersample).unwrap();
         let sampling = Sampling::new(&geometry::coordinates(&lens, &source, size), source.size);
         let maps = [0, 1, 2].map(|c| geometry::coordinates_reference(&lens, &source, size, c));
         let bound = geometry::sampling_bound(&source, 1.0, 1.0);

@@ -5,7 +5,7 @@
 
 use camera::defocus::{self, Focus};
 use camera::exposure;
-use camera::geometry::{self, Lens, Refraction, Sampling, Source};
+use camera::geometry::{self, Lens, PortRefraction, Sampling, SourcePicture};
 use camera::vignette::{self, FallOff};
 use imaging::geometry::Intrinsics;
 use imaging::random::Stream;
@@ -21,7 +21,7 @@ const FRAMES: u64 = 300;
 struct Case {
     size: (usize, usize),
     lens: Lens,
-    source: Option<Source>,
+    source: Option<SourcePicture>,
     focus: Option<Focus>,
     falloff: Option<FallOff>,
     exposure: Exposure,
@@ -65,7 +65,7 @@ impl Case {
         let size = [(24, 16), (33, 9), (70, 12)][dice.pick(0, 3)];
         let lens = lens(dice, size);
         let source = (dice.unit(1) < 0.7)
-            .then(|| Source::covering(&lens, size, 1 + dice.pick(2, 3)))
+            .then(|| SourcePicture::covering(&lens, size, 1 + dice.pick(2, 3)))
             .flatten();
         let cosine_weight = dice.unit(3).round() * dice.unit(4);
         let terms = [5, 6, 7].map(|element| dice.uniform(element, -1.0, 1.0));
@@ -189,9 +189,9 @@ fn lens(dice: Dice, size: (usize, usize)) -> Lens {
         ..Distortion::default()
     };
     let refractions = [
-        Refraction::None,
-        Refraction::Flat { index: [1.34; 3] },
-        Refraction::Flat {
+        PortRefraction::None,
+        PortRefraction::Flat { index: [1.34; 3] },
+        PortRefraction::Flat {
             index: [1.33, 1.34, 1.35],
         },
     ];

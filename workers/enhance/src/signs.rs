@@ -2,7 +2,7 @@
 
 use imaging::{Rgb8, luma1000};
 
-use crate::blocks::histogram::{Histogram, code_at, ends, histograms, mean, total};
+use crate::blocks::histogram::{CodeCounts, code_at, ends, histograms, mean, total};
 use crate::warning::{Warning, found};
 
 /// Fewer pixels leave less than one in a tail of a thousandth.
@@ -21,16 +21,16 @@ pub(crate) struct Signs {
     pixels: usize,
     dark: usize,
     has_equal_channels: bool,
-    before: [Histogram; 3],
-    after: [Histogram; 3],
+    before: [CodeCounts; 3],
+    after: [CodeCounts; 3],
 }
 
 /// A warning and its test.
-pub(crate) type Sign = (Warning, fn(&Signs) -> bool);
+pub(crate) type FailureSign = (Warning, fn(&Signs) -> bool);
 
 /// The warnings common to all methods, then those of `others` with a positive test, for a non-empty picture and its
 /// result.
-pub(crate) fn warnings(picture: &Rgb8, result: &Rgb8, others: &[Sign]) -> Vec<Warning> {
+pub(crate) fn warnings(picture: &Rgb8, result: &Rgb8, others: &[FailureSign]) -> Vec<Warning> {
     let bound = dark_below(255_000);
     // Runs of pixels keep the test cheap and let it stop early.
     let has_equal_channels = picture.data().chunks(3 * 64).all(|run| {
@@ -44,7 +44,7 @@ pub(crate) fn warnings(picture: &Rgb8, result: &Rgb8, others: &[Sign]) -> Vec<Wa
         before: histograms(picture),
         after: histograms(result),
     };
-    let common: [Sign; 4] = [
+    let common: [FailureSign; 4] = [
         (Warning::Constant, Signs::is_constant),
         (Warning::FewPixels, Signs::has_few_pixels),
         (Warning::Dark, Signs::is_dark),
@@ -114,7 +114,7 @@ pub(crate) fn is_dark(dark: usize, pixels: usize) -> bool {
     dark as f64 >= DARK_PART * pixels as f64
 }
 
-fn is_red(histograms: &[Histogram; 3]) -> bool {
+fn is_red(histograms: &[CodeCounts; 3]) -> bool {
     let [r, g, b] = histograms.each_ref().map(mean);
     r > RED_FACTOR * g.max(b) + RED_CODES
 }
@@ -127,7 +127,7 @@ mod tests {
         Rgb8::from_fn(40, 30, |_, _| pixel)
     }
 
-    fn only(sign: Sign, before: &Rgb8, after: &Rgb8) -> bool {
+    fn only(sign: FailureSign, before: &Rgb8, after: &Rgb8) -> bool {
         warnings(before, after, &[sign]).contains(&sign.0)
     }
 

@@ -24,8 +24,8 @@ const COLUMNS: usize = 16;
 pub struct Dct2 {
     width: usize,
     height: usize,
-    rows: Lines,
-    columns: Lines,
+    rows: LineTransform,
+    columns: LineTransform,
     block: Vec<f64>,
 }
 
@@ -36,8 +36,8 @@ impl Dct2 {
         Self {
             width,
             height,
-            rows: Lines::new(width),
-            columns: Lines::new(height),
+            rows: LineTransform::new(width),
+            columns: LineTransform::new(height),
             block: vec![0.0; height * COLUMNS],
         }
     }
@@ -53,7 +53,7 @@ impl Dct2 {
     /// # Panics
     /// If the plane has another size.
     pub fn forward(&mut self, plane: &mut [f64]) {
-        self.both_axes(plane, Lines::forward);
+        self.both_axes(plane, LineTransform::forward);
     }
 
     /// Inverts [`Dct2::forward`] in place.
@@ -61,10 +61,10 @@ impl Dct2 {
     /// # Panics
     /// If the plane has another size.
     pub fn inverse(&mut self, plane: &mut [f64]) {
-        self.both_axes(plane, Lines::inverse);
+        self.both_axes(plane, LineTransform::inverse);
     }
 
-    fn both_axes(&mut self, plane: &mut [f64], pass: fn(&mut Lines, &mut [f64], &mut [f64])) {
+    fn both_axes(&mut self, plane: &mut [f64], pass: fn(&mut LineTransform, &mut [f64], &mut [f64])) {
         assert_eq!(
             plane.len(),
             self.width * self.height,
@@ -102,7 +102,7 @@ impl Dct2 {
 }
 
 /// Transforms of lines of one length, two at a time; the second may be empty.
-struct Lines {
+struct LineTransform {
     length: usize,
     ffts: Ffts<f64>,
     /// `exp(-iπk/2N)`.
@@ -111,7 +111,7 @@ struct Lines {
     scratch: Vec<Complex<f64>>,
 }
 
-impl Lines {
+impl LineTransform {
     fn new(length: usize) -> Self {
         let ffts = fft::double(length);
         Self {

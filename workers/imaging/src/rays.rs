@@ -65,7 +65,7 @@ pub trait Rays {
 
     /// Whether anything may block a segment from one box to the other. Conservative: `false` guarantees that all
     /// segments are clear.
-    fn may_hide(&self, _from: &Cuboid, _to: &Cuboid) -> bool {
+    fn may_occlude(&self, _from: &Cuboid, _to: &Cuboid) -> bool {
         true
     }
 
@@ -76,10 +76,10 @@ pub trait Rays {
 
     /// Sets for each shadow ray whether it is clear; `clear` must have the length of the list. Surfaces within
     /// [`offset`] of the origin are ignored. Scenes that test packets of rays override this.
-    fn look(&self, ways: &Ways, clear: &mut [bool]) {
+    fn trace_shadow_rays(&self, rays: &ShadowRays, clear: &mut [bool]) {
         for (i, clear) in clear.iter_mut().enumerate() {
             let [origin, end] =
-                [&ways.from, &ways.to].map(|ends| ends.each_ref().map(|axis| f64::from(axis[i])));
+                [&rays.from, &rays.to].map(|ends| ends.each_ref().map(|axis| f64::from(axis[i])));
             let way = [0, 1, 2].map(|axis| end[axis] - origin[axis]);
             let (meters, from) = (dot(way, way).sqrt(), offset(origin));
             *clear = meters <= from || !self.occluded(origin, way.map(|v| v / meters), from, meters);
@@ -90,14 +90,14 @@ pub trait Rays {
 /// Segments between two points each, in meters, one array per axis. Neighbors in the list should be close in space:
 /// coherent packets are faster.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Ways {
+pub struct ShadowRays {
     /// Origins, offset from their surface.
     pub from: [Vec<f32>; 3],
     /// Ends.
     pub to: [Vec<f32>; 3],
 }
 
-impl Ways {
+impl ShadowRays {
     /// Number of segments.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -123,9 +123,9 @@ impl Ways {
     }
 }
 
-/// Start of a ray that leaves a surface.
+/// RayStart of a ray that leaves a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Start {
+pub struct RayStart {
     /// The surface point, offset along the normal.
     pub origin: [f64; 3],
     /// Surfaces nearer than this are ignored, m.
@@ -142,9 +142,9 @@ pub fn offset(place: [f64; 3]) -> f64 {
 /// The start of a ray that leaves a surface with this unit normal: [`offset`] along the normal, ignoring surfaces
 /// within the same distance.
 #[must_use]
-pub fn leaving(place: [f64; 3], normal: [f64; 3]) -> Start {
+pub fn leaving(place: [f64; 3], normal: [f64; 3]) -> RayStart {
     let offset = offset(place);
-    Start {
+    RayStart {
         origin: [0, 1, 2].map(|i| place[i] + offset * normal[i]),
         from: offset,
     }
@@ -174,7 +174,7 @@ mod tests {
             // On the ground apart from f32 rounding, to either side.
             for lost in [-6e-8, 6e-8] {
                 let place = [meters, -0.2, lost * f64::max(meters, 1.0)];
-                let Start { origin, from } = leaving(place, [0.0, 0.0, -1.0]);
+                let RayStart { origin, from } = leaving(place, [0.0, 0.0, -1.0]);
                 for slope in [1.0f64, 1e-3] {
                     let direction = [(1.0 - slope * slope).sqrt(), 0.0, -slope];
                     assert!(!Ground.occluded(origin, direction, from, 1e3), "{meters} {lost}");
@@ -204,12 +204,12 @@ mod tests {
 
     #[test]
     fn ways_are_clear_that_no_ray_finds_anything_on() {
-        let mut ways = Ways::default();
+        let mut ways = ShadowRays::default();
         ways.push([0.0, 0.0, -1.0], [5.0, 0.0, -1e-3]);
         ways.push([0.0, 0.0, -1.0], [5.0, 0.0, 1e-3]);
         ways.push([0.0, 0.0, -1e-6], [0.0, 0.0, 1e-6]);
         let mut clear = [false; 3];
-        Ground.look(&ways, &mut clear);
+        Ground.trace_shadow_rays(&ways, &mut clear);
         assert_eq!((clear, ways.len()), ([true, false, true], 3));
         ways.clear();
         assert!(ways.is_empty());

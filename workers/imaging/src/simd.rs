@@ -22,7 +22,7 @@ macro_rules! vectorized {
 #[inline(always)]
 pub fn vectorize<R>(work: impl FnMut() -> R) -> R {
     cancel::check();
-    Arch::new().dispatch(Work(work))
+    Arch::new().dispatch(VectorWork(work))
 }
 
 /// The larger of two values; `max` takes extra instructions for NaN.
@@ -38,9 +38,9 @@ pub fn smaller<T: PartialOrd>(a: T, b: T) -> T {
 }
 
 /// A plain closure would be called through a shim compiled without the instructions.
-struct Work<F>(F);
+struct VectorWork<F>(F);
 
-impl<R, F: FnMut() -> R> WithSimd for Work<F> {
+impl<R, F: FnMut() -> R> WithSimd for VectorWork<F> {
     type Output = R;
 
     #[inline(always)]

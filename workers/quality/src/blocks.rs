@@ -3,15 +3,15 @@
 use imaging::simd::{larger, smaller};
 
 /// The block grid over a picture.
-pub(crate) struct Blocks {
+pub(crate) struct BlockGrid {
     width_px: usize,
     height_px: usize,
     across: usize,
     down: usize,
 }
 
-impl Blocks {
-    /// Blocks of `side` pixels; a shorter axis has one block of its length.
+impl BlockGrid {
+    /// BlockGrid of `side` pixels; a shorter axis has one block of its length.
     pub(crate) fn new((width, height): (usize, usize), side: usize) -> Self {
         let (width_px, height_px) = (side.min(width), side.min(height));
         Self {
@@ -78,7 +78,7 @@ mod tests {
 
     #[test]
     fn left_over_columns_and_rows_belong_to_no_block() {
-        let blocks = Blocks::new((5, 3), 2);
+        let blocks = BlockGrid::new((5, 3), 2);
         let extremes = blocks.extremes(1, |y, row: &mut [u8]| {
             for (x, sample) in row.iter_mut().enumerate() {
                 *sample = (10 * y + x) as u8;
@@ -90,7 +90,7 @@ mod tests {
 
     #[test]
     fn a_short_axis_is_one_block_long() {
-        let blocks = Blocks::new((25, 3), 10);
+        let blocks = BlockGrid::new((25, 3), 10);
         assert_eq!((blocks.count(), blocks.rows()), (2.0, 3));
     }
 }

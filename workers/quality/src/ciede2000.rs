@@ -12,10 +12,10 @@ use imaging::simd::larger;
 use imaging::{Rgb8, lab, vectorized};
 
 use crate::linear::LINEAR;
-use crate::work::Work;
+use crate::work::MetricInput;
 
 /// Mean difference to the clean picture.
-pub(crate) fn ciede2000(work: &Work) -> f64 {
+pub(crate) fn ciede2000(work: &MetricInput) -> f64 {
     mean(work.picture(), work.clean())
 }
 

@@ -14,7 +14,7 @@ use imaging::simd::larger;
 use imaging::{Plane, vectorized};
 
 use crate::sobel::{Border, Sobel};
-use crate::work::{Gray, Work};
+use crate::work::{Gray, MetricInput};
 
 /// Pixels per corner, and the bounds of their number.
 const PIXELS_PER_CORNER: usize = 1024;
@@ -28,7 +28,7 @@ const NEAR_PX: usize = 1;
 const MARGIN_PX: usize = SUM_PX + 2;
 
 /// Share of the clean picture's corners present at the same position.
-pub(crate) fn repeatability(work: &Work) -> f64 {
+pub(crate) fn repeatability(work: &MetricInput) -> f64 {
     let clean = corners(&work.clean().to_gray8());
     if clean.is_empty() {
         return 1.0;

@@ -8,7 +8,7 @@
 //! Every metric of every picture of at least one pixel is finite and never -0. Sums have a fixed order: the same
 //! picture yields the same bits on any machine.
 //!
-//! A new metric is one file with a function of [`Work`](work::Work), declared here, and one row in the registry.
+//! A new metric is one file with a function of [`MetricInput`](work::MetricInput), declared here, and one row in the registry.
 
 mod blocks;
 mod ciede2000;

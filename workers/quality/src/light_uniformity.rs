@@ -19,7 +19,7 @@
 use std::sync::LazyLock;
 
 use crate::linear::LINEAR;
-use crate::work::Work;
+use crate::work::MetricInput;
 
 /// Cells along either axis.
 const CELLS: usize = 8;
@@ -35,7 +35,7 @@ static LIGHT: LazyLock<[[u64; 256]; 3]> =
     LazyLock::new(|| LUMINANCE.map(|weight| LINEAR.map(|light| (weight * light * STEPS).round() as u64)));
 
 /// Evenness of the light, 0..=1.
-pub(crate) fn light_uniformity(work: &Work) -> f64 {
+pub(crate) fn light_uniformity(work: &MetricInput) -> f64 {
     let cells = cells(work);
     // Relative to the first cell, so that even light is exactly 1.
     let first = cells[0] + HALF_CODE;
@@ -49,7 +49,7 @@ pub(crate) fn light_uniformity(work: &Work) -> f64 {
 }
 
 /// Mean luminance of every cell.
-fn cells(work: &Work) -> Vec<f64> {
+fn cells(work: &MetricInput) -> Vec<f64> {
     let light: &[[u64; 256]; 3] = &LIGHT;
     let picture = work.picture();
     let (across, down) = (CELLS.min(picture.width()), CELLS.min(picture.height()));

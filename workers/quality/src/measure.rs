@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use imaging::{Rgb8, cancel};
 
 use crate::error::QualityError;
-use crate::registry::{Compute, MetricId};
-use crate::work::Work;
+use crate::registry::{MetricFormula, MetricId};
+use crate::work::MetricInput;
 
 /// Measures a picture and returns the values in the order of the request. Pixels are 8-bit sRGB codes.
 ///
@@ -38,7 +38,7 @@ pub fn measure(
             });
         }
     }
-    let work = Work::new(picture, clean);
+    let work = MetricInput::new(picture, clean);
     let mut known = BTreeMap::new();
     let measured = metrics
         .iter()
@@ -47,14 +47,14 @@ pub fn measure(
 }
 
 /// A metric's value, computed once: sums need it, too.
-fn value(work: &Work, metric: MetricId, known: &mut BTreeMap<MetricId, f64>) -> f64 {
+fn value(work: &MetricInput, metric: MetricId, known: &mut BTreeMap<MetricId, f64>) -> f64 {
     if let Some(value) = known.get(&metric) {
         return *value;
     }
     cancel::check();
     let computed = match metric.info().compute {
-        Compute::Direct(compute) => compute(work),
-        Compute::Sum(terms) => terms
+        MetricFormula::Direct(compute) => compute(work),
+        MetricFormula::Sum(terms) => terms
             .iter()
             .map(|(name, weight)| weight * value(work, metric.sibling(name), known))
             .sum(),

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::ops::RangeInclusive;
 
-use crate::work::Work;
+use crate::work::MetricInput;
 use crate::{ciede2000, corners, entropy, light_uniformity, psnr, ssim, uciqe, uicm, uiconm, uiqm, uism};
 
 /// Published arithmetic of a metric.
@@ -46,9 +46,9 @@ impl Profile {
 
 /// Computation of a metric.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Compute {
+pub(crate) enum MetricFormula {
     /// From the picture.
-    Direct(fn(&Work) -> f64),
+    Direct(fn(&MetricInput) -> f64),
     /// As a sum of other metrics of the same profile, by name and weight.
     Sum(&'static [(&'static str, f64)]),
 }
@@ -66,7 +66,7 @@ pub struct MetricInfo {
     pub range: RangeInclusive<f64>,
     /// Whether it needs a clean picture.
     pub needs_reference: bool,
-    pub(crate) compute: Compute,
+    pub(crate) compute: MetricFormula,
 }
 
 /// A metric of the registry, by its row.
@@ -128,7 +128,7 @@ const fn row(
     name: &'static str,
     about: &'static str,
     range: RangeInclusive<f64>,
-    compute: fn(&Work) -> f64,
+    compute: fn(&MetricInput) -> f64,
 ) -> MetricInfo {
     MetricInfo {
         name,
@@ -136,7 +136,7 @@ const fn row(
         about,
         range,
         needs_reference: false,
-        compute: Compute::Direct(compute),
+        compute: MetricFormula::Direct(compute),
     }
 }
 
@@ -167,7 +167,7 @@ const fn sum(
         about: "weighted sum of uicm, uism and uiconm of the same profile",
         range,
         needs_reference: false,
-        compute: Compute::Sum(terms),
+        compute: MetricFormula::Sum(terms),
     }
 }
 

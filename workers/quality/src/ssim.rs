@@ -10,7 +10,7 @@ use std::borrow::Cow;
 
 use imaging::{Plane, cancel, reflected, vectorized};
 
-use crate::work::{Gray, Work};
+use crate::work::{Gray, MetricInput};
 
 const WINDOW_PX: usize = 11;
 const RADIUS_PX: usize = WINDOW_PX / 2;
@@ -19,7 +19,7 @@ const C1: f64 = (0.01 * 255.0) * (0.01 * 255.0);
 const C2: f64 = (0.03 * 255.0) * (0.03 * 255.0);
 
 /// Structural similarity, -1..=1.
-pub(crate) fn ssim(work: &Work) -> f64 {
+pub(crate) fn ssim(work: &MetricInput) -> f64 {
     let (x, y) = (work.part::<Gray>(), work.clean().to_gray8());
     let (x, y) = (extended(&x.0), extended(&y));
     vectorized!(separable(&x, &y))
@@ -39,7 +39,7 @@ pub fn ssim_reference(x: &Plane<u8>, y: &Plane<u8>) -> f64 {
     let mut sum = 0.0;
     for top in 0..rows {
         for left in 0..columns {
-            let mut moments = Moments::default();
+            let mut moments = WindowMoments::default();
             for (j, down) in weights.iter().enumerate() {
                 for (i, across) in weights.iter().enumerate() {
                     let (a, b) = (
@@ -60,14 +60,14 @@ pub fn ssim_reference(x: &Plane<u8>, y: &Plane<u8>) -> f64 {
 
 /// Weighted means of x, y, x² + y² and x y over one window.
 #[derive(Default)]
-struct Moments {
+struct WindowMoments {
     x: f64,
     y: f64,
     squares: f64,
     product: f64,
 }
 
-impl Moments {
+impl WindowMoments {
     #[inline(always)]
     fn similarity(&self) -> f64 {
         let (mean_product, mean_squares) = (self.x * self.y, self.x * self.x + self.y * self.y);
@@ -103,7 +103,7 @@ fn separable(picture: &Plane<u8>, clean: &Plane<u8>) -> f64 {
             }
         }
         for (left, similarity) in similarities.iter_mut().enumerate() {
-            let mut moments = Moments::default();
+            let mut moments = WindowMoments::default();
             for (i, &weight) in weights.iter().enumerate() {
                 moments.x += weight * x[left + i];
                 moments.y += weight * y[left + i];

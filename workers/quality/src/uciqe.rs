@@ -9,26 +9,26 @@ use imaging::{lab, vectorized};
 
 use crate::colors::Colors;
 use crate::linear::LINEAR;
-use crate::work::{Part, Work};
+use crate::work::{MetricInput, SharedPart};
 
 /// The weighted sum.
-pub(crate) fn uciqe(work: &Work) -> f64 {
+pub(crate) fn uciqe(work: &MetricInput) -> f64 {
     let Terms { sigma_c, con_l, mu_s } = *work.part();
     0.4680 * sigma_c + 0.2745 * con_l + 0.2576 * mu_s
 }
 
 /// Standard deviation of chroma.
-pub(crate) fn sigma_c(work: &Work) -> f64 {
+pub(crate) fn sigma_c(work: &MetricInput) -> f64 {
     work.part::<Terms>().sigma_c
 }
 
 /// Contrast of lightness.
-pub(crate) fn con_l(work: &Work) -> f64 {
+pub(crate) fn con_l(work: &MetricInput) -> f64 {
     work.part::<Terms>().con_l
 }
 
 /// Mean saturation.
-pub(crate) fn mu_s(work: &Work) -> f64 {
+pub(crate) fn mu_s(work: &MetricInput) -> f64 {
     work.part::<Terms>().mu_s
 }
 
@@ -39,8 +39,8 @@ struct Terms {
     mu_s: f64,
 }
 
-impl Part for Terms {
-    fn new(work: &Work) -> Self {
+impl SharedPart for Terms {
+    fn new(work: &MetricInput) -> Self {
         let colors = work.part::<Colors>();
         vectorized!(terms(&colors, &LINEAR))
     }
@@ -60,11 +60,11 @@ fn terms(colors: &Colors, linear: &[f64; 256]) -> Terms {
     } = colors;
     let mut lightness = vec![0.0f64; counts.len()];
     // Chroma relative to the first color's, so that its variance does not cancel.
-    let origin = Batch::new(linear, &codes[..3]).chroma[0];
+    let origin = ColorBatch::new(linear, &codes[..3]).chroma[0];
     let [mut chroma_sums, mut square_sums, mut saturation_sums] = [[0.0f64; LANES]; 3];
     let weighted = lightness.chunks_mut(BATCH).zip(counts.chunks(BATCH));
     for (codes, (lightness, counts)) in codes.chunks(3 * BATCH).zip(weighted) {
-        let batch = Batch::new(linear, codes);
+        let batch = ColorBatch::new(linear, codes);
         let count = lightness.len();
         lightness.copy_from_slice(&batch.lightness[..count]);
         for i in 0..count {
@@ -84,13 +84,13 @@ fn terms(colors: &Colors, linear: &[f64; 256]) -> Terms {
 }
 
 /// Lab quantities of a batch of colors.
-struct Batch {
+struct ColorBatch {
     lightness: [f64; BATCH],
     chroma: [f64; BATCH],
     saturation: [f64; BATCH],
 }
 
-impl Batch {
+impl ColorBatch {
     #[inline(always)]
     fn new(linear: &[f64; 256], codes: &[u8]) -> Self {
         let [l, a, b] = lab::of_codes::<BATCH>(codes, [linear; 3]);
@@ -209,7 +209,7 @@ mod tests {
     #[test]
     fn gray_has_no_chroma() {
         let gray = Rgb8::from_fn(16, 16, |x, y| [(16 * y + x) as u8; 3]);
-        let terms = Work::new(&gray, None).part::<Terms>();
+        let terms = MetricInput::new(&gray, None).part::<Terms>();
         assert_eq!((terms.sigma_c, terms.mu_s), (0.0, 0.0));
         // Black and white, three of 256 at either end.
         assert!(terms.con_l > 0.98 && terms.con_l < 1.0);

@@ -9,15 +9,15 @@
 //! and `φ(z) = -γ ln(1 - z / γ)` it is the mean of `γ (1 - exp(-φ(t) φ(ln |t|) / γ))` over blocks with 0 < m < M. It is
 //! practically unbounded below for a dark pixel next to a bright one, and higher is not better.
 
-use crate::blocks::Blocks;
-use crate::work::Work;
+use crate::blocks::BlockGrid;
+use crate::work::MetricInput;
 
 const GAMMA: f64 = 1026.0;
 const BLOCK_PX: usize = 10;
 const TABLE1_BLOCK_PX: usize = 4;
 
 /// UIConM of the article.
-pub(crate) fn panetta(work: &Work) -> f64 {
+pub(crate) fn panetta(work: &MetricInput) -> f64 {
     mean(work, BLOCK_PX, 1, sum_channels, |low, high| {
         let (m, top) = (f64::from(low) / 3.0, f64::from(high) / 3.0);
         weighted_log((GAMMA * (top - m) / (GAMMA - m)) / (top + m - top * m / GAMMA))
@@ -25,7 +25,7 @@ pub(crate) fn panetta(work: &Work) -> f64 {
 }
 
 /// UIConM over the channels together.
-pub(crate) fn funie(work: &Work) -> f64 {
+pub(crate) fn funie(work: &MetricInput) -> f64 {
     mean(work, BLOCK_PX, 3, copy_codes, |low, high| {
         let (m, top) = (f64::from(low), f64::from(high));
         weighted_log((top - m) / (top + m))
@@ -33,7 +33,7 @@ pub(crate) fn funie(work: &Work) -> f64 {
 }
 
 /// UIConM of the comparison table.
-pub(crate) fn table1(work: &Work) -> f64 {
+pub(crate) fn table1(work: &MetricInput) -> f64 {
     // Many blocks share their extremes: each pair is computed once.
     let mut known = vec![None; 1 << 16];
     mean(work, TABLE1_BLOCK_PX, 1, sum_thirds, |low, high| {
@@ -48,13 +48,13 @@ pub(crate) fn table1(work: &Work) -> f64 {
 /// The mean over blocks of `term` of the smallest and the largest sample, 0 if they are equal. `fill` computes the
 /// samples of a row from its codes, `samples` per pixel.
 fn mean<T: Copy + PartialOrd + Default>(
-    work: &Work,
+    work: &MetricInput,
     side_px: usize,
     samples: usize,
     fill: impl Fn(&[u8], &mut [T]),
     mut term: impl FnMut(T, T) -> f64,
 ) -> f64 {
-    let blocks = Blocks::new((work.picture().width(), work.picture().height()), side_px);
+    let blocks = BlockGrid::new((work.picture().width(), work.picture().height()), side_px);
     let extremes = blocks.extremes(samples, |y, row: &mut [T]| fill(work.picture_row(y), row));
     let uneven = extremes.into_iter().filter(|(low, high)| low < high);
     uneven.map(|(low, high)| term(low, high)).sum::<f64>() / blocks.count()

@@ -10,28 +10,28 @@
 use imaging::simd::{larger, smaller};
 use imaging::{Plane, vectorized};
 
-use crate::blocks::Blocks;
+use crate::blocks::BlockGrid;
 use crate::sobel::{Border, Sobel};
-use crate::work::{Channels, Part, Work};
+use crate::work::{ChannelPlanes, MetricInput, SharedPart};
 
 const BLOCK_PX: usize = 10;
 const TABLE1_BLOCK_PX: usize = 4;
 
 /// UISM of the article.
-pub(crate) fn panetta(work: &Work) -> f64 {
+pub(crate) fn panetta(work: &MetricInput) -> f64 {
     let Sharpness([r, g, b]) = *work.part();
     0.299 * r + 0.587 * g + 0.114 * b
 }
 
 /// UISM with more blue.
-pub(crate) fn funie(work: &Work) -> f64 {
+pub(crate) fn funie(work: &MetricInput) -> f64 {
     let Sharpness([r, g, b]) = *work.part();
     0.299 * r + 0.587 * g + 0.144 * b
 }
 
 /// UISM of vertical derivatives in small blocks.
-pub(crate) fn table1(work: &Work) -> f64 {
-    let channels = work.part::<Channels>();
+pub(crate) fn table1(work: &MetricInput) -> f64 {
+    let channels = work.part::<ChannelPlanes>();
     let [r, g, b] = channels
         .0
         .each_ref()
@@ -42,16 +42,16 @@ pub(crate) fn table1(work: &Work) -> f64 {
 /// EME of the three channels.
 struct Sharpness([f64; 3]);
 
-impl Part for Sharpness {
-    fn new(work: &Work) -> Self {
-        let channels = work.part::<Channels>();
+impl SharedPart for Sharpness {
+    fn new(work: &MetricInput) -> Self {
+        let channels = work.part::<ChannelPlanes>();
         Self(channels.0.each_ref().map(|channel| vectorized!(eme(channel))))
     }
 }
 
 #[inline(always)]
 fn eme(channel: &Plane<u8>) -> f64 {
-    let blocks = Blocks::new(channel.size(), BLOCK_PX);
+    let blocks = BlockGrid::new(channel.size(), BLOCK_PX);
     let mut sobel = Sobel::new(channel, Border::Replicate);
     let (mut gx, mut gy) = (vec![0i16; channel.width()], vec![0i16; channel.width()]);
     // E² is an integer below 2^38: f64 holds it, and the order of the extremes is that of E.
@@ -75,7 +75,7 @@ fn eme(channel: &Plane<u8>) -> f64 {
 #[inline(always)]
 fn vertical(channel: &Plane<u8>) -> f64 {
     let (width, height) = channel.size();
-    let blocks = Blocks::new((width, height), TABLE1_BLOCK_PX);
+    let blocks = BlockGrid::new((width, height), TABLE1_BLOCK_PX);
     let mut sobel = Sobel::new(channel, Border::Reflect);
     let (mut gx, mut gy) = (vec![0i16; width], vec![0i16; width]);
     let mut strength = vec![0.0f64; width];

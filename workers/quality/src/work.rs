@@ -8,18 +8,18 @@ use std::rc::Rc;
 use imaging::{Plane, Rgb8};
 
 /// A picture, the clean one if given, and the parts computed so far.
-pub(crate) struct Work<'a> {
+pub(crate) struct MetricInput<'a> {
     picture: &'a Rgb8,
     clean: Option<&'a Rgb8>,
     parts: RefCell<HashMap<TypeId, Rc<dyn Any>>>,
 }
 
 /// A result shared by several metrics.
-pub(crate) trait Part: 'static {
-    fn new(work: &Work) -> Self;
+pub(crate) trait SharedPart: 'static {
+    fn new(work: &MetricInput) -> Self;
 }
 
-impl<'a> Work<'a> {
+impl<'a> MetricInput<'a> {
     pub(crate) fn new(picture: &'a Rgb8, clean: Option<&'a Rgb8>) -> Self {
         Self {
             picture,
@@ -45,7 +45,7 @@ impl<'a> Work<'a> {
     }
 
     /// Returns a part, computing it on the first call.
-    pub(crate) fn part<P: Part>(&self) -> Rc<P> {
+    pub(crate) fn part<P: SharedPart>(&self) -> Rc<P> {
         let kind = TypeId::of::<P>();
         let known = self.parts.borrow().get(&kind).cloned();
         let part = known.unwrap_or_else(|| {
@@ -60,17 +60,17 @@ impl<'a> Work<'a> {
 /// Gray codes.
 pub(crate) struct Gray(pub(crate) Plane<u8>);
 
-impl Part for Gray {
-    fn new(work: &Work) -> Self {
+impl SharedPart for Gray {
+    fn new(work: &MetricInput) -> Self {
         Self(work.picture.to_gray8())
     }
 }
 
 /// Planes of red, green and blue.
-pub(crate) struct Channels(pub(crate) [Plane<u8>; 3]);
+pub(crate) struct ChannelPlanes(pub(crate) [Plane<u8>; 3]);
 
-impl Part for Channels {
-    fn new(work: &Work) -> Self {
+impl SharedPart for ChannelPlanes {
+    fn new(work: &MetricInput) -> Self {
         Self(work.picture.to_planes())
     }
 }

@@ -8,7 +8,7 @@ use crate::site::Site;
 use crate::site::finish::Material;
 use crate::site::pits::{Pit, depth};
 use crate::site::pose::up;
-use crate::site::solid::{Shape, Solid};
+use crate::site::solid::{Solid, SolidShape};
 
 /// Limit on pits per site: every ray is tested against each.
 const MOST_PITS: usize = 8;
@@ -91,11 +91,11 @@ fn foot(site: &Site, number: usize) -> Option<Foot> {
     }
     let origin = solid.pose.origin;
     let (low, diameter) = match solid.shape {
-        Shape::Tube(tube) => {
+        SolidShape::Tube(tube) => {
             let end = origin + axis * tube.length;
             (if axis.z > 0.0 { origin } else { end }, 2.0 * tube.radius)
         }
-        Shape::Block(block) => (origin - up(block.half.z), 2.0 * block.half.x.max(block.half.y)),
+        SolidShape::SolidBox(block) => (origin - up(block.half.z), 2.0 * block.half.x.max(block.half.y)),
         _ => return None,
     };
     let place = low + axis * (-low.z / axis.z);
@@ -109,13 +109,13 @@ fn foot(site: &Site, number: usize) -> Option<Foot> {
 fn lengthen(solid: &mut Solid, by: f32) {
     let axis = solid.pose.axes[2];
     match &mut solid.shape {
-        Shape::Tube(tube) => {
+        SolidShape::Tube(tube) => {
             tube.length += by;
             if axis.z > 0.0 {
                 solid.pose.origin = solid.pose.origin - axis * by;
             }
         }
-        Shape::Block(block) => {
+        SolidShape::SolidBox(block) => {
             block.half.z += 0.5 * by;
             solid.pose.origin = solid.pose.origin - up(0.5 * by);
         }
@@ -124,7 +124,7 @@ fn lengthen(solid: &mut Solid, by: f32) {
 }
 
 fn is_cut(mound: &Solid, pits: &[Pit]) -> bool {
-    let Shape::Ball(ball) = mound.shape else {
+    let SolidShape::Ellipsoid(ball) = mound.shape else {
         return false;
     };
     let (center, radius) = (mound.pose.origin, ball.radii.x);

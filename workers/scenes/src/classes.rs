@@ -34,7 +34,7 @@ pub fn read(text: &[u8]) -> Result<Classes, Invalid> {
         let message = "classes must be an object such as {\"1\": \"pile\", \"2\": \"chain\"}";
         return Err(Invalid(vec![FieldError::new("", message)]));
     };
-    let mut reader = Reader::default();
+    let mut reader = ClassReader::default();
     let is_long = map.contains_key("categories") || map.contains_key("segments_info");
     let classes = if is_long {
         reader.long(map)
@@ -50,11 +50,11 @@ pub fn read(text: &[u8]) -> Result<Classes, Invalid> {
 }
 
 #[derive(Default)]
-struct Reader {
+struct ClassReader {
     errors: Vec<FieldError>,
 }
 
-impl Reader {
+impl ClassReader {
     fn short(&mut self, map: &Map<String, Value>) -> Classes {
         let mut named = Vec::new();
         for (key, value) in map {

@@ -5,7 +5,7 @@ use crate::{open_water, pipeline, shaft, structure};
 
 /// A procedural family.
 #[derive(Debug, Clone, Copy)]
-pub struct Family {
+pub struct SceneFamily {
     /// Name in job descriptions.
     pub name: &'static str,
     /// Short description.
@@ -14,23 +14,23 @@ pub struct Family {
     pub(crate) site: fn(u64, Option<f32>) -> Site,
 }
 
-const TABLE: [Family; 4] = [
-    Family {
+const TABLE: [SceneFamily; 4] = [
+    SceneFamily {
         name: "structure",
         about: "piles, braced legs, pipes, plates and beams on a rippled seabed",
         site: structure::site,
     },
-    Family {
+    SceneFamily {
         name: "shaft",
         about: "flooded shafts and tunnels with their lining, mud on the floor, ladders, pipes and cables",
         site: shaft::site,
     },
-    Family {
+    SceneFamily {
         name: "pipeline",
         about: "a coated pipe on its supports with field joints, weld seams, anodes and damage",
         site: pipeline::site,
     },
-    Family {
+    SceneFamily {
         name: "open-water",
         about: "posts, mooring lines, buoys, hanging crates and cables in mid-water, without a bottom",
         site: open_water::site,
@@ -48,7 +48,7 @@ pub const FAMILIES: &[&str] = &{
     names
 };
 
-impl Family {
+impl SceneFamily {
     /// Returns the family of this name.
     #[must_use]
     pub fn parse(name: &str) -> Option<Self> {

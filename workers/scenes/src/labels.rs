@@ -7,7 +7,7 @@ use spec::Classes;
 use crate::CameraPose;
 use crate::categories::Category;
 use crate::classes::UNLABELED;
-use crate::site::Surfaces;
+use crate::site::SurfaceRows;
 
 /// Labels of a frame. All planes have the size of the frame.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,7 +53,7 @@ pub struct Instance {
 }
 
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Shown {
+pub(crate) struct InstanceInfo {
     pub(crate) category: Category,
     pub(crate) host: Option<u16>,
 }
@@ -61,9 +61,9 @@ pub(crate) struct Shown {
 impl Labels {
     /// `shown` lists the instances from 1 on.
     pub(crate) fn procedural(
-        surfaces: Surfaces,
+        surfaces: SurfaceRows,
         numbers: &Plane<u16>,
-        shown: &[Shown],
+        shown: &[InstanceInfo],
         pose: CameraPose,
         intrinsics: Intrinsics,
     ) -> Self {

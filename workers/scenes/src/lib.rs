@@ -21,7 +21,7 @@ pub mod uploaded;
 mod world;
 
 pub use error::SceneError;
-pub use families::{FAMILIES, Family};
+pub use families::{FAMILIES, SceneFamily};
 pub use labels::{Labels, SurfaceLabels};
 pub use path::CameraPath;
 pub use pose::CameraPose;

@@ -15,8 +15,8 @@ use imaging::vector::{Vec3, vec3};
 use spec::Life;
 
 use crate::site::Site;
-use crate::site::builder::Builder;
-use crate::site::chance::Dice;
+use crate::site::builder::SiteBuilder;
+use crate::site::chance::Choices;
 use crate::site::pose::{UP, up};
 use crate::site::solid::Solid;
 use crate::site::tree::Tree;
@@ -38,7 +38,7 @@ const MOST_SOLIDS: usize = 9_000;
 
 /// A surface sample.
 #[derive(Debug, Clone, Copy)]
-struct Spot {
+struct GrowthSite {
     place: Vec3,
     normal: Vec3,
     host: u16,
@@ -53,7 +53,7 @@ pub(crate) fn settle(site: &mut Site, life: &Life, seed: u64) {
     let eye = site.pose.position_m.as_f32();
     let target = site.target.as_f32();
     let mut colony = Colony {
-        builder: Builder::from_site(site, seed, "life"),
+        builder: SiteBuilder::from_site(site, seed, "life"),
         eye,
         middle: eye + (target - eye) * 0.6,
         stage: site.solids.clone(),
@@ -68,12 +68,12 @@ pub(crate) fn settle(site: &mut Site, life: &Life, seed: u64) {
         (
             "mussels",
             life.mussels,
-            Colony::mussels as fn(&mut Colony, Dice, &Spot),
+            Colony::mussels as fn(&mut Colony, Choices, &GrowthSite),
         ),
         ("worms", life.worms, Colony::worms),
         ("weed", life.weed, Colony::weed),
     ] {
-        let dice = Dice::new(seed, &format!("life/{topic}"));
+        let dice = Choices::new(seed, &format!("life/{topic}"));
         for (at, spot) in spots.iter().enumerate() {
             let own = dice.object(at);
             // Growth clusters: most cells are bare, a few are crowded.
@@ -85,15 +85,15 @@ pub(crate) fn settle(site: &mut Site, life: &Life, seed: u64) {
         }
     }
     for rope in 0..life.ropes {
-        colony.rope(Dice::new(seed, "life/rope").object(rope), &spots);
+        colony.rope(Choices::new(seed, "life/rope").object(rope), &spots);
     }
     let volume = f64::from(4.0 / 3.0 * PI * BALL_M.powi(3));
     for (topic, density, place) in [
-        ("fish", life.fish, Colony::fish as fn(&mut Colony, Dice, Vec3)),
+        ("fish", life.fish, Colony::fish as fn(&mut Colony, Choices, Vec3)),
         ("jellyfish", life.jellyfish, Colony::jellyfish),
         ("bubbles", life.bubbles, Colony::bubble),
     ] {
-        let dice = Dice::new(seed, &format!("life/{topic}"));
+        let dice = Choices::new(seed, &format!("life/{topic}"));
         let count = density * volume + f64::from(dice.uniform(0, 0.0, 1.0));
         for animal in 0..count as usize {
             let dice = dice.object(animal + 1);
@@ -109,7 +109,7 @@ pub(crate) fn settle(site: &mut Site, life: &Life, seed: u64) {
 
 /// Solids being added to a site.
 struct Colony {
-    builder: Builder,
+    builder: SiteBuilder,
     eye: Vec3,
     /// The middle of the visible water.
     middle: Vec3,
@@ -122,7 +122,7 @@ impl Colony {
     }
 
     /// A point in open water; `None` if something is near.
-    fn free_place(&self, dice: Dice) -> Option<Vec3> {
+    fn free_place(&self, dice: Choices) -> Option<Vec3> {
         let radius = BALL_M * libm::cbrtf(dice.uniform(0, 0.0, 1.0));
         let place = self.middle + direction(dice, 1) * radius;
         let solids = self.stage.iter().map(|solid| solid.distance(place));
@@ -132,7 +132,7 @@ impl Colony {
 }
 
 /// Factor on the density of growth at a point: 0 in some cells, with mean 1.
-fn crowding(dice: Dice, place: Vec3) -> f32 {
+fn crowding(dice: Choices, place: Vec3) -> f32 {
     let cell = [place.x, place.y, place.z].map(|v| libm::floorf(v / PATCH_M) as i32 as usize & 0x3ff);
     let share = dice
         .object((1 << 40) + (cell[0] << 20) + (cell[1] << 10) + cell[2])
@@ -142,7 +142,7 @@ fn crowding(dice: Dice, place: Vec3) -> f32 {
 }
 
 /// A uniformly distributed direction, from two choices.
-fn direction(dice: Dice, choice: u64) -> Vec3 {
+fn direction(dice: Choices, choice: u64) -> Vec3 {
     let rise = dice.uniform(choice, -1.0, 1.0);
     let (sin, cos) = libm::sincosf(dice.uniform(choice + 1, 0.0, TAU));
     let flat = (1.0 - rise * rise).max(0.0).sqrt();
@@ -161,9 +161,9 @@ fn tangents(normal: Vec3) -> [Vec3; 2] {
 }
 
 /// Samples structures and stones by rays from near the camera's usual track.
-fn spots(site: &Site, eye: Vec3, seed: u64) -> Vec<Spot> {
+fn spots(site: &Site, eye: Vec3, seed: u64) -> Vec<GrowthSite> {
     let tree = Tree::new(&site.solids);
-    let dice = Dice::new(seed, "life/spots");
+    let dice = Choices::new(seed, "life/spots");
     let travel = site.travel.as_f32();
     let solid_angle = 4.0 * PI / RAYS as f32;
     let found = (0..RAYS).filter_map(|ray| {
@@ -188,7 +188,7 @@ fn spots(site: &Site, eye: Vec3, seed: u64) -> Vec<Spot> {
         }
         let normal = solid.normal(place, 1e-3);
         let facing = (-heading.dot(normal)).max(GRAZING);
-        Some(Spot {
+        Some(GrowthSite {
             place,
             normal,
             host: solid.object,

@@ -5,9 +5,9 @@ use imaging::vector::{Vec3, vec3};
 
 use crate::categories::Category;
 use crate::site::Site;
-use crate::site::builder::{Builder, Heights, View};
-use crate::site::chance::Dice;
-use crate::site::finish::{Finish, Material};
+use crate::site::builder::{Heights, SiteBuilder, SiteView};
+use crate::site::chance::Choices;
+use crate::site::finish::{Material, SurfaceFinish};
 use crate::site::pose::{Pose, UP, horizontal, up};
 use crate::site::solid::Ring;
 
@@ -35,8 +35,8 @@ const ROPES: [[f32; 3]; 4] = [
 ];
 
 pub(crate) fn site(seed: u64, _: Option<f32>) -> Site {
-    let dice = Dice::new(seed, "open-water");
-    let mut builder = Builder::new(seed, "open-water");
+    let dice = Choices::new(seed, "open-water");
+    let mut builder = SiteBuilder::new(seed, "open-water");
     let target = up(FLOOR_M + MIDDLE_M);
     let kind = dice.count(0, 0, 4);
     item(&mut builder, dice.object(1), kind, target);
@@ -47,7 +47,7 @@ pub(crate) fn site(seed: u64, _: Option<f32>) -> Site {
     }
     let distance = dice.uniform(2, 2.2, 4.0);
     let heading = horizontal(std::f32::consts::FRAC_PI_2 + dice.uniform(3, -0.9, 0.9));
-    builder.site(&View {
+    builder.site(&SiteView {
         eye: target - heading * distance,
         target,
         travel: heading.cross(UP) * (0.7 * distance),
@@ -62,7 +62,7 @@ pub(crate) fn site(seed: u64, _: Option<f32>) -> Site {
     })
 }
 
-fn item(builder: &mut Builder, dice: Dice, kind: usize, place: Vec3) {
+fn item(builder: &mut SiteBuilder, dice: Choices, kind: usize, place: Vec3) {
     match kind {
         0 => posts(builder, dice, place),
         1 => mooring(builder, dice, place),
@@ -72,21 +72,21 @@ fn item(builder: &mut Builder, dice: Dice, kind: usize, place: Vec3) {
     }
 }
 
-fn upright(dice: Dice, lean: f32) -> Vec3 {
+fn upright(dice: Choices, lean: f32) -> Vec3 {
     (UP + dice.shift(80, [lean, lean])).normalized()
 }
 
-fn rope(builder: &mut Builder, dice: Dice) {
+fn rope(builder: &mut SiteBuilder, dice: Choices) {
     let material = Material::Body {
         color: dice.pick(70, &ROPES),
         gloss: 0.03,
         belly: 1.0,
     };
-    builder.object_of(Finish::new(material, dice), Category::Cable);
+    builder.object_of(SurfaceFinish::new(material, dice), Category::Cable);
 }
 
 /// Thin posts in a row, some with collars.
-fn posts(builder: &mut Builder, dice: Dice, place: Vec3) {
+fn posts(builder: &mut SiteBuilder, dice: Choices, place: Vec3) {
     let along = horizontal(dice.uniform(0, -0.9, 0.9)) * dice.uniform(1, 0.5, 1.8);
     let radius = dice.uniform(2, 0.02, 0.11);
     let material = dice.pick(3, &[Material::Steel, Material::Growth, Material::Steel]);
@@ -107,7 +107,7 @@ fn posts(builder: &mut Builder, dice: Dice, place: Vec3) {
 }
 
 /// A mooring line: a rope, or a chain that ends in ropes.
-fn mooring(builder: &mut Builder, dice: Dice, place: Vec3) {
+fn mooring(builder: &mut SiteBuilder, dice: Choices, place: Vec3) {
     let axis = upright(dice, 0.3);
     let radius = dice.uniform(0, 0.012, 0.035);
     let mut ends = [place, place];
@@ -130,18 +130,18 @@ fn mooring(builder: &mut Builder, dice: Dice, place: Vec3) {
 }
 
 /// A float with a band and eyes on its line.
-fn buoy(builder: &mut Builder, dice: Dice, place: Vec3) {
+fn buoy(builder: &mut SiteBuilder, dice: Choices, place: Vec3) {
     let radius = dice.uniform(0, 0.18, 0.7);
     let color = dice.pick(1, &FLOATS);
     let finish = if dice.chance(2, 0.4) {
-        Finish::new(Material::Steel, dice)
+        SurfaceFinish::new(Material::Steel, dice)
     } else {
         let material = Material::Body {
             color,
             gloss: 0.3,
             belly: 1.0,
         };
-        Finish::new(material, dice)
+        SurfaceFinish::new(material, dice)
     };
     builder.object_of(finish, Category::Buoy);
     let height = radius * dice.pick(3, &[1.0, 1.0, 1.5]);
@@ -168,7 +168,7 @@ fn corner(pose: &Pose, half: Vec3, sides: [f32; 3]) -> Vec3 {
 }
 
 /// A crate or an open frame on four slings below a hoisting rope.
-fn crate_on_slings(builder: &mut Builder, dice: Dice, place: Vec3) {
+fn crate_on_slings(builder: &mut SiteBuilder, dice: Choices, place: Vec3) {
     let half = dice.point_in(0, [0.3, 0.25, 0.2], [0.9, 0.6, 0.6]);
     let yaw = dice.uniform(3, -1.5, 1.5);
     let pose = Pose::upright(place, yaw);
@@ -206,7 +206,7 @@ fn crate_on_slings(builder: &mut Builder, dice: Dice, place: Vec3) {
 }
 
 /// Cables and hoses that hang through the water in bows.
-fn cables(builder: &mut Builder, dice: Dice, place: Vec3) {
+fn cables(builder: &mut SiteBuilder, dice: Choices, place: Vec3) {
     let along = horizontal(dice.uniform(0, -0.7, 0.7));
     for cable in 0..dice.count(1, 1, 4) {
         let own = dice.object(200 + cable);

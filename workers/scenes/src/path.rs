@@ -21,19 +21,19 @@ const SHORTEST_M: f64 = 1e-3;
 /// `sway_deg`). The sum never exceeds the amplitude.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CameraPath {
-    start: Sight,
-    end: Sight,
+    start: LookAt,
+    end: LookAt,
     path: Path,
     seed: u64,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Sight {
+struct LookAt {
     position: DVec3,
     target: DVec3,
 }
 
-impl From<Waypoint> for Sight {
+impl From<Waypoint> for LookAt {
     fn from(waypoint: Waypoint) -> Self {
         Self {
             position: waypoint.position_m.into(),
@@ -49,7 +49,7 @@ impl CameraPath {
     /// [`SceneError::Number`] for a path of several frames shorter than [`SHORTEST_M`] and for a target closer to the
     /// camera than that anywhere on the path.
     pub fn new(path: &Path, ends: [Waypoint; 2], seed: u64) -> Result<Self, Vec<SceneError>> {
-        let [start, end] = ends.map(Sight::from);
+        let [start, end] = ends.map(LookAt::from);
         let mut errors = Vec::new();
 
         let traveled = (end.position - start.position).length() + (end.target - start.target).length();
@@ -128,7 +128,7 @@ impl CameraPath {
     }
 }
 
-fn nearest_target(start: &Sight, end: &Sight) -> f64 {
+fn nearest_target(start: &LookAt, end: &LookAt) -> f64 {
     let first = start.target - start.position;
     let change = end.target - end.position - first;
     let square = change.dot(change);
@@ -184,7 +184,7 @@ pub(crate) mod tests {
     #[test]
     fn a_path_without_sway_is_a_straight_line_at_constant_speed() {
         let path = straight(START, END, 5);
-        let (start, end) = (Sight::from(START), Sight::from(END));
+        let (start, end) = (LookAt::from(START), LookAt::from(END));
         assert_eq!(path.pose(0).position_m, start.position);
         assert_eq!(path.pose(4).position_m, end.position);
         assert_eq!(path.pose(2).position_m, vec3(0.0, -3.0, 1.25));

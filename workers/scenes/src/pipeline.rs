@@ -7,9 +7,9 @@ use imaging::vector::{Vec3, vec3};
 
 use crate::categories::Category;
 use crate::site::Site;
-use crate::site::builder::{Builder, Heights, View};
-use crate::site::chance::Dice;
-use crate::site::finish::{Coat, Material, Pattern};
+use crate::site::builder::{Heights, SiteBuilder, SiteView};
+use crate::site::chance::Choices;
+use crate::site::finish::{Coat, JointPattern, Material};
 use crate::site::pose::{UP, horizontal, up};
 
 const HALF_M: f32 = 26.0;
@@ -38,7 +38,7 @@ impl Pipe {
     }
 
     /// A tube around the pipe, `thick` meters larger.
-    fn sleeve(&self, builder: &mut Builder, [from, to]: [f32; 2], thick: f32) {
+    fn sleeve(&self, builder: &mut SiteBuilder, [from, to]: [f32; 2], thick: f32) {
         builder.tube(self.axis(from), self.axis(to), self.radius + thick);
     }
 
@@ -49,8 +49,8 @@ impl Pipe {
 }
 
 pub(crate) fn site(seed: u64, burial: Option<f32>) -> Site {
-    let dice = Dice::new(seed, "pipeline");
-    let mut builder = Builder::new(seed, "pipeline");
+    let dice = Choices::new(seed, "pipeline");
+    let mut builder = SiteBuilder::new(seed, "pipeline");
     let kind = dice.count(0, 0, 4);
     // Bags or rock support a pipe on the ground.
     let kind = if burial.is_some() { 3 + kind % 2 } else { kind };
@@ -105,7 +105,7 @@ pub(crate) fn site(seed: u64, burial: Option<f32>) -> Site {
 }
 
 /// A view across the pipe, or along it as in a survey.
-fn view(dice: Dice, pipe: &Pipe, buried: bool) -> View {
+fn view(dice: Choices, pipe: &Pipe, buried: bool) -> SiteView {
     let beside = dice.chance(20, 0.55);
     // Look over the banks of a buried pipe.
     let least = if buried { 0.9 } else { 0.4 };
@@ -122,7 +122,7 @@ fn view(dice: Dice, pipe: &Pipe, buried: bool) -> View {
         (eye, ahead + UP * dice.uniform(25, -0.2, 0.3))
     };
     let eye = vec3(eye.x, eye.y, eye.z.max(least));
-    View {
+    SiteView {
         eye,
         target,
         travel: pipe.along * 5.0,
@@ -138,7 +138,7 @@ fn view(dice: Dice, pipe: &Pipe, buried: bool) -> View {
 }
 
 /// Bracelet anodes, a flange, and straps with a cable on top.
-fn fittings(builder: &mut Builder, dice: Dice, pipe: &Pipe, joint: f32) {
+fn fittings(builder: &mut SiteBuilder, dice: Choices, pipe: &Pipe, joint: f32) {
     let half = dice.uniform(30, 0.18, 0.3);
     for place in [joint - dice.uniform(31, 0.8, 2.4), joint + 5.1, joint - 8.3] {
         builder.object(Material::Anode, Category::Anode);
@@ -165,7 +165,7 @@ fn fittings(builder: &mut Builder, dice: Dice, pipe: &Pipe, joint: f32) {
 }
 
 /// Numbers and positions of the supports along the pipe, ahead and behind.
-fn places(dice: Dice, spacing: f32) -> impl Iterator<Item = (u64, f32)> {
+fn places(dice: Choices, spacing: f32) -> impl Iterator<Item = (u64, f32)> {
     let start = dice.uniform(40, -0.5, 0.5) * spacing;
     (0..6u64).map(move |i| {
         let jitter = dice.uniform(41 + i, -0.1, 0.1);
@@ -174,9 +174,9 @@ fn places(dice: Dice, spacing: f32) -> impl Iterator<Item = (u64, f32)> {
 }
 
 /// Plain concrete blocks.
-fn blocks(builder: &mut Builder, dice: Dice, pipe: &Pipe) {
+fn blocks(builder: &mut SiteBuilder, dice: Choices, pipe: &Pipe) {
     for (i, place) in places(dice, dice.uniform(39, 1.9, 3.4)) {
-        builder.object(Material::Concrete(Pattern::Boards), Category::Support);
+        builder.object(Material::Concrete(JointPattern::Boards), Category::Support);
         let height = (pipe.height - pipe.radius) / 2.0 + 0.05;
         let half = vec3(0.18, pipe.radius * dice.uniform(50 + i, 1.2, 2.2), height);
         builder.block(pipe.ground_point(place) + UP * height, half, pipe.yaw);
@@ -190,9 +190,9 @@ fn blocks(builder: &mut Builder, dice: Dice, pipe: &Pipe) {
 }
 
 /// Blocks with cheeks on both sides of the pipe and a strap over it.
-fn saddles(builder: &mut Builder, dice: Dice, pipe: &Pipe) {
+fn saddles(builder: &mut SiteBuilder, dice: Choices, pipe: &Pipe) {
     for (i, place) in places(dice, dice.uniform(39, 2.2, 3.8)) {
-        builder.object(Material::Concrete(Pattern::Boards), Category::Support);
+        builder.object(Material::Concrete(JointPattern::Boards), Category::Support);
         let base = (pipe.height - pipe.radius) / 2.0 + 0.04;
         let wide = pipe.radius * 1.75;
         builder.block(
@@ -218,7 +218,7 @@ fn saddles(builder: &mut Builder, dice: Dice, pipe: &Pipe) {
 }
 
 /// Two posts with a beam, high above the ground.
-fn trestles(builder: &mut Builder, dice: Dice, pipe: &Pipe) {
+fn trestles(builder: &mut SiteBuilder, dice: Choices, pipe: &Pipe) {
     for (i, place) in places(dice, dice.uniform(39, 2.8, 4.6)) {
         let wide = pipe.radius + dice.uniform(50 + i, 0.2, 0.4);
         let top = pipe.height - pipe.radius;
@@ -236,7 +236,7 @@ fn trestles(builder: &mut Builder, dice: Dice, pipe: &Pipe) {
 }
 
 /// Stacks of bags under and along a pipe on the ground.
-fn bags(builder: &mut Builder, dice: Dice, pipe: &Pipe) {
+fn bags(builder: &mut SiteBuilder, dice: Choices, pipe: &Pipe) {
     bank(builder, dice, pipe);
     for (i, place) in places(dice, dice.uniform(39, 1.6, 3.2)) {
         builder.object(Material::Bag, Category::Support);
@@ -261,7 +261,7 @@ fn bags(builder: &mut Builder, dice: Dice, pipe: &Pipe) {
 }
 
 /// Dumped rock along the pipe.
-fn berm(builder: &mut Builder, dice: Dice, pipe: &Pipe) {
+fn berm(builder: &mut SiteBuilder, dice: Choices, pipe: &Pipe) {
     bank(builder, dice, pipe);
     let side = if dice.chance(60, 0.5) { 1.0 } else { -1.0 };
     let place = pipe.ground_point(dice.uniform(61, -1.5, 1.5)) + pipe.across * (side * pipe.radius);
@@ -271,7 +271,7 @@ fn berm(builder: &mut Builder, dice: Dice, pipe: &Pipe) {
 }
 
 /// Sand banked along a pipe on the ground.
-fn bank(builder: &mut Builder, dice: Dice, pipe: &Pipe) {
+fn bank(builder: &mut SiteBuilder, dice: Choices, pipe: &Pipe) {
     for i in 0..7 {
         let choose = dice.object(200 + i);
         let place = pipe.ground_point(-7.0 + 2.6 * i as f32 + choose.uniform(0, -0.6, 0.6))
@@ -282,7 +282,7 @@ fn bank(builder: &mut Builder, dice: Dice, pipe: &Pipe) {
 }
 
 /// Sand heaped against a support.
-fn scour(builder: &mut Builder, dice: Dice, place: Vec3, wide: f32) {
+fn scour(builder: &mut SiteBuilder, dice: Choices, place: Vec3, wide: f32) {
     let reach = wide * dice.uniform(70, 1.2, 1.7) + 0.2;
     let lee = dice.uniform(71, -0.25, 0.25);
     let height = reach * dice.uniform(72, 0.06, 0.16);

@@ -4,22 +4,22 @@
 //! the surface shown there, at its range. A ray that starts inside a solid leaves it unhindered. The ground ends 60 m
 //! from the camera, as in pictures.
 
-use imaging::rays::{Cuboid, Hit, OFFSET, Rays, Ways};
+use imaging::rays::{Cuboid, Hit, OFFSET, Rays, ShadowRays};
 use imaging::vector::{DVec3, Vec3};
 use imaging::vectorized;
 
 use crate::site::bounds::Bounds;
 use crate::site::lanes::{load, store};
 use crate::site::pits;
-use crate::site::solid::{RUN, Run};
-use crate::site::tree::{Bundle, Tree};
+use crate::site::solid::{RUN, ShadowPacket};
+use crate::site::tree::{RayPacket, Tree};
 use crate::site::{FAR_M, LABEL_BEVEL_M, Site};
 use crate::{CameraPose, World};
 
 /// Longer rays are clipped to this length, m; larger than any site.
 const LONGEST_M: f64 = 1e3;
 
-/// A world in the axes of a camera. Object numbers are those of the world; 0 is the ground.
+/// A world in the axes of a camera. SiteObject numbers are those of the world; 0 is the ground.
 pub struct WorldRays<'a> {
     site: &'a Site,
     pose: CameraPose,
@@ -66,17 +66,17 @@ impl Rays for WorldRays<'_> {
         })
     }
 
-    fn may_hide(&self, from: &Cuboid, to: &Cuboid) -> bool {
-        let bundle = Bundle {
+    fn may_occlude(&self, from: &Cuboid, to: &Cuboid) -> bool {
+        let packet = RayPacket {
             from: self.bounds_in_world(from),
             to: self.bounds_in_world(to),
         };
         // Pits have walls outside of any bounding box.
-        if bundle.to.low.z <= 0.0 || !self.site.pits.is_empty() {
+        if packet.to.low.z <= 0.0 || !self.site.pits.is_empty() {
             return true;
         }
         let mut is_met = false;
-        self.tree.search(&bundle, |_| {
+        self.tree.search(&packet, |_| {
             is_met = true;
             -1.0
         });
@@ -89,33 +89,33 @@ impl Rays for WorldRays<'_> {
         f64::from(solids.fold(place.z, f32::min).max(0.0))
     }
 
-    fn look(&self, ways: &Ways, clear: &mut [bool]) {
+    fn trace_shadow_rays(&self, rays: &ShadowRays, clear: &mut [bool]) {
         let frame = CameraFrame {
             eye: self.pose.position_m.as_f32(),
             axes: [self.pose.right, self.pose.down, self.pose.ahead].map(DVec3::as_f32),
         };
-        let mut run = Run {
+        let mut run = ShadowPacket {
             from: [[0.0; RUN]; 3],
             way: [[0.0; RUN]; 3],
-            hidden: [0.0; RUN],
+            occluded: [0.0; RUN],
         };
         let mut ends = [[0.0; RUN]; 3];
         for (at, clear) in clear.chunks_mut(RUN).enumerate() {
-            vectorized!(begin(frame, ways, at * RUN, &mut run, &mut ends));
+            vectorized!(begin(frame, rays, at * RUN, &mut run, &mut ends));
             if !self.site.pits.is_empty() {
                 self.sink(&mut run, &ends);
             }
-            let bundle = Bundle {
+            let packet = RayPacket {
                 from: vectorized!(Bounds::from_points(&run.from)),
                 to: vectorized!(Bounds::from_points(&ends)),
             };
-            self.tree.search(&bundle, |number| {
-                self.site.solids[usize::from(number)].hide(&mut run);
-                let is_done = run.hidden.iter().all(|&hidden| hidden != 0.0);
+            self.tree.search(&packet, |number| {
+                self.site.solids[usize::from(number)].occlude(&mut run);
+                let is_done = run.occluded.iter().all(|&occluded| occluded != 0.0);
                 if is_done { -1.0 } else { 1.0 }
             });
-            for (clear, hidden) in clear.iter_mut().zip(&run.hidden) {
-                *clear = *hidden == 0.0;
+            for (clear, occluded) in clear.iter_mut().zip(&run.occluded) {
+                *clear = *occluded == 0.0;
             }
         }
     }
@@ -130,12 +130,12 @@ impl WorldRays<'_> {
     }
 
     /// Clears shadow rays that pass through the mouth of a pit and marks those that hit its wall.
-    fn sink(&self, run: &mut Run, ends: &[[f32; RUN]; 3]) {
+    fn sink(&self, run: &mut ShadowPacket, ends: &[[f32; RUN]; 3]) {
         for i in 0..RUN {
             let (begin, end) = (load(&run.from, i), load(ends, i));
             let is_between = pits::is_between(&self.site.pits, begin, end);
-            run.hidden[i] = if is_between {
-                run.hidden[i].max(f32::from(begin.z.min(end.z) < -1e-3))
+            run.occluded[i] = if is_between {
+                run.occluded[i].max(f32::from(begin.z.min(end.z) < -1e-3))
             } else {
                 0.0
             };
@@ -171,11 +171,11 @@ impl WorldRays<'_> {
                 (nearest, is_met) = (ground, true);
             }
         }
-        let bundle = Bundle {
+        let packet = RayPacket {
             from: Bounds::from_point(begin),
             to: Bounds::from_point(begin + heading * meters),
         };
-        self.tree.search(&bundle, |number| {
+        self.tree.search(&packet, |number| {
             let met = self.site.solids[usize::from(number)].enter(begin, heading);
             if met < nearest {
                 (nearest, owner, is_met) = (met, Some(number), true);
@@ -204,10 +204,16 @@ impl CameraFrame {
 /// Transforms a packet of shadow rays into the world, offsets their origins off the surfaces, and marks those blocked
 /// by the ground. The last ray fills the rest of the packet.
 #[inline(always)]
-fn begin(frame: CameraFrame, ways: &Ways, first: usize, run: &mut Run, ends: &mut [[f32; RUN]; 3]) {
-    let count = RUN.min(ways.len() - first);
+fn begin(
+    frame: CameraFrame,
+    rays: &ShadowRays,
+    first: usize,
+    run: &mut ShadowPacket,
+    ends: &mut [[f32; RUN]; 3],
+) {
+    let count = RUN.min(rays.len() - first);
     let mut local = [[[0.0f32; RUN]; 3]; 2];
-    for (lanes, ends) in local.iter_mut().zip([&ways.from, &ways.to]) {
+    for (lanes, ends) in local.iter_mut().zip([&rays.from, &rays.to]) {
         for (lane, axis) in lanes.iter_mut().zip(ends) {
             lane[..count].copy_from_slice(&axis[first..first + count]);
             let last = lane[count - 1];
@@ -230,6 +236,6 @@ fn begin(frame: CameraFrame, ways: &Ways, first: usize, run: &mut Run, ends: &mu
         let share = begin.z / (begin.z - end.z);
         let away = begin + way * share - frame.eye;
         let met = (begin.z > 0.0) & (end.z < 0.0) & (away.dot(away) < FAR_M * FAR_M);
-        run.hidden[i] = if met { 1.0 } else { 0.0 };
+        run.occluded[i] = if met { 1.0 } else { 0.0 };
     }
 }

@@ -5,17 +5,17 @@ use imaging::vector::{Vec3, vec3};
 
 use crate::categories::Category;
 use crate::site::Site;
-use crate::site::builder::{Builder, Heights, View};
-use crate::site::chance::Dice;
-use crate::site::finish::{Courses, Material, Pattern, Unroll};
+use crate::site::builder::{Heights, SiteBuilder, SiteView};
+use crate::site::chance::Choices;
+use crate::site::finish::{Courses, JointPattern, Material, Unroll};
 use crate::site::pose::{Pose, UP, ZERO, up};
-use crate::site::solid::{Block, Bore, Ring, Room};
+use crate::site::solid::{Bore, Ring, Room, SolidBox};
 
 /// Length of a tunnel or height of a shaft, m.
 const LENGTH_M: f32 = 64.0;
 
 /// Axes for objects fixed to a wall.
-struct Wall {
+struct WallFrame {
     /// A point on the wall in view.
     foot: Vec3,
     /// Along the wall and the axis.
@@ -24,7 +24,7 @@ struct Wall {
     out: Vec3,
 }
 
-impl Wall {
+impl WallFrame {
     /// A point at a distance along the wall and from it.
     fn point(&self, distance: f32, gap: f32) -> Vec3 {
         self.foot + self.along * distance + self.out * gap
@@ -32,8 +32,8 @@ impl Wall {
 }
 
 pub(crate) fn site(seed: u64, _: Option<f32>) -> Site {
-    let dice = Dice::new(seed, "shaft");
-    let mut builder = Builder::new(seed, "shaft");
+    let dice = Choices::new(seed, "shaft");
+    let mut builder = SiteBuilder::new(seed, "shaft");
     let view = match dice.count(0, 0, 2) {
         0 => tunnel(&mut builder, dice),
         1 => {
@@ -55,7 +55,7 @@ pub(crate) fn site(seed: u64, _: Option<f32>) -> Site {
 }
 
 /// The wall of a round tunnel or shaft.
-fn bore(builder: &mut Builder, dice: Dice, radius: f32, pose: Pose) {
+fn bore(builder: &mut SiteBuilder, dice: Choices, radius: f32, pose: Pose) {
     let wall = Bore {
         radius,
         length: LENGTH_M,
@@ -65,7 +65,7 @@ fn bore(builder: &mut Builder, dice: Dice, radius: f32, pose: Pose) {
 }
 
 /// The lining: segments with bolt pockets, cast rings, or blocks in courses.
-fn lining(dice: Dice, unroll: Unroll, radius: f32) -> Material {
+fn lining(dice: Choices, unroll: Unroll, radius: f32) -> Material {
     let around = std::f32::consts::TAU * radius;
     let (height, length, joint, pocket, variety) = match dice.count(10, 0, 2) {
         0 => {
@@ -79,7 +79,7 @@ fn lining(dice: Dice, unroll: Unroll, radius: f32) -> Material {
             (height, around / pieces, 0.009, 0.0, 0.2)
         }
     };
-    Material::Concrete(Pattern::Courses(Courses {
+    Material::Concrete(JointPattern::Courses(Courses {
         unroll,
         height,
         length,
@@ -90,7 +90,7 @@ fn lining(dice: Dice, unroll: Unroll, radius: f32) -> Material {
 }
 
 /// A level tunnel along y with silt on its floor.
-fn tunnel(builder: &mut Builder, dice: Dice) -> View {
+fn tunnel(builder: &mut SiteBuilder, dice: Choices) -> SiteView {
     let radius = dice.uniform(1, 1.2, 2.4);
     let center = radius * dice.uniform(2, 0.6, 0.9);
     let (start, end) = (vec3(0.0, -4.0, center), vec3(0.0, LENGTH_M - 4.0, center));
@@ -105,7 +105,7 @@ fn tunnel(builder: &mut Builder, dice: Dice) -> View {
         let lift = dice.uniform(20 + i as u64, 0.1, 0.8);
         let (sin, cos) = libm::sincosf(lift);
         let outward = vec3(side * cos, 0.0, sin);
-        let wall = Wall {
+        let wall = WallFrame {
             foot: up(center) + outward * radius,
             along,
             out: -outward,
@@ -122,7 +122,7 @@ fn tunnel(builder: &mut Builder, dice: Dice) -> View {
     let (x, y) = (dice.uniform(32, -0.75, 0.75) * radius, dice.uniform(33, 1.5, 4.5));
     let eye_height = (center + dice.uniform(31, -0.25, 0.25) * radius).max(0.45);
     let target_height = (center + dice.uniform(34, -0.5, 0.5) * radius).max(0.1);
-    View {
+    SiteView {
         eye: vec3(eye_x, 0.0, eye_height),
         target: vec3(x, y, target_height),
         travel: along * 5.0,
@@ -138,7 +138,7 @@ fn tunnel(builder: &mut Builder, dice: Dice) -> View {
 }
 
 /// Furniture of an upright shaft of the given half widths, and a camera in it.
-fn shaft(builder: &mut Builder, dice: Dice, half: [f32; 2]) -> View {
+fn shaft(builder: &mut SiteBuilder, dice: Choices, half: [f32; 2]) -> SiteView {
     let height = dice.uniform(30, 1.4, 6.0);
     // The far wall is in view: the camera looks along +y.
     let offset = dice.uniform(20, -0.3, 0.3) * half[0];
@@ -156,7 +156,7 @@ fn shaft(builder: &mut Builder, dice: Dice, half: [f32; 2]) -> View {
     let side = if offset > 0.0 { -1.0 } else { 1.0 };
     for i in 0..dice.count(22, 1, 2) {
         let x = side * half[0] * (0.32 + 0.3 * i as f32) + offset * 0.3;
-        let wall = Wall {
+        let wall = WallFrame {
             foot: vec3(x, wall_depth(half, x), height),
             along: UP,
             out,
@@ -171,7 +171,7 @@ fn shaft(builder: &mut Builder, dice: Dice, half: [f32; 2]) -> View {
     let drop = dice.pick(33, &[0.0, 0.3, 0.9, 2.4]) + dice.uniform(34, -0.3, 0.3);
     let far = half[1] * 0.9;
     let target_x = dice.uniform(35, -0.5, 0.5) * half[0];
-    View {
+    SiteView {
         eye: vec3(x, y, height),
         target: vec3(target_x, far, height - drop * (far - y)),
         travel: UP * -(height - 0.8),
@@ -187,8 +187,8 @@ fn shaft(builder: &mut Builder, dice: Dice, half: [f32; 2]) -> View {
 }
 
 /// A pipe, cables or a tray on brackets along a wall, between two distances along it.
-fn run(builder: &mut Builder, dice: Dice, wall: &Wall, [from, to]: [f32; 2]) {
-    let Wall { foot, along, out } = *wall;
+fn run(builder: &mut SiteBuilder, dice: Choices, wall: &WallFrame, [from, to]: [f32; 2]) {
+    let WallFrame { foot, along, out } = *wall;
     let across = along.cross(out);
     let gap = dice.uniform(0, 0.12, 0.22);
     let axes = [across, along.cross(across), along];
@@ -214,7 +214,7 @@ fn run(builder: &mut Builder, dice: Dice, wall: &Wall, [from, to]: [f32; 2]) {
             builder.object(Material::Steel, Category::Beam);
             let origin = wall.point((from + to) / 2.0, gap);
             let half = vec3(dice.uniform(2, 0.1, 0.2), 0.012, (to - from) / 2.0);
-            builder.put(Block { half }, Pose { origin, axes });
+            builder.put(SolidBox { half }, Pose { origin, axes });
         }
     }
     let spacing = dice.uniform(4, 0.9, 1.6);
@@ -237,13 +237,13 @@ fn run(builder: &mut Builder, dice: Dice, wall: &Wall, [from, to]: [f32; 2]) {
 }
 
 /// A plate on the wall with an arm and two bolts.
-fn bracket(builder: &mut Builder, place: Vec3, axes: [Vec3; 3], out: Vec3, gap: f32) {
+fn bracket(builder: &mut SiteBuilder, place: Vec3, axes: [Vec3; 3], out: Vec3, gap: f32) {
     builder.object(Material::Steel, Category::Bracket);
     let plate = (0.01, vec3(0.11, 0.02, 0.07));
     let arm = (gap / 2.0, vec3(0.03, gap / 2.0 + 0.04, 0.012));
     for (away, half) in [plate, arm] {
         let origin = place + out * away;
-        builder.put(Block { half }, Pose { origin, axes });
+        builder.put(SolidBox { half }, Pose { origin, axes });
     }
     for side in [-0.08, 0.08] {
         let bolt = place + axes[0] * side;

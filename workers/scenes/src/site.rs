@@ -29,18 +29,18 @@ use imaging::vector::DVec3;
 
 use crate::CameraPose;
 use crate::categories::Category;
-use finish::Finish;
+use finish::SurfaceFinish;
 use pits::Pit;
 use solid::Solid;
 use view::Usual;
 
-pub(crate) use picture::{FAR_M, Picture, Surfaces, Wanted, render};
+pub(crate) use picture::{FAR_M, RenderOptions, RenderedRows, SurfaceRows, render};
 pub(crate) use shade::LABEL_BEVEL_M;
 
 /// An object: its surface and its category. Number 0 is the ground.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Object {
-    pub(crate) finish: Finish,
+pub(crate) struct SiteObject {
+    pub(crate) finish: SurfaceFinish,
     pub(crate) category: Category,
     /// For growth, the object it is attached to.
     pub(crate) host: Option<u16>,
@@ -49,7 +49,7 @@ pub(crate) struct Object {
 /// A site with its usual view and light.
 pub(crate) struct Site {
     pub(crate) solids: Vec<Solid>,
-    pub(crate) objects: Vec<Object>,
+    pub(crate) objects: Vec<SiteObject>,
     pub(crate) pits: Vec<Pit>,
     /// Camera of a single frame.
     pub(crate) pose: CameraPose,

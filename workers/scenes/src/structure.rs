@@ -6,15 +6,15 @@ mod build;
 use imaging::vector::vec3;
 
 use crate::site::Site;
-use crate::site::builder::{Builder, Heights, View};
-use crate::site::chance::Dice;
+use crate::site::builder::{Heights, SiteBuilder, SiteView};
+use crate::site::chance::Choices;
 use crate::site::pose::{UP, ZERO, up};
 
 pub(crate) fn site(seed: u64, burial: Option<f32>) -> Site {
-    let dice = Dice::new(seed, "structure");
-    let mut builder = Builder::new(seed, "structure");
+    let dice = Choices::new(seed, "structure");
+    let mut builder = SiteBuilder::new(seed, "structure");
     let kind = dice.count(0, 0, 5);
-    let build::Aim {
+    let build::ViewTarget {
         target,
         distance,
         top,
@@ -43,7 +43,7 @@ pub(crate) fn site(seed: u64, burial: Option<f32>) -> Site {
     let eye = vec3(eye.x, eye.y, eye.z.max(0.5));
     let aim = target + vec3(dice.uniform(5, -0.2, 0.2), 0.0, dice.uniform(6, -0.15, 0.1)) * distance;
     let aim = if aim == eye { ZERO } else { aim };
-    builder.site(&View {
+    builder.site(&SiteView {
         eye,
         target: aim,
         travel: (aim - eye).cross(UP).normalized() * (0.7 * distance),

@@ -6,12 +6,12 @@ use imaging::{Plane, Rgb};
 use spec::{CameraView, Ground, Life, Path, SceneLighting, Waypoint};
 
 use crate::categories::Category;
-use crate::labels::{Labels, Shown};
+use crate::labels::{InstanceInfo, Labels};
 use crate::path::CameraPath;
-use crate::site::solid::Shape;
-use crate::site::view::{self, Stage};
-use crate::site::{self, Picture, Site, Wanted};
-use crate::{CameraPose, FAMILIES, Family, LEAST_CLEARANCE_M, Scene, SceneError};
+use crate::site::solid::SolidShape;
+use crate::site::view::{self, Obstacles};
+use crate::site::{self, RenderOptions, RenderedRows, Site};
+use crate::{CameraPose, FAMILIES, LEAST_CLEARANCE_M, Scene, SceneError, SceneFamily};
 use crate::{bottom, life};
 
 /// Clearance of [`World::path`], m.
@@ -56,7 +56,7 @@ impl World {
         life: Option<&Life>,
         ground: Option<&Ground>,
     ) -> Result<Self, SceneError> {
-        let known = Family::parse(family).ok_or_else(|| SceneError::UnknownFamily {
+        let known = SceneFamily::parse(family).ok_or_else(|| SceneError::UnknownFamily {
             family: family.to_owned(),
             known: FAMILIES.join(", "),
         })?;
@@ -78,7 +78,7 @@ impl World {
     /// # Errors
     /// [`SceneError::View`] if every camera with these values is too close to a surface.
     pub fn set_view(&mut self, view: &CameraView) -> Result<(), SceneError> {
-        let stage = Stage::new(&self.site.solids[..self.structures], &self.site.objects);
+        let stage = Obstacles::new(&self.site.solids[..self.structures], &self.site.objects);
         let chosen = self.site.usual.choose(&stage, view)?;
         self.site.look_from(&chosen);
         Ok(())
@@ -89,7 +89,7 @@ impl World {
         let top = surface_m.min(self.site.pose.position_m.z + f64::from(site::FAR_M)) as f32 + FREEBOARD_M;
         for solid in &mut self.site.solids[..self.structures] {
             let is_pile = self.site.objects[usize::from(solid.object)].category == Category::Pile;
-            let Shape::Tube(tube) = &mut solid.shape else {
+            let SolidShape::Tube(tube) = &mut solid.shape else {
                 continue;
             };
             let (foot, axis) = (solid.pose.origin, solid.pose.axes[2]);
@@ -171,7 +171,14 @@ impl World {
     /// Renders the view of a camera. Without width or height the frame is empty.
     #[must_use]
     pub fn render(&self, pose: &CameraPose, size: (usize, usize), intrinsics: &Intrinsics) -> Scene {
-        let picture = site::render(&self.site, pose, size, intrinsics, 0..size.1, Wanted::default());
+        let picture = site::render(
+            &self.site,
+            pose,
+            size,
+            intrinsics,
+            0..size.1,
+            RenderOptions::default(),
+        );
         scene(picture, size, intrinsics).0
     }
 
@@ -208,7 +215,7 @@ impl World {
         size: (usize, usize),
         intrinsics: &Intrinsics,
     ) -> (Scene, Labels) {
-        let wanted = Wanted {
+        let wanted = RenderOptions {
             reflectance: light == SceneLighting::Water,
             surfaces: true,
         };
@@ -224,10 +231,10 @@ impl World {
     }
 
     /// Descriptions of the instances from 1 on, by their objects in ascending order.
-    fn describe(&self, shown: &[u16]) -> Vec<Shown> {
+    fn describe(&self, shown: &[u16]) -> Vec<InstanceInfo> {
         let objects = shown.iter().map(|&object| self.site.objects[usize::from(object)]);
         objects
-            .map(|object| Shown {
+            .map(|object| InstanceInfo {
                 category: object.category,
                 host: object
                     .host
@@ -239,7 +246,11 @@ impl World {
 }
 
 /// A scene, and the object of each instance from 1 on.
-fn scene(picture: Picture, (width, height): (usize, usize), intrinsics: &Intrinsics) -> (Scene, Vec<u16>) {
+fn scene(
+    picture: RenderedRows,
+    (width, height): (usize, usize),
+    intrinsics: &Intrinsics,
+) -> (Scene, Vec<u16>) {
     let plane = |data| Plane::new(width, height, data).expect("one sample for each pixel");
     let mut instances = picture.objects;
     let shown = renumber(&mut instances);

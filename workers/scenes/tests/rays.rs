@@ -3,7 +3,7 @@
 
 use imaging::geometry::Intrinsics;
 use imaging::random::Stream;
-use imaging::rays::{Cuboid, Rays, Ways, leaving, offset};
+use imaging::rays::{Cuboid, Rays, ShadowRays, leaving, offset};
 use imaging::vector::DVec3;
 use scenes::{FAMILIES, Labels, Scene, World};
 
@@ -111,14 +111,14 @@ fn the_ray_through_a_pixel_meets_what_the_pixel_shows() {
 fn the_camera_is_seen_from_all_that_it_sees() {
     every_view(|view| {
         let rays = view.world.rays(&view.world.pose());
-        let mut ways = Ways::default();
+        let mut ways = ShadowRays::default();
         let surfaces = view.surfaces();
         for (place, normal) in &surfaces {
             let from: [f64; 3] = (*place + *normal * offset((*place).into())).into();
             ways.push(from.map(|v| v as f32), [0.0; 3]);
         }
         let mut clear = vec![false; ways.len()];
-        rays.look(&ways, &mut clear);
+        rays.trace_shadow_rays(&ways, &mut clear);
         (clear.len(), clear.iter().filter(|clear| !**clear).count())
     });
 }
@@ -130,7 +130,7 @@ fn many_ways_at_once_are_as_clear_as_one_at_a_time() {
         let rays = view.world.rays(&view.world.pose());
         let stream = Stream::stage(3, "ways");
         let surfaces = view.surfaces();
-        let mut ways = Ways::default();
+        let mut ways = ShadowRays::default();
         let mut alone = Vec::new();
         for (i, (place, normal)) in surfaces.iter().enumerate() {
             let random = |choice| 4.0 * stream.unit(i as u64 / 50, choice) - 2.0;
@@ -144,7 +144,7 @@ fn many_ways_at_once_are_as_clear_as_one_at_a_time() {
             alone.push(!rays.occluded(start.origin, way.normalized().into(), start.from, way.length()));
         }
         let mut clear = vec![false; ways.len()];
-        rays.look(&ways, &mut clear);
+        rays.trace_shadow_rays(&ways, &mut clear);
         hidden += clear.iter().filter(|clear| !**clear).count();
         all += clear.len();
         let wrong = clear.iter().zip(&alone).filter(|(a, b)| a != b).count();
@@ -187,14 +187,14 @@ fn what_may_not_be_hidden_is_clear_and_nothing_is_nearer_than_its_clearance() {
                         cuboid.low[i] + share * (cuboid.high[i] - cuboid.low[i])
                     })
                 };
-                let mut ways = Ways::default();
+                let mut ways = ShadowRays::default();
                 for k in 0..24 {
                     let ends = [within(&boxes[0], 10 + 8 * k), within(&boxes[1], 13 + 8 * k)];
                     ways.push(ends[0].map(|v| v as f32), ends[1].map(|v| v as f32));
                 }
-                if !rays.may_hide(&boxes[0], &boxes[1]) {
+                if !rays.may_occlude(&boxes[0], &boxes[1]) {
                     let mut clear = [false; 24];
-                    rays.look(&ways, &mut clear);
+                    rays.trace_shadow_rays(&ways, &mut clear);
                     assert!(clear.iter().all(|&clear| clear), "{family} {seed} {number}");
                     clear_boxes += 1;
                 }

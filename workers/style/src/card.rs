@@ -8,7 +8,7 @@ use crate::ports::takes;
 /// Metadata of a model. A card file is this as JSON; all fields but the name and the digest are optional.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Card {
+pub struct ModelCard {
     /// Name in job descriptions.
     pub name: String,
     /// Name of the ONNX file.
@@ -22,7 +22,7 @@ pub struct Card {
     /// Number of trained parameters.
     #[serde(default)]
     pub parameters: Option<u64>,
-    /// Training data.
+    /// TrainingRecord data.
     #[serde(default = "unknown")]
     pub source: String,
     /// License.
@@ -48,18 +48,18 @@ pub struct Card {
     /// Known limitations.
     #[serde(default)]
     pub caveats: Vec<String>,
-    /// Training record of `fathom train`.
+    /// TrainingRecord record of `fathom train`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub training: Option<Training>,
+    pub training: Option<TrainingRecord>,
     /// Distance of its color table from the network, if measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub table: Option<TableDistance>,
 }
 
-/// Training record of a model, for reproduction, with its results.
+/// TrainingRecord record of a model, for reproduction, with its results.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Training {
+pub struct TrainingRecord {
     /// SHA-256 of each photo's file.
     pub photos: Vec<String>,
     /// Seed.
@@ -69,12 +69,12 @@ pub struct Training {
     /// Step of the kept weights; 0: the color transfer only.
     pub kept_step: usize,
     /// Mean losses of the steps before it.
-    pub losses: Parts,
+    pub losses: LossTerms,
     /// Losses on new scenes.
-    pub held_out: Parts,
+    pub held_out: LossTerms,
     /// The same for the color transfer only.
     #[serde(rename = "held_out_colour_transfer")]
-    pub held_out_color_transfer: Parts,
+    pub held_out_color_transfer: LossTerms,
     /// RMS difference between the network and its color map on new scenes, of 255.
     pub branch_rms_255: f64,
     /// Version of the trainer.
@@ -84,7 +84,7 @@ pub struct Training {
 /// Loss terms; lower is better.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Parts {
+pub struct LossTerms {
     /// Texture distance from the photos.
     pub texture: f64,
     /// Color distance from the photos.
@@ -114,7 +114,7 @@ fn unknown() -> String {
     "unknown".to_owned()
 }
 
-impl Card {
+impl ModelCard {
     /// Parses a card file and checks it against the name and the bytes of the model.
     pub(crate) fn parse(text: &str, name: &str, onnx: &[u8]) -> Result<Self, String> {
         let mut card: Self = serde_json::from_str(text).map_err(|error| error.to_string())?;
@@ -176,16 +176,17 @@ mod tests {
     fn a_card_of_another_model_or_of_other_bytes_is_refused() {
         let digest = sha256(b"model");
         let text = |name: &str, digest: &str| format!(r#"{{"name": "{name}", "sha256": "{digest}"}}"#);
-        let card = Card::parse(&text("harbour", &digest), "harbour", b"model").unwrap();
+        let card = ModelCard::parse(&text("harbour", &digest), "harbour", b"model").unwrap();
         assert_eq!(
             (card.file.as_str(), card.licence.as_str()),
             ("harbour.onnx", "unknown")
         );
-        let error = Card::parse(&text("harbour", &digest), "dock", b"model").unwrap_err();
+        let error = ModelCard::parse(&text("harbour", &digest), "dock", b"model").unwrap_err();
         assert_eq!(error, "it is the card of `harbour`");
-        let error = Card::parse(&text("harbour", &digest), "harbour", b"another").unwrap_err();
+        let error = ModelCard::parse(&text("harbour", &digest), "harbour", b"another").unwrap_err();
         assert!(error.starts_with("it gives the SHA-256 "), "{error}");
-        let error = Card::parse(r#"{"name": "harbour", "license": "MIT"}"#, "harbour", b"model").unwrap_err();
+        let error =
+            ModelCard::parse(r#"{"name": "harbour", "license": "MIT"}"#, "harbour", b"model").unwrap_err();
         assert!(error.contains("unknown field `license`"), "{error}");
     }
 }

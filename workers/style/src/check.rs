@@ -9,7 +9,7 @@ use imaging::{Plane, Rgb};
 use crate::error::StyleError;
 use crate::library::StyleModel;
 use crate::runtime::{Runtime, RuntimeMissing};
-use crate::session::{Beside, Session};
+use crate::session::{ModelInputs, Session};
 
 /// Required sizes: the smallest, one divisible by no stride, the usual one.
 const SIZES: [(usize, usize); 3] = [(1, 1), (33, 17), (768, 492)];
@@ -99,7 +99,7 @@ fn answer(session: &mut Session, frame: &Rgb<f32>) -> Result<Rgb<f32>, Unfit> {
     // Standard normal noise has few values beyond ±2; deterministic.
     let noise = Plane::from_fn(width, height, |x, y| ((x * 7 + y * 13) % 41) as f32 / 10.0 - 2.0);
     let range = Plane::from_fn(width, height, |x, y| (x + y) as f32 / (width + height) as f32);
-    let beside = Beside {
+    let beside = ModelInputs {
         noise: Some(&noise),
         range: Some(&range),
     };

@@ -15,13 +15,13 @@ mod runtime;
 mod search;
 mod session;
 
-pub use card::{Card, Parts, TableDistance, Training};
+pub use card::{LossTerms, ModelCard, TableDistance, TrainingRecord};
 pub use check::{Unfit, check};
 pub use error::StyleError;
 pub use library::{Library, LibraryError, StyleModel, is_name};
 pub use noise::noise;
 pub use runtime::{Runtime, RuntimeMissing};
-pub use session::{Beside, Session};
+pub use session::{ModelInputs, Session};
 
 /// Scale of a model's range input, in meters: `1 − exp(−Z / scale)` for a range Z, 1 for holes. At this range a water
 /// of ordinary clarity leaves about a third of the contrast.

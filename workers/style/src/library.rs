@@ -7,7 +7,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::card::Card;
+use crate::card::ModelCard;
 use crate::net;
 
 /// Largest ONNX file: the shipped ones have 43 KB, the largest known style network has 7 MB.
@@ -23,7 +23,7 @@ pub struct StyleModel {
     /// The ONNX file.
     pub onnx: Cow<'static, [u8]>,
     /// Its card.
-    pub card: Card,
+    pub card: ModelCard,
 }
 
 impl StyleModel {
@@ -32,7 +32,7 @@ impl StyleModel {
     pub fn without_card(name: &str, onnx: Vec<u8>) -> Self {
         Self {
             name: name.to_owned(),
-            card: Card::absent(name, &onnx),
+            card: ModelCard::absent(name, &onnx),
             onnx: onnx.into(),
         }
     }
@@ -207,11 +207,11 @@ impl Library {
         card: Option<&str>,
     ) -> Result<(), LibraryError> {
         let card = match card {
-            Some(text) => Card::parse(text, name, &onnx).map_err(|reason| LibraryError::Card {
+            Some(text) => ModelCard::parse(text, name, &onnx).map_err(|reason| LibraryError::Card {
                 path: path.with_extension("card.json"),
                 reason,
             })?,
-            None => Card::absent(name, &onnx),
+            None => ModelCard::absent(name, &onnx),
         };
         let name = name.to_owned();
         let model = StyleModel {

@@ -13,4 +13,4 @@ pub(crate) mod wire;
 
 pub use fast::{Network, Scratch};
 pub use reference::apply_reference;
-pub use table::{Table, TableScratch};
+pub use table::{ColorTable, TableScratch};

@@ -9,7 +9,7 @@ use ort::{LoadDynamicError, MINOR_VERSION};
 
 use crate::error::StyleError;
 use crate::library::StyleModel;
-use crate::search::{Surroundings, candidates};
+use crate::search::{SearchPaths, candidates};
 use crate::session::Session;
 
 /// No usable ONNX Runtime.
@@ -68,7 +68,7 @@ impl Runtime {
         let path = match explicit {
             Some(path) => path.to_owned(),
             None => {
-                candidates(&Surroundings::of_this_process())
+                candidates(&SearchPaths::of_this_process())
                     .find(|candidate| candidate.named || candidate.path.is_file())
                     .ok_or(RuntimeMissing::NotInstalled)?
                     .path

@@ -7,13 +7,13 @@ use ort::environment::Environment;
 
 use crate::error::StyleError;
 use crate::library::StyleModel;
-use crate::net::{self, Network, Scratch, Table, TableScratch};
+use crate::net::{self, ColorTable, Network, Scratch, TableScratch};
 
-use onnx::Graph;
+use onnx::RuntimeGraph;
 
 /// Optional inputs of a model, each of the frame's size.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Beside<'a> {
+pub struct ModelInputs<'a> {
     /// Standard normal samples, see [`crate::noise`]; zeros if absent. Ignored by models without a noise input.
     pub noise: Option<&'a Plane<f32>>,
     /// The range of each pixel, `1 − exp(−Z / `[`crate::RANGE_SCALE_M`]`)`, and 1 for holes. Required by models with a
@@ -26,16 +26,16 @@ pub struct Beside<'a> {
 /// features.
 pub struct Session {
     name: String,
-    form: Form,
+    form: SessionKind,
 }
 
-enum Form {
+enum SessionKind {
     /// The built-in architecture, natively.
     Native(Box<(Network, Scratch)>),
     /// The color table of the built-in architecture.
-    Table(Box<(Table, TableScratch)>),
+    Table(Box<(ColorTable, TableScratch)>),
     /// Any other network, on ONNX Runtime.
-    Onnx(Graph),
+    Onnx(RuntimeGraph),
 }
 
 impl Session {
@@ -46,7 +46,7 @@ impl Session {
         let network = Network::new(&net::onnx::read(&model.onnx)?);
         Some(Self {
             name: model.name.clone(),
-            form: Form::Native(Box::new((network, Scratch::default()))),
+            form: SessionKind::Native(Box::new((network, Scratch::default()))),
         })
     }
 
@@ -54,43 +54,43 @@ impl Session {
     /// around edges. `None` for any other architecture and for models with a range.
     #[must_use]
     pub fn table(model: &StyleModel) -> Option<Self> {
-        let table = Table::new(&Network::new(&net::onnx::read(&model.onnx)?))?;
+        let table = ColorTable::new(&Network::new(&net::onnx::read(&model.onnx)?))?;
         Some(Self {
             name: model.name.clone(),
-            form: Form::Table(Box::new((table, TableScratch::default()))),
+            form: SessionKind::Table(Box::new((table, TableScratch::default()))),
         })
     }
 
     pub(crate) fn onnx(environment: &Environment, model: &StyleModel) -> Result<Self, StyleError> {
-        let graph = Graph::new(environment, &model.onnx).map_err(|reason| StyleError::Model {
+        let graph = RuntimeGraph::new(environment, &model.onnx).map_err(|reason| StyleError::Model {
             name: model.name.clone(),
             reason,
         })?;
         Ok(Self {
             name: model.name.clone(),
-            form: Form::Onnx(graph),
+            form: SessionKind::Onnx(graph),
         })
     }
 
     /// Whether it runs on ONNX Runtime.
     #[must_use]
     pub fn uses_runtime(&self) -> bool {
-        matches!(self.form, Form::Onnx(_))
+        matches!(self.form, SessionKind::Onnx(_))
     }
 
     /// Whether the model has a noise input: supply [`crate::noise`].
     #[must_use]
     pub fn takes_noise(&self) -> bool {
-        matches!(&self.form, Form::Onnx(graph) if graph.takes_noise())
+        matches!(&self.form, SessionKind::Onnx(graph) if graph.takes_noise())
     }
 
-    /// Whether the model has a range input: [`Beside::range`] is required.
+    /// Whether the model has a range input: [`ModelInputs::range`] is required.
     #[must_use]
     pub fn takes_range(&self) -> bool {
         match &self.form {
-            Form::Native(native) => native.0.takes_range(),
-            Form::Table(_) => false,
-            Form::Onnx(graph) => graph.takes_range(),
+            SessionKind::Native(native) => native.0.takes_range(),
+            SessionKind::Table(_) => false,
+            SessionKind::Onnx(graph) => graph.takes_range(),
         }
     }
 
@@ -100,25 +100,25 @@ impl Session {
     /// # Errors
     /// [`StyleError`]: an empty frame, a missing required range, a non-finite sample, a network that fails, or an
     /// output that is not a picture, is smaller than the frame, or has a non-finite sample.
-    pub fn apply(&mut self, encoded: &Rgb<f32>, beside: Beside<'_>) -> Result<Rgb<f32>, StyleError> {
+    pub fn apply(&mut self, encoded: &Rgb<f32>, beside: ModelInputs<'_>) -> Result<Rgb<f32>, StyleError> {
         self.check(encoded, beside)?;
         match &mut self.form {
-            Form::Native(native) => {
+            SessionKind::Native(native) => {
                 let (network, scratch) = &mut **native;
                 Ok(network.apply(encoded, beside.range, scratch))
             }
-            Form::Table(table) => {
+            SessionKind::Table(table) => {
                 let (table, scratch) = &mut **table;
                 Ok(table.apply(encoded, scratch))
             }
-            Form::Onnx(graph) => graph.run(encoded, beside).map_err(|reason| StyleError::Run {
+            SessionKind::Onnx(graph) => graph.run(encoded, beside).map_err(|reason| StyleError::Run {
                 name: self.name.clone(),
                 reason,
             }),
         }
     }
 
-    fn check(&self, encoded: &Rgb<f32>, beside: Beside<'_>) -> Result<(), StyleError> {
+    fn check(&self, encoded: &Rgb<f32>, beside: ModelInputs<'_>) -> Result<(), StyleError> {
         let wrong = |reason: String| {
             Err(StyleError::Input {
                 name: self.name.clone(),

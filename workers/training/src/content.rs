@@ -1,4 +1,4 @@
-//! Content pictures generated on the fly: examples of frames for a network to repaint.
+//! ContentPicture pictures generated on the fly: examples of frames for a network to repaint.
 //!
 //! Two of three are procedural scenes, the others simple shapes in any color, so that no palette is preferred. Random
 //! effects follow: water computed by `optics`, gamma, gain, a light gradient, noise; some are flat or nearly black.
@@ -21,21 +21,21 @@ pub const SIDE: usize = 192;
 
 /// The content pictures of a seed.
 #[derive(Debug, Clone, Copy)]
-pub struct Contents {
+pub struct ContentPictures {
     seed: u64,
     stream: Stream,
 }
 
 /// A content picture.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Content {
+pub struct ContentPicture {
     /// Three channels of [`SIDE`]², sRGB-encoded, 0..=1.
     pub picture: Tensor<f32>,
     /// The range of each pixel as network input: 0 at the camera, 1 far away.
     pub range: Tensor<f32>,
 }
 
-impl Content {
+impl ContentPicture {
     /// A square crop, mirrored or not.
     pub(crate) fn cropped(&self, at: (usize, usize), side: usize, mirrored: bool) -> Self {
         Self {
@@ -62,7 +62,7 @@ struct Air {
     range: Vec<f32>,
 }
 
-impl Contents {
+impl ContentPictures {
     /// Pictures for a purpose. Those of training and of validation are disjoint.
     #[must_use]
     pub fn new(seed: u64, purpose: &str) -> Self {
@@ -80,8 +80,8 @@ impl Contents {
 
     /// The picture of an index with its range.
     #[must_use]
-    pub fn content(&self, index: u64) -> Content {
-        let chance = Chance {
+    pub fn content(&self, index: u64) -> ContentPicture {
+        let chance = ContentChance {
             stream: self.stream,
             index,
         };
@@ -94,7 +94,7 @@ impl Contents {
             }
             let range = chance.uniform("flat range", 0, 0.3, FAR_M) as f32;
             let range = vec![range; SIDE * SIDE];
-            return Content {
+            return ContentPicture {
                 picture,
                 range: given(range),
             };
@@ -114,13 +114,13 @@ impl Contents {
         } else {
             air.light
         };
-        Content {
+        ContentPicture {
             picture: finish(light, gain, &chance),
             range: given(air.range),
         }
     }
 
-    fn scene(&self, chance: &Chance) -> Air {
+    fn scene(&self, chance: &ContentChance) -> Air {
         let seed = self.stream.bits(chance.index, 1) ^ self.seed;
         let lens = Intrinsics::centered(SIDE as f64 * chance.uniform("focal", 0, 0.5, 1.1), SIDE, SIDE);
         let scene = scenes::procedural("structure", seed, SIDE, SIDE, lens).expect("a family that is there");
@@ -140,12 +140,12 @@ const CODES: f32 = 65_535.0;
 const FAR_M: f64 = 40.0;
 
 /// Random values of one picture, by name.
-struct Chance {
+struct ContentChance {
     stream: Stream,
     index: u64,
 }
 
-impl Chance {
+impl ContentChance {
     fn unit(&self, name: &str) -> f64 {
         self.numbered(name, 0)
     }
@@ -165,7 +165,7 @@ impl Chance {
 
 /// The picture in a random water, half of the time one with forward scatter. In f64: the f32 transform has other bits
 /// on another CPU.
-fn submerged(air: &Air, chance: &Chance) -> Tensor<f32> {
+fn submerged(air: &Air, chance: &ContentChance) -> Tensor<f32> {
     let strength = chance.uniform("strength", 0, 0.03, 0.5);
     let attenuation = [0, 1, 2].map(|channel| strength * chance.uniform("attenuation", channel, 0.3, 1.7));
     // A single kernel for the picture needs a single transform.
@@ -190,7 +190,7 @@ fn submerged(air: &Air, chance: &Chance) -> Tensor<f32> {
 }
 
 /// Applies gain and a light gradient, encoding, gamma, noise.
-fn finish(light: Tensor<f32>, gain: f64, chance: &Chance) -> Tensor<f32> {
+fn finish(light: Tensor<f32>, gain: f64, chance: &ContentChance) -> Tensor<f32> {
     let gamma = chance.uniform("gamma", 0, 0.75, 1.35);
     let slope = [0, 1].map(|axis| chance.uniform("slope", axis, -0.5, 0.5));
     let sigma = chance.uniform("noise", 0, 0.0, MAX_NOISE) as f32;
@@ -218,7 +218,7 @@ mod tests {
 
     #[test]
     fn pictures_depend_on_index_seed_and_purpose_and_nothing_else() {
-        let draw = |seed, purpose: &str, index| Contents::new(seed, purpose).picture(index);
+        let draw = |seed, purpose: &str, index| ContentPictures::new(seed, purpose).picture(index);
         for index in [0, 2] {
             let picture = draw(7, "a", index);
             assert_eq!(draw(7, "a", index), picture);
@@ -230,7 +230,7 @@ mod tests {
 
     #[test]
     fn pictures_are_encoded_and_most_are_not_flat() {
-        let contents = Contents::new(1, "test");
+        let contents = ContentPictures::new(1, "test");
         let mut lively = 0;
         for index in 0..40 {
             let picture = contents.picture(index);

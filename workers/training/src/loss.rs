@@ -1,7 +1,7 @@
 //! The training loss: `4 texture + 15 color + 6.4 content + 20 outside`.
 //!
 //! For a network with a range, texture and color are compared within bands of range: near parts of the results with
-//! near parts of the photos, and far with far. Contrast must therefore fall with the range as in the photos. Content
+//! near parts of the photos, and far with far. Contrast must therefore fall with the range as in the photos. ContentPicture
 //! counts less with range.
 
 mod content;

@@ -19,7 +19,7 @@ use crate::real::Real;
 use crate::tensor::Tensor;
 
 /// Intermediate results of a forward run, kept for the gradient.
-pub struct Trace<T> {
+pub struct ForwardTrace<T> {
     /// The result before clamping.
     pub styled: Tensor<T>,
     /// Input of each layer, with borders for 3×3 filters.
@@ -28,7 +28,7 @@ pub struct Trace<T> {
     context: Tensor<T>,
 }
 
-impl<T> Trace<T> {
+impl<T> ForwardTrace<T> {
     fn input(&self, layer: Layer) -> &Tensor<T> {
         let found = self.inputs.iter().find(|(known, _)| *known == layer);
         &found.expect("a layer that ran").1
@@ -51,7 +51,11 @@ pub fn ranged<T: Real>(image: &Tensor<T>, range: &Tensor<T>) -> Tensor<T> {
 
 /// Runs the network on a picture of three channels. `ranged` is [`ranged()`] for a network with a range.
 #[must_use]
-pub fn forward<T: Real>(weights: &Weights<T>, image: &Tensor<T>, ranged: Option<&Tensor<T>>) -> Trace<T> {
+pub fn forward<T: Real>(
+    weights: &Weights<T>,
+    image: &Tensor<T>,
+    ranged: Option<&Tensor<T>>,
+) -> ForwardTrace<T> {
     let mut inputs = Vec::with_capacity(weights.layers().len());
     let mut apply = |layer: Layer, input: &Tensor<T>, step| {
         let (weight, bias) = (weights.weight(layer), weights.bias(layer));
@@ -87,7 +91,7 @@ pub fn forward<T: Real>(weights: &Weights<T>, image: &Tensor<T>, ranged: Option<
     if let Some(ranged) = ranged {
         styled.add(&apply(RANGE_COLOR, ranged, 1));
     }
-    Trace {
+    ForwardTrace {
         styled,
         inputs,
         context,
@@ -96,7 +100,7 @@ pub fn forward<T: Real>(weights: &Weights<T>, image: &Tensor<T>, ranged: Option<
 
 /// The gradient of all parameters of the network from that of its result.
 #[must_use]
-pub fn backward<T: Real>(weights: &Weights<T>, trace: &Trace<T>, gradient: &Tensor<T>) -> Weights<T> {
+pub fn backward<T: Real>(weights: &Weights<T>, trace: &ForwardTrace<T>, gradient: &Tensor<T>) -> Weights<T> {
     let mut sums = Weights::zeros(weights.takes_range());
     let mut learn = |layer: Layer, gradient: &Tensor<T>, step| match layer.side {
         3 => filter::backward_weights(trace.input(layer), gradient, step, sums.layer_mut(layer)),

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use style::net::layer::{OUTPUT, Weights};
 use style::net::{Network, Scratch};
 
-use crate::content::{Content, Contents};
+use crate::content::{ContentPicture, ContentPictures};
 use crate::loss::pyramid::Pyramid;
 use crate::loss::{Losses, Ranges, losses};
 use crate::photo::Photo;
@@ -41,8 +41,8 @@ pub fn new_scenes() -> Vec<Rgb<f32>> {
     crops(0..SHOWN).iter().map(|crop| crop.picture.to_rgb()).collect()
 }
 
-fn crops(scenes: Range<u64>) -> Vec<Content> {
-    let contents = Contents::new(SEED, "held-out content");
+fn crops(scenes: Range<u64>) -> Vec<ContentPicture> {
+    let contents = ContentPictures::new(SEED, "held-out content");
     scenes
         .into_par_iter()
         .map(|index| contents.content(index).cropped((16, 16), SIDE, false))
@@ -96,7 +96,7 @@ pub fn score_over(weights: &Weights, photos: &[Photo], scenes: Range<u64>, draws
     }
 }
 
-fn repaint(network: &Network, crop: &Content) -> Tensor<f32> {
+fn repaint(network: &Network, crop: &ContentPicture) -> Tensor<f32> {
     let range = Plane::new(SIDE, SIDE, crop.range.data.clone()).expect("a range for each pixel");
     let picture = crop.picture.to_rgb();
     Tensor::from(&network.apply(&picture, Some(&range), &mut Scratch::default()))

@@ -4,22 +4,22 @@ use imaging::random::Stream;
 use rayon::prelude::*;
 use style::net::layer::{BLOCKS, COLOR, Layer, OUTPUT, PIXEL, RANGE_COLOR, RANGE_PIXEL, Weights};
 
-use crate::content::{Content, Contents, SIDE};
+use crate::content::{ContentPicture, ContentPictures, SIDE};
 use crate::loss::pyramid::Pyramid;
 use crate::loss::{Losses, Ranges, losses};
 use crate::network::{backward, forward, ranged};
 use crate::optimizer::Adam;
 use crate::photo::Photo;
-use crate::transfer::{ColorStats, Transfer, ranged_transfer, transfer};
+use crate::transfer::{ColorStats, RangedTransfer, ranged_transfer, transfer};
 
 /// Pictures of a batch: many small ones, since the style's colors are matched over all of them together, and a small
 /// batch is too far from the complete set.
 const BATCH: usize = 48;
 /// Side of a crop in pixels: at the coarsest level it is one patch.
 const CROP: usize = 56;
-/// Content pictures per brightness class; a step uses one of them.
+/// ContentPicture pictures per brightness class; a step uses one of them.
 const CHOICE: usize = 8;
-/// Content pictures of a training: many, since the initial color transfer is only as good as their similarity to later
+/// ContentPicture pictures of a training: many, since the initial color transfer is only as good as their similarity to later
 /// frames.
 const POOL: usize = BATCH * CHOICE;
 /// Initial bias of the pixel features.
@@ -32,8 +32,8 @@ pub struct Trainer {
     style: Vec<Pyramid<f32>>,
     /// Ranges of the style, estimated from the veil.
     style_ranges: Vec<Pyramid<f32>>,
-    /// Content pictures from dark to bright.
-    pool: Vec<Content>,
+    /// ContentPicture pictures from dark to bright.
+    pool: Vec<ContentPicture>,
     stream: Stream,
     start: Weights,
     weights: Weights,
@@ -65,8 +65,8 @@ impl Trainer {
         assert!(!photos.is_empty(), "there is a photo to learn from");
         let style: Vec<_> = photos.iter().map(|photo| photo.pyramid.clone()).collect();
         let style_ranges: Vec<_> = photos.iter().map(|photo| photo.range.clone()).collect();
-        let contents = Contents::new(seed, "training content");
-        let mut pool: Vec<Content> = (0..POOL as u64)
+        let contents = ContentPictures::new(seed, "training content");
+        let mut pool: Vec<ContentPicture> = (0..POOL as u64)
             .into_par_iter()
             .map(|index| contents.content(index))
             .collect();
@@ -118,7 +118,7 @@ impl Trainer {
     pub fn step(&mut self) -> Losses {
         let step = self.optimizer.done() as u64;
         let takes_range = self.weights.takes_range();
-        let crops: Vec<Content> = (0..BATCH)
+        let crops: Vec<ContentPicture> = (0..BATCH)
             .into_par_iter()
             .map(|place| self.crop(step, place))
             .collect();
@@ -187,7 +187,7 @@ impl Trainer {
 
     /// A crop of a picture whose brightness class belongs to a position of the batch. Each batch therefore has about
     /// the colors of all pictures, as if it were several times as large.
-    fn crop(&self, step: u64, place: usize) -> Content {
+    fn crop(&self, step: u64, place: usize) -> ContentPicture {
         let [left, top, mirror, choice] =
             [0, 1, 2, 3].map(|purpose| self.stream.unit(1 << 40 | step, place as u64 * 4 + purpose));
         let content = &self.pool[place * CHOICE + (choice * CHOICE as f64) as usize];
@@ -197,14 +197,14 @@ impl Trainer {
 }
 
 /// The color transfer, for either half of the range if the network has one.
-fn started(pool: &[Content], photos: &[Photo], takes_range: bool) -> Weights {
+fn started(pool: &[ContentPicture], photos: &[Photo], takes_range: bool) -> Weights {
     let mut start = Weights::zeros(takes_range);
     if takes_range {
         let contents = pool.iter().map(|content| (&content.picture, &content.range));
         let styles = photos
             .iter()
             .map(|photo| (&photo.pyramid.levels[0], &photo.range.levels[0]));
-        let Transfer { near, change } = ranged_transfer(contents, styles);
+        let RangedTransfer { near, change } = ranged_transfer(contents, styles);
         set_layer(&mut start, COLOR, near.0.as_flattened(), &near.1);
         let change: Vec<f64> = (0..3)
             .flat_map(|row| change.0[row].into_iter().chain([change.1[row]]))

@@ -71,7 +71,7 @@ pub(crate) fn transfer(content: &ColorStats, style: &ColorStats) -> (Matrix, [f6
 }
 
 /// A map whose matrix and offset change with the range q: `near + q change`.
-pub(crate) struct Transfer {
+pub(crate) struct RangedTransfer {
     pub(crate) near: (Matrix, [f64; 3]),
     pub(crate) change: (Matrix, [f64; 3]),
 }
@@ -81,7 +81,7 @@ pub(crate) struct Transfer {
 pub(crate) fn ranged_transfer<'a>(
     contents: impl Iterator<Item = (&'a Tensor<f32>, &'a Tensor<f32>)>,
     styles: impl Iterator<Item = (&'a Tensor<f32>, &'a Tensor<f32>)>,
-) -> Transfer {
+) -> RangedTransfer {
     let (contents, styles) = (Halves::split(contents), Halves::split(styles));
     let maps = [0, 1].map(|half| transfer(&contents.colors[half], &styles.colors[half]));
     let [near, far] = contents.ranges;
@@ -91,7 +91,7 @@ pub(crate) fn ranged_transfer<'a>(
     let rows = [0, 1, 2];
     let matrix = rows.map(|i| rows.map(|j| (far_matrix[i][j] - near_matrix[i][j]) / distance));
     let offset = rows.map(|i| (far_offset[i] - near_offset[i]) / distance);
-    Transfer {
+    RangedTransfer {
         near: (
             rows.map(|i| rows.map(|j| near_matrix[i][j] - near * matrix[i][j])),
             rows.map(|i| near_offset[i] - near * offset[i]),

@@ -96,13 +96,13 @@ fn fold_windows(
     (width, height): (usize, usize),
     both: impl Fn(f64, f64) -> f64,
 ) -> Vec<f64> {
-    let rows = Lines {
+    let rows = LineSet {
         step: 1,
         length: width,
         stride: width,
         count: height,
     };
-    let columns = Lines {
+    let columns = LineSet {
         step: width,
         length: height,
         stride: 1,
@@ -112,7 +112,7 @@ fn fold_windows(
 }
 
 /// Rows or columns of a plane.
-struct Lines {
+struct LineSet {
     /// Distance between neighbors on a line.
     step: usize,
     length: usize,
@@ -121,7 +121,7 @@ struct Lines {
     count: usize,
 }
 
-impl Lines {
+impl LineSet {
     fn fold(&self, samples: &[f64], both: &impl Fn(f64, f64) -> f64) -> Vec<f64> {
         let mut out = samples.to_vec();
         for line in 0..self.count {

@@ -4,7 +4,7 @@ use imaging::{Plane, Rgb};
 use optics::range::is_hole;
 use serde::{Serialize, Serializer};
 
-use crate::estimate::{Blocks, Estimate, Part};
+use crate::estimate::{Estimate, LightPart, PixelBlocks};
 
 /// Values below this many standard errors are not measured.
 const LEAST: f64 = 2.0;
@@ -17,14 +17,14 @@ const CONFIDENCE: f64 = 1.96;
 
 /// A number that may be hidden by noise. A hidden one is not 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Measured {
-    /// Measured value.
+pub enum MeasuredValue {
+    /// MeasuredValue value.
     Value(f64),
     /// It is below twice its standard error.
     NotMeasured,
 }
 
-impl Measured {
+impl MeasuredValue {
     fn new(value: f64, error: f64) -> Self {
         if value.is_finite() && value.abs() >= LEAST * error {
             Self::Value(value)
@@ -41,7 +41,7 @@ impl Measured {
     }
 }
 
-impl Serialize for Measured {
+impl Serialize for MeasuredValue {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {
             Self::Value(value) => serializer.serialize_f64(*value),
@@ -52,7 +52,7 @@ impl Serialize for Measured {
 
 /// The error e = model − truth over some blocks of one channel.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Difference {
+pub struct BlockDifference {
     /// Number of blocks.
     pub blocks: usize,
     /// Mean of the truth.
@@ -60,15 +60,15 @@ pub struct Difference {
     /// Mean of the model.
     pub model: f64,
     /// Mean of e.
-    pub bias: Measured,
+    pub bias: MeasuredValue,
     /// Half the width of the 95 % interval about the bias.
     pub confidence: f64,
     /// The bias over the mean of the truth.
-    pub relative_bias: Measured,
+    pub relative_bias: MeasuredValue,
     /// Root of the mean of e² less that of the noise.
-    pub rms: Measured,
+    pub rms: MeasuredValue,
     /// RMS of e after subtracting the noise variance.
-    pub relative_rms: Measured,
+    pub relative_rms: MeasuredValue,
     /// Share of the blocks with |e| above twice their noise and 2 % of the truth.
     pub resolved: f64,
 }
@@ -76,10 +76,10 @@ pub struct Difference {
 /// Comparison of a model with the truth, red, green and blue; `None` without such blocks.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
-    /// Blocks inside surfaces or open water.
-    pub smooth: Option<[Difference; 3]>,
-    /// Blocks crossed by an occlusion edge.
-    pub edges: Option<[Difference; 3]>,
+    /// PixelBlocks inside surfaces or open water.
+    pub smooth: Option<[BlockDifference; 3]>,
+    /// PixelBlocks crossed by an occlusion edge.
+    pub edges: Option<[BlockDifference; 3]>,
 }
 
 impl Comparison {
@@ -88,11 +88,11 @@ impl Comparison {
     pub fn new(
         model: &Rgb<f32>,
         truth: &Estimate,
-        part: Part,
+        part: LightPart,
         range: Option<&Plane<f32>>,
         side: usize,
     ) -> Self {
-        let blocks = Blocks {
+        let blocks = PixelBlocks {
             size: truth.size,
             side,
         };
@@ -110,10 +110,10 @@ impl Comparison {
 fn difference(
     model: &Rgb<f32>,
     truth: &Estimate,
-    part: Part,
+    part: LightPart,
     channel: usize,
     blocks: &[Vec<usize>],
-) -> Difference {
+) -> BlockDifference {
     let n = blocks.len() as f64;
     let samples = model.planes()[channel].data();
     let (mut mean, mut own, mut noise, mut square, mut resolved) = (0.0, 0.0, 0.0, 0.0, 0.0);
@@ -129,15 +129,15 @@ fn difference(
         resolved += f64::from(u8::from(is_resolved)) / n;
     }
     let bias_error = (noise / n).sqrt();
-    let bias = Measured::new(own - mean, bias_error);
+    let bias = MeasuredValue::new(own - mean, bias_error);
     // The mean square of pure noise has a relative spread of √(2/n).
     let hidden = noise * (1.0 + LEAST * (2.0 / n).sqrt());
     let rms = if square > hidden {
-        Measured::Value((square - noise).sqrt())
+        MeasuredValue::Value((square - noise).sqrt())
     } else {
-        Measured::NotMeasured
+        MeasuredValue::NotMeasured
     };
-    Difference {
+    BlockDifference {
         blocks: blocks.len(),
         truth: mean,
         model: own,

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::dice::MOST_PATHS;
-use crate::estimate::{BATCHES, Estimate, Part, Pixel};
+use crate::estimate::{BATCHES, Estimate, LightPart, PixelSums};
 
 /// Fewer paths miss rare bright light, and the scatter does not reveal it.
 const LEAST_PATHS: u64 = 256;
@@ -24,7 +24,7 @@ pub struct Goal {
 
 /// A traced frame.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Truth {
+pub struct ConvergedTruth {
     /// Its paths.
     pub estimate: Estimate,
     /// Whether the goal was reached before the limit on paths.
@@ -40,10 +40,10 @@ pub struct Truth {
 pub fn converge(
     size: (usize, usize),
     goal: &Goal,
-    mut trace: impl FnMut(Range<u64>) -> Option<Vec<Pixel>>,
-) -> Option<Truth> {
+    mut trace: impl FnMut(Range<u64>) -> Option<Vec<PixelSums>>,
+) -> Option<ConvergedTruth> {
     let most = goal.most_paths.clamp(BATCHES as u64, MOST_PATHS);
-    let mut truth = Truth {
+    let mut truth = ConvergedTruth {
         estimate: Estimate {
             size,
             paths: BATCHES as u64,
@@ -54,7 +54,7 @@ pub fn converge(
     };
     while !truth.is_converged && truth.estimate.paths * 2 <= most {
         let estimate = &mut truth.estimate;
-        let before = [0, 1, 2].map(|channel| estimate.whole(channel, Part::All));
+        let before = [0, 1, 2].map(|channel| estimate.whole(channel, LightPart::All));
         let Some(more) = trace(estimate.paths..2 * estimate.paths) else {
             break;
         };
@@ -64,7 +64,7 @@ pub fn converge(
             .zip(&more)
             .for_each(|(pixel, more)| pixel.merge(more));
         estimate.paths *= 2;
-        let after = [0, 1, 2].map(|channel| estimate.whole(channel, Part::All));
+        let after = [0, 1, 2].map(|channel| estimate.whole(channel, LightPart::All));
         truth.is_slow = [0, 1, 2].map(|i| after[i].error > SLOW * before[i].error);
         truth.is_converged = estimate.paths >= LEAST_PATHS
             && (0..3).all(|i| {
@@ -80,17 +80,17 @@ pub fn converge(
 mod tests {
     use super::*;
     use crate::estimate::Level;
-    use crate::walk::Tally;
+    use crate::walk::PathTally;
     use imaging::random::Stream;
 
-    fn pixels(light: impl Fn(u64) -> f64, samples: Range<u64>) -> Option<Vec<Pixel>> {
-        let mut pixel = Pixel::NOTHING;
+    fn pixels(light: impl Fn(u64) -> f64, samples: Range<u64>) -> Option<Vec<PixelSums>> {
+        let mut pixel = PixelSums::NOTHING;
         for sample in samples {
             let orders = [[light(sample); 3], [0.0; 3], [0.0; 3]];
             pixel.add(
                 [0, 1, 2],
                 sample,
-                Tally {
+                PathTally {
                     orders,
                     is_cut: false,
                 },
@@ -102,8 +102,8 @@ mod tests {
     fn converged(
         size: (usize, usize),
         goal: &Goal,
-        trace: impl FnMut(Range<u64>) -> Option<Vec<Pixel>>,
-    ) -> Truth {
+        trace: impl FnMut(Range<u64>) -> Option<Vec<PixelSums>>,
+    ) -> ConvergedTruth {
         converge(size, goal, trace).expect("a first round")
     }
 
@@ -119,11 +119,11 @@ mod tests {
             pixels(|sample| dice.unit(0, sample), samples)
         });
         assert!(truth.is_converged && truth.estimate.paths >= LEAST_PATHS);
-        let level = truth.estimate.pixel(0, 1, Part::All);
+        let level = truth.estimate.pixel(0, 1, LightPart::All);
         let expected = (1.0 / 12.0 / truth.estimate.paths as f64).sqrt();
         assert!((level.mean - 0.5).abs() < 4.0 * expected);
         assert!((0.4..2.0).contains(&(level.error / expected)), "{level:?}");
-        assert_eq!(truth.estimate.pixel(0, 1, Part::Scattered), Level::default());
+        assert_eq!(truth.estimate.pixel(0, 1, LightPart::Scattered), Level::default());
         let few = Goal {
             most_paths: 64,
             ..goal

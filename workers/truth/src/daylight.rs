@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use imaging::vector::DVec3;
 use optics::daylight::{CRITICAL_COSINE, Daylight};
 
-use crate::sea::{Sea, Sun, fresnel};
+use crate::sea::{Sea, SeaSun, fresnel};
 
 /// Steps of the integral of a uniform sky over the surface: relative error 1e-6.
 const STEPS: usize = 4096;
@@ -26,7 +26,7 @@ impl Sea {
             up: DVec3::from(gaze.up).normalized(),
             depth_m: daylight.depth(),
             sky: irradiance.map(|light| (1.0 - share) * light / sky_irradiance()),
-            sun: sun.map(|sun| Sun {
+            sun: sun.map(|sun| SeaSun {
                 direction: DVec3::from(sun.toward(gaze)).normalized(),
                 irradiance: irradiance.map(|light| share * light / sun.rise),
             }),

@@ -29,14 +29,14 @@ pub struct Address {
 }
 
 /// The numbers of one path, in the order of its draws.
-pub(crate) struct Dice {
+pub(crate) struct PathDice {
     stream: Stream,
     frame: u64,
     first: u64,
     drawn: u64,
 }
 
-impl Dice {
+impl PathDice {
     pub(crate) fn new(stream: Stream, address: Address) -> Self {
         debug_assert!(address.pixel < MOST_PIXELS && address.sample < MOST_PATHS);
         let path = (address.pixel * MOST_PATHS + address.sample) * 4 + address.channel;

@@ -7,8 +7,8 @@ use imaging::random::Stream;
 use serde::Serialize;
 
 use crate::dice::Address;
-use crate::scene::{Along, Scene};
-use crate::walk::{ORDERS, Tally};
+use crate::scene::{Along, TracedScene};
+use crate::walk::{ORDERS, PathTally};
 
 /// Equal batches of the paths of a pixel; the error follows from their scatter.
 pub const BATCHES: usize = 16;
@@ -24,7 +24,7 @@ pub struct Level {
 
 /// Light by the number of scattering events.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Part {
+pub enum LightPart {
     /// None.
     Unscattered,
     /// One or more.
@@ -33,7 +33,7 @@ pub enum Part {
     All,
 }
 
-impl Part {
+impl LightPart {
     fn orders(self) -> Range<usize> {
         match self {
             Self::Unscattered => 0..1,
@@ -45,13 +45,13 @@ impl Part {
 
 /// Sums over the paths of a pixel by channel, order and batch.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Pixel {
+pub struct PixelSums {
     sums: [[[f64; BATCHES]; ORDERS]; 3],
     /// Paths ended by a limit.
     pub cut: u64,
 }
 
-impl Pixel {
+impl PixelSums {
     pub(crate) const NOTHING: Self = Self {
         sums: [[[0.0; BATCHES]; ORDERS]; 3],
         cut: 0,
@@ -60,7 +60,7 @@ impl Pixel {
     /// Traces some of the paths of a pixel. With `shared`, one path serves all channels.
     #[must_use]
     pub fn trace(
-        scene: &Scene<'_>,
+        scene: &TracedScene<'_>,
         along: Along,
         stream: Stream,
         at: Address,
@@ -89,7 +89,7 @@ impl Pixel {
         pixel
     }
 
-    pub(crate) fn add<const N: usize>(&mut self, channels: [usize; N], sample: u64, tally: Tally<N>) {
+    pub(crate) fn add<const N: usize>(&mut self, channels: [usize; N], sample: u64, tally: PathTally<N>) {
         let batch = (sample % BATCHES as u64) as usize;
         for (i, channel) in channels.into_iter().enumerate() {
             for (order, light) in tally.orders.iter().enumerate() {
@@ -111,7 +111,7 @@ impl Pixel {
     }
 
     /// Mean and error of a channel after this many paths.
-    fn level(&self, paths: u64, channel: usize, part: Part) -> Level {
+    fn level(&self, paths: u64, channel: usize, part: LightPart) -> Level {
         let share = BATCHES as f64 / paths as f64;
         let batches: [f64; BATCHES] = std::array::from_fn(|k| {
             share
@@ -137,14 +137,14 @@ pub(crate) fn level(batches: &[f64]) -> Level {
 
 /// A frame divided into squares; those at its right and lower edge are smaller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Blocks {
+pub struct PixelBlocks {
     /// Columns and rows of the frame.
     pub size: (usize, usize),
     /// Pixels on a side of a square.
     pub side: usize,
 }
 
-impl Blocks {
+impl PixelBlocks {
     /// The pixels of each square by row-major number.
     pub fn pixels(self) -> impl Iterator<Item = Vec<usize>> {
         let (width, height) = self.size;
@@ -166,12 +166,12 @@ pub struct Estimate {
     pub size: (usize, usize),
     /// Paths of each pixel.
     pub paths: u64,
-    pub(crate) pixels: Vec<Pixel>,
+    pub(crate) pixels: Vec<PixelSums>,
 }
 
 /// Distribution of the errors of blocks.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Spread {
+pub struct ErrorSpread {
     /// Median.
     pub median: f64,
     /// 95th percentile.
@@ -181,13 +181,13 @@ pub struct Spread {
 impl Estimate {
     /// Mean and error of a pixel.
     #[must_use]
-    pub fn pixel(&self, pixel: usize, channel: usize, part: Part) -> Level {
+    pub fn pixel(&self, pixel: usize, channel: usize, part: LightPart) -> Level {
         self.pixels[pixel].level(self.paths, channel, part)
     }
 
     /// Mean and error over several independent pixels.
     #[must_use]
-    pub fn mean(&self, pixels: &[usize], channel: usize, part: Part) -> Level {
+    pub fn mean(&self, pixels: &[usize], channel: usize, part: LightPart) -> Level {
         let n = pixels.len() as f64;
         let levels = pixels.iter().map(|&pixel| self.pixel(pixel, channel, part));
         let (mean, square) = levels.fold((0.0, 0.0), |(mean, square), level| {
@@ -201,26 +201,26 @@ impl Estimate {
 
     /// Mean and error of the frame.
     #[must_use]
-    pub fn whole(&self, channel: usize, part: Part) -> Level {
+    pub fn whole(&self, channel: usize, part: LightPart) -> Level {
         let all: Vec<usize> = (0..self.pixels.len()).collect();
         self.mean(&all, channel, part)
     }
 
     /// The errors of blocks.
     #[must_use]
-    pub fn spread(&self, side: usize, channel: usize) -> Spread {
-        let blocks = Blocks {
+    pub fn spread(&self, side: usize, channel: usize) -> ErrorSpread {
+        let blocks = PixelBlocks {
             size: self.size,
             side,
         };
         let mut errors: Vec<f64> = blocks
             .pixels()
-            .map(|pixels| self.mean(&pixels, channel, Part::All).error)
+            .map(|pixels| self.mean(&pixels, channel, LightPart::All).error)
             .collect();
         errors.sort_by(f64::total_cmp);
         let [median, percentile_95] =
             [0.5, 0.95].map(|share| errors[((errors.len() - 1) as f64 * share).round() as usize]);
-        Spread {
+        ErrorSpread {
             median,
             percentile_95,
         }
@@ -239,7 +239,7 @@ mod tests {
 
     #[test]
     fn blocks_hold_every_pixel_once() {
-        let blocks = Blocks {
+        let blocks = PixelBlocks {
             size: (5, 3),
             side: 2,
         };

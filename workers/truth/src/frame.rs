@@ -13,13 +13,13 @@ use optics::water::Water;
 use spec::Frame;
 
 use crate::dice::Address;
-use crate::estimate::Pixel;
-use crate::lamp::Lamp;
+use crate::estimate::PixelSums;
+use crate::lamp::SphereLamp;
 use crate::phase::Phase;
-use crate::scene::{Along, Scene};
+use crate::scene::{Along, TracedScene};
 use crate::sea::Sea;
-use crate::surface::{Picture, Surfaces};
-use crate::water::{Coefficients, Murk};
+use crate::surface::{PictureSurfaces, SurfaceMaterials};
+use crate::water::{TurbidityField, WaterCoefficients};
 
 /// A frame without a truth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -55,7 +55,7 @@ pub struct Subject<'a> {
     pub range: &'a Plane<f32>,
 }
 
-impl<'a> Scene<'a> {
+impl<'a> TracedScene<'a> {
     /// The scene of a frame: its picture in air emits its radiance and, with lamps, reflects their light with the same
     /// factor, at most
     /// 1. A scene of reflectance under daylight is below a flat sea with a uniform sky and its sun; their light in the water is traced,
@@ -75,7 +75,7 @@ impl<'a> Scene<'a> {
         let sea = sea(setting)?;
         let water = setting.water.as_ref().map_or(Ok([NOTHING; 3]), coefficients)?;
         let lamps = if setting.lighting.is_some() {
-            Lamp::among(&subject.frame.lights)
+            SphereLamp::among(&subject.frame.lights)
         } else {
             Vec::new()
         };
@@ -83,7 +83,7 @@ impl<'a> Scene<'a> {
             .patches
             .as_ref()
             .map(|field| field.seen_from(&setting.eye));
-        let picture = Picture::new(
+        let picture = PictureSurfaces::new(
             subject.radiance,
             subject.range,
             setting.eye.camera,
@@ -92,12 +92,14 @@ impl<'a> Scene<'a> {
         );
         Ok(Self {
             rays,
-            surfaces: Surfaces::Picture(picture),
+            surfaces: SurfaceMaterials::Picture(picture),
             lamps,
             sea,
             water,
             phase,
-            murk: patches.map_or(Murk::Even, |field| Murk::Patches(Box::new(field))),
+            turbidity: patches.map_or(TurbidityField::Even, |field| {
+                TurbidityField::Patches(Box::new(field))
+            }),
         })
     }
 }
@@ -114,18 +116,18 @@ fn sea(setting: &Setting) -> Result<Option<Sea>, NoTruth> {
     }
 }
 
-const NOTHING: Coefficients = Coefficients {
+const NOTHING: WaterCoefficients = WaterCoefficients {
     absorption: 0.0,
     scattering: 0.0,
 };
 
-fn coefficients(water: &Water) -> Result<[Coefficients; 3], NoTruth> {
+fn coefficients(water: &Water) -> Result<[WaterCoefficients; 3], NoTruth> {
     let scattering = water.scattering().ok_or(NoTruth::NoScattering)?;
     let attenuation = water.direct_attenuation();
     if (0..3).any(|i| scattering[i] > attenuation[i] * (1.0 + 1e-9)) {
         return Err(NoTruth::MoreScatteredThanLost);
     }
-    Ok([0, 1, 2].map(|i| Coefficients {
+    Ok([0, 1, 2].map(|i| WaterCoefficients {
         absorption: (attenuation[i] - scattering[i]).max(0.0),
         scattering: scattering[i],
     }))
@@ -133,7 +135,7 @@ fn coefficients(water: &Water) -> Result<[Coefficients; 3], NoTruth> {
 
 /// Parameters of the paths of a frame.
 #[derive(Debug, Clone, Copy)]
-pub struct Shutter {
+pub struct PathBatch {
     /// The camera.
     pub camera: Intrinsics,
     /// Columns of the frame.
@@ -146,10 +148,15 @@ pub struct Shutter {
     pub is_shared: bool,
 }
 
-impl Shutter {
+impl PathBatch {
     /// Traces samples of some pixels, in the order of their numbers.
     #[must_use]
-    pub fn trace(&self, scene: &Scene<'_>, pixels: Range<usize>, samples: &Range<u64>) -> Vec<Pixel> {
+    pub fn trace(
+        &self,
+        scene: &TracedScene<'_>,
+        pixels: Range<usize>,
+        samples: &Range<u64>,
+    ) -> Vec<PixelSums> {
         let traced = pixels.map(|number| {
             let ray = self
                 .camera
@@ -164,7 +171,7 @@ impl Shutter {
                 sample: 0,
                 channel: 0,
             };
-            Pixel::trace(
+            PixelSums::trace(
                 scene,
                 along,
                 self.stream,

@@ -6,7 +6,7 @@ use spec::Light;
 
 /// A spherical lamp, isotropic or with a beam.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Lamp {
+pub struct SphereLamp {
     /// Position in camera axes, m.
     pub place: DVec3,
     /// Radiance times m² per steradian, of each channel.
@@ -20,7 +20,7 @@ pub struct Lamp {
     pub disc_m: f64,
 }
 
-impl Lamp {
+impl SphereLamp {
     /// The lamps among the validated lights of a frame.
     #[must_use]
     pub fn among(lights: &[Light]) -> Vec<Self> {

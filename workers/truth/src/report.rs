@@ -1,12 +1,12 @@
-//! Report on a frame's truth and the chain's distance from it.
+//! TruthReport on a frame's truth and the chain's distance from it.
 
 use imaging::{Plane, Rgb};
 use serde::Serialize;
 
 use crate::compare::Comparison;
-use crate::converge::{Goal, Truth};
-use crate::estimate::{Level, Part, Spread};
-use crate::law::Law;
+use crate::converge::{ConvergedTruth, Goal};
+use crate::estimate::{ErrorSpread, Level, LightPart};
+use crate::phase_model::PhaseModel;
 
 /// The chain's light of a frame, linear.
 #[derive(Debug, Clone, Copy)]
@@ -19,11 +19,11 @@ pub struct ChainLight<'a> {
 
 /// Parameters of the run, and its end.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Asked {
+pub struct ReportRequest {
     /// Required accuracy.
     pub goal: Goal,
     /// Phase function.
-    pub law: Law,
+    pub law: PhaseModel,
     /// Source of the surfaces: `scene` or `screen`.
     pub rays: &'static str,
     /// Whether daylight was traced; the chain's scattered light must then include it.
@@ -34,7 +34,7 @@ pub struct Asked {
 
 /// Parameters, accuracy and the chain's distance from the truth.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Report {
+pub struct TruthReport {
     /// Paths of each pixel and channel.
     pub paths: u64,
     /// Whether the target was reached before the limit on paths.
@@ -42,7 +42,7 @@ pub struct Report {
     /// `target`, or the first limit reached.
     pub ended_by: &'static str,
     /// Phase function.
-    pub phase: Law,
+    pub phase: PhaseModel,
     /// Target for the error of the median block, relative to the mean.
     pub target: f64,
     /// Pixels on a side of a block.
@@ -54,9 +54,9 @@ pub struct Report {
     /// Mean of the frame and its error, red, green, blue.
     pub mean: [Level; 3],
     /// Errors of the blocks.
-    pub block_error: [Spread; 3],
+    pub block_error: [ErrorSpread; 3],
     /// Comparison with the chain by the number of scattering events.
-    pub chain: Parts,
+    pub chain: PartComparisons,
     /// Source of the surfaces.
     pub rays: &'static str,
     /// Effects missing from both.
@@ -65,7 +65,7 @@ pub struct Report {
 
 /// Comparisons of parts of the light.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Parts {
+pub struct PartComparisons {
     /// Unscattered: the chain's direct light.
     pub unscattered: Comparison,
     /// Scattered: the chain's forward scatter and airlight.
@@ -76,10 +76,15 @@ pub struct Parts {
 
 const LEFT_OUT: [&str; 4] = ["snow", "style", "haze", "camera"];
 
-impl Report {
+impl TruthReport {
     /// Compares the chain's light with the truth of the same frame.
     #[must_use]
-    pub fn new(truth: &Truth, asked: &Asked, chain: &ChainLight<'_>, range: Option<&Plane<f32>>) -> Self {
+    pub fn new(
+        truth: &ConvergedTruth,
+        asked: &ReportRequest,
+        chain: &ChainLight<'_>,
+        range: Option<&Plane<f32>>,
+    ) -> Self {
         let goal = &asked.goal;
         let missing = if asked.has_sea {
             "waves"
@@ -100,12 +105,12 @@ impl Report {
             block: goal.block,
             cut: estimate.cut(),
             heavy_tail: truth.is_slow,
-            mean: [0, 1, 2].map(|i| estimate.whole(i, Part::All)),
+            mean: [0, 1, 2].map(|i| estimate.whole(i, LightPart::All)),
             block_error: [0, 1, 2].map(|i| estimate.spread(goal.block, i)),
-            chain: Parts {
-                unscattered: compare(chain.direct, Part::Unscattered),
-                scattered: compare(chain.scattered, Part::Scattered),
-                all: compare(&all, Part::All),
+            chain: PartComparisons {
+                unscattered: compare(chain.direct, LightPart::Unscattered),
+                scattered: compare(chain.scattered, LightPart::Scattered),
+                all: compare(&all, LightPart::All),
             },
             rays: asked.rays,
             left_out: std::iter::once(missing).chain(LEFT_OUT).collect(),
@@ -113,7 +118,7 @@ impl Report {
     }
 }
 
-impl Truth {
+impl ConvergedTruth {
     /// Means of the pixels, and their standard errors.
     #[must_use]
     pub fn pictures(&self) -> [Rgb<f32>; 2] {
@@ -124,7 +129,7 @@ impl Truth {
         ]
         .map(|value| {
             Rgb::from_fn(width, height, |x, y| {
-                [0, 1, 2].map(|i| value(self.estimate.pixel(y * width + x, i, Part::All)))
+                [0, 1, 2].map(|i| value(self.estimate.pixel(y * width + x, i, LightPart::All)))
             })
         })
     }

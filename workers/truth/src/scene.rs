@@ -3,28 +3,28 @@
 use imaging::rays::{Hit, Rays};
 use imaging::vector::DVec3;
 
-use crate::lamp::Lamp;
+use crate::lamp::SphereLamp;
 use crate::phase::Phase;
 use crate::sea::Sea;
-use crate::surface::{Material, Surfaces};
-use crate::water::{Coefficients, Murk};
+use crate::surface::{Lambertian, SurfaceMaterials};
+use crate::water::{TurbidityField, WaterCoefficients};
 
 /// A complete scene. Positions are in camera axes, the camera at the origin.
-pub struct Scene<'a> {
+pub struct TracedScene<'a> {
     /// Geometry.
     pub rays: &'a (dyn Rays + Sync),
     /// Materials.
-    pub surfaces: Surfaces<'a>,
+    pub surfaces: SurfaceMaterials<'a>,
     /// The lamps.
-    pub lamps: Vec<Lamp>,
+    pub lamps: Vec<SphereLamp>,
     /// The sea surface; `None` in unbounded water.
     pub sea: Option<Sea>,
     /// The water of each channel.
-    pub water: [Coefficients; 3],
+    pub water: [WaterCoefficients; 3],
     /// Phase function.
     pub phase: Phase,
     /// Turbidity over space.
-    pub murk: Murk,
+    pub turbidity: TurbidityField,
 }
 
 /// A ray of the camera.
@@ -37,11 +37,11 @@ pub struct Along {
 }
 
 /// Kind of a segment's end.
-pub(crate) enum Met {
+pub(crate) enum SegmentEnd {
     /// Unbounded.
     Nothing,
     /// A surface.
-    Surface { hit: Hit, material: Material },
+    Surface { hit: Hit, material: Lambertian },
     /// The sea surface, at a cosine from the vertical.
     Sea { cosine: f64 },
 }
@@ -50,10 +50,10 @@ pub(crate) enum Met {
 pub(crate) struct End {
     /// Along the segment, m; infinite if unbounded.
     pub(crate) distance: f64,
-    pub(crate) met: Met,
+    pub(crate) met: SegmentEnd,
 }
 
-impl Scene<'_> {
+impl TracedScene<'_> {
     /// Finds the end of a segment.
     pub(crate) fn end(&self, along: Along, from: f64) -> End {
         let Along { origin, direction } = along;
@@ -63,7 +63,7 @@ impl Scene<'_> {
             let place = origin + direction * hit.distance;
             return End {
                 distance: hit.distance,
-                met: Met::Surface {
+                met: SegmentEnd::Surface {
                     hit,
                     material: self.surfaces.material(&hit, place),
                 },
@@ -72,13 +72,13 @@ impl Scene<'_> {
         match (sea, &self.sea) {
             (Some(distance), Some(sea)) => End {
                 distance,
-                met: Met::Sea {
+                met: SegmentEnd::Sea {
                     cosine: sea.up.dot(direction).min(1.0),
                 },
             },
             _ => End {
                 distance: f64::INFINITY,
-                met: Met::Nothing,
+                met: SegmentEnd::Nothing,
             },
         }
     }

@@ -16,12 +16,12 @@ pub struct Sea {
     /// before surface reflection.
     pub sky: [f64; 3],
     /// The sun; `None` under an overcast sky.
-    pub sun: Option<Sun>,
+    pub sun: Option<SeaSun>,
 }
 
 /// Parallel light.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sun {
+pub struct SeaSun {
     /// Unit vector toward the sun in the water, camera axes.
     pub direction: DVec3,
     /// Irradiance perpendicular to it just below the surface, per channel.

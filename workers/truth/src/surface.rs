@@ -9,16 +9,16 @@ use optics::range::is_hole;
 /// A point belongs to a pixel if its distance and the pixel's range agree to this share.
 const SAME_PLACE: f64 = 0.03;
 
-/// Material at a point, by channel.
+/// Lambertian at a point, by channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Material {
+pub struct Lambertian {
     /// Lambertian reflectance, 0..=1.
     pub reflectance: [f64; 3],
     /// Emitted radiance.
     pub emitted: [f64; 3],
 }
 
-impl Material {
+impl Lambertian {
     /// Absorbs all light.
     pub const BLACK: Self = Self {
         reflectance: [0.0; 3],
@@ -46,16 +46,16 @@ impl Material {
 
 /// The surfaces of a scene.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Surfaces<'a> {
+pub enum SurfaceMaterials<'a> {
     /// One material per object number, from 0.
-    ByObject(Vec<Material>),
+    ByObject(Vec<Lambertian>),
     /// Materials from the picture of a camera at the origin.
-    Picture(Picture<'a>),
+    Picture(PictureSurfaces<'a>),
 }
 
 /// A picture that defines materials.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Picture<'a> {
+pub struct PictureSurfaces<'a> {
     /// Linear radiance in air, white = 1.
     pub radiance: &'a Rgb<f32>,
     /// Range of its pixels, m.
@@ -70,7 +70,7 @@ pub struct Picture<'a> {
     mean: [f64; 3],
 }
 
-impl<'a> Picture<'a> {
+impl<'a> PictureSurfaces<'a> {
     /// The surfaces of a picture with the range of its pixels.
     #[must_use]
     pub fn new(
@@ -99,14 +99,14 @@ impl<'a> Picture<'a> {
         }
     }
 
-    fn material(&self, place: DVec3) -> Material {
+    fn material(&self, place: DVec3) -> Lambertian {
         let air = self.pixel(place).map_or(self.mean, |(x, y)| {
             self.radiance
                 .planes()
                 .each_ref()
                 .map(|plane| f64::from(plane.pixel(x, y)))
         });
-        Material {
+        Lambertian {
             reflectance: if self.reflects {
                 air.map(|j| j.clamp(0.0, 1.0))
             } else {
@@ -133,15 +133,15 @@ impl<'a> Picture<'a> {
     }
 }
 
-impl Surfaces<'_> {
+impl SurfaceMaterials<'_> {
     /// The material at a hit point.
     #[must_use]
-    pub fn material(&self, hit: &Hit, place: DVec3) -> Material {
+    pub fn material(&self, hit: &Hit, place: DVec3) -> Lambertian {
         match self {
             Self::ByObject(materials) => materials
                 .get(hit.object as usize)
                 .copied()
-                .unwrap_or(Material::BLACK),
+                .unwrap_or(Lambertian::BLACK),
             Self::Picture(picture) => picture.material(place),
         }
     }

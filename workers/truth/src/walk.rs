@@ -6,9 +6,9 @@ use imaging::random::Stream;
 use imaging::rays::leaving;
 use imaging::vector::DVec3;
 
-use crate::dice::{Address, Dice};
+use crate::dice::{Address, PathDice};
 use crate::phase::{tilt, versine};
-use crate::scene::{Along, End, Met, Scene};
+use crate::scene::{Along, End, SegmentEnd, TracedScene};
 use crate::sea::fresnel;
 
 /// Light is summed by scattering order: 0, 1, more.
@@ -20,7 +20,7 @@ const LIGHT: f64 = 0.1;
 
 /// Estimate of one path for the radiance of N channels.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tally<const N: usize> {
+pub struct PathTally<const N: usize> {
     /// By order of scattering.
     pub orders: [[f64; N]; ORDERS],
     /// Whether a limit ended it: its light is underestimated.
@@ -31,7 +31,7 @@ pub struct Tally<const N: usize> {
 /// With several, distances are sampled from a leading channel, and weights use the mean density of all (balance
 /// heuristic, Veach 1995).
 struct Walk<'s, const N: usize> {
-    scene: &'s Scene<'s>,
+    scene: &'s TracedScene<'s>,
     channels: [usize; N],
     /// Index of the channel that samples distances.
     leading: usize,
@@ -41,39 +41,39 @@ struct Walk<'s, const N: usize> {
     density: [f64; N],
     order: usize,
     orders: [[f64; N]; ORDERS],
-    dice: Dice,
+    dice: PathDice,
 }
 
 /// Sampled end of a segment.
-enum Event {
+enum WalkEvent {
     /// Scattering at this distance.
     Water(f64),
     /// The geometric end.
     End,
 }
 
-impl Scene<'_> {
+impl TracedScene<'_> {
     /// Traces one path of one channel along a ray: an estimate of its radiance by scattering order.
     #[must_use]
-    pub fn trace(&self, along: Along, stream: Stream, address: Address) -> Tally<1> {
+    pub fn trace(&self, along: Along, stream: Stream, address: Address) -> PathTally<1> {
         let channel = (address.channel as usize).min(2);
-        Walk::new(self, [channel], Dice::new(stream, address)).run(along)
+        Walk::new(self, [channel], PathDice::new(stream, address)).run(along)
     }
 
     /// Traces one path for all channels: colors stay consistent, in a third of the time. For attenuations within a
     /// factor of 3 of each other.
     #[must_use]
-    pub fn trace_shared(&self, along: Along, stream: Stream, address: Address) -> Tally<3> {
+    pub fn trace_shared(&self, along: Along, stream: Stream, address: Address) -> PathTally<3> {
         let address = Address {
             channel: 3,
             ..address
         };
-        Walk::new(self, [0, 1, 2], Dice::new(stream, address)).run(along)
+        Walk::new(self, [0, 1, 2], PathDice::new(stream, address)).run(along)
     }
 }
 
 impl<'s, const N: usize> Walk<'s, N> {
-    fn new(scene: &'s Scene<'s>, channels: [usize; N], mut dice: Dice) -> Self {
+    fn new(scene: &'s TracedScene<'s>, channels: [usize; N], mut dice: PathDice) -> Self {
         let leading = if N == 1 {
             0
         } else {
@@ -91,9 +91,9 @@ impl<'s, const N: usize> Walk<'s, N> {
         }
     }
 
-    fn run(mut self, along: Along) -> Tally<N> {
+    fn run(mut self, along: Along) -> PathTally<N> {
         let is_cut = self.follow(along);
-        Tally {
+        PathTally {
             orders: self.orders,
             is_cut,
         }
@@ -112,8 +112,8 @@ impl<'s, const N: usize> Walk<'s, N> {
             };
             let next = match event {
                 None => return false,
-                Some(Event::Water(distance)) => self.scatter(along, distance),
-                Some(Event::End) => self.reflect(along, &end),
+                Some(WalkEvent::Water(distance)) => self.scatter(along, distance),
+                Some(WalkEvent::End) => self.reflect(along, &end),
             };
             let Some(next) = next.filter(|_| self.survives()) else {
                 return false;
@@ -127,21 +127,21 @@ impl<'s, const N: usize> Walk<'s, N> {
     }
 
     /// The first segment: the end's emission without noise, then one branch.
-    fn split(&mut self, along: Along, end: &End) -> Option<Event> {
+    fn split(&mut self, along: Along, end: &End) -> Option<WalkEvent> {
         let passes = self.transmittance(along, end.distance)[0];
         self.add_end(along, end, [passes; N]);
         let sent_back = self.sent_back(end)[0];
         let water = self.scene.water[self.channels[0]];
-        if !self.scene.murk.is_even() {
+        if !self.scene.turbidity.is_even() {
             let free = self.free_path(along, end.distance);
             let event = if free < end.distance {
-                Event::Water(free)
+                WalkEvent::Water(free)
             } else {
-                Event::End
+                WalkEvent::End
             };
             self.weight[0] *= match event {
-                Event::Water(_) => water.albedo(),
-                Event::End => sent_back,
+                WalkEvent::Water(_) => water.albedo(),
+                WalkEvent::End => sent_back,
             };
             return (self.weight[0] > 0.0).then_some(event);
         }
@@ -151,21 +151,21 @@ impl<'s, const N: usize> Walk<'s, N> {
         }
         self.weight[0] *= whole;
         if self.dice.next() * whole < passes * sent_back {
-            return Some(Event::End);
+            return Some(WalkEvent::End);
         }
         let unit = self.dice.next();
         let free = -(-unit * (1.0 - passes)).ln_1p() / water.attenuation();
-        Some(Event::Water(free.min(end.distance)))
+        Some(WalkEvent::Water(free.min(end.distance)))
     }
 
     /// A later segment.
-    fn step(&mut self, along: Along, end: &End) -> Option<Event> {
+    fn step(&mut self, along: Along, end: &End) -> Option<WalkEvent> {
         let free = self.free_path(along, end.distance);
         if free < end.distance {
             self.pass(along, free, |water| [water.scattering, water.attenuation()]);
-            return Some(Event::Water(free));
+            return Some(WalkEvent::Water(free));
         }
-        if matches!(end.met, Met::Nothing) {
+        if matches!(end.met, SegmentEnd::Nothing) {
             return None;
         }
         self.pass(along, end.distance, |_| [1.0; 2]);
@@ -175,11 +175,11 @@ impl<'s, const N: usize> Walk<'s, N> {
             .iter_mut()
             .zip(sent_back)
             .for_each(|(weight, back)| *weight *= back);
-        Some(Event::End)
+        Some(WalkEvent::End)
     }
 
     /// Weights an event at a distance; `source` returns the factors of light and of density besides the transmittance.
-    fn pass(&mut self, along: Along, distance: f64, source: impl Fn(&crate::Coefficients) -> [f64; 2]) {
+    fn pass(&mut self, along: Along, distance: f64, source: impl Fn(&crate::WaterCoefficients) -> [f64; 2]) {
         if N == 1 {
             let [light, density] = source(&self.scene.water[self.channels[0]]);
             self.weight[0] *= if density > 0.0 { light / density } else { 0.0 };
@@ -204,7 +204,10 @@ impl<'s, const N: usize> Walk<'s, N> {
         if distance == f64::INFINITY {
             return [0.0; N];
         }
-        let meters = self.scene.murk.meters(along.origin, along.direction, distance);
+        let meters = self
+            .scene
+            .turbidity
+            .meters(along.origin, along.direction, distance);
         self.channels
             .map(|channel| (-self.scene.water[channel].attenuation() * meters).exp())
     }
@@ -216,16 +219,16 @@ impl<'s, const N: usize> Walk<'s, N> {
         if attenuation <= 0.0 {
             return f64::INFINITY;
         }
-        let murk = &self.scene.murk;
-        if murk.is_even() {
+        let turbidity = &self.scene.turbidity;
+        if turbidity.is_even() {
             return -(-self.dice.next()).ln_1p() / attenuation;
         }
-        let most = murk.most();
+        let most = turbidity.most();
         let mut distance = 0.0;
         while distance < end && !self.dice.is_exhausted() {
             distance -= (-self.dice.next()).ln_1p() / (attenuation * most);
             let place = along.origin + along.direction * distance;
-            if distance < end && self.dice.next() * most < murk.factor(place) {
+            if distance < end && self.dice.next() * most < turbidity.factor(place) {
                 return distance;
             }
         }
@@ -235,9 +238,11 @@ impl<'s, const N: usize> Walk<'s, N> {
     /// Reflectance at the end of a segment.
     fn sent_back(&self, end: &End) -> [f64; N] {
         match &end.met {
-            Met::Nothing => [0.0; N],
-            Met::Surface { material, .. } => self.channels.map(|channel| material.reflectance[channel]),
-            Met::Sea { cosine } => [fresnel(*cosine); N],
+            SegmentEnd::Nothing => [0.0; N],
+            SegmentEnd::Surface { material, .. } => {
+                self.channels.map(|channel| material.reflectance[channel])
+            }
+            SegmentEnd::Sea { cosine } => [fresnel(*cosine); N],
         }
     }
 
@@ -264,7 +269,7 @@ impl<'s, const N: usize> Walk<'s, N> {
     fn reflect(&mut self, along: Along, end: &End) -> Option<(Along, f64)> {
         let place = along.origin + along.direction * end.distance;
         match (&end.met, &self.scene.sea) {
-            (Met::Surface { hit, .. }, _) => {
+            (SegmentEnd::Surface { hit, .. }, _) => {
                 let normal = DVec3::from(hit.normal);
                 let start = leaving(place.into(), hit.normal);
                 let origin = DVec3::from(start.origin);
@@ -279,7 +284,7 @@ impl<'s, const N: usize> Walk<'s, N> {
                 self.weigh_aim(origin, direction, cosine.max(0.0) / std::f64::consts::PI);
                 (cosine > 0.0).then_some((Along { origin, direction }, start.from))
             }
-            (Met::Sea { cosine }, Some(sea)) => {
+            (SegmentEnd::Sea { cosine }, Some(sea)) => {
                 let direction = (along.direction + sea.up * (-2.0 * cosine)).normalized();
                 let along = Along {
                     origin: place,

@@ -17,10 +17,10 @@ pub(super) fn ring(radius_px: f64) -> i32 {
 }
 
 /// Points within each pixel of a disc.
-pub(super) struct Counts {
+pub(super) struct DiscCounts {
     /// Farthest row and column of a disc.
     reach: usize,
-    pixels: Vec<Pixel>,
+    pixels: Vec<PixelPoints>,
     /// Points up to each ring, pixel after pixel.
     growth: Vec<u8>,
     /// Reciprocal of the number of points of the disc, by ring.
@@ -29,7 +29,7 @@ pub(super) struct Counts {
 
 /// Position of a pixel's counts.
 #[derive(Clone, Copy)]
-struct Pixel {
+struct PixelPoints {
     /// The ring before its first point.
     before: i32,
     /// Rings from there to its last point.
@@ -37,8 +37,8 @@ struct Pixel {
     start: usize,
 }
 
-impl Counts {
-    /// Counts of all discs up to a radius in pixels.
+impl DiscCounts {
+    /// DiscCounts of all discs up to a radius in pixels.
     pub(super) fn up_to(radius_px: f64) -> Self {
         let last = ring(radius_px) as usize;
         let reach = (radius_px + 0.5) as usize;
@@ -48,7 +48,7 @@ impl Counts {
             for near in 0..=far {
                 let rings = rings_of(near, far);
                 let before = rings[0] - 1;
-                pixels.push(Pixel {
+                pixels.push(PixelPoints {
                     before,
                     rings: rings[rings.len() - 1] - before,
                     start: growth.len(),
@@ -94,14 +94,14 @@ impl Counts {
     /// Points of a disc within a pixel.
     #[inline(always)]
     pub(super) fn count(&self, pixel: usize, ring: i32) -> u8 {
-        let Pixel { before, rings, start } = self.pixels[pixel];
+        let PixelPoints { before, rings, start } = self.pixels[pixel];
         self.growth[start + (ring - before).clamp(0, rings) as usize]
     }
 
     /// Points of several discs within a pixel.
     #[inline(always)]
     pub(super) fn fill(&self, pixel: usize, discs: &[i32], counts: &mut [f32]) {
-        let Pixel { before, rings, start } = self.pixels[pixel];
+        let PixelPoints { before, rings, start } = self.pixels[pixel];
         let growth = &self.growth[start..=start + rings as usize];
         for (count, &ring) in counts.iter_mut().zip(discs) {
             *count = f32::from(growth[(ring - before).clamp(0, rings) as usize]);
@@ -152,7 +152,7 @@ mod tests {
 
     #[test]
     fn counts_are_those_of_the_points_within_the_radius() {
-        let counts = Counts::up_to(7.3);
+        let counts = DiscCounts::up_to(7.3);
         // Radii on rings, next to them, and between them.
         let on_rings = (0..1700).step_by(3).map(|k| f64::from(8 * k + 2).sqrt() / 16.0);
         let all = on_rings.flat_map(|r| [r.next_down(), r, r.next_up(), r + 0.001]);
@@ -163,7 +163,7 @@ mod tests {
                     let expected = points(dx, dy, radius);
                     total += expected << (u32::from(dx > 0) + u32::from(dy > 0));
                     let is_counted = dx.max(dy) <= counts.reach();
-                    let pixel = Counts::pixel(dx, dy);
+                    let pixel = DiscCounts::pixel(dx, dy);
                     let count = is_counted.then(|| counts.count(pixel, ring(radius)));
                     assert_eq!(
                         u32::from(count.unwrap_or(0)),

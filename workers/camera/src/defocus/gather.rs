@@ -5,7 +5,7 @@
 
 use imaging::{Plane, Rgb, vectorized};
 
-use super::counts::{Counts, ring};
+use super::counts::{DiscCounts, ring};
 use super::{SHARP_PX, mirrored};
 use crate::rounding;
 
@@ -27,10 +27,10 @@ pub fn blur(picture: &Rgb<f32>, radii: &Plane<f64>) -> Rgb<f32> {
     if largest < SHARP_PX {
         return blurred;
     }
-    let counts = Counts::up_to(largest);
+    let counts = DiscCounts::up_to(largest);
     let planes = picture.planes().each_ref();
     let padded = planes.map(|plane| pad(plane, counts.reach()));
-    let mut block = Block::new(&counts);
+    let mut block = DiscBlock::new(&counts);
     for y in 0..height {
         let [r, g, b] = blurred
             .planes_mut()
@@ -81,13 +81,13 @@ fn source_of(padded: usize, margin: usize, side: usize) -> usize {
 }
 
 /// The discs of a block of pixels. Weights are numbers of points.
-struct Block {
+struct DiscBlock {
     /// The smallest and the largest disc.
     ends: Option<(i32, i32)>,
-    rows: Vec<Row>,
+    rows: Vec<DiscRow>,
     /// Weights common to all discs, row after row.
     common: Vec<f32>,
-    /// The weight in each disc, by [`Counts::pixel`].
+    /// The weight in each disc, by [`DiscCounts::pixel`].
     lanes: Vec<[f32; LANES]>,
     /// One over the sum of weights of each disc.
     norms: [f32; LANES],
@@ -97,15 +97,15 @@ struct Block {
 
 /// A row of the discs from the middle outwards; left and right are equal.
 #[derive(Clone, Copy)]
-struct Row {
+struct DiscRow {
     /// Number of pixels from the middle with equal weights in all discs.
     common: usize,
     /// Half width of the largest disc.
     pixels: usize,
 }
 
-impl Block {
-    fn new(counts: &Counts) -> Self {
+impl DiscBlock {
+    fn new(counts: &DiscCounts) -> Self {
         Self {
             ends: None,
             rows: Vec::new(),
@@ -118,7 +118,7 @@ impl Block {
 
     /// Sets the discs by their last rings.
     #[inline(always)]
-    fn set(&mut self, counts: &Counts, rings: &[i32; LANES]) {
+    fn set(&mut self, counts: &DiscCounts, rings: &[i32; LANES]) {
         let least = rings.iter().copied().fold(i32::MAX, i32::min);
         let largest = rings.iter().copied().fold(0, i32::max);
         let ends = Some((least, largest));
@@ -132,9 +132,9 @@ impl Block {
         self.rows.clear();
         self.common.clear();
         for dy in 0..=counts.reach() {
-            let mut row = Row { common: 0, pixels: 0 };
+            let mut row = DiscRow { common: 0, pixels: 0 };
             for dx in 0..=counts.reach() {
-                let pixel = Counts::pixel(dx, dy);
+                let pixel = DiscCounts::pixel(dx, dy);
                 let count = counts.count(pixel, largest);
                 if count == 0 {
                     break;
@@ -173,7 +173,13 @@ impl Block {
             let mut row_sums = [0.0; LANES];
             add_common(&mut row_sums, pair, reach, common);
             for dx in row.common..row.pixels {
-                add_lanes(&mut row_sums, pair, reach, dx, &self.lanes[Counts::pixel(dx, dy)]);
+                add_lanes(
+                    &mut row_sums,
+                    pair,
+                    reach,
+                    dx,
+                    &self.lanes[DiscCounts::pixel(dx, dy)],
+                );
             }
             for lane in 0..LANES {
                 sums[lane] += row_sums[lane];
@@ -188,8 +194,8 @@ impl Block {
 
 #[inline(always)]
 fn blur_row(
-    counts: &Counts,
-    block: &mut Block,
+    counts: &DiscCounts,
+    block: &mut DiscBlock,
     padded: &[Plane<f32>; 3],
     y: usize,
     radii: &[f64],

@@ -5,11 +5,11 @@ use imaging::{Plane, Rgb};
 use super::{POINTS, mirrored};
 
 /// A quadrant of a disc's weights, row-major: `weights[dy][dx]`. The complete disc sums to 1.
-struct Disc {
+struct DefocusDisc {
     weights: Vec<Vec<f64>>,
 }
 
-impl Disc {
+impl DefocusDisc {
     fn new(radius: f64) -> Self {
         let reach = (radius + 0.5).floor().max(0.0) as usize;
         let square = radius * radius;
@@ -48,12 +48,12 @@ impl Disc {
 #[must_use]
 pub fn blur_reference(picture: &Rgb<f64>, radii: &Plane<f64>) -> Rgb<f64> {
     let (width, height) = picture.size();
-    let mut known: Option<(f64, Disc)> = None;
+    let mut known: Option<(f64, DefocusDisc)> = None;
     Rgb::from_fn(width, height, |x, y| {
         let radius = radii.pixel(x, y);
         let disc = match known.take() {
             Some((of, disc)) if of == radius => disc,
-            _ => Disc::new(radius),
+            _ => DefocusDisc::new(radius),
         };
         let pixel = picture.planes().each_ref().map(|plane| {
             let mut sum = 0.0;
@@ -95,7 +95,7 @@ mod tests {
     #[test]
     fn a_disc_is_round_and_sums_to_one() {
         for radius in [0.0, 0.05, 0.25, 0.5, 1.0, 1.7, 4.2, 11.0] {
-            let disc = Disc::new(radius);
+            let disc = DefocusDisc::new(radius);
             let times = |k: usize| if k == 0 { 1.0 } else { 2.0 };
             let rows = disc.weights.iter().enumerate();
             let sum: f64 = rows

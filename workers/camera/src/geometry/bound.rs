@@ -1,6 +1,6 @@
 //! Error bound of sampling a picture in f32 along the fast map.
 
-use super::map::Source;
+use super::map::SourcePicture;
 use crate::rounding;
 
 /// Largest difference in direction between the fast map and its reference, in focal lengths of the source picture. Both
@@ -13,7 +13,7 @@ const PLACE_ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// Largest difference in pixels between [`super::coordinates`] and [`super::coordinates_reference`], along rows or
 /// columns.
 #[must_use]
-pub fn place_bound_px(source: &Source) -> f64 {
+pub fn place_bound_px(source: &SourcePicture) -> f64 {
     let side = source.size.0.max(source.size.1) as f64;
     DIRECTION * source.camera.focal_px + PLACE_ROUNDING * side
 }
@@ -25,7 +25,7 @@ pub fn place_bound_px(source: &Source) -> f64 {
 /// is at most `peak` without negative light. Bilinear weights are at least 0 and sum to 1 for any supersampling: the
 /// gain is 1.
 #[must_use]
-pub fn sampling_bound(source: &Source, peak: f64, difference: f64) -> f64 {
+pub fn sampling_bound(source: &SourcePicture, peak: f64, difference: f64) -> f64 {
     // `a + (b - a) x` twice in a row: each rounds the sum once, the difference, its product and half of it for x.
     let rounded = rounding::absolute(2.0, peak) + rounding::absolute(5.0, difference);
     rounded + 2.0 * place_bound_px(source) * difference
@@ -39,7 +39,7 @@ mod tests {
     use spec::Distortion;
 
     use super::super::{
-        Lens, Refraction, Sampling, Source, coordinates, coordinates_reference, resample_reference,
+        Lens, PortRefraction, Sampling, SourcePicture, coordinates, coordinates_reference, resample_reference,
     };
     use super::*;
 
@@ -58,8 +58,8 @@ mod tests {
             distortion(0.4, 0.0, -0.02),
         ];
         let refractions = [
-            Refraction::None,
-            Refraction::Flat {
+            PortRefraction::None,
+            PortRefraction::Flat {
                 index: [1.33, 1.34, 1.35],
             },
         ];
@@ -102,7 +102,7 @@ mod tests {
         let mut nearest = 0.0f64;
         for lens in lenses() {
             for supersample in [1, 2, 3] {
-                let source = Source::covering(&lens, SIZE, supersample).unwrap();
+                let source = SourcePicture::covering(&lens, SIZE, supersample).unwrap();
                 let maps = coordinates(&lens, &source, SIZE);
                 let sampling = Sampling::new(&maps, source.size);
                 let references = [0, 1, 2].map(|c| coordinates_reference(&lens, &source, SIZE, c));

@@ -17,9 +17,9 @@ pub(crate) const ARRIVED: f64 = 1e-13;
 /// Limit on the steps of the inverse.
 pub(crate) const MOST_STEPS: usize = 50;
 
-/// Refraction by the port.
+/// PortRefraction by the port.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Refraction {
+pub enum PortRefraction {
     /// No port, or a dome around the pupil.
     None,
     /// A flat port: `sin θ_w = sin θ_a / n` for each channel.
@@ -36,8 +36,8 @@ pub struct Lens {
     pub camera: Intrinsics,
     /// Distortion; all 0 for an ideal lens.
     pub distortion: Distortion,
-    /// Refraction by the port.
-    pub refraction: Refraction,
+    /// PortRefraction by the port.
+    pub refraction: PortRefraction,
 }
 
 /// A lens that cannot make a picture of this size.
@@ -83,8 +83,8 @@ impl Lens {
     #[must_use]
     pub fn new(camera: Intrinsics, distortion: Option<Distortion>, port: Option<Port>) -> Self {
         let refraction = match port {
-            Some(Port::Flat { .. }) => Refraction::Flat { index: SEA_WATER },
-            Some(Port::None {} | Port::Dome { .. }) | None => Refraction::None,
+            Some(Port::Flat { .. }) => PortRefraction::Flat { index: SEA_WATER },
+            Some(Port::None {} | Port::Dome { .. }) | None => PortRefraction::None,
         };
         Self {
             camera,
@@ -96,15 +96,15 @@ impl Lens {
     /// Whether the channels look in different directions.
     #[must_use]
     pub fn is_chromatic(&self) -> bool {
-        matches!(self.refraction, Refraction::Flat { index: [r, g, b] } if r != g || g != b)
+        matches!(self.refraction, PortRefraction::Flat { index: [r, g, b] } if r != g || g != b)
     }
 
     /// Ratio of focal lengths of a pinhole in water with the same scale in the center.
     #[must_use]
     pub fn magnification(&self) -> f64 {
         match self.refraction {
-            Refraction::None => 1.0,
-            Refraction::Flat { index } => index[1],
+            PortRefraction::None => 1.0,
+            PortRefraction::Flat { index } => index[1],
         }
     }
 
@@ -127,8 +127,8 @@ impl Lens {
     #[must_use]
     pub fn in_water(&self, (x, y): (f64, f64), channel: usize) -> (f64, f64) {
         match self.refraction {
-            Refraction::None => (x, y),
-            Refraction::Flat { index } => {
+            PortRefraction::None => (x, y),
+            PortRefraction::Flat { index } => {
                 let factor = refracted(x * x + y * y, index[channel]);
                 (x * factor, y * factor)
             }
@@ -139,8 +139,8 @@ impl Lens {
     #[must_use]
     pub fn pixel_of(&self, (x, y): (f64, f64)) -> Option<(f64, f64)> {
         let (x, y) = match self.refraction {
-            Refraction::None => (x, y),
-            Refraction::Flat { index } => {
+            PortRefraction::None => (x, y),
+            PortRefraction::Flat { index } => {
                 let tan2 = x * x + y * y;
                 let sin2 = index[1] * index[1] * tan2 / (1.0 + tan2);
                 let factor = if tan2 > 0.0 {
@@ -234,7 +234,7 @@ fn tangent(sin: f64) -> f64 {
 mod tests {
     use super::*;
 
-    fn lens(distortion: Distortion, refraction: Refraction) -> Lens {
+    fn lens(distortion: Distortion, refraction: PortRefraction) -> Lens {
         Lens {
             camera: Intrinsics::centered(60.0, 81, 61),
             distortion,
@@ -253,8 +253,8 @@ mod tests {
     #[test]
     fn the_forward_map_returns_to_the_pixel_that_looked() {
         for refraction in [
-            Refraction::None,
-            Refraction::Flat {
+            PortRefraction::None,
+            PortRefraction::Flat {
                 index: [1.33, 1.34, 1.35],
             },
         ] {
@@ -273,7 +273,7 @@ mod tests {
 
     #[test]
     fn a_flat_port_obeys_snell_and_never_sees_beyond_the_critical_angle() {
-        let lens = lens(Distortion::default(), Refraction::Flat { index: [1.34; 3] });
+        let lens = lens(Distortion::default(), PortRefraction::Flat { index: [1.34; 3] });
         let tan_air = libm::tan(40f64.to_radians());
         let (tan_water, _) = lens.in_water((tan_air, 0.0), 1);
         let expected = libm::asin(libm::sin(40f64.to_radians()) / 1.34);
@@ -289,7 +289,7 @@ mod tests {
             pupil_m,
             glass_m: 0.0,
         };
-        let lens = lens(Distortion::default(), Refraction::Flat { index: [1.34; 3] });
+        let lens = lens(Distortion::default(), PortRefraction::Flat { index: [1.34; 3] });
         let error = |pupil_m, range_m| pupil_error_px(&lens, &port(pupil_m), (81, 61), range_m);
         assert_eq!(error(0.0, 1.0), 0.0);
         // tan of the corner is 50/60: dz = 0.05 tan/tan, 0.08018 against 0.067.
@@ -306,11 +306,11 @@ mod tests {
             k1: -0.9,
             ..Distortion::default()
         };
-        let wrong = lens(strong, Refraction::None).check((81, 61)).unwrap_err();
+        let wrong = lens(strong, PortRefraction::None).check((81, 61)).unwrap_err();
         assert!(wrong.to_string().starts_with("the lens folds"), "{wrong}");
-        assert_eq!(lens(BARREL, Refraction::None).check((81, 61)), Ok(()));
+        assert_eq!(lens(BARREL, PortRefraction::None).check((81, 61)), Ok(()));
         assert_eq!(
-            lens(Distortion::default(), Refraction::None).check((1, 1)),
+            lens(Distortion::default(), PortRefraction::None).check((1, 1)),
             Ok(())
         );
     }

@@ -5,7 +5,7 @@ use imaging::geometry::Intrinsics;
 use imaging::{Plane, vectorized};
 use spec::Distortion;
 
-use super::lens::{ARRIVED, Lens, MOST_STEPS, Refraction, border, distorted, refracted};
+use super::lens::{ARRIVED, Lens, MOST_STEPS, PortRefraction, border, distorted, refracted};
 
 /// Margin around the area reached by the map.
 const MARGIN_PX: f64 = 2.0;
@@ -14,14 +14,14 @@ const LANES: usize = 16;
 
 /// A pinhole picture in water.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Source {
+pub struct SourcePicture {
     /// Columns and rows.
     pub size: (usize, usize),
     /// Its intrinsics.
     pub camera: Intrinsics,
 }
 
-impl Source {
+impl SourcePicture {
     /// The smallest centered picture that contains the mapped area of a lens and output size, with two pixels of margin
     /// and `supersample` pixels per output pixel along a side. Its sides are even, so that samples of a supersampled
     /// picture fall between pixels. `None` beyond the size limits of pictures.
@@ -63,7 +63,7 @@ pub struct Coordinates {
 #[must_use]
 pub fn coordinates_reference(
     lens: &Lens,
-    source: &Source,
+    source: &SourcePicture,
     (width, height): (usize, usize),
     channel: usize,
 ) -> Coordinates {
@@ -82,7 +82,7 @@ pub fn coordinates_reference(
 
 /// The maps of the channels: one if all are equal, else R, G, B. Equal to the reference apart from the last bits.
 #[must_use]
-pub fn coordinates(lens: &Lens, source: &Source, (width, height): (usize, usize)) -> Vec<Coordinates> {
+pub fn coordinates(lens: &Lens, source: &SourcePicture, (width, height): (usize, usize)) -> Vec<Coordinates> {
     let channels = if lens.is_chromatic() { 3 } else { 1 };
     let maps = (0..channels).map(|_| Coordinates {
         x: Plane::filled(width, height, 0.0),
@@ -143,15 +143,15 @@ fn invert(d: &Distortion, xd: &[f64; LANES], yd: f64, x: &mut [f64; LANES], y: &
 #[inline(always)]
 fn water_row(
     lens: &Lens,
-    source: &Source,
+    source: &SourcePicture,
     channel: usize,
     (xs, ys): (&[f64], &[f64]),
     (us, vs): (&mut [f64], &mut [f64]),
 ) {
     let Intrinsics { focal_px, cx, cy } = source.camera;
     let index = match lens.refraction {
-        Refraction::None => None,
-        Refraction::Flat { index } => Some(index[channel]),
+        PortRefraction::None => None,
+        PortRefraction::Flat { index } => Some(index[channel]),
     };
     let outputs = us.iter_mut().zip(vs);
     for ((u, v), (&x, &y)) in outputs.zip(xs.iter().zip(ys)) {

@@ -9,11 +9,11 @@ use super::noise::{BLOCK, Elements, Streams, fill_normals, fill_normals_at};
 
 /// Draws arriving electrons block by block.
 #[derive(Default)]
-pub(super) struct Arrival {
+pub(super) struct ArrivalSampler {
     counter: Counter,
 }
 
-impl Arrival {
+impl ArrivalSampler {
     /// Replaces the means of neighboring pixels by arriving electrons.
     ///
     /// # Panics

@@ -11,7 +11,7 @@ mod table;
 
 use imaging::vectorized;
 
-use table::{COUNTS, PARTS, ROUNDING, ROWS_PER_E, TABLE, Table, WINDOW};
+use table::{COUNTS, PARTS, PoissonTable, ROUNDING, ROWS_PER_E, TABLE, WINDOW};
 
 use super::MOST_COUNTED;
 use super::noise::BLOCK;
@@ -61,7 +61,7 @@ impl Counter {
         vectorized!(sum(&mut *electrons, means, units, &open[..many]));
     }
 
-    fn look_up(&mut self, table: &Table, length: usize) {
+    fn look_up(&mut self, table: &PoissonTable, length: usize) {
         let cells = self.cells[..length].iter();
         for ((&cell, start), window) in cells.zip(&mut self.starts).zip(&mut self.windows) {
             *start = table.starts[usize::from(cell)];

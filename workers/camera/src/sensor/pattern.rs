@@ -3,15 +3,15 @@
 use imaging::cancel;
 
 use super::noise::{BLOCK, Elements, Streams, fill_normals};
-use super::{Chance, HOT, Sensor};
+use super::{Chance, HOT, SensorModel};
 
 /// Limit on the samples of a stored pattern: 48 MB.
 const MOST_KEPT: usize = 4 << 20;
 
 /// The fixed pattern of a sensor; the same in every frame.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Pattern {
-    sensor: Sensor,
+pub struct FixedPattern {
+    sensor: SensorModel,
     seed: u64,
     samples: usize,
     /// All samples, if they fit the limit.
@@ -32,10 +32,10 @@ pub(super) struct FixedBlock<'a> {
     pub(super) offset: &'a [f32],
 }
 
-impl Pattern {
+impl FixedPattern {
     /// The pattern of a picture: `samples` is the number of pixels for a mosaic, three times that for three sensors.
     #[must_use]
-    pub fn new(sensor: &Sensor, seed: u64, samples: usize) -> Self {
+    pub fn new(sensor: &SensorModel, seed: u64, samples: usize) -> Self {
         let mut pattern = Self {
             sensor: *sensor,
             seed,
@@ -63,7 +63,7 @@ impl Pattern {
 
     /// Whether it is the pattern of this sensor.
     #[must_use]
-    pub fn is_of(&self, sensor: &Sensor, seed: u64, samples: usize) -> bool {
+    pub fn is_of(&self, sensor: &SensorModel, seed: u64, samples: usize) -> bool {
         // Gain and frame do not matter, but a sensor rarely varies in one number only.
         (&self.sensor, self.seed, self.samples) == (sensor, seed, samples)
     }
@@ -101,7 +101,7 @@ pub(super) fn elements(plane: usize, start: usize) -> Elements {
     }
 }
 
-fn draw(sensor: &Sensor, streams: &Streams, elements: Elements, length: usize, fixed: &mut Fixed) {
+fn draw(sensor: &SensorModel, streams: &Streams, elements: Elements, length: usize, fixed: &mut Fixed) {
     cancel::check();
     let mut normals = [0.0; BLOCK];
     let normals = &mut normals[..length];

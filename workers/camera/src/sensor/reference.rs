@@ -3,11 +3,11 @@
 use imaging::{Plane, Rgb};
 
 use super::noise::{Streams, normal};
-use super::{Chance, HOT, MOST_COUNTED, POISSON_SWITCH, Raw, Sensor, color_of};
+use super::{Chance, HOT, MOST_COUNTED, POISSON_SWITCH, Raw, SensorModel, color_of};
 
 /// The codes of exposed light, white = 1.
 #[must_use]
-pub fn read_reference(light: &Rgb<f64>, sensor: &Sensor, chance: Chance) -> Raw {
+pub fn read_reference(light: &Rgb<f64>, sensor: &SensorModel, chance: Chance) -> Raw {
     let streams = Streams::new(chance);
     let (width, height) = light.size();
     let code = |x: usize, y: usize, channel: usize, element: u64| {
@@ -35,7 +35,7 @@ pub fn read_reference(light: &Rgb<f64>, sensor: &Sensor, chance: Chance) -> Raw 
 }
 
 /// The electrons collected by a pixel.
-fn collected(light: f64, sensor: &Sensor, streams: &Streams, frame: u64, element: u64) -> f64 {
+fn collected(light: f64, sensor: &SensorModel, streams: &Streams, frame: u64, element: u64) -> f64 {
     let sensitivity = 1.0 + sensor.prnu * normal(&streams.prnu, 0, element);
     let is_hot = sensor.hot_share > 0.0 && streams.hot.unit(0, element) < sensor.hot_share;
     let hot = if is_hot { HOT } else { 1.0 };

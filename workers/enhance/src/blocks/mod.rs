@@ -25,7 +25,7 @@ pub use matting::{Matting, lowest_refined};
 pub(crate) use norm::distance_of;
 pub use norm::{FLAT, normalized, range};
 pub(crate) use quadtree::lowest_part;
-pub use quadtree::{Region, calmest, lowest};
+pub use quadtree::{QuadRegion, calmest, lowest};
 pub use rank::largest;
 pub use restore::{Veil, restore};
 pub use tails::tails;

@@ -11,7 +11,7 @@ pub fn tails(values: &[f64], share: f64, variant: Variant) -> (f64, f64) {
     let below = ((share * values.len() as f64) as usize).min(last);
     match variant {
         Variant::Fast => {
-            let counts = Counts::new(values);
+            let counts = BinCounts::new(values);
             (counts.value(values, below), counts.value(values, last - below))
         }
         Variant::Reference => {
@@ -24,14 +24,14 @@ pub fn tails(values: &[f64], share: f64, variant: Variant) -> (f64, f64) {
 
 const BINS: usize = 4096;
 
-/// Counts of values in equal bins.
-struct Counts {
+/// BinCounts of values in equal bins.
+struct BinCounts {
     low: f64,
     scale: f64,
     bins: [usize; BINS],
 }
 
-impl Counts {
+impl BinCounts {
     fn new(values: &[f64]) -> Self {
         let (low, high) = range(values);
         let flat = high <= low;

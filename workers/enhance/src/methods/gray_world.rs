@@ -25,7 +25,7 @@ pub(crate) fn enhance(picture: &Raster, _: Variant) -> Enhanced {
             *code = curve[usize::from(*code)];
         }
     }
-    let others: &[signs::Sign] = &[(Warning::ChannelWithoutLight, Signs::lacks_a_channel)];
+    let others: &[signs::FailureSign] = &[(Warning::ChannelWithoutLight, Signs::lacks_a_channel)];
     let warnings = signs::warnings(&colors, &balanced, others);
     Enhanced::from_colors(picture, &balanced, OfGray::Gray, warnings)
 }

@@ -46,7 +46,7 @@ const CHROMA: [f64; 2] = [0.713, 0.564];
 #[must_use]
 pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
     let colors = picture.to_rgb8();
-    let stretch = Stretch::new(&colors);
+    let stretch = JointStretch::new(&colors);
     let guide = Guide::new(&colors).scaled(stretch.scale);
     let light = background(&guide, variant).map(|code| stretch.value(code).max(1.0 / 255.0));
     let (channels, exposure) = restored(&guide, &stretch, light, variant);
@@ -57,7 +57,7 @@ pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
             pixel[channel] = (255.0 * (value * exposure).clamp(0.0, 1.0) + 0.5) as u8;
         }
     }
-    let others: &[signs::Sign] = &[
+    let others: &[signs::FailureSign] = &[
         (Warning::Gray, Signs::is_gray),
         (Warning::RedCast, Signs::turned_red),
         (Warning::ChannelWithoutLight, Signs::lacks_a_channel),
@@ -74,7 +74,7 @@ pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
 /// `R'`, `J_G` and `J_B`, and the refined exposure map.
 fn restored(
     guide: &Guide,
-    stretch: &Stretch,
+    stretch: &JointStretch,
     light: [f64; 3],
     variant: Variant,
 ) -> ([Plane<f64>; 3], Plane<f64>) {
@@ -90,12 +90,12 @@ fn restored(
 }
 
 /// The joint stretch of step 1.
-struct Stretch {
+struct JointStretch {
     least: f64,
     scale: f64,
 }
 
-impl Stretch {
+impl JointStretch {
     fn new(picture: &Rgb8) -> Self {
         let (low, high) = extremes(picture);
         let least = f64::from(low.into_iter().min().unwrap_or(0));
@@ -131,7 +131,13 @@ fn background(guide: &Guide, variant: Variant) -> [u8; 3] {
 }
 
 /// `J_k` of step 3.
-fn dehazed(guide: &Guide, stretch: &Stretch, channel: usize, light: f64, variant: Variant) -> Plane<f64> {
+fn dehazed(
+    guide: &Guide,
+    stretch: &JointStretch,
+    channel: usize,
+    light: f64,
+    variant: Variant,
+) -> Plane<f64> {
     let codes = &guide.channels()[channel];
     let (width, height) = codes.size();
     let least = window_min(codes, WINDOW_PX, variant);

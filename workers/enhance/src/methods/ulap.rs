@@ -43,7 +43,7 @@ pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
         transmittance: TRANSMITTANCE,
     };
     let restored = restore(&colors, &distance, &veil, variant);
-    let others: &[signs::Sign] = &[
+    let others: &[signs::FailureSign] = &[
         (Warning::Gray, Signs::is_gray),
         (Warning::RedCast, Signs::turned_red),
     ];

@@ -66,7 +66,7 @@ fn damaged(reason: impl ToString) -> DecodeError {
 }
 
 /// Channels of a part of the file.
-struct Found {
+struct ChannelPart {
     part: usize,
     channels: Vec<usize>,
 }
@@ -85,10 +85,10 @@ fn decode(bytes: &[u8], names: &[&str], wanted: &'static str) -> Result<Vec<Plan
         return Err(unsuitable("channels of integers".to_owned()));
     }
     let Vec2(width, height) = header.layer_size;
-    let mut pixels: Vec<Pixels> = found
+    let mut pixels: Vec<ChannelPixels> = found
         .channels
         .iter()
-        .map(|_| Pixels::new(width, height))
+        .map(|_| ChannelPixels::new(width, height))
         .collect();
     let blocks = reader
         .all_chunks(false)
@@ -100,7 +100,7 @@ fn decode(bytes: &[u8], names: &[&str], wanted: &'static str) -> Result<Vec<Plan
             take(&block, &header.channels, &found.channels, &mut pixels)?;
         }
     }
-    pixels.into_iter().map(Pixels::whole).collect()
+    pixels.into_iter().map(ChannelPixels::whole).collect()
 }
 
 /// Rejects unsupported files and those that need too much memory.
@@ -133,8 +133,8 @@ fn check(header: &Header) -> Result<(), DecodeError> {
 }
 
 /// The channels of these names, by the rules of the module.
-fn find(headers: &[Header], names: &[&str]) -> Option<Found> {
-    let mut found: Vec<(&str, Found)> = Vec::new();
+fn find(headers: &[Header], names: &[&str]) -> Option<ChannelPart> {
+    let mut found: Vec<(&str, ChannelPart)> = Vec::new();
     let texts: Vec<Vec<String>> = headers.iter().map(channel_names).collect();
     for (part, texts) in texts.iter().enumerate() {
         let layers = texts.iter().filter_map(|text| text.strip_suffix(names[0]));
@@ -148,7 +148,7 @@ fn find(headers: &[Header], names: &[&str]) -> Option<Found> {
                     .iter()
                     .all(|axis| texts.contains(&format!("{layer}{axis}")));
             if let (Some(channels), false) = (channels.collect(), is_vector) {
-                found.push((layer, Found { part, channels }));
+                found.push((layer, ChannelPart { part, channels }));
             }
         }
     }
@@ -184,7 +184,7 @@ fn listed(headers: &[Header]) -> String {
 }
 
 /// A channel being assembled from blocks.
-struct Pixels {
+struct ChannelPixels {
     width: usize,
     height: usize,
     data: Vec<f32>,
@@ -192,7 +192,7 @@ struct Pixels {
     filled: usize,
 }
 
-impl Pixels {
+impl ChannelPixels {
     fn new(width: usize, height: usize) -> Self {
         Self {
             width,
@@ -234,7 +234,7 @@ fn take(
     block: &UncompressedBlock,
     channels: &ChannelList,
     wanted: &[usize],
-    pixels: &mut [Pixels],
+    pixels: &mut [ChannelPixels],
 ) -> Result<(), DecodeError> {
     for line in block.lines(channels) {
         let Some(at) = wanted

@@ -8,13 +8,13 @@ pub(super) const TILE: usize = 16;
 /// Columns joined by a butterfly: `low..low + count` and their mirrors, `width − k` for each k, in ascending order; or
 /// a single self-mirrored column.
 #[derive(Clone, Copy)]
-pub(super) struct Group {
+pub(super) struct ColumnGroup {
     low: usize,
     count: usize,
     mirrored: usize,
 }
 
-impl Group {
+impl ColumnGroup {
     /// The columns below a limit with their mirrors, for this width: self-mirrored ones first.
     pub(super) fn select_below(limit: usize, width: usize) -> impl Iterator<Item = Self> {
         let middle = (width > 1 && width.is_multiple_of(2)).then_some(width / 2);
@@ -74,7 +74,7 @@ impl Group {
         }
     }
 
-    /// Inverse of [`Group::load`].
+    /// Inverse of [`ColumnGroup::load`].
     pub(super) fn store(
         self,
         lines: &[Complex<f32>],

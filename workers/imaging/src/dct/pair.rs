@@ -1,10 +1,10 @@
 //! The fast transform: two real planes are the real and the imaginary part of one complex plane.
 //!
 //! The cosine transform is linear, so one complex FFT per axis serves both. Samples are in folded order on both axes,
-//! see [`Folding`]. Rows and columns of coefficients are passed on singly while they are in the nearest cache: a
+//! see [`Folding`](super::Folding). Rows and columns of coefficients are passed on singly while they are in the nearest cache: a
 //! complete plane does not fit there, and writing and reading it would take longer than the FFT.
 
-use super::group::{Group, TILE};
+use super::group::{ColumnGroup, TILE};
 use super::twiddle;
 use crate::fft::{self, Complex, Ffts};
 use crate::{cancel, vectorized};
@@ -13,8 +13,8 @@ use crate::{cancel, vectorized};
 pub struct PairDct {
     width: usize,
     height: usize,
-    rows: Axis,
-    columns: Axis,
+    rows: AxisTransform,
+    columns: AxisTransform,
     /// Between the axes: row-major, folded.
     plane: Vec<Complex<f32>>,
     /// Contiguous copies of the current columns.
@@ -22,13 +22,13 @@ pub struct PairDct {
     scratch: Vec<Complex<f32>>,
 }
 
-struct Axis {
+struct AxisTransform {
     ffts: Ffts<f32>,
     /// `exp(-iπk/2N)`.
     twiddles: Vec<Complex<f32>>,
 }
 
-impl Axis {
+impl AxisTransform {
     fn new(length: usize) -> Self {
         let twiddles = (0..length).map(|k| {
             let twiddle = twiddle(k, length);
@@ -45,8 +45,8 @@ impl PairDct {
     /// Plans the transforms of planes of `width × height`.
     #[must_use]
     pub fn new(width: usize, height: usize) -> Self {
-        let rows = Axis::new(width);
-        let columns = Axis::new(height);
+        let rows = AxisTransform::new(width);
+        let columns = AxisTransform::new(height);
         let scratch = vec![Complex::default(); rows.ffts.scratch.max(columns.ffts.scratch)];
         Self {
             width,
@@ -91,7 +91,7 @@ impl PairDct {
                 .forward
                 .process_with_scratch(row, &mut self.scratch);
         }
-        for group in Group::select_below(columns, self.width) {
+        for group in ColumnGroup::select_below(columns, self.width) {
             let lines = &mut self.tile[..group.columns() * self.height];
             group.load(&self.plane, self.width, lines, self.height);
             vectorized!(group.apply(lines, &self.rows.twiddles, self.height, forward_butterfly));
@@ -119,7 +119,7 @@ impl PairDct {
         if self.plane.is_empty() {
             return;
         }
-        for group in Group::select_below(self.width, self.width) {
+        for group in ColumnGroup::select_below(self.width, self.width) {
             let lines = &mut self.tile[..group.columns() * self.height];
             let (some, none) = lines.split_at_mut(group.below_limit(columns) * self.height);
             for (p, line) in group.places().zip(some.chunks_exact_mut(self.height)) {

@@ -85,7 +85,7 @@ impl Caster<'_> {
         regions.any(|region| {
             let [_, farthest] = region.places.distances(self.lamp.position_m());
             let lamp = Cuboid::centered(self.lamp.position_m(), disc_m(farthest));
-            self.rays.may_hide(&region.places, &lamp)
+            self.rays.may_occlude(&region.places, &lamp)
         })
     }
 

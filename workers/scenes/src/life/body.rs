@@ -1,11 +1,11 @@
-//! Surfaces of animals and plants.
+//! SurfaceRows of animals and plants.
 
-use crate::site::chance::Dice;
-use crate::site::finish::{Finish, Material};
+use crate::site::chance::Choices;
+use crate::site::finish::{Material, SurfaceFinish};
 
 /// Skin, shell or leaf.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Body {
+pub(super) struct Skin {
     /// Albedo of the upper side.
     pub(super) color: [f32; 3],
     pub(super) gloss: f32,
@@ -13,9 +13,9 @@ pub(super) struct Body {
     pub(super) belly: f32,
 }
 
-impl Body {
-    pub(super) fn finish(self, dice: Dice) -> Finish {
+impl Skin {
+    pub(super) fn finish(self, dice: Choices) -> SurfaceFinish {
         let Self { color, gloss, belly } = self;
-        Finish::new(Material::Body { color, gloss, belly }, dice)
+        SurfaceFinish::new(Material::Body { color, gloss, belly }, dice)
     }
 }

@@ -4,14 +4,14 @@ use std::f32::consts::TAU;
 
 use imaging::vector::{Vec3, vec3};
 
-use super::body::Body;
+use super::body::Skin;
 use super::growth::dice_number;
-use super::{Colony, Spot, above_ground};
+use super::{Colony, GrowthSite, above_ground};
 use crate::categories::Category;
-use crate::site::chance::Dice;
-use crate::site::finish::{Finish, Material};
+use crate::site::chance::Choices;
+use crate::site::finish::{Material, SurfaceFinish};
 use crate::site::pose::{Pose, horizontal, up};
-use crate::site::solid::Ball;
+use crate::site::solid::Ellipsoid;
 
 /// Length of a rope that reaches no bottom, m.
 const DROP_M: f32 = 14.0;
@@ -32,8 +32,8 @@ const ROPES: [[f32; 3]; 4] = [
 
 impl Colony {
     /// A rope that sags from a structure to another point, or to the bottom and along it.
-    pub(super) fn rope(&mut self, dice: Dice, spots: &[Spot]) {
-        let near: Vec<&Spot> = spots.iter().filter(|spot| spot.range < 5.0).collect();
+    pub(super) fn rope(&mut self, dice: Choices, spots: &[GrowthSite]) {
+        let near: Vec<&GrowthSite> = spots.iter().filter(|spot| spot.range < 5.0).collect();
         if near.is_empty() {
             return;
         }
@@ -53,7 +53,7 @@ impl Colony {
             vec3(start.x + away.x, start.y + away.y, (start.z - DROP_M).max(0.02))
         };
         let thick = dice.uniform(12, 0.006, 0.018);
-        let mut color = Body {
+        let mut color = Skin {
             color: dice.pick(13, &ROPES),
             gloss: 0.03,
             belly: 1.0,
@@ -87,11 +87,11 @@ impl Colony {
     }
 
     /// A fish with body, tail, fins and eyes. All fish of a site swim in roughly the same direction.
-    pub(super) fn fish(&mut self, dice: Dice, place: Vec3) {
+    pub(super) fn fish(&mut self, dice: Choices, place: Vec3) {
         let school = self.builder.dice_for("school");
         let color = school.pick(1, &BACKS).map(|v| v * dice.uniform(4, 0.8, 1.3));
         self.begin(
-            Body {
+            Skin {
                 color,
                 gloss: 0.5,
                 belly: 3.2,
@@ -132,7 +132,7 @@ impl Colony {
         };
         self.put_ellipsoid(length, [0.25, 0.015, 0.12], pose);
         self.begin(
-            Body {
+            Skin {
                 color: [0.02; 3],
                 gloss: 1.0,
                 belly: 1.0,
@@ -149,14 +149,14 @@ impl Colony {
 
     fn put_ellipsoid(&mut self, length: f32, radii: [f32; 3], pose: Pose) {
         let radii = Vec3::from(radii) * length;
-        self.builder.put(Ball { radii }, pose);
+        self.builder.put(Ellipsoid { radii }, pose);
     }
 
     /// A jellyfish: bell, inner bell, arms and tentacles.
-    pub(super) fn jellyfish(&mut self, dice: Dice, place: Vec3) {
+    pub(super) fn jellyfish(&mut self, dice: Choices, place: Vec3) {
         let color = dice.pick(4, &BELLS);
         self.begin(
-            Body {
+            Skin {
                 color,
                 gloss: 0.3,
                 belly: 0.6,
@@ -169,7 +169,7 @@ impl Colony {
         let pose = Pose::pointing(place, place + axis, 0.0);
         let open = dice.uniform(8, 0.45, 0.75);
         self.builder.put(
-            Ball {
+            Ellipsoid {
                 radii: vec3(radius, radius, radius * open),
             },
             pose,
@@ -179,7 +179,7 @@ impl Colony {
             origin: place - axis * (0.32 * radius),
             ..pose
         };
-        self.builder.put(Ball { radii: rim }, lip);
+        self.builder.put(Ellipsoid { radii: rim }, lip);
         for arm in 0..4u64 {
             let (sin, cos) = libm::sincosf(arm as f32 * TAU / 4.0);
             let out = pose.axes[0] * cos + pose.axes[1] * sin;
@@ -187,7 +187,7 @@ impl Colony {
             let center = place + out * (0.2 * radius) - axis * radius;
             let radii = vec3(0.09 * radius, 0.05 * radius, 0.8 * radius);
             self.builder
-                .put(Ball { radii }, Pose::pointing(center, center + way, 0.4));
+                .put(Ellipsoid { radii }, Pose::pointing(center, center + way, 0.4));
         }
         for tentacle in 0..12u64 {
             let own = dice.object(dice_number(dice, tentacle));
@@ -205,16 +205,16 @@ impl Colony {
     }
 
     /// A bubble: small ones are spheres, large ones are flattened (Clift, Grace and Weber 1978).
-    pub(super) fn bubble(&mut self, dice: Dice, place: Vec3) {
+    pub(super) fn bubble(&mut self, dice: Choices, place: Vec3) {
         let share = dice.uniform(4, 0.0, 1.0);
         let radius = 0.0008 + 0.006 * share * share * share;
         let flat = 1.0 - 0.45 * share * share;
         self.builder
-            .object_of(Finish::new(Material::Bubble, dice), Category::Bubble);
+            .object_of(SurfaceFinish::new(Material::Bubble, dice), Category::Bubble);
         self.builder.ball(place, vec3(radius, radius, radius * flat), 0.0);
     }
 }
 
-fn pick_spot<'a>(spots: &[&'a Spot], dice: Dice, choice: u64) -> &'a Spot {
+fn pick_spot<'a>(spots: &[&'a GrowthSite], dice: Choices, choice: u64) -> &'a GrowthSite {
     spots[dice.count(choice, 0, spots.len() - 1)]
 }

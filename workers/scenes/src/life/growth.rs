@@ -2,12 +2,12 @@
 
 use imaging::vector::{Vec3, vec3};
 
-use super::body::Body;
-use super::{Colony, Spot, above_ground, direction, tangents};
+use super::body::Skin;
+use super::{Colony, GrowthSite, above_ground, direction, tangents};
 use crate::categories::Category;
-use crate::site::chance::Dice;
+use crate::site::chance::Choices;
 use crate::site::pose::{Pose, up};
-use crate::site::solid::{Ball, Tube};
+use crate::site::solid::{Ellipsoid, Tube};
 
 const SHELLS: [[f32; 3]; 3] = [[0.032, 0.034, 0.048], [0.06, 0.045, 0.035], [0.15, 0.13, 0.11]];
 const TUBES: [[f32; 3]; 3] = [[0.46, 0.42, 0.35], [0.34, 0.29, 0.22], [0.5, 0.48, 0.44]];
@@ -21,11 +21,11 @@ const WEEDS: [[f32; 3]; 4] = [
 
 impl Colony {
     /// A cluster of mussels: crowded upright shells with their pointed ends in the surface.
-    pub(super) fn mussels(&mut self, dice: Dice, spot: &Spot) {
+    pub(super) fn mussels(&mut self, dice: Choices, spot: &GrowthSite) {
         let color = dice.pick(1, &SHELLS);
         self.grow_on(
             spot,
-            Body {
+            Skin {
                 color,
                 gloss: 0.25,
                 belly: 1.0,
@@ -54,16 +54,16 @@ impl Colony {
             let center = foot + out * (grown * 0.5);
             let pose = Pose::pointing(center, center + out, own.uniform(5, 0.0, 6.3));
             let radii = vec3(grown * 0.5, grown * 0.36, grown);
-            self.builder.put(Ball { radii }, pose);
+            self.builder.put(Ellipsoid { radii }, pose);
         }
     }
 
     /// A tuft of worms in chalk tubes, some with extended crowns.
-    pub(super) fn worms(&mut self, dice: Dice, spot: &Spot) {
+    pub(super) fn worms(&mut self, dice: Choices, spot: &GrowthSite) {
         let color = dice.pick(1, &TUBES);
         self.grow_on(
             spot,
-            Body {
+            Skin {
                 color,
                 gloss: 0.05,
                 belly: 1.0,
@@ -91,7 +91,7 @@ impl Colony {
             let color = dice.pick(5, &CROWNS);
             self.grow_on(
                 spot,
-                Body {
+                Skin {
                     color,
                     gloss: 0.0,
                     belly: 1.0,
@@ -107,11 +107,11 @@ impl Colony {
 
     /// A plant of several fronds. Fronds leave the surface, then hang and drift with the current; on upward surfaces
     /// they rise first.
-    pub(super) fn weed(&mut self, dice: Dice, spot: &Spot) {
+    pub(super) fn weed(&mut self, dice: Choices, spot: &GrowthSite) {
         let color = dice.pick(1, &WEEDS);
         self.grow_on(
             spot,
-            Body {
+            Skin {
                 color,
                 gloss: 0.08,
                 belly: 0.8,
@@ -138,7 +138,7 @@ impl Colony {
                 let along = (part as f32 + 0.7) / parts as f32;
                 let broad = wide * (0.5 + 1.6 * along * (1.0 - along) * 2.0);
                 let radii = vec3(broad, 0.15 * broad + 0.001, 0.62 * step);
-                self.builder.put(Ball { radii }, leaf);
+                self.builder.put(Ellipsoid { radii }, leaf);
                 start = end;
             }
         }
@@ -151,11 +151,11 @@ impl Colony {
         vec3(cos, sin, 0.0) * dice.uniform(1, 0.2, 1.0)
     }
 
-    fn grow_on(&mut self, spot: &Spot, body: Body, dice: Dice) {
+    fn grow_on(&mut self, spot: &GrowthSite, body: Skin, dice: Choices) {
         self.builder.growth_on(spot.host, body.finish(dice));
     }
 
-    pub(super) fn begin(&mut self, body: Body, category: Category, dice: Dice) {
+    pub(super) fn begin(&mut self, body: Skin, category: Category, dice: Choices) {
         self.builder.object_of(body.finish(dice), category);
     }
 
@@ -168,6 +168,6 @@ impl Colony {
     }
 }
 
-pub(super) fn dice_number(dice: Dice, part: u64) -> usize {
+pub(super) fn dice_number(dice: Choices, part: u64) -> usize {
     (1 << 20) + dice.key(900) as usize % (1 << 16) * 64 + part as usize
 }

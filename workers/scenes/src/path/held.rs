@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use imaging::vector::DVec3;
 
-use super::{Sight, turned};
+use super::{LookAt, turned};
 use crate::CameraPose;
 
 /// Steepness (|vertical component| of the direction, about 75°) beyond which a level camera rotates too fast about its
@@ -17,7 +17,7 @@ const LEAST_ARC_RAD: f64 = 1e-9;
 /// camera would flip. In that case the axes are transported in parallel along the arc of the directions (do Carmo 1976,
 /// section 4.4) from the end farther from the vertical, and the missing roll at the other end is distributed evenly
 /// along the path.
-pub(super) fn pose(ends: [Sight; 2], eye: DVec3, target: DVec3) -> CameraPose {
+pub(super) fn pose(ends: [LookAt; 2], eye: DVec3, target: DVec3) -> CameraPose {
     let level = CameraPose::looking(eye, target, 0.0);
     let ends = ends.map(|end| CameraPose::looking(end.position, end.target, 0.0));
     let (first, last) = (ends[0].ahead, ends[1].ahead);

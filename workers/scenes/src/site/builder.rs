@@ -3,30 +3,30 @@
 use imaging::vector::{Vec3, vec3};
 use spec::CameraView;
 
-use super::chance::Dice;
-use super::finish::{Finish, Material, Pattern};
+use super::chance::Choices;
+use super::finish::{JointPattern, Material, SurfaceFinish};
 use super::pose::{Pose, UP, horizontal, up};
-use super::solid::{Ball, Block, Ring, Shape, Solid, Stone, Tube};
+use super::solid::{Ellipsoid, Ring, Solid, SolidBox, SolidShape, Stone, Tube};
 pub(crate) use super::view::Heights;
-use super::view::{Stage, Usual, Viewpoint, clearance};
-use super::{Object, Site};
+use super::view::{Obstacles, Usual, Viewpoint, clearance};
+use super::{Site, SiteObject};
 use crate::categories::Category;
 
 /// Minimum distance of a camera from surfaces, m.
 const CLEAR_M: f32 = 0.3;
 
 /// Collects solids. Parts of one object share a number and a finish.
-pub(crate) struct Builder {
+pub(crate) struct SiteBuilder {
     seed: u64,
     family: &'static str,
-    pub(crate) dice: Dice,
+    pub(crate) dice: Choices,
     solids: Vec<Solid>,
-    objects: Vec<Object>,
+    objects: Vec<SiteObject>,
     current: u16,
 }
 
 /// The usual view of a site and its light.
-pub(crate) struct View {
+pub(crate) struct SiteView {
     pub(crate) eye: Vec3,
     pub(crate) target: Vec3,
     pub(crate) roll: f32,
@@ -45,12 +45,12 @@ pub(crate) struct View {
     pub(crate) least_structure: f64,
 }
 
-impl Builder {
+impl SiteBuilder {
     /// An empty site on a seabed.
     pub(crate) fn new(seed: u64, family: &'static str) -> Self {
-        let dice = Dice::new(seed, &format!("{family}/site"));
-        let ground = Object {
-            finish: Finish::new(Material::Sand, Dice::new(seed, family).object(1)),
+        let dice = Choices::new(seed, &format!("{family}/site"));
+        let ground = SiteObject {
+            finish: SurfaceFinish::new(Material::Sand, Choices::new(seed, family).object(1)),
             category: Category::Seabed,
             host: None,
         };
@@ -69,7 +69,7 @@ impl Builder {
         Self {
             seed,
             family,
-            dice: Dice::new(seed, &format!("{family}/site")),
+            dice: Choices::new(seed, &format!("{family}/site")),
             solids: Vec::new(),
             objects: site.objects.clone(),
             current: 0,
@@ -82,16 +82,16 @@ impl Builder {
     }
 
     /// The added solids, and all objects.
-    pub(crate) fn added(self) -> (Vec<Solid>, Vec<Object>) {
+    pub(crate) fn added(self) -> (Vec<Solid>, Vec<SiteObject>) {
         (self.solids, self.objects)
     }
 
     /// Choices for a topic of this site.
-    pub(crate) fn dice_for(&self, topic: &str) -> Dice {
-        Dice::new(self.seed, &format!("{}/{topic}", self.family))
+    pub(crate) fn dice_for(&self, topic: &str) -> Choices {
+        Choices::new(self.seed, &format!("{}/{topic}", self.family))
     }
 
-    pub(crate) fn site(self, view: &View) -> Site {
+    pub(crate) fn site(self, view: &SiteView) -> Site {
         let (eye, target) = (self.clear_eye(view).as_f64(), view.target.as_f64());
         let usual = Usual {
             dice: self.dice_for("view"),
@@ -114,7 +114,10 @@ impl Builder {
             lamp_m: view.lamp_m,
             ambient: view.ambient,
         };
-        let chosen = usual.choose(&Stage::new(&site.solids, &site.objects), &CameraView::default());
+        let chosen = usual.choose(
+            &Obstacles::new(&site.solids, &site.objects),
+            &CameraView::default(),
+        );
         if let Ok(chosen) = chosen {
             site.look_from(&chosen);
         }
@@ -122,7 +125,7 @@ impl Builder {
     }
 
     /// The eye of a view, moved back until it is clear.
-    fn clear_eye(&self, view: &View) -> Vec3 {
+    fn clear_eye(&self, view: &SiteView) -> Vec3 {
         let back = (view.eye - view.target).normalized();
         let mut eye = view.eye;
         for _ in 0..24 {
@@ -153,21 +156,21 @@ impl Builder {
     /// Begins an object.
     pub(crate) fn object(&mut self, material: Material, category: Category) {
         let dice = self.dice_for("finish").object(self.objects.len());
-        self.object_of(Finish::new(material, dice), category);
+        self.object_of(SurfaceFinish::new(material, dice), category);
     }
 
     /// Begins an object with a given finish.
-    pub(crate) fn object_of(&mut self, finish: Finish, category: Category) {
+    pub(crate) fn object_of(&mut self, finish: SurfaceFinish, category: Category) {
         self.push(finish, category, None);
     }
 
     /// Begins growth on an object.
-    pub(crate) fn growth_on(&mut self, host: u16, finish: Finish) {
+    pub(crate) fn growth_on(&mut self, host: u16, finish: SurfaceFinish) {
         self.push(finish, Category::Growth, Some(host));
     }
 
-    fn push(&mut self, finish: Finish, category: Category, host: Option<u16>) {
-        self.objects.push(Object {
+    fn push(&mut self, finish: SurfaceFinish, category: Category, host: Option<u16>) {
+        self.objects.push(SiteObject {
             finish,
             category,
             host,
@@ -175,7 +178,7 @@ impl Builder {
         self.current = self.objects.len() as u16 - 1;
     }
 
-    pub(crate) fn put(&mut self, form: impl Into<Shape>, pose: Pose) {
+    pub(crate) fn put(&mut self, form: impl Into<SolidShape>, pose: Pose) {
         self.solids.push(Solid {
             shape: form.into(),
             pose,
@@ -189,11 +192,11 @@ impl Builder {
     }
 
     pub(crate) fn block(&mut self, center: Vec3, half: Vec3, yaw: f32) {
-        self.put(Block { half }, Pose::upright(center, yaw));
+        self.put(SolidBox { half }, Pose::upright(center, yaw));
     }
 
     pub(crate) fn ball(&mut self, center: Vec3, radii: Vec3, yaw: f32) {
-        self.put(Ball { radii }, Pose::upright(center, yaw));
+        self.put(Ellipsoid { radii }, Pose::upright(center, yaw));
     }
 
     /// A bend of a torus about `axis` through the center, its middle towards `toward`.
@@ -257,7 +260,7 @@ impl Builder {
                     self.tube(center - half - tilt, center + half + tilt, radius);
                 }
                 1 => {
-                    self.object(Material::Concrete(Pattern::Boards), Category::Debris);
+                    self.object(Material::Concrete(JointPattern::Boards), Category::Debris);
                     let half = dice.point_in(4, [0.12, 0.08, 0.04], [0.4, 0.2, 0.1]);
                     let x = (along + up(dice.uniform(7, -0.4, 0.4))).normalized();
                     let y = UP.cross(x).normalized();
@@ -265,7 +268,7 @@ impl Builder {
                         origin: center + up(0.5 * half.z),
                         axes: [x, y, x.cross(y)],
                     };
-                    self.put(Block { half }, pose);
+                    self.put(SolidBox { half }, pose);
                 }
                 2 => {
                     self.object(Material::Rubber, Category::Debris);
@@ -283,7 +286,7 @@ impl Builder {
     }
 
     /// A cable in two opposite bends.
-    fn cable(&mut self, dice: Dice, center: Vec3, along: Vec3) {
+    fn cable(&mut self, dice: Choices, center: Vec3, along: Vec3) {
         const THICK_M: f32 = 0.02;
         let axis = vec3(dice.uniform(5, -0.04, 0.04), 0.0, 1.0).normalized();
         let toward = (along - axis * along.dot(axis)).normalized();

@@ -5,9 +5,9 @@ use imaging::vector::{Vec3, vec3};
 
 use crate::CameraPose;
 
-/// A camera in the scene. Rays are not normalized: a ray parameter is a z-depth, and `parameter * |ray|` a range.
+/// A camera in the scene. EyeRays are not normalized: a ray parameter is a z-depth, and `parameter * |ray|` a range.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Camera {
+pub(crate) struct ViewCamera {
     pub(crate) eye: Vec3,
     pub(crate) ahead: Vec3,
     pub(crate) right: Vec3,
@@ -20,7 +20,7 @@ pub(crate) struct Camera {
     pub(crate) height: usize,
 }
 
-impl Camera {
+impl ViewCamera {
     pub(crate) fn new(pose: &CameraPose, (width, height): (usize, usize), lens: &Intrinsics) -> Self {
         Self {
             eye: pose.position_m.as_f32(),
@@ -74,7 +74,7 @@ mod tests {
             cx: 30.0,
             cy: 12.0,
         };
-        let camera = Camera::new(
+        let camera = ViewCamera::new(
             &CameraPose::looking(vec3(1.0, 2.0, 3.0), vec3(4.0, 6.0, 2.0), 0.2),
             (64, 48),
             &lens,
@@ -88,7 +88,7 @@ mod tests {
     #[test]
     fn a_level_camera_sees_up_at_the_top() {
         let lens = Intrinsics::centered(50.0, 3, 3);
-        let camera = Camera::new(
+        let camera = ViewCamera::new(
             &CameraPose::looking(vec3(0.0, 0.0, 1.0), vec3(1.0, 0.0, 1.0), 0.0),
             (3, 3),
             &lens,

@@ -5,12 +5,12 @@ use imaging::vector::Vec3;
 
 /// Choices for an object of a topic.
 #[derive(Clone, Copy)]
-pub(crate) struct Dice {
+pub(crate) struct Choices {
     stream: Stream,
     object: u64,
 }
 
-impl Dice {
+impl Choices {
     /// Choices for object 0 of a topic.
     pub(crate) fn new(seed: u64, topic: &str) -> Self {
         Self {

@@ -1,4 +1,4 @@
-//! Surfaces: color, relief and defects from seeded noise in the solid's frame, so that the texture stays fixed while
+//! SurfaceRows: color, relief and defects from seeded noise in the solid's frame, so that the texture stays fixed while
 //! the camera moves.
 //!
 //! Albedos are linear and between 0.02 and 0.8, as measured for wet and dry materials.
@@ -14,13 +14,13 @@ mod steel;
 
 use imaging::vectorized;
 
-use super::chance::Dice;
+use super::chance::Choices;
 use super::lanes::{LANES, Lane, Lane3, ZEROS, clamp01, mix, ramp};
-use super::noise::{Noise, Octaves, Place};
+use super::noise::{NoisePoints, NoiseSample, Octaves};
 use crate::categories::FINDINGS;
 
 pub(crate) use coat::Coat;
-pub(crate) use pattern::{Courses, Pattern, Unroll};
+pub(crate) use pattern::{Courses, JointPattern, Unroll};
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Material {
@@ -29,7 +29,7 @@ pub(crate) enum Material {
     /// A coated steel pipe.
     Coated(Coat),
     /// Concrete or masonry with joints, cracks and spalls.
-    Concrete(Pattern),
+    Concrete(JointPattern),
     /// Covered with mussels and weed.
     Growth,
     /// A sacrificial anode, white with its own corrosion.
@@ -56,7 +56,7 @@ pub(crate) enum Material {
 
 /// A material with the parameters of one object.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Finish {
+pub(crate) struct SurfaceFinish {
     pub(crate) material: Material,
     base: [f32; 3],
     key: u32,
@@ -75,7 +75,7 @@ pub(crate) struct Finish {
 #[derive(Clone, Copy)]
 pub(crate) struct Points<'a> {
     /// In the solid's frame, shifted to the object's part of the noise.
-    pub(crate) place: Place<'a>,
+    pub(crate) place: NoisePoints<'a>,
     /// In the solid's frame.
     pub(crate) local: &'a Lane3,
     pub(crate) world: &'a Lane3,
@@ -90,9 +90,9 @@ pub(crate) struct Points<'a> {
 struct Grain<'a> {
     points: &'a Points<'a>,
     /// Varies over about a meter; its slope is 0 for materials that do not use it.
-    broad: &'a Noise,
+    broad: &'a NoiseSample,
     /// Varies over about 10 cm.
-    fine: &'a Noise,
+    fine: &'a NoiseSample,
 }
 
 /// Color and relief of a group of points.
@@ -117,9 +117,9 @@ const PAINTS: [[f32; 3]; 7] = [
 ];
 const SILT: [f32; 3] = [0.22, 0.195, 0.15];
 
-impl Finish {
+impl SurfaceFinish {
     /// Draws the parameters of a material.
-    pub(crate) fn new(material: Material, dice: Dice) -> Self {
+    pub(crate) fn new(material: Material, dice: Choices) -> Self {
         let growth = match material {
             Material::Growth => 1.2,
             Material::Steel | Material::Coated(_) | Material::Concrete(_) => dice.uniform(3, -0.55, 0.5),
@@ -148,7 +148,7 @@ impl Finish {
         let broad = Octaves::even(1.3, 3, self.key);
         let broad = match self.material {
             Material::Stone | Material::Sand | Material::Growth | Material::Bag => place.noise(broad),
-            _ => Noise {
+            _ => NoiseSample {
                 value: place.values(broad),
                 slope: [ZEROS; 3],
             },
@@ -218,7 +218,7 @@ fn line(distance: f32, half_width: f32, footprint: f32) -> f32 {
     clamp01(0.5 + (half_width - distance) * inverse) * if part < 1.0 { part } else { 1.0 }
 }
 
-fn draw_albedo(material: Material, dice: Dice) -> [f32; 3] {
+fn draw_albedo(material: Material, dice: Choices) -> [f32; 3] {
     let base = match material {
         Material::Steel => dice.pick(2, &PAINTS),
         Material::Coated(_) => dice.pick(2, &coat::COATS),

@@ -2,7 +2,7 @@
 
 use imaging::vector::Vec3;
 
-use super::camera::Camera;
+use super::camera::ViewCamera;
 use super::lanes::{LANES, Lane, Lane3, larger, load, store};
 use super::pose::Pose;
 
@@ -10,7 +10,7 @@ use super::pose::Pose;
 pub(super) struct Geometry {
     pub(super) world: Lane3,
     pub(super) local: Lane3,
-    /// Noise coordinates.
+    /// NoiseSample coordinates.
     pub(super) grain: Lane3,
     /// Unit directions to the camera in the solid's frame.
     pub(super) view: Lane3,
@@ -23,7 +23,7 @@ impl Geometry {
     #[inline(always)]
     pub(super) fn place(
         &mut self,
-        camera: &Camera,
+        camera: &ViewCamera,
         pose: &Pose,
         origin: Vec3,
         (x, y, parameter): (&Lane, &Lane, &Lane),

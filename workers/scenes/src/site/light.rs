@@ -1,9 +1,9 @@
-//! Light: a lamp at the camera with inverse-square falloff, soft light from above, and a background of open water.
+//! SiteLight: a lamp at the camera with inverse-square falloff, soft light from above, and a background of open water.
 
 use imaging::vector::Vec3;
 
 use super::Site;
-use super::camera::Camera;
+use super::camera::ViewCamera;
 use super::finish::Surface;
 use super::lanes::{LANES, Lane, Lane3, larger, load, mix, ramp, smaller, store};
 
@@ -23,13 +23,13 @@ const LEAST_FACING: f32 = 0.08;
 
 /// The light of a site.
 #[derive(Clone, Copy)]
-pub(super) struct Light {
+pub(super) struct SiteLight {
     /// The squared full-light distance of the lamp, m².
     full: f32,
     ambient: f32,
 }
 
-impl Light {
+impl SiteLight {
     pub(super) fn new(site: &Site) -> Self {
         Self {
             full: site.lamp_m * site.lamp_m,
@@ -58,7 +58,7 @@ pub(super) struct Lit<'a> {
 
 /// Shades pixels of open water.
 #[inline(always)]
-pub(super) fn background(bands: &mut Lane3, camera: &Camera, light: &Light, x: &Lane, y: &Lane) {
+pub(super) fn background(bands: &mut Lane3, camera: &ViewCamera, light: &SiteLight, x: &Lane, y: &Lane) {
     let (camera, light) = (*camera, *light);
     for i in 0..LANES {
         let ray = camera.ray(x[i], y[i]);
@@ -86,7 +86,7 @@ pub(super) fn reflect(bands: &mut Lane3, surface: &Surface) {
 
 /// Shades a group.
 #[inline(always)]
-pub(super) fn illuminate(bands: &mut Lane3, light: &Light, surface: &Surface, lit: &Lit<'_>) {
+pub(super) fn illuminate(bands: &mut Lane3, light: &SiteLight, surface: &Surface, lit: &Lit<'_>) {
     let light = *light;
     let (up, ahead) = (lit.up, lit.ahead);
     let far = if lit.ground { 1.0 } else { 0.0 };

@@ -6,16 +6,16 @@ use imaging::vectorized;
 use super::dots::put_dots;
 use super::lanes::{LANES, Lane, Lane3, clamp01, floor, mix};
 
-/// Noise values, about -1..1 and 0 on average, and their slopes per meter.
+/// NoiseSample values, about -1..1 and 0 on average, and their slopes per meter.
 #[derive(Clone, Copy, Default)]
-pub(crate) struct Noise {
+pub(crate) struct NoiseSample {
     pub(crate) value: Lane,
     pub(crate) slope: Lane3,
 }
 
 /// Sample points of noise. A point's noise depends on its position and footprint only.
 #[derive(Clone, Copy)]
-pub(crate) struct Place<'a> {
+pub(crate) struct NoisePoints<'a> {
     /// Position in meters.
     pub(crate) position: &'a Lane3,
     /// Length of a pixel on the surface, m.
@@ -53,19 +53,19 @@ struct Octave {
     key: u32,
 }
 
-impl Place<'_> {
+impl NoisePoints<'_> {
     /// The sum of the octaves. An octave fades out as its cells shrink to two pixels, where it would alias.
-    pub(crate) fn noise(&self, octaves: Octaves) -> Noise {
+    pub(crate) fn noise(&self, octaves: Octaves) -> NoiseSample {
         self.sum::<true>(octaves)
     }
 
-    /// Values of [`Place::noise`] without slopes, in about half the time.
+    /// Values of [`NoisePoints::noise`] without slopes, in about half the time.
     pub(crate) fn values(&self, octaves: Octaves) -> Lane {
         self.sum::<false>(octaves).value
     }
 
-    fn sum<const SLOPE: bool>(&self, octaves: Octaves) -> Noise {
-        let mut sum = Noise::default();
+    fn sum<const SLOPE: bool>(&self, octaves: Octaves) -> NoiseSample {
+        let mut sum = NoiseSample::default();
         let (position, footprint) = (self.position, self.footprint);
         let (mut weight, mut per_meter) = (1.0, octaves.per_meter);
         for number in 0..octaves.count {
@@ -89,8 +89,8 @@ impl Place<'_> {
     }
 
     /// Dots of up to `radius` (as a share of a cell, below 0.5), at most one per cell and in `share` of the cells.
-    pub(crate) fn dots(&self, per_meter: f32, radius: f32, share: f32, key: u32) -> Noise {
-        let mut dots = Noise::default();
+    pub(crate) fn dots(&self, per_meter: f32, radius: f32, share: f32, key: u32) -> NoiseSample {
+        let mut dots = NoiseSample::default();
         if per_meter * self.finest < 0.5 {
             let (position, footprint) = (self.position, self.footprint);
             let shape = (per_meter, radius, share);
@@ -132,7 +132,7 @@ pub(super) fn gradient(corner: [u32; 3]) -> [f32; 3] {
 pub(super) const GRADIENT_UNIT: f32 = 1.0 / 2_147_483_648.0;
 
 #[inline(always)]
-fn add_octave<const SLOPE: bool>(sum: &mut Noise, position: &Lane3, footprint: &Lane, octave: Octave) {
+fn add_octave<const SLOPE: bool>(sum: &mut NoiseSample, position: &Lane3, footprint: &Lane, octave: Octave) {
     let Octave {
         per_meter,
         fastest,
@@ -203,7 +203,7 @@ mod tests {
 
     fn sample(position: [f32; 3], octaves: Octaves) -> (f32, [f32; 3]) {
         let position = position.map(|p| [p; LANES]);
-        let place = Place {
+        let place = NoisePoints {
             position: &position,
             footprint: &[1e-6; LANES],
             finest: 1e-6,
@@ -273,7 +273,7 @@ mod tests {
     #[test]
     fn noise_finer_than_two_pixels_is_left_out() {
         let position = [[0.3; LANES], [0.4; LANES], [0.7; LANES]];
-        let place = Place {
+        let place = NoisePoints {
             position: &position,
             footprint: &[0.3; LANES],
             finest: 0.3,

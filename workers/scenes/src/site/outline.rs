@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use imaging::vector::Vec3;
 
-use super::camera::Camera;
+use super::camera::ViewCamera;
 use super::solid::Solid;
 
 /// Near plane of outlines, m.
@@ -21,7 +21,7 @@ pub(crate) struct Outline {
 }
 
 impl Outline {
-    pub(crate) fn new(solid: &Solid, camera: &Camera) -> Self {
+    pub(crate) fn new(solid: &Solid, camera: &ViewCamera) -> Self {
         let corners = solid.corners().map(|corner| camera.axes_of(corner));
         let mut points: Vec<Vec3> = corners
             .iter()
@@ -103,14 +103,14 @@ mod tests {
     use super::*;
     use crate::CameraPose;
     use crate::site::pose::Pose;
-    use crate::site::solid::{Nearest, Rays, Tube};
+    use crate::site::solid::{EyeRays, Nearest, Tube};
 
     /// Tubes in every direction, some of them past the camera.
     #[test]
     fn no_ray_outside_the_outline_meets_the_solid() {
         let lens = Intrinsics::centered(40.0, 64, 48);
         let pose = CameraPose::looking(vec3(0.0, -3.0, 0.3), vec3(0.2, 0.0, 0.1), 0.1);
-        let camera = Camera::new(&pose, (64, 48), &lens);
+        let camera = ViewCamera::new(&pose, (64, 48), &lens);
         let mut met = 0;
         for turn in 0..60 {
             let (sin, cos) = libm::sincosf(turn as f32 * 0.4);
@@ -131,7 +131,7 @@ mod tests {
             let outline = Outline::new(&solid, &camera);
             for y in 0..48 {
                 let (mut parameter, mut owner) = ([f32::INFINITY; 64], [1; 64]);
-                let rays = Rays {
+                let rays = EyeRays {
                     eye: camera.eye,
                     first: camera.ray(0.0, y as f32),
                     step: camera.column_step(),

@@ -7,28 +7,28 @@ use imaging::vector::Vec3;
 use imaging::vectorized;
 
 use super::Site;
-use super::camera::Camera;
+use super::camera::ViewCamera;
 use super::outline::Outline;
 use super::pits;
 use super::shade::Shader;
-use super::solid::{Nearest, Rays};
+use super::solid::{EyeRays, Nearest};
 use crate::CameraPose;
 
 /// End of the ground: light of a camera lamp does not return from beyond.
 pub(crate) const FAR_M: f32 = 60.0;
 
 /// Some rows of a picture; all planes are row-major.
-pub(crate) struct Picture {
+pub(crate) struct RenderedRows {
     /// Linear radiance, or reflectance: red, green, blue.
     pub(crate) bands: [Vec<f32>; 3],
     /// Range in meters, infinite in open water.
     pub(crate) range: Vec<f32>,
     /// Number of the object plus 1; 0 in open water.
     pub(crate) objects: Vec<u16>,
-    pub(crate) labels: Option<Surfaces>,
+    pub(crate) labels: Option<SurfaceRows>,
 }
 
-pub(crate) struct Surfaces {
+pub(crate) struct SurfaceRows {
     /// Depth along the optical axis in meters, infinite in open water.
     pub(crate) z_depth: Vec<f32>,
     /// Unit normals without relief in camera axes; zero in open water.
@@ -38,7 +38,7 @@ pub(crate) struct Surfaces {
 }
 
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Wanted {
+pub(crate) struct RenderOptions {
     /// Reflectance instead of radiance.
     pub(crate) reflectance: bool,
     /// Also surface data for labels.
@@ -52,18 +52,18 @@ pub(crate) fn render(
     (width, height): (usize, usize),
     lens: &Intrinsics,
     rows: Range<usize>,
-    wanted: Wanted,
-) -> Picture {
-    let camera = Camera::new(pose, (width, height), lens);
+    wanted: RenderOptions,
+) -> RenderedRows {
+    let camera = ViewCamera::new(pose, (width, height), lens);
     let outlines = site.solids.iter().map(|solid| Outline::new(solid, &camera));
     let outlines: Vec<Outline> = outlines.collect();
     let pixels = width * rows.len();
     let blank = || vec![0.0; pixels];
-    let mut picture = Picture {
+    let mut picture = RenderedRows {
         bands: [blank(), blank(), blank()],
         range: blank(),
         objects: Vec::with_capacity(pixels),
-        labels: wanted.surfaces.then(|| Surfaces {
+        labels: wanted.surfaces.then(|| SurfaceRows {
             z_depth: Vec::with_capacity(pixels),
             normals: [blank(), blank(), blank()],
             findings: vec![0; pixels],
@@ -101,7 +101,7 @@ fn fill_ranges(range: &mut [f32], parameter: &[f32], start: Vec3, step: Vec3) {
 /// index of a solid; the number of solids means the ground, one more means open water.
 fn trace(
     site: &Site,
-    camera: &Camera,
+    camera: &ViewCamera,
     outlines: &[Outline],
     y: usize,
     parameter: &mut [f32],
@@ -127,7 +127,7 @@ fn trace(
         if columns.is_empty() {
             continue;
         }
-        let rays = Rays {
+        let rays = EyeRays {
             eye: camera.eye,
             first: camera.ray(columns.start as f32, y as f32),
             step,

@@ -5,13 +5,13 @@ use imaging::vectorized;
 
 use super::Site;
 use super::bounds::Bounds;
-use super::camera::Camera;
+use super::camera::ViewCamera;
 use super::finish::Points;
 use super::geometry::Geometry;
 use super::lanes::{LANES, Lane, Lane3, ZEROS, load, mix, ramp, store};
-use super::light::{Light, Lit, background, illuminate, reflect};
-use super::noise::Place;
-use super::picture::Picture;
+use super::light::{Lit, SiteLight, background, illuminate, reflect};
+use super::noise::NoisePoints;
+use super::picture::RenderedRows;
 use super::pits;
 use super::pose::{Pose, UP, ZERO};
 use super::solid::Solid;
@@ -39,8 +39,8 @@ struct Queue {
 
 pub(super) struct Shader<'a> {
     site: &'a Site,
-    camera: &'a Camera,
-    light: Light,
+    camera: &'a ViewCamera,
+    light: SiteLight,
     /// Renders reflectance instead of radiance.
     reflectance: bool,
     boxes: Vec<Bounds>,
@@ -50,7 +50,7 @@ pub(super) struct Shader<'a> {
 }
 
 impl<'a> Shader<'a> {
-    pub(super) fn new(site: &'a Site, camera: &'a Camera, reflectance: bool) -> Self {
+    pub(super) fn new(site: &'a Site, camera: &'a ViewCamera, reflectance: bool) -> Self {
         let boxes: Vec<Bounds> = site.solids.iter().map(Bounds::from_solid).collect();
         let ground = Bounds::half_space(0.0);
         let near = boxes.iter().chain([&ground]).enumerate();
@@ -66,7 +66,7 @@ impl<'a> Shader<'a> {
         Self {
             site,
             camera,
-            light: Light::new(site),
+            light: SiteLight::new(site),
             reflectance,
             near: near.collect(),
             queues: vec![Queue::default(); boxes.len() + 2],
@@ -81,7 +81,7 @@ impl<'a> Shader<'a> {
         first: usize,
         parameter: &[f32],
         owner: &[u16],
-        picture: &mut Picture,
+        picture: &mut RenderedRows,
     ) {
         let mut start = 0;
         while start < owner.len() {
@@ -106,13 +106,13 @@ impl<'a> Shader<'a> {
     }
 
     /// Shades the remaining pixels.
-    pub(super) fn finish(&mut self, picture: &mut Picture) {
+    pub(super) fn finish(&mut self, picture: &mut RenderedRows) {
         for whose in 0..self.queues.len() {
             self.flush(whose, picture);
         }
     }
 
-    fn flush(&mut self, whose: usize, picture: &mut Picture) {
+    fn flush(&mut self, whose: usize, picture: &mut RenderedRows) {
         let queue = &mut self.queues[whose];
         let len = std::mem::take(&mut queue.len);
         if len == 0 {
@@ -142,7 +142,7 @@ impl<'a> Shader<'a> {
         }
     }
 
-    fn group(&self, whose: usize, queue: &Queue, len: usize, picture: &mut Picture) -> Lane3 {
+    fn group(&self, whose: usize, queue: &Queue, len: usize, picture: &mut RenderedRows) -> Lane3 {
         let solid = self.site.solids.get(whose);
         let pose = solid.map_or(Pose::upright(ZERO, 0.0), |solid| solid.pose);
         let object = solid.map_or(0, |solid| usize::from(solid.object));
@@ -171,7 +171,7 @@ impl<'a> Shader<'a> {
         vectorized!(geometry.look(&normal, up, pixel_angle));
         let finest = geometry.footprint.iter().copied().fold(f32::INFINITY, f32::min);
         let surface = self.site.objects[object].finish.surface(&Points {
-            place: Place {
+            place: NoisePoints {
                 position: &geometry.grain,
                 footprint: &geometry.footprint,
                 finest,
@@ -227,7 +227,7 @@ impl<'a> Shader<'a> {
         len: usize,
         geometry: &Geometry,
         findings: &[Lane],
-        picture: &mut Picture,
+        picture: &mut RenderedRows,
     ) {
         let Some(labels) = &mut picture.labels else { return };
         let (mut normal, mut edge) = ([ZEROS, ZEROS, [1.0; LANES]], ZEROS);

@@ -18,8 +18,8 @@ use super::bounds::Bounds;
 use super::lanes::{LANES, Lane, Lane3, larger, load, store};
 use super::pose::Pose;
 
-pub(crate) use ball::Ball;
-pub(crate) use block::Block;
+pub(crate) use ball::Ellipsoid;
+pub(crate) use block::SolidBox;
 pub(crate) use bore::Bore;
 pub(crate) use ring::Ring;
 pub(crate) use room::Room;
@@ -27,7 +27,7 @@ pub(crate) use stone::Stone;
 pub(crate) use tube::Tube;
 
 /// Geometry of a shape in its frame, in meters. Implementations are inlined into loops over many points or rays.
-trait Form {
+trait ShapeGeometry {
     /// Parameter of the first hit of the ray from `o` along `d`; infinite for a miss.
     fn enter(&self, o: Vec3, d: Vec3) -> f32;
     /// Signed distance of a point from the surface; see [`Solid::approach`].
@@ -41,46 +41,46 @@ trait Form {
 /// Declares the shapes, and `for_form!`: a loop over points or rays, compiled for each shape and for this CPU's vector
 /// instructions.
 macro_rules! forms {
-    ($dollar:tt $($Form:ident),*) => {
-        /// Shape and dimensions of a solid in its frame.
+    ($dollar:tt $($ShapeGeometry:ident),*) => {
+        /// SolidShape and dimensions of a solid in its frame.
         #[derive(Debug, Clone, Copy)]
-        pub(crate) enum Shape {
-            $($Form($Form)),*
+        pub(crate) enum SolidShape {
+            $($ShapeGeometry($ShapeGeometry)),*
         }
 
-        $(impl From<$Form> for Shape {
-            fn from(form: $Form) -> Self {
-                Self::$Form(form)
+        $(impl From<$ShapeGeometry> for SolidShape {
+            fn from(form: $ShapeGeometry) -> Self {
+                Self::$ShapeGeometry(form)
             }
         })*
 
         macro_rules! for_form {
             ($dollar shape:expr, $dollar form:ident => $dollar work:expr) => {
                 match $dollar shape {
-                    $(Shape::$Form($dollar form) => $dollar work),*
+                    $(SolidShape::$ShapeGeometry($dollar form) => $dollar work),*
                 }
             };
         }
     };
 }
 
-forms!($ Tube, Block, Ball, Stone, Ring, Bore, Room);
+forms!($ Tube, SolidBox, Ellipsoid, Stone, Ring, Bore, Room);
 
-mod ways;
+mod packet;
 
-pub(crate) use ways::{RUN, Run};
+pub(crate) use packet::{RUN, ShadowPacket};
 
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Solid {
-    pub(crate) shape: Shape,
+    pub(crate) shape: SolidShape,
     pub(crate) pose: Pose,
     /// Its object; 0 is the ground.
     pub(crate) object: u16,
 }
 
-/// Rays from one eye: ray `i` is `first + step * i`.
+/// EyeRays from one eye: ray `i` is `first + step * i`.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Rays {
+pub(crate) struct EyeRays {
     pub(crate) eye: Vec3,
     pub(crate) first: Vec3,
     pub(crate) step: Vec3,
@@ -94,15 +94,15 @@ pub(crate) struct Nearest<'a> {
 
 impl Solid {
     /// Updates the rays whose nearest hit is this solid.
-    pub(crate) fn meet(&self, rays: &Rays, mut nearest: Nearest<'_>, owner: u16) {
-        let rays = Rays {
+    pub(crate) fn meet(&self, rays: &EyeRays, mut nearest: Nearest<'_>, owner: u16) {
+        let rays = EyeRays {
             eye: self.pose.point_in(rays.eye),
             first: self.pose.direction_in(rays.first),
             step: self.pose.direction_in(rays.step),
         };
         let nearest = &mut nearest;
         match &self.shape {
-            Shape::Ring(ring) => vectorized!(march(ring, &rays, nearest, owner)),
+            SolidShape::Ring(ring) => vectorized!(march(ring, &rays, nearest, owner)),
             shape => for_form!(shape, form => vectorized!(take(form, &rays, nearest, owner))),
         }
     }
@@ -128,7 +128,7 @@ impl Solid {
 
     /// Whether the solid surrounds a hollow.
     pub(crate) fn is_hollow(&self) -> bool {
-        matches!(self.shape, Shape::Bore(_) | Shape::Room(_))
+        matches!(self.shape, SolidShape::Bore(_) | SolidShape::Room(_))
     }
 
     /// The eight corners of the bounding box (of the hollow, for hollows) in world coordinates; bit k of the index
@@ -151,8 +151,8 @@ fn beyond_box(p: Vec3, half: Vec3) -> f32 {
 }
 
 #[inline(always)]
-fn take(form: &impl Form, rays: &Rays, nearest: &mut Nearest<'_>, owner: u16) {
-    let Rays { eye, first, step } = *rays;
+fn take(form: &impl ShapeGeometry, rays: &EyeRays, nearest: &mut Nearest<'_>, owner: u16) {
+    let EyeRays { eye, first, step } = *rays;
     let (parameters, owners) = (&mut *nearest.parameter, &mut *nearest.owner);
     for (i, (parameter, held)) in parameters.iter_mut().zip(owners.iter_mut()).enumerate() {
         let found = form.enter(eye, first + step * (i as i32 as f32));
@@ -164,8 +164,8 @@ fn take(form: &impl Form, rays: &Rays, nearest: &mut Nearest<'_>, owner: u16) {
 
 /// [`take`] for a ring; several rays march together.
 #[inline(always)]
-fn march(ring: &Ring, rays: &Rays, nearest: &mut Nearest<'_>, owner: u16) {
-    let Rays { eye, first, step } = *rays;
+fn march(ring: &Ring, rays: &EyeRays, nearest: &mut Nearest<'_>, owner: u16) {
+    let EyeRays { eye, first, step } = *rays;
     let ring = *ring;
     for start in (0..nearest.parameter.len()).step_by(ring::WIDE) {
         let ray = |i: usize| first + step * ((start + i) as i32 as f32);
@@ -183,7 +183,7 @@ fn march(ring: &Ring, rays: &Rays, nearest: &mut Nearest<'_>, owner: u16) {
 }
 
 #[inline(always)]
-fn lower(form: &impl Form, pose: &Pose, points: &Lane3, distances: &mut Lane) {
+fn lower(form: &impl ShapeGeometry, pose: &Pose, points: &Lane3, distances: &mut Lane) {
     let pose = *pose;
     for i in 0..LANES {
         let found = form.distance(pose.point_in(load(points, i)));
@@ -192,7 +192,7 @@ fn lower(form: &impl Form, pose: &Pose, points: &Lane3, distances: &mut Lane) {
 }
 
 #[inline(always)]
-fn orient(form: &impl Form, local: &Lane3, bevel: f32, normals: &mut Lane3, edge: &mut Lane) {
+fn orient(form: &impl ShapeGeometry, local: &Lane3, bevel: f32, normals: &mut Lane3, edge: &mut Lane) {
     for i in 0..LANES {
         let (normal, closeness) = form.normal(load(local, i), bevel);
         store(normals, i, normal);

@@ -13,7 +13,7 @@ const FEW: usize = 2;
 const DEPTH: usize = 64;
 
 pub(crate) struct Tree {
-    nodes: Vec<Node>,
+    nodes: Vec<TreeNode>,
     /// Solid numbers; those of a leaf are contiguous.
     order: Vec<u16>,
     /// Hollows have unbounded walls and no box.
@@ -21,7 +21,7 @@ pub(crate) struct Tree {
     boxes: Vec<Bounds>,
 }
 
-struct Node {
+struct TreeNode {
     bounds: Bounds,
     /// For a leaf, the index of its first solid; otherwise that of the right child. The left child follows its parent.
     first: usize,
@@ -31,12 +31,12 @@ struct Node {
 
 /// Shadow rays from one box to another. At any share of the length, all of them are inside the interpolated box.
 #[derive(Clone, Copy)]
-pub(crate) struct Bundle {
+pub(crate) struct RayPacket {
     pub(crate) from: Bounds,
     pub(crate) to: Bounds,
 }
 
-impl Bundle {
+impl RayPacket {
     /// Smallest share of the length at which any ray can reach a box; `None` if the packet misses it.
     pub(crate) fn reaches(&self, other: &Bounds) -> Option<f32> {
         let ([from_low, from_high], [to_low, to_high]) = (self.from.ends(), self.to.ends());
@@ -84,12 +84,12 @@ impl Tree {
             f32::INFINITY
         };
         let reach = reach.min(ground);
-        let bundle = Bundle {
+        let packet = RayPacket {
             from: Bounds::from_point(from),
             to: Bounds::from_point(from + heading * reach),
         };
         let mut nearest = (reach, None);
-        self.search(&bundle, |number| {
+        self.search(&packet, |number| {
             let met = solids[usize::from(number)].enter(from, heading);
             if met < nearest.0 {
                 nearest = (met, Some(number));
@@ -120,7 +120,7 @@ impl Tree {
 
     /// Calls `meet` for every solid that may block a ray of the packet. It returns the share of the length beyond which
     /// hits no longer matter; a negative value ends the search.
-    pub(crate) fn search(&self, bundle: &Bundle, mut meet: impl FnMut(u16) -> f32) {
+    pub(crate) fn search(&self, packet: &RayPacket, mut meet: impl FnMut(u16) -> f32) {
         let mut within = 1.0;
         for &number in &self.hollows {
             within = meet(number);
@@ -133,7 +133,7 @@ impl Tree {
             height -= 1;
             let position = stack[height];
             let node = &self.nodes[position];
-            if !bundle.reaches(&node.bounds).is_some_and(|share| share <= within) {
+            if !packet.reaches(&node.bounds).is_some_and(|share| share <= within) {
                 continue;
             }
             if node.count == 0 {
@@ -144,7 +144,7 @@ impl Tree {
             }
             for &number in &self.order[node.first..node.first + node.count] {
                 let bounds = &self.boxes[usize::from(number)];
-                if node.count == 1 || bundle.reaches(bounds).is_some_and(|share| share <= within) {
+                if node.count == 1 || packet.reaches(bounds).is_some_and(|share| share <= within) {
                     within = meet(number);
                     if within < 0.0 {
                         return;
@@ -156,14 +156,14 @@ impl Tree {
 }
 
 /// Adds the subtree of some solids; `first` is the index of the first one in the overall order.
-fn grow(boxes: &[Bounds], order: &mut [u16], first: usize, nodes: &mut Vec<Node>) {
+fn grow(boxes: &[Bounds], order: &mut [u16], first: usize, nodes: &mut Vec<TreeNode>) {
     let bounds = order
         .iter()
         .map(|&number| &boxes[usize::from(number)])
         .fold(boxes[usize::from(order[0])], |all, bounds| all.union(bounds));
     let node = nodes.len();
     let count = if order.len() <= FEW { order.len() } else { 0 };
-    nodes.push(Node { bounds, first, count });
+    nodes.push(TreeNode { bounds, first, count });
     if count > 0 {
         return;
     }

@@ -1,12 +1,12 @@
-//! Camera poses of single frames: drawn from the seed, with described values replacing drawn ones.
+//! ViewCamera poses of single frames: drawn from the seed, with described values replacing drawn ones.
 
 use imaging::vector::{DVec3, Vec3, vec3};
 use spec::CameraView;
 
-use super::chance::Dice;
+use super::chance::Choices;
 use super::solid::Solid;
 use super::tree::Tree;
-use super::{Object, Site};
+use super::{Site, SiteObject};
 use crate::{CameraPose, LEAST_CLEARANCE_M, SceneError};
 
 const PITCH_DEG: [f32; 2] = [-30.0, 40.0];
@@ -29,7 +29,7 @@ const MOST_STRUCTURE: f64 = 0.7;
 /// Parameters of drawn poses.
 #[derive(Clone, Copy)]
 pub(crate) struct Usual {
-    pub(crate) dice: Dice,
+    pub(crate) dice: Choices,
     pub(crate) view: Viewpoint,
     pub(crate) roll: f64,
     /// Height of the bottom, m; in open water a level below the site.
@@ -60,7 +60,7 @@ pub(crate) struct Viewpoint {
     pub(crate) pitch_deg: f64,
     /// Azimuth of the line of sight, from y towards x.
     pub(crate) yaw_deg: f64,
-    /// Camera height above the world's z = 0.
+    /// ViewCamera height above the world's z = 0.
     pub(crate) height_m: f64,
     /// Distance along the line of sight to the vertical through the target.
     pub(crate) distance_m: f64,
@@ -101,14 +101,14 @@ impl Viewpoint {
 }
 
 /// The solids and objects around a view.
-pub(crate) struct Stage<'a> {
+pub(crate) struct Obstacles<'a> {
     solids: &'a [Solid],
-    objects: &'a [Object],
+    objects: &'a [SiteObject],
     tree: Tree,
 }
 
-impl<'a> Stage<'a> {
-    pub(crate) fn new(solids: &'a [Solid], objects: &'a [Object]) -> Self {
+impl<'a> Obstacles<'a> {
+    pub(crate) fn new(solids: &'a [Solid], objects: &'a [SiteObject]) -> Self {
         Self {
             solids,
             objects,
@@ -163,7 +163,7 @@ impl Usual {
     ///
     /// # Errors
     /// [`SceneError::View`] if every pose with the given values is blocked.
-    pub(crate) fn choose(&self, stage: &Stage<'_>, given: &CameraView) -> Result<Viewpoint, SceneError> {
+    pub(crate) fn choose(&self, stage: &Obstacles<'_>, given: &CameraView) -> Result<Viewpoint, SceneError> {
         let poses = self.poses(given);
         if let Some(view) = poses.iter().find(|view| self.is_good(stage, view)) {
             return Ok(*view);
@@ -179,7 +179,7 @@ impl Usual {
             .ok_or_else(|| refuse(given, stage.clearance(poses[0].eye())))
     }
 
-    fn is_good(&self, stage: &Stage<'_>, view: &Viewpoint) -> bool {
+    fn is_good(&self, stage: &Obstacles<'_>, view: &Viewpoint) -> bool {
         stage.clearance(view.eye()) >= CLEAR_M && stage.shows_structure(view, self.least_structure)
     }
 
@@ -264,6 +264,6 @@ impl Site {
     }
 }
 
-fn draw_from(dice: Dice, choice: u64, [low, high]: [f32; 2]) -> f64 {
+fn draw_from(dice: Choices, choice: u64, [low, high]: [f32; 2]) -> f64 {
     f64::from(dice.uniform(choice, low, high))
 }

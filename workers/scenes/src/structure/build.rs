@@ -5,20 +5,20 @@ use std::f32::consts::{FRAC_PI_2, PI};
 use imaging::vector::{Vec3, vec3};
 
 use crate::categories::Category;
-use crate::site::builder::Builder;
-use crate::site::finish::{Material, Pattern};
+use crate::site::builder::SiteBuilder;
+use crate::site::finish::{JointPattern, Material};
 use crate::site::pose::{Pose, UP, ZERO, horizontal, up};
 use crate::site::solid::Ring;
 
 /// Target of the camera and its distance, m.
-pub(super) struct Aim {
+pub(super) struct ViewTarget {
     pub(super) target: Vec3,
     pub(super) distance: f32,
     /// Height of the top of the structure.
     pub(super) top: f32,
 }
 
-impl Aim {
+impl ViewTarget {
     fn new(target: Vec3, distance: f32, top: f32) -> Self {
         Self {
             target,
@@ -28,9 +28,9 @@ impl Aim {
     }
 }
 
-const BOARDS: Material = Material::Concrete(Pattern::Boards);
+const BOARDS: Material = Material::Concrete(JointPattern::Boards);
 
-impl Builder {
+impl SiteBuilder {
     fn metal_or_concrete(&self, choice: u64) -> Material {
         let options = [Material::Steel, Material::Steel, BOARDS];
         self.dice.pick(choice, &options)
@@ -67,7 +67,7 @@ impl Builder {
         }
     }
 
-    pub(super) fn single_pile(&mut self) -> Aim {
+    pub(super) fn single_pile(&mut self) -> ViewTarget {
         let dice = self.dice;
         let radius = dice.uniform(0, 0.35, 0.75);
         let material = self.metal_or_concrete(1);
@@ -81,10 +81,10 @@ impl Builder {
             let half = vec3(radius * 2.2, radius * 2.2, dice.uniform(5, 0.15, 0.4));
             self.block(up(half.z), half, dice.uniform(6, 0.0, 1.5));
         }
-        Aim::new(up(dice.uniform(7, 1.2, 2.2)), radius * 3.0 + 1.4, 14.0)
+        ViewTarget::new(up(dice.uniform(7, 1.2, 2.2)), radius * 3.0 + 1.4, 14.0)
     }
 
-    pub(super) fn pile_row(&mut self) -> Aim {
+    pub(super) fn pile_row(&mut self) -> ViewTarget {
         let dice = self.dice;
         let radius = dice.uniform(0, 0.22, 0.45);
         let spacing = dice.uniform(1, 1.6, 2.8);
@@ -106,10 +106,10 @@ impl Builder {
             self.object(Material::Steel, Category::Brace);
             self.tube(first + up(0.4), foot(1) + up(height - 0.2), 0.09);
         }
-        Aim::new(up(1.4), 3.4, 14.0)
+        ViewTarget::new(up(1.4), 3.4, 14.0)
     }
 
-    pub(super) fn braced_legs(&mut self) -> Aim {
+    pub(super) fn braced_legs(&mut self) -> ViewTarget {
         let dice = self.dice;
         let half = dice.uniform(0, 1.1, 1.8);
         let leg = dice.uniform(1, 0.16, 0.28);
@@ -142,10 +142,10 @@ impl Builder {
         }
         let z = dice.uniform(4, 0.9, 2.0);
         self.anode(corner(0, 0.0), leg, -1.4, z);
-        Aim::new(vec3(-0.5, -half, dice.uniform(5, 1.2, 2.2)), 2.6, height)
+        ViewTarget::new(vec3(-0.5, -half, dice.uniform(5, 1.2, 2.2)), 2.6, height)
     }
 
-    pub(super) fn pipeline(&mut self, burial: Option<f32>) -> Aim {
+    pub(super) fn pipeline(&mut self, burial: Option<f32>) -> ViewTarget {
         let dice = self.dice;
         let radius = dice.uniform(0, 0.2, 0.46);
         let height = match burial {
@@ -176,10 +176,10 @@ impl Builder {
             let wheel = Pose::pointing(hub, foot + vec3(0.0, -2.0, 0.98), 0.0);
             self.put(Ring::new(0.2, 0.025, PI), wheel);
         }
-        Aim::new(up(height * 0.9), radius * 3.0 + 1.3, 2.6)
+        ViewTarget::new(up(height * 0.9), radius * 3.0 + 1.3, 2.6)
     }
 
-    pub(super) fn plate_wall(&mut self) -> Aim {
+    pub(super) fn plate_wall(&mut self) -> ViewTarget {
         let dice = self.dice;
         let wide = dice.uniform(0, 0.32, 0.6);
         let yaw = dice.uniform(1, -0.35, 0.35);
@@ -208,10 +208,10 @@ impl Builder {
             let bolt = plate + along * u + up(v);
             self.tube(bolt, bolt + out * 0.085, 0.032);
         }
-        Aim::new(front + up(dice.uniform(7, 0.9, 1.8)), 2.4, 7.5)
+        ViewTarget::new(front + up(dice.uniform(7, 0.9, 1.8)), 2.4, 7.5)
     }
 
-    pub(super) fn frame_of_beams(&mut self) -> Aim {
+    pub(super) fn frame_of_beams(&mut self) -> ViewTarget {
         let dice = self.dice;
         let yaw = dice.uniform(0, -0.8, 0.8);
         let (along, across) = (horizontal(yaw), horizontal(yaw + FRAC_PI_2));
@@ -236,7 +236,7 @@ impl Builder {
         let foot = along * 0.6 + across * 0.2 - up(0.3);
         let head = along * 0.9 + across * 0.3 + up(6.0);
         self.tube(foot, head, dice.uniform(4, 0.18, 0.34));
-        Aim::new(vec3(0.0, -0.5, z * 0.7), 2.8, 4.0)
+        ViewTarget::new(vec3(0.0, -0.5, z * 0.7), 2.8, 4.0)
     }
 
     /// An upright I-beam: two flanges and a web.

@@ -1,14 +1,14 @@
 //! Rejects external tensors in ONNX files: an uploaded model could read arbitrary paths through them.
 
 use super::Unfit;
-use crate::net::wire::{Value, fields};
+use crate::net::wire::{WireValue, fields};
 
 /// Limit on nested graphs (loops and branches); real models have three.
 const MAX_DEPTH: usize = 64;
 
 /// ONNX messages that can contain a tensor.
 #[derive(Clone, Copy, PartialEq)]
-enum Message {
+enum TensorMessage {
     Model,
     Training,
     Graph,
@@ -19,7 +19,7 @@ enum Message {
     Tensor,
 }
 
-impl Message {
+impl TensorMessage {
     /// The message type of a field, if it can contain a tensor.
     fn nested(self, field: u32) -> Option<Self> {
         Some(match (self, field) {
@@ -40,21 +40,21 @@ impl Message {
 /// # Errors
 /// [`Unfit::NotOnnx`] or [`Unfit::External`], the first found.
 pub(super) fn find_external(onnx: &[u8]) -> Result<(), Unfit> {
-    let has_graph = fields(onnx).any(|field| matches!(field, Some((7, Value::Bytes(_)))));
+    let has_graph = fields(onnx).any(|field| matches!(field, Some((7, WireValue::Bytes(_)))));
     if !has_graph {
         return Err(Unfit::NotOnnx);
     }
-    message(Message::Model, onnx, MAX_DEPTH)
+    message(TensorMessage::Model, onnx, MAX_DEPTH)
 }
 
-fn message(kind: Message, bytes: &[u8], depth: usize) -> Result<(), Unfit> {
-    if kind == Message::Tensor {
+fn message(kind: TensorMessage, bytes: &[u8], depth: usize) -> Result<(), Unfit> {
+    if kind == TensorMessage::Tensor {
         return tensor(bytes);
     }
     let depth = depth.checked_sub(1).ok_or(Unfit::NotOnnx)?;
     for field in fields(bytes) {
         let (number, value) = field.ok_or(Unfit::NotOnnx)?;
-        if let (Some(below), Value::Bytes(inner)) = (kind.nested(number), value) {
+        if let (Some(below), WireValue::Bytes(inner)) = (kind.nested(number), value) {
             message(below, inner, depth)?;
         }
     }
@@ -65,9 +65,9 @@ fn tensor(bytes: &[u8]) -> Result<(), Unfit> {
     let (mut name, mut external) = (String::new(), false);
     for field in fields(bytes) {
         match field.ok_or(Unfit::NotOnnx)? {
-            (8, Value::Bytes(text)) => name = String::from_utf8_lossy(text).into_owned(),
+            (8, WireValue::Bytes(text)) => name = String::from_utf8_lossy(text).into_owned(),
             (13, _) => external = true,
-            (14, Value::Integer(location)) => external |= location != 0,
+            (14, WireValue::Integer(location)) => external |= location != 0,
             _ => {}
         }
     }

@@ -11,7 +11,7 @@ use pulp::{Simd, WithSimd};
 
 use across::{Widened, place};
 use context::Context;
-use multiply::{Block, load, multiply, multiply_row, splat, store};
+use multiply::{SumBlock, load, multiply, multiply_row, splat, store};
 use packed::Packed;
 use planes::{close_row, stride};
 
@@ -37,10 +37,10 @@ pub struct Network {
     channels: usize,
 }
 
-/// Buffers reused between frames; their contents do not affect results.
+/// ContextBuffers reused between frames; their contents do not affect results.
 #[derive(Debug, Default)]
 pub struct Scratch {
-    context: context::Buffers,
+    context: context::ContextBuffers,
     widened: Widened,
     /// The last three rows of the frame, with borders: `[row % 3][channel]`.
     image: Vec<f32>,
@@ -89,7 +89,7 @@ impl Network {
         }
         let mut planes = [r, g, b];
         if width > 0 && height > 0 {
-            pulp::Arch::new().dispatch(Run {
+            pulp::Arch::new().dispatch(NetworkRun {
                 network: self,
                 encoded,
                 range: range.filter(|_| self.takes_range()),
@@ -102,7 +102,7 @@ impl Network {
     }
 }
 
-struct Run<'a> {
+struct NetworkRun<'a> {
     network: &'a Network,
     encoded: &'a Rgb<f32>,
     range: Option<&'a Plane<f32>>,
@@ -110,7 +110,7 @@ struct Run<'a> {
     planes: &'a mut [Vec<f32>; 3],
 }
 
-impl WithSimd for Run<'_> {
+impl WithSimd for NetworkRun<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -148,7 +148,7 @@ impl WithSimd for Run<'_> {
                 make_features(
                     simd,
                     &network.pixel,
-                    Rows {
+                    FeatureRows {
                         rows: &scratch.image,
                         stride,
                         slots,
@@ -160,12 +160,12 @@ impl WithSimd for Run<'_> {
                 made += 1;
             }
             let slots = neighbors(y, height);
-            let image = Rows {
+            let image = FeatureRows {
                 rows: &scratch.image,
                 stride,
                 slots,
             };
-            let features = Rows {
+            let features = FeatureRows {
                 rows: &scratch.features,
                 stride,
                 slots,
@@ -204,16 +204,16 @@ fn copy_row(encoded: &Rgb<f32>, range: Option<&Plane<f32>>, y: usize, rows: &mut
     }
 }
 
-/// Rows of several channels: `[slot][channel]`.
+/// FeatureRows of several channels: `[slot][channel]`.
 #[derive(Clone, Copy)]
-struct Rows<'a> {
+struct FeatureRows<'a> {
     rows: &'a [f32],
     stride: usize,
     /// Slots of the previous, the current and the next row.
     slots: [usize; 3],
 }
 
-impl<'a> Rows<'a> {
+impl<'a> FeatureRows<'a> {
     #[inline(always)]
     fn row(self, slot: usize, channels: usize, channel: usize) -> &'a [f32] {
         &self.rows[(slot * channels + channel) * self.stride..][..self.stride]
@@ -230,8 +230,8 @@ fn neighbors(y: usize, height: usize) -> [usize; 3] {
 fn make_features<S: Simd>(
     simd: S,
     pixel: &Packed<4>,
-    image: Rows<'_>,
-    (widened, place): (&Widened, across::Place),
+    image: FeatureRows<'_>,
+    (widened, place): (&Widened, across::UpsamplePosition),
     features: &mut [f32],
     width: usize,
 ) {
@@ -240,7 +240,7 @@ fn make_features<S: Simd>(
     let channels = pixel.groups[0].weights.len() / pixel.taps;
     for (index, group) in pixel.groups.iter().enumerate() {
         for x in (0..width).step_by(PIXEL_VECTORS * S::F32_LANES) {
-            let mut sums: Block<S, 4, PIXEL_VECTORS> = splat(simd, &group.bias);
+            let mut sums: SumBlock<S, 4, PIXEL_VECTORS> = splat(simd, &group.bias);
             for channel in 0..channels {
                 for row in 0..3 {
                     let samples = &image.row(image.slots[row], channels, channel)[x..];
@@ -271,8 +271,8 @@ fn make_features<S: Simd>(
 fn finish<S: Simd>(
     simd: S,
     network: &Network,
-    image: Rows<'_>,
-    features: Rows<'_>,
+    image: FeatureRows<'_>,
+    features: FeatureRows<'_>,
     styled: &mut [Vec<f32>; 3],
     width: usize,
 ) {
@@ -280,7 +280,7 @@ fn finish<S: Simd>(
     let (output, color) = (&network.output.groups[0], &network.color.groups[0]);
     let bias = std::array::from_fn(|channel| output.bias[channel] + color.bias[channel]);
     for x in (0..width).step_by(OUTPUT_VECTORS * S::F32_LANES) {
-        let mut sums: Block<S, 3, OUTPUT_VECTORS> = splat(simd, &bias);
+        let mut sums: SumBlock<S, 3, OUTPUT_VECTORS> = splat(simd, &bias);
         for (channel, weights) in color.weights.iter().enumerate() {
             let samples = &image.row(image.slots[1], network.channels, channel)[1 + x..];
             multiply(simd, &mut sums, samples, weights);

@@ -24,9 +24,9 @@ use super::layer::{
     BLOCKS, COLOR, ENTER, LEAVE, Layer, OUTPUT, PIXEL, RANGE_COLOR, RANGE_PARAMETERS, RANGE_PIXEL, REDUCE,
     Weights, layers,
 };
-use super::wire::{Value, bytes, fields, integer, messages};
+use super::wire::{WireValue, bytes, fields, integer, messages};
 
-pub use graph::{Attribute, Form, Graph};
+pub use graph::{Attribute, ConvolutionShape, Graph};
 
 const IR_VERSION: i64 = 8;
 const OPSET: i64 = 17;
@@ -63,10 +63,10 @@ pub fn read(file: &[u8]) -> Option<Weights> {
     let mut version = None;
     for field in fields(file) {
         match field? {
-            (1, Value::Integer(ir)) => version = Some(ir),
-            (7, Value::Bytes(graph)) if found.is_none() => found = Some(graph),
+            (1, WireValue::Integer(ir)) => version = Some(ir),
+            (7, WireValue::Bytes(graph)) if found.is_none() => found = Some(graph),
             (7, _) => return None,
-            (8, Value::Bytes(opset)) => {
+            (8, WireValue::Bytes(opset)) => {
                 let expected = [0x10, OPSET as u8];
                 if opset != expected {
                     return None;
@@ -200,7 +200,7 @@ fn constants(graph: &mut Graph, weights: &Weights) {
 }
 
 fn convolution(graph: &mut Graph, layer: Layer, ports: (&str, &str), step: i64) {
-    let form = Form {
+    let form = ConvolutionShape {
         side: layer.side as i64,
         step,
         groups: if layer.inputs == 1 {

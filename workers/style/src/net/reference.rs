@@ -6,7 +6,7 @@ use super::layer::{
     BLOCKS, COLOR, ENTER, LEAVE, Layer, OUTPUT, PIXEL, RANGE_COLOR, RANGE_PIXEL, REDUCE, Weights,
 };
 
-type ChannelPlanes = Vec<Plane<f64>>;
+type PlaneList = Vec<Plane<f64>>;
 
 /// Repaints a picture; empty ones stay empty. Slow, and of unlimited size. `range` is that of the picture's pixels, 0
 /// at the camera and 1 far away; absent, all pixels are at the camera. A network without a range input ignores it.
@@ -16,7 +16,7 @@ pub fn apply_reference(weights: &Weights<f64>, encoded: &Rgb<f64>, range: Option
     if width == 0 || height == 0 {
         return encoded.clone();
     }
-    let image: ChannelPlanes = encoded.planes().to_vec();
+    let image: PlaneList = encoded.planes().to_vec();
     let quarter = relu(convolved(weights, ENTER, &pooled(&image), 1));
     let mut context = relu(convolved(weights, REDUCE, &quarter, 2));
     for [spread_a, mix_a, spread_b, mix_b] in BLOCKS {
@@ -25,7 +25,7 @@ pub fn apply_reference(weights: &Weights<f64>, encoded: &Rgb<f64>, range: Option
         context = sum(context, &convolved(weights, mix_b, &second, 1));
     }
     let left = convolved(weights, LEAVE, &context, 1);
-    let resized: ChannelPlanes = left.iter().map(|plane| resize(plane, width, height)).collect();
+    let resized: PlaneList = left.iter().map(|plane| resize(plane, width, height)).collect();
     let mut features = sum(convolved(weights, PIXEL, &image, 1), &resized);
     let mut toned = convolved(weights, COLOR, &image, 1);
     if weights.takes_range() {
@@ -40,7 +40,7 @@ pub fn apply_reference(weights: &Weights<f64>, encoded: &Rgb<f64>, range: Option
 }
 
 /// The colors times their range, and the range.
-fn ranged(image: &[Plane<f64>], range: Option<&Plane<f64>>) -> ChannelPlanes {
+fn ranged(image: &[Plane<f64>], range: Option<&Plane<f64>>) -> PlaneList {
     let (width, height) = image[0].size();
     let range = range.map_or_else(
         || Plane::filled(width, height, 0.0),
@@ -49,19 +49,19 @@ fn ranged(image: &[Plane<f64>], range: Option<&Plane<f64>>) -> ChannelPlanes {
     let colors = image
         .iter()
         .map(|plane| Plane::from_fn(width, height, |x, y| plane.pixel(x, y) * range.pixel(x, y)));
-    let mut ranged: ChannelPlanes = colors.collect();
+    let mut ranged: PlaneList = colors.collect();
     ranged.push(range);
     ranged
 }
 
-fn relu(planes: ChannelPlanes) -> ChannelPlanes {
+fn relu(planes: PlaneList) -> PlaneList {
     planes
         .iter()
         .map(|plane| plane.map(|&value| value.max(0.0)))
         .collect()
 }
 
-fn sum(planes: ChannelPlanes, other: &[Plane<f64>]) -> ChannelPlanes {
+fn sum(planes: PlaneList, other: &[Plane<f64>]) -> PlaneList {
     let pairs = planes.into_iter().zip(other);
     pairs
         .map(|(mut sum, other)| {
@@ -74,7 +74,7 @@ fn sum(planes: ChannelPlanes, other: &[Plane<f64>]) -> ChannelPlanes {
 }
 
 /// Means of 4×4 pixels, clipped at the right and lower edge.
-fn pooled(image: &[Plane<f64>]) -> ChannelPlanes {
+fn pooled(image: &[Plane<f64>]) -> PlaneList {
     let pooled = image.iter().map(|plane| {
         let (width, height) = plane.size();
         Plane::from_fn(width.div_ceil(4), height.div_ceil(4), |x, y| {
@@ -91,7 +91,7 @@ fn pooled(image: &[Plane<f64>]) -> ChannelPlanes {
 }
 
 /// A convolution that extends the picture by its edge.
-fn convolved(weights: &Weights<f64>, layer: Layer, input: &[Plane<f64>], step: usize) -> ChannelPlanes {
+fn convolved(weights: &Weights<f64>, layer: Layer, input: &[Plane<f64>], step: usize) -> PlaneList {
     let (width, height) = input[0].size();
     let (weight, bias) = (weights.weight(layer), weights.bias(layer));
     let reach = layer.side / 2;

@@ -24,11 +24,11 @@ const FLAT_WEIGHT: f32 = 4.0;
 
 /// A color table: node `(r, g, b)` is at `(r * 17 + g) * 17 + b`, with a fourth number for alignment.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Table {
+pub struct ColorTable {
     nodes: Vec<[f32; 4]>,
 }
 
-impl Table {
+impl ColorTable {
     /// The table of a network: a pure function of it. `None` for a network with a range, which a table of colors lacks.
     #[must_use]
     pub fn new(network: &Network) -> Option<Self> {
@@ -86,7 +86,7 @@ impl Table {
         }
     }
 
-    /// The color of [`Table::apply`] for one pixel, in the order of the formula.
+    /// The color of [`ColorTable::apply`] for one pixel, in the order of the formula.
     #[must_use]
     pub fn look_up(&self, color: [f32; 3]) -> [f32; 3] {
         let (places, shares) = corners(color);
@@ -150,7 +150,7 @@ mod tests {
             [x as f32 / 23.0, y as f32 / 23.0, (x * y % 24) as f32 / 23.0]
         });
         let after = Rgb::from_fn(24, 24, |x, y| map(picture.pixel(x, y)));
-        let table = Table::fit(&[(picture, after)], &flat(map));
+        let table = ColorTable::fit(&[(picture, after)], &flat(map));
         for index in 0..1000 {
             let color = [7, 11, 13].map(|step| (index * step % 1000) as f32 / 999.0);
             for (found, expected) in table.look_up(color).into_iter().zip(map(color)) {
@@ -166,7 +166,7 @@ mod tests {
     fn pictures_decide_over_flat_frames_where_there_are_any() {
         let picture = Rgb::from_fn(40, 40, |_, _| [0.5f32; 3]);
         let after = picture.map(|_| 0.8);
-        let table = Table::fit(&[(picture, after)], &flat(|_| [0.2; 3]));
+        let table = ColorTable::fit(&[(picture, after)], &flat(|_| [0.2; 3]));
         assert!((table.look_up([0.5; 3])[0] - 0.8).abs() < 1e-3);
         assert_eq!(table.look_up([0.0, 1.0, 0.0]), [0.2; 3]);
     }

@@ -5,10 +5,10 @@ use ort::environment::Environment;
 use ort::session::builder::{GraphOptimizationLevel, SessionBuilder};
 use ort::value::{Outlet, TensorElementType, TensorRef, ValueType};
 
-use super::Beside;
+use super::ModelInputs;
 
 /// A loaded network and the names of its inputs and output.
-pub(super) struct Graph {
+pub(super) struct RuntimeGraph {
     session: ort::session::Session,
     ports: Ports,
     /// The frame as network input, `[1, 3, height, width]`; reused between frames.
@@ -23,7 +23,7 @@ struct Ports {
     styled: String,
 }
 
-impl Graph {
+impl RuntimeGraph {
     pub(super) fn new(environment: &Environment, onnx: &[u8]) -> Result<Self, String> {
         let mut builder = options(environment).map_err(|error| error.to_string())?;
         let session = builder
@@ -46,7 +46,7 @@ impl Graph {
     }
 
     /// Runs a checked frame. The error describes the failure.
-    pub(super) fn run(&mut self, encoded: &Rgb<f32>, beside: Beside<'_>) -> Result<Rgb<f32>, String> {
+    pub(super) fn run(&mut self, encoded: &Rgb<f32>, beside: ModelInputs<'_>) -> Result<Rgb<f32>, String> {
         let (width, height) = encoded.size();
         self.samples.clear();
         for plane in encoded.planes() {

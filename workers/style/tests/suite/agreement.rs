@@ -4,7 +4,7 @@ use imaging::random::Stream;
 use imaging::{Plane, Rgb};
 use style::net::layer::{COLOR, OUTPUT, RANGE_COLOR, Weights};
 use style::net::{Network, Scratch, apply_reference, onnx};
-use style::{Beside, Library, Session};
+use style::{Library, ModelInputs, Session};
 
 use crate::{model_of, runtime};
 
@@ -104,8 +104,8 @@ fn judge(weights: &Weights) -> Session {
     runtime().session(&model).unwrap()
 }
 
-fn with_range(range: &Plane<f32>) -> Beside<'_> {
-    Beside {
+fn with_range(range: &Plane<f32>) -> ModelInputs<'_> {
+    ModelInputs {
         noise: None,
         range: Some(range),
     }

@@ -2,13 +2,13 @@
 
 use imaging::random::Stream;
 
-use super::{Air, Chance, SIDE};
+use super::{Air, ContentChance, SIDE};
 use crate::tensor::Tensor;
 
 /// Far end of the range, which falls towards the lower edge.
 const GROUND_M: f32 = 12.0;
 
-pub(super) fn draw(chance: &Chance) -> Air {
+pub(super) fn draw(chance: &ContentChance) -> Air {
     let mut light = Tensor::zeros(3, SIDE, SIDE);
     let seed = chance.stream.bits(chance.index, 3);
     let ground = clouds(seed);
@@ -93,6 +93,6 @@ fn clouds(seed: u64) -> Vec<f32> {
     sums.into_iter().map(|v| ((v - mean) * scale) as f32).collect()
 }
 
-fn draw_color(chance: &Chance, name: &str, number: u64) -> [f32; 3] {
+fn draw_color(chance: &ContentChance, name: &str, number: u64) -> [f32; 3] {
     [0, 1, 2].map(|channel| chance.uniform(name, 3 * number + channel, 0.0, 1.0).powi(2) as f32)
 }

@@ -25,9 +25,9 @@ pub(crate) fn pooled<T: Real>(image: &Tensor<T>) -> Tensor<T> {
 }
 
 /// For each sample of an upsampled line: lower source sample, upper source sample, weight of the latter.
-struct Line<T>(Vec<(usize, usize, T)>);
+struct Upsampling<T>(Vec<(usize, usize, T)>);
 
-impl<T: Real> Line<T> {
+impl<T: Real> Upsampling<T> {
     /// Pixel centers at half integers, clamped to the edge.
     fn new(from: usize, to: usize) -> Self {
         let samples = (0..to).map(|i| {
@@ -42,8 +42,8 @@ impl<T: Real> Line<T> {
 /// Bilinear enlargement.
 pub(crate) fn resized<T: Real>(input: &Tensor<T>, height: usize, width: usize) -> Tensor<T> {
     let (rows, columns) = (
-        Line::<T>::new(input.height, height),
-        Line::<T>::new(input.width, width),
+        Upsampling::<T>::new(input.height, height),
+        Upsampling::<T>::new(input.width, width),
     );
     let mut wide = Tensor::zeros(input.channels, input.height, width);
     for channel in 0..input.channels {
@@ -70,8 +70,8 @@ pub(crate) fn resized<T: Real>(input: &Tensor<T>, height: usize, width: usize) -
 /// The gradient before [`resized`] from the one after it.
 pub(crate) fn unresized<T: Real>(gradient: &Tensor<T>, height: usize, width: usize) -> Tensor<T> {
     let (rows, columns) = (
-        Line::<T>::new(height, gradient.height),
-        Line::<T>::new(width, gradient.width),
+        Upsampling::<T>::new(height, gradient.height),
+        Upsampling::<T>::new(width, gradient.width),
     );
     let first = T::from_f64(1.0);
     let mut wide: Tensor<T> = Tensor::zeros(gradient.channels, height, gradient.width);

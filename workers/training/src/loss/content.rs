@@ -1,4 +1,4 @@
-//! Content loss: windowed normalized cross-correlation of the picture before and after.
+//! ContentPicture loss: windowed normalized cross-correlation of the picture before and after.
 //!
 //! `ncc = cov / sqrt((va + e)(vb + e))` in windows of 7×7 in steps of 2, for a before and b after; `loss = mean(w (1 -
 //! ncc)) / (mean(w) + 0.05)`, `w = va / (va + 4e-4)`, so that flat windows do not count. Gain and offset of b do not

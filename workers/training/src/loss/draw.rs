@@ -68,7 +68,7 @@ pub(crate) fn directions<T: Real>(stream: &Stream, index: u64) -> Vec<[T; 3]> {
 
 /// Position of a patch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Place {
+pub(crate) struct PatchPosition {
     pub(crate) x: usize,
     pub(crate) y: usize,
 }
@@ -79,14 +79,14 @@ pub(crate) fn places(
     index: u64,
     count: usize,
     (width, height): (usize, usize),
-) -> Vec<Place> {
+) -> Vec<PatchPosition> {
     let places = (0..count as u64).map(|patch| {
         let bits = stream.bits(index, patch);
         let [x, y] = [(bits, width), (bits >> 32, height)].map(|(half, side)| {
             let range = (side - PATCH + 1) as u64;
             (((half & 0xffff_ffff) * range) >> 32) as usize
         });
-        Place { x, y }
+        PatchPosition { x, y }
     });
     places.collect()
 }
@@ -111,7 +111,7 @@ mod tests {
     #[test]
     fn places_fill_the_picture_and_stay_inside() {
         let places = places(&Stream::stage(1, "test"), 3, 4000, (9, 8));
-        let furthest = |of: fn(&Place) -> usize| places.iter().map(of).max();
+        let furthest = |of: fn(&PatchPosition) -> usize| places.iter().map(of).max();
         assert_eq!((furthest(|p| p.x), furthest(|p| p.y)), (Some(2), Some(1)));
     }
 }

@@ -11,7 +11,7 @@
 use imaging::random::Stream;
 use rayon::prelude::*;
 
-use super::draw::{DIRECTIONS, FILTERS, PATCH, Place, directions, filters, places};
+use super::draw::{DIRECTIONS, FILTERS, PATCH, PatchPosition, directions, filters, places};
 use super::pyramid::{LEVELS, Pyramid};
 use super::slices::{Slices, projections, scatter};
 use super::{COLOR, Ranges, TEXTURE};
@@ -47,8 +47,8 @@ pub(crate) fn sliced<T: Real>(
             filters: filters(stream, address),
             directions: directions(stream, address + 1),
         };
-        let ours = Drawn::new(batch, level, stream, address + 2);
-        let theirs = Drawn::new(style, level, stream, address + 512);
+        let ours = PatchDraw::new(batch, level, stream, address + 2);
+        let theirs = PatchDraw::new(style, level, stream, address + 512);
         let bands = ranges.map(|ranges| {
             [(&ours, ranges.contents), (&theirs, ranges.style)]
                 .map(|(drawn, ranges)| drawn.by_range(ranges, level))
@@ -78,12 +78,12 @@ fn shared_out(patches: usize, pictures: usize) -> impl Iterator<Item = usize> {
 }
 
 /// Pictures of a level and the positions of their patches.
-struct Drawn<'a, T> {
+struct PatchDraw<'a, T> {
     pictures: Vec<&'a Tensor<T>>,
-    places: Vec<Vec<Place>>,
+    places: Vec<Vec<PatchPosition>>,
 }
 
-impl<'a, T: Real> Drawn<'a, T> {
+impl<'a, T: Real> PatchDraw<'a, T> {
     /// Draws patches of all pictures, at the stream addresses from `first` on.
     fn new(pictures: &'a [Pyramid<T>], level: usize, stream: &Stream, first: u64) -> Self {
         let pictures: Vec<_> = pictures.iter().map(|picture| &picture.levels[level]).collect();
@@ -122,18 +122,18 @@ impl<'a, T: Real> Drawn<'a, T> {
     }
 }
 
-struct Level<T> {
+struct LevelDistances<T> {
     texture: f64,
     color: f64,
     gradients: Vec<Tensor<T>>,
 }
 
 fn compare<T: Real>(
-    ours: &Drawn<'_, T>,
-    theirs: &Drawn<'_, T>,
+    ours: &PatchDraw<'_, T>,
+    theirs: &PatchDraw<'_, T>,
     bands: Option<&[Vec<u32>; 2]>,
     slices: &Slices<T>,
-) -> Level<T> {
+) -> LevelDistances<T> {
     let (results, styles) = (ours.projected(slices), theirs.projected(slices));
     let found = (0..FILTERS + DIRECTIONS).into_par_iter().map(|slice| {
         let (share, floor, slices) = if slice < FILTERS {
@@ -159,7 +159,7 @@ fn compare<T: Real>(
         scatter(&mut gradient, &ours.places[index], starts[index], slices, &slopes);
         gradient
     });
-    Level {
+    LevelDistances {
         texture,
         color,
         gradients: gradients.collect(),

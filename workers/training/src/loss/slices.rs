@@ -2,7 +2,7 @@
 
 use imaging::vectorized;
 
-use super::draw::{DIRECTIONS, FILTERS, PATCH, PATCH_LENGTH, Place};
+use super::draw::{DIRECTIONS, FILTERS, PATCH, PATCH_LENGTH, PatchPosition};
 use crate::real::Real;
 use crate::tensor::Tensor;
 
@@ -16,7 +16,11 @@ pub(super) struct Slices<T> {
 }
 
 /// Projections of the patches of a picture on all filters and directions: `[slice][patch]`.
-pub(super) fn projections<T: Real>(picture: &Tensor<T>, places: &[Place], slices: &Slices<T>) -> Vec<Vec<T>> {
+pub(super) fn projections<T: Real>(
+    picture: &Tensor<T>,
+    places: &[PatchPosition],
+    slices: &Slices<T>,
+) -> Vec<Vec<T>> {
     let mut out = vec![Vec::new(); FILTERS + DIRECTIONS];
     let mut samples = vec![[T::default(); CHUNK]; PATCH_LENGTH];
     for places in places.chunks(CHUNK) {
@@ -66,7 +70,7 @@ fn project<T: Real>(samples: &[[T; CHUNK]], slices: &Slices<T>, sums: &mut [[T; 
 /// Adds the slopes of all slices to the pixels of the patches; `start` is the index of the first patch's slopes.
 pub(super) fn scatter<T: Real>(
     gradient: &mut Tensor<T>,
-    places: &[Place],
+    places: &[PatchPosition],
     start: usize,
     slices: &Slices<T>,
     slopes: &[Vec<T>],

@@ -6,9 +6,9 @@ use imaging::rays::leaving;
 use imaging::vector::DVec3;
 
 use super::{ORDERS, Walk};
-use crate::lamp::Lamp;
+use crate::lamp::SphereLamp;
 use crate::phase::versine;
-use crate::scene::{Along, End, Met};
+use crate::scene::{Along, End, SegmentEnd};
 use crate::sea::fresnel;
 
 impl<const N: usize> Walk<'_, N> {
@@ -35,7 +35,7 @@ impl<const N: usize> Walk<'_, N> {
         }
     }
 
-    fn lamp_along(&mut self, lamp: &Lamp, along: Along, end: f64, unit: f64) -> Option<[f64; N]> {
+    fn lamp_along(&mut self, lamp: &SphereLamp, along: Along, end: f64, unit: f64) -> Option<[f64; N]> {
         let Along { origin, direction } = along;
         let away = lamp.place + -origin;
         let nearest = direction.dot(away);
@@ -64,10 +64,10 @@ impl<const N: usize> Walk<'_, N> {
         let sine = (lamp.radius_m / gap).min(1.0);
         let cone = 1.0 - (1.0 - sine * sine).sqrt();
         let scattered = self.scene.phase.density_toward(versine(toward, direction), cone);
-        let murk = &self.scene.murk;
-        let meters = murk.meters(origin, direction, distance) + murk.meters(place, toward, gap);
+        let turbidity = &self.scene.turbidity;
+        let meters = turbidity.meters(origin, direction, distance) + turbidity.meters(place, toward, gap);
         let stretch = (target - start) * (offset * offset + beyond * beyond) / offset;
-        let shape = murk.factor(place) * scattered * profile * stretch / (gap * gap);
+        let shape = turbidity.factor(place) * scattered * profile * stretch / (gap * gap);
         Some(self.channels.map(|channel| {
             let water = self.scene.water[channel];
             water.scattering * lamp.intensity[channel] * shape * (-water.attenuation() * meters).exp()
@@ -75,7 +75,7 @@ impl<const N: usize> Walk<'_, N> {
     }
 
     /// Distance and direction to a lamp if its sampled point is visible.
-    fn unblocked(&mut self, lamp: &Lamp, place: DVec3, from: f64) -> Option<(f64, DVec3)> {
+    fn unblocked(&mut self, lamp: &SphereLamp, place: DVec3, from: f64) -> Option<(f64, DVec3)> {
         let away = lamp.place + -place;
         let reach = away.length();
         if reach <= 0.0 {
@@ -98,13 +98,13 @@ impl<const N: usize> Walk<'_, N> {
     /// Adds the light emitted by the end of a segment; `passes` is its transmittance.
     pub(super) fn add_end(&mut self, along: Along, end: &End, passes: [f64; N]) {
         let light = match &end.met {
-            Met::Nothing => return,
-            Met::Sea { cosine } => {
+            SegmentEnd::Nothing => return,
+            SegmentEnd::Sea { cosine } => {
                 let through = 1.0 - fresnel(*cosine);
                 let sky = self.scene.sea.as_ref().map_or([0.0; 3], |sea| sea.sky);
                 self.channels.map(|channel| through * sky[channel])
             }
-            Met::Surface { hit, material } => {
+            SegmentEnd::Surface { hit, material } => {
                 let place = along.origin + along.direction * end.distance;
                 let mut light = self.channels.map(|channel| material.emitted[channel]);
                 if self
@@ -141,7 +141,7 @@ impl<const N: usize> Walk<'_, N> {
             };
             let gap = reach.max(lamp.radius_m);
             let facing = normal.dot(toward).max(0.0) * lamp.profile(-toward) / (gap * gap);
-            let meters = self.scene.murk.meters(origin, toward, gap);
+            let meters = self.scene.turbidity.meters(origin, toward, gap);
             for (sum, &channel) in sum.iter_mut().zip(&self.channels) {
                 let passes = (-self.scene.water[channel].attenuation() * meters).exp();
                 *sum += lamp.intensity[channel] * facing * passes;
@@ -167,7 +167,7 @@ impl<const N: usize> Walk<'_, N> {
         if self.scene.is_blocked(place, sun.direction, from, distance) {
             return None;
         }
-        let meters = self.scene.murk.meters(place, sun.direction, distance);
+        let meters = self.scene.turbidity.meters(place, sun.direction, distance);
         let light = self.channels.map(|channel| {
             sun.irradiance[channel] * (-self.scene.water[channel].attenuation() * meters).exp()
         });

@@ -12,7 +12,7 @@ use optics::lamp::{
 };
 
 use crate::golden::Case;
-use crate::support::{Solid, Solids};
+use crate::support::{Solids, TestSolid};
 
 /// b_b/b of the stored frame's phase function.
 const BACKSCATTER: f64 = 0.0183;
@@ -36,8 +36,8 @@ impl Frame {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/vectors/realism/mc-lamp-box");
         let case = Case::read(&folder);
         let solids = Solids(vec![
-            Solid::Wall(case.number("/wall_z")),
-            Solid::Block {
+            TestSolid::Wall(case.number("/wall_z")),
+            TestSolid::Block {
                 low: case.triple("/box_lo"),
                 high: case.triple("/box_hi"),
             },

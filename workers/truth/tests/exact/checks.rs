@@ -2,10 +2,10 @@
 
 use std::f64::consts::PI;
 
-use crate::support::{Mean, Solid, Solids, along, radiance, scene, water};
+use crate::support::{Mean, Solids, TestSolid, along, radiance, scene, water};
 use imaging::vector::{DVec3, vec3};
 use optics::lamp::FournierForand;
-use truth::{Address, Along, Lamp, Layers, Material, Murk, Phase, Sea, Sun};
+use truth::{Address, Along, Lambertian, Phase, Sea, SeaSun, SphereLamp, TurbidityField, WaterLayers};
 
 const UP: DVec3 = vec3(0.0, -1.0, 0.0);
 
@@ -13,8 +13,8 @@ fn average() -> Phase {
     Phase::fournier_forand(FournierForand::of_backscatter(0.0183))
 }
 
-fn lamp(place: [f64; 3], intensity: f64) -> Lamp {
-    Lamp {
+fn lamp(place: [f64; 3], intensity: f64) -> SphereLamp {
+    SphereLamp {
         place: place.into(),
         intensity: [intensity; 3],
         beam: None,
@@ -25,8 +25,13 @@ fn lamp(place: [f64; 3], intensity: f64) -> Lamp {
 
 #[test]
 fn a_bright_wall_in_water_that_only_absorbs_fades_exactly() {
-    let solids = Solids(vec![Solid::Wall(3.0)]);
-    let scene = scene(&solids, vec![Material::glowing(1.0)], water(0.4, 0.0), average());
+    let solids = Solids(vec![TestSolid::Wall(3.0)]);
+    let scene = scene(
+        &solids,
+        vec![Lambertian::glowing(1.0)],
+        water(0.4, 0.0),
+        average(),
+    );
     for direction in [[0.0, 0.0, 1.0], [0.3, -0.2, 1.0], [-1.0, 0.5, 1.0]] {
         let along = along(direction);
         let range = 3.0 / along.direction.z;
@@ -37,7 +42,7 @@ fn a_bright_wall_in_water_that_only_absorbs_fades_exactly() {
 }
 
 /// Single-scattered light of a lamp, by the midpoint rule in the angle at the lamp.
-fn single(phase: &Phase, lamp: &Lamp, along: Along, end: f64, b: f64, c: f64) -> f64 {
+fn single(phase: &Phase, lamp: &SphereLamp, along: Along, end: f64, b: f64, c: f64) -> f64 {
     let nearest = along.direction.dot(lamp.place);
     let offset = (lamp.place.dot(lamp.place) - nearest * nearest).sqrt();
     let (from, to) = ((-nearest / offset).atan(), ((end - nearest) / offset).atan());
@@ -55,18 +60,18 @@ fn single(phase: &Phase, lamp: &Lamp, along: Along, end: f64, b: f64, c: f64) ->
 
 #[test]
 fn light_of_a_lamp_that_is_scattered_once_is_the_quadrature() {
-    let solids = Solids(vec![Solid::Wall(4.0)]);
+    let solids = Solids(vec![TestSolid::Wall(4.0)]);
     let phase = average();
     for (number, (a, b)) in [(0.114, 0.037), (0.179, 0.219), (0.366, 1.824)]
         .into_iter()
         .enumerate()
     {
-        let spot = Lamp {
+        let spot = SphereLamp {
             beam: Some((vec3(0.2f64, 0.0, 1.0).normalized(), 35f64.to_radians().cos())),
             ..lamp([-0.5, 0.1, 0.2], 1.0)
         };
         for (kind, lamp) in [lamp([0.3, -0.2, 0.0], 1.0), spot].into_iter().enumerate() {
-            let mut scene = scene(&solids, vec![Material::BLACK], water(a, b), phase.clone());
+            let mut scene = scene(&solids, vec![Lambertian::BLACK], water(a, b), phase.clone());
             scene.lamps = vec![lamp];
             let (mut found, mut error, mut expected) = (0.0, 0.0f64, 0.0);
             for ray in 0..6u64 {
@@ -89,12 +94,12 @@ fn light_of_a_lamp_that_is_scattered_once_is_the_quadrature() {
 
 #[test]
 fn unscattered_light_of_a_lamp_with_a_shadow_is_exact() {
-    let block = Solid::Block {
+    let block = TestSolid::Block {
         low: [-0.1, -0.2, 1.2],
         high: [0.25, 0.25, 1.5],
     };
-    let solids = Solids(vec![Solid::Wall(3.0), block]);
-    let materials = vec![Material::gray(0.5), Material::BLACK];
+    let solids = Solids(vec![TestSolid::Wall(3.0), block]);
+    let materials = vec![Lambertian::gray(0.5), Lambertian::BLACK];
     let mut scene = scene(&solids, materials, water(0.179, 0.219), average());
     let lamp = lamp([-0.4, -0.3, 0.0], 1.0);
     scene.lamps = vec![lamp];
@@ -152,10 +157,10 @@ fn unscattered_light_of_a_lamp_with_a_shadow_is_exact() {
 /// Reflected and transmitted light of a slab between z = 0 and a depth at normal incidence; without noise for
 /// unscattered light.
 fn slab(phase: Phase, albedo: f64, depth: f64, paths: u64) -> [Mean; 2] {
-    let solids = Solids(vec![Solid::Wall(-1e-9), Solid::Wall(depth)]);
+    let solids = Solids(vec![TestSolid::Wall(-1e-9), TestSolid::Wall(depth)]);
     [0, 1].map(|side| {
-        let mut materials = vec![Material::BLACK; 2];
-        materials[side] = Material::glowing(1.0);
+        let mut materials = vec![Lambertian::BLACK; 2];
+        materials[side] = Lambertian::glowing(1.0);
         let scene = scene(&solids, materials, water(1.0 - albedo, albedo), phase.clone());
         radiance(&scene, along([0.0, 0.0, 1.0]), side as u64, paths)[3]
     })
@@ -193,25 +198,25 @@ fn a_half_space_of_isotropic_water_reflects_as_chandrasekhar_says() {
 
 #[test]
 fn a_slab_that_absorbs_nothing_loses_nothing() {
-    let solids = Solids(vec![Solid::Wall(-1e-9), Solid::Wall(2.0)]);
+    let solids = Solids(vec![TestSolid::Wall(-1e-9), TestSolid::Wall(2.0)]);
     let phase = Phase::henyey_greenstein(0.5);
-    let scene = scene(&solids, vec![Material::glowing(1.0); 2], water(0.0, 1.0), phase);
+    let scene = scene(&solids, vec![Lambertian::glowing(1.0); 2], water(0.0, 1.0), phase);
     let all = radiance(&scene, along([0.0, 0.0, 1.0]), 0, 20_000)[3];
     assert!((all.mean - 1.0).abs() < 1e-12 && all.error < 1e-12, "{all:?}");
 }
 
 #[test]
 fn layers_of_the_same_optical_depth_are_the_same_slab() {
-    let solids = Solids(vec![Solid::Wall(-1e-9), Solid::Wall(2.0)]);
+    let solids = Solids(vec![TestSolid::Wall(-1e-9), TestSolid::Wall(2.0)]);
     let phase = Phase::henyey_greenstein(0.75);
     let mut scene = scene(
         &solids,
-        vec![Material::BLACK, Material::glowing(1.0)],
+        vec![Lambertian::BLACK, Lambertian::glowing(1.0)],
         water(0.1, 0.9),
         phase,
     );
     // One meter of half and one of half as much again: two in all.
-    scene.murk = Murk::Layers(Layers {
+    scene.turbidity = TurbidityField::Layers(WaterLayers {
         up: vec3(0.0, 0.0, -1.0),
         depth_m: 0.0,
         edges_m: vec![1.0],
@@ -233,7 +238,7 @@ fn flux_deep_in_isotropic_water_falls_by_the_diffusion_exponent() {
 }
 
 fn room() -> Solids {
-    let block = Solid::Block {
+    let block = TestSolid::Block {
         low: [-1.0, -1.5, -0.5],
         high: [1.2, 1.0, 2.0],
     };
@@ -243,22 +248,22 @@ fn room() -> Solids {
 #[test]
 fn a_closed_room_that_sends_out_what_it_takes_is_even() {
     let rooms = room();
-    let half = Material {
+    let half = Lambertian {
         reflectance: [0.5; 3],
         emitted: [0.5; 3],
     };
     let even = scene(&rooms, vec![half], water(0.0, 0.6), average());
-    let murk = Murk::Layers(Layers {
+    let turbidity = TurbidityField::Layers(WaterLayers {
         up: UP,
         depth_m: 3.0,
         edges_m: vec![2.5, 3.2],
         factors: vec![0.2, 3.0, 1.0],
     });
-    let murky = truth::Scene {
-        murk,
+    let turbid = truth::TracedScene {
+        turbidity,
         ..scene(&rooms, vec![half], water(0.0, 0.6), average())
     };
-    for scene in [even, murky] {
+    for scene in [even, turbid] {
         for direction in [[0.0, 0.0, 1.0], [1.0, 0.2, 0.1], [-0.4, 0.6, -1.0]] {
             radiance(&scene, along(direction), 0, 20_000)[3].agrees(1.0, 0.0, "furnace");
         }
@@ -268,7 +273,7 @@ fn a_closed_room_that_sends_out_what_it_takes_is_even() {
 #[test]
 fn a_lamp_and_the_place_it_is_seen_from_can_change_places() {
     // Light at a point from a lamp at another, over all directions; a bright block next to one of them.
-    let block = Solid::Block {
+    let block = TestSolid::Block {
         low: [0.3, -0.6, 0.4],
         high: [0.9, 0.6, 1.4],
     };
@@ -277,7 +282,7 @@ fn a_lamp_and_the_place_it_is_seen_from_can_change_places() {
     let fluence = |from: [f64; 3], to: [f64; 3]| {
         let mut scene = scene(
             &solids,
-            vec![Material::gray(0.8)],
+            vec![Lambertian::gray(0.8)],
             water(0.2, 0.5),
             Phase::henyey_greenstein(0.6),
         );
@@ -319,10 +324,10 @@ fn a_lamp_and_the_place_it_is_seen_from_can_change_places() {
 
 #[test]
 fn a_path_of_all_channels_has_the_means_of_three() {
-    let solids = Solids(vec![Solid::Wall(2.0)]);
+    let solids = Solids(vec![TestSolid::Wall(2.0)]);
     let mut scene = scene(
         &solids,
-        vec![Material::gray(0.6)],
+        vec![Lambertian::gray(0.6)],
         water(0.2, 0.4),
         Phase::henyey_greenstein(0.8),
     );
@@ -360,7 +365,7 @@ fn a_path_of_all_channels_has_the_means_of_three() {
 #[test]
 fn the_sun_lights_a_floor_and_the_water_above_it() {
     // A level floor 2 m below the camera, the sun at the zenith, purely absorbing water: E ρ/π e^{−a (z + Z)}.
-    let below = Solid::Block {
+    let below = TestSolid::Block {
         low: [-100.0, 2.0, -100.0],
         high: [100.0, 3.0, 100.0],
     };
@@ -369,12 +374,12 @@ fn the_sun_lights_a_floor_and_the_water_above_it() {
         up: UP,
         depth_m: 5.0,
         sky: [0.0; 3],
-        sun: Some(Sun {
+        sun: Some(SeaSun {
             direction: UP,
             irradiance: [1.0; 3],
         }),
     };
-    let mut clear = scene(&solids, vec![Material::gray(1e-5)], water(0.1, 0.0), average());
+    let mut clear = scene(&solids, vec![Lambertian::gray(1e-5)], water(0.1, 0.0), average());
     clear.sea = Some(sea);
     let along = along([0.0, 1.0, 1.0]);
     let found = radiance(&clear, along, 0, 32)[3].mean;

@@ -3,10 +3,10 @@
 use imaging::random::Stream;
 use imaging::rays::{Hit, Rays};
 use imaging::vector::{DVec3, vec3};
-use truth::{Address, Along, Coefficients, ORDERS, Phase, Scene, Surfaces};
+use truth::{Address, Along, ORDERS, Phase, SurfaceMaterials, TracedScene, WaterCoefficients};
 
 /// A surface; its index among the solids selects its material.
-pub(crate) enum Solid {
+pub(crate) enum TestSolid {
     /// The unbounded plane z = this.
     Wall(f64),
     /// The part of the plane z = `z` with |x| up to `half`.
@@ -15,9 +15,9 @@ pub(crate) enum Solid {
     Block { low: [f64; 3], high: [f64; 3] },
 }
 
-pub(crate) struct Solids(pub(crate) Vec<Solid>);
+pub(crate) struct Solids(pub(crate) Vec<TestSolid>);
 
-impl Solid {
+impl TestSolid {
     fn enter(&self, origin: [f64; 3], direction: [f64; 3], from: f64) -> Option<(f64, [f64; 3])> {
         let facing = |axis: usize| {
             let mut normal = [0.0; 3];
@@ -69,23 +69,23 @@ impl Rays for Solids {
 /// A scene without lamps and sea.
 pub(crate) fn scene<'a>(
     solids: &'a Solids,
-    surfaces: Vec<truth::Material>,
-    water: Coefficients,
+    surfaces: Vec<truth::Lambertian>,
+    water: WaterCoefficients,
     phase: Phase,
-) -> Scene<'a> {
-    Scene {
+) -> TracedScene<'a> {
+    TracedScene {
         rays: solids,
-        surfaces: Surfaces::ByObject(surfaces),
+        surfaces: SurfaceMaterials::ByObject(surfaces),
         lamps: Vec::new(),
         sea: None,
         water: [water; 3],
         phase,
-        murk: truth::Murk::Even,
+        turbidity: truth::TurbidityField::Even,
     }
 }
 
-pub(crate) fn water(absorption: f64, scattering: f64) -> Coefficients {
-    Coefficients {
+pub(crate) fn water(absorption: f64, scattering: f64) -> WaterCoefficients {
+    WaterCoefficients {
         absorption,
         scattering,
     }
@@ -127,7 +127,7 @@ impl Mean {
 }
 
 /// Radiance of the first channel along a ray by scattering order, followed by the total.
-pub(crate) fn radiance(scene: &Scene<'_>, along: Along, pixel: u64, paths: u64) -> [Mean; ORDERS + 1] {
+pub(crate) fn radiance(scene: &TracedScene<'_>, along: Along, pixel: u64, paths: u64) -> [Mean; ORDERS + 1] {
     let stream: Stream = truth::stream(7);
     const BATCHES: usize = 32;
     let mut sums = [[0.0; BATCHES]; ORDERS + 1];

@@ -1,4 +1,4 @@
-//! Table of Poisson's sums: F at the middle of every row of means, and a guide to the smallest k.
+//! PoissonTable of Poisson's sums: F at the middle of every row of means, and a guide to the smallest k.
 
 use std::sync::LazyLock;
 
@@ -15,17 +15,17 @@ pub(super) const COUNTS: usize = 64;
 pub(super) const WINDOW: usize = 4;
 /// f32 rounding of u, the table and three products, each at most 1: about 1e-6. Also covers the rounding of f64 sums.
 pub(super) const ROUNDING: f32 = 4e-6;
-pub(super) struct Table {
+pub(super) struct PoissonTable {
     /// Start in `sums` of the window for a row and an interval of u.
     pub(super) starts: Vec<u16>,
     /// 0, 0, F(0), F(1), … of each row; then a window of NaN, which leaves every pixel open.
     pub(super) sums: Vec<f32>,
 }
 
-pub(super) static TABLE: LazyLock<Table> = LazyLock::new(table);
+pub(super) static TABLE: LazyLock<PoissonTable> = LazyLock::new(table);
 
-fn table() -> Table {
-    let mut table = Table {
+fn table() -> PoissonTable {
+    let mut table = PoissonTable {
         starts: Vec::with_capacity(ROWS * PARTS),
         sums: Vec::with_capacity(ROWS * COUNTS + WINDOW),
     };

@@ -22,7 +22,7 @@ pub(super) fn guided(guide: &Guide, plane: &Plane<f64>) -> Plane<f64> {
 
 /// One row of the guide and of the plane.
 #[derive(Clone, Copy)]
-struct Row<'a> {
+struct GuideRow<'a> {
     codes: [&'a [u8]; 3],
     plane: &'a [f64],
 }
@@ -34,11 +34,11 @@ fn sweep(guide: &Guide, plane: &Plane<f64>) -> Plane<f64> {
     let (across, down) = (inverse_counts(width, radius), inverse_counts(height, radius));
     let regularization = guide.regularization / (guide.scale * guide.scale);
     let (no_codes, no_plane) = (vec![0u8; width], vec![0.0; width]);
-    let none = Row {
+    let none = GuideRow {
         codes: [&no_codes; 3],
         plane: &no_plane,
     };
-    let row = |y: usize| Row {
+    let row = |y: usize| GuideRow {
         codes: guide.channels.each_ref().map(|channel| channel.row(y)),
         plane: plane.row(y),
     };
@@ -87,7 +87,7 @@ fn sweep(guide: &Guide, plane: &Plane<f64>) -> Plane<f64> {
 
 /// Adds the entering row to the column sums and subtracts the leaving one.
 #[inline(always)]
-fn slide(columns: &mut [Vec<f64>; MOMENTS], enters: Row, leaves: Row) {
+fn slide(columns: &mut [Vec<f64>; MOMENTS], enters: GuideRow, leaves: GuideRow) {
     let (codes, rest) = columns.split_at_mut(3);
     let (products, rest) = rest.split_at_mut(6);
     let (plane, with_plane) = rest.split_at_mut(1);

@@ -3,19 +3,19 @@
 use imaging::Plane;
 
 use super::tile::BLOCK;
-use crate::blocks::Region;
+use crate::blocks::QuadRegion;
 
 /// Rows of a cell: even, and more than the reach of coefficients and windows.
 pub(super) const ROWS: usize = 8;
 
 #[derive(Debug, Clone)]
-pub(super) struct Cells {
+pub(super) struct CellSet {
     across: usize,
     down: usize,
     chosen: Vec<bool>,
 }
 
-impl Cells {
+impl CellSet {
     /// All cells of a picture.
     pub(super) fn whole(width: usize, height: usize) -> Self {
         Self::filled(width, height, true)
@@ -34,7 +34,7 @@ impl Cells {
     }
 
     /// Adds the cells of a region.
-    pub(super) fn with_region(mut self, region: &Region) -> Self {
+    pub(super) fn with_region(mut self, region: &QuadRegion) -> Self {
         for y in region.rows.start / ROWS..region.rows.end.div_ceil(ROWS) {
             let columns = region.columns.start / BLOCK..region.columns.end.div_ceil(BLOCK);
             self.chosen[y * self.across..][columns].fill(true);
@@ -85,11 +85,11 @@ mod tests {
     #[test]
     fn cells_hold_the_low_values_and_grow_to_the_border() {
         let plane = Plane::from_fn(100, 30, |x, y| if (x, y) == (70, 9) { 0.5 } else { 1.0 });
-        let cells = Cells::at_most(&plane, 0.5);
+        let cells = CellSet::at_most(&plane, 0.5);
         assert!(cells.has(2, 8) && cells.has_columns(10, 64, 15) && !cells.has_columns(10, 63, 15));
         assert!(!cells.has(2, 7) && !cells.has(2, 16));
         let grown = cells.grown(1, 2);
         assert!(grown.has(1, 0) && grown.has(3, 29) && !grown.has(0, 9));
-        assert!(Cells::whole(100, 30).has(3, 29));
+        assert!(CellSet::whole(100, 30).has(3, 29));
     }
 }

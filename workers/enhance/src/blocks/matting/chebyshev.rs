@@ -19,8 +19,8 @@ use std::ops::Range;
 
 use imaging::{Plane, vectorized};
 
-use super::cells::{Cells, ROWS};
-use super::tile::{BLOCK, Coefficients, SPAN, Step, take_tile};
+use super::cells::{CellSet, ROWS};
+use super::tile::{BLOCK, ChebyshevStep, SPAN, TileCoefficients, take_tile};
 use super::windows::{RIM, STEPS, each_row};
 
 /// Maximum number of windows that contain a pixel.
@@ -33,20 +33,20 @@ pub(super) struct System {
     height: usize,
     closeness: f64,
     tiles: usize,
-    cells: Cells,
+    cells: CellSet,
     /// The tiles of each row, including the rim; λ is on the diagonal.
-    coefficients: Vec<Coefficients>,
+    coefficients: Vec<TileCoefficients>,
 }
 
 impl System {
     /// The system of a picture of at least 3 × 3 pixels.
     pub(super) fn new(channels: &[Plane<u8>; 3], closeness: f64) -> Self {
         let (width, height) = channels[0].size();
-        Self::in_cells(channels, closeness, Cells::whole(width, height))
+        Self::in_cells(channels, closeness, CellSet::whole(width, height))
     }
 
     /// The system of the pixels in `cells`; all other pixels keep their initial values.
-    pub(super) fn in_cells(channels: &[Plane<u8>; 3], closeness: f64, cells: Cells) -> Self {
+    pub(super) fn in_cells(channels: &[Plane<u8>; 3], closeness: f64, cells: CellSet) -> Self {
         let (width, height) = channels[0].size();
         // Windows of the pixels of a cell begin at most one cell away.
         let around = cells.grown(1, 1);
@@ -127,7 +127,12 @@ impl System {
 
     /// Runs consecutive steps from the first row to the last. `planes` are `x_{k-1}` and `x_k`; after an odd number of
     /// steps they are in the other order.
-    fn pass<const N: usize>(&self, b: &[Vec<f32>; N], planes: &mut [[Vec<f32>; N]; 2], steps: &[Step]) {
+    fn pass<const N: usize>(
+        &self,
+        b: &[Vec<f32>; N],
+        planes: &mut [[Vec<f32>; N]; 2],
+        steps: &[ChebyshevStep],
+    ) {
         let height = self.height.next_multiple_of(2);
         for front in (0..height + RIM * (steps.len() - 1)).step_by(ROWS) {
             for (level, step) in steps.iter().enumerate() {
@@ -148,7 +153,7 @@ impl System {
     #[inline(always)]
     fn take_rows<const N: usize>(
         &self,
-        step: Step,
+        step: ChebyshevStep,
         rows: Range<usize>,
         b: &[Vec<f32>; N],
         now: &[Vec<f32>; N],
@@ -160,7 +165,7 @@ impl System {
                     continue;
                 }
                 // From two rows before the tile to its second row.
-                let records: [&Coefficients; 4] =
+                let records: [&TileCoefficients; 4] =
                     std::array::from_fn(|row| &self.coefficients[(y + row) * self.tiles + tile]);
                 take_tile(
                     step,
@@ -186,18 +191,18 @@ impl System {
 }
 
 /// The steps from `x_0 = x_{-1}` to a share of the residual.
-fn steps(closeness: f64, residual: f64) -> Vec<Step> {
+fn steps(closeness: f64, residual: f64) -> Vec<ChebyshevStep> {
     let half = WINDOWS / 2.0;
     let sigma = (closeness + half) / half;
     let count = ((1.0 / residual).acosh() / sigma.acosh()).ceil() as usize;
-    let first = Step {
+    let first = ChebyshevStep {
         momentum: 0.0,
         length: (1.0 / (closeness + half)) as f32,
     };
     let mut rho = 1.0 / sigma;
     let later = (1..count.max(1)).map(|_| {
         let next = 1.0 / (2.0 * sigma - rho);
-        let step = Step {
+        let step = ChebyshevStep {
             momentum: (next * rho) as f32,
             length: (2.0 * next / half) as f32,
         };

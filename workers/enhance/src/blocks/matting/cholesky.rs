@@ -16,13 +16,13 @@ const LEAF_PX: usize = 48;
 const CUT_PX: usize = RIM;
 
 /// `L` of `L Lᵀ = A`, part by part in the order of elimination.
-pub(super) struct Factor {
+pub(super) struct CholeskyFactor {
     width: usize,
-    parts: Vec<Part>,
+    parts: Vec<Supernode>,
 }
 
 /// Pixels that are eliminated together.
-struct Part {
+struct Supernode {
     /// Positions of the pixels.
     own: Vec<usize>,
     /// Positions of the later pixels reached by their rows.
@@ -38,7 +38,7 @@ struct Rectangle {
     y: (usize, usize),
 }
 
-impl Factor {
+impl CholeskyFactor {
     /// Factors `L + λ E`.
     pub(super) fn new(laplacian: &Laplacian, closeness: f64) -> Self {
         let whole = Rectangle {
@@ -77,7 +77,7 @@ struct Elimination<'l> {
     closeness: f64,
     /// Index of each pixel in the current front.
     places: Vec<usize>,
-    parts: Vec<Part>,
+    parts: Vec<Supernode>,
 }
 
 /// The Schur complement of an eliminated rectangle over the surrounding pixels: the lower half of a dense matrix.
@@ -106,7 +106,7 @@ impl Elimination<'_> {
         }
         front.eliminate();
         let (columns, rows) = front.into_parts();
-        self.parts.push(Part {
+        self.parts.push(Supernode {
             own,
             ring: ring.clone(),
             columns,
@@ -114,7 +114,7 @@ impl Elimination<'_> {
         Remainder { ring, rows }
     }
 
-    /// Adds the coefficients among the eliminated pixels, and from these to the ring. Coefficients of previously
+    /// Adds the coefficients among the eliminated pixels, and from these to the ring. TileCoefficients of previously
     /// eliminated pixels were added with those.
     fn add_rows(&self, own: &[usize], front: &mut Front) {
         let width = self.laplacian.width;
@@ -200,7 +200,7 @@ impl Rectangle {
     }
 }
 
-impl Part {
+impl Supernode {
     fn row(&self, row: usize) -> &[f64] {
         &self.columns[row * self.own.len()..][..self.own.len()]
     }

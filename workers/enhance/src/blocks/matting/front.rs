@@ -9,7 +9,7 @@ const PANEL: usize = 32;
 pub(super) struct Front {
     own: usize,
     size: usize,
-    /// Row-major; elements above the diagonal are never read.
+    /// StepRows-major; elements above the diagonal are never read.
     rows: Vec<f64>,
 }
 

@@ -7,7 +7,7 @@
 
 use imaging::Plane;
 
-use super::cells::Cells;
+use super::cells::CellSet;
 use super::chebyshev::System;
 use super::halves::{doubled, halved, mean_code, mean_value};
 use super::{CLOSENESS, LARGE, Matting};
@@ -56,7 +56,7 @@ pub fn lowest_refined(guide: &Guide, plane: &Plane<f64>, variant: Variant) -> Pl
     let codes = channels.each_ref().map(|codes| halved(codes, mean_code));
     let [half] = System::new(&codes, HALF_CLOSENESS).solved([&halved(plane, mean_value)], HALF_RESIDUAL);
     let start = doubled(&half, plane.size());
-    let cells = Cells::at_most(&start, low_value(half, LOWEST))
+    let cells = CellSet::at_most(&start, low_value(half, LOWEST))
         .with_region(&lowest_part(&start, PARTS))
         .grown(MARGIN.0, MARGIN.1);
     System::in_cells(channels, CLOSENESS[1], cells).continued(plane, &start, RESIDUAL)

@@ -26,7 +26,7 @@ use imaging::Plane;
 use super::guided::{Guide, guided};
 use crate::variant::Variant;
 use chebyshev::System;
-use cholesky::Factor;
+use cholesky::CholeskyFactor;
 use laplacian::Laplacian;
 pub use lowest::lowest_refined;
 
@@ -57,7 +57,7 @@ enum Solver {
     /// Large pictures: faster steps in f32.
     Chebyshev(System),
     /// Small λ, where the iteration would need thousands of steps: factorized once for all planes.
-    Factored(Factor),
+    Factored(CholeskyFactor),
 }
 
 impl<'g> Matting<'g> {
@@ -72,7 +72,7 @@ impl<'g> Matting<'g> {
             _ if width < 3 || height < 3 => Solver::Nothing,
             Variant::Reference => Solver::Gradients(Laplacian::new(channels)),
             Variant::Fast if is_large => Solver::Chebyshev(System::new(channels, closeness)),
-            Variant::Fast => Solver::Factored(Factor::new(&Laplacian::new(channels), closeness)),
+            Variant::Fast => Solver::Factored(CholeskyFactor::new(&Laplacian::new(channels), closeness)),
         };
         Self {
             guide,

@@ -9,12 +9,12 @@ pub(super) const SPAN: usize = BLOCK + 2 * RIM;
 /// Rows and columns within the reach of coefficients.
 const SIDE: usize = 2 * RIM + 1;
 
-/// Coefficients of a row of a tile for all [`STEPS`]: one contiguous stream of memory.
-pub(super) type Coefficients = [[f32; SPAN]; STEPS.len()];
+/// TileCoefficients of a row of a tile for all [`STEPS`]: one contiguous stream of memory.
+pub(super) type TileCoefficients = [[f32; SPAN]; STEPS.len()];
 
 /// `x_{k+1} = x_k + momentum (x_k - x_{k-1}) + length (b - A x_k)`.
 #[derive(Clone, Copy)]
-pub(super) struct Step {
+pub(super) struct ChebyshevStep {
     pub(super) momentum: f32,
     pub(super) length: f32,
 }
@@ -23,8 +23,8 @@ pub(super) struct Step {
 /// before the tile and of its rows; `start` is its first pixel in planes of `stride` columns.
 #[inline(always)]
 pub(super) fn take_tile<const N: usize>(
-    step: Step,
-    records: [&Coefficients; 4],
+    step: ChebyshevStep,
+    records: [&TileCoefficients; 4],
     (start, stride): (usize, usize),
     b: &[Vec<f32>; N],
     now: &[Vec<f32>; N],
@@ -71,10 +71,10 @@ fn block(plane: &[f32], start: usize) -> [f32; BLOCK] {
     block
 }
 
-/// Coefficients from a row to the pixels at a column and row of the neighborhood, both counted from its corner.
+/// TileCoefficients from a row to the pixels at a column and row of the neighborhood, both counted from its corner.
 /// `records` are those of the two previous rows and of the row.
 #[inline(always)]
-fn coefficient(records: [&Coefficients; 3], column: usize, row: usize) -> &[f32] {
+fn coefficient(records: [&TileCoefficients; 3], column: usize, row: usize) -> &[f32] {
     let number = (SIDE * row + column).abs_diff(SIDE * RIM + RIM);
     let [record, at] = if (row, column) >= (RIM, RIM) {
         [RIM, RIM]
@@ -93,7 +93,12 @@ fn subtract(rest: &mut [f32; BLOCK], coefficients: &[f32], values: &[f32], colum
 }
 
 #[inline(always)]
-fn finish(Step { momentum, length }: Step, rest: &[f32; BLOCK], now: &[f32], to: &mut [f32]) {
+fn finish(
+    ChebyshevStep { momentum, length }: ChebyshevStep,
+    rest: &[f32; BLOCK],
+    now: &[f32],
+    to: &mut [f32],
+) {
     let (now, to) = (&now[..BLOCK], &mut to[..BLOCK]);
     for i in 0..BLOCK {
         to[i] = length.mul_add(rest[i], momentum.mul_add(now[i] - to[i], now[i]));

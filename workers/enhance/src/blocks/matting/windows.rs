@@ -5,7 +5,7 @@ use std::ops::{Add, AddAssign, Mul};
 
 use imaging::{Plane, vectorized};
 
-use super::cells::Cells;
+use super::cells::CellSet;
 
 /// Width of the rim of zeros around the picture: the reach of a coefficient.
 pub(super) const RIM: usize = 2;
@@ -36,24 +36,24 @@ const GROUP: usize = 16;
 const PIXELS: usize = 9;
 const SIDE: usize = 3;
 
-type Lanes<T> = [T; BLOCK];
+type WindowLanes<T> = [T; BLOCK];
 
 /// A row of each of [`STEPS`], with its rim.
-pub(super) type Row<T> = [Vec<T>; STEPS.len()];
+pub(super) type StepRows<T> = [Vec<T>; STEPS.len()];
 
 /// Number type of the coefficient sums. Products of whitened colors are at most 9: f32 is enough for a system in f32.
-pub(super) trait Real: Copy + Add<Output = Self> + AddAssign + Mul<Output = Self> {
+pub(super) trait WindowNumber: Copy + Add<Output = Self> + AddAssign + Mul<Output = Self> {
     fn from_f64(value: f64) -> Self;
 }
 
-impl Real for f32 {
+impl WindowNumber for f32 {
     #[inline(always)]
     fn from_f64(value: f64) -> Self {
         value as Self
     }
 }
 
-impl Real for f64 {
+impl WindowNumber for f64 {
     #[inline(always)]
     fn from_f64(value: f64) -> Self {
         value
@@ -62,15 +62,15 @@ impl Real for f64 {
 
 /// Calls `take` with the rows of a picture of at least 3 × 3 pixels, in order, summed over the windows that begin in
 /// `cells`.
-pub(super) fn each_row<T: Real>(
+pub(super) fn each_row<T: WindowNumber>(
     channels: &[Plane<u8>; 3],
-    cells: &Cells,
-    mut take: impl FnMut(usize, &Row<T>),
+    cells: &CellSet,
+    mut take: impl FnMut(usize, &StepRows<T>),
 ) {
     let (width, height) = channels[0].size();
     let zero = T::from_f64(0.0);
     // Windows span three rows: a row is complete after the windows that end in it.
-    let mut rows: [Row<T>; SIDE] =
+    let mut rows: [StepRows<T>; SIDE] =
         std::array::from_fn(|_| std::array::from_fn(|_| vec![zero; width + 2 * RIM]));
     let mut white = Box::new([[[zero; BLOCK]; 3]; PIXELS]);
     for y in 0..height {
@@ -97,7 +97,11 @@ pub(super) fn each_row<T: Real>(
 /// equal those with the inverse covariance. For colors on a line the adjugate would lose the ridge to rounding, and the
 /// matrix would not stay positive.
 #[inline(always)]
-fn whiten<T: Real>(lines: &[[&[u8]; SIDE]; 3], count: usize, white: &mut [[Lanes<T>; 3]; PIXELS]) {
+fn whiten<T: WindowNumber>(
+    lines: &[[&[u8]; SIDE]; 3],
+    count: usize,
+    white: &mut [[WindowLanes<T>; 3]; PIXELS],
+) {
     for start in (0..count).step_by(GROUP) {
         let group = start..(start + GROUP).min(count);
         let mut codes = [[[0i32; GROUP]; PIXELS]; 3];
@@ -112,10 +116,10 @@ fn whiten<T: Real>(lines: &[[&[u8]; SIDE]; 3], count: usize, white: &mut [[Lanes
 }
 
 #[inline(always)]
-fn whiten_group<T: Real>(
+fn whiten_group<T: WindowNumber>(
     codes: &[[[i32; GROUP]; PIXELS]; 3],
     start: usize,
-    white: &mut [[Lanes<T>; 3]; PIXELS],
+    white: &mut [[WindowLanes<T>; 3]; PIXELS],
 ) {
     let (mut sums, mut products) = ([[0i32; GROUP]; 3], [[[0i32; GROUP]; 3]; 3]);
     for pixel in 0..PIXELS {
@@ -162,7 +166,11 @@ fn whiten_group<T: Real>(
 
 /// Adds the windows from column `x` on. Each coefficient sums its windows from left to right, for any block size.
 #[inline(always)]
-fn add<T: Real>(white: &[[Lanes<T>; 3]; PIXELS], (x, count): (usize, usize), rows: &mut [Row<T>; SIDE]) {
+fn add<T: WindowNumber>(
+    white: &[[WindowLanes<T>; 3]; PIXELS],
+    (x, count): (usize, usize),
+    rows: &mut [StepRows<T>; SIDE],
+) {
     let share = T::from_f64(-1.0 / 9.0);
     for row in 0..SIDE {
         for column in (0..SIDE).rev() {

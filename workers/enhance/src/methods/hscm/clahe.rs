@@ -6,7 +6,7 @@
 
 use imaging::{Plane, reflected, vectorized};
 
-type Table = [u8; 256];
+type TileTable = [u8; 256];
 
 /// Equalizes a plane of at least one pixel. `grid` is the number of tiles across and down, at least one each;
 /// `clip_limit` is in mean bins; 0 disables clipping.
@@ -15,7 +15,7 @@ type Table = [u8; 256];
 /// `tiles - side mod tiles`, which is a whole row of pixels per tile on a side that did divide.
 #[must_use]
 pub fn clahe(picture: &Plane<u8>, (across, down): (usize, usize), clip_limit: f64) -> Plane<u8> {
-    let tiles = Tiles::new(picture.size(), across, down);
+    let tiles = TileGrid::new(picture.size(), across, down);
     let tables = tiles.tables(picture, clip_limit);
     let (width, height) = picture.size();
     let columns: Vec<Neighbors> = (0..width).map(|x| Neighbors::new(x, tiles.width_px)).collect();
@@ -37,14 +37,14 @@ pub fn clahe(picture: &Plane<u8>, (across, down): (usize, usize), clip_limit: f6
 }
 
 /// The grid over the extended picture.
-struct Tiles {
+struct TileGrid {
     across: usize,
     down: usize,
     width_px: usize,
     height_px: usize,
 }
 
-impl Tiles {
+impl TileGrid {
     fn new((width, height): (usize, usize), across: usize, down: usize) -> Self {
         let (mut extended_width, mut extended_height) = (width, height);
         if !width.is_multiple_of(across) || !height.is_multiple_of(down) {
@@ -60,7 +60,7 @@ impl Tiles {
     }
 
     /// One table per tile, row-major.
-    fn tables(&self, picture: &Plane<u8>, clip_limit: f64) -> Vec<Table> {
+    fn tables(&self, picture: &Plane<u8>, clip_limit: f64) -> Vec<TileTable> {
         let (width, height) = picture.size();
         let extended_width = self.across * self.width_px;
         let columns: Vec<usize> = (0..extended_width)
@@ -91,7 +91,7 @@ impl Tiles {
         tables
     }
 
-    fn table(&self, mut histogram: [u32; 256], clip_limit: f64) -> Table {
+    fn table(&self, mut histogram: [u32; 256], clip_limit: f64) -> TileTable {
         let area = self.width_px * self.height_px;
         if clip_limit > 0.0 {
             let limit = ((clip_limit * area as f64 / 256.0) as u32).max(1);
@@ -142,7 +142,7 @@ impl Neighbors {
 
 /// For each gap between tile centers and each code: the four table entries in one word, low byte first in the order
 /// upper left, upper right, lower left, lower right. One look-up per pixel instead of four.
-fn blend_tables(upper: &[Table], lower: &[Table]) -> Vec<[u32; 256]> {
+fn blend_tables(upper: &[TileTable], lower: &[TileTable]) -> Vec<[u32; 256]> {
     let last = upper.len() - 1;
     let gaps = (0..=upper.len()).map(|gap| {
         let (left, right) = (gap.saturating_sub(1), gap.min(last));
@@ -205,9 +205,9 @@ mod tests {
 
     #[test]
     fn a_divisible_side_is_extended_when_the_other_is_not() {
-        let both = Tiles::new((80, 60), 8, 8);
+        let both = TileGrid::new((80, 60), 8, 8);
         assert_eq!((both.width_px, both.height_px), (11, 8));
-        let neither = Tiles::new((80, 64), 8, 8);
+        let neither = TileGrid::new((80, 64), 8, 8);
         assert_eq!((neither.width_px, neither.height_px), (10, 8));
     }
 

@@ -3,14 +3,14 @@
 use imaging::{Plane, Rgb8};
 
 use super::blurriness;
-use super::light::Light;
+use super::light::BackgroundLight;
 use crate::blocks::{Guide, Matting, guided, lowest_refined};
 use crate::methods::Method;
 use crate::variant::Variant;
 
 /// Refinement of blurriness, which determines the light, and of closeness, which determines the transmittance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Form {
+pub enum IblaRefinement {
     /// Both by matting: the method `ibla`.
     Matting,
     /// Blurriness by matting around its smallest values, closeness by the guided filter: `ibla_hybrid`.
@@ -19,7 +19,7 @@ pub enum Form {
     Guided,
 }
 
-impl Form {
+impl IblaRefinement {
     /// All variants from the exact one to the fastest.
     pub const ALL: [Self; 3] = [Self::Matting, Self::Hybrid, Self::Guided];
 
@@ -58,9 +58,9 @@ impl Form {
 ///
 /// each red, green and blue in 0..=1 of the codes.
 #[must_use]
-pub fn candidates(picture: &Rgb8, form: Form, variant: Variant) -> [[f64; 3]; 3] {
+pub fn candidates(picture: &Rgb8, form: IblaRefinement, variant: Variant) -> [[f64; 3]; 3] {
     let refined = form.refined(&Guide::new(picture), &blurriness(picture, variant), variant);
-    Light::new(picture, &refined, variant).candidates
+    BackgroundLight::new(picture, &refined, variant).candidates
 }
 
 #[cfg(test)]
@@ -70,7 +70,7 @@ mod tests {
 
     #[test]
     fn a_faster_form_is_farther_from_the_exact_one() {
-        let distances = Form::ALL.map(|form| form.method().distance());
+        let distances = IblaRefinement::ALL.map(|form| form.method().distance());
         assert_eq!(distances[0], 0.0);
         assert!(distances.is_sorted_by(|one, next| one < next), "{distances:?}");
     }
@@ -81,13 +81,14 @@ mod tests {
             [(x * 3) as u8, (y * 5) as u8, ((x * y) % 97) as u8]
         });
         let raster = picture.clone().into();
-        let results = Form::ALL.map(|form| {
+        let results = IblaRefinement::ALL.map(|form| {
             let result = run_variant(&form.method(), &raster, Variant::Fast).unwrap();
             assert_eq!(result, super::super::restored(&raster, Variant::Fast, form));
             result
         });
         assert_ne!(results[0], results[2]);
-        let [matting, hybrid, guided] = Form::ALL.map(|form| candidates(&picture, form, Variant::Fast));
+        let [matting, hybrid, guided] =
+            IblaRefinement::ALL.map(|form| candidates(&picture, form, Variant::Fast));
         assert_eq!(matting, hybrid, "small pictures are solved as a whole");
         assert_eq!(matting[1], guided[1]);
         assert!(

@@ -17,7 +17,7 @@ const APART: f64 = 0.1;
 
 /// The background light and its candidates.
 #[derive(Debug)]
-pub(super) struct Light {
+pub(super) struct BackgroundLight {
     /// The color, 0..=1.
     pub(super) color: [f64; 3],
     /// Colors of the most blurred pixels, of the calmest region and of the most blurred region.
@@ -26,7 +26,7 @@ pub(super) struct Light {
     shares: [f64; 3],
 }
 
-impl Light {
+impl BackgroundLight {
     /// From the blurriness, which is small where the picture is blurred.
     pub(super) fn new(picture: &Rgb8, blurriness: &Plane<f64>, variant: Variant) -> Self {
         let candidates = [
@@ -98,7 +98,7 @@ mod tests {
         let blurriness = Plane::from_fn(40, 40, |x, _| x as f64);
         let light_of = |left: u8, right: u8| {
             let picture = Rgb8::from_fn(40, 40, |x, _| if x < 21 { [left; 3] } else { [right; 3] });
-            Light::new(&picture, &blurriness, Variant::Fast)
+            BackgroundLight::new(&picture, &blurriness, Variant::Fast)
         };
         let near = |got: [f64; 3], code: f64| got.iter().all(|value| (value - code / 255.0).abs() < 0.01);
         assert!(near(light_of(200, 100).color, 200.0));
@@ -112,7 +112,7 @@ mod tests {
 
     #[test]
     fn candidates_far_apart_are_unstable_where_a_share_is_undecided() {
-        let light = |apart: f64, shares: [f64; 3]| Light {
+        let light = |apart: f64, shares: [f64; 3]| BackgroundLight {
             color: [0.5; 3],
             candidates: [[0.5; 3], [0.5, 0.5 + apart, 0.5], [0.5; 3]],
             shares,

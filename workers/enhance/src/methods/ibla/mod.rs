@@ -35,8 +35,8 @@ use crate::result::{Enhanced, OfGray};
 use crate::signs::{self, Signs};
 use crate::variant::Variant;
 use crate::warning::Warning;
-pub use form::{Form, candidates};
-use light::Light;
+pub use form::{IblaRefinement, candidates};
+use light::BackgroundLight;
 
 /// Radius of the windows of local maxima, pixels.
 const MAXIMUM_PX: usize = 3;
@@ -56,41 +56,43 @@ const BRIGHT_LIGHT: f64 = 0.8;
 /// Restores a picture of at least one pixel. The result is colored; 16 bit is reduced to 8.
 #[must_use]
 pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
-    restored(picture, variant, Form::Matting)
+    restored(picture, variant, IblaRefinement::Matting)
 }
 
 /// [`enhance`] refined by the guided filter.
 #[must_use]
 pub(crate) fn enhance_guided(picture: &Raster, variant: Variant) -> Enhanced {
-    restored(picture, variant, Form::Guided)
+    restored(picture, variant, IblaRefinement::Guided)
 }
 
 /// [`enhance`] with transmittance refined by the guided filter; the light is found by matting.
 #[must_use]
 pub(crate) fn enhance_hybrid(picture: &Raster, variant: Variant) -> Enhanced {
-    restored(picture, variant, Form::Hybrid)
+    restored(picture, variant, IblaRefinement::Hybrid)
 }
 
-fn restored(picture: &Raster, variant: Variant, form: Form) -> Enhanced {
+fn restored(picture: &Raster, variant: Variant, form: IblaRefinement) -> Enhanced {
     let colors = picture.to_rgb8();
     let guide = &Guide::new(&colors);
     let blurriness = blurriness(&colors, variant);
     let (light, mix, closeness) = match form {
-        Form::Matting => {
+        IblaRefinement::Matting => {
             let measures = Measures::new(guide, blurriness.clone(), variant);
             // Closeness depends on the light by one factor, which is approximately known: refine it together with
             // blurriness.
-            let guess =
-                || Mix::new(guide, Light::new(&colors, &blurriness, variant).color).closeness(&measures);
+            let guess = || {
+                Mix::new(guide, BackgroundLight::new(&colors, &blurriness, variant).color)
+                    .closeness(&measures)
+            };
             let matting = Matting::new(guide, variant);
             let (refined, ahead) = matting.refined_beside(&blurriness, guess);
-            let light = Light::new(&colors, &refined, variant);
+            let light = BackgroundLight::new(&colors, &refined, variant);
             let mix = Mix::new(guide, light.color);
             let closeness = matting.refined_near(&mix.closeness(&measures), ahead);
             (light, mix, closeness)
         }
-        Form::Hybrid | Form::Guided => {
-            let light = Light::new(&colors, &form.refined(guide, &blurriness, variant), variant);
+        IblaRefinement::Hybrid | IblaRefinement::Guided => {
+            let light = BackgroundLight::new(&colors, &form.refined(guide, &blurriness, variant), variant);
             let mix = Mix::new(guide, light.color);
             let Measures {
                 by_red,

@@ -35,7 +35,7 @@ fn golden_stages_and_pictures() {
                 let expected = &expected[name][form];
                 let raw = blurriness(&colors, variant);
                 let refined = refine(&raw);
-                let light = Light::new(&colors, &refined, variant);
+                let light = BackgroundLight::new(&colors, &refined, variant);
                 let boxes = [calmest(&colors), lowest(&refined)].map(|region| {
                     let (x, y) = (&region.columns, &region.rows);
                     [x.start, y.start, x.len(), y.len()].map(|number| number as f64)
@@ -148,8 +148,8 @@ fn scene(seed: usize) -> Rgb8 {
 fn the_hybrid_stays_near_the_candidates_of_matting() {
     for seed in 0..20 {
         let picture = scene(seed);
-        let [got, expected] =
-            [Form::Hybrid, Form::Matting].map(|form| candidates(&picture, form, Variant::Fast));
+        let [got, expected] = [IblaRefinement::Hybrid, IblaRefinement::Matting]
+            .map(|form| candidates(&picture, form, Variant::Fast));
         for (got, expected) in got.as_flattened().iter().zip(expected.as_flattened()) {
             assert!(
                 (got - expected).abs() < NOISY_LIGHT_TOLERANCE,

@@ -2,7 +2,7 @@
 
 use imaging::Rgb8;
 
-use crate::blocks::histogram::{self, Histogram, histograms};
+use crate::blocks::histogram::{self, CodeCounts, histograms};
 use crate::variant::Variant;
 
 /// α of the Rayleigh distribution.
@@ -63,7 +63,7 @@ fn whole(value: f64) -> usize {
 }
 
 /// Steps 3 and 4 on histograms.
-fn merged(values: &[f64; 256], counts: &Histogram) -> [f64; 256] {
+fn merged(values: &[f64; 256], counts: &CodeCounts) -> [f64; 256] {
     let total = histogram::total(counts) as f64;
     let mean = values
         .iter()
@@ -72,7 +72,7 @@ fn merged(values: &[f64; 256], counts: &Histogram) -> [f64; 256] {
         .sum::<f64>()
         / total;
     let is_lower = |value: f64| value <= mean + EQUAL;
-    let mut sets: [Histogram; 2] = [[0; 256]; 2];
+    let mut sets: [CodeCounts; 2] = [[0; 256]; 2];
     for (&value, count) in values.iter().zip(counts).filter(|(_, count)| **count > 0) {
         sets[usize::from(!is_lower(value))][whole(value)] += count;
     }

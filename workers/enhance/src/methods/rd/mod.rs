@@ -29,7 +29,7 @@ pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
     let colors = picture.to_rgb8();
     let curves = curve::curves(&colors, variant);
     let stretched = saturation::stretched(&colors, &curves, variant);
-    let others: &[signs::Sign] = &[(Warning::ChannelWithoutLight, Signs::lacks_a_channel)];
+    let others: &[signs::FailureSign] = &[(Warning::ChannelWithoutLight, Signs::lacks_a_channel)];
     let warnings = signs::warnings(&colors, &stretched, others);
     Enhanced::from_colors(picture, &stretched, OfGray::Gray, warnings)
 }

@@ -21,7 +21,7 @@ pub(super) fn stretched(picture: &Rgb8, curves: &Curves, variant: Variant) -> Rg
         Variant::Fast => vectorized!(hsv(picture.data(), curves, &mut saturation, &mut value)),
         Variant::Reference => hsv_reference(picture, curves, &mut saturation, &mut value),
     }
-    let stretch = Stretch {
+    let stretch = SaturationStretch {
         saturation: tails(&saturation, TAIL, variant),
         value: tails(&value, TAIL, variant),
     };
@@ -86,7 +86,7 @@ fn hsv(codes: &[u8], curves: &Curves, saturation: &mut [f64], value: &mut [f64])
 }
 
 /// The ends of saturation and of value.
-struct Stretch {
+struct SaturationStretch {
     saturation: (f64, f64),
     value: (f64, f64),
 }
@@ -98,7 +98,7 @@ fn stretch(z: f64, (a, b): (f64, f64)) -> f64 {
     if b > a && z >= a && z <= b { stretched } else { z }
 }
 
-impl Stretch {
+impl SaturationStretch {
     fn apply_reference(&self, curves: &Curves, picture: &mut Rgb8) {
         for pixel in picture.data_mut().chunks_exact_mut(3) {
             let color = color(curves, [pixel[0], pixel[1], pixel[2]]);

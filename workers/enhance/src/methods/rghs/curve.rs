@@ -3,7 +3,7 @@
 use imaging::Rgb8;
 
 use super::Curves;
-use crate::blocks::histogram::{self, Histogram, histograms};
+use crate::blocks::histogram::{self, CodeCounts, histograms};
 use crate::variant::Variant;
 
 /// Cubed residual energy after a unit of distance.
@@ -28,20 +28,20 @@ pub(super) fn curves(picture: &Rgb8, variant: Variant) -> Curves {
             Variant::Fast => ends(&counts[channel], &equalized),
             Variant::Reference => ends_of_sorted(picture, channel, &equalized),
         };
-        let line = Line::new(&ends, channel);
+        let line = StretchLine::new(&ends, channel);
         equalized.map(|code| line.value(f64::from(code)))
     })
 }
 
 /// The mode of a channel's codes, and the ends of the stretch.
-struct Ends {
+struct StretchEnds {
     mode: u8,
     low: u8,
     high: u8,
 }
 
-fn ends(counts: &Histogram, equalized: &[u8; 256]) -> Ends {
-    let mut moved: Histogram = [0; 256];
+fn ends(counts: &CodeCounts, equalized: &[u8; 256]) -> StretchEnds {
+    let mut moved: CodeCounts = [0; 256];
     for (&code, count) in equalized.iter().zip(counts) {
         moved[usize::from(code)] += count;
     }
@@ -54,14 +54,14 @@ fn ends(counts: &Histogram, equalized: &[u8; 256]) -> Ends {
         mode
     };
     let high = histogram::code_at(&moved, below + others - 1 - tail(others));
-    Ends {
+    StretchEnds {
         mode: mode as u8,
         low: low as u8,
         high: high as u8,
     }
 }
 
-fn ends_of_sorted(picture: &Rgb8, channel: usize, equalized: &[u8; 256]) -> Ends {
+fn ends_of_sorted(picture: &Rgb8, channel: usize, equalized: &[u8; 256]) -> StretchEnds {
     let mut sorted: Vec<u8> = picture
         .pixels()
         .map(|pixel| equalized[usize::from(pixel[channel])])
@@ -77,7 +77,7 @@ fn ends_of_sorted(picture: &Rgb8, channel: usize, equalized: &[u8; 256]) -> Ends
         .copied()
         .unwrap_or(mode);
     let high = right[right.len() - 1 - tail(right.len() as u64) as usize];
-    Ends { mode, low, high }
+    StretchEnds { mode, low, high }
 }
 
 fn tail(count: u64) -> u64 {
@@ -85,13 +85,13 @@ fn tail(count: u64) -> u64 {
 }
 
 /// The line of step 2.
-struct Line {
+struct StretchLine {
     from: (f64, f64),
     to: (f64, f64),
 }
 
-impl Line {
-    fn new(ends: &Ends, channel: usize) -> Self {
+impl StretchLine {
+    fn new(ends: &StretchEnds, channel: usize) -> Self {
         let (mode, low, high) = (f64::from(ends.mode), f64::from(ends.low), f64::from(ends.high));
         let to_ends = if mode > 0.0 {
             let kt = K[channel] * TRANSMITTANCE[channel];

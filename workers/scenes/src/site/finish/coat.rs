@@ -1,6 +1,6 @@
 //! A coated steel pipe: field joints, weld seams under the coat, and damage that exposes steel.
 
-use super::{Finish, Grain, Surface, line, steel};
+use super::{Grain, Surface, SurfaceFinish, line, steel};
 use crate::categories::Finding;
 use crate::site::lanes::{LANES, angle, clamp01, floor, mix, ramp};
 
@@ -31,11 +31,11 @@ pub(crate) struct Coat {
     pub(crate) seam: f32,
 }
 
-impl Finish {
+impl SurfaceFinish {
     /// The loop over the points, compiled by `vectorized!`.
     #[inline(always)]
     pub(super) fn coated(&self, coat: &Coat, grain: &Grain<'_>, surface: &mut Surface) {
-        let Finish { base, wear, .. } = *self;
+        let SurfaceFinish { base, wear, .. } = *self;
         let Grain { points, broad, fine } = *grain;
         let (local, footprint) = (points.local, points.place.footprint);
         let Coat {

@@ -3,10 +3,10 @@
 use imaging::vectorized;
 
 use super::pattern::{Joints, boards, courses};
-use super::{Finish, Grain, Pattern, Surface, Unroll, line, steel};
+use super::{Grain, JointPattern, Surface, SurfaceFinish, Unroll, line, steel};
 use crate::categories::Finding;
 use crate::site::lanes::{LANES, floor, larger, load, mix, ramp};
-use crate::site::noise::{Noise, Octaves};
+use crate::site::noise::{NoiseSample, Octaves};
 
 const DIRT: [f32; 3] = [0.62, 0.55, 0.42];
 /// Fresh break: paler, in the colors of the aggregate.
@@ -17,12 +17,12 @@ const CRACK_M: f32 = 0.0038;
 const BAR_PITCH_M: f32 = 0.16;
 const BAR_M: f32 = 0.009;
 
-impl Finish {
-    pub(super) fn concrete(&self, pattern: &Pattern, grain: &Grain<'_>, surface: &mut Surface) {
+impl SurfaceFinish {
+    pub(super) fn concrete(&self, pattern: &JointPattern, grain: &Grain<'_>, surface: &mut Surface) {
         let mut joints = Joints::NONE;
         match pattern {
-            Pattern::Boards => vectorized!(boards(&mut joints, grain, self.direction)),
-            Pattern::Courses(pieces) => {
+            JointPattern::Boards => vectorized!(boards(&mut joints, grain, self.direction)),
+            JointPattern::Courses(pieces) => {
                 let around = match pieces.unroll {
                     Unroll::Round { radius } => (std::f32::consts::TAU * radius / pieces.length).round(),
                     Unroll::Walls { .. } => 1e6,
@@ -39,14 +39,14 @@ impl Finish {
 
 #[inline(always)]
 fn cast(
-    finish: &Finish,
+    finish: &SurfaceFinish,
     joints: &Joints,
-    pores: &Noise,
-    cracks: &Noise,
+    pores: &NoiseSample,
+    cracks: &NoiseSample,
     grain: &Grain<'_>,
     surface: &mut Surface,
 ) {
-    let Finish {
+    let SurfaceFinish {
         base,
         wear,
         direction: phase,

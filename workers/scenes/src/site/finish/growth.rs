@@ -2,10 +2,10 @@
 
 use imaging::vectorized;
 
-use super::{Finish, Grain, Surface};
+use super::{Grain, Surface, SurfaceFinish};
 use crate::categories::Finding;
 use crate::site::lanes::{LANES, Lane, ZEROS, clamp01, mix, ramp};
-use crate::site::noise::{Noise, Octaves};
+use crate::site::noise::{NoiseSample, Octaves};
 
 pub(super) const WEED: [[f32; 3]; 4] = [
     [0.060, 0.072, 0.032],
@@ -19,7 +19,7 @@ const SHELL: [f32; 3] = [0.42, 0.39, 0.34];
 const BARE: f32 = -0.3;
 const DENSE: f32 = 0.8;
 
-impl Finish {
+impl SurfaceFinish {
     pub(super) fn overgrow(&self, grain: &Grain<'_>, surface: &mut Surface) {
         let place = &grain.points.place;
         let patch = place.noise(Octaves::even(2.6, 2, self.key ^ 0x33));
@@ -47,9 +47,9 @@ fn thrive(density: &mut Lane, growth: f32, patch: &Lane, grain: &Grain<'_>) {
 fn settle(
     [young, old]: [[f32; 3]; 2],
     density: &Lane,
-    patch: &Noise,
-    fine: &Noise,
-    shells: &Noise,
+    patch: &NoiseSample,
+    fine: &NoiseSample,
+    shells: &NoiseSample,
     surface: &mut Surface,
 ) {
     for i in 0..LANES {

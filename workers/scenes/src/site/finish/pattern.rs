@@ -14,7 +14,7 @@ pub(crate) enum Unroll {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Pattern {
+pub(crate) enum JointPattern {
     /// Seams of formwork boards along z.
     Boards,
     /// Courses of pieces, every other course shifted by half a piece.

@@ -2,10 +2,10 @@
 
 use imaging::vectorized;
 
-use super::{Finish, Grain, Material, Surface};
+use super::{Grain, Material, Surface, SurfaceFinish};
 use crate::site::lanes::LANES;
 
-impl Finish {
+impl SurfaceFinish {
     pub(super) fn plain(&self, grain: &Grain<'_>, surface: &mut Surface) {
         let weights = match self.material {
             Material::Stone => [0.004, 0.05, 0.35],

@@ -4,15 +4,15 @@ use std::f32::consts::TAU;
 
 use imaging::vectorized;
 
-use super::{Finish, Grain, Surface};
+use super::{Grain, Surface, SurfaceFinish};
 use crate::site::lanes::{LANES, Lane, clamp01, cos_turns, mix, ramp, sin_turns};
-use crate::site::noise::{Noise, Octaves};
+use crate::site::noise::{NoiseSample, Octaves};
 
 const RIPPLES_PER_M: f32 = 5.5;
 const HEIGHT_M: f32 = 0.009;
 const GRAVEL: [f32; 3] = [0.30, 0.285, 0.26];
 
-impl Finish {
+impl SurfaceFinish {
     pub(super) fn sand(&self, grain: &Grain<'_>, surface: &mut Surface) {
         let place = &grain.points.place;
         // Ripples vanish in places, and the color varies over meters.
@@ -23,8 +23,14 @@ impl Finish {
 }
 
 #[inline(always)]
-fn ripple(finish: &Finish, grain: &Grain<'_>, region: &Lane, gravel: &Noise, surface: &mut Surface) {
-    let Finish {
+fn ripple(
+    finish: &SurfaceFinish,
+    grain: &Grain<'_>,
+    region: &Lane,
+    gravel: &NoiseSample,
+    surface: &mut Surface,
+) {
+    let SurfaceFinish {
         base,
         wear,
         direction,

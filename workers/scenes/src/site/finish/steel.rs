@@ -2,19 +2,19 @@
 
 use imaging::vectorized;
 
-use super::{Finish, Grain, Surface};
+use super::{Grain, Surface, SurfaceFinish};
 use crate::categories::Finding;
 use crate::site::lanes::{LANES, Lane, clamp01, mix, ramp};
-use crate::site::noise::{Octaves, Place};
+use crate::site::noise::{NoisePoints, Octaves};
 
 const RUST_DARK: [f32; 3] = [0.085, 0.042, 0.026];
 const RUST_BRIGHT: [f32; 3] = [0.235, 0.098, 0.038];
 /// Transmittance of the rust streaks, a factor on the paint's albedo.
 const STAIN: [f32; 3] = [0.78, 0.58, 0.42];
 
-impl Finish {
+impl SurfaceFinish {
     pub(super) fn steel(&self, grain: &Grain<'_>, surface: &mut Surface) {
-        let run = Place {
+        let run = NoisePoints {
             position: grain.points.world,
             ..grain.points.place
         };
@@ -28,8 +28,8 @@ impl Finish {
 }
 
 #[inline(always)]
-fn paint(finish: &Finish, grain: &Grain<'_>, run: &Lane, surface: &mut Surface) {
-    let Finish { base, wear, .. } = *finish;
+fn paint(finish: &SurfaceFinish, grain: &Grain<'_>, run: &Lane, surface: &mut Surface) {
+    let SurfaceFinish { base, wear, .. } = *finish;
     let Grain { points, broad, fine } = *grain;
     let edge = points.edge;
     for i in 0..LANES {

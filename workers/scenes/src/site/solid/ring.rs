@@ -2,7 +2,7 @@
 
 use imaging::vector::{Vec3, vec3};
 
-use super::Form;
+use super::ShapeGeometry;
 use crate::site::bounds::Bounds;
 use crate::site::lanes::{larger, smaller};
 
@@ -20,7 +20,7 @@ const STEPS: usize = 28;
 const CONTACT_M: f32 = 2e-4;
 /// A march stops at this distance from the surface, m.
 const TOUCH_M: f32 = 2e-5;
-/// Rays that march together.
+/// EyeRays that march together.
 pub(super) const WIDE: usize = 8;
 
 impl Ring {
@@ -93,7 +93,7 @@ impl Ring {
     }
 }
 
-impl Form for Ring {
+impl ShapeGeometry for Ring {
     #[inline(always)]
     fn enter(&self, o: Vec3, d: Vec3) -> f32 {
         self.enter_abreast([o; WIDE], [d; WIDE])[0]

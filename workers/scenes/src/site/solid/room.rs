@@ -2,7 +2,7 @@
 
 use imaging::vector::{Vec3, vec3};
 
-use super::Form;
+use super::ShapeGeometry;
 use crate::site::bounds::Bounds;
 use crate::site::lanes::{larger, smaller};
 
@@ -12,7 +12,7 @@ pub(crate) struct Room {
     pub(crate) half: Vec3,
 }
 
-impl Form for Room {
+impl ShapeGeometry for Room {
     /// First hit of a ray from inside.
     #[inline(always)]
     fn enter(&self, o: Vec3, d: Vec3) -> f32 {

@@ -2,9 +2,9 @@
 
 use imaging::vector::{Vec3, vec3};
 
-use super::{Form, beyond_box};
+use super::{ShapeGeometry, beyond_box};
 use crate::site::bounds::Bounds;
-use crate::site::chance::Dice;
+use crate::site::chance::Choices;
 use crate::site::lanes::{larger, smaller};
 
 const PLANES: usize = 14;
@@ -32,7 +32,7 @@ macro_rules! for_planes {
 
 impl Stone {
     /// A stone of about the given half sides.
-    pub(crate) fn broken(half: Vec3, dice: Dice) -> Self {
+    pub(crate) fn broken(half: Vec3, dice: Choices) -> Self {
         // The directions of a golden spiral are evenly spread, so that the body is closed on every side.
         let planes = std::array::from_fn(|i| {
             let choice = 100 + 4 * i as u64;
@@ -52,7 +52,7 @@ impl Stone {
     }
 }
 
-impl Form for Stone {
+impl ShapeGeometry for Stone {
     #[inline(always)]
     fn enter(&self, o: Vec3, d: Vec3) -> f32 {
         let (mut enter, mut leave) = (0.0, f32::INFINITY);
@@ -106,7 +106,7 @@ mod tests {
     #[test]
     fn a_stone_is_closed_and_stays_in_its_box() {
         for seed in 0..20 {
-            let stone = Stone::broken(vec3(1.0, 0.7, 0.5), Dice::new(seed, "structure.test"));
+            let stone = Stone::broken(vec3(1.0, 0.7, 0.5), Choices::new(seed, "structure.test"));
             let Bounds { low, high } = stone.bounds();
             for turn in 0..64 {
                 let (sin, cos) = libm::sincosf(turn as f32 * 0.1);

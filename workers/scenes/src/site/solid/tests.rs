@@ -3,7 +3,7 @@
 use imaging::geometry::Intrinsics;
 use imaging::vector::{DVec3, vec3};
 
-use super::{Ring, Shape, Solid};
+use super::{Ring, Solid, SolidShape};
 use crate::{FAMILIES, World};
 
 /// Allowed share of rays that graze an edge and hit another solid in f64.
@@ -59,7 +59,7 @@ fn enter(solid: &Solid, eye: DVec3, ray: DVec3) -> f64 {
     let (o, d) = (inward(eye - solid.pose.origin.as_f64()), inward(ray));
     let along = |t: f64| o + d * t;
     let hits = match &solid.shape {
-        Shape::Tube(tube) => {
+        SolidShape::Tube(tube) => {
             let (radius, top) = (f64::from(tube.radius), f64::from(tube.length));
             let mut hits = circle(o, d, radius);
             hits.retain(|&t| (0.0..=top).contains(&along(t).z));
@@ -70,12 +70,12 @@ fn enter(solid: &Solid, eye: DVec3, ray: DVec3) -> f64 {
             );
             hits
         }
-        Shape::Bore(bore) => {
+        SolidShape::Bore(bore) => {
             let mut leave = circle(o, d, f64::from(bore.radius)).split_off(1);
             leave.retain(|&t| (0.0..=f64::from(bore.length)).contains(&along(t).z));
             leave
         }
-        Shape::Block(block) => {
+        SolidShape::SolidBox(block) => {
             let half = block.half.as_f64();
             let on_face = |&(t, axis): &(f64, usize)| {
                 let (p, half): ([f64; 3], [f64; 3]) = (along(t).into(), half.into());
@@ -84,7 +84,7 @@ fn enter(solid: &Solid, eye: DVec3, ray: DVec3) -> f64 {
             let faces = faces(o, d, half).into_iter();
             faces.filter(on_face).map(|(t, _)| t).collect()
         }
-        Shape::Room(room) => {
+        SolidShape::Room(room) => {
             let half = room.half.as_f64();
             let walls = faces(o, d, half).into_iter().filter(|&(_, axis)| axis < 2);
             let leave = walls.map(|(t, _)| t).filter(|&t| t > 0.0);
@@ -92,13 +92,13 @@ fn enter(solid: &Solid, eye: DVec3, ray: DVec3) -> f64 {
             let open = along(leave).z.abs() > half.z;
             if open { vec![] } else { vec![leave] }
         }
-        Shape::Ball(ball) => {
+        SolidShape::Ellipsoid(ball) => {
             let radii = ball.radii.as_f64();
             let scaled = |v: DVec3| vec3(v.x / radii.x, v.y / radii.y, v.z / radii.z);
             let (o, d) = (scaled(o), scaled(d));
             roots(d.dot(d), o.dot(d), o.dot(o) - 1.0)
         }
-        Shape::Stone(stone) => {
+        SolidShape::Stone(stone) => {
             let planes = stone
                 .planes
                 .map(|(normal, offset)| (normal.as_f64(), f64::from(offset)));
@@ -110,7 +110,7 @@ fn enter(solid: &Solid, eye: DVec3, ray: DVec3) -> f64 {
             };
             hits.into_iter().filter(inside).collect()
         }
-        Shape::Ring(ring) => bend(ring, o, d).into_iter().collect(),
+        SolidShape::Ring(ring) => bend(ring, o, d).into_iter().collect(),
     };
     let ahead = hits.into_iter().filter(|&t| t > 0.0);
     ahead.fold(f64::INFINITY, f64::min)

@@ -6,13 +6,13 @@
 use pulp::Simd;
 
 /// Sums of a block: `V` vectors of columns for each of `OUT` outputs.
-pub(super) type Block<S, const OUT: usize, const V: usize> = [[<S as Simd>::f32s; V]; OUT];
+pub(super) type SumBlock<S, const OUT: usize, const V: usize> = [[<S as Simd>::f32s; V]; OUT];
 
 /// Adds samples × weights. `samples` begins at the first column of the block.
 #[inline(always)]
 pub(super) fn multiply<S: Simd, const OUT: usize, const V: usize>(
     simd: S,
-    sums: &mut Block<S, OUT, V>,
+    sums: &mut SumBlock<S, OUT, V>,
     samples: &[f32],
     weights: &[f32; OUT],
 ) {
@@ -30,7 +30,7 @@ pub(super) fn multiply<S: Simd, const OUT: usize, const V: usize>(
 #[inline(always)]
 pub(super) fn multiply_row<S: Simd, const OUT: usize, const V: usize>(
     simd: S,
-    sums: &mut Block<S, OUT, V>,
+    sums: &mut SumBlock<S, OUT, V>,
     samples: &[f32],
     weights: &[[f32; OUT]],
 ) {
@@ -59,6 +59,6 @@ pub(super) fn store<S: Simd, const V: usize>(samples: &mut [f32], sums: [S::f32s
 pub(super) fn splat<S: Simd, const OUT: usize, const V: usize>(
     simd: S,
     values: &[f32; OUT],
-) -> Block<S, OUT, V> {
+) -> SumBlock<S, OUT, V> {
     values.map(|value| [simd.splat_f32s(value); V])
 }

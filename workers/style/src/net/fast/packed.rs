@@ -5,13 +5,13 @@ use crate::net::layer::{Layer, Weights};
 /// The weights of a layer, in groups of `OUT` outputs: `[group][input][tap][output of the group]`.
 #[derive(Debug, Clone)]
 pub(super) struct Packed<const OUT: usize> {
-    pub(super) groups: Vec<Group<OUT>>,
+    pub(super) groups: Vec<OutputGroup<OUT>>,
     pub(super) taps: usize,
 }
 
 /// `OUT` outputs of a layer.
 #[derive(Debug, Clone)]
-pub(super) struct Group<const OUT: usize> {
+pub(super) struct OutputGroup<const OUT: usize> {
     /// `[input × taps + tap]`, for all outputs of the group.
     pub(super) weights: Vec<[f32; OUT]>,
     pub(super) bias: [f32; OUT],
@@ -21,7 +21,7 @@ impl<const OUT: usize> Packed<OUT> {
     pub(super) fn new(weights: &Weights, layer: Layer) -> Self {
         let (weight, bias) = (weights.weight(layer), weights.bias(layer));
         let taps = layer.side * layer.side;
-        let groups = (0..layer.outputs / OUT).map(|group| Group {
+        let groups = (0..layer.outputs / OUT).map(|group| OutputGroup {
             weights: (0..layer.inputs * taps)
                 .map(|i| std::array::from_fn(|o| weight[(group * OUT + o) * layer.inputs * taps + i]))
                 .collect(),

@@ -5,7 +5,7 @@ pub(super) const SLACK: usize = 64;
 
 /// Channels of one size, each with a border of one sample on every side.
 #[derive(Debug, Default)]
-pub(super) struct Planes {
+pub(super) struct BorderedPlanes {
     pub(super) width: usize,
     pub(super) height: usize,
     stride: usize,
@@ -17,7 +17,7 @@ pub(super) const fn stride(width: usize) -> usize {
     1 + width + 1 + SLACK
 }
 
-impl Planes {
+impl BorderedPlanes {
     /// Changes the size; the samples are undefined afterwards.
     pub(super) fn reshape(&mut self, channels: usize, width: usize, height: usize) {
         (self.width, self.height, self.stride) = (width, height, stride(width));

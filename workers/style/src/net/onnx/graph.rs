@@ -50,7 +50,7 @@ impl Graph {
 
     /// Adds a convolution after padding each side, by the edge or by reflection. Its tensors are NAME.weight and
     /// NAME.bias.
-    pub fn convolution(&mut self, name: &str, ports: (&str, &str), form: Form) {
+    pub fn convolution(&mut self, name: &str, ports: (&str, &str), form: ConvolutionShape) {
         let (input, output) = ports;
         let mut input = Cow::Borrowed(input);
         if let Some((border, mode)) = form.padding {
@@ -109,7 +109,7 @@ impl Graph {
 
 /// Parameters of a convolution.
 #[derive(Clone, Copy)]
-pub struct Form {
+pub struct ConvolutionShape {
     /// Side of the kernel.
     pub side: i64,
     /// Stride.

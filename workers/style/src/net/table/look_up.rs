@@ -3,7 +3,7 @@
 use imaging::vectorized;
 use imaging::{Plane, Rgb};
 
-use super::{NODES, STEPS, Table};
+use super::{ColorTable, NODES, STEPS};
 
 /// Buffers for a row, reused between frames; their contents do not affect results.
 #[derive(Debug, Default)]
@@ -12,7 +12,7 @@ pub struct TableScratch {
     shares: [Vec<f32>; 4],
 }
 
-impl Table {
+impl ColorTable {
     /// Repaints a frame of sRGB-encoded samples in 0..=1 and returns the same encoding.
     #[must_use]
     pub fn apply(&self, encoded: &Rgb<f32>, scratch: &mut TableScratch) -> Rgb<f32> {
@@ -114,7 +114,7 @@ mod tests {
         let nodes = (0..(NODES * NODES * NODES) as u64)
             .map(|node| [0, 1, 2, 3].map(|channel| stream.unit(node, channel) as f32))
             .collect();
-        let table = Table { nodes };
+        let table = ColorTable { nodes };
         let mut scratch = TableScratch::default();
         for (width, height) in [(1, 1), (7, 3), (640, 2), (53, 31), (0, 4)] {
             // Ties and integral positions are as common as the others.

@@ -12,8 +12,8 @@ use imaging::reflected;
 
 use super::logarithm::Logarithm;
 use super::padding::padded_side;
-use super::recipe::Kernels;
-use super::separable::{BLOCK, Ring, weighted_sum};
+use super::recipe::PassKernels;
+use super::separable::{BLOCK, RowRing, weighted_sum};
 use super::{R_HIGH, R_LOW};
 use crate::methods::hscm::luma::Luma;
 
@@ -33,7 +33,7 @@ pub(super) fn response(k: usize, n: usize) -> f64 {
 
 /// Filters a picture; calls `finish` with each finished row of `x`, from the top down. Compile it by `vectorized!`.
 #[inline(always)]
-pub(super) fn sweep(luma: &Luma, kernels: &Kernels, finish: &mut impl FnMut(usize, &[f32])) {
+pub(super) fn sweep(luma: &Luma, kernels: &PassKernels, finish: &mut impl FnMut(usize, &[f32])) {
     let (gain, drop) = (R_HIGH as f32, (R_HIGH - R_LOW) as f32);
     let (width, height) = luma.codes().size();
     let (padded, radius) = (padded_side(height), kernels.y.len() - 1);
@@ -43,10 +43,10 @@ pub(super) fn sweep(luma: &Luma, kernels: &Kernels, finish: &mut impl FnMut(usiz
     let mut line = vec![0.0f32; stride + 2 * (kernels.x.len() - 1)];
     // Rings of rows. The first three count rows from `above` rows over the picture, on a circle of `padded` rows.
     let above = 2 * (radius + 1) + REACH;
-    let mut logs = Ring::new(2 * radius + 8, width);
-    let mut narrow = Ring::new(2 * REACH + 1, half);
-    let mut small = Ring::new(2 * radius + 1, stride);
-    let mut wide = Ring::new(4, width);
+    let mut logs = RowRing::new(2 * radius + 8, width);
+    let mut narrow = RowRing::new(2 * REACH + 1, half);
+    let mut small = RowRing::new(2 * radius + 1, stride);
+    let mut wide = RowRing::new(4, width);
     let mut row = vec![0.0f32; width];
     let mut ready = 0;
     for step in 0..height.div_ceil(2) + 2 * radius + 3 {
@@ -142,7 +142,14 @@ fn blur_row(rows: [&[f32]; 7], kernel: &[f32], line: &mut [f32], half: usize, sm
 
 /// Blurs down the columns around row `center` of the ring and interpolates along the row.
 #[inline(always)]
-fn widen_row(small: &Ring, center: usize, kernel: &[f32], line: &mut [f32], half: usize, wide: &mut [f32]) {
+fn widen_row(
+    small: &RowRing,
+    center: usize,
+    kernel: &[f32],
+    line: &mut [f32],
+    half: usize,
+    wide: &mut [f32],
+) {
     for block in (0..half).step_by(BLOCK) {
         let sums = weighted_sum(kernel, |offset| {
             &small.row(center.wrapping_add_signed(offset))[block..]

@@ -13,7 +13,7 @@
 //! [`Variant::Reference`] is the definition in f64. [`Variant::Fast`] uses that the filter is `r_high · l - (r_high -
 //! r_low) · (Gaussian ∗ l)`, that the circular Gaussian is separable, and that it removes the upper half of the
 //! frequencies if it is several pixels wide: two short passes in f32, decimated where the error is far below a code.
-//! [`Recipe`] selects the implementation.
+//! [`FilterRecipe`] selects the implementation.
 
 mod decimated;
 mod logarithm;
@@ -25,7 +25,7 @@ mod separable;
 use imaging::{Plane, vectorized};
 
 pub use padding::padded_side;
-pub use recipe::{Kernels, Recipe};
+pub use recipe::{FilterRecipe, PassKernels};
 
 use crate::elementary::exp;
 use crate::methods::hscm::luma::Luma;
@@ -58,20 +58,20 @@ pub fn homomorphic(luma: &Luma, cutoff: f64, variant: Variant) -> Plane<u8> {
 }
 
 /// The filtered logarithm in f64, for recipes that need it.
-fn exact(recipe: &Recipe, luma: &Luma) -> Option<Plane<f64>> {
+fn exact(recipe: &FilterRecipe, luma: &Luma) -> Option<Plane<f64>> {
     match recipe {
-        Recipe::Flat => Some(luma.map(|y| R_LOW * log(y))),
-        Recipe::Transform { delta } => Some(reference::filtered_log(luma, *delta)),
-        Recipe::Separable(_) | Recipe::Decimated(_) => None,
+        FilterRecipe::Flat => Some(luma.map(|y| R_LOW * log(y))),
+        FilterRecipe::Transform { delta } => Some(reference::filtered_log(luma, *delta)),
+        FilterRecipe::Separable(_) | FilterRecipe::Decimated(_) => None,
     }
 }
 
 /// Calls `finish` with each row of the filtered logarithm, for recipes of two passes.
-fn sweep(recipe: &Recipe, luma: &Luma, finish: &mut impl FnMut(usize, &[f32])) {
+fn sweep(recipe: &FilterRecipe, luma: &Luma, finish: &mut impl FnMut(usize, &[f32])) {
     match recipe {
-        Recipe::Flat | Recipe::Transform { .. } => {}
-        Recipe::Separable(kernels) => vectorized!(separable::sweep(luma, kernels, finish)),
-        Recipe::Decimated(kernels) => vectorized!(decimated::sweep(luma, kernels, finish)),
+        FilterRecipe::Flat | FilterRecipe::Transform { .. } => {}
+        FilterRecipe::Separable(kernels) => vectorized!(separable::sweep(luma, kernels, finish)),
+        FilterRecipe::Decimated(kernels) => vectorized!(decimated::sweep(luma, kernels, finish)),
     }
 }
 
@@ -101,7 +101,7 @@ pub fn filtered_log(luma: &Luma, cutoff: f64, variant: Variant) -> Plane<f32> {
 
 /// The filtered logarithm by a recipe chosen for this picture.
 #[must_use]
-pub fn filtered_by(recipe: &Recipe, luma: &Luma) -> Plane<f32> {
+pub fn filtered_by(recipe: &FilterRecipe, luma: &Luma) -> Plane<f32> {
     if let Some(exact) = exact(recipe, luma) {
         return exact.map(|&x| x as f32);
     }
@@ -113,14 +113,14 @@ pub fn filtered_by(recipe: &Recipe, luma: &Luma) -> Plane<f32> {
     logs
 }
 
-fn choose(luma: &Luma, cutoff: f64, variant: Variant) -> Recipe {
+fn choose(luma: &Luma, cutoff: f64, variant: Variant) -> FilterRecipe {
     let (low, high) = luma.extremes();
     let size = luma.codes().size();
     let delta = delta_bins(size.0, cutoff);
     match variant {
-        _ if log(high) - log(low) < FLAT_LOG => Recipe::Flat,
-        Variant::Reference => Recipe::Transform { delta },
-        Variant::Fast => Recipe::choose(size, delta),
+        _ if log(high) - log(low) < FLAT_LOG => FilterRecipe::Flat,
+        Variant::Reference => FilterRecipe::Transform { delta },
+        Variant::Fast => FilterRecipe::choose(size, delta),
     }
 }
 

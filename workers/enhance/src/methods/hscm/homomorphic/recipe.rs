@@ -21,7 +21,7 @@ const ALIASING_MAX: f64 = 1.5e-3;
 
 /// Half kernels of the two passes, center first.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Kernels {
+pub struct PassKernels {
     /// Weights along a row.
     pub x: Vec<f32>,
     /// Weights along a column.
@@ -30,13 +30,13 @@ pub struct Kernels {
 
 /// Implementation of the filter. A plain value: planning can be tested without filtering.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Recipe {
+pub enum FilterRecipe {
     /// All logarithms are equal and are scaled by `r_low`.
     Flat,
     /// Two passes.
-    Separable(Kernels),
+    Separable(PassKernels),
     /// Two passes, decimated by two along both axes.
-    Decimated(Kernels),
+    Decimated(PassKernels),
     /// The two-dimensional transform in double precision.
     Transform {
         /// The cutoff, in bins.
@@ -44,7 +44,7 @@ pub enum Recipe {
     },
 }
 
-impl Recipe {
+impl FilterRecipe {
     /// The cheapest recipe for a picture of (width, height), at least 1×1 and not flat, with a cutoff of `delta` bins.
     #[must_use]
     pub fn choose(size: (usize, usize), delta: f64) -> Self {
@@ -57,7 +57,7 @@ impl Recipe {
     pub(super) fn separable((width, height): (usize, usize), delta: f64) -> Option<Self> {
         let x = half_kernel(padded_side(width), delta, 1)?;
         let y = half_kernel(padded_side(height), delta, 1)?;
-        (x.len() + y.len() - 2 <= RADII_MAX).then_some(Self::Separable(Kernels { x, y }))
+        (x.len() + y.len() - 2 <= RADII_MAX).then_some(Self::Separable(PassKernels { x, y }))
     }
 
     /// Two decimated passes; `None` if a side cannot be halved, a kernel would not fit, or aliasing might be visible.
@@ -73,7 +73,7 @@ impl Recipe {
             return None;
         }
         let [x, y] = sides.map(|side| half_kernel(side, delta, 2));
-        Some(Self::Decimated(Kernels { x: x?, y: y? }))
+        Some(Self::Decimated(PassKernels { x: x?, y: y? }))
     }
 }
 
@@ -112,14 +112,14 @@ mod tests {
     use super::*;
     use crate::methods::hscm::CUTOFF;
 
-    fn chosen(size: (usize, usize)) -> Recipe {
-        Recipe::choose(size, delta_bins(size.0, CUTOFF))
+    fn chosen(size: (usize, usize)) -> FilterRecipe {
+        FilterRecipe::choose(size, delta_bins(size.0, CUTOFF))
     }
 
     #[test]
     fn the_default_cutoff_needs_a_short_kernel_on_every_second_sample() {
         for size in [(869, 565), (640, 480), (1280, 960), (800, 800)] {
-            let Recipe::Decimated(Kernels { x, y }) = chosen(size) else {
+            let FilterRecipe::Decimated(PassKernels { x, y }) = chosen(size) else {
                 panic!("{size:?} should be decimated");
             };
             assert!(x.len() < 16 && y.len() < 16, "{size:?}");
@@ -129,15 +129,18 @@ mod tests {
     #[test]
     fn odd_sides_and_narrow_gaussians_keep_every_sample() {
         // 75 is padded to 75; a cutoff of 60 bins gives a Gaussian of 2.4 by 1.5 pixels.
-        for recipe in [chosen((75, 96)), Recipe::choose((869, 565), 60.0)] {
-            assert!(matches!(recipe, Recipe::Separable(_)), "{recipe:?}");
+        for recipe in [chosen((75, 96)), FilterRecipe::choose((869, 565), 60.0)] {
+            assert!(matches!(recipe, FilterRecipe::Separable(_)), "{recipe:?}");
         }
     }
 
     #[test]
     fn kernels_longer_than_the_side_take_the_transform() {
-        assert_eq!(chosen((11, 3)), Recipe::Transform { delta: 1.0 });
-        assert_eq!(Recipe::choose((869, 565), 1.0), Recipe::Transform { delta: 1.0 });
+        assert_eq!(chosen((11, 3)), FilterRecipe::Transform { delta: 1.0 });
+        assert_eq!(
+            FilterRecipe::choose((869, 565), 1.0),
+            FilterRecipe::Transform { delta: 1.0 }
+        );
     }
 
     #[test]

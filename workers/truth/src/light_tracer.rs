@@ -20,9 +20,9 @@ use imaging::vector::{DVec3, vec3};
 
 use crate::estimate::Level;
 use crate::phase::{Phase, tilt};
-use crate::water::Coefficients;
-use disc::Disc;
-use tally::Tally;
+use crate::water::WaterCoefficients;
+use disc::LookDisc;
+use tally::PhotonTally;
 
 /// Batches; the errors follow from their scatter.
 const BATCHES: usize = 16;
@@ -37,7 +37,7 @@ const MOST_EVENTS: usize = 4096;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bench {
     /// The water.
-    pub water: Coefficients,
+    pub water: WaterCoefficients,
     /// Half angle of the lamp's cone, degrees; `None` for an isotropic lamp.
     pub cone_deg: Option<f64>,
     /// Depths of black walls, ascending, m; infinite for unbounded water.
@@ -54,7 +54,7 @@ pub struct Bench {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shone {
     /// Airlight by look, wall and camera.
-    pub glow: Vec<Vec<Vec<Glow>>>,
+    pub airlight: Vec<Vec<Vec<Airlight>>>,
     /// Mean irradiance of scattered light by wall and ring.
     pub scattered: Vec<Vec<Level>>,
     /// Number of photons.
@@ -63,9 +63,9 @@ pub struct Shone {
 
 /// Airlight at one camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Glow {
+pub struct Airlight {
     /// Single scattering.
-    pub once: Level,
+    pub single: Level,
     /// Single and multiple scattering.
     pub all: Level,
 }
@@ -84,7 +84,7 @@ impl Bench {
     /// Follows the photons of a range of numbers, each with independent random numbers.
     #[must_use]
     pub fn shine(&self, phase: &Phase, seed: u64, photons: Range<u64>) -> Shone {
-        let mut tallies = vec![Tally::new(self); BATCHES];
+        let mut tallies = vec![PhotonTally::new(self); BATCHES];
         let mut follower = Follower::new(self, phase, seed);
         for photon in photons.clone() {
             if photon % 256 == 0 {
@@ -93,7 +93,7 @@ impl Bench {
             follower.follow(photon, &mut tallies[(photon % BATCHES as u64) as usize]);
         }
         let count = photons.end - photons.start;
-        Tally::levels(
+        PhotonTally::levels(
             self,
             &tallies,
             self.power() * BATCHES as f64 / count as f64,
@@ -111,7 +111,7 @@ impl Bench {
 struct Follower<'a> {
     bench: &'a Bench,
     phase: &'a Phase,
-    disc: Disc,
+    disc: LookDisc,
     /// Share of the light that is not split off.
     narrow: f64,
     stream: Stream,
@@ -125,7 +125,7 @@ impl<'a> Follower<'a> {
         Self {
             bench,
             phase,
-            disc: Disc::new(phase),
+            disc: LookDisc::new(phase),
             narrow: phase.share_within(1.0 - WIDE_DEG.to_radians().cos()),
             stream: Stream::stage(seed, "lantern"),
             photon: 0,
@@ -140,7 +140,7 @@ impl<'a> Follower<'a> {
     }
 
     /// Follows a photon with all parts split off it.
-    fn follow(&mut self, photon: u64, tally: &mut Tally) {
+    fn follow(&mut self, photon: u64, tally: &mut PhotonTally) {
         (self.photon, self.drawn) = (photon, 0);
         let direction = self.emitted();
         self.stack.push(Photon {
@@ -165,8 +165,8 @@ impl<'a> Follower<'a> {
         tilt(vec3(0.0, 0.0, 1.0), versine, azimuth)
     }
 
-    fn go(&mut self, mut photon: Photon, tally: &mut Tally) {
-        let Coefficients {
+    fn go(&mut self, mut photon: Photon, tally: &mut PhotonTally) {
+        let WaterCoefficients {
             absorption,
             scattering,
         } = self.bench.water;

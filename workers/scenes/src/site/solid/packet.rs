@@ -3,29 +3,29 @@
 use imaging::vector::Vec3;
 use imaging::vectorized;
 
-use super::{Form, Ring, Shape, Solid, ring};
+use super::{Ring, ShapeGeometry, Solid, SolidShape, ring};
 use crate::site::lanes::load;
 use crate::site::pose::Pose;
 
-/// Rays per packet: those of a square of eight pixels a side.
+/// EyeRays per packet: those of a square of eight pixels a side.
 pub(crate) const RUN: usize = 64;
 
 /// A packet of shadow rays in world coordinates.
-pub(crate) struct Run {
+pub(crate) struct ShadowPacket {
     /// Origins.
     pub(crate) from: [[f32; RUN]; 3],
     /// Vectors to the ends.
     pub(crate) way: [[f32; RUN]; 3],
     /// 1 if occluded, else 0.
-    pub(crate) hidden: [f32; RUN],
+    pub(crate) occluded: [f32; RUN],
 }
 
 impl Solid {
     /// Marks the rays occluded by this solid.
-    pub(crate) fn hide(&self, run: &mut Run) {
+    pub(crate) fn occlude(&self, run: &mut ShadowPacket) {
         let pose = &self.pose;
         match &self.shape {
-            Shape::Ring(ring) => vectorized!(hide_behind_ring(ring, pose, run)),
+            SolidShape::Ring(ring) => vectorized!(hide_behind_ring(ring, pose, run)),
             shape => for_form!(shape, form => vectorized!(hide_behind(form, pose, run))),
         }
     }
@@ -34,7 +34,7 @@ impl Solid {
     pub(crate) fn enter(&self, origin: Vec3, direction: Vec3) -> f32 {
         let (o, d) = (self.pose.point_in(origin), self.pose.direction_in(direction));
         match &self.shape {
-            Shape::Ring(ring) => {
+            SolidShape::Ring(ring) => {
                 let met = ring.enter(o, d);
                 if met.is_finite() && ring.is_entered(o + d * met, d) {
                     met
@@ -56,7 +56,7 @@ impl Solid {
 }
 
 #[inline(always)]
-fn hide_behind(form: &impl Form, pose: &Pose, run: &mut Run) {
+fn hide_behind(form: &impl ShapeGeometry, pose: &Pose, run: &mut ShadowPacket) {
     let pose = *pose;
     for i in 0..RUN {
         let (o, d) = (
@@ -64,12 +64,12 @@ fn hide_behind(form: &impl Form, pose: &Pose, run: &mut Run) {
             pose.direction_in(load(&run.way, i)),
         );
         let met = form.enter(o, d) < 1.0;
-        run.hidden[i] = if met { 1.0 } else { run.hidden[i] };
+        run.occluded[i] = if met { 1.0 } else { run.occluded[i] };
     }
 }
 
 #[inline(always)]
-fn hide_behind_ring(ring: &Ring, pose: &Pose, run: &mut Run) {
+fn hide_behind_ring(ring: &Ring, pose: &Pose, run: &mut ShadowPacket) {
     let (ring, pose) = (*ring, *pose);
     for start in (0..RUN).step_by(ring::WIDE) {
         let o = std::array::from_fn(|i| pose.point_in(load(&run.from, start + i)));
@@ -77,7 +77,7 @@ fn hide_behind_ring(ring: &Ring, pose: &Pose, run: &mut Run) {
         let met = ring.enter_abreast(o, d);
         for i in 0..ring::WIDE {
             if met[i] < 1.0 && ring.is_entered(o[i] + d[i] * met[i], d[i]) {
-                run.hidden[start + i] = 1.0;
+                run.occluded[start + i] = 1.0;
             }
         }
     }

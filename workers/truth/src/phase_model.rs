@@ -10,7 +10,7 @@ use crate::phase::Phase;
 /// Phase function with all parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(tag = "kind")]
-pub enum Law {
+pub enum PhaseModel {
     /// Fournier–Forand on the line of Mobley, Sundman and Boss.
     #[serde(rename = "ff")]
     FournierForand {
@@ -25,7 +25,7 @@ pub enum Law {
     },
 }
 
-impl Law {
+impl PhaseModel {
     /// The phase function of a description, with the backscatter fraction of its water.
     #[must_use]
     pub fn of_water(phase: PhaseFunction, water: Option<&Water>) -> Self {

@@ -10,11 +10,11 @@ const HALF_DEG: f64 = 5.0;
 const STEPS: usize = 1800;
 
 /// Mean of p over a disc around a direction, by the angle of that direction.
-pub(super) struct Disc {
+pub(super) struct LookDisc {
     means: Vec<f64>,
 }
 
-impl Disc {
+impl LookDisc {
     pub(super) fn new(phase: &Phase) -> Self {
         let means = (0..=STEPS).map(|step| mean(phase, PI * step as f64 / STEPS as f64));
         Self {
@@ -70,7 +70,7 @@ mod tests {
     #[test]
     fn a_disc_holds_the_mean_of_the_phase_function() {
         let phase = Phase::henyey_greenstein(0.9);
-        let disc = Disc::new(&phase);
+        let disc = LookDisc::new(&phase);
         let half = HALF_DEG.to_radians();
         let forward = phase.share_within(1.0 - half.cos()) / (2.0 * PI * (1.0 - half.cos()));
         assert!((disc.mean(1.0) / forward - 1.0).abs() < 1e-3);

@@ -3,7 +3,7 @@ use optics::lamp::FournierForand;
 
 fn bench(scattering: f64, cone_deg: Option<f64>) -> Bench {
     Bench {
-        water: Coefficients {
+        water: WaterCoefficients {
             absorption: 0.179,
             scattering,
         },
@@ -41,13 +41,13 @@ fn what_is_scattered_once_is_the_integral_along_the_ray() {
         for (look, degrees) in bench.looks_deg.iter().enumerate() {
             for (wall, meters) in bench.walls_m.iter().enumerate() {
                 for (camera, [near, far]) in bench.cameras_m.iter().enumerate() {
-                    let once = shone.glow[look][wall][camera].once;
+                    let traced = shone.airlight[look][wall][camera].single;
                     let exact = single(&bench, &phase, *degrees, *meters, 0.5 * (near + far));
                     // Two percent for the width of camera and disc.
-                    let allowed = 4.0 * once.error + 0.02 * exact + 1e-6;
+                    let allowed = 4.0 * traced.error + 0.02 * exact + 1e-6;
                     assert!(
-                        (once.mean - exact).abs() <= allowed,
-                        "{cone:?} {degrees} {meters} {near}: {once:?} and {exact}"
+                        (traced.mean - exact).abs() <= allowed,
+                        "{cone:?} {degrees} {meters} {near}: {traced:?} and {exact}"
                     );
                 }
             }
@@ -59,7 +59,7 @@ fn what_is_scattered_once_is_the_integral_along_the_ray() {
 fn photons_that_are_not_absorbed_all_arrive() {
     let phase = Phase::henyey_greenstein(0.9);
     let bench = Bench {
-        water: Coefficients {
+        water: WaterCoefficients {
             absorption: 0.0,
             scattering: 0.5,
         },

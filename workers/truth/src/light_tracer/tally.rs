@@ -2,24 +2,24 @@
 
 use std::f64::consts::PI;
 
-use super::disc::Disc;
-use super::{Bench, Glow, Photon, Shone};
+use super::disc::LookDisc;
+use super::{Airlight, Bench, Photon, Shone};
 use crate::estimate::{Level, level};
 
 /// Sums of one batch.
 #[derive(Debug, Clone)]
-pub(super) struct Tally {
+pub(super) struct PhotonTally {
     /// By look, wall and camera: single scattering, and all.
-    glow: Vec<[f64; 2]>,
+    airlight: Vec<[f64; 2]>,
     /// By wall and ring.
     walls: Vec<f64>,
 }
 
-impl Tally {
+impl PhotonTally {
     pub(super) fn new(bench: &Bench) -> Self {
         let (walls, cameras) = (bench.walls_m.len(), bench.cameras_m.len());
         Self {
-            glow: vec![[0.0; 2]; bench.looks_deg.len() * walls * cameras],
+            airlight: vec![[0.0; 2]; bench.looks_deg.len() * walls * cameras],
             walls: vec![0.0; walls * bench.rings_deg.len()],
         }
     }
@@ -47,7 +47,7 @@ impl Tally {
     }
 
     /// Adds the contribution of an event to the cameras.
-    pub(super) fn join(&mut self, bench: &Bench, disc: &Disc, photon: &Photon) {
+    pub(super) fn join(&mut self, bench: &Bench, disc: &LookDisc, photon: &Photon) {
         let depth = photon.place.z;
         let radius = photon.place.x.hypot(photon.place.y);
         if depth <= 0.0 || radius <= 0.0 {
@@ -94,10 +94,10 @@ impl Tally {
             .filter(|(_, wall)| **wall > photon.deepest)
         {
             let place = (look * bench.walls_m.len() + wall) * bench.cameras_m.len() + bin;
-            let [once, all] = &mut self.glow[place];
+            let [single, all] = &mut self.airlight[place];
             *all += light;
             if photon.order == 1 {
-                *once += light;
+                *single += light;
             }
         }
     }
@@ -105,12 +105,12 @@ impl Tally {
     /// Means over batches; `scale` converts the sum of a batch to light.
     pub(super) fn levels(bench: &Bench, batches: &[Self], scale: f64, photons: u64) -> Shone {
         let (walls, cameras, rings) = (bench.walls_m.len(), bench.cameras_m.len(), bench.rings_deg.len());
-        let glow = (0..bench.looks_deg.len() * walls * cameras).map(|place| {
-            let [once, all] =
-                [0, 1].map(|order: usize| batch_level(batches, |batch| scale * batch.glow[place][order]));
-            Glow { once, all }
+        let airlight = (0..bench.looks_deg.len() * walls * cameras).map(|place| {
+            let [single, all] =
+                [0, 1].map(|order: usize| batch_level(batches, |batch| scale * batch.airlight[place][order]));
+            Airlight { single, all }
         });
-        let glow: Vec<Glow> = glow.collect();
+        let airlight: Vec<Airlight> = airlight.collect();
         let scattered = (0..walls).map(|wall| {
             let rings = (0..rings).map(|ring| {
                 let area = bench.ring_area(wall, ring);
@@ -119,10 +119,10 @@ impl Tally {
             rings.collect()
         });
         Shone {
-            glow: (0..bench.looks_deg.len())
+            airlight: (0..bench.looks_deg.len())
                 .map(|look| {
-                    let rows = glow[look * walls * cameras..].chunks(cameras.max(1));
-                    rows.take(walls).map(<[Glow]>::to_vec).collect()
+                    let rows = airlight[look * walls * cameras..].chunks(cameras.max(1));
+                    rows.take(walls).map(<[Airlight]>::to_vec).collect()
                 })
                 .collect(),
             scattered: scattered.collect(),
@@ -146,7 +146,7 @@ impl Bench {
     }
 }
 
-fn batch_level(batches: &[Tally], sum: impl Fn(&Tally) -> f64) -> Level {
+fn batch_level(batches: &[PhotonTally], sum: impl Fn(&PhotonTally) -> f64) -> Level {
     let values: Vec<f64> = batches.iter().map(sum).collect();
     level(&values)
 }
