@@ -3,7 +3,7 @@
 
 use imaging::random::Stream;
 
-use style::net::onnx::{Attribute, Form, Graph, model};
+use style::net::onnx::{Attribute, ConvolutionShape, Graph, model};
 
 /// Channels at full, half and quarter resolution.
 const CHANNELS: [usize; 3] = [32, 64, 128];
@@ -75,7 +75,7 @@ impl Builder {
     /// A convolution by reflection with random weights; the last one answers around middle gray.
     fn convolution(&mut self, input: &str, (from, to): (usize, usize), side: usize, step: i64) -> String {
         let name = format!("layer{}", self.layers);
-        let form = Form {
+        let form = ConvolutionShape {
             side: side as i64,
             step,
             groups: 1,

@@ -56,10 +56,10 @@ pub struct Subject<'a> {
 }
 
 impl<'a> TracedScene<'a> {
-    /// The scene of a frame: its picture in air emits its radiance and, with lamps, reflects their light with the same
-    /// factor, at most
-    /// 1. A scene of reflectance under daylight is below a flat sea with a uniform sky and its sun; their light in the water is traced,
-    /// too. Otherwise daylight's veil is not included. Snow, style, haze and camera are never included.
+    /// The scene of a frame. Its picture in air emits its radiance and, with lamps, reflects their light by the same
+    /// factor, limited to one. A scene of reflectance under daylight is below a flat sea with a uniform sky and its sun;
+    /// their light in the water is traced, too. Otherwise daylight's veil is not included. Snow, style, haze and camera
+    /// are never included.
     ///
     /// # Errors
     /// [`NoTruth`].

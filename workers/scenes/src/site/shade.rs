@@ -146,12 +146,10 @@ impl<'a> Shader<'a> {
         let solid = self.site.solids.get(whose);
         let pose = solid.map_or(Pose::upright(ZERO, 0.0), |solid| solid.pose);
         let object = solid.map_or(0, |solid| usize::from(solid.object));
-        // Offset the noise between parts of one shape: no two plates of a wall rust the same way.
-        let part = (whose % 251) as f32;
         let origin = if object == 0 {
             pose.origin
         } else {
-            vec3(3.71 * part, 5.13 * part, 0.0)
+            noise_origin(whose)
         };
         let mut geometry = Geometry::default();
         let camera = self.camera;
@@ -292,4 +290,10 @@ fn run_out(normal: &mut Lane3, height: &Lane) {
         let n = vec3(n.x * share, n.y * share, mix(1.0, n.z, share));
         store(normal, i, n.normalized());
     }
+}
+
+/// Offsets the noise between parts of one shape: no two plates of a wall rust the same way.
+fn noise_origin(whose: usize) -> Vec3 {
+    let part = (whose % 251) as f32;
+    vec3(3.71 * part, 5.13 * part, 0.0)
 }

@@ -129,9 +129,7 @@ impl WithSimd for NetworkRun<'_> {
         scratch.widened.start(width, context);
         scratch.image.resize(3 * channels * stride, 0.0);
         scratch.features.resize(3 * 8 * stride, 0.0);
-        for row in &mut scratch.styled {
-            row.resize(stride, 0.0);
-        }
+        scratch.styled.iter_mut().for_each(|row| row.resize(stride, 0.0));
         let (mut copied, mut made) = (0, 0);
         for y in 0..height {
             cancel::check();

@@ -46,12 +46,7 @@ fn cast(
     grain: &Grain<'_>,
     surface: &mut Surface,
 ) {
-    let SurfaceFinish {
-        base,
-        wear,
-        direction: phase,
-        ..
-    } = *finish;
+    let (base, wear, phase) = (finish.base, finish.wear, finish.direction);
     let Grain { points, broad, fine } = *grain;
     let (local, footprint, edge) = (points.local, points.place.footprint, points.edge);
     // Threshold of the noise for a spall.
@@ -95,12 +90,18 @@ fn cast(
                 - 0.7 * rim * steep[axis] / climb;
         }
         surface.gloss[i] = 0.03;
-        let findings = &mut surface.findings;
         let resolved = width > 0.1 * footprint[i];
         let cracked = (away < larger(width, 0.5 * footprint[i])) & resolved & (open > 0.5);
-        findings[Finding::Crack as usize][i] = if cracked { 1.0 - spall } else { 0.0 };
+        let whole = 1.0 - spall;
+        let findings = &mut surface.findings;
         findings[Finding::Spalling as usize][i] = spall;
         findings[Finding::Corrosion as usize][i] = bar;
-        findings[Finding::Joint as usize][i] = if joint > 0.3 { 1.0 - spall } else { 0.0 };
+        set_where(&mut findings[Finding::Crack as usize][i], whole, cracked);
+        set_where(&mut findings[Finding::Joint as usize][i], whole, joint > 0.3);
     }
+}
+
+#[inline(always)]
+fn set_where(finding: &mut f32, value: f32, condition: bool) {
+    *finding = if condition { value } else { 0.0 };
 }
