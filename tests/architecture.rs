@@ -1,4 +1,4 @@
-//! The house rules that a manifest or a source file can show.
+//! House rules checked on manifests and sources.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -6,12 +6,12 @@ use std::path::{Path, PathBuf};
 
 use fathom_tests::root;
 
-/// Behind this line ARCHITECTURE.md lists every crate with the crates of ours that it uses.
+/// After this line ARCHITECTURE.md lists every crate with the workspace crates that it uses.
 const ARROWS_FOLLOW: &str = "compares this list with the manifests";
-/// Behind this heading it lists every folder.
+/// After this heading it lists every folder.
 const MAP_FOLLOWS: &str = "## Map";
 
-/// Crates that are values in, values out.
+/// Crates without side effects.
 const PURE: &[&str] = &[
     "workers/imaging",
     "workers/optics",
@@ -24,7 +24,7 @@ const PURE: &[&str] = &[
     "services/spec",
 ];
 
-/// What a pure crate must not name: files, sockets, clock, environment, processes, logging, an async runtime.
+/// Forbidden in pure crates: files, sockets, clock, environment, processes, logging, an async runtime.
 const IMPURE: &[&str] = &[
     "std::fs",
     "std::net",
@@ -92,7 +92,7 @@ fn members() -> Vec<String> {
         .collect()
 }
 
-/// Each crate with the crates of ours that it uses, as the manifests say.
+/// Each crate with its workspace dependencies, from the manifests.
 fn arrows() -> BTreeMap<String, BTreeSet<String>> {
     let ours = ours();
     let arrows = |folder: &String| {
@@ -106,7 +106,7 @@ fn arrows() -> BTreeMap<String, BTreeSet<String>> {
     product.map(arrows).collect()
 }
 
-/// The lines of the first fenced block of ARCHITECTURE.md behind this text.
+/// The lines of the first fenced block of ARCHITECTURE.md after this text.
 fn block(behind: &str) -> Vec<String> {
     let page = fs::read_to_string(root().join("ARCHITECTURE.md")).expect("ARCHITECTURE.md");
     let rest = page
@@ -191,7 +191,7 @@ fn pure_crates_name_no_file_socket_clock_environment_or_log() {
         for path in sources(&root().join(folder).join("src")) {
             let text = fs::read_to_string(&path).expect("a readable source");
             for word in IMPURE {
-                // `FournierForand::` is no random generator.
+                // `FournierForand::` is not a random generator.
                 let mut found = text
                     .match_indices(word)
                     .map(|(at, _)| text[..at].chars().next_back());

@@ -1,12 +1,12 @@
-//! A copy of a running service can be started again, and continues from the moment of the copy.
+//! A backup of a running service can be started and continues from the moment of the copy.
 
 use std::path::PathBuf;
 
 use fathom_tests::{Service, digest_by_render, run};
 use serde_json::json;
 
-/// Failure: a copy that scrub finds fault with, an image that the copy has lost, a job that does not go on or ends with
-/// another digest, or a service that was disturbed by being copied.
+/// Failure: scrub reports a fault in the backup, the backup lacks an image, a job does not continue or ends with
+/// another digest, or the copy disturbs the service.
 #[test]
 fn a_backup_of_a_running_service_goes_on_from_the_moment_of_the_copy() {
     let folder = tempfile::tempdir().expect("a temporary folder");

@@ -1,4 +1,4 @@
-//! Small uploads that unpack to much: they are decoded by processes of their own.
+//! Small uploads that unpack to large data are decoded in separate processes.
 
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -8,7 +8,7 @@ use fathom_tests::Service;
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 
-/// Of the service's own process, for anything that is sent to it here.
+/// Limit on the growth of the service's process for any upload of these tests.
 const MOST_GROWTH: u64 = 96 << 20;
 const SIDE: usize = 8000;
 
@@ -48,7 +48,7 @@ fn png(side: usize, beside: Option<(&[u8; 4], Vec<u8>)>) -> Vec<u8> {
     png
 }
 
-/// Resident bytes of the processes that a process has started.
+/// Resident bytes of the children of a process.
 fn children_bytes(parent: u32) -> u64 {
     let status = |pid: &str, name: &str| -> Option<u64> {
         let text = std::fs::read_to_string(format!("/proc/{pid}/status")).ok()?;
@@ -64,8 +64,8 @@ fn children_bytes(parent: u32) -> u64 {
     children.filter_map(|pid| status(&pid, "VmRSS:")).sum::<u64>() << 10
 }
 
-/// Failure: the service itself grows with what an upload unpacks to, a bomb is accepted as a scene without having been decoded, or the
-/// service does not respond meanwhile.
+/// Failure: the service's process grows with the unpacked upload, a bomb is accepted as a scene without decoding, or
+/// the service does not respond meanwhile.
 #[test]
 fn what_unpacks_to_much_leaves_the_service_as_it_is() {
     let data = tempfile::tempdir().expect("a temporary folder");

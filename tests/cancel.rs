@@ -1,13 +1,14 @@
-//! Frames that are cancelled while they are rendered. Above each test stands what counts as failure.
+//! Cancellation of frames being rendered. The comment above each test defines failure.
 
 use std::time::{Duration, Instant};
 
 use fathom_tests::Service;
 use serde_json::{Value, json};
 
-/// From the cancel to the end of a small frame in the same slot. On an idle machine it takes a few hundred milliseconds.
+/// From the cancellation to the end of a small frame in the same slot. On an idle machine it takes a few hundred
+/// milliseconds.
 const SOON: Duration = Duration::from_secs(5);
-/// The same where the process must be ended and started again.
+/// The same if the process must be killed and restarted.
 const ENDED: Duration = Duration::from_secs(15);
 
 fn small(seed: u64) -> Value {
@@ -18,7 +19,7 @@ fn small(seed: u64) -> Value {
     })
 }
 
-/// Frames that take from tens of seconds to minutes, each in another stage.
+/// Frames that take tens of seconds to minutes, each in another stage.
 fn long() -> Vec<(&'static str, Value)> {
     let frame = |(width, height): (u32, u32), more: Value| {
         let mut job = json!({
@@ -66,7 +67,8 @@ fn long() -> Vec<(&'static str, Value)> {
     ]
 }
 
-/// Cancels or deletes a job whose first frame is being rendered; returns how long the slot then needs for a small frame.
+/// Cancels or deletes a job whose first frame is being rendered; returns the time until the slot has finished a small
+/// frame.
 fn freed_after(service: &Service, job: &Value, seed: u64, end: impl Fn(&str)) -> Duration {
     let id = service.submit(job);
     let begun = Instant::now();
@@ -78,7 +80,7 @@ fn freed_after(service: &Service, job: &Value, seed: u64, end: impl Fn(&str)) ->
         );
         std::thread::sleep(Duration::from_millis(20));
     }
-    // Well into it.
+    // Well into the frame.
     std::thread::sleep(Duration::from_millis(1500));
     assert!(is_leased(), "the frame was too quick to be cancelled: {job}");
     let ended = Instant::now();
@@ -88,7 +90,7 @@ fn freed_after(service: &Service, job: &Value, seed: u64, end: impl Fn(&str)) ->
     ended.elapsed()
 }
 
-/// Failure: a slot goes on with a frame that nobody waits for; a frame after it has other bytes.
+/// Failure: a slot continues a cancelled frame; the next frame has other bytes.
 #[test]
 fn a_cancelled_or_deleted_jobs_frame_ends_at_once() {
     let data = tempfile::tempdir().expect("a temporary folder");
@@ -118,7 +120,7 @@ fn a_cancelled_or_deleted_jobs_frame_ends_at_once() {
     assert_eq!((expected.0, picture(&again)), (200, expected));
 }
 
-/// Failure: a frame that never looks at its flag keeps its slot for more than 10 s, or a neighbor is given a strike.
+/// Failure: a frame that never checks its flag keeps its slot for more than 10 s, or a neighbor receives a strike.
 #[test]
 fn a_frame_that_does_not_look_is_ended_with_its_process() {
     let data = tempfile::tempdir().expect("a temporary folder");

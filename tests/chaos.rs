@@ -1,8 +1,8 @@
-//! Everything that can go wrong, at random by seed, and an audit at the end by a reader that has nothing of the program.
+//! Random faults by seed, followed by an audit with an independent reader.
 //!
-//! `FATHOM_CHAOS_S` sets how many seconds (15 unless set), `FATHOM_SEED` what happens. On a small disk in memory: kills and
-//! suspensions of services and workers, kills at the named points, a full disk, a clock that jumps by days, bytes that rot,
-//! callers that send half a request, and workers that send nonsense or lie in well-formed messages.
+//! `FATHOM_CHAOS_S` sets the duration in seconds (default 15), `FATHOM_SEED` the sequence. On a small in-memory disk:
+//! kills and suspensions of services and workers, kills at the named points, a full disk, a clock that jumps by days,
+//! corrupted bytes, clients that send half a request, and workers that send invalid or well-formed but wrong messages.
 
 use std::io::Write;
 use std::net::TcpStream;
@@ -22,11 +22,11 @@ const WORKER_CALLS: [&str; 4] = ["register", "beat", "commit", "fail"];
 /// Failure: see [`everything_at_once`].
 #[test]
 fn chaos_loses_nothing_and_stores_nothing_wrong() {
-    // What the jobs of a second leave takes half a megabyte.
+    // The jobs of one second need half a megabyte.
     small_disk::run("everything_at_once", &format!("size={}m", 120 + seconds()));
 }
 
-/// What happened.
+/// Event counters.
 #[derive(Default, Debug)]
 struct Count {
     services_killed: u64,
@@ -54,9 +54,9 @@ struct Chaos {
 
 impl Chaos {
     fn start(&mut self) -> Option<Service> {
-        let point = SERVICE_POINTS[self.dice.below(SERVICE_POINTS.len() as u64) as usize];
-        let fault = match self.dice.below(3) {
-            0 => format!("{point}=abort@{}", 1 + self.dice.below(20)),
+        let point = SERVICE_POINTS[self.dice.draw(SERVICE_POINTS.len() as u64) as usize];
+        let fault = match self.dice.draw(3) {
+            0 => format!("{point}=abort@{}", 1 + self.dice.draw(20)),
             _ => String::new(),
         };
         let clock = self.folder.join("clock");
@@ -65,7 +65,7 @@ impl Chaos {
             ("LD_PRELOAD", self.library.to_str().expect("text")),
             ("FATHOM_CLOCK_FILE", clock.to_str().expect("text")),
         ];
-        // On a full disk it may refuse.
+        // A full disk is a valid reason to refuse.
         let started = Service::launch(&self.data, &["--workers", "1", "--slots", "1"], &environment);
         if started.is_err() {
             self.free();
@@ -77,10 +77,10 @@ impl Chaos {
         let _ = std::fs::remove_file(self.folder.join("ballast"));
     }
 
-    /// One thing that happens while the service runs. Returns false once it has ended.
+    /// Applies one random event while the service runs. Returns false if the service has ended.
     fn happen(&mut self, service: &mut Service, workers: &mut Vec<Worker>) -> bool {
         let address = service.url.trim_start_matches("http://").to_owned();
-        match self.dice.below(20) {
+        match self.dice.draw(20) {
             0..4 => {
                 let key = format!("{}", self.count.submitted);
                 self.count.submitted += 1;
@@ -89,7 +89,7 @@ impl Chaos {
             }
             4..6 => return false,
             6..8 => {
-                let number = self.dice.below(6);
+                let number = self.dice.draw(6);
                 let is_liar = number >= 4;
                 self.count.liars += u64::from(is_liar);
                 let fault = [("FATHOM_FAULTS", "record.wrong=flag")];
@@ -109,7 +109,7 @@ impl Chaos {
             10 => {
                 if let Some(worker) = workers.last() {
                     worker.signal("STOP");
-                    std::thread::sleep(Duration::from_millis(self.dice.below(500)));
+                    std::thread::sleep(Duration::from_millis(self.dice.draw(500)));
                     worker.signal("CONT");
                     self.count.suspended += 1;
                 }
@@ -123,8 +123,8 @@ impl Chaos {
             12..14 => self.free(),
             14..16 => {
                 self.count.jumps += 1;
-                let days = self.dice.below(41) as i64 - 20;
-                let text = format!("{:<12}", days * 86_400 + self.dice.below(1000) as i64);
+                let days = self.dice.draw(41) as i64 - 20;
+                let text = format!("{:<12}", days * 86_400 + self.dice.draw(1000) as i64);
                 let _ = std::fs::write(self.folder.join("clock"), text);
             }
             16 => {
@@ -138,9 +138,9 @@ impl Chaos {
             }
             17 => {
                 self.count.nonsense += 1;
-                let call = WORKER_CALLS[self.dice.below(WORKER_CALLS.len() as u64) as usize];
-                let body: Vec<u8> = (0..self.dice.below(300))
-                    .map(|_| self.dice.below(256) as u8)
+                let call = WORKER_CALLS[self.dice.draw(WORKER_CALLS.len() as u64) as usize];
+                let body: Vec<u8> = (0..self.dice.draw(300))
+                    .map(|_| self.dice.draw(256) as u8)
                     .collect();
                 let status = service.try_post_bytes(&format!("/v1/worker/{call}"), &body);
                 assert!(
@@ -148,12 +148,12 @@ impl Chaos {
                     "{call} takes nonsense: {status:?}"
                 );
             }
-            _ => std::thread::sleep(Duration::from_millis(self.dice.below(300))),
+            _ => std::thread::sleep(Duration::from_millis(self.dice.draw(300))),
         }
         service.is_alive()
     }
 
-    /// A byte of a picture rots, and is restored by rendering.
+    /// Corrupts a byte of a picture, which is restored by rendering.
     fn rot(&mut self) {
         let Ok(entries) = std::fs::read_dir(self.data.join("packs")) else {
             return;
@@ -168,8 +168,8 @@ impl Chaos {
                 .filter_map(|(at, window)| (window == b"IDAT").then_some(at))
                 .collect();
             if path.extension().is_some_and(|end| end == "sqlite") && !pictures.is_empty() {
-                let at = pictures[self.dice.below(pictures.len() as u64) as usize] + 8;
-                bytes[at] ^= 1 << self.dice.below(8);
+                let position = pictures[self.dice.draw(pictures.len() as u64) as usize] + 8;
+                bytes[position] ^= 1 << self.dice.draw(8);
                 std::fs::write(&path, bytes).expect("a pack");
                 self.count.rotten += 1;
             }
@@ -184,9 +184,9 @@ fn seconds() -> u64 {
     std::env::var("FATHOM_CHAOS_S").map_or(15, |n| n.parse().expect("a number"))
 }
 
-/// Failure: an accepted job that is gone or does not end with the digest of an undisturbed run, a frame with two images, a row
-/// without its bytes, bytes with another digest, a count that is wrong, a response with anything but what is stored, a service that
-/// does not start.
+/// Failure: an accepted job is lost or ends with another digest than an undisturbed run, a frame has two images, a row
+/// lacks its bytes, bytes have another digest, a count is wrong, a response differs from the stored data, or the
+/// service does not start.
 #[test]
 #[ignore = "run by the test above, on a small disk"]
 fn everything_at_once() {
@@ -212,7 +212,7 @@ fn everything_at_once() {
         };
         let mut workers = Vec::new();
         while chaos.happen(&mut service, &mut workers) && begun.elapsed() < Duration::from_secs(seconds) {
-            std::thread::sleep(Duration::from_millis(chaos.dice.below(40)));
+            std::thread::sleep(Duration::from_millis(chaos.dice.draw(40)));
         }
         match service.is_alive() {
             true => chaos.count.services_killed += 1,
@@ -221,7 +221,7 @@ fn everything_at_once() {
         service.kill();
         drop(workers);
         chaos.held.clear();
-        if chaos.dice.below(6) == 0 {
+        if chaos.dice.draw(6) == 0 {
             chaos.free();
             chaos.rot();
         }
@@ -235,13 +235,13 @@ fn everything_at_once() {
     );
 }
 
-/// Everything that was accepted ends as it should, and the folder and the responses are as they should be.
+/// Waits for all accepted jobs, then audits the folder and the responses.
 fn settle(chaos: &Chaos, expected: &str) {
     let service = Service::start(&chaos.data, &["--workers", "2", "--slots", "1"]);
     for id in &chaos.accepted {
         let mut job = service.finished(id);
         while job["state"] == "done_with_failures" {
-            // Frames that met three deaths in a row were rightly given up.
+            // Frames with three deaths in a row are correctly given up.
             assert_eq!(
                 service.post(&format!("/v1/jobs/{id}/retry-failed"), &json!({})).0,
                 200

@@ -1,5 +1,5 @@
-//! Sets in a folder: several processes share a job through the store alone, whatever is killed. Above each test stands what
-//! counts as failure.
+//! Sets in a folder: several processes share a job through the store alone, and any of them may be killed. The comment
+//! above each test defines failure.
 
 mod sets;
 
@@ -11,7 +11,7 @@ use fathom_tests::digest_by_render;
 use serde_json::{Value, json};
 use sets::{Work, files, marker, text};
 
-/// Failure: two processes that share a job leave out a frame, or the digest differs from that of `fathom render`.
+/// Failure: two processes that share a job omit a frame, or the digest differs from that of `fathom render`.
 #[test]
 fn processes_that_share_a_job_make_what_one_render_makes() {
     let work = Work::new(&job(60));
@@ -44,7 +44,7 @@ fn processes_that_share_a_job_make_what_one_render_makes() {
     );
 }
 
-/// Failure: two processes on the same shards disagree, or leave files that no marker names.
+/// Failure: two processes on the same shards disagree, or leave files without a marker.
 #[test]
 fn processes_that_race_for_the_same_shards_leave_one_winner_of_each() {
     let work = Work::new(&job(40));
@@ -60,8 +60,8 @@ fn processes_that_race_for_the_same_shards_leave_one_winner_of_each() {
     assert_eq!(files(&work.set().join("rows")).len(), 4);
 }
 
-/// Failure: after a kill at any point anything half-done counts, the next run does not finish the job with the same digest,
-/// or `gc` leaves more than the winners.
+/// Failure: after a kill at any point incomplete files count, the next run does not finish the job with the same
+/// digest, or `gc` leaves more than the winners.
 #[test]
 fn a_killed_supervisor_costs_only_time() {
     let work = Work::new(&job(40));
@@ -91,7 +91,7 @@ fn a_killed_supervisor_costs_only_time() {
     assert!(work.command("verify", &["--render", "3"]).status.success());
 }
 
-/// Failure: a killed child ends the run, or changes what it makes.
+/// Failure: a killed child ends the run or changes its output.
 #[test]
 fn a_killed_child_costs_only_time() {
     let work = Work::new(&job(200));
@@ -111,7 +111,7 @@ fn a_killed_child_costs_only_time() {
     );
 }
 
-/// Failure: a poisoned frame takes a neighbor with it, is listed without its reason, or keeps the set from its end.
+/// Failure: a poisoned frame affects a neighbor, is listed without its reason, or prevents the set from ending.
 #[test]
 fn poisoned_frames_are_listed_and_their_neighbors_are_there() {
     let work = Work::new(&job(40));
@@ -151,7 +151,7 @@ fn poisoned_frames_are_listed_and_their_neighbors_are_there() {
     assert_eq!(again.status.code(), Some(1), "the failed frames are still said");
 }
 
-/// Failure: `verify` overlooks a flipped byte, a tar that is cut off or one that is gone.
+/// Failure: `verify` misses a flipped byte, a truncated tar or a missing one.
 #[test]
 fn damage_is_found() {
     let work = Work::new(&job(20));
@@ -180,8 +180,8 @@ fn damage_is_found() {
     assert!(work.command("verify", &["--render", "2"]).status.success());
 }
 
-/// Failure: another job, another division, a plain folder or a cancelled set is rendered into, or the exit status lets an
-/// engine try again.
+/// Failure: another job, another division, a plain folder or a cancelled set is rendered into, or the exit status
+/// allows an engine to retry.
 #[test]
 fn what_cannot_succeed_exits_with_two() {
     let work = Work::new(&job(10));
@@ -209,7 +209,7 @@ fn what_cannot_succeed_exits_with_two() {
     assert_eq!(work.render(&[]).status.code(), Some(5));
 }
 
-/// Failure: a set that is cancelled while it is rendered goes on, or leaves a marker.
+/// Failure: a set cancelled during rendering continues or leaves a marker.
 #[test]
 fn a_cancelled_run_ends_without_a_marker() {
     let work = Work::new(&job(40));
@@ -224,7 +224,7 @@ fn a_cancelled_run_ends_without_a_marker() {
     assert!(files(&work.set().join("done")).is_empty() && files(&work.set().join("shards")).is_empty());
 }
 
-/// Failure: the manifest of a complete set does not carry its digest, or an incomplete set is sealed.
+/// Failure: the manifest of a complete set lacks its digest, or an incomplete set is sealed.
 #[test]
 fn only_a_complete_set_is_sealed() {
     let work = Work::new(&job(20));
@@ -268,7 +268,7 @@ fn job(frames: u64) -> Value {
     })
 }
 
-/// SIGKILL to every child of a process; returns whether there was one.
+/// Sends SIGKILL to every child of a process; returns whether there was one.
 fn kill_children(parent: u32) -> bool {
     let path = format!("/proc/{parent}/task/{parent}/children");
     let children = fs::read_to_string(path).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! Commands that need no service, and what the exit status says.
+//! Commands without a service, and their exit status.
 
 use fathom_tests::{root, run, run_lab};
 use serde_json::{Value, json};

@@ -1,4 +1,4 @@
-//! docker-compose.yml and the Dockerfile agree with the options that the binary has.
+//! docker-compose.yml and the Dockerfile agree with the options of the binary.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -6,7 +6,7 @@ use std::fs;
 use fathom_tests::{root, run};
 use serde_yaml_ng::Value;
 
-/// What a set in a bucket is reached by, as docs/cluster.md lists it.
+/// Environment variables of a set in a bucket, as listed in docs/cluster.md.
 const STORE_VARIABLES: [&str; 4] = [
     "AWS_ENDPOINT_URL",
     "AWS_REGION",
@@ -47,7 +47,7 @@ fn ours(compose: &Value) -> Vec<(&str, &Value)> {
         .collect()
 }
 
-/// The services of a profile whose command starts with `word`; those of no profile for none.
+/// The services of a profile whose command starts with `word`; for `None`, those without a profile.
 fn with_command<'a>(compose: &'a Value, profile: Option<&str>, word: &str) -> Vec<&'a Value> {
     let services = compose["services"].as_mapping().expect("services");
     services
@@ -65,7 +65,7 @@ fn with_command<'a>(compose: &'a Value, profile: Option<&str>, word: &str) -> Ve
         .collect()
 }
 
-/// The one service of a profile with this command.
+/// The only service of a profile with this command.
 fn only<'a>(compose: &'a Value, profile: Option<&str>, word: &str) -> &'a Value {
     let [service] = with_command(compose, profile, word)[..] else {
         panic!("one service of {profile:?} has the command {word}");
@@ -73,7 +73,7 @@ fn only<'a>(compose: &'a Value, profile: Option<&str>, word: &str) -> &'a Value 
     service
 }
 
-/// What follows an option of a command.
+/// The value of an option in a command.
 fn option(service: &Value, name: &str) -> String {
     let words = strings(&service["command"]);
     let position = words
@@ -169,7 +169,7 @@ fn every_option_and_variable_in_the_compose_file_exists_in_the_binary() {
 fn every_command_in_the_compose_file_is_one_that_the_binary_takes() {
     let compose = compose();
     let takes = |words: &[String]| {
-        // Everything before `--help` is parsed, and nothing is started.
+        // Everything before `--help` is parsed without starting anything.
         let words: Vec<&str> = words.iter().map(String::as_str).chain(["--help"]).collect();
         run(&words).status.success()
     };
@@ -193,9 +193,9 @@ fn the_cluster_has_one_store_one_broker_and_one_secret_for_it() {
         assert_eq!(option(serve, place), option(worker, place), "{place}");
     }
     for variable in STORE_VARIABLES.into_iter().chain(["FATHOM_ENGINE_TOKEN"]) {
-        let of = |service: &Value| service["environment"][variable].clone();
-        assert!(of(serve).is_string(), "{variable} is not set");
-        assert_eq!(of(serve), of(worker), "{variable}");
+        let value = |service: &Value| service["environment"][variable].clone();
+        assert!(value(serve).is_string(), "{variable} is not set");
+        assert_eq!(value(serve), value(worker), "{variable}");
     }
     let engine = option(serve, "--engine");
     let (host, port) = engine

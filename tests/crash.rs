@@ -1,6 +1,6 @@
-//! Processes that are killed at the worst moments. Above each test stands what counts as failure.
+//! Processes killed at the worst moments. The comment above each test defines failure.
 //!
-//! `FATHOM_CRASH_KILLS` sets how often the first test kills (50 unless set); it prints what it did.
+//! `FATHOM_CRASH_KILLS` sets the number of kills in the first test (default 50); it prints a log.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -10,7 +10,7 @@ use fathom_tests::{
 };
 use serde_json::json;
 
-/// The points of a worker.
+/// The kill points of a worker.
 const WORKER_POINTS: [&str; 4] = [
     "worker.leased",
     "worker.rendered",
@@ -26,8 +26,8 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
-/// Reads a stopped service's folder: every row's bytes must be there and match, counts must agree, the databases must be
-/// whole.
+/// Audits a stopped service's folder: every row's bytes must exist and match, counts must agree, the databases must be
+/// intact.
 fn audit(data: &Path, when: &str) {
     let output = run(&["scrub", "--data", data.to_str().expect("text"), "--json"]);
     assert!(
@@ -38,9 +38,9 @@ fn audit(data: &Path, when: &str) {
     );
 }
 
-/// Failure: an acknowledged job that is gone or does not finish, a frame with two images or none, a row whose bytes are
-/// missing or differ, counts that disagree, a damaged database, a digest other than that of an undisturbed run, a frame
-/// given up although nothing is wrong with it, a key that makes a second job.
+/// Failure: an acknowledged job is lost or does not finish, a frame has two images or no image, a row's bytes are
+/// missing or differ, counts disagree, a database is damaged, the digest differs from that of an undisturbed run, a
+/// healthy frame is given up, or a key creates a second job.
 #[test]
 fn kills_at_every_step_and_at_any_time_lose_nothing() {
     let kills: usize = std::env::var("FATHOM_CRASH_KILLS").map_or(50, |n| n.parse().expect("a number"));
@@ -52,23 +52,23 @@ fn kills_at_every_step_and_at_any_time_lose_nothing() {
     let (mut by_itself, mut from_outside) = (0, 0);
     for kill in 0..kills {
         let point = points[kill % points.len()];
-        // Some come early in the life of the process, some later. A worker lives long enough to finish what it was given
-        // first: a frame that meets its third death in a row is rightly given up.
+        // Early or late in the life of the process. A worker lives long enough to finish its first lease: a frame with
+        // three deaths in a row is correctly given up.
         let nth = match point {
-            point if point.starts_with("worker") => 6 + dice.below(8),
-            point if point.starts_with("submit") => 1 + dice.below(2),
-            _ => 1 + dice.below(8),
+            point if point.starts_with("worker") => 6 + dice.draw(8),
+            point if point.starts_with("submit") => 1 + dice.draw(2),
+            _ => 1 + dice.draw(8),
         };
         let fault = format!("{point}=abort@{nth}");
         let environment: &[(&str, &str)] = match kill % 4 {
-            // Nothing planned: killed from outside at any time.
+            // No kill point: killed from outside at any time.
             3 => &[],
             _ => &[("FATHOM_FAULTS", &fault)],
         };
         let started = Service::launch(data.path(), &["--workers", "2", "--slots", "1"], environment);
         let mut service = match started {
             Ok(service) => service,
-            // Workers find the jobs of earlier lives, and may reach the point before the service says where it listens.
+            // Workers find the jobs of earlier lives, and may reach the point before the service reports its address.
             Err(printed) => {
                 assert!(!environment.is_empty(), "{printed}");
                 by_itself += 1;
@@ -82,7 +82,7 @@ fn kills_at_every_step_and_at_any_time_lose_nothing() {
                 acknowledged.push((key, id));
             }
         }
-        let until = Instant::now() + Duration::from_millis(40 + dice.below(600));
+        let until = Instant::now() + Duration::from_millis(40 + dice.draw(600));
         while service.is_alive() && Instant::now() < until {
             std::thread::sleep(Duration::from_millis(2));
         }
@@ -119,8 +119,8 @@ fn kills_at_every_step_and_at_any_time_lose_nothing() {
     );
 }
 
-/// Failure: a worker that was stopped for longer than its lease writes anything, its frames are not done by another, or
-/// the digest differs.
+/// Failure: a worker suspended for longer than its lease writes anything, its frames are not done by another, or the
+/// digest differs.
 #[test]
 fn a_worker_that_slept_past_its_lease_cannot_write() {
     let mut job = small_job("crash");
@@ -130,7 +130,7 @@ fn a_worker_that_slept_past_its_lease_cannot_write() {
     let service = Service::start(data.path(), &["--workers", "0"]);
     let zombie = Worker::start(&service.url, "zombie", 1);
     let id = service.submit(&job);
-    // Stopped while it holds a lease.
+    // Suspended while it holds a lease.
     loop {
         let (_, body) = service.get("/v1/workers");
         let holds = body["items"]
@@ -149,7 +149,7 @@ fn a_worker_that_slept_past_its_lease_cannot_write() {
     let images = |service: &Service| service.get("/v1/datasets").1.to_string();
     let before = images(&service);
     zombie.signal("CONT");
-    // Long enough for the woken worker to send what it had in its hands.
+    // Long enough for the resumed worker to send its finished results.
     std::thread::sleep(Duration::from_secs(2));
     assert_eq!(images(&service), before, "the woken worker changed something");
     assert_eq!(

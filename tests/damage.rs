@@ -1,6 +1,6 @@
 //! Damage anywhere in a data folder is never served as good, and scrub finds it.
 //!
-//! `FATHOM_DAMAGES` sets how many damages the test makes (30 unless set); it prints what they were.
+//! `FATHOM_DAMAGES` sets the number of damages (default 30); the test prints them.
 
 use std::path::Path;
 use std::process::Command;
@@ -8,10 +8,10 @@ use std::process::Command;
 use fathom_tests::{Dice, Service, root, run};
 use serde_json::{Value, json};
 
-/// Of a hundred damages, those in the catalogue; the others are in packs.
+/// Percentage of damages in the catalogue; the others are in packs.
 const IN_CATALOGUE: u64 = 75;
 
-/// A folder with rows of every kind; returns what there is to be asked for.
+/// Creates a folder with rows of every kind; returns the paths to request.
 fn make(data: &Path) -> Vec<String> {
     let poison = [("FATHOM_FAULTS", "scene.nan=flag#3")];
     let service = Service::start_with(data, &["--workers", "1", "--slots", "2"], &poison);
@@ -63,14 +63,14 @@ fn make(data: &Path) -> Vec<String> {
     paths
 }
 
-/// A water of a user's own.
+/// A user's water.
 fn water() -> Value {
     json!({"name": "quay-7", "source": "our transmissometer", "licence": "CC-BY-4.0", "wavelength_nm": [650, 532, 450],
         "absorption_per_m": [0.42, 0.2, 0.5], "scattering_per_m": [1.0, 1.1, 1.3],
         "diffuse_attenuation_per_m": [0.6, 0.4, 0.8], "backscatter_fraction": 0.02})
 }
 
-/// Statuses and bodies; nothing where the service does not start.
+/// Statuses and bodies; empty if the service does not start.
 fn answers(data: &Path, paths: &[String]) -> Vec<(u16, Vec<u8>)> {
     let Ok(service) = Service::launch(data, &["--workers", "0"], &[]) else {
         return Vec::new();
@@ -80,7 +80,7 @@ fn answers(data: &Path, paths: &[String]) -> Vec<(u16, Vec<u8>)> {
     answers
 }
 
-/// One digest over all that is stored, by a reader that has nothing of the program; none where SQLite cannot read it.
+/// A digest over all stored data by an independent reader; `None` if SQLite cannot read it.
 fn facts(data: &Path) -> Option<Vec<u8>> {
     let output = Command::new("python3")
         .arg(root().join("tests/chaos/audit.py"))
@@ -99,7 +99,7 @@ fn copy(from: &Path, to: &Path) {
     assert!(copied.is_ok_and(|status| status.success()));
 }
 
-/// What a damage was, in words, and how it is made.
+/// A damage with its description.
 struct Damage {
     file: &'static str,
     at: usize,
@@ -109,23 +109,23 @@ struct Damage {
 
 impl Damage {
     fn new(original: &Path, dice: &mut Dice) -> Self {
-        let file = match dice.below(100) < IN_CATALOGUE {
+        let file = match dice.draw(100) < IN_CATALOGUE {
             true => "catalogue.sqlite",
             false => "packs/pack-000001.sqlite",
         };
         let bytes = std::fs::read(original.join(file)).expect("a file");
-        let at = dice.below(bytes.len() as u64) as usize;
-        let is_bit = dice.below(2) == 0;
+        let position = dice.draw(bytes.len() as u64) as usize;
+        let is_bit = dice.draw(2) == 0;
         let byte = match is_bit {
-            true => bytes[at] ^ (1 << dice.below(8)),
-            // Another character that can be read.
-            false => (b'0'..=b'z').nth(dice.below(75) as usize).expect("75 characters"),
+            true => bytes[position] ^ (1 << dice.draw(8)),
+            // Another printable character.
+            false => (b'0'..=b'z').nth(dice.draw(75) as usize).expect("75 characters"),
         };
-        // The same character is no damage.
-        let byte = if byte == bytes[at] { byte ^ 1 } else { byte };
+        // The same character is not a damage.
+        let byte = if byte == bytes[position] { byte ^ 1 } else { byte };
         Self {
             file,
-            at,
+            at: position,
             byte,
             is_bit,
         }
@@ -139,7 +139,7 @@ impl Damage {
     }
 }
 
-/// Whether everything in a response that is not as it should be is only missing: a list without some of its items.
+/// Whether a response differs only by missing items of a list.
 fn is_hidden(told: &(u16, Vec<u8>), right: &(u16, Vec<u8>)) -> bool {
     if told.0 == 404 {
         return true;
@@ -154,8 +154,8 @@ fn is_hidden(told: &(u16, Vec<u8>), right: &(u16, Vec<u8>)) -> bool {
     }
 }
 
-/// Failure: a value or bytes other than what was stored in a response of the service; a fact that is not as it was and that
-/// scrub does not find; a row that a damaged index hides and that scrub does not find.
+/// Failure: a response with a value or bytes other than the stored ones; a changed fact not found by scrub; a row
+/// hidden by a damaged index and not found by scrub.
 #[test]
 fn single_bits_and_characters_anywhere_are_never_served_and_always_found() {
     let damages: u64 = std::env::var("FATHOM_DAMAGES").map_or(30, |n| n.parse().expect("a number"));
@@ -163,7 +163,7 @@ fn single_bits_and_characters_anywhere_are_never_served_and_always_found() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let (original, data) = (folder.path().join("original"), folder.path().join("data"));
     let paths = make(&original);
-    // What a start writes is written before anything is damaged.
+    // The first start writes before anything is damaged.
     let right = answers(&original, &paths);
     assert!(right.iter().all(|(status, _)| *status == 200), "{right:?}");
     assert!(

@@ -1,4 +1,4 @@
-//! SIGTERM to the service and to workers with work in flight. Above each test stands what counts as failure.
+//! SIGTERM to the service and to workers with work in flight. The comment above each test defines failure.
 
 #![allow(clippy::unwrap_used)]
 
@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use fathom_tests::{Service, Worker, digest_by_render};
 use serde_json::{Value, json};
 
-/// What a process may take to end.
+/// Time limit for a process to end.
 const LIMIT: Duration = Duration::from_secs(25);
 
 fn job(frames: u64) -> Value {
@@ -21,7 +21,7 @@ fn job(frames: u64) -> Value {
     })
 }
 
-/// Waits until so many frames are done.
+/// Waits until this many frames are done.
 fn under_way(service: &Service, id: &str, frames: u64) -> Value {
     let begun = Instant::now();
     loop {
@@ -34,7 +34,7 @@ fn under_way(service: &Service, id: &str, frames: u64) -> Value {
     }
 }
 
-/// Collects reports of frames that failed or were given up.
+/// Checks that no frame failed or was given up.
 fn no_errors(service: &Service, id: &str) {
     assert_eq!(
         service.get_bytes(&format!("/v1/jobs/{id}/errors")),
@@ -42,9 +42,8 @@ fn no_errors(service: &Service, id: &str) {
     );
 }
 
-/// Failure: an exit status other than 0, an end after the limit, a waiting request that is cut off without a response, an
-/// accepted job that is not there after the next start, a frame that counts the stop as its own fault, another digest
-/// than without the stop.
+/// Failure: an exit status other than 0, an end after the limit, a waiting request without a response, an accepted job
+/// missing after the next start, a frame that counts the stop as a strike, or another digest than without the stop.
 #[test]
 fn a_service_told_to_stop_responds_to_waiting_clients_and_loses_nothing() {
     let data = tempfile::tempdir().unwrap();
@@ -53,13 +52,13 @@ fn a_service_told_to_stop_responds_to_waiting_clients_and_loses_nothing() {
     let id = service.submit(&job(300));
     let state = under_way(&service, &id, 20);
     assert_eq!(state["state"], "running", "the stop comes in the middle");
-    // Waits for the next but a thousandth change, which does not come.
+    // Long-polls for a change that never arrives.
     let version = state["version"].as_u64().unwrap() + 1000;
     let path = format!("/v1/jobs/{id}?wait=60&since={version}");
     let accepted = Arc::new(Mutex::new(Vec::new()));
     let go_on = AtomicBool::new(true);
     let (ended, waited) = std::thread::scope(|scope| {
-        // Submits until the service no longer responds.
+        // Submits until the service stops responding.
         scope.spawn(|| {
             for number in 0.. {
                 match service.try_submit(&job(1), &format!("key-{number}")) {
@@ -101,14 +100,14 @@ fn a_service_told_to_stop_responds_to_waiting_clients_and_loses_nothing() {
     assert_eq!(done["digest"], digest_by_render(&job(300), data.path(), "2"));
 }
 
-/// Failure: the service waits for the frame beyond the limit, or for a second signal; or the frame is held responsible.
+/// Failure: the service waits for the frame beyond the limit, or for a second signal; or the frame receives a strike.
 #[test]
 fn a_frame_that_never_ends_does_not_keep_the_service() {
     let data = tempfile::tempdir().unwrap();
     let workers = ["--workers", "1", "--slots", "2"];
     let mut service = Service::start_with(data.path(), &workers, &[("FATHOM_FAULTS", "frame=hang#7")]);
     let id = service.submit(&job(40));
-    // Frames behind the one that hangs are of the same lease and wait with it.
+    // The frames after the hanging one belong to the same lease and wait with it.
     under_way(&service, &id, 12);
     std::thread::sleep(Duration::from_secs(2));
     let since = Instant::now();
@@ -124,8 +123,8 @@ fn a_frame_that_never_ends_does_not_keep_the_service() {
     no_errors(&service, &id);
 }
 
-/// Failure: the worker ends with another status than 0 or late; its frames wait for the end of its lease; one of them
-/// counts a strike.
+/// Failure: the worker ends late or with another status than 0; its frames wait for the end of its lease; one of them
+/// receives a strike.
 #[test]
 fn a_worker_that_is_told_to_stop_hands_back_what_it_has_not_finished() {
     let data = tempfile::tempdir().unwrap();

@@ -1,5 +1,5 @@
-//! A data folder of version 0.1, with finished, failed, cancelled, paused and waiting jobs: all are listed and served, and none is
-//! rendered again.
+//! A data folder of version 0.1 with finished, failed, cancelled, paused and waiting jobs: all are listed and served,
+//! and never rendered again.
 
 use std::fs::File;
 use std::path::Path;
@@ -39,8 +39,8 @@ fn check_refusal((status, problem): (u16, Value), expected: u16) {
     );
 }
 
-/// Failure: a job, an image or an artifact that is not served, an artifact with other bytes, a frame of an earlier job that is
-/// rendered, a refusal without its reason, or a new job that does not end.
+/// Failure: a job, an image or an artifact is not served, an artifact has other bytes, a frame of an earlier job is
+/// rendered, a refusal lacks its reason, or a new job does not end.
 #[test]
 fn earlier_jobs_are_listed_and_served_but_not_rendered() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -123,7 +123,7 @@ fn check_requests(service: &Service, paused: &str) {
     check_refusal(service.post(&image, &json!({"rerender": true})), 422);
 }
 
-/// The pack of an earlier folder is read without a service as well.
+/// The pack of an earlier folder is also readable without a service.
 #[test]
 fn an_earlier_folder_passes_scrub() {
     let folder = tempfile::tempdir().expect("a temporary folder");

@@ -1,4 +1,4 @@
-//! A service that lies gets nothing written outside of the folder of an export; splits keep scenes together.
+//! A malicious service cannot write outside of the folder of an export; splits keep scenes together.
 
 use std::collections::BTreeSet;
 use std::os::unix::fs::symlink;
@@ -23,7 +23,7 @@ fn digest(bytes: &[u8]) -> String {
         .collect()
 }
 
-/// What a lying service sends.
+/// A malicious response.
 struct Lie {
     row: Value,
     archive: Vec<u8>,
@@ -67,13 +67,13 @@ fn serve(lie: Lie) -> String {
     })
 }
 
-/// Every path below a folder.
-fn below(folder: &Path) -> BTreeSet<PathBuf> {
+/// All paths below a folder.
+fn list_paths(folder: &Path) -> BTreeSet<PathBuf> {
     let mut found = BTreeSet::new();
     for entry in std::fs::read_dir(folder).expect("a readable folder") {
         let path = entry.expect("a readable folder").path();
         if path.is_dir() && !path.is_symlink() {
-            found.extend(below(&path));
+            found.extend(list_paths(&path));
         }
         found.insert(path);
     }
@@ -138,7 +138,7 @@ fn a_lying_service_writes_nothing_outside_of_the_folder_and_no_file_with_another
             frame.join("0"),
         ]
         .into();
-        let written = below(folder.path());
+        let written = list_paths(folder.path());
         assert!(written.is_subset(&allowed), "lie {index} {row}: {written:?}");
     }
     assert!(!Path::new("/tmp/escape").exists() && !Path::new("/tmp/rgb.png").exists());
@@ -160,12 +160,12 @@ fn columns_of_a_service_do_not_say_where_files_are() {
         "file_name": format!("{JOB}/0/rgb.png")});
     assert_eq!(row, expected);
 
-    // A symbolic link in the folder is not followed: its target keeps its content.
+    // A symbolic link in the folder is not followed: its target is unchanged.
     let secret = folder.path().join("secret");
     std::fs::write(&secret, b"mine").expect("a writable folder");
     for name in ["rgb.png", "../../metadata.jsonl", "../../.SHA256SUMS.part"] {
         let path = out.join(JOB).join("0").join(name);
-        // The draft is not there.
+        // The draft does not exist.
         let _ = std::fs::remove_file(&path);
         symlink(&secret, path).expect("a link");
     }

@@ -1,4 +1,4 @@
-//! A flood of everything at once, and what the service holds in memory before and after it.
+//! Many simultaneous clients, and the service's memory before and after.
 
 #![allow(clippy::unwrap_used)]
 
@@ -11,24 +11,24 @@ use std::time::{Duration, Instant};
 use fathom_tests::{Service, small_job};
 use serde_json::json;
 
-/// The floods come one after the other.
+/// Serializes the floods.
 static TURN: Mutex<()> = Mutex::new(());
 
-/// Submissions of one round, and who makes them at the same time.
+/// Submissions of one round, and their concurrent clients.
 const SUBMISSIONS: u64 = 5_000;
 const CLIENTS: u64 = 64;
-/// Connections of each kind of bad reader.
+/// Connections of each kind of slow client.
 const BAD_READERS: usize = 200;
-/// An accepted job stays in the table of those that wait: some kilobytes each. The rest is room for the allocator, which
-/// keeps what busy threads have used.
+/// An accepted job stays in the table of queued jobs: some kilobytes each. The rest is slack for the allocator, which
+/// retains memory of busy threads.
 const MOST_GROWTH: u64 = 64 << 20;
-/// Clients of the crowd: each waits for a job, listens to its events, or asks for a page of every column.
+/// Clients of each kind: long polls, event streams, and pages of all columns.
 const LONG_POLLS: usize = 1200;
 const STREAMS: usize = 200;
 const HEAVY_PAGES: usize = 260;
-/// A page ends before 8 MiB, and its last row and its head come on top.
+/// A page ends before 8 MiB, plus its last row and its header.
 const MOST_PAGE_BYTES: usize = 9 << 20;
-/// A plain read on a machine that a thousand others keep busy.
+/// Time limit of a plain read on a machine with a thousand other clients.
 const PLAIN_READ: Duration = Duration::from_secs(10);
 
 fn job(label: u64) -> String {
@@ -47,7 +47,7 @@ fn connect(service: &Service) -> TcpStream {
     stream
 }
 
-/// One request on a connection of its own; the status.
+/// Sends one request on a new connection; returns the status.
 fn submit(service: &Service, body: &str) -> u16 {
     let mut stream = connect(service);
     let head = format!(
@@ -65,8 +65,8 @@ fn submit(service: &Service, body: &str) -> u16 {
     status.and_then(|status| status.parse().ok()).unwrap_or(0)
 }
 
-/// Five thousand submissions by sixty-four clients, beside readers that never read, and heads that never end. Returns
-/// how many were accepted and how many shed.
+/// Five thousand submissions by sixty-four clients, alongside clients that never read and headers that never end.
+/// Returns the numbers of accepted and shed ones.
 fn round(service: &Service, number: u64, id: &str) -> (u64, u64) {
     let requests = [
         format!("GET /v1/jobs/{id}/events HTTP/1.1\r\nhost: localhost\r\n\r\n"),
@@ -84,7 +84,7 @@ fn round(service: &Service, number: u64, id: &str) -> (u64, u64) {
     let over = AtomicBool::new(false);
     let (next, accepted, shed) = (AtomicU64::new(0), AtomicU64::new(0), AtomicU64::new(0));
     std::thread::scope(|scope| {
-        // A byte of a head at a time.
+        // Headers one byte at a time.
         scope.spawn(|| {
             let mut slow: Vec<TcpStream> = (0..BAD_READERS).map(|_| connect(service)).collect();
             for byte in b"GET /livez HTTP/1.1\r\nx-slow: "
@@ -94,7 +94,7 @@ fn round(service: &Service, number: u64, id: &str) -> (u64, u64) {
                 if over.load(Ordering::SeqCst) {
                     break;
                 }
-                // The service may have cut it off.
+                // The service may have closed it.
                 slow.retain_mut(|stream| stream.write_all(&[*byte]).is_ok());
                 std::thread::sleep(Duration::from_millis(20));
             }
@@ -103,11 +103,11 @@ fn round(service: &Service, number: u64, id: &str) -> (u64, u64) {
             .map(|_| {
                 scope.spawn(|| {
                     loop {
-                        let at = next.fetch_add(1, Ordering::SeqCst);
-                        if at >= SUBMISSIONS {
+                        let position = next.fetch_add(1, Ordering::SeqCst);
+                        if position >= SUBMISSIONS {
                             break;
                         }
-                        match submit(service, &job(number * SUBMISSIONS + at)) {
+                        match submit(service, &job(number * SUBMISSIONS + position)) {
                             202 => accepted.fetch_add(1, Ordering::SeqCst),
                             503 => shed.fetch_add(1, Ordering::SeqCst),
                             status => panic!("a submission gave {status}"),
@@ -126,8 +126,8 @@ fn round(service: &Service, number: u64, id: &str) -> (u64, u64) {
     (accepted.into_inner(), shed.into_inner())
 }
 
-/// Failure: a submission that gives anything but 202 or 503; an accepted job that is missing; a service that does
-/// not respond meanwhile; memory that keeps growing from round to round.
+/// Failure: a submission returns anything but 202 or 503; an accepted job is missing; the service does not respond
+/// meanwhile; memory keeps growing from round to round.
 #[test]
 fn ten_thousand_submissions_beside_bad_readers_succeed_in_bounded_memory() {
     let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
@@ -164,7 +164,7 @@ fn ten_thousand_submissions_beside_bad_readers_succeed_in_bounded_memory() {
     assert!(growth < MOST_GROWTH, "the second round added {} MB", growth >> 20);
 }
 
-/// The status line and the length of what follows of one GET on a connection of its own.
+/// The status and the body length of a GET on a new connection.
 fn fetch(service: &Service, path: &str) -> (u16, usize) {
     let mut stream = connect(service);
     let head = format!("GET {path} HTTP/1.1\r\nhost: localhost\r\nconnection: close\r\n\r\n");
@@ -175,7 +175,7 @@ fn fetch(service: &Service, path: &str) -> (u16, usize) {
     (status, answer.len())
 }
 
-/// Connections that have asked and read nothing yet.
+/// Connections with a request sent and no response read yet.
 fn waiting(service: &Service, path: &str, count: usize) -> Vec<TcpStream> {
     let ask = |_| {
         let mut stream = connect(service);
@@ -186,7 +186,7 @@ fn waiting(service: &Service, path: &str, count: usize) -> Vec<TcpStream> {
     (0..count).map(ask).collect()
 }
 
-/// Those of them that were told to come back later.
+/// Number of requests that were shed.
 fn shed(streams: &mut [TcpStream]) -> usize {
     let is_shed = |stream: &mut TcpStream| {
         stream.set_read_timeout(Some(Duration::from_millis(5))).unwrap();
@@ -196,8 +196,8 @@ fn shed(streams: &mut [TcpStream]) -> usize {
     streams.iter_mut().map(is_shed).filter(|is_shed| *is_shed).count()
 }
 
-/// Failure: a plain read that is refused or late; a heavy page that gives anything but 200 or 503, or is too long; a crowd that
-/// takes more places than one address may have.
+/// Failure: a plain read is refused or late; a heavy page returns anything but 200 or 503, or is too long; a crowd
+/// occupies more slots than one address may.
 #[test]
 fn long_polls_streams_and_heavy_pages_leave_room_for_plain_reads() {
     let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);

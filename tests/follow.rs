@@ -1,4 +1,4 @@
-//! Sets that a running service imports while they grow. Above each test stands what counts as failure.
+//! Sets imported by a running service while they grow. The comment above each test defines failure.
 
 use std::fs;
 use std::path::Path;
@@ -11,8 +11,8 @@ use crate::sets::{Work, text};
 
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// Failure: shards that are finished while the service runs, or while it does not, are not imported, an import that is repeated
-/// makes a second job, or the job differs from one that was rendered here.
+/// Failure: shards finished while the service is running or stopped are not imported, a repeated import creates a
+/// second job, or the job differs from one rendered by the service.
 #[test]
 fn a_running_service_follows_a_set_to_its_end() {
     let work = Work::new(&job(20));
@@ -62,7 +62,7 @@ fn a_running_service_follows_a_set_to_its_end() {
     assert!(status == 200 && bytes.starts_with(b"\x89PNG"));
 }
 
-/// Failure: a set that is forgotten is still shown or followed, or is gone itself.
+/// Failure: a forgotten set is still shown or followed, or its files are deleted.
 #[test]
 fn a_set_is_forgotten_and_stays_where_it_is() {
     let work = Work::new(&job(10));
@@ -91,7 +91,8 @@ fn a_set_is_forgotten_and_stays_where_it_is() {
     wait(&service, &again, |row| row["state"] == "done");
 }
 
-/// Failure: a client has a place read that no store contains, learns whether it exists, or a refusal leaves something behind.
+/// Failure: a client makes the service read a location outside of any store, learns whether it exists, or a refusal
+/// leaves a trace.
 #[test]
 fn only_sets_in_a_store_are_read() {
     let work = Work::new(&job(5));
@@ -156,7 +157,7 @@ fn only_sets_in_a_store_are_read() {
     );
 }
 
-/// Failure: a shard that contradicts itself is imported, keeps the service from looking again, or is not said to be damaged.
+/// Failure: a contradictory shard is imported, stops the service from polling, or is not reported as damaged.
 #[test]
 fn a_damaged_shard_is_said_and_imported_once_it_is_repaired() {
     let work = Work::new(&job(10));

@@ -1,4 +1,4 @@
-//! Formats of an export before services that lie, that vanish and that count their requests.
+//! Export formats with malicious, vanishing and request-counting services.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ use tar::Header;
 
 const JOB: &str = "job_0198c0ffee007000800000000000000a";
 const FRAMES: u64 = 6;
-/// Formats that `fathom` writes without another program.
+/// Formats written by `fathom` without another program.
 const FORMATS: [&str; 6] = ["folder", "webdataset", "coco", "yolo", "colmap", "transforms"];
 
 fn text(bytes: &[u8]) -> String {
@@ -74,10 +74,10 @@ fn images() -> Vec<Image> {
     (0..FRAMES).map(image).collect()
 }
 
-/// How often each frame was asked for.
+/// Number of requests per frame.
 type Asked = Arc<Mutex<BTreeMap<u64, u32>>>;
 
-/// Serves the dataset `tour`, and nothing of the frames from `end` on.
+/// Serves the dataset `tour` up to frame `end`.
 fn serve(images: Vec<Image>, asked: Asked, end: u64) -> String {
     let columns: BTreeSet<String> = images
         .iter()
@@ -92,7 +92,7 @@ fn serve(images: Vec<Image>, asked: Asked, end: u64) -> String {
         let body = match place {
             "/v1/datasets/tour" => json!({"name": "tour", "columns": columns}),
             "/v1/datasets/tour/stats" => json!({"groups": [{"count": images.len()}]}),
-            // The first frame at the second place of the path.
+            // The first frame is at the second position of the path.
             "/v1/images" if query.contains("camera.path.frame%20%3D%201") => json!({"items": [{"frame": 1}]}),
             "/v1/images" => {
                 json!({"items": images.iter().map(|image| &image.row).collect::<Vec<_>>(), "next_cursor": null})
@@ -166,12 +166,12 @@ fn every_format_asks_for_a_frame_once_and_for_none_that_is_there() {
         assert!(first.status.success(), "{format}: {}", text(&first.stderr));
         let once: BTreeMap<u64, u32> = (0..FRAMES).map(|frame| (frame, 1)).collect();
         assert_eq!(taken(&asked), once, "{format}");
-        let files = below(folder.path());
+        let files = read_paths(folder.path());
         let again = export(&url, format, folder.path());
         assert!(again.status.success(), "{format}: {}", text(&again.stderr));
         assert!(text(&again.stdout).contains("(0 files fetched"), "{format}");
         assert_eq!(taken(&asked), BTreeMap::new(), "{format}");
-        assert_eq!(below(folder.path()), files, "{format}");
+        assert_eq!(read_paths(folder.path()), files, "{format}");
     }
 }
 
@@ -189,7 +189,7 @@ fn an_export_whose_service_vanished_goes_on_where_it_was() {
         let second = export(&url, format, folder.path());
         assert!(second.status.success(), "{format}: {}", text(&second.stderr));
         let again = taken(&asked);
-        // Shards are fetched as a whole; of the other formats some frames may have been under way.
+        // Shards are fetched whole; other formats may have had some frames in flight.
         assert!(
             again.contains_key(&5) && !again.contains_key(&0),
             "{format}: {again:?}"
@@ -200,13 +200,13 @@ fn an_export_whose_service_vanished_goes_on_where_it_was() {
     }
 }
 
-/// Every path below a folder with the bytes of files.
-fn below(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+/// All paths below a folder with the bytes of files.
+fn read_paths(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut found = BTreeMap::new();
     for entry in std::fs::read_dir(folder).expect("a readable folder") {
         let path = entry.expect("a readable folder").path();
         if path.is_dir() && !path.is_symlink() {
-            found.extend(below(&path));
+            found.extend(read_paths(&path));
         } else {
             found.insert(path.clone(), std::fs::read(&path).unwrap_or_default());
         }
@@ -257,7 +257,7 @@ fn a_service_that_lies_about_records_masks_and_paths_completes_no_export() {
             text(&output.stderr)
         );
         assert!(text(&output.stderr).contains("the service sent"), "lie {index}");
-        for path in below(folder.path()).keys() {
+        for path in read_paths(folder.path()).keys() {
             assert!(path.starts_with(&out), "lie {index}: {}", path.display());
         }
         for name in ["SHA256SUMS", "metadata.jsonl", "annotations.json"] {
@@ -266,7 +266,7 @@ fn a_service_that_lies_about_records_masks_and_paths_completes_no_export() {
     }
 }
 
-/// Gives an image another file, with the digest of it.
+/// Replaces a file of an image and its digest.
 fn relabel(image: &mut Image, name: &'static str, bytes: Vec<u8>) {
     let kind = name.split('.').next().unwrap_or_default();
     image.row[format!("artifacts.{kind}")] = sha256(&bytes).into();

@@ -1,5 +1,5 @@
-//! Sets that were rendered without a service, shown by one: nothing is copied, and nothing that the store says is believed.
-//! Above each test stands what counts as failure.
+//! Sets rendered without a service and shown by one: no data is copied, and the store is not trusted. The comment above
+//! each test defines failure.
 
 mod follow;
 mod sets;
@@ -14,7 +14,7 @@ use sets::{Work, files, marker, text};
 
 const KINDS: [&str; 3] = ["rgb", "range", "enhanced.hscm"];
 
-/// Failure: a service over an imported set responds otherwise than one that has rendered the same job.
+/// Failure: a service over an imported set responds differently from one that has rendered the same job.
 #[test]
 fn an_imported_set_is_shown_as_if_the_service_had_rendered_it() {
     let work = Work::new(&job(30));
@@ -33,37 +33,37 @@ fn an_imported_set_is_shown_as_if_the_service_had_rendered_it() {
     );
     let importing = Service::start(&data(&work), &["--workers", "0"]);
     let rendering = Service::start(&work.folder().join("other"), &["--workers", "1", "--slots", "2"]);
-    let there = row["id"].as_str().expect("an id").to_owned();
-    let here = rendering.submit(&job(30));
-    let expected = rendering.finished(&here);
+    let remote = row["id"].as_str().expect("an id").to_owned();
+    let current = rendering.submit(&job(30));
+    let expected = rendering.finished(&current);
     for field in ["digest", "bytes", "dataset", "frames", "state"] {
         assert_eq!(row[field], expected[field], "{field}");
     }
     assert_eq!(row["set"], json!(work.set().canonicalize().expect("a set")));
-    assert_eq!(importing.get(&format!("/v1/jobs/{there}")).1, row);
+    assert_eq!(importing.get(&format!("/v1/jobs/{remote}")).1, row);
     for path in QUESTIONS {
-        let (status, expected) = rendering.get_bytes(&path.replace("JOB", &here));
+        let (status, expected) = rendering.get_bytes(&path.replace("JOB", &current));
         assert_eq!(status, 200, "{path}: {}", text(&expected));
-        let (_, shown) = importing.get_bytes(&path.replace("JOB", &there));
-        assert_eq!(text(&shown).replace(&there, &here), text(&expected), "{path}");
+        let (_, shown) = importing.get_bytes(&path.replace("JOB", &remote));
+        assert_eq!(text(&shown).replace(&remote, &current), text(&expected), "{path}");
     }
     for frame in 0..30 {
         for kind in KINDS {
             let path = |job: &str| format!("/v1/images/{job}/{frame}/artifacts/{kind}");
             assert_eq!(
-                importing.get_bytes(&path(&there)),
-                rendering.get_bytes(&path(&here)),
+                importing.get_bytes(&path(&remote)),
+                rendering.get_bytes(&path(&current)),
                 "{frame} {kind}"
             );
         }
     }
     let preview = |job: &str| format!("/v1/images/{job}/3/preview");
     assert_eq!(
-        importing.get_bytes(&preview(&there)),
-        rendering.get_bytes(&preview(&here))
+        importing.get_bytes(&preview(&remote)),
+        rendering.get_bytes(&preview(&current))
     );
     let (_, found) = importing.post(
-        &format!("/v1/images/{there}/5/verify"),
+        &format!("/v1/images/{remote}/5/verify"),
         &json!({"rerender": true}),
     );
     assert_eq!(
@@ -94,7 +94,7 @@ fn an_imported_set_is_shown_as_if_the_service_had_rendered_it() {
     assert_eq!(content(&work.set()), before, "the set stays as it is");
 }
 
-/// Failure: a byte of a damaged artifact is served, or `verify` and `scrub` do not name it.
+/// Failure: a byte of a damaged artifact is served, or `verify` and `scrub` miss it.
 #[test]
 fn damaged_tars_are_named_and_never_served() {
     let work = Work::new(&job(12));
@@ -149,8 +149,8 @@ fn damaged_tars_are_named_and_never_served() {
     );
 }
 
-/// Failure: a part of a set is not shown while the rest is rendered, the service renders the rest itself, or what is
-/// rendered again is not taken.
+/// Failure: finished parts are not shown while the rest is rendered, the service renders the rest, or newly rendered
+/// parts are not imported.
 #[test]
 fn a_set_that_grows_is_imported_bit_by_bit() {
     let work = Work::new(&job(20));
@@ -211,7 +211,7 @@ fn a_set_that_grows_is_imported_bit_by_bit() {
     assert_ne!(imported(&work)["id"], row["id"], "it can be imported again");
 }
 
-/// Failure: something of a set that contradicts itself is imported.
+/// Failure: any part of a contradictory set is imported.
 #[test]
 fn a_set_that_contradicts_itself_is_refused() {
     let work = Work::new(&job(8));
@@ -249,14 +249,14 @@ fn a_set_that_contradicts_itself_is_refused() {
         wrong[at] ^= 0x55;
         fs::write(&rows, &wrong).expect("writable rows");
         refused(&work, "SHA-256");
-        // A marker that was changed along with it.
+        // A marker changed consistently with it.
         let mut marker = good.clone();
         marker["rows"]["sha256"] = json!(sha256(&wrong));
         fs::write(&path, marker.to_string()).expect("a writable marker");
         let output = run_on(&work, "import", &["--json", "--data", &text_of(&data(&work))]);
         match output.status.code() {
             Some(1) => {}
-            // Imports do not read this column: they make images from the records, which have a digest.
+            // Imports ignore this column: they build images from the records, which have a digest.
             Some(0) if at < whole.len() - 6 => {
                 let printed: Value = serde_json::from_slice(&output.stdout).expect("JSON");
                 assert_eq!(printed["job"]["digest"], good["digest"], "{at}");
@@ -282,7 +282,7 @@ fn refused(work: &Work, part: &str) {
     assert_eq!(service.get("/v1/jobs").1["items"], json!([]), "{part}");
 }
 
-/// What a service is asked. Times are left out: they are those of different machines.
+/// Requests to compare, without times, which differ between machines.
 const QUESTIONS: [&str; 11] = [
     "/v1/images?dataset=reef&fields=frame,job,dataset,digest,warned,alpha,uiqm,hscm.uiqm,artifacts.rgb",
     "/v1/images?filter=uiqm%20%3E%200&order_by=-uiqm&fields=frame,uiqm,water.optics,camera.hfov_deg",
@@ -319,7 +319,7 @@ fn run_on(work: &Work, command: &str, more: &[&str]) -> Output {
     work.command(command, more)
 }
 
-/// Imports what is there; returns the job.
+/// Imports the available shards; returns the job.
 fn imported(work: &Work) -> Value {
     let output = run_on(work, "import", &["--json", "--data", &text_of(&data(work))]);
     assert!(output.status.success(), "{}", text(&output.stderr));

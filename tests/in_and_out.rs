@@ -1,4 +1,4 @@
-//! A user's own picture goes in as a scene; a dataset comes out as a folder.
+//! A user's picture becomes a scene; a dataset is exported to a folder.
 
 use std::path::Path;
 use std::process::Command;
@@ -14,7 +14,7 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
-/// A range map as NumPy writes it: float32, meters, one hole.
+/// A range map as written by NumPy: float32, meters, one hole.
 fn range_map(width: usize, height: usize) -> Vec<u8> {
     let mut header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({height}, {width}), }}");
     while (10 + header.len() + 1) % 64 != 0 {
@@ -125,7 +125,7 @@ fn an_uploaded_picture_becomes_a_dataset_and_the_dataset_a_folder() {
         "the digests of the list do not hold"
     );
 
-    // Resumed: what is missing or damaged is fetched, the rest is kept.
+    // Resumed: missing and damaged files are fetched, the rest is kept.
     std::fs::remove_file(out.join(all[0]["file_name"].as_str().expect("a path"))).expect("a file");
     std::fs::write(out.join(all[1]["range"].as_str().expect("a path")), b"torn").expect("a file");
     assert!(export(&service, &out, &[]).contains("2 files fetched"));
@@ -210,7 +210,7 @@ fn classes_go_from_a_folder_to_the_export_with_the_same_codes_for_every_picture(
     for name in ["a.png", "b.png", "c.png"] {
         std::fs::copy(&vector, pictures.join(name)).expect("a vector");
     }
-    // One object is in view of both cameras, each of the others of one.
+    // Both cameras see one object; each of the others is visible to one.
     write("a.instances.png", &mask(|x, _| if x < 32 { 1 } else { 2 }));
     write("b.instances.png", &mask(|_, y| if y < 32 { 2 } else { 3 }));
     write("c.instances.png", &mask(|_, _| 9));
@@ -333,7 +333,7 @@ fn a_folder_becomes_a_collection_and_every_scene_of_it_frames() {
     let ids: Vec<&str> = ids.lines().map(|line| &line[..36]).collect();
     assert_eq!(scenes, [ids[0], ids[1], ids[0], ids[1]]);
 
-    // Without a service there is no collection; and a scene that a job uses stays.
+    // Without a service there is no collection; and a scene in use stays.
     let local = run(&[
         "render",
         job,

@@ -1,4 +1,4 @@
-//! A data folder that has lost a part, and space that nobody uses.
+//! Data folders with missing parts, and unreferenced bytes.
 
 use std::path::{Path, PathBuf};
 use std::process::Output;
@@ -39,7 +39,7 @@ fn images(service: &Service, job: &str) -> Vec<(Value, Vec<u8>, Vec<u8>)> {
     (0..FRAMES).map(image).collect()
 }
 
-/// A folder with a job that is done, and a backup of it.
+/// A folder with a finished job, and a backup of it.
 fn folder(data: &Path) -> (String, PathBuf) {
     let service = Service::start(data, &["--workers", "1", "--slots", "2"]);
     let id = service.submit(&job("kept"));
@@ -56,8 +56,8 @@ fn refusal(data: &Path) -> String {
     }
 }
 
-/// Failure: a service that starts as if it were empty, or as if all its artifacts were there; a refusal that does not say what is
-/// missing and how to go on; something that the refusal changed.
+/// Failure: a service starts as if it were empty or complete; a refusal does not name the missing part and the remedy;
+/// the refusal changes something.
 #[test]
 fn a_folder_without_its_catalogue_or_packs_is_refused() {
     let folder_of_test = tempfile::tempdir().expect("a temporary folder");
@@ -78,7 +78,7 @@ fn a_folder_without_its_catalogue_or_packs_is_refused() {
         printed.contains("missing or empty") && printed.contains("backup"),
         "{printed}"
     );
-    // One of another folder, with nothing in it.
+    // The pack of another, empty folder.
     let other = folder_of_test.path().join("other");
     drop(Service::start(&other, &["--workers", "0"]));
     std::fs::copy(other.join("catalogue.sqlite"), &catalogue).expect("a copy");
@@ -105,8 +105,8 @@ fn a_folder_without_its_catalogue_or_packs_is_refused() {
     assert_eq!(images(&service, &id).len() as u64, FRAMES);
 }
 
-/// Failure: an image with another record or other bytes than before, one that is gone, a job that was open at the time of the
-/// backup and does not end with its digest.
+/// Failure: an image has another record or other bytes than before or is lost, or a job that was open at the time of
+/// the backup does not end with its digest.
 #[test]
 fn a_lost_catalogue_comes_from_the_last_backup_and_the_packs() {
     let folder_of_test = tempfile::tempdir().expect("a temporary folder");
@@ -136,7 +136,7 @@ fn a_lost_catalogue_comes_from_the_last_backup_and_the_packs() {
     assert_eq!(service.finished(&open)["digest"], digest);
 }
 
-/// Failure: an image that is not rendered again to the bytes that it had.
+/// Failure: an image is not rendered again to its previous bytes.
 #[test]
 fn lost_packs_are_rendered_again() {
     let folder_of_test = tempfile::tempdir().expect("a temporary folder");
@@ -154,13 +154,13 @@ fn lost_packs_are_rendered_again() {
     assert_eq!(images(&service, &id), before);
 }
 
-/// Failure: scrub that does not report bytes without a name, repair that leaves them or takes others, a start that leaves the rest
+/// Failure: scrub does not report unreferenced bytes, repair leaves them or removes others, or a start leaves the rest
 /// of a backup.
 #[test]
 fn space_that_nobody_uses_is_reported_and_freed() {
     let folder_of_test = tempfile::tempdir().expect("a temporary folder");
     let data = folder_of_test.path().join("data");
-    // Bytes are stored, the service dies before the commit, and the job is deleted.
+    // The service dies between storing bytes and the commit, and the job is deleted.
     let fault = [("FATHOM_FAULTS", "commit.begun=abort@1")];
     let mut service = Service::start_with(&data, &["--workers", "1", "--slots", "1"], &fault);
     let _ = service.try_submit(&job("gone"), "key");

@@ -1,4 +1,4 @@
-//! Commands that manage what a service has, and what they print to a reader who leaves.
+//! Commands that manage a service's content, and their output to a closed pipe.
 
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
@@ -41,7 +41,7 @@ fn job(dataset: &str, count: u64) -> Value {
 #[test]
 fn a_job_is_listed_controlled_waited_for_and_removed() {
     let folder = temporary();
-    // Without a worker nothing is rendered, and the states are known.
+    // Without a worker nothing is rendered, and the states are fixed.
     let service = Service::start(&folder.path().join("data"), &["--workers", "0"]);
     let id = service.submit(&job("tour", 3));
     let listed = lines(&service, &["jobs", "--json", "--dataset", "tour"]);
@@ -114,7 +114,7 @@ fn a_dataset_is_sealed_verified_compared_and_unsealed() {
     );
     assert!(verified.contains(&format!("computed root {root}")), "{verified}");
 
-    // The same job again says that its images are there; another one makes the dataset grow.
+    // Submitting the job again reports its existing images; another job makes the dataset grow.
     let spec = folder.path().join("job.json");
     std::fs::write(&spec, job("tour", 4).to_string()).expect("a writable folder");
     let again = call(&service, &["submit", spec.to_str().expect("text"), "--json"]);

@@ -1,4 +1,4 @@
-//! No circle among the top-level modules of a crate: each can be read without the others that use it.
+//! No cycles among the top-level modules of a crate: each can be read without its users.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use fathom_tests::root;
 
-/// Which top-level modules each of them uses.
+/// The top-level modules used by each.
 type Uses = BTreeMap<String, BTreeSet<String>>;
 
 fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
@@ -20,7 +20,7 @@ fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// A source without its comments and without the tests at its end.
+/// A source without comments and without its trailing tests.
 fn code(path: &Path) -> String {
     let text = fs::read_to_string(path).expect("a readable source");
     let text = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
@@ -30,7 +30,7 @@ fn code(path: &Path) -> String {
     lines.collect::<Vec<_>>().join("\n")
 }
 
-/// The names that stand first in a path or in a group of paths: `a` of `a::b`, `a` and `c` of `{a::{b, d}, c}`.
+/// The first names of a path or group of paths: `a` of `a::b`, `a` and `c` of `{a::{b, d}, c}`.
 fn first_names(text: &str) -> Vec<&str> {
     let word = |text: &str| {
         text.find(|c: char| !c.is_alphanumeric() && c != '_')
@@ -58,7 +58,7 @@ fn first_names(text: &str) -> Vec<&str> {
     names
 }
 
-/// The top-level modules, by themselves and by what the crate's root brings in from them.
+/// The top-level modules under their names and the names that the crate's root imports from them.
 fn modules(root_code: &str) -> BTreeMap<String, String> {
     let declared = root_code.lines().filter_map(|line| {
         let (visibility, name) = line.split_once("mod ")?;

@@ -1,4 +1,4 @@
-//! Frames that break whoever renders them. Above each test stands what counts as failure.
+//! Frames that crash or hang their worker. The comment above each test defines failure.
 
 use fathom_tests::{Service, digest_by_render};
 use serde_json::{Value, json};
@@ -12,8 +12,8 @@ fn job(frames: u64) -> Value {
     })
 }
 
-/// Failure: the job does not end, a neighbor has no image, a poisoned frame is retried forever or given up without saying
-/// why, or the service itself falls.
+/// Failure: the job does not end, a neighbor has no image, a poisoned frame is retried forever or given up without a
+/// reason, or the service crashes.
 #[test]
 fn poisoned_frames_are_given_up_with_their_reason_and_their_neighbors_finish() {
     let data = tempfile::tempdir().expect("a temporary folder");
@@ -71,7 +71,7 @@ fn poisoned_frames_are_given_up_with_their_reason_and_their_neighbors_finish() {
     assert_eq!(frames, expected);
 }
 
-/// Failure: frames that failed cannot be tried again once what broke them is gone, or the digest then differs.
+/// Failure: failed frames cannot be retried after the cause is fixed, or the digest then differs.
 #[test]
 fn what_failed_can_be_tried_again_after_the_cause_is_gone() {
     let data = tempfile::tempdir().expect("a temporary folder");

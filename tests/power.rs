@@ -1,7 +1,8 @@
-//! Power cuts: what was not synced is lost.
+//! Power cuts lose all unsynced data.
 //!
-//! `FATHOM_POWER_CUTS` sets how many (12 unless set), `FATHOM_SEED` where they begin. `tests/chaos/power.c` notes what the service
-//! writes and syncs and ends it at a write that the seed chooses; `tests/chaos/power_cut.py` then takes back what was not safe.
+//! `FATHOM_POWER_CUTS` sets their number (default 12), `FATHOM_SEED` their positions. `tests/chaos/power.c` records the
+//! writes and syncs of the service and ends it at a seeded write; `tests/chaos/power_cut.py` then reverts unsynced
+//! data.
 
 use std::path::Path;
 use std::process::Command;
@@ -11,7 +12,7 @@ use fathom_tests::{Dice, Service, audit, compile, digest_by_render, root};
 use serde_json::{Value, json};
 
 const FRAMES: u64 = 30;
-/// Writes, changes of names and syncs of a service that starts and renders the jobs.
+/// Writes, renames and syncs of a service that starts and renders the jobs.
 const STEPS: u64 = 420;
 
 fn job() -> Value {
@@ -37,8 +38,8 @@ fn cut(log: &Path, seed: u64, folder: &Path) -> String {
     text
 }
 
-/// Failure: a job that was accepted or an image that a client was told of is gone, a row without its bytes, bytes with another
-/// digest, a database that is not whole, a service that does not start, a digest other than that of an undisturbed run.
+/// Failure: an accepted job or an acknowledged image is lost, a row lacks its bytes, bytes have another digest, a
+/// database is damaged, the service does not start, or the digest differs from that of an undisturbed run.
 #[test]
 fn what_was_told_survives_a_power_cut() {
     let cuts: u64 = std::env::var("FATHOM_POWER_CUTS").map_or(12, |n| n.parse().expect("a number"));
@@ -51,14 +52,14 @@ fn what_was_told_survives_a_power_cut() {
     let (mut told, mut unsafe_at_cuts, mut in_life) = (Vec::<(String, u64)>::new(), 0, 0);
     for number in 0..cuts {
         let _ = std::fs::remove_file(&log);
-        let at = (1 + dice.below(STEPS)).to_string();
+        let position = (1 + dice.draw(STEPS)).to_string();
         let environment = [
             ("LD_PRELOAD", library.to_str().expect("text")),
             ("FATHOM_POWER_FOLDER", folder.path().to_str().expect("text")),
             ("FATHOM_POWER_LOG", log.to_str().expect("text")),
-            ("FATHOM_POWER_CUT", &at),
+            ("FATHOM_POWER_CUT", &position),
         ];
-        // A cut may come while it starts.
+        // A cut may happen during startup.
         if let Ok(mut service) = Service::launch(&data, &["--workers", "1", "--slots", "2"], &environment) {
             in_life += 1;
             let until = Instant::now() + Duration::from_secs(3);
@@ -76,7 +77,11 @@ fn what_was_told_survives_a_power_cut() {
         let lost = cut(&log, seed + number, folder.path());
         unsafe_at_cuts += u64::from(!lost.starts_with("0 writes and 0 names"));
         let accepted: Vec<&str> = told.iter().map(|(id, _)| id.as_str()).collect();
-        audit(&data, &accepted, &format!("cut {number} at step {at}: {lost}"));
+        audit(
+            &data,
+            &accepted,
+            &format!("cut {number} position step {position}: {lost}"),
+        );
     }
     let service = Service::start(&data, &["--workers", "1", "--slots", "2"]);
     for (id, done) in &told {

@@ -4,7 +4,7 @@ use std::process::Command;
 
 use fathom_tests::{fathom, root};
 
-/// Failure: a difference from `tests/proof`. After a wanted change `scripts/proof.sh --make` writes it again.
+/// Failure: a difference from `tests/proof`. After an intended change, `scripts/proof.sh --make` regenerates it.
 #[test]
 fn frames_and_documents_are_as_recorded() {
     let output = Command::new("bash")

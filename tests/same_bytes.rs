@@ -1,7 +1,7 @@
-//! The same job gives the same bytes, whoever renders it and whatever happens meanwhile.
+//! The same job yields the same bytes with any renderer and any interruptions.
 //!
-//! Failure is: any difference in the digest over frames, artifact digests and resolved parameters; a frame that is
-//! missing or there twice; a job that does not end.
+//! Failure: any difference in the digest over frames, artifact digests and resolved parameters; a missing or duplicate
+//! frame; a job that does not end.
 
 use std::time::{Duration, Instant};
 
@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 
 const FRAMES: u64 = 60;
 
-/// Every stage that could depend on who renders: scene, water, style, haze, enhancement, metrics.
+/// Every stage that could depend on the renderer: scene, water, style, haze, enhancement, metrics.
 fn job() -> Value {
     json!({
         "dataset": "same-bytes", "count": FRAMES, "seed": 11,

@@ -1,4 +1,4 @@
-//! Damage in stored bytes is found, never served, and undone by rendering again.
+//! Damage in stored bytes is found, never served, and repaired by rendering again.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -21,8 +21,8 @@ fn scrub(data: &Path, more: &[&str]) -> (bool, Value) {
     )
 }
 
-/// Where the pictures with these digests begin in a pack. SQLite leaves copies behind where it has moved rows to other
-/// pages: pictures that occur twice are left out.
+/// Offsets of the pictures with these digests in a pack. SQLite leaves copies of rows moved to other pages: pictures
+/// that occur twice are omitted.
 fn pictures(pack: &[u8], digests: &BTreeSet<String>) -> Vec<usize> {
     let mut places: BTreeMap<String, Vec<usize>> = BTreeMap::new();
     let starts = pack
@@ -53,8 +53,8 @@ fn sha256(bytes: &[u8]) -> String {
         .collect()
 }
 
-/// Damages a thousand pictures: a flipped bit, bytes lost as by a torn write, or the bytes of the neighbor in their place.
-/// Every picture has at least 57 bytes after its signature: a header and the end mark.
+/// Damages a thousand pictures: a flipped bit, bytes lost as by a torn write, or the bytes of the neighbor in their
+/// place. Every picture has at least 57 bytes after its signature: a header and the end mark.
 fn damage(pack: &mut [u8], pictures: &[usize]) {
     for (number, &at) in pictures.iter().take(DAMAGES).enumerate() {
         let before = pack[at + 8..at + 57].to_vec();
@@ -67,14 +67,14 @@ fn damage(pack: &mut [u8], pictures: &[usize]) {
             }
         }
         if pack[at + 8..at + 57] == before[..] {
-            // The neighbor is the same here.
+            // The neighbor is identical here.
             pack[at + 40] ^= 0x10;
         }
     }
 }
 
-/// Failure: damage that scrub does not name or names where there is none, a response of the service with bytes of another
-/// digest, an artifact that does not come back, or a digest of the job that changes.
+/// Failure: scrub misses a damage or reports a false one, a response has bytes of another digest, an artifact is not
+/// restored, or the digest of the job changes.
 #[test]
 fn a_thousand_damaged_pictures_are_found_never_served_and_rendered_again() {
     let folder = tempfile::tempdir().expect("a temporary folder");

@@ -1,4 +1,4 @@
-//! Workers whose pictures look right and are not.
+//! Workers that return plausible but wrong pictures.
 
 use std::time::{Duration, Instant};
 
@@ -33,8 +33,8 @@ fn until(what: &str, holds: impl Fn() -> bool) -> Duration {
     begun.elapsed()
 }
 
-/// Failure: a picture that differs by one code of one pixel from what the frame renders to stays, its worker goes on, or a frame ends
-/// without an image or with two.
+/// Failure: a picture that differs by one code of one pixel stays, its worker keeps working, or a frame ends with two
+/// images or without one.
 #[test]
 fn a_worker_whose_frame_renders_to_something_else_is_dismissed_and_its_frames_are_rendered_again() {
     let data = tempfile::tempdir().expect("a temporary folder");
@@ -71,11 +71,11 @@ fn a_worker_whose_frame_renders_to_something_else_is_dismissed_and_its_frames_ar
     drop((liar, honest));
 }
 
-/// Failure: a dismissed worker of the service's own leaves a job waiting, and nothing says so.
+/// Failure: a dismissed worker of the service leaves a job waiting without a report.
 #[test]
 fn a_service_whose_own_worker_is_dismissed_is_not_ready_and_says_why() {
     let data = tempfile::tempdir().expect("a temporary folder");
-    // The worker inherits the fault; the process that checks renders the same frame, and passes the point a second time.
+    // The worker inherits the fault; the checking process renders the same frame and passes the point a second time.
     let faults = [("FATHOM_FAULTS", "rgb.wrong=flag@1")];
     let arguments = ["--workers", "1", "--slots", "1", "--spot-check", "1"];
     let service = Service::start_with(data.path(), &arguments, &faults);
@@ -86,7 +86,7 @@ fn a_service_whose_own_worker_is_dismissed_is_not_ready_and_says_why() {
             .unwrap_or_default()
             .to_owned()
     };
-    // Each process counts by itself: both are wrong about their first frame, so the second is the first that differs.
+    // Each process counts separately: both are wrong about their first frame, so the second is the first that differs.
     until("the service is not ready", || detail().contains("local-1"));
     assert_eq!(service.get("/readyz").0, 503);
 }

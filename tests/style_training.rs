@@ -1,5 +1,4 @@
-//! Styles trained by the service, through the real binary: what comes of good photos, of bad ones, and of trainings
-//! that end in the middle.
+//! Styles trained by the service through the real binary: good photos, bad photos, and interrupted trainings.
 
 #![allow(clippy::unwrap_used)]
 
@@ -154,14 +153,14 @@ fn photos_that_cannot_be_learned_from_are_refused_at_once_and_the_others_taken()
     let data = tempfile::tempdir().unwrap();
     let service = Service::start(data.path(), &["--slots", "1"]);
     let before = names(&service);
-    let of = |side, pixel: fn(usize, usize) -> [u8; 3]| {
+    let encode_square = |side, pixel: fn(usize, usize) -> [u8; 3]| {
         encode_png(&Rgb8::from_fn(side, side, pixel).into()).unwrap()
     };
     let whole = photo();
     let bad = [
-        ("flat", of(100, |_, _| [9, 120, 180]), "flat"),
-        ("black", of(100, |_, _| [0; 3]), "flat"),
-        ("dot", of(1, |_, _| [9; 3]), "1×1"),
+        ("flat", encode_square(100, |_, _| [9, 120, 180]), "flat"),
+        ("black", encode_square(100, |_, _| [0; 3]), "flat"),
+        ("dot", encode_square(1, |_, _| [9; 3]), "1×1"),
         ("text", b"hello, world".to_vec(), "neither PNG"),
         ("empty", Vec::new(), "neither PNG"),
         ("cut", whole[..whole.len() / 2].to_vec(), "photo 1"),
@@ -193,7 +192,7 @@ fn photos_that_cannot_be_learned_from_are_refused_at_once_and_the_others_taken()
     }
 }
 
-/// A PNG that says it has 60000×60000 pixels.
+/// A PNG whose header announces 60000×60000 pixels.
 fn bomb() -> Vec<u8> {
     let mut bytes = encode_png(&Rgb8::from_fn(2, 2, |_, _| [1, 2, 3]).into()).unwrap();
     for at in [16, 20] {
@@ -210,7 +209,7 @@ fn a_training_that_ends_in_the_middle_leaves_nothing_and_the_service_goes_on() {
 
     let (_, cancelled) = ask(&service, "cancelled", "5000", &photo);
     running(&service, &cancelled["id"]);
-    // It waits for the first.
+    // It is queued behind the first.
     let (_, killed) = ask(&service, "killed", "5000", &photo);
     assert_eq!(killed["state"], "queued");
     let (status, problem) = ask(&service, "killed", "5000", &photo);
@@ -231,7 +230,7 @@ fn a_training_that_ends_in_the_middle_leaves_nothing_and_the_service_goes_on() {
     let (_, again) = ask(&service, "killed", "1", &photo);
     assert_eq!(ended(&service, &again["id"])["state"], "done", "the name is free");
 
-    // A service that ends takes an open training along; the styles that were done stay.
+    // Stopping the service ends an open training; finished styles remain.
     let (_, open) = ask(&service, "open", "5000", &photo);
     running(&service, &open["id"]);
     drop(service);
@@ -242,7 +241,7 @@ fn a_training_that_ends_in_the_middle_leaves_nothing_and_the_service_goes_on() {
     assert_eq!(status, 404);
 }
 
-/// The process may write no more while it trains: what it has learned has nowhere to go.
+/// The process cannot write while it trains: the result has no place to be stored.
 #[test]
 fn a_disk_that_fills_while_training_ends_the_training_alone() {
     let (data, temporary) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
@@ -264,7 +263,7 @@ fn a_disk_that_fills_while_training_ends_the_training_alone() {
         "{training}"
     );
     assert_eq!(names(&service), before);
-    // An order has a folder of its own.
+    // Each training has a separate folder.
     let mut left = walk(temporary.path());
     left.retain(|path| path.parent() != Some(temporary.path()));
     assert!(left.is_empty(), "{left:?}");
@@ -279,8 +278,8 @@ fn a_disk_that_fills_while_training_ends_the_training_alone() {
 /// All files below a folder.
 fn walk(folder: &Path) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder).unwrap().flatten();
-    let below = |path: PathBuf| if path.is_dir() { walk(&path) } else { vec![path] };
-    entries.flat_map(|entry| below(entry.path())).collect()
+    let list = |path: PathBuf| if path.is_dir() { walk(&path) } else { vec![path] };
+    entries.flat_map(|entry| list(entry.path())).collect()
 }
 
 fn running(service: &Service, id: &Value) {

@@ -1,6 +1,5 @@
-//! Networks of a user through the real binary and ONNX Runtime: one that can be used, and those that cannot. A failure
-//! is a network that is taken without being usable, one that is refused without its fault being named, or a service
-//! that is worse off afterwards.
+//! User networks through the real binary and ONNX Runtime: a usable one and defective ones. Failure: an unusable
+//! network is accepted, one is rejected without its defect, or the service is impaired afterwards.
 
 #![allow(clippy::unwrap_used)]
 
@@ -38,14 +37,14 @@ fn a_network_of_a_user_is_tried_added_rendered_and_rendered_again() {
     });
     let id = service.submit(&job);
     assert_eq!(service.finished(&id)["state"], "done");
-    // The process that renders it again knows the style from the service's folder.
+    // The verifying process finds the style in the service's folder.
     let (status, verified) = service.post(&format!("/v1/images/{id}/1/verify"), &json!({"rerender": true}));
     assert_eq!(
         (status, &verified["reproduced"]),
         (200, &json!(true)),
         "{verified}"
     );
-    // A copy of the service has it as well.
+    // So does a copy of the service.
     let (status, copy) = service.post("/v1/backups", &json!({}));
     assert_eq!(status, 201, "{copy}");
     let copied = start(&root().join(copy["folder"].as_str().unwrap()));
@@ -119,7 +118,7 @@ fn a_network_that_cannot_be_used_is_refused_by_what_it_does() {
     assert_eq!(status, 201, "the service is as well as before: {card}");
 }
 
-/// A name, the file, and what the refusal says.
+/// A name, the file, and the text of the refusal.
 fn hostile() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     let one_channel = graph(
         &[node("Sigmoid", &["image"], &["styled"])],
@@ -154,16 +153,20 @@ fn hostile() -> Vec<(&'static str, Vec<u8>, &'static str)> {
         ("empty", Vec::new(), "no ONNX file"),
         ("cut", good()[..60].to_vec(), "no ONNX file"),
         ("one_channel", file(&one_channel), "[1, 3, height, width]"),
-        ("beside", outside("weights.bin"), "`weights` lies in another file"),
+        (
+            "beside",
+            outside("weights.bin"),
+            "`weights` is stored in another file",
+        ),
         (
             "passwords",
             outside("/etc/passwd"),
-            "`weights` lies in another file",
+            "`weights` is stored in another file",
         ),
         (
             "above",
             outside("../catalogue.sqlite"),
-            "`weights` lies in another file",
+            "`weights` is stored in another file",
         ),
         (
             "unknown",
@@ -184,7 +187,7 @@ fn hostile() -> Vec<(&'static str, Vec<u8>, &'static str)> {
         (
             "dice",
             from_image(&[node("RandomUniformLike", &["image"], &["styled"])], &[]),
-            "differently",
+            "frame differ",
         ),
         (
             "greedy",

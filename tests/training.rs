@@ -1,4 +1,4 @@
-//! `fathom train`: what it makes, and what it does with photos that cannot be learned from.
+//! `fathom train`: its products, and unsuitable photos.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -96,11 +96,12 @@ fn a_photo_becomes_a_style_that_renders_without_any_library_and_the_threads_chan
 fn photos_that_cannot_be_learned_from_are_refused_with_the_reason_and_nothing_is_written() {
     let folder = temporary();
     let encode = |picture: imaging::Rgb8| imaging::codec::encode_png(&picture.into()).expect("a picture");
-    let of = |side, pixel: fn(usize, usize) -> [u8; 3]| encode(imaging::Rgb8::from_fn(side, side, pixel));
+    let encode_square =
+        |side, pixel: fn(usize, usize) -> [u8; 3]| encode(imaging::Rgb8::from_fn(side, side, pixel));
     let cases = [
-        ("black", of(100, |_, _| [0; 3]), "flat"),
-        ("flat", of(100, |_, _| [9, 120, 180]), "flat"),
-        ("dot", of(1, |_, _| [9; 3]), "1×1"),
+        ("black", encode_square(100, |_, _| [0; 3]), "flat"),
+        ("flat", encode_square(100, |_, _| [9, 120, 180]), "flat"),
+        ("dot", encode_square(1, |_, _| [9; 3]), "1×1"),
         ("text", b"not a picture".to_vec(), "picture"),
         ("nothing", Vec::new(), "picture"),
     ];
@@ -153,7 +154,7 @@ fn gray_deep_and_huge_photos_are_taken() {
     }
 }
 
-/// The color transfer is written before the first step; an interrupt keeps the best so far.
+/// The color transfer is written before the first step; an interrupt keeps the best result so far.
 #[test]
 fn an_interrupted_training_leaves_whole_files_and_says_so_on_the_card() {
     let folder = temporary();
@@ -192,13 +193,13 @@ fn an_interrupted_training_leaves_whole_files_and_says_so_on_the_card() {
     assert_eq!(card(&out)["training"]["steps"], 100_000);
 }
 
-/// A folder that cannot be written: known before the first step, and nothing half-written stays.
+/// A read-only folder is detected before the first step, and no partial file remains.
 #[test]
 fn a_full_disk_is_an_error_and_leaves_nothing_behind() {
     let folder = temporary();
     let photo = muddy_photo(folder.path());
     let out = folder.path().join("out");
-    // A folder in the place of one product: its last rename fails as a full disk's write does.
+    // A folder at the path of a product: its last rename fails as a full disk's write does.
     std::fs::create_dir_all(out.join("harbour.sheet.png/in-the-way")).expect("a writable folder");
     let output = train(&photo, &out, &["--steps", "2"]);
     assert_eq!(output.status.code(), Some(1));

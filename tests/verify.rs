@@ -1,4 +1,4 @@
-//! A stored image is hashed and rendered again by the real binary.
+//! Hashes a stored image and renders it again by the real binary.
 
 use fathom_tests::Service;
 use serde_json::{Value, json};

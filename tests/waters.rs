@@ -1,4 +1,4 @@
-//! `fathom waters`: what it says about every water; `fathom-lab waters`: the plots of them.
+//! `fathom waters`: the description of every water; `fathom-lab waters`: their plots.
 #![allow(clippy::unwrap_used)]
 
 use std::path::Path;
@@ -14,7 +14,7 @@ const PLOTS: [&str; 5] = [
     "visibility-range",
     "visibility-turbidity",
 ];
-/// What every water says of itself, known or not.
+/// Fields of every water, known or not.
 const FIELDS: [&str; 19] = [
     "name",
     "jerlov_type",
@@ -113,7 +113,7 @@ fn what_a_source_does_not_say_stays_unknown() {
     assert_eq!(measured["unrenderable"], Value::Null);
 }
 
-/// Columns and rows as the drawing itself gives them.
+/// Columns and rows from the header of the drawing.
 fn size_of(drawing: &str) -> (usize, usize) {
     let number = |name: &str| {
         let rest = drawing.split_once(&format!("{name}=\"")).unwrap().1;

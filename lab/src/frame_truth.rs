@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use truth::{Pixel, Scene, Shutter};
+use truth::{PathBatch, PixelSums, TracedScene};
 
 /// Pixels that a thread takes at a time.
 const PIXELS: usize = 16;
@@ -13,12 +13,12 @@ const PIXELS: usize = 16;
 /// # Panics
 /// If a path does.
 pub fn round(
-    (shutter, scene): (&Shutter, &Scene<'_>),
+    (shutter, scene): (&PathBatch, &TracedScene<'_>),
     count: usize,
     samples: &Range<u64>,
     threads: usize,
     watch: &mut dyn FnMut(usize),
-) -> Vec<Pixel> {
+) -> Vec<PixelSums> {
     let next = AtomicUsize::new(0);
     let work = || {
         let mut done = Vec::new();
@@ -31,7 +31,7 @@ pub fn round(
             done.push((first, shutter.trace(scene, pixels, samples)));
         }
     };
-    let mut parts: Vec<(usize, Vec<Pixel>)> = std::thread::scope(|scope| {
+    let mut parts: Vec<(usize, Vec<PixelSums>)> = std::thread::scope(|scope| {
         let workers: Vec<_> = (0..threads.max(1)).map(|_| scope.spawn(work)).collect();
         while workers.iter().any(|worker| !worker.is_finished()) {
             std::thread::sleep(std::time::Duration::from_millis(20));

@@ -3,7 +3,7 @@
 
 use std::fmt::Write;
 
-use enhance::ibla::{Form, candidates};
+use enhance::ibla::{IblaRefinement, candidates};
 use enhance::{EnhanceError, Variant, run};
 use imaging::{Raster, Rgb8, transfer};
 
@@ -16,7 +16,7 @@ const SAME: f64 = 0.01;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Outcome {
     /// The form.
-    pub form: Form,
+    pub form: IblaRefinement,
     /// Largest difference of a channel of a candidate to that of the exact form, 0..=1.
     pub apart: f64,
     /// Root of the mean square of the difference of the results in linear light, 0..=1.
@@ -40,16 +40,16 @@ impl Outcome {
 pub fn compare(picture: &Rgb8) -> Result<[Outcome; 3], EnhanceError> {
     let raster = Raster::from(picture.clone());
     let mut results = Vec::new();
-    for form in Form::ALL {
+    for form in IblaRefinement::ALL {
         let method = form.method();
         let mut enhanced = None;
         let ms = time_once(|| enhanced = Some(run(&method, &raster)));
         let codes = enhanced.expect("it was run")?.picture.to_rgb8();
         results.push((ms, transfer::decode_rgb8(&codes)));
     }
-    let found = Form::ALL.map(|form| candidates(picture, form, Variant::Fast));
+    let found = IblaRefinement::ALL.map(|form| candidates(picture, form, Variant::Fast));
     Ok(std::array::from_fn(|n| {
-        let form = Form::ALL[n];
+        let form = IblaRefinement::ALL[n];
         let (ms, result) = &results[n];
         Outcome {
             form,
@@ -67,7 +67,7 @@ fn apart(got: &[[f64; 3]; 3], expected: &[[f64; 3]; 3]) -> f64 {
 
 /// The share of the pictures of which a form keeps the candidates; none without a picture.
 #[must_use]
-pub fn share_kept(outcomes: &[Outcome], form: Form) -> Option<f64> {
+pub fn share_kept(outcomes: &[Outcome], form: IblaRefinement) -> Option<f64> {
     let of: Vec<&Outcome> = outcomes.iter().filter(|outcome| outcome.form == form).collect();
     let kept = of.iter().filter(|outcome| outcome.is_kept()).count();
     (!of.is_empty()).then(|| kept as f64 / of.len() as f64)
@@ -79,7 +79,7 @@ pub fn markdown(outcomes: &[Outcome]) -> String {
     let mut text = String::from(
         "| form | pictures | same candidates | distance: median | 95th percentile | largest | ms: least | median |\n|---|---|---|---|---|---|---|---|\n",
     );
-    for form in Form::ALL {
+    for form in IblaRefinement::ALL {
         let Some(share) = share_kept(outcomes, form) else {
             continue;
         };

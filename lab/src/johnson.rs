@@ -3,7 +3,7 @@
 
 use imaging::random::Stream;
 
-use style::net::onnx::{Attribute, Form, Graph, model};
+use style::net::onnx::{Attribute, ConvolutionShape, Graph, model};
 
 /// Channels at full, half and quarter resolution.
 const CHANNELS: [usize; 3] = [32, 64, 128];
@@ -75,7 +75,7 @@ impl Builder {
     /// A convolution by reflection with random weights; the last one answers around middle gray.
     fn convolution(&mut self, input: &str, (from, to): (usize, usize), side: usize, step: i64) -> String {
         let name = format!("layer{}", self.layers);
-        let form = Form {
+        let form = ConvolutionShape {
             side: side as i64,
             step,
             groups: 1,
@@ -112,7 +112,7 @@ mod tests {
         assert!(model.needs_runtime() && Session::native(&model).is_none());
         let mut session = Runtime::load(None).unwrap().session(&model).unwrap();
         let frame = Rgb::from_fn(45, 38, |x, y| [x as f32 / 45.0, y as f32 / 38.0, 0.3]);
-        let styled = session.apply(&frame, style::Beside::default()).unwrap();
+        let styled = session.apply(&frame, style::ModelInputs::default()).unwrap();
         assert_eq!(styled.size(), (45, 38));
         let red = styled.planes()[0].data();
         assert!(red.iter().any(|&value| (value - red[0]).abs() > 0.01));

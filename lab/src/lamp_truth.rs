@@ -6,15 +6,15 @@ mod report;
 use std::ops::Range;
 
 use optics::lamp::FournierForand;
-use truth::lantern::{Bench, Shone};
-use truth::{Coefficients, Phase};
+use truth::light_tracer::{Bench, Shone};
+use truth::{Phase, WaterCoefficients};
 
 use model::Model;
 
 pub use report::{csv, markdown};
 
 /// The waters with a and b, 1/m.
-pub const WATERS: [(&str, Coefficients); 6] = [
+pub const WATERS: [(&str, WaterCoefficients); 6] = [
     ("clear", coefficients(0.114, 0.037)),
     ("coastal", coefficients(0.179, 0.219)),
     ("1C", coefficients(0.099, 0.447)),
@@ -37,8 +37,8 @@ const LOOKS_DEG: [f64; 5] = [-40.0, -20.0, 0.0, 20.0, 40.0];
 /// Cells that are not known to this share are not compared.
 const KNOWN_TO: f64 = 0.1;
 
-const fn coefficients(absorption: f64, scattering: f64) -> Coefficients {
-    Coefficients {
+const fn coefficients(absorption: f64, scattering: f64) -> WaterCoefficients {
+    WaterCoefficients {
         absorption,
         scattering,
     }
@@ -124,7 +124,7 @@ pub struct Cell {
     /// Which water.
     pub water: &'static str,
     /// Its coefficients.
-    pub coefficients: Coefficients,
+    pub coefficients: WaterCoefficients,
     /// Whether the lamp is a spot.
     pub is_spot: bool,
     /// Distance of the wall, m.
@@ -187,7 +187,7 @@ pub fn measure(task: Task, photons: Range<u64>) -> Vec<Cell> {
             for (camera, &camera_m) in CAMERAS_M.iter().enumerate() {
                 let chain = model.glow(camera_m, look_deg, WALLS_M[wall]);
                 let place = Place::Water { camera_m, look_deg };
-                cells.push(cell(wall, place, shone.glow[look][wall][camera].all, chain));
+                cells.push(cell(wall, place, shone.airlight[look][wall][camera].all, chain));
             }
         }
     }

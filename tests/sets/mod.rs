@@ -1,4 +1,4 @@
-//! A job and the set that `fathom` renders it into.
+//! A job and the set rendered from it by `fathom`.
 
 use std::fs;
 use std::path::{Path, PathBuf};

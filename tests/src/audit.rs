@@ -1,4 +1,4 @@
-//! The audit by `tests/chaos/audit.py`, and the libraries in C beside it.
+//! The audit by `tests/chaos/audit.py`, and the C libraries in the same folder.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -6,10 +6,10 @@ use std::process::Command;
 
 use crate::{Service, root};
 
-/// Audits a folder of which no service runs; these jobs must be there. Where nothing was accepted there need be no catalogue.
+/// Audits the folder of a stopped service; these jobs must exist. Without accepted jobs the catalogue may be missing.
 ///
 /// # Panics
-/// When anything is wrong.
+/// If anything is wrong.
 pub fn audit(data: &Path, accepted: &[&str], when: &str) {
     if accepted.is_empty() && !data.join("catalogue.sqlite").exists() {
         return;
@@ -19,10 +19,10 @@ pub fn audit(data: &Path, accepted: &[&str], when: &str) {
     check(&["whole".as_ref(), data.as_os_str(), list.as_os_str()], when);
 }
 
-/// Compares what a service responds with what its folder holds.
+/// Compares a service's responses with its folder.
 ///
 /// # Panics
-/// When anything is wrong.
+/// If anything is wrong.
 pub fn audit_answers(data: &Path, service: &Service) {
     check(
         &["answers".as_ref(), data.as_os_str(), service.url.as_ref()],

@@ -1,4 +1,4 @@
-//! Single commands of the binaries, run to their end.
+//! Runs single commands of the binaries to completion.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -14,10 +14,10 @@ pub fn root() -> PathBuf {
         .to_owned()
 }
 
-/// The product's binary, built beside the test executables.
+/// The product's binary, built next to the test executables.
 ///
 /// # Panics
-/// When it was not built: tests of a binary must not pass without it.
+/// If it was not built: tests of a binary must not pass without it.
 #[must_use]
 pub fn fathom() -> PathBuf {
     program("fathom")
@@ -38,19 +38,19 @@ fn program(name: &str) -> PathBuf {
     binary
 }
 
-/// Runs a command of `fathom` to its end.
+/// Runs a command of `fathom` to completion.
 ///
 /// # Panics
-/// When the binary cannot be started.
+/// If the binary cannot be started.
 #[must_use]
 pub fn run(arguments: &[&str]) -> Output {
     run_program("fathom", arguments)
 }
 
-/// Runs a command of `fathom-lab` to its end.
+/// Runs a command of `fathom-lab` to completion.
 ///
 /// # Panics
-/// When the binary cannot be started.
+/// If the binary cannot be started.
 #[must_use]
 pub fn run_lab(arguments: &[&str]) -> Output {
     run_program("fathom-lab", arguments)
@@ -59,7 +59,7 @@ pub fn run_lab(arguments: &[&str]) -> Output {
 /// Renders the photos of the muddy water, and returns the first.
 ///
 /// # Panics
-/// When they cannot be rendered.
+/// If they cannot be rendered.
 #[must_use]
 pub fn muddy_photo(folder: &Path) -> PathBuf {
     let photos = folder.join("photos");
@@ -77,7 +77,7 @@ fn run_program(name: &str, arguments: &[&str]) -> Output {
     Command::new(program(name))
         .args(arguments)
         .env_remove("FATHOM_TOKEN")
-        // A port where nothing listens: a service on the default port is not part of the test.
+        // An unused port: a service on the default port is not part of the test.
         .env("FATHOM_SERVER", "http://127.0.0.1:9")
         .current_dir(root())
         .output()
@@ -87,7 +87,7 @@ fn run_program(name: &str, arguments: &[&str]) -> Output {
 /// The digest of a job by `fathom render`, without any service.
 ///
 /// # Panics
-/// When a frame fails or is missing.
+/// If a frame fails or is missing.
 #[must_use]
 pub fn digest_by_render(job: &Value, folder: &Path, slots: &str) -> String {
     let (spec, out) = (folder.join("job.json"), folder.join("out"));

@@ -1,11 +1,11 @@
-//! Chance that can be repeated.
+//! Reproducible random numbers.
 
-/// A small generator of its own, so that a failed run can be repeated (a linear congruential one with the constants of Knuth).
+/// A linear congruential generator with Knuth's constants, so that a failed run can be repeated.
 pub struct Dice(pub u64);
 
 impl Dice {
     /// A number below `n`.
-    pub fn below(&mut self, n: u64) -> u64 {
+    pub fn draw(&mut self, n: u64) -> u64 {
         self.0 = self
             .0
             .wrapping_mul(6_364_136_223_846_793_005)

@@ -1,32 +1,32 @@
-//! Orderly ends of processes, and how long they take.
+//! Orderly shutdown of processes, and its duration.
 
 use std::process::{Child, Command, ExitStatus};
 use std::time::{Duration, Instant};
 
 use crate::{Service, Worker};
 
-/// How a process ended, and how long after it was asked to.
+/// Result of a shutdown.
 #[derive(Debug)]
 pub struct Ended {
     /// Its exit status.
     pub status: ExitStatus,
-    /// From the first signal to its end.
+    /// Time from the first signal to the end.
     pub after: Duration,
 }
 
 impl Service {
-    /// SIGTERM; the service keeps running in the background until it ends.
+    /// Sends SIGTERM; the service keeps running in the background until it ends.
     ///
     /// # Panics
-    /// When the process cannot be signaled.
+    /// If the process cannot be signaled.
     pub fn ask_to_stop(&self) {
         terminate(&self.child);
     }
 
-    /// Waits until the service has ended, which it was asked to at `since`.
+    /// Waits until the service has ended after a signal at `since`.
     ///
     /// # Panics
-    /// When it has not ended in time.
+    /// If it does not end in time.
     #[must_use]
     pub fn ended(&mut self, since: Instant) -> Ended {
         ended(&mut self.child, since)
@@ -34,10 +34,10 @@ impl Service {
 }
 
 impl Worker {
-    /// SIGTERM, then waits for the end.
+    /// Sends SIGTERM, then waits for the end.
     ///
     /// # Panics
-    /// When it has not ended in time.
+    /// If it does not end in time.
     #[must_use]
     pub fn stopped(mut self) -> Ended {
         let since = Instant::now();
@@ -53,7 +53,7 @@ fn terminate(child: &Child) {
     assert!(sent.is_ok_and(|status| status.success()), "no SIGTERM");
 }
 
-/// Far beyond what is promised: the promise is checked by whoever asks.
+/// Far beyond the documented limit, which the tests check.
 fn ended(child: &mut Child, since: Instant) -> Ended {
     while since.elapsed() < Duration::from_secs(120) {
         if let Ok(Some(status)) = child.try_wait() {

@@ -1,4 +1,4 @@
-//! Multipart forms, as a browser or curl sends them.
+//! Multipart forms, as sent by a browser or curl.
 
 use serde_json::Value;
 
@@ -8,7 +8,7 @@ impl Service {
     /// POST of a form with these fields.
     ///
     /// # Panics
-    /// When the service does not respond.
+    /// If the service does not respond.
     #[must_use]
     pub fn form(&self, path: &str, fields: &[(&str, &[u8])]) -> (u16, Value) {
         const BOUNDARY: &str = "----fathom-test-boundary";

@@ -9,6 +9,7 @@ pub mod memory;
 pub mod onnx;
 mod points;
 pub mod scripted;
+mod worker;
 
 use std::io::{BufRead, BufReader};
 use std::path::Path;
@@ -19,14 +20,15 @@ use std::time::{Duration, Instant};
 pub use audit::{audit, audit_answers, compile};
 pub use dice::Dice;
 pub use points::{SERVICE_POINTS, SMALL_JOB_FRAMES, small_job};
+pub use worker::Worker;
 
 pub use commands::{digest_by_render, fathom, muddy_photo, root, run, run_lab};
 
 use serde_json::Value;
 
-/// How long a service may take until it listens: migrations and worker start on a loaded machine.
+/// Startup limit of a service: migrations and worker start on a loaded machine.
 const START_LIMIT: Duration = Duration::from_secs(60);
-/// How long a test waits for a job of a few dozen small frames on a loaded machine.
+/// Limit for a job of a few dozen small frames on a loaded machine.
 const JOB_LIMIT: Duration = Duration::from_secs(300);
 
 /// A running `fathom serve` on a free port; stops when dropped.
@@ -40,16 +42,16 @@ impl Service {
     /// Starts a service over a data folder and waits until it listens.
     ///
     /// # Panics
-    /// When it does not listen in time; what it printed is in the message.
+    /// If it does not listen in time; the message contains its output.
     #[must_use]
     pub fn start(data: &Path, arguments: &[&str]) -> Self {
         Self::start_with(data, arguments, &[])
     }
 
-    /// As [`Service::start`], with further variables in its environment and that of its workers.
+    /// As [`Service::start`], with extra environment variables for the service and its workers.
     ///
     /// # Panics
-    /// When it does not listen in time; what it printed is in the message.
+    /// If it does not listen in time; the message contains its output.
     #[must_use]
     pub fn start_with(data: &Path, arguments: &[&str], environment: &[(&str, &str)]) -> Self {
         Self::launch(data, arguments, environment).unwrap_or_else(|printed| {
@@ -57,13 +59,13 @@ impl Service {
         })
     }
 
-    /// As [`Service::start`]; what it printed if it refuses to start.
+    /// As [`Service::start`], but returns an error if the service refuses to start.
     ///
     /// # Errors
-    /// What it printed.
+    /// The output of the service.
     ///
     /// # Panics
-    /// When the binary cannot be started.
+    /// If the binary cannot be started.
     pub fn launch(data: &Path, arguments: &[&str], environment: &[(&str, &str)]) -> Result<Self, String> {
         let mut child = Command::new(fathom())
             .args(["serve", "--listen", "127.0.0.1:0", "--data"])
@@ -106,23 +108,23 @@ impl Service {
         Err(printed.join("\n"))
     }
 
-    /// Sends the service SIGKILL and waits for its end.
+    /// Sends SIGKILL and waits for the end.
     ///
     /// # Panics
-    /// When the process cannot be killed.
+    /// If the process cannot be killed.
     pub fn kill(mut self) {
-        // It may have ended by itself.
+        // It may have ended already.
         let _ = self.child.kill();
         self.child.wait().expect("a killed service ends");
     }
 
-    /// Whether the process is still there.
+    /// Whether the process is still running.
     #[must_use]
     pub fn is_alive(&mut self) -> bool {
         matches!(self.child.try_wait(), Ok(None))
     }
 
-    /// Submits a job under an idempotency key; returns its id if the service responded before it died.
+    /// Submits a job under an idempotency key; returns its id, or `None` if the service died before its response.
     #[must_use]
     pub fn try_submit(&self, job: &Value, key: &str) -> Option<String> {
         let mut response = agent()
@@ -135,7 +137,7 @@ impl Service {
         (response.status() == 202).then(|| body["id"].as_str().map(str::to_owned))?
     }
 
-    /// GET of something that is there, unless the service dies meanwhile.
+    /// GET of an existing resource; `None` if the service dies meanwhile.
     #[must_use]
     pub fn try_get(&self, path: &str) -> Option<Value> {
         let mut response = agent().get(format!("{}{path}", self.url)).call().ok()?;
@@ -145,7 +147,7 @@ impl Service {
             .flatten()
     }
 
-    /// POST of any bytes; the status, unless the service dies meanwhile.
+    /// POST of any bytes; returns the status, or `None` if the service dies meanwhile.
     #[must_use]
     pub fn try_post_bytes(&self, path: &str, body: &[u8]) -> Option<u16> {
         let sent = agent().post(format!("{}{path}", self.url)).send(body).ok()?;
@@ -162,7 +164,7 @@ impl Service {
     /// GET, as bytes with the status.
     ///
     /// # Panics
-    /// When the service does not respond.
+    /// If the service does not respond.
     #[must_use]
     pub fn get_bytes(&self, path: &str) -> (u16, Vec<u8>) {
         let mut response = agent()
@@ -181,7 +183,7 @@ impl Service {
     /// POST of JSON.
     ///
     /// # Panics
-    /// When the service does not respond.
+    /// If the service does not respond.
     #[must_use]
     pub fn post(&self, path: &str, body: &Value) -> (u16, Value) {
         let mut response = agent()
@@ -216,7 +218,7 @@ impl Service {
     /// Submits a job that must be accepted.
     ///
     /// # Panics
-    /// When it is not.
+    /// If it is not accepted.
     #[must_use]
     pub fn submit(&self, job: &Value) -> String {
         let (status, body) = self.post("/v1/jobs", job);
@@ -227,7 +229,7 @@ impl Service {
     /// Waits for a job to end and returns it.
     ///
     /// # Panics
-    /// When it does not end in time.
+    /// If it does not end in time.
     #[must_use]
     pub fn finished(&self, job: &str) -> Value {
         let begun = Instant::now();
@@ -253,77 +255,8 @@ impl Drop for Service {
     }
 }
 
-/// A `fathom worker` of a service; stops when dropped.
-pub struct Worker {
-    pub(crate) child: Child,
-}
-
-impl Worker {
-    /// Starts a worker process.
-    ///
-    /// # Panics
-    /// When the binary cannot be started.
-    #[must_use]
-    pub fn start(url: &str, name: &str, slots: usize) -> Self {
-        Self::start_with(url, name, slots, &[])
-    }
-
-    /// The same with further variables in its environment.
-    ///
-    /// # Panics
-    /// When the binary cannot be started.
-    #[must_use]
-    pub fn start_with(url: &str, name: &str, slots: usize, environment: &[(&str, &str)]) -> Self {
-        let child = Command::new(fathom())
-            .args([
-                "worker",
-                "--server",
-                url,
-                "--name",
-                name,
-                "--slots",
-                &slots.to_string(),
-            ])
-            .env_remove("FATHOM_TOKEN")
-            .env("FATHOM_LOG", "warn")
-            .envs(environment.iter().copied())
-            .current_dir(root())
-            .spawn()
-            .expect("the binary starts");
-        Self { child }
-    }
-
-    /// SIGSTOP or SIGCONT.
-    ///
-    /// # Panics
-    /// When the process cannot be signaled.
-    pub fn signal(&self, name: &str) {
-        let arguments = [format!("-{name}"), self.child.id().to_string()];
-        let status = Command::new("kill").args(arguments).status();
-        assert!(
-            status.is_ok_and(|status| status.success()),
-            "no {name} for the worker"
-        );
-    }
-
-    /// SIGKILL, as an out-of-memory killer would send it.
-    ///
-    /// # Panics
-    /// When the process cannot be killed.
-    pub fn kill(mut self) {
-        self.child.kill().expect("a worker can be killed");
-        self.child.wait().expect("a killed worker ends");
-    }
-}
-
-impl Drop for Worker {
-    fn drop(&mut self) {
-        stop(&mut self.child);
-    }
-}
-
 /// SIGTERM, then SIGKILL after 15 s.
-fn stop(child: &mut Child) {
+pub(crate) fn stop(child: &mut Child) {
     if matches!(child.try_wait(), Ok(Some(_))) {
         return;
     }

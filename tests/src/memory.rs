@@ -1,18 +1,18 @@
-//! What a process holds in memory.
+//! Memory of a process.
 
 use crate::Service;
 
 impl Service {
-    /// Of the service's own process.
+    /// Process id of the service.
     #[must_use]
     pub fn id(&self) -> u32 {
         self.child.id()
     }
 
-    /// Resident bytes of the service's own process, without its workers.
+    /// Resident bytes of the service's process, without its workers.
     ///
     /// # Panics
-    /// When the process is gone or the system does not tell.
+    /// If the process has ended or the system does not report it.
     #[must_use]
     pub fn resident_bytes(&self) -> u64 {
         let path = format!("/proc/{}/status", self.child.id());

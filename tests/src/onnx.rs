@@ -1,11 +1,11 @@
-//! ONNX files written by hand: as much of the format as tests of hostile models need.
+//! Hand-written ONNX files, with the subset of the format needed to test hostile models.
 
-/// A message of the format as it grows.
+/// An encoded message under construction.
 #[derive(Default, Clone)]
 pub struct Message(Vec<u8>);
 
 impl Message {
-    /// Bytes, a text or another message under a field.
+    /// Adds bytes, a text or another message under a field.
     #[must_use]
     pub fn bytes(mut self, field: u64, bytes: impl AsRef<[u8]>) -> Self {
         self.varint(field << 3 | 2);
@@ -14,7 +14,7 @@ impl Message {
         self
     }
 
-    /// A whole number under a field.
+    /// Adds an integer under a field.
     #[must_use]
     pub fn number(mut self, field: u64, value: u64) -> Self {
         self.varint(field << 3);
@@ -51,7 +51,7 @@ pub fn node(operator: &str, inputs: &[&str], outputs: &[&str]) -> Message {
     node.bytes(4, operator)
 }
 
-/// A node's list of whole numbers.
+/// An attribute with a list of integers.
 #[must_use]
 pub fn numbers(name: &str, values: &[u64]) -> Message {
     const INTS: u64 = 7;
@@ -63,7 +63,7 @@ pub fn numbers(name: &str, values: &[u64]) -> Message {
     list.number(20, INTS)
 }
 
-/// A node's graph.
+/// An attribute with a graph.
 #[must_use]
 pub fn body(name: &str, graph: &Message) -> Message {
     const GRAPH: u64 = 5;
@@ -73,7 +73,7 @@ pub fn body(name: &str, graph: &Message) -> Message {
         .number(20, GRAPH)
 }
 
-/// A constant list of whole numbers; without sides a single one.
+/// A constant integer, or a list of them.
 #[must_use]
 pub fn constant(name: &str, values: &[i64], is_list: bool) -> Message {
     let raw: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
@@ -91,7 +91,7 @@ pub fn yes(name: &str) -> Message {
     Message::default().number(2, BOOL).bytes(8, name).bytes(9, [1])
 }
 
-/// A float constant whose bytes lie in a file.
+/// A float constant whose bytes are in an external file.
 #[must_use]
 pub fn elsewhere(name: &str, file: &str) -> Message {
     let location = Message::default().bytes(1, "location").bytes(2, file);
@@ -99,7 +99,7 @@ pub fn elsewhere(name: &str, file: &str) -> Message {
     tensor.bytes(13, location).number(14, 1)
 }
 
-/// An input or output of a graph: float pictures of so many channels.
+/// An input or output of a graph: float pictures with this many channels.
 #[must_use]
 pub fn picture(name: &str, channels: u64, sides: [&str; 2]) -> Message {
     let side = |text: &str| Message::default().bytes(2, text);

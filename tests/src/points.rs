@@ -1,11 +1,11 @@
-//! The named points at which a service can be killed, and the job that runs meanwhile.
+//! Named kill points, and the job that runs meanwhile.
 
 use serde_json::{Value, json};
 
 /// Frames of [`small_job`].
 pub const SMALL_JOB_FRAMES: u64 = 40;
 
-/// Every named point of the service, its store and its catalogue.
+/// All kill points of the service, its store and its catalogue.
 pub const SERVICE_POINTS: [&str; 11] = [
     "submit.checked",
     "submit.inserted",

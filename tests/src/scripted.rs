@@ -1,4 +1,4 @@
-//! A service of the tests' own, which says what a test wants it to say.
+//! A fake service with scripted responses.
 
 use std::io::{BufRead, BufReader, Write};
 use std::net::{TcpListener, TcpStream};
@@ -7,10 +7,10 @@ use std::sync::Arc;
 /// Status and body of a response.
 pub type Reply = (u16, Vec<u8>);
 
-/// Serves what `reply` returns for the path and query of each request, until the process ends; returns the URL.
+/// Serves `reply` of the path and query of each request until the process ends; returns the URL.
 ///
 /// # Panics
-/// When there is no free port.
+/// If there is no free port.
 pub fn serve(reply: impl Fn(&str) -> Reply + Send + Sync + 'static) -> String {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
     let url = format!("http://{}", listener.local_addr().expect("an address"));

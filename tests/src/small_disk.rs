@@ -1,21 +1,21 @@
-//! Runs a test of this executable once more, on a small file system in memory that only it sees.
+//! Re-executes a test on a small in-memory file system that is private to it.
 
 use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Output};
 
-/// Names the folder of the small disk to the test that runs on it.
+/// Environment variable with the folder of the small disk.
 pub(crate) const FOLDER: &str = "FATHOM_SMALL_DISK";
-/// Set where no file system can be mounted: the tests then say that they are skipped.
+/// Set where no file system can be mounted: the tests then report that they are skipped.
 const SKIP: &str = "FATHOM_SKIP_SMALL_DISK";
-/// Ways to a mount that ends with the process: for anybody, and for root where user name spaces are forbidden.
+/// Commands for a mount that ends with the process: unprivileged, and as root where user namespaces are forbidden.
 const WAYS: [&[&str]; 2] = [&["--user", "--map-root-user", "--mount"], &["--mount"]];
 const SCRIPT: &str = "mount -t tmpfs -o $1 none $2 && exec \"$3\" \"$4\" --exact --ignored --nocapture";
 
 /// Runs the ignored test `name` on a disk of `size`, such as `size=40m`.
 ///
 /// # Panics
-/// When it fails, and when no file system can be mounted unless [`SKIP`] is set.
+/// If it fails, and if no file system can be mounted unless [`SKIP`] is set.
 pub(crate) fn run(name: &str, size: &str) {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let mut refusals = Vec::new();
@@ -38,7 +38,7 @@ pub(crate) fn run(name: &str, size: &str) {
         std::env::var_os(SKIP).is_some(),
         "{reason}\nset {SKIP} to skip {name}"
     );
-    // Past the test harness, which keeps what a passing test prints.
+    // Bypasses the test harness, which hides the output of a passing test.
     let _ = writeln!(std::io::stderr(), "SKIPPED {name}: {reason}");
 }
 

@@ -1,4 +1,4 @@
-//! Buffers of the renderer as NumPy arrays and back. An array takes over the buffer that it is made of.
+//! Converts between the renderer's buffers and NumPy arrays. Arrays take ownership of the buffer without a copy.
 
 use imaging::codec::{NpyArray, NpyValues};
 use imaging::{Channels, Plane, Raster, Samples};
@@ -11,7 +11,7 @@ use renderer::Content;
 /// An array of any type.
 pub(crate) type Array<'py> = Bound<'py, PyAny>;
 
-/// Hands a buffer over; its length is the product of the shape.
+/// Wraps a buffer; its length is the product of the shape.
 pub(crate) fn array<'py, T: Element>(
     py: Python<'py>,
     values: Vec<T>,
@@ -20,7 +20,7 @@ pub(crate) fn array<'py, T: Element>(
     Ok(PyArray1::from_vec(py, values).reshape(shape)?.into_any())
 }
 
-/// Shape (height, width) of a gray raster, (height, width, 3) of a color one; alpha is left out.
+/// Shape (height, width) for a gray raster, (height, width, 3) for a color one; alpha is dropped.
 pub(crate) fn of_raster<'py>(py: Python<'py>, raster: Raster) -> PyResult<Array<'py>> {
     let mut shape = vec![raster.height(), raster.width()];
     if raster.channels() == Channels::Rgb {
@@ -32,7 +32,7 @@ pub(crate) fn of_raster<'py>(py: Python<'py>, raster: Raster) -> PyResult<Array<
     }
 }
 
-/// What an artifact holds: `boxes` as JSON text, a range with NaN where there is none.
+/// The content of an artifact: `boxes` as JSON text, ranges with NaN for holes.
 pub(crate) fn of_content<'py>(py: Python<'py>, content: Content<'static>) -> PyResult<Array<'py>> {
     match content {
         Content::Picture(picture) => of_raster(py, Raster::from(picture.into_owned())),
@@ -63,7 +63,7 @@ pub(crate) fn of_content<'py>(py: Python<'py>, content: Content<'static>) -> PyR
     }
 }
 
-/// An array as it stood in a file.
+/// An array from a file, in its stored type.
 pub(crate) fn of_npy(py: Python<'_>, npy: NpyArray) -> PyResult<Array<'_>> {
     match npy.values {
         NpyValues::F32(values) => array(py, values, npy.shape),
@@ -73,7 +73,7 @@ pub(crate) fn of_npy(py: Python<'_>, npy: NpyArray) -> PyResult<Array<'_>> {
     }
 }
 
-/// The raster of a picture that a user gave; `name` is that of the argument.
+/// The raster of a user's picture; `name` is that of the argument.
 pub(crate) fn to_raster(name: &str, given: &Array<'_>) -> PyResult<Raster> {
     let untyped = given.cast::<PyUntypedArray>().map_err(|_| {
         let kind = given

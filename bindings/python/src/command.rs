@@ -4,14 +4,14 @@ use std::ffi::OsString;
 
 use pyo3::prelude::*;
 
-/// Runs a command as the binary would and returns its exit status.
+/// Runs a command of `fathom` and returns its exit status.
 #[pyfunction]
 pub(crate) fn run(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
     let program = OsString::from("fathom");
     py.detach(|| cli::run(std::iter::once(program).chain(arguments)))
 }
 
-/// Runs a command as `fathom-cluster` would and returns its exit status.
+/// Runs a command of `fathom-cluster` and returns its exit status.
 #[pyfunction]
 pub(crate) fn run_cluster(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
     let program = OsString::from("fathom-cluster");

@@ -20,10 +20,8 @@ fn exception<'py>(
     maker: &str,
     arguments: impl IntoPyObject<'py, Target = PyTuple, Output = Bound<'py, PyTuple>, Error = PyErr>,
 ) -> PyErr {
-    let made = || {
-        py.import("fathom.errors")?
-            .getattr(maker)?
-            .call1(arguments.into_pyobject(py)?)
-    };
-    made().map_or_else(|error| error, PyErr::from_value)
+    py.import("fathom.errors")
+        .and_then(|module| module.getattr(maker))
+        .and_then(|maker| maker.call1(arguments.into_pyobject(py)?))
+        .map_or_else(|error| error, PyErr::from_value)
 }

@@ -13,7 +13,7 @@ use crate::arrays::{Array, of_content};
 use crate::errors::{invalid_job, render_error};
 use crate::studio::Studio;
 
-/// A checked job, and what renders it here.
+/// A checked job with its studio.
 #[pyclass(frozen, module = "fathom._native")]
 pub(crate) struct Job {
     job: spec::Job,
@@ -61,7 +61,7 @@ impl Job {
         Ok(self.frame(index)?.parameters.to_string())
     }
 
-    /// What a frame would be rendered with, as JSON.
+    /// The plan of a frame as JSON.
     fn plan(&self, py: Python<'_>, index: u64) -> PyResult<String> {
         let frame = self.frame(index)?;
         let mut slot = self.studio.take();
@@ -74,8 +74,8 @@ impl Job {
         Ok(json!({"plan": plan, "promise": plan.promise()}).to_string())
     }
 
-    /// The arrays of a frame by kind, and its record as JSON. Without `kinds` those of the description; what only metrics
-    /// need is left out unless they are asked for.
+    /// The arrays of a frame by kind, and its record as JSON. Without `kinds` those of the description; inputs of
+    /// metrics are omitted unless requested.
     #[pyo3(signature = (index, kinds, metrics))]
     fn render<'py>(
         &self,
@@ -123,7 +123,7 @@ impl Job {
     }
 }
 
-/// Adds the enhancements that the artifacts are made of.
+/// Adds the enhancements required by the requested artifacts.
 fn enhance_for(frame: &mut Frame) {
     let methods = frame.artifacts.iter().filter_map(|kind| match kind {
         ArtifactKind::Enhanced(method) => Some(method.clone()),

@@ -1,8 +1,8 @@
-//! The native half of the Python package `fathom`. Its Python half stands in `python/fathom`, with the documentation for
-//! users; `_native.pyi` declares what stands here.
+//! The native half of the Python package `fathom`. The Python half is in `python/fathom`, with the user documentation;
+//! `_native.pyi` declares this one.
 //!
-//! Whatever takes longer than a moment runs detached from the interpreter. Locks are taken only while attached to it, so
-//! that a process forked by another thread never inherits one that is held.
+//! Long operations run detached from the interpreter. Locks are taken only while attached to it, so that a process
+//! forked by another thread never inherits a held lock.
 
 mod arrays;
 mod command;

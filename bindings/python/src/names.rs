@@ -1,4 +1,4 @@
-//! Every name that a description may use and a label may have.
+//! All names allowed in descriptions and labels.
 
 use std::collections::BTreeMap;
 
@@ -8,7 +8,7 @@ use spec::schema::Names;
 
 use crate::studio::Studio;
 
-/// Names by what they name; categories in the order of their numbers, findings in that of their bits.
+/// Names by kind; categories in the order of their numbers, findings in that of their bits.
 #[pyfunction]
 pub(crate) fn names() -> PyResult<BTreeMap<&'static str, Vec<String>>> {
     let known = renderer::vocabulary(&Studio::open(None, None)?.engine.library(), true);

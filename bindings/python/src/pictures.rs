@@ -1,4 +1,4 @@
-//! Pictures of the user's own: enhancement, measurement, files.
+//! Enhancement, measurement and files of a user's pictures.
 
 use std::borrow::Cow;
 
@@ -74,7 +74,7 @@ pub(crate) fn decode<'py>(py: Python<'py>, file: Cow<'_, [u8]>) -> PyResult<Arra
     of_raster(py, raster)
 }
 
-/// The PNG file of an array, with the bytes that a service would store.
+/// The PNG file of an array, byte for byte as stored by a service.
 #[pyfunction]
 pub(crate) fn encode_png(py: Python<'_>, image: &Array<'_>) -> PyResult<Vec<u8>> {
     let raster = to_raster("image", image)?;

@@ -1,4 +1,4 @@
-//! What renders the frames of this process.
+//! Rendering resources of this process.
 
 use std::path::Path;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -8,26 +8,25 @@ use pyo3::exceptions::PyValueError;
 use renderer::{Engine, Slot};
 use style::Library;
 
-/// The style networks, and the slots that no thread is using.
+/// The style networks and the idle slots.
 pub(crate) struct Studio {
     pub(crate) engine: Arc<Engine>,
     idle: Mutex<Vec<Slot>>,
 }
 
 impl Studio {
-    /// The studio of the shipped styles, one for the process, or one that also knows those of a folder.
+    /// The shared studio of the shipped styles, or a separate one with the styles of a folder.
     pub(crate) fn open(styles: Option<&Path>, onnxruntime: Option<&Path>) -> PyResult<Arc<Self>> {
         static SHIPPED: OnceLock<Arc<Studio>> = OnceLock::new();
         let is_shipped = styles.is_none() && onnxruntime.is_none();
         if let Some(studio) = SHIPPED.get().filter(|_| is_shipped) {
             return Ok(Arc::clone(studio));
         }
-        let refused = |error: &dyn ToString| PyValueError::new_err(error.to_string());
-        let library = Library::embedded().map_err(|error| refused(&error))?;
         let library = match styles {
-            Some(folder) => library.with_dir(folder).map_err(|error| refused(&error))?,
-            None => library,
+            Some(folder) => Library::embedded().and_then(|library| library.with_dir(folder)),
+            None => Library::embedded(),
         };
+        let library = library.map_err(|error| PyValueError::new_err(error.to_string()))?;
         let studio = Arc::new(Self {
             engine: Arc::new(Engine::new(library, onnxruntime)),
             idle: Mutex::default(),
@@ -39,13 +38,13 @@ impl Studio {
         })
     }
 
-    /// An idle slot, or a new one: there are never more of them than threads that render.
+    /// An idle slot, or a new one: there are at most as many as rendering threads.
     pub(crate) fn take(&self) -> Slot {
         let idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner).pop();
         idle.unwrap_or_else(|| Slot::new(&self.engine))
     }
 
-    /// Keeps a slot with its caches for the next frame.
+    /// Returns a slot with its caches for the next frame.
     pub(crate) fn keep(&self, slot: Slot) {
         self.idle
             .lock()

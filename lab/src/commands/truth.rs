@@ -13,7 +13,7 @@ use lab::frame_truth::round;
 use renderer::{Traced, Tracing};
 use serde_json::json;
 use spec::{Frame, PhaseFunction};
-use truth::{Goal, Law};
+use truth::{Goal, PhaseModel};
 
 use crate::studio::Studio;
 
@@ -91,8 +91,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         )));
     }
     let law = match arguments.phase {
-        Some(Kind::Ff) => Law::of_water(PhaseFunction::Ff, chain.setting.water.as_ref()),
-        Some(Kind::Hg) => Law::of_water(PhaseFunction::Hg, chain.setting.water.as_ref()),
+        Some(Kind::Ff) => PhaseModel::of_water(PhaseFunction::Ff, chain.setting.water.as_ref()),
+        Some(Kind::Hg) => PhaseModel::of_water(PhaseFunction::Hg, chain.setting.water.as_ref()),
         None => chain.law,
     };
     let tracing = Tracing {

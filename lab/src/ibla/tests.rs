@@ -40,10 +40,13 @@ const KEPT: f64 = 0.9;
 #[test]
 fn the_hybrid_keeps_the_candidates_of_the_exact_form() {
     let away = |picture: &Rgb8, form| {
-        let [got, exact] = [form, Form::Matting].map(|form| candidates(picture, form, Variant::Fast));
+        let [got, exact] =
+            [form, IblaRefinement::Matting].map(|form| candidates(picture, form, Variant::Fast));
         apart(&got, &exact)
     };
-    let away: Vec<f64> = SEEDS.map(|seed| away(&frame(seed), Form::Hybrid)).collect();
+    let away: Vec<f64> = SEEDS
+        .map(|seed| away(&frame(seed), IblaRefinement::Hybrid))
+        .collect();
     let kept = away.iter().filter(|&&apart| apart <= SAME).count();
     assert!(kept as f64 >= KEPT * away.len() as f64, "{away:?}");
 }
@@ -69,7 +72,7 @@ fn a_form_that_finds_another_light_is_told_from_the_exact_one() {
 #[test]
 fn the_page_has_the_distances_that_methods_are_chosen_by() {
     let page = include_str!("../../../docs/agreement.md");
-    for form in [Form::Hybrid, Form::Guided] {
+    for form in [IblaRefinement::Hybrid, IblaRefinement::Guided] {
         let row = format!("| {} |", form.name());
         let of_form = page.lines().filter(|line| line.starts_with(&row));
         let distance = format!("| {:.1e} |", form.method().distance());
@@ -89,13 +92,13 @@ fn the_share_counts_candidates_that_differ_by_a_hundredth_at_most() {
         ms: 1.0,
     };
     let outcomes = [
-        outcome(Form::Hybrid, 0.01),
-        outcome(Form::Hybrid, 0.011),
-        outcome(Form::Guided, 0.5),
+        outcome(IblaRefinement::Hybrid, 0.01),
+        outcome(IblaRefinement::Hybrid, 0.011),
+        outcome(IblaRefinement::Guided, 0.5),
     ];
-    assert_eq!(share_kept(&outcomes, Form::Hybrid), Some(0.5));
-    assert_eq!(share_kept(&outcomes, Form::Guided), Some(0.0));
-    assert_eq!(share_kept(&outcomes, Form::Matting), None);
+    assert_eq!(share_kept(&outcomes, IblaRefinement::Hybrid), Some(0.5));
+    assert_eq!(share_kept(&outcomes, IblaRefinement::Guided), Some(0.0));
+    assert_eq!(share_kept(&outcomes, IblaRefinement::Matting), None);
     let sorted: Vec<f64> = (1..=20).map(f64::from).collect();
     assert_eq!(
         [0.0, 0.5, 0.95, 1.0].map(|share| at(&sorted, share)),

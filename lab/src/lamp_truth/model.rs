@@ -6,7 +6,7 @@ use optics::lamp::{
     GlowPhase, LAMP_RADIUS_M, Lamp, Lighting, REFERENCE_NODES, airlight_reference, asymmetry_of,
     irradiance_reference,
 };
-use truth::lantern::Bench;
+use truth::light_tracer::Bench;
 
 /// Circles of a ring over which its light is averaged.
 const CIRCLES: usize = 16;

@@ -1,5 +1,5 @@
-//! Images that were never rendered, to fill a catalogue in tests and measurements: shaped and sized like those of a real
-//! job, and a formula of their frame.
+//! Synthetic image records to fill a catalogue in tests and benchmarks: shaped and sized like those of a real job, and
+//! a function of their frame.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -10,7 +10,7 @@ use serde_json::json;
 use spec::{ArtifactEntry, Counts, FrameRecord, Provenance};
 use tokio::task::JoinSet;
 
-/// Commits on their way at one time, as from some dozens of workers.
+/// Commits in flight, as from some dozens of workers.
 const AT_ONCE: u64 = 256;
 const STYLES: [&str; 3] = ["atlantic", "mediterranean", "muddy"];
 const WATERS: [&str; 3] = ["jerlov-1C", "jerlov-5C", "jerlov-9C"];
@@ -97,10 +97,10 @@ pub fn record(job: &str, frame: u64) -> FrameRecord {
     }
 }
 
-/// Stores the images of these frames of a job that is there, many at a time.
+/// Concurrently stores the images of these frames of an existing job.
 ///
 /// # Errors
-/// The first that [`Catalogue::insert_image`] reports.
+/// The first error of [`Catalogue::insert_image`].
 pub async fn fill(
     catalogue: &Arc<Catalogue>,
     job: &str,
@@ -127,13 +127,13 @@ pub async fn fill(
     Ok(())
 }
 
-/// Names of the metrics that the records have.
+/// Names of the metrics in the records.
 #[must_use]
 pub fn metrics() -> Vec<String> {
     METRICS.map(str::to_owned).to_vec()
 }
 
-/// Text that looks like a SHA-256 and is another one for each job and number.
+/// Text like a SHA-256, different for each job and number.
 fn digest_like(job: &str, number: u64) -> String {
     let seed = job
         .bytes()

@@ -1,9 +1,9 @@
-//! Times of the parts of a camera over a frame of 768×492 on one core.
+//! Times of the camera's stages on a frame of 768×492 on one core.
 
 use std::hint::black_box;
 
-use camera::geometry::{self, Lens, Refraction, Sampling, Source};
-use camera::sensor::{self, Chance, Pattern};
+use camera::geometry::{self, Lens, PortRefraction, Sampling, SourcePicture};
+use camera::sensor::{self, Chance, FixedPattern};
 use camera::vignette::{self, FallOff};
 use camera::{balance, defocus, exposure, jpeg, mosaic, preset, tone};
 use criterion::{Criterion, criterion_group, criterion_main};
@@ -32,9 +32,9 @@ fn geometry(bench: &mut Criterion) {
         let lens = Lens {
             camera: Intrinsics::centered(458.0, WIDTH, HEIGHT),
             distortion: barrel,
-            refraction: Refraction::Flat { index },
+            refraction: PortRefraction::Flat { index },
         };
-        let source = Source::around(&lens, (WIDTH, HEIGHT), 1).expect("a source");
+        let source = SourcePicture::covering(&lens, (WIDTH, HEIGHT), 1).expect("a source");
         let scene = picture(source.size.0, source.size.1, 1.0);
         bench.bench_function(&format!("map, {name}"), |b| {
             b.iter(|| {
@@ -96,15 +96,15 @@ fn codes(bench: &mut Criterion) {
     let sensor = preset::SENSORS[0].sensor();
     let chance = Chance { seed: 1, frame: 0 };
     bench.bench_function("pattern of a camera", |b| {
-        b.iter(|| Pattern::new(black_box(&sensor), 1, WIDTH * HEIGHT));
+        b.iter(|| FixedPattern::new(black_box(&sensor), 1, WIDTH * HEIGHT));
     });
-    let pattern = Pattern::new(&sensor, 1, WIDTH * HEIGHT);
+    let pattern = FixedPattern::new(&sensor, 1, WIDTH * HEIGHT);
     let lit = |level| picture(WIDTH, HEIGHT, level);
     let even = |electrons: f64| {
         let light = (electrons / sensor.white_e()) as f32;
         Rgb::from_fn(WIDTH, HEIGHT, |_, _| [light; 3])
     };
-    // Each pixel below or above the switch between Poisson's forms, as if by chance.
+    // Pixels alternate irregularly between both sides of the Poisson switch.
     let mixed = Rgb::from_fn(WIDTH, HEIGHT, |x, y| {
         let electrons = 60.0 * ((x * 7919 + y * 104_729) % 1013) as f64 / 1013.0;
         [(electrons / sensor.white_e()) as f32; 3]

@@ -1,19 +1,19 @@
-//! White balance: factors of the channels.
+//! White balance: channel gains.
 
 use imaging::{Rgb, vectorized};
 use spec::WhiteBalance;
 
-/// From this value of its largest channel on, a pixel is too bright to count for the gray world.
+/// Pixels whose largest channel reaches this value are too bright for the gray world.
 const BRIGHT: f64 = 0.98;
-/// Most that a channel is multiplied by, and one over the least.
+/// Largest gain, and reciprocal of the smallest.
 const MOST: f64 = 8.0;
-/// Least mean that is divided by.
+/// Lower limit of the divisor.
 const LEAST_MEAN: f64 = 1e-6;
 
-/// The factors of R, G, B for a picture.
+/// The gains of R, G, B for a picture.
 ///
-/// Gray world: `clamp(m_G / max(m, 1e-6), 1/8, 8)` with the means m over pixels whose largest channel is below 0.98, over all
-/// where there is none.
+/// Gray world: `clamp(m_G / max(m, 1e-6), 1/8, 8)` with the means m over pixels whose largest channel is below 0.98, or
+/// over all pixels if there are none.
 #[must_use]
 pub fn gains<T: Copy + Into<f64>>(picture: &Rgb<T>, balance: WhiteBalance) -> [f64; 3] {
     match balance {
@@ -28,7 +28,7 @@ pub fn gains<T: Copy + Into<f64>>(picture: &Rgb<T>, balance: WhiteBalance) -> [f
     }
 }
 
-/// The means of the channels over pixels that are darker than this.
+/// The channel means of darker pixels; `None` if there are none.
 fn means<T: Copy + Into<f64>>(picture: &Rgb<T>, below: f64) -> Option<[f64; 3]> {
     let [r, g, b] = picture.planes().each_ref().map(|plane| plane.data());
     let (mut sums, mut count) = ([0.0f64; 3], 0.0f64);

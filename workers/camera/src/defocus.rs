@@ -1,12 +1,13 @@
-//! Blur of what is out of focus: each pixel gathers over a disc as large as its own circle of confusion.
+//! Defocus: each pixel gathers over a disc as large as its circle of confusion.
 //!
-//! `r_b = f (A/2) |1/v(Z) - 1/v(Z_f)|` pixels at range Z: f of the lens in air, A the diameter of the aperture, Z_f what is in
-//! focus. v(Z) is where the lens sees a point: Z in air, Z/n behind a flat port, and behind a dome of radius r_d at
-//! `r_d + 1/((n-1)/r_d + n/(Z - r_d))`. A pixel of the disc weighs the share of its 8×8 points within the radius; the border
-//! is mirrored with its edge. What is near does not bleed over the edge of what is behind it: each pixel knows its own range alone.
+//! `r_b = f (A/2) |1/v(Z) - 1/v(Z_f)|` pixels at range Z: f is the focal length of the lens in air, A the diameter of
+//! the aperture, Z_f the focus range. v(Z) is the apparent range: Z in air, Z/n behind a flat port, and behind a dome
+//! of radius r_d `r_d + 1/((n-1)/r_d + n/(Z - r_d))`. The weight of a pixel in a disc is the share of its 8×8 points
+//! within the radius; borders are mirrored including the edge. Blurred foregrounds do not spill over sharp backgrounds:
+//! each pixel uses its own range only.
 //!
-//! Weights are at least 0 and sum to 1, so an error of the light does not grow (gain 1). The fast form has the same discs and
-//! errs by rounding alone.
+//! Weights are at least 0 and sum to 1, so errors of the light do not grow (gain 1). The fast variant uses the same
+//! discs and differs by rounding only.
 
 mod counts;
 mod gather;
@@ -20,10 +21,10 @@ use spec::{Defocus, Port};
 
 use crate::geometry::SEA_WATER;
 
-/// Below this radius in pixels a disc holds points of a single pixel and is the identity: the nearest points of the next pixel
-/// are more than 9/16 away.
+/// Below this radius in pixels a disc contains points of a single pixel and is the identity: the nearest points of the
+/// next pixel are more than 9/16 away.
 pub const SHARP_PX: f64 = 0.5625;
-/// Largest radius in pixels: more light than that of a disc of 129 pixels is beyond what a gather of this kind is for.
+/// Largest radius in pixels; wider discs are clamped to 129 pixels.
 pub const MOST_PX: f64 = 64.0;
 /// Points of a pixel along a side.
 const POINTS: usize = 8;
@@ -33,13 +34,13 @@ const POINTS: usize = 8;
 pub struct Focus {
     /// `f A/2`, pixels times meters.
     scale: f64,
-    /// 1/v of what is in focus, 1/m.
+    /// 1/v at the focus range, 1/m.
     sharp: f64,
     port: Option<Port>,
 }
 
 impl Focus {
-    /// That of a lens with this focal length in air, in pixels.
+    /// For a lens of this focal length in air, in pixels.
     #[must_use]
     pub fn new(law: Defocus, focal_px: f64, port: Option<Port>) -> Self {
         Self {
@@ -49,7 +50,7 @@ impl Focus {
         }
     }
 
-    /// The radius in pixels of what is at a range in the water, at most [`MOST_PX`]; no range is infinitely far.
+    /// The radius in pixels at a range in water, at most [`MOST_PX`]; holes count as infinitely far.
     #[must_use]
     #[inline(always)]
     pub fn radius_px(&self, range_m: f64) -> f64 {
@@ -58,7 +59,7 @@ impl Focus {
         (self.scale * (nearness(range_m, self.port) - self.sharp).abs()).min(MOST_PX)
     }
 
-    /// The largest radius in pixels of ranges between these two. Pass infinity as the farthest one if pixels have no range.
+    /// The largest radius in pixels between two ranges. Pass infinity as `farthest_m` if pixels have holes.
     #[must_use]
     pub fn largest_px(&self, nearest_m: f64, farthest_m: f64) -> f64 {
         // The radius falls and rises again with the range.
@@ -94,14 +95,14 @@ fn nearness(range_m: f64, port: Option<Port>) -> f64 {
         Some(Port::Flat { .. }) => SEA_WATER[1] / range_m,
         Some(Port::Dome { radius_m }) => {
             let n = SEA_WATER[1];
-            // What touches the dome is seen at the dome.
+            // Contact with the dome appears at the dome.
             let beyond = (range_m - radius_m).max(0.0);
             1.0 / (radius_m + 1.0 / ((n - 1.0) / radius_m + n / beyond))
         }
     }
 }
 
-/// The index inside `0..n` that stands for `i`: `c b a | a b c | c b a`, any way outside.
+/// Mirrors an index into `0..n`, `c b a | a b c | c b a`, at any distance.
 fn mirrored(i: isize, n: usize) -> usize {
     let folded = i.rem_euclid(2 * n as isize);
     folded.min(2 * n as isize - 1 - folded) as usize

@@ -1,11 +1,11 @@
-//! Logarithm, cosine and exponential in plain f64 arithmetic, so that loops over them vectorize; the bits are the same on every CPU.
+//! Logarithm, cosine and exponential in plain f64 arithmetic, for vectorized loops with the same bits on every CPU.
 
 use std::f64::consts::{LN_2, LOG2_E};
 
-/// 2^52: in a number below it that is added to it the low bits hold the whole part.
+/// 2^52: added to a smaller number, it leaves the integer part in the low bits.
 const WHOLE: f64 = 4_503_599_627_370_496.0;
 
-/// A whole number in 0..2^52 as an integer, without the cases of a cast.
+/// Converts an integral value in 0..2^52 without the special cases of a cast.
 #[inline(always)]
 pub(crate) fn whole(x: f64) -> u64 {
     (x + WHOLE).to_bits() & ((1 << 52) - 1)
@@ -16,7 +16,7 @@ pub(crate) fn whole(x: f64) -> u64 {
 /// `x = 2^e m` with m in √½..√2; `ln m = 2 (s + s³/3 + s⁵/5 + …)`, `s = (m-1)/(m+1)`, |s| < 0.172.
 #[inline(always)]
 pub(crate) fn logarithm(x: f64) -> f64 {
-    /// The bits of √½: what lies below them belongs to the exponent before.
+    /// The bits of √½; smaller mantissas belong to the previous exponent.
     const HALF_BITS: u64 = 0x3fe6_a09e_667f_3bcd;
     let shifted = x.to_bits().wrapping_sub(HALF_BITS).wrapping_add(1023 << 52);
     let exponent = f64::from_bits(WHOLE.to_bits() | shifted >> 52) - (WHOLE + 1023.0);
@@ -30,7 +30,7 @@ pub(crate) fn logarithm(x: f64) -> f64 {
 
 /// `cos 2πv` for v in 0..=1: absolute error below 1e-11.
 ///
-/// A whole turn is four quarters: within an eighth of a turn about each, sine or cosine by their series.
+/// Each quarter of a turn uses the series of sine or cosine within an eighth of a turn.
 #[inline(always)]
 pub(crate) fn cosine_of_turn(v: f64) -> f64 {
     use std::f64::consts::TAU;
@@ -46,12 +46,12 @@ pub(crate) fn cosine_of_turn(v: f64) -> f64 {
 
 /// `e^{-x}` for x in 0..=700: relative error below 1e-15.
 ///
-/// `-x = k ln 2 + r` with a whole k and |r| < 0.35; `e^r` by its series, 2^k by its bits.
+/// `-x = k ln 2 + r` with an integer k and |r| < 0.35; `e^r` by its series, 2^k by its bits.
 #[inline(always)]
 pub(crate) fn exponential_of_minus(x: f64) -> f64 {
-    /// 1.5 × 2^52: a number added to it is rounded to a whole one, which stands in the low bits.
+    /// 1.5 × 2^52: adding it rounds to an integer in the low bits.
     const ROUNDING: f64 = 6_755_399_441_055_744.0;
-    /// The first bits of ln 2, a multiple of 2^-33 that no k up to 2^20 makes inexact, and the rest.
+    /// The first bits of ln 2, a multiple of 2^-33 exact for every k up to 2^20, and the rest.
     const LN_2_HIGH: f64 = 0.693_147_180_369_123_8;
     const LN_2_LOW: f64 = 1.908_214_929_270_587_7e-10;
     let shifted = -x * LOG2_E + ROUNDING;
@@ -69,7 +69,7 @@ pub(crate) fn exponential_of_minus(x: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Where the mantissa wraps.
+    /// Wrap-around of the mantissa.
     const SEAM: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
     #[test]

@@ -1,4 +1,4 @@
-//! How bright the picture is taken: a fixed factor, or one that brings a percentile of the luminance to a target.
+//! Exposure: a fixed gain, or one that brings a percentile of the luminance to a target.
 //!
 //! `g = clamp(target / y, 1/64, 64)`; y is the sample at `min(n-1, floor(percentile n))` of the ascending luminances
 //! `0.2126 R + 0.7152 G + 0.0722 B` of the vignetted picture. y ≤ 0: 64.
@@ -12,14 +12,14 @@ use spec::Metering;
 
 use crate::vignette::FallOff;
 
-/// The largest factor of metering, and one over the least.
+/// The largest gain of metering, and the reciprocal of the smallest.
 pub const MOST_GAIN: f64 = 64.0;
-/// Luminance of R, G, B.
+/// Luminance weights of R, G, B.
 const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
-/// Bits of a float that number its bucket: exponent and three digits behind.
+/// Shift to the bucket bits of a float: exponent and three fraction bits.
 const BUCKET_SHIFT: u32 = 20;
 
-/// The factor that meters a picture whose fall-off is still to come.
+/// The gain from metering a picture before its fall-off is applied.
 #[must_use]
 pub fn metered(picture: &Rgb<f32>, falloff: Option<&FallOff>, metering: &Metering) -> f64 {
     let mut luminance = luminances(picture, falloff);
@@ -31,7 +31,7 @@ pub fn metered(picture: &Rgb<f32>, falloff: Option<&FallOff>, metering: &Meterin
     gain(f64::from(nth(&mut luminance, position)), metering)
 }
 
-/// The same in f64 of a picture that is vignetted already.
+/// Reference in f64 for a vignetted picture.
 #[must_use]
 pub fn metered_reference(vignetted: &Rgb<f64>, metering: &Metering) -> f64 {
     let [r, g, b] = vignetted.planes().each_ref().map(|plane| plane.data());
@@ -53,7 +53,7 @@ fn gain(luminance: f64, metering: &Metering) -> f64 {
     }
 }
 
-/// The factor that follows `before` with a lag: `g (g_auto/g)^(1 - e^(-1/lag))`.
+/// The gain that follows `before` with a lag: `g (g_auto/g)^(1 - e^(-1/lag))`.
 #[must_use]
 pub fn lagging(before: f64, metered: f64, lag_frames: f64) -> f64 {
     if lag_frames <= 0.0 {
@@ -86,15 +86,10 @@ fn weigh(luminance: &mut [f32], r: &[f32], g: &[f32], b: &[f32]) {
     }
 }
 
-/// The value at a position of the ascending order. Buckets by the upper bits first: most values are then out of the question.
+/// The value at a position of the ascending order. Buckets by the upper bits first exclude most values.
 fn nth(values: &mut [f32], position: usize) -> f32 {
-    let key = |value: f32| {
-        let bits = value.to_bits();
-        // Ascending for negative floats, too.
-        (bits ^ ((bits as i32 >> 31) as u32 | 1 << 31)) >> BUCKET_SHIFT
-    };
     let mut counts = vec![0usize; 1 << (32 - BUCKET_SHIFT)];
-    values.iter().for_each(|&value| counts[key(value) as usize] += 1);
+    values.iter().for_each(|&value| counts[bucket_of(value)] += 1);
     let mut before = 0;
     let bucket = counts.iter().position(|count| {
         before += count;
@@ -105,9 +100,15 @@ fn nth(values: &mut [f32], position: usize) -> f32 {
     let mut among: Vec<f32> = values
         .iter()
         .copied()
-        .filter(|&value| key(value) as usize == bucket)
+        .filter(|&value| bucket_of(value) == bucket)
         .collect();
     *among.select_nth_unstable_by(rank, f32::total_cmp).1
+}
+
+fn bucket_of(value: f32) -> usize {
+    let bits = value.to_bits();
+    // Also ascending for negative floats.
+    ((bits ^ ((bits as i32 >> 31) as u32 | 1 << 31)) >> BUCKET_SHIFT) as usize
 }
 
 #[cfg(test)]

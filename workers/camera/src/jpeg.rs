@@ -1,15 +1,15 @@
-//! What JPEG compression leaves of a picture: everything of encoding and decoding but the file.
+//! JPEG losses: encoding and decoding without the file.
 //!
-//! Only the quantization of the cosine transform of 8×8 blocks, the rounding of codes and, at half resolution, the means of the
-//! color lose anything; the entropy code does not. Tables of ITU T.81, annex K, scaled by quality as the Independent JPEG
-//! Group's encoder does; color by JFIF. At half resolution the color of 2×2 pixels is their mean, and comes back between the
-//! nearest four, 9 : 3 : 3 : 1. Plain f32 in a fixed order: the same codes on every CPU.
+//! Losses come only from the quantization of the cosine transform of 8×8 blocks, the rounding of codes and, at half
+//! resolution, the means of the color. Tables of ITU T.81, annex K, scaled by quality as in the Independent JPEG
+//! Group's encoder; color by JFIF. At half resolution the color of 2×2 pixels is their mean, upsampled from the nearest
+//! four, 9 : 3 : 3 : 1. Plain f32 in a fixed order: the same codes on every CPU.
 
 use imaging::{Rgb8, cancel, vectorized};
 use spec::{Chroma, Jpeg};
 
 const SIDE: usize = 8;
-type Block = [[f32; SIDE]; SIDE];
+type DctBlock = [[f32; SIDE]; SIDE];
 
 /// Quantization of brightness (T.81, table K.1).
 const BRIGHTNESS: [[u16; SIDE]; SIDE] = [
@@ -34,8 +34,8 @@ const COLOR: [[u16; SIDE]; SIDE] = [
     [99, 99, 99, 99, 99, 99, 99, 99],
 ];
 
-/// A channel whose sides are whole blocks; what lies beyond the picture repeats its edge.
-struct Channel {
+/// A channel of whole blocks; the picture's edge is repeated.
+struct JpegChannel {
     width: usize,
     height: usize,
     samples: Vec<f32>,
@@ -49,7 +49,7 @@ pub fn compressed(picture: &Rgb8, law: Jpeg) -> Rgb8 {
         return picture.clone();
     }
     let [brightness, blue, red] = [0, 1, 2]
-        .map(|channel| Channel::from_fn(width, height, |x, y| component(pixel(picture, x, y), channel)));
+        .map(|channel| JpegChannel::from_fn(width, height, |x, y| component(pixel(picture, x, y), channel)));
     let brightness = brightness.quantized(&scaled(&BRIGHTNESS, law.quality));
     let table = scaled(&COLOR, law.quality);
     let [blue, red] = [blue, red].map(|color| match law.chroma {
@@ -60,17 +60,20 @@ pub fn compressed(picture: &Rgb8, law: Jpeg) -> Rgb8 {
             .doubled(width, height),
     });
     Rgb8::from_fn(width, height, |x, y| {
-        let at = |channel: &Channel| channel.samples[y * channel.width + x];
-        decoded(at(&brightness), at(&blue) - 128.0, at(&red) - 128.0)
+        decoded(
+            brightness.sample(x, y),
+            blue.sample(x, y) - 128.0,
+            red.sample(x, y) - 128.0,
+        )
     })
 }
 
 fn pixel(picture: &Rgb8, x: usize, y: usize) -> [f32; 3] {
-    let at = 3 * (y * picture.width() + x);
-    [0, 1, 2].map(|channel| f32::from(picture.data()[at + channel]))
+    let position = 3 * (y * picture.width() + x);
+    [0, 1, 2].map(|channel| f32::from(picture.data()[position + channel]))
 }
 
-/// Y, Cb or Cr of a pixel, rounded as a file holds it.
+/// Y, Cb or Cr of a pixel, rounded as in a file.
 fn component([r, g, b]: [f32; 3], channel: usize) -> f32 {
     let value = match channel {
         0 => 0.299 * r + 0.587 * g + 0.114 * b,
@@ -89,15 +92,15 @@ fn decoded(y: f32, blue: f32, red: f32) -> [u8; 3] {
     channels.map(|value| code(value) as u8)
 }
 
-/// The nearest whole number of 0..=255.
+/// The nearest integer in 0..=255.
 #[inline(always)]
 fn code(value: f32) -> f32 {
     let value = (value + 0.5).floor();
     imaging::simd::smaller(imaging::simd::larger(value, 0.0), 255.0)
 }
 
-/// The table at a quality: `(t s + 50)/100` with s = 5000/q below 50, else 200 - 2q, within 1..=255.
-fn scaled(table: &[[u16; SIDE]; SIDE], quality: u8) -> Block {
+/// The quantization table at a quality: `(t s + 50)/100` with s = 5000/q below 50, else 200 - 2q, clamped to 1..=255.
+fn scaled(table: &[[u16; SIDE]; SIDE], quality: u8) -> DctBlock {
     let quality = u32::from(quality.clamp(1, 100));
     let scale = if quality < 50 {
         5000 / quality
@@ -108,7 +111,7 @@ fn scaled(table: &[[u16; SIDE]; SIDE], quality: u8) -> Block {
 }
 
 /// The orthonormal cosine transform: `c(u)/2 cos((2x+1) u π/16)`, rows u.
-fn transform() -> Block {
+fn transform() -> DctBlock {
     std::array::from_fn(|u| {
         std::array::from_fn(|x| {
             let angle = ((2 * x + 1) * u) as f64 * std::f64::consts::PI / 16.0;
@@ -123,7 +126,7 @@ fn transform() -> Block {
 }
 
 #[inline(always)]
-fn product(a: &Block, b: &Block) -> Block {
+fn product(a: &DctBlock, b: &DctBlock) -> DctBlock {
     let mut product = [[0.0; SIDE]; SIDE];
     for (row, weights) in product.iter_mut().zip(a) {
         for (weight, source) in weights.iter().zip(b) {
@@ -135,27 +138,31 @@ fn product(a: &Block, b: &Block) -> Block {
     product
 }
 
-fn transposed(block: &Block) -> Block {
+fn transposed(block: &DctBlock) -> DctBlock {
     std::array::from_fn(|i| std::array::from_fn(|j| block[j][i]))
 }
 
-impl Channel {
+impl JpegChannel {
     fn from_fn(width: usize, height: usize, sample: impl Fn(usize, usize) -> f32) -> Self {
-        let whole = |side: usize| side.next_multiple_of(SIDE);
-        let mut samples = Vec::with_capacity(whole(width) * whole(height));
-        for y in 0..whole(height) {
+        let [padded_width, padded_height] = [width, height].map(|side| side.next_multiple_of(SIDE));
+        let mut samples = Vec::with_capacity(padded_width * padded_height);
+        for y in 0..padded_height {
             cancel::check();
-            samples.extend((0..whole(width)).map(|x| sample(x.min(width - 1), y.min(height - 1))));
+            samples.extend((0..padded_width).map(|x| sample(x.min(width - 1), y.min(height - 1))));
         }
         Self {
-            width: whole(width),
-            height: whole(height),
+            width: padded_width,
+            height: padded_height,
             samples,
         }
     }
 
-    /// Its blocks transformed, rounded to multiples of the table, and transformed back to codes.
-    fn quantized(mut self, table: &Block) -> Self {
+    fn sample(&self, x: usize, y: usize) -> f32 {
+        self.samples[y * self.width + x]
+    }
+
+    /// Transforms its blocks, rounds to multiples of the table, and transforms back to codes.
+    fn quantized(mut self, table: &DctBlock) -> Self {
         let (forward, width) = (transform(), self.width);
         let back = transposed(&forward);
         for y in (0..self.height).step_by(SIDE) {
@@ -165,40 +172,29 @@ impl Channel {
         self
     }
 
-    /// Means of 2×2 samples of a picture of these sides.
+    /// Means of 2×2 samples of a picture of this size.
     fn halved(&self, width: usize, height: usize) -> Self {
         Self::from_fn(width.div_ceil(2), height.div_ceil(2), |x, y| {
-            let at = |dx: usize, dy: usize| {
-                let (x, y) = ((2 * x + dx).min(width - 1), (2 * y + dy).min(height - 1));
-                self.samples[y * self.width + x]
-            };
-            code((at(0, 0) + at(1, 0) + at(0, 1) + at(1, 1)) * 0.25)
+            let [left, right] = [2 * x, 2 * x + 1].map(|x| x.min(width - 1));
+            let [top, bottom] = [2 * y, 2 * y + 1].map(|y| y.min(height - 1));
+            let upper = self.sample(left, top) + self.sample(right, top);
+            code((upper + self.sample(left, bottom) + self.sample(right, bottom)) * 0.25)
         })
     }
 
-    /// Back at the sides of the picture: between the nearest four.
+    /// Upsamples to this size from the nearest four samples.
     fn doubled(&self, width: usize, height: usize) -> Self {
         let (columns, rows) = (width.div_ceil(2), height.div_ceil(2));
-        let beside = |i: usize, side: usize| {
-            let near = i / 2;
-            let far = if i.is_multiple_of(2) {
-                near.saturating_sub(1)
-            } else {
-                (near + 1).min(side - 1)
-            };
-            (near, far)
-        };
         Self::from_fn(width, height, |x, y| {
-            let ((near_x, far_x), (near_y, far_y)) = (beside(x, columns), beside(y, rows));
-            let at = |x: usize, y: usize| self.samples[y * self.width + x];
-            let row = |y: usize| 3.0 * at(near_x, y) + at(far_x, y);
-            code((3.0 * row(near_y) + row(far_y)) * 0.0625)
+            let ((near_x, far_x), (near_y, far_y)) = (nearest_pair(x, columns), nearest_pair(y, rows));
+            let [near, far] = [near_y, far_y].map(|y| 3.0 * self.sample(near_x, y) + self.sample(far_x, y));
+            code((3.0 * near + far) * 0.0625)
         })
     }
 }
 
 #[inline(always)]
-fn quantize_row(rows: &mut [f32], width: usize, table: &Block, forward: &Block, back: &Block) {
+fn quantize_row(rows: &mut [f32], width: usize, table: &DctBlock, forward: &DctBlock, back: &DctBlock) {
     for x in (0..width).step_by(SIDE) {
         let mut block = [[0.0; SIDE]; SIDE];
         for (y, row) in block.iter_mut().enumerate() {
@@ -219,4 +215,15 @@ fn quantize_row(rows: &mut [f32], width: usize, table: &Block, forward: &Block, 
             }
         }
     }
+}
+
+/// The nearest and the next sample of a pixel along an axis of `side` samples.
+fn nearest_pair(i: usize, side: usize) -> (usize, usize) {
+    let near = i / 2;
+    let far = if i.is_multiple_of(2) {
+        near.saturating_sub(1)
+    } else {
+        (near + 1).min(side - 1)
+    };
+    (near, far)
 }

@@ -1,8 +1,8 @@
-//! The camera behind the water: what port, lens, shutter and sensor make of the light that reaches them.
+//! The camera: effects of port, lens, shutter and sensor on the arriving light.
 //!
-//! Pure: pictures in linear light in, pictures and codes out. The order is that of the light: [`geometry`], [`defocus`],
-//! [`vignette`], [`exposure`], [`sensor`], [`mosaic`], [`balance`], [`tone`], [`jpeg`]. Every part that a description leaves
-//! out is the identity. Each fast form has a reference in f64 beside it.
+//! Pure functions from pictures in linear light to pictures and codes, in the order of the light: [`geometry`],
+//! [`defocus`], [`vignette`], [`exposure`], [`sensor`], [`mosaic`], [`balance`], [`tone`], [`jpeg`]. Parts missing from
+//! a description are the identity. Each fast variant has an f64 reference.
 
 pub mod balance;
 pub mod defocus;

@@ -1,20 +1,20 @@
-//! From a sensor's codes back to light of three channels.
+//! Demosaicing: from a sensor's codes to light in three channels.
 //!
-//! Behind color filters each pixel lacks two colors: they are the means of the nearest pixels that have them, weighed by
-//! `[1 2 1; 2 4 2; 1 2 1]`, the border reflected without repeating the edge. Own codes stay. Sums of codes are whole numbers,
-//! so nothing is lost before the last product.
+//! Behind color filters each pixel lacks two colors. They are the means of the nearest pixels of that color, with the
+//! weights `[1 2 1; 2 4 2; 1 2 1]`, borders reflected without repeating the edge. Measured codes are kept. Sums of
+//! codes are integers, so rounding is limited to the final product.
 
 use imaging::{Plane, Rgb, cancel, reflected};
 use spec::Cfa;
 
-use crate::sensor::{Raw, Sensor, color_of};
+use crate::sensor::{Raw, SensorModel, color_of};
 
-/// Light of every pixel, white = 1; negative where noise is.
+/// Light of every pixel, white = 1; noise can make it negative.
 ///
 /// # Panics
 /// For a mosaic of less than two columns or rows.
 #[must_use]
-pub fn light_of(raw: &Raw, sensor: &Sensor) -> Rgb<f32> {
+pub fn light_of(raw: &Raw, sensor: &SensorModel) -> Rgb<f32> {
     let scale = sensor.light_per_dn();
     let black = f64::from(sensor.black_dn);
     let light = |quarters: u32| ((f64::from(quarters) * 0.25 - black) * scale) as f32;
@@ -28,12 +28,12 @@ pub fn light_of(raw: &Raw, sensor: &Sensor) -> Rgb<f32> {
     }
 }
 
-/// The same in f64, by the weights as they stand.
+/// Reference in f64, by the weights.
 ///
 /// # Panics
 /// As [`light_of`].
 #[must_use]
-pub fn light_of_reference(raw: &Raw, sensor: &Sensor) -> Rgb<f64> {
+pub fn light_of_reference(raw: &Raw, sensor: &SensorModel) -> Rgb<f64> {
     let light = |code: f64| (code - f64::from(sensor.black_dn)) * sensor.light_per_dn();
     let codes = match raw {
         Raw::Planes(planes) => {
@@ -67,8 +67,8 @@ pub fn light_of_reference(raw: &Raw, sensor: &Sensor) -> Rgb<f64> {
     })
 }
 
-/// The three colors of a pixel: four times its own code, the sum of those left, right, above and below, twice the sum of two
-/// of them, or the sum of the corners.
+/// The three colors of a pixel: four times its code, the sum of the codes left, right, above and below, twice the sum
+/// of two of them, or the sum of the corners.
 fn demosaic(codes: &Plane<u16>, cfa: Cfa, light: impl Fn(u32) -> f32) -> Rgb<f32> {
     let (width, height) = codes.size();
     assert!(width > 1 && height > 1, "a mosaic has at least 2×2 pixels");
@@ -79,7 +79,7 @@ fn demosaic(codes: &Plane<u16>, cfa: Cfa, light: impl Fn(u32) -> f32) -> Rgb<f32
         let own = codes.row(y);
         let below = codes.row(reflected(y as isize + 1, height));
         let [first, second] = [0, 1].map(|x| color_of(cfa, x, y).unwrap_or_default());
-        // The color that this row lacks is above and below its greens, and at the corners of its others.
+        // The color missing from this row is above and below its greens, and at the corners of its others.
         let inside = if first == 1 { second } else { first };
         let [r, g, b] = &mut planes;
         let rows = [r, g, b].map(|plane| &mut plane[y * width..(y + 1) * width]);
@@ -88,19 +88,19 @@ fn demosaic(codes: &Plane<u16>, cfa: Cfa, light: impl Fn(u32) -> f32) -> Rgb<f32
         for x in 0..width {
             let left = reflected(x as isize - 1, width);
             let right = reflected(x as isize + 1, width);
-            let sum = |a: u16, b: u16| u32::from(a) + u32::from(b);
-            let beside = sum(own[left], own[right]);
-            let upright = sum(above[x], below[x]);
+            let horizontal = u32::from(own[left]) + u32::from(own[right]);
+            let vertical = u32::from(above[x]) + u32::from(below[x]);
             let code = 4 * u32::from(own[x]);
             let is_green = (if x % 2 == 0 { first } else { second }) == 1;
             if is_green {
                 green[x] = light(code);
-                inside_row[x] = light(2 * beside);
-                outside_row[x] = light(2 * upright);
+                inside_row[x] = light(2 * horizontal);
+                outside_row[x] = light(2 * vertical);
             } else {
                 inside_row[x] = light(code);
-                green[x] = light(beside + upright);
-                outside_row[x] = light(sum(above[left], above[right]) + sum(below[left], below[right]));
+                green[x] = light(horizontal + vertical);
+                let corners = [above[left], above[right], below[left], below[right]];
+                outside_row[x] = light(corners.map(u32::from).iter().sum());
             }
         }
     }

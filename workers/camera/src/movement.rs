@@ -1,24 +1,23 @@
-//! Error bounds of means over movement. The pictures of a path are averaged with a weight each; an uploaded picture is the mean
-//! of its copies along a line. Weights are not negative and sum to 1: the gain of both is 1.
+//! Error bounds of means over movement. The pictures of a path are averaged with a weight each; an uploaded picture is
+//! the mean of its copies along a line. Weights are not negative and sum to 1: the gain of both is 1.
 
 use crate::rounding;
 
-/// Largest error in f32 of a mean of pictures, each times its weight, added one by one. No sample is larger than `peak` in
-/// magnitude.
+/// Largest f32 error of a weighted mean of pictures, added one by one. No sample is larger than `peak` in magnitude.
 #[must_use]
 pub fn average_bound(pictures: usize, peak: f64) -> f64 {
     // The weight, its product and a sum for each picture.
     rounding::absolute(pictures as f64 + 2.0, peak)
 }
 
-/// Copies of a picture that moves by this many columns and rows: at most a pixel apart.
+/// Number of copies of a picture that moves by this many columns and rows: at most a pixel apart.
 #[must_use]
 pub fn copies([across, down]: [f64; 2]) -> usize {
     across.hypot(down).ceil() as usize + 1
 }
 
-/// Largest error in f32 of the mean of a picture's copies, sampled bilinearly, added one by one and divided by their number.
-/// No sample is negative or larger than `peak`. A single copy is the picture itself.
+/// Largest f32 error of the mean of a picture's bilinear copies, added one by one and divided by their number. No
+/// sample is negative or larger than `peak`. A single copy is the picture itself.
 #[must_use]
 pub fn shift_bound(shift_px: [f64; 2], peak: f64) -> f64 {
     match copies(shift_px) {
@@ -61,7 +60,7 @@ mod tests {
                 for copy in 0..copies {
                     let unit = |element: usize| stream.unit(case, (6 * copy + element) as u64);
                     let [x, y] = [unit(4), unit(5)];
-                    // Steps of all light, the hardest samples.
+                    // Full-range steps, the hardest samples.
                     let sample = |k: usize| unit(k).round();
                     let [a, b, c, d] = [0, 1, 2, 3].map(|k| sample(k) as f32);
                     let [upper, lower] = [a + (b - a) * x as f32, c + (d - c) * x as f32];

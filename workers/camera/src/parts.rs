@@ -1,12 +1,12 @@
-//! What of a camera is asked for, every number known.
+//! Resolves a described camera to its parts with all numbers.
 
 use imaging::geometry::Intrinsics;
 use spec::{Camera, Exposure, Jpeg, Port, Tone, WhiteBalance};
 
 use crate::defocus::Focus;
-use crate::geometry::{Lens, STILL_PX, Source};
+use crate::geometry::{Lens, STILL_PX, SourcePicture, sample_side};
 use crate::preset;
-use crate::sensor::Sensor;
+use crate::sensor::SensorModel;
 use crate::vignette::FallOff;
 
 /// The parts of a camera, resolved for a picture; a pinhole without noise has none.
@@ -16,18 +16,18 @@ pub struct Parts {
     pub size: (usize, usize),
     /// The lens behind its port, in air.
     pub lens: Lens,
-    /// The picture that it looks into; none where it shows that picture as it is.
-    pub source: Option<Source>,
-    /// Whether distortion, port or supersampling are asked for.
+    /// The picture in front of the lens; `None` if the camera shows it unchanged.
+    pub source: Option<SourcePicture>,
+    /// Whether distortion, port or supersampling are described.
     pub asks_geometry: bool,
-    /// Blur out of focus.
+    /// Defocus.
     pub focus: Option<Focus>,
     /// Fall-off towards the corners.
     pub falloff: Option<FallOff>,
     /// Brightness.
     pub exposure: Option<Exposure>,
-    /// Sensor.
-    pub sensor: Option<Sensor>,
+    /// SensorModel.
+    pub sensor: Option<SensorModel>,
     /// White balance.
     pub balance: Option<WhiteBalance>,
     /// Curve to codes.
@@ -38,22 +38,22 @@ pub struct Parts {
     pub jpeg: Option<Jpeg>,
 }
 
-/// What a camera looks into.
+/// Input of a camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Scenery {
-    /// A scene that is rendered as large as need be.
+    /// A scene rendered at the required size.
     Rendered,
-    /// A picture with its camera in the water.
+    /// A picture with its intrinsics in water.
     Picture(Intrinsics, (usize, usize)),
 }
 
-/// A camera that has no picture of such a scene.
+/// A camera that cannot take a picture of such a scene.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PartsError {
     /// The lens folds.
     #[error(transparent)]
     Fold(#[from] crate::geometry::Fold),
-    /// The source picture is beyond the limits of pictures.
+    /// The source picture exceeds the size limits.
     #[error(
         "the lens sees so much more than the picture's sides that the scene would need over {side} pixels a side or {pixels} in all",
         side = imaging::codec::MAX_SIDE_PX, pixels = imaging::codec::MAX_PIXELS
@@ -65,7 +65,7 @@ pub enum PartsError {
     /// A picture cannot be taken from several poses.
     #[error("only a procedural scene can be seen from several poses")]
     NoPath,
-    /// The sensor is not of the table.
+    /// The sensor is not in the table.
     #[error("the sensor is not known")]
     UnknownSensor,
     /// Codes have 8 or 16 bits.
@@ -74,10 +74,10 @@ pub enum PartsError {
     /// JPEG has 8 bits.
     #[error("a picture of {0} bits cannot be compressed: JPEG has 8")]
     DeepJpeg(u8),
-    /// Black is at or above the largest code.
+    /// The black level is at or above the largest code.
     #[error("black is at {black}, but the largest code is {most}")]
     Black {
-        /// Code of no light.
+        /// Black level.
         black: u16,
         /// Largest code.
         most: f64,
@@ -85,7 +85,7 @@ pub enum PartsError {
 }
 
 impl Parts {
-    /// The parts of a camera before a scene; those of its preset included.
+    /// Resolves the parts of a camera for a scene, including its preset.
     ///
     /// # Errors
     /// [`PartsError`].
@@ -136,7 +136,7 @@ impl Parts {
         })
     }
 
-    /// Whether nothing is asked for.
+    /// Whether the camera has no parts.
     #[must_use]
     pub fn is_pinhole(&self) -> bool {
         !self.asks_geometry
@@ -147,7 +147,7 @@ impl Parts {
             && self.jpeg.is_none()
     }
 
-    /// Whether nothing happens between exposed light and codes but today's curve.
+    /// Whether exposed light is converted to codes by the sRGB curve only.
     fn is_electronic_free(&self) -> bool {
         self.sensor.is_none() && self.balance.is_none() && self.tone == Tone::Srgb && self.bits == 8
     }
@@ -162,7 +162,7 @@ fn checked_bits(camera: &Camera) -> Result<u8, PartsError> {
     }
 }
 
-fn checked(sensor: Sensor, (width, height): (usize, usize)) -> Result<Sensor, PartsError> {
+fn checked(sensor: SensorModel, (width, height): (usize, usize)) -> Result<SensorModel, PartsError> {
     if f64::from(sensor.black_dn) >= sensor.most_dn() {
         return Err(PartsError::Black {
             black: sensor.black_dn,
@@ -175,31 +175,30 @@ fn checked(sensor: Sensor, (width, height): (usize, usize)) -> Result<Sensor, Pa
     Ok(sensor)
 }
 
-/// The picture that the lens looks into; none where no pixel moves.
+/// The picture in front of the lens; `None` if no pixel moves.
 fn source(
     lens: &Lens,
     size: (usize, usize),
     camera: &Camera,
     scenery: Scenery,
-) -> Result<Option<Source>, PartsError> {
+) -> Result<Option<SourcePicture>, PartsError> {
     lens.check(size)?;
     let supersample = camera.supersample;
     match scenery {
         Scenery::Rendered if supersample == 1 && is_still(lens, lens.camera, size) => Ok(None),
-        Scenery::Rendered => match Source::around(lens, size, supersample) {
+        Scenery::Rendered => match SourcePicture::covering(lens, size, supersample) {
             Some(source) => Ok(Some(source)),
             None => Err(PartsError::TooWide),
         },
         Scenery::Picture(water, _) if is_still(lens, water, size) => Ok(None),
-        Scenery::Picture(water, size) => Ok(Some(Source { size, camera: water })),
+        Scenery::Picture(water, size) => Ok(Some(SourcePicture { size, camera: water })),
     }
 }
 
-/// Whether no pixel of the border, where a lens moves most, looks elsewhere than a pinhole's.
+/// Whether no border pixel moves; a lens moves those most.
 fn is_still(lens: &Lens, pinhole: Intrinsics, (width, height): (usize, usize)) -> bool {
-    let walk = |side: usize| (0..=32).map(move |i| i * (side - 1) / 32);
-    walk(height)
-        .flat_map(|y| walk(width).map(move |x| (x, y)))
+    sample_side(height, 32)
+        .flat_map(|y| sample_side(width, 32).map(move |x| (x, y)))
         .all(|(x, y)| {
             let air = lens.camera.ray(x as f64, y as f64);
             let Some(ideal) = lens.undistorted(air.x, air.y) else {
@@ -207,9 +206,9 @@ fn is_still(lens: &Lens, pinhole: Intrinsics, (width, height): (usize, usize)) -
             };
             (0..3).all(|channel| {
                 let (u, v) = lens.in_water(ideal, channel);
-                let moved =
-                    |u: f64, center: f64, at: usize| (center + pinhole.focal_px * u - at as f64).abs();
-                moved(u, pinhole.cx, x).max(moved(v, pinhole.cy, y)) <= STILL_PX
+                let moved_x = (pinhole.cx + pinhole.focal_px * u - x as f64).abs();
+                let moved_y = (pinhole.cy + pinhole.focal_px * v - y as f64).abs();
+                moved_x.max(moved_y) <= STILL_PX
             })
         })
 }

@@ -1,28 +1,28 @@
-//! Sensors and cameras by name, with what their numbers are taken from.
+//! Sensors and cameras by name, with sources.
 
 use spec::{Camera, Cfa, Distortion, Exposure, Metering, Port, Vignette, WhiteBalance};
 
-use crate::sensor::Sensor;
+use crate::sensor::SensorModel;
 
-/// A sensor of the table.
+/// A sensor preset.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SensorPreset {
-    /// Its name in descriptions.
+    /// Name in descriptions.
     pub name: &'static str,
     /// Pixels and shutter.
     pub about: &'static str,
-    /// Where its numbers come from.
+    /// SourcePicture of its numbers.
     pub source: &'static str,
     full_well_e: f64,
     read_noise_e: f64,
     bits: u8,
 }
 
-/// Exposure time of descriptions without one, s: a frame of a moving inspection camera is rarely exposed for longer.
+/// Default exposure time, s: frames of a moving inspection camera are rarely exposed for longer.
 pub const EXPOSURE_S: f64 = 0.01;
 
-/// What the table assumes where no source gives all numbers of one sensor together.
-const ASSUMED: Sensor = Sensor {
+/// Assumptions where no source gives all numbers of one sensor.
+const ASSUMED: SensorModel = SensorModel {
     full_well_e: 0.0,
     white_at: 0.9,
     prnu: 0.005,
@@ -40,11 +40,11 @@ const ASSUMED: Sensor = Sensor {
     cfa: Cfa::Rggb,
 };
 
-/// What is assumed of every sensor but `ideal`, in words.
+/// Assumptions for every sensor but `ideal`.
 pub const ASSUMPTIONS: &str = "assumed, not published together: white at 0.9 of the full well, PRNU 0.005, DSNU 0.5 e-, \
     dark current 1 e-/s with spread 0.1, row noise 0.3 e-, black 64 DN, gain 1, 0.01 s, RGGB";
 
-/// Every sensor; the first is that of a description which names none.
+/// All sensors; the first is the default.
 pub const SENSORS: &[SensorPreset] = &[
     SensorPreset {
         name: "machine-vision-1/1.8",
@@ -87,10 +87,10 @@ impl SensorPreset {
         SENSORS.iter().find(|sensor| sensor.name == name)
     }
 
-    /// All its numbers.
+    /// Its parameters.
     #[must_use]
-    pub fn sensor(&self) -> Sensor {
-        let sensor = Sensor {
+    pub fn sensor(&self) -> SensorModel {
+        let sensor = SensorModel {
             full_well_e: self.full_well_e,
             read_noise_e: self.read_noise_e,
             bits: self.bits,
@@ -99,7 +99,7 @@ impl SensorPreset {
         if self.name != "ideal" {
             return sensor;
         }
-        Sensor {
+        SensorModel {
             white_at: 1.0,
             prnu: 0.0,
             dcnu: 0.0,
@@ -113,20 +113,19 @@ impl SensorPreset {
         }
     }
 
-    /// Whether its record has to say what is assumed.
+    /// Whether its record must list the assumptions.
     #[must_use]
     pub fn is_assumed(&self) -> bool {
         self.sensor().row_noise_e > 0.0
     }
 }
 
-/// The sensor of a description that is exposed for so many seconds: its preset with fields replaced. `None` if the preset is
-/// unknown.
+/// The sensor of a description with this exposure time: its preset with fields replaced. `None` for an unknown preset.
 #[must_use]
-pub fn sensor(law: &spec::Sensor, exposure_s: Option<f64>) -> Option<Sensor> {
+pub fn sensor(law: &spec::Sensor, exposure_s: Option<f64>) -> Option<SensorModel> {
     let name = law.preset.as_deref().unwrap_or(SENSORS[0].name);
     let preset = SensorPreset::find(name)?.sensor();
-    Some(Sensor {
+    Some(SensorModel {
         full_well_e: law.full_well_e.unwrap_or(preset.full_well_e),
         white_at: preset.white_at * law.light_level.unwrap_or(1.0),
         prnu: law.prnu.unwrap_or(preset.prnu),
@@ -145,14 +144,14 @@ pub fn sensor(law: &spec::Sensor, exposure_s: Option<f64>) -> Option<Sensor> {
     })
 }
 
-/// A camera of the table.
+/// A camera preset.
 #[derive(Debug, Clone, Copy)]
 pub struct CameraPreset {
-    /// Its name in descriptions.
+    /// Name in descriptions.
     pub name: &'static str,
-    /// What it stands for.
+    /// Short description.
     pub about: &'static str,
-    /// Where its numbers come from.
+    /// SourcePicture of its numbers.
     pub source: &'static str,
     sensor: &'static str,
     port: Option<Port>,
@@ -221,7 +220,7 @@ impl CameraPreset {
     }
 }
 
-/// A camera with the parts of its preset that it does not give itself. A rolling shutter needs a path to show.
+/// Completes a camera from its preset. A rolling shutter is only added to cameras on a path.
 #[must_use]
 pub fn complete(camera: &Camera) -> Camera {
     let mut complete = camera.clone();

@@ -1,4 +1,4 @@
-//! What must fit together within a camera, asked by the check of descriptions.
+//! Consistency rules within a camera, for the check of descriptions.
 
 use imaging::geometry::Intrinsics;
 use spec::{Camera, CameraRules, Fault};
@@ -8,35 +8,30 @@ use crate::parts::{Parts, PartsError, Scenery};
 /// The rules of cameras.
 pub const RULES: CameraRules = CameraRules { faults };
 
-/// What is wrong with a camera; `renders`: whether it looks at a scene that is rendered for it.
+/// The faults of a camera; `renders` is true if a scene is rendered for it.
 fn faults(camera: &Camera, renders: bool) -> Vec<Fault> {
     let scenery = if renders {
         Scenery::Rendered
     } else {
-        // An uploaded picture brings its sides and its focal length; those of the description stand for it.
+        // An uploaded picture has its own size and focal length; use the described values as a stand-in.
         let (width, height) = (camera.width, camera.height);
         let water = Intrinsics::centered(camera.focal_px(width), width, height);
         Scenery::Picture(water, (width, height))
     };
-    let fault = |path: Vec<&'static str>, message: String| Fault {
-        path,
-        message,
-        missing: false,
+    let Err(error) = Parts::resolve(camera, scenery) else {
+        return Vec::new();
     };
-    let mut faults = Vec::new();
-    if let Err(wrong) = Parts::resolve(camera, scenery) {
-        let path = match wrong {
-            PartsError::Fold(_) | PartsError::TooWide => vec!["distortion"],
-            PartsError::NoPath => vec!["path"],
-            PartsError::TooSmall => vec!["sensor", "cfa"],
-            PartsError::UnknownSensor => vec!["sensor", "preset"],
-            PartsError::Bits(_) | PartsError::DeepJpeg(_) => vec!["bits"],
-            PartsError::Black { .. } => vec!["sensor", "black_dn"],
-        };
-        faults.push(fault(
-            path.clone(),
-            format!("`camera.{}`: {wrong}", path.join(".")),
-        ));
-    }
-    faults
+    let path = match error {
+        PartsError::Fold(_) | PartsError::TooWide => vec!["distortion"],
+        PartsError::NoPath => vec!["path"],
+        PartsError::TooSmall => vec!["sensor", "cfa"],
+        PartsError::UnknownSensor => vec!["sensor", "preset"],
+        PartsError::Bits(_) | PartsError::DeepJpeg(_) => vec!["bits"],
+        PartsError::Black { .. } => vec!["sensor", "black_dn"],
+    };
+    vec![Fault {
+        message: format!("`camera.{}`: {error}", path.join(".")),
+        path,
+        missing: false,
+    }]
 }

@@ -1,15 +1,15 @@
 //! The sensor after the linear model of EMVA 1288: electrons, noise, codes.
 //!
-//! A pixel that white fills to `S0 p_w` electrons collects `μ = x S0 p_w (1 + prnu N) + dark`. Of them a whole number arrives:
-//! Poisson, in closed form below [`POISSON_SWITCH`] electrons and a normal number with the skewness of Poisson's above (Cornish
-//! and Fisher). Offset, read and row noise are added, and the converter rounds:
-//! `dn = clamp(floor(v K gain + black + 1/2), 0, 2^bits - 1)`, `K = (2^bits - 1 - black)/S0`.
+//! White fills a pixel to `S0 p_w` electrons; light x collects `μ = x S0 p_w (1 + prnu N) + dark`. The arriving number
+//! is an integer: Poisson, in closed form below [`POISSON_SWITCH`] electrons and a normal number with Poisson's
+//! skewness above (Cornish and Fisher). Offset, read and row noise are added, and the converter rounds: `dn =
+//! clamp(floor(v K gain + black + 1/2), 0, 2^bits - 1)`, `K = (2^bits - 1 - black)/S0`.
 //!
-//! Every random number has an address: the seed of the camera and the name of the noise, the frame (0 for what is fixed to the
-//! camera), and the pixel. Sensitivity, dark current and offset are the camera's own and the same in every frame.
+//! Every random number has an address: the seed of the camera and the name of the noise, the frame (0 for the fixed
+//! pattern), and the pixel. Sensitivity, dark current and offset belong to the camera and are the same in every frame.
 //!
-//! The sensor computes in f64 in both forms. The fast one takes its logarithms and cosines from short series and keeps the
-//! fixed pattern in f32: at most one pixel in ten thousand differs, by one electron.
+//! Both variants compute in f64. The fast one uses short series for logarithms and cosines and stores the fixed pattern
+//! in f32: at most one pixel in ten thousand differs, by one electron.
 
 mod arrival;
 mod counting;
@@ -18,48 +18,48 @@ mod pattern;
 mod read;
 mod reference;
 
-pub use pattern::Pattern;
+pub use pattern::FixedPattern;
 pub use read::read;
 pub use reference::read_reference;
 
 use imaging::Plane;
 use spec::Cfa;
 
-/// From this many electrons on, Poisson's distribution is taken for a skewed normal one.
+/// From this many electrons on, a skewed normal distribution approximates Poisson's.
 pub const POISSON_SWITCH: f64 = 30.0;
-/// Most electrons that are counted one by one.
+/// Largest counted number of electrons.
 pub(crate) const MOST_COUNTED: usize = 200;
-/// The dark current of a hot pixel over that of its neighbors.
+/// Dark current of a hot pixel relative to its neighbors.
 pub(crate) const HOT: f64 = 1000.0;
 
-/// A sensor, every number known.
+/// SensorModel parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sensor {
-    /// Electrons that a pixel holds.
+pub struct SensorModel {
+    /// Full well, electrons.
     pub full_well_e: f64,
-    /// Share of the full well that white fills, the light level included.
+    /// Share of the full well at white, including the light level.
     pub white_at: f64,
-    /// Spread of the sensitivity.
+    /// Relative spread of the sensitivity.
     pub prnu: f64,
-    /// Spread of the dark current.
+    /// Relative spread of the dark current.
     pub dcnu: f64,
     /// Spread of the offset, electrons.
     pub dsnu_e: f64,
-    /// Dark current, electrons a second.
+    /// Dark current, electrons per second.
     pub dark_e_per_s: f64,
     /// Share of hot pixels.
     pub hot_share: f64,
-    /// Seconds in which dark current gathers.
+    /// Exposure time, s.
     pub exposure_s: f64,
     /// Read noise, electrons.
     pub read_noise_e: f64,
-    /// Noise that a row shares, electrons.
+    /// Row noise, electrons.
     pub row_noise_e: f64,
-    /// Whether electrons are whole.
+    /// Whether shot noise is simulated.
     pub shot: bool,
     /// Bits of the converter.
     pub bits: u8,
-    /// Code of no light.
+    /// Black level.
     pub black_dn: u16,
     /// Analog gain, at least 1.
     pub gain: f64,
@@ -67,7 +67,7 @@ pub struct Sensor {
     pub cfa: Cfa,
 }
 
-/// What makes the noise of a frame its own.
+/// Address of the random numbers of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Chance {
     /// The camera's seed.
@@ -79,14 +79,14 @@ pub struct Chance {
 /// The codes of a sensor.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Raw {
-    /// One code for each pixel, of the color that its filter lets through.
+    /// One code per pixel, in the color of its filter.
     Mosaic(Plane<u16>),
     /// Three sensors: R, G, B.
     Planes([Plane<u16>; 3]),
 }
 
-impl Sensor {
-    /// Codes for an electron: `K gain`.
+impl SensorModel {
+    /// Codes per electron: `K gain`.
     #[must_use]
     pub fn dn_per_e(&self) -> f64 {
         (self.most_dn() - f64::from(self.black_dn)) / self.full_well_e * self.gain
@@ -110,14 +110,15 @@ impl Sensor {
         1.0 / (self.dn_per_e() * self.white_e())
     }
 
-    /// A third of the smallest noise of a pixel, as light: errors below it cannot be seen. 0 of a sensor without noise.
+    /// A third of the smallest pixel noise in units of light: smaller errors are invisible. 0 for a sensor without
+    /// noise.
     #[must_use]
     pub fn tolerance(&self) -> f64 {
         let dark = self.dark_e_per_s * self.exposure_s;
         (dark + self.read_noise_e * self.read_noise_e).sqrt() / (3.0 * self.white_e())
     }
 
-    /// The noise of a pixel that light x falls on, as light.
+    /// Pixel noise at light x, in units of light.
     #[must_use]
     pub fn noise_at(&self, x: f64) -> f64 {
         let mu = x * self.white_e() + self.dark_e_per_s * self.exposure_s;
@@ -128,7 +129,7 @@ impl Sensor {
     }
 }
 
-/// The color of a pixel behind its filter: 0, 1, 2 for R, G, B. Of three sensors none.
+/// The color of a pixel's filter: 0, 1, 2 for R, G, B. `None` for three sensors.
 #[must_use]
 pub fn color_of(cfa: Cfa, x: usize, y: usize) -> Option<usize> {
     let colors = match cfa {

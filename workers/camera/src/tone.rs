@@ -1,16 +1,16 @@
-//! The curve from light to codes of n bits: `floor((2^n − 1) v + 1/2)` of `v = curve(clamp(x, 0, 1))`.
+//! The curve from light to codes of n bits: `floor((2^n − 1) v + 1/2)` with `v = curve(clamp(x, 0, 1))`.
 
 use imaging::{Channels, Raster, Rgb, Rgb8, Samples, transfer};
 use spec::Tone;
 
-/// Steps of light between two of which at most a few codes begin.
+/// Steps of light; at most a few codes begin within one.
 const STEPS: usize = 4096;
-/// Step of the sRGB curve where its straight foot ends.
+/// Half step around the end of the linear part of the sRGB curve.
 const SRGB_SEAM: f64 = 1e-7;
 /// Rounding of a curve in codes.
 const CURVE_ROUNDING: f64 = 1e-9;
 
-/// The codes of a picture, and how many samples were clamped.
+/// The codes of a picture, and the number of clamped samples.
 #[must_use]
 pub fn codes(light: &Rgb<f32>, tone: Tone) -> (Rgb8, u64) {
     let exponent = match tone {
@@ -18,7 +18,7 @@ pub fn codes(light: &Rgb<f32>, tone: Tone) -> (Rgb8, u64) {
         Tone::Linear => 1.0,
         Tone::Gamma(gamma) => gamma,
     };
-    let table = Table::new(exponent);
+    let table = ToneTable::new(exponent);
     let (width, height) = light.size();
     let [r, g, b] = light.planes().each_ref().map(|plane| plane.data());
     let mut clamped = 0;
@@ -40,8 +40,7 @@ pub fn deep_codes(light: &Rgb<f32>, tone: Tone) -> Raster {
     let [r, g, b] = light.planes().each_ref().map(|plane| plane.data());
     let mut data = Vec::with_capacity(3 * r.len());
     for ((&r, &g), &b) in r.iter().zip(g).zip(b) {
-        let code = |v: f32| (65_535.0 * curve(f64::from(v), tone) + 0.5).floor() as u16;
-        data.extend([r, g, b].map(code));
+        data.extend([r, g, b].map(|v| (65_535.0 * curve(f64::from(v), tone) + 0.5).floor() as u16));
     }
     let samples = Samples::U16(data);
     Raster::new(width, height, Channels::Rgb, samples, None).expect("three codes for each pixel")
@@ -62,7 +61,7 @@ fn curve(light: f64, tone: Tone) -> f64 {
     }
 }
 
-/// The largest step of a curve between lights that differ by an error: of 1 in the last code at most.
+/// The largest step of a curve between lights that differ by `error`: at most 1 in the last code.
 ///
 /// Curves that flatten towards white are steepest at black, the others at white.
 #[must_use]
@@ -75,7 +74,7 @@ pub fn largest_change(error: f64, tone: Tone) -> f64 {
     }
 }
 
-/// The largest slope of a curve; infinite for powers below 1, whose step is bounded by [`largest_change`] alone.
+/// The largest slope of a curve; infinite for powers below 1, where [`largest_change`] still bounds the step.
 #[must_use]
 pub fn largest_slope(tone: Tone) -> f64 {
     match tone {
@@ -86,32 +85,32 @@ pub fn largest_slope(tone: Tone) -> f64 {
     }
 }
 
-/// The largest difference between codes of this many bits of lights that differ by an error.
+/// The largest difference between codes of this many bits for lights that differ by `error`.
 #[must_use]
 pub fn largest_code_change(error: f64, tone: Tone, bits: u8) -> f64 {
     let largest_code = f64::from((1u32 << bits) - 1);
     (largest_code * largest_change(error, tone) + CURVE_ROUNDING).ceil()
 }
 
-/// The light at which each code begins, and the code at which each step of light begins.
-struct Table {
+/// The light at the start of each code, and the code at the start of each step of light.
+struct ToneTable {
     starts: [f64; 256],
     first: Vec<u8>,
 }
 
-impl Table {
-    /// That of codes which are light to the power of 1 over this.
+impl ToneTable {
+    /// For the power `1/exponent`.
     fn new(exponent: f64) -> Self {
         let starts = std::array::from_fn(|code| match code {
             0 => 0.0,
             _ => libm::pow((code as f64 - 0.5) / 255.0, exponent),
         });
-        let first = |step: usize| {
+        let first = (0..=STEPS).map(|step| {
             let light = step as f64 / STEPS as f64;
             (starts.partition_point(|&start| start <= light) - 1) as u8
-        };
+        });
         Self {
-            first: (0..=STEPS).map(first).collect(),
+            first: first.collect(),
             starts,
         }
     }
@@ -146,7 +145,7 @@ mod tests {
             assert!(clamped > 0);
             let expected = |(i, code): (usize, &u8)| {
                 let light = f64::from(light.planes()[i % 3].data()[i / 3]);
-                // A rounding of the power may move where a code begins.
+                // Rounding of the power may move the start of a code.
                 let [lower, upper] = [-1e-14, 1e-14].map(|by| code_reference(light + by, tone));
                 lower <= *code && *code <= upper
             };

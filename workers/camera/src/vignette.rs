@@ -1,7 +1,7 @@
-//! Light that falls off towards the corners: the cosine to the fourth of an ideal lens, and a polynomial for the rest.
+//! Vignetting: the cosine to the fourth of an ideal lens times a polynomial.
 //!
-//! `(1 - v + v cos⁴ θ) max(0, 1 + v1 q + v2 q² + v3 q³)` with `cos⁴ θ = 1/(1 + r²/f²)²` (f of the lens in air) and `q` the
-//! square of the radius over that of the farthest corner.
+//! `(1 - v + v cos⁴ θ) max(0, 1 + v1 q + v2 q² + v3 q³)` with `cos⁴ θ = 1/(1 + r²/f²)²` (f of the lens in air) and `q`
+//! the squared radius relative to that of the farthest corner.
 
 use imaging::geometry::Intrinsics;
 use imaging::{Plane, Rgb, vectorized};
@@ -9,9 +9,9 @@ use spec::Vignette;
 
 use crate::rounding;
 
-/// Rings of equal area; each gets limits of the factor.
+/// Rings of equal area with separate limits of the factor.
 const RINGS: usize = 1024;
-/// Relative error of a factor in f64.
+/// Relative error of an f64 factor.
 const IN_F64: f64 = 32.0 * f64::EPSILON;
 
 /// The fall-off over a picture.
@@ -22,12 +22,12 @@ pub struct FallOff {
     /// v1, v2 and v3.
     terms: [f64; 3],
     camera: Intrinsics,
-    /// 1 over the square of the radius of the farthest corner; 0 in a picture of one pixel.
+    /// Reciprocal of the squared radius of the farthest corner; 0 for a picture of one pixel.
     per_corner: f64,
 }
 
 impl FallOff {
-    /// The fall-off of a lens whose picture has these sides.
+    /// The fall-off of a lens in a picture of this size.
     #[must_use]
     pub fn new(law: Vignette, camera: Intrinsics, size: (usize, usize)) -> Self {
         Self::with_terms(law.v, [0.0, law.v2, 0.0], camera, size)
@@ -69,12 +69,12 @@ impl FallOff {
         Plane::from_fn(width, height, |x, y| self.factor(x, y))
     }
 
-    /// The factors of a row, times a gain.
+    /// The factors of a row times a gain.
     pub(crate) fn factors(&self, y: usize, gain: f64, factors: &mut [f32]) {
         vectorized!(row(self, y, gain, &mut *factors));
     }
 
-    /// Limits of the factor in a picture of these sides. The largest one is the gain of an error in the light before it.
+    /// Limits of the factor in a picture of this size. The largest one is the gain of errors of the light.
     #[must_use]
     pub fn limits(&self, (width, height): (usize, usize)) -> Factors {
         let Intrinsics { cx, cy, .. } = self.camera;
@@ -94,7 +94,7 @@ impl FallOff {
         factors
     }
 
-    /// The largest distance of a factor from 1 in a picture of these sides: the largest change of light of radiance 1.
+    /// The largest deviation of a factor from 1 in a picture of this size: the largest change of light of radiance 1.
     #[must_use]
     pub fn strength(&self, size: (usize, usize)) -> f64 {
         let Factors { least, largest } = self.limits(size);
@@ -129,24 +129,24 @@ fn farthest(center: f64, side: usize) -> f64 {
 /// Limits of the factors of a picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Factors {
-    /// No factor is smaller.
+    /// Lower limit.
     pub least: f64,
-    /// No factor is larger.
+    /// Upper limit.
     pub largest: f64,
 }
 
-/// Largest error of [`expose`] by rounding where no exposed sample is larger than `exposed_peak` in magnitude. The error of a
-/// sample is relative to its exposed light: where light is cut at white, `exposed_peak` is at most white.
+/// Largest rounding error of [`expose`] if no exposed sample is larger than `exposed_peak` in magnitude. The error of a
+/// sample is relative to its exposed light: for light clipped at white, `exposed_peak` is at most white.
 #[must_use]
 pub fn rounding_bound(falloff: Option<&FallOff>, gain: f64, exposed_peak: f64) -> f64 {
     if falloff.is_none() && gain == 1.0 {
         return 0.0;
     }
-    // One for the factor, one for the product, and what f64 leaves.
+    // One rounding for the factor, one for the product, and the rest of f64.
     rounding::absolute(2.0, exposed_peak) + IN_F64 * exposed_peak
 }
 
-/// Multiplies a picture by the fall-off, if there is one, and by the gain of its exposure.
+/// Multiplies a picture by the fall-off, if any, and by the exposure gain.
 pub fn expose(picture: &mut Rgb<f32>, falloff: Option<&FallOff>, gain: f64) {
     let (width, height) = picture.size();
     let Some(falloff) = falloff else {
@@ -165,7 +165,7 @@ pub fn expose(picture: &mut Rgb<f32>, falloff: Option<&FallOff>, gain: f64) {
     }
 }
 
-/// The factors of a row. Doubles cost nothing here and keep the factor exact to a last bit of f32.
+/// The factors of a row. f64 is free here and keeps the factor exact to the last bit of f32.
 #[inline(always)]
 fn row(falloff: &FallOff, y: usize, gain: f64, factors: &mut [f32]) {
     let (v, [v1, v2, v3]) = (falloff.cosine_weight, falloff.terms);
@@ -225,8 +225,11 @@ mod tests {
     fn no_factor_is_beyond_the_limits_and_some_is_near() {
         for falloff in falloffs() {
             let all = falloff.reference(SIZE);
-            let all = || all.data().iter().copied();
-            let (least, largest) = (all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max));
+            let samples = || all.data().iter().copied();
+            let (least, largest) = (
+                samples().fold(f64::INFINITY, f64::min),
+                samples().fold(0.0, f64::max),
+            );
             let limits = falloff.limits(SIZE);
             assert!(limits.least <= least && largest <= limits.largest, "{falloff:?}");
             // Pixels are up to a few hundredths of the radius apart.
@@ -236,7 +239,7 @@ mod tests {
             );
             let strength = falloff.strength(SIZE);
             assert!(
-                all().all(|factor| (1.0 - factor).abs() <= strength),
+                samples().all(|factor| (1.0 - factor).abs() <= strength),
                 "{falloff:?}"
             );
         }

@@ -1,16 +1,16 @@
-//! The fast forms against their references over sizes and inputs, and what must hold of the camera whatever is given.
+//! Fast variants against their references over sizes and inputs, and invariants of the camera.
 #![allow(clippy::unwrap_used)]
 
 use camera::defocus;
-use camera::geometry::{self, Lens, Refraction, Sampling, Source};
-use camera::sensor::{self, Chance, Pattern, Raw, Sensor};
+use camera::geometry::{self, Lens, PortRefraction, Sampling, SourcePicture};
+use camera::sensor::{self, Chance, FixedPattern, Raw, SensorModel};
 use camera::vignette::{self, FallOff};
 use camera::{exposure, mosaic, preset};
 use imaging::geometry::Intrinsics;
 use imaging::{Plane, Rgb};
 use spec::{Cfa, Distortion, Metering};
 
-/// f32 of light up to 1 or so.
+/// f32 of light up to about 1.
 const ROUNDING: f64 = 1e-5;
 const SIZES: [(usize, usize); 7] = [(2, 2), (3, 2), (5, 17), (64, 5), (131, 37), (256, 9), (257, 130)];
 
@@ -40,9 +40,9 @@ fn lenses(width: usize, height: usize) -> Vec<Lens> {
         distortion(0.2, 0.0, -0.01),
     ];
     let refractions = [
-        Refraction::None,
-        Refraction::Flat { index: [1.34; 3] },
-        Refraction::Flat {
+        PortRefraction::None,
+        PortRefraction::Flat { index: [1.34; 3] },
+        PortRefraction::Flat {
             index: [1.33, 1.34, 1.35],
         },
     ];
@@ -63,7 +63,7 @@ fn maps_and_samples_agree_with_their_references() {
         for lens in lenses(width, height) {
             lens.check((width, height)).unwrap();
             for supersample in [1, 2] {
-                let source = Source::around(&lens, (width, height), supersample).unwrap();
+                let source = SourcePicture::covering(&lens, (width, height), supersample).unwrap();
                 let scene = picture(source.size.0, source.size.1);
                 let maps = geometry::coordinates(&lens, &source, (width, height));
                 let sampling = Sampling::new(&maps, source.size);
@@ -90,9 +90,9 @@ fn an_uploaded_picture_says_where_its_camera_looks_beyond_it() {
     let lens = Lens {
         camera,
         distortion: barrel,
-        refraction: Refraction::None,
+        refraction: PortRefraction::None,
     };
-    let source = Source { size, camera };
+    let source = SourcePicture { size, camera };
     let maps = geometry::coordinates(&lens, &source, size);
     let sampling = Sampling::new(&maps, size);
     let valid = sampling.valid().expect("barrel distortion sees more");
@@ -182,30 +182,30 @@ fn codes(raw: &Raw) -> Vec<u16> {
     }
 }
 
-fn sensors() -> Vec<Sensor> {
+fn sensors() -> Vec<SensorModel> {
     let plain = preset::SENSORS[0].sensor();
     vec![
         plain,
-        Sensor {
+        SensorModel {
             white_at: 0.01,
             gain: 16.0,
             cfa: Cfa::Gbrg,
             ..plain
         },
-        Sensor {
+        SensorModel {
             white_at: 0.004,
             hot_share: 0.02,
             dark_e_per_s: 200.0,
             cfa: Cfa::None,
             ..plain
         },
-        Sensor {
+        SensorModel {
             shot: false,
             read_noise_e: 0.0,
             cfa: Cfa::Bggr,
             ..plain
         },
-        Sensor {
+        SensorModel {
             cfa: Cfa::Grbg,
             ..preset::SENSORS[1].sensor()
         },
@@ -225,7 +225,7 @@ fn the_sensor_agrees_with_its_reference() {
                 frame: 3,
             };
             let samples = width * height * if sensor.cfa == Cfa::None { 3 } else { 1 };
-            let pattern = Pattern::new(&sensor, chance.seed, samples);
+            let pattern = FixedPattern::new(&sensor, chance.seed, samples);
             let fast = sensor::read(&scene, &sensor, chance, &pattern);
             let (fast, exact) = (
                 codes(&fast),
@@ -250,7 +250,7 @@ fn the_sensor_agrees_with_its_reference() {
 
 #[test]
 fn noise_has_the_mean_and_the_spread_of_its_model() {
-    let sensor = Sensor {
+    let sensor = SensorModel {
         prnu: 0.0,
         dsnu_e: 0.0,
         row_noise_e: 0.0,
@@ -259,7 +259,7 @@ fn noise_has_the_mean_and_the_spread_of_its_model() {
     };
     for light in [0.0005f32, 0.002, 0.0035, 0.1, 0.7] {
         let scene = Rgb::from_fn(200, 200, |_, _| [light; 3]);
-        let pattern = Pattern::new(&sensor, 1, 120_000);
+        let pattern = FixedPattern::new(&sensor, 1, 120_000);
         let chance = Chance { seed: 1, frame: 9 };
         let seen = mosaic::light_of(&sensor::read(&scene, &sensor, chance, &pattern), &sensor);
         let values: Vec<f64> = seen
@@ -291,33 +291,38 @@ fn noise_has_the_mean_and_the_spread_of_its_model() {
 fn the_pattern_stays_and_the_noise_changes_from_frame_to_frame() {
     let sensor = preset::SENSORS[0].sensor();
     let scene = Rgb::from_fn(64, 64, |_, _| [0.5f32; 3]);
-    let pattern = Pattern::new(&sensor, 2, 64 * 64);
+    let pattern = FixedPattern::new(&sensor, 2, 64 * 64);
     let shot = |seed, frame| sensor::read(&scene, &sensor, Chance { seed, frame }, &pattern);
     assert_eq!(shot(2, 0), shot(2, 0));
     assert_ne!(shot(2, 0), shot(2, 1));
     assert_ne!(shot(2, 0), shot(3, 0));
-    // What a thousand pixels have in common in two frames is the pattern: with PRNU alone all of it.
-    let quiet = Sensor {
+    // The correlation of a thousand pixels between two frames is due to the pattern: with PRNU only, all of it.
+    let quiet = SensorModel {
         shot: false,
         read_noise_e: 0.0,
         row_noise_e: 0.0,
         ..sensor
     };
-    let pattern = Pattern::new(&quiet, 2, 64 * 64);
+    let pattern = FixedPattern::new(&quiet, 2, 64 * 64);
     let still = |frame| sensor::read(&scene, &quiet, Chance { seed: 2, frame }, &pattern);
     assert_eq!(still(0), still(1));
 }
 
 #[test]
 fn a_pattern_too_large_to_be_kept_is_the_same() {
-    // 4 Mi samples are kept, one row more is not.
+    // 4 Mi samples are stored, one more row is not.
     let sensor = preset::SENSORS[0].sensor();
     let (width, height) = (2048, 2050);
     let scene = Rgb::from_fn(width, height, |x, _| [0.1 + 1e-4 * x as f32; 3]);
     let chance = Chance { seed: 8, frame: 1 };
-    let large = sensor::read(&scene, &sensor, chance, &Pattern::new(&sensor, 8, width * height));
+    let large = sensor::read(
+        &scene,
+        &sensor,
+        chance,
+        &FixedPattern::new(&sensor, 8, width * height),
+    );
     let rows = Rgb::from_fn(width, 64, |x, y| scene.pixel(x, y));
-    let small = sensor::read(&rows, &sensor, chance, &Pattern::new(&sensor, 8, width * 64));
+    let small = sensor::read(&rows, &sensor, chance, &FixedPattern::new(&sensor, 8, width * 64));
     assert_eq!(codes(&large)[..width * 64], codes(&small));
 }
 
@@ -325,7 +330,7 @@ fn a_pattern_too_large_to_be_kept_is_the_same() {
 fn demosaicing_agrees_with_the_reference_and_keeps_even_light() {
     for (width, height) in SIZES {
         for cfa in [Cfa::Rggb, Cfa::Bggr, Cfa::Grbg, Cfa::Gbrg] {
-            let sensor = Sensor {
+            let sensor = SensorModel {
                 cfa,
                 ..preset::SENSORS[0].sensor()
             };

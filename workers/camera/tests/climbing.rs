@@ -1,15 +1,15 @@
-//! Hill climbing against the rounding bounds of defocus and geometry: samples change one by one, and a change stays if it
-//! brings the error nearer to the bound.
+//! Hill climbing against the rounding bounds of defocus and geometry: samples change one by one, and a change is kept
+//! if it brings the error closer to the bound.
 #![allow(clippy::unwrap_used)]
 
 use camera::defocus;
-use camera::geometry::{self, Lens, Refraction, Sampling, Source};
+use camera::geometry::{self, Lens, PortRefraction, Sampling, SourcePicture};
 use imaging::geometry::Intrinsics;
 use imaging::random::Stream;
 use imaging::{Plane, Rgb};
 use spec::Distortion;
 
-/// Changes tried from each start; `FATHOM_CLIMB_STEPS` replaces them.
+/// Changes per start; overridden by `FATHOM_CLIMB_STEPS`.
 const STEPS: u64 = 600;
 
 fn steps() -> u64 {
@@ -17,7 +17,7 @@ fn steps() -> u64 {
     steps.map_or(STEPS, |steps| steps.parse().unwrap())
 }
 
-/// The largest ratio of error to bound that climbing finds; `ratio` is that of a picture with samples of 0 to 1.
+/// The largest ratio of error to bound found by climbing; `ratio` evaluates a picture with samples of 0 to 1.
 fn climb(seed: u64, size: (usize, usize), ratio: impl Fn(&Rgb<f32>) -> f64) -> f64 {
     let stream = Stream::stage(seed, "climb");
     let start = |x: usize, y: usize, c: usize| match seed % 3 {
@@ -89,12 +89,12 @@ fn no_picture_is_sampled_beyond_the_bound() {
                 p1: 0.01,
                 ..Distortion::default()
             },
-            refraction: Refraction::Flat {
+            refraction: PortRefraction::Flat {
                 index: [1.33, 1.34, 1.35],
             },
         };
         lens.check(size).unwrap();
-        let source = Source::around(&lens, size, supersample).unwrap();
+        let source = SourcePicture::covering(&lens, size, supersample).unwrap();
         let sampling = Sampling::new(&geometry::coordinates(&lens, &source, size), source.size);
         let maps = [0, 1, 2].map(|c| geometry::coordinates_reference(&lens, &source, size, c));
         let bound = geometry::sampling_bound(&source, 1.0, 1.0);

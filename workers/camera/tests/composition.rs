@@ -1,27 +1,27 @@
-//! Bounds of geometry, defocus, vignette and exposure composed, `error = error * gain + bound`, against the f32 chain and its
-//! f64 reference. Adversaries: steps of all light, a single bright pixel, dark scenes, ties at the metered percentile, radii on
-//! the edge between two discs, errors of the input that all point to one side.
+//! Bounds of geometry, defocus, vignette and exposure composed, `error = error * gain + bound`, against the f32 chain
+//! and its f64 reference. Adversaries: full-range steps, a single bright pixel, dark scenes, ties at the metered
+//! percentile, radii on the edge between two discs, input errors of one sign.
 #![allow(clippy::unwrap_used)]
 
 use camera::defocus::{self, Focus};
 use camera::exposure;
-use camera::geometry::{self, Lens, Refraction, Sampling, Source};
+use camera::geometry::{self, Lens, PortRefraction, Sampling, SourcePicture};
 use camera::vignette::{self, FallOff};
 use imaging::geometry::Intrinsics;
 use imaging::random::Stream;
 use imaging::{Plane, Rgb};
 use spec::{Defocus, Distortion, Exposure, Metering};
 
-/// Brightest exposed light that counts.
+/// Light is clipped here.
 const WHITE: f64 = 1.0;
-/// Frames of the committed search; `FATHOM_ATTACK_FRAMES` replaces them.
+/// Frames of the committed search; overridden by `FATHOM_ATTACK_FRAMES`.
 const FRAMES: u64 = 300;
 
 /// A camera, and a scene in front of it.
 struct Case {
     size: (usize, usize),
     lens: Lens,
-    source: Option<Source>,
+    source: Option<SourcePicture>,
     focus: Option<Focus>,
     falloff: Option<FallOff>,
     exposure: Exposure,
@@ -30,7 +30,7 @@ struct Case {
     fast: Rgb<f32>,
 }
 
-/// Random numbers of a frame, each named by its place.
+/// Random numbers of a frame by element.
 #[derive(Clone, Copy)]
 struct Dice {
     stream: Stream,
@@ -42,13 +42,13 @@ impl Dice {
         self.stream.unit(self.frame, element)
     }
 
-    fn between(self, element: u64, least: f64, most: f64) -> f64 {
+    fn uniform(self, element: u64, least: f64, most: f64) -> f64 {
         least + (most - least) * self.unit(element)
     }
 
-    /// Evenly spread over the logarithm.
+    /// Log-uniform.
     fn magnitude(self, element: u64, least: f64, most: f64) -> f64 {
-        self.between(element, least.ln(), most.ln()).exp()
+        self.uniform(element, least.ln(), most.ln()).exp()
     }
 
     fn pick(self, element: u64, count: usize) -> usize {
@@ -65,10 +65,10 @@ impl Case {
         let size = [(24, 16), (33, 9), (70, 12)][dice.pick(0, 3)];
         let lens = lens(dice, size);
         let source = (dice.unit(1) < 0.7)
-            .then(|| Source::around(&lens, size, 1 + dice.pick(2, 3)))
+            .then(|| SourcePicture::covering(&lens, size, 1 + dice.pick(2, 3)))
             .flatten();
         let cosine_weight = dice.unit(3).round() * dice.unit(4);
-        let terms = [5, 6, 7].map(|element| dice.between(element, -1.0, 1.0));
+        let terms = [5, 6, 7].map(|element| dice.uniform(element, -1.0, 1.0));
         let defocus = Defocus {
             aperture_m: dice.magnitude(8, 1e-4, 0.1),
             focus_m: dice.magnitude(9, 0.2, 20.0),
@@ -88,7 +88,7 @@ impl Case {
         }
     }
 
-    /// The exposed light of the f32 chain, and the factor of its exposure.
+    /// The exposed light of the f32 chain, and its gain.
     fn fast(&self) -> (Rgb<f32>, f64) {
         let mut picture = match &self.source {
             Some(source) => {
@@ -108,7 +108,7 @@ impl Case {
         (picture, gain)
     }
 
-    /// The exposed light, and the factor of its exposure.
+    /// The exposed light of the reference, and its gain.
     fn reference(&self) -> (Rgb<f64>, f64) {
         let mut picture = match &self.source {
             Some(source) => {
@@ -135,15 +135,15 @@ impl Case {
         (fallen.map(|&v| v * gain), gain)
     }
 
-    /// The bound of exposed light cut at white, whose factor is at most `gain`.
+    /// The bound of exposed light clipped at white, with a gain of at most `gain`.
     fn bound(&self, gain: f64) -> f64 {
         let lights = self.fast.planes().iter().flat_map(|plane| plane.data());
         let peak = f64::from(lights.fold(0.0f32, |peak, &v| peak.max(v)));
-        let mut error = apart(&self.exact, &self.fast, f64::INFINITY);
+        let mut error = largest_difference(&self.exact, &self.fast, f64::INFINITY);
         if let Some(source) = &self.source {
             error += geometry::sampling_bound(source, peak, peak);
         }
-        // Light behind a stage is brighter than before it by no more than the error of the stage.
+        // Light after a stage is at most the error of the stage brighter.
         let peak = peak + error;
         if let Some(focus) = &self.focus {
             let ranges = || self.range.data().iter().map(|&meters| f64::from(meters));
@@ -171,7 +171,7 @@ impl Case {
         exposed + vignette::rounding_bound(self.falloff.as_ref(), gain, peak)
     }
 
-    /// The largest factor without metering.
+    /// The largest gain without metering.
     fn most_gain(&self) -> f64 {
         match self.exposure {
             Exposure::Fixed(gain) => gain,
@@ -183,15 +183,15 @@ impl Case {
 fn lens(dice: Dice, size: (usize, usize)) -> Lens {
     let focal_px = size.0 as f64 * dice.magnitude(20, 0.4, 4.0);
     let distortion = Distortion {
-        k1: dice.between(21, -0.2, 0.3),
-        k2: dice.between(22, -0.05, 0.05),
-        p1: dice.between(23, -0.01, 0.01),
+        k1: dice.uniform(21, -0.2, 0.3),
+        k2: dice.uniform(22, -0.05, 0.05),
+        p1: dice.uniform(23, -0.01, 0.01),
         ..Distortion::default()
     };
     let refractions = [
-        Refraction::None,
-        Refraction::Flat { index: [1.34; 3] },
-        Refraction::Flat {
+        PortRefraction::None,
+        PortRefraction::Flat { index: [1.34; 3] },
+        PortRefraction::Flat {
             index: [1.33, 1.34, 1.35],
         },
     ];
@@ -219,7 +219,7 @@ fn exposure_of(dice: Dice) -> Exposure {
     })
 }
 
-/// Even ranges, steps, slopes, noise and holes.
+/// Constant ranges, steps, slopes, noise and holes.
 fn range(dice: Dice, size: (usize, usize)) -> Plane<f32> {
     let [near, far] = [40, 41].map(|element| dice.magnitude(element, 0.1, 30.0));
     let kind = dice.pick(42, 5);
@@ -246,7 +246,8 @@ fn lights(dice: Dice, size: (usize, usize)) -> (Rgb<f64>, Rgb<f32>) {
             let unit = dice.unit((200_000 + channel + 3 * (x + 2048 * y)) as u64);
             level
                 * match kind {
-                    // Steps, a single bright pixel, ties on both sides of a percentile, gradients, noise, even light.
+                    // Steps, a single bright pixel, ties on both sides of a percentile, gradients, noise, uniform
+                    // light.
                     0 => ((x / 3 + y / 2) % 2) as f64,
                     1 => f64::from((x, y) == bright),
                     2 if x % 4 == 0 => 0.5,
@@ -270,8 +271,8 @@ fn lights(dice: Dice, size: (usize, usize)) -> (Rgb<f64>, Rgb<f32>) {
     (exact, fast)
 }
 
-/// The largest difference of light, both cut at white.
-fn apart(exact: &Rgb<f64>, fast: &Rgb<f32>, white: f64) -> f64 {
+/// The largest difference of light, both clipped at white.
+fn largest_difference(exact: &Rgb<f64>, fast: &Rgb<f32>, white: f64) -> f64 {
     let planes = exact.planes().iter().zip(fast.planes());
     let pairs = planes.flat_map(|(exact, fast)| exact.data().iter().zip(fast.data()));
     let differences = pairs.map(|(e, &f)| (e.min(white) - f64::from(f).min(white)).abs());
@@ -286,7 +287,7 @@ fn no_exposed_light_errs_by_more_than_the_composed_bound() {
     for frame in 0..frames {
         let case = Case::new(frame);
         let ((exact, gain), (fast, fast_gain)) = (case.reference(), case.fast());
-        let (error, metered) = (apart(&exact, &fast, WHITE), gain.max(fast_gain));
+        let (error, metered) = (largest_difference(&exact, &fast, WHITE), gain.max(fast_gain));
         for gain in [metered, case.most_gain()] {
             let bound = case.bound(gain);
             assert!(error <= bound, "frame {frame}: {error:e} of {bound:e}");

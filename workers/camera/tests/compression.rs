@@ -1,4 +1,4 @@
-//! Compression against files that are encoded and decoded.
+//! Compression against encoded and decoded files.
 #![allow(clippy::unwrap_used)]
 
 use camera::jpeg;

@@ -4,8 +4,8 @@
 
 use std::path::{Path, PathBuf};
 
-use camera::geometry::{Lens, Refraction, Sampling, Source};
-use camera::sensor::{Chance, Pattern, Raw, Sensor};
+use camera::geometry::{Lens, PortRefraction, Sampling, SourcePicture};
+use camera::sensor::{Chance, FixedPattern, Raw, SensorModel};
 use camera::vignette::FallOff;
 use camera::{balance, defocus, exposure, geometry, mosaic, sensor, tone};
 use imaging::codec::{self, NpyArray, NpyValues};
@@ -15,15 +15,15 @@ use serde::Deserialize;
 use serde_json::Value;
 use spec::{Cfa, Distortion, Metering, Tone, WhiteBalance};
 
-/// Largest error in light of the f64 form and of the f32 form, and of places in px.
+/// Largest error of light in f64 and f32, and of positions in px.
 const EXACT: f64 = 1e-10;
 const FAST: f64 = 1e-5;
 const PLACE_PX: f64 = 1e-9;
-/// Light that is made of the stored codes.
+/// Light from the stored codes.
 const FROM_CODES: f64 = 1e-9;
-/// Share of pixels whose code may differ, by an electron: another library's sine, cosine and logarithm.
+/// Share of pixels whose code may differ by an electron: another library's sine, cosine and logarithm.
 const CODES_APART: f64 = 1e-4;
-/// Share of samples of the result that may differ, by 1.
+/// Share of result samples that may differ by 1.
 const RESULT_APART: f64 = 1e-3;
 
 #[derive(Deserialize)]
@@ -45,8 +45,8 @@ struct Numbers {
 }
 
 impl Numbers {
-    fn sensor(&self) -> Sensor {
-        Sensor {
+    fn sensor(&self) -> SensorModel {
+        SensorModel {
             full_well_e: self.full_well_e,
             white_at: self.white_at,
             prnu: self.prnu,
@@ -137,14 +137,14 @@ impl Case {
                 p2: self.number("/distortion/p2"),
             },
             refraction: match self.parameters["port"].as_str().unwrap() {
-                "flat" => Refraction::Flat { index },
-                _ => Refraction::None,
+                "flat" => PortRefraction::Flat { index },
+                _ => PortRefraction::None,
             },
         }
     }
 
-    fn source(&self) -> Source {
-        Source {
+    fn source(&self) -> SourcePicture {
+        SourcePicture {
             size: (
                 self.number("/source/width") as usize,
                 self.number("/source/height") as usize,
@@ -278,7 +278,7 @@ fn planes(raw: &Raw) -> Vec<&Plane<u16>> {
     }
 }
 
-fn numbers(case: &Case) -> Sensor {
+fn numbers(case: &Case) -> SensorModel {
     let numbers: Numbers = serde_json::from_value(case.parameters["sensor"].clone()).unwrap();
     numbers.sensor()
 }
@@ -292,9 +292,9 @@ fn sensor_agrees(case: &Case) {
     let exposed = case.picture("exposed");
     let expected = stored_codes(case);
     let samples = planes(&expected).iter().map(|plane| plane.data().len()).sum();
-    let pattern = Pattern::new(&sensor, chance.seed, samples);
+    let pattern = FixedPattern::new(&sensor, chance.seed, samples);
     let reference = sensor::read_reference(&exposed, &sensor, chance);
-    // The fast form is given the same light: what f32 loses of it is no matter of the sensor.
+    // The fast variant gets the rounded light: f32 rounding is not the sensor's error.
     let fast = sensor::read(&narrow(&exposed), &sensor, chance, &pattern);
     let light = narrow(&exposed).map(|&v| f64::from(v));
     let of_same_light = sensor::read_reference(&light, &sensor, chance);

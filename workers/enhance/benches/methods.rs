@@ -1,4 +1,4 @@
-//! Every method, and the blocks that they are made of, on one core at the size of the robot's camera.
+//! All methods and their building blocks on one core at camera resolution.
 
 use std::hint::black_box;
 use std::time::Duration;
@@ -11,7 +11,7 @@ use imaging::{Plane, Raster, Rgb8};
 const WIDTH: usize = 869;
 const HEIGHT: usize = 565;
 
-/// Soft light, edges and grain: about as many distinct colors as a photograph.
+/// Soft light, edges and grain, with about as many distinct colors as a photograph.
 fn picture() -> Rgb8 {
     Rgb8::from_fn(WIDTH, HEIGHT, |x, y| {
         let (u, v) = (x as f64 / WIDTH as f64, y as f64 / HEIGHT as f64);

@@ -1,5 +1,5 @@
-//! Prints how far the fast form of every method is from its plain reference, as Markdown: the pictures and sizes of the
-//! `agreement` tests, which hold the limits. `cargo run --release -p fathom-enhance --example agreement`
+//! Prints the difference between the fast variant of every method and its reference as Markdown, for the pictures and
+//! sizes of the `agreement` tests, which define the limits. `cargo run --release -p fathom-enhance --example agreement`
 
 #[path = "../tests/agreement/content.rs"]
 mod content;
@@ -62,7 +62,7 @@ fn sizes() -> impl Iterator<Item = (usize, usize)> {
         .filter(|(width, height)| width * height < MOST_PIXELS)
 }
 
-/// The largest differences of the filter, of its logarithm and of its codes.
+/// Largest differences of the filtered logarithm and of its codes.
 fn homomorphic_filter() -> (f32, u8) {
     let (mut logs, mut codes) = (0.0f32, 0u8);
     for (width, height) in sizes() {

@@ -1,5 +1,5 @@
-//! Times HSCM for `scripts/compare-opencv.sh`: reads a picture, then for every line on standard input, a number of runs,
-//! prints one line with the milliseconds of each run. A second argument names a file for the result, without its mask.
+//! Times HSCM for `scripts/compare-opencv.sh`: reads a picture; for every number of runs on standard input it prints
+//! one line with the milliseconds of each run. An optional second argument is the output file for the unmasked result.
 
 use std::error::Error;
 use std::io::{self, BufRead, Write};

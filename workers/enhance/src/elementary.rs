@@ -1,7 +1,7 @@
-//! Natural logarithm and exponential, written so that a loop over them becomes vector code.
+//! Natural logarithm and exponential, written for vectorized loops.
 //!
-//! Range reduction and polynomials are those of the Cephes library (S. L. Moshier, 1992, `logf` and `expf`). No
-//! fused operation is used: every instruction set gives the same bits.
+//! Range reduction and polynomials are those of the Cephes library (S. L. Moshier, 1992, `logf` and `expf`). Without
+//! fused operations, every instruction set yields the same bits.
 
 /// `ln(x)` for normal `x > 0`; within 2e-7 · max(1, |ln x|) of the exact value.
 #[inline(always)]
@@ -27,7 +27,7 @@ pub(crate) fn ln(x: f32) -> f32 {
     r + tail + 0.693_359_4 * e
 }
 
-/// `exp(x)` for `x <= 80`; within 2e-7 · max(1, exp x) of the exact value; below -87 it stays at exp(-87), about 1e-38.
+/// `exp(x)` for `x <= 80`; within 2e-7 · max(1, exp x) of the exact value; clamped below -87 to exp(-87), about 1e-38.
 #[inline(always)]
 pub(crate) fn exp(x: f32) -> f32 {
     // Adding and subtracting 1.5 · 2^23 rounds to an integer and leaves it in the low bits.

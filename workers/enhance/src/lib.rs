@@ -1,13 +1,12 @@
-//! Image enhancement: methods that make an underwater picture easier to see, and the restorations that they are
-//! compared with.
+//! Image enhancement: methods that improve the visibility of underwater pictures, and restorations for comparison.
 //!
 //! [`hscm`] is the homomorphic filter, median, CLAHE, color merge and circular mask. The others are the methods of the
-//! published comparison and two baselines; [`METHODS`] lists all of them. Every method takes any decoded raster of at least
-//! one pixel and returns an 8-bit one; alpha is not computed with and is returned beside the result. A picture on which a
-//! method is known to fail comes with a [`Warning`].
+//! published comparison and two baselines; [`METHODS`] lists all of them. Every method accepts any decoded raster of at
+//! least one pixel and returns an 8-bit one; alpha is not processed and is returned with the result. Pictures on which
+//! a method is known to fail carry a [`Warning`].
 //!
-//! A new method is one file in `methods` and one row of the table there. Nothing here knows the water: an enhancement must
-//! not see the ground truth that it is judged by.
+//! A new method is one file in `methods` and one row of the table there. This crate does not depend on the water model:
+//! an enhancement must not see the ground truth used to judge it.
 
 pub mod blocks;
 mod elementary;

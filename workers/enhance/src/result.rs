@@ -1,27 +1,27 @@
-//! What a method returns.
+//! Results and errors of methods.
 
 use imaging::{Channels, Plane, Raster, Rgb8, Samples};
 
 use crate::warning::Warning;
 
-/// What a method returns.
+/// The result of a method.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Enhanced {
-    /// The result, 8 bit, masked where the method has a mask.
+    /// The result, 8 bit, masked if the method has a mask.
     pub picture: Raster,
-    /// The same result before the mask: what metrics are taken from.
+    /// The result before the mask, for metrics.
     pub unmasked: Raster,
-    /// 255 where a pixel is kept and 0 where it is blacked out; `None` without a mask. Feature extractors need
-    /// this plane, since the hard edge in the masked picture makes key points along the circle.
+    /// 255 for visible and 0 for masked pixels; `None` without a mask. Feature extractors need this plane, since the
+    /// hard edge in the masked picture creates key points along the circle.
     pub mask: Option<Plane<u8>>,
-    /// Where the method is known to fail on pictures like this one; empty where no test found anything.
+    /// Known failures detected in this picture.
     pub warnings: Vec<Warning>,
 }
 
 /// A picture that cannot be enhanced.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum EnhanceError {
-    /// The picture has no pixel.
+    /// The picture has no pixels.
     #[error("picture is {width}×{height} but needs at least 1×1")]
     Empty {
         /// Columns.
@@ -29,7 +29,7 @@ pub enum EnhanceError {
         /// Rows.
         height: usize,
     },
-    /// The method holds many planes of the picture's size, and the picture is too large for that.
+    /// The picture exceeds the method's limit: the method holds many full-size planes.
     #[error("picture is {width}×{height} = {pixels} pixels but {method} takes at most {limit}")]
     TooLarge {
         /// The method's name.
@@ -40,17 +40,17 @@ pub enum EnhanceError {
         height: usize,
         /// Their product.
         pixels: usize,
-        /// Most pixels.
+        /// Pixel limit.
         limit: usize,
     },
 }
 
-/// What a method returns for a gray picture.
+/// Channels of the result for a gray picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum OfGray {
     /// The gray codes of the colored result.
     Gray,
-    /// The colored result: a restoration colors a gray picture by nature.
+    /// The colored result: a restoration adds color.
     Color,
 }
 

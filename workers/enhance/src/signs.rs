@@ -1,38 +1,36 @@
-//! Signs of failure that several methods look for.
+//! Signs of failure shared by several methods.
 
 use imaging::{Rgb8, luma1000};
 
-use crate::blocks::histogram::{Histogram, code_at, ends, histograms, mean, total};
+use crate::blocks::histogram::{CodeCounts, code_at, ends, histograms, mean, total};
 use crate::warning::{Warning, found};
 
 /// Fewer pixels leave less than one in a tail of a thousandth.
 const FEW_PIXELS: usize = 1000;
-/// Luma below which a picture is dark, in codes, and the part of the pixels that must be.
+/// Luma below which a pixel is dark, in codes; `DARK_PART` of the pixels make a picture dark.
 const DARK_LUMA: u32 = 16;
 const DARK_PART: f64 = 0.99;
-/// Part of a channel's codes that must turn black.
+/// Share of a channel's codes that must turn black.
 const BLACKENED_PART: f64 = 0.2;
-/// How much redder than green and blue a result must be on the mean: a fifth and some codes.
+/// Redness of a result relative to green and blue in the mean: a fifth plus some codes.
 const RED_FACTOR: f64 = 1.2;
 const RED_CODES: f64 = 5.0;
 
-/// What the codes of a picture show, before and after a method.
+/// Statistics of a picture before and after a method.
 pub(crate) struct Signs {
     pixels: usize,
-    /// Pixels that are nearly black.
     dark: usize,
-    /// Red, green and blue are equal everywhere.
     has_equal_channels: bool,
-    before: [Histogram; 3],
-    after: [Histogram; 3],
+    before: [CodeCounts; 3],
+    after: [CodeCounts; 3],
 }
 
 /// A warning and its test.
-pub(crate) type Sign = (Warning, fn(&Signs) -> bool);
+pub(crate) type FailureSign = (Warning, fn(&Signs) -> bool);
 
-/// Returns the warnings that every method gives, then those of `others` whose test is positive, for a picture with pixels
-/// and what a method made of it.
-pub(crate) fn warnings(picture: &Rgb8, result: &Rgb8, others: &[Sign]) -> Vec<Warning> {
+/// The warnings common to all methods, then those of `others` with a positive test, for a non-empty picture and its
+/// result.
+pub(crate) fn warnings(picture: &Rgb8, result: &Rgb8, others: &[FailureSign]) -> Vec<Warning> {
     let bound = dark_below(255_000);
     // Runs of pixels keep the test cheap and let it stop early.
     let has_equal_channels = picture.data().chunks(3 * 64).all(|run| {
@@ -46,7 +44,7 @@ pub(crate) fn warnings(picture: &Rgb8, result: &Rgb8, others: &[Sign]) -> Vec<Wa
         before: histograms(picture),
         after: histograms(result),
     };
-    let common: [Sign; 4] = [
+    let common: [FailureSign; 4] = [
         (Warning::Constant, Signs::is_constant),
         (Warning::FewPixels, Signs::has_few_pixels),
         (Warning::Dark, Signs::is_dark),
@@ -92,12 +90,8 @@ impl Signs {
         black.contains(&true) && black.contains(&false)
     }
 
-    /// The result is red on the mean and the picture is not.
+    /// The result is red in the mean and the picture is not.
     pub(crate) fn turned_red(&self) -> bool {
-        let is_red = |histograms: &[Histogram; 3]| {
-            let [r, g, b] = histograms.each_ref().map(mean);
-            r > RED_FACTOR * g.max(b) + RED_CODES
-        };
         is_red(&self.after) && !is_red(&self.before)
     }
 
@@ -110,7 +104,7 @@ impl Signs {
     }
 }
 
-/// The luma below which a pixel counts as dark; `white` is the luma of white.
+/// The luma threshold of dark pixels; `white` is the luma of white.
 pub(crate) fn dark_below(white: u32) -> u32 {
     white / 255 * DARK_LUMA
 }
@@ -118,6 +112,11 @@ pub(crate) fn dark_below(white: u32) -> u32 {
 /// Whether nearly all of the pixels are dark.
 pub(crate) fn is_dark(dark: usize, pixels: usize) -> bool {
     dark as f64 >= DARK_PART * pixels as f64
+}
+
+fn is_red(histograms: &[CodeCounts; 3]) -> bool {
+    let [r, g, b] = histograms.each_ref().map(mean);
+    r > RED_FACTOR * g.max(b) + RED_CODES
 }
 
 #[cfg(test)]
@@ -128,7 +127,7 @@ mod tests {
         Rgb8::from_fn(40, 30, |_, _| pixel)
     }
 
-    fn only(sign: Sign, before: &Rgb8, after: &Rgb8) -> bool {
+    fn only(sign: FailureSign, before: &Rgb8, after: &Rgb8) -> bool {
         warnings(before, after, &[sign]).contains(&sign.0)
     }
 

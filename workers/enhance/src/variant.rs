@@ -1,11 +1,11 @@
-//! How a stage with a fast and a reference implementation is computed.
+//! Choice between fast and reference implementations.
 
-/// Which of the two implementations computes a stage.
+/// Implementation of a stage.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Variant {
     /// Constant time per pixel, in single precision where the tolerance allows it.
     #[default]
     Fast,
-    /// The definition, written plainly in double precision.
+    /// The definition, written plainly in f64.
     Reference,
 }

@@ -1,13 +1,13 @@
-//! Known failures of the methods, found by cheap tests while they run.
+//! Known failures of the methods, detected by cheap tests while they run.
 
 use std::fmt;
 
-/// A known failure that a picture shows.
+/// A known failure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Warning {
     /// Every pixel has the same color.
     Constant,
-    /// Fewer pixels than the method's statistics rest on.
+    /// Too few pixels for the method's statistics.
     FewPixels,
     /// Tiles with fewer than 64 pixels.
     SmallTiles,
@@ -23,11 +23,11 @@ pub enum Warning {
     RedCast,
     /// Red is stretched by more than four.
     RedAmplified,
-    /// A bright part of the picture is taken for the background light.
+    /// A bright part of the picture was mistaken for the background light.
     LampAsBackground,
     /// A fifth of a channel turned black.
     Blackened,
-    /// The background light hangs on a threshold that the picture is close to.
+    /// The background light depends on a threshold that the picture is close to.
     UnstableLight,
 }
 
@@ -67,7 +67,7 @@ impl Warning {
         }
     }
 
-    /// What is wrong, in words.
+    /// Description.
     #[must_use]
     pub fn words(self) -> &'static str {
         match self {
@@ -95,14 +95,14 @@ impl Warning {
     }
 }
 
-/// The code, then the words.
+/// The code, then the description.
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}: {}", self.code(), self.words())
     }
 }
 
-/// Returns the warnings whose test was positive.
+/// Returns the warnings with a positive test.
 pub(crate) fn found(tests: impl IntoIterator<Item = (bool, Warning)>) -> Vec<Warning> {
     let found = tests.into_iter().filter(|(found, _)| *found);
     found.map(|(_, warning)| warning).collect()

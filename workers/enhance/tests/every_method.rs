@@ -1,4 +1,4 @@
-//! What holds for every method of the registry on every decodable picture.
+//! Properties of every method of the registry on every decodable picture.
 
 #![allow(clippy::unwrap_used)]
 
@@ -11,10 +11,10 @@ fn methods() -> impl Iterator<Item = Method> {
     METHODS.iter().map(|name| Method::parse(name).unwrap())
 }
 
-/// What the codes of a picture look like.
+/// Kinds of picture content.
 const KINDS: usize = 7;
 
-/// Any decodable picture: gray or color, 8 or 16 bit, with or without alpha, of one of several natures.
+/// Any decodable picture: gray or color, 8 or 16 bit, with or without alpha, with different content.
 fn picture(
     width: usize,
     height: usize,

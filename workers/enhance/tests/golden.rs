@@ -1,5 +1,5 @@
-//! Every stage of HSCM against reference output, each from the reference output of the stage before it, and the
-//! whole chain from the input.
+//! Every stage of HSCM against reference output, each from the reference output of the previous stage, and the complete
+//! chain from the input.
 
 mod cases;
 #[path = "golden/water.rs"]
@@ -14,15 +14,15 @@ use enhance::{Method, Variant, run, run_variant};
 use imaging::codec::{FilePlane, decode_plane, encode_png};
 use imaging::{Plane, Raster};
 
-/// The filtered logarithm may be off by this: half a code at white.
+/// Tolerance of the filtered logarithm: half a code at white.
 const LOG_TOLERANCE: f64 = 2e-3;
-/// Part of the pixels whose homomorphic code may differ by one: values near a rounding tie.
+/// Share of the pixels whose homomorphic code may differ by one: values near a rounding tie.
 const HOMOMORPHIC_ODD_SHARE: f64 = 0.01;
-/// The same after CLAHE, given the same median.
+/// The same after CLAHE, from the same median.
 const CLAHE_ODD_SHARE: f64 = 0.005;
-/// Mean difference of the whole chain in codes. One code on entering CLAHE can grow, on few pixels.
+/// Mean difference of the complete chain in codes. One code before CLAHE can grow, on few pixels.
 const CHAIN_MEAN_CODES: f64 = 0.5;
-/// The same for a picture of one luma: its single code can lie on a tie (black does), and CLAHE moves all of it.
+/// The same for a picture of one luma: its single code can be a tie (black is), and CLAHE moves all of it.
 const FLAT_CHAIN_MEAN_CODES: f64 = 2.0;
 const VARIANTS: [Variant; 2] = [Variant::Fast, Variant::Reference];
 
@@ -34,8 +34,8 @@ fn is_flat(plane: &Plane<u8>) -> bool {
     plane.data().iter().all(|code| *code == plane.data()[0])
 }
 
-/// Checks that codes differ by at most one, on at most this share of them. On failure the expected picture, the
-/// difference and the actual one are written side by side.
+/// Checks that codes differ by at most one, on at most `share` of them. On failure the expected picture, the difference
+/// and the actual one are written next to each other.
 fn assert_close(case: &Case, stage: &str, actual: &[u8], expected: &[u8], share: f64) {
     assert_eq!(actual.len(), expected.len(), "{}.{stage}", case.name);
     let differences: Vec<u8> = actual.iter().zip(expected).map(|(a, e)| a.abs_diff(*e)).collect();
@@ -94,7 +94,7 @@ fn golden_homomorphic_codes() {
         let luma = Luma::new(&case.picture("input"));
         for variant in VARIANTS {
             let actual = homomorphic::homomorphic(&luma, CUTOFF, variant);
-            // A picture of one luma has one code; where that lies on a tie either neighbor will do.
+            // A picture of one luma has one code; at a tie either neighbor is correct.
             let share = if is_flat(&expected) && is_flat(&actual) {
                 1.0
             } else {

@@ -1,4 +1,4 @@
-//! Pictures and cutoffs on which naive implementations of HSCM fail.
+//! Pictures and cutoffs that break naive implementations of HSCM.
 
 use enhance::hscm::{CUTOFF, Luma, homomorphic};
 use enhance::{EnhanceError, Enhanced, Method, Variant, run_variant};
@@ -111,7 +111,7 @@ fn a_cutoff_beyond_all_bins_leaves_a_gamma_curve() {
 
 #[test]
 fn an_odd_side_is_filtered_without_a_shift() {
-    // A mirror image must give the mirrored result: a filter half a bin off center would not.
+    // A mirrored image must give the mirrored result: a filter half a bin off center would not.
     let picture = textured(45, 27);
     let mirrored = Rgb8::from_fn(45, 27, |x, y| picture.pixel(44 - x, y));
     for variant in VARIANTS {

@@ -1,4 +1,5 @@
-//! The compared methods against a second program, written in NumPy from their formulas (`vectors/peers/reference.py`).
+//! The compared methods against an independent program, written in NumPy from their formulas
+//! (`vectors/peers/reference.py`).
 
 #![allow(clippy::unwrap_used)]
 
@@ -9,7 +10,7 @@ use enhance::{Method, Variant, run_variant};
 use imaging::Raster;
 use imaging::codec::decode_picture;
 
-/// Part of the codes that may differ, each by one: a value beside a rounding tie.
+/// Share of the codes that may differ by one: values next to a rounding tie.
 const SHARE: f64 = 0.005;
 
 fn picture(path: &Path) -> Raster {

@@ -1,4 +1,4 @@
-//! Pictures on which methods fail, and what they say about it.
+//! Pictures that make methods fail, and their warnings.
 
 #![allow(clippy::unwrap_used)]
 
@@ -17,7 +17,7 @@ fn grain(x: usize, y: usize) -> u8 {
     (hash >> 29) as u8
 }
 
-/// Plates of several brightnesses, with this much red, that fade into water.
+/// Plates of several brightnesses with this much red that fade into water.
 fn reef_with(red: f64) -> Rgb8 {
     Rgb8::from_fn(240, 160, |x, y| {
         let near = 1.0 - x as f64 / 300.0;

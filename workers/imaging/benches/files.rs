@@ -1,4 +1,4 @@
-//! The transfer curve and the file formats on one core, at the size of a camera frame.
+//! The transfer curve and the file formats on one core at camera resolution.
 
 use std::hint::black_box;
 use std::time::Duration;
@@ -11,7 +11,7 @@ use imaging::{Raster, Rgb8, codec};
 const WIDTH: usize = 768;
 const HEIGHT: usize = 492;
 
-/// Soft light with the grain of a camera, a triangular law of ±6 codes: hard to compress, like a photograph.
+/// Soft light with camera grain, triangularly distributed within ±6 codes: hard to compress, like a photograph.
 fn photograph() -> Rgb8 {
     let grain = Stream::stage(1, "grain");
     Rgb8::from_fn(WIDTH, HEIGHT, |x, y| {

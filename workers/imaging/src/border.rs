@@ -1,6 +1,6 @@
-//! Continuation of a picture beyond its border by reflection without repeating the edge: `d c b | a b c d | c b a`.
+//! Border reflection without repeating the edge: `d c b | a b c d | c b a`.
 
-/// The index inside `0..n` that stands for `i`, any distance outside. One sample (`n = 1`) stands for all.
+/// Reflects an index into `0..n`, at any distance. For `n = 1` it is always 0.
 #[must_use]
 pub fn reflected(i: isize, n: usize) -> usize {
     let period = (2 * n as isize - 2).max(1);

@@ -1,15 +1,15 @@
-//! Ends a computation early once its result is no longer wanted.
+//! Cancels a computation whose result is no longer needed.
 //!
-//! A frame can take minutes, so a worker computes it under a flag ([`watched`]). The loops of this crate and of the crates above it
-//! read the flag every few milliseconds ([`check`]). Once it is set they unwind with [`Cancelled`] to the nearest `catch_unwind`.
-//! The flag changes no value: a computation that runs to its end returns what it would return without it.
+//! A frame can take minutes, so a worker computes it under a flag ([`watched`]). The loops of this crate and of its
+//! users read the flag every few milliseconds ([`check`]). Once it is set they unwind with [`Cancelled`] to the nearest
+//! `catch_unwind`. The flag never changes a result.
 
 use std::cell::RefCell;
 use std::panic::resume_unwind;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// What a cancelled computation unwinds with. No panic hook hears of it.
+/// Panic payload of a cancelled computation. It bypasses the panic hook.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Cancelled;
 
@@ -17,7 +17,7 @@ thread_local! {
     static FLAG: RefCell<Option<Arc<AtomicBool>>> = const { RefCell::new(None) };
 }
 
-/// Puts the flag of whoever computed before back.
+/// Restores the previous flag on drop.
 struct Restored(Option<Arc<AtomicBool>>);
 
 impl Drop for Restored {
@@ -35,20 +35,19 @@ pub fn watched<T>(flag: &Arc<AtomicBool>, compute: impl FnOnce() -> T) -> T {
     compute()
 }
 
-/// Computes to the end whatever the flag says: for values that all frames share, which must not be left half done.
+/// Computes to the end regardless of the flag: for values shared by all frames, which must not stay incomplete.
 pub fn unwatched<T>(compute: impl FnOnce() -> T) -> T {
     let _restored = Restored(FLAG.replace(None));
     compute()
 }
 
-/// Ends a computation that is cancelled. A nanosecond otherwise: for each row, not for each pixel.
+/// Ends a cancelled computation. Otherwise it costs a nanosecond: call it for each row, not for each pixel.
 ///
 /// # Panics
 /// Unwinds with [`Cancelled`].
 #[inline]
 pub fn check() {
-    let is_set = |flag: &Arc<AtomicBool>| flag.load(Ordering::Relaxed);
-    if FLAG.with_borrow(|flag| flag.as_ref().is_some_and(is_set)) {
+    if FLAG.with_borrow(|flag| flag.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed))) {
         end();
     }
 }
@@ -90,7 +89,7 @@ mod tests {
             outcome(&flag, || unwatched(|| crate::vectorized!(1 + 1))),
             Some(2)
         );
-        // The thread is free for the next one.
+        // The flag no longer applies to this thread.
         check();
         flag.store(false, Ordering::Relaxed);
         assert_eq!(outcome(&flag, || crate::vectorized!(1 + 1)), Some(2));

@@ -1,7 +1,7 @@
-//! Files as values: bytes in, pictures out, and back. No file is opened here.
+//! Codecs between bytes and pictures. They open no files.
 //!
-//! Whatever the bytes are, decoding returns a value or an error. Sides, pixels and the decoder's memory are limited
-//! from the header, before anything is allocated.
+//! Decoding returns a value or an error for any bytes. Sides, pixels and the decoder's memory are checked against the
+//! header before any allocation.
 
 mod decode;
 mod encode;
@@ -18,17 +18,17 @@ pub use npy::{NpyArray, NpyValues, decode_npy, encode_npy_pair, encode_npy_plane
 pub use scale::downscale;
 pub use sides::{announced_pixels, read_sides};
 
-/// Longest side of a picture: beyond it a frame no longer fits the buffers of one worker slot.
+/// Longest side of a picture: larger frames exceed the buffers of a worker slot.
 pub const MAX_SIDE_PX: usize = 16_384;
-/// Most pixels of a picture: about twelve planes of f32 at this size fill 3 GiB.
+/// Pixel limit of a picture: about twelve planes of f32 at this size fill 3 GiB.
 pub const MAX_PIXELS: usize = 64_000_000;
-/// Most memory a decoder may take beside its output.
+/// Limit on a decoder's memory besides its output.
 pub const MAX_DECODER_BYTES: usize = 256 << 20;
 
 /// Bytes that cannot be decoded to a usable picture or plane.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum DecodeError {
-    /// The first bytes belong to no known format.
+    /// The first bytes match no known format.
     #[error("the file is neither {}", expected.join(" nor "))]
     UnknownFormat {
         /// The accepted formats.
@@ -42,7 +42,7 @@ pub enum DecodeError {
         /// Rows.
         height: usize,
     },
-    /// The header announces a picture beyond the limits.
+    /// The size in the header exceeds the limits.
     #[error(
         "the picture is {width}×{height} but at most {MAX_SIDE_PX} pixels a side and {MAX_PIXELS} pixels are taken"
     )]
@@ -52,25 +52,25 @@ pub enum DecodeError {
         /// Rows.
         height: usize,
     },
-    /// The bytes are cut off or damaged.
+    /// The bytes are truncated or damaged.
     #[error("the {format} file is damaged or cut off: {reason}")]
     Damaged {
-        /// The format that the first bytes announce.
+        /// The format detected from the first bytes.
         format: &'static str,
         /// The decoder's message.
         reason: String,
     },
-    /// The file is intact but holds something else than required.
+    /// The file is intact but has the wrong content.
     #[error("the file holds {found} but {wanted} is needed")]
     Unsuitable {
-        /// What it holds.
+        /// Its content.
         found: String,
-        /// What is needed.
+        /// The required content.
         wanted: &'static str,
     },
 }
 
-/// Checks announced sides against the limits.
+/// Checks header sides against the limits.
 fn check_size(width: usize, height: usize) -> Result<(), DecodeError> {
     if width == 0 || height == 0 {
         return Err(DecodeError::Empty { width, height });

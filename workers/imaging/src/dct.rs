@@ -1,11 +1,11 @@
 //! The two-dimensional cosine transform of any size.
 //!
-//! Forward, type II, not normalized: `X[q][p] = Σ_y Σ_x x[y][x] cos(π p (x+½)/W) cos(π q (y+½)/H)`. The inverse undoes it
-//! exactly. A plane under this transform is a mirror box: half-sample symmetric on all sides, so that a convolution with
-//! an even kernel becomes a product, without wrap-around and without padding.
+//! Forward, type II, not normalized: `X[q][p] = Σ_y Σ_x x[y][x] cos(π p (x+½)/W) cos(π q (y+½)/H)`, with an exact
+//! inverse. A plane under this transform is a mirror box: half-sample symmetric on all sides, so that a convolution
+//! with an even kernel becomes a product, without wrap-around and without padding.
 //!
-//! Each pass is a complex FFT of the same length (Makhoul 1980, "A fast cosine transform in one and two dimensions") that
-//! carries two real lines at once. [`Dct2`] is the plain form in f64, [`PairDct`] the fast one in f32.
+//! Each pass is a complex FFT of the same length (Makhoul 1980, "A fast cosine transform in one and two dimensions")
+//! that transforms two real lines together. [`Dct2`] is the plain variant in f64, [`PairDct`] the fast one in f32.
 
 mod folding;
 mod group;
@@ -17,15 +17,15 @@ pub use pair::PairDct;
 use crate::cancel;
 use crate::fft::{self, Complex, Ffts};
 
-/// Columns that a vertical pass gathers together: 16 f32 fill a cache line.
+/// Columns gathered together by a vertical pass: 16 f32 fill a cache line.
 const COLUMNS: usize = 16;
 
 /// The transforms of one frame size, with their buffers.
 pub struct Dct2 {
     width: usize,
     height: usize,
-    rows: Lines,
-    columns: Lines,
+    rows: LineTransform,
+    columns: LineTransform,
     block: Vec<f64>,
 }
 
@@ -36,8 +36,8 @@ impl Dct2 {
         Self {
             width,
             height,
-            rows: Lines::new(width),
-            columns: Lines::new(height),
+            rows: LineTransform::new(width),
+            columns: LineTransform::new(height),
             block: vec![0.0; height * COLUMNS],
         }
     }
@@ -51,20 +51,20 @@ impl Dct2 {
     /// Transforms a row-major plane in place.
     ///
     /// # Panics
-    /// When the plane is of another size.
+    /// If the plane has another size.
     pub fn forward(&mut self, plane: &mut [f64]) {
-        self.both_axes(plane, Lines::forward);
+        self.both_axes(plane, LineTransform::forward);
     }
 
-    /// Undoes [`Dct2::forward`] in place.
+    /// Inverts [`Dct2::forward`] in place.
     ///
     /// # Panics
-    /// When the plane is of another size.
+    /// If the plane has another size.
     pub fn inverse(&mut self, plane: &mut [f64]) {
-        self.both_axes(plane, Lines::inverse);
+        self.both_axes(plane, LineTransform::inverse);
     }
 
-    fn both_axes(&mut self, plane: &mut [f64], pass: fn(&mut Lines, &mut [f64], &mut [f64])) {
+    fn both_axes(&mut self, plane: &mut [f64], pass: fn(&mut LineTransform, &mut [f64], &mut [f64])) {
         assert_eq!(
             plane.len(),
             self.width * self.height,
@@ -102,7 +102,7 @@ impl Dct2 {
 }
 
 /// Transforms of lines of one length, two at a time; the second may be empty.
-struct Lines {
+struct LineTransform {
     length: usize,
     ffts: Ffts<f64>,
     /// `exp(-iπk/2N)`.
@@ -111,23 +111,19 @@ struct Lines {
     scratch: Vec<Complex<f64>>,
 }
 
-impl Lines {
+impl LineTransform {
     fn new(length: usize) -> Self {
         let ffts = fft::double(length);
-        let twiddle = |k: usize| {
-            let angle = -std::f64::consts::FRAC_PI_2 * k as f64 / length as f64;
-            Complex::new(angle.cos(), angle.sin())
-        };
         Self {
             length,
-            twiddles: (0..length).map(twiddle).collect(),
+            twiddles: (0..length).map(|k| twiddle(k, length)).collect(),
             buffer: vec![Complex::default(); length],
             scratch: vec![Complex::default(); ffts.scratch],
             ffts,
         }
     }
 
-    /// Even samples go forward, odd samples come back: the order in which the FFT sees a mirrored line.
+    /// Even samples forward, then odd samples backward: the order of a mirrored line in the FFT.
     fn place(&self, index: usize) -> usize {
         if index.is_multiple_of(2) {
             index / 2
@@ -145,12 +141,12 @@ impl Lines {
             .forward
             .process_with_scratch(&mut self.buffer, &mut self.scratch);
         for k in 0..self.length {
-            let here = self.buffer[k];
+            let current = self.buffer[k];
             let mirrored = self.buffer[if k == 0 { 0 } else { self.length - k }].conj();
-            let one = here + mirrored;
-            let two = here - mirrored;
+            let single = current + mirrored;
+            let two = current - mirrored;
             let twiddle = self.twiddles[k];
-            first[k] = 0.5 * (one.re * twiddle.re - one.im * twiddle.im);
+            first[k] = 0.5 * (single.re * twiddle.re - single.im * twiddle.im);
             if let Some(sample) = second.get_mut(k) {
                 // two = 2i V: its real part after division by 2i is im/2, its imaginary part -re/2.
                 *sample = 0.5 * (two.im * twiddle.re + two.re * twiddle.im);
@@ -166,13 +162,13 @@ impl Lines {
                 let mirrored = if k == 0 { 0.0 } else { line[self.length - k] };
                 Complex::new(line[k], -mirrored) * back
             };
-            let one = pair(first);
+            let single = pair(first);
             let two = if second.is_empty() {
                 Complex::default()
             } else {
                 pair(second)
             };
-            self.buffer[k] = Complex::new(one.re - two.im, one.im + two.re);
+            self.buffer[k] = Complex::new(single.re - two.im, single.im + two.re);
         }
         self.ffts
             .inverse
@@ -185,6 +181,12 @@ impl Lines {
             }
         }
     }
+}
+
+/// `exp(-iπk/2N)`.
+fn twiddle(k: usize, length: usize) -> Complex<f64> {
+    let angle = -std::f64::consts::FRAC_PI_2 * k as f64 / length as f64;
+    Complex::new(angle.cos(), angle.sin())
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Fourier transforms of complex lines.
 //!
-//! They are planned here, for both precisions, and nowhere else: the library is generic, so that every crate with a planner of its
-//! own would compile all of it once more.
+//! The only planner for both precisions: the library is generic, and every crate with a planner would compile all of it
+//! again.
 
 pub use rustfft::Fft;
 pub use rustfft::num_complex::Complex;
@@ -14,9 +14,9 @@ use rustfft::{FftNum, FftPlanner, FftPlannerScalar};
 pub struct Ffts<T: FftNum> {
     /// With the minus sign.
     pub forward: Arc<dyn Fft<T>>,
-    /// With the plus sign; after the other one it gives every value N times.
+    /// With the plus sign; applied after `forward` it scales every value by N.
     pub inverse: Arc<dyn Fft<T>>,
-    /// Values of scratch space that suffice for either in place.
+    /// Scratch length sufficient for either in place.
     pub scratch: usize,
 }
 
@@ -47,7 +47,7 @@ pub fn double(length: usize) -> Ffts<f64> {
     Ffts::new(planner.plan_fft_forward(length), planner.plan_fft_inverse(length))
 }
 
-/// Only the inverse of [`double`], where the other one would be planned for nothing.
+/// The inverse of [`double`], without planning the forward transform.
 #[must_use]
 pub fn double_inverse(length: usize) -> Arc<dyn Fft<f64>> {
     FftPlannerScalar::new().plan_fft_inverse(length)

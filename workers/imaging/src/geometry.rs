@@ -27,15 +27,15 @@ impl Intrinsics {
         }
     }
 
-    /// The ray of a place in the picture in camera axes (right, down, ahead): `((x-cx)/f, (y-cy)/f, 1)`, not normalized.
+    /// The ray of a picture position in camera axes (right, down, ahead): `((x-cx)/f, (y-cy)/f, 1)`, not normalized.
     #[must_use]
     pub fn ray(&self, x: f64, y: f64) -> DVec3 {
         vec3((x - self.cx) / self.focal_px, (y - self.cy) / self.focal_px, 1.0)
     }
 }
 
-/// Range in meters along the ray, `Z = d sqrt(1 + ((x-cx)/f)² + ((y-cy)/f)²)`, from z-depth `d` in meters.
-/// What is not a distance (NaN, infinity, 0, negative) stays as it is.
+/// Range in meters along the ray, `Z = d sqrt(1 + ((x-cx)/f)² + ((y-cy)/f)²)`, from z-depth `d` in meters. Invalid
+/// distances (NaN, infinity, 0, negative) are unchanged.
 #[must_use]
 pub fn range_from_z_depth(z_depth: &Plane<f32>, camera: &Intrinsics) -> Plane<f32> {
     Plane::from_fn(z_depth.width(), z_depth.height(), |x, y| {

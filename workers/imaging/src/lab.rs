@@ -1,9 +1,9 @@
-//! CIE Lab of linear light and back (CIE 15:2004, sections 8.2.1 and 8.2.1.4), white (0.95047, 1, 1.08883), in parts that a
-//! loop can vectorize.
+//! CIE Lab of linear light and back (CIE 15:2004, sections 8.2.1 and 8.2.1.4), white (0.95047, 1, 1.08883), in
+//! vectorizable parts.
 //!
-//! Linear light → XYZ with the sRGB primaries (IEC 61966-2-1) → `f(t) = cbrt t` above (6/29)³ and `t / (3 (6/29)²) + 4/29` below →
-//! `L = 116 f(Y) - 16`, `a = 500 (f(X) - f(Y))`, `b = 200 (f(Y) - f(Z))` with X, Y, Z relative to the white. L is 0..=100 for
-//! light of 0..=1; a and b have no unit.
+//! Linear light → XYZ with the sRGB primaries (IEC 61966-2-1) → `f(t) = cbrt t` above (6/29)³ and `t / (3 (6/29)²) +
+//! 4/29` below → `L = 116 f(Y) - 16`, `a = 500 (f(X) - f(Y))`, `b = 200 (f(Y) - f(Z))` with X, Y, Z relative to the
+//! white. L is 0..=100 for light of 0..=1; a and b have no unit.
 
 use std::sync::LazyLock;
 
@@ -53,8 +53,8 @@ fn response(t: f64) -> f64 {
     }
 }
 
-/// Cube root of a normal positive number within 1e-14 of itself: a third of the exponent as first guess (3 % off),
-/// then a Halley step in single and one in double precision, each of which cubes the error.
+/// Cube root of a normal positive number with a relative error of 1e-14: a third of the exponent as first guess (3 %
+/// off), then a Halley step in f32 and one in f64, each of which cubes the error.
 #[inline(always)]
 fn cube_root(t: f64) -> f64 {
     let single = t as f32;
@@ -74,8 +74,8 @@ pub fn of_linear(light: [f64; 3]) -> [f64; 3] {
     [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
 }
 
-/// L, a, b of at most `N` pixels of interleaved codes, black beyond them; `linear` is the light of the codes of red, green
-/// and blue.
+/// L, a, b of at most `N` pixels of interleaved codes, black beyond them; `linear` is the light of the codes of red,
+/// green and blue.
 #[inline(always)]
 #[must_use]
 pub fn of_codes<const N: usize>(codes: &[u8], linear: [&[f64; 256]; 3]) -> [[f64; N]; 3] {
@@ -95,20 +95,27 @@ pub fn of_codes<const N: usize>(codes: &[u8], linear: [&[f64; 256]; 3]) -> [[f64
     lab
 }
 
-/// Linear light of L, a, b; colors outside sRGB leave 0..=1.
+/// Linear light of L, a, b; outside of 0..=1 for colors outside of sRGB.
 #[inline(always)]
 #[must_use]
 pub fn to_linear([l, a, b]: [f64; 3], from_xyz: &[[f64; 3]; 3]) -> [f64; 3] {
     let y = (l + 16.0) / 116.0;
-    let light = |t: f64| {
-        if t > KNEE {
-            t * t * t
-        } else {
-            3.0 * KNEE * KNEE * (t - 4.0 / 29.0)
-        }
-    };
-    let xyz = [light(y + a / 500.0), light(y), light(y - b / 200.0)];
+    let xyz = [
+        invert_response(y + a / 500.0),
+        invert_response(y),
+        invert_response(y - b / 200.0),
+    ];
     from_xyz.map(|row| row[0] * xyz[0] + row[1] * xyz[1] + row[2] * xyz[2])
+}
+
+/// Inverse of [`response`].
+#[inline(always)]
+fn invert_response(t: f64) -> f64 {
+    if t > KNEE {
+        t * t * t
+    } else {
+        3.0 * KNEE * KNEE * (t - 4.0 / 29.0)
+    }
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Planes, rasters, color transfer, transforms, codecs and the counter-based random stream.
 //!
-//! Everything here is a pure function of its arguments: no file, clock, environment or global state. [`cancel`] ends a
-//! computation early and changes none.
+//! Pure functions without files, clock, environment or global state. [`cancel`] ends a computation early and never
+//! changes a result.
 
 mod border;
 pub mod cancel;

@@ -2,22 +2,22 @@
 
 use crate::cancel;
 
-/// A buffer does not hold `width * height` samples, or planes that belong together differ in size.
+/// A buffer length that is not `width * height`, or planes of different size.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum SizeError {
     /// The buffer's length is not the product of the sides.
     #[error("{width}×{height} needs {expected} samples but the buffer holds {actual}")]
     Length {
-        /// Columns asked for.
+        /// Requested columns.
         width: usize,
-        /// Rows asked for.
+        /// Requested rows.
         height: usize,
         /// `width * height * channels`.
         expected: usize,
         /// The buffer's length.
         actual: usize,
     },
-    /// Two planes of one picture have different sides.
+    /// Two planes of one picture have different sizes.
     #[error("a plane of {width}×{height} does not fit beside one of {other_width}×{other_height}")]
     Mismatch {
         /// Columns of the first plane.
@@ -32,7 +32,7 @@ pub enum SizeError {
 }
 
 impl SizeError {
-    /// Checks the length of a buffer for a picture of these sides.
+    /// Checks the length of a buffer for a picture of this size.
     pub(crate) fn check(width: usize, height: usize, expected: usize, actual: usize) -> Result<(), Self> {
         if actual == expected {
             return Ok(());
@@ -46,7 +46,7 @@ impl SizeError {
     }
 }
 
-/// One band of a picture. May be empty; every consumer documents how it treats an empty plane.
+/// One band of a picture. It may be empty; every consumer documents its treatment of empty planes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plane<T> {
     width: usize,
@@ -58,7 +58,7 @@ impl<T> Plane<T> {
     /// Wraps a row-major buffer of `width * height` samples.
     ///
     /// # Errors
-    /// [`SizeError::Length`] when the buffer is shorter or longer.
+    /// [`SizeError::Length`] if the buffer is shorter or longer.
     pub fn new(width: usize, height: usize, data: Vec<T>) -> Result<Self, SizeError> {
         SizeError::check(width, height, width.saturating_mul(height), data.len())?;
         Ok(Self { width, height, data })
@@ -105,7 +105,7 @@ impl<T> Plane<T> {
         &mut self.data
     }
 
-    /// The buffer itself.
+    /// The buffer.
     #[must_use]
     pub fn into_data(self) -> Vec<T> {
         self.data
@@ -114,7 +114,7 @@ impl<T> Plane<T> {
     /// Row `y`.
     ///
     /// # Panics
-    /// When `y` is not a row.
+    /// If `y` is not below the height.
     #[must_use]
     pub fn row(&self, y: usize) -> &[T] {
         &self.data[y * self.width..(y + 1) * self.width]
@@ -123,7 +123,7 @@ impl<T> Plane<T> {
     /// Row `y`.
     ///
     /// # Panics
-    /// When `y` is not a row.
+    /// If `y` is not below the height.
     pub fn row_mut(&mut self, y: usize) -> &mut [T] {
         &mut self.data[y * self.width..(y + 1) * self.width]
     }
@@ -154,7 +154,7 @@ impl<T: Copy> Plane<T> {
     /// The sample at (x, y).
     ///
     /// # Panics
-    /// When (x, y) lies outside.
+    /// If (x, y) is outside.
     #[must_use]
     pub fn pixel(&self, x: usize, y: usize) -> T {
         assert!(x < self.width, "column {x} of a plane {} wide", self.width);

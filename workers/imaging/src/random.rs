@@ -1,8 +1,8 @@
-//! The counter-based random stream: a value has an address, never a place in a queue.
+//! The counter-based random stream: values have addresses instead of an order.
 //!
-//! Philox4x32-10 (Salmon, Moraes, Dror, Shaw 2011, "Parallel random numbers: as easy as 1, 2, 3") maps a 128-bit counter
-//! and a 64-bit key to 128 bits. The key names what the value is for, the counter which one it is, so a value does not
-//! depend on what else was drawn, in which order, or by how many threads.
+//! Philox4x32-10 (Salmon, Moraes, Dror, Shaw 2011, "Parallel random numbers: as easy as 1, 2, 3") maps a 128-bit
+//! counter and a 64-bit key to 128 bits. The key identifies the purpose, the counter the value, so a value does not
+//! depend on other draws, their order, or the number of threads.
 
 use sha2::{Digest, Sha256};
 
@@ -41,7 +41,7 @@ pub struct Stream {
 }
 
 impl Stream {
-    /// The stream of the law at a JSON pointer of a job.
+    /// The stream of a random distribution at a JSON pointer of a job.
     #[must_use]
     pub fn law(seed: u64, pointer: &str) -> Self {
         Self::keyed("fathom-law-v1", seed, pointer)
@@ -90,8 +90,8 @@ impl Stream {
         vectorized!(fill(self.key, index, first, step, &mut *units));
     }
 
-    /// [`Stream::unit`] of the elements `first + step · position`: the same values, several at a time. Only the shorter of
-    /// both slices counts.
+    /// [`Stream::unit`] of the elements `first + step · position`: the same values, several at a time. The shorter of
+    /// both slices determines the number.
     pub fn fill_units_at(&self, index: u64, (first, step): (u64, u64), positions: &[u8], units: &mut [f64]) {
         vectorized!(fill_at(self.key, index, (first, step), positions, &mut *units));
     }
@@ -112,8 +112,8 @@ fn fill_at(key: [u32; 2], index: u64, (first, step): (u64, u64), positions: &[u8
     }
 }
 
-/// Philox with each word in the lower half of a register of 64 bits, as vector instructions multiply them. What gathers in the
-/// upper halves is left out by the next multiplication, which costs nothing there.
+/// Philox with each word in the lower half of a 64-bit register, as required by vector multiplication. The next
+/// multiplication ignores the upper halves for free.
 #[inline(always)]
 fn wide_unit(mut key: [u32; 2], index: u64, element: u64) -> f64 {
     const LOW: u64 = u32::MAX as u64;
@@ -137,7 +137,7 @@ fn wide_unit(mut key: [u32; 2], index: u64, element: u64) -> f64 {
 mod tests {
     use super::*;
 
-    /// The known answers that the authors of Philox publish with it.
+    /// The published test vectors of Philox.
     #[test]
     fn philox_gives_its_published_answers() {
         let answers = [

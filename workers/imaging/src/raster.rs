@@ -1,4 +1,4 @@
-//! What a picture file holds: interleaved integer samples, 8 or 16 bit, gray or color, with or without alpha.
+//! Rasters of picture files: interleaved integer samples, 8 or 16 bit, gray or color, with or without alpha.
 
 use crate::plane::{Plane, SizeError};
 use crate::vectorized;
@@ -13,7 +13,7 @@ pub enum Samples {
 }
 
 impl Samples {
-    /// How many samples there are.
+    /// Number of samples.
     #[must_use]
     pub fn len(&self) -> usize {
         match self {
@@ -22,7 +22,7 @@ impl Samples {
         }
     }
 
-    /// Whether there are none.
+    /// Whether it is empty.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
@@ -41,10 +41,10 @@ impl Samples {
     }
 }
 
-/// Color channels of a raster, alpha not counted.
+/// Color channels of a raster, without alpha.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Channels {
-    /// One luminance channel; as color it stands for R = G = B.
+    /// One luminance channel, equivalent to R = G = B.
     Gray,
     /// Red, green, blue, interleaved in this order.
     Rgb,
@@ -61,7 +61,7 @@ impl Channels {
     }
 }
 
-/// A decoded picture file: interleaved integer samples and, apart, the alpha channel, which nothing computes with.
+/// A decoded picture file: interleaved integer samples, and the separate, unprocessed alpha channel.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Raster {
     width: usize,
@@ -72,10 +72,10 @@ pub struct Raster {
 }
 
 impl Raster {
-    /// Joins samples and sides.
+    /// Combines samples and sides.
     ///
     /// # Errors
-    /// [`SizeError::Length`] when samples or alpha do not fit the sides.
+    /// [`SizeError::Length`] if samples or alpha do not fit the sides.
     pub fn new(
         width: usize,
         height: usize,
@@ -136,7 +136,7 @@ impl Raster {
         &self.samples
     }
 
-    /// The samples themselves.
+    /// The samples.
     #[must_use]
     pub fn into_samples(self) -> Samples {
         self.samples
@@ -183,7 +183,7 @@ impl From<Plane<u16>> for Raster {
     }
 }
 
-/// An 8-bit color picture, interleaved R, G, B: what metrics, enhancers and codecs work on.
+/// An 8-bit color picture, interleaved R, G, B: the input of metrics, enhancers and codecs.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Rgb8 {
     width: usize,
@@ -195,7 +195,7 @@ impl Rgb8 {
     /// Wraps `3 * width * height` codes.
     ///
     /// # Errors
-    /// [`SizeError::Length`] when the buffer is shorter or longer.
+    /// [`SizeError::Length`] if the buffer is shorter or longer.
     pub fn new(width: usize, height: usize, data: Vec<u8>) -> Result<Self, SizeError> {
         let expected = width.saturating_mul(height).saturating_mul(3);
         SizeError::check(width, height, expected, data.len())?;
@@ -244,7 +244,7 @@ impl Rgb8 {
     /// The pixel at (x, y).
     ///
     /// # Panics
-    /// When (x, y) lies outside.
+    /// If (x, y) is outside.
     #[must_use]
     pub fn pixel(&self, x: usize, y: usize) -> [u8; 3] {
         assert!(x < self.width, "column {x} of a picture {} wide", self.width);
@@ -260,7 +260,7 @@ impl Rgb8 {
         gray
     }
 
-    /// Red, green and blue apart.
+    /// Planes of red, green and blue.
     #[must_use]
     pub fn to_planes(&self) -> [Plane<u8>; 3] {
         let mut planes = [0; 3].map(|_| Plane::filled(self.width, self.height, 0));

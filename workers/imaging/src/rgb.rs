@@ -3,17 +3,17 @@
 use crate::cancel;
 use crate::plane::{Plane, SizeError};
 
-/// A planar color picture. What the samples mean (linear radiance, encoded values) is up to the user.
+/// A planar color picture; the user defines the meaning of samples (linear radiance, encoded values).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rgb<T> {
     planes: [Plane<T>; 3],
 }
 
 impl<T> Rgb<T> {
-    /// Joins a red, a green and a blue plane.
+    /// Combines a red, a green and a blue plane.
     ///
     /// # Errors
-    /// [`SizeError::Mismatch`] when the three differ in size.
+    /// [`SizeError::Mismatch`] if the three differ in size.
     pub fn new(planes: [Plane<T>; 3]) -> Result<Self, SizeError> {
         let (width, height) = planes[0].size();
         for plane in &planes[1..] {
@@ -73,12 +73,12 @@ impl<T> Rgb<T> {
         &self.planes
     }
 
-    /// Red, green, blue: the samples may change, the sizes may not.
+    /// Mutable samples of red, green, blue.
     pub fn planes_mut(&mut self) -> [&mut [T]; 3] {
         self.planes.each_mut().map(Plane::data_mut)
     }
 
-    /// The three planes themselves.
+    /// The three planes.
     #[must_use]
     pub fn into_planes(self) -> [Plane<T>; 3] {
         self.planes
@@ -96,7 +96,7 @@ impl<T: Copy> Rgb<T> {
     /// The pixel at (x, y).
     ///
     /// # Panics
-    /// When (x, y) lies outside.
+    /// If (x, y) is outside.
     #[must_use]
     pub fn pixel(&self, x: usize, y: usize) -> [T; 3] {
         self.planes.each_ref().map(|plane| plane.pixel(x, y))

@@ -1,10 +1,10 @@
-//! Loops compiled for the vector instructions of the CPU that runs them. Each ends a computation that is cancelled.
+//! Compiles loops for the vector instructions of the current CPU. Each call checks for cancellation.
 
 use pulp::{Arch, Simd, WithSimd};
 
 use crate::cancel;
 
-/// Compiles what is inlined in an expression for the vector instructions of this CPU; see [`vectorize`].
+/// Compiles the inlined code of an expression for the vector instructions of this CPU; see [`vectorize`].
 #[macro_export]
 macro_rules! vectorized {
     ($work:expr) => {
@@ -15,14 +15,14 @@ macro_rules! vectorized {
     };
 }
 
-/// Runs a loop with the widest vector instructions that this CPU has. Put the loop into a function that is
-/// `#[inline(always)]` and takes slices and plain values, and call it from a closure that is `#[inline(always)]` as well:
-/// only what is inlined here is compiled anew, and what a closure merely captures is read again in every step, which keeps a
-/// loop scalar. Rust fuses no multiplication with an addition by itself, so the result does not depend on the CPU.
+/// Runs a loop with the widest vector instructions of this CPU. Put the loop into an `#[inline(always)]` function of
+/// slices and plain values, and call it from an `#[inline(always)]` closure: only inlined code is recompiled, and
+/// captured variables are reloaded in every step, which keeps a loop scalar. Rust never fuses multiplications and
+/// additions, so the result does not depend on the CPU.
 #[inline(always)]
 pub fn vectorize<R>(work: impl FnMut() -> R) -> R {
     cancel::check();
-    Arch::new().dispatch(Work(work))
+    Arch::new().dispatch(VectorWork(work))
 }
 
 /// The larger of two values; `max` takes extra instructions for NaN.
@@ -37,10 +37,10 @@ pub fn smaller<T: PartialOrd>(a: T, b: T) -> T {
     if a < b { a } else { b }
 }
 
-/// A plain closure would be called through a shim that is compiled apart, without the instructions.
-struct Work<F>(F);
+/// A plain closure would be called through a shim compiled without the instructions.
+struct VectorWork<F>(F);
 
-impl<R, F: FnMut() -> R> WithSimd for Work<F> {
+impl<R, F: FnMut() -> R> WithSimd for VectorWork<F> {
     type Output = R;
 
     #[inline(always)]

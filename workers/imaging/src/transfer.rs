@@ -1,8 +1,8 @@
 //! The sRGB transfer curve (IEC 61966-2-1) between codes and linear light.
 //!
-//! `l = v/12.92` for `v <= 0.04045`, else `((v + 0.055)/1.055)^2.4`; the inverse for encoding. The f64 functions are the
-//! reference. The picture functions use tables: those of codes give the reference's result exactly, those of floats
-//! ([`encode_unit`], [`decode_unit`]) stay within 6.1e-8 of it. All powers come from one library in Rust, not from the
+//! `l = v/12.92` for `v <= 0.04045`, else `((v + 0.055)/1.055)^2.4`; the inverse for encoding. The f64 functions are
+//! the reference. The picture functions use tables: those of codes equal the reference, those of floats
+//! ([`encode_unit`], [`decode_unit`]) are within 6.1e-8 of it. All powers come from a Rust library instead of the
 //! platform's, so pictures agree on every machine.
 
 mod encoder;
@@ -14,7 +14,7 @@ use crate::raster::{Channels, Raster, Rgb8, Samples};
 use crate::{Plane, Rgb};
 use encoder::Encoder;
 
-/// How a file's codes relate to linear light.
+/// Relation of a file's codes to linear light.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Transfer {
     /// The sRGB curve.
@@ -23,12 +23,12 @@ pub enum Transfer {
     Linear,
 }
 
-/// Where the straight foot of the curve ends, encoded and in light; and how steep it is.
+/// End of the linear part of the curve, encoded and in light; and its slope.
 const DARK_ENCODED: f64 = 0.040_45;
 const DARK_LIGHT: f64 = DARK_ENCODED / SLOPE;
 const SLOPE: f64 = 12.92;
 
-/// Linear light of an sRGB-encoded value; the straight part continues below 0, the curve above 1.
+/// Linear light of an sRGB-encoded value; the linear part extends below 0, the curve above 1.
 #[must_use]
 pub fn decode(v: f64) -> f64 {
     if v <= DARK_ENCODED {
@@ -108,7 +108,7 @@ fn channels<T: Copy>(raster: &Raster, codes: &[T], light: impl Fn(T) -> f32) -> 
     }
 }
 
-/// Three planes from interleaved samples, `STRIDE` of each pixel; of fewer than three the last one is repeated.
+/// Three planes from interleaved samples, `STRIDE` per pixel; with fewer than three the last one is repeated.
 fn planar<T: Copy, const STRIDE: usize>(
     width: usize,
     height: usize,
@@ -126,8 +126,8 @@ fn planar<T: Copy, const STRIDE: usize>(
     Rgb::new(planes).expect("three planes of one raster")
 }
 
-/// 8-bit sRGB codes of linear light: clamp to 0..=1, inverse curve, `floor(255 v + 1/2)`; and how many samples the
-/// clamp changed. NaN becomes 0 and counts as clamped. Equal to the f64 reference for every f32.
+/// 8-bit sRGB codes of linear light: clamp to 0..=1, inverse curve, `floor(255 v + 1/2)`; and the number of clamped
+/// samples. NaN becomes 0 and counts as clamped. Equal to the f64 reference for every f32.
 #[must_use]
 pub fn encode_rgb8(linear: &Rgb<f32>) -> (Rgb8, u64) {
     let encoder = &*ENCODER;
@@ -145,7 +145,7 @@ pub fn encode_rgb8(linear: &Rgb<f32>) -> (Rgb8, u64) {
     )
 }
 
-/// sRGB-encoded values of linear light, both in 0..=1, clamped: what the style network and the blend work in. Within
+/// sRGB-encoded values of linear light, both in 0..=1, clamped: the encoding of style networks and blending. Within
 /// 6.1e-8 of [`encode`]. NaN stays NaN.
 #[must_use]
 pub fn encode_unit(linear: &Rgb<f32>) -> Rgb<f32> {

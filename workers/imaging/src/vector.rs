@@ -1,5 +1,5 @@
-//! Vectors of three components in f32 or f64. The order of operations is fixed, since frames are compared byte by byte: a dot
-//! product is `x x' + y y' + z z'` from left to right, a unit vector a product with the reciprocal of the length.
+//! Vectors of three components in f32 or f64. The order of operations is fixed, since frames are compared byte by byte:
+//! a dot product is `x x' + y y' + z z'` from left to right, a unit vector a product with the reciprocal of the length.
 
 use std::ops::{Add, Mul, Neg, Sub};
 
@@ -26,7 +26,7 @@ pub const fn vec3<T: Copy>(x: T, y: T, z: T) -> Vector<T> {
 }
 
 impl<T: Copy> Vector<T> {
-    /// Each component changed by a function.
+    /// Applies a function to each component.
     #[must_use]
     #[inline(always)]
     pub fn map<U>(self, change: impl Fn(T) -> U) -> Vector<U> {
@@ -34,7 +34,7 @@ impl<T: Copy> Vector<T> {
         [change(x), change(y), change(z)].into()
     }
 
-    /// Each pair of components joined by a function.
+    /// Combines each pair of components by a function.
     #[must_use]
     #[inline(always)]
     pub fn zip(self, other: Self, join: impl Fn(T, T) -> T) -> Self {
@@ -84,7 +84,7 @@ macro_rules! lengths {
                 self.dot(self).sqrt()
             }
 
-            /// `v (1 / |v|)`: the direction of a vector that is not zero.
+            /// `v (1 / |v|)`: the direction of a nonzero vector.
             #[must_use]
             #[inline(always)]
             pub fn normalized(self) -> Self {

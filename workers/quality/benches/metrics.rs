@@ -1,4 +1,4 @@
-//! Metrics one by one and together, on one core, at the size of the robot's camera.
+//! Metrics separately and together on one core at camera resolution.
 
 use std::hint::black_box;
 use std::time::Duration;
@@ -11,7 +11,7 @@ const WIDTH: usize = 869;
 const HEIGHT: usize = 565;
 const DEFAULTS: [&str; 6] = ["entropy", "uicm", "uism", "uiconm", "uiqm", "uciqe"];
 
-/// Soft light, edges and grain: about as many distinct colors as a photograph.
+/// Soft light, edges and grain, with about as many distinct colors as a photograph.
 fn picture() -> Rgb8 {
     Rgb8::from_fn(WIDTH, HEIGHT, |x, y| {
         let (u, v) = (x as f64 / WIDTH as f64, y as f64 / HEIGHT as f64);

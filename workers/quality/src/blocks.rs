@@ -3,15 +3,15 @@
 use imaging::simd::{larger, smaller};
 
 /// The block grid over a picture.
-pub(crate) struct Blocks {
+pub(crate) struct BlockGrid {
     width_px: usize,
     height_px: usize,
     across: usize,
     down: usize,
 }
 
-impl Blocks {
-    /// Blocks of `side` pixels; along an axis that is shorter there is one block as long as the axis.
+impl BlockGrid {
+    /// BlockGrid of `side` pixels; a shorter axis has one block of its length.
     pub(crate) fn new((width, height): (usize, usize), side: usize) -> Self {
         let (width_px, height_px) = (side.min(width), side.min(height));
         Self {
@@ -22,18 +22,18 @@ impl Blocks {
         }
     }
 
-    /// How many blocks there are; at least one.
+    /// Number of blocks; at least one.
     pub(crate) fn count(&self) -> f64 {
         (self.across * self.down) as f64
     }
 
-    /// Rows that lie in blocks.
+    /// Number of rows inside blocks.
     pub(crate) fn rows(&self) -> usize {
         self.down * self.height_px
     }
 
-    /// Least and greatest sample of each block, row by row. A picture's row holds `samples` values for each pixel, and
-    /// `fill(y, row)` writes that part of row y that lies in blocks. Each row is requested once, from the top down.
+    /// Minimum and maximum sample of each block, row-major. A picture's row has `samples` values per pixel, and
+    /// `fill(y, row)` writes the part of row y inside blocks. Each row is requested once, from the top down.
     #[inline(always)]
     pub(crate) fn extremes<T: Copy + PartialOrd + Default>(
         &self,
@@ -78,7 +78,7 @@ mod tests {
 
     #[test]
     fn left_over_columns_and_rows_belong_to_no_block() {
-        let blocks = Blocks::new((5, 3), 2);
+        let blocks = BlockGrid::new((5, 3), 2);
         let extremes = blocks.extremes(1, |y, row: &mut [u8]| {
             for (x, sample) in row.iter_mut().enumerate() {
                 *sample = (10 * y + x) as u8;
@@ -90,7 +90,7 @@ mod tests {
 
     #[test]
     fn a_short_axis_is_one_block_long() {
-        let blocks = Blocks::new((25, 3), 10);
+        let blocks = BlockGrid::new((25, 3), 10);
         assert_eq!((blocks.count(), blocks.rows()), (2.0, 3));
     }
 }

@@ -1,21 +1,21 @@
-//! CIEDE2000 to the clean picture: the mean color difference of corresponding pixels (CIE 142-2001; Sharma, Wu and Dalal
-//! 2005, "The CIEDE2000 color-difference formula: implementation notes", eq. 2-22), with k_L = k_C = k_H = 1.
+//! CIEDE2000 to the clean picture: the mean color difference of corresponding pixels (CIE 142-2001; Sharma, Wu and
+//! Dalal 2005, "The CIEDE2000 color-difference formula: implementation notes", eq. 2-22), with k_L = k_C = k_H = 1.
 //!
-//! `ΔE00 = sqrt((ΔL'/S_L)² + (ΔC'/S_C)² + (ΔH'/S_H)² + R_T (ΔC'/S_C)(ΔH'/S_H))` of two colors in CIE Lab. 1 is about the
-//! smallest difference that is seen, black to white is 100; 0 for equal pictures.
+//! `ΔE00 = sqrt((ΔL'/S_L)² + (ΔC'/S_C)² + (ΔH'/S_H)² + R_T (ΔC'/S_C)(ΔH'/S_H))` of two colors in CIE Lab. 1 is about
+//! the smallest visible difference, black to white is 100; 0 for equal pictures.
 //!
-//! The fast form needs no trigonometric function: sines and cosines of hues come from the colors themselves, those of
-//! multiples from sums of angles, and the mean hue is the direction half-way between the two. The one angle in the
-//! formula is a polynomial. Exactly opposite hues have no mean; 0 is taken.
+//! The fast variant needs no trigonometric functions: sines and cosines of hues come from the colors, those of
+//! multiples from angle sums, and the mean hue is the direction half-way between the two. The only angle in the formula
+//! is a polynomial. Opposite hues have no mean; 0 is used.
 
 use imaging::simd::larger;
 use imaging::{Rgb8, lab, vectorized};
 
 use crate::linear::LINEAR;
-use crate::work::Work;
+use crate::work::MetricInput;
 
 /// Mean difference to the clean picture.
-pub(crate) fn ciede2000(work: &Work) -> f64 {
+pub(crate) fn ciede2000(work: &MetricInput) -> f64 {
     mean(work.picture(), work.clean())
 }
 
@@ -25,21 +25,22 @@ fn mean(picture: &Rgb8, clean: &Rgb8) -> f64 {
     sum / (picture.data().len() / 3) as f64
 }
 
-/// Pixels compared at once.
+/// Pixels per block.
 const BLOCK: usize = 32;
 
 #[inline(always)]
 fn total(codes: &[u8], clean: &[u8]) -> f64 {
     let linear: &[f64; 256] = &LINEAR;
-    // A sum for each place in a block, added in order: the same on every machine.
+    // One sum per position in a block, added in order: the same on every machine.
     let mut sums = [0.0f64; BLOCK];
     for (codes, clean) in codes.chunks(3 * BLOCK).zip(clean.chunks(3 * BLOCK)) {
-        // Not by a closure of `map`, which would be compiled without the vector instructions.
+        // A closure of `map` would be compiled without vector instructions.
         let seen = lab::of_codes::<BLOCK>(codes, [linear; 3]);
         let wanted = lab::of_codes::<BLOCK>(clean, [linear; 3]);
         for x in 0..BLOCK {
-            let color = |lab: &[[f64; BLOCK]; 3]| [lab[0][x], lab[1][x], lab[2][x]];
-            sums[x] += difference(color(&seen), color(&wanted));
+            let seen = [seen[0][x], seen[1][x], seen[2][x]];
+            let wanted = [wanted[0][x], wanted[1][x], wanted[2][x]];
+            sums[x] += difference(seen, wanted);
         }
     }
     sums.iter().sum()
@@ -55,7 +56,7 @@ fn difference([l1, a1, b1]: [f64; 3], [l2, a2, b2]: [f64; 3]) -> f64 {
     let (a1, a2) = (stretch * a1, stretch * a2);
     let (c1, c2) = ((a1 * a1 + b1 * b1).sqrt(), (a2 * a2 + b2 * b2).sqrt());
 
-    // 2 sqrt(C1 C2) sin(Δh / 2) from the cross and the dot product; the form that does not cancel is taken.
+    // 2 sqrt(C1 C2) sin(Δh / 2) from the cross and the dot product, in the form without cancellation.
     let (cross, dot) = (a1 * b2 - a2 * b1, a1 * a2 + b1 * b2);
     let product = c1 * c2;
     let near = cross * (2.0 / larger(product + dot, 1e-300)).sqrt();
@@ -110,7 +111,7 @@ fn chroma_share(chroma: f64) -> f64 {
 /// `sin(2 Δθ)` with `Δθ = 30° exp(-((h - 275°) / 25°)²)`, for the cosine and sine of h in 0°..360°.
 #[inline(always)]
 fn sine_of_rotation(c: f64, s: f64) -> f64 {
-    // The angle from 275°, by its quarter: |tan| is below 0.61 where the result is not 0.
+    // The angle from 275°, by quadrant: |tan| is below 0.61 where the result is not 0.
     let (x, y) = (c * COS_275 + s * SIN_275, s * COS_275 - c * SIN_275);
     let half = y / larger(1.0 + x, 1e-9);
     let quarter = half / (1.0 + (1.0 + half * half).sqrt());
@@ -121,7 +122,7 @@ fn sine_of_rotation(c: f64, s: f64) -> f64 {
         series = series * square + if k % 2 == 0 { term } else { -term };
     }
     let degrees = 4.0 * quarter * series * (180.0 / std::f64::consts::PI);
-    // What lies more than 85° ahead is what lies 275° and more behind.
+    // More than 85° ahead equals 275° and more behind.
     let known = degrees < 85.0 && degrees > -125.0;
     let steps = if known { degrees * 0.04 } else { 8.0 };
     let angle = (std::f64::consts::PI / 3.0) * exp_nonpositive(-steps * steps);
@@ -133,7 +134,7 @@ fn sine_of_rotation(c: f64, s: f64) -> f64 {
     angle * sine
 }
 
-/// `exp(x)` for -64 <= x <= 0 within 1e-12: a series on an eighth of a 64th, squared six times over.
+/// `exp(x)` for -64 <= x <= 0 within 1e-12: a series at x/64, squared six times.
 #[inline(always)]
 fn exp_nonpositive(x: f64) -> f64 {
     let small = x * (1.0 / 64.0);
@@ -148,19 +149,17 @@ fn exp_nonpositive(x: f64) -> f64 {
     power
 }
 
-/// ΔE00 of two colors (L, a, b) by the published formulas, angle by angle: what the fast form is compared with.
+/// ΔE00 of two colors (L, a, b) by the published formulas, angle by angle: the reference of the fast variant.
 #[must_use]
 pub fn ciede2000_reference([l1, a1, b1]: [f64; 3], [l2, a2, b2]: [f64; 3]) -> f64 {
-    let seventh = |c: f64| (c.powi(7) / (c.powi(7) + 25f64.powi(7))).sqrt();
     let mean_chroma = (a1.hypot(b1) + a2.hypot(b2)) / 2.0;
-    let stretch = 1.0 + 0.5 * (1.0 - seventh(mean_chroma));
-    let hue = |a: f64, b: f64| match (a, b) {
-        (0.0, 0.0) => 0.0,
-        _ => b.atan2(a).to_degrees().rem_euclid(360.0),
-    };
+    let stretch = 1.0 + 0.5 * (1.0 - chroma_ratio(mean_chroma));
     let (a1, a2) = (stretch * a1, stretch * a2);
     let (c1, c2) = (a1.hypot(b1), a2.hypot(b2));
-    let (h1, h2) = (hue(a1, b1), hue(a2, b2));
+    let [h1, h2] = [(a1, b1), (a2, b2)].map(|(a, b)| match (a, b) {
+        (0.0, 0.0) => 0.0,
+        _ => b.atan2(a).to_degrees().rem_euclid(360.0),
+    });
     let gray = c1 * c2 == 0.0;
     let turn = match h2 - h1 {
         _ if gray => 0.0,
@@ -174,28 +173,32 @@ pub fn ciede2000_reference([l1, a1, b1]: [f64; 3], [l2, a2, b2]: [f64; 3]) -> f6
         sum if sum < 360.0 => (sum + 360.0) / 2.0,
         sum => (sum - 360.0) / 2.0,
     };
-    let cosine = |degrees: f64| degrees.to_radians().cos();
-    let t = 1.0 - 0.17 * cosine(mean_hue - 30.0)
-        + 0.24 * cosine(2.0 * mean_hue)
-        + 0.32 * cosine(3.0 * mean_hue + 6.0)
-        - 0.20 * cosine(4.0 * mean_hue - 63.0);
+    let t = 1.0 - 0.17 * (mean_hue - 30.0).to_radians().cos()
+        + 0.24 * (2.0 * mean_hue).to_radians().cos()
+        + 0.32 * (3.0 * mean_hue + 6.0).to_radians().cos()
+        - 0.20 * (4.0 * mean_hue - 63.0).to_radians().cos();
     let (lightness, chroma) = ((l1 + l2) / 2.0 - 50.0, (c1 + c2) / 2.0);
     let rotation = 30.0 * (-((mean_hue - 275.0) / 25.0).powi(2)).exp();
-    let r_t = -(2.0 * rotation).to_radians().sin() * 2.0 * seventh(chroma);
+    let r_t = -(2.0 * rotation).to_radians().sin() * 2.0 * chroma_ratio(chroma);
     let dl = (l2 - l1) / (1.0 + 0.015 * lightness.powi(2) / (20.0 + lightness.powi(2)).sqrt());
     let dc = (c2 - c1) / (1.0 + 0.045 * chroma);
     let dh = 2.0 * (c1 * c2).sqrt() * (turn / 2.0).to_radians().sin() / (1.0 + 0.015 * chroma * t);
     (dl * dl + dc * dc + dh * dh + r_t * dc * dh).max(0.0).sqrt()
 }
 
+/// `sqrt(C⁷ / (C⁷ + 25⁷))` by powers.
+fn chroma_ratio(chroma: f64) -> f64 {
+    (chroma.powi(7) / (chroma.powi(7) + 25f64.powi(7))).sqrt()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Series cut off, and square roots of small differences.
+    /// Truncated series, and square roots of small differences.
     const AGREEMENT: f64 = 1e-6;
 
-    /// Pairs that the implementation notes publish: hues on both sides of 0°, opposite hues, blues, and ordinary ones.
+    /// Pairs from the implementation notes: hues on both sides of 0°, opposite hues, blues, and ordinary ones.
     const PUBLISHED: [([f64; 3], [f64; 3], f64); 16] = [
         ([50.0, 2.6772, -79.7751], [50.0, 0.0, -82.7485], 2.0425),
         ([50.0, 3.1571, -77.2803], [50.0, 0.0, -82.7485], 2.8615),

@@ -1,18 +1,18 @@
-//! The distinct colors of a picture: most pictures have far fewer of them than pixels.
+//! The distinct colors of a picture, usually far fewer than pixels.
 
-use crate::work::{Part, Work};
+use crate::work::{MetricInput, SharedPart};
 
-/// Every color that occurs, in the order of R, then G, then B, and how often.
+/// All colors in the order of R, then G, then B, and their counts.
 pub(crate) struct Colors {
     /// Codes of one color after the other.
     pub(crate) codes: Vec<u8>,
     pub(crate) counts: Vec<u32>,
-    /// Pixels of the picture.
+    /// Number of pixels of the picture.
     pub(crate) pixels: usize,
 }
 
-impl Part for Colors {
-    fn new(work: &Work) -> Self {
+impl SharedPart for Colors {
+    fn new(work: &MetricInput) -> Self {
         let picture = work.picture();
         let pixels = picture.data().len() / 3;
         // Sorted by red and green in one pass over their pairs; the blues of a pair are few.
@@ -61,7 +61,7 @@ mod tests {
         let picture = Rgb8::from_fn(5, 1, |x, _| {
             [[9, 0, 5], [0, 255, 3], [9, 0, 2], [0, 255, 3], [9, 0, 5]][x]
         });
-        let colors = Colors::new(&Work::new(&picture, None));
+        let colors = Colors::new(&MetricInput::new(&picture, None));
         assert_eq!(colors.codes, [0, 255, 3, 9, 0, 2, 9, 0, 5]);
         assert_eq!((colors.counts, colors.pixels), (vec![2, 1, 2], 5));
     }

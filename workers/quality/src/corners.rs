@@ -1,34 +1,34 @@
-//! Corner repeatability: the share of the corners of the clean picture that are found again at the same place
-//! (Schmid, Mohr and Bauckhage 2000, "Evaluation of interest point detectors"). What a feature tracker asks of a picture.
+//! Corner repeatability: the share of the clean picture's corners present at the same position (Schmid, Mohr and
+//! Bauckhage 2000, "Evaluation of interest point detectors"), as a feature tracker requires.
 //!
-//! Corners are the local maxima (3 × 3) of Harris and Stephens' response (1988), `det M - 0.04 (trace M)²` above 0, with
-//! M the products of Sobel derivatives of the gray codes summed over 5 × 5 pixels; of these the n strongest, one for each
-//! 1024 pixels, at least 16 and at most 512. The same number is taken from both pictures: strength is relative, and a
-//! picture that is only paler loses nothing. A corner is found again when one of the other picture's lies at most one
-//! pixel beside it in each direction; by chance alone that happens to one in a hundred.
+//! Corners are the local maxima (3 × 3) of Harris and Stephens' response (1988), `det M - 0.04 (trace M)²` above 0,
+//! with M the products of Sobel derivatives of the gray codes summed over 5 × 5 pixels; the n strongest count, one per
+//! 1024 pixels, at least 16 and at most 512. Both pictures use the same n: strength is relative, and a merely paler
+//! picture loses nothing. A corner is repeated if the other picture has one at most one pixel away in each direction;
+//! by chance that happens to one in a hundred.
 //!
-//! `repeatability = found again / corners of the clean picture`, 0..=1; 1 when the clean picture has none, since none is
-//! lost. Corners closer than 4 pixels to the border are ignored, since their windows would reach over it.
+//! `repeatability = repeated / corners of the clean picture`, 0..=1; 1 if the clean picture has none. Corners closer
+//! than 4 pixels to the border are ignored, since their windows would cross it.
 
 use imaging::simd::larger;
 use imaging::{Plane, vectorized};
 
 use crate::sobel::{Border, Sobel};
-use crate::work::{Gray, Work};
+use crate::work::{Gray, MetricInput};
 
-/// Pixels for each corner, and the bounds of their number.
+/// Pixels per corner, and the bounds of their number.
 const PIXELS_PER_CORNER: usize = 1024;
 const CORNERS: (usize, usize) = (16, 512);
 /// Weight of the squared trace.
 const HARRIS_K: f64 = 0.04;
-/// Radius of the sums, and of the distance at which a corner counts as found again.
+/// Radius of the sums, and largest distance of a repeated corner.
 const SUM_PX: usize = 2;
 const NEAR_PX: usize = 1;
-/// Corners nearer to the border are left out: sums, derivatives and comparison stay inside.
+/// Corners closer to the border are ignored: sums, derivatives and comparison stay inside.
 const MARGIN_PX: usize = SUM_PX + 2;
 
-/// Share of the clean picture's corners that the picture has at the same place.
-pub(crate) fn repeatability(work: &Work) -> f64 {
+/// Share of the clean picture's corners present at the same position.
+pub(crate) fn repeatability(work: &MetricInput) -> f64 {
     let clean = corners(&work.clean().to_gray8());
     if clean.is_empty() {
         return 1.0;
@@ -45,7 +45,7 @@ pub(crate) fn repeatability(work: &Work) -> f64 {
     found as f64 / clean.len() as f64
 }
 
-/// The strongest corners (x, y) of a plane; of equally strong ones the first.
+/// The strongest corners (x, y) of a plane; ties go to the first.
 fn corners(gray: &Plane<u8>) -> Vec<(usize, usize)> {
     let (width, height) = gray.size();
     if width.min(height) <= 2 * MARGIN_PX {
@@ -65,9 +65,8 @@ fn corners(gray: &Plane<u8>) -> Vec<(usize, usize)> {
         }
     }
     let wanted = (width * height / PIXELS_PER_CORNER).clamp(CORNERS.0, CORNERS.1);
-    let stronger = |a: &(f64, usize), b: &(f64, usize)| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1));
     if found.len() > wanted {
-        found.select_nth_unstable_by(wanted, stronger);
+        found.select_nth_unstable_by(wanted, |a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         found.truncate(wanted);
     }
     found
@@ -76,22 +75,21 @@ fn corners(gray: &Plane<u8>) -> Vec<(usize, usize)> {
         .collect()
 }
 
-/// Marks what is above 0 and not below any neighbor.
+/// Marks positive values not below any neighbor.
 #[inline(always)]
 fn mark_highest([above, here, below]: [&[f64]; 3], highest: &mut [bool]) {
     let inner = here.len() - 2;
-    let neighbors = |row: &'_ [f64], x: usize| larger(larger(row[x], row[x + 1]), row[x + 2]);
     let [above, here, below] = [&above[..inner + 2], &here[..inner + 2], &below[..inner + 2]];
     for (x, highest) in highest[1..=inner].iter_mut().enumerate() {
         let most = larger(
-            larger(neighbors(above, x), neighbors(below, x)),
-            neighbors(here, x),
+            larger(largest_of_three(above, x), largest_of_three(below, x)),
+            largest_of_three(here, x),
         );
         *highest = (here[x + 1] > 0.0) & (here[x + 1] >= most);
     }
 }
 
-/// Not below any neighbor, and above those that come first: a plateau has one peak.
+/// Not below any neighbor, and above the preceding ones: a plateau has one peak.
 fn is_peak(rows: [&[f64]; 3], x: usize) -> bool {
     let own = rows[1][x];
     let [above, here, below] = rows.map(|row| &row[x - 1..=x + 1]);
@@ -101,14 +99,14 @@ fn is_peak(rows: [&[f64]; 3], x: usize) -> bool {
         && below.iter().all(|&other| other <= own)
 }
 
-/// Harris' response of every pixel whose window lies inside. All sums and the determinant are whole numbers below 2^53.
+/// Harris' response of every pixel with a complete window. All sums and the determinant are integers below 2^53.
 #[inline(always)]
 fn harris(gray: &Plane<u8>, response: &mut Plane<f64>) {
     let (width, height) = gray.size();
     let window = 2 * SUM_PX + 1;
     let mut sobel = Sobel::new(gray, Border::Replicate);
     let (mut gx, mut gy) = (vec![0i16; width], vec![0i16; width]);
-    // Sums of the products down the window, and a ring of the rows in it.
+    // Column sums of the products in the window, and a ring of their rows.
     let mut sums = [0; 3].map(|_| vec![0i32; width]);
     let mut ring = vec![[0; 3].map(|_| vec![0i32; width]); window];
     for y in 0..height {
@@ -123,7 +121,7 @@ fn harris(gray: &Plane<u8>, response: &mut Plane<f64>) {
     }
 }
 
-/// Puts the products of a row into the sums, in place of those that leave.
+/// Replaces the oldest row in the sums by the products of a new one.
 #[inline(always)]
 fn exchange(sums: &mut [i32], row: &mut [i32], a: &[i16], b: &[i16]) {
     for ((sum, old), (&a, &b)) in sums.iter_mut().zip(row).zip(a.iter().zip(b)) {
@@ -136,13 +134,17 @@ fn exchange(sums: &mut [i32], row: &mut [i32], a: &[i16], b: &[i16]) {
 #[inline(always)]
 fn respond(sums: &[Vec<i32>; 3], response: &mut [f64]) {
     const WINDOW: usize = 2 * SUM_PX + 1;
-    let across = |sums: &[i32], x: usize| (0..WINDOW).map(|i| sums[x + i]).sum::<i32>();
     let inner = response.len() - 2 * SUM_PX;
     let [xx, xy, yy] = sums.each_ref().map(|sums| &sums[..inner + 2 * SUM_PX]);
     for (x, response) in response[SUM_PX..SUM_PX + inner].iter_mut().enumerate() {
-        let [xx, xy, yy] = [xx, xy, yy].map(|sums| f64::from(across(sums, x)));
+        let [xx, xy, yy] = [xx, xy, yy].map(|sums| f64::from((0..WINDOW).map(|i| sums[x + i]).sum::<i32>()));
         *response = xx * yy - xy * xy - HARRIS_K * (xx + yy) * (xx + yy);
     }
+}
+
+#[inline(always)]
+fn largest_of_three(row: &[f64], x: usize) -> f64 {
+    larger(larger(row[x], row[x + 1]), row[x + 2])
 }
 
 #[cfg(test)]

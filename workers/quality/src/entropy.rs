@@ -1,37 +1,37 @@
 //! Shannon entropy, `H = -Σ p log2 p` in bits, of several distributions of a picture's codes.
 
 use crate::colors::Colors;
-use crate::work::{Channels, Gray, Work};
+use crate::work::{ChannelPlanes, Gray, MetricInput};
 
 /// Entropy of the 256-bin histogram of gray codes, 0..=8.
-pub(crate) fn gray(work: &Work) -> f64 {
+pub(crate) fn gray(work: &MetricInput) -> f64 {
     of_codes(work.part::<Gray>().0.data())
 }
 
 /// Entropy of the red channel, 0..=8.
-pub(crate) fn red(work: &Work) -> f64 {
-    of_codes(work.part::<Channels>().0[0].data())
+pub(crate) fn red(work: &MetricInput) -> f64 {
+    of_codes(work.part::<ChannelPlanes>().0[0].data())
 }
 
 /// Entropy of the green channel, 0..=8.
-pub(crate) fn green(work: &Work) -> f64 {
-    of_codes(work.part::<Channels>().0[1].data())
+pub(crate) fn green(work: &MetricInput) -> f64 {
+    of_codes(work.part::<ChannelPlanes>().0[1].data())
 }
 
 /// Entropy of the blue channel, 0..=8.
-pub(crate) fn blue(work: &Work) -> f64 {
-    of_codes(work.part::<Channels>().0[2].data())
+pub(crate) fn blue(work: &MetricInput) -> f64 {
+    of_codes(work.part::<ChannelPlanes>().0[2].data())
 }
 
-/// Entropy over distinct colors, 0..=24 and never above `log2` of the number of pixels.
-pub(crate) fn joint(work: &Work) -> f64 {
+/// Entropy over distinct colors, 0..=24 and at most `log2` of the number of pixels.
+pub(crate) fn joint(work: &MetricInput) -> f64 {
     let colors = work.part::<Colors>();
     of_counts(colors.counts.iter().copied(), colors.pixels)
 }
 
-/// Entropy of the pairs (gray code, mean gray code of the 3 × 3 neighborhood rounded down), 0..=16. The center counts
-/// to its neighborhood and the border is replicated.
-pub(crate) fn with_neighborhood(work: &Work) -> f64 {
+/// Entropy of the pairs (gray code, mean gray code of the 3 × 3 neighborhood rounded down), 0..=16. The neighborhood
+/// includes the center; the border is replicated.
+pub(crate) fn with_neighborhood(work: &MetricInput) -> f64 {
     let gray = &work.part::<Gray>().0;
     let (width, height) = gray.size();
     let mut counts = vec![0u32; 1 << 16];
@@ -61,7 +61,7 @@ fn of_codes(codes: &[u8]) -> f64 {
     of_counts(counts.into_iter(), codes.len())
 }
 
-/// `-Σ p log2 p` with `p = count / total`, in the order given; `0 log 0` is 0.
+/// `-Σ p log2 p` with `p = count / total`, in the given order; `0 log 0` is 0.
 fn of_counts(counts: impl Iterator<Item = u32>, total: usize) -> f64 {
     let total = total as f64;
     let mut entropy = 0.0;

@@ -1,9 +1,9 @@
-//! Why a picture cannot be measured.
+//! Errors of measurements.
 
 /// A picture that cannot be measured.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum QualityError {
-    /// The picture has no pixel.
+    /// The picture has no pixels.
     #[error("picture is {width}×{height} but needs at least 1×1")]
     Empty {
         /// Columns.
@@ -11,7 +11,7 @@ pub enum QualityError {
         /// Rows.
         height: usize,
     },
-    /// A metric compares with a clean picture and there is none.
+    /// A metric needs a clean picture and there is none.
     #[error("{metric} compares with a clean picture and none was given")]
     NoReference {
         /// The metric's name.

@@ -1,14 +1,14 @@
-//! Image quality metrics in their published profiles, and the registry that names them.
+//! Image quality metrics in their published profiles, and their registry.
 //!
-//! Most metrics need no reference picture: entropies, UICM, UISM, UIConM and UIQM (Panetta, Gao and Agaian 2016),
-//! UCIQE (Yang and Sowmya 2015), light uniformity. PSNR, SSIM, CIEDE2000 and corner repeatability compare with a clean
-//! picture. Published programs disagree, so UIQM and
-//! its parts come in three named [`Profile`]s, and a value is only worth something beside its profile.
+//! Most metrics need no reference picture: entropies, UICM, UISM, UIConM and UIQM (Panetta, Gao and Agaian 2016), UCIQE
+//! (Yang and Sowmya 2015), light uniformity. PSNR, SSIM, CIEDE2000 and corner repeatability compare with a clean
+//! picture. Published programs disagree, so UIQM and its parts come in three named [`Profile`]s; compare values within
+//! a profile only.
 //!
 //! Every metric of every picture of at least one pixel is finite and never -0. Sums have a fixed order: the same
-//! picture gives the same bits anywhere.
+//! picture yields the same bits on any machine.
 //!
-//! A new metric is one file with a function of [`Work`](work::Work), declared here, and one row in the registry.
+//! A new metric is one file with a function of [`MetricInput`](work::MetricInput), declared here, and one row in the registry.
 
 mod blocks;
 mod ciede2000;
@@ -19,6 +19,7 @@ mod error;
 mod light_uniformity;
 mod linear;
 mod measure;
+mod profile;
 mod psnr;
 mod registry;
 mod sobel;
@@ -33,5 +34,6 @@ mod work;
 pub use ciede2000::ciede2000_reference;
 pub use error::QualityError;
 pub use measure::measure;
-pub use registry::{MetricId, MetricInfo, Profile};
+pub use profile::Profile;
+pub use registry::{MetricId, MetricInfo};
 pub use ssim::ssim_reference;

@@ -1,18 +1,18 @@
-//! Measuring a picture by any number of metrics.
+//! Measures a picture by any number of metrics.
 
 use std::collections::BTreeMap;
 
 use imaging::{Rgb8, cancel};
 
 use crate::error::QualityError;
-use crate::registry::{Compute, MetricId};
-use crate::work::Work;
+use crate::registry::{MetricFormula, MetricId};
+use crate::work::MetricInput;
 
-/// Measures a picture, and returns the values in the order of the request. Pixels are 8-bit sRGB codes.
+/// Measures a picture and returns the values in the order of the request. Pixels are 8-bit sRGB codes.
 ///
 /// # Errors
-/// [`QualityError`] when the picture has no pixel, when a metric compares and `clean` is `None`, or when `clean` has
-/// another size.
+/// [`QualityError`] if the picture has no pixels, if a metric needs `clean` and it is `None`, or if `clean` has another
+/// size.
 pub fn measure(
     picture: &Rgb8,
     clean: Option<&Rgb8>,
@@ -38,7 +38,7 @@ pub fn measure(
             });
         }
     }
-    let work = Work::new(picture, clean);
+    let work = MetricInput::new(picture, clean);
     let mut known = BTreeMap::new();
     let measured = metrics
         .iter()
@@ -46,20 +46,20 @@ pub fn measure(
     Ok(measured.collect())
 }
 
-/// A metric's value, computed once: sums are made of it, too.
-fn value(work: &Work, metric: MetricId, known: &mut BTreeMap<MetricId, f64>) -> f64 {
+/// A metric's value, computed once: sums need it, too.
+fn value(work: &MetricInput, metric: MetricId, known: &mut BTreeMap<MetricId, f64>) -> f64 {
     if let Some(value) = known.get(&metric) {
         return *value;
     }
     cancel::check();
     let computed = match metric.info().compute {
-        Compute::Direct(compute) => compute(work),
-        Compute::Sum(terms) => {
-            let term = |(name, weight): &(&str, f64)| weight * value(work, metric.sibling(name), known);
-            terms.iter().map(term).sum()
-        }
+        MetricFormula::Direct(compute) => compute(work),
+        MetricFormula::Sum(terms) => terms
+            .iter()
+            .map(|(name, weight)| weight * value(work, metric.sibling(name), known))
+            .sum(),
     };
-    // Adding 0 turns -0 into +0 and leaves everything else.
+    // Adding 0 turns -0 into +0 and nothing else.
     known.insert(metric, computed + 0.0);
     computed + 0.0
 }

@@ -1,13 +1,13 @@
 //! PSNR: `10 log10(255² / MSE)` in dB over the 8-bit codes of all three channels, against a clean picture.
 
-use crate::work::Work;
+use crate::work::MetricInput;
 
-/// Greatest value, given for equal pictures too: a single code that is off by one in 64 million pixels is at 131 dB, and
-/// values above this are not distinguished.
+/// Largest value, also for equal pictures: a single code off by one in 64 million pixels is at 131 dB, and higher
+/// values are not distinguished.
 pub(crate) const CAP_DB: f64 = 100.0;
 
 /// Peak signal-to-noise ratio, 0..=100 dB.
-pub(crate) fn psnr(work: &Work) -> f64 {
+pub(crate) fn psnr(work: &MetricInput) -> f64 {
     let (codes, clean) = (work.picture().data(), work.clean().data());
     let squares: u64 = codes
         .iter()

@@ -3,53 +3,16 @@
 use std::fmt;
 use std::ops::RangeInclusive;
 
-use crate::work::Work;
+use crate::profile::Profile;
+use crate::work::MetricInput;
 use crate::{ciede2000, corners, entropy, light_uniformity, psnr, ssim, uciqe, uicm, uiconm, uiqm, uism};
 
-/// Which published arithmetic a metric follows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Profile {
-    /// The formulas of the article (Panetta, Gao and Agaian 2016). The default: its name is not written.
-    Panetta,
-    /// The program that underwater deep-learning papers share, with its slips.
-    Funie,
-    /// What agrees with the arithmetic of the published comparison table of enhancement methods.
-    Table1,
-}
-
-impl Profile {
-    /// Every profile, the default first.
-    pub const ALL: [Self; 3] = [Self::Panetta, Self::Funie, Self::Table1];
-
-    /// Whose arithmetic it is.
-    #[must_use]
-    pub fn about(self) -> &'static str {
-        match self {
-            Self::Panetta => "formulas of Panetta, Gao and Agaian 2016; the default, whose name is left out",
-            Self::Funie => "the program that underwater deep-learning papers share, with its slips",
-            Self::Table1 => {
-                "arithmetic that agrees with the published comparison table of enhancement methods"
-            }
-        }
-    }
-
-    /// As written behind the `@`.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Panetta => "panetta",
-            Self::Funie => "funie",
-            Self::Table1 => "table1",
-        }
-    }
-}
-
-/// How a metric is computed.
+/// Computation of a metric.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Compute {
+pub(crate) enum MetricFormula {
     /// From the picture.
-    Direct(fn(&Work) -> f64),
-    /// As a sum of other metrics of the same profile, by their names and weights.
+    Direct(fn(&MetricInput) -> f64),
+    /// As a sum of other metrics of the same profile, by name and weight.
     Sum(&'static [(&'static str, f64)]),
 }
 
@@ -60,13 +23,13 @@ pub struct MetricInfo {
     pub name: &'static str,
     /// Profile, for metrics that have several.
     pub profile: Option<Profile>,
-    /// What it measures.
+    /// Short description.
     pub about: &'static str,
-    /// Bounds that no 8-bit picture leaves; infinite where no bound is known.
+    /// Bounds over all 8-bit pictures; infinite if unknown.
     pub range: RangeInclusive<f64>,
-    /// Whether a clean picture is needed.
+    /// Whether it needs a clean picture.
     pub needs_reference: bool,
-    pub(crate) compute: Compute,
+    pub(crate) compute: MetricFormula,
 }
 
 /// A metric of the registry, by its row.
@@ -74,20 +37,20 @@ pub struct MetricInfo {
 pub struct MetricId(u8);
 
 impl MetricId {
-    /// The metric of this name, `name` or `name@profile`; a name without profile means `panetta`.
+    /// The metric of this name, `name` or `name@profile`; the default profile is `panetta`.
     #[must_use]
     pub fn parse(name: &str) -> Option<Self> {
         let (name, profile) = name
             .split_once('@')
             .map_or((name, None), |(name, profile)| (name, Some(profile)));
-        let wanted = |info: &MetricInfo| match (info.profile, profile) {
-            (None, None) => true,
-            (Some(own), profile) => own.name() == profile.unwrap_or(Profile::Panetta.name()),
-            (None, Some(_)) => false,
-        };
-        let row = REGISTRY
-            .iter()
-            .position(|info| info.name == name && wanted(info))?;
+        let row = REGISTRY.iter().position(|info| {
+            info.name == name
+                && match (info.profile, profile) {
+                    (None, None) => true,
+                    (Some(own), profile) => own.name() == profile.unwrap_or(Profile::Panetta.name()),
+                    (None, Some(_)) => false,
+                }
+        })?;
         Some(Self(row as u8))
     }
 
@@ -102,7 +65,7 @@ impl MetricId {
         &REGISTRY[usize::from(self.0)]
     }
 
-    /// The metric of another name and the same profile.
+    /// The metric of another name in the same profile.
     pub(crate) fn sibling(self, name: &str) -> Self {
         let profile = self.info().profile;
         let row = REGISTRY
@@ -112,7 +75,7 @@ impl MetricId {
     }
 }
 
-/// The name that [`MetricId::parse`] reads; the default profile is left out.
+/// The name for [`MetricId::parse`], without the default profile.
 impl fmt::Display for MetricId {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let info = self.info();
@@ -128,7 +91,7 @@ const fn row(
     name: &'static str,
     about: &'static str,
     range: RangeInclusive<f64>,
-    compute: fn(&Work) -> f64,
+    compute: fn(&MetricInput) -> f64,
 ) -> MetricInfo {
     MetricInfo {
         name,
@@ -136,12 +99,12 @@ const fn row(
         about,
         range,
         needs_reference: false,
-        compute: Compute::Direct(compute),
+        compute: MetricFormula::Direct(compute),
     }
 }
 
 impl MetricInfo {
-    const fn with(self, profile: Profile) -> Self {
+    const fn with_profile(self, profile: Profile) -> Self {
         Self {
             profile: Some(profile),
             ..self
@@ -167,7 +130,7 @@ const fn sum(
         about: "weighted sum of uicm, uism and uiconm of the same profile",
         range,
         needs_reference: false,
-        compute: Compute::Sum(terms),
+        compute: MetricFormula::Sum(terms),
     }
 }
 
@@ -218,63 +181,63 @@ static REGISTRY: &[MetricInfo] = &[
         -7.7..=58.0,
         uicm::panetta,
     )
-    .with(Panetta),
+    .with_profile(Panetta),
     row(
         "uicm",
         "colorfulness: spread of the opponent colors, less their shift from gray",
         -7.7..=58.0,
         uicm::funie,
     )
-    .with(Funie),
+    .with_profile(Funie),
     row(
         "uicm",
         "colorfulness: spread of the opponent colors, less their shift from gray",
         -7.7..=58.0,
         uicm::table1,
     )
-    .with(Table1),
+    .with_profile(Table1),
     row(
         "uism",
         "sharpness: contrast of edges, channel by channel",
         0.0..=26.0,
         uism::panetta,
     )
-    .with(Panetta),
+    .with_profile(Panetta),
     row(
         "uism",
         "sharpness: contrast of edges, channel by channel",
         0.0..=26.8,
         uism::funie,
     )
-    .with(Funie),
+    .with_profile(Funie),
     row(
         "uism",
         "sharpness: contrast of edges, channel by channel",
         0.0..=11.1,
         uism::table1,
     )
-    .with(Table1),
+    .with_profile(Table1),
     row(
         "uiconm",
         "contrast of blocks as an entropy-like mean",
         0.0..=0.368,
         uiconm::panetta,
     )
-    .with(Panetta),
+    .with_profile(Panetta),
     row(
         "uiconm",
         "contrast of blocks as an entropy-like mean",
         0.0..=0.368,
         uiconm::funie,
     )
-    .with(Funie),
+    .with_profile(Funie),
     row(
         "uiconm",
         "contrast of blocks as an entropy-like mean",
         -INFINITY..=INFINITY,
         uiconm::table1,
     )
-    .with(Table1),
+    .with_profile(Table1),
     sum(Panetta, -0.3..=10.7, &uiqm::PANETTA),
     sum(Funie, -0.3..=10.9, &uiqm::PANETTA),
     sum(Table1, -INFINITY..=INFINITY, &uiqm::TABLE1),
@@ -290,7 +253,7 @@ static REGISTRY: &[MetricInfo] = &[
         0.0..=1.0,
         uciqe::sigma_c,
     ),
-    // White comes out at 1 + 4e-8: the rows of the matrix do not add up to the white exactly.
+    // White yields 1 + 4e-8: the rows of the matrix do not add up to the white exactly.
     row(
         "uciqe_con_l",
         "part of uciqe: contrast of lightness",

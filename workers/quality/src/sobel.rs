@@ -2,12 +2,12 @@
 
 use imaging::Plane;
 
-/// Continuation beyond the border.
+/// Extension beyond the border.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Border {
     /// The edge pixel.
     Replicate,
-    /// The pixel before the edge pixel; the edge pixel where there is no other.
+    /// The pixel next to the edge pixel; the edge pixel if there is no other.
     Reflect,
 }
 
@@ -15,7 +15,7 @@ pub(crate) enum Border {
 pub(crate) struct Sobel<'a> {
     channel: &'a Plane<u8>,
     border: Border,
-    /// Sums down a column with weights 1 2 1, and differences down a column, with one column more on each side.
+    /// Column sums with weights 1 2 1, and column differences, with one more column on each side.
     smoothed: Vec<i16>,
     differences: Vec<i16>,
 }

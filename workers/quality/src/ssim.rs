@@ -1,16 +1,16 @@
 //! SSIM against a clean picture, on gray codes (Wang, Bovik, Sheikh and Simoncelli 2004).
 //!
-//! `SSIM = mean of (2 μ_x μ_y + C1)(2 σ_xy + C2) / ((μ_x² + μ_y² + C1)(σ_x² + σ_y² + C2))` over windows of 11 × 11
-//! with Gaussian weights, σ = 1.5 px; `C1 = (0.01 · 255)²`, `C2 = (0.03 · 255)²`; moments are weighted means.
+//! `SSIM = mean of (2 μ_x μ_y + C1)(2 σ_xy + C2) / ((μ_x² + μ_y² + C1)(σ_x² + σ_y² + C2))` over windows of 11 × 11 with
+//! Gaussian weights, σ = 1.5 px; `C1 = (0.01 · 255)²`, `C2 = (0.03 · 255)²`; moments are weighted means.
 //!
-//! Border: only windows that lie wholly inside count. A picture with a side below 11 has none; there every pixel
-//! has a window, and both pictures go on beyond their borders by reflection without repeating the edge.
+//! Border: only complete windows count. A picture with a side below 11 has none; there every pixel has a window, and
+//! both pictures are extended by reflection without repeating the edge.
 
 use std::borrow::Cow;
 
 use imaging::{Plane, cancel, reflected, vectorized};
 
-use crate::work::{Gray, Work};
+use crate::work::{Gray, MetricInput};
 
 const WINDOW_PX: usize = 11;
 const RADIUS_PX: usize = WINDOW_PX / 2;
@@ -19,16 +19,16 @@ const C1: f64 = (0.01 * 255.0) * (0.01 * 255.0);
 const C2: f64 = (0.03 * 255.0) * (0.03 * 255.0);
 
 /// Structural similarity, -1..=1.
-pub(crate) fn ssim(work: &Work) -> f64 {
+pub(crate) fn ssim(work: &MetricInput) -> f64 {
     let (x, y) = (work.part::<Gray>(), work.clean().to_gray8());
     let (x, y) = (extended(&x.0), extended(&y));
     vectorized!(separable(&x, &y))
 }
 
-/// The definition, window by window: what the fast variant is compared with.
+/// The definition, window by window: the reference of the fast variant.
 ///
 /// # Panics
-/// When the planes differ in size or have no pixel.
+/// If the planes differ in size or are empty.
 #[must_use]
 pub fn ssim_reference(x: &Plane<u8>, y: &Plane<u8>) -> f64 {
     assert_eq!(x.size(), y.size(), "planes to compare are of one size");
@@ -39,7 +39,7 @@ pub fn ssim_reference(x: &Plane<u8>, y: &Plane<u8>) -> f64 {
     let mut sum = 0.0;
     for top in 0..rows {
         for left in 0..columns {
-            let mut moments = Moments::default();
+            let mut moments = WindowMoments::default();
             for (j, down) in weights.iter().enumerate() {
                 for (i, across) in weights.iter().enumerate() {
                     let (a, b) = (
@@ -60,14 +60,14 @@ pub fn ssim_reference(x: &Plane<u8>, y: &Plane<u8>) -> f64 {
 
 /// Weighted means of x, y, x² + y² and x y over one window.
 #[derive(Default)]
-struct Moments {
+struct WindowMoments {
     x: f64,
     y: f64,
     squares: f64,
     product: f64,
 }
 
-impl Moments {
+impl WindowMoments {
     #[inline(always)]
     fn similarity(&self) -> f64 {
         let (mean_product, mean_squares) = (self.x * self.y, self.x * self.x + self.y * self.y);
@@ -76,7 +76,7 @@ impl Moments {
     }
 }
 
-/// The same down the columns, then along the rows.
+/// The fast variant: down the columns, then along the rows.
 #[inline(always)]
 fn separable(picture: &Plane<u8>, clean: &Plane<u8>) -> f64 {
     let weights = weights();
@@ -103,7 +103,7 @@ fn separable(picture: &Plane<u8>, clean: &Plane<u8>) -> f64 {
             }
         }
         for (left, similarity) in similarities.iter_mut().enumerate() {
-            let mut moments = Moments::default();
+            let mut moments = WindowMoments::default();
             for (i, &weight) in weights.iter().enumerate() {
                 moments.x += weight * x[left + i];
                 moments.y += weight * y[left + i];
@@ -119,22 +119,26 @@ fn separable(picture: &Plane<u8>, clean: &Plane<u8>) -> f64 {
 
 /// Gaussian weights along one axis, of sum 1.
 fn weights() -> [f64; WINDOW_PX] {
-    let weight = |i: usize| (-0.5 * ((i as f64 - RADIUS_PX as f64) / SIGMA_PX).powi(2)).exp();
-    let sum: f64 = (0..WINDOW_PX).map(weight).sum();
-    std::array::from_fn(|i| weight(i) / sum)
+    let weights: [f64; WINDOW_PX] =
+        std::array::from_fn(|i| (-0.5 * ((i as f64 - RADIUS_PX as f64) / SIGMA_PX).powi(2)).exp());
+    let sum: f64 = weights.iter().sum();
+    weights.map(|weight| weight / sum)
 }
 
-/// The plane itself where windows fit, else with half a window of reflection around it.
+/// The unchanged plane if windows fit, else with half a window of reflection around it.
 fn extended(plane: &Plane<u8>) -> Cow<'_, Plane<u8>> {
     let (width, height) = plane.size();
     if width.min(height) >= WINDOW_PX {
         return Cow::Borrowed(plane);
     }
-    let source = |i: usize, n: usize| reflected(i as isize - RADIUS_PX as isize, n);
     Cow::Owned(Plane::from_fn(
         width + 2 * RADIUS_PX,
         height + 2 * RADIUS_PX,
-        |x, y| plane.pixel(source(x, width), source(y, height)),
+        |x, y| {
+            let x = reflected(x as isize - RADIUS_PX as isize, width);
+            let y = reflected(y as isize - RADIUS_PX as isize, height);
+            plane.pixel(x, y)
+        },
     ))
 }
 
@@ -151,7 +155,7 @@ mod tests {
         for (width, height) in [(1, 1), (1, 9), (10, 40), (11, 11), (12, 11), (31, 23), (64, 13)] {
             let x = Plane::from_fn(width, height, |x, y| (x * 37 + y * y * 11) as u8);
             let y = Plane::from_fn(width, height, |x, y| (x * x * 5 + y * 29) as u8);
-            // Both sum the same terms; 121 products of 16-bit values in double precision.
+            // Both sum the same terms; 121 products of 16-bit values in f64.
             assert!(
                 (fast(&x, &y) - ssim_reference(&x, &y)).abs() < 1e-11,
                 "{width}×{height}"

@@ -1,34 +1,34 @@
 //! UCIQE: spread of chroma, contrast of lightness and mean saturation in CIE Lab (Yang and Sowmya 2015).
 //!
-//! sRGB codes → linear light → XYZ (sRGB primaries) → Lab with white (0.95047, 1, 1.08883); `l = L / 100`,
-//! `C = sqrt(a² + b²) / 100` (0 below 1e-6, which is rounding of a gray).
-//! `UCIQE = 0.4680 σ_C + 0.2745 con_l + 0.2576 μ_s`: σ_C the standard deviation of C; con_l the mean of the k largest l
-//! less the mean of the k smallest, k one hundredth of the pixels, at least 1; μ_s the mean of `s = C / sqrt(C² + l²)`.
+//! sRGB codes → linear light → XYZ (sRGB primaries) → Lab with white (0.95047, 1, 1.08883); `l = L / 100`, `C = sqrt(a²
+//! + b²) / 100` (0 below 1e-6, which is rounding of a gray). `UCIQE = 0.4680 σ_C + 0.2745 con_l + 0.2576 μ_s`: σ_C the
+//! standard deviation of C; con_l the mean of the k largest l less the mean of the k smallest, k one hundredth of the
+//! pixels, at least 1; μ_s the mean of `s = C / sqrt(C² + l²)`.
 
 use imaging::{lab, vectorized};
 
 use crate::colors::Colors;
 use crate::linear::LINEAR;
-use crate::work::{Part, Work};
+use crate::work::{MetricInput, SharedPart};
 
-/// UCIQE itself.
-pub(crate) fn uciqe(work: &Work) -> f64 {
+/// The weighted sum.
+pub(crate) fn uciqe(work: &MetricInput) -> f64 {
     let Terms { sigma_c, con_l, mu_s } = *work.part();
     0.4680 * sigma_c + 0.2745 * con_l + 0.2576 * mu_s
 }
 
 /// Standard deviation of chroma.
-pub(crate) fn sigma_c(work: &Work) -> f64 {
+pub(crate) fn sigma_c(work: &MetricInput) -> f64 {
     work.part::<Terms>().sigma_c
 }
 
 /// Contrast of lightness.
-pub(crate) fn con_l(work: &Work) -> f64 {
+pub(crate) fn con_l(work: &MetricInput) -> f64 {
     work.part::<Terms>().con_l
 }
 
 /// Mean saturation.
-pub(crate) fn mu_s(work: &Work) -> f64 {
+pub(crate) fn mu_s(work: &MetricInput) -> f64 {
     work.part::<Terms>().mu_s
 }
 
@@ -39,8 +39,8 @@ struct Terms {
     mu_s: f64,
 }
 
-impl Part for Terms {
-    fn new(work: &Work) -> Self {
+impl SharedPart for Terms {
+    fn new(work: &MetricInput) -> Self {
         let colors = work.part::<Colors>();
         vectorized!(terms(&colors, &LINEAR))
     }
@@ -48,7 +48,7 @@ impl Part for Terms {
 
 /// Colors converted together.
 const BATCH: usize = 64;
-/// Independent partial sums, added up in this order whatever the vector unit.
+/// Independent partial sums, added in a fixed order on any vector unit.
 const LANES: usize = 8;
 
 #[inline(always)]
@@ -59,12 +59,12 @@ fn terms(colors: &Colors, linear: &[f64; 256]) -> Terms {
         pixels,
     } = colors;
     let mut lightness = vec![0.0f64; counts.len()];
-    // Chroma is taken relative to the first color's, so that its variance does not cancel.
-    let origin = Batch::new(linear, &codes[..3]).chroma[0];
+    // Chroma relative to the first color's, so that its variance does not cancel.
+    let origin = ColorBatch::new(linear, &codes[..3]).chroma[0];
     let [mut chroma_sums, mut square_sums, mut saturation_sums] = [[0.0f64; LANES]; 3];
     let weighted = lightness.chunks_mut(BATCH).zip(counts.chunks(BATCH));
     for (codes, (lightness, counts)) in codes.chunks(3 * BATCH).zip(weighted) {
-        let batch = Batch::new(linear, codes);
+        let batch = ColorBatch::new(linear, codes);
         let count = lightness.len();
         lightness.copy_from_slice(&batch.lightness[..count]);
         for i in 0..count {
@@ -83,14 +83,14 @@ fn terms(colors: &Colors, linear: &[f64; 256]) -> Terms {
     }
 }
 
-/// What is measured of each color.
-struct Batch {
+/// Lab quantities of a batch of colors.
+struct ColorBatch {
     lightness: [f64; BATCH],
     chroma: [f64; BATCH],
     saturation: [f64; BATCH],
 }
 
-impl Batch {
+impl ColorBatch {
     #[inline(always)]
     fn new(linear: &[f64; 256], codes: &[u8]) -> Self {
         let [l, a, b] = lab::of_codes::<BATCH>(codes, [linear; 3]);
@@ -112,8 +112,8 @@ impl Batch {
     }
 }
 
-/// Mean of the k largest values less the mean of the k smallest, k a hundredth of them, rounded, at least 1. Every value
-/// stands for as many as its count.
+/// Mean of the k largest values less the mean of the k smallest, k a hundredth of them, rounded, at least 1. `counts`
+/// are the multiplicities of the values.
 fn contrast(lightness: &[f64], counts: &[u32]) -> f64 {
     const BINS: usize = 4096;
     let total: usize = counts.iter().map(|&count| count as usize).sum();
@@ -161,7 +161,7 @@ fn first(values: &[(f64, u32)], wanted: usize) -> f64 {
     sum
 }
 
-/// The bin that only some of the k first values fall into, and how many of it.
+/// The bin that contains the k-th value, and the number of its values among the first k.
 struct Boundary {
     bin: usize,
     wanted: usize,
@@ -209,7 +209,7 @@ mod tests {
     #[test]
     fn gray_has_no_chroma() {
         let gray = Rgb8::from_fn(16, 16, |x, y| [(16 * y + x) as u8; 3]);
-        let terms = Work::new(&gray, None).part::<Terms>();
+        let terms = MetricInput::new(&gray, None).part::<Terms>();
         assert_eq!((terms.sigma_c, terms.mu_s), (0.0, 0.0));
         // Black and white, three of 256 at either end.
         assert!(terms.con_l > 0.98 && terms.con_l < 1.0);

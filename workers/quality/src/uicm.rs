@@ -1,59 +1,59 @@
 //! UICM, colorfulness: spread of the opponent colors `RG = R - G` and `YB = (R + G) / 2 - B`, less their shift from
 //! gray (Panetta, Gao and Agaian 2016, eq. 1-4).
 //!
-//! `UICM = -0.0268 sqrt(μ_RG² + μ_YB²) + 0.1586 sqrt(σ²_RG + σ²_YB)`, where μ leaves out the lowest tenth of the sorted
+//! `UICM = -0.0268 sqrt(μ_RG² + μ_YB²) + 0.1586 sqrt(σ²_RG + σ²_YB)`, where μ omits the lowest tenth of the sorted
 //! values (rounded up) and the highest tenth (rounded down), and σ² is the mean squared distance of all values from
 //! that μ.
 //!
 //! `funie` drops one more value from the sum of μ but divides by the same number. `table1` rounds YB down.
 
-use crate::work::{Part, Work};
+use crate::work::{MetricInput, SharedPart};
 
 /// UICM of the article.
-pub(crate) fn panetta(work: &Work) -> f64 {
+pub(crate) fn panetta(work: &MetricInput) -> f64 {
     let Opponents { rg, yb } = &*work.part();
     uicm(rg.moments(0), yb.moments(0))
 }
 
 /// UICM with one value too few in the mean.
-pub(crate) fn funie(work: &Work) -> f64 {
+pub(crate) fn funie(work: &MetricInput) -> f64 {
     let Opponents { rg, yb } = &*work.part();
     uicm(rg.moments(1), yb.moments(1))
 }
 
-/// UICM with YB in whole numbers.
-pub(crate) fn table1(work: &Work) -> f64 {
+/// UICM with integral YB.
+pub(crate) fn table1(work: &MetricInput) -> f64 {
     let Opponents { rg, yb } = &*work.part();
     uicm(rg.moments(0), yb.rounded_down().moments(0))
 }
 
-fn uicm(rg: Moments, yb: Moments) -> f64 {
+fn uicm(rg: TrimmedMoments, yb: TrimmedMoments) -> f64 {
     -0.0268 * (rg.mean * rg.mean + yb.mean * yb.mean).sqrt() + 0.1586 * (rg.variance + yb.variance).sqrt()
 }
 
-/// Histograms of the opponent colors of a picture.
+/// Histograms of a picture's opponent colors.
 pub(crate) struct Opponents {
-    rg: Histogram,
-    yb: Histogram,
+    rg: OpponentHistogram,
+    yb: OpponentHistogram,
 }
 
-impl Part for Opponents {
-    fn new(work: &Work) -> Self {
+impl SharedPart for Opponents {
+    fn new(work: &MetricInput) -> Self {
         let mut rg = vec![0u32; 511];
         let mut yb = vec![0u32; 1021];
         for [r, g, b] in work.picture().pixels() {
-            // Wide before the subtraction: 8 bits would wrap around.
+            // Widen before the subtraction: 8 bits would wrap around.
             let [r, g, b] = [r, g, b].map(usize::from);
             rg[255 + r - g] += 1;
             yb[510 + r + g - 2 * b] += 1;
         }
         Self {
-            rg: Histogram {
+            rg: OpponentHistogram {
                 counts: rg,
                 lowest: -255,
                 step: 1.0,
             },
-            yb: Histogram {
+            yb: OpponentHistogram {
                 counts: yb,
                 lowest: -510,
                 step: 0.5,
@@ -63,18 +63,18 @@ impl Part for Opponents {
 }
 
 /// Counts of the values `step · (lowest + bin)`.
-struct Histogram {
+struct OpponentHistogram {
     counts: Vec<u32>,
     lowest: i64,
     step: f64,
 }
 
-struct Moments {
+struct TrimmedMoments {
     mean: f64,
     variance: f64,
 }
 
-impl Histogram {
+impl OpponentHistogram {
     /// The same with every half rounded down.
     fn rounded_down(&self) -> Self {
         let lowest = self.lowest.div_euclid(2);
@@ -89,9 +89,9 @@ impl Histogram {
         }
     }
 
-    /// Trimmed mean and the variance about it. `missing` further values are left out of the sum, but not of the number
-    /// that it is divided by. When the trimming leaves nothing, which is one pixel, the mean is the plain one.
-    fn moments(&self, missing: u64) -> Moments {
+    /// Trimmed mean and the variance about it. `missing` further values are omitted from the sum, but not from its
+    /// divisor. If the trimming leaves no values, as for one pixel, the plain mean is used.
+    fn moments(&self, missing: u64) -> TrimmedMoments {
         let total: u64 = self.counts.iter().map(|&count| u64::from(count)).sum();
         let (below, above) = (total.div_ceil(10), total / 10);
         let kept = total - below - above;
@@ -108,7 +108,7 @@ impl Histogram {
                 f64::from(count) * (distance * distance)
             })
             .sum();
-        Moments {
+        TrimmedMoments {
             mean: self.step * mean,
             variance: self.step * self.step * (squares / total as f64),
         }
@@ -134,9 +134,9 @@ mod tests {
 
     use super::*;
 
-    fn ten() -> Histogram {
+    fn ten() -> OpponentHistogram {
         // Values 0..10, each once.
-        Histogram {
+        OpponentHistogram {
             counts: vec![1; 10],
             lowest: 0,
             step: 1.0,
@@ -159,7 +159,7 @@ mod tests {
 
     #[test]
     fn one_pixel_has_its_own_value_as_mean() {
-        let single = Histogram {
+        let single = OpponentHistogram {
             counts: vec![0, 0, 1],
             lowest: -1,
             step: 1.0,
@@ -175,7 +175,7 @@ mod tests {
     #[test]
     fn halves_are_rounded_down_on_both_sides_of_zero() {
         // -1.5, -1, -0.5, 0, 0.5, 1 become -2, -1, -1, 0, 0, 1.
-        let halves = Histogram {
+        let halves = OpponentHistogram {
             counts: vec![1; 6],
             lowest: -3,
             step: 0.5,
@@ -187,7 +187,7 @@ mod tests {
     #[test]
     fn differences_do_not_wrap_around() {
         let picture = Rgb8::from_fn(2, 1, |x, _| if x == 0 { [0, 255, 255] } else { [255, 0, 0] });
-        let Opponents { rg, yb } = Opponents::new(&Work::new(&picture, None));
+        let Opponents { rg, yb } = Opponents::new(&MetricInput::new(&picture, None));
         assert_eq!((rg.counts[0], rg.counts[510]), (1, 1));
         assert_eq!((yb.counts[510 - 255], yb.counts[510 + 255]), (1, 1));
     }

@@ -1,37 +1,37 @@
 //! UISM, sharpness: contrast of edges, channel by channel (Panetta, Gao and Agaian 2016, eq. 5-6).
 //!
-//! With the edge strength `E = c · sqrt(gx² + gy²)` of a channel with codes c and Sobel derivatives gx, gy,
-//! `EME = 2 / (k1 k2) Σ ln(max E / min E)` over blocks of 10 × 10; a block whose least strength is 0 adds nothing.
-//! `UISM = 0.299 EME_R + 0.587 EME_G + 0.114 EME_B`.
+//! With the edge strength `E = c · sqrt(gx² + gy²)` of a channel with codes c and Sobel derivatives gx, gy, `EME = 2 /
+//! (k1 k2) Σ ln(max E / min E)` over blocks of 10 × 10; a block with smallest strength 0 adds 0. `UISM = 0.299 EME_R +
+//! 0.587 EME_G + 0.114 EME_B`.
 //!
-//! `funie` weighs blue by 0.144, a transposition of its program. `table1` takes blocks of 4 × 4 and the vertical
-//! derivative in place of both, cut at 255; it rescales each channel to codes, and there a block that holds a 0 adds 1.
+//! `funie` weights blue by 0.144, a transposition of its program. `table1` uses blocks of 4 × 4 and only the vertical
+//! derivative, clipped at 255; it rescales each channel to codes, and a block with a 0 then adds 1.
 
 use imaging::simd::{larger, smaller};
 use imaging::{Plane, vectorized};
 
-use crate::blocks::Blocks;
+use crate::blocks::BlockGrid;
 use crate::sobel::{Border, Sobel};
-use crate::work::{Channels, Part, Work};
+use crate::work::{ChannelPlanes, MetricInput, SharedPart};
 
 const BLOCK_PX: usize = 10;
 const TABLE1_BLOCK_PX: usize = 4;
 
 /// UISM of the article.
-pub(crate) fn panetta(work: &Work) -> f64 {
+pub(crate) fn panetta(work: &MetricInput) -> f64 {
     let Sharpness([r, g, b]) = *work.part();
     0.299 * r + 0.587 * g + 0.114 * b
 }
 
 /// UISM with more blue.
-pub(crate) fn funie(work: &Work) -> f64 {
+pub(crate) fn funie(work: &MetricInput) -> f64 {
     let Sharpness([r, g, b]) = *work.part();
     0.299 * r + 0.587 * g + 0.144 * b
 }
 
 /// UISM of vertical derivatives in small blocks.
-pub(crate) fn table1(work: &Work) -> f64 {
-    let channels = work.part::<Channels>();
+pub(crate) fn table1(work: &MetricInput) -> f64 {
+    let channels = work.part::<ChannelPlanes>();
     let [r, g, b] = channels
         .0
         .each_ref()
@@ -42,19 +42,19 @@ pub(crate) fn table1(work: &Work) -> f64 {
 /// EME of the three channels.
 struct Sharpness([f64; 3]);
 
-impl Part for Sharpness {
-    fn new(work: &Work) -> Self {
-        let channels = work.part::<Channels>();
+impl SharedPart for Sharpness {
+    fn new(work: &MetricInput) -> Self {
+        let channels = work.part::<ChannelPlanes>();
         Self(channels.0.each_ref().map(|channel| vectorized!(eme(channel))))
     }
 }
 
 #[inline(always)]
 fn eme(channel: &Plane<u8>) -> f64 {
-    let blocks = Blocks::new(channel.size(), BLOCK_PX);
+    let blocks = BlockGrid::new(channel.size(), BLOCK_PX);
     let mut sobel = Sobel::new(channel, Border::Replicate);
     let (mut gx, mut gy) = (vec![0i16; channel.width()], vec![0i16; channel.width()]);
-    // E² is a whole number below 2^38: f64 holds it, and the order of its blocks' extremes is that of E.
+    // E² is an integer below 2^38: f64 holds it, and the order of the extremes is that of E.
     let extremes = blocks.extremes(1, |y, row: &mut [f64]| {
         let count = row.len();
         sobel.row(y, &mut gx[..count], &mut gy[..count]);
@@ -75,11 +75,11 @@ fn eme(channel: &Plane<u8>) -> f64 {
 #[inline(always)]
 fn vertical(channel: &Plane<u8>) -> f64 {
     let (width, height) = channel.size();
-    let blocks = Blocks::new((width, height), TABLE1_BLOCK_PX);
+    let blocks = BlockGrid::new((width, height), TABLE1_BLOCK_PX);
     let mut sobel = Sobel::new(channel, Border::Reflect);
     let (mut gx, mut gy) = (vec![0i16; width], vec![0i16; width]);
     let mut strength = vec![0.0f64; width];
-    // The extremes of what lies beside and below the blocks; those of the blocks are known anyway.
+    // The extremes outside the blocks; those of the blocks are known.
     let (mut least, mut greatest) = (f64::INFINITY, 0.0f64);
     let mut measure_row = |y: usize, row: &mut [f64]| {
         sobel.row(y, &mut gx, &mut gy);

@@ -1,4 +1,4 @@
-//! One picture being measured: what metrics share is computed once, when the first of them asks.
+//! A picture being measured: results shared by metrics are computed once, on first use.
 
 use std::any::{Any, TypeId};
 use std::cell::RefCell;
@@ -7,19 +7,19 @@ use std::rc::Rc;
 
 use imaging::{Plane, Rgb8};
 
-/// A picture, the clean one where given, and what has been computed from them so far.
-pub(crate) struct Work<'a> {
+/// A picture, the clean one if given, and the parts computed so far.
+pub(crate) struct MetricInput<'a> {
     picture: &'a Rgb8,
     clean: Option<&'a Rgb8>,
     parts: RefCell<HashMap<TypeId, Rc<dyn Any>>>,
 }
 
-/// What several metrics are computed from.
-pub(crate) trait Part: 'static {
-    fn new(work: &Work) -> Self;
+/// A result shared by several metrics.
+pub(crate) trait SharedPart: 'static {
+    fn new(work: &MetricInput) -> Self;
 }
 
-impl<'a> Work<'a> {
+impl<'a> MetricInput<'a> {
     pub(crate) fn new(picture: &'a Rgb8, clean: Option<&'a Rgb8>) -> Self {
         Self {
             picture,
@@ -32,7 +32,7 @@ impl<'a> Work<'a> {
         self.picture
     }
 
-    /// The clean picture, of the same size. Only metrics that declare `needs_reference` may call this.
+    /// The clean picture, of the same size. Only for metrics that declare `needs_reference`.
     pub(crate) fn clean(&self) -> &'a Rgb8 {
         self.clean
             .expect("metrics that compare run only with a clean picture")
@@ -44,8 +44,8 @@ impl<'a> Work<'a> {
         &self.picture.data()[y * stride..][..stride]
     }
 
-    /// Returns a part, which is computed on the first call.
-    pub(crate) fn part<P: Part>(&self) -> Rc<P> {
+    /// Returns a part, computing it on the first call.
+    pub(crate) fn part<P: SharedPart>(&self) -> Rc<P> {
         let kind = TypeId::of::<P>();
         let known = self.parts.borrow().get(&kind).cloned();
         let part = known.unwrap_or_else(|| {
@@ -60,17 +60,17 @@ impl<'a> Work<'a> {
 /// Gray codes.
 pub(crate) struct Gray(pub(crate) Plane<u8>);
 
-impl Part for Gray {
-    fn new(work: &Work) -> Self {
+impl SharedPart for Gray {
+    fn new(work: &MetricInput) -> Self {
         Self(work.picture.to_gray8())
     }
 }
 
-/// Red, green and blue apart.
-pub(crate) struct Channels(pub(crate) [Plane<u8>; 3]);
+/// Planes of red, green and blue.
+pub(crate) struct ChannelPlanes(pub(crate) [Plane<u8>; 3]);
 
-impl Part for Channels {
-    fn new(work: &Work) -> Self {
+impl SharedPart for ChannelPlanes {
+    fn new(work: &MetricInput) -> Self {
         Self(work.picture.to_planes())
     }
 }

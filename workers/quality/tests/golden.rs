@@ -8,7 +8,7 @@ use imaging::Rgb8;
 use quality::{MetricId, measure};
 use serde_json::Value;
 
-/// Relative to values above 1: double precision with sums in another order.
+/// Relative to values above 1: f64 with sums in another order.
 const TOLERANCE: f64 = 1e-9;
 
 #[test]
@@ -48,7 +48,7 @@ fn assert_metrics(case: &Case, picture: &Rgb8, part: &str) {
     }
 }
 
-/// The numbers of a part of an entry under the registry's names.
+/// The numbers of an entry's part by registry name.
 fn named_values(case: &Case, part: &Value) -> Vec<(String, f64)> {
     let number = |value: &Value| {
         value

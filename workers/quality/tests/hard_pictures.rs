@@ -1,4 +1,4 @@
-//! Pictures on which published programs fail, and properties of every picture.
+//! Pictures that break published programs, and properties of every picture.
 
 use imaging::{Channels, Plane, Raster, Rgb8, Samples};
 use proptest::prelude::*;
@@ -39,7 +39,7 @@ fn a_constant_picture_has_no_entropy_no_edges_and_no_contrast() {
             assert_eq!(metric(&picture, name), 0.0, "{name} of {pixel:?}");
         }
     }
-    // The deep-learning profile compares channels with one another: only a gray constant is without contrast.
+    // The deep-learning profile compares channels: only a gray constant has no contrast.
     assert_eq!(metric(&constant([90; 3]), "uiconm@funie"), 0.0);
     assert!(metric(&constant([60, 120, 140]), "uiconm@funie") > 0.3);
 }
@@ -72,7 +72,7 @@ fn a_picture_smaller_than_a_block_is_one_block() {
 
 #[test]
 fn a_black_pixel_takes_its_block_out_of_the_sharpness() {
-    // Two blocks. The left one sees none of the black in the right one, be it a pixel or nearly all of it.
+    // Two blocks. The left one is independent of black in the right one, be it a pixel or nearly all of it.
     let whole = Rgb8::from_fn(20, 10, |x, y| [(100 + 3 * (x % 10) + 5 * y) as u8; 3]);
     let black = |hidden: fn(usize, usize) -> bool| {
         Rgb8::from_fn(
@@ -151,7 +151,7 @@ fn an_empty_picture_a_missing_and_a_misfit_reference_are_errors() {
     );
     let error = measure(&picture, Some(&textured(4, 4)), &[psnr]).unwrap_err();
     assert_eq!(error.to_string(), "picture is 4×3 but the clean one is 4×4");
-    // A clean picture of another size does no harm to metrics that do not compare.
+    // A clean picture of another size does not affect metrics without a reference.
     assert!(measure(&picture, Some(&textured(4, 4)), &[uiqm]).is_ok());
 }
 
@@ -227,7 +227,7 @@ proptest! {
     }
 }
 
-/// Corners of a textured picture, in it and in what became of it.
+/// Corners of a textured picture before and after changes.
 #[test]
 fn corners_are_found_again_in_a_shifted_exposure_and_lost_in_noise_and_blur() {
     let hash = |x: usize, y: usize| {

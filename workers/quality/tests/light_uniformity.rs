@@ -1,4 +1,4 @@
-//! Light uniformity on sequences whose light is known.
+//! Light uniformity on sequences with known light.
 
 #![allow(clippy::unwrap_used)]
 
@@ -18,7 +18,8 @@ fn grain(x: usize, y: usize) -> f64 {
     f64::from(hash >> 24) / 255.0
 }
 
-/// A stony floor under even light and a lamp: its center in parts of the width and its strength beside the even light.
+/// A stony floor under even light and a lamp: its center relative to the width, and its strength relative to the even
+/// light.
 fn floor(lamp: (f64, f64), strength: f64, exposure: f64) -> Rgb8 {
     Rgb8::from_fn(WIDTH, HEIGHT, |x, y| {
         let (u, v) = (x as f64 / WIDTH as f64 - lamp.0, y as f64 / WIDTH as f64 - lamp.1);
@@ -30,7 +31,7 @@ fn floor(lamp: (f64, f64), strength: f64, exposure: f64) -> Rgb8 {
     })
 }
 
-/// The lamp's place along the width and what is measured, from far left of the view (0..1) to far right.
+/// The lamp's position along the width and the measured value, from far left of the view (0..1) to far right.
 fn passing_lamp() -> Vec<(f64, f64)> {
     let places = (0..=24).map(|step| -1.5 + 4.0 * f64::from(step) / 24.0);
     places
@@ -54,7 +55,7 @@ fn a_lamp_that_passes_by_lowers_it_while_it_is_in_view_and_gives_it_back() {
             _ => {}
         }
     }
-    // It falls as the lamp comes near, and the way out mirrors the way in.
+    // It falls as the lamp approaches, and the way out mirrors the way in.
     let entering: Vec<f64> = seen
         .iter()
         .filter(|(u, _)| *u < 0.0)
@@ -81,8 +82,8 @@ fn exposure_does_not_matter() {
 
 #[test]
 fn a_lamp_moved_within_the_view_changes_it_little_beside_taking_it_away() {
-    let at = |u: f64, v: f64| uniformity(&floor((u, v), 1.0, 1.0));
-    let (center, beside) = (at(0.5, 0.375), at(0.6, 0.3));
+    let measure_lamp = |u: f64, v: f64| uniformity(&floor((u, v), 1.0, 1.0));
+    let (center, beside) = (measure_lamp(0.5, 0.375), measure_lamp(0.6, 0.3));
     let without = uniformity(&floor((0.5, 0.375), 0.0, 1.0));
     assert!(
         (center - beside).abs() < 0.2 * (without - center),

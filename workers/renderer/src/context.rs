@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use ::camera::geometry::Refraction;
+use ::camera::geometry::PortRefraction;
 use imaging::rays::Rays;
 use imaging::{Plane, Rgb};
 use optics::plan::{Plan, StageId, Variant};
@@ -152,8 +152,8 @@ impl<'a> FrameContext<'a> {
             model: "brown-conrady".to_owned(),
             distortion: taking.parts.lens.distortion,
             flat_port_n_w: match refraction {
-                Refraction::Flat { index } => Some(index),
-                Refraction::None => None,
+                PortRefraction::Flat { index } => Some(index),
+                PortRefraction::None => None,
             },
         })
     }

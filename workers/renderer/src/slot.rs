@@ -6,7 +6,7 @@ mod light;
 
 use std::sync::Arc;
 
-use ::camera::geometry::Source;
+use ::camera::geometry::SourcePicture;
 use imaging::Rgb;
 use optics::forward_scatter::KernelCache;
 use optics::plan::Plan;
@@ -66,7 +66,7 @@ struct SceneKey {
     /// Depth of the camera, up to which piles reach.
     depth_m: Option<f64>,
     /// What its lens looks into.
-    view: Option<Source>,
+    view: Option<SourcePicture>,
     labeled: bool,
 }
 

@@ -1,4 +1,4 @@
-//! One frame of every family on one core, and what its labels add.
+//! Time of one frame of every family on one core, without and with labels.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use imaging::geometry::Intrinsics;

@@ -1,4 +1,4 @@
-//! What current and grain make of the bottom of a site: pits around feet, and a second scale of texture.
+//! Effects of current and grain size on the bottom: scour pits around feet and a second scale of texture.
 
 use imaging::vector::{Vec3, vec3};
 use spec::Ground;
@@ -8,23 +8,22 @@ use crate::site::Site;
 use crate::site::finish::Material;
 use crate::site::pits::{Pit, depth};
 use crate::site::pose::up;
-use crate::site::solid::{Shape, Solid};
+use crate::site::solid::{Solid, SolidShape};
 
-/// Most pits of a site: a ray is held against each.
+/// Limit on pits per site: every ray is tested against each.
 const MOST_PITS: usize = 8;
-/// Width of a pit beside its foot over its depth: sand stands no steeper.
+/// Width of a pit next to its foot divided by its depth: steeper sand slides.
 const SLOPE: f32 = 2.5;
-/// Feet wider than this have no pit of their own: walls, m.
+/// Wider feet (walls) get no pit, m.
 const WIDEST_M: f32 = 3.0;
 
-/// A foot in the ground.
 struct Foot {
     place: Vec3,
     diameter: f32,
     solid: usize,
 }
 
-/// Applies what a description asks of the bottom.
+/// Applies the description of the bottom.
 pub(crate) fn dig(site: &mut Site, ground: &Ground) {
     let grain = ground.grain as f32;
     let objects = site.objects.iter_mut();
@@ -43,17 +42,15 @@ fn scour(site: &mut Site, share: f32) {
     let mut feet: Vec<Foot> = (0..site.solids.len())
         .filter_map(|solid| foot(site, solid))
         .collect();
-    let away = |foot: &Foot| {
-        let away = foot.place - target;
-        away.x * away.x + away.y * away.y
-    };
-    feet.sort_by(|a, b| away(a).total_cmp(&away(b)));
+    feet.sort_by(|a, b| horizontal_square(a.place - target).total_cmp(&horizontal_square(b.place - target)));
     let mut pits: Vec<Pit> = Vec::new();
     for foot in &feet {
         let deep = share * foot.diameter;
         let pit = Pit::new(foot.place, 0.5 * foot.diameter + SLOPE * deep, deep);
-        let apart = |other: &Pit| (other.place - pit.place).length() > 0.6 * (other.radius + pit.radius);
-        if pits.len() < MOST_PITS && pits.iter().all(apart) {
+        let is_separate = pits
+            .iter()
+            .all(|other| (other.place - pit.place).length() > 0.6 * (other.radius + pit.radius));
+        if pits.len() < MOST_PITS && is_separate {
             pits.push(pit);
         }
     }
@@ -64,7 +61,7 @@ fn scour(site: &mut Site, share: f32) {
     for foot in &feet {
         lengthen(&mut site.solids[foot.solid], deepest + 0.3);
     }
-    // What lies there lies in the pit.
+    // Objects in the scour area drop into the pit.
     for solid in &mut site.solids {
         let category = site.objects[usize::from(solid.object)].category;
         if matches!(category, Category::Stone | Category::Debris | Category::Cable)
@@ -74,7 +71,7 @@ fn scour(site: &mut Site, share: f32) {
             solid.pose.origin = place - up(depth(&pits, place.x, place.y));
         }
     }
-    // Mounds that a pit cuts are gone.
+    // Remove mounds cut by a pit.
     site.solids
         .retain(|solid| !(solid.object == 0 && is_cut(solid, &pits)));
     site.pits = pits;
@@ -94,11 +91,11 @@ fn foot(site: &Site, number: usize) -> Option<Foot> {
     }
     let origin = solid.pose.origin;
     let (low, diameter) = match solid.shape {
-        Shape::Tube(tube) => {
+        SolidShape::Tube(tube) => {
             let end = origin + axis * tube.length;
             (if axis.z > 0.0 { origin } else { end }, 2.0 * tube.radius)
         }
-        Shape::Block(block) => (origin - up(block.half.z), 2.0 * block.half.x.max(block.half.y)),
+        SolidShape::SolidBox(block) => (origin - up(block.half.z), 2.0 * block.half.x.max(block.half.y)),
         _ => return None,
     };
     let place = low + axis * (-low.z / axis.z);
@@ -109,17 +106,16 @@ fn foot(site: &Site, number: usize) -> Option<Foot> {
     })
 }
 
-/// Makes a foot reach so much deeper.
 fn lengthen(solid: &mut Solid, by: f32) {
     let axis = solid.pose.axes[2];
     match &mut solid.shape {
-        Shape::Tube(tube) => {
+        SolidShape::Tube(tube) => {
             tube.length += by;
             if axis.z > 0.0 {
                 solid.pose.origin = solid.pose.origin - axis * by;
             }
         }
-        Shape::Block(block) => {
+        SolidShape::SolidBox(block) => {
             block.half.z += 0.5 * by;
             solid.pose.origin = solid.pose.origin - up(0.5 * by);
         }
@@ -128,14 +124,17 @@ fn lengthen(solid: &mut Solid, by: f32) {
 }
 
 fn is_cut(mound: &Solid, pits: &[Pit]) -> bool {
-    let Shape::Ball(ball) = mound.shape else {
+    let SolidShape::Ellipsoid(ball) = mound.shape else {
         return false;
     };
     let (center, radius) = (mound.pose.origin, ball.radii.x);
     let wide = (radius * radius - center.z * center.z).max(0.0).sqrt();
-    let cuts = |pit: &Pit| {
+    pits.iter().any(|pit| {
         let away = pit.place - vec3(center.x, center.y, 0.0);
         away.length() < pit.radius + wide
-    };
-    pits.iter().any(cuts)
+    })
+}
+
+fn horizontal_square(v: Vec3) -> f32 {
+    v.x * v.x + v.y * v.y
 }

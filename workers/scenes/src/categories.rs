@@ -1,4 +1,4 @@
-//! The fixed vocabularies of labels. New entries go to the end, so that numbers keep their meaning.
+//! The fixed vocabularies of labels. Append new entries at the end: numbers must not change.
 
 /// Declares an enum with numbers and names, and the list of them in the order of their numbers.
 macro_rules! vocabulary {
@@ -20,7 +20,7 @@ macro_rules! vocabulary {
                 $LIST[self as usize].1
             }
 
-            /// What it stands for.
+            /// Short description.
             #[must_use]
             pub fn about(self) -> &'static str {
                 match self { $(Self::$Entry => concat!($($what),+).trim_ascii()),* }
@@ -32,9 +32,9 @@ macro_rules! vocabulary {
 vocabulary! {
     /// Kind of thing that a pixel of a procedural scene shows; its number is its value in the semantic mask.
     Category,
-    /// All categories with the names that masks and tables use, in the order of their numbers.
+    /// All categories in the order of their numbers.
     CATEGORIES:
-    /// Nothing is met: open water.
+    /// Open water.
     Background = 0, "background";
     /// The seabed, or the mud on the floor of a shaft.
     Seabed = 1, "seabed";
@@ -46,13 +46,13 @@ vocabulary! {
     Beam = 4, "beam";
     /// A plate or a wall of sheet piles.
     Plate = 5, "plate";
-    /// A pipe that carries something.
+    /// A pipeline or service pipe.
     Pipe = 6, "pipe";
     /// A flange, valve, collar or clamp.
     Fitting = 7, "fitting";
     /// A sacrificial anode.
     Anode = 8, "anode";
-    /// What a pipe lies on: blocks, saddles, bags.
+    /// A block, saddle or bag that supports a pipe.
     Support = 9, "support";
     /// A ladder.
     Ladder = 10, "ladder";
@@ -79,9 +79,9 @@ vocabulary! {
 }
 
 vocabulary! {
-    /// What an inspection looks for. A pixel can show several; bit `1 << number` of the findings mask tells whether it shows one.
+    /// Inspection finding. A pixel can show several; bit `1 << number` of the findings mask marks each.
     Finding,
-    /// All findings with the names that masks and tables use, in the order of their bits.
+    /// All findings in the order of their bits.
     FINDINGS:
     /// A crack in concrete or masonry.
     Crack = 0, "crack";
@@ -93,17 +93,17 @@ vocabulary! {
     Joint = 3, "joint";
     /// Dense biofouling.
     Growth = 4, "growth";
-    /// Coating that is gone from a pipe.
+    /// Bare metal where a pipe has lost its coating.
     CoatingDamage = 5, "coating_damage";
 }
 
 impl Category {
-    /// Whether it is a part of a structure: neither natural nor lost.
+    /// Whether it belongs to a structure, as opposed to nature or debris.
     pub(crate) fn is_structure(self) -> bool {
         !self.is_life() && !matches!(self, Self::Background | Self::Seabed | Self::Stone | Self::Debris)
     }
 
-    /// Whether it lives or floats: such things stop no camera and cast no shadow of contact.
+    /// Whether it is an animal, growth or a bubble: these neither block a camera nor cast contact shadows.
     #[must_use]
     pub fn is_life(self) -> bool {
         matches!(self, Self::Fauna | Self::Growth | Self::Bubble)

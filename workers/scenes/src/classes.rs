@@ -1,10 +1,10 @@
-//! Reading the classes of an uploaded scene: which object is what.
+//! Reads the classes of an uploaded scene.
 //!
-//! Two forms are taken. The short one names the class of each object of the instance mask, `{"1": "pile", "2": "chain"}`;
-//! a name of [`CATEGORIES`] gets its code there, so that procedural and uploaded scenes agree, and the others get the codes
-//! from [`FIRST_OWN`] on in the order of their names. The long one, `{"categories": [{"id": 1, "name": "pile"}],
-//! "segments_info": [{"id": 1, "category_id": 1}]}`, is that of COCO's panoptic annotations and fixes the codes. An object
-//! without a class is [`UNLABELED`].
+//! Two formats are accepted. The short one maps each object of the instance mask to a class name, `{"1": "pile", "2":
+//! "chain"}`. Names from [`CATEGORIES`] get their code there, so that procedural and uploaded scenes agree; other names
+//! get codes from [`FIRST_OWN`] on in alphabetical order. The long one, `{"categories": [{"id": 1, "name": "pile"}],
+//! "segments_info": [{"id": 1, "category_id": 1}]}`, follows COCO's panoptic annotations and sets the codes. Objects
+//! without a class are [`UNLABELED`].
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -15,26 +15,26 @@ use crate::categories::{CATEGORIES, Category};
 
 /// Code of the first class that is not among [`CATEGORIES`].
 pub const FIRST_OWN: u8 = 128;
-/// Code and name of objects without a class; 255 is what training code ignores by custom.
+/// Code and name of objects without a class. Training code conventionally ignores 255.
 pub const UNLABELED: (u8, &str) = (255, "unlabeled");
-/// Longest name of a class in characters.
+/// Maximum length of a class name in characters.
 pub const MAX_NAME: usize = 64;
 
-/// What COCO says of a category and a segment beside what is needed here.
+/// Fields of COCO categories and segments that are accepted and ignored.
 const BESIDE_CATEGORY: [&str; 3] = ["supercategory", "isthing", "color"];
 const BESIDE_SEGMENT: [&str; 3] = ["area", "bbox", "iscrowd"];
 
-/// Reads classes. The pointers of errors are those of the text.
+/// Reads classes. Errors carry JSON pointers into the text.
 ///
 /// # Errors
-/// Everything that is wrong with them, together.
+/// All problems of the text together.
 pub fn read(text: &[u8]) -> Result<Classes, Invalid> {
     let value = spec::read_json(text)?;
     let Value::Object(map) = &value else {
         let message = "classes must be an object such as {\"1\": \"pile\", \"2\": \"chain\"}";
         return Err(Invalid(vec![FieldError::new("", message)]));
     };
-    let mut reader = Reader::default();
+    let mut reader = ClassReader::default();
     let is_long = map.contains_key("categories") || map.contains_key("segments_info");
     let classes = if is_long {
         reader.long(map)
@@ -50,11 +50,11 @@ pub fn read(text: &[u8]) -> Result<Classes, Invalid> {
 }
 
 #[derive(Default)]
-struct Reader {
+struct ClassReader {
     errors: Vec<FieldError>,
 }
 
-impl Reader {
+impl ClassReader {
     fn short(&mut self, map: &Map<String, Value>) -> Classes {
         let mut named = Vec::new();
         for (key, value) in map {
@@ -172,7 +172,6 @@ impl Reader {
         classes
     }
 
-    /// The objects of a list, with their pointers.
     fn entries<'a>(
         &mut self,
         map: &'a Map<String, Value>,
@@ -269,20 +268,22 @@ fn sort(classes: &mut Classes) {
     classes.segments_info.sort_unstable_by_key(|segment| segment.id);
 }
 
-/// Code of a class that procedural scenes have, too.
+/// Code of a class from [`CATEGORIES`].
 fn known_code(name: &str) -> Option<u8> {
     let known = CATEGORIES.iter().find(|(_, known)| *known == name);
     known.map(|(category, _)| *category as u8)
 }
 
-/// Whether a text can be shown as it is on one line: no control characters, none that change the direction of writing or
-/// cannot be seen.
+/// Whether a text is safe to print on one line: no control, invisible or direction-changing characters.
 fn is_name(text: &str) -> bool {
-    let hidden = |c: char| matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}');
     let length = text.chars().count();
     (1..=MAX_NAME).contains(&length)
         && text.trim() == text
-        && !text.chars().any(|c| c.is_control() || hidden(c))
+        && !text.chars().any(|c| c.is_control() || is_hidden(c))
+}
+
+fn is_hidden(c: char) -> bool {
+    matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}')
 }
 
 fn escaped(key: &str) -> String {
@@ -316,8 +317,8 @@ mod tests {
         let own = [(2, "pile"), (128, "chain"), (129, "rope")];
         assert_eq!(names(text), own.map(|(id, name)| (id, name.to_owned())));
         let classes = read(text.as_bytes()).unwrap();
-        let of = [1, 2, 7, 300, 3].map(|number| classes.class_of(number));
-        assert_eq!(of, [Some(2), Some(2), Some(129), Some(128), None]);
+        let found = [1, 2, 7, 300, 3].map(|number| classes.class_of(number));
+        assert_eq!(found, [Some(2), Some(2), Some(129), Some(128), None]);
     }
 
     #[test]
@@ -327,7 +328,7 @@ mod tests {
         assert_eq!(names(text), [(1, "pile".to_owned()), (9, "chain".to_owned())]);
         let classes = read(text.as_bytes()).unwrap();
         assert_eq!(classes.class_of(4), Some(9));
-        // What is stored can be read again.
+        // Stored classes must parse again.
         let stored = serde_json::to_vec(&classes).unwrap();
         assert_eq!(read(&stored).unwrap(), classes);
     }

@@ -1,13 +1,13 @@
-//! Errors in the description of a scene, or in the files of an uploaded one.
+//! Errors in the description of a scene or in its uploaded files.
 
 use imaging::codec::DecodeError;
 
 use crate::LEAST_CLEARANCE_M;
 
-/// A scene that cannot be made from what was given.
+/// Invalid scene.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SceneError {
-    /// No such procedural family.
+    /// Unknown procedural family.
     #[error("scene family `{family}` does not exist; there is {known}")]
     UnknownFamily {
         /// The requested name.
@@ -15,93 +15,93 @@ pub enum SceneError {
         /// The names that exist.
         known: String,
     },
-    /// A file is damaged, too large, or of a type that the field does not take.
+    /// A file is damaged, too large, or of a type that its field does not accept.
     #[error("`{field}`: {reason}")]
     File {
-        /// The field the file came in.
+        /// Upload field.
         field: &'static str,
-        /// What is wrong with it.
+        /// Cause.
         #[source]
         reason: DecodeError,
     },
-    /// A map does not have the size of the picture it belongs to.
+    /// The sizes of a map and its picture differ.
     #[error("{} is {}×{} but the image is {}×{}", map_name(field), size.0, size.1, image.0, image.1)]
     Size {
-        /// The field the map came in.
+        /// Upload field of the map.
         field: &'static str,
         /// Width and height of the map.
         size: (usize, usize),
         /// Width and height of the picture.
         image: (usize, usize),
     },
-    /// A value without a safe default is missing.
+    /// A required value without a safe default is missing.
     #[error("`{field}` is missing: {reason}")]
     Missing {
-        /// What is missing.
+        /// Missing field.
         field: &'static str,
-        /// What needs it.
+        /// Feature that requires it.
         reason: &'static str,
     },
-    /// A number outside its limits.
+    /// A number is out of range.
     #[error("`{field}` is {value} but must be {limit}")]
     Number {
         /// The field.
         field: &'static str,
         /// Its value.
         value: f64,
-        /// What is allowed.
+        /// Allowed range.
         limit: &'static str,
     },
-    /// A matrix that is no pose.
+    /// The matrix is not a valid pose.
     #[error("`pose`: {0}")]
     Pose(&'static str),
-    /// A camera inside a solid or too close to one.
+    /// A camera is inside a solid or too close to one.
     #[error(
         "`path`: frame {frame} is {distance_m:.3} m from a surface but must be at least {} m away",
         LEAST_CLEARANCE_M
     )]
     Blocked {
-        /// The frame, from 0 on.
+        /// Frame number from 0.
         frame: usize,
-        /// Distance from the surface, below 0 inside.
+        /// Distance from the surface; negative inside.
         distance_m: f64,
     },
-    /// A view whose camera would be inside a solid or too close to one.
+    /// A view places the camera inside a solid or too close to one.
     #[error(
         "`camera.{field}` is {value}, which puts the camera {clearance_m:.3} m from a surface; the limit is {} m: \
         change it or leave it out",
         LEAST_CLEARANCE_M
     )]
     View {
-        /// The field of the description's `camera`.
+        /// Field of the description's `camera`.
         field: &'static str,
         /// Its value.
         value: f64,
-        /// Distance from the surface, below 0 inside.
+        /// Distance from the surface; negative inside.
         clearance_m: f64,
     },
-    /// Classes without a mask, of objects that the mask does not show, or a mask of more objects than can be told apart.
+    /// Classes without a mask, classes of objects absent from the mask, or a mask with too many objects.
     #[error("`{field}`: {reason}")]
     Objects {
         /// `classes` or `instances`.
         field: &'static str,
-        /// What is wrong.
+        /// Cause.
         reason: String,
     },
-    /// A radiance that is NaN or infinite, which forward scatter would spread over the whole frame.
+    /// A radiance is NaN or infinite; forward scatter would spread it over the whole frame.
     #[error("`rgb`: radiance is {value} at pixel ({x}, {y}) but must be finite")]
     Radiance {
-        /// Column of the first such pixel, row by row.
+        /// Column of the first such pixel in row-major order.
         x: usize,
-        /// Row of the first such pixel.
+        /// Row of that pixel.
         y: usize,
-        /// The sample.
+        /// The invalid sample.
         value: f32,
     },
 }
 
 impl SceneError {
-    /// The API's name of the field at fault.
+    /// API name of the invalid field.
     #[must_use]
     pub fn field(&self) -> &'static str {
         match self {

@@ -1,36 +1,36 @@
-//! The procedural families: a module for each, and a row in the table.
+//! Table of the procedural families, one module each.
 
 use crate::site::Site;
 use crate::{open_water, pipeline, shaft, structure};
 
 /// A procedural family.
 #[derive(Debug, Clone, Copy)]
-pub struct Family {
-    /// Name by which descriptions ask for it.
+pub struct SceneFamily {
+    /// Name in job descriptions.
     pub name: &'static str,
-    /// What its scenes show.
+    /// Short description.
     pub about: &'static str,
-    /// The site of a seed, pipes buried by a share of their diameter where that is given.
+    /// Builds the site of a seed. The second argument is the buried share of a pipe's diameter.
     pub(crate) site: fn(u64, Option<f32>) -> Site,
 }
 
-const TABLE: [Family; 4] = [
-    Family {
+const TABLE: [SceneFamily; 4] = [
+    SceneFamily {
         name: "structure",
         about: "piles, braced legs, pipes, plates and beams on a rippled seabed",
         site: structure::site,
     },
-    Family {
+    SceneFamily {
         name: "shaft",
         about: "flooded shafts and tunnels with their lining, mud on the floor, ladders, pipes and cables",
         site: shaft::site,
     },
-    Family {
+    SceneFamily {
         name: "pipeline",
         about: "a coated pipe on its supports with field joints, weld seams, anodes and damage",
         site: pipeline::site,
     },
-    Family {
+    SceneFamily {
         name: "open-water",
         about: "posts, mooring lines, buoys, hanging crates and cables in mid-water, without a bottom",
         site: open_water::site,
@@ -48,8 +48,8 @@ pub const FAMILIES: &[&str] = &{
     names
 };
 
-impl Family {
-    /// Returns the family of this name, if there is one.
+impl SceneFamily {
+    /// Returns the family of this name.
     #[must_use]
     pub fn parse(name: &str) -> Option<Self> {
         TABLE.into_iter().find(|family| family.name == name)

@@ -1,4 +1,4 @@
-//! Labels of a frame: geometry, masks, boxes and findings, in the geometry of the picture itself.
+//! Labels of a frame: geometry, masks, boxes and findings, in the geometry of the picture.
 
 use imaging::Plane;
 use imaging::geometry::Intrinsics;
@@ -7,71 +7,68 @@ use spec::Classes;
 use crate::CameraPose;
 use crate::categories::Category;
 use crate::classes::UNLABELED;
-use crate::site::Surfaces;
+use crate::site::SurfaceRows;
 
-/// What is known about every pixel of a frame. All planes have the sides of the frame.
+/// Labels of a frame. All planes have the size of the frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Labels {
-    /// Class of each pixel by its code: of a procedural scene the number of its [`Category`].
+    /// Class code of each pixel; for procedural scenes the number of its [`Category`].
     pub semantics: Plane<u8>,
-    /// Every instance in view, by number.
+    /// All visible instances by number.
     pub instances: Vec<Instance>,
-    /// What only a procedural scene knows.
+    /// `None` for uploaded scenes.
     pub surfaces: Option<SurfaceLabels>,
 }
 
-/// What is known about the surfaces of a procedural scene.
+/// Surface labels of a procedural scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SurfaceLabels {
-    /// Depth along the optical axis in meters: range times the cosine of the angle to it; infinite where nothing is met.
+    /// Depth along the optical axis in meters: range times the cosine of the angle to it; infinite in open water.
     pub z_depth: Plane<f32>,
-    /// Unit normals of the surfaces, without relief, in camera axes (right, down, ahead); they face the camera. Edges are
-    /// rounded over a millimeter. Zero where nothing is met.
+    /// Unit normals of the surfaces, without relief, in camera axes (right, down, ahead); they face the camera. Edges
+    /// are rounded over a millimeter. Zero in open water.
     pub normals: [Plane<f32>; 3],
-    /// [`crate::categories::Finding::bit`] of every finding that the pixel shows. A finding covers more than half of it; a crack
-    /// counts where it passes through.
+    /// [`crate::categories::Finding::bit`] of every finding of the pixel. A finding must cover more than half of the
+    /// pixel; a crack only has to pass through it.
     pub findings: Plane<u8>,
-    /// Where the camera is.
+    /// Camera pose.
     pub pose: CameraPose,
-    /// Its intrinsics.
+    /// Camera intrinsics.
     pub intrinsics: Intrinsics,
 }
 
-/// An object in view.
+/// A visible object.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Instance {
-    /// Its number in the instance mask: in procedural scenes 1 for the ground, from 2 on for objects.
+    /// Number in the instance mask: in procedural scenes 1 for the ground, from 2 on for objects.
     pub number: u16,
     /// Code of its class in the semantic mask.
     pub class: u8,
-    /// The smallest box of whole pixels around what is seen of it: left, top, and the first column and row beyond.
+    /// The smallest box of whole pixels around its visible part: left, top, and the first column and row beyond.
     pub bounds: [usize; 4],
-    /// How many pixels show it.
+    /// Number of its pixels.
     pub pixels: usize,
-    /// Of growth: the number of the object in view that it is attached to.
+    /// For growth, the number of its host if that is visible.
     pub host: Option<u16>,
 }
 
-/// What an instance of a procedural scene is.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Shown {
+pub(crate) struct InstanceInfo {
     pub(crate) category: Category,
-    /// Instance that growth is attached to.
     pub(crate) host: Option<u16>,
 }
 
 impl Labels {
-    /// `shown` are the instances from 1 on.
+    /// `shown` lists the instances from 1 on.
     pub(crate) fn procedural(
-        surfaces: Surfaces,
+        surfaces: SurfaceRows,
         numbers: &Plane<u16>,
-        shown: &[Shown],
+        shown: &[InstanceInfo],
         pose: CameraPose,
         intrinsics: Intrinsics,
     ) -> Self {
         let (width, height) = numbers.size();
         let plane = |data| Plane::new(width, height, data).expect("one sample for each pixel");
-        let class = |number: u16| shown[usize::from(number) - 1].category as u8;
         let surfaces = SurfaceLabels {
             z_depth: plane(surfaces.z_depth),
             normals: surfaces.normals.map(plane),
@@ -79,7 +76,7 @@ impl Labels {
             pose,
             intrinsics,
         };
-        let mut labels = Self::of_mask(numbers, class);
+        let mut labels = Self::of_mask(numbers, |number| shown[usize::from(number) - 1].category as u8);
         keep_hosts(&mut labels.instances, |number| {
             shown[usize::from(number) - 1].host
         });
@@ -89,8 +86,8 @@ impl Labels {
         }
     }
 
-    /// The labels of a picture that shows this one elsewhere: its planes are made of these ones, `numbers` is its own instance
-    /// mask.
+    /// Labels after a geometric transformation of the picture, from the transformed planes. `numbers` is the
+    /// transformed instance mask.
     #[must_use]
     pub fn moved(
         &self,
@@ -120,7 +117,7 @@ impl Labels {
         self.instances.iter().find(|instance| instance.number == number)
     }
 
-    /// The labels that follow from the instance mask of an uploaded scene. Objects without a class are [`UNLABELED`].
+    /// Labels derived from the instance mask of an uploaded scene. Objects without a class are [`UNLABELED`].
     #[must_use]
     pub fn uploaded(numbers: &Plane<u16>, classes: &Classes) -> Self {
         Self::of_mask(numbers, |number| classes.class_of(number).unwrap_or(UNLABELED.0))
@@ -140,7 +137,7 @@ impl Labels {
     }
 }
 
-/// Sets the hosts of instances, as far as they are in view themselves.
+/// Sets the hosts of instances; invisible hosts are dropped.
 fn keep_hosts(instances: &mut [Instance], host_of: impl Fn(u16) -> Option<u16>) {
     let numbers: Vec<u16> = instances.iter().map(|instance| instance.number).collect();
     for instance in instances {
@@ -148,7 +145,7 @@ fn keep_hosts(instances: &mut [Instance], host_of: impl Fn(u16) -> Option<u16>) 
     }
 }
 
-/// The numbers of all objects in a mask, ascending.
+/// All object numbers of a mask, ascending.
 pub(crate) fn objects(numbers: &Plane<u16>) -> Vec<u16> {
     let mut seen = vec![false; table_length(numbers)];
     numbers
@@ -162,7 +159,7 @@ pub(crate) fn objects(numbers: &Plane<u16>) -> Vec<u16> {
         .collect()
 }
 
-/// Length of a table by number.
+/// Length of a table indexed by object number.
 fn table_length(numbers: &Plane<u16>) -> usize {
     numbers
         .data()
@@ -188,14 +185,14 @@ fn instances(numbers: &Plane<u16>, class_of: impl Fn(u16) -> u8) -> Vec<Instance
         }
     }
     let seen = (0..=u16::MAX).zip(found).filter(|(_, (_, pixels))| *pixels > 0);
-    let instance = |(number, (bounds, pixels))| Instance {
+    seen.map(|(number, (bounds, pixels))| Instance {
         number,
         class: class_of(number),
         bounds,
         pixels,
         host: None,
-    };
-    seen.map(instance).collect()
+    })
+    .collect()
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! What the camera would see in air: procedural and uploaded radiance, range, masks and labels.
+//! Scenes in air: procedural and uploaded radiance, range, masks and labels.
 //!
 //! Pure: a procedural scene is a function of (family, seed, camera), an uploaded one of its bytes.
 
@@ -21,7 +21,7 @@ pub mod uploaded;
 mod world;
 
 pub use error::SceneError;
-pub use families::{FAMILIES, Family};
+pub use families::{FAMILIES, SceneFamily};
 pub use labels::{Labels, SurfaceLabels};
 pub use path::CameraPath;
 pub use pose::CameraPose;
@@ -34,22 +34,22 @@ use imaging::{Plane, Rgb};
 /// A scene in air.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
-    /// Linear radiance, white = 1, at least 0; may exceed 1. Reflectance where that was asked for.
+    /// Linear radiance (white = 1, at least 0, may exceed 1), or reflectance where requested.
     pub radiance: Rgb<f32>,
-    /// Range in meters along the line of sight; not finite or below a millimeter: a hole.
+    /// Range in meters along the line of sight. Non-finite values and values below a millimeter are holes.
     pub range: Option<Plane<f32>>,
     /// Instance of each pixel, 0 = background.
     pub instances: Option<Plane<u16>>,
-    /// The camera, if it is known.
+    /// Camera intrinsics, if known.
     pub intrinsics: Option<Intrinsics>,
-    /// Unit normals without relief in camera axes, beside the reflectance of procedural scenes.
+    /// Unit normals without relief in camera axes, supplied with the reflectance of procedural scenes.
     pub normals: Option<[Plane<f32>; 3]>,
 }
 
-/// A camera on a path must keep this far from surfaces, m.
+/// Minimum distance from surfaces of a camera on a path, m.
 pub const LEAST_CLEARANCE_M: f64 = 0.05;
 
-/// Renders a procedural scene from its usual pose: a pure function of its arguments.
+/// Renders a procedural scene from its default pose.
 ///
 /// # Errors
 /// [`SceneError::UnknownFamily`].

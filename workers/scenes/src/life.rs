@@ -1,9 +1,9 @@
-//! What lives on and about a site, and what hangs there: growth with relief, ropes, animals and bubbles.
+//! Biota and suspended objects of a site: growth with relief, ropes, animals and bubbles.
 //!
-//! Growth stands where rays from about the usual view meet structures and stones: a ray that stands for the solid angle Ω and meets
-//! a surface at the range r under the angle θ stands for the area `Ω r²/cos θ`, and carries growth with the chance of area ×
-//! density, at most 1. So growth is as dense as asked up to where that is reached, and none is made that nobody sees. Animals
-//! and bubbles are uniform in a ball about the view. A world has the same life whichever camera looks at it.
+//! Growth sits where rays from near the usual view meet structures and stones. A ray of solid angle Ω that meets a
+//! surface at range r under the angle θ represents the area `Ω r²/cos θ` and carries growth with probability area ×
+//! density, at most 1. Growth therefore has the requested density up to that limit, and none is built out of sight.
+//! Animals and bubbles are uniform in a ball around the view. The biota of a world do not depend on the camera.
 
 mod body;
 mod free;
@@ -15,46 +15,45 @@ use imaging::vector::{Vec3, vec3};
 use spec::Life;
 
 use crate::site::Site;
-use crate::site::builder::Builder;
-use crate::site::chance::Dice;
+use crate::site::builder::SiteBuilder;
+use crate::site::chance::Choices;
 use crate::site::pose::{UP, up};
 use crate::site::solid::Solid;
 use crate::site::tree::Tree;
 
-/// Rays that look for places.
+/// Rays that sample surfaces for growth.
 const RAYS: usize = 12_000;
-/// Growth is looked for up to this range, m.
+/// Maximum range of growth, m.
 const REACH_M: f32 = 8.0;
-/// Animals and bubbles are this near to the middle of the view, m.
+/// Radius around the middle of the view for animals and bubbles, m.
 const BALL_M: f32 = 4.0;
-/// Nothing that swims or floats is nearer to the usual eye, or to anything else, m.
+/// Minimum distance of animals and bubbles from the usual eye and from surfaces, m.
 const CLEAR_M: f32 = 0.25;
-/// The cosine that a grazing ray counts with at least.
+/// Lower limit of the cosine of a grazing ray.
 const GRAZING: f32 = 0.15;
-/// Side of the cells in which growth is more or less dense, m.
+/// Side of the cells that vary the density of growth, m.
 const PATCH_M: f32 = 0.35;
-/// Most solids of all life: each costs some microseconds a frame.
+/// Limit on biota solids: each costs some microseconds a frame.
 const MOST_SOLIDS: usize = 9_000;
 
-/// A place on a surface.
+/// A surface sample.
 #[derive(Debug, Clone, Copy)]
-struct Spot {
+struct GrowthSite {
     place: Vec3,
     normal: Vec3,
-    /// The object that it is on.
     host: u16,
-    /// From the usual eye, m.
+    /// Distance from the usual eye, m.
     range: f32,
-    /// What the place stands for, m².
+    /// Represented area, m².
     area: f32,
 }
 
-/// Adds life to a site; `seed` is that of the scene.
+/// Adds biota to a site; `seed` is that of the scene.
 pub(crate) fn settle(site: &mut Site, life: &Life, seed: u64) {
     let eye = site.pose.position_m.as_f32();
     let target = site.target.as_f32();
     let mut colony = Colony {
-        builder: Builder::over(site, seed, "life"),
+        builder: SiteBuilder::from_site(site, seed, "life"),
         eye,
         middle: eye + (target - eye) * 0.6,
         stage: site.solids.clone(),
@@ -69,15 +68,15 @@ pub(crate) fn settle(site: &mut Site, life: &Life, seed: u64) {
         (
             "mussels",
             life.mussels,
-            Colony::mussels as fn(&mut Colony, Dice, &Spot),
+            Colony::mussels as fn(&mut Colony, Choices, &GrowthSite),
         ),
         ("worms", life.worms, Colony::worms),
         ("weed", life.weed, Colony::weed),
     ] {
-        let dice = Dice::new(seed, &format!("life/{topic}"));
+        let dice = Choices::new(seed, &format!("life/{topic}"));
         for (at, spot) in spots.iter().enumerate() {
             let own = dice.object(at);
-            // What settles settles beside its like: nothing in most places, more in the others.
+            // Growth clusters: most cells are bare, a few are crowded.
             let share = density as f32 * spot.area * crowding(dice, spot.place);
             let dice = own;
             if density > 0.0 && dice.chance(0, share) && colony.has_room() {
@@ -86,16 +85,16 @@ pub(crate) fn settle(site: &mut Site, life: &Life, seed: u64) {
         }
     }
     for rope in 0..life.ropes {
-        colony.rope(Dice::new(seed, "life/rope").object(rope), &spots);
+        colony.rope(Choices::new(seed, "life/rope").object(rope), &spots);
     }
     let volume = f64::from(4.0 / 3.0 * PI * BALL_M.powi(3));
     for (topic, density, place) in [
-        ("fish", life.fish, Colony::fish as fn(&mut Colony, Dice, Vec3)),
+        ("fish", life.fish, Colony::fish as fn(&mut Colony, Choices, Vec3)),
         ("jellyfish", life.jellyfish, Colony::jellyfish),
         ("bubbles", life.bubbles, Colony::bubble),
     ] {
-        let dice = Dice::new(seed, &format!("life/{topic}"));
-        let count = density * volume + f64::from(dice.between(0, 0.0, 1.0));
+        let dice = Choices::new(seed, &format!("life/{topic}"));
+        let count = density * volume + f64::from(dice.uniform(0, 0.0, 1.0));
         for animal in 0..count as usize {
             let dice = dice.object(animal + 1);
             if let (Some(at), true) = (colony.free_place(dice), colony.has_room()) {
@@ -108,11 +107,11 @@ pub(crate) fn settle(site: &mut Site, life: &Life, seed: u64) {
     site.objects = objects;
 }
 
-/// What is being added to a site.
+/// Solids being added to a site.
 struct Colony {
-    builder: Builder,
+    builder: SiteBuilder,
     eye: Vec3,
-    /// The middle of the water in view.
+    /// The middle of the visible water.
     middle: Vec3,
     stage: Vec<Solid>,
 }
@@ -122,9 +121,9 @@ impl Colony {
         self.builder.count() < MOST_SOLIDS
     }
 
-    /// A place in the open water; none where something is near.
-    fn free_place(&self, dice: Dice) -> Option<Vec3> {
-        let radius = BALL_M * libm::cbrtf(dice.between(0, 0.0, 1.0));
+    /// A point in open water; `None` if something is near.
+    fn free_place(&self, dice: Choices) -> Option<Vec3> {
+        let radius = BALL_M * libm::cbrtf(dice.uniform(0, 0.0, 1.0));
         let place = self.middle + direction(dice, 1) * radius;
         let solids = self.stage.iter().map(|solid| solid.distance(place));
         let clear = solids.fold(place.z, f32::min).min((place - self.eye).length());
@@ -132,26 +131,26 @@ impl Colony {
     }
 }
 
-/// How many times as dense life is about a place: 0 in some cells, and 1 in the mean.
-fn crowding(dice: Dice, place: Vec3) -> f32 {
+/// Factor on the density of growth at a point: 0 in some cells, with mean 1.
+fn crowding(dice: Choices, place: Vec3) -> f32 {
     let cell = [place.x, place.y, place.z].map(|v| libm::floorf(v / PATCH_M) as i32 as usize & 0x3ff);
     let share = dice
         .object((1 << 40) + (cell[0] << 20) + (cell[1] << 10) + cell[2])
-        .between(0, 0.0, 1.0);
+        .uniform(0, 0.0, 1.0);
     // The integral of 3 s² is 1.
     3.0 * share * share
 }
 
-/// A direction of the sphere, from two choices.
-fn direction(dice: Dice, choice: u64) -> Vec3 {
-    let rise = dice.between(choice, -1.0, 1.0);
-    let (sin, cos) = libm::sincosf(dice.between(choice + 1, 0.0, TAU));
+/// A uniformly distributed direction, from two choices.
+fn direction(dice: Choices, choice: u64) -> Vec3 {
+    let rise = dice.uniform(choice, -1.0, 1.0);
+    let (sin, cos) = libm::sincosf(dice.uniform(choice + 1, 0.0, TAU));
     let flat = (1.0 - rise * rise).max(0.0).sqrt();
     vec3(flat * cos, flat * sin, rise)
 }
 
-/// Two unit vectors at right angles to a unit vector and to each other.
-fn beside(normal: Vec3) -> [Vec3; 2] {
+/// Two unit vectors orthogonal to a unit vector and to each other.
+fn tangents(normal: Vec3) -> [Vec3; 2] {
     let helper = if normal.z.abs() < 0.9 {
         UP
     } else {
@@ -161,35 +160,35 @@ fn beside(normal: Vec3) -> [Vec3; 2] {
     [x, normal.cross(x)]
 }
 
-/// Where rays from the usual way of the camera meet structures and stones.
-fn spots(site: &Site, eye: Vec3, seed: u64) -> Vec<Spot> {
+/// Samples structures and stones by rays from near the camera's usual track.
+fn spots(site: &Site, eye: Vec3, seed: u64) -> Vec<GrowthSite> {
     let tree = Tree::new(&site.solids);
-    let dice = Dice::new(seed, "life/spots");
+    let dice = Choices::new(seed, "life/spots");
     let travel = site.travel.as_f32();
     let solid_angle = 4.0 * PI / RAYS as f32;
     let found = (0..RAYS).filter_map(|ray| {
         let dice = dice.object(ray);
-        let from = eye + travel * dice.between(0, -0.4, 0.4);
-        let nearest = site.solids.iter().map(|solid| solid.distance(from));
-        // Somebody who stands in a wall sees nothing; only a moved eye can.
-        let from = if ray % 2 == 0 || nearest.fold(from.z, f32::min) < 0.05 {
+        let start = eye + travel * dice.uniform(0, -0.4, 0.4);
+        let nearest = site.solids.iter().map(|solid| solid.distance(start));
+        // A displaced eye may be inside a wall and see only its back; fall back to the usual eye.
+        let start = if ray % 2 == 0 || nearest.fold(start.z, f32::min) < 0.05 {
             eye
         } else {
-            from
+            start
         };
         let heading = direction(dice, 1);
-        let (met, number) = tree.first_met(&site.solids, from, heading, REACH_M)?;
+        let (met, number) = tree.first_met(&site.solids, start, heading, REACH_M)?;
         let solid = &site.solids[usize::from(number)];
         if solid.object == 0 {
             return None;
         }
-        let place = from + heading * met;
+        let place = start + heading * met;
         if place.z < 0.0 {
             return None;
         }
         let normal = solid.normal(place, 1e-3);
         let facing = (-heading.dot(normal)).max(GRAZING);
-        Some(Spot {
+        Some(GrowthSite {
             place,
             normal,
             host: solid.object,
@@ -200,7 +199,7 @@ fn spots(site: &Site, eye: Vec3, seed: u64) -> Vec<Spot> {
     found.collect()
 }
 
-/// Height of a place above the ground is kept at this at least, m.
+/// Raises a point to at least `least` meters above the ground.
 fn above_ground(place: Vec3, least: f32) -> Vec3 {
     if place.z < least {
         place + up(least - place.z)

@@ -1,22 +1,23 @@
-//! The family `open-water`: posts, mooring lines, buoys, hanging crates and cables in mid-water. The bottom is out of sight.
+//! The family `open-water`: posts, mooring lines, buoys, hanging crates and cables in mid-water. The bottom is out of
+//! sight.
 
 use imaging::vector::{Vec3, vec3};
 
 use crate::categories::Category;
 use crate::site::Site;
-use crate::site::builder::{Builder, Heights, View};
-use crate::site::chance::Dice;
-use crate::site::finish::{Finish, Material};
+use crate::site::builder::{Heights, SiteBuilder, SiteView};
+use crate::site::chance::Choices;
+use crate::site::finish::{Material, SurfaceFinish};
 use crate::site::pose::{Pose, UP, horizontal, up};
 use crate::site::solid::Ring;
 
-/// Height above the bottom from which heights of the camera count, m: farther than any picture shows.
+/// Origin of camera heights above the bottom, m: farther than any picture shows.
 const FLOOR_M: f32 = 66.0;
-/// Height of what the camera looks at above that, m.
+/// Height of the camera's target above [`FLOOR_M`], m.
 const MIDDLE_M: f32 = 6.0;
-/// Length of what goes on out of sight in both directions, m.
+/// Half length of objects that extend out of sight in both directions, m.
 const HALF_LENGTH_M: f32 = 30.0;
-/// Pitch of the links of a chain in parts of their size.
+/// Pitch of chain links relative to their size.
 const LINK_PITCH: f32 = 1.55;
 const CHAIN_LINKS: usize = 48;
 const BOW_PARTS: usize = 48;
@@ -33,27 +34,26 @@ const ROPES: [[f32; 3]; 4] = [
     [0.12, 0.12, 0.11],
 ];
 
-/// The site of a seed.
 pub(crate) fn site(seed: u64, _: Option<f32>) -> Site {
-    let dice = Dice::new(seed, "open-water");
-    let mut builder = Builder::new(seed, "open-water");
+    let dice = Choices::new(seed, "open-water");
+    let mut builder = SiteBuilder::new(seed, "open-water");
     let target = up(FLOOR_M + MIDDLE_M);
     let kind = dice.count(0, 0, 4);
     item(&mut builder, dice.object(1), kind, target);
     for extra in 0..dice.count(1, 1, 4) {
         let own = dice.object(2 + extra);
-        let aside = own.within(90, [-5.0, -1.0, -1.5], [5.0, 9.0, 1.5]);
+        let aside = own.point_in(90, [-5.0, -1.0, -1.5], [5.0, 9.0, 1.5]);
         item(&mut builder, own, own.count(93, 0, 4), target + aside);
     }
-    let distance = dice.between(2, 2.2, 4.0);
-    let heading = horizontal(std::f32::consts::FRAC_PI_2 + dice.between(3, -0.9, 0.9));
-    builder.site(&View {
+    let distance = dice.uniform(2, 2.2, 4.0);
+    let heading = horizontal(std::f32::consts::FRAC_PI_2 + dice.uniform(3, -0.9, 0.9));
+    builder.site(&SiteView {
         eye: target - heading * distance,
         target,
         travel: heading.cross(UP) * (0.7 * distance),
-        roll: dice.between(4, -0.12, 0.12),
-        lamp_m: distance * dice.between(5, 0.85, 1.25),
-        ambient: dice.between(6, 0.08, 0.35),
+        roll: dice.uniform(4, -0.12, 0.12),
+        lamp_m: distance * dice.uniform(5, 0.85, 1.25),
+        ambient: dice.uniform(6, 0.08, 0.35),
         floor: FLOOR_M,
         heights: Heights::Target([MIDDLE_M - 0.5, MIDDLE_M + 0.5]),
         stretch: [0.6, 1.8],
@@ -62,7 +62,7 @@ pub(crate) fn site(seed: u64, _: Option<f32>) -> Site {
     })
 }
 
-fn item(builder: &mut Builder, dice: Dice, kind: usize, place: Vec3) {
+fn item(builder: &mut SiteBuilder, dice: Choices, kind: usize, place: Vec3) {
     match kind {
         0 => posts(builder, dice, place),
         1 => mooring(builder, dice, place),
@@ -72,24 +72,23 @@ fn item(builder: &mut Builder, dice: Dice, kind: usize, place: Vec3) {
     }
 }
 
-/// A straight line through a place, nearly upright.
-fn upright(dice: Dice, lean: f32) -> Vec3 {
+fn upright(dice: Choices, lean: f32) -> Vec3 {
     (UP + dice.shift(80, [lean, lean])).normalized()
 }
 
-fn rope(builder: &mut Builder, dice: Dice) {
+fn rope(builder: &mut SiteBuilder, dice: Choices) {
     let material = Material::Body {
         color: dice.pick(70, &ROPES),
         gloss: 0.03,
         belly: 1.0,
     };
-    builder.object_of(Finish::new(material, dice), Category::Cable);
+    builder.object_of(SurfaceFinish::new(material, dice), Category::Cable);
 }
 
 /// Thin posts in a row, some with collars.
-fn posts(builder: &mut Builder, dice: Dice, place: Vec3) {
-    let along = horizontal(dice.between(0, -0.9, 0.9)) * dice.between(1, 0.5, 1.8);
-    let radius = dice.between(2, 0.02, 0.11);
+fn posts(builder: &mut SiteBuilder, dice: Choices, place: Vec3) {
+    let along = horizontal(dice.uniform(0, -0.9, 0.9)) * dice.uniform(1, 0.5, 1.8);
+    let radius = dice.uniform(2, 0.02, 0.11);
     let material = dice.pick(3, &[Material::Steel, Material::Growth, Material::Steel]);
     for post in 0..dice.count(4, 1, 5) {
         builder.object(material, Category::Pile);
@@ -101,20 +100,20 @@ fn posts(builder: &mut Builder, dice: Dice, place: Vec3) {
             radius,
         );
         for collar in 0..dice.count(10 + post as u64, 0, 2) {
-            let at = middle + axis * dice.between(20 + collar as u64, -2.0, 2.0);
-            builder.tube(at, at + axis * 0.1, radius * 1.25);
+            let position = middle + axis * dice.uniform(20 + collar as u64, -2.0, 2.0);
+            builder.tube(position, position + axis * 0.1, radius * 1.25);
         }
     }
 }
 
 /// A mooring line: a rope, or a chain that ends in ropes.
-fn mooring(builder: &mut Builder, dice: Dice, place: Vec3) {
+fn mooring(builder: &mut SiteBuilder, dice: Choices, place: Vec3) {
     let axis = upright(dice, 0.3);
-    let radius = dice.between(0, 0.012, 0.035);
+    let radius = dice.uniform(0, 0.012, 0.035);
     let mut ends = [place, place];
     if dice.chance(1, 0.6) {
         builder.object(Material::Steel, Category::Cable);
-        let size = dice.between(2, 0.06, 0.13);
+        let size = dice.uniform(2, 0.06, 0.13);
         let pitch = LINK_PITCH * size;
         let sides = [axis.cross(vec3(0.0, 1.0, 0.0)).normalized(), vec3(0.0, 1.0, 0.0)];
         for link in 0..CHAIN_LINKS {
@@ -131,18 +130,18 @@ fn mooring(builder: &mut Builder, dice: Dice, place: Vec3) {
 }
 
 /// A float with a band and eyes on its line.
-fn buoy(builder: &mut Builder, dice: Dice, place: Vec3) {
-    let radius = dice.between(0, 0.18, 0.7);
+fn buoy(builder: &mut SiteBuilder, dice: Choices, place: Vec3) {
+    let radius = dice.uniform(0, 0.18, 0.7);
     let color = dice.pick(1, &FLOATS);
     let finish = if dice.chance(2, 0.4) {
-        Finish::new(Material::Steel, dice)
+        SurfaceFinish::new(Material::Steel, dice)
     } else {
         let material = Material::Body {
             color,
             gloss: 0.3,
             belly: 1.0,
         };
-        Finish::new(material, dice)
+        SurfaceFinish::new(material, dice)
     };
     builder.object_of(finish, Category::Buoy);
     let height = radius * dice.pick(3, &[1.0, 1.0, 1.5]);
@@ -156,7 +155,7 @@ fn buoy(builder: &mut Builder, dice: Dice, place: Vec3) {
     }
     rope(builder, dice);
     let below = place - up(height + 2.0 * eye);
-    let line = dice.between(4, 0.008, 0.025);
+    let line = dice.uniform(4, 0.008, 0.025);
     builder.tube(below - upright(dice, 0.1) * HALF_LENGTH_M, below, line);
     if dice.chance(5, 0.5) {
         let above = place + up(height + 2.0 * eye);
@@ -169,9 +168,9 @@ fn corner(pose: &Pose, half: Vec3, sides: [f32; 3]) -> Vec3 {
 }
 
 /// A crate or an open frame on four slings below a hoisting rope.
-fn crate_on_slings(builder: &mut Builder, dice: Dice, place: Vec3) {
-    let half = dice.within(0, [0.3, 0.25, 0.2], [0.9, 0.6, 0.6]);
-    let yaw = dice.between(3, -1.5, 1.5);
+fn crate_on_slings(builder: &mut SiteBuilder, dice: Choices, place: Vec3) {
+    let half = dice.point_in(0, [0.3, 0.25, 0.2], [0.9, 0.6, 0.6]);
+    let yaw = dice.uniform(3, -1.5, 1.5);
     let pose = Pose::upright(place, yaw);
     let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
     builder.object(Material::Steel, Category::Crate);
@@ -190,7 +189,7 @@ fn crate_on_slings(builder: &mut Builder, dice: Dice, place: Vec3) {
             );
         }
     }
-    // Closed, or with a load on its floor.
+    // Closed, or open with a load on its floor.
     let fill = dice.pick(4, &[0.97, 0.97, 0.55]);
     builder.object(Material::Steel, Category::Crate);
     builder.block(
@@ -198,7 +197,7 @@ fn crate_on_slings(builder: &mut Builder, dice: Dice, place: Vec3) {
         vec3(half.x * 0.97, half.y * 0.97, half.z * fill),
         yaw,
     );
-    let hook = place + up(half.z + dice.between(5, 0.6, 1.4));
+    let hook = place + up(half.z + dice.uniform(5, 0.6, 1.4));
     rope(builder, dice);
     for (x, y) in corners {
         builder.tube(corner(&pose, half, [x, y, 1.0]), hook, 0.01);
@@ -207,17 +206,17 @@ fn crate_on_slings(builder: &mut Builder, dice: Dice, place: Vec3) {
 }
 
 /// Cables and hoses that hang through the water in bows.
-fn cables(builder: &mut Builder, dice: Dice, place: Vec3) {
-    let along = horizontal(dice.between(0, -0.7, 0.7));
+fn cables(builder: &mut SiteBuilder, dice: Choices, place: Vec3) {
+    let along = horizontal(dice.uniform(0, -0.7, 0.7));
     for cable in 0..dice.count(1, 1, 4) {
         let own = dice.object(200 + cable);
         builder.object(Material::Rubber, Category::Cable);
-        let radius = own.between(0, 0.012, 0.05);
-        let half = own.between(2, 12.0, 30.0);
+        let radius = own.uniform(0, 0.012, 0.05);
+        let half = own.uniform(2, 12.0, 30.0);
         let bow = Bow {
-            lowest: place + own.within(3, [-0.5, -0.5, -0.4], [0.5, 1.5, 0.4]),
+            lowest: place + own.point_in(3, [-0.5, -0.5, -0.4], [0.5, 1.5, 0.4]),
             half: along * half,
-            sag: half * own.between(1, 0.1, 0.6),
+            sag: half * own.uniform(1, 0.1, 0.6),
         };
         for part in 0..BOW_PARTS {
             let (from, to) = (bow.point(part), bow.point(part + 1));
@@ -229,7 +228,7 @@ fn cables(builder: &mut Builder, dice: Dice, place: Vec3) {
 /// A cable that hangs between two ends at one height: a parabola.
 struct Bow {
     lowest: Vec3,
-    /// Half of the way between its ends.
+    /// Half the vector between its ends.
     half: Vec3,
     sag: f32,
 }

@@ -10,31 +10,30 @@ use spec::{Path, Waypoint};
 
 use crate::{CameraPose, SceneError};
 
-/// A camera must look at something at least this far away, and a path of several frames be at least this long, in meters.
+/// Minimum distance between camera and target, and minimum length of a path of several frames, m.
 const SHORTEST_M: f64 = 1e-3;
 
-/// A straight path from a start to an end at constant speed. Frame 0 is at the start, the last frame at the end; a path of one
-/// frame stays at the start. A pose is a pure function of the path and the frame.
+/// A straight path from a start to an end at constant speed. Frame 0 is at the start, the last frame at the end; a path
+/// of one frame stays at the start. A pose is a pure function of the path and the frame.
 ///
-/// The vehicle sways: each of three shifts and three turns along and about the camera's axes is the sum of two sines of about
-/// `sway_frames` and 0.37 of it with seeded phases, 0.7 and 0.3 of the amplitude (`sway_m`, `sway_deg`): smooth, and never more
-/// than the amplitude.
+/// The vehicle sways: each of three shifts and three rotations along and about the camera's axes is the sum of two
+/// sines with periods of about `sway_frames` and 0.37 of it, seeded phases, and 0.7 and 0.3 of the amplitude (`sway_m`,
+/// `sway_deg`). The sum never exceeds the amplitude.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CameraPath {
-    start: Sight,
-    end: Sight,
+    start: LookAt,
+    end: LookAt,
     path: Path,
     seed: u64,
 }
 
-/// A camera's position and what it looks at.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Sight {
+struct LookAt {
     position: DVec3,
     target: DVec3,
 }
 
-impl From<Waypoint> for Sight {
+impl From<Waypoint> for LookAt {
     fn from(waypoint: Waypoint) -> Self {
         Self {
             position: waypoint.position_m.into(),
@@ -44,25 +43,33 @@ impl From<Waypoint> for Sight {
 }
 
 impl CameraPath {
-    /// A path between two waypoints, with the frames and the sway of a description within its limits.
+    /// A path between two waypoints with the frames and the sway of a description.
     ///
     /// # Errors
-    /// [`SceneError::Number`] for each of: a path of several frames shorter than [`SHORTEST_M`]; a target nearer to the camera
-    /// than that anywhere on the path.
+    /// [`SceneError::Number`] for a path of several frames shorter than [`SHORTEST_M`] and for a target closer to the
+    /// camera than that anywhere on the path.
     pub fn new(path: &Path, ends: [Waypoint; 2], seed: u64) -> Result<Self, Vec<SceneError>> {
-        let [start, end] = ends.map(Sight::from);
+        let [start, end] = ends.map(LookAt::from);
         let mut errors = Vec::new();
-        let mut check = |good: bool, field: &'static str, value: f64, limit: &'static str| {
-            if !good {
-                errors.push(SceneError::Number { field, value, limit });
-            }
-        };
+
         let traveled = (end.position - start.position).length() + (end.target - start.target).length();
         let moves = path.frames == 1 || traveled >= SHORTEST_M;
-        check(moves, "path.end", traveled, "at least 0.001 m from the start");
+        if !moves {
+            errors.push(SceneError::Number {
+                field: "path.end",
+                value: traveled,
+                limit: "at least 0.001 m from the start",
+            });
+        }
         let nearest = nearest_target(&start, &end);
-        let limit = "at least 0.001 m from the camera, all the way";
-        check(nearest >= SHORTEST_M, "path.end.target_m", nearest, limit);
+        let is_clear = nearest >= SHORTEST_M;
+        if !is_clear {
+            errors.push(SceneError::Number {
+                field: "path.end.target_m",
+                value: nearest,
+                limit: "at least 0.001 m from the camera, all the way",
+            });
+        }
         if errors.is_empty() {
             let path = *path;
             Ok(Self {
@@ -82,26 +89,25 @@ impl CameraPath {
         self.path.frames
     }
 
-    /// The pose of a frame, from 0 on; frames after the last stay at the end.
+    /// The pose of a frame, counted from 0. Later frames stay at the end.
     #[must_use]
     pub fn pose(&self, frame: usize) -> CameraPose {
         self.pose_at(frame as f64)
     }
 
-    /// The pose at a time between frames, in frames; before the first it stays at the start.
+    /// The pose at a fractional frame. Negative times stay at the start.
     #[must_use]
     pub fn pose_at(&self, frame: f64) -> CameraPose {
         let steps = self.path.frames.saturating_sub(1);
         let share = frame.max(0.0).min(steps as f64) / steps.max(1) as f64;
-        let between = |a: DVec3, b: DVec3| a + (b - a) * share;
-        let eye = between(self.start.position, self.end.position);
-        let target = between(self.start.target, self.end.target);
+        let eye = interpolate(self.start.position, self.end.position, share);
+        let target = interpolate(self.start.target, self.end.target, share);
         let still = held::pose([self.start, self.end], eye, target);
-        let swing = |axis: usize| self.swing(frame, axis as u64);
         let mut moved = still;
         for (i, axis) in [still.right, still.down, still.ahead].into_iter().enumerate() {
-            moved.position_m = moved.position_m + axis * (self.path.sway_m * swing(i));
-            let angle = self.path.sway_deg.to_radians() * swing(3 + i);
+            let [shift, turn] = [i, 3 + i].map(|axis| self.swing(frame, axis as u64));
+            moved.position_m = moved.position_m + axis * (self.path.sway_m * shift);
+            let angle = self.path.sway_deg.to_radians() * turn;
             moved.right = turned(moved.right, axis, angle);
             moved.down = turned(moved.down, axis, angle);
             moved.ahead = turned(moved.ahead, axis, angle);
@@ -109,33 +115,36 @@ impl CameraPath {
         moved
     }
 
-    /// -1..=1.
+    /// Sway in -1..=1.
     fn swing(&self, frame: f64, axis: u64) -> f64 {
         let dice = Stream::stage(self.seed, "path/sway");
-        let draw = |choice: u64| dice.unit(axis, choice);
-        let wave = |period: f64, choice: u64| {
-            let period = period * (0.8 + 0.4 * draw(choice));
-            libm::sin(TAU * (frame / period + draw(choice + 1)))
-        };
-        let slow = wave(self.path.sway_frames, 0);
-        0.7 * slow + 0.3 * wave(0.37 * self.path.sway_frames, 2)
+        let periods = [self.path.sway_frames, 0.37 * self.path.sway_frames];
+        let [slow, fast] = [0, 1].map(|k| {
+            let choice = 2 * k as u64;
+            let period = periods[k] * (0.8 + 0.4 * dice.unit(axis, choice));
+            libm::sin(TAU * (frame / period + dice.unit(axis, choice + 1)))
+        });
+        0.7 * slow + 0.3 * fast
     }
 }
 
-/// The least distance between camera and target on the path.
-fn nearest_target(start: &Sight, end: &Sight) -> f64 {
-    let from = start.target - start.position;
-    let change = end.target - end.position - from;
+fn nearest_target(start: &LookAt, end: &LookAt) -> f64 {
+    let first = start.target - start.position;
+    let change = end.target - end.position - first;
     let square = change.dot(change);
-    let share = (-from.dot(change) / square).clamp(0.0, 1.0);
-    (from + change * if square > 0.0 { share } else { 0.0 }).length()
+    let share = (-first.dot(change) / square).clamp(0.0, 1.0);
+    (first + change * if square > 0.0 { share } else { 0.0 }).length()
 }
 
-/// A vector turned about a unit axis (Rodrigues).
+/// Rotates a vector about a unit axis (Rodrigues).
 fn turned(v: DVec3, axis: DVec3, angle: f64) -> DVec3 {
     let (sin, cos) = libm::sincos(angle);
     let along = axis * (axis.dot(v) * (1.0 - cos));
     (v * cos + axis.cross(v) * sin + along).normalized()
+}
+
+fn interpolate(a: DVec3, b: DVec3, share: f64) -> DVec3 {
+    a + (b - a) * share
 }
 
 #[cfg(test)]
@@ -175,7 +184,7 @@ pub(crate) mod tests {
     #[test]
     fn a_path_without_sway_is_a_straight_line_at_constant_speed() {
         let path = straight(START, END, 5);
-        let (start, end) = (Sight::from(START), Sight::from(END));
+        let (start, end) = (LookAt::from(START), LookAt::from(END));
         assert_eq!(path.pose(0).position_m, start.position);
         assert_eq!(path.pose(4).position_m, end.position);
         assert_eq!(path.pose(2).position_m, vec3(0.0, -3.0, 1.25));
@@ -194,7 +203,7 @@ pub(crate) mod tests {
             let (here, next) = (away(frame), away(frame + 1));
             most = most.max(here.length());
             assert!(here.length() <= 0.05 * 3f64.sqrt() + 1e-12);
-            // Five swings of the fast sine in 40 frames: at most a few percent of the amplitude a frame.
+            // Five periods of the fast sine in 40 frames: at most a few percent of the amplitude per frame.
             assert!((next - here).length() < 0.05 * 0.6, "frame {frame}");
             let pose = path.pose(frame);
             assert!(pose.ahead.dot(straight.pose(frame).ahead) > libm::cos(0.03 * 3.0));

@@ -1,18 +1,18 @@
-//! Position and orientation of a camera in the world of a scene.
+//! Position and orientation of a camera in the world.
 
 use imaging::vector::{DVec3, vec3};
 use serde_json::Value;
 use spec::{FieldError, Invalid};
 
-/// How far the axes of an uploaded pose may be from orthonormal: files round them to three decimals at worst.
+/// Allowed deviation of an uploaded pose from orthonormal axes: files round to three decimals at worst.
 pub const ORTHONORMAL_TOLERANCE: f64 = 2e-3;
-/// Farthest place of an uploaded camera along an axis, in meters: the size of the Earth, in which frames of geodesy count.
+/// Largest coordinate of an uploaded camera, m: the size of the Earth, for geodetic frames.
 pub const MAX_POSITION_M: f64 = 1e7;
 
 /// Position and axes of a camera in the world: meters, z up, the ground at z = 0.
 ///
-/// The axes are those of the picture: x right, y down, z ahead; orthonormal and right-handed. A point `p` of the world has
-/// the camera coordinates `(right·(p-c), down·(p-c), ahead·(p-c))`, c the position (Hartley and Zisserman 2004,
+/// The axes are those of the picture: x right, y down, z ahead; orthonormal and right-handed. A point `p` of the world
+/// has the camera coordinates `(right·(p-c), down·(p-c), ahead·(p-c))` with the position c (Hartley and Zisserman 2004,
 /// section 6.1, with R's rows written as three vectors).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CameraPose {
@@ -27,9 +27,9 @@ pub struct CameraPose {
 }
 
 impl CameraPose {
-    /// A camera at `eye` that looks at `target`, level but for `roll` radians about its optical axis (positive: the picture of
-    /// the world turns clockwise). Looking straight up or down, the world's x axis is to the right. `target` must differ from
-    /// `eye`.
+    /// A camera at `eye` that looks at `target`, level except for `roll` radians about its optical axis (positive: the
+    /// picture of the world turns clockwise). For a vertical line of sight, the world's x axis points right. `target`
+    /// must differ from `eye`.
     #[must_use]
     pub fn looking(eye: DVec3, target: DVec3, roll: f64) -> Self {
         let ahead = (target - eye).normalized();
@@ -49,14 +49,15 @@ impl CameraPose {
         }
     }
 
-    /// The pose of a matrix from camera coordinates to the world's, by rows. Axes within [`ORTHONORMAL_TOLERANCE`] of an
-    /// orthonormal right-handed system are made one: the optical axis keeps its direction, then the picture's rows.
+    /// The pose of a row-major matrix from camera to world coordinates. Axes within [`ORTHONORMAL_TOLERANCE`] of an
+    /// orthonormal right-handed system are orthonormalized: the optical axis keeps its direction, then the picture's
+    /// rows.
     ///
     /// # Errors
-    /// What is wrong with the matrix.
+    /// The violated condition.
     pub fn from_matrix(matrix: &[[f64; 4]; 4]) -> Result<Self, &'static str> {
-        let column = |at: usize| -> DVec3 { [0, 1, 2].map(|row: usize| matrix[row][at]).into() };
-        let (right, down, ahead, position_m) = (column(0), column(1), column(2), column(3));
+        let [right, down, ahead, position_m] =
+            [0, 1, 2, 3].map(|column: usize| DVec3::from([0, 1, 2].map(|row: usize| matrix[row][column])));
         if matrix.as_flattened().iter().any(|value| !value.is_finite()) {
             return Err("all numbers must be finite");
         }
@@ -91,7 +92,7 @@ impl CameraPose {
         })
     }
 
-    /// The 4x4 matrix, by rows, from camera coordinates to the world's.
+    /// The row-major 4×4 matrix from camera to world coordinates.
     #[must_use]
     pub fn world_from_camera(&self) -> [[f64; 4]; 4] {
         let columns = [self.right, self.down, self.ahead, self.position_m];
@@ -99,7 +100,7 @@ impl CameraPose {
         [x, y, z, [0.0, 0.0, 0.0, 1.0]]
     }
 
-    /// Camera coordinates of a point of the world, in meters: right, down, ahead.
+    /// Camera coordinates of a world point in meters: right, down, ahead.
     #[must_use]
     pub fn to_camera(&self, point: DVec3) -> DVec3 {
         let away = point - self.position_m;
@@ -109,24 +110,27 @@ impl CameraPose {
     }
 }
 
-/// Reads the pose of an uploaded scene: `{"world_from_camera": [[…], …]}`, the matrix by rows, or the matrix alone.
+/// Reads the pose of an uploaded scene: `{"world_from_camera": [[…], …]}` with a row-major matrix, or the matrix alone.
 ///
 /// # Errors
-/// What is wrong with it.
+/// The violated condition with its JSON pointer.
 pub fn read(text: &[u8]) -> Result<[[f64; 4]; 4], Invalid> {
-    let refused = |message: &str| Invalid(vec![FieldError::new("", message)]);
     let shape =
         "a pose must be {\"world_from_camera\": [[…], […], […], [0, 0, 0, 1]]}, four rows of four numbers";
     let mut value = spec::read_json(text)?;
     if let Value::Object(map) = &mut value {
         value = match (map.len(), map.remove("world_from_camera")) {
             (1, Some(matrix)) => matrix,
-            _ => return Err(refused(shape)),
+            _ => return Err(rejection(shape)),
         };
     }
-    let matrix: [[f64; 4]; 4] = serde_json::from_value(value).map_err(|_| refused(shape))?;
-    CameraPose::from_matrix(&matrix).map_err(refused)?;
+    let matrix: [[f64; 4]; 4] = serde_json::from_value(value).map_err(|_| rejection(shape))?;
+    CameraPose::from_matrix(&matrix).map_err(rejection)?;
     Ok(matrix)
+}
+
+fn rejection(message: &str) -> Invalid {
+    Invalid(vec![FieldError::new("", message)])
 }
 
 #[cfg(test)]

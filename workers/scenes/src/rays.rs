@@ -1,25 +1,25 @@
-//! Rays through a procedural world: what they meet, and which of many ways are clear.
+//! Nearest hits and occlusion tests in a procedural world.
 //!
-//! The solids are those that pictures show, met by the same formulas in single precision: the ray through the center of a pixel
-//! meets what the pixel shows, at its range. A ray that begins inside a solid leaves it unhindered. The ground ends 60 m from the
-//! camera, as in pictures.
+//! Rays intersect the rendered solids by the same single-precision formulas: the ray through the center of a pixel hits
+//! the surface shown there, at its range. A ray that starts inside a solid leaves it unhindered. The ground ends 60 m
+//! from the camera, as in pictures.
 
-use imaging::rays::{Cuboid, Hit, OFFSET, Rays, Ways};
+use imaging::rays::{Cuboid, Hit, OFFSET, Rays, ShadowRays};
 use imaging::vector::{DVec3, Vec3};
 use imaging::vectorized;
 
 use crate::site::bounds::Bounds;
 use crate::site::lanes::{load, store};
 use crate::site::pits;
-use crate::site::solid::{RUN, Run};
-use crate::site::tree::{Bundle, Tree};
+use crate::site::solid::{RUN, ShadowPacket};
+use crate::site::tree::{RayPacket, Tree};
 use crate::site::{FAR_M, LABEL_BEVEL_M, Site};
 use crate::{CameraPose, World};
 
-/// Longer rays are cut off here, m: no site is as large.
+/// Longer rays are clipped to this length, m; larger than any site.
 const LONGEST_M: f64 = 1e3;
 
-/// A world as rays from about a camera meet it, in the axes of that camera. Numbers of objects are those of the world, 0 the ground.
+/// A world in the axes of a camera. SiteObject numbers are those of the world; 0 is the ground.
 pub struct WorldRays<'a> {
     site: &'a Site,
     pose: CameraPose,
@@ -27,7 +27,7 @@ pub struct WorldRays<'a> {
 }
 
 impl World {
-    /// The world for rays in the axes of a camera.
+    /// This world for rays in the axes of a camera.
     #[must_use]
     pub fn rays(&self, pose: &CameraPose) -> WorldRays<'_> {
         WorldRays {
@@ -53,7 +53,7 @@ impl Rays for WorldRays<'_> {
             }
             None => (pits::normal(&self.site.pits, place), 0),
         };
-        // A rounded edge may turn away from the ray; it is brought back to the edge of what the ray can meet.
+        // A rounded edge may face away from the ray; turn its normal back until it is perpendicular to the ray.
         let away = normal.dot(heading).max(0.0) * 1.001;
         let normal = (normal - heading * away).normalized().as_f64();
         let CameraPose {
@@ -66,17 +66,17 @@ impl Rays for WorldRays<'_> {
         })
     }
 
-    fn may_hide(&self, from: &Cuboid, to: &Cuboid) -> bool {
-        let bundle = Bundle {
+    fn may_occlude(&self, from: &Cuboid, to: &Cuboid) -> bool {
+        let packet = RayPacket {
             from: self.bounds_in_world(from),
             to: self.bounds_in_world(to),
         };
-        // What is dug out of the ground has walls that no box says anything of.
-        if bundle.to.low.z <= 0.0 || !self.site.pits.is_empty() {
+        // Pits have walls outside of any bounding box.
+        if packet.to.low.z <= 0.0 || !self.site.pits.is_empty() {
             return true;
         }
         let mut is_met = false;
-        self.tree.search(&bundle, |_| {
+        self.tree.search(&packet, |_| {
             is_met = true;
             -1.0
         });
@@ -89,33 +89,33 @@ impl Rays for WorldRays<'_> {
         f64::from(solids.fold(place.z, f32::min).max(0.0))
     }
 
-    fn look(&self, ways: &Ways, clear: &mut [bool]) {
-        let frame = Frame {
+    fn trace_shadow_rays(&self, rays: &ShadowRays, clear: &mut [bool]) {
+        let frame = CameraFrame {
             eye: self.pose.position_m.as_f32(),
             axes: [self.pose.right, self.pose.down, self.pose.ahead].map(DVec3::as_f32),
         };
-        let mut run = Run {
+        let mut run = ShadowPacket {
             from: [[0.0; RUN]; 3],
             way: [[0.0; RUN]; 3],
-            hidden: [0.0; RUN],
+            occluded: [0.0; RUN],
         };
         let mut ends = [[0.0; RUN]; 3];
         for (at, clear) in clear.chunks_mut(RUN).enumerate() {
-            vectorized!(begin(frame, ways, at * RUN, &mut run, &mut ends));
+            vectorized!(begin(frame, rays, at * RUN, &mut run, &mut ends));
             if !self.site.pits.is_empty() {
                 self.sink(&mut run, &ends);
             }
-            let bundle = Bundle {
-                from: vectorized!(Bounds::of_points(&run.from)),
-                to: vectorized!(Bounds::of_points(&ends)),
+            let packet = RayPacket {
+                from: vectorized!(Bounds::from_points(&run.from)),
+                to: vectorized!(Bounds::from_points(&ends)),
             };
-            self.tree.search(&bundle, |number| {
-                self.site.solids[usize::from(number)].hide(&mut run);
-                let is_done = run.hidden.iter().all(|&hidden| hidden != 0.0);
+            self.tree.search(&packet, |number| {
+                self.site.solids[usize::from(number)].occlude(&mut run);
+                let is_done = run.occluded.iter().all(|&occluded| occluded != 0.0);
                 if is_done { -1.0 } else { 1.0 }
             });
-            for (clear, hidden) in clear.iter_mut().zip(&run.hidden) {
-                *clear = *hidden == 0.0;
+            for (clear, occluded) in clear.iter_mut().zip(&run.occluded) {
+                *clear = *occluded == 0.0;
             }
         }
     }
@@ -129,40 +129,34 @@ impl WorldRays<'_> {
         right * direction.x + down * direction.y + ahead * direction.z
     }
 
-    /// Clears the ways that lead through the mouth of a pit, and marks those that lead through its wall.
-    fn sink(&self, run: &mut Run, ends: &[[f32; RUN]; 3]) {
+    /// Clears shadow rays that pass through the mouth of a pit and marks those that hit its wall.
+    fn sink(&self, run: &mut ShadowPacket, ends: &[[f32; RUN]; 3]) {
         for i in 0..RUN {
             let (begin, end) = (load(&run.from, i), load(ends, i));
             let is_between = pits::is_between(&self.site.pits, begin, end);
-            run.hidden[i] = if is_between {
-                run.hidden[i].max(f32::from(begin.z.min(end.z) < -1e-3))
+            run.occluded[i] = if is_between {
+                run.occluded[i].max(f32::from(begin.z.min(end.z) < -1e-3))
             } else {
                 0.0
             };
         }
     }
 
-    /// The box of the world around one in the axes of the camera, as much larger as single precision may lose.
+    /// The bounding box in world coordinates, enlarged by the possible rounding error.
     fn bounds_in_world(&self, cuboid: &Cuboid) -> Bounds {
-        let point = |corner: [f64; 3]| {
+        let corners = cuboid.corners().map(|corner| {
             let place = self.place_in_world(corner.into());
             let lost = (OFFSET * place.length().max(1.0)) as f32;
-            let place = place.as_f32();
-            Bounds {
-                low: place,
-                high: place,
-            }
-            .grown(lost)
-        };
-        let corners = cuboid.corners().map(point);
-        corners.iter().fold(corners[0], |all, corner| all.with(corner))
+            Bounds::from_point(place.as_f32()).grown(lost)
+        });
+        corners.iter().fold(corners[0], |all, corner| all.union(corner))
     }
 
     fn place_in_world(&self, place: DVec3) -> DVec3 {
         self.pose.position_m + self.direction_in_world(place)
     }
 
-    /// How far along a unit vector the nearest surface is, and which solid's; none: the ground's.
+    /// Distance along a unit vector to the nearest surface, and its solid (`None`: the ground).
     fn nearest(&self, begin: Vec3, heading: Vec3, meters: f32) -> Option<(f32, Option<u16>)> {
         if meters <= 0.0 {
             return None;
@@ -177,15 +171,11 @@ impl WorldRays<'_> {
                 (nearest, is_met) = (ground, true);
             }
         }
-        let point = |place: Vec3| Bounds {
-            low: place,
-            high: place,
+        let packet = RayPacket {
+            from: Bounds::from_point(begin),
+            to: Bounds::from_point(begin + heading * meters),
         };
-        let bundle = Bundle {
-            from: point(begin),
-            to: point(begin + heading * meters),
-        };
-        self.tree.search(&bundle, |number| {
+        self.tree.search(&packet, |number| {
             let met = self.site.solids[usize::from(number)].enter(begin, heading);
             if met < nearest {
                 (nearest, owner, is_met) = (met, Some(number), true);
@@ -198,19 +188,32 @@ impl WorldRays<'_> {
 
 /// The camera in single precision.
 #[derive(Clone, Copy)]
-struct Frame {
+struct CameraFrame {
     eye: Vec3,
     axes: [Vec3; 3],
 }
 
-/// Takes a run of ways into the world, moved off the surfaces that they leave, and marks those that the ground lies on. The last
-/// way fills the rest of the run.
+impl CameraFrame {
+    #[inline(always)]
+    fn rotate(&self, v: Vec3) -> Vec3 {
+        let [right, down, ahead] = self.axes;
+        right * v.x + down * v.y + ahead * v.z
+    }
+}
+
+/// Transforms a packet of shadow rays into the world, offsets their origins off the surfaces, and marks those blocked
+/// by the ground. The last ray fills the rest of the packet.
 #[inline(always)]
-fn begin(frame: Frame, ways: &Ways, first: usize, run: &mut Run, ends: &mut [[f32; RUN]; 3]) {
-    let [right, down, ahead] = frame.axes;
-    let count = RUN.min(ways.len() - first);
+fn begin(
+    frame: CameraFrame,
+    rays: &ShadowRays,
+    first: usize,
+    run: &mut ShadowPacket,
+    ends: &mut [[f32; RUN]; 3],
+) {
+    let count = RUN.min(rays.len() - first);
     let mut local = [[[0.0f32; RUN]; 3]; 2];
-    for (lanes, ends) in local.iter_mut().zip([&ways.from, &ways.to]) {
+    for (lanes, ends) in local.iter_mut().zip([&rays.from, &rays.to]) {
         for (lane, axis) in lanes.iter_mut().zip(ends) {
             lane[..count].copy_from_slice(&axis[first..first + count]);
             let last = lane[count - 1];
@@ -220,13 +223,12 @@ fn begin(frame: Frame, ways: &Ways, first: usize, run: &mut Run, ends: &mut [[f3
     for i in 0..RUN {
         let [from, to] = [load(&local[0], i), load(&local[1], i)];
         let way = to - from;
-        // As far off as `imaging::rays::offset` says.
+        // The offset of `imaging::rays::offset`.
         let off = OFFSET as f32 * from.length().max(1.0);
         let share = (off / way.length().max(1e-30)).min(1.0);
-        let from = from + way * share;
-        let way = to - from;
-        let turned = |v: Vec3| right * v.x + down * v.y + ahead * v.z;
-        let (begin, way) = (frame.eye + turned(from), turned(way));
+        let start = from + way * share;
+        let way = to - start;
+        let (begin, way) = (frame.eye + frame.rotate(start), frame.rotate(way));
         let end = begin + way;
         store(&mut run.from, i, begin);
         store(&mut run.way, i, way);
@@ -234,6 +236,6 @@ fn begin(frame: Frame, ways: &Ways, first: usize, run: &mut Run, ends: &mut [[f3
         let share = begin.z / (begin.z - end.z);
         let away = begin + way * share - frame.eye;
         let met = (begin.z > 0.0) & (end.z < 0.0) & (away.dot(away) < FAR_M * FAR_M);
-        run.hidden[i] = if met { 1.0 } else { 0.0 };
+        run.occluded[i] = if met { 1.0 } else { 0.0 };
     }
 }

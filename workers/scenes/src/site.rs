@@ -1,10 +1,10 @@
-//! Worlds of solids on a seabed, and how a camera with a lamp sees them.
+//! Worlds of solids on a seabed, and their pictures from a camera with a lamp.
 //!
-//! World: meters, z up, the ground at z = 0 but for its pits. Surfaces are met exactly: range is the distance to the solid itself. Relief
-//! (ripples, rust, pores, growth) turns normals and colors only and never moves a surface, as in a normal map. The picture
-//! is in air, lit by a lamp at the camera and a soft light from above; it is linear and may exceed 1 close to the lamp.
+//! World: meters, z up, the ground at z = 0 except in pits. Intersections are exact: range is the distance to the solid
+//! itself. Relief (ripples, rust, pores, growth) changes normals and colors only, like a normal map. The picture is in
+//! air, lit by a lamp at the camera and by soft light from above; it is linear and may exceed 1 close to the lamp.
 //!
-//! A pixel depends on its own ray alone, so rows can be rendered in any bands and on any threads with the same bytes.
+//! A pixel depends on its ray only, so any split of the rows over bands and threads yields the same bytes.
 
 pub(crate) mod bounds;
 pub(crate) mod builder;
@@ -29,39 +29,38 @@ use imaging::vector::DVec3;
 
 use crate::CameraPose;
 use crate::categories::Category;
-use finish::Finish;
+use finish::SurfaceFinish;
 use pits::Pit;
 use solid::Solid;
 use view::Usual;
 
-pub(crate) use picture::{FAR_M, Picture, Surfaces, Wanted, render};
+pub(crate) use picture::{FAR_M, RenderOptions, RenderedRows, SurfaceRows, render};
 pub(crate) use shade::LABEL_BEVEL_M;
 
-/// An object: its surface and what it is. Number 0 is the ground.
+/// An object: its surface and its category. Number 0 is the ground.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Object {
-    pub(crate) finish: Finish,
+pub(crate) struct SiteObject {
+    pub(crate) finish: SurfaceFinish,
     pub(crate) category: Category,
-    /// The object that growth is attached to.
+    /// For growth, the object it is attached to.
     pub(crate) host: Option<u16>,
 }
 
 /// A site with its usual view and light.
 pub(crate) struct Site {
     pub(crate) solids: Vec<Solid>,
-    pub(crate) objects: Vec<Object>,
-    /// Pits in the ground.
+    pub(crate) objects: Vec<SiteObject>,
     pub(crate) pits: Vec<Pit>,
-    /// Where the camera of a single frame is.
+    /// Camera of a single frame.
     pub(crate) pose: CameraPose,
-    /// What that camera looks at.
+    /// Point that this camera looks at.
     pub(crate) target: DVec3,
-    /// What poses are drawn around.
+    /// Center of the drawn poses.
     pub(crate) usual: Usual,
-    /// The way along which a camera moves past the site: a vector of the usual length, m.
+    /// Track of a camera past the site: a vector of the usual length, m.
     pub(crate) travel: DVec3,
     /// Distance at which the lamp gives full light, m.
     pub(crate) lamp_m: f32,
-    /// Light from above, relative to that.
+    /// Light from above relative to that.
     pub(crate) ambient: f32,
 }

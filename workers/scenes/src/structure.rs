@@ -1,21 +1,20 @@
-//! The family `structure`: piles, braced legs, pipelines, plates and beams on a rippled seabed, as an inspection robot
-//! meets them under a jetty or beside a platform: six kinds of site, each with its own choices.
+//! The family `structure`: piles, braced legs, pipelines, plates and beams on a rippled seabed, as found under a jetty
+//! or next to a platform. Six kinds of site, each with independent choices.
 
 mod build;
 
 use imaging::vector::vec3;
 
 use crate::site::Site;
-use crate::site::builder::{Builder, Heights, View};
-use crate::site::chance::Dice;
+use crate::site::builder::{Heights, SiteBuilder, SiteView};
+use crate::site::chance::Choices;
 use crate::site::pose::{UP, ZERO, up};
 
-/// The site of a seed.
 pub(crate) fn site(seed: u64, burial: Option<f32>) -> Site {
-    let dice = Dice::new(seed, "structure");
-    let mut builder = Builder::new(seed, "structure");
+    let dice = Choices::new(seed, "structure");
+    let mut builder = SiteBuilder::new(seed, "structure");
     let kind = dice.count(0, 0, 5);
-    let build::Aim {
+    let build::ViewTarget {
         target,
         distance,
         top,
@@ -31,26 +30,26 @@ pub(crate) fn site(seed: u64, burial: Option<f32>) -> Site {
     builder.stones(dice.count(1, 4, 14), nearby, [3.4, 2.2], [0.05, 0.42]);
     builder.debris(dice.count(10, 1, 5), nearby, [3.0, 2.2]);
     for i in 0..dice.count(11, 1, 4) {
-        let ground = builder.about("ground").object(i);
-        let place = ground.within(0, [-6.0, -1.0, 0.0], [6.0, 9.0, 0.0]);
-        let radius = ground.between(2, 1.0, 3.5);
-        builder.mound(place, radius, radius * ground.between(3, 0.06, 0.13));
+        let ground = builder.dice_for("ground").object(i);
+        let place = ground.point_in(0, [-6.0, -1.0, 0.0], [6.0, 9.0, 0.0]);
+        let radius = ground.uniform(2, 1.0, 3.5);
+        builder.mound(place, radius, radius * ground.uniform(3, 0.06, 0.13));
     }
-    let distance = distance * dice.between(2, 0.8, 1.35);
-    let azimuth = dice.between(3, -0.9, 0.9);
+    let distance = distance * dice.uniform(2, 0.8, 1.35);
+    let azimuth = dice.uniform(3, -0.9, 0.9);
     let side = vec3(libm::sinf(azimuth), -libm::cosf(azimuth), 0.0);
-    let lift = dice.between(4, -0.12, 0.45) * distance;
+    let lift = dice.uniform(4, -0.12, 0.45) * distance;
     let eye = target + side * distance + up(lift);
     let eye = vec3(eye.x, eye.y, eye.z.max(0.5));
-    let aim = target + vec3(dice.between(5, -0.2, 0.2), 0.0, dice.between(6, -0.15, 0.1)) * distance;
+    let aim = target + vec3(dice.uniform(5, -0.2, 0.2), 0.0, dice.uniform(6, -0.15, 0.1)) * distance;
     let aim = if aim == eye { ZERO } else { aim };
-    builder.site(&View {
+    builder.site(&SiteView {
         eye,
         target: aim,
         travel: (aim - eye).cross(UP).normalized() * (0.7 * distance),
-        roll: dice.between(7, -0.09, 0.09),
-        lamp_m: (aim - eye).length() * dice.between(8, 0.85, 1.25),
-        ambient: dice.between(9, 0.08, 0.35),
+        roll: dice.uniform(7, -0.09, 0.09),
+        lamp_m: (aim - eye).length() * dice.uniform(8, 0.85, 1.25),
+        ambient: dice.uniform(9, 0.08, 0.35),
         floor: 0.0,
         heights: Heights::Camera([0.5, (0.65 * top).max(1.5)]),
         stretch: [0.85, 1.9],

@@ -1,8 +1,8 @@
-//! Scenes from files: a picture, and with it a range map or a z-depth map, a camera, an instance mask.
+//! Scenes from files: a picture with an optional range or z-depth map, camera and instance mask.
 //!
-//! PNG, JPEG and WebP pictures are sRGB-encoded; the floats of NPY and EXR are linear radiance. Orientation tags are not applied,
-//! since the maps lie pixel by pixel on the picture as it is stored. Nothing is guessed: a map of integer codes needs
-//! the length of its unit and the code that stands for "no value".
+//! PNG, JPEG and WebP pictures are sRGB-encoded; the floats of NPY and EXR are linear radiance. Orientation tags are
+//! ignored, since maps match the stored pixels. There are no guesses: a map of integer codes needs the length of its
+//! unit and the code for "no value".
 
 use imaging::codec::{self, FilePlane, Radiance};
 use imaging::geometry::{Intrinsics, range_from_z_depth};
@@ -12,16 +12,17 @@ use spec::{Classes, RangeFile, RangeKind, SceneFiles};
 
 use crate::{Scene, SceneError, labels};
 
-/// Most objects of an instance mask: each takes time of its own in a frame with boxes.
+/// Limit on the objects of an instance mask: each adds time to a frame with boxes.
 pub const MAX_OBJECTS: usize = 10_000;
-/// Most numbers that an error lists.
+/// Limit on the numbers listed in an error.
 const MAX_LISTED: usize = 10;
 
-/// Decodes a scene. Holes of the range are NaN; a negative radiance stays, for the chain to clamp and count.
+/// Decodes a scene. Holes of the range are NaN; negative radiances are kept and clamped later by the chain, which
+/// counts them.
 ///
 /// # Errors
-/// [`SceneError`]: a file that cannot be used, sides that differ, a number that is missing or out of its limits, a
-/// radiance that is not finite.
+/// [`SceneError`]: an unusable file, sizes that differ, a number that is missing or out of range, a non-finite
+/// radiance.
 pub fn decode<T: AsRef<[u8]>>(upload: &SceneFiles<T>) -> Result<Scene, SceneError> {
     if let Some(camera) = &upload.intrinsics {
         check_camera(camera)?;
@@ -42,23 +43,28 @@ pub fn decode<T: AsRef<[u8]>>(upload: &SceneFiles<T>) -> Result<Scene, SceneErro
     })
 }
 
-/// Checks what the instance mask and the classes of a new scene say of its objects. Scenes stored before are not held to it.
+/// Checks the instance mask and the classes of a new scene. Previously stored scenes are exempt.
 ///
 /// # Errors
 /// [`SceneError::Objects`].
 pub fn check_objects(scene: &Scene, classes: Option<&Classes>) -> Result<(), SceneError> {
-    let wrong = |field, reason| Err(SceneError::Objects { field, reason });
     let Some(mask) = &scene.instances else {
-        let reason = "they say what the objects of `instances` are, which is not given".to_owned();
-        return classes.map_or(Ok(()), |_| wrong("classes", reason));
+        return classes.map_or(Ok(()), |_| {
+            Err(SceneError::Objects {
+                field: "classes",
+                reason: "they describe the objects of `instances`, which is missing".to_owned(),
+            })
+        });
     };
     let objects = labels::objects(mask);
     if objects.len() > MAX_OBJECTS {
-        let reason = format!(
-            "the mask shows {} objects, the limit is {MAX_OBJECTS}",
-            objects.len()
-        );
-        return wrong("instances", reason);
+        return Err(SceneError::Objects {
+            field: "instances",
+            reason: format!(
+                "the mask shows {} objects, the limit is {MAX_OBJECTS}",
+                objects.len()
+            ),
+        });
     }
     let absent = classes.iter().flat_map(|classes| &classes.segments_info);
     let absent: Vec<String> = absent
@@ -68,17 +74,17 @@ pub fn check_objects(scene: &Scene, classes: Option<&Classes>) -> Result<(), Sce
     if absent.is_empty() {
         return Ok(());
     }
-    let some = absent[..absent.len().min(MAX_LISTED)].join(", ");
+    let listed = absent[..absent.len().min(MAX_LISTED)].join(", ");
     let more = absent.len().saturating_sub(MAX_LISTED);
     let more = if more > 0 {
         format!(" and {more} more")
     } else {
         String::new()
     };
-    wrong(
-        "classes",
-        format!("no pixel of the instance mask has the numbers {some}{more}"),
-    )
+    Err(SceneError::Objects {
+        field: "classes",
+        reason: format!("no pixel of the instance mask has the numbers {listed}{more}"),
+    })
 }
 
 fn check_camera(camera: &Intrinsics) -> Result<(), SceneError> {
@@ -104,8 +110,13 @@ fn decode_radiance(bytes: &[u8]) -> Result<Rgb<f32>, SceneError> {
         Radiance::Linear(radiance) => radiance,
     };
     let [r, g, b] = radiance.planes().each_ref().map(Plane::data);
-    let bad = |i: usize| [r[i], g[i], b[i]].into_iter().find(|sample| !sample.is_finite());
-    if let Some((i, value)) = (0..r.len()).find_map(|i| bad(i).map(|value| (i, value))) {
+    let invalid = (0..r.len()).find_map(|i| {
+        let value = [r[i], g[i], b[i]]
+            .into_iter()
+            .find(|sample| !sample.is_finite())?;
+        Some((i, value))
+    });
+    if let Some((i, value)) = invalid {
         return Err(SceneError::Radiance {
             x: i % radiance.width(),
             y: i / radiance.width(),
@@ -126,10 +137,11 @@ fn decode_range<T: AsRef<[u8]>>(
     {
         return Err(number("unit_m", unit, "finite and above 0"));
     }
-    let missing = |field, reason| SceneError::Missing { field, reason };
     if file.kind == RangeKind::ZDepth && camera.is_none() {
-        let reason = "z-depth becomes range along the ray by the focal length and the principal point";
-        return Err(missing("intrinsics", reason));
+        return Err(SceneError::Missing {
+            field: "intrinsics",
+            reason: "z-depth becomes range along the ray by the focal length and the principal point",
+        });
     }
     let plane =
         codec::decode_plane(file.file.as_ref()).map_err(|reason| SceneError::File { field, reason })?;
@@ -141,10 +153,14 @@ fn decode_range<T: AsRef<[u8]>>(
         }
         FilePlane::Codes(codes) => {
             check_size(field, codes.size(), image)?;
-            let no_unit = missing("unit_m", "integer codes have no length of their own");
-            let unit = file.unit_m.ok_or(no_unit)?;
-            let reason = "one of the integer codes stands for a pixel without a distance";
-            let invalid = file.invalid_code.ok_or(missing("invalid_code", reason))?;
+            let unit = file.unit_m.ok_or(SceneError::Missing {
+                field: "unit_m",
+                reason: "integer codes do not define a length",
+            })?;
+            let invalid = file.invalid_code.ok_or(SceneError::Missing {
+                field: "invalid_code",
+                reason: "one of the integer codes marks pixels without a distance",
+            })?;
             codes.map(|&code| meters_or_hole(f64::from(code), unit, code == invalid))
         }
     };
@@ -162,16 +178,19 @@ fn meters_or_hole(value: f64, unit_m: f64, hole: bool) -> f32 {
 
 fn decode_instances(bytes: &[u8], image: (usize, usize)) -> Result<Plane<u16>, SceneError> {
     let field = "instances";
-    let file = |reason| SceneError::File { field, reason };
-    match codec::decode_plane(bytes).map_err(file)? {
+    let plane = codec::decode_plane(bytes).map_err(|reason| SceneError::File { field, reason })?;
+    match plane {
         FilePlane::Codes(codes) => {
             check_size(field, codes.size(), image)?;
             Ok(codes)
         }
-        FilePlane::Floats(_) => Err(file(codec::DecodeError::Unsuitable {
-            found: "floats".into(),
-            wanted: "integer codes of 8 or 16 bits",
-        })),
+        FilePlane::Floats(_) => Err(SceneError::File {
+            field,
+            reason: codec::DecodeError::Unsuitable {
+                found: "floats".into(),
+                wanted: "integer codes of 8 or 16 bits",
+            },
+        }),
     }
 }
 

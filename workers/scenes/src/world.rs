@@ -1,4 +1,4 @@
-//! A procedural world: its objects and their places, independent of any camera.
+//! A procedural world: its objects and their positions, independent of any camera.
 
 use imaging::geometry::Intrinsics;
 use imaging::vector::DVec3;
@@ -6,33 +6,33 @@ use imaging::{Plane, Rgb};
 use spec::{CameraView, Ground, Life, Path, SceneLighting, Waypoint};
 
 use crate::categories::Category;
-use crate::labels::{Labels, Shown};
+use crate::labels::{InstanceInfo, Labels};
 use crate::path::CameraPath;
-use crate::site::solid::Shape;
-use crate::site::view::{self, Stage};
-use crate::site::{self, Picture, Site, Wanted};
-use crate::{CameraPose, FAMILIES, Family, LEAST_CLEARANCE_M, Scene, SceneError};
+use crate::site::solid::SolidShape;
+use crate::site::view::{self, Obstacles};
+use crate::site::{self, RenderOptions, RenderedRows, Site};
+use crate::{CameraPose, FAMILIES, LEAST_CLEARANCE_M, Scene, SceneError, SceneFamily};
 use crate::{bottom, life};
 
-/// What [`World::path`] keeps free, m.
+/// Clearance of [`World::path`], m.
 const CLEAR_M: f64 = 0.2;
-/// Places tested on each side of the usual pose.
+/// Steps tested on each side of the usual pose.
 const STEPS: usize = 60;
-/// Height of piles above the surface of the sea, m.
+/// Height of piles above the water surface, m.
 const FREEBOARD_M: f32 = 1.0;
 /// Least vertical component of the axis of a pile that reaches the surface.
 const LEAST_RISE: f32 = 0.9;
 /// Least length of such a pile, m.
 const LEAST_PILE_M: f32 = 3.0;
-/// A path is no shorter than this share of its usual length.
+/// Minimum length of a path relative to its usual length.
 const SHORTEST_SHARE: f64 = 0.02;
 
-/// The world of a family and a seed. It does not change between the frames of a sequence.
+/// The world of a family and a seed; the same for all frames of a sequence.
 ///
-/// Instances of a frame: 0 where nothing is met, 1 the ground, from 2 on the objects in view, numbered without gaps.
+/// Instances of a frame: 0 for open water, 1 for the ground, from 2 on the visible objects, numbered without gaps.
 pub struct World {
     pub(crate) site: Site,
-    /// How many solids, the first ones, are no life.
+    /// Number of solids before the first of the biota.
     structures: usize,
 }
 
@@ -45,8 +45,8 @@ impl World {
         Self::filled(family, seed, None, None)
     }
 
-    /// The world of a seed with life, and with what is asked of its bottom. Without both it is [`World::new`]'s; structures, view
-    /// and way are the same in any case, but for a pipe that is to be buried.
+    /// The world of a seed with biota and a described bottom. Without both it equals [`World::new`]'s. Structures, view
+    /// and track are always the same, except for a buried pipe.
     ///
     /// # Errors
     /// [`SceneError::UnknownFamily`].
@@ -56,7 +56,7 @@ impl World {
         life: Option<&Life>,
         ground: Option<&Ground>,
     ) -> Result<Self, SceneError> {
-        let known = Family::parse(family).ok_or_else(|| SceneError::UnknownFamily {
+        let known = SceneFamily::parse(family).ok_or_else(|| SceneError::UnknownFamily {
             family: family.to_owned(),
             known: FAMILIES.join(", "),
         })?;
@@ -78,28 +78,28 @@ impl World {
         self.site.objects[0].finish.base.map(f64::from)
     }
 
-    /// Moves the camera of a single frame: the given values replace those drawn from the seed, the others are drawn again to fit.
-    /// Growth stays where the seed's own view finds it.
+    /// Moves the camera of a single frame: given values replace those drawn from the seed, the others are redrawn to
+    /// fit. Growth stays at the positions found from the seed's view.
     ///
     /// # Errors
     /// [`SceneError::View`] if every camera with these values is too close to a surface.
     pub fn set_view(&mut self, view: &CameraView) -> Result<(), SceneError> {
-        let stage = Stage::new(&self.site.solids[..self.structures], &self.site.objects);
+        let stage = Obstacles::new(&self.site.solids[..self.structures], &self.site.objects);
         let chosen = self.site.usual.choose(&stage, view)?;
         self.site.look_from(&chosen);
         Ok(())
     }
 
-    /// Extends piles beyond the surface of the sea at this height above the bottom, m, as far as a camera can see them.
+    /// Extends piles beyond a water surface at this height above the bottom, m, within the reach of cameras.
     pub fn raise_piles(&mut self, surface_m: f64) {
         let top = surface_m.min(self.site.pose.position_m.z + f64::from(site::FAR_M)) as f32 + FREEBOARD_M;
         for solid in &mut self.site.solids[..self.structures] {
             let is_pile = self.site.objects[usize::from(solid.object)].category == Category::Pile;
-            let Shape::Tube(tube) = &mut solid.shape else {
+            let SolidShape::Tube(tube) = &mut solid.shape else {
                 continue;
             };
             let (foot, axis) = (solid.pose.origin, solid.pose.axes[2]);
-            // Collars are piles too, but short.
+            // Collars are part of a pile too, but short.
             if is_pile && axis.z > LEAST_RISE && tube.length > LEAST_PILE_M {
                 tube.length = tube.length.max((top - foot.z) / axis.z);
             }
@@ -112,14 +112,14 @@ impl World {
         self.site.pose
     }
 
-    /// The point that the camera of a single frame looks at, in meters.
+    /// The target point of a single frame's camera, m.
     #[must_use]
     pub fn target(&self) -> DVec3 {
         self.site.target
     }
 
-    /// Distance in meters of a point from the nearest surface, below 0 inside a solid or under the ground. Near stones, pits and
-    /// round things it may be less than the true distance, never more; growth, ropes, animals and bubbles do not count.
+    /// Distance in meters of a point from the nearest surface, negative inside a solid or under the ground. Near
+    /// stones, pits and round shapes it is a lower bound. Growth, ropes, animals and bubbles do not count.
     #[must_use]
     pub fn clearance(&self, point: DVec3) -> f64 {
         f64::from(view::clearance(
@@ -128,11 +128,11 @@ impl World {
         ))
     }
 
-    /// The path of a camera: between the waypoints of the description, or past the site, through the usual position along
-    /// what there is to see, as long as nothing is in the way. `seed` is that of the sway.
+    /// The path of a camera: between the waypoints of the description, or through the usual position past the site
+    /// until something blocks it. `seed` is that of the sway.
     ///
     /// # Errors
-    /// [`CameraPath::new`]'s.
+    /// Those of [`CameraPath::new`].
     pub fn path(&self, path: &Path, seed: u64) -> Result<CameraPath, Vec<SceneError>> {
         let ends = path.start.zip(path.end);
         let (start, end) = ends.unwrap_or_else(|| self.usual_ends(path.sway_m));
@@ -142,27 +142,27 @@ impl World {
     fn usual_ends(&self, sway_m: f64) -> (Waypoint, Waypoint) {
         let (eye, target, travel) = (self.site.pose.position_m, self.site.target, self.site.travel);
         let room = CLEAR_M + 2.0 * sway_m;
-        // Both ways from the usual pose, until something is near.
-        let free = |direction: f64| {
-            let share = |steps: usize| direction * 0.5 * steps as f64 / STEPS as f64;
-            let clear = |&step: &usize| self.clearance(eye + travel * share(step)) >= room;
-            share((1..=STEPS).take_while(clear).count())
-        };
-        let (mut first, mut last) = (free(-1.0), free(1.0));
+        // Both directions from the usual pose, until something is near.
+        let [mut first, mut last] = [-1.0, 1.0].map(|direction| {
+            let steps = (1..=STEPS)
+                .take_while(|&step| self.clearance(eye + travel * travel_share(direction, step)) >= room)
+                .count();
+            travel_share(direction, steps)
+        });
         if last - first < SHORTEST_SHARE {
             (first, last) = (-0.5 * SHORTEST_SHARE, 0.5 * SHORTEST_SHARE);
         }
-        let waypoint = |share: f64| Waypoint {
+        let [first, last] = [first, last].map(|share| Waypoint {
             position_m: (eye + travel * share).into(),
             target_m: (target + travel * share).into(),
-        };
-        (waypoint(first), waypoint(last))
+        });
+        (first, last)
     }
 
-    /// Checks that a camera on the path stays clear of everything, in at most 1000 of its frames.
+    /// Checks that a camera on the path stays clear of surfaces, in at most 1000 of its frames.
     ///
     /// # Errors
-    /// [`SceneError::Blocked`], naming the first such frame.
+    /// [`SceneError::Blocked`] with the first blocked frame.
     pub fn check(&self, path: &CameraPath) -> Result<(), SceneError> {
         let stride = path.frames().div_ceil(1000);
         for frame in (0..path.frames()).step_by(stride) {
@@ -174,15 +174,22 @@ impl World {
         Ok(())
     }
 
-    /// What a camera of the given pose, frame size and intrinsics sees. Without width or height the frame is empty.
+    /// Renders the view of a camera. Without width or height the frame is empty.
     #[must_use]
     pub fn render(&self, pose: &CameraPose, size: (usize, usize), intrinsics: &Intrinsics) -> Scene {
-        let picture = site::render(&self.site, pose, size, intrinsics, 0..size.1, Wanted::default());
+        let picture = site::render(
+            &self.site,
+            pose,
+            size,
+            intrinsics,
+            0..size.1,
+            RenderOptions::default(),
+        );
         scene(picture, size, intrinsics).0
     }
 
-    /// The reflectance of what a camera sees, with normals: 0.02-0.8, and 0 where nothing is met. Nothing of the site's own light is
-    /// in it. With labels if they are asked for.
+    /// Renders reflectance and normals of a camera's view: 0.02–0.8, and 0 in open water, without the site's light.
+    /// Labels are optional.
     #[must_use]
     pub fn render_reflectance(
         &self,
@@ -196,7 +203,7 @@ impl World {
         (scene, labeled.then_some(labels))
     }
 
-    /// [`World::render`] with labels: the same scene, bit for bit, in somewhat more time.
+    /// [`World::render`] with labels: the same scene, bit for bit, in slightly more time.
     #[must_use]
     pub fn render_labeled(
         &self,
@@ -214,7 +221,7 @@ impl World {
         size: (usize, usize),
         intrinsics: &Intrinsics,
     ) -> (Scene, Labels) {
-        let wanted = Wanted {
+        let wanted = RenderOptions {
             reflectance: light == SceneLighting::Water,
             surfaces: true,
         };
@@ -229,11 +236,11 @@ impl World {
         (scene, labels)
     }
 
-    /// What the instances from 1 on are, by their objects in ascending order.
-    fn describe(&self, shown: &[u16]) -> Vec<Shown> {
+    /// Descriptions of the instances from 1 on, by their objects in ascending order.
+    fn describe(&self, shown: &[u16]) -> Vec<InstanceInfo> {
         let objects = shown.iter().map(|&object| self.site.objects[usize::from(object)]);
         objects
-            .map(|object| Shown {
+            .map(|object| InstanceInfo {
                 category: object.category,
                 host: object
                     .host
@@ -245,7 +252,11 @@ impl World {
 }
 
 /// A scene, and the object of each instance from 1 on.
-fn scene(picture: Picture, (width, height): (usize, usize), intrinsics: &Intrinsics) -> (Scene, Vec<u16>) {
+fn scene(
+    picture: RenderedRows,
+    (width, height): (usize, usize),
+    intrinsics: &Intrinsics,
+) -> (Scene, Vec<u16>) {
     let plane = |data| Plane::new(width, height, data).expect("one sample for each pixel");
     let mut instances = picture.objects;
     let shown = renumber(&mut instances);
@@ -259,8 +270,8 @@ fn scene(picture: Picture, (width, height): (usize, usize), intrinsics: &Intrins
     (scene, shown)
 }
 
-/// Numbers the objects in view without gaps, in the order of their own numbers; the ground keeps 1. Returns the objects by
-/// their new numbers, from 1 on.
+/// Renumbers visible objects without gaps, keeping their order; the ground keeps 1. Returns the objects by their new
+/// numbers, from 1 on.
 fn renumber(instances: &mut [u16]) -> Vec<u16> {
     let most = instances.iter().copied().max().unwrap_or(0);
     let mut numbers = vec![0u16; usize::from(most) + 2];
@@ -277,6 +288,10 @@ fn renumber(instances: &mut [u16]) -> Vec<u16> {
     let ids = instances.iter_mut();
     ids.for_each(|id| *id = numbers[usize::from(*id)]);
     shown
+}
+
+fn travel_share(direction: f64, steps: usize) -> f64 {
+    direction * 0.5 * steps as f64 / STEPS as f64
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! What labels promise, for every family.
+//! Guarantees of labels, for every family.
 #![allow(clippy::unwrap_used)]
 
 use imaging::geometry::Intrinsics;
@@ -166,7 +166,7 @@ fn normals_agree_with_the_range() {
             }
         }
     });
-    // The rest lies where parts of one object meet.
+    // The rest is where parts of one object meet.
     assert!(all > 20_000 && good as f64 > 0.96 * all as f64, "{good} of {all}");
 }
 

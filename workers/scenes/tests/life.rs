@@ -1,4 +1,4 @@
-//! Life and the bottom: what they add to pictures and labels, and what they leave alone.
+//! Biota and bottom: their effect on pictures and labels, and the parts that stay unchanged.
 #![allow(clippy::unwrap_used)]
 
 use imaging::Plane;
@@ -87,10 +87,10 @@ fn growth_names_the_object_that_it_is_on() {
             for instance in &labels.instances {
                 let Some(host) = instance.host else { continue };
                 assert_eq!(instance.class, Category::Growth as u8, "{family} {seed}");
-                let at = shown.binary_search(&host).unwrap();
+                let position = shown.binary_search(&host).unwrap();
                 let is_life = |class: u8| CATEGORIES[usize::from(class)].0.is_life();
                 assert!(
-                    !is_life(labels.instances[at].class) && host != 1,
+                    !is_life(labels.instances[position].class) && host != 1,
                     "{family} {seed}"
                 );
                 hosted += 1;
@@ -133,20 +133,20 @@ fn currents_dig_pits_that_pictures_and_rays_meet_alike() {
         let rays = world.rays(&world.pose());
         for y in (0..SIZE.1).step_by(3) {
             for x in (0..SIZE.0).step_by(3) {
-                let at = y * SIZE.0 + x;
-                if labels.semantics.data()[at] != Category::Seabed as u8 {
+                let position = y * SIZE.0 + x;
+                if labels.semantics.data()[position] != Category::Seabed as u8 {
                     continue;
                 }
                 let ray = lens().ray(x as f64, y as f64);
                 let length = ray.length();
                 let way = [ray.x / length, ray.y / length, ray.z / length];
                 let hit = rays.hit([0.0; 3], way, 0.0, 100.0).unwrap();
-                let range = ranges(&scene)[at];
+                let range = ranges(&scene)[position];
                 assert!(
                     (hit.distance as f32 - range).abs() < ROUNDING_M * range,
                     "seed {seed}: {hit:?}, {range}"
                 );
-                deeper += usize::from(range > ranges(&bare)[at] + 0.05);
+                deeper += usize::from(range > ranges(&bare)[position] + 0.05);
             }
         }
     }

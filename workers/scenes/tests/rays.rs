@@ -1,19 +1,19 @@
-//! Rays through a world are those of its pictures.
+//! Rays through a world agree with its pictures.
 #![allow(clippy::unwrap_used)]
 
 use imaging::geometry::Intrinsics;
 use imaging::random::Stream;
-use imaging::rays::{Cuboid, Rays, Ways, leaving, offset};
+use imaging::rays::{Cuboid, Rays, ShadowRays, leaving, offset};
 use imaging::vector::DVec3;
 use scenes::{FAMILIES, Labels, Scene, World};
 
 const SEEDS: std::ops::Range<u64> = 0..24;
 const SIZE: (usize, usize) = (97, 61);
-/// Of ranges: single precision on both sides, from an origin moved along the ray.
+/// Ranges: single precision on both sides, from an origin moved along the ray.
 const SAME: f64 = 2e-4;
-/// Of normals of labels, which stand on rounded places.
+/// Normals of labels, which are computed at rounded positions.
 const SAME_NORMAL: f64 = 0.02;
-/// Rays that graze an edge may meet one side or the other; no more than this share of them.
+/// Allowed share of rays that graze an edge and hit either side.
 const GRAZING: f64 = 0.002;
 
 struct View {
@@ -49,7 +49,7 @@ impl View {
         [0, 1, 2].map(|axis| f64::from(normals[axis].pixel(x, y))).into()
     }
 
-    /// Places on surfaces with their normals.
+    /// Surface points with their normals.
     fn surfaces(&self) -> Vec<(DVec3, DVec3)> {
         let pixels = (0..SIZE.1).flat_map(|y| (0..SIZE.0).map(move |x| (x, y)));
         let seen = pixels.filter(|&(x, y)| self.range(x, y).is_finite());
@@ -58,7 +58,7 @@ impl View {
     }
 }
 
-/// Counts of tests and of those that failed, by family.
+/// Counts of tests and failures by family.
 fn every_view(mut check: impl FnMut(&View) -> (usize, usize)) {
     for family in FAMILIES {
         let counts = SEEDS.map(|seed| check(&View::new(family, seed)));
@@ -92,7 +92,7 @@ fn the_ray_through_a_pixel_meets_what_the_pixel_shows() {
             all += 1;
             wrong += usize::from(!is_same);
         }
-        // One instance is one object, but for grazing rays.
+        // An instance corresponds to one object, except for grazing rays.
         for met in objects.iter_mut().filter(|met| met.len() > 20) {
             met.sort_unstable();
             let middle = met[met.len() / 2];
@@ -111,14 +111,14 @@ fn the_ray_through_a_pixel_meets_what_the_pixel_shows() {
 fn the_camera_is_seen_from_all_that_it_sees() {
     every_view(|view| {
         let rays = view.world.rays(&view.world.pose());
-        let mut ways = Ways::default();
+        let mut ways = ShadowRays::default();
         let surfaces = view.surfaces();
         for (place, normal) in &surfaces {
             let from: [f64; 3] = (*place + *normal * offset((*place).into())).into();
             ways.push(from.map(|v| v as f32), [0.0; 3]);
         }
         let mut clear = vec![false; ways.len()];
-        rays.look(&ways, &mut clear);
+        rays.trace_shadow_rays(&ways, &mut clear);
         (clear.len(), clear.iter().filter(|clear| !**clear).count())
     });
 }
@@ -130,7 +130,7 @@ fn many_ways_at_once_are_as_clear_as_one_at_a_time() {
         let rays = view.world.rays(&view.world.pose());
         let stream = Stream::stage(3, "ways");
         let surfaces = view.surfaces();
-        let mut ways = Ways::default();
+        let mut ways = ShadowRays::default();
         let mut alone = Vec::new();
         for (i, (place, normal)) in surfaces.iter().enumerate() {
             let random = |choice| 4.0 * stream.unit(i as u64 / 50, choice) - 2.0;
@@ -144,7 +144,7 @@ fn many_ways_at_once_are_as_clear_as_one_at_a_time() {
             alone.push(!rays.occluded(start.origin, way.normalized().into(), start.from, way.length()));
         }
         let mut clear = vec![false; ways.len()];
-        rays.look(&ways, &mut clear);
+        rays.trace_shadow_rays(&ways, &mut clear);
         hidden += clear.iter().filter(|clear| !**clear).count();
         all += clear.len();
         let wrong = clear.iter().zip(&alone).filter(|(a, b)| a != b).count();
@@ -178,8 +178,8 @@ fn what_may_not_be_hidden_is_clear_and_nothing_is_nearer_than_its_clearance() {
                 let place = |k: u64| [0, 1, 2].map(|i| 6.0 * draw(k + i) - if i == 2 { 0.5 } else { 3.0 });
                 let (from, to) = (place(0), place(3));
                 let boxes = [
-                    Cuboid::about(from, 0.4 * draw(6)),
-                    Cuboid::about(to, 0.1 * draw(7)),
+                    Cuboid::centered(from, 0.4 * draw(6)),
+                    Cuboid::centered(to, 0.1 * draw(7)),
                 ];
                 let within = |cuboid: &Cuboid, k: u64| {
                     [0, 1, 2].map(|i| {
@@ -187,14 +187,14 @@ fn what_may_not_be_hidden_is_clear_and_nothing_is_nearer_than_its_clearance() {
                         cuboid.low[i] + share * (cuboid.high[i] - cuboid.low[i])
                     })
                 };
-                let mut ways = Ways::default();
+                let mut ways = ShadowRays::default();
                 for k in 0..24 {
                     let ends = [within(&boxes[0], 10 + 8 * k), within(&boxes[1], 13 + 8 * k)];
                     ways.push(ends[0].map(|v| v as f32), ends[1].map(|v| v as f32));
                 }
-                if !rays.may_hide(&boxes[0], &boxes[1]) {
+                if !rays.may_occlude(&boxes[0], &boxes[1]) {
                     let mut clear = [false; 24];
-                    rays.look(&ways, &mut clear);
+                    rays.trace_shadow_rays(&ways, &mut clear);
                     assert!(clear.iter().all(|&clear| clear), "{family} {seed} {number}");
                     clear_boxes += 1;
                 }

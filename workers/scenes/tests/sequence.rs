@@ -1,4 +1,4 @@
-//! A sequence shows one world that stays as it is, and no camera breaks a frame.
+//! A sequence shows one unchanging world, and no camera breaks a frame.
 #![allow(clippy::unwrap_used)]
 
 use imaging::geometry::Intrinsics;
@@ -26,7 +26,7 @@ fn frame(world: &World, pose: &CameraPose) -> (Scene, Labels) {
     world.render_labeled(pose, SIZE, &lens())
 }
 
-/// Every point that a frame shows is where the next frame shows it, with the same category and, mostly, the same findings.
+/// Every visible point appears in the next frame with the same category and, mostly, the same findings.
 #[test]
 fn points_stay_where_they_are_from_frame_to_frame() {
     for family in FAMILIES {
@@ -58,7 +58,7 @@ fn points_stay_where_they_are_from_frame_to_frame() {
                     let (u, v) = (u as usize, v as usize);
                     let expected = other.to_camera(point).length();
                     let found = f64::from(after.range.as_ref().unwrap().pixel(u, v));
-                    // Hidden by something nearer, or beside an edge.
+                    // Occluded, or next to an edge.
                     if (found - expected).abs() > 0.03 * expected {
                         continue;
                     }
@@ -105,7 +105,7 @@ fn odd_cameras_still_give_finite_frames() {
     let target = world.target();
     let poses = [
         world.pose(),
-        // In the middle of what it looks at, under the ground, straight down from far above.
+        // Inside the target, under the ground, straight down from far above.
         CameraPose::looking(target, target + vec3(1.0, 0.0, 0.0), 0.0),
         CameraPose::looking(vec3(0.0, -2.0, -3.0), target, 1.0),
         CameraPose::looking(vec3(0.0, 0.0, 500.0), vec3(0.0, 0.0, 0.0), 0.0),

@@ -1,4 +1,4 @@
-//! Twenty-four seeds are twenty-four scenes.
+//! Twenty-four seeds yield twenty-four different scenes.
 
 use imaging::geometry::Intrinsics;
 use imaging::random::Stream;
@@ -6,7 +6,7 @@ use imaging::{Rgb8, transfer};
 use quality::MetricId;
 use scenes::{FAMILIES, procedural};
 
-/// Frames more alike than this, apart from open water, would look like one scene from two places.
+/// Frames with a higher similarity, apart from open water, would look like one scene from two positions.
 const MOST_ALIKE: f64 = 0.65;
 
 #[test]
@@ -15,7 +15,7 @@ fn no_two_of_twenty_four_seeds_look_alike() {
     let lens = Intrinsics::centered(114.5, width, height);
     let ssim = MetricId::parse("ssim").unwrap();
     for family in FAMILIES {
-        // Open water is alike in all scenes: each gets a pattern of its own there.
+        // Open water is the same in all scenes: replace it by a pattern per scene.
         let frame = |seed: u64| {
             let mut scene = procedural(family, seed, width, height, lens).unwrap();
             let instances = scene.instances.as_ref().unwrap().data().to_vec();

@@ -1,4 +1,4 @@
-//! Views that are drawn from a seed, and those that a description changes.
+//! Views drawn from a seed, and changes by a description.
 #![allow(clippy::unwrap_used)]
 
 use imaging::geometry::Intrinsics;
@@ -11,7 +11,6 @@ const SEEDS: std::ops::Range<u64> = 0..60;
 /// Single precision of positions and angles.
 const ROUNDING: f64 = 1e-5;
 
-/// What pixels of a frame show, as shares.
 #[derive(Debug, Clone, Copy)]
 struct Shares {
     water: f64,

@@ -3,16 +3,16 @@
 use criterion::{Criterion, criterion_group, criterion_main};
 use imaging::{Plane, Rgb};
 use style::net::layer::{PARAMETERS, RANGE_PARAMETERS, Weights};
-use style::net::{Network, Scratch, Table, TableScratch};
+use style::net::{ColorTable, Network, Scratch, TableScratch};
 
 fn frames(c: &mut Criterion) {
-    let of = |parameters: usize| {
+    let network = |parameters: usize| {
         let values = (0..parameters).map(|i| (i as f32 * 0.37).fract() * 0.2 - 0.1);
         Network::new(&Weights::new(values.collect()).expect("as many numbers as it has"))
     };
-    let (network, ranged) = (of(PARAMETERS), of(RANGE_PARAMETERS));
+    let (network, ranged) = (network(PARAMETERS), network(RANGE_PARAMETERS));
     let mut scratch = Scratch::default();
-    let table = Table::new(&network).expect("a table of a network without range");
+    let table = ColorTable::new(&network).expect("a table of a network without range");
     let mut table_scratch = TableScratch::default();
     for (width, height) in [(640, 480), (869, 565), (1920, 1080)] {
         let frame = Rgb::from_fn(width, height, |x, y| {

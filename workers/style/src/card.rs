@@ -1,31 +1,31 @@
-//! The card of a model: where it comes from and how to feed it.
+//! Model cards: provenance and inputs of a model.
 
 use imaging::digest::sha256;
 use serde::{Deserialize, Serialize};
 
 use crate::ports::takes;
 
-/// What is known of a model. A card file is this as JSON; all but the name and the digest may be left out.
+/// Metadata of a model. A card file is this as JSON; all fields but the name and the digest are optional.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Card {
-    /// Name by which jobs ask for it.
+pub struct ModelCard {
+    /// Name in job descriptions.
     pub name: String,
     /// Name of the ONNX file.
     #[serde(default)]
     pub file: String,
     /// SHA-256 of the ONNX file, lower-case hex.
     pub sha256: String,
-    /// What kind of network it is.
+    /// Kind of network.
     #[serde(default = "unknown")]
     pub architecture: String,
-    /// How many numbers were trained.
+    /// Number of trained parameters.
     #[serde(default)]
     pub parameters: Option<u64>,
-    /// What it was trained on.
+    /// TrainingRecord data.
     #[serde(default = "unknown")]
     pub source: String,
-    /// Under what terms it may be used.
+    /// License.
     #[serde(default = "unknown")]
     pub licence: String,
     /// Its inputs.
@@ -34,63 +34,63 @@ pub struct Card {
     /// Its outputs.
     #[serde(default)]
     pub outputs: Vec<String>,
-    /// Whether it has an input `noise`, which is fed from the job's seed and the frame. Read from the file, whatever a
-    /// card file says.
+    /// Whether it has an input `noise`, filled from the job's seed and the frame. Read from the model file; the card
+    /// file is ignored.
     #[serde(default)]
     pub takes_noise: bool,
-    /// Whether it has an input `range`, which is fed from the frame: it cannot repaint a scene without one. Read from the
-    /// file, whatever a card file says.
+    /// Whether it has a required input `range`, filled from the frame. Read from the model file; the card file is
+    /// ignored.
     #[serde(default)]
     pub takes_range: bool,
-    /// What the style weight does with its output.
+    /// Effect of the style weight on its output.
     #[serde(default)]
     pub alpha: String,
-    /// What a user should know.
+    /// Known limitations.
     #[serde(default)]
     pub caveats: Vec<String>,
-    /// How it was trained, if `fathom train` made it.
+    /// TrainingRecord record of `fathom train`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub training: Option<Training>,
-    /// How far its color table is from the network, if that was measured.
+    pub training: Option<TrainingRecord>,
+    /// Distance of its color table from the network, if measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub table: Option<TableDistance>,
 }
 
-/// How a model came about: enough to make it again, and how well it does.
+/// TrainingRecord record of a model, for reproduction, with its results.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Training {
+pub struct TrainingRecord {
     /// SHA-256 of each photo's file.
     pub photos: Vec<String>,
-    /// Seed of all chance.
+    /// Seed.
     pub seed: u64,
-    /// Steps asked for.
+    /// Requested steps.
     pub steps: usize,
-    /// The step whose weights were kept; 0: the color transfer alone.
+    /// Step of the kept weights; 0: the color transfer only.
     pub kept_step: usize,
-    /// Mean losses of the steps that led to it.
-    pub losses: Parts,
+    /// Mean losses of the steps before it.
+    pub losses: LossTerms,
     /// Losses on new scenes.
-    pub held_out: Parts,
-    /// The same for the color transfer alone.
+    pub held_out: LossTerms,
+    /// The same for the color transfer only.
     #[serde(rename = "held_out_colour_transfer")]
-    pub held_out_color_transfer: Parts,
-    /// What the network does beyond its color map on new scenes: root mean square, of 255.
+    pub held_out_color_transfer: LossTerms,
+    /// RMS difference between the network and its color map on new scenes, of 255.
     pub branch_rms_255: f64,
     /// Version of the trainer.
     pub code_version: String,
 }
 
-/// Parts of a loss; lower is better.
+/// Loss terms; lower is better.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Parts {
-    /// Distance of the texture from the photo's.
+pub struct LossTerms {
+    /// Texture distance from the photos.
     pub texture: f64,
-    /// Distance of the colors from the photo's.
+    /// Color distance from the photos.
     #[serde(rename = "colour")]
     pub color: f64,
-    /// Share of the content that is lost.
+    /// Lost share of the content.
     pub content: f64,
 }
 
@@ -102,7 +102,7 @@ pub struct TableDistance {
     pub mean_255: f64,
     /// 99.9th percentile of the absolute difference, of 255.
     pub high_255: f64,
-    /// Greatest absolute difference, of 255.
+    /// Largest absolute difference, of 255.
     pub max_255: f64,
     /// Mean structural similarity of the brightness.
     pub ssim: f64,
@@ -114,9 +114,8 @@ fn unknown() -> String {
     "unknown".to_owned()
 }
 
-impl Card {
-    /// The card of the model `name`, from the text of its card file; checked against the name and the bytes of the
-    /// model.
+impl ModelCard {
+    /// Parses a card file and checks it against the name and the bytes of the model.
     pub(crate) fn parse(text: &str, name: &str, onnx: &[u8]) -> Result<Self, String> {
         let mut card: Self = serde_json::from_str(text).map_err(|error| error.to_string())?;
         if card.name != name {
@@ -143,7 +142,7 @@ impl Card {
         Ok(card)
     }
 
-    /// The card of a model that came without one.
+    /// The card of a model without one.
     pub(crate) fn absent(name: &str, onnx: &[u8]) -> Self {
         Self {
             name: name.to_owned(),
@@ -165,7 +164,6 @@ impl Card {
     }
 }
 
-/// What the file of a model of this name is called.
 fn file_of(name: &str) -> String {
     format!("{name}.onnx")
 }
@@ -178,16 +176,17 @@ mod tests {
     fn a_card_of_another_model_or_of_other_bytes_is_refused() {
         let digest = sha256(b"model");
         let text = |name: &str, digest: &str| format!(r#"{{"name": "{name}", "sha256": "{digest}"}}"#);
-        let card = Card::parse(&text("harbour", &digest), "harbour", b"model").unwrap();
+        let card = ModelCard::parse(&text("harbour", &digest), "harbour", b"model").unwrap();
         assert_eq!(
             (card.file.as_str(), card.licence.as_str()),
             ("harbour.onnx", "unknown")
         );
-        let error = Card::parse(&text("harbour", &digest), "dock", b"model").unwrap_err();
+        let error = ModelCard::parse(&text("harbour", &digest), "dock", b"model").unwrap_err();
         assert_eq!(error, "it is the card of `harbour`");
-        let error = Card::parse(&text("harbour", &digest), "harbour", b"another").unwrap_err();
+        let error = ModelCard::parse(&text("harbour", &digest), "harbour", b"another").unwrap_err();
         assert!(error.starts_with("it gives the SHA-256 "), "{error}");
-        let error = Card::parse(r#"{"name": "harbour", "license": "MIT"}"#, "harbour", b"model").unwrap_err();
+        let error =
+            ModelCard::parse(r#"{"name": "harbour", "license": "MIT"}"#, "harbour", b"model").unwrap_err();
         assert!(error.contains("unknown field `license`"), "{error}");
     }
 }

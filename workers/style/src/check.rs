@@ -1,6 +1,6 @@
-//! Whether a model from outside is usable: a trial on frames that break networks.
+//! Checks that an external model is usable, on frames that break networks.
 //!
-//! It may take any time and memory: run it in a process of its own.
+//! Time and memory are unlimited: run it in a separate process.
 
 mod external;
 
@@ -9,32 +9,30 @@ use imaging::{Plane, Rgb};
 use crate::error::StyleError;
 use crate::library::StyleModel;
 use crate::runtime::{Runtime, RuntimeMissing};
-use crate::session::{Beside, Session};
+use crate::session::{ModelInputs, Session};
 
-/// Sizes that a network must take: the smallest, one that no stride divides, the usual one.
+/// Required sizes: the smallest, one divisible by no stride, the usual one.
 const SIZES: [(usize, usize); 3] = [(1, 1), (33, 17), (768, 492)];
 /// The size for the frames beyond the first.
 const SMALL: (usize, usize) = SIZES[1];
 
-/// Why a model cannot be used.
+/// A model that cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum Unfit {
-    /// Not the bytes of a model.
+    /// Not an ONNX file.
     #[error("it is no ONNX file")]
     NotOnnx,
-    /// A part of it is missing here, or is no part of it.
-    #[error(
-        "its tensor `{tensor}` lies in another file; a model must be one file with all of its tensors in it"
-    )]
+    /// A tensor is stored outside of the file.
+    #[error("its tensor `{tensor}` is stored in another file; all tensors of a model must be in one file")]
     External {
         /// The tensor's name.
         tensor: String,
     },
-    /// It does not load, fails, or returns no picture.
+    /// It does not load, fails, or returns an invalid picture.
     #[error(transparent)]
     Fails(#[from] StyleError),
     /// It returns a sample that is not finite.
-    #[error("it answers a sample of {value} to a frame of {width}×{height}")]
+    #[error("it returns a sample of {value} for a {width}×{height} frame")]
     NotFinite {
         /// The sample.
         value: f32,
@@ -43,40 +41,34 @@ pub enum Unfit {
         /// Rows of the frame.
         height: usize,
     },
-    /// It draws random numbers: a frame could not be rendered again.
+    /// It draws random numbers: frames would not be reproducible.
     #[error(
-        "it answers differently to the same frame of {}×{}; a style must draw no random numbers of its own, but may have an input `noise`",
+        "two runs on the same {}×{} frame differ; a style must not draw random numbers, but may have an input `noise`",
         SMALL.0,
         SMALL.1
     )]
     Random,
-    /// It runs on ONNX Runtime only, which is not here.
+    /// It requires ONNX Runtime, which is missing.
     #[error(transparent)]
     Runtime(#[from] RuntimeMissing),
 }
 
-/// Tries a model on frames of 1×1, of odd sides and of the usual size, on black, on white, and twice on the same.
-/// `runtime` is asked for only if the model needs it.
+/// Runs a model on frames of 1×1, of odd sides and of the usual size, on black, on white, and twice on the same.
+/// `runtime` is called only if the model needs it.
 ///
 /// # Errors
 /// [`Unfit`]: the first defect.
 pub fn check(model: &StyleModel, runtime: impl Fn() -> Result<Runtime, RuntimeMissing>) -> Result<(), Unfit> {
-    external::look(&model.onnx)?;
-    let session = || -> Result<Session, Unfit> {
-        match Session::native(model) {
-            Some(session) => Ok(session),
-            None => Ok(runtime()?.session(model)?),
-        }
-    };
-    let mut first = session()?;
+    external::find_external(&model.onnx)?;
+    let mut first = open_session(model, &runtime)?;
     for size in SIZES {
         answer(&mut first, &ramp(size))?;
     }
     for level in [0.0, 1.0] {
         answer(&mut first, &Rgb::from_fn(SMALL.0, SMALL.1, |_, _| [level; 3]))?;
     }
-    // A session of its own, as another worker has.
-    let again = answer(&mut session()?, &ramp(SMALL))?;
+    // A new session, as in another worker.
+    let again = answer(&mut open_session(model, &runtime)?, &ramp(SMALL))?;
     if again == answer(&mut first, &ramp(SMALL))? {
         Ok(())
     } else {
@@ -84,20 +76,30 @@ pub fn check(model: &StyleModel, runtime: impl Fn() -> Result<Runtime, RuntimeMi
     }
 }
 
+fn open_session(
+    model: &StyleModel,
+    runtime: &impl Fn() -> Result<Runtime, RuntimeMissing>,
+) -> Result<Session, Unfit> {
+    match Session::native(model) {
+        Some(session) => Ok(session),
+        None => Ok(runtime()?.session(model)?),
+    }
+}
+
 /// A frame of all levels, red from left to right, green from top to bottom.
 fn ramp((width, height): (usize, usize)) -> Rgb<f32> {
-    let level = |at: usize, side: usize| at as f32 / side.max(2) as f32;
     Rgb::from_fn(width, height, |x, y| {
-        [level(x, width), level(y, height), level(x + y, width + height)]
+        [(x, width), (y, height), (x + y, width + height)]
+            .map(|(position, side)| position as f32 / side.max(2) as f32)
     })
 }
 
 fn answer(session: &mut Session, frame: &Rgb<f32>) -> Result<Rgb<f32>, Unfit> {
     let (width, height) = frame.size();
-    // Standard normal noise has few values beyond ±2; the same each time.
+    // Standard normal noise has few values beyond ±2; deterministic.
     let noise = Plane::from_fn(width, height, |x, y| ((x * 7 + y * 13) % 41) as f32 / 10.0 - 2.0);
     let range = Plane::from_fn(width, height, |x, y| (x + y) as f32 / (width + height) as f32);
-    let beside = Beside {
+    let beside = ModelInputs {
         noise: Some(&noise),
         range: Some(&range),
     };

@@ -1,4 +1,4 @@
-//! The known style models: the shipped ones, which are part of the program, and those of a folder.
+//! The available style models: the shipped ones, which are compiled in, and those of a folder.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -7,10 +7,10 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::card::Card;
+use crate::card::ModelCard;
 use crate::net;
 
-/// Largest ONNX file: the shipped ones have 43 KB, the largest style network known has 7 MB.
+/// Largest ONNX file: the shipped ones have 43 KB, the largest known style network has 7 MB.
 const MAX_MODEL_BYTES: u64 = 256 << 20;
 /// Longest name of a model.
 const MAX_NAME_CHARS: usize = 64;
@@ -18,33 +18,33 @@ const MAX_NAME_CHARS: usize = 64;
 /// A model with its card.
 #[derive(Debug, Clone)]
 pub struct StyleModel {
-    /// Name by which jobs ask for it.
+    /// Name in job descriptions.
     pub name: String,
     /// The ONNX file.
     pub onnx: Cow<'static, [u8]>,
     /// Its card.
-    pub card: Card,
+    pub card: ModelCard,
 }
 
 impl StyleModel {
-    /// An undocumented model, known only by name and file.
+    /// A model without a card.
     #[must_use]
     pub fn without_card(name: &str, onnx: Vec<u8>) -> Self {
         Self {
             name: name.to_owned(),
-            card: Card::absent(name, &onnx),
+            card: ModelCard::absent(name, &onnx),
             onnx: onnx.into(),
         }
     }
 
-    /// Whether it runs on ONNX Runtime only: any network but that of the shipped waters and of those trained here.
+    /// Whether it requires ONNX Runtime: any architecture other than that of the shipped and locally trained waters.
     #[must_use]
     pub fn needs_runtime(&self) -> bool {
         net::onnx::read(&self.onnx).is_none()
     }
 }
 
-/// A folder, model or card that cannot be used. Each names the file.
+/// A folder, model or card that cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum LibraryError {
     /// A file or the folder cannot be read.
@@ -52,7 +52,7 @@ pub enum LibraryError {
     Read {
         /// The file or folder.
         path: PathBuf,
-        /// Why.
+        /// Cause.
         source: io::Error,
     },
     /// A model that is too large.
@@ -63,21 +63,21 @@ pub enum LibraryError {
         /// Its size.
         bytes: u64,
     },
-    /// A card that is not in its form, or that belongs to another model.
+    /// An invalid card, or one of another model.
     #[error("{} cannot be used: {reason}", path.display())]
     Card {
-        /// The card.
+        /// Path of the card.
         path: PathBuf,
-        /// What is wrong.
+        /// Cause.
         reason: String,
     },
-    /// A file name that cannot be a model's name.
+    /// A file name that is not a valid model name.
     #[error("{}: the name of a style has 1 to {MAX_NAME_CHARS} characters of a-z, 0-9, _ and -", path.display())]
     Name {
         /// The file.
         path: PathBuf,
     },
-    /// Two models of one name.
+    /// Two models with the same name.
     #[error("{}: there is already a style `{name}`", path.display())]
     Twice {
         /// The second file.
@@ -110,7 +110,7 @@ impl Library {
     /// The shipped models.
     ///
     /// # Errors
-    /// [`LibraryError::Card`] when a shipped card does not fit its model.
+    /// [`LibraryError::Card`] if a shipped card does not fit its model.
     pub fn embedded() -> Result<Self, LibraryError> {
         let mut library = Self {
             models: BTreeMap::new(),
@@ -122,10 +122,10 @@ impl Library {
         Ok(library)
     }
 
-    /// Adds every `NAME.onnx` of a folder, with `NAME.card.json` where there is one.
+    /// Adds every `NAME.onnx` of a folder, with `NAME.card.json` if present.
     ///
     /// # Errors
-    /// [`LibraryError`] naming the file.
+    /// [`LibraryError`] with the path.
     pub fn with_dir(mut self, folder: &Path) -> Result<Self, LibraryError> {
         for path in model_files(folder)? {
             let stem = path.file_stem().and_then(|stem| stem.to_str());
@@ -143,10 +143,10 @@ impl Library {
         Ok(self)
     }
 
-    /// Adds a model that came over the network: its file, and its card as JSON if it has one.
+    /// Adds a model received over the network: its file, and its card as JSON if it has one.
     ///
     /// # Errors
-    /// [`LibraryError`] naming the file that it would have in a folder.
+    /// [`LibraryError`] with the path that it would have in a folder.
     pub fn with_model(mut self, name: &str, onnx: Vec<u8>, card: Option<&str>) -> Result<Self, LibraryError> {
         let path = PathBuf::from(format!("{name}.onnx"));
         self.check(name, &path, onnx.len() as u64)?;
@@ -154,18 +154,18 @@ impl Library {
         Ok(self)
     }
 
-    /// The names, in order.
+    /// The names, sorted.
     #[must_use]
     pub fn names(&self) -> Vec<&str> {
         self.models.keys().map(String::as_str).collect()
     }
 
-    /// The models, in order of their names.
+    /// The models, sorted by name.
     pub fn models(&self) -> impl Iterator<Item = &StyleModel> {
         self.models.values().map(Arc::as_ref)
     }
 
-    /// Whether a model of this name runs on ONNX Runtime only; false for an unknown name.
+    /// Whether a model of this name requires ONNX Runtime; false for an unknown name.
     #[must_use]
     pub fn needs_runtime(&self, name: &str) -> bool {
         self.get(name).is_some_and(StyleModel::needs_runtime)
@@ -183,7 +183,7 @@ impl Library {
         self.models.get(name).map(Arc::clone)
     }
 
-    /// Checks what can be checked before a file is read.
+    /// Checks made before a file is read.
     fn check(&self, name: &str, path: &Path, bytes: u64) -> Result<(), LibraryError> {
         let path = path.to_owned();
         if !is_name(name) {
@@ -207,11 +207,11 @@ impl Library {
         card: Option<&str>,
     ) -> Result<(), LibraryError> {
         let card = match card {
-            Some(text) => Card::parse(text, name, &onnx).map_err(|reason| LibraryError::Card {
+            Some(text) => ModelCard::parse(text, name, &onnx).map_err(|reason| LibraryError::Card {
                 path: path.with_extension("card.json"),
                 reason,
             })?,
-            None => Card::absent(name, &onnx),
+            None => ModelCard::absent(name, &onnx),
         };
         let name = name.to_owned();
         let model = StyleModel {
@@ -224,7 +224,7 @@ impl Library {
     }
 }
 
-/// The ONNX files of a folder, in order of their names.
+/// The ONNX files of a folder, sorted by name.
 fn model_files(folder: &Path) -> Result<Vec<PathBuf>, LibraryError> {
     let mut files = Vec::new();
     for entry in fs::read_dir(folder).map_err(unreadable(folder))? {
@@ -237,11 +237,13 @@ fn model_files(folder: &Path) -> Result<Vec<PathBuf>, LibraryError> {
     Ok(files)
 }
 
-/// Whether a model may have this name: 1 to 64 characters of a-z, 0-9, `_` and `-`.
+/// Whether a name is valid for a model: 1 to 64 characters of a-z, 0-9, `_` and `-`.
 #[must_use]
 pub fn is_name(name: &str) -> bool {
-    let allowed = |c: u8| c.is_ascii_lowercase() || c.is_ascii_digit() || c == b'_' || c == b'-';
-    (1..=MAX_NAME_CHARS).contains(&name.len()) && name.bytes().all(allowed)
+    (1..=MAX_NAME_CHARS).contains(&name.len())
+        && name
+            .bytes()
+            .all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == b'_' || c == b'-')
 }
 
 fn unreadable(path: &Path) -> impl Fn(io::Error) -> LibraryError {

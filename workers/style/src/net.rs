@@ -1,8 +1,8 @@
-//! The network of the shipped waters, and of those that are trained here: 4735 numbers in one fixed graph.
+//! The network of the shipped and locally trained waters: 4735 parameters in one fixed graph.
 //!
-//! A context branch sees means of 4×4 pixels and widens at an eighth of the resolution; a thin branch at full
-//! resolution takes it in; a learned affine color map does the rest. Nothing depends on the whole frame, so the same
-//! surroundings give the same pixel whatever the crop.
+//! A context branch sees means of 4×4 pixels and expands at an eighth of the resolution; a thin branch at full
+//! resolution adds it to its features; a learned affine color map does the rest. There are no global operations, so a
+//! pixel depends only on its surroundings, in any crop.
 
 mod fast;
 pub mod layer;
@@ -13,4 +13,4 @@ pub(crate) mod wire;
 
 pub use fast::{Network, Scratch};
 pub use reference::apply_reference;
-pub use table::{Table, TableScratch};
+pub use table::{ColorTable, TableScratch};

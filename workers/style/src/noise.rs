@@ -1,4 +1,4 @@
-//! The noise of a frame, for a network that takes some.
+//! The noise of a frame, for networks with a noise input.
 
 use imaging::Plane;
 use imaging::random::Stream;
@@ -6,10 +6,10 @@ use imaging::random::Stream;
 /// Stage name of the stream.
 const STAGE: &str = "style noise";
 
-/// Standard normal samples of a frame's size, unitless, independent of each other. They are a function of job seed, frame
-/// and place alone: `sqrt(-2 ln u) (cos 2πv, sin 2πv)` (Box and Muller 1958, "A note on the generation of random normal
-/// deviates") for two neighbors of one row after the other, u in (0, 1) and v in [0, 1) from the halves of 64 bits of
-/// [`Stream`]. The greatest that can come is 6.8.
+/// Independent standard normal samples of a frame's size, unitless. They are a function of job seed, frame and position
+/// only: `sqrt(-2 ln u) (cos 2πv, sin 2πv)` (Box and Muller 1958, "A note on the generation of random normal deviates")
+/// for pairs of neighbors in a row, u in (0, 1) and v in [0, 1) from the halves of 64 bits of [`Stream`]. The largest
+/// possible value is 6.8.
 #[must_use]
 pub fn noise(seed: u64, frame: u64, (width, height): (usize, usize)) -> Plane<f32> {
     let stream = Stream::stage(seed, STAGE);
@@ -40,7 +40,7 @@ mod tests {
         assert_eq!(noise(1, 2, (0, 0)).data().len(), 0);
     }
 
-    /// 262 144 samples: the standard error of each figure is below a fifth of what is allowed.
+    /// 262 144 samples: the standard error of each statistic is below a fifth of its tolerance.
     #[test]
     fn it_is_standard_normal_and_neighbors_are_independent() {
         let plane = noise(7, 3, (512, 512));

@@ -1,15 +1,15 @@
-//! The inputs of a model file, read without ONNX Runtime.
+//! Reads the inputs of a model file without ONNX Runtime.
 
-use crate::net::wire::under;
+use crate::net::wire::messages;
 
-/// Returns whether a model has an input of this name beside its picture; false for a file that is no model.
+/// Whether a model has an input of this name besides its picture; false for a file that is not a model.
 pub(crate) fn takes(onnx: &[u8], name: &str) -> bool {
-    let graph = under(onnx, 7).next().unwrap_or_default();
+    let graph = messages(onnx, 7).next().unwrap_or_default();
     // Old files list their weights among the inputs as well.
-    let weights: Vec<&[u8]> = under(graph, 5)
-        .filter_map(|tensor| under(tensor, 8).next())
+    let weights: Vec<&[u8]> = messages(graph, 5)
+        .filter_map(|tensor| messages(tensor, 8).next())
         .collect();
-    let inputs = under(graph, 11).filter_map(|input| under(input, 1).next());
+    let inputs = messages(graph, 11).filter_map(|input| messages(input, 1).next());
     let inputs: Vec<&[u8]> = inputs.filter(|name| !weights.contains(name)).collect();
     inputs.len() > 1 && inputs.contains(&name.as_bytes())
 }

@@ -1,4 +1,4 @@
-//! ONNX Runtime, loaded at run time.
+//! Loads ONNX Runtime at run time.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -9,18 +9,18 @@ use ort::{LoadDynamicError, MINOR_VERSION};
 
 use crate::error::StyleError;
 use crate::library::StyleModel;
-use crate::search::{Surroundings, candidates};
+use crate::search::{SearchPaths, candidates};
 use crate::session::Session;
 
 /// No usable ONNX Runtime.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum RuntimeMissing {
-    /// No file was named, and none was found.
+    /// No file was named or found.
     #[error(
         "this style water needs ONNX Runtime, which is not installed: run scripts/get-onnxruntime.sh, or name the library with --onnxruntime or ORT_DYLIB_PATH"
     )]
     NotInstalled,
-    /// The file cannot be loaded, or is no ONNX Runtime, or too old a one.
+    /// The file cannot be loaded, is not ONNX Runtime, or is too old.
     #[error(
         "this style water needs ONNX Runtime, which cannot be loaded from {}: {reason}; run scripts/get-onnxruntime.sh for one that fits",
         path.display()
@@ -28,20 +28,20 @@ pub enum RuntimeMissing {
     Unusable {
         /// The file.
         path: PathBuf,
-        /// Why not.
+        /// Cause.
         reason: String,
     },
-    /// The process has loaded another library before, and a process takes one only.
+    /// The process has loaded another library before, and can only load one.
     #[error("ONNX Runtime cannot be loaded from {}: this process already uses {}", path.display(), loaded.display())]
     AnotherLoaded {
-        /// The file that was asked for.
+        /// The requested file.
         path: PathBuf,
         /// The file in use.
         loaded: PathBuf,
     },
 }
 
-/// A loaded ONNX Runtime; a clone is another handle to the same one.
+/// A loaded ONNX Runtime; clones share it.
 #[derive(Debug, Clone)]
 pub struct Runtime {
     environment: Environment,
@@ -49,18 +49,17 @@ pub struct Runtime {
     version: String,
 }
 
-/// What this process has loaded. `ort` takes one library and one environment in the life of a process and refuses the
-/// second even after the first is dropped, so the first is kept.
+/// The library of this process. `ort` supports one library and one environment per process and refuses a second one
+/// even after the first is dropped, so the first is kept.
 static LOADED: Mutex<Option<Runtime>> = Mutex::new(None);
 
 impl Runtime {
-    /// Loads the library: the file that is given; else the one that `ORT_DYLIB_PATH` names; else `libonnxruntime.so`
-    /// beside the executable; else the one in a folder `.onnxruntime` beside or up to three folders above the
-    /// executable or the working directory. A named file that does not load is an error, not a reason to look
-    /// further. Loading again gives the same runtime.
+    /// Loads the library: the given file; else `ORT_DYLIB_PATH`; else `libonnxruntime.so` next to the executable; else
+    /// the one in a folder `.onnxruntime` next to or up to three folders above the executable or the working directory.
+    /// A named file that does not load is an error and ends the search. Loading again returns the same runtime.
     ///
     /// # Errors
-    /// [`RuntimeMissing`], which says what to run.
+    /// [`RuntimeMissing`] with installation instructions.
     pub fn load(explicit: Option<&Path>) -> Result<Self, RuntimeMissing> {
         let mut loaded = LOADED.lock().unwrap_or_else(PoisonError::into_inner);
         if let (None, Some(runtime)) = (explicit, &*loaded) {
@@ -69,13 +68,13 @@ impl Runtime {
         let path = match explicit {
             Some(path) => path.to_owned(),
             None => {
-                candidates(&Surroundings::of_this_process())
+                candidates(&SearchPaths::of_this_process())
                     .find(|candidate| candidate.named || candidate.path.is_file())
                     .ok_or(RuntimeMissing::NotInstalled)?
                     .path
             }
         };
-        // `ort` would look for a relative path beside the executable first.
+        // `ort` would search for a relative path next to the executable first.
         let path = path
             .canonicalize()
             .map_err(|error| unusable(&path, error.to_string()))?;
@@ -107,7 +106,7 @@ impl Runtime {
         })
     }
 
-    /// Version of the library, such as `1.31.1`; the description of the build where the library does not carry one.
+    /// Version of the library, such as `1.31.1`, or the build description if the library has no version.
     #[must_use]
     pub fn version(&self) -> &str {
         &self.version
@@ -119,10 +118,11 @@ impl Runtime {
         &self.path
     }
 
-    /// Prepares a model of any form to run, on one thread. The shipped waters do not need it: [`Session::native`].
+    /// Prepares a model of any architecture to run on one thread. The shipped waters do not need it:
+    /// [`Session::native`].
     ///
     /// # Errors
-    /// [`StyleError::Model`] when the file is no model, or has inputs or outputs of another form.
+    /// [`StyleError::Model`] if the file is not a model, or has inputs or outputs of another shape.
     pub fn session(&self, model: &StyleModel) -> Result<Session, StyleError> {
         Session::onnx(&self.environment, model)
     }
@@ -135,7 +135,7 @@ fn unusable(path: &Path, reason: String) -> RuntimeMissing {
     }
 }
 
-/// Why a file was rejected. The loader's own text leaves out what the system said.
+/// The cause of a rejection. The loader's text omits the system's error.
 fn reason(error: &LoadDynamicError) -> String {
     match error {
         LoadDynamicError::Dlopen { error, path } => {
@@ -153,8 +153,8 @@ fn reason(error: &LoadDynamicError) -> String {
     }
 }
 
-/// The version in the name of the library's symbol version, `VERS_1.31.1`. `ort` exposes only
-/// the build description, which has no version in it.
+/// The version from the library's symbol version, `VERS_1.31.1`. `ort` only exposes the build description, which lacks
+/// it.
 fn version_of(library: &[u8]) -> Option<String> {
     const TAG: &[u8] = b"\0VERS_";
     let numbers = library

@@ -1,4 +1,4 @@
-//! Where ONNX Runtime is searched for.
+//! Search path of ONNX Runtime.
 
 use std::path::{Path, PathBuf};
 
@@ -6,12 +6,11 @@ use std::path::{Path, PathBuf};
 const LIBRARY: &str = "libonnxruntime.so";
 /// Folder that scripts/get-onnxruntime.sh fills.
 const FOLDER: &str = ".onnxruntime";
-/// How many folders are looked into, the first included: `target/release/deps` of a checkout lies three
-/// below its root.
+/// Folders searched upwards, including the first: `target/release/deps` of a checkout is three levels below its root.
 const LEVELS: usize = 4;
 
-/// The parts of the environment that decide the search.
-pub(crate) struct Surroundings {
+/// The inputs of the search.
+pub(crate) struct SearchPaths {
     /// `ORT_DYLIB_PATH`.
     pub(crate) variable: Option<PathBuf>,
     /// The executable.
@@ -20,7 +19,7 @@ pub(crate) struct Surroundings {
     pub(crate) directory: Option<PathBuf>,
 }
 
-impl Surroundings {
+impl SearchPaths {
     pub(crate) fn of_this_process() -> Self {
         let variable = std::env::var_os("ORT_DYLIB_PATH").filter(|value| !value.is_empty());
         Self {
@@ -31,20 +30,20 @@ impl Surroundings {
     }
 }
 
-/// A place where the library may lie.
+/// A possible location of the library.
 #[derive(Debug, PartialEq, Eq)]
-pub(crate) struct Candidate {
+pub(crate) struct RuntimeCandidate {
     pub(crate) path: PathBuf,
-    /// Whether the user named it; then the search ends here.
+    /// Named by the user; the search ends here.
     pub(crate) named: bool,
 }
 
-/// The places, in the order in which they are tried.
-pub(crate) fn candidates(surroundings: &Surroundings) -> impl Iterator<Item = Candidate> {
+/// The candidates in search order.
+pub(crate) fn candidates(surroundings: &SearchPaths) -> impl Iterator<Item = RuntimeCandidate> {
     let named = surroundings
         .variable
         .clone()
-        .map(|path| Candidate { path, named: true });
+        .map(|path| RuntimeCandidate { path, named: true });
     let beside = surroundings.executable.as_deref().and_then(Path::parent);
     let starts = [beside, surroundings.directory.as_deref()];
     let above = starts
@@ -57,7 +56,9 @@ pub(crate) fn candidates(surroundings: &Surroundings) -> impl Iterator<Item = Ca
         .into_iter()
         .chain(above)
         .collect();
-    let usual = usual.into_iter().map(|path| Candidate { path, named: false });
+    let usual = usual
+        .into_iter()
+        .map(|path| RuntimeCandidate { path, named: false });
     named.into_iter().chain(usual)
 }
 
@@ -65,8 +66,8 @@ pub(crate) fn candidates(surroundings: &Surroundings) -> impl Iterator<Item = Ca
 mod tests {
     use super::*;
 
-    fn surroundings(variable: Option<&str>) -> Surroundings {
-        Surroundings {
+    fn surroundings(variable: Option<&str>) -> SearchPaths {
+        SearchPaths {
             variable: variable.map(PathBuf::from),
             executable: Some("/app/target/release/fathom".into()),
             directory: Some("/src/workers/style".into()),
@@ -97,7 +98,7 @@ mod tests {
         let first = candidates(&surroundings(Some("/opt/ort.so"))).next().unwrap();
         assert_eq!(
             first,
-            Candidate {
+            RuntimeCandidate {
                 path: "/opt/ort.so".into(),
                 named: true
             }

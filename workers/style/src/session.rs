@@ -1,4 +1,4 @@
-//! One model, ready to run on one thread.
+//! A model ready to run on one thread.
 
 mod onnx;
 
@@ -7,118 +7,118 @@ use ort::environment::Environment;
 
 use crate::error::StyleError;
 use crate::library::StyleModel;
-use crate::net::{self, Network, Scratch, Table, TableScratch};
+use crate::net::{self, ColorTable, Network, Scratch, TableScratch};
 
-use onnx::Graph;
+use onnx::RuntimeGraph;
 
-/// What a model may be given beside the frame, each of the frame's size.
+/// Optional inputs of a model, each of the frame's size.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Beside<'a> {
-    /// Standard normal samples, see [`crate::noise`]: zeros if absent. A model that takes no noise does not look at it.
+pub struct ModelInputs<'a> {
+    /// Standard normal samples, see [`crate::noise`]; zeros if absent. Ignored by models without a noise input.
     pub noise: Option<&'a Plane<f32>>,
-    /// The range of each pixel, `1 − exp(−Z / `[`crate::RANGE_SCALE_M`]`)`, and 1 where there is none. A model that takes
-    /// a range needs it; others do not look at it.
+    /// The range of each pixel, `1 − exp(−Z / `[`crate::RANGE_SCALE_M`]`)`, and 1 for holes. Required by models with a
+    /// range input, ignored by others.
     pub range: Option<&'a Plane<f32>>,
 }
 
-/// A model that is ready to run. It uses the thread that calls it and no other: frames run side by side, each with a
-/// session of its own. The same frame gives the same bits: of our own network on every machine, of another one on one
-/// build of ONNX Runtime and one set of CPU features.
+/// A model ready to run. It runs only on the calling thread: parallel frames need a session each. The same frame yields
+/// the same bits: for the native network on every machine, for others on one build of ONNX Runtime and one set of CPU
+/// features.
 pub struct Session {
     name: String,
-    form: Form,
+    form: SessionKind,
 }
 
-enum Form {
-    /// Our own network, natively.
+enum SessionKind {
+    /// The built-in architecture, natively.
     Native(Box<(Network, Scratch)>),
-    /// The color table of our own network.
-    Table(Box<(Table, TableScratch)>),
+    /// The color table of the built-in architecture.
+    Table(Box<(ColorTable, TableScratch)>),
     /// Any other network, on ONNX Runtime.
-    Onnx(Graph),
+    Onnx(RuntimeGraph),
 }
 
 impl Session {
-    /// A session without ONNX Runtime: for the network of the shipped waters and of those that are trained here, and
-    /// `None` for a model of any other form.
+    /// A session without ONNX Runtime: for the architecture of the shipped and locally trained waters, `None` for any
+    /// other.
     #[must_use]
     pub fn native(model: &StyleModel) -> Option<Self> {
         let network = Network::new(&net::onnx::read(&model.onnx)?);
         Some(Self {
             name: model.name.clone(),
-            form: Form::Native(Box::new((network, Scratch::default()))),
+            form: SessionKind::Native(Box::new((network, Scratch::default()))),
         })
     }
 
-    /// A session with the color table of our own network in its place: several times faster, without softening and haze
-    /// around edges. `None` for a model of any other form, or that takes a range.
+    /// A session with the color table of the built-in architecture: several times faster, without softening and haze
+    /// around edges. `None` for any other architecture and for models with a range.
     #[must_use]
     pub fn table(model: &StyleModel) -> Option<Self> {
-        let table = Table::new(&Network::new(&net::onnx::read(&model.onnx)?))?;
+        let table = ColorTable::new(&Network::new(&net::onnx::read(&model.onnx)?))?;
         Some(Self {
             name: model.name.clone(),
-            form: Form::Table(Box::new((table, TableScratch::default()))),
+            form: SessionKind::Table(Box::new((table, TableScratch::default()))),
         })
     }
 
     pub(crate) fn onnx(environment: &Environment, model: &StyleModel) -> Result<Self, StyleError> {
-        let graph = Graph::new(environment, &model.onnx).map_err(|reason| StyleError::Model {
+        let graph = RuntimeGraph::new(environment, &model.onnx).map_err(|reason| StyleError::Model {
             name: model.name.clone(),
             reason,
         })?;
         Ok(Self {
             name: model.name.clone(),
-            form: Form::Onnx(graph),
+            form: SessionKind::Onnx(graph),
         })
     }
 
     /// Whether it runs on ONNX Runtime.
     #[must_use]
     pub fn uses_runtime(&self) -> bool {
-        matches!(self.form, Form::Onnx(_))
+        matches!(self.form, SessionKind::Onnx(_))
     }
 
-    /// Whether the model has an input for noise: give it [`crate::noise`].
+    /// Whether the model has a noise input: supply [`crate::noise`].
     #[must_use]
     pub fn takes_noise(&self) -> bool {
-        matches!(&self.form, Form::Onnx(graph) if graph.takes_noise())
+        matches!(&self.form, SessionKind::Onnx(graph) if graph.takes_noise())
     }
 
-    /// Whether the model has an input for the range: it needs [`Beside::range`].
+    /// Whether the model has a range input: [`ModelInputs::range`] is required.
     #[must_use]
     pub fn takes_range(&self) -> bool {
         match &self.form {
-            Form::Native(native) => native.0.takes_range(),
-            Form::Table(_) => false,
-            Form::Onnx(graph) => graph.takes_range(),
+            SessionKind::Native(native) => native.0.takes_range(),
+            SessionKind::Table(_) => false,
+            SessionKind::Onnx(graph) => graph.takes_range(),
         }
     }
 
-    /// Repaints a frame of sRGB-encoded samples in 0..=1; so is the result. An output that is larger than the frame
+    /// Repaints a frame of sRGB-encoded samples in 0..=1 and returns the same encoding. An output larger than the frame
     /// (of a network that pads) is cropped from the top left.
     ///
     /// # Errors
-    /// [`StyleError`]: an empty frame, a range that is needed and absent, a sample that is not finite, a network that
-    /// fails, or an output that is no picture, is smaller than the frame, or holds a sample that is not finite.
-    pub fn apply(&mut self, encoded: &Rgb<f32>, beside: Beside<'_>) -> Result<Rgb<f32>, StyleError> {
+    /// [`StyleError`]: an empty frame, a missing required range, a non-finite sample, a network that fails, or an
+    /// output that is not a picture, is smaller than the frame, or has a non-finite sample.
+    pub fn apply(&mut self, encoded: &Rgb<f32>, beside: ModelInputs<'_>) -> Result<Rgb<f32>, StyleError> {
         self.check(encoded, beside)?;
         match &mut self.form {
-            Form::Native(native) => {
+            SessionKind::Native(native) => {
                 let (network, scratch) = &mut **native;
                 Ok(network.apply(encoded, beside.range, scratch))
             }
-            Form::Table(table) => {
+            SessionKind::Table(table) => {
                 let (table, scratch) = &mut **table;
                 Ok(table.apply(encoded, scratch))
             }
-            Form::Onnx(graph) => graph.run(encoded, beside).map_err(|reason| StyleError::Run {
+            SessionKind::Onnx(graph) => graph.run(encoded, beside).map_err(|reason| StyleError::Run {
                 name: self.name.clone(),
                 reason,
             }),
         }
     }
 
-    fn check(&self, encoded: &Rgb<f32>, beside: Beside<'_>) -> Result<(), StyleError> {
+    fn check(&self, encoded: &Rgb<f32>, beside: ModelInputs<'_>) -> Result<(), StyleError> {
         let wrong = |reason: String| {
             Err(StyleError::Input {
                 name: self.name.clone(),

@@ -1,4 +1,4 @@
-//! What is said when there is no ONNX Runtime that can be used. Nothing is loaded in this process.
+//! Errors without a usable ONNX Runtime. No library is loaded in this process.
 
 #![allow(clippy::unwrap_used)]
 
@@ -17,7 +17,7 @@ fn refusal(path: &Path) -> String {
     text
 }
 
-/// The C library of this process: a library, but not the one that is wanted.
+/// The C library of this process: a library, but the wrong one.
 fn c_library() -> PathBuf {
     let maps = std::fs::read_to_string("/proc/self/maps").unwrap();
     let paths = maps.lines().filter_map(|line| line.split_whitespace().last());

@@ -1,7 +1,7 @@
-//! Content pictures, made on the fly: samples of what a network may be asked to repaint.
+//! ContentPicture pictures generated on the fly: examples of frames for a network to repaint.
 //!
-//! Two of three are procedural scenes, the others simple shapes in any color, so that no palette is preferred. Then,
-//! by chance: water as `optics` computes it, gamma, gain, a sloping light, noise; some are flat or nearly black.
+//! Two of three are procedural scenes, the others simple shapes in any color, so that no palette is preferred. Random
+//! effects follow: water computed by `optics`, gamma, gain, a light gradient, noise; some are flat or nearly black.
 
 mod shapes;
 
@@ -16,26 +16,26 @@ use spec::{ForwardScatter, HoleRule, Optics, ScatterModel};
 use crate::loss::normals;
 use crate::tensor::Tensor;
 
-/// Side of a content picture in pixels; training takes smaller crops of it.
+/// Side of a content picture in pixels; training uses smaller crops of it.
 pub const SIDE: usize = 192;
 
 /// The content pictures of a seed.
 #[derive(Debug, Clone, Copy)]
-pub struct Contents {
+pub struct ContentPictures {
     seed: u64,
     stream: Stream,
 }
 
 /// A content picture.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Content {
+pub struct ContentPicture {
     /// Three channels of [`SIDE`]², sRGB-encoded, 0..=1.
     pub picture: Tensor<f32>,
-    /// The range of each pixel as a network is given it: 0 at the camera, 1 far away.
+    /// The range of each pixel as network input: 0 at the camera, 1 far away.
     pub range: Tensor<f32>,
 }
 
-impl Content {
+impl ContentPicture {
     /// A square crop, mirrored or not.
     pub(crate) fn cropped(&self, at: (usize, usize), side: usize, mirrored: bool) -> Self {
         Self {
@@ -45,7 +45,7 @@ impl Content {
     }
 }
 
-/// Ranges in meters as a network is given them.
+/// Converts ranges in meters to network input.
 fn given(range: Vec<f32>) -> Tensor<f32> {
     let range = Plane::new(SIDE, SIDE, range).expect("one sample for each pixel");
     Tensor {
@@ -62,8 +62,8 @@ struct Air {
     range: Vec<f32>,
 }
 
-impl Contents {
-    /// Pictures for a purpose: those of training and those that are held out never meet.
+impl ContentPictures {
+    /// Pictures for a purpose. Those of training and of validation are disjoint.
     #[must_use]
     pub fn new(seed: u64, purpose: &str) -> Self {
         Self {
@@ -80,8 +80,8 @@ impl Contents {
 
     /// The picture of an index with its range.
     #[must_use]
-    pub fn content(&self, index: u64) -> Content {
-        let chance = Chance {
+    pub fn content(&self, index: u64) -> ContentPicture {
+        let chance = ContentChance {
             stream: self.stream,
             index,
         };
@@ -89,12 +89,12 @@ impl Contents {
         if flat < 0.04 {
             let mut picture = Tensor::zeros(3, SIDE, SIDE);
             for channel in 0..3 {
-                let value = chance.between("flat color", channel, 0.0, 1.0);
+                let value = chance.uniform("flat color", channel, 0.0, 1.0);
                 picture.plane_mut(channel as usize).fill(value as f32);
             }
-            let range = chance.between("flat range", 0, 0.3, FAR_M) as f32;
+            let range = chance.uniform("flat range", 0, 0.3, FAR_M) as f32;
             let range = vec![range; SIDE * SIDE];
-            return Content {
+            return ContentPicture {
                 picture,
                 range: given(range),
             };
@@ -107,22 +107,22 @@ impl Contents {
         let gain = if flat < 0.06 {
             0.02
         } else {
-            chance.between("gain", 0, 0.5, 1.2)
+            chance.uniform("gain", 0, 0.5, 1.2)
         };
         let light = if chance.unit("water") < 0.4 {
             submerged(&air, &chance)
         } else {
             air.light
         };
-        Content {
+        ContentPicture {
             picture: finish(light, gain, &chance),
             range: given(air.range),
         }
     }
 
-    fn scene(&self, chance: &Chance) -> Air {
+    fn scene(&self, chance: &ContentChance) -> Air {
         let seed = self.stream.bits(chance.index, 1) ^ self.seed;
-        let lens = Intrinsics::centered(SIDE as f64 * chance.between("focal", 0, 0.5, 1.1), SIDE, SIDE);
+        let lens = Intrinsics::centered(SIDE as f64 * chance.uniform("focal", 0, 0.5, 1.1), SIDE, SIDE);
         let scene = scenes::procedural("structure", seed, SIDE, SIDE, lens).expect("a family that is there");
         Air {
             light: Tensor::from(&scene.radiance),
@@ -131,26 +131,26 @@ impl Contents {
     }
 }
 
-/// Largest standard deviation of the noise: what a good camera has under water. A network without chance can neither
-/// take away more nor add any, so more would only be a floor under the distance from the style.
+/// Largest standard deviation of the noise: that of a good camera under water. A deterministic network can neither
+/// remove nor add noise, so more would only be a floor under the distance from the style.
 const MAX_NOISE: f64 = 0.01;
-/// Pictures are rounded to 16 bits, so that the last bits of a transform, which depend on the CPU, are gone.
+/// Pictures are rounded to 16 bits, which removes the CPU-dependent last bits of a transform.
 const CODES: f32 = 65_535.0;
 /// Range of open water, in meters.
 const FAR_M: f64 = 40.0;
 
-/// Random values of one picture, addressed by name.
-struct Chance {
+/// Random values of one picture, by name.
+struct ContentChance {
     stream: Stream,
     index: u64,
 }
 
-impl Chance {
+impl ContentChance {
     fn unit(&self, name: &str) -> f64 {
         self.numbered(name, 0)
     }
 
-    /// The address is the name's FNV-1a hash with a number.
+    /// The address is the FNV-1a hash of the name with a number.
     fn numbered(&self, name: &str, number: u64) -> f64 {
         let hash = name.bytes().fold(0xcbf2_9ce4_8422_2325u64, |hash, byte| {
             (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3)
@@ -158,26 +158,26 @@ impl Chance {
         self.stream.unit(self.index, hash.wrapping_add(number))
     }
 
-    fn between(&self, name: &str, number: u64, low: f64, high: f64) -> f64 {
+    fn uniform(&self, name: &str, number: u64, low: f64, high: f64) -> f64 {
         low + (high - low) * self.numbered(name, number)
     }
 }
 
-/// The picture under a random water, half of the time one that scatters light forward. In f64: the transform in f32 has other
-/// bits on another CPU.
-fn submerged(air: &Air, chance: &Chance) -> Tensor<f32> {
-    let rgb = |name: &str, low, high| [0, 1, 2].map(|channel| chance.between(name, channel, low, high));
-    let strength = chance.between("strength", 0, 0.03, 0.5);
-    // One kernel for the whole picture takes one transform.
-    let kernel = |gamma_px: f64| ForwardScatter {
+/// The picture in a random water, half of the time one with forward scatter. In f64: the f32 transform has other bits
+/// on another CPU.
+fn submerged(air: &Air, chance: &ContentChance) -> Tensor<f32> {
+    let strength = chance.uniform("strength", 0, 0.03, 0.5);
+    let attenuation = [0, 1, 2].map(|channel| strength * chance.uniform("attenuation", channel, 0.3, 1.7));
+    // A single kernel for the picture needs a single transform.
+    let forward_scatter = (chance.unit("blur") < 0.5).then(|| ForwardScatter {
         spread_px_per_m: Some([0.0; 3]),
-        spread_offset_px: Some([gamma_px; 3]),
+        spread_offset_px: Some([chance.uniform("sigma", 0, 0.3, 1.7); 3]),
         ..ScatterModel::Simplified.into()
-    };
+    });
     let mut medium = Medium::from(Optics {
-        beam_attenuation_per_m: Some(rgb("attenuation", 0.3, 1.7).map(|share| strength * share)),
-        veiling_light: Some(rgb("veil", 0.0, 0.5)),
-        forward_scatter: (chance.unit("blur") < 0.5).then(|| kernel(chance.between("sigma", 0, 0.3, 1.7))),
+        beam_attenuation_per_m: Some(attenuation),
+        veiling_light: Some([0, 1, 2].map(|channel| chance.uniform("veil", channel, 0.0, 0.5))),
+        forward_scatter,
         ..Optics::default()
     });
     medium.holes = HoleRule::RangeM(FAR_M);
@@ -189,19 +189,19 @@ fn submerged(air: &Air, chance: &Chance) -> Tensor<f32> {
     Tensor::from(&layers.scattered.map(|&light| light as f32))
 }
 
-/// Gain and a sloping light, encoding, gamma, noise.
-fn finish(light: Tensor<f32>, gain: f64, chance: &Chance) -> Tensor<f32> {
-    let gamma = chance.between("gamma", 0, 0.75, 1.35);
-    let slope = [0, 1].map(|axis| chance.between("slope", axis, -0.5, 0.5));
-    let sigma = chance.between("noise", 0, 0.0, MAX_NOISE) as f32;
+/// Applies gain and a light gradient, encoding, gamma, noise.
+fn finish(light: Tensor<f32>, gain: f64, chance: &ContentChance) -> Tensor<f32> {
+    let gamma = chance.uniform("gamma", 0, 0.75, 1.35);
+    let slope = [0, 1].map(|axis| chance.uniform("slope", axis, -0.5, 0.5));
+    let sigma = chance.uniform("noise", 0, 0.0, MAX_NOISE) as f32;
     let stream = Stream::stage(chance.stream.bits(chance.index, 2), "content noise");
     let mut noise = normals(&stream, chance.index);
     let mut out = light;
     for channel in 0..3 {
         for y in 0..SIDE {
             for (x, value) in out.row_mut(channel, y).iter_mut().enumerate() {
-                let place = |at: usize| at as f64 / SIDE as f64 - 0.5;
-                let lit = gain * (1.0 + slope[0] * place(x) + slope[1] * place(y));
+                let [u, v] = [x, y].map(|position| position as f64 / SIDE as f64 - 0.5);
+                let lit = gain * (1.0 + slope[0] * u + slope[1] * v);
                 let encoded = transfer::encode((f64::from(*value) * lit).clamp(0.0, 1.0));
                 let noise = sigma * noise.next().unwrap_or_default() as f32;
                 let shown = (libm::pow(encoded, gamma) as f32 + noise).clamp(0.0, 1.0);
@@ -218,11 +218,11 @@ mod tests {
 
     #[test]
     fn pictures_depend_on_index_seed_and_purpose_and_nothing_else() {
-        let of = |seed, purpose: &str, index| Contents::new(seed, purpose).picture(index);
+        let draw = |seed, purpose: &str, index| ContentPictures::new(seed, purpose).picture(index);
         for index in [0, 2] {
-            let picture = of(7, "a", index);
-            assert_eq!(of(7, "a", index), picture);
-            for other in [of(8, "a", index), of(7, "b", index), of(7, "a", index + 3)] {
+            let picture = draw(7, "a", index);
+            assert_eq!(draw(7, "a", index), picture);
+            for other in [draw(8, "a", index), draw(7, "b", index), draw(7, "a", index + 3)] {
                 assert!(other != picture);
             }
         }
@@ -230,7 +230,7 @@ mod tests {
 
     #[test]
     fn pictures_are_encoded_and_most_are_not_flat() {
-        let contents = Contents::new(1, "test");
+        let contents = ContentPictures::new(1, "test");
         let mut lively = 0;
         for index in 0..40 {
             let picture = contents.picture(index);

@@ -1,4 +1,4 @@
-//! How much contrast a network keeps of what is near and of what is far.
+//! Contrast kept by a network, for near and for far parts of a scene.
 
 use std::ops::Range;
 
@@ -8,35 +8,34 @@ use rayon::prelude::*;
 use style::net::layer::Weights;
 use style::net::{Network, Scratch};
 
-/// What counts as near, and as far, in meters.
+/// Near band, m.
 const NEAR_M: Range<f32> = 0.0..2.0;
-/// What counts as far, in meters: beyond it nothing is seen in most waters.
+/// Far band, m: beyond it scenes are invisible in most waters.
 const FAR_M: Range<f32> = 4.0..12.0;
-/// Scenes that are looked at.
+/// Tested scenes.
 const SEEDS: Range<u64> = 100..124;
 const WIDTH: usize = 240;
 const HEIGHT: usize = 180;
-/// Side of the windows that contrast is measured in.
+/// Side of the contrast windows.
 const WINDOW: usize = 7;
-/// Least standard deviation of the brightness that counts as contrast before: a flat window has none to keep.
+/// Windows with a smaller standard deviation of brightness have no contrast to keep.
 const LEAST: f64 = 0.01;
 
-/// Share of the contrast that is kept: the sum over windows of the standard deviation of the brightness (of sRGB-encoded
+/// Share of the contrast kept: the sum over windows of the standard deviation of the brightness (of sRGB-encoded
 /// values) after, over that before.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContrastKept {
-    /// Of what is nearer than 2 m.
+    /// Nearer than 2 m.
     pub near: f64,
-    /// Of what is 4 to 12 m away.
+    /// 4 to 12 m away.
     pub far: f64,
 }
 
-/// Measures a network at alpha 1 over new scenes in air. `ranges` hands each scene's range in meters to the network, as it is
-/// or changed.
+/// Measures a network at alpha 1 over new scenes in air. `ranges` maps each scene's range in meters to the network's.
 #[must_use]
 pub fn contrast_kept(weights: &Weights, ranges: impl Fn(&Plane<f32>) -> Plane<f32> + Sync) -> ContrastKept {
     let network = Network::new(weights);
-    let of_scene = |seed: u64| {
+    let found = SEEDS.into_par_iter().map(|seed| {
         let lens = Intrinsics::centered(0.6 * WIDTH as f64, WIDTH, HEIGHT);
         let scene =
             scenes::procedural("structure", seed, WIDTH, HEIGHT, lens).expect("a family that is there");
@@ -45,37 +44,33 @@ pub fn contrast_kept(weights: &Weights, ranges: impl Fn(&Plane<f32>) -> Plane<f3
         let given = optics::attenuation::faded(&ranges(&range), style::RANGE_SCALE_M);
         let after = network.apply(&before, Some(&given), &mut Scratch::default());
         [NEAR_M, FAR_M].map(|band| sums(&before, &after, &range, &band))
-    };
-    let found: Vec<[[f64; 2]; 2]> = SEEDS.into_par_iter().map(of_scene).collect();
-    let kept = |band: usize| {
-        let sum = |which: usize| found.iter().map(|scene| scene[band][which]).sum::<f64>();
-        sum(1) / sum(0)
-    };
-    ContrastKept {
-        near: kept(0),
-        far: kept(1),
-    }
+    });
+    let found: Vec<[[f64; 2]; 2]> = found.collect();
+    let [near, far] = [0, 1].map(|band: usize| {
+        let [before, after] =
+            [0, 1].map(|which: usize| found.iter().map(|scene| scene[band][which]).sum::<f64>());
+        after / before
+    });
+    ContrastKept { near, far }
 }
 
-/// Sums of the contrast before and after, over the windows that lie within a band of range.
+/// Sums of the contrast before and after, over the windows within a band of range.
 fn sums(before: &Rgb<f32>, after: &Rgb<f32>, range: &Plane<f32>, band: &Range<f32>) -> [f64; 2] {
     let mut sums = [0.0; 2];
     for top in (0..HEIGHT - WINDOW).step_by(WINDOW) {
         for left in (0..WIDTH - WINDOW).step_by(WINDOW) {
-            let places = || (0..WINDOW * WINDOW).map(|at| (left + at % WINDOW, top + at / WINDOW));
-            if !places().all(|(x, y)| band.contains(&range.pixel(x, y)) && range.pixel(x, y) > 0.0) {
+            let window: [(usize, usize); WINDOW * WINDOW] =
+                std::array::from_fn(|i| (left + i % WINDOW, top + i / WINDOW));
+            let is_inside = window
+                .iter()
+                .all(|&(x, y)| band.contains(&range.pixel(x, y)) && range.pixel(x, y) > 0.0);
+            if !is_inside {
                 continue;
             }
-            let deviation = |picture: &Rgb<f32>| {
-                let samples = || places().map(|(x, y)| brightness(picture.pixel(x, y)));
-                let count = (WINDOW * WINDOW) as f64;
-                let mean = samples().sum::<f64>() / count;
-                (samples().map(|value| (value - mean).powi(2)).sum::<f64>() / count).sqrt()
-            };
-            let contrast = deviation(before);
+            let contrast = deviation(before, &window);
             if contrast >= LEAST {
                 sums[0] += contrast;
-                sums[1] += deviation(after);
+                sums[1] += deviation(after, &window);
             }
         }
     }
@@ -84,4 +79,12 @@ fn sums(before: &Rgb<f32>, after: &Rgb<f32>, range: &Plane<f32>, band: &Range<f3
 
 fn brightness([r, g, b]: [f32; 3]) -> f64 {
     0.299 * f64::from(r) + 0.587 * f64::from(g) + 0.114 * f64::from(b)
+}
+
+/// Standard deviation of the brightness in a window.
+fn deviation(picture: &Rgb<f32>, window: &[(usize, usize)]) -> f64 {
+    let samples = window.iter().map(|&(x, y)| brightness(picture.pixel(x, y)));
+    let count = window.len() as f64;
+    let mean = samples.clone().sum::<f64>() / count;
+    (samples.map(|value| (value - mean).powi(2)).sum::<f64>() / count).sqrt()
 }

@@ -1,7 +1,7 @@
-//! A style water from one photo, on a CPU: content pictures made on the fly, losses without a pretrained network,
-//! hand-written gradients, and a score on new scenes.
+//! Trains a style water from photos on a CPU: content pictures generated on the fly, losses without a pretrained
+//! network, hand-written gradients, and a score on new scenes.
 //!
-//! Pure: a training is a function of photos, seed and number of steps. Threads share the work and never change a bit.
+//! Pure: a training is a function of photos, seed and number of steps. The number of threads changes no bit.
 
 pub mod content;
 mod contrast;

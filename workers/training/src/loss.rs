@@ -1,8 +1,8 @@
-//! What training lowers: `4 texture + 15 color + 6.4 content + 20 outside`.
+//! The training loss: `4 texture + 15 color + 6.4 content + 20 outside`.
 //!
-//! For a network that takes a range, texture and color are compared within bands of range: what is near in the results with
-//! what is near in the photos, and what is far with what is far. So contrast must fall with the range as it does in the photos.
-//! Content counts less with the range.
+//! For a network with a range, texture and color are compared within bands of range: near parts of the results with
+//! near parts of the photos, and far with far. Contrast must therefore fall with the range as in the photos. ContentPicture
+//! counts less with range.
 
 mod content;
 mod draw;
@@ -20,57 +20,56 @@ use sliced::sliced;
 use crate::real::Real;
 use crate::tensor::Tensor;
 
-/// Weights of the parts.
+/// Weights of the terms.
 const TEXTURE: f64 = 4.0;
 const COLOR: f64 = 15.0;
 const CONTENT: f64 = 6.4;
 const OUTSIDE: f64 = 20.0;
 
-/// The parts of the loss.
+/// The terms of the loss.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Losses {
-    /// Distance of the texture from the style's.
+    /// Texture distance from the style.
     pub texture: f64,
-    /// Distance of the colors from the style's.
+    /// Color distance from the style.
     pub color: f64,
-    /// Share of the content that is lost, 0..=2.
+    /// Lost share of the content, 0..=2.
     pub content: f64,
-    /// Mean of what lies below 0 or above 1.
+    /// Mean excess below 0 or above 1.
     pub outside: f64,
 }
 
 impl Losses {
-    /// What training lowers.
+    /// The weighted sum.
     #[must_use]
     pub fn total(&self) -> f64 {
         TEXTURE * self.texture + COLOR * self.color + CONTENT * self.content + OUTSIDE * self.outside
     }
 
-    /// The mean of several.
+    /// The mean of several losses.
     #[must_use]
-    pub fn mean(of: &[Self]) -> Self {
-        let mean = |part: fn(&Self) -> f64| of.iter().map(part).sum::<f64>() / of.len().max(1) as f64;
+    pub fn mean(losses: &[Self]) -> Self {
+        let count = losses.len().max(1) as f64;
         Self {
-            texture: mean(|l| l.texture),
-            color: mean(|l| l.color),
-            content: mean(|l| l.content),
-            outside: mean(|l| l.outside),
+            texture: losses.iter().map(|l| l.texture).sum::<f64>() / count,
+            color: losses.iter().map(|l| l.color).sum::<f64>() / count,
+            content: losses.iter().map(|l| l.content).sum::<f64>() / count,
+            outside: losses.iter().map(|l| l.outside).sum::<f64>() / count,
         }
     }
 }
 
-/// How far away the pixels of two sets of pictures are, picture by picture, one channel each. Only the order of the values
-/// counts, and that within each set.
+/// Ranges of two sets of pictures, one channel per picture. Only the order of the values within each set matters.
 #[derive(Debug, Clone, Copy)]
 pub struct Ranges<'a, T> {
-    /// Of the content pictures.
+    /// Ranges of the content pictures.
     pub contents: &'a [Pyramid<T>],
-    /// Of the style.
+    /// Ranges of the style.
     pub style: &'a [Pyramid<T>],
 }
 
-/// The losses of a batch and the gradient for each of its results. The losses see results before they are clamped. With
-/// ranges, texture and color are compared within bands of range.
+/// The losses of a batch and the gradient for each of its results before clamping. With ranges, texture and color are
+/// compared within bands of range.
 #[must_use]
 pub fn losses<T: Real>(
     contents: &[Pyramid<T>],

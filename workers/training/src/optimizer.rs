@@ -3,23 +3,22 @@
 use style::net::layer::Weights;
 
 const PEAK: f64 = 2e-3;
-/// The peak over the first rate, and over the last.
+/// Ratios of the peak rate to the first and to the last.
 const FIRST: f64 = 25.0;
 const LAST: f64 = 250_000.0;
 const WARM_UP: f64 = 0.1;
 const BETAS: [f64; 2] = [0.9, 0.999];
 const EPSILON: f64 = 1e-8;
-/// Longest gradient; longer ones are shortened.
+/// Longer gradients are scaled down.
 const LONGEST: f64 = 1.0;
 
-/// Moments of the gradient, and how many steps were done.
+/// Moments of the gradient and the number of completed steps.
 pub(crate) struct Adam {
     moments: Vec<[f64; 2]>,
     done: usize,
 }
 
 impl Adam {
-    /// For so many numbers.
     pub(crate) fn new(count: usize) -> Self {
         Self {
             moments: vec![[0.0; 2]; count],
@@ -31,10 +30,13 @@ impl Adam {
         self.done
     }
 
-    /// One of `steps` steps down a gradient.
+    /// Performs one of `steps` steps down a gradient.
     pub(crate) fn step(&mut self, weights: &mut Weights, gradient: Weights, steps: usize) {
-        let square = |value: &f32| f64::from(*value) * f64::from(*value);
-        let length = gradient.values().iter().map(square).sum::<f64>().sqrt();
+        let squares = gradient
+            .values()
+            .iter()
+            .map(|&value| f64::from(value) * f64::from(value));
+        let length = squares.sum::<f64>().sqrt();
         let scale = if length > LONGEST { LONGEST / length } else { 1.0 };
         let rate = rate(self.done, steps);
         self.done += 1;
@@ -53,15 +55,13 @@ impl Adam {
 
 /// The learning rate of a step.
 fn rate(step: usize, steps: usize) -> f64 {
-    let at = step as f64 / steps.max(2).saturating_sub(1) as f64;
-    let along = |from: f64, to: f64, share: f64| {
-        to + (from - to) / 2.0 * (1.0 + libm::cos(std::f64::consts::PI * share.clamp(0.0, 1.0)))
-    };
-    if at < WARM_UP {
-        along(PEAK / FIRST, PEAK, at / WARM_UP)
+    let position = step as f64 / steps.max(2).saturating_sub(1) as f64;
+    let (start, end, share) = if position < WARM_UP {
+        (PEAK / FIRST, PEAK, position / WARM_UP)
     } else {
-        along(PEAK, PEAK / LAST, (at - WARM_UP) / (1.0 - WARM_UP))
-    }
+        (PEAK, PEAK / LAST, (position - WARM_UP) / (1.0 - WARM_UP))
+    };
+    end + (start - end) / 2.0 * (1.0 + libm::cos(std::f64::consts::PI * share.clamp(0.0, 1.0)))
 }
 
 #[cfg(test)]

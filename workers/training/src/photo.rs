@@ -1,4 +1,4 @@
-//! The style photo: which pictures are accepted, and how they are prepared.
+//! Style photos: requirements and preparation.
 
 use imaging::{Rgb, Rgb8, codec};
 
@@ -7,14 +7,14 @@ use crate::tensor::Tensor;
 use crate::transfer::ColorStats;
 use crate::veil;
 
-/// Longest side that is used; a larger photo is reduced to it first. Texture is learned at the scale of ordinary frames.
+/// Larger photos are reduced to this longest side: texture is learned at the scale of ordinary frames.
 pub const MAX_SIDE_PX: usize = 768;
-/// Shortest side: the coarsest level must hold a patch of 7 pixels.
+/// Shortest side: the coarsest level must contain a patch of 7 pixels.
 pub const MIN_SIDE_PX: usize = 64;
-/// Least standard deviation of a channel, of 255: a flatter photo teaches only one color.
+/// Minimum standard deviation of a channel, of 255: a flatter photo teaches only one color.
 pub const MIN_SPREAD: f64 = 2.0;
 
-/// A photo that is unfit for training.
+/// A photo unsuitable for training.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PhotoError {
     /// A side is too short.
@@ -27,24 +27,24 @@ pub enum PhotoError {
         /// Rows.
         height: usize,
     },
-    /// It has one color, or nearly so.
+    /// The photo has a single color, or nearly so.
     #[error("the photo is flat: its samples deviate by {spread:.2} of 255 but must by {MIN_SPREAD}")]
     Flat {
-        /// Greatest standard deviation of a channel, of 255.
+        /// Largest standard deviation of a channel, of 255.
         spread: f64,
     },
 }
 
-/// A photo that is fit for training.
+/// A photo prepared for training.
 #[derive(Debug, Clone)]
 pub struct Photo {
     pub(crate) pyramid: Pyramid<f32>,
-    /// Its range, as far as the veil tells it.
+    /// Range estimated from the veil.
     pub(crate) range: Pyramid<f32>,
 }
 
 impl Photo {
-    /// Takes a picture of sRGB codes.
+    /// Prepares a picture of sRGB codes.
     ///
     /// # Errors
     /// [`PhotoError`]: too small, or flat.
@@ -68,7 +68,8 @@ impl Photo {
         })
     }
 
-    /// The order of its pixels by range as the veil tells it, 0 near and 1 far, in rows; the size is that of the reduced photo.
+    /// The order of its pixels by range estimated from the veil, 0 near and 1 far, row-major, at the size of the
+    /// reduced photo.
     #[must_use]
     pub fn range(&self) -> &Tensor<f32> {
         &self.range.levels[0]

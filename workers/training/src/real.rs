@@ -1,4 +1,4 @@
-//! The kinds of number that training runs in: f32, and f64 for the tests of its gradients.
+//! Number types of training: f32, and f64 for gradient tests.
 
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
@@ -17,11 +17,11 @@ pub trait Real:
     + AddAssign
     + 'static
 {
-    /// The nearest such number.
+    /// The nearest value of this type.
     fn from_f64(value: f64) -> Self;
-    /// The same number in f64.
+    /// The same value in f64.
     fn to_f64(self) -> f64;
-    /// The places of the values in ascending order; equal ones keep theirs.
+    /// Indices of the values in ascending order; stable.
     fn ascending(values: &[Self]) -> Vec<u32>;
 }
 
@@ -34,14 +34,14 @@ impl Real for f32 {
         f64::from(self)
     }
 
-    /// Sorts whole numbers that carry the place in their lower half: faster than sorting places by value.
+    /// Sorts integers with the index in their lower half: faster than sorting indices by value.
     fn ascending(values: &[Self]) -> Vec<u32> {
-        let key = |(place, value): (usize, &Self)| {
+        let keys = values.iter().enumerate().map(|(place, value)| {
             let bits = value.to_bits();
             let ordered = if bits >> 31 == 0 { bits | 1 << 31 } else { !bits };
             u64::from(ordered) << 32 | place as u64
-        };
-        let mut keys: Vec<u64> = values.iter().enumerate().map(key).collect();
+        });
+        let mut keys: Vec<u64> = keys.collect();
         keys.sort_unstable();
         keys.into_iter().map(|key| key as u32).collect()
     }

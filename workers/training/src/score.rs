@@ -1,4 +1,4 @@
-//! The held-out score: the losses on new scenes, with the result as the network delivers it.
+//! The held-out score: the losses of the network's clamped output on new scenes.
 
 use std::ops::Range;
 
@@ -8,30 +8,30 @@ use rayon::prelude::*;
 use style::net::layer::{OUTPUT, Weights};
 use style::net::{Network, Scratch};
 
-use crate::content::{Content, Contents};
+use crate::content::{ContentPicture, ContentPictures};
 use crate::loss::pyramid::Pyramid;
 use crate::loss::{Losses, Ranges, losses};
 use crate::photo::Photo;
 use crate::tensor::Tensor;
 
-/// New scenes that are judged; they are the same for every training.
+/// New scenes, the same for every training.
 ///
-/// Over sixteen the color distance still moves by half with which scenes they are.
+/// With sixteen the color distance still varies by half with the choice of scenes.
 const SCENES: u64 = 64;
-/// Those that networks are compared on pixel by pixel.
+/// Scenes for comparing networks pixel by pixel.
 const SHOWN: u64 = 16;
 /// Side of a scene in pixels.
 const SIDE: usize = 160;
-/// How often patches are drawn.
+/// Number of patch draws.
 const DRAWS: u64 = 3;
 const SEED: u64 = 0x5c0e;
 
-/// How a network does on new scenes. Lower is better.
+/// Performance on new scenes. Lower is better.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Score {
     /// Texture, color and content; see [`Losses`].
     pub losses: Losses,
-    /// Root mean square of what the network does beyond its color map, of 255.
+    /// RMS difference between the network and its color map, of 255.
     pub branch: f64,
 }
 
@@ -41,10 +41,12 @@ pub fn new_scenes() -> Vec<Rgb<f32>> {
     crops(0..SHOWN).iter().map(|crop| crop.picture.to_rgb()).collect()
 }
 
-fn crops(scenes: Range<u64>) -> Vec<Content> {
-    let contents = Contents::new(SEED, "held-out content");
-    let crop = |index| contents.content(index).cropped((16, 16), SIDE, false);
-    scenes.into_par_iter().map(crop).collect()
+fn crops(scenes: Range<u64>) -> Vec<ContentPicture> {
+    let contents = ContentPictures::new(SEED, "held-out content");
+    scenes
+        .into_par_iter()
+        .map(|index| contents.content(index).cropped((16, 16), SIDE, false))
+        .collect()
 }
 
 /// Scores a network against photos.
@@ -53,7 +55,7 @@ pub fn score(weights: &Weights, photos: &[Photo]) -> Score {
     score_over(weights, photos, 0..SCENES, DRAWS)
 }
 
-/// The same over other new scenes, with patches drawn any number of times: how far a score moves with its scenes.
+/// The score over other scenes and any number of patch draws, to measure its variation.
 #[must_use]
 pub fn score_over(weights: &Weights, photos: &[Photo], scenes: Range<u64>, draws: u64) -> Score {
     let crops = crops(scenes);
@@ -61,11 +63,11 @@ pub fn score_over(weights: &Weights, photos: &[Photo], scenes: Range<u64>, draws
     let (weight, bias) = plain.layer_mut(OUTPUT);
     weight.fill(0.0);
     bias.fill(0.0);
-    let repainted = |weights: &Weights| -> Vec<Tensor<f32>> {
+    let [results, toned] = [weights, &plain].map(|weights| {
         let network = Network::new(weights);
-        crops.par_iter().map(|crop| repaint(&network, crop)).collect()
-    };
-    let (results, toned) = (repainted(weights), repainted(&plain));
+        let results: Vec<Tensor<f32>> = crops.par_iter().map(|crop| repaint(&network, crop)).collect();
+        results
+    });
     let pairs = results
         .iter()
         .zip(&toned)
@@ -94,7 +96,7 @@ pub fn score_over(weights: &Weights, photos: &[Photo], scenes: Range<u64>, draws
     }
 }
 
-fn repaint(network: &Network, crop: &Content) -> Tensor<f32> {
+fn repaint(network: &Network, crop: &ContentPicture) -> Tensor<f32> {
     let range = Plane::new(SIDE, SIDE, crop.range.data.clone()).expect("a range for each pixel");
     let picture = crop.picture.to_rgb();
     Tensor::from(&network.apply(&picture, Some(&range), &mut Scratch::default()))

@@ -7,7 +7,7 @@ use crate::real::Real;
 /// Samples `[channel][row][column]`.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Tensor<T> {
-    /// How many channels.
+    /// Number of channels.
     pub channels: usize,
     /// Rows of a channel.
     pub height: usize,
@@ -88,42 +88,42 @@ impl<T: Real> Tensor<T> {
         }
     }
 
-    /// A border of one sample around every channel, a copy of the edge.
+    /// Adds a border of one sample around every channel, a copy of the edge.
     #[must_use]
     pub fn padded(&self) -> Self {
         let (width, height) = (self.width, self.height);
         let mut out = Self::zeros(self.channels, height + 2, width + 2);
         for channel in 0..self.channels {
             for y in 0..height + 2 {
-                let from = self.row(channel, y.saturating_sub(1).min(height - 1));
-                let to = out.row_mut(channel, y);
-                to[1..=width].copy_from_slice(from);
-                (to[0], to[width + 1]) = (from[0], from[width - 1]);
+                let start = self.row(channel, y.saturating_sub(1).min(height - 1));
+                let end = out.row_mut(channel, y);
+                end[1..=width].copy_from_slice(start);
+                (end[0], end[width + 1]) = (start[0], start[width - 1]);
             }
         }
         out
     }
 
-    /// The gradient before [`Tensor::padded`] from that after it: what stands in the border goes to the edge.
+    /// The gradient before [`Tensor::padded`] from the one after it: border gradients are added to the edge.
     #[must_use]
     pub fn unpadded(&self) -> Self {
         let (width, height) = (self.width - 2, self.height - 2);
         let mut out = Self::zeros(self.channels, height, width);
         for channel in 0..self.channels {
             for y in 0..height + 2 {
-                let from = self.row(channel, y);
-                let to = out.row_mut(channel, y.saturating_sub(1).min(height - 1));
-                for (to, &from) in to.iter_mut().zip(&from[1..=width]) {
-                    *to += from;
+                let start = self.row(channel, y);
+                let end = out.row_mut(channel, y.saturating_sub(1).min(height - 1));
+                for (end, &start) in end.iter_mut().zip(&start[1..=width]) {
+                    *end += start;
                 }
-                to[0] += from[0];
-                to[width - 1] += from[width + 1];
+                end[0] += start[0];
+                end[width - 1] += start[width + 1];
             }
         }
         out
     }
 
-    /// With zeros in place of what is below.
+    /// Replaces negative samples by zero.
     #[must_use]
     pub fn relu(mut self) -> Self {
         for value in &mut self.data {
@@ -136,7 +136,7 @@ impl<T: Real> Tensor<T> {
         self
     }
 
-    /// The gradient before a ReLU from that after it, given what the ReLU made.
+    /// The gradient before a ReLU from the one after it and the ReLU's output.
     pub fn unrelu(&mut self, made: &Self) {
         for (gradient, &made) in self.data.iter_mut().zip(&made.data) {
             *gradient = if made > T::default() {
@@ -164,8 +164,10 @@ impl Tensor<f32> {
     /// Three channels as a picture.
     #[must_use]
     pub fn to_rgb(&self) -> Rgb<f32> {
-        let plane = |channel| Plane::new(self.width, self.height, self.plane(channel).to_vec());
-        let planes = [0, 1, 2].map(|channel| plane(channel).expect("a channel of this size"));
+        let planes = [0, 1, 2].map(|channel| {
+            let samples = self.plane(channel).to_vec();
+            Plane::new(self.width, self.height, samples).expect("a channel of this size")
+        });
         Rgb::new(planes).expect("three planes of one size")
     }
 }

@@ -1,39 +1,39 @@
-//! Training, step by step. The numbers depend on photos, seed and step count alone, not on how many threads work.
+//! Training, step by step. The result depends on photos, seed and step count only, not on the number of threads.
 
 use imaging::random::Stream;
 use rayon::prelude::*;
-use style::net::layer::{BLOCKS, COLOR, OUTPUT, PIXEL, RANGE_COLOR, RANGE_PIXEL, Weights};
+use style::net::layer::{BLOCKS, COLOR, Layer, OUTPUT, PIXEL, RANGE_COLOR, RANGE_PIXEL, Weights};
 
-use crate::content::{Content, Contents, SIDE};
+use crate::content::{ContentPicture, ContentPictures, SIDE};
 use crate::loss::pyramid::Pyramid;
 use crate::loss::{Losses, Ranges, losses};
 use crate::network::{backward, forward, ranged};
 use crate::optimizer::Adam;
 use crate::photo::Photo;
-use crate::transfer::{ColorStats, Transfer, ranged_transfer, transfer};
+use crate::transfer::{ColorStats, RangedTransfer, ranged_transfer, transfer};
 
-/// Pictures of a batch: many small ones, since the style's colors must be found over all of them together, and a batch
-/// of few is too far from the whole.
+/// Pictures of a batch: many small ones, since the style's colors are matched over all of them together, and a small
+/// batch is too far from the complete set.
 const BATCH: usize = 48;
 /// Side of a crop in pixels: at the coarsest level it is one patch.
 const CROP: usize = 56;
-/// Content pictures of each brightness; a step takes one of them.
+/// ContentPicture pictures per brightness class; a step uses one of them.
 const CHOICE: usize = 8;
-/// Content pictures of a training: many, since the color transfer that it starts from is only as good as they are like
-/// those that will come.
+/// ContentPicture pictures of a training: many, since the initial color transfer is only as good as their similarity to later
+/// frames.
 const POOL: usize = BATCH * CHOICE;
-/// Bias that the features of a pixel begin with.
+/// Initial bias of the pixel features.
 const PIXEL_BIAS: f32 = 0.25;
-/// Steps over which losses are averaged to tell the best weights.
+/// Steps over which losses are averaged to select the best weights.
 const WINDOW: usize = 50;
 
-/// A training under way.
+/// A training in progress.
 pub struct Trainer {
     style: Vec<Pyramid<f32>>,
-    /// Ranges of the style, as far as its veil tells them.
+    /// Ranges of the style, estimated from the veil.
     style_ranges: Vec<Pyramid<f32>>,
-    /// Content pictures from dark to bright.
-    pool: Vec<Content>,
+    /// ContentPicture pictures from dark to bright.
+    pool: Vec<ContentPicture>,
     stream: Stream,
     start: Weights,
     weights: Weights,
@@ -48,15 +48,15 @@ pub struct Trainer {
 pub struct Best {
     /// The weights.
     pub weights: Weights,
-    /// After how many steps.
+    /// The step of these weights.
     pub step: usize,
-    /// Mean losses of the steps that led to them.
+    /// Mean losses of the steps before it.
     pub losses: Losses,
 }
 
 impl Trainer {
-    /// Prepares to learn one water from one or more photos of it, by a network that takes a range or none: measures colors,
-    /// and starts from the closed-form color transfer.
+    /// Prepares to learn one water from one or more photos, by a network with or without a range: measures colors and
+    /// starts from the closed-form color transfer.
     ///
     /// # Panics
     /// Without a photo.
@@ -65,13 +65,13 @@ impl Trainer {
         assert!(!photos.is_empty(), "there is a photo to learn from");
         let style: Vec<_> = photos.iter().map(|photo| photo.pyramid.clone()).collect();
         let style_ranges: Vec<_> = photos.iter().map(|photo| photo.range.clone()).collect();
-        let contents = Contents::new(seed, "training content");
-        let mut pool: Vec<Content> = (0..POOL as u64)
+        let contents = ContentPictures::new(seed, "training content");
+        let mut pool: Vec<ContentPicture> = (0..POOL as u64)
             .into_par_iter()
             .map(|index| contents.content(index))
             .collect();
         let start = started(&pool, photos, takes_range);
-        // Floats that are not negative are ordered as their bits are.
+        // Non-negative floats have the order of their bits.
         pool.sort_by_cached_key(|content| {
             content
                 .picture
@@ -96,7 +96,7 @@ impl Trainer {
         }
     }
 
-    /// The color transfer alone, as a network.
+    /// The color transfer as a network.
     #[must_use]
     pub fn color_transfer(&self) -> &Weights {
         &self.start
@@ -114,19 +114,19 @@ impl Trainer {
         self.optimizer.done() >= self.steps
     }
 
-    /// One step, and the losses before it.
+    /// Performs one step and returns the losses before it.
     pub fn step(&mut self) -> Losses {
         let step = self.optimizer.done() as u64;
         let takes_range = self.weights.takes_range();
-        let crops: Vec<Content> = (0..BATCH)
+        let crops: Vec<ContentPicture> = (0..BATCH)
             .into_par_iter()
             .map(|place| self.crop(step, place))
             .collect();
-        let run = |crop: &Content| {
+        let traces = crops.par_iter().map(|crop| {
             let ranged = takes_range.then(|| ranged(&crop.picture, &crop.range));
             forward(&self.weights, &crop.picture, ranged.as_ref())
-        };
-        let traces: Vec<_> = crops.par_iter().map(run).collect();
+        });
+        let traces: Vec<_> = traces.collect();
         let results = traces.iter().map(|trace| trace.styled.clone()).collect();
         let pyramids = crops
             .into_par_iter()
@@ -142,7 +142,7 @@ impl Trainer {
             .zip(&gradients)
             .map(|(trace, gradient)| backward(&self.weights, trace, gradient))
             .collect();
-        // In the order of the pictures, whichever was ready first.
+        // In the order of the pictures, independent of thread timing.
         let mut gradient = Weights::zeros(takes_range);
         for part in &parts {
             for (sum, value) in gradient.values_mut().iter_mut().zip(part.values()) {
@@ -164,7 +164,7 @@ impl Trainer {
         })
     }
 
-    /// Keeps the weights at the end of each window of steps, if the window was the best.
+    /// Keeps the weights at the end of a window of steps if the window was the best.
     fn remember(&mut self, losses: Losses) {
         self.window.push(losses);
         if self.window.len() < WINDOW && !self.is_done() {
@@ -185,47 +185,50 @@ impl Trainer {
         }
     }
 
-    /// A crop of a picture of the brightness that belongs to a place of the batch. So each batch has about the colors of
-    /// all pictures, as if it were several times as large.
-    fn crop(&self, step: u64, place: usize) -> Content {
-        let draw = |purpose: u64| self.stream.unit(1 << 40 | step, place as u64 * 4 + purpose);
-        let content = &self.pool[place * CHOICE + (draw(3) * CHOICE as f64) as usize];
-        let offset = |purpose| (draw(purpose) * (SIDE - CROP + 1) as f64) as usize;
-        content.cropped((offset(0), offset(1)), CROP, draw(2) < 0.5)
+    /// A crop of a picture whose brightness class belongs to a position of the batch. Each batch therefore has about
+    /// the colors of all pictures, as if it were several times as large.
+    fn crop(&self, step: u64, place: usize) -> ContentPicture {
+        let [left, top, mirror, choice] =
+            [0, 1, 2, 3].map(|purpose| self.stream.unit(1 << 40 | step, place as u64 * 4 + purpose));
+        let content = &self.pool[place * CHOICE + (choice * CHOICE as f64) as usize];
+        let [left, top] = [left, top].map(|share| (share * (SIDE - CROP + 1) as f64) as usize);
+        content.cropped((left, top), CROP, mirror < 0.5)
     }
 }
 
-/// The color transfer, for either half of the range if the network takes one.
-fn started(pool: &[Content], photos: &[Photo], takes_range: bool) -> Weights {
+/// The color transfer, for either half of the range if the network has one.
+fn started(pool: &[ContentPicture], photos: &[Photo], takes_range: bool) -> Weights {
     let mut start = Weights::zeros(takes_range);
-    let mut put = |layer, values: &[f64], offsets: &[f64]| {
-        let (weight, bias) = start.layer_mut(layer);
-        let pairs = weight.iter_mut().chain(bias);
-        for (number, &value) in pairs.zip(values.iter().chain(offsets)) {
-            *number = value as f32;
-        }
-    };
     if takes_range {
         let contents = pool.iter().map(|content| (&content.picture, &content.range));
         let styles = photos
             .iter()
             .map(|photo| (&photo.pyramid.levels[0], &photo.range.levels[0]));
-        let Transfer { near, change } = ranged_transfer(contents, styles);
-        put(COLOR, near.0.as_flattened(), &near.1);
+        let RangedTransfer { near, change } = ranged_transfer(contents, styles);
+        set_layer(&mut start, COLOR, near.0.as_flattened(), &near.1);
         let change: Vec<f64> = (0..3)
             .flat_map(|row| change.0[row].into_iter().chain([change.1[row]]))
             .collect();
-        put(RANGE_COLOR, &change, &[]);
+        set_layer(&mut start, RANGE_COLOR, &change, &[]);
     } else {
         let content = ColorStats::measure(pool.iter().map(|content| &content.picture));
         let target = ColorStats::measure(photos.iter().map(|photo| &photo.pyramid.levels[0]));
         let (map, offset) = transfer(&content, &target);
-        put(COLOR, map.as_flattened(), &offset);
+        set_layer(&mut start, COLOR, map.as_flattened(), &offset);
     }
     start
 }
 
-/// Uniform in ±1/sqrt(fan-in), smaller at the ends of the residual branches, beside the color map of the start.
+/// Sets the weights of a layer, then its biases.
+fn set_layer(weights: &mut Weights, layer: Layer, values: &[f64], offsets: &[f64]) {
+    let (weight, bias) = weights.layer_mut(layer);
+    let numbers = weight.iter_mut().chain(bias);
+    for (number, &value) in numbers.zip(values.iter().chain(offsets)) {
+        *number = value as f32;
+    }
+}
+
+/// Uniform in ±1/sqrt(fan-in), smaller at the ends of the residual branches, with the initial color map.
 fn randomized(start: &Weights, stream: &Stream) -> Weights {
     let mut weights = start.clone();
     for (index, &layer) in start.layers().iter().enumerate() {
@@ -247,7 +250,7 @@ fn randomized(start: &Weights, stream: &Stream) -> Weights {
         for (at, bias) in bias.iter_mut().enumerate() {
             *bias = match layer {
                 OUTPUT => 0.0,
-                // Features begin alive: the context can push all of them below the ReLU for good.
+                // Features begin active: the context could push all of them below the ReLU permanently.
                 PIXEL => PIXEL_BIAS,
                 RANGE_PIXEL => 0.0,
                 _ => draw(1 << 20 | at) as f32,

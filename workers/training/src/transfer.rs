@@ -1,8 +1,10 @@
-//! The closed-form color transfer: the affine map that gives one set of colors the mean and covariance of another.
+//! The closed-form color transfer: the affine map from the mean and covariance of one set of colors to those of
+//! another.
 //!
-//! `y = A x + b`, `A = Cx^-1/2 (Cx^1/2 Cs Cx^1/2)^1/2 Cx^-1/2`, `b = ms - A mx`: the linear Monge-Kantorovich map between
-//! Gaussians (Pitié and Kokaram 2007, "The linear Monge-Kantorovitch linear color mapping for example-based color
-//! transfer"), for means m and covariances C of the content (x) and the style (s), each with 1e-5 on its diagonal.
+//! `y = A x + b`, `A = Cx^-1/2 (Cx^1/2 Cs Cx^1/2)^1/2 Cx^-1/2`, `b = ms - A mx`: the linear Monge-Kantorovich map
+//! between Gaussians (Pitié and Kokaram 2007, "The linear Monge-Kantorovitch linear color mapping for example-based
+//! color transfer"), for means m and covariances C of the content (x) and the style (s), each with 1e-5 on its
+//! diagonal.
 
 use crate::tensor::Tensor;
 
@@ -20,7 +22,7 @@ pub(crate) struct ColorStats {
 }
 
 impl ColorStats {
-    /// Of all pixels of the pictures.
+    /// Over all pixels of the pictures.
     pub(crate) fn measure<'a>(pictures: impl Iterator<Item = &'a Tensor<f32>>) -> Self {
         let (mut count, mut sums, mut products) = (0.0, [0.0; 3], [[0.0; 3]; 3]);
         for picture in pictures {
@@ -43,63 +45,62 @@ impl ColorStats {
         Self { mean, covariance }
     }
 
-    /// The greatest standard deviation of a channel.
+    /// The largest standard deviation of a channel.
     pub(crate) fn spread(&self) -> f64 {
-        let spread = |channel: usize| self.covariance[channel][channel].max(0.0).sqrt();
-        (0..3).map(spread).fold(0.0, f64::max)
+        (0..3)
+            .map(|channel| self.covariance[channel][channel].max(0.0).sqrt())
+            .fold(0.0, f64::max)
     }
 }
 
 /// The map from the colors of the content to those of the style: matrix and offset.
 pub(crate) fn transfer(content: &ColorStats, style: &ColorStats) -> (Matrix, [f64; 3]) {
-    let floored = |colors: &ColorStats| {
+    let [cx, cs] = [content, style].map(|colors| {
         let mut covariance = colors.covariance;
-        (0..3).for_each(|at| covariance[at][at] += FLOOR);
+        (0..3).for_each(|i| covariance[i][i] += FLOOR);
         covariance
-    };
-    let (cx, cs) = (floored(content), floored(style));
+    });
     let (root, inverse) = (power(&cx, 0.5), power(&cx, -0.5));
     let middle = power(&product(&product(&root, &cs), &root), 0.5);
     let map = product(&product(&inverse, &middle), &inverse);
     let offset = [0, 1, 2].map(|row| {
-        let mapped: f64 = (0..3).map(|at| map[row][at] * content.mean[at]).sum();
+        let mapped: f64 = (0..3).map(|i| map[row][i] * content.mean[i]).sum();
         style.mean[row] - mapped
     });
     (map, offset)
 }
 
 /// A map whose matrix and offset change with the range q: `near + q change`.
-pub(crate) struct Transfer {
+pub(crate) struct RangedTransfer {
     pub(crate) near: (Matrix, [f64; 3]),
     pub(crate) change: (Matrix, [f64; 3]),
 }
 
-/// The transfer between the nearer halves of two sets of pictures, and between the farther halves: linear in the range q of the
-/// content, through both at the means of q of the halves. The halves are of all pixels of a set, by its own order of range.
+/// The transfer between the near halves of two sets of pictures, and between the far halves: linear in the range q of
+/// the content, through both at the mean q of the halves. Halves are over all pixels of a set, in its order of range.
 pub(crate) fn ranged_transfer<'a>(
     contents: impl Iterator<Item = (&'a Tensor<f32>, &'a Tensor<f32>)>,
     styles: impl Iterator<Item = (&'a Tensor<f32>, &'a Tensor<f32>)>,
-) -> Transfer {
+) -> RangedTransfer {
     let (contents, styles) = (Halves::split(contents), Halves::split(styles));
     let maps = [0, 1].map(|half| transfer(&contents.colors[half], &styles.colors[half]));
     let [near, far] = contents.ranges;
-    // Where all pixels have one range, the nearer half stands for all.
-    let apart = if far > near { far - near } else { f64::INFINITY };
-    let slope = |one: f64, other: f64| (other - one) / apart;
-    let rows =
-        |of: &dyn Fn(usize, usize) -> f64| [0, 1, 2].map(|row| [0, 1, 2].map(|column| of(row, column)));
-    let matrix = rows(&|row, column| slope(maps[0].0[row][column], maps[1].0[row][column]));
-    let offset = [0, 1, 2].map(|row| slope(maps[0].1[row], maps[1].1[row]));
-    Transfer {
+    // If all pixels have the same range, the near half represents all.
+    let distance = if far > near { far - near } else { f64::INFINITY };
+    let [(near_matrix, near_offset), (far_matrix, far_offset)] = maps;
+    let rows = [0, 1, 2];
+    let matrix = rows.map(|i| rows.map(|j| (far_matrix[i][j] - near_matrix[i][j]) / distance));
+    let offset = rows.map(|i| (far_offset[i] - near_offset[i]) / distance);
+    RangedTransfer {
         near: (
-            rows(&|row, column| maps[0].0[row][column] - near * matrix[row][column]),
-            [0, 1, 2].map(|row| maps[0].1[row] - near * offset[row]),
+            rows.map(|i| rows.map(|j| near_matrix[i][j] - near * matrix[i][j])),
+            rows.map(|i| near_offset[i] - near * offset[i]),
         ),
         change: (matrix, offset),
     }
 }
 
-/// Colors and mean range of the nearer and of the farther half of the pixels of a set.
+/// Colors and mean range of the near and of the far half of a set's pixels.
 struct Halves {
     colors: [ColorStats; 2],
     ranges: [f64; 2],
@@ -115,7 +116,7 @@ impl Halves {
         }
         pixels.sort_by(|one, other| one.0.total_cmp(&other.0));
         let (near, far) = pixels.split_at(pixels.len() / 2);
-        let half = |pixels: &[(f32, [f32; 3])]| {
+        let halves = [near, far].map(|pixels| {
             let mut colors = Tensor::zeros(3, 1, pixels.len());
             for channel in 0..3 {
                 for (out, (_, color)) in colors.plane_mut(channel).iter_mut().zip(pixels) {
@@ -127,8 +128,8 @@ impl Halves {
                 ColorStats::measure(std::iter::once(&colors)),
                 range / pixels.len().max(1) as f64,
             )
-        };
-        let ((near, near_range), (far, far_range)) = (half(near), half(far));
+        });
+        let [(near, near_range), (far, far_range)] = halves;
         Self {
             colors: [near, far],
             ranges: [near_range, far_range],
@@ -140,7 +141,7 @@ fn product(a: &Matrix, b: &Matrix) -> Matrix {
     [0, 1, 2].map(|row| [0, 1, 2].map(|column| (0..3).map(|at| a[row][at] * b[at][column]).sum()))
 }
 
-/// A power of a symmetric matrix without negative eigenvalues, by Jacobi rotations.
+/// A power of a symmetric positive semidefinite matrix, by Jacobi rotations.
 fn power(matrix: &Matrix, exponent: f64) -> Matrix {
     let (mut a, mut vectors) = (*matrix, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
     // A 3×3 matrix is diagonal to the last bit after five or six sweeps.
@@ -202,7 +203,7 @@ mod tests {
             let mean: f64 = (0..3).map(|at| map[row][at] * CONTENT.mean[at]).sum();
             assert!((mean + offset[row] - style.mean[row]).abs() < 1e-12);
             for column in 0..3 {
-                // The floor on both diagonals is all that is left.
+                // The remaining difference is the floor on both diagonals.
                 assert!((mapped[row][column] - style.covariance[row][column]).abs() < 5e-5);
             }
         }

@@ -1,4 +1,4 @@
-//! The hand-written gradients against finite differences, in f64. Differences in f32 are too coarse to judge by.
+//! Hand-written gradients against finite differences in f64; f32 differences are too coarse.
 
 #![allow(clippy::unwrap_used)]
 
@@ -11,7 +11,7 @@ use training::tensor::Tensor;
 
 /// Rounding of central differences of sums of order 1.
 const OF_NETWORK: f64 = 1e-4;
-/// The same, and patches that change places in their order within the step.
+/// The same, plus patches whose order changes within the step.
 const OF_LOSSES: f64 = 1e-3;
 const STEP: f64 = 1e-7;
 
@@ -86,7 +86,7 @@ fn the_losses_gradient_is_that_of_finite_differences() {
         contents: &near,
         style: &far,
     };
-    // Values below 0 and above 1, so that what lies outside counts as well.
+    // Values below 0 and above 1, to include the excess.
     let result = |seed| {
         let mut result = noise(seed, 3, 64, 72);
         result
@@ -110,11 +110,11 @@ fn the_losses_gradient_is_that_of_finite_differences() {
                 losses(&contents, moved, &style, ranges, &stream, 2).0.total()
             };
             let difference = (moved(STEP) - moved(-STEP)) / (2.0 * STEP);
-            let along = |(gradient, direction): (&Tensor<f64>, &Tensor<f64>)| {
+            let product = |(gradient, direction): (&Tensor<f64>, &Tensor<f64>)| {
                 let pairs = gradient.data.iter().zip(&direction.data);
                 pairs.map(|(a, b)| a * (b - 0.5)).sum::<f64>()
             };
-            let found: f64 = gradients.iter().zip(&directions).map(along).sum();
+            let found: f64 = gradients.iter().zip(&directions).map(product).sum();
             let error = (found - difference).abs() / difference.abs();
             assert!(error < OF_LOSSES, "direction {seed}: {found} is not {difference}");
         }

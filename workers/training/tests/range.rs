@@ -1,4 +1,4 @@
-//! A network that takes a range: near keeps its contrast, far loses it, and photos tell near from far by their veil.
+//! A network with a range keeps contrast near, loses it far away, and estimates range from the veil of photos.
 
 #![allow(clippy::unwrap_used)]
 
@@ -12,7 +12,7 @@ use style::Library;
 use style::net::onnx;
 use training::{Photo, contrast_kept};
 
-/// Least contrast that near keeps over that which far keeps.
+/// Minimum ratio of kept near contrast to kept far contrast.
 const LEAST_RATIO: f64 = 2.0;
 
 #[test]
@@ -21,12 +21,12 @@ fn near_keeps_twice_the_contrast_of_far_and_that_comes_from_the_range() {
     let weights = onnx::read(&library.get("atlantic-range").unwrap().onnx).unwrap();
     let kept = contrast_kept(&weights, Plane::clone);
     assert!(kept.near >= LEAST_RATIO * kept.far, "{kept:?}");
-    // All at one range: what the network makes of far and of near things is then no different.
+    // Same range everywhere: near and far parts must be treated equally.
     let even = contrast_kept(&weights, |range| {
         Plane::filled(range.width(), range.height(), 3.0)
     });
     assert!(even.near < 1.3 * even.far, "{even:?}");
-    // A network that takes no range.
+    // A network without a range.
     let blind = onnx::read(&library.get("atlantic").unwrap().onnx).unwrap();
     let kept = contrast_kept(&blind, Plane::clone);
     assert!(kept.near < LEAST_RATIO * kept.far, "{kept:?}");
@@ -59,8 +59,8 @@ fn photo(seed: u64) -> (Photo, Plane<f32>) {
     (photo, optics::attenuation::faded(&range, style::RANGE_SCALE_M))
 }
 
-/// Least rank correlation of the estimate with the range: 1 is its order, 0 is chance. Thin struts far apart are the
-/// hardest: the water around them counts as near as they are.
+/// Minimum rank correlation of the estimate with the range: 1 is perfect order, 0 is chance. Thin struts far apart are
+/// the hardest: the water around them counts as equally near.
 const LEAST_CORRELATION: f64 = 0.4;
 
 #[test]
@@ -72,7 +72,7 @@ fn the_veil_of_a_photo_tells_near_from_far() {
     }
 }
 
-/// The place of each value in their order; equal ones share the mean of theirs.
+/// The rank of each value; ties share the mean of their ranks.
 fn ranks(values: &[f32]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));

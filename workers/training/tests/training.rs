@@ -1,4 +1,4 @@
-//! What a training promises: it learns, and its numbers depend on photo, seed and steps alone.
+//! Guarantees of a training: it learns, and its result depends on photo, seed and steps only.
 
 #![allow(clippy::unwrap_used)]
 
@@ -13,8 +13,8 @@ use training::network::{forward, ranged};
 use training::tensor::Tensor;
 use training::{Photo, Trainer, score};
 
-/// The water of `models/photos/muddy.json`: a bright surface above a veil in which little of a scene is left, so that a transfer
-/// of colors alone has too much texture by far.
+/// The water of `models/photos/muddy.json`: a bright surface above a veil that hides most of the scene, so that a color
+/// transfer without texture leaves far too much texture.
 fn photo() -> Photo {
     let (width, height, focal_px) = (240, 180, 321.0);
     let lens = Intrinsics::centered(focal_px, width, height);
@@ -75,7 +75,8 @@ fn the_number_of_threads_changes_no_bit() {
     }
 }
 
-/// Least gain in texture over the color transfer after 60 steps; the `fathom train` of the job's photos gains .19 to .27.
+/// Minimum texture gain over the color transfer after 60 steps; `fathom train` with the job's photos reaches .19 to
+/// .27.
 const LEAST_GAIN: f64 = 0.15;
 
 #[test]

@@ -1,18 +1,18 @@
-//! The sky and the sun over a frame whose surfaces daylight lights.
+//! The sky and the sun of a frame with daylight on its surfaces.
 
 use std::f64::consts::TAU;
 
 use imaging::vector::DVec3;
 use optics::daylight::{CRITICAL_COSINE, Daylight};
 
-use crate::sea::{Sea, Sun, fresnel};
+use crate::sea::{Sea, SeaSun, fresnel};
 
-/// Steps of the integral of what an even sky sends through the surface: its error is 1e-6 of it.
+/// Steps of the integral of a uniform sky over the surface: relative error 1e-6.
 const STEPS: usize = 4096;
 
 impl Sea {
-    /// The sea over a frame: a flat surface, an even sky and a sun that together send the irradiance of this daylight to just below
-    /// the surface, in units where white is lit to a radiance of 1. None where the irradiance is beyond all numbers.
+    /// The sea of a frame: a flat surface, a uniform sky and a sun whose combined irradiance just below the surface is
+    /// that of this daylight, in units where white has a radiance of 1. `None` if the irradiance overflows.
     #[must_use]
     pub fn of_daylight(daylight: &Daylight) -> Option<Self> {
         let irradiance = daylight.at_surface();
@@ -26,7 +26,7 @@ impl Sea {
             up: DVec3::from(gaze.up).normalized(),
             depth_m: daylight.depth(),
             sky: irradiance.map(|light| (1.0 - share) * light / sky_irradiance()),
-            sun: sun.map(|sun| Sun {
+            sun: sun.map(|sun| SeaSun {
                 direction: DVec3::from(sun.toward(gaze)).normalized(),
                 irradiance: irradiance.map(|light| share * light / sun.rise),
             }),
@@ -34,17 +34,17 @@ impl Sea {
     }
 }
 
-/// Irradiance just below the surface under an even sky whose radiance in the water is 1 before the surface reflects a part of it:
-/// `2π ∫ (1 − R(μ)) μ dμ` over the cone in which the sky is seen.
+/// Irradiance just below the surface under a uniform sky whose radiance in the water is 1 before surface reflection:
+/// `2π ∫ (1 − R(μ)) μ dμ` over the cone of the visible sky.
 fn sky_irradiance() -> f64 {
-    // In μ = μ_c + (1 − μ_c) u², since R begins at the edge of the cone with the root of the distance.
+    // In μ = μ_c + (1 − μ_c) u², since R starts as a square root at the edge of the cone.
     let width = 1.0 - CRITICAL_COSINE;
-    let step = |k: usize| {
+    let steps = (0..STEPS).map(|k| {
         let u = (k as f64 + 0.5) / STEPS as f64;
         let cosine = CRITICAL_COSINE + width * u * u;
         (1.0 - fresnel(cosine)) * cosine * 2.0 * width * u
-    };
-    TAU * (0..STEPS).map(step).sum::<f64>() / STEPS as f64
+    });
+    TAU * steps.sum::<f64>() / STEPS as f64
 }
 
 #[cfg(test)]
@@ -54,7 +54,7 @@ mod tests {
 
     #[test]
     fn an_even_sky_loses_at_the_surface_what_walsh_gives() {
-        // Walsh 1926: the share of diffuse light that a flat surface of index n reflects.
+        // Walsh 1926: the reflectance of a flat surface of index n for diffuse light.
         let n = REFRACTIVE_INDEX;
         let (square, fourth) = (n * n, n.powi(4));
         let reflected = 0.5

@@ -1,12 +1,12 @@
-//! Random numbers of a path: each has an address of its own.
+//! Random numbers of a path, by address.
 
 use imaging::random::Stream;
 
-/// Pixels that have addresses.
+/// Number of addressable pixels.
 pub const MOST_PIXELS: u64 = 1 << 28;
-/// Paths of a pixel that have addresses.
+/// Number of addressable paths of a pixel.
 pub const MOST_PATHS: u64 = 1 << 20;
-/// Numbers of a path that have addresses.
+/// Number of addressable numbers of a path.
 const MOST_NUMBERS: u64 = 1 << 12;
 
 /// The stream of the truth of a seed.
@@ -15,10 +15,10 @@ pub fn stream(seed: u64) -> Stream {
     Stream::stage(seed, "truth")
 }
 
-/// Which path of a frame.
+/// Address of a path in a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Address {
-    /// The frame.
+    /// Frame number.
     pub frame: u64,
     /// Number of the pixel, below [`MOST_PIXELS`].
     pub pixel: u64,
@@ -28,15 +28,15 @@ pub struct Address {
     pub channel: u64,
 }
 
-/// The numbers of one path, in the order in which it draws them.
-pub(crate) struct Dice {
+/// The numbers of one path, in the order of its draws.
+pub(crate) struct PathDice {
     stream: Stream,
     frame: u64,
     first: u64,
     drawn: u64,
 }
 
-impl Dice {
+impl PathDice {
     pub(crate) fn new(stream: Stream, address: Address) -> Self {
         debug_assert!(address.pixel < MOST_PIXELS && address.sample < MOST_PATHS);
         let path = (address.pixel * MOST_PATHS + address.sample) * 4 + address.channel;
@@ -59,7 +59,7 @@ impl Dice {
         [self.next(), self.next()]
     }
 
-    /// Whether a path has drawn more numbers than have addresses.
+    /// Whether the path has used up its addresses.
     pub(crate) fn is_exhausted(&self) -> bool {
         self.drawn > MOST_NUMBERS
     }

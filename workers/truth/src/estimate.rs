@@ -1,4 +1,4 @@
-//! What many paths say: means, their standard errors, and when they are known well enough.
+//! Statistics over paths: means and their standard errors.
 
 use std::ops::Range;
 
@@ -7,10 +7,10 @@ use imaging::random::Stream;
 use serde::Serialize;
 
 use crate::dice::Address;
-use crate::scene::{Along, Scene};
-use crate::walk::{ORDERS, Tally};
+use crate::scene::{Along, TracedScene};
+use crate::walk::{ORDERS, PathTally};
 
-/// Equal batches of the paths of a pixel, from whose scatter the error follows.
+/// Equal batches of the paths of a pixel; the error follows from their scatter.
 pub const BATCHES: usize = 16;
 
 /// A mean and its standard error.
@@ -22,18 +22,18 @@ pub struct Level {
     pub error: f64,
 }
 
-/// Which light: by how often the water scattered it.
+/// Light by the number of scattering events.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Part {
-    /// Never.
+pub enum LightPart {
+    /// None.
     Unscattered,
-    /// Once or more often.
+    /// One or more.
     Scattered,
-    /// All.
+    /// Any.
     All,
 }
 
-impl Part {
+impl LightPart {
     fn orders(self) -> Range<usize> {
         match self {
             Self::Unscattered => 0..1,
@@ -43,24 +43,24 @@ impl Part {
     }
 }
 
-/// The paths of a pixel, summed by channel, order and batch.
+/// Sums over the paths of a pixel by channel, order and batch.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Pixel {
+pub struct PixelSums {
     sums: [[[f64; BATCHES]; ORDERS]; 3],
-    /// Paths that a limit ended.
+    /// Paths ended by a limit.
     pub cut: u64,
 }
 
-impl Pixel {
+impl PixelSums {
     pub(crate) const NOTHING: Self = Self {
         sums: [[[0.0; BATCHES]; ORDERS]; 3],
         cut: 0,
     };
 
-    /// Traces some of the paths of a pixel. `shared` takes all channels on one path.
+    /// Traces some of the paths of a pixel. With `shared`, one path serves all channels.
     #[must_use]
     pub fn trace(
-        scene: &Scene<'_>,
+        scene: &TracedScene<'_>,
         along: Along,
         stream: Stream,
         at: Address,
@@ -89,7 +89,7 @@ impl Pixel {
         pixel
     }
 
-    pub(crate) fn add<const N: usize>(&mut self, channels: [usize; N], sample: u64, tally: Tally<N>) {
+    pub(crate) fn add<const N: usize>(&mut self, channels: [usize; N], sample: u64, tally: PathTally<N>) {
         let batch = (sample % BATCHES as u64) as usize;
         for (i, channel) in channels.into_iter().enumerate() {
             for (order, light) in tally.orders.iter().enumerate() {
@@ -111,7 +111,7 @@ impl Pixel {
     }
 
     /// Mean and error of a channel after this many paths.
-    fn level(&self, paths: u64, channel: usize, part: Part) -> Level {
+    fn level(&self, paths: u64, channel: usize, part: LightPart) -> Level {
         let share = BATCHES as f64 / paths as f64;
         let batches: [f64; BATCHES] = std::array::from_fn(|k| {
             share
@@ -135,18 +135,18 @@ pub(crate) fn level(batches: &[f64]) -> Level {
     }
 }
 
-/// A frame cut into squares, those at its right and lower edge smaller.
+/// A frame divided into squares; those at its right and lower edge are smaller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Blocks {
+pub struct PixelBlocks {
     /// Columns and rows of the frame.
     pub size: (usize, usize),
     /// Pixels on a side of a square.
     pub side: usize,
 }
 
-impl Blocks {
-    /// The pixels of each square, by their numbers row by row.
-    pub fn each(self) -> impl Iterator<Item = Vec<usize>> {
+impl PixelBlocks {
+    /// The pixels of each square by row-major number.
+    pub fn pixels(self) -> impl Iterator<Item = Vec<usize>> {
         let (width, height) = self.size;
         let corners = (0..height).step_by(self.side);
         let corners = corners.flat_map(move |y| (0..width).step_by(self.side).map(move |x| (x, y)));
@@ -166,28 +166,28 @@ pub struct Estimate {
     pub size: (usize, usize),
     /// Paths of each pixel.
     pub paths: u64,
-    pub(crate) pixels: Vec<Pixel>,
+    pub(crate) pixels: Vec<PixelSums>,
 }
 
-/// How the errors of blocks spread.
+/// Distribution of the errors of blocks.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Spread {
-    /// Half of the blocks are known better.
+pub struct ErrorSpread {
+    /// Median.
     pub median: f64,
-    /// All but one in twenty are known better.
+    /// 95th percentile.
     pub percentile_95: f64,
 }
 
 impl Estimate {
     /// Mean and error of a pixel.
     #[must_use]
-    pub fn pixel(&self, pixel: usize, channel: usize, part: Part) -> Level {
+    pub fn pixel(&self, pixel: usize, channel: usize, part: LightPart) -> Level {
         self.pixels[pixel].level(self.paths, channel, part)
     }
 
-    /// Mean and error over some pixels, which are independent of each other.
+    /// Mean and error over several independent pixels.
     #[must_use]
-    pub fn mean(&self, pixels: &[usize], channel: usize, part: Part) -> Level {
+    pub fn mean(&self, pixels: &[usize], channel: usize, part: LightPart) -> Level {
         let n = pixels.len() as f64;
         let levels = pixels.iter().map(|&pixel| self.pixel(pixel, channel, part));
         let (mean, square) = levels.fold((0.0, 0.0), |(mean, square), level| {
@@ -201,31 +201,32 @@ impl Estimate {
 
     /// Mean and error of the frame.
     #[must_use]
-    pub fn whole(&self, channel: usize, part: Part) -> Level {
+    pub fn whole(&self, channel: usize, part: LightPart) -> Level {
         let all: Vec<usize> = (0..self.pixels.len()).collect();
         self.mean(&all, channel, part)
     }
 
     /// The errors of blocks.
     #[must_use]
-    pub fn spread(&self, side: usize, channel: usize) -> Spread {
-        let blocks = Blocks {
+    pub fn spread(&self, side: usize, channel: usize) -> ErrorSpread {
+        let blocks = PixelBlocks {
             size: self.size,
             side,
         };
         let mut errors: Vec<f64> = blocks
-            .each()
-            .map(|pixels| self.mean(&pixels, channel, Part::All).error)
+            .pixels()
+            .map(|pixels| self.mean(&pixels, channel, LightPart::All).error)
             .collect();
         errors.sort_by(f64::total_cmp);
-        let at = |share: f64| errors[((errors.len() - 1) as f64 * share).round() as usize];
-        Spread {
-            median: at(0.5),
-            percentile_95: at(0.95),
+        let [median, percentile_95] =
+            [0.5, 0.95].map(|share| errors[((errors.len() - 1) as f64 * share).round() as usize]);
+        ErrorSpread {
+            median,
+            percentile_95,
         }
     }
 
-    /// Paths that a limit ended.
+    /// Paths ended by a limit.
     #[must_use]
     pub fn cut(&self) -> u64 {
         self.pixels.iter().map(|pixel| pixel.cut).sum()
@@ -238,13 +239,13 @@ mod tests {
 
     #[test]
     fn blocks_hold_every_pixel_once() {
-        let blocks = Blocks {
+        let blocks = PixelBlocks {
             size: (5, 3),
             side: 2,
         };
-        let mut all: Vec<usize> = blocks.each().flatten().collect();
+        let mut all: Vec<usize> = blocks.pixels().flatten().collect();
         all.sort_unstable();
         assert_eq!(all, (0..15).collect::<Vec<_>>());
-        assert_eq!(blocks.each().next(), Some(vec![0, 1, 5, 6]));
+        assert_eq!(blocks.pixels().next(), Some(vec![0, 1, 5, 6]));
     }
 }

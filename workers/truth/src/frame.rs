@@ -1,4 +1,4 @@
-//! The truth of a frame of a job: what its description and its scene say, as light meets it.
+//! Builds the Monte Carlo scene of a job's frame.
 
 use std::ops::Range;
 
@@ -13,15 +13,15 @@ use optics::water::Water;
 use spec::Frame;
 
 use crate::dice::Address;
-use crate::estimate::Pixel;
-use crate::lamp::Lamp;
+use crate::estimate::PixelSums;
+use crate::lamp::SphereLamp;
 use crate::phase::Phase;
-use crate::scene::{Along, Scene};
+use crate::scene::{Along, TracedScene};
 use crate::sea::Sea;
-use crate::surface::{Picture, Surfaces};
-use crate::water::{Coefficients, Murk};
+use crate::surface::{PictureSurfaces, SurfaceMaterials};
+use crate::water::{TurbidityField, WaterCoefficients};
 
-/// Why a frame has no truth.
+/// A frame without a truth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum NoTruth {
     /// Without absorption and scattering there is no transfer.
@@ -29,20 +29,20 @@ pub enum NoTruth {
         "water.optics: the scattering of the water is not known, give absorption_per_m and scattering_per_m"
     )]
     NoScattering,
-    /// More light scattered than lost.
+    /// The scattering exceeds the attenuation.
     #[error("water.optics: scattering exceeds beam attenuation")]
     MoreScatteredThanLost,
     /// Clouds of sediment are not traced.
     #[error("water.sediment: clouds are not traced")]
     Clouds,
-    /// The irradiance at the surface is no number.
+    /// The irradiance at the surface overflows.
     #[error(
         "water.depth_m: so little daylight is left that the irradiance at the surface is beyond all numbers"
     )]
     TooDeep,
 }
 
-/// A frame to be traced.
+/// Input of a traced frame.
 #[derive(Debug, Clone, Copy)]
 pub struct Subject<'a> {
     /// Its description.
@@ -57,10 +57,11 @@ pub struct Subject<'a> {
     pub ground: Option<[f64; 3]>,
 }
 
-impl<'a> Scene<'a> {
-    /// The scene of a frame: its picture in air sends out its radiance and, where there are lamps, sends their light back by as much,
-    /// at most all of it. A scene of reflectance that daylight lights lies below a flat sea under an even sky and its sun, whose light
-    /// in the water is traced, too; elsewhere daylight's veil is not in it, and snow, style, haze and camera never are.
+impl<'a> TracedScene<'a> {
+    /// The scene of a frame. Its picture in air emits its radiance and, with lamps, reflects their light by the same
+    /// factor, limited to one. A scene of reflectance under daylight is below a flat sea with a uniform sky and its sun;
+    /// their light in the water is traced, too. Otherwise daylight's veil is not included. Snow, style, haze and camera
+    /// are never included.
     ///
     /// # Errors
     /// [`NoTruth`].
@@ -76,7 +77,7 @@ impl<'a> Scene<'a> {
         let sea = sea(setting)?;
         let water = setting.water.as_ref().map_or(Ok([NOTHING; 3]), coefficients)?;
         let lamps = if setting.lighting.is_some() {
-            Lamp::among(&subject.frame.lights)
+            SphereLamp::among(&subject.frame.lights)
         } else {
             Vec::new()
         };
@@ -84,7 +85,7 @@ impl<'a> Scene<'a> {
             .patches
             .as_ref()
             .map(|field| field.seen_from(&setting.eye));
-        let mut picture = Picture::new(
+        let mut picture = PictureSurfaces::new(
             subject.radiance,
             subject.range,
             setting.eye.camera,
@@ -94,17 +95,19 @@ impl<'a> Scene<'a> {
         picture.ground = subject.ground.filter(|_| sea.is_some());
         Ok(Self {
             rays,
-            surfaces: Surfaces::Picture(picture),
+            surfaces: SurfaceMaterials::Picture(picture),
             lamps,
             sea,
             water,
             phase,
-            murk: patches.map_or(Murk::Even, |field| Murk::Patches(Box::new(field))),
+            turbidity: patches.map_or(TurbidityField::Even, |field| {
+                TurbidityField::Patches(Box::new(field))
+            }),
         })
     }
 }
 
-/// The sea over surfaces that daylight lights; `None` where it does not. Its surface is calm: waves redistribute sunlight, but their
+/// The sea over surfaces with daylight; `None` without. Its surface is calm: waves redistribute sunlight, but their
 /// mean over the picture is that of a calm sea.
 fn sea(setting: &Setting) -> Result<Option<Sea>, NoTruth> {
     let Some(daylight) = setting.water.as_ref().and_then(Water::daylight) else {
@@ -116,43 +119,48 @@ fn sea(setting: &Setting) -> Result<Option<Sea>, NoTruth> {
     }
 }
 
-const NOTHING: Coefficients = Coefficients {
+const NOTHING: WaterCoefficients = WaterCoefficients {
     absorption: 0.0,
     scattering: 0.0,
 };
 
-fn coefficients(water: &Water) -> Result<[Coefficients; 3], NoTruth> {
+fn coefficients(water: &Water) -> Result<[WaterCoefficients; 3], NoTruth> {
     let scattering = water.scattering().ok_or(NoTruth::NoScattering)?;
     let attenuation = water.direct_attenuation();
     if (0..3).any(|i| scattering[i] > attenuation[i] * (1.0 + 1e-9)) {
         return Err(NoTruth::MoreScatteredThanLost);
     }
-    Ok([0, 1, 2].map(|i| Coefficients {
+    Ok([0, 1, 2].map(|i| WaterCoefficients {
         absorption: (attenuation[i] - scattering[i]).max(0.0),
         scattering: scattering[i],
     }))
 }
 
-/// The paths of a frame that are traced together.
+/// Parameters of the paths of a frame.
 #[derive(Debug, Clone, Copy)]
-pub struct Shutter {
+pub struct PathBatch {
     /// The camera.
     pub camera: Intrinsics,
     /// Columns of the frame.
     pub width: usize,
-    /// Number of the frame.
+    /// Frame number.
     pub frame: u64,
     /// Random numbers.
     pub stream: Stream,
-    /// Whether a path serves all channels.
+    /// Whether one path serves all channels.
     pub is_shared: bool,
 }
 
-impl Shutter {
+impl PathBatch {
     /// Traces samples of some pixels, in the order of their numbers.
     #[must_use]
-    pub fn trace(&self, scene: &Scene<'_>, pixels: Range<usize>, samples: &Range<u64>) -> Vec<Pixel> {
-        let pixel = |number: usize| {
+    pub fn trace(
+        &self,
+        scene: &TracedScene<'_>,
+        pixels: Range<usize>,
+        samples: &Range<u64>,
+    ) -> Vec<PixelSums> {
+        let traced = pixels.map(|number| {
             let ray = self
                 .camera
                 .ray((number % self.width) as f64, (number / self.width) as f64);
@@ -166,7 +174,7 @@ impl Shutter {
                 sample: 0,
                 channel: 0,
             };
-            Pixel::trace(
+            PixelSums::trace(
                 scene,
                 along,
                 self.stream,
@@ -174,7 +182,7 @@ impl Shutter {
                 samples.clone(),
                 self.is_shared,
             )
-        };
-        pixels.map(pixel).collect()
+        });
+        traced.collect()
     }
 }

@@ -1,54 +1,58 @@
-//! A lamp as the truth sees it: a small sphere.
+//! Lamps as small spheres.
 
 use imaging::vector::DVec3;
 use optics::lamp::LAMP_RADIUS_M;
 use spec::Light;
 
-/// A lamp: a sphere that shines in all directions or about an axis.
+/// A spherical lamp, isotropic or with a beam.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Lamp {
-    /// Where it is, camera axes, m.
+pub struct SphereLamp {
+    /// Position in camera axes, m.
     pub place: DVec3,
     /// Radiance times m² per steradian, of each channel.
     pub intensity: [f64; 3],
-    /// Unit axis and cosine of the angle at which no light is left; none: it shines in all directions.
+    /// Unit axis, and cosine of the angle where the intensity reaches 0; `None` for an isotropic lamp.
     pub beam: Option<(DVec3, f64)>,
-    /// Nothing is nearer than this, m.
+    /// Minimum distance of any surface, m.
     pub radius_m: f64,
-    /// Radius of the disc, across the way to it, whose places are looked for by turns: shadows have soft edges; 0: its middle.
+    /// Radius of the disc, perpendicular to the line of sight, whose points are sampled for soft shadows; 0: only its
+    /// center.
     pub disc_m: f64,
 }
 
-impl Lamp {
-    /// The lamps among the lights of a frame, whose numbers have been checked.
+impl SphereLamp {
+    /// The lamps among the validated lights of a frame.
     #[must_use]
     pub fn among(lights: &[Light]) -> Vec<Self> {
-        lights.iter().filter_map(Self::of).collect()
+        lights.iter().filter_map(Self::from_light).collect()
     }
 
-    fn of(light: &Light) -> Option<Self> {
-        let lamp = |place: [f64; 3], intensity, radius_m: f64| Self {
-            place: place.into(),
-            intensity,
-            beam: None,
-            radius_m: radius_m.max(LAMP_RADIUS_M),
-            disc_m: radius_m,
-        };
+    fn from_light(light: &Light) -> Option<Self> {
         match light {
             Light::Haze(_) => None,
-            Light::Point(point) => Some(lamp(point.position_m, point.intensity, point.radius_m)),
+            Light::Point(point) => Some(Self::isotropic(point.position_m, point.intensity, point.radius_m)),
             Light::Spot(spot) => {
                 let axis = DVec3::from(spot.direction).normalized();
                 let cosine = spot.cone_deg.to_radians().cos().max(0.0);
                 Some(Self {
                     beam: Some((axis, cosine)),
-                    ..lamp(spot.position_m, spot.intensity, spot.radius_m)
+                    ..Self::isotropic(spot.position_m, spot.intensity, spot.radius_m)
                 })
             }
         }
     }
 
-    /// Share of the intensity along a unit vector from the lamp: 1, or `clamp((cos − cos cone)/(1 − cos cone), 0, 1)`.
+    fn isotropic(place: [f64; 3], intensity: [f64; 3], radius_m: f64) -> Self {
+        Self {
+            place: place.into(),
+            intensity,
+            beam: None,
+            radius_m: radius_m.max(LAMP_RADIUS_M),
+            disc_m: radius_m,
+        }
+    }
+
+    /// Relative intensity along a unit vector from the lamp: 1, or `clamp((cos − cos cone)/(1 − cos cone), 0, 1)`.
     #[must_use]
     pub fn profile(&self, from_lamp: DVec3) -> f64 {
         self.beam.map_or(1.0, |(axis, cosine)| {

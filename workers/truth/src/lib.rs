@@ -1,13 +1,13 @@
-//! The truth: radiative transfer through water and surfaces by Monte Carlo, and how far the chain is from it.
+//! Monte Carlo reference: radiative transfer through water and surfaces, and the distance of the chain from it.
 //!
-//! Water has absorption a and scattering b in 1/m and one phase function; surfaces are Lambertian with a reflectance within 0..=1 and
-//! an emitted radiance; lamps are spheres of a small radius; above all may lie a flat sea surface with a sky and a sun. Polarization,
-//! inelastic scattering and waves are left out. Channels are independent of each other.
+//! Water has absorption a and scattering b in 1/m and one phase function; surfaces are Lambertian with a reflectance in
+//! 0..=1 and an emitted radiance; lamps are small spheres; an optional flat sea surface has a sky and a sun.
+//! Polarization, inelastic scattering and waves are not modeled. Channels are independent.
 //!
-//! [`Scene::trace`] follows light from the camera to its sources and needs nothing of the scene but [`imaging::rays::Rays`];
-//! [`lantern`] follows it from a lamp and shares nothing with the other but the phase function. Every random number has an
-//! address ([`Address`]), so no result depends on the number of threads. [`Estimate`] says how well a mean is known, and
-//! [`Comparison`] what that tells of a model.
+//! [`TracedScene::trace`] traces light from the camera to its sources and requires only [`imaging::rays::Rays`] of the scene;
+//! [`light_tracer`] traces it from a lamp and shares only the phase function with the former. Every random number has an
+//! address ([`Address`]), so no result depends on the number of threads. [`Estimate`] contains means with their errors,
+//! and [`Comparison`] the distance of a model.
 
 mod compare;
 mod converge;
@@ -16,9 +16,9 @@ mod dice;
 mod estimate;
 mod frame;
 mod lamp;
-pub mod lantern;
-mod law;
+pub mod light_tracer;
 mod phase;
+mod phase_model;
 mod report;
 mod scene;
 mod sea;
@@ -26,18 +26,18 @@ mod surface;
 mod walk;
 mod water;
 
-pub use compare::{Comparison, Difference, Measured};
-pub use converge::{Goal, Truth, converge};
+pub use compare::{BlockDifference, Comparison, MeasuredValue};
+pub use converge::{ConvergedTruth, Goal, converge};
 pub use dice::{Address, MOST_PATHS, MOST_PIXELS, stream};
-pub use estimate::{BATCHES, Blocks, Estimate, Level, Part, Pixel, Spread};
-pub use frame::{NoTruth, Shutter, Subject};
-pub use lamp::Lamp;
-pub use law::Law;
+pub use estimate::{BATCHES, ErrorSpread, Estimate, Level, LightPart, PixelBlocks, PixelSums};
+pub use frame::{NoTruth, PathBatch, Subject};
+pub use lamp::SphereLamp;
 pub use optics::Screen;
 pub use phase::Phase;
-pub use report::{Asked, ChainLight, Parts, Report};
-pub use scene::{Along, Scene};
-pub use sea::{REFRACTIVE_INDEX, Sea, Sun, fresnel};
-pub use surface::{Material, Picture, Surfaces};
-pub use walk::{MOST_SEGMENTS, ORDERS, Tally};
-pub use water::{Coefficients, Layers, Murk};
+pub use phase_model::PhaseModel;
+pub use report::{ChainLight, PartComparisons, ReportRequest, TruthReport};
+pub use scene::{Along, TracedScene};
+pub use sea::{REFRACTIVE_INDEX, Sea, SeaSun, fresnel};
+pub use surface::{Lambertian, PictureSurfaces, SurfaceMaterials};
+pub use walk::{MOST_SEGMENTS, ORDERS, PathTally};
+pub use water::{TurbidityField, WaterCoefficients, WaterLayers};

@@ -1,39 +1,39 @@
-//! The phase function as a table of bins, so that drawing and evaluating agree exactly.
+//! The phase function as a table of bins, so that sampling and evaluation agree exactly.
 
 use std::f64::consts::PI;
 
 use imaging::vector::{DVec3, vec3};
 use optics::lamp::FournierForand;
 
-/// Bins in the scattering angle, spaced evenly in its logarithm.
+/// Bins in the scattering angle, evenly spaced in its logarithm.
 const BINS: usize = 1024;
 /// Upper edge of the first bin, rad.
 const FIRST: f64 = 1e-4;
-/// The steepest Henyey–Greenstein function that the bins resolve.
+/// The steepest Henyey–Greenstein function resolved by the bins.
 const STEEPEST: f64 = 0.98;
 
-/// How water scatters: constant within each of 1024 bins of the scattering angle, normalized over the sphere.
+/// Phase function, constant within each of 1024 bins of the scattering angle, normalized over the sphere.
 ///
-/// Angles are given as `1 − cos`, since the cosine itself loses the digits of small ones.
+/// Angles are `1 − cos`, since the cosine loses the digits of small ones.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Phase {
     /// 1 − cos at the edges, from 0 to 2.
     edges: Vec<f64>,
-    /// Share of the light that is scattered within each edge, from 0 to 1.
+    /// Cumulative share of the scattered light at each edge, from 0 to 1.
     shares: Vec<f64>,
-    /// 1/sr in each bin.
+    /// Density of each bin, 1/sr.
     densities: Vec<f64>,
 }
 
 impl Phase {
-    /// Henyey and Greenstein 1941, asymmetry g within −0.98..=0.98 (what is beyond is taken as the limit).
+    /// Henyey and Greenstein 1941, asymmetry g clamped to −0.98..=0.98.
     #[must_use]
     pub fn henyey_greenstein(g: f64) -> Self {
         let g = g.clamp(-STEEPEST, STEEPEST);
         Self::from_shares(|v| henyey_greenstein_within(g, v))
     }
 
-    /// Fournier and Forand, in the form of Fournier and Jonasz 1999.
+    /// Fournier and Forand, as formulated by Fournier and Jonasz 1999.
     #[must_use]
     pub fn fournier_forand(law: FournierForand) -> Self {
         Self::from_shares(|v| law.within(v))
@@ -50,25 +50,29 @@ impl Phase {
         })
     }
 
-    /// The table of a law: the share of light scattered within an angle, given as 1 − cos, up to a factor.
+    /// Tabulates a function for the share of light scattered within an angle, given as 1 − cos, up to a factor.
     fn from_shares(within: impl Fn(f64) -> f64) -> Self {
-        let angle = |k: usize| match k {
-            0 => 0.0,
-            k => FIRST * (PI / FIRST).powf((k - 1) as f64 / (BINS - 1) as f64),
-        };
-        let half_sine = |angle: f64| (0.5 * angle).sin();
-        let mut edges: Vec<f64> = (0..=BINS).map(|k| 2.0 * half_sine(angle(k)).powi(2)).collect();
+        let angles: Vec<f64> = (0..=BINS)
+            .map(|k| match k {
+                0 => 0.0,
+                k => FIRST * (PI / FIRST).powf((k - 1) as f64 / (BINS - 1) as f64),
+            })
+            .collect();
+        let mut edges: Vec<f64> = angles
+            .iter()
+            .map(|angle| 2.0 * (0.5 * angle).sin().powi(2))
+            .collect();
         edges[BINS] = 2.0;
         let whole = within(2.0);
         let mut shares: Vec<f64> = edges.iter().map(|&v| within(v) / whole).collect();
         (shares[0], shares[BINS]) = (0.0, 1.0);
-        let density = |k: usize| {
-            let (low, high) = (angle(k), angle(k + 1));
+        let densities = (0..BINS).map(|k| {
+            let (low, high) = (angles[k], angles[k + 1]);
             let width = 4.0 * PI * (0.5 * (low + high)).sin() * (0.5 * (high - low)).sin();
             (shares[k + 1] - shares[k]).max(0.0) / width
-        };
+        });
         Self {
-            densities: (0..BINS).map(density).collect(),
+            densities: densities.collect(),
             edges,
             shares,
         }
@@ -80,7 +84,7 @@ impl Phase {
         self.densities[bin(&self.edges, versine)]
     }
 
-    /// The share of the light that is scattered within an angle of `1 − cos`.
+    /// The share of the light scattered within an angle of `1 − cos`.
     #[must_use]
     pub fn share_within(&self, versine: f64) -> f64 {
         let k = bin(&self.edges, versine);
@@ -88,8 +92,8 @@ impl Phase {
         self.shares[k] + part.clamp(0.0, 1.0) * (self.shares[k + 1] - self.shares[k])
     }
 
-    /// p toward a source that is no point: within the cone of half angle `1 − cos = cone` about it the mean over the cone, else
-    /// p itself. Without it the forward peak has no bounded variance.
+    /// p toward an extended source: inside the cone of half angle `1 − cos = cone` the mean over the cone, otherwise p.
+    /// Without it the forward peak has unbounded variance.
     #[must_use]
     pub fn density_toward(&self, versine: f64, cone: f64) -> f64 {
         if versine < cone {
@@ -107,13 +111,13 @@ impl Phase {
         self.edges[k] + part * (self.edges[k + 1] - self.edges[k])
     }
 
-    /// A random direction about a unit vector, from two random numbers.
+    /// A random direction around a unit vector, from two random numbers.
     #[must_use]
     pub(crate) fn turn(&self, axis: DVec3, [angle, azimuth]: [f64; 2]) -> DVec3 {
-        about(axis, self.draw(angle), azimuth)
+        tilt(axis, self.draw(angle), azimuth)
     }
 
-    /// b_b/b: the share of the light that is scattered backward.
+    /// b_b/b: the share of the light scattered backward.
     #[must_use]
     pub fn backscatter_fraction(&self) -> f64 {
         1.0 - self.share_within(1.0)
@@ -128,7 +132,7 @@ impl Phase {
     }
 }
 
-/// The bin of rising edges that a value lies in.
+/// The bin of a value between ascending edges.
 fn bin(edges: &[f64], value: f64) -> usize {
     edges.partition_point(|&edge| edge <= value).clamp(1, BINS) - 1
 }
@@ -140,7 +144,7 @@ fn henyey_greenstein_within(g: f64, v: f64) -> f64 {
 }
 
 /// The unit vector at an angle of `1 − cos` from a unit vector, at an azimuth in turns (frame: Duff et al. 2017).
-pub(crate) fn about(axis: DVec3, versine: f64, turns: f64) -> DVec3 {
+pub(crate) fn tilt(axis: DVec3, versine: f64, turns: f64) -> DVec3 {
     let sine = (versine * (2.0 - versine)).max(0.0).sqrt();
     let (sin, cos) = (2.0 * PI * turns).sin_cos();
     let sign = if axis.z >= 0.0 { 1.0 } else { -1.0 };
@@ -152,7 +156,7 @@ pub(crate) fn about(axis: DVec3, versine: f64, turns: f64) -> DVec3 {
     turned.normalized()
 }
 
-/// `1 − cos` of the angle between two unit vectors, which keeps the digits of small ones.
+/// `1 − cos` of the angle between two unit vectors, accurate for small angles.
 pub(crate) fn versine(a: DVec3, b: DVec3) -> f64 {
     let apart = a + -b;
     0.5 * apart.dot(apart)
@@ -242,7 +246,7 @@ mod tests {
     fn turned_directions_keep_their_angle_and_length() {
         for axis in [vec3(0.0, 0.0, 1.0), vec3(0.0, 0.0, -1.0), vec3(0.6, -0.8, 0.0)] {
             for v in [1e-9, 0.3, 1.999] {
-                let turned = about(axis, v, 0.3);
+                let turned = tilt(axis, v, 0.3);
                 assert!((turned.length() - 1.0).abs() < 1e-14);
                 assert!((versine(axis, turned) / v - 1.0).abs() < 1e-6, "{v}");
             }

@@ -1,85 +1,90 @@
-//! A frame's truth beside the chain's light, as a report.
+//! TruthReport on a frame's truth and the chain's distance from it.
 
 use imaging::{Plane, Rgb};
 use serde::Serialize;
 
 use crate::compare::Comparison;
-use crate::converge::{Goal, Truth};
-use crate::estimate::{Level, Part, Spread};
-use crate::law::Law;
+use crate::converge::{ConvergedTruth, Goal};
+use crate::estimate::{ErrorSpread, Level, LightPart};
+use crate::phase_model::PhaseModel;
 
 /// The chain's light of a frame, linear.
 #[derive(Debug, Clone, Copy)]
 pub struct ChainLight<'a> {
-    /// Light that arrives unscattered.
+    /// Unscattered light.
     pub direct: &'a Rgb<f32>,
-    /// Light that arrives scattered: of surfaces, of lamps and, where it is traced, of daylight.
+    /// Scattered light: of surfaces, of lamps and, if traced, of daylight.
     pub scattered: &'a Rgb<f32>,
 }
 
-/// What was asked for, and what ended it.
+/// Parameters of the run, and its end.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Asked {
-    /// How well the frame had to be known.
+pub struct ReportRequest {
+    /// Required accuracy.
     pub goal: Goal,
-    /// How its water scatters.
-    pub law: Law,
-    /// Where surfaces come from: `scene` or `screen`.
+    /// Phase function.
+    pub law: PhaseModel,
+    /// Source of the surfaces: `scene` or `screen`.
     pub rays: &'static str,
-    /// Whether daylight was traced, which the chain's scattered light then has to hold as well.
+    /// Whether daylight was traced; the chain's scattered light must then include it.
     pub has_sea: bool,
-    /// What ended it short of the target.
+    /// Limit that ended it short of the target.
     pub limit: &'static str,
 }
 
-/// What was traced, how well it is known, and how far the chain is from it.
+/// Parameters, accuracy and the chain's distance from the truth.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Report {
+pub struct TruthReport {
     /// Paths of each pixel and channel.
     pub paths: u64,
-    /// Whether the target was met before the paths ran out.
+    /// Whether the target was reached before the limit on paths.
     pub converged: bool,
-    /// What ended it: `target`, or the limit that came first.
+    /// `target`, or the first limit reached.
     pub ended_by: &'static str,
-    /// How the water scatters.
-    pub phase: Law,
-    /// Target for the error of the median block, as a share of the mean.
+    /// Phase function.
+    pub phase: PhaseModel,
+    /// Target for the error of the median block, relative to the mean.
     pub target: f64,
     /// Pixels on a side of a block.
     pub block: usize,
-    /// Paths that a limit ended; their light is too little.
+    /// Paths ended by a limit; their light is underestimated.
     pub cut: u64,
-    /// Channels, red, green, blue, whose error falls slower than with the root of the paths: their light is still too little.
+    /// Channels, red, green, blue, whose error falls slower than the root of the paths: their light is underestimated.
     pub heavy_tail: [bool; 3],
     /// Mean of the frame and its error, red, green, blue.
     pub mean: [Level; 3],
     /// Errors of the blocks.
-    pub block_error: [Spread; 3],
-    /// The chain held against it, by how often the water scattered the light.
-    pub chain: Parts,
-    /// Where the truth has its surfaces from.
+    pub block_error: [ErrorSpread; 3],
+    /// Comparison with the chain by the number of scattering events.
+    pub chain: PartComparisons,
+    /// Source of the surfaces.
     pub rays: &'static str,
-    /// What neither holds.
+    /// Effects missing from both.
     pub left_out: Vec<&'static str>,
 }
 
 /// Comparisons of parts of the light.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Parts {
-    /// Never scattered: the chain's direct light.
+pub struct PartComparisons {
+    /// Unscattered: the chain's direct light.
     pub unscattered: Comparison,
-    /// Scattered: the chain's forward scatter and glow.
+    /// Scattered: the chain's forward scatter and airlight.
     pub scattered: Comparison,
-    /// All of it.
+    /// All light.
     pub all: Comparison,
 }
 
 const LEFT_OUT: [&str; 4] = ["snow", "style", "haze", "camera"];
 
-impl Report {
-    /// Holds the chain's light against the truth of the same frame.
+impl TruthReport {
+    /// Compares the chain's light with the truth of the same frame.
     #[must_use]
-    pub fn new(truth: &Truth, asked: &Asked, chain: &ChainLight<'_>, range: Option<&Plane<f32>>) -> Self {
+    pub fn new(
+        truth: &ConvergedTruth,
+        asked: &ReportRequest,
+        chain: &ChainLight<'_>,
+        range: Option<&Plane<f32>>,
+    ) -> Self {
         let goal = &asked.goal;
         let missing = if asked.has_sea {
             "waves"
@@ -100,12 +105,12 @@ impl Report {
             block: goal.block,
             cut: estimate.cut(),
             heavy_tail: truth.is_slow,
-            mean: [0, 1, 2].map(|i| estimate.whole(i, Part::All)),
+            mean: [0, 1, 2].map(|i| estimate.whole(i, LightPart::All)),
             block_error: [0, 1, 2].map(|i| estimate.spread(goal.block, i)),
-            chain: Parts {
-                unscattered: compare(chain.direct, Part::Unscattered),
-                scattered: compare(chain.scattered, Part::Scattered),
-                all: compare(&all, Part::All),
+            chain: PartComparisons {
+                unscattered: compare(chain.direct, LightPart::Unscattered),
+                scattered: compare(chain.scattered, LightPart::Scattered),
+                all: compare(&all, LightPart::All),
             },
             rays: asked.rays,
             left_out: std::iter::once(missing).chain(LEFT_OUT).collect(),
@@ -113,19 +118,19 @@ impl Report {
     }
 }
 
-impl Truth {
+impl ConvergedTruth {
     /// Means of the pixels, and their standard errors.
     #[must_use]
     pub fn pictures(&self) -> [Rgb<f32>; 2] {
         let (width, height) = self.estimate.size;
-        let level = |x: usize, y: usize, i| self.estimate.pixel(y * width + x, i, Part::All);
         [
-            Rgb::from_fn(width, height, |x, y| {
-                [0, 1, 2].map(|i| level(x, y, i).mean as f32)
-            }),
-            Rgb::from_fn(width, height, |x, y| {
-                [0, 1, 2].map(|i| level(x, y, i).error as f32)
-            }),
+            |level: Level| level.mean as f32,
+            |level: Level| level.error as f32,
         ]
+        .map(|value| {
+            Rgb::from_fn(width, height, |x, y| {
+                [0, 1, 2].map(|i| value(self.estimate.pixel(y * width + x, i, LightPart::All)))
+            })
+        })
     }
 }

@@ -1,60 +1,60 @@
-//! A scene for the truth, and what lies at the end of a segment.
+//! Monte Carlo scene, and the ends of its segments.
 
 use imaging::rays::{Hit, Rays};
 use imaging::vector::DVec3;
 
-use crate::lamp::Lamp;
+use crate::lamp::SphereLamp;
 use crate::phase::Phase;
 use crate::sea::Sea;
-use crate::surface::{Material, Surfaces};
-use crate::water::{Coefficients, Murk};
+use crate::surface::{Lambertian, SurfaceMaterials};
+use crate::water::{TurbidityField, WaterCoefficients};
 
-/// All that light meets. Places are in the axes of the camera, which is at the origin.
-pub struct Scene<'a> {
-    /// Where surfaces are.
+/// A complete scene. Positions are in camera axes, the camera at the origin.
+pub struct TracedScene<'a> {
+    /// Geometry.
     pub rays: &'a (dyn Rays + Sync),
-    /// What they do to light.
-    pub surfaces: Surfaces<'a>,
+    /// Materials.
+    pub surfaces: SurfaceMaterials<'a>,
     /// The lamps.
-    pub lamps: Vec<Lamp>,
-    /// The sea surface; none in water without end.
+    pub lamps: Vec<SphereLamp>,
+    /// The sea surface; `None` in unbounded water.
     pub sea: Option<Sea>,
     /// The water of each channel.
-    pub water: [Coefficients; 3],
-    /// How it scatters.
+    pub water: [WaterCoefficients; 3],
+    /// Phase function.
     pub phase: Phase,
-    /// Where it is murkier.
-    pub murk: Murk,
+    /// Turbidity over space.
+    pub turbidity: TurbidityField,
 }
 
 /// A ray of the camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Along {
-    /// Where it begins.
+    /// Origin.
     pub origin: DVec3,
     /// Unit vector.
     pub direction: DVec3,
 }
 
-/// What a segment ends at.
-pub(crate) enum Met {
-    /// It goes on without end.
+/// Kind of a segment's end.
+pub(crate) enum SegmentEnd {
+    /// Unbounded.
     Nothing,
     /// A surface.
-    Surface { hit: Hit, material: Material },
+    Surface { hit: Hit, material: Lambertian },
     /// The sea surface, at a cosine from the vertical.
     Sea { cosine: f64 },
 }
 
 /// The end of a segment.
 pub(crate) struct End {
-    /// Along the segment, m; infinite where there is none.
+    /// Along the segment, m; infinite if unbounded.
     pub(crate) distance: f64,
-    pub(crate) met: Met,
+    pub(crate) met: SegmentEnd,
 }
 
-impl Scene<'_> {
-    /// What a segment ends at.
+impl TracedScene<'_> {
+    /// Finds the end of a segment.
     pub(crate) fn end(&self, along: Along, from: f64) -> End {
         let Along { origin, direction } = along;
         let sea = self.sea.as_ref().and_then(|sea| sea.distance(origin, direction));
@@ -63,27 +63,27 @@ impl Scene<'_> {
             let place = origin + direction * hit.distance;
             return End {
                 distance: hit.distance,
-                met: Met::Surface {
+                met: SegmentEnd::Surface {
                     hit,
-                    material: self.surfaces.at(&hit, place),
+                    material: self.surfaces.material(&hit, place),
                 },
             };
         }
         match (sea, &self.sea) {
             (Some(distance), Some(sea)) => End {
                 distance,
-                met: Met::Sea {
+                met: SegmentEnd::Sea {
                     cosine: sea.up.dot(direction).min(1.0),
                 },
             },
             _ => End {
                 distance: f64::INFINITY,
-                met: Met::Nothing,
+                met: SegmentEnd::Nothing,
             },
         }
     }
 
-    /// Whether anything stands between a place and one that is `distance` away.
+    /// Whether anything blocks the segment of this length.
     pub(crate) fn is_blocked(&self, origin: DVec3, direction: DVec3, from: f64, distance: f64) -> bool {
         self.rays
             .occluded(origin.into(), direction.into(), from, distance)

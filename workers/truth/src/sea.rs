@@ -12,38 +12,38 @@ pub struct Sea {
     pub up: DVec3,
     /// Depth of the camera below the surface, m.
     pub depth_m: f64,
-    /// Radiance of an even sky of each channel as it is in the water, `n² E₀/π` of the irradiance E₀ just above the surface, before
-    /// the surface reflects a part of it.
+    /// Radiance of a uniform sky per channel inside the water, `n² E₀/π` for the irradiance E₀ just above the surface,
+    /// before surface reflection.
     pub sky: [f64; 3],
-    /// The sun; none under an overcast sky.
-    pub sun: Option<Sun>,
+    /// The sun; `None` under an overcast sky.
+    pub sun: Option<SeaSun>,
 }
 
 /// Parallel light.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sun {
+pub struct SeaSun {
     /// Unit vector toward the sun in the water, camera axes.
     pub direction: DVec3,
-    /// Irradiance at right angles to it just under the surface, of each channel.
+    /// Irradiance perpendicular to it just below the surface, per channel.
     pub irradiance: [f64; 3],
 }
 
 impl Sea {
-    /// Depth of a place below the surface, at least 0, m.
+    /// Depth of a point below the surface, at least 0, m.
     #[must_use]
     pub fn depth(&self, place: DVec3) -> f64 {
         (self.depth_m - self.up.dot(place)).max(0.0)
     }
 
-    /// Distance along a unit vector to the surface; none downward.
+    /// Distance along a unit vector to the surface; `None` downward.
     pub(crate) fn distance(&self, origin: DVec3, direction: DVec3) -> Option<f64> {
         let rise = self.up.dot(direction);
         (rise > 0.0).then(|| self.depth(origin) / rise)
     }
 }
 
-/// Reflectance of the surface from within the water for light that is not polarized, at a cosine from the vertical: 1 beyond the
-/// critical angle.
+/// Internal reflectance of the surface for unpolarized light at a cosine from the vertical: 1 beyond the critical
+/// angle.
 #[must_use]
 pub fn fresnel(cosine: f64) -> f64 {
     let n = REFRACTIVE_INDEX;

@@ -1,4 +1,4 @@
-//! What surfaces do to light.
+//! Surface materials.
 
 use imaging::geometry::Intrinsics;
 use imaging::rays::Hit;
@@ -6,26 +6,26 @@ use imaging::vector::DVec3;
 use imaging::{Plane, Rgb};
 use optics::range::is_hole;
 
-/// A place belongs to a pixel whose range is within this share of its distance.
+/// A point belongs to a pixel if its distance and the pixel's range agree to this share.
 const SAME_PLACE: f64 = 0.03;
 
-/// A surface at one place, by channel.
+/// Lambertian at a point, by channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Material {
-    /// Share of the light that it sends back, evenly in all directions, 0..=1.
+pub struct Lambertian {
+    /// Lambertian reflectance, 0..=1.
     pub reflectance: [f64; 3],
-    /// Radiance that it sends out by itself.
+    /// Emitted radiance.
     pub emitted: [f64; 3],
 }
 
-impl Material {
-    /// A surface that takes all light and sends none.
+impl Lambertian {
+    /// Absorbs all light.
     pub const BLACK: Self = Self {
         reflectance: [0.0; 3],
         emitted: [0.0; 3],
     };
 
-    /// A surface that only sends light back.
+    /// Reflects without emission.
     #[must_use]
     pub fn gray(reflectance: f64) -> Self {
         Self {
@@ -34,7 +34,7 @@ impl Material {
         }
     }
 
-    /// A black surface that glows.
+    /// A black surface that emits light.
     #[must_use]
     pub fn glowing(radiance: f64) -> Self {
         Self {
@@ -46,33 +46,33 @@ impl Material {
 
 /// The surfaces of a scene.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Surfaces<'a> {
-    /// One material for each number of an object, from 0 on.
-    ByObject(Vec<Material>),
-    /// What the picture of a camera at the origin shows.
-    Picture(Picture<'a>),
+pub enum SurfaceMaterials<'a> {
+    /// One material per object number, from 0.
+    ByObject(Vec<Lambertian>),
+    /// Materials from the picture of a camera at the origin.
+    Picture(PictureSurfaces<'a>),
 }
 
-/// A picture that surfaces take their light from.
+/// A picture that defines materials.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Picture<'a> {
+pub struct PictureSurfaces<'a> {
     /// Linear radiance in air, white = 1.
     pub radiance: &'a Rgb<f32>,
     /// Range of its pixels, m.
     pub range: &'a Plane<f32>,
     /// The camera.
     pub camera: Intrinsics,
-    /// Factor of the radiance by itself, for each channel.
+    /// Factor on the emitted radiance, per channel.
     pub gain: [f64; 3],
-    /// Whether lamps light it, too: then the radiance, at most 1, stands for the reflectance.
+    /// Whether lamps illuminate it, too: then the radiance, at most 1, is also the reflectance.
     pub reflects: bool,
     /// Reflectance of the ground, object 0, where the camera does not see it.
     pub ground: Option<[f64; 3]>,
-    /// Of other places that the camera does not see: the mean of those it does.
+    /// Mean material, for other points invisible to the camera.
     mean: [f64; 3],
 }
 
-impl<'a> Picture<'a> {
+impl<'a> PictureSurfaces<'a> {
     /// The surfaces of a picture with the range of its pixels.
     #[must_use]
     pub fn new(
@@ -102,7 +102,7 @@ impl<'a> Picture<'a> {
         }
     }
 
-    fn at(&self, hit: &Hit, place: DVec3) -> Material {
+    fn material(&self, hit: &Hit, place: DVec3) -> Lambertian {
         let ground = self.ground.filter(|_| hit.object == 0);
         let hidden = ground.unwrap_or(self.mean);
         let air = self.pixel(place).map_or(hidden, |(x, y)| {
@@ -111,7 +111,7 @@ impl<'a> Picture<'a> {
                 .each_ref()
                 .map(|plane| f64::from(plane.pixel(x, y)))
         });
-        Material {
+        Lambertian {
             reflectance: if self.reflects {
                 air.map(|j| j.clamp(0.0, 1.0))
             } else {
@@ -121,12 +121,12 @@ impl<'a> Picture<'a> {
         }
     }
 
-    /// The pixel that shows a place.
+    /// The pixel that shows a point.
     fn pixel(&self, place: DVec3) -> Option<(usize, usize)> {
         let (width, height) = self.range.size();
         let index = |offset: f64, center: f64, count: usize| {
-            let at = (self.camera.focal_px * offset / place.z + center).round();
-            (at >= 0.0 && at < count as f64).then_some(at as usize)
+            let position = (self.camera.focal_px * offset / place.z + center).round();
+            (position >= 0.0 && position < count as f64).then_some(position as usize)
         };
         if place.z <= 0.0 {
             return None;
@@ -138,16 +138,16 @@ impl<'a> Picture<'a> {
     }
 }
 
-impl Surfaces<'_> {
-    /// The surface that a ray met at a place.
+impl SurfaceMaterials<'_> {
+    /// The material at a hit point.
     #[must_use]
-    pub fn at(&self, hit: &Hit, place: DVec3) -> Material {
+    pub fn material(&self, hit: &Hit, place: DVec3) -> Lambertian {
         match self {
             Self::ByObject(materials) => materials
                 .get(hit.object as usize)
                 .copied()
-                .unwrap_or(Material::BLACK),
-            Self::Picture(picture) => picture.at(hit, place),
+                .unwrap_or(Lambertian::BLACK),
+            Self::Picture(picture) => picture.material(hit, place),
         }
     }
 }

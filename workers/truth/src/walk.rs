@@ -6,73 +6,74 @@ use imaging::random::Stream;
 use imaging::rays::leaving;
 use imaging::vector::DVec3;
 
-use crate::dice::{Address, Dice};
-use crate::phase::{about, versine};
-use crate::scene::{Along, End, Met, Scene};
+use crate::dice::{Address, PathDice};
+use crate::phase::{tilt, versine};
+use crate::scene::{Along, End, SegmentEnd, TracedScene};
 use crate::sea::fresnel;
 
-/// Light is kept apart by how often the water scattered it: never, once, more often.
+/// Light is summed by scattering order: 0, 1, more.
 pub const ORDERS: usize = 3;
-/// A path of more segments is cut, and counted.
+/// Longer paths are cut and counted.
 pub const MOST_SEGMENTS: usize = 2000;
-/// Paths that weigh less play roulette.
+/// Paths of smaller weight undergo Russian roulette.
 const LIGHT: f64 = 0.1;
 
-/// What one path says of the radiance of N channels.
+/// Estimate of one path for the radiance of N channels.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tally<const N: usize> {
+pub struct PathTally<const N: usize> {
     /// By order of scattering.
     pub orders: [[f64; N]; ORDERS],
-    /// Whether it was ended by a limit: its light is then too little.
+    /// Whether a limit ended it: its light is underestimated.
     pub is_cut: bool,
 }
 
-/// A path under way. With one channel it is split at its first segment: what a surface sends there is added without noise. With
-/// several, distances are those of a leading channel, and each weighs by the mean density of all (balance heuristic, Veach 1995).
+/// A path in progress. With one channel it is split at its first segment, whose end then contributes without noise.
+/// With several, distances are sampled from a leading channel, and weights use the mean density of all (balance
+/// heuristic, Veach 1995).
 struct Walk<'s, const N: usize> {
-    scene: &'s Scene<'s>,
+    scene: &'s TracedScene<'s>,
     channels: [usize; N],
-    /// Which of the channels gives the distances.
+    /// Index of the channel that samples distances.
     leading: usize,
     /// Light of each channel over the mean density.
     weight: [f64; N],
-    /// Density of each channel over their mean.
+    /// Density of each channel over the mean.
     density: [f64; N],
     order: usize,
     orders: [[f64; N]; ORDERS],
-    dice: Dice,
+    dice: PathDice,
 }
 
-/// How a segment ends for the walk.
-enum Event {
-    /// The water scatters at this distance.
+/// Sampled end of a segment.
+enum WalkEvent {
+    /// Scattering at this distance.
     Water(f64),
-    /// The end is reached.
+    /// The geometric end.
     End,
 }
 
-impl Scene<'_> {
-    /// One path of one channel along a ray: an estimate of its radiance by the order of scattering.
+impl TracedScene<'_> {
+    /// Traces one path of one channel along a ray: an estimate of its radiance by scattering order.
     #[must_use]
-    pub fn trace(&self, along: Along, stream: Stream, address: Address) -> Tally<1> {
+    pub fn trace(&self, along: Along, stream: Stream, address: Address) -> PathTally<1> {
         let channel = (address.channel as usize).min(2);
-        Walk::new(self, [channel], Dice::new(stream, address)).run(along)
+        Walk::new(self, [channel], PathDice::new(stream, address)).run(along)
     }
 
-    /// One path of all channels: its colors belong together, and it takes a third of the time. For attenuations within a factor of
-    /// 3 of each other.
+    /// Traces one path for all channels: colors stay consistent, in a third of the time. For attenuations within a
+    /// factor of 3 of each other.
     #[must_use]
-    pub fn trace_shared(&self, along: Along, stream: Stream, address: Address) -> Tally<3> {
+    pub fn trace_shared(&self, along: Along, stream: Stream, address: Address) -> PathTally<3> {
         let address = Address {
             channel: 3,
             ..address
         };
-        Walk::new(self, [0, 1, 2], Dice::new(stream, address)).run(along)
+        Walk::new(self, [0, 1, 2], PathDice::new(stream, address)).run(along)
     }
 }
 
 impl<'s, const N: usize> Walk<'s, N> {
-    fn new(scene: &'s Scene<'s>, channels: [usize; N], mut dice: Dice) -> Self {
+    fn new(scene: &'s TracedScene<'s>, channels: [usize; N], mut dice: PathDice) -> Self {
         let leading = if N == 1 {
             0
         } else {
@@ -90,9 +91,9 @@ impl<'s, const N: usize> Walk<'s, N> {
         }
     }
 
-    fn run(mut self, along: Along) -> Tally<N> {
+    fn run(mut self, along: Along) -> PathTally<N> {
         let is_cut = self.follow(along);
-        Tally {
+        PathTally {
             orders: self.orders,
             is_cut,
         }
@@ -100,9 +101,9 @@ impl<'s, const N: usize> Walk<'s, N> {
 
     /// Follows the path to its end. Returns whether a limit ended it.
     fn follow(&mut self, mut along: Along) -> bool {
-        let mut from = 0.0;
+        let mut start = 0.0;
         for segment in 0..MOST_SEGMENTS {
-            let end = self.scene.end(along, from);
+            let end = self.scene.end(along, start);
             self.lamps_along(along, &end);
             let event = if segment == 0 && N == 1 {
                 self.split(along, &end)
@@ -111,13 +112,13 @@ impl<'s, const N: usize> Walk<'s, N> {
             };
             let next = match event {
                 None => return false,
-                Some(Event::Water(distance)) => self.scatter(along, distance),
-                Some(Event::End) => self.reflect(along, &end),
+                Some(WalkEvent::Water(distance)) => self.scatter(along, distance),
+                Some(WalkEvent::End) => self.reflect(along, &end),
             };
             let Some(next) = next.filter(|_| self.survives()) else {
                 return false;
             };
-            (along, from) = next;
+            (along, start) = next;
             if self.dice.is_exhausted() {
                 return true;
             }
@@ -125,22 +126,22 @@ impl<'s, const N: usize> Walk<'s, N> {
         true
     }
 
-    /// The first segment: the end's own light without noise, then one branch.
-    fn split(&mut self, along: Along, end: &End) -> Option<Event> {
+    /// The first segment: the end's emission without noise, then one branch.
+    fn split(&mut self, along: Along, end: &End) -> Option<WalkEvent> {
         let passes = self.transmittance(along, end.distance)[0];
         self.add_end(along, end, [passes; N]);
         let sent_back = self.sent_back(end)[0];
         let water = self.scene.water[self.channels[0]];
-        if !self.scene.murk.is_even() {
+        if !self.scene.turbidity.is_even() {
             let free = self.free_path(along, end.distance);
             let event = if free < end.distance {
-                Event::Water(free)
+                WalkEvent::Water(free)
             } else {
-                Event::End
+                WalkEvent::End
             };
             self.weight[0] *= match event {
-                Event::Water(_) => water.albedo(),
-                Event::End => sent_back,
+                WalkEvent::Water(_) => water.albedo(),
+                WalkEvent::End => sent_back,
             };
             return (self.weight[0] > 0.0).then_some(event);
         }
@@ -150,21 +151,21 @@ impl<'s, const N: usize> Walk<'s, N> {
         }
         self.weight[0] *= whole;
         if self.dice.next() * whole < passes * sent_back {
-            return Some(Event::End);
+            return Some(WalkEvent::End);
         }
         let unit = self.dice.next();
         let free = -(-unit * (1.0 - passes)).ln_1p() / water.attenuation();
-        Some(Event::Water(free.min(end.distance)))
+        Some(WalkEvent::Water(free.min(end.distance)))
     }
 
     /// A later segment.
-    fn step(&mut self, along: Along, end: &End) -> Option<Event> {
+    fn step(&mut self, along: Along, end: &End) -> Option<WalkEvent> {
         let free = self.free_path(along, end.distance);
         if free < end.distance {
             self.pass(along, free, |water| [water.scattering, water.attenuation()]);
-            return Some(Event::Water(free));
+            return Some(WalkEvent::Water(free));
         }
-        if matches!(end.met, Met::Nothing) {
+        if matches!(end.met, SegmentEnd::Nothing) {
             return None;
         }
         self.pass(along, end.distance, |_| [1.0; 2]);
@@ -174,11 +175,11 @@ impl<'s, const N: usize> Walk<'s, N> {
             .iter_mut()
             .zip(sent_back)
             .for_each(|(weight, back)| *weight *= back);
-        Some(Event::End)
+        Some(WalkEvent::End)
     }
 
-    /// Weighs an event at a distance: `source` gives the factors of light and of density beside the transmittance.
-    fn pass(&mut self, along: Along, distance: f64, source: impl Fn(&crate::Coefficients) -> [f64; 2]) {
+    /// Weights an event at a distance; `source` returns the factors of light and of density besides the transmittance.
+    fn pass(&mut self, along: Along, distance: f64, source: impl Fn(&crate::WaterCoefficients) -> [f64; 2]) {
         if N == 1 {
             let [light, density] = source(&self.scene.water[self.channels[0]]);
             self.weight[0] *= if density > 0.0 { light / density } else { 0.0 };
@@ -198,49 +199,54 @@ impl<'s, const N: usize> Walk<'s, N> {
             .for_each(|value| *value *= scale);
     }
 
-    /// Share of the light of each channel that passes a part of a segment.
+    /// Transmittance of a part of a segment per channel.
     fn transmittance(&self, along: Along, distance: f64) -> [f64; N] {
         if distance == f64::INFINITY {
             return [0.0; N];
         }
-        let meters = self.scene.murk.meters(along.origin, along.direction, distance);
+        let meters = self
+            .scene
+            .turbidity
+            .meters(along.origin, along.direction, distance);
         self.channels
             .map(|channel| (-self.scene.water[channel].attenuation() * meters).exp())
     }
 
-    /// The distance to where the leading channel is scattered or absorbed: by delta tracking where the water is not even
-    /// (Woodcock et al. 1965).
+    /// Samples the distance to the next event of the leading channel: by delta tracking in non-uniform water (Woodcock
+    /// et al. 1965).
     fn free_path(&mut self, along: Along, end: f64) -> f64 {
         let attenuation = self.scene.water[self.channels[self.leading]].attenuation();
         if attenuation <= 0.0 {
             return f64::INFINITY;
         }
-        let murk = &self.scene.murk;
-        if murk.is_even() {
+        let turbidity = &self.scene.turbidity;
+        if turbidity.is_even() {
             return -(-self.dice.next()).ln_1p() / attenuation;
         }
-        let most = murk.most();
+        let most = turbidity.most();
         let mut distance = 0.0;
         while distance < end && !self.dice.is_exhausted() {
             distance -= (-self.dice.next()).ln_1p() / (attenuation * most);
             let place = along.origin + along.direction * distance;
-            if distance < end && self.dice.next() * most < murk.factor(place) {
+            if distance < end && self.dice.next() * most < turbidity.factor(place) {
                 return distance;
             }
         }
         f64::INFINITY
     }
 
-    /// Share of the light that the end of a segment sends back.
+    /// Reflectance at the end of a segment.
     fn sent_back(&self, end: &End) -> [f64; N] {
         match &end.met {
-            Met::Nothing => [0.0; N],
-            Met::Surface { material, .. } => self.channels.map(|channel| material.reflectance[channel]),
-            Met::Sea { cosine } => [fresnel(*cosine); N],
+            SegmentEnd::Nothing => [0.0; N],
+            SegmentEnd::Surface { material, .. } => {
+                self.channels.map(|channel| material.reflectance[channel])
+            }
+            SegmentEnd::Sea { cosine } => [fresnel(*cosine); N],
         }
     }
 
-    /// Goes on from where the water scatters.
+    /// Continues after scattering in the water.
     fn scatter(&mut self, along: Along, distance: f64) -> Option<(Along, f64)> {
         self.order += 1;
         let place = along.origin + along.direction * distance;
@@ -259,11 +265,11 @@ impl<'s, const N: usize> Walk<'s, N> {
         Some((along, 0.0))
     }
 
-    /// Goes on from the end of a segment.
+    /// Continues from the end of a segment.
     fn reflect(&mut self, along: Along, end: &End) -> Option<(Along, f64)> {
         let place = along.origin + along.direction * end.distance;
         match (&end.met, &self.scene.sea) {
-            (Met::Surface { hit, .. }, _) => {
+            (SegmentEnd::Surface { hit, .. }, _) => {
                 let normal = DVec3::from(hit.normal);
                 let start = leaving(place.into(), hit.normal);
                 let origin = DVec3::from(start.origin);
@@ -271,14 +277,14 @@ impl<'s, const N: usize> Walk<'s, N> {
                     Some(toward) => self.scene.phase.turn(toward, self.dice.pair()),
                     None => {
                         let [height, azimuth] = self.dice.pair();
-                        about(normal, 1.0 - (1.0 - height).sqrt(), azimuth)
+                        tilt(normal, 1.0 - (1.0 - height).sqrt(), azimuth)
                     }
                 };
                 let cosine = normal.dot(direction);
                 self.weigh_aim(origin, direction, cosine.max(0.0) / std::f64::consts::PI);
                 (cosine > 0.0).then_some((Along { origin, direction }, start.from))
             }
-            (Met::Sea { cosine }, Some(sea)) => {
+            (SegmentEnd::Sea { cosine }, Some(sea)) => {
                 let direction = (along.direction + sea.up * (-2.0 * cosine)).normalized();
                 let along = Along {
                     origin: place,
@@ -290,8 +296,8 @@ impl<'s, const N: usize> Walk<'s, N> {
         }
     }
 
-    /// Half of the directions are drawn about that to a lamp or the sun, chosen evenly: the unit vector there. Without it the forward
-    /// peak of the phase function toward them is rarely met, and too little light is the usual result of few paths.
+    /// Half of the directions are drawn around the direction to a lamp or the sun, chosen uniformly: returns the latter. Without it few
+    /// paths hit the forward peak of the phase function toward a source, and the estimate is usually too low.
     fn source_to_aim_at(&mut self, place: DVec3) -> Option<DVec3> {
         if !self.aims() || self.dice.next() >= 0.5 {
             return None;
@@ -326,23 +332,22 @@ impl<'s, const N: usize> Walk<'s, N> {
             .any(|&channel| water[channel].scattering > 0.0)
     }
 
-    /// Weighs a direction that was drawn from both densities; `wanted` is the one of the light.
+    /// Weights a direction drawn from both densities; `wanted` is the one of the light.
     fn weigh_aim(&mut self, place: DVec3, direction: DVec3, wanted: f64) {
         if !self.aims() {
             return;
         }
         let density = |toward| self.scene.phase.density(versine(toward, direction));
-        let toward_lamp = |lamp: &crate::Lamp| {
+        let densities = self.scene.lamps.iter().map(|lamp| {
             let away = lamp.place + -place;
             if away.length() > 0.0 {
-                density(away.normalized())
+                self.scene.phase.density(versine(away.normalized(), direction))
             } else {
                 wanted
             }
-        };
-        let toward_lamps: f64 = self.scene.lamps.iter().map(toward_lamp).sum();
+        });
         let toward_sun = self.sun_direction().map_or(0.0, density);
-        let aimed = (toward_lamps + toward_sun) / self.sources() as f64;
+        let aimed = (densities.sum::<f64>() + toward_sun) / self.sources() as f64;
         let factor = wanted / (0.5 * wanted + 0.5 * aimed);
         self.weight.iter_mut().for_each(|weight| *weight *= factor);
     }

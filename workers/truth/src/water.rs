@@ -1,18 +1,18 @@
-//! What the water does to light, and where it is murkier.
+//! Water coefficients and their variation over space.
 
 use imaging::vector::DVec3;
 use optics::turbidity::Field;
 
-/// Coefficients of one channel, 1/m.
+/// WaterCoefficients of one channel, 1/m.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Coefficients {
+pub struct WaterCoefficients {
     /// a, at least 0.
     pub absorption: f64,
     /// b, at least 0.
     pub scattering: f64,
 }
 
-impl Coefficients {
+impl WaterCoefficients {
     /// c = a + b.
     #[must_use]
     pub fn attenuation(&self) -> f64 {
@@ -30,31 +30,31 @@ impl Coefficients {
     }
 }
 
-/// The factor m of all coefficients over the places of the water.
+/// The turbidity factor m of all coefficients.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Murk {
+pub enum TurbidityField {
     /// 1 everywhere.
     Even,
     /// The patches of a frame, in the axes of its camera.
     Patches(Box<Field>),
-    /// Layers over one another.
-    Layers(Layers),
+    /// Horizontal layers.
+    Layers(WaterLayers),
 }
 
-/// Layers of water, each with a factor of its own.
+/// Horizontal layers of water with a factor each.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Layers {
+pub struct WaterLayers {
     /// Unit vector against gravity, camera axes.
     pub up: DVec3,
     /// Depth of the origin below the surface, m.
     pub depth_m: f64,
-    /// Depths at which one layer ends and the next begins, rising, m.
+    /// Depths of the boundaries between layers, ascending, m.
     pub edges_m: Vec<f64>,
     /// Factor of each layer from the surface down: one more than edges.
     pub factors: Vec<f64>,
 }
 
-impl Layers {
+impl WaterLayers {
     fn depth(&self, point: DVec3) -> f64 {
         self.depth_m - self.up.dot(point)
     }
@@ -82,7 +82,7 @@ impl Layers {
     fn meters(&self, origin: DVec3, direction: DVec3, distance: f64) -> f64 {
         let (from, fall) = (self.depth(origin), -self.up.dot(direction));
         if (fall * distance).abs() < 1e-9 || !distance.is_finite() {
-            // Level, or without end: the layer that it ends in is all that counts.
+            // Horizontal or unbounded: only the final layer counts.
             let depth = if distance.is_finite() || fall == 0.0 {
                 from
             } else {
@@ -94,8 +94,8 @@ impl Layers {
     }
 }
 
-impl Murk {
-    /// m at a place.
+impl TurbidityField {
+    /// m at a point.
     #[must_use]
     pub fn factor(&self, point: DVec3) -> f64 {
         match self {
@@ -105,7 +105,7 @@ impl Murk {
         }
     }
 
-    /// The greatest m that there may be.
+    /// Upper bound of m.
     #[must_use]
     pub fn most(&self) -> f64 {
         match self {
@@ -115,7 +115,7 @@ impl Murk {
         }
     }
 
-    /// ∫ m along a ray: its length through water of the mean, m.
+    /// ∫ m along a ray: its equivalent length in water of the mean, m.
     #[must_use]
     pub fn meters(&self, origin: DVec3, direction: DVec3, distance: f64) -> f64 {
         match self {
@@ -138,7 +138,7 @@ mod tests {
 
     #[test]
     fn a_path_through_layers_is_the_sum_of_its_parts() {
-        let murk = Murk::Layers(Layers {
+        let turbidity = TurbidityField::Layers(WaterLayers {
             up: vec3(0.0, -1.0, 0.0),
             depth_m: 5.0,
             edges_m: vec![4.0, 6.0],
@@ -147,10 +147,10 @@ mod tests {
         let down = vec3(0.0, 1.0, 0.0);
         let origin = vec3(0.0, -2.0, 0.0);
         // From 3 m to 8 m: 1 m of 0.5, 2 m of 1, 2 m of 3.
-        assert!((murk.meters(origin, down, 5.0) - 8.5).abs() < 1e-12);
-        assert!((murk.meters(vec3(0.0, 3.0, 0.0), -down, 5.0) - 8.5).abs() < 1e-12);
-        assert_eq!(murk.meters(origin, vec3(1.0, 0.0, 0.0), 4.0), 2.0);
-        assert_eq!((murk.factor(origin), murk.most()), (0.5, 3.0));
-        assert_eq!(murk.meters(origin, down, f64::INFINITY), f64::INFINITY);
+        assert!((turbidity.meters(origin, down, 5.0) - 8.5).abs() < 1e-12);
+        assert!((turbidity.meters(vec3(0.0, 3.0, 0.0), -down, 5.0) - 8.5).abs() < 1e-12);
+        assert_eq!(turbidity.meters(origin, vec3(1.0, 0.0, 0.0), 4.0), 2.0);
+        assert_eq!((turbidity.factor(origin), turbidity.most()), (0.5, 3.0));
+        assert_eq!(turbidity.meters(origin, down, f64::INFINITY), f64::INFINITY);
     }
 }

@@ -99,7 +99,7 @@ fn fastest(session: &mut Session, frame: &Rgb<f32>, runs: u32) -> Result<Duratio
     for run in 0..=runs {
         let start = Instant::now();
         session
-            .apply(frame, style::Beside::default())
+            .apply(frame, style::ModelInputs::default())
             .map_err(|error| Failure::Other(error.into()))?;
         // The first warms up.
         let took = start.elapsed();
@@ -120,7 +120,7 @@ fn at_once(sessions: Vec<Session>) -> Result<f64, Failure> {
     let work = |mut session: Session| {
         let mut frames = 0u32;
         while start.elapsed() < SPAN {
-            session.apply(&frame, style::Beside::default())?;
+            session.apply(&frame, style::ModelInputs::default())?;
             frames += 1;
         }
         Ok::<_, style::StyleError>((frames, start.elapsed()))

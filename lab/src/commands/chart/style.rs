@@ -40,7 +40,7 @@ pub(super) fn tiers(scene: &ChartScene, library: &Library, runs: usize) -> Vec<P
             ("color table", Session::table(model)),
         ] {
             let Some(mut session) = session else { continue };
-            let (times, styled) = time(runs, || session.apply(&encoded, style::Beside::default()));
+            let (times, styled) = time(runs, || session.apply(&encoded, style::ModelInputs::default()));
             if let Ok(styled) = styled {
                 add(tier, times, &transfer::decode_unit(&styled));
             }

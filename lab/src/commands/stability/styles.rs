@@ -77,7 +77,7 @@ pub(super) fn measure(
 }
 
 fn steadiness(name: &str, mut session: Session) -> Result<Steadiness, StyleError> {
-    let mut run = |frame: &Rgb<f32>| session.apply(frame, style::Beside::default());
+    let mut run = |frame: &Rgb<f32>| session.apply(frame, style::ModelInputs::default());
     let scenes = training::new_scenes();
     let lively: Vec<&Rgb<f32>> = scenes
         .iter()

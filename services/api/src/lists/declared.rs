@@ -5,7 +5,7 @@ use catalogue::{JobState, columns_of_every_image};
 use enhance::Method;
 use quality::{MetricId, MetricInfo, Profile};
 use renderer::vocabulary;
-use scenes::Family;
+use scenes::SceneFamily;
 use scenes::categories::{CATEGORIES, FINDINGS};
 use spec::{JERLOV_TYPES, SITES, table};
 use style::Library;
@@ -248,7 +248,9 @@ fn enhancements(_: &Library) -> Vec<Entry> {
 }
 
 fn families(_: &Library) -> Vec<Entry> {
-    let families = scenes::FAMILIES.iter().filter_map(|name| Family::parse(name));
+    let families = scenes::FAMILIES
+        .iter()
+        .filter_map(|name| SceneFamily::parse(name));
     families.map(|family| entry(family.name, family.about)).collect()
 }
 

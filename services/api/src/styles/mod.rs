@@ -14,7 +14,7 @@ use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError, RwLock};
 
 use spec::Vocabulary;
-use style::{Card, Library, LibraryError, StyleModel, is_name};
+use style::{Library, LibraryError, ModelCard, StyleModel, is_name};
 use tokio_util::sync::CancellationToken;
 
 use crate::bytes::Bytes;
@@ -37,7 +37,7 @@ const NO_PROMISE: &str =
 pub(crate) struct NewStyle {
     pub(crate) onnx: Vec<u8>,
     /// What is known of it; the name, the file and the digest are right already.
-    pub(crate) card: Card,
+    pub(crate) card: ModelCard,
 }
 
 impl NewStyle {
@@ -128,7 +128,7 @@ impl Styles {
     }
 
     /// The card of a style that has this name already, if it is the same network.
-    fn same(&self, new: &NewStyle) -> Result<Option<Card>, Problem> {
+    fn same(&self, new: &NewStyle) -> Result<Option<ModelCard>, Problem> {
         let known = self.known();
         let Some(model) = known.library.get(&new.card.name) else {
             return Ok(None);
@@ -144,7 +144,7 @@ impl Styles {
     }
 
     /// Stores a style that was tried, then knows it. Writes files.
-    fn keep(&self, new: NewStyle) -> Result<(Card, bool), Problem> {
+    fn keep(&self, new: NewStyle) -> Result<(ModelCard, bool), Problem> {
         let mut folder = self.folder.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(card) = self.same(&new)? {
             return Ok((card, false));
@@ -169,7 +169,7 @@ impl Styles {
 
     /// Adds a style: tries it, stores it, knows it. Returns its card, and whether it is new; the same network under the
     /// same name again changes nothing. Goes on to its end, once it was tried, when the caller goes away.
-    pub(crate) async fn add(self: &Arc<Self>, new: NewStyle) -> Result<(Card, bool), Problem> {
+    pub(crate) async fn add(self: &Arc<Self>, new: NewStyle) -> Result<(ModelCard, bool), Problem> {
         if new.onnx.len() > limits::STYLE_BYTES {
             let (bytes, limit) = (new.onnx.len(), limits::STYLE_BYTES);
             let detail = format!("the model has {bytes} bytes, the limit is {limit}");

@@ -1,35 +1,35 @@
-//! Points of a disc within each pixel, for every disc up to a radius.
+//! Number of points within each pixel, for every disc up to a radius.
 //!
-//! A point is `(a, b)/16` pixels from the center with odd a and b, so `a² + b² = 8k + 2` with a whole k, its ring. A disc holds
-//! the points of all rings up to one: radii of one ring have the same disc, and weights are whole counts.
+//! A point is at `(a, b)/16` pixels from the center with odd a and b, so `a² + b² = 8k + 2` with an integer k, its
+//! ring. A disc contains all rings up to one: radii within the same ring share a disc, and weights are integer counts.
 
 use super::POINTS;
 
 /// Length of a pixel's side in the units of a and b.
 const SIDE: i32 = 2 * POINTS as i32;
 
-/// The last ring within a radius in pixels; the innermost one where the radius holds no point, as for NaN.
+/// The last ring within a radius in pixels; the innermost one if the radius contains no point or is NaN.
 #[inline(always)]
 pub(super) fn ring(radius_px: f64) -> i32 {
-    // A power of two leaves the rounded square as it is, so that the comparison is the same as in the reference.
+    // Scaling by a power of two is exact, so that the comparison equals that of the reference.
     let square = radius_px * radius_px * f64::from(SIDE * SIDE);
     ((square as i32).max(2) - 2) / 8
 }
 
 /// Points within each pixel of a disc.
-pub(super) struct Counts {
-    /// Farthest row and column that a disc may hold.
+pub(super) struct DiscCounts {
+    /// Farthest row and column of a disc.
     reach: usize,
-    pixels: Vec<Pixel>,
-    /// Points up to each ring, of one pixel after the other.
+    pixels: Vec<PixelPoints>,
+    /// Points up to each ring, pixel after pixel.
     growth: Vec<u8>,
-    /// One over the number of points of the whole disc, by ring.
+    /// Reciprocal of the number of points of the disc, by ring.
     norms: Vec<f32>,
 }
 
-/// Where the counts of a pixel are.
+/// Position of a pixel's counts.
 #[derive(Clone, Copy)]
-struct Pixel {
+struct PixelPoints {
     /// The ring before its first point.
     before: i32,
     /// Rings from there to its last point.
@@ -37,8 +37,8 @@ struct Pixel {
     start: usize,
 }
 
-impl Counts {
-    /// Counts of the discs of radii up to this one in pixels.
+impl DiscCounts {
+    /// DiscCounts of all discs up to a radius in pixels.
     pub(super) fn up_to(radius_px: f64) -> Self {
         let last = ring(radius_px) as usize;
         let reach = (radius_px + 0.5) as usize;
@@ -48,7 +48,7 @@ impl Counts {
             for near in 0..=far {
                 let rings = rings_of(near, far);
                 let before = rings[0] - 1;
-                pixels.push(Pixel {
+                pixels.push(PixelPoints {
                     before,
                     rings: rings[rings.len() - 1] - before,
                     start: growth.len(),
@@ -79,7 +79,7 @@ impl Counts {
         self.reach
     }
 
-    /// The number of a pixel whose distances along rows and columns are these, in any order.
+    /// Index of a pixel from its row and column distances, in either order.
     #[inline(always)]
     pub(super) fn pixel(dx: usize, dy: usize) -> usize {
         let (near, far) = if dx < dy { (dx, dy) } else { (dy, dx) };
@@ -94,21 +94,21 @@ impl Counts {
     /// Points of a disc within a pixel.
     #[inline(always)]
     pub(super) fn count(&self, pixel: usize, ring: i32) -> u8 {
-        let Pixel { before, rings, start } = self.pixels[pixel];
+        let PixelPoints { before, rings, start } = self.pixels[pixel];
         self.growth[start + (ring - before).clamp(0, rings) as usize]
     }
 
-    /// Points of some discs within a pixel.
+    /// Points of several discs within a pixel.
     #[inline(always)]
     pub(super) fn fill(&self, pixel: usize, discs: &[i32], counts: &mut [f32]) {
-        let Pixel { before, rings, start } = self.pixels[pixel];
+        let PixelPoints { before, rings, start } = self.pixels[pixel];
         let growth = &self.growth[start..=start + rings as usize];
         for (count, &ring) in counts.iter_mut().zip(discs) {
             *count = f32::from(growth[(ring - before).clamp(0, rings) as usize]);
         }
     }
 
-    /// One over the number of points of a disc.
+    /// Reciprocal of the number of points of a disc.
     #[inline(always)]
     pub(super) fn norm(&self, ring: i32) -> f32 {
         self.norms[ring as usize]
@@ -129,7 +129,7 @@ fn points_of(pixel: usize) -> impl Iterator<Item = i32> {
     (0..POINTS as i32).map(move |k| SIDE * pixel as i32 + 2 * k + 1 - SIDE / 2)
 }
 
-/// Pixels about the center with these distances.
+/// Number of pixels at these distances from the center.
 fn copies(near: usize, far: usize) -> u32 {
     match (near, far) {
         (_, 0) => 1,
@@ -143,7 +143,7 @@ fn copies(near: usize, far: usize) -> u32 {
 mod tests {
     use super::*;
 
-    /// Points of a pixel within a radius, by the definition.
+    /// Points of a pixel within a radius, by definition.
     fn points(dx: usize, dy: usize, radius: f64) -> u32 {
         let place = |pixel: usize, k: usize| pixel as f64 + (k as f64 + 0.5) / 8.0 - 0.5;
         let all = (0..64).map(|k| (place(dx, k % 8), place(dy, k / 8)));
@@ -152,7 +152,7 @@ mod tests {
 
     #[test]
     fn counts_are_those_of_the_points_within_the_radius() {
-        let counts = Counts::up_to(7.3);
+        let counts = DiscCounts::up_to(7.3);
         // Radii on rings, next to them, and between them.
         let on_rings = (0..1700).step_by(3).map(|k| f64::from(8 * k + 2).sqrt() / 16.0);
         let all = on_rings.flat_map(|r| [r.next_down(), r, r.next_up(), r + 0.001]);
@@ -163,7 +163,7 @@ mod tests {
                     let expected = points(dx, dy, radius);
                     total += expected << (u32::from(dx > 0) + u32::from(dy > 0));
                     let is_counted = dx.max(dy) <= counts.reach();
-                    let pixel = Counts::pixel(dx, dy);
+                    let pixel = DiscCounts::pixel(dx, dy);
                     let count = is_counted.then(|| counts.count(pixel, ring(radius)));
                     assert_eq!(
                         u32::from(count.unwrap_or(0)),

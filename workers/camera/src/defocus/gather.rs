@@ -1,23 +1,23 @@
-//! Defocus in f32 with the disc of every pixel, computed for blocks of a row's pixels.
+//! Defocus in f32 with a disc per pixel, computed in blocks of a row.
 //!
-//! All pixels of a block read the same samples. A sample has one weight where the discs of the block agree, and a weight for
-//! each disc elsewhere. The cost follows the largest radius and depends little on how the radii vary.
+//! All pixels of a block read the same samples. A sample has one weight if the discs of the block agree, and a weight
+//! per disc otherwise. The cost follows the largest radius and depends little on the variation of radii.
 
 use imaging::{Plane, Rgb, vectorized};
 
-use super::counts::{Counts, ring};
+use super::counts::{DiscCounts, ring};
 use super::{SHARP_PX, mirrored};
 use crate::rounding;
 
-/// Pixels of a block. The compiler unrolls loops over fewer into single numbers before it would use vectors.
+/// Pixels of a block. Shorter loops would be unrolled to scalars instead of vectorized.
 const LANES: usize = 64;
 
-/// The picture with every pixel blurred by its radius in pixels.
+/// Blurs every pixel by its radius in pixels.
 ///
-/// The discs are those of [`super::blur_reference`] of the same radii; the error is at most [`rounding_bound`].
+/// The discs are those of [`super::blur_reference`]; the error is at most [`rounding_bound`].
 ///
 /// # Panics
-/// When picture and radii differ in size.
+/// If picture and radii differ in size.
 #[must_use]
 pub fn blur(picture: &Rgb<f32>, radii: &Plane<f64>) -> Rgb<f32> {
     let (width, height) = picture.size();
@@ -27,10 +27,10 @@ pub fn blur(picture: &Rgb<f32>, radii: &Plane<f64>) -> Rgb<f32> {
     if largest < SHARP_PX {
         return blurred;
     }
-    let counts = Counts::up_to(largest);
+    let counts = DiscCounts::up_to(largest);
     let planes = picture.planes().each_ref();
     let padded = planes.map(|plane| pad(plane, counts.reach()));
-    let mut block = Block::new(&counts);
+    let mut block = DiscBlock::new(&counts);
     for y in 0..height {
         let [r, g, b] = blurred
             .planes_mut()
@@ -48,14 +48,14 @@ pub fn blur(picture: &Rgb<f32>, radii: &Plane<f64>) -> Rgb<f32> {
     blurred
 }
 
-/// Largest error of [`blur`] where no radius exceeds `radius_px` and no sample is larger than `peak` in magnitude.
+/// Largest error of [`blur`] for radii up to `radius_px` and samples up to `peak` in magnitude.
 #[must_use]
 pub fn rounding_bound(radius_px: f64, peak: f64) -> f64 {
     if radius_px < SHARP_PX {
         return 0.0;
     }
-    // One each for the sum of two rows, that of two columns, the weight, the number of points and the division by it; one for
-    // each column and each row but the first.
+    // One rounding each for the sum of two rows, that of two columns, the weight, the number of points and the division
+    // by it; one for each column and each row but the first.
     let reach = (radius_px + 0.5).floor();
     rounding::absolute(5.0 + 2.0 * reach, peak)
 }
@@ -76,19 +76,18 @@ fn pad(plane: &Plane<f32>, margin: usize) -> Plane<f32> {
     Plane::new(padded, height + 2 * margin, data).expect("a margin on all sides")
 }
 
-/// The column or row that a padded one repeats.
 fn source_of(padded: usize, margin: usize, side: usize) -> usize {
     mirrored(padded as isize - margin as isize, side)
 }
 
 /// The discs of a block of pixels. Weights are numbers of points.
-struct Block {
-    /// The least and the largest disc.
+struct DiscBlock {
+    /// The smallest and the largest disc.
     ends: Option<(i32, i32)>,
-    rows: Vec<Row>,
-    /// Weights that all discs have in common, row after row.
+    rows: Vec<DiscRow>,
+    /// Weights common to all discs, row after row.
     common: Vec<f32>,
-    /// The weight in each disc, by [`Counts::pixel`].
+    /// The weight in each disc, by [`DiscCounts::pixel`].
     lanes: Vec<[f32; LANES]>,
     /// One over the sum of weights of each disc.
     norms: [f32; LANES],
@@ -96,17 +95,17 @@ struct Block {
     pair: Vec<f32>,
 }
 
-/// A row of the discs from its middle outwards; left and right are equal.
+/// A row of the discs from the middle outwards; left and right are equal.
 #[derive(Clone, Copy)]
-struct Row {
-    /// Pixels from the middle on with equal weights in all discs.
+struct DiscRow {
+    /// Number of pixels from the middle with equal weights in all discs.
     common: usize,
-    /// Pixels of the largest disc.
+    /// Half width of the largest disc.
     pixels: usize,
 }
 
-impl Block {
-    fn new(counts: &Counts) -> Self {
+impl DiscBlock {
+    fn new(counts: &DiscCounts) -> Self {
         Self {
             ends: None,
             rows: Vec::new(),
@@ -119,7 +118,7 @@ impl Block {
 
     /// Sets the discs by their last rings.
     #[inline(always)]
-    fn set(&mut self, counts: &Counts, rings: &[i32; LANES]) {
+    fn set(&mut self, counts: &DiscCounts, rings: &[i32; LANES]) {
         let least = rings.iter().copied().fold(i32::MAX, i32::min);
         let largest = rings.iter().copied().fold(0, i32::max);
         let ends = Some((least, largest));
@@ -133,9 +132,9 @@ impl Block {
         self.rows.clear();
         self.common.clear();
         for dy in 0..=counts.reach() {
-            let mut row = Row { common: 0, pixels: 0 };
+            let mut row = DiscRow { common: 0, pixels: 0 };
             for dx in 0..=counts.reach() {
-                let pixel = Counts::pixel(dx, dy);
+                let pixel = DiscCounts::pixel(dx, dy);
                 let count = counts.count(pixel, largest);
                 if count == 0 {
                     break;
@@ -156,7 +155,7 @@ impl Block {
         }
     }
 
-    /// The blurred block whose first pixel is at (x, y) of the plane before it got its margin.
+    /// The blurred block whose first pixel is at (x, y) of the plane without its margin.
     #[inline(always)]
     fn gather(&mut self, padded: &Plane<f32>, margin: usize, x: usize, y: usize) -> [f32; LANES] {
         let mut sums = [0.0; LANES];
@@ -174,7 +173,13 @@ impl Block {
             let mut row_sums = [0.0; LANES];
             add_common(&mut row_sums, pair, reach, common);
             for dx in row.common..row.pixels {
-                add_lanes(&mut row_sums, pair, reach, dx, &self.lanes[Counts::pixel(dx, dy)]);
+                add_lanes(
+                    &mut row_sums,
+                    pair,
+                    reach,
+                    dx,
+                    &self.lanes[DiscCounts::pixel(dx, dy)],
+                );
             }
             for lane in 0..LANES {
                 sums[lane] += row_sums[lane];
@@ -189,8 +194,8 @@ impl Block {
 
 #[inline(always)]
 fn blur_row(
-    counts: &Counts,
-    block: &mut Block,
+    counts: &DiscCounts,
+    block: &mut DiscBlock,
     padded: &[Plane<f32>; 3],
     y: usize,
     radii: &[f64],
@@ -220,7 +225,7 @@ fn join(pair: &mut [f32], above: &[f32], below: &[f32], is_middle: bool) {
     }
 }
 
-/// Adds pixels on both sides of a block, which begins at `middle` of the row, with weights that all its discs have in common.
+/// Adds pixels on both sides of a block, which begins at `middle` of the row, with common weights.
 #[inline(always)]
 fn add_common(sums: &mut [f32; LANES], row: &[f32], middle: usize, weights: &[f32]) {
     let Some((&first, weights)) = weights.split_first() else {
@@ -239,7 +244,7 @@ fn add_common(sums: &mut [f32; LANES], row: &[f32], middle: usize, weights: &[f3
     }
 }
 
-/// Adds the pixels at a distance on both sides of a block with a weight for each of its discs.
+/// Adds the pixels at a distance on both sides of a block with a weight per disc.
 #[inline(always)]
 fn add_lanes(sums: &mut [f32; LANES], row: &[f32], middle: usize, dx: usize, weights: &[f32; LANES]) {
     let left = samples(row, middle - dx);

@@ -1,37 +1,28 @@
-//! Defocus in f64 with the disc of every pixel.
+//! Defocus in f64 with a disc per pixel.
 
 use imaging::{Plane, Rgb};
 
 use super::{POINTS, mirrored};
 
-/// A quadrant of a disc's weights, row by row: `weights[dy][dx]`, the whole disc sums to 1.
-struct Disc {
+/// A quadrant of a disc's weights, row-major: `weights[dy][dx]`. The complete disc sums to 1.
+struct DefocusDisc {
     weights: Vec<Vec<f64>>,
 }
 
-impl Disc {
+impl DefocusDisc {
     fn new(radius: f64) -> Self {
         let reach = (radius + 0.5).floor().max(0.0) as usize;
         let square = radius * radius;
-        let point = |pixel: usize, k: usize| pixel as f64 + (k as f64 + 0.5) / POINTS as f64 - 0.5;
-        let count = |dx: usize, dy: usize| {
-            let rows = (0..POINTS).map(|k| point(dy, k));
-            let inside = rows.map(|y| {
-                let columns = (0..POINTS).map(|k| point(dx, k));
-                columns.filter(|x| x * x + y * y <= square).count()
-            });
-            inside.sum::<usize>() as f64
-        };
         let mut weights: Vec<Vec<f64>> = (0..=reach)
-            .map(|dy| (0..=reach).map(|dx| count(dx, dy)).collect())
+            .map(|dy| (0..=reach).map(|dx| count_points(dx, dy, square)).collect())
             .collect();
-        let times = |k: usize| if k == 0 { 1.0 } else { 2.0 };
+        let copies = [1.0, 2.0];
         let rows = weights.iter().enumerate();
         let sum: f64 = rows
             .flat_map(|(dy, row)| {
                 row.iter()
                     .enumerate()
-                    .map(move |(dx, w)| w * times(dx) * times(dy))
+                    .map(move |(dx, w)| w * copies[dx.min(1)] * copies[dy.min(1)])
             })
             .sum();
         if sum == 0.0 {
@@ -53,18 +44,18 @@ impl Disc {
     }
 }
 
-/// The picture with every pixel blurred by its disc, in f64.
+/// Blurs every pixel by its disc, in f64.
 #[must_use]
 pub fn blur_reference(picture: &Rgb<f64>, radii: &Plane<f64>) -> Rgb<f64> {
     let (width, height) = picture.size();
-    let mut known: Option<(f64, Disc)> = None;
+    let mut known: Option<(f64, DefocusDisc)> = None;
     Rgb::from_fn(width, height, |x, y| {
         let radius = radii.pixel(x, y);
         let disc = match known.take() {
             Some((of, disc)) if of == radius => disc,
-            _ => Disc::new(radius),
+            _ => DefocusDisc::new(radius),
         };
-        let gather = |plane: &Plane<f64>| {
+        let pixel = picture.planes().each_ref().map(|plane| {
             let mut sum = 0.0;
             for (dy, row) in disc.weights.iter().enumerate() {
                 for (dx, weight) in row.iter().enumerate() {
@@ -76,19 +67,25 @@ pub fn blur_reference(picture: &Rgb<f64>, radii: &Plane<f64>) -> Rgb<f64> {
                 }
             }
             sum
-        };
-        let pixel = picture.planes().each_ref().map(gather);
+        });
         known = Some((radius, disc));
         pixel
     })
 }
 
-/// The signs of a first-quadrant place in all quadrants.
+/// The signs of a first-quadrant offset in all quadrants.
 fn signs(dx: usize, dy: usize) -> impl Iterator<Item = (isize, isize)> {
-    let ways = |d: usize| if d == 0 { &[1][..] } else { &[1, -1][..] };
-    ways(dy)
-        .iter()
-        .flat_map(move |&sy| ways(dx).iter().map(move |&sx| (sy, sx)))
+    let [columns, rows] = [dx, dy].map(|d| if d == 0 { &[1][..] } else { &[1, -1][..] });
+    rows.iter()
+        .flat_map(move |&sy| columns.iter().map(move |&sx| (sy, sx)))
+}
+
+/// Points of a pixel inside the squared radius.
+fn count_points(dx: usize, dy: usize, square: f64) -> f64 {
+    let [xs, ys] =
+        [dx, dy].map(|pixel| (0..POINTS).map(move |k| pixel as f64 + (k as f64 + 0.5) / POINTS as f64 - 0.5));
+    let inside = ys.map(|y| xs.clone().filter(|x| x * x + y * y <= square).count());
+    inside.sum::<usize>() as f64
 }
 
 #[cfg(test)]
@@ -98,7 +95,7 @@ mod tests {
     #[test]
     fn a_disc_is_round_and_sums_to_one() {
         for radius in [0.0, 0.05, 0.25, 0.5, 1.0, 1.7, 4.2, 11.0] {
-            let disc = Disc::new(radius);
+            let disc = DefocusDisc::new(radius);
             let times = |k: usize| if k == 0 { 1.0 } else { 2.0 };
             let rows = disc.weights.iter().enumerate();
             let sum: f64 = rows

@@ -1,24 +1,24 @@
-//! Error bound of a metered factor, and of the light that it exposes.
+//! Error bound of a metered gain and of the exposed light.
 //!
-//! With `y` cut to `target/64..=64 target` the factor is `target/y`. The metered luminance is an order statistic: if no pixel's
-//! luminance errs by more than e, neither does y. So the factors of the fast form and of the reference differ by at most
-//! `e/y` of the smaller one, y the smaller of both luminances.
+//! With `y` clamped to `target/64..=64 target` the gain is `target/y`. The metered luminance is an order statistic: if
+//! no pixel's luminance errs by more than e, neither does y. Therefore the gains of the fast variant and of the
+//! reference differ by at most `e/y` of the smaller one, y the smaller of both luminances.
 
 use spec::Metering;
 
 use crate::rounding;
 
-/// Roundings of a luminance in f32: the weight, its product, two sums, the fall-off, its product.
+/// Roundings of an f32 luminance: the weight, its product, two sums, the fall-off, its product.
 const LUMINANCE_ROUNDINGS: f64 = 6.0;
 
-/// Relative rounding of a metered luminance in f32.
+/// Relative rounding of an f32 luminance.
 #[must_use]
 pub fn luminance_rounding() -> f64 {
     rounding::relative(LUMINANCE_ROUNDINGS)
 }
 
-/// How an error of the light behind the fall-off appears in exposed light that is cut at `exposed_peak`: `g (1 + peak/target)`.
-/// The factors of the fast form and of the reference are at most `gain`. The rounding of the luminance is not included.
+/// Gain of an error of the vignetted light in exposed light clipped at `exposed_peak`: `g (1 + peak/target)`. The gains
+/// of the fast variant and of the reference are at most `gain`. The rounding of the luminance is not included.
 #[must_use]
 pub fn metered_slope(gain: f64, metering: &Metering, exposed_peak: f64) -> f64 {
     gain * (1.0 + exposed_peak / metering.target)

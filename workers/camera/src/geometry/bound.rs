@@ -1,29 +1,31 @@
 //! Error bound of sampling a picture in f32 along the fast map.
 
-use super::map::Source;
+use super::map::SourcePicture;
 use crate::rounding;
 
 /// Largest difference in direction between the fast map and its reference, in focal lengths of the source picture. Both
-/// inverses stop after a step below `ARRIVED`; where they converge within `MOST_STEPS` steps, less than twice that is left.
+/// inverses stop after a step below `ARRIVED`; if they converge within `MOST_STEPS` steps, the rest is less than twice
+/// that.
 const DIRECTION: f64 = 1e-12;
-/// Roundings of a place in f64, in units of the side of the source picture.
+/// Rounding of an f64 position, in units of the side of the source picture.
 const PLACE_ROUNDING: f64 = 16.0 * f64::EPSILON;
 
-/// Largest difference in pixels between a place of [`super::coordinates`] and of [`super::coordinates_reference`], along rows
-/// or columns.
+/// Largest difference in pixels between [`super::coordinates`] and [`super::coordinates_reference`], along rows or
+/// columns.
 #[must_use]
-pub fn place_bound_px(source: &Source) -> f64 {
+pub fn place_bound_px(source: &SourcePicture) -> f64 {
     let side = source.size.0.max(source.size.1) as f64;
     DIRECTION * source.camera.focal_px + PLACE_ROUNDING * side
 }
 
-/// Largest error of [`super::Sampling::picture`] along the fast map against [`super::resample_reference`] along the reference.
+/// Largest error of [`super::Sampling::picture`] along the fast map against [`super::resample_reference`] along the
+/// reference.
 ///
-/// No sample of the source picture is larger than `peak` in magnitude; two that are next to each other differ by at most
-/// `difference`, which is at most `peak` where no light is negative. Bilinear weights are at least 0 and sum to 1 for any
-/// supersampling: the gain is 1.
+/// No sample of the source picture is larger than `peak` in magnitude; neighbors differ by at most `difference`, which
+/// is at most `peak` without negative light. Bilinear weights are at least 0 and sum to 1 for any supersampling: the
+/// gain is 1.
 #[must_use]
-pub fn sampling_bound(source: &Source, peak: f64, difference: f64) -> f64 {
+pub fn sampling_bound(source: &SourcePicture, peak: f64, difference: f64) -> f64 {
     // `a + (b - a) x` twice in a row: each rounds the sum once, the difference, its product and half of it for x.
     let rounded = rounding::absolute(2.0, peak) + rounding::absolute(5.0, difference);
     rounded + 2.0 * place_bound_px(source) * difference
@@ -37,7 +39,7 @@ mod tests {
     use spec::Distortion;
 
     use super::super::{
-        Lens, Refraction, Sampling, Source, coordinates, coordinates_reference, resample_reference,
+        Lens, PortRefraction, Sampling, SourcePicture, coordinates, coordinates_reference, resample_reference,
     };
     use super::*;
 
@@ -56,8 +58,8 @@ mod tests {
             distortion(0.4, 0.0, -0.02),
         ];
         let refractions = [
-            Refraction::None,
-            Refraction::Flat {
+            PortRefraction::None,
+            PortRefraction::Flat {
                 index: [1.33, 1.34, 1.35],
             },
         ];
@@ -75,7 +77,7 @@ mod tests {
         all.filter(|lens| lens.check(SIZE).is_ok()).collect()
     }
 
-    /// Pictures with steps of all their light between neighbors, and with nearly even light.
+    /// Pictures with full-range steps between neighbors, and nearly uniform ones.
     fn scenes(size: (usize, usize)) -> Vec<(Rgb<f32>, f64)> {
         let stream = Stream::stage(5, "scenes");
         let unit = |x: usize, y: usize, c: usize| stream.unit((c + 3 * x) as u64, y as u64) as f32;
@@ -100,17 +102,18 @@ mod tests {
         let mut nearest = 0.0f64;
         for lens in lenses() {
             for supersample in [1, 2, 3] {
-                let source = Source::around(&lens, SIZE, supersample).unwrap();
+                let source = SourcePicture::covering(&lens, SIZE, supersample).unwrap();
                 let maps = coordinates(&lens, &source, SIZE);
                 let sampling = Sampling::new(&maps, source.size);
                 let references = [0, 1, 2].map(|c| coordinates_reference(&lens, &source, SIZE, c));
                 for (channel, reference) in references.iter().enumerate() {
                     let map = maps.get(channel).unwrap_or(&maps[0]);
-                    let apart = |a: &Plane<f64>, b: &Plane<f64>| {
+                    let largest_difference = |a: &Plane<f64>, b: &Plane<f64>| {
                         let pairs = a.data().iter().zip(b.data());
                         pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
                     };
-                    let places = apart(&map.x, &reference.x).max(apart(&map.y, &reference.y));
+                    let places = largest_difference(&map.x, &reference.x)
+                        .max(largest_difference(&map.y, &reference.y));
                     assert!(places <= place_bound_px(&source), "{places:e} of {lens:?}");
                 }
                 for (scene, difference) in scenes(source.size) {

@@ -3,24 +3,24 @@
 use imaging::geometry::Intrinsics;
 use spec::{Distortion, Port};
 
-/// Least slope of the distorted radius over the ideal one: below it, neighboring directions meet in one pixel.
+/// Smallest slope of the distorted radius over the ideal one: below it, neighboring directions meet in one pixel.
 const LEAST_SLOPE: f64 = 0.05;
-/// Refractive index of sea water of 20 °C and 35 psu at 650, 550 and 450 nm (Quan and Fry 1995). Fresh and cold water differ by
-/// less than 0.007, which moves no corner of a view of 80° by more than a hundredth of the picture.
+/// Refractive index of sea water of 20 °C and 35 psu at 650, 550 and 450 nm (Quan and Fry 1995). Fresh and cold water
+/// differ by less than 0.007, which moves no corner of a view of 80° by more than a hundredth of the picture.
 pub(crate) const SEA_WATER: [f64; 3] = [1.3377, 1.3408, 1.3459];
-/// How far beyond the farthest corner a lens must not fold.
+/// Radius, relative to the farthest corner, up to which a lens must not fold.
 const BEYOND_CORNER: f64 = 1.1;
-/// Steps of the radius in which a lens is searched for folds.
+/// Steps of the search for folds.
 const FOLD_STEPS: usize = 256;
-/// The inverse has arrived when a step moves it by less, in units of the focal length.
+/// The inverse has converged after a step below this, in focal lengths.
 pub(crate) const ARRIVED: f64 = 1e-13;
-/// Most steps of the inverse.
+/// Limit on the steps of the inverse.
 pub(crate) const MOST_STEPS: usize = 50;
 
-/// What the port does to directions.
+/// PortRefraction by the port.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Refraction {
-    /// Nothing: no port, or a dome about the pupil.
+pub enum PortRefraction {
+    /// No port, or a dome around the pupil.
     None,
     /// A flat port: `sin θ_w = sin θ_a / n` for each channel.
     Flat {
@@ -29,27 +29,27 @@ pub enum Refraction {
     },
 }
 
-/// The lens behind its port, as the picture shows it.
+/// The lens behind its port.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lens {
     /// Focal length in air and principal point, in pixels of the output.
     pub camera: Intrinsics,
-    /// Distortion, all 0 of an ideal lens.
+    /// Distortion; all 0 for an ideal lens.
     pub distortion: Distortion,
-    /// The port.
-    pub refraction: Refraction,
+    /// PortRefraction by the port.
+    pub refraction: PortRefraction,
 }
 
-/// Why a lens has no picture of these sides.
+/// A lens that cannot make a picture of this size.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Fold {
-    /// Two directions fall on one place.
+    /// Two directions map to the same position.
     #[error("the lens folds: at {radius:.3} focal lengths from the axis its radius no longer grows")]
     Radius {
         /// Ideal radius over the focal length.
         radius: f64,
     },
-    /// No direction is found for a pixel.
+    /// No direction maps to a pixel.
     #[error("the lens folds: no direction falls on pixel ({x}, {y})")]
     Pixel {
         /// Column.
@@ -71,20 +71,20 @@ pub(crate) fn distorted(d: &Distortion, x: f64, y: f64) -> (f64, f64) {
     )
 }
 
-/// The factor of a direction's tangent behind a flat port: `tan θ_w / tan θ_a` of `rho2 = tan² θ_a`.
+/// The factor of a direction's tangent behind a flat port: `tan θ_w / tan θ_a` for `rho2 = tan² θ_a`.
 #[inline(always)]
 pub(crate) fn refracted(rho2: f64, index: f64) -> f64 {
-    // t / ρ with s² = ρ² / ((1 + ρ²) n²), t = s / √(1 - s²): finite on the axis as well.
+    // t / ρ with s² = ρ² / ((1 + ρ²) n²), t = s / √(1 - s²): also finite on the axis.
     1.0 / ((1.0 + rho2) * index * index - rho2).sqrt()
 }
 
 impl Lens {
-    /// A lens whose port is described.
+    /// A lens behind a described port.
     #[must_use]
     pub fn new(camera: Intrinsics, distortion: Option<Distortion>, port: Option<Port>) -> Self {
         let refraction = match port {
-            Some(Port::Flat { .. }) => Refraction::Flat { index: SEA_WATER },
-            Some(Port::None {} | Port::Dome { .. }) | None => Refraction::None,
+            Some(Port::Flat { .. }) => PortRefraction::Flat { index: SEA_WATER },
+            Some(Port::None {} | Port::Dome { .. }) | None => PortRefraction::None,
         };
         Self {
             camera,
@@ -96,19 +96,19 @@ impl Lens {
     /// Whether the channels look in different directions.
     #[must_use]
     pub fn is_chromatic(&self) -> bool {
-        matches!(self.refraction, Refraction::Flat { index: [r, g, b] } if r != g || g != b)
+        matches!(self.refraction, PortRefraction::Flat { index: [r, g, b] } if r != g || g != b)
     }
 
-    /// How much a pinhole in the water must be longer to show the center at the same scale.
+    /// Ratio of focal lengths of a pinhole in water with the same scale in the center.
     #[must_use]
     pub fn magnification(&self) -> f64 {
         match self.refraction {
-            Refraction::None => 1.0,
-            Refraction::Flat { index } => index[1],
+            PortRefraction::None => 1.0,
+            PortRefraction::Flat { index } => index[1],
         }
     }
 
-    /// The ideal coordinates of distorted ones, found by repeated substitution; none where it does not end.
+    /// The ideal coordinates of distorted ones by fixed-point iteration; `None` if it does not converge.
     #[must_use]
     pub fn undistorted(&self, xd: f64, yd: f64) -> Option<(f64, f64)> {
         let (mut x, mut y) = (xd, yd);
@@ -127,20 +127,20 @@ impl Lens {
     #[must_use]
     pub fn in_water(&self, (x, y): (f64, f64), channel: usize) -> (f64, f64) {
         match self.refraction {
-            Refraction::None => (x, y),
-            Refraction::Flat { index } => {
+            PortRefraction::None => (x, y),
+            PortRefraction::Flat { index } => {
                 let factor = refracted(x * x + y * y, index[channel]);
                 (x * factor, y * factor)
             }
         }
     }
 
-    /// The pixel that shows a direction in the water; none beyond what the port lets in.
+    /// The pixel that shows a direction in water; `None` beyond the port's field of view.
     #[must_use]
     pub fn pixel_of(&self, (x, y): (f64, f64)) -> Option<(f64, f64)> {
         let (x, y) = match self.refraction {
-            Refraction::None => (x, y),
-            Refraction::Flat { index } => {
+            PortRefraction::None => (x, y),
+            PortRefraction::Flat { index } => {
                 let tan2 = x * x + y * y;
                 let sin2 = index[1] * index[1] * tan2 / (1.0 + tan2);
                 let factor = if tan2 > 0.0 {
@@ -158,14 +158,15 @@ impl Lens {
         ))
     }
 
-    /// Checks that each pixel of a picture of these sides looks in one direction.
+    /// Checks that each pixel of a picture of this size looks in one direction.
     ///
     /// # Errors
     /// [`Fold`].
     pub fn check(&self, (width, height): (usize, usize)) -> Result<(), Fold> {
         let Intrinsics { focal_px, cx, cy } = self.camera;
-        let far = |center: f64, side: usize| center.abs().max((side as f64 - 1.0 - center).abs()) / focal_px;
-        let corner = far(cx, width).hypot(far(cy, height)) * BEYOND_CORNER;
+        let [far_x, far_y] = [(cx, width), (cy, height)]
+            .map(|(center, side)| center.abs().max((side as f64 - 1.0 - center).abs()) / focal_px);
+        let corner = far_x.hypot(far_y) * BEYOND_CORNER;
         let Distortion { k1, k2, k3, .. } = self.distortion;
         let (step, mut radius) = (corner / FOLD_STEPS as f64, 0.0);
         loop {
@@ -180,19 +181,18 @@ impl Lens {
             radius += step;
         }
         border((width, height)).try_for_each(|(x, y)| {
-            let place = |i: usize, center: f64| (i as f64 - center) / focal_px;
-            let found = self.undistorted(place(x, cx), place(y, cy));
+            let found = self.undistorted((x as f64 - cx) / focal_px, (y as f64 - cy) / focal_px);
             found.map(|_| ()).ok_or(Fold::Pixel { x, y })
         })
     }
 }
 
-/// How far in px the corner of a picture is off for what is at this range, because the rays behind a flat port meet in no one
-/// point; 0 of other ports.
+/// Error in px at the corner of a picture for objects at this range, because rays behind a flat port do not meet in a
+/// single viewpoint; 0 for other ports.
 ///
-/// In the water the ray of angle θ meets the axis `dz(θ) = (d_p tan θ_a + d_g tan θ_g)/tan θ_w` behind the outer face, on the axis
-/// `n_w (d_p + d_g/n_g)`; the viewpoint stands there, from which range is measured. The error is
-/// `|dz(θ) - dz(0)| sin θ_w / Z` radians (d_p from pupil to glass, d_g its thickness, n_g = 1.5).
+/// In water the ray of angle θ meets the axis `dz(θ) = (d_p tan θ_a + d_g tan θ_g)/tan θ_w` behind the outer face, for
+/// small angles `n_w (d_p + d_g/n_g)`; this is the viewpoint, the origin of the range. The error is `|dz(θ) - dz(0)|
+/// sin θ_w / Z` radians (d_p from pupil to glass, d_g its thickness, n_g = 1.5).
 #[must_use]
 pub fn pupil_error_px(lens: &Lens, port: &Port, (width, height): (usize, usize), range_m: f64) -> f64 {
     const GLASS: f64 = 1.5;
@@ -203,7 +203,6 @@ pub fn pupil_error_px(lens: &Lens, port: &Port, (width, height): (usize, usize),
     let (x, y) = ((width as f64 - 1.0) / 2.0, (height as f64 - 1.0) / 2.0);
     let tan_air = x.hypot(y) / lens.camera.focal_px;
     let sin_air = tan_air / (1.0 + tan_air * tan_air).sqrt();
-    let tangent = |sin: f64| sin / (1.0 - sin * sin).sqrt();
     let sin_water = sin_air / index;
     if sin_water == 0.0 {
         return 0.0;
@@ -213,21 +212,29 @@ pub fn pupil_error_px(lens: &Lens, port: &Port, (width, height): (usize, usize),
     (at_corner - on_axis).abs() * sin_water / range_m * lens.camera.focal_px * index
 }
 
-/// Pixels of the border that are tried along a side: a lens is smooth, and a map has a margin.
+/// Border pixels tested per side: a lens is smooth, and a map has a margin.
 const BORDER_STEPS: usize = 64;
 
-/// Pixels of the border, its corners among them.
+/// Sampled border pixels, including the corners.
 pub(crate) fn border((width, height): (usize, usize)) -> impl Iterator<Item = (usize, usize)> {
-    let walk = |side: usize| (0..=BORDER_STEPS).map(move |i| i * (side - 1) / BORDER_STEPS);
-    let rows = walk(width).flat_map(move |x| [(x, 0), (x, height - 1)]);
-    rows.chain(walk(height).flat_map(move |y| [(0, y), (width - 1, y)]))
+    let rows = sample_side(width, BORDER_STEPS).flat_map(move |x| [(x, 0), (x, height - 1)]);
+    rows.chain(sample_side(height, BORDER_STEPS).flat_map(move |y| [(0, y), (width - 1, y)]))
+}
+
+/// `steps + 1` evenly spaced pixels of a side.
+pub(crate) fn sample_side(side: usize, steps: usize) -> impl Iterator<Item = usize> {
+    (0..=steps).map(move |i| i * (side - 1) / steps)
+}
+
+fn tangent(sin: f64) -> f64 {
+    sin / (1.0 - sin * sin).sqrt()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn lens(distortion: Distortion, refraction: Refraction) -> Lens {
+    fn lens(distortion: Distortion, refraction: PortRefraction) -> Lens {
         Lens {
             camera: Intrinsics::centered(60.0, 81, 61),
             distortion,
@@ -246,8 +253,8 @@ mod tests {
     #[test]
     fn the_forward_map_returns_to_the_pixel_that_looked() {
         for refraction in [
-            Refraction::None,
-            Refraction::Flat {
+            PortRefraction::None,
+            PortRefraction::Flat {
                 index: [1.33, 1.34, 1.35],
             },
         ] {
@@ -266,7 +273,7 @@ mod tests {
 
     #[test]
     fn a_flat_port_obeys_snell_and_never_sees_beyond_the_critical_angle() {
-        let lens = lens(Distortion::default(), Refraction::Flat { index: [1.34; 3] });
+        let lens = lens(Distortion::default(), PortRefraction::Flat { index: [1.34; 3] });
         let tan_air = libm::tan(40f64.to_radians());
         let (tan_water, _) = lens.in_water((tan_air, 0.0), 1);
         let expected = libm::asin(libm::sin(40f64.to_radians()) / 1.34);
@@ -282,7 +289,7 @@ mod tests {
             pupil_m,
             glass_m: 0.0,
         };
-        let lens = lens(Distortion::default(), Refraction::Flat { index: [1.34; 3] });
+        let lens = lens(Distortion::default(), PortRefraction::Flat { index: [1.34; 3] });
         let error = |pupil_m, range_m| pupil_error_px(&lens, &port(pupil_m), (81, 61), range_m);
         assert_eq!(error(0.0, 1.0), 0.0);
         // tan of the corner is 50/60: dz = 0.05 tan/tan, 0.08018 against 0.067.
@@ -299,11 +306,11 @@ mod tests {
             k1: -0.9,
             ..Distortion::default()
         };
-        let wrong = lens(strong, Refraction::None).check((81, 61)).unwrap_err();
+        let wrong = lens(strong, PortRefraction::None).check((81, 61)).unwrap_err();
         assert!(wrong.to_string().starts_with("the lens folds"), "{wrong}");
-        assert_eq!(lens(BARREL, Refraction::None).check((81, 61)), Ok(()));
+        assert_eq!(lens(BARREL, PortRefraction::None).check((81, 61)), Ok(()));
         assert_eq!(
-            lens(Distortion::default(), Refraction::None).check((1, 1)),
+            lens(Distortion::default(), PortRefraction::None).check((1, 1)),
             Ok(())
         );
     }

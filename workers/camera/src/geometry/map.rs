@@ -1,44 +1,43 @@
-//! The map itself: for each output pixel and channel a place in the source picture.
+//! The map: for each output pixel and channel a position in the source picture.
 
 use imaging::codec::{MAX_PIXELS, MAX_SIDE_PX};
 use imaging::geometry::Intrinsics;
 use imaging::{Plane, vectorized};
 use spec::Distortion;
 
-use super::lens::{ARRIVED, Lens, MOST_STEPS, Refraction, border, distorted, refracted};
+use super::lens::{ARRIVED, Lens, MOST_STEPS, PortRefraction, border, distorted, refracted};
 
-/// Pixels around what the map reaches.
+/// Margin around the area reached by the map.
 const MARGIN_PX: f64 = 2.0;
 /// Pixels that are inverted together.
 const LANES: usize = 16;
 
-/// The picture that a pinhole takes in the water.
+/// A pinhole picture in water.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Source {
+pub struct SourcePicture {
     /// Columns and rows.
     pub size: (usize, usize),
-    /// Its camera.
+    /// Its intrinsics.
     pub camera: Intrinsics,
 }
 
-impl Source {
-    /// The smallest picture about its center that holds all that a lens maps of these sides, with two pixels of margin and
-    /// `supersample` pixels for each of the output along a side. Its sides are even, so that samples of a supersampled picture
-    /// fall between pixels. None if it would be larger than a picture may be.
+impl SourcePicture {
+    /// The smallest centered picture that contains the mapped area of a lens and output size, with two pixels of margin
+    /// and `supersample` pixels per output pixel along a side. Its sides are even, so that samples of a supersampled
+    /// picture fall between pixels. `None` beyond the size limits of pictures.
     #[must_use]
-    pub fn around(lens: &Lens, size: (usize, usize), supersample: usize) -> Option<Self> {
+    pub fn covering(lens: &Lens, size: (usize, usize), supersample: usize) -> Option<Self> {
         let focal_px = supersample as f64 * lens.camera.focal_px * lens.magnification();
         let (mut across, mut down) = (0.0f64, 0.0f64);
         for (x, y) in border(size) {
-            let place = |i: usize, center: f64| (i as f64 - center) / lens.camera.focal_px;
-            let ideal = lens.undistorted(place(x, lens.camera.cx), place(y, lens.camera.cy))?;
+            let Intrinsics { focal_px, cx, cy } = lens.camera;
+            let ideal = lens.undistorted((x as f64 - cx) / focal_px, (y as f64 - cy) / focal_px)?;
             for channel in 0..3 {
                 let (u, v) = lens.in_water(ideal, channel);
                 (across, down) = (across.max((u * focal_px).abs()), down.max((v * focal_px).abs()));
             }
         }
-        let side = |half: f64| 2.0 * (half + 0.5 + MARGIN_PX).ceil();
-        let (width, height) = (side(across), side(down));
+        let [width, height] = [across, down].map(|half| 2.0 * (half + 0.5 + MARGIN_PX).ceil());
         let fits = width.max(height) <= MAX_SIDE_PX as f64 && width * height <= MAX_PIXELS as f64;
         let size = (width as usize, height as usize);
         fits.then(|| Self {
@@ -48,7 +47,7 @@ impl Source {
     }
 }
 
-/// Places in the source picture, in its pixels.
+/// Positions in the source picture, in its pixels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Coordinates {
     /// Columns.
@@ -60,36 +59,36 @@ pub struct Coordinates {
 /// The map of a channel, pixel by pixel.
 ///
 /// # Panics
-/// When the lens folds within the picture, see [`Lens::check`].
+/// If the lens folds within the picture, see [`Lens::check`].
 #[must_use]
 pub fn coordinates_reference(
     lens: &Lens,
-    source: &Source,
+    source: &SourcePicture,
     (width, height): (usize, usize),
     channel: usize,
 ) -> Coordinates {
-    let place = |x: usize, y: usize| {
+    let places = Plane::from_fn(width, height, |x, y| {
         let air = lens.camera.ray(x as f64, y as f64);
         let ideal = lens.undistorted(air.x, air.y).expect("a lens that does not fold");
         let (u, v) = lens.in_water(ideal, channel);
         let Intrinsics { focal_px, cx, cy } = source.camera;
         (cx + focal_px * u, cy + focal_px * v)
-    };
+    });
     Coordinates {
-        x: Plane::from_fn(width, height, |x, y| place(x, y).0),
-        y: Plane::from_fn(width, height, |x, y| place(x, y).1),
+        x: places.map(|place| place.0),
+        y: places.map(|place| place.1),
     }
 }
 
-/// The map of the channels: one where all look alike, else R, G, B. The same as the reference but for the last bits.
+/// The maps of the channels: one if all are equal, else R, G, B. Equal to the reference apart from the last bits.
 #[must_use]
-pub fn coordinates(lens: &Lens, source: &Source, (width, height): (usize, usize)) -> Vec<Coordinates> {
+pub fn coordinates(lens: &Lens, source: &SourcePicture, (width, height): (usize, usize)) -> Vec<Coordinates> {
     let channels = if lens.is_chromatic() { 3 } else { 1 };
-    let empty = || Coordinates {
+    let maps = (0..channels).map(|_| Coordinates {
         x: Plane::filled(width, height, 0.0),
         y: Plane::filled(width, height, 0.0),
-    };
-    let mut maps: Vec<Coordinates> = (0..channels).map(|_| empty()).collect();
+    });
+    let mut maps: Vec<Coordinates> = maps.collect();
     let (mut xs, mut ys) = (vec![0.0; width], vec![0.0; width]);
     for y in 0..height {
         vectorized!(ideal_row(lens, y, &mut xs, &mut ys));
@@ -111,7 +110,7 @@ fn ideal_row(lens: &Lens, row: usize, xs: &mut [f64], ys: &mut [f64]) {
         let xd: [f64; LANES] = std::array::from_fn(|lane| ((block * LANES + lane) as f64 - cx) / focal_px);
         let (mut x, mut y) = (xd, [yd; LANES]);
         if !is_ideal {
-            // Beyond the last pixel of a row, a lane repeats it: it may lie where the lens folds.
+            // Lanes beyond the end of a row repeat its last pixel: the lens may fold there.
             let last = xs.len() - 1;
             let xd: [f64; LANES] = std::array::from_fn(|lane| xd[lane.min(last)]);
             x = xd;
@@ -122,7 +121,7 @@ fn ideal_row(lens: &Lens, row: usize, xs: &mut [f64], ys: &mut [f64]) {
     }
 }
 
-/// Repeated substitution until all lanes have arrived.
+/// Fixed-point iteration until all lanes have converged.
 #[inline(always)]
 fn invert(d: &Distortion, xd: &[f64; LANES], yd: f64, x: &mut [f64; LANES], y: &mut [f64; LANES]) {
     for _ in 0..MOST_STEPS {
@@ -144,15 +143,15 @@ fn invert(d: &Distortion, xd: &[f64; LANES], yd: f64, x: &mut [f64; LANES], y: &
 #[inline(always)]
 fn water_row(
     lens: &Lens,
-    source: &Source,
+    source: &SourcePicture,
     channel: usize,
     (xs, ys): (&[f64], &[f64]),
     (us, vs): (&mut [f64], &mut [f64]),
 ) {
     let Intrinsics { focal_px, cx, cy } = source.camera;
     let index = match lens.refraction {
-        Refraction::None => None,
-        Refraction::Flat { index } => Some(index[channel]),
+        PortRefraction::None => None,
+        PortRefraction::Flat { index } => Some(index[channel]),
     };
     let outputs = us.iter_mut().zip(vs);
     for ((u, v), (&x, &y)) in outputs.zip(xs.iter().zip(ys)) {

@@ -4,18 +4,18 @@ use imaging::{Plane, Rgb, cancel};
 
 use super::map::Coordinates;
 
-/// A map ready to be sampled: which four pixels, and how far between them.
+/// A map prepared for sampling: four pixels and the weights between them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sampling {
     size: (usize, usize),
     source: (usize, usize),
     /// One for all channels, or three.
     taps: Vec<Vec<Tap>>,
-    /// 0 where a channel looks beyond the source picture; none where that is nowhere.
+    /// 0 where a channel looks outside the source picture; `None` if all are inside everywhere.
     valid: Option<Plane<u8>>,
 }
 
-/// The upper left of four pixels, and the place between them.
+/// The upper left of four pixels, and the position between them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Tap {
     index: u32,
@@ -23,13 +23,24 @@ struct Tap {
     y: f32,
 }
 
-/// Whether a place lies on a picture whose pixels are squares.
+impl Tap {
+    fn new(x: f64, y: f64, source: (usize, usize)) -> Self {
+        let ((column, x), (row, y)) = (split_position(x, source.0), split_position(y, source.1));
+        Self {
+            index: (row * source.0 + column) as u32,
+            x: x as f32,
+            y: y as f32,
+        }
+    }
+}
+
+/// Whether a position is on a picture of square pixels.
 fn is_inside(place: f64, side: usize) -> bool {
     place >= -0.5 && place < side as f64 - 0.5
 }
 
-/// The lower pixel beside a place and the way beyond it; places outside are those of the edge.
-fn between(place: f64, side: usize) -> (usize, f64) {
+/// The lower neighbor of a position and the distance from it, clamped to the edge.
+fn split_position(place: f64, side: usize) -> (usize, f64) {
     let last = side as f64 - 1.0;
     let place = place.clamp(0.0, last);
     let lower = place.floor().min((last - 1.0).max(0.0));
@@ -37,25 +48,18 @@ fn between(place: f64, side: usize) -> (usize, f64) {
 }
 
 impl Sampling {
-    /// Along these maps, one for all channels or three, over a source picture of these sides.
+    /// Prepares these maps, one for all channels or three, for a source picture of this size.
     ///
     /// # Panics
     /// Without a map.
     #[must_use]
     pub fn new(maps: &[Coordinates], source: (usize, usize)) -> Self {
         let size = maps[0].x.size();
-        let tap = |(&x, &y): (&f64, &f64)| {
-            let ((column, x), (row, y)) = (between(x, source.0), between(y, source.1));
-            Tap {
-                index: (row * source.0 + column) as u32,
-                x: x as f32,
-                y: y as f32,
-            }
-        };
-        let places = |map: &'_ Coordinates| -> Vec<Tap> {
+        let taps = maps.iter().map(|map| {
             cancel::check();
-            map.x.data().iter().zip(map.y.data()).map(tap).collect()
-        };
+            let places = map.x.data().iter().zip(map.y.data());
+            places.map(|(&x, &y)| Tap::new(x, y, source)).collect()
+        });
         let mut valid = Plane::filled(size.0, size.1, 1u8);
         for map in maps {
             let places = map.x.data().iter().zip(map.y.data());
@@ -66,27 +70,27 @@ impl Sampling {
         Self {
             size,
             source,
-            taps: maps.iter().map(places).collect(),
+            taps: taps.collect(),
             valid: valid.data().contains(&0).then_some(valid),
         }
     }
 
-    /// Columns and rows of what is sampled along it.
+    /// Columns and rows of the output.
     #[must_use]
     pub fn size(&self) -> (usize, usize) {
         self.size
     }
 
-    /// 1 where all channels look into the source picture, 0 where one looks beyond; none where all do everywhere.
+    /// 1 where all channels look into the source picture, else 0; `None` if all do everywhere.
     #[must_use]
     pub fn valid(&self) -> Option<&Plane<u8>> {
         self.valid.as_ref()
     }
 
-    /// A picture along the map, bilinear; beyond the source picture its edge goes on.
+    /// Samples a picture bilinearly along the map; its edge extends outwards.
     ///
     /// # Panics
-    /// When the picture has other sides than the source.
+    /// If the picture does not have the size of the source.
     #[must_use]
     pub fn picture(&self, picture: &Rgb<f32>) -> Rgb<f32> {
         assert_eq!(
@@ -111,10 +115,10 @@ impl Sampling {
         Rgb::new(planes).expect("three planes of one map")
     }
 
-    /// Labels along the map of the green channel, each the nearest sample.
+    /// Samples labels along the map of the green channel, nearest neighbor.
     ///
     /// # Panics
-    /// When the plane has other sides than the source.
+    /// If the plane does not have the size of the source.
     #[must_use]
     pub fn labels<T: Copy>(&self, labels: &Plane<T>) -> Plane<T> {
         assert_eq!(
@@ -124,16 +128,16 @@ impl Sampling {
         );
         let (right, below) = self.steps();
         let taps = self.taps.get(1).unwrap_or(&self.taps[0]);
-        let nearest = |tap: &Tap| {
+        let nearest = taps.iter().map(|tap| {
             let column = if tap.x >= 0.5 { right } else { 0 };
             let row = if tap.y >= 0.5 { below } else { 0 };
             labels.data()[tap.index as usize + column + row]
-        };
-        let data = taps.iter().map(nearest).collect();
+        });
+        let data = nearest.collect();
         Plane::new(self.size.0, self.size.1, data).expect("a sample for each tap")
     }
 
-    /// Ways to the pixel on the right and to that below; 0 in a source of one column or row.
+    /// Index steps to the right and lower neighbor; 0 for a source of one column or row.
     fn steps(&self) -> (usize, usize) {
         let (width, height) = self.source;
         (usize::from(width > 1), if height > 1 { width } else { 0 })
@@ -142,21 +146,21 @@ impl Sampling {
 
 #[inline(always)]
 fn bilinear(data: &[f32], tap: &Tap, right: usize, below: usize) -> f32 {
-    let at = tap.index as usize;
-    let (a, b) = (data[at], data[at + right]);
-    let (c, d) = (data[at + below], data[at + below + right]);
+    let index = tap.index as usize;
+    let (a, b) = (data[index], data[index + right]);
+    let (c, d) = (data[index + below], data[index + below + right]);
     let upper = a + (b - a) * tap.x;
     let lower = c + (d - c) * tap.x;
     upper + (lower - upper) * tap.y
 }
 
-/// A channel of a picture along its map in f64.
+/// Samples a channel of a picture along its map in f64.
 #[must_use]
 pub fn resample_reference(plane: &Plane<f64>, map: &Coordinates) -> Plane<f64> {
     let (width, height) = plane.size();
     Plane::from_fn(map.x.width(), map.x.height(), |i, j| {
-        let (column, x) = between(map.x.pixel(i, j), width);
-        let (row, y) = between(map.y.pixel(i, j), height);
+        let (column, x) = split_position(map.x.pixel(i, j), width);
+        let (row, y) = split_position(map.y.pixel(i, j), height);
         let sample =
             |dx: usize, dy: usize| plane.pixel((column + dx).min(width - 1), (row + dy).min(height - 1));
         let upper = sample(0, 0) * (1.0 - x) + sample(1, 0) * x;

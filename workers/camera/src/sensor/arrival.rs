@@ -1,5 +1,5 @@
-//! Whole electrons of mean ones: Poisson's numbers where few are expected, skewed normal ones where many are. Each pixel draws
-//! only what its own form needs.
+//! Arriving electrons from mean electrons: Poisson for small means, skewed normal for large ones. Random numbers are
+//! drawn only for the distribution in use.
 
 use imaging::vectorized;
 
@@ -7,17 +7,17 @@ use super::POISSON_SWITCH;
 use super::counting::Counter;
 use super::noise::{BLOCK, Elements, Streams, fill_normals, fill_normals_at};
 
-/// Means become whole electrons, block by block.
+/// Draws arriving electrons block by block.
 #[derive(Default)]
-pub(super) struct Arrival {
+pub(super) struct ArrivalSampler {
     counter: Counter,
 }
 
-impl Arrival {
-    /// Makes whole electrons of the means of neighboring pixels, in place.
+impl ArrivalSampler {
+    /// Replaces the means of neighboring pixels by arriving electrons.
     ///
     /// # Panics
-    /// For more than [`BLOCK`].
+    /// For more than [`BLOCK`] pixels.
     pub(super) fn arrive(
         &mut self,
         streams: &Streams,
@@ -39,7 +39,7 @@ impl Arrival {
         }
     }
 
-    /// The same where some pixels expect few electrons and others many: both are gathered, counted and put back.
+    /// For a mix of small and large means: gathers both groups, draws each, and scatters the results.
     fn arrive_apart(&mut self, streams: &Streams, frame: u64, elements: Elements, electrons: &mut [f64]) {
         let (mut gathered, mut order, mut random) = ([0.0; BLOCK], [0; BLOCK], [0.0; BLOCK]);
         let gathered = &mut gathered[..electrons.len()];
@@ -59,7 +59,7 @@ impl Arrival {
     }
 }
 
-/// How many pixels expect few electrons.
+/// Number of pixels with small means.
 #[inline(always)]
 fn few(means: &[f64]) -> usize {
     let mut few = 0;
@@ -69,12 +69,13 @@ fn few(means: &[f64]) -> usize {
     few
 }
 
-/// The pixels with few electrons, then those with many from behind, and their places; how many the first are.
+/// Gathers pixels with small means from the front and those with large ones from the back, with their positions;
+/// returns the number of the former.
 fn gather(means: &[f64], gathered: &mut [f64], order: &mut [u8]) -> usize {
     let (mut few, mut free) = (0, means.len());
     for (place, &mean) in means.iter().enumerate() {
         let is_few = usize::from(mean < POISSON_SWITCH);
-        // Both ends are still free; without a branch, because neighbors of a mosaic take turns.
+        // Both ends are still free. Branch-free, because neighbors of a mosaic alternate.
         (gathered[few], order[few]) = (mean, place as u8);
         (gathered[free - 1], order[free - 1]) = (mean, place as u8);
         few += is_few;
@@ -83,7 +84,7 @@ fn gather(means: &[f64], gathered: &mut [f64], order: &mut [u8]) -> usize {
     few
 }
 
-/// Whole electrons from many: a normal number with the skewness of Poisson's.
+/// Replaces large means by normal numbers with Poisson's skewness.
 #[inline(always)]
 fn scatter(electrons: &mut [f64], normals: &[f64]) {
     for (electrons, &n) in electrons.iter_mut().zip(normals) {

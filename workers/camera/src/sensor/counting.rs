@@ -1,17 +1,17 @@
-//! Whole electrons where fewer than [`super::POISSON_SWITCH`] are expected: the smallest k with `u < F(k; μ)`,
-//! `F(k; μ) = Σ e^{-μ} μ^i / i!` over `i ≤ k`, summed upward in f64.
+//! Arriving electrons for means below [`super::POISSON_SWITCH`]: the smallest k with `u < F(k; μ)`, `F(k; μ) = Σ e^{-μ}
+//! μ^i / i!` over `i ≤ k`, summed upward in f64.
 //!
-//! Most pixels need no sum. A table holds F at the middle c of every quarter of an electron, from which
-//! `F(k; c + d) = F(k) - d p(k) + d²/2 (p(k) - p(k-1)) + e` with `p(k) = F(k) - F(k-1)` and `|e| ≤ |d|³/6 · 2`, because
-//! `dF(k)/dμ = -p(k)`, `dp(k)/dμ = p(k-1) - p(k)` and every p is at most 1. A guide names for each part of 0..1 that u may lie in
-//! the least k. Where u is nearer to a step than the error, or k is not among the three that follow, the sum is computed: k
-//! is always that of the sum.
+//! Most pixels need no sum. A table holds F at the middle c of every quarter of an electron, from which `F(k; c + d) =
+//! F(k) - d p(k) + d²/2 (p(k) - p(k-1)) + e` with `p(k) = F(k) - F(k-1)` and `|e| ≤ |d|³/6 · 2`, because `dF(k)/dμ =
+//! -p(k)`, `dp(k)/dμ = p(k-1) - p(k)` and every p is at most 1. A guide maps each interval of u to the smallest
+//! possible k. If u is closer to a step than the error, or k is not among the next three, the sum is computed: k always
+//! equals that of the sum.
 
 mod table;
 
 use imaging::vectorized;
 
-use table::{COUNTS, PARTS, ROUNDING, ROWS_PER_E, TABLE, Table, WINDOW};
+use table::{COUNTS, PARTS, PoissonTable, ROUNDING, ROWS_PER_E, TABLE, WINDOW};
 
 use super::MOST_COUNTED;
 use super::noise::BLOCK;
@@ -20,9 +20,9 @@ use crate::elementary::{exponential_of_minus, whole};
 /// Pixels that are summed together.
 const LANES: usize = 8;
 
-/// Counts the electrons of a block of pixels; it keeps what is looked up of each.
+/// Counts the electrons of a block of pixels, with its look-up buffers.
 pub(super) struct Counter {
-    /// The row and the part of u.
+    /// Row and interval of u of each pixel.
     cells: [u16; BLOCK],
     /// The mean minus that of the row.
     d: [f32; BLOCK],
@@ -45,10 +45,10 @@ impl Default for Counter {
 }
 
 impl Counter {
-    /// Whole electrons of means below [`super::POISSON_SWITCH`], in place, by even numbers in 0..1.
+    /// Replaces means below [`super::POISSON_SWITCH`] by arriving electrons, from uniform numbers in 0..1.
     ///
     /// # Panics
-    /// For more than [`BLOCK`].
+    /// For more than [`BLOCK`] pixels.
     pub(super) fn count(&mut self, electrons: &mut [f64], units: &[f64]) {
         let mut means = [0.0; BLOCK];
         let means = &mut means[..electrons.len()];
@@ -61,12 +61,12 @@ impl Counter {
         vectorized!(sum(&mut *electrons, means, units, &open[..many]));
     }
 
-    fn look_up(&mut self, table: &Table, length: usize) {
+    fn look_up(&mut self, table: &PoissonTable, length: usize) {
         let cells = self.cells[..length].iter();
         for ((&cell, start), window) in cells.zip(&mut self.starts).zip(&mut self.windows) {
             *start = table.starts[usize::from(cell)];
-            let from = usize::from(*start);
-            window.copy_from_slice(&table.sums[from..from + WINDOW]);
+            let origin = usize::from(*start);
+            window.copy_from_slice(&table.sums[origin..origin + WINDOW]);
         }
     }
 }
@@ -95,16 +95,16 @@ fn decide(electrons: &mut [f64], units: &[f64], counter: &mut Counter) {
         let error = d.abs() * curved * (2.0 / 3.0) + ROUNDING;
         let k = (start as usize % COUNTS) as u32 + u32::from(first >= 0.0) + u32::from(second >= 0.0);
         *electrons = f64::from(k);
-        // So that no number leaves it open.
+        // Negated, so that NaN stays open.
         *is_open = !((first.abs() > error) & (second.abs() > error));
     }
 }
 
-/// Lists what is open; how many there are.
+/// Lists the open pixels and returns their number.
 fn listed(is_open: &[bool], list: &mut [u8; BLOCK]) -> usize {
     let mut many = 0;
     for (pixel, &is_open) in is_open.iter().enumerate() {
-        // Without a branch, which nothing could foresee.
+        // Branch-free, since the outcome is unpredictable.
         list[many] = pixel as u8;
         many += usize::from(is_open);
     }
@@ -115,7 +115,7 @@ fn listed(is_open: &[bool], list: &mut [u8; BLOCK]) -> usize {
 #[inline(always)]
 fn sum(electrons: &mut [f64], means: &[f64], units: &[f64], pixels: &[u8]) {
     for pixels in pixels.chunks(LANES) {
-        // A lane without a pixel stops at once.
+        // Lanes without a pixel stop immediately.
         let (mut mean, mut unit) = ([0.0; LANES], [-1.0; LANES]);
         for (lane, &pixel) in pixels.iter().enumerate() {
             let pixel = usize::from(pixel);
@@ -156,7 +156,7 @@ mod tests {
     use super::table::ROWS;
     use super::*;
 
-    /// The definition, with the exponential of the fast form, so that not one bit may differ.
+    /// The definition with the exponential of the fast variant, so that every bit must agree.
     fn summed(mean: f64, unit: f64) -> f64 {
         let (mut probability, mut sum) = (exponential_of_minus(mean), 0.0);
         for k in 0..MOST_COUNTED {
@@ -177,7 +177,7 @@ mod tests {
         electrons
     }
 
-    /// Both sides of every edge of the table, what is next to nothing and to the switch, and some between.
+    /// Both sides of every edge of the table, values next to 0 and to the switch, and some between.
     fn means() -> Vec<f64> {
         let edges = (0..=2 * ROWS).map(|half| half as f64 / (2 * ROWS_PER_E) as f64);
         let beside = edges.flat_map(|edge| [edge.next_down().max(0.0), edge, edge.next_up()]);
@@ -187,7 +187,7 @@ mod tests {
         all.filter(|&mean| mean < POISSON_SWITCH).collect()
     }
 
-    /// Both sides of every step of F and of every part of 0..1, and the least and largest that are drawn.
+    /// Both sides of every step of F and of every interval of u, and the extreme draws.
     fn units(mean: f64) -> Vec<f64> {
         let (mut probability, mut sum) = (exponential_of_minus(mean), 0.0);
         let steps = (1..=MOST_COUNTED).map(|k| {

@@ -1,5 +1,5 @@
-//! The random numbers of a sensor: normal ones from two even ones (Box and Muller), `√(-2 ln(1-u)) cos 2πv`, u and v at the
-//! elements 2e and 2e + 1.
+//! Random numbers of a sensor: normal ones from two uniform ones (Box and Muller), `√(-2 ln(1-u)) cos 2πv`, u and v at
+//! the elements 2e and 2e + 1.
 
 use imaging::random::Stream;
 use imaging::vectorized;
@@ -7,7 +7,7 @@ use imaging::vectorized;
 use super::Chance;
 use crate::elementary::{cosine_of_turn, logarithm};
 
-/// Most values that are drawn together.
+/// Limit on values drawn together.
 pub(super) const BLOCK: usize = 256;
 
 /// The streams of a camera.
@@ -24,21 +24,21 @@ pub(super) struct Streams {
 
 impl Streams {
     pub(super) fn new(chance: Chance) -> Self {
-        let stage = |name| Stream::stage(chance.seed, name);
+        let seed = chance.seed;
         Self {
-            prnu: stage("camera-prnu"),
-            dcnu: stage("camera-dcnu"),
-            dsnu: stage("camera-dsnu"),
-            hot: stage("camera-hot"),
-            shot: stage("camera-shot"),
-            shot_normal: stage("camera-shot-normal"),
-            read: stage("camera-read"),
-            row: stage("camera-row"),
+            prnu: Stream::stage(seed, "camera-prnu"),
+            dcnu: Stream::stage(seed, "camera-dcnu"),
+            dsnu: Stream::stage(seed, "camera-dsnu"),
+            hot: Stream::stage(seed, "camera-hot"),
+            shot: Stream::stage(seed, "camera-shot"),
+            shot_normal: Stream::stage(seed, "camera-shot-normal"),
+            read: Stream::stage(seed, "camera-read"),
+            row: Stream::stage(seed, "camera-row"),
         }
     }
 }
 
-/// Where the numbers of neighboring pixels stand.
+/// Stream elements of neighboring pixels.
 #[derive(Clone, Copy)]
 pub(super) struct Elements {
     pub(super) first: u64,
@@ -54,10 +54,10 @@ pub(super) fn normal(stream: &Stream, index: u64, element: u64) -> f64 {
     (-2.0 * libm::log(1.0 - u)).sqrt() * libm::cos(std::f64::consts::TAU * v)
 }
 
-/// The same for many elements, within 1e-11.
+/// Normal numbers of many elements, within 1e-11 of [`normal`].
 ///
 /// # Panics
-/// For more than [`BLOCK`].
+/// For more than [`BLOCK`] elements.
 pub(super) fn fill_normals(stream: &Stream, index: u64, elements: Elements, normals: &mut [f64]) {
     let Elements { first, step } = elements;
     let mut turns = [0.0; BLOCK];
@@ -67,10 +67,10 @@ pub(super) fn fill_normals(stream: &Stream, index: u64, elements: Elements, norm
     vectorized!(to_normal(&mut *normals, turns));
 }
 
-/// The same for some of the elements, by their places.
+/// Normal numbers of selected elements by position.
 ///
 /// # Panics
-/// For more than [`BLOCK`].
+/// For more than [`BLOCK`] elements.
 pub(super) fn fill_normals_at(
     stream: &Stream,
     index: u64,

@@ -1,24 +1,24 @@
-//! What is fixed to the camera: the sensitivity, dark current and offset of every pixel.
+//! Fixed-pattern noise of the camera: the sensitivity, dark current and offset of every pixel.
 
 use imaging::cancel;
 
 use super::noise::{BLOCK, Elements, Streams, fill_normals};
-use super::{Chance, HOT, Sensor};
+use super::{Chance, HOT, SensorModel};
 
-/// Most samples of a pattern that is kept: 48 MB.
+/// Limit on the samples of a stored pattern: 48 MB.
 const MOST_KEPT: usize = 4 << 20;
 
-/// The fixed pattern of a sensor of some size. It does not depend on the frame.
+/// The fixed pattern of a sensor; the same in every frame.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Pattern {
-    sensor: Sensor,
+pub struct FixedPattern {
+    sensor: SensorModel,
     seed: u64,
     samples: usize,
-    /// Of every sample, where they are few enough to be kept.
+    /// All samples, if they fit the limit.
     kept: Option<Fixed>,
 }
 
-/// Of some samples: how much more sensitive each is, its dark electrons, its offset in electrons.
+/// Relative sensitivity, dark electrons and offset in electrons of each sample.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Fixed {
     pub(super) sensitivity: Vec<f32>,
@@ -26,17 +26,16 @@ pub(super) struct Fixed {
     pub(super) offset: Vec<f32>,
 }
 
-/// One block of samples.
 pub(super) struct FixedBlock<'a> {
     pub(super) sensitivity: &'a [f32],
     pub(super) dark: &'a [f32],
     pub(super) offset: &'a [f32],
 }
 
-impl Pattern {
-    /// The pattern of a picture of so many samples: pixels of a mosaic, three times the pixels of three sensors.
+impl FixedPattern {
+    /// The pattern of a picture: `samples` is the number of pixels for a mosaic, three times that for three sensors.
     #[must_use]
-    pub fn new(sensor: &Sensor, seed: u64, samples: usize) -> Self {
+    pub fn new(sensor: &SensorModel, seed: u64, samples: usize) -> Self {
         let mut pattern = Self {
             sensor: *sensor,
             seed,
@@ -64,12 +63,12 @@ impl Pattern {
 
     /// Whether it is the pattern of this sensor.
     #[must_use]
-    pub fn is_of(&self, sensor: &Sensor, seed: u64, samples: usize) -> bool {
-        // The gain and the frame change nothing of it, but a sensor is rarely varied in one number alone.
+    pub fn is_of(&self, sensor: &SensorModel, seed: u64, samples: usize) -> bool {
+        // Gain and frame do not matter, but a sensor rarely varies in one number only.
         (&self.sensor, self.seed, self.samples) == (sensor, seed, samples)
     }
 
-    /// Hands out a block of it: the samples from `start` on of plane `plane`, at place `at` of all.
+    /// A block of the pattern: the samples from `start` on of plane `plane`, at index `at` overall.
     pub(super) fn block<'a>(
         &'a self,
         streams: &Streams,
@@ -85,16 +84,16 @@ impl Pattern {
                 (&*drawn, 0)
             }
         };
-        let part = |values: &'a [f32]| values.get(from..from + length).unwrap_or_default();
+        let range = from..from + length;
         FixedBlock {
-            sensitivity: part(&fixed.sensitivity),
-            dark: part(&fixed.dark),
-            offset: part(&fixed.offset),
+            sensitivity: fixed.sensitivity.get(range.clone()).unwrap_or_default(),
+            dark: fixed.dark.get(range.clone()).unwrap_or_default(),
+            offset: fixed.offset.get(range).unwrap_or_default(),
         }
     }
 }
 
-/// The elements of the samples of a plane from one on: `4 P + plane`.
+/// The elements of a plane's samples from `start` on: `4 P + plane`.
 pub(super) fn elements(plane: usize, start: usize) -> Elements {
     Elements {
         first: 4 * start as u64 + plane as u64,
@@ -102,7 +101,7 @@ pub(super) fn elements(plane: usize, start: usize) -> Elements {
     }
 }
 
-fn draw(sensor: &Sensor, streams: &Streams, elements: Elements, length: usize, fixed: &mut Fixed) {
+fn draw(sensor: &SensorModel, streams: &Streams, elements: Elements, length: usize, fixed: &mut Fixed) {
     cancel::check();
     let mut normals = [0.0; BLOCK];
     let normals = &mut normals[..length];
@@ -126,12 +125,12 @@ fn draw(sensor: &Sensor, streams: &Streams, elements: Elements, length: usize, f
         deviation
     });
     if sensor.hot_share > 0.0 {
-        let from = fixed.dark.len() - length;
+        let start = fixed.dark.len() - length;
         let mut units = [0.0; BLOCK];
         streams
             .hot
             .fill_units(0, elements.first, elements.step, &mut units[..length]);
-        let all = fixed.dark[from..].iter_mut().zip(&units);
+        let all = fixed.dark[start..].iter_mut().zip(&units);
         all.filter(|(_, unit)| **unit < sensor.hot_share)
             .for_each(|(dark, _)| *dark *= HOT as f32);
     }

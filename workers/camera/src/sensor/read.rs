@@ -2,23 +2,23 @@
 
 use imaging::{Plane, Rgb, cancel, vectorized};
 
-use super::arrival::Arrival;
+use super::arrival::ArrivalSampler;
 use super::noise::{BLOCK, Streams, fill_normals, normal};
-use super::pattern::{Fixed, FixedBlock, Pattern, elements};
-use super::{Chance, Raw, Sensor, color_of};
+use super::pattern::{Fixed, FixedBlock, FixedPattern, elements};
+use super::{Chance, Raw, SensorModel, color_of};
 use crate::elementary::whole;
 
-/// The codes of exposed light, white = 1; `pattern` is that of this sensor.
+/// The codes of exposed light, white = 1; `pattern` must belong to this sensor.
 #[must_use]
-pub fn read(light: &Rgb<f32>, sensor: &Sensor, chance: Chance, pattern: &Pattern) -> Raw {
+pub fn read(light: &Rgb<f32>, sensor: &SensorModel, chance: Chance, pattern: &FixedPattern) -> Raw {
     let (width, height) = light.size();
-    let mut reader = Reader {
+    let mut reader = SensorReader {
         sensor,
         pattern,
         chance,
         streams: Streams::new(chance),
         drawn: Fixed::default(),
-        arrival: Arrival::default(),
+        arrival: ArrivalSampler::default(),
     };
     let rows: Vec<f64> = (0..height as u64)
         .map(|row| sensor.row_noise_e * normal(&reader.streams.row, chance.frame, row))
@@ -32,8 +32,8 @@ pub fn read(light: &Rgb<f32>, sensor: &Sensor, chance: Chance, pattern: &Pattern
             for (block, codes) in codes.chunks_mut(BLOCK).enumerate() {
                 let start = y * width + block * BLOCK;
                 let light = &row[block * BLOCK..][..codes.len()];
-                let at = plane * width * height + start;
-                reader.block(light, (plane, start, at), rows[y], codes);
+                let position = plane * width * height + start;
+                reader.block(light, (plane, start, position), rows[y], codes);
             }
         }
         Plane::new(width, height, codes).expect("a code for each pixel")
@@ -59,17 +59,17 @@ pub fn read(light: &Rgb<f32>, sensor: &Sensor, chance: Chance, pattern: &Pattern
     }
 }
 
-struct Reader<'a> {
-    sensor: &'a Sensor,
-    pattern: &'a Pattern,
+struct SensorReader<'a> {
+    sensor: &'a SensorModel,
+    pattern: &'a FixedPattern,
     chance: Chance,
     streams: Streams,
-    /// Of a pattern that is too large to be kept.
+    /// Buffer for patterns too large to store.
     drawn: Fixed,
-    arrival: Arrival,
+    arrival: ArrivalSampler,
 }
 
-impl Reader<'_> {
+impl SensorReader<'_> {
     /// Reads neighboring samples of a row.
     fn block(&mut self, light: &[f32], place: (usize, usize, usize), row_noise: f64, codes: &mut [u16]) {
         let (sensor, frame, length) = (self.sensor, self.chance.frame, light.len());
@@ -108,10 +108,10 @@ fn collect(electrons: &mut [f64], light: &[f32], white_e: f64, fixed: &FixedBloc
     }
 }
 
-/// Electrons with their noise as codes.
+/// Converts electrons to codes with their noise.
 #[inline(always)]
 fn convert(
-    sensor: &Sensor,
+    sensor: &SensorModel,
     electrons: &[f64],
     read: &[f64],
     offset: &[f32],

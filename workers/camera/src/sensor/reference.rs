@@ -1,13 +1,13 @@
-//! The sensor pixel by pixel, as it is defined.
+//! The sensor pixel by pixel, by definition.
 
 use imaging::{Plane, Rgb};
 
 use super::noise::{Streams, normal};
-use super::{Chance, HOT, MOST_COUNTED, POISSON_SWITCH, Raw, Sensor, color_of};
+use super::{Chance, HOT, MOST_COUNTED, POISSON_SWITCH, Raw, SensorModel, color_of};
 
 /// The codes of exposed light, white = 1.
 #[must_use]
-pub fn read_reference(light: &Rgb<f64>, sensor: &Sensor, chance: Chance) -> Raw {
+pub fn read_reference(light: &Rgb<f64>, sensor: &SensorModel, chance: Chance) -> Raw {
     let streams = Streams::new(chance);
     let (width, height) = light.size();
     let code = |x: usize, y: usize, channel: usize, element: u64| {
@@ -34,8 +34,8 @@ pub fn read_reference(light: &Rgb<f64>, sensor: &Sensor, chance: Chance) -> Raw 
     }
 }
 
-/// The electrons that a pixel has collected.
-fn collected(light: f64, sensor: &Sensor, streams: &Streams, frame: u64, element: u64) -> f64 {
+/// The electrons collected by a pixel.
+fn collected(light: f64, sensor: &SensorModel, streams: &Streams, frame: u64, element: u64) -> f64 {
     let sensitivity = 1.0 + sensor.prnu * normal(&streams.prnu, 0, element);
     let is_hot = sensor.hot_share > 0.0 && streams.hot.unit(0, element) < sensor.hot_share;
     let hot = if is_hot { HOT } else { 1.0 };
@@ -60,7 +60,7 @@ fn poisson(mean: f64, streams: &Streams, frame: u64, element: u64) -> f64 {
         .max(0.0)
 }
 
-/// The smallest k whose cumulative probability exceeds an even number u.
+/// The smallest k whose cumulative probability exceeds a uniform number u.
 pub(super) fn counted(mean: f64, u: f64) -> f64 {
     let (mut probability, mut sum, mut k) = (libm::exp(-mean), 0.0, 0);
     loop {

@@ -1,4 +1,4 @@
-//! A Gaussian window along rows and columns, the border repeated outwards.
+//! Gaussian window along rows and columns, with replicated borders.
 
 use imaging::{Plane, vectorized};
 
@@ -15,42 +15,41 @@ pub fn gaussian(plane: &Plane<f64>, radius: usize, sigma_px: f64, variant: Varia
     }
 }
 
-/// Half of the weights along one axis, the center first.
 fn weights(radius: usize, sigma_px: f64) -> Vec<f64> {
-    let weight = |i: usize| (-0.5 * (i as f64 / sigma_px).powi(2)).exp();
-    let sum = 1.0 + 2.0 * (1..=radius).map(weight).sum::<f64>();
-    (0..=radius).map(|i| weight(i) / sum).collect()
+    let weights = (0..=radius).map(|i| (-0.5 * (i as f64 / sigma_px).powi(2)).exp());
+    let weights: Vec<f64> = weights.collect();
+    let sum = 1.0 + 2.0 * weights[1..].iter().sum::<f64>();
+    weights.into_iter().map(|weight| weight / sum).collect()
 }
 
-/// The sample at `i - radius` of `0..n`, or the nearest.
-fn around(i: usize, radius: usize, n: usize) -> usize {
+/// Index of the sample at `i - radius`, clamped to `0..n`.
+fn clamp_index(i: usize, radius: usize, n: usize) -> usize {
     i.saturating_sub(radius).min(n - 1)
 }
 
 fn reference(plane: &Plane<f64>, weights: &[f64]) -> Plane<f64> {
     let (width, height) = plane.size();
     let radius = weights.len() - 1;
-    let weighted = |sample: &dyn Fn(usize) -> f64| {
-        let window = (0..=2 * radius).map(|i| weights[i.abs_diff(radius)] * sample(i));
+    let rows = Plane::from_fn(width, height, |x, y| {
+        let window = (0..=2 * radius)
+            .map(|i| weights[i.abs_diff(radius)] * plane.pixel(clamp_index(x + i, radius, width), y));
         window.sum::<f64>()
-    };
-    let along = Plane::from_fn(width, height, |x, y| {
-        weighted(&|i| plane.pixel(around(x + i, radius, width), y))
     });
     Plane::from_fn(width, height, |x, y| {
-        weighted(&|i| along.pixel(x, around(y + i, radius, height)))
+        let window = (0..=2 * radius)
+            .map(|i| weights[i.abs_diff(radius)] * rows.pixel(x, clamp_index(y + i, radius, height)));
+        window.sum::<f64>()
     })
 }
 
-/// Samples whose sums are held in registers at once: eight vectors of four.
+/// Samples whose sums stay in registers: eight vectors of four.
 const BLOCK: usize = 32;
 
-/// Down the columns, then along the row just made, while it is in the nearest cache.
+/// Blurs down the columns, then along the new row while it is in the nearest cache.
 #[inline(always)]
 fn passes(plane: &Plane<f64>, weights: &[f64]) -> Plane<f64> {
     let (width, height) = plane.size();
     let radius = weights.len() - 1;
-    // Rows of whole blocks.
     let stride = width.div_ceil(BLOCK) * BLOCK;
     let mut padded = vec![0.0f64; stride * height];
     let rows = plane.data().chunks_exact(width);
@@ -60,15 +59,15 @@ fn passes(plane: &Plane<f64>, weights: &[f64]) -> Plane<f64> {
     let mut line = vec![0.0f64; stride + 2 * radius];
     let mut blurred = Plane::filled(width, height, 0.0f64);
     for y in 0..height {
-        let row = |i: usize| &padded[around(y + i, radius, height) * stride..][..stride];
-        let rows: Vec<&[f64]> = (0..=2 * radius).map(row).collect();
+        let rows = (0..=2 * radius).map(|i| &padded[clamp_index(y + i, radius, height) * stride..][..stride]);
+        let rows: Vec<&[f64]> = rows.collect();
         for start in (0..stride).step_by(BLOCK) {
             let sums = weighted(|i| &rows[i][start..start + BLOCK], weights);
             line[radius + start..][..BLOCK].copy_from_slice(&sums);
         }
         for i in 0..radius {
-            line[i] = line[radius + around(i, radius, width)];
-            line[radius + width + i] = line[radius + around(radius + width + i, radius, width)];
+            line[i] = line[radius + clamp_index(i, radius, width)];
+            line[radius + width + i] = line[radius + clamp_index(radius + width + i, radius, width)];
         }
         for start in (0..width).step_by(BLOCK) {
             let end = (start + BLOCK).min(width);

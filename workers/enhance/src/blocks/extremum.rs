@@ -1,8 +1,9 @@
-//! The largest and the smallest value in a square window; what lies outside the picture is ignored.
+//! Maximum and minimum in a square window clipped to the picture.
 
 use imaging::simd::{larger, smaller};
 use imaging::{Plane, vectorized};
 
+use crate::blocks::sums::inside;
 use crate::variant::Variant;
 
 /// The largest sample within `radius` columns and rows of each sample.
@@ -35,24 +36,24 @@ fn extremes<T: Copy + PartialOrd>(
 
 fn reference<T: Copy>(plane: &Plane<T>, radius: usize, pick: impl Fn(T, T) -> T) -> Plane<T> {
     let (width, height) = plane.size();
-    let around = |i: usize, n: usize| i.saturating_sub(radius)..(i + radius + 1).min(n);
     Plane::from_fn(width, height, |x, y| {
-        let window = around(y, height).flat_map(|j| around(x, width).map(move |i| plane.pixel(i, j)));
+        let (rows, columns) = (inside(y, radius, height), inside(x, radius, width));
+        let window = rows.flat_map(|j| columns.clone().map(move |i| plane.pixel(i, j)));
         window.fold(plane.pixel(x, y), &pick)
     })
 }
 
-/// Runs of two, four, eight… samples, and in the end two runs that cover the window: a few vector steps for each sample
-/// up to a radius of 31, faster than any method whose count does not depend on the radius but which goes sample by
-/// sample. Replicating the border does what ignoring the outside does, since the edge sample lies in the window anyway.
+/// Maxima of runs of two, four, eight… samples, and finally of two runs that cover the window. Up to a radius of 31
+/// that is a few vector steps per sample, faster than scalar methods with a constant count. Replicating the border
+/// equals clipping the window, since the edge sample is inside the window anyway.
 #[inline(always)]
 fn doubled<T: Copy>(plane: &Plane<T>, radius: usize, pick: impl Fn(T, T) -> T + Copy) -> Plane<T> {
     let (width, height) = plane.size();
     let window = 2 * radius + 1;
-    // The longest run of a power of two that fits the window.
+    // The longest power-of-two run inside the window.
     let longest = 1 << window.ilog2();
 
-    // Along the rows; a row of `runs` holds what starts `radius` above the row of the result.
+    // Along the rows; row `y` of `runs` starts `radius` above row `y` of the result.
     let mut line = Vec::with_capacity(width + 2 * radius);
     let mut runs: Vec<Vec<T>> = Vec::with_capacity(height + 2 * radius);
     for y in 0..height {

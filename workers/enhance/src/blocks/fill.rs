@@ -1,4 +1,4 @@
-//! Filling the holes of a plane.
+//! Fills the holes of a plane.
 
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
@@ -8,8 +8,8 @@ use imaging::{Plane, cancel, vectorized};
 
 use crate::variant::Variant;
 
-/// The plane with its holes filled: the largest `u` that equals `z` on the border and is `max(z, least u of the 3 × 3
-/// neighborhood)` inside, so that basins which no path of neighbors leads out of rise to their rim (Soille 1999, morphological
+/// The plane with its holes filled: the largest `u` with `u = z` on the border and `u = max(z, min of u over the 3 × 3
+/// neighborhood)` inside. Basins without a descending path to the border rise to their rim (Soille 1999, morphological
 /// reconstruction by erosion).
 #[must_use]
 pub fn filled(plane: &Plane<f64>, variant: Variant) -> Plane<f64> {
@@ -19,7 +19,7 @@ pub fn filled(plane: &Plane<f64>, variant: Variant) -> Plane<f64> {
     }
 }
 
-/// A pixel that the water has reached, ordered by its level.
+/// A flooded pixel, ordered by its level.
 #[derive(PartialEq)]
 struct Reached {
     level: f64,
@@ -46,15 +46,18 @@ fn is_border((x, y): (usize, usize), (width, height): (usize, usize)) -> bool {
     x == 0 || y == 0 || x + 1 == width || y + 1 == height
 }
 
-/// The pixels of a 3 × 3 neighborhood inside of the plane.
-fn around((x, y): (usize, usize), (width, height): (usize, usize)) -> impl Iterator<Item = (usize, usize)> {
+/// The pixels of a 3 × 3 neighborhood inside the plane.
+fn neighborhood(
+    (x, y): (usize, usize),
+    (width, height): (usize, usize),
+) -> impl Iterator<Item = (usize, usize)> {
     let rows = y.saturating_sub(1)..(y + 2).min(height);
     rows.flat_map(move |y| (x.saturating_sub(1)..(x + 2).min(width)).map(move |x| (x, y)))
 }
 
-/// Sweeps there and back lower nearly every pixel to its level (Vincent 1993, "Morphological grayscale reconstruction"). Where water
-/// would still run out, it does so from the lowest level upwards, so that no pixel is left twice (Barnes, Lehman and Mulla 2014,
-/// "Priority-flood"): windings cost a factor of the logarithm, no more.
+/// Two sweeps lower nearly every pixel to its level (Vincent 1993, "Morphological grayscale reconstruction"). The rest
+/// drains from the lowest level upwards, so that each pixel is visited once (Barnes, Lehman and Mulla 2014,
+/// "Priority-flood"): winding basins cost a logarithmic factor.
 fn drained(plane: &Plane<f64>) -> Plane<f64> {
     let size = plane.size();
     let mut filled = from_above(plane);
@@ -70,7 +73,7 @@ fn drained(plane: &Plane<f64>) -> Plane<f64> {
         if level > filled.data()[position] {
             continue;
         }
-        for (x, y) in around((position % size.0, position / size.0), size) {
+        for (x, y) in neighborhood((position % size.0, position / size.0), size) {
             let position = y * size.0 + x;
             let level = larger(level, plane.data()[position]);
             if level < filled.data()[position] {
@@ -82,7 +85,7 @@ fn drained(plane: &Plane<f64>) -> Plane<f64> {
     filled
 }
 
-/// The border as it is, and the highest level everywhere inside.
+/// The border unchanged, and the highest level everywhere inside.
 fn from_above(plane: &Plane<f64>) -> Plane<f64> {
     let size = plane.size();
     let highest = plane.data().iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -92,7 +95,7 @@ fn from_above(plane: &Plane<f64>) -> Plane<f64> {
     })
 }
 
-/// From the first pixel to the last, then back: each takes the least of those that the sweep has passed.
+/// Sweeps forward, then backward: each pixel is lowered to the minimum of its visited neighbors.
 #[inline(always)]
 fn sweep(plane: &Plane<f64>, filled: &mut Plane<f64>) {
     let (width, height) = plane.size();
@@ -117,7 +120,7 @@ fn sweep(plane: &Plane<f64>, filled: &mut Plane<f64>) {
     }
 }
 
-/// The least of a pixel and of the three beside it in the row that the sweep comes from.
+/// Minimum of a pixel and its three neighbors in the previous row of the sweep.
 #[inline(always)]
 fn lower_by_row(least: &mut [f64], from: &[f64], own: &[f64]) {
     let inside = least.len() - 2;
@@ -128,7 +131,7 @@ fn lower_by_row(least: &mut [f64], from: &[f64], own: &[f64]) {
     }
 }
 
-/// Lowers the pixels that a neighbor still would, once each.
+/// Lowers the pixels with a lower neighbor, and queues them.
 fn leaks(plane: &Plane<f64>, filled: &mut Plane<f64>) -> BinaryHeap<Reverse<Reached>> {
     let (width, height) = plane.size();
     let mut front = BinaryHeap::new();
@@ -161,13 +164,13 @@ fn least_around(lowest: &mut [f64], [before, own, after]: [&[f64]; 3]) {
     }
 }
 
-/// From the highest level everywhere inside down to the fixed point.
+/// Reference: iterates from the highest level down to the fixed point.
 fn lowered(plane: &Plane<f64>) -> Plane<f64> {
     let size = plane.size();
     let mut filled = from_above(plane);
     loop {
         let next = Plane::from_fn(size.0, size.1, |x, y| {
-            let least = around((x, y), size)
+            let least = neighborhood((x, y), size)
                 .map(|(x, y)| filled.pixel(x, y))
                 .fold(f64::INFINITY, f64::min);
             match is_border((x, y), size) {
@@ -212,7 +215,7 @@ mod tests {
 
     #[test]
     fn water_runs_out_of_a_spiral_whichever_way_it_winds() {
-        // Walls of 9 around a path from the border to the middle that both sweeps meet against their direction.
+        // Walls of 9 around a path from the border to the middle that runs against both sweeps.
         let ring = |x: usize, y: usize| x.min(y).min(22 - x).min(22 - y);
         let is_wall =
             |x: usize, y: usize| ring(x, y) % 2 == 1 && (x, y) != (ring(x, y) * 3 / 2 + 3, 22 - ring(x, y));

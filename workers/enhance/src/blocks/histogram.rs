@@ -1,12 +1,11 @@
-//! Counts of the codes of a picture's channels: a curve over codes needs no more than these.
+//! Code histograms of a picture's channels.
 
 use imaging::Rgb8;
 
-/// How often each code occurs.
-pub(crate) type Histogram = [u64; 256];
+pub(crate) type CodeCounts = [u64; 256];
 
 /// The histograms of red, green and blue.
-pub(crate) fn histograms(picture: &Rgb8) -> [Histogram; 3] {
+pub(crate) fn histograms(picture: &Rgb8) -> [CodeCounts; 3] {
     // Two sets, so that equal neighbors do not wait for each other.
     let mut counts = [[[0u32; 256]; 3]; 2];
     for (i, pixel) in picture.data().chunks_exact(3).enumerate() {
@@ -20,29 +19,29 @@ pub(crate) fn histograms(picture: &Rgb8) -> [Histogram; 3] {
 }
 
 /// Number of samples.
-pub(crate) fn total(histogram: &Histogram) -> u64 {
+pub(crate) fn total(histogram: &CodeCounts) -> u64 {
     histogram.iter().sum()
 }
 
 /// Sum of the codes.
-pub(crate) fn sum(histogram: &Histogram) -> u64 {
+pub(crate) fn sum(histogram: &CodeCounts) -> u64 {
     (0..).zip(histogram).map(|(code, count)| code * count).sum()
 }
 
-/// Mean code; the histogram holds some.
-pub(crate) fn mean(histogram: &Histogram) -> f64 {
+/// Mean code; the histogram must not be empty.
+pub(crate) fn mean(histogram: &CodeCounts) -> f64 {
     sum(histogram) as f64 / total(histogram) as f64
 }
 
-/// The least and the greatest code that occurs.
-pub(crate) fn ends(histogram: &Histogram) -> (usize, usize) {
+/// The smallest and the largest code present.
+pub(crate) fn ends(histogram: &CodeCounts) -> (usize, usize) {
     let low = histogram.iter().position(|&count| count > 0).unwrap_or(0);
     let high = histogram.iter().rposition(|&count| count > 0).unwrap_or(0);
     (low, high)
 }
 
 /// The code at a position of the sorted codes.
-pub(crate) fn code_at(histogram: &Histogram, position: u64) -> usize {
+pub(crate) fn code_at(histogram: &CodeCounts, position: u64) -> usize {
     let mut before = 0;
     let found = histogram.iter().position(|&count| {
         before += count;

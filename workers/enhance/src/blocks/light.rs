@@ -1,20 +1,19 @@
-//! Background light: the color of the water far away, taken from the pixels that look farthest.
+//! Background light: the color of distant water, estimated from the pixels with the largest distance.
 
 use imaging::{Plane, Rgb8, vectorized};
 
 use super::rank::largest;
 use crate::variant::Variant;
 
-/// Part of the pixels that the background light is sought in.
+/// Share of the pixels that are candidates for the background light.
 pub const TOP_SHARE: f64 = 0.001;
 
-/// How many pixels the top share is, at least one.
 fn top_count(pixels: usize) -> usize {
     (pixels as f64 * TOP_SHARE).ceil() as usize
 }
 
-/// Among the pixels of the top share of `distance`, the color with the largest R² + G² + B², as codes; the farther one
-/// of equals.
+/// Among the pixels of the top share of `distance`, the color with the largest R² + G² + B², as codes. Ties go to the
+/// farther pixel.
 #[must_use]
 pub fn brightest_of(picture: &Rgb8, distance: &Plane<f64>, variant: Variant) -> [u8; 3] {
     let mut best = (0, [0; 3]);
@@ -28,8 +27,8 @@ pub fn brightest_of(picture: &Rgb8, distance: &Plane<f64>, variant: Variant) -> 
     best.1
 }
 
-/// The distance of the nearest pixel, `d0 = 1 - max |B_c - c| / max(B_c, 1 - B_c)` over all pixels and channels
-/// (Peng and Cosman 2017, eq. 12): 1 when every pixel has the color of the light, 0 when one is as far from it as a color can be.
+/// The distance of the nearest pixel, `d0 = 1 - max |B_c - c| / max(B_c, 1 - B_c)` over all pixels and channels (Peng
+/// and Cosman 2017, eq. 12): 1 if every pixel has the color of the light, 0 if one differs from it by the maximum.
 #[must_use]
 pub fn distance_offset(picture: &Rgb8, light: [f64; 3]) -> f64 {
     let (low, high) = extremes(picture);
@@ -40,14 +39,14 @@ pub fn distance_offset(picture: &Rgb8, light: [f64; 3]) -> f64 {
     1.0 - farthest.fold(0.0, f64::max)
 }
 
-/// The least and the greatest code of each channel of a picture with pixels.
+/// The smallest and the largest code of each channel of a non-empty picture.
 pub(crate) fn extremes(picture: &Rgb8) -> ([u8; 3], [u8; 3]) {
     vectorized!(ends(picture.data()))
 }
 
 #[inline(always)]
 fn ends(codes: &[u8]) -> ([u8; 3], [u8; 3]) {
-    // Whole pixels, as many as fill vectors.
+    // Whole pixels that fill vectors.
     const RUN: usize = 96;
     let (mut low, mut high) = ([u8::MAX; RUN], [0u8; RUN]);
     let (runs, rest) = codes.as_chunks::<RUN>();
@@ -61,17 +60,10 @@ fn ends(codes: &[u8]) -> ([u8; 3], [u8; 3]) {
         low[i] = low[i].min(code);
         high[i] = high[i].max(code);
     }
-    let channels = |lanes: [u8; RUN], pick: fn(u8, u8) -> u8| {
-        [0, 1, 2].map(|channel| {
-            lanes
-                .into_iter()
-                .skip(channel)
-                .step_by(3)
-                .reduce(pick)
-                .unwrap_or(0)
-        })
-    };
-    (channels(low, u8::min), channels(high, u8::max))
+    (
+        [0, 1, 2].map(|channel| low.into_iter().skip(channel).step_by(3).fold(u8::MAX, u8::min)),
+        [0, 1, 2].map(|channel| high.into_iter().skip(channel).step_by(3).fold(0, u8::max)),
+    )
 }
 
 #[cfg(test)]

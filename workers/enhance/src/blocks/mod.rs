@@ -1,5 +1,5 @@
-//! What several methods are made of. Each block with a fast form also has the definition, chosen by
-//! [`Variant`](crate::Variant); the `agreement` tests hold the two together.
+//! Building blocks shared by methods. Each fast block has a reference selected by [`Variant`](crate::Variant); the
+//! `agreement` tests compare the two.
 
 mod blur;
 mod extremum;
@@ -25,7 +25,7 @@ pub use matting::{Matting, lowest_refined};
 pub(crate) use norm::distance_of;
 pub use norm::{FLAT, normalized, range};
 pub(crate) use quadtree::lowest_part;
-pub use quadtree::{Region, calmest, lowest};
+pub use quadtree::{QuadRegion, calmest, lowest};
 pub use rank::largest;
 pub use restore::{Veil, restore};
 pub use tails::tails;

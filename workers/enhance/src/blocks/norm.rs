@@ -2,13 +2,13 @@
 
 use imaging::Plane;
 
-/// A plane whose values span no more than this is flat.
+/// A plane with a smaller span is flat.
 pub const FLAT: f64 = 1e-6;
 
 /// The least and the greatest of some values.
 #[must_use]
 pub fn range(values: &[f64]) -> (f64, f64) {
-    // Lanes of their own let the loop become vector code; the order of minima does not matter.
+    // Independent lanes let the loop vectorize; the order of minima does not matter.
     const LANES: usize = 8;
     let first = values[0];
     let (mut low, mut high) = ([first; LANES], [first; LANES]);
@@ -24,7 +24,7 @@ pub fn range(values: &[f64]) -> (f64, f64) {
     (all(low, f64::min), all(high, f64::max))
 }
 
-/// `(z - min) / (max - min)`, 0 everywhere when `max - min` is at most [`FLAT`]. The plane must hold a value.
+/// `(z - min) / (max - min)`, or 0 everywhere if `max - min` is at most [`FLAT`]. The plane must not be empty.
 #[must_use]
 pub fn normalized(mut plane: Plane<f64>) -> Plane<f64> {
     let (low, high) = range(plane.data());

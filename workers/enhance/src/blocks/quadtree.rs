@@ -1,25 +1,25 @@
-//! Searching a region of the picture by taking a quarter of a quarter of a quarter.
+//! Quadtree search for a region of a picture.
 
 use std::ops::Range;
 
 use imaging::{Plane, Rgb8, luma1000};
 
-/// The search ends at a region that spans no more than the picture's pixels divided by this.
+/// The search ends at a region of at most the picture's pixels divided by this.
 const PARTS: usize = 1024;
 
-/// Scores closer together than this are equal: regions with the same content must tie, whatever rounding their sums saw.
+/// Scores within this distance are ties: regions with the same content must tie regardless of rounding.
 const EQUAL: f64 = 1e-9;
 
 /// A rectangle of pixels.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Region {
+pub struct QuadRegion {
     /// Columns.
     pub columns: Range<usize>,
     /// Rows.
     pub rows: Range<usize>,
 }
 
-impl Region {
+impl QuadRegion {
     /// The region as a slice of every row.
     fn slices<'a, T>(&'a self, data: &'a [T], width: usize, samples: usize) -> impl Iterator<Item = &'a [T]> {
         let columns = samples * self.columns.start..samples * self.columns.end;
@@ -33,11 +33,10 @@ impl Region {
 
     /// Top left, top right, bottom left, bottom right, without empty ones; the first half of a side is the larger one.
     fn quarters(&self) -> Vec<Self> {
-        let halves = |side: &Range<usize>| {
+        let [columns, rows] = [&self.columns, &self.rows].map(|side| {
             let middle = (side.start + side.len() / 2 + 1).min(side.end);
             [side.start..middle, middle..side.end]
-        };
-        let (columns, rows) = (halves(&self.columns), halves(&self.rows));
+        });
         let quarters = rows.iter().flat_map(|rows| {
             columns.iter().map(|columns| Self {
                 columns: columns.clone(),
@@ -67,10 +66,10 @@ impl Region {
     }
 }
 
-/// Starting from the whole picture, keeps the quarter with the lowest score, the first of equals, until it spans no more than
-/// one of so many parts of the picture's pixels or cannot be divided. Each pixel is scored a third more than once on the whole, whatever the depth.
-fn search((width, height): (usize, usize), parts: usize, score: impl Fn(&Region) -> f64) -> Region {
-    let mut region = Region {
+/// Starting from the whole picture, keeps the quarter with the lowest score, the first of ties, until it spans at most
+/// one of `parts` parts of the picture's pixels or cannot be divided. The cost is 4/3 scores per pixel at any depth.
+fn search((width, height): (usize, usize), parts: usize, score: impl Fn(&QuadRegion) -> f64) -> QuadRegion {
+    let mut region = QuadRegion {
         columns: 0..width,
         rows: 0..height,
     };
@@ -92,9 +91,9 @@ fn search((width, height): (usize, usize), parts: usize, score: impl Fn(&Region)
     region
 }
 
-/// The region with the lowest variance of luma. Sums are whole numbers, so that equal variances are equal.
+/// The region with the lowest variance of luma. Sums are integers, so that ties are exact.
 #[must_use]
-pub fn calmest(picture: &Rgb8) -> Region {
+pub fn calmest(picture: &Rgb8) -> QuadRegion {
     search((picture.width(), picture.height()), PARTS, |region| {
         let (mut sum, mut squares) = (0u64, 0u128);
         for row in region.slices(picture.data(), picture.width(), 3) {
@@ -114,12 +113,12 @@ pub fn calmest(picture: &Rgb8) -> Region {
 
 /// The region with the smallest mean of a plane.
 #[must_use]
-pub fn lowest(plane: &Plane<f64>) -> Region {
+pub fn lowest(plane: &Plane<f64>) -> QuadRegion {
     lowest_part(plane, PARTS)
 }
 
-/// The region that the search for it comes through at one of so many parts of the plane.
-pub(crate) fn lowest_part(plane: &Plane<f64>, parts: usize) -> Region {
+/// The ancestor of [`lowest`] that spans at most one of `parts` parts of the plane.
+pub(crate) fn lowest_part(plane: &Plane<f64>, parts: usize) -> QuadRegion {
     search(plane.size(), parts, |region| {
         let rows = region.slices(plane.data(), plane.width(), 1);
         rows.map(|row| row.iter().sum::<f64>()).sum::<f64>() / region.area() as f64
@@ -145,7 +144,7 @@ mod tests {
         // The first halves are the larger ones: 33 of 64, 16 of 31, 8 of 15, 4 of 7; 3 × 3 span 4 = 64 · 64 / 1024.
         assert_eq!(
             region,
-            Region {
+            QuadRegion {
                 columns: 61..64,
                 rows: 61..64
             }
@@ -156,7 +155,7 @@ mod tests {
 
     #[test]
     fn of_equals_the_first_wins_and_the_first_half_is_the_larger_one() {
-        let whole = Region {
+        let whole = QuadRegion {
             columns: 0..9,
             rows: 0..7,
         };
@@ -169,12 +168,12 @@ mod tests {
         let plane = Plane::filled(9, 7, 1.0);
         assert_eq!(
             lowest(&plane),
-            Region {
+            QuadRegion {
                 columns: 0..2,
                 rows: 0..2
             }
         );
-        let line = Region {
+        let line = QuadRegion {
             columns: 0..2,
             rows: 3..4,
         };

@@ -5,12 +5,12 @@ use imaging::Plane;
 use super::norm::range;
 use crate::variant::Variant;
 
-/// Values whose distances from the largest agree to this many binary places are equal: windows with the same content
-/// must tie, and running sums leave 1e-13 of noise on them.
+/// Values whose distances from the maximum agree to this many binary places are ties: windows with the same content
+/// must tie, and running sums leave noise of 1e-13.
 const EQUAL_BITS: i32 = 30;
 
-/// Positions of the `count` largest values in falling order; of values as far below the
-/// largest, to the nearest 2^-30, the earlier position first. All positions when there are fewer. Values lie within ±2^32.
+/// Positions of the `count` largest values in descending order, or all positions if there are fewer. Values whose
+/// distances from the maximum agree to 2^-30 tie; the earlier position wins. Values must be within ±2^32.
 #[must_use]
 pub fn largest(plane: &Plane<f64>, count: usize, variant: Variant) -> Vec<usize> {
     let mut chosen = match variant {
@@ -18,8 +18,10 @@ pub fn largest(plane: &Plane<f64>, count: usize, variant: Variant) -> Vec<usize>
         Variant::Reference => (0..plane.data().len()).collect(),
     };
     let top = chosen.iter().fold(f64::MIN, |top, &i| top.max(plane.data()[i]));
-    let rank = |i: usize| ((top - plane.data()[i]) * 2f64.powi(EQUAL_BITS)).round() as u64;
-    chosen.sort_by_cached_key(|&i| (rank(i), i));
+    chosen.sort_by_cached_key(|&i| {
+        let rank = ((top - plane.data()[i]) * 2f64.powi(EQUAL_BITS)).round() as u64;
+        (rank, i)
+    });
     chosen.truncate(count);
     chosen
 }
@@ -31,14 +33,14 @@ fn candidates(plane: &Plane<f64>, count: usize) -> Vec<usize> {
         return Vec::new();
     }
     let (low, high) = range(plane.data());
-    // A bin is at least as wide as what counts as equal.
+    // A bin is at least as wide as a tie.
     let scale = ((BINS - 1) as f64 / (high - low)).min(2f64.powi(EQUAL_BITS));
-    let bin = |value: f64| ((value - low) * scale) as usize;
+    let bin = |value: f64| (((value - low) * scale) as usize).min(BINS - 1);
     let mut counts = [0usize; BINS];
     for &value in plane.data() {
-        counts[bin(value).min(BINS - 1)] += 1;
+        counts[bin(value)] += 1;
     }
-    // One bin more than needed, for values that round up into the ones taken.
+    // One extra bin for values that round up into the selected ones.
     let mut bound = BINS;
     let mut held = 0;
     while held < count && bound > 0 {
@@ -46,8 +48,11 @@ fn candidates(plane: &Plane<f64>, count: usize) -> Vec<usize> {
         held += counts[bound];
     }
     let bound = bound.saturating_sub(1);
-    let from_bound = |(i, &value): (usize, &f64)| (bin(value).min(BINS - 1) >= bound).then_some(i);
-    plane.data().iter().enumerate().filter_map(from_bound).collect()
+    let values = plane.data().iter().enumerate();
+    values
+        .filter(|(_, value)| bin(**value) >= bound)
+        .map(|(i, _)| i)
+        .collect()
 }
 
 #[cfg(test)]

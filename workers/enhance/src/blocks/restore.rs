@@ -1,25 +1,25 @@
-//! Inverting the simplified image model: `J_c = (c - B_c) / t_c + B_c` with the transmittance `t_c = exp(-β_c D)`.
+//! Inverts the simplified image model: `J_c = (c - B_c) / t_c + B_c` with the transmittance `t_c = exp(-β_c D)`.
 
 use imaging::{Plane, Rgb8, vectorized};
 
 use crate::elementary::exp;
 use crate::variant::Variant;
 
-/// What lies between the scene and the camera.
+/// Parameters of the water between scene and camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Veil {
     /// Background light `B_c`, 0..=1.
     pub light: [f64; 3],
-    /// Attenuation `β_c` for a unit of distance, not negative.
+    /// Attenuation `β_c` per unit of distance, not negative.
     pub attenuation: [f64; 3],
-    /// Least and greatest transmittance, above 0.
+    /// Smallest and largest transmittance, above 0.
     pub transmittance: (f64, f64),
 }
 
-/// The codes of `J`, rounded and clipped, for a distance of every pixel.
+/// The codes of `J`, rounded and clipped, from the distance of every pixel.
 ///
 /// # Panics
-/// When the sizes differ.
+/// If the sizes differ.
 #[must_use]
 pub fn restore(picture: &Rgb8, distance: &Plane<f64>, veil: &Veil, variant: Variant) -> Rgb8 {
     assert_eq!(
@@ -49,7 +49,7 @@ fn reference(codes: &mut [u8], distances: &[f64], veil: &Veil) {
     }
 }
 
-/// Pixels restored at once.
+/// Pixels per block.
 const BLOCK: usize = 32;
 
 #[inline(always)]
@@ -108,7 +108,7 @@ mod tests {
         let picture = Rgb8::from_fn(1, 1, |_, _| [56, 102, 144]);
         let distance = Plane::new(1, 1, vec![1e9]).unwrap();
         for variant in [Variant::Fast, Variant::Reference] {
-            // Red: 5 / 0.1 + 51. Blue does not fade, and its transmittance is cut to 0.9: 153 - 9 / 0.9.
+            // Red: 5 / 0.1 + 51. Blue is not attenuated; its transmittance is clipped to 0.9: 153 - 9 / 0.9.
             assert_eq!(
                 restore(&picture, &distance, &VEIL, variant).pixel(0, 0),
                 [101, 102, 143]

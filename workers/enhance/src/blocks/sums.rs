@@ -2,12 +2,12 @@
 
 use std::ops::Range;
 
-/// The positions of `0..n` in the window of `radius` around `i`.
+/// The positions of `0..n` within `radius` of `i`.
 pub(super) fn inside(i: usize, radius: usize, n: usize) -> Range<usize> {
     i.saturating_sub(radius)..(i + radius + 1).min(n)
 }
 
-/// One over the number of positions inside, for every position of `0..n`.
+/// Reciprocal number of positions in each window of `0..n`.
 pub(super) fn inverse_counts(n: usize, radius: usize) -> Vec<f64> {
     (0..n).map(|i| 1.0 / inside(i, radius, n).len() as f64).collect()
 }
@@ -16,7 +16,7 @@ pub(super) fn inverse_counts(n: usize, radius: usize) -> Vec<f64> {
 pub(super) struct WindowSums<const K: usize> {
     radius: usize,
     width: usize,
-    /// For each quantity and column, the sum down the rows of the window. The user keeps them up to date.
+    /// For each quantity and column, the sum down the rows of the window, maintained by the caller.
     pub(super) columns: [Vec<f64>; K],
     /// Running totals along `columns`: entry j is the sum of the first `clamp(j - radius, 0, width)` columns.
     totals: [Vec<f64>; K],
@@ -32,12 +32,12 @@ impl<const K: usize> WindowSums<K> {
         }
     }
 
-    /// Adds up the columns; call it when they have changed.
+    /// Recomputes the totals after changes to the columns.
     #[inline(always)]
     pub(super) fn total(&mut self) {
         let (radius, width) = (self.radius, self.width);
         let mut rest = self.totals.iter_mut().zip(&self.columns);
-        // Four sums at a time: one alone would wait for its own additions.
+        // Four sums at a time: a single one would wait for its previous addition.
         while let Some((a, from_a)) = rest.next() {
             let (a, from_a) = (&mut a[radius + 1..], from_a.as_slice());
             if let (Some((b, from_b)), Some((c, from_c)), Some((d, from_d))) =
@@ -65,7 +65,7 @@ impl<const K: usize> WindowSums<K> {
         }
     }
 
-    /// Totals before and up to the end of the window of every column: their difference is the window's sum.
+    /// Totals at the start and the end of every window: their difference is the window's sum.
     #[inline(always)]
     pub(super) fn windows(&self, quantity: usize) -> (&[f64], &[f64]) {
         let totals = &self.totals[quantity];
@@ -73,7 +73,7 @@ impl<const K: usize> WindowSums<K> {
     }
 }
 
-/// Adds a row that enters the window to the columns and takes off the one that leaves.
+/// Adds an entering row to the columns and subtracts a leaving one.
 #[inline(always)]
 pub(super) fn exchange(columns: &mut [f64], enters: &[f64], leaves: &[f64]) {
     for ((column, enters), leaves) in columns.iter_mut().zip(enters).zip(leaves) {

@@ -1,17 +1,17 @@
-//! Stretching values between the ends of their distribution.
+//! Quantiles at both ends of a distribution.
 
 use super::norm::range;
 use crate::variant::Variant;
 
-/// The values at positions `floor(share · K)` and `K - 1 - floor(share · K)` of the K sorted values, K at least 1.
-/// A share of 0.5 or more puts the first above the second.
+/// The values at positions `floor(share · K)` and `K - 1 - floor(share · K)` of the K sorted values, K at least 1. For
+/// shares of 0.5 or more the first is above the second.
 #[must_use]
 pub fn tails(values: &[f64], share: f64, variant: Variant) -> (f64, f64) {
     let last = values.len() - 1;
     let below = ((share * values.len() as f64) as usize).min(last);
     match variant {
         Variant::Fast => {
-            let counts = Counts::new(values);
+            let counts = BinCounts::new(values);
             (counts.value(values, below), counts.value(values, last - below))
         }
         Variant::Reference => {
@@ -24,14 +24,14 @@ pub fn tails(values: &[f64], share: f64, variant: Variant) -> (f64, f64) {
 
 const BINS: usize = 4096;
 
-/// How many values lie in each of equal bins.
-struct Counts {
+/// BinCounts of values in equal bins.
+struct BinCounts {
     low: f64,
     scale: f64,
     bins: [usize; BINS],
 }
 
-impl Counts {
+impl BinCounts {
     fn new(values: &[f64]) -> Self {
         let (low, high) = range(values);
         let flat = high <= low;
@@ -55,7 +55,7 @@ impl Counts {
         (((value - self.low) * self.scale) as u32 as usize).min(BINS - 1)
     }
 
-    /// The value at a position of the sorted values: only those of its bin are sorted.
+    /// The value at a position of the sorted values; sorts only the values of its bin.
     fn value(&self, values: &[f64], position: usize) -> f64 {
         let mut before = 0;
         let bin = self.bins.iter().position(|count| {

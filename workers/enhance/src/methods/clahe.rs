@@ -1,4 +1,4 @@
-//! CLAHE alone: the luma equalized as in HSCM (Zuiderveld 1994), and the chroma of the input kept, `C' = C + Y' - Y`.
+//! CLAHE only: the luma equalized as in HSCM (Zuiderveld 1994), with the chroma of the input, `C' = C + Y' - Y`.
 
 use imaging::Raster;
 

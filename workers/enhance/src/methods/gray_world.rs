@@ -1,7 +1,8 @@
-//! Gray world: the mean of a scene is taken to be gray, so each channel is scaled to the mean of all (Buchsbaum 1980,
-//! "A spatial processor model for object color perception").
+//! Gray world: assumes that the mean of a scene is gray and scales each channel to the mean of all (Buchsbaum 1980, "A
+//! spatial processor model for object color perception").
 //!
-//! `c' = c · m / m_c`, with `m_c` the mean of channel c and `m` the mean of the three. A channel without light stays black.
+//! `c' = c · m / m_c`, with `m_c` the mean of channel c and `m` the mean of the three. A channel without light stays
+//! black.
 
 use imaging::Raster;
 
@@ -24,7 +25,7 @@ pub(crate) fn enhance(picture: &Raster, _: Variant) -> Enhanced {
             *code = curve[usize::from(*code)];
         }
     }
-    let others: &[signs::Sign] = &[(Warning::ChannelWithoutLight, Signs::lacks_a_channel)];
+    let others: &[signs::FailureSign] = &[(Warning::ChannelWithoutLight, Signs::lacks_a_channel)];
     let warnings = signs::warnings(&colors, &balanced, others);
     Enhanced::from_colors(picture, &balanced, OfGray::Gray, warnings)
 }

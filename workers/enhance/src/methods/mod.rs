@@ -1,4 +1,4 @@
-//! The methods that a user chooses from: a file or folder for each, and a row in the table.
+//! Registry of the methods: a file or folder for each, and a row in the table.
 
 mod clahe;
 mod gray_world;
@@ -21,11 +21,11 @@ use crate::variant::Variant;
 pub struct Method {
     name: &'static str,
     about: &'static str,
-    /// Most pixels of a picture; `None` where only memory limits it.
+    /// Pixel limit; `None` if only memory limits it.
     pixels_max: Option<usize>,
-    /// How far it is from its authors' results; `None` where that was not measured.
+    /// Measured distance from its authors' results.
     published: Option<&'static str>,
-    /// How far a faster form of another method is from that; 0 of all others.
+    /// Distance of a faster variant from the exact method; 0 for all others.
     distance: f64,
     enhance: fn(&Raster, Variant) -> Enhanced,
 }
@@ -95,7 +95,7 @@ const TABLE: [Method; 10] = [
     ),
 ];
 
-/// Names of all methods, as [`Method::parse`] reads them.
+/// Names of all methods for [`Method::parse`].
 pub const METHODS: &[&str] = &{
     let mut names = [""; TABLE.len()];
     let mut row = 0;
@@ -106,7 +106,7 @@ pub const METHODS: &[&str] = &{
     names
 };
 
-/// Most pixels for the methods with a color guided filter, which hold several planes in double precision.
+/// Limit of the methods with a color guided filter, which hold several f64 planes.
 const GUIDED_PIXELS_MAX: usize = 16_000_000;
 
 impl Method {
@@ -121,7 +121,7 @@ impl Method {
         }
     }
 
-    /// Limited to the pixels of the guided filter.
+    /// With the pixel limit of the guided filter.
     const fn guided(self) -> Self {
         Self {
             pixels_max: Some(GUIDED_PIXELS_MAX),
@@ -129,7 +129,7 @@ impl Method {
         }
     }
 
-    /// With what was measured against its authors' results.
+    /// With a measured distance from its authors' results.
     const fn published(self, distance: &'static str) -> Self {
         Self {
             published: Some(distance),
@@ -137,12 +137,12 @@ impl Method {
         }
     }
 
-    /// As a faster form of another method, so far from that.
+    /// As a faster variant at this distance from another method.
     const fn away(self, distance: f64) -> Self {
         Self { distance, ..self }
     }
 
-    /// Returns the method of this name, if there is one.
+    /// Returns the method of this name.
     #[must_use]
     pub fn parse(name: &str) -> Option<Self> {
         TABLE.into_iter().find(|method| method.name == name)
@@ -154,21 +154,21 @@ impl Method {
         self.name
     }
 
-    /// What it does, and its source.
+    /// Short description and source.
     #[must_use]
     pub fn about(&self) -> &'static str {
         self.about
     }
 
-    /// How far a faster form of a method is from its exact form, 0 of all other methods: the root of the mean square of the
-    /// difference in linear light, which 95 % of rendered frames do not exceed, as `fathom-lab ibla` measures it.
+    /// Distance of a faster variant from its exact method, 0 for all other methods: the 95 % quantile over rendered
+    /// frames of the RMS difference in linear light, as measured by `fathom-lab ibla`.
     #[must_use]
     pub fn distance(&self) -> f64 {
         self.distance
     }
 
-    /// How far it is from the results that its authors published, as a sentence without its full stop. It was measured for the
-    /// definition in f64, which the fast form follows within the tolerances of the `agreement` tests.
+    /// Distance from its authors' published results, as a sentence without its full stop. It was measured for the
+    /// definition in f64; the fast variant follows that within the tolerances of the `agreement` tests.
     #[must_use]
     pub fn against_published(&self) -> &'static str {
         self.published
@@ -179,12 +179,12 @@ impl Method {
 /// Enhances one picture by the fast variant of a method.
 ///
 /// # Errors
-/// [`EnhanceError::Empty`] for a picture without a pixel; [`EnhanceError::TooLarge`] for one beyond the method's limit.
+/// [`EnhanceError::Empty`] for a picture without pixels; [`EnhanceError::TooLarge`] beyond the method's limit.
 pub fn run(method: &Method, picture: &Raster) -> Result<Enhanced, EnhanceError> {
     run_variant(method, picture, Variant::Fast)
 }
 
-/// Enhances one picture by the chosen variant.
+/// Enhances one picture by the given variant.
 ///
 /// # Errors
 /// As [`run`].

@@ -1,23 +1,25 @@
-//! SUIR: single underwater image restoration by blue-green dehazing and red correction (Li, Guo, Pang, Chen and Wang 2016).
+//! SUIR: single underwater image restoration by blue-green dehazing and red correction (Li, Guo, Pang, Chen and Wang
+//! 2016).
 //!
 //! 1. `c = norm` over all three channels together (one color value: unchanged).
 //! 2. Background light: the color of the pixel with the smallest `lmax(R) - lmax(max(G, B))` in 9 × 9, the first of
-//!    equals; B_c at least 1/255.
-//! 3. For k in G, B: `t_k = guided(1 - lmin0(k / B_k))` in 9 × 9, cut to 0.1..=0.9; `J_k = (k - B_k) / t_k + B_k`. `lmin0`
-//!    takes what lies outside of the picture for 0, so that a rim of 4 pixels counts as clear.
-//! 4. `norm` over (R, J_G, J_B) together (one value: unchanged); of its red nothing is used.
+//!    ties; B_c at least 1/255.
+//! 3. For k in G, B: `t_k = guided(1 - lmin0(k / B_k))` in 9 × 9, clipped to 0.1..=0.9; `J_k = (k - B_k) / t_k + B_k`. `lmin0`
+//!    is 0 outside of the picture, so that a rim of 4 pixels counts as clear.
+//! 4. `norm` over (R, J_G, J_B) together (one value: unchanged); its red is discarded.
 //! 5. `R' = norm(R)`, R of step 1 stretched alone (one value: unchanged).
 //! 6. With the lumas Y'_i of step 1 and Y'_j of (R', J_G, J_B), the result is multiplied by the guided
-//!    `s = (Y'_j Y'_i + 0.3 Y'_i²) / (Y'_j² + 0.3 Y'_i²)` and cut to 0..=1. `Y' = (Y - lo) / (hi - lo)`, cut to 0.01..=1, where lo and
-//!    hi are the least and the greatest value of `Y`, `Cr = 0.713 (R - Y) + 0.5` and `Cb = 0.564 (B - Y) + 0.5` together.
+//!    `s = (Y'_j Y'_i + 0.3 Y'_i²) / (Y'_j² + 0.3 Y'_i²)` and clipped to 0..=1. `Y' = (Y - lo) / (hi - lo)`, clipped to 0.01..=1,
+//!    where lo and hi are the smallest and the largest value of `Y`, `Cr = 0.713 (R - Y) + 0.5` and `Cb = 0.564 (B - Y) + 0.5`
+//!    together.
 //!
-//! The guide is the picture of step 1. The paper multiplies red until the means of the channels add up to 1.5; the programs that are
-//! published stretch red to its full range after that, which undoes the gain. Taken at its word the paper turns most of
-//! a turbid photo red.
+//! The guide is the picture of step 1. The paper multiplies red until the means of the channels add up to 1.5; the
+//! published programs then stretch red to its full range, which cancels the gain. Taken literally the paper turns most
+//! of a turbid photo red.
 //!
-//! Where it fails: one color is not one value, and (60, 120, 140) becomes a saturated blue; red that spans a few codes is stretched
-//! into noise; a lamp's spot is the only red and turns red; a gray picture loses haze and becomes colored; a picture of fewer than
-//! 9 pixels a side lies wholly in the rim.
+//! Known failures: one color is not one value, and (60, 120, 140) becomes a saturated blue; red that spans a few codes
+//! is stretched into noise; a lamp's spot is the only red and turns red; a gray picture loses haze and becomes colored;
+//! a picture of fewer than 9 pixels a side is all rim.
 
 use imaging::{Plane, Raster, Rgb8, vectorized};
 
@@ -31,9 +33,9 @@ use crate::warning::Warning;
 const WINDOW_PX: usize = 4;
 /// Least and greatest transmittance.
 const TRANSMITTANCE: (f64, f64) = (0.1, 0.9);
-/// A stretch of red by more than this is worth a warning.
+/// A larger stretch of red causes a warning.
 const LARGE_STRETCH: f64 = 4.0;
-/// Least luma of the exposure map, and the weight of the input in it.
+/// Smallest luma of the exposure map, and the weight of the input in it.
 const LUMA_MIN: f64 = 0.01;
 const INPUT_WEIGHT: f64 = 0.3;
 const LUMA: [f64; 3] = [0.299, 0.587, 0.114];
@@ -44,7 +46,7 @@ const CHROMA: [f64; 2] = [0.713, 0.564];
 #[must_use]
 pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
     let colors = picture.to_rgb8();
-    let stretch = Stretch::new(&colors);
+    let stretch = JointStretch::new(&colors);
     let guide = Guide::new(&colors).scaled(stretch.scale);
     let light = background(&guide, variant).map(|code| stretch.value(code).max(1.0 / 255.0));
     let (channels, exposure) = restored(&guide, &stretch, light, variant);
@@ -55,7 +57,7 @@ pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
             pixel[channel] = (255.0 * (value * exposure).clamp(0.0, 1.0) + 0.5) as u8;
         }
     }
-    let others: &[signs::Sign] = &[
+    let others: &[signs::FailureSign] = &[
         (Warning::Gray, Signs::is_gray),
         (Warning::RedCast, Signs::turned_red),
         (Warning::ChannelWithoutLight, Signs::lacks_a_channel),
@@ -72,7 +74,7 @@ pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
 /// `R'`, `J_G` and `J_B`, and the refined exposure map.
 fn restored(
     guide: &Guide,
-    stretch: &Stretch,
+    stretch: &JointStretch,
     light: [f64; 3],
     variant: Variant,
 ) -> ([Plane<f64>; 3], Plane<f64>) {
@@ -88,12 +90,12 @@ fn restored(
 }
 
 /// The joint stretch of step 1.
-struct Stretch {
+struct JointStretch {
     least: f64,
     scale: f64,
 }
 
-impl Stretch {
+impl JointStretch {
     fn new(picture: &Rgb8) -> Self {
         let (low, high) = extremes(picture);
         let least = f64::from(low.into_iter().min().unwrap_or(0));
@@ -114,7 +116,7 @@ impl Stretch {
     }
 }
 
-/// The codes of the background light. The stretch keeps the order of differences, so codes are compared.
+/// The codes of the background light. The stretch preserves the order of differences, so codes are compared.
 fn background(guide: &Guide, variant: Variant) -> [u8; 3] {
     let red_max = window_max(&guide.channels()[0], WINDOW_PX, variant);
     let brighter_max = window_max(&guide.brighter(), WINDOW_PX, variant);
@@ -129,13 +131,21 @@ fn background(guide: &Guide, variant: Variant) -> [u8; 3] {
 }
 
 /// `J_k` of step 3.
-fn dehazed(guide: &Guide, stretch: &Stretch, channel: usize, light: f64, variant: Variant) -> Plane<f64> {
+fn dehazed(
+    guide: &Guide,
+    stretch: &JointStretch,
+    channel: usize,
+    light: f64,
+    variant: Variant,
+) -> Plane<f64> {
     let codes = &guide.channels()[channel];
     let (width, height) = codes.size();
     let least = window_min(codes, WINDOW_PX, variant);
-    let inside = |at: usize, size: usize| at >= WINDOW_PX && at + WINDOW_PX < size;
     let raw = Plane::from_fn(width, height, |x, y| {
-        if inside(x, width) && inside(y, height) {
+        let is_rim = [(x, width), (y, height)]
+            .into_iter()
+            .any(|(position, side)| position < WINDOW_PX || position + WINDOW_PX >= side);
+        if !is_rim {
             1.0 - stretch.value(least.pixel(x, y)) / light
         } else {
             1.0
@@ -165,7 +175,7 @@ fn normalized_together(red: &Plane<f64>, planes: [Plane<f64>; 2]) -> [Plane<f64>
     })
 }
 
-/// Red over its own range.
+/// Red stretched over its range.
 fn stretched(red: &Plane<f64>) -> Plane<f64> {
     let (low, high) = range(red.data());
     if high - low <= FLAT {

@@ -1,16 +1,15 @@
 //! ULAP: restoration by the underwater light attenuation prior (Song, Wang, Huang and Tjondronegoro 2018).
 //!
-//! 1. `d = 0.53214829 + 0.51309827 max(G, B) - 0.91066194 R`, refined by the guided filter: water takes red first, so the
+//! 1. `d = 0.53214829 + 0.51309827 max(G, B) - 0.91066194 R`, refined by the guided filter: water absorbs red first, so the
 //!    difference grows with distance.
-//! 2. Background light `B_c`: the color with the largest R² + G² + B² among the thousandth of the pixels that are
-//!    farthest.
-//! 3. `D = 10 (norm(d) + d0)`, d0 from [`distance_offset`]; `t_c = N_c^D` with N = (0.83, 0.95, 0.97), cut to 0.1..=0.9.
+//! 2. Background light `B_c`: the color with the largest R² + G² + B² among the farthest thousandth of the pixels.
+//! 3. `D = 10 (norm(d) + d0)`, d0 from [`distance_offset`]; `t_c = N_c^D` with N = (0.83, 0.95, 0.97), clipped to 0.1..=0.9.
 //! 4. `J_c = (c - B_c) / t_c + B_c`.
 //!
 //! Symbols: `c` a channel in 0..=1; `d` relative distance; `N_c` residual energy of a channel per unit of distance.
 //!
-//! Where it fails: a small `t_R` multiplies what red is left and makes the picture red; in a gray picture d is a function
-//! of brightness alone, so bright is taken for far. A picture of one color is unchanged.
+//! Known failures: a small `t_R` amplifies the remaining red and makes the picture red; in a gray picture d depends on
+//! brightness only, so bright counts as distant. A picture of one color is unchanged.
 
 use imaging::{Plane, Raster, vectorized};
 
@@ -44,7 +43,7 @@ pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
         transmittance: TRANSMITTANCE,
     };
     let restored = restore(&colors, &distance, &veil, variant);
-    let others: &[signs::Sign] = &[
+    let others: &[signs::FailureSign] = &[
         (Warning::Gray, Signs::is_gray),
         (Warning::RedCast, Signs::turned_red),
     ];

@@ -1,4 +1,4 @@
-//! Reference cases behind water, for the tests of SUIR and IBLA.
+//! Reference cases in water, for the tests of SUIR and IBLA.
 
 use imaging::codec::{FilePlane, decode_picture, decode_plane};
 use imaging::{Plane, Rgb8};
@@ -6,11 +6,11 @@ use serde_json::Value;
 
 use crate::variant::Variant;
 
-/// Part of the samples that may be off, each by one code: values beside a rounding tie.
+/// Share of the samples that may differ by one code: values next to a rounding tie.
 const ODD_SHARE: f64 = 0.01;
 pub(super) const VARIANTS: [Variant; 2] = [Variant::Fast, Variant::Reference];
 
-/// A case with its files by their kinds.
+/// A case with its files by kind.
 type Case = (&'static str, [(&'static str, &'static [u8]); 7]);
 
 macro_rules! case {
@@ -61,7 +61,7 @@ pub(super) fn numbers<const N: usize>(value: &Value) -> [f64; N] {
     std::array::from_fn(|i| value[i].as_f64().unwrap())
 }
 
-/// Compares a plane with a stored one, within a part of the range of that.
+/// Compares a plane with a stored one, relative to the stored range.
 pub(super) fn assert_plane(case: &str, kind: &str, actual: &Plane<f64>, tolerance: f64) {
     let FilePlane::Floats(expected) = decode_plane(file(case, kind)).unwrap() else {
         panic!("{case}.{kind} holds no floats");
@@ -77,7 +77,7 @@ pub(super) fn assert_plane(case: &str, kind: &str, actual: &Plane<f64>, toleranc
     assert!(worst <= tolerance * (high - low), "{case}.{kind}: {worst}");
 }
 
-/// Compares a picture with what a method makes of a case.
+/// Compares a picture with the stored output of a method.
 pub(super) fn assert_picture(case: &str, method: &str, actual: &Rgb8) {
     let expected = decode_picture(file(case, &format!("{method}.png")))
         .unwrap()

@@ -1,4 +1,4 @@
-//! The building blocks.
+//! Building blocks.
 
 use enhance::Variant::{Fast, Reference};
 use enhance::blocks::{
@@ -8,11 +8,11 @@ use imaging::{Plane, Rgb8};
 
 use crate::{SIZES, noise, pictures};
 
-/// Largest difference of the filtered plane, whose values lie within 0..=1. The inverse multiplies the rounding of the
-/// covariances by at most the largest variance over the regularization, 0.25 / 1e-3.
+/// Largest difference of the filtered plane in 0..=1. The inverse amplifies the rounding of the covariances by at most
+/// the largest variance over the regularization, 0.25 / 1e-3.
 const GUIDED_AGREEMENT: f64 = 1e-10;
 
-/// A plane in 0..=1 that has little to do with the picture, and one that is a function of it.
+/// A plane in 0..=1 nearly independent of the picture, and one that is a function of it.
 fn planes(picture: &Rgb8) -> [Plane<f64>; 2] {
     let (width, height) = (picture.width(), picture.height());
     [
@@ -32,7 +32,7 @@ fn guided_filters() {
     for (width, height) in SIZES {
         for (content, picture) in pictures(width, height) {
             for plane in planes(&picture) {
-                // The reference takes a time that grows with the radius: the largest size sees the small one.
+                // The time of the reference grows with the radius: the largest size uses only the small one.
                 let radii = [(3, 1e-3), (50, 1e-3)].into_iter();
                 for (radius, regularization) in
                     radii.filter(|(radius, _)| width * height * radius < 2_000_000)
@@ -61,8 +61,8 @@ fn largest_values() {
     }
 }
 
-/// The least transmittance multiplies the rounding of single precision by ten: still far below one code, but a value
-/// may lie that near to a tie.
+/// The smallest transmittance amplifies f32 rounding by ten: still far below one code, but a value may be that close to
+/// a tie.
 #[test]
 fn restored_codes() {
     let veil = Veil {
@@ -147,7 +147,7 @@ fn filled_planes() {
     }
 }
 
-/// The iteration ends at a residual of 1e-9, which bounds the mean of the squares; a single pixel may hold all of it.
+/// The iteration ends at a residual of 1e-9, which bounds the mean square; a single pixel may hold all of it.
 const MATTING_AGREEMENT: f64 = 1e-6;
 
 #[test]

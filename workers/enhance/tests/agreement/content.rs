@@ -1,4 +1,4 @@
-//! Pictures on which variants are compared: content × size.
+//! Pictures for comparing variants: content × size.
 
 use imaging::Rgb8;
 

@@ -6,14 +6,14 @@ use imaging::{Channels, Plane, Raster, Samples};
 
 use crate::{SIZES, noise, pictures};
 
-/// Largest difference of the filtered logarithm at the default gains. The weight that the short kernels leave out
-/// accounts for up to 1.4e-4 and single precision for 1e-5; aliasing of full-scale noise for 5e-5. The tolerance of the method itself is 2e-3.
+/// Largest difference of the filtered logarithm at the default gains: up to 1.4e-4 from truncated kernels, 1e-5 from
+/// f32, 5e-5 from aliasing of full-scale noise. The tolerance of the method is 2e-3.
 const LOG_AGREEMENT: f32 = 3e-4;
 
 #[test]
 fn the_short_passes_agree_with_the_transform() {
     for (width, height) in SIZES {
-        // The method's own cutoff, and those that leave many bins and hardly any.
+        // The method's cutoff, and cutoffs that leave many bins and hardly any.
         let cutoffs = [CUTOFF, width as f64 / 40.0, 1e9];
         for (content, picture) in pictures(width, height) {
             let luma = Luma::new(&Raster::from(picture));

@@ -1,18 +1,18 @@
-//! Whole methods.
+//! Complete methods.
 
 use enhance::{METHODS, Method, Variant, run_variant};
 use imaging::Raster;
 
 use crate::{SIZES, pictures};
 
-/// Part of the codes that may differ, each by one: a value that lies within the blocks' tolerance of a tie.
+/// Share of the codes that may differ by one: values within the blocks' tolerance of a tie.
 const SHARE: f64 = 0.01;
 
 #[test]
 fn every_method_agrees_with_its_reference() {
     for name in METHODS.iter().filter(|name| **name != "hscm") {
         let method = Method::parse(name).expect("a name of the registry");
-        // The references of guided filters are slow: the largest size is left to the blocks.
+        // The references of guided filters are slow: only the blocks use the largest size.
         for (width, height) in SIZES
             .into_iter()
             .filter(|(width, height)| width * height < 50_000)

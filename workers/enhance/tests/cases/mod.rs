@@ -8,14 +8,13 @@ use imaging::Raster;
 use imaging::codec::decode_picture;
 use serde_json::Value;
 
-/// Folders beside the committed one that hold `enhancement/`, separated by ':'.
+/// Extra folders that contain `enhancement/`, separated by ':'.
 const EXTRA: &str = "FATHOM_GOLDEN_EXTRA";
 
 /// One entry of `expected.json`.
 pub(crate) struct Case {
     /// The entry's key.
     pub(crate) name: String,
-    /// The entry.
     pub(crate) expected: Value,
     folder: PathBuf,
 }
@@ -27,7 +26,7 @@ impl Case {
         fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
     }
 
-    /// The picture `<name>.<stage>.png`, of the size that the entry gives.
+    /// The picture `<name>.<stage>.png`, checked against the size of the entry.
     pub(crate) fn picture(&self, stage: &str) -> Raster {
         let picture = decode_picture(&self.bytes(&format!("{stage}.png")))
             .unwrap_or_else(|error| panic!("{}.{stage}: {error}", self.name));
@@ -40,14 +39,14 @@ impl Case {
         picture
     }
 
-    /// A number of the entry that must be a whole one.
+    /// An integer of the entry.
     pub(crate) fn integer(&self, value: &Value) -> u64 {
         value
             .as_u64()
             .unwrap_or_else(|| panic!("{}: {value} is no whole number", self.name))
     }
 
-    /// The members of a part of the entry that must be an object.
+    /// The members of an object in the entry.
     pub(crate) fn members<'a>(&self, part: &'a Value) -> impl Iterator<Item = (&'a str, &'a Value)> {
         let object = part
             .as_object()
@@ -56,14 +55,14 @@ impl Case {
     }
 }
 
-/// Every case of the committed folder and of the extra ones.
+/// All cases of the committed folder and of the extra ones.
 ///
 /// # Panics
-/// When a folder has no case.
+/// If a folder has no case.
 pub(crate) fn all() -> Vec<Case> {
     let committed = Path::new(env!("CARGO_MANIFEST_DIR")).join("../enhance/tests/vectors/enhancement");
     let extra = extra().map(|folder| folder.join("enhancement"));
-    // A folder may hold cases of the water alone.
+    // A folder may contain only the cases of water.
     let extra = extra.filter(|folder| folder.join("expected.json").is_file());
     [committed]
         .into_iter()

@@ -1,5 +1,5 @@
-//! IBLA and SUIR against reference pictures of water: those of `vectors/water` and, in each folder of `FATHOM_GOLDEN_EXTRA`, those of
-//! `enhancement/peers.json`. The planes in between are compared beside the methods.
+//! IBLA and SUIR against reference pictures of water: those of `vectors/water` and, in each folder of
+//! `FATHOM_GOLDEN_EXTRA`, those of `enhancement/peers.json`. The unit tests compare the intermediate planes.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -11,7 +11,7 @@ use serde_json::{Map, Value};
 
 use crate::cases;
 
-/// Part of the samples that may be off, each by one code: values beside a rounding tie.
+/// Share of the samples that may differ by one code: values next to a rounding tie.
 const ODD_SHARE: f64 = 0.01;
 const METHODS: [&str; 3] = ["ibla", "ibla_guided", "suir"];
 
@@ -20,7 +20,7 @@ fn picture(path: &Path) -> Raster {
     decode_picture(&file).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// Files of cases, each as the path of all its files without their endings.
+/// Path of each case without file endings.
 fn stems() -> Vec<PathBuf> {
     let committed = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/vectors/water");
     let extra = cases::extra().map(|folder| folder.join("enhancement"));

@@ -3,52 +3,51 @@
 use super::DecodeError;
 use super::npy::{self, NpyArray, NpyValues};
 use super::openexr;
-use super::picture::Format;
+use super::picture::PictureFormat;
 use crate::{Channels, Plane, Raster, Rgb, Samples};
 
 const PICTURE_FORMATS: &[&str] = &["PNG", "JPEG", "WebP"];
 const RADIANCE_FORMATS: &[&str] = &["PNG", "JPEG", "WebP", "NPY", "EXR"];
 const PLANE_FORMATS: &[&str] = &["PNG", "NPY", "EXR"];
 
-/// A plane as a file holds it.
+/// A plane from a file.
 #[derive(Debug, Clone, PartialEq)]
 pub enum FilePlane {
-    /// Integer codes; their unit is not in the file.
+    /// Integer codes; the file does not define their unit.
     Codes(Plane<u16>),
     /// Floats.
     Floats(Plane<f32>),
 }
 
-/// A color picture as a file holds it.
+/// A color picture from a file.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Radiance {
-    /// Integer codes, sRGB unless said otherwise.
+    /// Integer codes, sRGB by default.
     Encoded(Raster),
     /// Linear light.
     Linear(Rgb<f32>),
 }
 
-/// Decodes a PNG, JPEG or WebP picture: 8 or 16 bit, gray or color, palettes and fewer bits expanded, alpha apart.
+/// Decodes a PNG, JPEG or WebP picture: 8 or 16 bit, gray or color, palettes and fewer bits expanded, alpha separate.
 /// An animation yields its first picture. Color profiles and orientation tags are not applied.
 ///
 /// # Errors
-/// [`DecodeError`]: unknown format, sides beyond the limits (read from the header alone), damaged data, a truncated
-/// file.
+/// [`DecodeError`]: unknown format, sides beyond the limits (from the header), damaged or truncated data.
 pub fn decode_picture(bytes: &[u8]) -> Result<Raster, DecodeError> {
     decode_or(bytes, PICTURE_FORMATS)
 }
 
-/// Decodes a picture; for an unknown format the error lists the expected ones.
+/// Decodes a picture. The error for an unknown format lists `expected`.
 fn decode_or(bytes: &[u8], expected: &'static [&'static str]) -> Result<Raster, DecodeError> {
-    let format = Format::detect(bytes).ok_or(DecodeError::UnknownFormat { expected })?;
+    let format = PictureFormat::detect(bytes).ok_or(DecodeError::UnknownFormat { expected })?;
     format.decode(bytes)
 }
 
-/// Decodes a range file: an 8- or 16-bit gray PNG gives codes, a two-dimensional NPY array codes or floats, an EXR file the
-/// floats of its channel Z.
+/// Decodes a range file: an 8- or 16-bit gray PNG yields codes, a two-dimensional NPY array codes or floats, an EXR
+/// file the floats of its channel Z.
 ///
 /// # Errors
-/// [`DecodeError`]: also when the file is a picture with color, alpha or fewer bits, or an array of another shape.
+/// [`DecodeError`], also for a picture with color, alpha or fewer bits, or an array of another shape.
 pub fn decode_plane(bytes: &[u8]) -> Result<FilePlane, DecodeError> {
     if npy::is_npy(bytes) {
         return array_plane(npy::decode_sheet(bytes)?);
@@ -56,7 +55,7 @@ pub fn decode_plane(bytes: &[u8]) -> Result<FilePlane, DecodeError> {
     if openexr::is_exr(bytes) {
         return openexr::decode_distances(bytes).map(FilePlane::Floats);
     }
-    if Format::detect(bytes) != Some(Format::Png) {
+    if PictureFormat::detect(bytes) != Some(PictureFormat::Png) {
         return Err(DecodeError::UnknownFormat {
             expected: PLANE_FORMATS,
         });
@@ -64,7 +63,7 @@ pub fn decode_plane(bytes: &[u8]) -> Result<FilePlane, DecodeError> {
     let raster = decode_picture(bytes)?;
     let found = match (raster.channels(), raster.alpha(), png_depth(bytes)) {
         (Channels::Gray, None, Some(8 | 16)) => None,
-        // Fewer bits were stretched to 8 on the way, so the codes would no longer be those of the file.
+        // Fewer bits were expanded to 8, so the codes would differ from those of the file.
         (Channels::Gray, None, _) => Some("a picture of less than 8 bits"),
         (Channels::Gray, Some(_), _) => Some("a picture with alpha"),
         (Channels::Rgb, ..) => Some("a color picture"),
@@ -111,8 +110,8 @@ fn widened(codes: &[u8]) -> Vec<u16> {
     codes.iter().copied().map(u16::from).collect()
 }
 
-/// Decodes a color picture: PNG, JPEG or WebP as codes; an NPY float array of shape [height, width, 3] and the channels R, G
-/// and B of an EXR file as linear light.
+/// Decodes a color picture: PNG, JPEG or WebP as codes; an NPY float array of shape [height, width, 3] and the channels
+/// R, G and B of an EXR file as linear light.
 ///
 /// # Errors
 /// [`DecodeError`]: also for arrays of another shape or of integers.
@@ -137,14 +136,14 @@ pub fn decode_radiance(bytes: &[u8]) -> Result<Radiance, DecodeError> {
         }
         _ => return Err(unsuitable(format!("an array of shape {shape:?}"))),
     };
-    let band = |c: usize| {
+    let [red, green, blue] = [0, 1, 2].map(|band| {
         plane(
             shape[1],
             shape[0],
-            data.iter().skip(c).step_by(3).copied().collect(),
+            data.iter().skip(band).step_by(3).copied().collect(),
         )
-    };
-    Rgb::new([band(0)?, band(1)?, band(2)?])
+    });
+    Rgb::new([red?, green?, blue?])
         .map(Radiance::Linear)
         .map_err(|error| DecodeError::Damaged {
             format: "NPY",

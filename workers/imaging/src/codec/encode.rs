@@ -8,7 +8,7 @@ use png::{BitDepth, ColorType};
 
 use crate::{Channels, Raster, Rgb8, Samples};
 
-/// A picture that a format cannot hold.
+/// The format cannot store this picture.
 #[derive(Debug, thiserror::Error)]
 #[error("a picture of {width}×{height} cannot be written as {format}: {reason}")]
 pub struct EncodeError {
@@ -29,21 +29,21 @@ impl EncodeError {
     }
 }
 
-/// A PNG file: 8 or 16 bit, gray or color, with alpha if the raster has it. Fast deflate with the filter chosen for
-/// each row. At 768×492 that takes 1.4 ms for a noisy photograph and 1.0 ms for a smooth one and leaves 52 and 7 % of
-/// the bytes;
-/// `Up` for all rows takes 1.1 and 1.0 ms and leaves 55 and 14 %.
+/// A PNG file: 8 or 16 bit, gray or color, with alpha if the raster has it. Fast deflate with the filter chosen per
+/// row: at 768×492 a noisy photograph takes 1.4 ms and a smooth one 1.0 ms, for 52 and 7 % of the bytes; `Up` for all
+/// rows would take 1.1 and 1.0 ms, for 55 and 14 %.
 ///
 /// # Errors
-/// [`EncodeError`] when the picture is empty.
+/// [`EncodeError`] if the picture is empty.
 pub fn encode_png(raster: &Raster) -> Result<Vec<u8>, EncodeError> {
     encode_png_with_text(raster, &[])
 }
 
-/// The same with text chunks (PNG specification, section 11.3.3.2): keywords of 1 to 79 characters, keywords and texts in Latin-1.
+/// [`encode_png`] with text chunks (PNG specification, section 11.3.3.2): keywords of 1 to 79 characters, keywords and
+/// texts in Latin-1.
 ///
 /// # Errors
-/// [`EncodeError`] when the picture is empty or a text is not allowed.
+/// [`EncodeError`] if the picture is empty or a text is invalid.
 pub fn encode_png_with_text(raster: &Raster, texts: &[(&str, &str)]) -> Result<Vec<u8>, EncodeError> {
     let channels = raster.channels();
     let (bytes, depth): (Cow<[u8]>, _) = match (raster.samples(), raster.alpha()) {
@@ -79,7 +79,7 @@ pub fn encode_png_with_text(raster: &Raster, texts: &[(&str, &str)]) -> Result<V
     Ok(file)
 }
 
-/// Color and alpha interleaved again.
+/// Interleaves color and alpha.
 fn woven<T: Copy>(color: &[T], alpha: &[T], channels: Channels) -> Vec<T> {
     let pixels = color.chunks_exact(channels.count()).zip(alpha);
     pixels
@@ -101,7 +101,7 @@ fn big_endian(codes: &[u16]) -> Vec<u8> {
 /// A lossless WebP file.
 ///
 /// # Errors
-/// [`EncodeError`] when the picture is empty or a side exceeds 16384.
+/// [`EncodeError`] if the picture is empty or a side exceeds 16384.
 pub fn encode_webp_lossless(picture: &Rgb8) -> Result<Vec<u8>, EncodeError> {
     let (width, height) = (picture.width(), picture.height());
     let mut file = Vec::new();
@@ -119,7 +119,7 @@ pub fn encode_webp_lossless(picture: &Rgb8) -> Result<Vec<u8>, EncodeError> {
 /// A JPEG file of quality 1..=100.
 ///
 /// # Errors
-/// [`EncodeError`] when the picture is empty or a side exceeds 65535.
+/// [`EncodeError`] if the picture is empty or a side exceeds 65535.
 pub fn encode_jpeg(picture: &Rgb8, quality: u8) -> Result<Vec<u8>, EncodeError> {
     let (width, height) = (picture.width(), picture.height());
     if picture.data().is_empty() {

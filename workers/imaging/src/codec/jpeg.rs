@@ -1,10 +1,10 @@
-//! Whether a JPEG file is whole. The decoder silently fills the missing part of a truncated file with gray.
+//! Detects truncated JPEG files, whose missing part the decoder would silently fill with gray.
 
-/// Whether the file reaches its end-of-image marker, walking from segment to segment.
+/// Whether the segments lead to an end-of-image marker.
 pub(super) fn is_whole(file: &[u8]) -> bool {
     let mut rest = file;
     loop {
-        // Between segments, and in entropy-coded data, everything up to the next 0xFF is passed over.
+        // Between segments, and in entropy-coded data, skip everything up to the next 0xFF.
         let Some(at) = rest.iter().position(|&byte| byte == 0xff) else {
             return false;
         };
@@ -30,8 +30,8 @@ pub(super) fn is_whole(file: &[u8]) -> bool {
 mod tests {
     use super::*;
 
-    /// An application segment that holds an end marker of its own (a thumbnail's), then a scan with a stuffed byte, a
-    /// restart marker and a fill byte.
+    /// An application segment with an end marker inside (of a thumbnail), then a scan with a stuffed byte, a restart
+    /// marker and a fill byte.
     const FILE: &[u8] = &[
         0xff, 0xd8, 0xff, 0xe1, 0, 4, 0xff, 0xd9, 0xff, 0xda, 0, 3, 1, 7, 0xff, 0, 8, 0xff, 0xd0, 9, 0xff,
         0xff, 0xd9,

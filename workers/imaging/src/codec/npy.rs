@@ -1,4 +1,4 @@
-//! NumPy's array files (NPY 1.0 to 3.0) of plain numbers in C order.
+//! NumPy array files (NPY 1.0 to 3.0) of plain numbers in C order.
 
 use ::exr::prelude::f16;
 
@@ -28,7 +28,7 @@ pub enum NpyValues {
 }
 
 const MAGIC: &[u8] = b"\x93NUMPY";
-/// Longest header: NumPy writes 128 bytes for the arrays that are taken here.
+/// Longest header: NumPy writes 128 bytes for the supported arrays.
 const MAX_HEADER_BYTES: usize = 4096;
 
 pub(super) fn is_npy(bytes: &[u8]) -> bool {
@@ -52,12 +52,12 @@ fn unsuitable(found: impl Into<String>, wanted: &'static str) -> DecodeError {
 /// Decodes an array of f16, f32, f64, u8 or u16, either byte order.
 ///
 /// # Errors
-/// [`DecodeError`]: a damaged header, another type or order, less data than announced.
+/// [`DecodeError`]: a damaged header, another type or order, less data than its shape requires.
 pub fn decode_npy(bytes: &[u8]) -> Result<NpyArray, DecodeError> {
     Header::read(bytes)?.decode()
 }
 
-/// Decodes an array of two or three dimensions whose sides lie within the limits of pictures.
+/// Decodes an array of two or three dimensions with sides within the limits of pictures.
 pub(super) fn decode_sheet(bytes: &[u8]) -> Result<NpyArray, DecodeError> {
     let header = Header::read(bytes)?;
     let ([height, width] | [height, width, 1..=4]) = header.shape[..] else {
@@ -92,7 +92,7 @@ impl<'a> Header<'a> {
         let header = bytes[prefix_bytes..].get(..header_bytes);
         let header = header.ok_or_else(|| damaged("its header is cut off"))?;
         let text = str::from_utf8(header).map_err(|_| damaged("its header is no text"))?;
-        // A dictionary with one tuple in it is all that an array of plain numbers needs.
+        // An array of plain numbers needs only a dictionary with one tuple.
         if text.contains('[') || text.matches('(').count() > 1 || text.matches('{').count() > 1 {
             return Err(unsuitable("a structured array", "plain numbers"));
         }
@@ -185,8 +185,8 @@ pub fn encode_npy_rgb(picture: &Rgb<f32>) -> Vec<u8> {
     )
 }
 
-/// An NPY file of shape [height, width, 6] of two pictures of one size, f32, little endian: the planes of the first, then those of
-/// the second. Rows and columns beyond the smaller one are left out.
+/// An NPY file of shape [height, width, 6] of two pictures, f32, little endian: the planes of the first, then those of
+/// the second. Rows and columns beyond the smaller picture are dropped.
 #[must_use]
 pub fn encode_npy_pair(first: &Rgb<f32>, second: &Rgb<f32>) -> Vec<u8> {
     let width = first.width().min(second.width());

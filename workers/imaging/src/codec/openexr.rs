@@ -1,8 +1,9 @@
-//! OpenEXR files: the channels R, G and B as linear light, or Z as distances; half or float, whatever the compression.
+//! OpenEXR files: the channels R, G and B as linear light, or Z as distances; half or float, any compression.
 //!
-//! A channel of a layer is called `LAYER.R`. Channels without a layer come first; else there must be one layer alone that has
-//! them, or one that is called `Combined`, as Blender calls the picture among its passes. A Z beside X and Y is the part of a
-//! vector and no distance. The pixels are those of the data window; deep files and subsampled channels are refused.
+//! A channel of a layer is called `LAYER.R`. Channels without a layer have priority; otherwise exactly one layer must
+//! contain them, or one called `Combined`, Blender's name of the picture among its passes. A Z with X and Y is a
+//! component of a vector and not a distance. The pixels are those of the data window; deep files and subsampled
+//! channels are rejected.
 
 use std::io::Cursor;
 
@@ -18,14 +19,14 @@ use super::{DecodeError, MAX_DECODER_BYTES, check_size};
 use crate::{Plane, Rgb};
 
 const MAGIC: &[u8] = &[0x76, 0x2f, 0x31, 0x01];
-/// The layer of a picture that stands among other passes.
+/// Layer of the picture among Blender's other passes.
 const PICTURE_LAYER: &str = "Combined.";
 
 pub(super) fn is_exr(bytes: &[u8]) -> bool {
     bytes.starts_with(MAGIC)
 }
 
-/// Columns and rows of the data window that stands first in the header.
+/// Columns and rows of the first data window in the header.
 pub(super) fn announced_sides(bytes: &[u8]) -> Option<(usize, usize)> {
     /// Headers have a few hundred bytes.
     const HEADER_BYTES: usize = 1 << 16;
@@ -35,9 +36,10 @@ pub(super) fn announced_sides(bytes: &[u8]) -> Option<(usize, usize)> {
         .filter(|head| is_exr(head))?;
     let place = head.windows(NAME.len()).position(|window| window == NAME)? + NAME.len();
     let corners = head.get(place..place + 16)?.as_chunks::<4>().0;
-    let at = |index: usize| i64::from(i32::from_le_bytes(corners[index]));
-    let side = |first: i64, last: i64| usize::try_from(last - first + 1).ok();
-    Some((side(at(0), at(2))?, side(at(1), at(3))?))
+    let [left, top, right, bottom] = [0, 1, 2, 3].map(|i: usize| i64::from(i32::from_le_bytes(corners[i])));
+    let width = usize::try_from(right - left + 1).ok()?;
+    let height = usize::try_from(bottom - top + 1).ok()?;
+    Some((width, height))
 }
 
 /// Decodes the channels R, G and B.
@@ -64,7 +66,7 @@ fn damaged(reason: impl ToString) -> DecodeError {
 }
 
 /// Channels of a part of the file.
-struct Found {
+struct ChannelPart {
     part: usize,
     channels: Vec<usize>,
 }
@@ -75,15 +77,18 @@ fn decode(bytes: &[u8], names: &[&str], wanted: &'static str) -> Result<Vec<Plan
     let unsuitable = |found| DecodeError::Unsuitable { found, wanted };
     let found = find(reader.headers(), names).ok_or_else(|| unsuitable(listed(reader.headers())))?;
     let header = reader.headers()[found.part].clone();
-    let is_number = |&channel: &usize| header.channels.list[channel].sample_type != SampleType::U32;
-    if !found.channels.iter().all(is_number) {
+    let has_integers = found
+        .channels
+        .iter()
+        .any(|&channel| header.channels.list[channel].sample_type == SampleType::U32);
+    if has_integers {
         return Err(unsuitable("channels of integers".to_owned()));
     }
     let Vec2(width, height) = header.layer_size;
-    let mut pixels: Vec<Pixels> = found
+    let mut pixels: Vec<ChannelPixels> = found
         .channels
         .iter()
-        .map(|_| Pixels::new(width, height))
+        .map(|_| ChannelPixels::new(width, height))
         .collect();
     let blocks = reader
         .all_chunks(false)
@@ -95,10 +100,10 @@ fn decode(bytes: &[u8], names: &[&str], wanted: &'static str) -> Result<Vec<Plan
             take(&block, &header.channels, &found.channels, &mut pixels)?;
         }
     }
-    pixels.into_iter().map(Pixels::whole).collect()
+    pixels.into_iter().map(ChannelPixels::whole).collect()
 }
 
-/// Refuses what cannot be decoded, or only with too much memory.
+/// Rejects unsupported files and those that need too much memory.
 fn check(header: &Header) -> Result<(), DecodeError> {
     let Vec2(width, height) = header.layer_size;
     check_size(width, height)?;
@@ -128,28 +133,32 @@ fn check(header: &Header) -> Result<(), DecodeError> {
 }
 
 /// The channels of these names, by the rules of the module.
-fn find(headers: &[Header], names: &[&str]) -> Option<Found> {
-    let mut found: Vec<(&str, Found)> = Vec::new();
+fn find(headers: &[Header], names: &[&str]) -> Option<ChannelPart> {
+    let mut found: Vec<(&str, ChannelPart)> = Vec::new();
     let texts: Vec<Vec<String>> = headers.iter().map(channel_names).collect();
     for (part, texts) in texts.iter().enumerate() {
-        let position = |name: String| texts.iter().position(|text| *text == name);
         let layers = texts.iter().filter_map(|text| text.strip_suffix(names[0]));
         for layer in layers.filter(|layer| layer.is_empty() || layer.ends_with('.')) {
-            let channels = names.iter().map(|name| position(format!("{layer}{name}")));
+            let channels = names.iter().map(|name| {
+                let name = format!("{layer}{name}");
+                texts.iter().position(|text| *text == name)
+            });
             let is_vector = names == ["Z"]
                 && ["X", "Y"]
                     .iter()
-                    .all(|axis| position(format!("{layer}{axis}")).is_some());
+                    .all(|axis| texts.contains(&format!("{layer}{axis}")));
             if let (Some(channels), false) = (channels.collect(), is_vector) {
-                found.push((layer, Found { part, channels }));
+                found.push((layer, ChannelPart { part, channels }));
             }
         }
     }
     let only = found.len() == 1;
-    let is_meant = |(layer, _): &(&str, Found)| only || layer.is_empty() || layer.ends_with(PICTURE_LAYER);
     // Channels without a layer come first.
     found.sort_by_key(|(layer, _)| !layer.is_empty());
-    found.into_iter().find(is_meant).map(|(_, found)| found)
+    let mut found = found.into_iter();
+    found
+        .find(|(layer, _)| only || layer.is_empty() || layer.ends_with(PICTURE_LAYER))
+        .map(|(_, found)| found)
 }
 
 fn channel_names(header: &Header) -> Vec<String> {
@@ -161,7 +170,7 @@ fn channel_names(header: &Header) -> Vec<String> {
         .collect()
 }
 
-/// What a file holds, for messages.
+/// The content of a file, for messages.
 fn listed(headers: &[Header]) -> String {
     const MOST: usize = 20;
     let names: Vec<String> = headers.iter().flat_map(channel_names).collect();
@@ -174,16 +183,16 @@ fn listed(headers: &[Header]) -> String {
     format!("the channels {}{more}", shown.join(", "))
 }
 
-/// One channel on its way from blocks to a plane.
-struct Pixels {
+/// A channel being assembled from blocks.
+struct ChannelPixels {
     width: usize,
     height: usize,
     data: Vec<f32>,
-    /// Samples that have come so far.
+    /// Number of samples received.
     filled: usize,
 }
 
-impl Pixels {
+impl ChannelPixels {
     fn new(width: usize, height: usize) -> Self {
         Self {
             width,
@@ -220,12 +229,12 @@ impl Pixels {
     }
 }
 
-/// Takes the wanted channels out of a block.
+/// Copies the requested channels out of a block.
 fn take(
     block: &UncompressedBlock,
     channels: &ChannelList,
     wanted: &[usize],
-    pixels: &mut [Pixels],
+    pixels: &mut [ChannelPixels],
 ) -> Result<(), DecodeError> {
     for line in block.lines(channels) {
         let Some(at) = wanted

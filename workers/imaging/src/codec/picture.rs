@@ -1,4 +1,4 @@
-//! The decoders of picture files, each kept within the limits, and their samples as a raster.
+//! The decoders of picture files within the limits.
 
 use std::io::Cursor;
 
@@ -9,16 +9,16 @@ use zune_core::options::DecoderOptions;
 use super::{DecodeError, MAX_DECODER_BYTES, check_size, jpeg};
 use crate::{Channels, Raster, Samples};
 
-/// Formats of pictures, recognized by their first bytes.
+/// Picture formats, detected by their first bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Format {
+pub(super) enum PictureFormat {
     Png,
     Jpeg,
     WebP,
 }
 
-/// Pixels as a decoder hands them out, alpha last.
-struct Pixels {
+/// Decoded pixels, alpha last.
+struct DecodedPixels {
     width: usize,
     height: usize,
     channels: Channels,
@@ -26,7 +26,7 @@ struct Pixels {
     samples: Samples,
 }
 
-impl Format {
+impl PictureFormat {
     pub(super) fn detect(bytes: &[u8]) -> Option<Self> {
         match bytes {
             [0x89, b'P', b'N', b'G', ..] => Some(Self::Png),
@@ -61,9 +61,9 @@ impl Format {
     }
 }
 
-fn decode_png(bytes: &[u8]) -> Result<Pixels, DecodeError> {
+fn decode_png(bytes: &[u8]) -> Result<DecodedPixels, DecodeError> {
     use png::{BitDepth, ColorType};
-    let damaged = |error: png::DecodingError| Format::Png.damaged(error);
+    let damaged = |error: png::DecodingError| PictureFormat::Png.damaged(error);
     let limits = png::Limits {
         bytes: MAX_DECODER_BYTES,
     };
@@ -84,7 +84,7 @@ fn decode_png(bytes: &[u8]) -> Result<Pixels, DecodeError> {
         ColorType::GrayscaleAlpha => (Channels::Gray, true),
         ColorType::Rgb => (Channels::Rgb, false),
         ColorType::Rgba => (Channels::Rgb, true),
-        ColorType::Indexed => return Err(Format::Png.damaged("it has no palette")),
+        ColorType::Indexed => return Err(PictureFormat::Png.damaged("it has no palette")),
     };
     let samples = match depth {
         BitDepth::Sixteen => {
@@ -93,7 +93,7 @@ fn decode_png(bytes: &[u8]) -> Result<Pixels, DecodeError> {
         }
         _ => Samples::U8(data),
     };
-    Ok(Pixels {
+    Ok(DecodedPixels {
         width,
         height,
         channels,
@@ -102,9 +102,9 @@ fn decode_png(bytes: &[u8]) -> Result<Pixels, DecodeError> {
     })
 }
 
-fn decode_jpeg(bytes: &[u8]) -> Result<Pixels, DecodeError> {
-    let damaged = |error: zune_jpeg::errors::DecodeErrors| Format::Jpeg.damaged(error);
-    // Sides are not limited here: they are checked below, so that the error names them.
+fn decode_jpeg(bytes: &[u8]) -> Result<DecodedPixels, DecodeError> {
+    let damaged = |error: zune_jpeg::errors::DecodeErrors| PictureFormat::Jpeg.damaged(error);
+    // Sides are checked below instead, so that the error reports them.
     let options = DecoderOptions::default()
         .set_strict_mode(false)
         .set_max_width(usize::MAX)
@@ -114,7 +114,7 @@ fn decode_jpeg(bytes: &[u8]) -> Result<Pixels, DecodeError> {
     let (width, height) = decoder.dimensions().unwrap_or_default();
     check_size(width, height)?;
     if !jpeg::is_whole(bytes) {
-        return Err(Format::Jpeg.damaged("it has no end"));
+        return Err(PictureFormat::Jpeg.damaged("it has no end"));
     }
     let (channels, color) = match decoder.input_colorspace() {
         Some(ColorSpace::Luma) => (Channels::Gray, ColorSpace::Luma),
@@ -122,7 +122,7 @@ fn decode_jpeg(bytes: &[u8]) -> Result<Pixels, DecodeError> {
     };
     decoder.set_options(options.jpeg_set_out_colorspace(color));
     let data = decoder.decode().map_err(damaged)?;
-    Ok(Pixels {
+    Ok(DecodedPixels {
         width,
         height,
         channels,
@@ -131,15 +131,15 @@ fn decode_jpeg(bytes: &[u8]) -> Result<Pixels, DecodeError> {
     })
 }
 
-fn decode_webp(bytes: &[u8]) -> Result<Pixels, DecodeError> {
-    let damaged = |error: image_webp::DecodingError| Format::WebP.damaged(error);
+fn decode_webp(bytes: &[u8]) -> Result<DecodedPixels, DecodeError> {
+    let damaged = |error: image_webp::DecodingError| PictureFormat::WebP.damaged(error);
     let mut decoder = image_webp::WebPDecoder::new(Cursor::new(bytes)).map_err(damaged)?;
     let (width, height) = decoder.dimensions();
     let (width, height) = (width as usize, height as usize);
     check_size(width, height)?;
     let mut data = vec![0; decoder.output_buffer_size().unwrap_or(0)];
     decoder.read_image(&mut data).map_err(damaged)?;
-    Ok(Pixels {
+    Ok(DecodedPixels {
         width,
         height,
         channels: Channels::Rgb,
@@ -148,7 +148,7 @@ fn decode_webp(bytes: &[u8]) -> Result<Pixels, DecodeError> {
     })
 }
 
-impl Pixels {
+impl DecodedPixels {
     fn into_raster(self) -> Result<Raster, crate::SizeError> {
         let (samples, alpha) = match (self.has_alpha, self.samples) {
             (false, samples) => (samples, None),

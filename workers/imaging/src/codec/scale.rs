@@ -1,10 +1,9 @@
-//! Smaller pictures for looking at.
+//! Downscales pictures for display.
 
 use crate::Rgb8;
 
-/// A picture whose longer side is at most `max_side`, by the mean of the codes under each new pixel. Codes are
-/// averaged as they are, not as light: this is for previews and sheets. A picture that already fits is returned
-/// unchanged.
+/// A picture whose longer side is at most `max_side`, by the mean of the codes under each new pixel. Averages codes,
+/// not light: for previews and sheets only. A picture within the limit is returned unchanged.
 #[must_use]
 pub fn downscale(picture: &Rgb8, max_side: usize) -> Rgb8 {
     let (width, height) = (picture.width(), picture.height());
@@ -12,15 +11,12 @@ pub fn downscale(picture: &Rgb8, max_side: usize) -> Rgb8 {
     if longer <= max_side || max_side == 0 {
         return picture.clone();
     }
-    let scaled = |side: usize| (side * max_side / longer).max(1);
-    let (columns, rows) = (scaled(width), scaled(height));
-    let span =
-        |index: usize, count: usize, side: usize| index * side / count..((index + 1) * side).div_ceil(count);
+    let [columns, rows] = [width, height].map(|side| (side * max_side / longer).max(1));
     Rgb8::from_fn(columns, rows, |x, y| {
         let mut sums = [0u64; 3];
         let mut pixels = 0u64;
-        for row in span(y, rows, height) {
-            for column in span(x, columns, width) {
+        for row in y * height / rows..((y + 1) * height).div_ceil(rows) {
+            for column in x * width / columns..((x + 1) * width).div_ceil(columns) {
                 for (sum, code) in sums.iter_mut().zip(picture.pixel(column, row)) {
                     *sum += u64::from(code);
                 }

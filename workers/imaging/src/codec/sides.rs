@@ -6,10 +6,10 @@ use zune_core::bytestream::ZCursor;
 
 use super::npy::{self, Header};
 use super::openexr;
-use super::picture::Format;
+use super::picture::PictureFormat;
 
-/// Columns and rows that the header of a PNG, JPEG, WebP or NPY file announces, the latter of shape [height, width] or
-/// [height, width, channels]; none for other bytes. Nothing is decoded, and the sides may be beyond the limits.
+/// Columns and rows from the header of a PNG, JPEG, WebP or NPY file, the latter of shape [height, width] or [height,
+/// width, channels]; `None` for other bytes. Nothing is decoded, and the sides may exceed the limits.
 #[must_use]
 pub fn read_sides(bytes: &[u8]) -> Option<(usize, usize)> {
     if npy::is_npy(bytes) {
@@ -18,18 +18,18 @@ pub fn read_sides(bytes: &[u8]) -> Option<(usize, usize)> {
             _ => None,
         };
     }
-    match Format::detect(bytes)? {
-        Format::Png => {
+    match PictureFormat::detect(bytes)? {
+        PictureFormat::Png => {
             let mut decoder = png::Decoder::new(Cursor::new(bytes));
             let header = decoder.read_header_info().ok()?;
             Some((header.width as usize, header.height as usize))
         }
-        Format::Jpeg => {
+        PictureFormat::Jpeg => {
             let mut decoder = zune_jpeg::JpegDecoder::new(ZCursor::new(bytes));
             decoder.decode_headers().ok()?;
             decoder.dimensions()
         }
-        Format::WebP => {
+        PictureFormat::WebP => {
             let decoder = image_webp::WebPDecoder::new(Cursor::new(bytes)).ok()?;
             let (width, height) = decoder.dimensions();
             Some((width as usize, height as usize))
@@ -37,7 +37,7 @@ pub fn read_sides(bytes: &[u8]) -> Option<(usize, usize)> {
     }
 }
 
-/// Pixels that the header of any file announces that is decoded here; 0 for other bytes. Only as true as the header.
+/// Number of pixels from the header of any decodable file; 0 for other bytes. The header may be wrong.
 #[must_use]
 pub fn announced_pixels(bytes: &[u8]) -> usize {
     let sides = read_sides(bytes).or_else(|| openexr::announced_sides(bytes));

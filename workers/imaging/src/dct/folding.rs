@@ -1,7 +1,7 @@
-//! The order of samples in which a cosine transform becomes a Fourier transform of the same length.
+//! The sample order that turns a cosine transform into a Fourier transform of the same length.
 
-/// On both axes of a plane: samples of even index forward, then those of odd index backward. A plane that is transformed several
-/// times is folded once.
+/// Folded order on both axes of a plane: even samples forward, then odd samples backward. Fold a plane once for several
+/// transforms.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Folding {
     width: usize,
@@ -9,16 +9,16 @@ pub struct Folding {
 }
 
 impl Folding {
-    /// Of planes of this size.
+    /// For planes of this size.
     #[must_use]
     pub fn new(width: usize, height: usize) -> Self {
         Self { width, height }
     }
 
-    /// Brings a row-major plane into folded order.
+    /// Copies a row-major plane in folded order.
     ///
     /// # Panics
-    /// When a plane is of another size.
+    /// If a plane has another size.
     pub fn fold(&self, plane: &[f32], folded: &mut [f32]) {
         let size = self.width * self.height;
         assert_eq!([plane.len(), folded.len()], [size, size], "planes of {self:?}");
@@ -36,7 +36,7 @@ impl Folding {
         }
     }
 
-    /// The row at a place of the folded order.
+    /// The row at a position of the folded order.
     #[must_use]
     pub fn row(&self, place: usize) -> usize {
         if place < self.height.div_ceil(2) {
@@ -46,7 +46,7 @@ impl Folding {
         }
     }
 
-    /// Writes a folded row in its own order, as what `value` makes of each sample.
+    /// Writes a folded row in natural order, mapped by `value`.
     pub fn unfold_row<T: Copy>(&self, line: &[T], value: impl Fn(T) -> f32, row: &mut [f32]) {
         let (evens, odds) = line.split_at(line.len().div_ceil(2));
         row.iter_mut()

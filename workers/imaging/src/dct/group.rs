@@ -1,27 +1,22 @@
-//! Columns of a plane in groups that a fast transform works on together.
+//! Groups of columns for the fast transform.
 
 use crate::fft::Complex;
 
 /// Columns that are transformed together, and as many mirrored ones: eight complex numbers are a cache line.
 pub(super) const TILE: usize = 16;
 
-/// Columns that a butterfly joins: `low..low + count` and those mirrored to them, `width − k` for each k, in ascending order;
-/// or one that is mirrored to itself.
+/// Columns joined by a butterfly: `low..low + count` and their mirrors, `width − k` for each k, in ascending order; or
+/// a single self-mirrored column.
 #[derive(Clone, Copy)]
-pub(super) struct Group {
+pub(super) struct ColumnGroup {
     low: usize,
     count: usize,
     mirrored: usize,
 }
 
-impl Group {
-    /// The columns below a limit, each with its mirror, of a row of this width: those that stand alone first.
-    pub(super) fn below(limit: usize, width: usize) -> impl Iterator<Item = Self> {
-        let alone = |low| Self {
-            low,
-            count: 1,
-            mirrored: low,
-        };
+impl ColumnGroup {
+    /// The columns below a limit with their mirrors, for this width: self-mirrored ones first.
+    pub(super) fn select_below(limit: usize, width: usize) -> impl Iterator<Item = Self> {
         let middle = (width > 1 && width.is_multiple_of(2)).then_some(width / 2);
         let pairs = width.div_ceil(2);
         let joined = (1..pairs).step_by(TILE).map(move |low| {
@@ -32,11 +27,15 @@ impl Group {
                 mirrored: width + 1 - low - count,
             }
         });
-        let all = (0..width.min(1)).chain(middle).map(alone).chain(joined);
-        all.filter(move |group| group.low < limit)
+        let single = (0..width.min(1)).chain(middle).map(|low| Self {
+            low,
+            count: 1,
+            mirrored: low,
+        });
+        single.chain(joined).filter(move |group| group.low < limit)
     }
 
-    /// How many of the columns, which are ascending in both halves, are below the limit. The mirrored ones are greater.
+    /// Number of columns below the limit. Columns ascend within both halves; the mirrored ones are larger.
     pub(super) fn below_limit(self, limit: usize) -> usize {
         let low = limit.saturating_sub(self.low).min(self.count);
         let mirrored = limit.saturating_sub(self.mirrored).min(self.count);
@@ -57,7 +56,7 @@ impl Group {
         (self.low..self.low + self.count).chain(self.mirrored..self.mirrored + mirrored)
     }
 
-    /// Copies the columns of a row-major plane into lines of their own.
+    /// Copies the columns of a row-major plane into contiguous lines.
     pub(super) fn load(
         self,
         plane: &[Complex<f32>],
@@ -75,7 +74,7 @@ impl Group {
         }
     }
 
-    /// Undoes [`Group::load`].
+    /// Inverse of [`ColumnGroup::load`].
     pub(super) fn store(
         self,
         lines: &[Complex<f32>],
@@ -93,9 +92,9 @@ impl Group {
         }
     }
 
-    /// Applies a butterfly to each column and the one mirrored to it.
+    /// Applies a butterfly to each column and its mirror.
     #[inline(always)]
-    pub(super) fn across(
+    pub(super) fn apply(
         self,
         lines: &mut [Complex<f32>],
         twiddles: &[Complex<f32>],

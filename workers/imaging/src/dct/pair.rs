@@ -1,10 +1,11 @@
-//! The transform for speed: two real planes travel as the real and the imaginary part of one complex plane.
+//! The fast transform: two real planes are the real and the imaginary part of one complex plane.
 //!
-//! The cosine transform is linear, so one complex FFT per axis serves both. Samples come in folded order on both axes, see
-//! [`Folding`]. Rows and columns of coefficients are passed on one by one while they are in the nearest
-//! cache: a plane of a frame does not fit there, and writing it out and reading it again would take longer than the FFT.
+//! The cosine transform is linear, so one complex FFT per axis serves both. Samples are in folded order on both axes,
+//! see [`Folding`](super::Folding). Rows and columns of coefficients are passed on singly while they are in the nearest cache: a
+//! complete plane does not fit there, and writing and reading it would take longer than the FFT.
 
-use super::group::{Group, TILE};
+use super::group::{ColumnGroup, TILE};
+use super::twiddle;
 use crate::fft::{self, Complex, Ffts};
 use crate::{cancel, vectorized};
 
@@ -12,30 +13,30 @@ use crate::{cancel, vectorized};
 pub struct PairDct {
     width: usize,
     height: usize,
-    rows: Axis,
-    columns: Axis,
+    rows: AxisTransform,
+    columns: AxisTransform,
     /// Between the axes: row-major, folded.
     plane: Vec<Complex<f32>>,
-    /// Columns that are being worked on, each contiguous.
+    /// Contiguous copies of the current columns.
     tile: Vec<Complex<f32>>,
     scratch: Vec<Complex<f32>>,
 }
 
-struct Axis {
+struct AxisTransform {
     ffts: Ffts<f32>,
     /// `exp(-iπk/2N)`.
     twiddles: Vec<Complex<f32>>,
 }
 
-impl Axis {
+impl AxisTransform {
     fn new(length: usize) -> Self {
-        let twiddle = |k: usize| {
-            let angle = -std::f64::consts::FRAC_PI_2 * k as f64 / length as f64;
-            Complex::new(angle.cos() as f32, angle.sin() as f32)
-        };
+        let twiddles = (0..length).map(|k| {
+            let twiddle = twiddle(k, length);
+            Complex::new(twiddle.re as f32, twiddle.im as f32)
+        });
         Self {
             ffts: fft::single(length),
-            twiddles: (0..length).map(twiddle).collect(),
+            twiddles: twiddles.collect(),
         }
     }
 }
@@ -44,8 +45,8 @@ impl PairDct {
     /// Plans the transforms of planes of `width × height`.
     #[must_use]
     pub fn new(width: usize, height: usize) -> Self {
-        let rows = Axis::new(width);
-        let columns = Axis::new(height);
+        let rows = AxisTransform::new(width);
+        let columns = AxisTransform::new(height);
         let scratch = vec![Complex::default(); rows.ffts.scratch.max(columns.ffts.scratch)];
         Self {
             width,
@@ -64,15 +65,15 @@ impl PairDct {
         (self.width, self.height)
     }
 
-    /// Memory that the transform takes.
+    /// Size of the buffers in bytes.
     #[must_use]
     pub fn bytes(&self) -> usize {
         size_of_val(self.plane.as_slice()) + size_of_val(self.tile.as_slice())
     }
 
-    /// From two planes to the first `columns` columns of their spectra: a caller that needs low frequencies only does not pay
-    /// for the others. `fill` writes a row of both in folded order, given its place in that order; `take` is given each column
-    /// p of coefficients, of frequencies q upwards, in some order.
+    /// Transforms two planes to the first `columns` columns of their spectra, for callers that need low frequencies
+    /// only. `fill` writes a row of both in folded order, by its position in that order; `take` receives each column p
+    /// of coefficients, with ascending frequencies q, in any order.
     pub fn forward(
         &mut self,
         mut fill: impl FnMut(usize, &mut [Complex<f32>]),
@@ -90,24 +91,25 @@ impl PairDct {
                 .forward
                 .process_with_scratch(row, &mut self.scratch);
         }
-        for group in Group::below(columns, self.width) {
+        for group in ColumnGroup::select_below(columns, self.width) {
             let lines = &mut self.tile[..group.columns() * self.height];
             group.load(&self.plane, self.width, lines, self.height);
-            vectorized!(group.across(lines, &self.rows.twiddles, self.height, forward_butterfly));
+            vectorized!(group.apply(lines, &self.rows.twiddles, self.height, forward_butterfly));
             let lines = &mut lines[..group.below_limit(columns) * self.height];
             self.columns
                 .ffts
                 .forward
                 .process_with_scratch(lines, &mut self.scratch);
             for (p, line) in group.places().zip(lines.chunks_exact_mut(self.height)) {
-                vectorized!(along(line, &self.columns.twiddles, forward_butterfly));
+                vectorized!(apply_along(line, &self.columns.twiddles, forward_butterfly));
                 take(p, line);
             }
         }
     }
 
-    /// From two spectra, of which all but the first `columns` columns are 0, back to the planes. `fill` writes each of those
-    /// columns p of coefficients, in some order; `take` is given the rows of both planes, with their place in folded order.
+    /// Transforms two spectra, with zeros beyond the first `columns` columns, back to planes. `fill` writes each of
+    /// those columns p of coefficients, in any order; `take` receives the rows of both planes, with their position in
+    /// folded order.
     pub fn inverse(
         &mut self,
         mut fill: impl FnMut(usize, &mut [Complex<f32>]),
@@ -117,19 +119,19 @@ impl PairDct {
         if self.plane.is_empty() {
             return;
         }
-        for group in Group::below(self.width, self.width) {
+        for group in ColumnGroup::select_below(self.width, self.width) {
             let lines = &mut self.tile[..group.columns() * self.height];
             let (some, none) = lines.split_at_mut(group.below_limit(columns) * self.height);
             for (p, line) in group.places().zip(some.chunks_exact_mut(self.height)) {
                 fill(p, line);
-                vectorized!(along(line, &self.columns.twiddles, inverse_butterfly));
+                vectorized!(apply_along(line, &self.columns.twiddles, inverse_butterfly));
             }
             self.columns
                 .ffts
                 .inverse
                 .process_with_scratch(some, &mut self.scratch);
             none.fill(Complex::default());
-            vectorized!(group.across(lines, &self.rows.twiddles, self.height, inverse_butterfly));
+            vectorized!(group.apply(lines, &self.rows.twiddles, self.height, inverse_butterfly));
             group.store(lines, self.height, &mut self.plane, self.width);
         }
         let scale = 1.0 / (self.width * self.height) as f32;
@@ -144,9 +146,9 @@ impl PairDct {
     }
 }
 
-/// Applies a butterfly to numbers k and N−k of a line, k = 1 … N/2; number 0 stays as it is.
+/// Applies a butterfly to numbers k and N−k of a line, k = 1 … N/2; number 0 is unchanged.
 #[inline(always)]
-fn along(
+fn apply_along(
     line: &mut [Complex<f32>],
     twiddles: &[Complex<f32>],
     butterfly: impl Fn(Complex<f32>, &mut Complex<f32>, &mut Complex<f32>),

@@ -1,14 +1,12 @@
-//! Exact 8-bit sRGB encoding by table: the top bits of a float choose a bucket, and a bucket holds at most one
-//! threshold.
+//! Exact 8-bit sRGB encoding by table: the top bits of a float select a bucket with at most one threshold.
 //!
-//! Below 2^-13 every value has the code 0 (the threshold of code 1 is about 1.5e-4 > 2^-13 = 1.2e-4). From there on the
-//! upper 16 bits of the float number the buckets: at most 1/128 of an octave each, narrower than the distance of two
-//! neighboring thresholds. So a bucket holds its lowest code and the one value from which the next code begins.
+//! Below 2^-13 every value has the code 0 (the threshold of code 1 is about 1.5e-4 > 2^-13 = 1.2e-4). Above, the upper
+//! 16 bits of the float number the buckets: at most 1/128 of an octave each, narrower than the distance of two
+//! neighboring thresholds. A bucket stores its lowest code and the threshold of the next.
 
 const LOWEST: f32 = 1.0 / 8192.0;
 const SHIFT: u32 = 16;
 
-/// The table.
 pub(super) struct Encoder {
     first: usize,
     buckets: Vec<Bucket>,
@@ -25,7 +23,7 @@ impl Encoder {
         let thresholds: Vec<f32> = (1..=255u8).map(threshold).collect();
         let first = (LOWEST.to_bits() >> SHIFT) as usize;
         let last = (1.0f32.to_bits() >> SHIFT) as usize;
-        let bucket = |index: usize| {
+        let buckets = (first..=last).map(|index| {
             let start = f32::from_bits((index as u32) << SHIFT);
             let code = thresholds.partition_point(|&t| t <= start);
             let threshold = thresholds.get(code).copied().unwrap_or(f32::INFINITY);
@@ -33,10 +31,10 @@ impl Encoder {
                 threshold,
                 code: code as u8,
             }
-        };
+        });
         Self {
             first,
-            buckets: (first..=last).map(bucket).collect(),
+            buckets: buckets.collect(),
         }
     }
 
@@ -59,7 +57,7 @@ fn reference(l: f32) -> u8 {
     (255.0 * v + 0.5).floor() as u8
 }
 
-/// The smallest float whose code is at least `code`, found by bisection over the floats.
+/// The smallest float whose code is at least `code`, by bisection over the floats.
 fn threshold(code: u8) -> f32 {
     let (mut below, mut from) = (0u32, 1.0f32.to_bits());
     while from - below > 1 {
@@ -81,8 +79,8 @@ mod tests {
     fn codes_equal_the_reference_at_every_threshold_and_its_neighbors() {
         let encoder = Encoder::new();
         for code in 1..=255u8 {
-            let at = threshold(code).to_bits();
-            for bits in at - 3..=at + 3 {
+            let position = threshold(code).to_bits();
+            for bits in position - 3..=position + 3 {
                 let l = f32::from_bits(bits);
                 assert_eq!(encoder.code(l), reference(l), "{l:e}");
             }

@@ -1,4 +1,4 @@
-//! Bytes that were cut off, made up or built to do harm.
+//! Truncated, invalid and malicious bytes.
 
 #![allow(clippy::unwrap_used)]
 
@@ -13,8 +13,7 @@ use crate::{npy, png, ramp};
 #[test]
 fn a_file_that_was_cut_off_is_damaged_wherever_the_cut_is() {
     let picture = ramp(40, 30);
-    // What may be missing at the end without the loss of a sample: the checksum of PNG's empty last chunk, WebP's
-    // padding.
+    // Optional bytes at the end of a file: the checksum of PNG's empty last chunk, WebP's padding.
     let files = [
         (codec::encode_png(&Raster::from(picture.clone())).unwrap(), 4),
         (codec::encode_jpeg(&picture, 90).unwrap(), 0),
@@ -120,8 +119,8 @@ proptest! {
         ];
         for mut bytes in files {
             for (at, value) in &changes {
-                let at = at.index(bytes.len());
-                bytes[at] = *value;
+                let position = at.index(bytes.len());
+                bytes[position] = *value;
             }
             decode_all(&bytes);
             bytes.truncate(kept.index(bytes.len()));

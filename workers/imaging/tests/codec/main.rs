@@ -1,4 +1,4 @@
-//! Files in and out, and what becomes of bytes that are no files.
+//! Encoding and decoding of files, and rejection of other bytes.
 
 #![allow(clippy::unwrap_used)]
 
@@ -117,7 +117,7 @@ fn an_empty_picture_has_no_file() {
 }
 
 /// Sides, then the JPEG files at 1, 50, 95 and 100, the PNG and the WebP: their lengths and the first bytes of their
-/// SHA-256, as the `image` crate 0.25.10 wrote them.
+/// SHA-256, as written by the `image` crate 0.25.10.
 type Written = (usize, usize, [(usize, u32); 6]);
 const WRITTEN: [Written; 5] = [
     (

@@ -1,4 +1,4 @@
-//! NPY files as NumPy and others write them.
+//! NPY files as written by NumPy and others.
 
 #![allow(clippy::unwrap_used)]
 

@@ -1,4 +1,4 @@
-//! OpenEXR files of other programs: half and float, layers, tiles, and what is refused.
+//! OpenEXR files of other programs: half and float, layers, tiles, and rejected files.
 
 use std::io::Cursor;
 
@@ -117,7 +117,7 @@ fn the_picture_among_the_passes_of_a_renderer_is_found() {
         codec::decode_plane(&whole).unwrap(),
         FilePlane::Floats(expected(&floats(0.5)))
     );
-    // Without the combined picture nobody can tell which is meant.
+    // Without the combined picture the choice is ambiguous.
     let many = [
         &passes[3..6],
         &[
@@ -132,7 +132,7 @@ fn the_picture_among_the_passes_of_a_renderer_is_found() {
         matches!(&error, DecodeError::Unsuitable { found, .. } if found.contains("Other.R")),
         "{error}"
     );
-    // A vector is no depth.
+    // A vector component is not a depth.
     assert!(codec::decode_plane(&file(plain, &passes[7..])).is_err());
     let integers = FlatSamples::U32(vec![1; SIZE.0 * SIZE.1]);
     let error = codec::decode_plane(&file(plain, &[("Z", integers)])).unwrap_err();
@@ -142,18 +142,18 @@ fn the_picture_among_the_passes_of_a_renderer_is_found() {
 #[test]
 fn a_size_beyond_the_limits_is_refused_from_the_header() {
     let mut bytes = picture();
-    let at = bytes
+    let index = bytes
         .windows(10)
         .position(|window| window == b"dataWindow")
         .unwrap();
     // The name, the type `box2i`, the length and the upper left corner come before the last column.
-    let last_column = at + "dataWindow\0box2i\0".len() + 4 + 8;
+    let last_column = index + "dataWindow\0box2i\0".len() + 4 + 8;
     bytes[last_column..last_column + 4].copy_from_slice(&[0xff, 0xff, 0, 0]);
     let error = codec::decode_radiance(&bytes).unwrap_err();
     assert!(matches!(error, DecodeError::TooLarge { .. }), "{error}");
 }
 
-/// No change of a byte makes the decoder panic, and none of those of the header makes it ask for more than the limits.
+/// No byte change makes the decoder panic, and no header change makes it allocate beyond the limits.
 #[test]
 fn damaged_files_are_errors_or_pictures_and_never_a_panic() {
     let whole = picture();
@@ -170,8 +170,8 @@ fn damaged_files_are_errors_or_pictures_and_never_a_panic() {
         // The header more often than the pixels.
         let reach = if round % 4 == 0 { bytes.len() } else { 400 };
         for _ in 0..1 + round % 3 {
-            let at = next() as usize % reach;
-            bytes[at] = match next() % 3 {
+            let position = next() as usize % reach;
+            bytes[position] = match next() % 3 {
                 0 => 0,
                 1 => 255,
                 _ => next() as u8,

@@ -1,4 +1,4 @@
-//! PNG files that our own encoder does not write, put together by hand.
+//! Hand-made PNG files unlike those of the encoder.
 
 #![allow(clippy::unwrap_used)]
 
@@ -10,7 +10,7 @@ const GRAY: u8 = 0;
 const PALETTE: u8 = 3;
 const GRAY_ALPHA: u8 = 4;
 
-/// A file with a right header, these chunks and these rows, each with its filter byte; not compressed.
+/// An uncompressed file with a valid header, these chunks and these rows, each with its filter byte.
 fn file(width: u32, height: u32, depth: u8, color: u8, chunks: &[(&[u8; 4], &[u8])], rows: &[u8]) -> Vec<u8> {
     let length = (rows.len() as u16).to_le_bytes();
     let complement = (!(rows.len() as u16)).to_le_bytes();

@@ -5,7 +5,7 @@
 
 use std::f64::consts::PI;
 
-use imaging::rays::{Rays, Start, offset};
+use imaging::rays::{RayStart, Rays, offset};
 use imaging::vector::dot;
 
 use super::multiple::{blurred, surface_depth, surface_scale};
@@ -68,7 +68,7 @@ impl Arriving {
 /// `rays`, 1 without; of scattered light, of the disc that it comes from.
 #[must_use]
 pub fn white_at(place: [f64; 3], lighting: &Lighting, rays: Option<&dyn Rays>) -> [f64; 3] {
-    let start = Start {
+    let start = RayStart {
         origin: place,
         from: offset(place),
     };

@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use imaging::geometry::Intrinsics;
-use imaging::rays::{self, Rays, Start};
+use imaging::rays::{self, RayStart, Rays};
 use imaging::vector::dot;
 use imaging::{Plane, Rgb};
 
@@ -182,7 +182,7 @@ impl<'a> Glow<'a> {
             disc_place(self.lamp.position_m, way.map(|v| v / meters), radius_m, place)
         };
         let from = rays::offset(origin);
-        sees(rays, Start { origin, from }, target)
+        sees(rays, RayStart { origin, from }, target)
     }
 
     fn in_fine_parts(&self, [from, to]: [f64; 2], rules: &Rules) -> [f64; 3] {

@@ -4,7 +4,7 @@
 //! `R sqrt((k + 1/2)/N)` and the angles 2.399963229728653 k, the golden angle, in the frame of Duff et al. (2017) about the way. The
 //! share of them that is seen has steps of 1/N. Nothing is drawn at random, so that a shadow does not flicker.
 
-use imaging::rays::{Rays, Start};
+use imaging::rays::{RayStart, Rays};
 use imaging::vector::dot;
 
 /// The golden angle.
@@ -91,7 +91,7 @@ pub(super) fn shared_place(node: usize, count: usize) -> usize {
 }
 
 /// Whether a place is seen from the start of a ray.
-pub(super) fn sees(rays: &dyn Rays, start: Start, place: [f64; 3]) -> bool {
+pub(super) fn sees(rays: &dyn Rays, start: RayStart, place: [f64; 3]) -> bool {
     let way = [0, 1, 2].map(|i| place[i] - start.origin[i]);
     let meters = dot(way, way).sqrt();
     meters <= start.from || !rays.occluded(start.origin, way.map(|v| v / meters), start.from, meters)
@@ -100,7 +100,7 @@ pub(super) fn sees(rays: &dyn Rays, start: Start, place: [f64; 3]) -> bool {
 /// The share of a disc about `middle` that is seen from the start of a ray.
 pub(super) fn share_seen(
     rays: &dyn Rays,
-    start: Start,
+    start: RayStart,
     middle: [f64; 3],
     (radius_m, count): (f64, usize),
 ) -> f64 {

@@ -1,6 +1,6 @@
 //! How much of a lamp is seen from many places at once, in f32.
 
-use imaging::rays::{Rays, Ways};
+use imaging::rays::{Rays, ShadowRays};
 use imaging::vectorized;
 
 use super::shadow::on_unit_disc;
@@ -12,7 +12,7 @@ const FIRST: usize = 5;
 /// Looks through a scene; keeps what it allocates.
 pub(super) struct Sight<'a> {
     rays: &'a dyn Rays,
-    ways: Ways,
+    ways: ShadowRays,
     clear: Vec<bool>,
     undecided: Vec<usize>,
 }
@@ -77,7 +77,7 @@ impl<'a> Sight<'a> {
     pub(super) fn new(rays: &'a dyn Rays) -> Self {
         Self {
             rays,
-            ways: Ways::default(),
+            ways: ShadowRays::default(),
             clear: Vec::new(),
             undecided: Vec::new(),
         }
@@ -146,7 +146,7 @@ impl<'a> Sight<'a> {
 
     /// Ends all ways at this place of the disc of each, and looks along them.
     fn turn(&mut self, place: [f32; 2], middle: [f32; 3], radius_m: Radius<'_>) {
-        let Ways { from, to } = &mut self.ways;
+        let ShadowRays { from, to } = &mut self.ways;
         let from = from.each_ref().map(Vec::as_slice);
         match radius_m {
             Radius::Same(0.0) => to.iter_mut().zip(middle).for_each(|(axis, v)| axis.fill(v)),
@@ -157,7 +157,7 @@ impl<'a> Sight<'a> {
     }
 
     /// Sets for each way whether it is clear.
-    pub(super) fn look_along(&mut self, fill: impl FnOnce(&mut Ways)) -> &[bool] {
+    pub(super) fn look_along(&mut self, fill: impl FnOnce(&mut ShadowRays)) -> &[bool] {
         self.ways.clear();
         fill(&mut self.ways);
         self.look();
@@ -167,7 +167,7 @@ impl<'a> Sight<'a> {
     fn look(&mut self) {
         self.clear.clear();
         self.clear.resize(self.ways.len(), false);
-        self.rays.look(&self.ways, &mut self.clear);
+        self.rays.trace_shadow_rays(&self.ways, &mut self.clear);
     }
 }
 

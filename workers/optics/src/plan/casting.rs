@@ -84,8 +84,8 @@ impl Caster<'_> {
     fn may_be_hidden(&self, mut regions: impl Iterator<Item = Region>, disc_m: impl Fn(f64) -> f64) -> bool {
         regions.any(|region| {
             let [_, farthest] = region.places.distances(self.lamp.position_m());
-            let lamp = Cuboid::about(self.lamp.position_m(), disc_m(farthest));
-            self.rays.may_hide(&region.places, &lamp)
+            let lamp = Cuboid::centered(self.lamp.position_m(), disc_m(farthest));
+            self.rays.may_occlude(&region.places, &lamp)
         })
     }
 

@@ -41,7 +41,7 @@ impl Rays for Balls {
     }
 
     /// By balls about the balls and about the ways.
-    fn may_hide(&self, from: &Cuboid, to: &Cuboid) -> bool {
+    fn may_occlude(&self, from: &Cuboid, to: &Cuboid) -> bool {
         let about = |cuboid: &Cuboid| {
             let middle = [0, 1, 2].map(|i| 0.5 * (cuboid.low[i] + cuboid.high[i]));
             (middle, cuboid.distances(middle)[1])

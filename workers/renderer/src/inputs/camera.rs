@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use ::camera::geometry::{Lens, Sampling, Source, coordinates};
-use ::camera::sensor::{Pattern, Sensor};
+use ::camera::geometry::{Lens, Sampling, SourcePicture, coordinates};
+use ::camera::sensor::{FixedPattern, SensorModel};
 use ::camera::{Parts, Scenery};
 use spec::Frame;
 
@@ -18,13 +18,13 @@ const MOST_KEPT: usize = 1 << 20;
 /// What a slot keeps between frames, for cameras seldom change.
 #[derive(Default)]
 pub(crate) struct Cameras {
-    map: Option<(Lens, Source, Arc<Sampling>)>,
-    pattern: Option<Pattern>,
+    map: Option<(Lens, SourcePicture, Arc<Sampling>)>,
+    pattern: Option<FixedPattern>,
 }
 
 impl Cameras {
     /// The map of a lens into its source picture.
-    fn sampling(&mut self, lens: &Lens, source: &Source, size: (usize, usize)) -> Arc<Sampling> {
+    fn sampling(&mut self, lens: &Lens, source: &SourcePicture, size: (usize, usize)) -> Arc<Sampling> {
         if let Some((of, from, sampling)) = &self.map
             && (of, from, sampling.size()) == (lens, source, size)
         {
@@ -38,13 +38,13 @@ impl Cameras {
     }
 
     /// The fixed pattern of a sensor.
-    pub(crate) fn pattern(&mut self, sensor: &Sensor, seed: u64, samples: usize) -> &Pattern {
+    pub(crate) fn pattern(&mut self, sensor: &SensorModel, seed: u64, samples: usize) -> &FixedPattern {
         let kept = self
             .pattern
             .take()
             .filter(|pattern| pattern.is_of(sensor, seed, samples));
         self.pattern
-            .insert(kept.unwrap_or_else(|| Pattern::new(sensor, seed, samples)))
+            .insert(kept.unwrap_or_else(|| FixedPattern::new(sensor, seed, samples)))
     }
 }
 

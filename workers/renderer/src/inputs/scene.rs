@@ -5,7 +5,7 @@ use std::convert::Infallible;
 use std::sync::Arc;
 
 use camera::PartsError;
-use camera::geometry::Source;
+use camera::geometry::SourcePicture;
 use imaging::codec::{self, Radiance};
 use imaging::geometry::Intrinsics;
 use optics::medium::Bottom;
@@ -69,7 +69,7 @@ impl Prepared {
 pub(crate) fn prepare(
     frame: &Frame,
     source: &SceneSource,
-    view: Option<Source>,
+    view: Option<SourcePicture>,
 ) -> Result<Prepared, RenderError> {
     match (&frame.scene, source) {
         (Scene::Procedural { .. }, _) => Place::of(frame)?.prepare(frame, view, 0.0),
@@ -141,7 +141,7 @@ impl Place {
     pub(crate) fn prepare(
         &self,
         frame: &Frame,
-        view: Option<Source>,
+        view: Option<SourcePicture>,
         later: f64,
     ) -> Result<Prepared, RenderError> {
         let pose = match &self.path {
@@ -149,7 +149,7 @@ impl Place {
             None => self.world.pose(),
         };
         let (width, height) = (frame.camera.width, frame.camera.height);
-        let Source { size, camera } = view.unwrap_or_else(|| Source {
+        let SourcePicture { size, camera } = view.unwrap_or_else(|| SourcePicture {
             size: (width, height),
             camera: Intrinsics::centered(frame.camera.focal_px(width), width, height),
         });

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use imaging::Rgb;
 use optics::setting::Setting;
 use spec::{Frame, FrameRecord};
-use truth::Law;
+use truth::PhaseModel;
 
 use super::Slot;
 use crate::context::FrameContext;
@@ -24,7 +24,7 @@ pub struct WaterLight {
     /// The surroundings.
     pub setting: Setting,
     /// How the water scatters in the truth.
-    pub law: Law,
+    pub law: PhaseModel,
     /// Light of surfaces that arrives unscattered.
     pub direct: Rgb<f32>,
     /// Light that arrives scattered: of surfaces and of lamps, and the veil if the truth has daylight.

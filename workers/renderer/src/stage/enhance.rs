@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use enhance::ibla::Form;
+use enhance::ibla::IblaRefinement;
 use enhance::{Enhanced, Method};
 use imaging::{Raster, Rgb8};
 use optics::plan::{Stage, StageId, Variant};
@@ -15,7 +15,7 @@ use crate::error::RenderError;
 pub(crate) type Enhancements = BTreeMap<String, Enhanced>;
 
 /// The method that has faster variants; the exact one of them has its name.
-const IBLA: &str = Form::ALL[0].name();
+const IBLA: &str = IblaRefinement::ALL[0].name();
 
 /// The methods of a frame, and the variant of `ibla`.
 pub(crate) fn assess(frame: &Frame, tolerance: Option<f64>) -> Vec<Stage> {
@@ -29,7 +29,7 @@ pub(crate) fn assess(frame: &Frame, tolerance: Option<f64>) -> Vec<Stage> {
     };
     let ibla = frame.enhance.iter().any(|name| name == IBLA);
     let ibla = ibla.then(|| {
-        let variants = Form::ALL.map(|form| IblaVariant {
+        let variants = IblaRefinement::ALL.map(|form| IblaVariant {
             method: form.name(),
             distance: form.method().distance(),
         });

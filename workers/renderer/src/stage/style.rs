@@ -7,7 +7,7 @@ use std::sync::Arc;
 use imaging::{Rgb, transfer};
 use optics::plan::{ErrorBound, Stage, StageId, Variant};
 use spec::FrameRecord;
-use style::{Beside, RANGE_SCALE_M, Session, StyleError, StyleModel};
+use style::{ModelInputs, RANGE_SCALE_M, Session, StyleError, StyleModel};
 
 use crate::assessment::Assessment;
 use crate::context::FrameContext;
@@ -68,7 +68,7 @@ impl Networks {
         let noise = session
             .takes_noise()
             .then(|| style::noise(frame.seed, frame.index, scattered.size()));
-        let beside = Beside {
+        let beside = ModelInputs {
             noise: noise.as_ref(),
             range: range.as_ref(),
         };

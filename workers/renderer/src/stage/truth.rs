@@ -6,7 +6,10 @@ use imaging::Rgb;
 use optics::plan::{Stage, StageId, Variant};
 use spec::truth::{TooMuch, seconds};
 use spec::{FrameRecord, RaySource, TruthRecord};
-use truth::{Asked, ChainLight, Goal, Law, Pixel, Report, Scene, Shutter, Subject, Truth, converge};
+use truth::{
+    ChainLight, ConvergedTruth, Goal, PathBatch, PhaseModel, PixelSums, ReportRequest, Subject, TracedScene,
+    TruthReport, converge,
+};
 
 use crate::context::FrameContext;
 use crate::error::RenderError;
@@ -19,7 +22,7 @@ pub struct Tracing {
     /// How well the frame must be known.
     pub goal: Goal,
     /// How its water scatters.
-    pub law: Law,
+    pub law: PhaseModel,
     /// Seed of the paths.
     pub seed: u64,
     /// Whether a path serves all channels.
@@ -35,13 +38,13 @@ const BLOCK_PX: usize = 8;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Traced {
     /// The paths.
-    pub truth: Truth,
+    pub truth: ConvergedTruth,
     /// What they say.
-    pub report: Report,
+    pub report: TruthReport,
 }
 
 /// One round: some samples of every pixel of a scene, row by row; none where it will not go on.
-pub type Round<'r> = &'r mut dyn FnMut(&Shutter, &Scene<'_>, &Range<u64>) -> Option<Vec<Pixel>>;
+pub type Round<'r> = &'r mut dyn FnMut(&PathBatch, &TracedScene<'_>, &Range<u64>) -> Option<Vec<PixelSums>>;
 
 /// Whether an artifact asks for it and the scene has a range.
 pub(crate) fn is_asked(context: &FrameContext<'_>) -> bool {
@@ -76,10 +79,10 @@ pub(crate) fn run(
 }
 
 /// How the water of a frame scatters in its truth.
-pub(crate) fn law(context: &FrameContext<'_>) -> Law {
+pub(crate) fn law(context: &FrameContext<'_>) -> PhaseModel {
     let optics = context.frame.water.optics.as_ref();
     let phase = optics.map(|optics| optics.phase).unwrap_or_default();
-    Law::of_water(phase, context.setting.water.as_ref())
+    PhaseModel::of_water(phase, context.setting.water.as_ref())
 }
 
 /// Traces a frame round by round; none of a scene without a range, and where the first round is not traced.
@@ -101,8 +104,8 @@ pub(crate) fn trace(
         range,
         ground: prepared.world.as_ref().map(|world| world.ground_reflectance()),
     };
-    let scene = Scene::of_frame(&subject, &*solids, tracing.law.phase())?;
-    let shutter = Shutter {
+    let scene = TracedScene::of_frame(&subject, &*solids, tracing.law.phase())?;
+    let shutter = PathBatch {
         camera: context.setting.eye.camera,
         width: context.setting.size.0,
         frame: frame.index,
@@ -113,7 +116,7 @@ pub(crate) fn trace(
         round(&shutter, &scene, &samples)
     });
     let Some(truth) = truth else { return Ok(None) };
-    let asked = Asked {
+    let asked = ReportRequest {
         goal: tracing.goal,
         law: tracing.law,
         rays: match rays::source(frame, prepared) {
@@ -128,7 +131,7 @@ pub(crate) fn trace(
         direct: &light.layers.direct,
         scattered: &scattered,
     };
-    let report = Report::new(&truth, &asked, &light, Some(range));
+    let report = TruthReport::new(&truth, &asked, &light, Some(range));
     Ok(Some(Traced { truth, report }))
 }
 
@@ -184,7 +187,7 @@ pub(crate) fn scattered(light: &Light, has_sea: bool) -> Rgb<f32> {
     })
 }
 
-fn summary(report: &Report) -> TruthRecord {
+fn summary(report: &TruthReport) -> TruthRecord {
     TruthRecord {
         paths: report.paths,
         ended_by: report.ended_by.to_owned(),

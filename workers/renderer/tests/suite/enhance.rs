@@ -53,7 +53,7 @@ fn by_default_a_frame_gets_the_exact_form_of_ibla() {
                        "artifacts": ["rgb", "enhanced.ibla"], "encode": {"format": "png"}});
     let rendered = render(&files.job(&asked));
     let picture = |kind: &str| imaging::codec::decode_picture(file(&rendered, kind)).unwrap();
-    let exact = enhance::run(&enhance::ibla::Form::Matting.method(), &picture("rgb")).unwrap();
+    let exact = enhance::run(&enhance::ibla::IblaRefinement::Matting.method(), &picture("rgb")).unwrap();
     assert_eq!(picture("enhanced.ibla").to_rgb8(), exact.picture.to_rgb8());
 }
 

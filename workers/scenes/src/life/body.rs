@@ -1,21 +1,21 @@
-//! The surfaces of living things.
+//! SurfaceRows of animals and plants.
 
-use crate::site::chance::Dice;
-use crate::site::finish::{Finish, Material};
+use crate::site::chance::Choices;
+use crate::site::finish::{Material, SurfaceFinish};
 
 /// Skin, shell or leaf.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Body {
-    /// Albedo of what faces up.
+pub(super) struct Skin {
+    /// Albedo of the upper side.
     pub(super) color: [f32; 3],
     pub(super) gloss: f32,
-    /// How many times as bright it is underneath.
+    /// Brightness of the underside relative to that.
     pub(super) belly: f32,
 }
 
-impl Body {
-    pub(super) fn finish(self, dice: Dice) -> Finish {
+impl Skin {
+    pub(super) fn finish(self, dice: Choices) -> SurfaceFinish {
         let Self { color, gloss, belly } = self;
-        Finish::new(Material::Body { color, gloss, belly }, dice)
+        SurfaceFinish::new(Material::Body { color, gloss, belly }, dice)
     }
 }

@@ -1,22 +1,23 @@
-//! How a camera on a path is held: level, and without turning over where it looks straight up or down.
+//! Orientation of a camera on a path: level, without flipping where it looks straight up or down.
 
 use std::f64::consts::PI;
 
 use imaging::vector::DVec3;
 
-use super::{Sight, turned};
+use super::{LookAt, turned};
 use crate::CameraPose;
 
-/// From this |vertical component| of the direction on (about 75 degrees) a level camera turns too fast about its axis.
+/// Steepness (|vertical component| of the direction, about 75°) beyond which a level camera rotates too fast about its
+/// axis.
 const STEEP: f64 = 0.966;
-/// Below this angle between the first and the last direction there is no arc.
+/// Smaller angles between the first and the last direction define no arc.
 const LEAST_ARC_RAD: f64 = 1e-9;
 
-/// The pose without sway. Level all the way, unless the way passes nearly straight up or down, where a level camera
-/// would turn over at once: then the axes are carried along without turning about the optical axis (parallel transport
-/// on the arc of the directions, do Carmo 1976, section 4.4) from the end that is farther from the vertical, and what
-/// is missing to level at the other end is made up evenly on the way.
-pub(super) fn pose(ends: [Sight; 2], eye: DVec3, target: DVec3) -> CameraPose {
+/// The pose without sway. The camera stays level, unless the path passes nearly straight up or down, where a level
+/// camera would flip. In that case the axes are transported in parallel along the arc of the directions (do Carmo 1976,
+/// section 4.4) from the end farther from the vertical, and the missing roll at the other end is distributed evenly
+/// along the path.
+pub(super) fn pose(ends: [LookAt; 2], eye: DVec3, target: DVec3) -> CameraPose {
     let level = CameraPose::looking(eye, target, 0.0);
     let ends = ends.map(|end| CameraPose::looking(end.position, end.target, 0.0));
     let (first, last) = (ends[0].ahead, ends[1].ahead);
@@ -33,7 +34,7 @@ pub(super) fn pose(ends: [Sight; 2], eye: DVec3, target: DVec3) -> CameraPose {
     let done = if backwards { angle - whole } else { angle };
     let carried = turned(from.right, axis, done);
     let arrived = turned(from.right, axis, if backwards { -whole } else { whole });
-    // A level that is not there cannot be reached: looking nearly straight up or down, any roll is as good.
+    // Nearly straight up or down, level is undefined and any roll is acceptable.
     let missing = if steep_first.max(steep_last) >= STEEP {
         0.0
     } else {
@@ -47,15 +48,17 @@ pub(super) fn pose(ends: [Sight; 2], eye: DVec3, target: DVec3) -> CameraPose {
     }
 }
 
-/// The largest |vertical component| of the directions on the arc of `whole` radians between two unit vectors.
+/// The largest |vertical component| on the arc of `whole` radians between two unit directions.
 fn steepest(first: DVec3, last: DVec3, whole: f64) -> f64 {
     // On the arc a cos t + b sin t the height is a_z cos t + b_z sin t: extreme at the ends or where its slope is 0.
     let across = (last - first * first.dot(last)).normalized();
-    let height = |t: f64| (first.z * libm::cos(t) + across.z * libm::sin(t)).abs();
     let summit = libm::atan2(across.z, first.z);
     let summits = [summit - PI, summit, summit + PI].into_iter();
     let inside = summits.filter(|t| (0.0..=whole).contains(t));
-    inside.map(height).fold(height(0.0).max(height(whole)), f64::max)
+    inside
+        .chain([0.0, whole])
+        .map(|t| (first.z * libm::cos(t) + across.z * libm::sin(t)).abs())
+        .fold(0.0, f64::max)
 }
 
 #[cfg(test)]
@@ -64,7 +67,7 @@ mod tests {
 
     use super::super::tests::straight;
 
-    /// Largest turn of an axis from one frame to the next, radians.
+    /// Largest rotation of an axis between successive frames, radians.
     fn fastest(start: Waypoint, end: Waypoint, frames: usize) -> f64 {
         let path = straight(start, end, frames);
         let turn = |frame: usize| {
@@ -91,7 +94,7 @@ mod tests {
             position_m: [0.0, 0.0, 4.0],
             target_m,
         };
-        // Over the vertical from one side to the other; past it, a hand's breadth beside; up from it; and down to it.
+        // Across the vertical, past it at a short distance, up from it, and down to it.
         let ways = [
             (looking_at([3.0, 0.0, 0.0]), looking_at([-3.0, 0.0, 0.0])),
             (looking_at([3.0, 0.05, 0.0]), looking_at([-3.0, 0.05, 0.0])),

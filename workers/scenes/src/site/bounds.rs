@@ -1,18 +1,18 @@
-//! Boxes along the axes of a frame.
+//! Axis-aligned bounding boxes.
 
 use imaging::vector::{Vec3, vec3};
 
 use super::lanes::{larger, smaller};
 use super::solid::Solid;
 
-/// A box between its lowest and its highest corner, in meters.
+/// A box between its lowest and its highest corner, m.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Bounds {
     pub(crate) low: Vec3,
     pub(crate) high: Vec3,
 }
 
-/// Farther than anything.
+/// Larger than any site.
 const EVERYWHERE_M: f32 = 1e9;
 
 impl Bounds {
@@ -32,30 +32,35 @@ impl Bounds {
         }
     }
 
-    /// Everything below the given height.
-    pub(super) fn below(height: f32) -> Self {
+    pub(crate) fn from_point(place: Vec3) -> Self {
+        Self {
+            low: place,
+            high: place,
+        }
+    }
+
+    pub(super) fn half_space(height: f32) -> Self {
         Self {
             low: vec3(-EVERYWHERE_M, -EVERYWHERE_M, -EVERYWHERE_M),
             high: vec3(EVERYWHERE_M, EVERYWHERE_M, height),
         }
     }
 
-    /// A box around a solid in the world; around a hollow's wall, everything.
-    pub(super) fn around(solid: &Solid) -> Self {
+    /// The box of a solid in world coordinates; for a hollow's wall, everything.
+    pub(super) fn from_solid(solid: &Solid) -> Self {
         if solid.is_hollow() {
-            return Self::below(EVERYWHERE_M);
+            return Self::half_space(EVERYWHERE_M);
         }
         let corners = solid.corners();
-        let bound = |pick: fn(f32, f32) -> f32| corners.into_iter().fold(corners[0], |a, b| a.zip(b, pick));
         Self {
-            low: bound(smaller),
-            high: bound(larger),
+            low: corners.into_iter().fold(corners[0], |a, b| a.zip(b, smaller)),
+            high: corners.into_iter().fold(corners[0], |a, b| a.zip(b, larger)),
         }
     }
 
     /// The box around a group of points.
     #[inline(always)]
-    pub(crate) fn of_points<const COUNT: usize>(points: &[[f32; COUNT]; 3]) -> Self {
+    pub(crate) fn from_points<const COUNT: usize>(points: &[[f32; COUNT]; 3]) -> Self {
         const WIDE: usize = 8;
         let (mut low, mut high) = ([[0.0; WIDE]; 3], [[0.0; WIDE]; 3]);
         for axis in 0..3 {
@@ -79,7 +84,7 @@ impl Bounds {
         }
     }
 
-    /// The box that is larger by so many meters on every side.
+    /// The box enlarged by `margin` meters on every side.
     pub(crate) fn grown(&self, margin: f32) -> Self {
         let margin = vec3(margin, margin, margin);
         Self {
@@ -88,8 +93,12 @@ impl Bounds {
         }
     }
 
-    /// The box around both.
-    pub(crate) fn with(&self, other: &Self) -> Self {
+    /// The corners `low` and `high`.
+    pub(crate) fn ends(&self) -> [[f32; 3]; 2] {
+        [self.low.into(), self.high.into()]
+    }
+
+    pub(crate) fn union(&self, other: &Self) -> Self {
         Self {
             low: self.low.zip(other.low, smaller),
             high: self.high.zip(other.high, larger),

@@ -5,15 +5,14 @@ use imaging::vector::{Vec3, vec3};
 
 use crate::CameraPose;
 
-/// A camera in the scene. Rays are not normalized: a ray advances one meter along the optical axis for each
-/// unit of its parameter, so a parameter is a z-depth, and `parameter * |ray|` a range.
+/// A camera in the scene. EyeRays are not normalized: a ray parameter is a z-depth, and `parameter * |ray|` a range.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Camera {
+pub(crate) struct ViewCamera {
     pub(crate) eye: Vec3,
     pub(crate) ahead: Vec3,
     pub(crate) right: Vec3,
     pub(crate) down: Vec3,
-    /// Also the angle that a pixel spans at the principal point, in radians.
+    /// Also the angle of a pixel at the principal point, radians.
     pub(crate) inverse_focal: f32,
     cx: f32,
     cy: f32,
@@ -21,7 +20,7 @@ pub(crate) struct Camera {
     pub(crate) height: usize,
 }
 
-impl Camera {
+impl ViewCamera {
     pub(crate) fn new(pose: &CameraPose, (width, height): (usize, usize), lens: &Intrinsics) -> Self {
         Self {
             eye: pose.position_m.as_f32(),
@@ -44,8 +43,8 @@ impl Camera {
             + self.down * ((y - self.cy) * self.inverse_focal)
     }
 
-    /// What one pixel to the right adds to a ray.
-    pub(crate) fn across(&self) -> Vec3 {
+    /// Difference of the rays of horizontal neighbors.
+    pub(crate) fn column_step(&self) -> Vec3 {
         self.right * self.inverse_focal
     }
 
@@ -56,7 +55,7 @@ impl Camera {
         vec3(away.dot(self.right), away.dot(self.down), away.dot(self.ahead))
     }
 
-    /// Index coordinates of a point in camera axes that lies ahead.
+    /// Index coordinates of a point ahead, in camera axes.
     #[inline(always)]
     pub(crate) fn project(&self, point: Vec3) -> (f32, f32) {
         let scale = 1.0 / (self.inverse_focal * point.z);
@@ -75,7 +74,7 @@ mod tests {
             cx: 30.0,
             cy: 12.0,
         };
-        let camera = Camera::new(
+        let camera = ViewCamera::new(
             &CameraPose::looking(vec3(1.0, 2.0, 3.0), vec3(4.0, 6.0, 2.0), 0.2),
             (64, 48),
             &lens,
@@ -89,7 +88,7 @@ mod tests {
     #[test]
     fn a_level_camera_sees_up_at_the_top() {
         let lens = Intrinsics::centered(50.0, 3, 3);
-        let camera = Camera::new(
+        let camera = ViewCamera::new(
             &CameraPose::looking(vec3(0.0, 0.0, 1.0), vec3(1.0, 0.0, 1.0), 0.0),
             (3, 3),
             &lens,

@@ -1,17 +1,17 @@
-//! Seeded choices, addressed and never drawn in order: (seed, topic, object number, choice number).
+//! Seeded choices by address (seed, topic, object number, choice number), never drawn in order.
 
 use imaging::random::Stream;
 use imaging::vector::Vec3;
 
-/// The choices about an object of a topic.
+/// Choices for an object of a topic.
 #[derive(Clone, Copy)]
-pub(crate) struct Dice {
+pub(crate) struct Choices {
     stream: Stream,
     object: u64,
 }
 
-impl Dice {
-    /// The choices about object 0 of a topic.
+impl Choices {
+    /// Choices for object 0 of a topic.
     pub(crate) fn new(seed: u64, topic: &str) -> Self {
         Self {
             stream: Stream::stage(seed, topic),
@@ -19,7 +19,7 @@ impl Dice {
         }
     }
 
-    /// The choices about another object of the topic.
+    /// Choices for another object of the topic.
     pub(crate) fn object(self, object: usize) -> Self {
         Self {
             object: object as u64,
@@ -28,7 +28,7 @@ impl Dice {
     }
 
     /// Uniform in `low..high`.
-    pub(crate) fn between(self, choice: u64, low: f32, high: f32) -> f32 {
+    pub(crate) fn uniform(self, choice: u64, low: f32, high: f32) -> f32 {
         low + (high - low) * self.stream.unit(self.object, choice) as f32
     }
 
@@ -38,27 +38,27 @@ impl Dice {
     }
 
     /// A point of a box, from three successive choices.
-    pub(crate) fn within(self, choice: u64, low: [f32; 3], high: [f32; 3]) -> Vec3 {
-        let component = |axis: usize| self.between(choice + axis as u64, low[axis], high[axis]);
-        [0, 1, 2].map(component).into()
+    pub(crate) fn point_in(self, choice: u64, low: [f32; 3], high: [f32; 3]) -> Vec3 {
+        [0, 1, 2]
+            .map(|axis: usize| self.uniform(choice + axis as u64, low[axis], high[axis]))
+            .into()
     }
 
     /// A horizontal shift of at most `reach` along x and y, from two successive choices.
     pub(crate) fn shift(self, choice: u64, [x, y]: [f32; 2]) -> Vec3 {
-        self.within(choice, [-x, -y, 0.0], [x, y, 0.0])
+        self.point_in(choice, [-x, -y, 0.0], [x, y, 0.0])
     }
 
     /// True with the given probability.
     pub(crate) fn chance(self, choice: u64, probability: f32) -> bool {
-        self.between(choice, 0.0, 1.0) < probability
+        self.uniform(choice, 0.0, 1.0) < probability
     }
 
-    /// One of the options, of which there must be some.
+    /// Picks an option; `options` must not be empty.
     pub(crate) fn pick<T: Copy>(self, choice: u64, options: &[T]) -> T {
         options[self.count(choice, 0, options.len() - 1)]
     }
 
-    /// Key of a noise field.
     pub(crate) fn key(self, choice: u64) -> u32 {
         self.stream.bits(self.object, choice) as u32
     }

@@ -1,14 +1,14 @@
-//! Scattered dots: round bumps, at most one in each cell of a lattice.
+//! Scattered dots: round bumps, at most one per cell of a lattice.
 
 use super::lanes::{LANES, Lane, Lane3, clamp01, floor};
-use super::noise::{GRADIENT_UNIT, Noise, gradient, hash, lattice};
+use super::noise::{GRADIENT_UNIT, NoiseSample, gradient, hash, lattice};
 
-/// The lattice of dots stands askew, so that no surface shows its rows.
+/// Rotates the lattice, so that no surface shows its rows.
 const ASKEW: [[f32; 3]; 3] = [[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]];
 
 #[inline(always)]
 pub(super) fn put_dots(
-    dots: &mut Noise,
+    dots: &mut NoiseSample,
     position: &Lane3,
     footprint: &Lane,
     (per_meter, radius, share): (f32, f32, f32),
@@ -47,13 +47,13 @@ pub(super) fn put_dots(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::site::noise::Place;
+    use crate::site::noise::NoisePoints;
 
     #[test]
     fn dots_slope_as_they_rise() {
         let dot_at = |x: f32| {
             let position = [[x; LANES], [0.4; LANES], [0.7; LANES]];
-            let place = Place {
+            let place = NoisePoints {
                 position: &position,
                 footprint: &[1e-6; LANES],
                 finest: 1e-6,
@@ -66,7 +66,7 @@ mod tests {
             let x = i as f32 * 0.01;
             let (before, here, after) = (dot_at(x - 1e-3), dot_at(x), dot_at(x + 1e-3));
             let difference = (after.0 - before.0) / 2e-3;
-            // The rim of a dot is a kink, and there the slopes on both sides differ.
+            // The rim is a kink: the slopes on its two sides differ.
             let kink = (after.1 - before.1).abs();
             assert!(
                 (difference - here.1).abs() < 0.1 + kink,

@@ -1,7 +1,7 @@
-//! Surfaces: color, relief and defects from seeded noise in the solid's own frame, so that the texture stays on the surface while
+//! SurfaceRows: color, relief and defects from seeded noise in the solid's frame, so that the texture stays fixed while
 //! the camera moves.
 //!
-//! Albedos are linear and lie between 0.02 and 0.8, as those of real wet and dry materials do.
+//! Albedos are linear and between 0.02 and 0.8, as measured for wet and dry materials.
 
 mod coat;
 mod concrete;
@@ -14,15 +14,14 @@ mod steel;
 
 use imaging::vectorized;
 
-use super::chance::Dice;
+use super::chance::Choices;
 use super::lanes::{LANES, Lane, Lane3, ZEROS, clamp01, mix, ramp};
-use super::noise::{Noise, Octaves, Place};
+use super::noise::{NoisePoints, NoiseSample, Octaves};
 use crate::categories::FINDINGS;
 
 pub(crate) use coat::Coat;
-pub(crate) use pattern::{Courses, Pattern, Unroll};
+pub(crate) use pattern::{Courses, JointPattern, Unroll};
 
-/// What a surface is made of.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Material {
     /// Painted steel, rusting from edges and scratches.
@@ -30,7 +29,7 @@ pub(crate) enum Material {
     /// A coated steel pipe.
     Coated(Coat),
     /// Concrete or masonry with joints, cracks and spalls.
-    Concrete(Pattern),
+    Concrete(JointPattern),
     /// Covered with mussels and weed.
     Growth,
     /// A sacrificial anode, white with its own corrosion.
@@ -45,19 +44,19 @@ pub(crate) enum Material {
     Sand,
     /// Skin, shell or leaf.
     Body {
-        /// Albedo of what faces up.
+        /// Albedo of the upper side.
         color: [f32; 3],
         gloss: f32,
-        /// How many times as bright it is underneath.
+        /// Brightness of the underside relative to that.
         belly: f32,
     },
     /// The silvery skin of a bubble.
     Bubble,
 }
 
-/// A material with the choices of one object.
+/// A material with the parameters of one object.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Finish {
+pub(crate) struct SurfaceFinish {
     pub(crate) material: Material,
     pub(crate) base: [f32; 3],
     key: u32,
@@ -65,36 +64,35 @@ pub(crate) struct Finish {
     wear: f32,
     /// Share of growth, about 0..1; below -0.9 there is none.
     growth: f32,
-    /// Direction of ripples, place of formwork, in turns.
+    /// Direction of ripples or position of formwork, in turns.
     direction: f32,
-    /// Share of silt on what faces up, 0..1.
+    /// Share of silt on upward surfaces, 0..1.
     silt: f32,
     /// Strength of the second scale of texture, 0..1.
     pub(crate) grain: f32,
 }
 
-/// A group of points on a solid.
 #[derive(Clone, Copy)]
 pub(crate) struct Points<'a> {
-    /// In the solid's frame, moved to the object's own part of the noise.
-    pub(crate) place: Place<'a>,
+    /// In the solid's frame, shifted to the object's part of the noise.
+    pub(crate) place: NoisePoints<'a>,
     /// In the solid's frame.
     pub(crate) local: &'a Lane3,
     pub(crate) world: &'a Lane3,
-    /// How near an edge each point is, 0..1.
+    /// Closeness of each point to an edge, 0..1.
     pub(crate) edge: &'a Lane,
-    /// How much each surface faces up, -1..1.
+    /// Vertical component of each normal, -1..1.
     pub(crate) rise: &'a Lane,
 }
 
-/// A group of points with the noise that every material is made of.
+/// Points with the noise shared by all materials.
 #[derive(Clone, Copy)]
 struct Grain<'a> {
     points: &'a Points<'a>,
-    /// Changes over about a meter; its slope is 0 where a material does not need it.
-    broad: &'a Noise,
-    /// Changes over about a hand's breadth.
-    fine: &'a Noise,
+    /// Varies over about a meter; its slope is 0 for materials that do not use it.
+    broad: &'a NoiseSample,
+    /// Varies over about 10 cm.
+    fine: &'a NoiseSample,
 }
 
 /// Color and relief of a group of points.
@@ -119,43 +117,26 @@ const PAINTS: [[f32; 3]; 7] = [
 ];
 const SILT: [f32; 3] = [0.22, 0.195, 0.15];
 
-impl Finish {
-    /// A material with its share of what the dice decide.
-    pub(crate) fn new(material: Material, dice: Dice) -> Self {
-        let light = dice.between(7, 0.8, 1.15);
-        let tint =
-            |base: [f32; 3]| [0, 1, 2].map(|c| base[c] * light * dice.between(8 + c as u64, 0.93, 1.07));
-        let pick = |bases: &[[f32; 3]]| tint(dice.pick(2, bases));
-        let base = match material {
-            Material::Steel => pick(&PAINTS),
-            Material::Coated(_) => pick(&coat::COATS),
-            Material::Concrete(_) => tint([0.36, 0.34, 0.30]),
-            Material::Growth => pick(&growth::WEED),
-            Material::Anode => tint([0.56, 0.56, 0.53]),
-            Material::Stone => pick(&[[0.22, 0.21, 0.19], [0.30, 0.24, 0.17], [0.13, 0.13, 0.14]]),
-            Material::Rubber => tint([0.035, 0.035, 0.038]),
-            Material::Bag => pick(&[[0.42, 0.38, 0.30], [0.30, 0.31, 0.26]]),
-            Material::Body { color, .. } => tint(color),
-            Material::Bubble => [0.42, 0.45, 0.47],
-            Material::Sand => pick(&[[0.38, 0.31, 0.21], [0.27, 0.25, 0.21], [0.20, 0.17, 0.13]]),
-        };
+impl SurfaceFinish {
+    /// Draws the parameters of a material.
+    pub(crate) fn new(material: Material, dice: Choices) -> Self {
         let growth = match material {
             Material::Growth => 1.2,
-            Material::Steel | Material::Coated(_) | Material::Concrete(_) => dice.between(3, -0.55, 0.5),
-            Material::Stone | Material::Bag | Material::Rubber => dice.between(3, -0.4, 0.3),
+            Material::Steel | Material::Coated(_) | Material::Concrete(_) => dice.uniform(3, -0.55, 0.5),
+            Material::Stone | Material::Bag | Material::Rubber => dice.uniform(3, -0.4, 0.3),
             Material::Anode => -0.5,
             Material::Sand | Material::Body { .. } | Material::Bubble => -1.0,
         };
         Self {
             material,
-            base,
+            base: draw_albedo(material, dice),
             key: dice.key(4),
-            wear: dice.between(5, -0.35, 0.45),
+            wear: dice.uniform(5, -0.35, 0.45),
             growth,
-            direction: dice.between(6, 0.0, 1.0),
+            direction: dice.uniform(6, 0.0, 1.0),
             silt: match material {
                 Material::Body { .. } | Material::Bubble => 0.0,
-                _ => dice.between(11, 0.12, 0.8),
+                _ => dice.uniform(11, 0.12, 0.8),
             },
             grain: 0.0,
         }
@@ -167,7 +148,7 @@ impl Finish {
         let broad = Octaves::even(1.3, 3, self.key);
         let broad = match self.material {
             Material::Stone | Material::Sand | Material::Growth | Material::Bag => place.noise(broad),
-            _ => Noise {
+            _ => NoiseSample {
                 value: place.values(broad),
                 slope: [ZEROS; 3],
             },
@@ -202,7 +183,7 @@ impl Finish {
     }
 }
 
-/// What lives in the open is brighter underneath.
+/// Brightens the underside of animals (countershading).
 #[inline(always)]
 fn lighten(surface: &mut Surface, belly: f32, rise: &Lane) {
     for i in 0..LANES {
@@ -213,7 +194,7 @@ fn lighten(surface: &mut Surface, belly: f32, rise: &Lane) {
     }
 }
 
-/// Silt lies on whatever faces up.
+/// Adds silt to upward surfaces.
 #[inline(always)]
 fn settle(surface: &mut Surface, most: f32, rise: &Lane, broad: &Lane) {
     for i in 0..LANES {
@@ -229,10 +210,28 @@ fn settle(surface: &mut Surface, most: f32, rise: &Lane, broad: &Lane) {
     }
 }
 
-/// How much of a line of the given half width a pixel shows at a distance from its middle, 0..1.
+/// Share of a pixel covered by a line of the given half width at a distance from its middle, 0..1.
 #[inline(always)]
 fn line(distance: f32, half_width: f32, footprint: f32) -> f32 {
     let inverse = 1.0 / footprint;
     let part = 2.0 * half_width * inverse;
     clamp01(0.5 + (half_width - distance) * inverse) * if part < 1.0 { part } else { 1.0 }
+}
+
+fn draw_albedo(material: Material, dice: Choices) -> [f32; 3] {
+    let base = match material {
+        Material::Steel => dice.pick(2, &PAINTS),
+        Material::Coated(_) => dice.pick(2, &coat::COATS),
+        Material::Concrete(_) => [0.36, 0.34, 0.30],
+        Material::Growth => dice.pick(2, &growth::WEED),
+        Material::Anode => [0.56, 0.56, 0.53],
+        Material::Stone => dice.pick(2, &[[0.22, 0.21, 0.19], [0.30, 0.24, 0.17], [0.13, 0.13, 0.14]]),
+        Material::Rubber => [0.035, 0.035, 0.038],
+        Material::Bag => dice.pick(2, &[[0.42, 0.38, 0.30], [0.30, 0.31, 0.26]]),
+        Material::Body { color, .. } => color,
+        Material::Bubble => return [0.42, 0.45, 0.47],
+        Material::Sand => dice.pick(2, &[[0.38, 0.31, 0.21], [0.27, 0.25, 0.21], [0.20, 0.17, 0.13]]),
+    };
+    let light = dice.uniform(7, 0.8, 1.15);
+    [0, 1, 2].map(|c| base[c] * light * dice.uniform(8 + c as u64, 0.93, 1.07))
 }

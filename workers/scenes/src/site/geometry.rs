@@ -1,17 +1,16 @@
-//! Positions of a group of surface points, and how the camera sees them.
+//! Positions and viewing geometry of a group of surface points.
 
 use imaging::vector::Vec3;
 
-use super::camera::Camera;
+use super::camera::ViewCamera;
 use super::lanes::{LANES, Lane, Lane3, larger, load, store};
 use super::pose::Pose;
 
-/// Positions and viewing geometry of a group.
 #[derive(Default)]
 pub(super) struct Geometry {
     pub(super) world: Lane3,
     pub(super) local: Lane3,
-    /// Where noise is taken.
+    /// NoiseSample coordinates.
     pub(super) grain: Lane3,
     /// Unit directions to the camera in the solid's frame.
     pub(super) view: Lane3,
@@ -24,7 +23,7 @@ impl Geometry {
     #[inline(always)]
     pub(super) fn place(
         &mut self,
-        camera: &Camera,
+        camera: &ViewCamera,
         pose: &Pose,
         origin: Vec3,
         (x, y, parameter): (&Lane, &Lane, &Lane),

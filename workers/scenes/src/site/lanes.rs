@@ -1,10 +1,9 @@
-//! Groups of surface points that are shaded together, one array per quantity, so that every loop over them
-//! turns into vector instructions.
+//! Groups of surface points that are shaded together, one array per quantity, so that the compiler vectorizes the
+//! loops.
 
 pub(crate) use imaging::simd::{larger, smaller};
 use imaging::vector::{Vec3, vec3};
 
-/// Points in a group.
 pub(crate) const LANES: usize = 32;
 
 /// One quantity of all points.
@@ -36,19 +35,17 @@ pub(crate) fn ramp(value: f32, low: f32, high: f32) -> f32 {
     share * share * (3.0 - 2.0 * share)
 }
 
-/// Bounded to 0..1; written as two selections because `clamp` and `max` handle NaN, which takes extra instructions.
+/// Clamps to 0..1. Two selections avoid the NaN handling of `clamp` and `max`.
 #[inline(always)]
 pub(crate) fn clamp01(value: f32) -> f32 {
     larger(smaller(value, 1.0), 0.0)
 }
 
-/// The largest component.
 #[inline(always)]
 pub(crate) fn largest(v: Vec3) -> f32 {
     larger(larger(v.x, v.y), v.z)
 }
 
-/// The smallest component.
 #[inline(always)]
 pub(crate) fn smallest(v: Vec3) -> f32 {
     smaller(smaller(v.x, v.y), v.z)
@@ -73,7 +70,7 @@ pub(crate) fn floor(value: f32) -> f32 {
     rounded - if rounded > value { 1.0 } else { 0.0 }
 }
 
-/// Sine of an angle in turns, to 0.0011 (a parabola, refined once); of period 1 for any angle below 2²² turns.
+/// Sine of an angle in turns, to 0.0011 (a parabola, refined once); period 1 for any angle below 2²² turns.
 #[inline(always)]
 pub(crate) fn sin_turns(turns: f32) -> f32 {
     let rest = turns - nearest_integer(turns);

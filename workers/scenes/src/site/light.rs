@@ -1,36 +1,35 @@
-//! Light: a lamp at the camera with inverse-square falloff, a soft light from above, and open water behind everything.
+//! SiteLight: a lamp at the camera with inverse-square falloff, soft light from above, and a background of open water.
 
 use imaging::vector::Vec3;
 
 use super::Site;
-use super::camera::Camera;
+use super::camera::ViewCamera;
 use super::finish::Surface;
 use super::lanes::{LANES, Lane, Lane3, larger, load, mix, ramp, smaller, store};
 
-/// Softens the lamp near the camera: a real lamp is no point. In parts of the full-light distance, squared.
+/// Limits the lamp's light near the camera: a real lamp has a size. Relative to the full-light distance, squared.
 const SOFTNESS: f32 = 0.22;
 const LAMP: f32 = 0.95;
 const SKY: [f32; 3] = [0.86, 0.95, 1.0];
-/// Open water at the horizon, in parts of the light from above.
+/// Open water at the horizon relative to the light from above.
 const WATER: [f32; 3] = [0.075, 0.105, 0.125];
-/// What is left of it without any light from above.
+/// Share of that without any light from above.
 const DARKNESS: f32 = 0.05;
 /// The ground fades into the water between these ranges, m.
 const FADE_M: [f32; 2] = [9.0, 48.0];
 
-/// What is seen faces the camera, however its relief and rounded edges turn the normal.
+/// Visible surfaces face the camera, even if relief and rounded edges turn the normal away.
 const LEAST_FACING: f32 = 0.08;
 
 /// The light of a site.
 #[derive(Clone, Copy)]
-pub(super) struct Light {
-    /// The squared distance at which the lamp gives full light, m².
+pub(super) struct SiteLight {
+    /// The squared full-light distance of the lamp, m².
     full: f32,
-    /// Light from above.
     ambient: f32,
 }
 
-impl Light {
+impl SiteLight {
     pub(super) fn new(site: &Site) -> Self {
         Self {
             full: site.lamp_m * site.lamp_m,
@@ -57,9 +56,9 @@ pub(super) struct Lit<'a> {
     pub(super) ground: bool,
 }
 
-/// What is seen where nothing is met.
+/// Shades pixels of open water.
 #[inline(always)]
-pub(super) fn background(bands: &mut Lane3, camera: &Camera, light: &Light, x: &Lane, y: &Lane) {
+pub(super) fn background(bands: &mut Lane3, camera: &ViewCamera, light: &SiteLight, x: &Lane, y: &Lane) {
     let (camera, light) = (*camera, *light);
     for i in 0..LANES {
         let ray = camera.ray(x[i], y[i]);
@@ -67,7 +66,7 @@ pub(super) fn background(bands: &mut Lane3, camera: &Camera, light: &Light, x: &
     }
 }
 
-/// Limits of the reflectance of real materials.
+/// Range of real materials.
 const REFLECTANCES: [f32; 2] = [0.02, 0.8];
 
 #[inline(always)]
@@ -75,7 +74,7 @@ fn reflectance(albedo: f32) -> f32 {
     smaller(larger(albedo, REFLECTANCES[0]), REFLECTANCES[1])
 }
 
-/// The reflectance of a group.
+/// Stores the reflectance of a group.
 #[inline(always)]
 pub(super) fn reflect(bands: &mut Lane3, surface: &Surface) {
     for (band, albedo) in bands.iter_mut().zip(&surface.albedo) {
@@ -85,9 +84,9 @@ pub(super) fn reflect(bands: &mut Lane3, surface: &Surface) {
     }
 }
 
-/// The light of a group.
+/// Shades a group.
 #[inline(always)]
-pub(super) fn illuminate(bands: &mut Lane3, light: &Light, surface: &Surface, lit: &Lit<'_>) {
+pub(super) fn illuminate(bands: &mut Lane3, light: &SiteLight, surface: &Surface, lit: &Lit<'_>) {
     let light = *light;
     let (up, ahead) = (lit.up, lit.ahead);
     let far = if lit.ground { 1.0 } else { 0.0 };
@@ -97,7 +96,7 @@ pub(super) fn illuminate(bands: &mut Lane3, light: &Light, surface: &Surface, li
         let bumped = n - (slope - n * n.dot(slope));
         let bumped = bumped * (1.0 / larger(bumped.length(), 1e-6));
         let facing = larger(bumped.dot(v), LEAST_FACING);
-        // Rough surfaces lit from where they are seen darken little towards their limb (Oren and Nayar 1994).
+        // Rough surfaces lit from the viewer's direction darken little towards the limb (Oren and Nayar 1994).
         let spread = facing * (1.5 - 0.5 * facing);
         let range = lit.range[i];
         let open = lit.open[i];

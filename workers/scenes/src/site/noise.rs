@@ -1,24 +1,24 @@
-//! Seeded noise over space: gradient noise with its analytic slope (Perlin 2002; derivative after Quilez 2008),
-//! sums of its octaves, and scattered dots. The lattice is hashed with integers, so it is the same everywhere.
+//! Seeded noise over space: gradient noise with its analytic slope (Perlin 2002; derivative after Quilez 2008), sums of
+//! its octaves, and scattered dots. The lattice hash uses integers only, so it is portable.
 
 use imaging::vectorized;
 
 use super::dots::put_dots;
 use super::lanes::{LANES, Lane, Lane3, clamp01, floor, mix};
 
-/// Noise values, about -1..1 and 0 on average, and their slopes per meter.
+/// NoiseSample values, about -1..1 and 0 on average, and their slopes per meter.
 #[derive(Clone, Copy, Default)]
-pub(crate) struct Noise {
+pub(crate) struct NoiseSample {
     pub(crate) value: Lane,
     pub(crate) slope: Lane3,
 }
 
-/// Where noise is evaluated. A point's noise depends on its own position and footprint only.
+/// Sample points of noise. A point's noise depends on its position and footprint only.
 #[derive(Clone, Copy)]
-pub(crate) struct Place<'a> {
+pub(crate) struct NoisePoints<'a> {
     /// Position in meters.
     pub(crate) position: &'a Lane3,
-    /// Length in meters that a pixel covers on the surface.
+    /// Length of a pixel on the surface, m.
     pub(crate) footprint: &'a Lane,
     /// The smallest footprint.
     pub(crate) finest: f32,
@@ -53,19 +53,19 @@ struct Octave {
     key: u32,
 }
 
-impl Place<'_> {
-    /// The sum of the octaves. An octave fades out as its cells come down to two pixels, where it would alias.
-    pub(crate) fn noise(&self, octaves: Octaves) -> Noise {
+impl NoisePoints<'_> {
+    /// The sum of the octaves. An octave fades out as its cells shrink to two pixels, where it would alias.
+    pub(crate) fn noise(&self, octaves: Octaves) -> NoiseSample {
         self.sum::<true>(octaves)
     }
 
-    /// The values of [`Place::noise`] alone, in about half the time.
+    /// Values of [`NoisePoints::noise`] without slopes, in about half the time.
     pub(crate) fn values(&self, octaves: Octaves) -> Lane {
         self.sum::<false>(octaves).value
     }
 
-    fn sum<const SLOPE: bool>(&self, octaves: Octaves) -> Noise {
-        let mut sum = Noise::default();
+    fn sum<const SLOPE: bool>(&self, octaves: Octaves) -> NoiseSample {
+        let mut sum = NoiseSample::default();
         let (position, footprint) = (self.position, self.footprint);
         let (mut weight, mut per_meter) = (1.0, octaves.per_meter);
         for number in 0..octaves.count {
@@ -89,8 +89,8 @@ impl Place<'_> {
     }
 
     /// Dots of up to `radius` (as a share of a cell, below 0.5), at most one per cell and in `share` of the cells.
-    pub(crate) fn dots(&self, per_meter: f32, radius: f32, share: f32, key: u32) -> Noise {
-        let mut dots = Noise::default();
+    pub(crate) fn dots(&self, per_meter: f32, radius: f32, share: f32, key: u32) -> NoiseSample {
+        let mut dots = NoiseSample::default();
         if per_meter * self.finest < 0.5 {
             let (position, footprint) = (self.position, self.footprint);
             let shape = (per_meter, radius, share);
@@ -108,7 +108,7 @@ pub(crate) fn hash([x, y, z]: [u32; 3]) -> u32 {
     h ^ (h >> 15)
 }
 
-/// The integers that are hashed for a cell of a lattice; the coordinates are whole numbers.
+/// The integers to hash for a cell of a lattice. The coordinates must be whole numbers.
 #[inline(always)]
 pub(crate) fn lattice(cell: [f32; 3], key: u32) -> [u32; 3] {
     // 1.5 * 2^23 shifts the integer into the mantissa.
@@ -120,49 +120,42 @@ pub(crate) fn lattice(cell: [f32; 3], key: u32) -> [u32; 3] {
     ]
 }
 
-/// The gradient at a corner, in parts of [`GRADIENT_UNIT`]: the hash, and it again without its top ten and twenty bits, as
-/// signed numbers.
+/// The gradient at a corner, in units of [`GRADIENT_UNIT`]: the hash as a signed number, and the same without its top
+/// ten and top twenty bits.
 #[inline(always)]
 pub(super) fn gradient(corner: [u32; 3]) -> [f32; 3] {
     let h = hash(corner);
-    let part = |bits: u32| bits as i32 as f32;
-    [part(h), part(h << 10), part(h << 20)]
+    [h as i32 as f32, (h << 10) as i32 as f32, (h << 20) as i32 as f32]
 }
 
-/// A component of a gradient reaches from -1 to 1 after multiplication with this.
+/// Scales a gradient component to -1..1.
 pub(super) const GRADIENT_UNIT: f32 = 1.0 / 2_147_483_648.0;
 
 #[inline(always)]
-fn add_octave<const SLOPE: bool>(sum: &mut Noise, position: &Lane3, footprint: &Lane, octave: Octave) {
+fn add_octave<const SLOPE: bool>(sum: &mut NoiseSample, position: &Lane3, footprint: &Lane, octave: Octave) {
     let Octave {
         per_meter,
         fastest,
         weight,
         key,
     } = octave;
-    // Every octave has a lattice of its own: a flat surface must not lie in a lattice plane, where the noise is poor.
+    // Every octave has a shifted lattice: a flat surface must not coincide with a lattice plane, where the noise is
+    // poor.
     let shift = [key & 0xff, key >> 8 & 0xff, key >> 16 & 0xff].map(|bits| 0.3 + bits as f32 * (0.4 / 255.0));
     for i in 0..LANES {
-        let on = |axis: usize| position[axis][i] * per_meter[axis] + shift[axis];
-        let p = [on(0), on(1), on(2)];
+        let p = [
+            position[0][i] * per_meter[0] + shift[0],
+            position[1][i] * per_meter[1] + shift[1],
+            position[2][i] * per_meter[2] + shift[2],
+        ];
         let cell = p.map(floor);
         let f = [p[0] - cell[0], p[1] - cell[1], p[2] - cell[2]];
         let (low, high) = (lattice(cell, key), lattice(cell.map(|c| c + 1.0), key));
         let u = f.map(|t| t * t * t * (t * (t * 6.0 - 15.0) + 10.0));
-        // Value and gradient at a corner of the cell.
-        let corner = |x: u32, y: u32, z: u32, away: [f32; 3]| {
-            let g = gradient([x, y, z]);
-            let value = g[0] * away[0] + g[1] * away[1] + g[2] * away[2];
-            [value, g[0], g[1], g[2]]
-        };
-        let blend = |a: [f32; 4], b: [f32; 4], t: f32| {
-            let part = |n: usize| mix(a[n], b[n], t);
-            [part(0), part(1), part(2), part(3)]
-        };
         // Value and gradient on an edge of the cell along x, and the difference of the values at its ends.
         let edge = |y: u32, z: u32, from_y: f32, from_z: f32| {
-            let a = corner(low[0], y, z, [f[0], from_y, from_z]);
-            let b = corner(high[0], y, z, [f[0] - 1.0, from_y, from_z]);
+            let a = evaluate_corner([low[0], y, z], [f[0], from_y, from_z]);
+            let b = evaluate_corner([high[0], y, z], [f[0] - 1.0, from_y, from_z]);
             (blend(a, b, u[0]), b[0] - a[0])
         };
         let (c00, d00) = edge(low[1], low[2], f[1], f[2]);
@@ -185,6 +178,24 @@ fn add_octave<const SLOPE: bool>(sum: &mut Noise, position: &Lane3, footprint: &
     }
 }
 
+/// Value and gradient at a corner of the cell.
+#[inline(always)]
+fn evaluate_corner(corner: [u32; 3], away: [f32; 3]) -> [f32; 4] {
+    let g = gradient(corner);
+    let value = g[0] * away[0] + g[1] * away[1] + g[2] * away[2];
+    [value, g[0], g[1], g[2]]
+}
+
+#[inline(always)]
+fn blend(a: [f32; 4], b: [f32; 4], t: f32) -> [f32; 4] {
+    [
+        mix(a[0], b[0], t),
+        mix(a[1], b[1], t),
+        mix(a[2], b[2], t),
+        mix(a[3], b[3], t),
+    ]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -192,7 +203,7 @@ mod tests {
 
     fn sample(position: [f32; 3], octaves: Octaves) -> (f32, [f32; 3]) {
         let position = position.map(|p| [p; LANES]);
-        let place = Place {
+        let place = NoisePoints {
             position: &position,
             footprint: &[1e-6; LANES],
             finest: 1e-6,
@@ -234,15 +245,15 @@ mod tests {
         for x in 0..24 {
             for y in 0..24 {
                 for z in 0..24 {
-                    let here = gradient_at(x, y, z);
+                    let current = gradient_at(x, y, z);
                     let neighbors = [(x + 1, y, z), (x, y + 1, z), (x, y, z + 1)];
                     for (n, (x, y, z)) in neighbors.into_iter().enumerate() {
                         let other = gradient_at(x, y, z);
                         for axis in 0..3 {
-                            alike[3 * n + axis] += f64::from(here[axis]) * f64::from(other[axis]);
+                            alike[3 * n + axis] += f64::from(current[axis]) * f64::from(other[axis]);
                         }
                     }
-                    (0..3).for_each(|axis| mean[axis] += f64::from(here[axis]));
+                    (0..3).for_each(|axis| mean[axis] += f64::from(current[axis]));
                     count += 1.0;
                 }
             }
@@ -262,7 +273,7 @@ mod tests {
     #[test]
     fn noise_finer_than_two_pixels_is_left_out() {
         let position = [[0.3; LANES], [0.4; LANES], [0.7; LANES]];
-        let place = Place {
+        let place = NoisePoints {
             position: &position,
             footprint: &[0.3; LANES],
             finest: 0.3,

@@ -1,27 +1,27 @@
-//! The part of the picture in which a solid can appear.
+//! The part of the picture where a solid can appear.
 
 use std::ops::Range;
 
 use imaging::vector::Vec3;
 
-use super::camera::Camera;
+use super::camera::ViewCamera;
 use super::solid::Solid;
 
-/// Solids are cut off this far before the camera when their outline is found, m.
+/// Near plane of outlines, m.
 const NEAR_M: f32 = 0.02;
-/// Room around the outline, px.
+/// Margin around the outline, px.
 const MARGIN_PX: f32 = 1.0;
 
 /// The convex outline of a solid's box in the picture.
 pub(crate) struct Outline {
     rows: Range<usize>,
-    /// Lines whose hull is the outline.
+    /// Segments whose hull is the outline.
     lines: Vec<[(f32, f32); 2]>,
     width: usize,
 }
 
 impl Outline {
-    pub(crate) fn new(solid: &Solid, camera: &Camera) -> Self {
+    pub(crate) fn new(solid: &Solid, camera: &ViewCamera) -> Self {
         let corners = solid.corners().map(|corner| camera.axes_of(corner));
         let mut points: Vec<Vec3> = corners
             .iter()
@@ -38,7 +38,7 @@ impl Outline {
             }
         }
         let seen: Vec<(f32, f32)> = points.iter().map(|point| camera.project(*point)).collect();
-        // A convex body lies within the hull of its edges; a cut one within the hull of all its corners.
+        // A convex body is inside the hull of its edges; a clipped one inside the hull of all its corners.
         let lines: Vec<_> = if whole {
             edges.map(|(a, b)| [seen[a], seen[b]]).collect()
         } else {
@@ -50,13 +50,13 @@ impl Outline {
             .iter()
             .fold(f32::NEG_INFINITY, |high, point| high.max(point.1));
         Self {
-            rows: within(low, high, camera.height),
+            rows: pixel_range(low, high, camera.height),
             lines,
             width: camera.width,
         }
     }
 
-    /// The columns of a row in which the solid can be met.
+    /// The columns of a row where the solid may be hit.
     pub(crate) fn columns(&self, y: usize) -> Range<usize> {
         if !self.rows.contains(&y) {
             return 0..0;
@@ -68,25 +68,31 @@ impl Outline {
             if b.1 < top || a.1 > bottom {
                 continue;
             }
-            let slope = (b.0 - a.0) / (b.1 - a.1);
-            let column = |y: f32| if b.1 > a.1 { a.0 + (y - a.1) * slope } else { a.0 };
-            let (first, last) = (
-                column(top.max(a.1)),
-                if b.1 > bottom { column(bottom) } else { b.0 },
-            );
+            let first = crossing(*a, *b, top.max(a.1));
+            let last = if b.1 > bottom {
+                crossing(*a, *b, bottom)
+            } else {
+                b.0
+            };
             low = low.min(first.min(last));
             high = high.max(first.max(last));
         }
-        within(low, high, self.width)
+        pixel_range(low, high, self.width)
     }
 }
 
-fn within(low: f32, high: f32, side: usize) -> Range<usize> {
+fn pixel_range(low: f32, high: f32, side: usize) -> Range<usize> {
     if low > high {
         return 0..0;
     }
     let start = (low - MARGIN_PX).floor().clamp(0.0, side as f32) as usize;
     start..((high + MARGIN_PX).ceil() + 1.0).clamp(start as f32, side as f32) as usize
+}
+
+/// The column of a segment at a row between its ends.
+fn crossing(a: (f32, f32), b: (f32, f32), y: f32) -> f32 {
+    let slope = (b.0 - a.0) / (b.1 - a.1);
+    if b.1 > a.1 { a.0 + (y - a.1) * slope } else { a.0 }
 }
 
 #[cfg(test)]
@@ -97,14 +103,14 @@ mod tests {
     use super::*;
     use crate::CameraPose;
     use crate::site::pose::Pose;
-    use crate::site::solid::{Nearest, Rays, Tube};
+    use crate::site::solid::{EyeRays, Nearest, Tube};
 
     /// Tubes in every direction, some of them past the camera.
     #[test]
     fn no_ray_outside_the_outline_meets_the_solid() {
         let lens = Intrinsics::centered(40.0, 64, 48);
         let pose = CameraPose::looking(vec3(0.0, -3.0, 0.3), vec3(0.2, 0.0, 0.1), 0.1);
-        let camera = Camera::new(&pose, (64, 48), &lens);
+        let camera = ViewCamera::new(&pose, (64, 48), &lens);
         let mut met = 0;
         for turn in 0..60 {
             let (sin, cos) = libm::sincosf(turn as f32 * 0.4);
@@ -119,16 +125,16 @@ mod tests {
             };
             let solid = Solid {
                 shape: tube.into(),
-                pose: Pose::along(a, b, 0.0),
+                pose: Pose::pointing(a, b, 0.0),
                 object: 1,
             };
             let outline = Outline::new(&solid, &camera);
             for y in 0..48 {
                 let (mut parameter, mut owner) = ([f32::INFINITY; 64], [1; 64]);
-                let rays = Rays {
+                let rays = EyeRays {
                     eye: camera.eye,
                     first: camera.ray(0.0, y as f32),
-                    step: camera.across(),
+                    step: camera.column_step(),
                 };
                 let nearest = Nearest {
                     parameter: &mut parameter,

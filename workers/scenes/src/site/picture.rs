@@ -1,4 +1,4 @@
-//! Rendering row by row: the surface that each ray meets first, then its light.
+//! Renders row by row: first the nearest surface of each ray, then its light.
 
 use std::ops::Range;
 
@@ -7,65 +7,63 @@ use imaging::vector::Vec3;
 use imaging::vectorized;
 
 use super::Site;
-use super::camera::Camera;
+use super::camera::ViewCamera;
 use super::outline::Outline;
 use super::pits;
 use super::shade::Shader;
-use super::solid::{Nearest, Rays};
+use super::solid::{EyeRays, Nearest};
 use crate::CameraPose;
 
-/// The ground ends here: beyond it no light of a lamp at the camera returns.
+/// End of the ground: light of a camera lamp does not return from beyond.
 pub(crate) const FAR_M: f32 = 60.0;
 
-/// Some rows of a picture, all planes by rows.
-pub(crate) struct Picture {
+/// Some rows of a picture; all planes are row-major.
+pub(crate) struct RenderedRows {
     /// Linear radiance, or reflectance: red, green, blue.
     pub(crate) bands: [Vec<f32>; 3],
-    /// Range in meters, infinite where nothing is met.
+    /// Range in meters, infinite in open water.
     pub(crate) range: Vec<f32>,
-    /// Number of the object plus 1; 0 where nothing is met.
+    /// Number of the object plus 1; 0 in open water.
     pub(crate) objects: Vec<u16>,
-    pub(crate) labels: Option<Surfaces>,
+    pub(crate) labels: Option<SurfaceRows>,
 }
 
-/// Surface data for labels.
-pub(crate) struct Surfaces {
-    /// Depth along the optical axis in meters, infinite where nothing is met.
+pub(crate) struct SurfaceRows {
+    /// Depth along the optical axis in meters, infinite in open water.
     pub(crate) z_depth: Vec<f32>,
-    /// Unit normals without relief, in camera axes; zero where nothing is met.
+    /// Unit normals without relief in camera axes; zero in open water.
     pub(crate) normals: [Vec<f32>; 3],
     /// One bit per finding.
     pub(crate) findings: Vec<u8>,
 }
 
-/// What a picture is to show.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Wanted {
+pub(crate) struct RenderOptions {
     /// Reflectance instead of radiance.
     pub(crate) reflectance: bool,
-    /// Surface data beside it.
+    /// Also surface data for labels.
     pub(crate) surfaces: bool,
 }
 
-/// Renders some rows of what a camera sees.
+/// Renders a range of rows.
 pub(crate) fn render(
     site: &Site,
     pose: &CameraPose,
     (width, height): (usize, usize),
     lens: &Intrinsics,
     rows: Range<usize>,
-    wanted: Wanted,
-) -> Picture {
-    let camera = Camera::new(pose, (width, height), lens);
-    let outline = |solid| Outline::new(solid, &camera);
-    let outlines: Vec<Outline> = site.solids.iter().map(outline).collect();
+    wanted: RenderOptions,
+) -> RenderedRows {
+    let camera = ViewCamera::new(pose, (width, height), lens);
+    let outlines = site.solids.iter().map(|solid| Outline::new(solid, &camera));
+    let outlines: Vec<Outline> = outlines.collect();
     let pixels = width * rows.len();
     let blank = || vec![0.0; pixels];
-    let mut picture = Picture {
+    let mut picture = RenderedRows {
         bands: [blank(), blank(), blank()],
         range: blank(),
         objects: Vec::with_capacity(pixels),
-        labels: wanted.surfaces.then(|| Surfaces {
+        labels: wanted.surfaces.then(|| SurfaceRows {
             z_depth: Vec::with_capacity(pixels),
             normals: [blank(), blank(), blank()],
             findings: vec![0; pixels],
@@ -79,7 +77,7 @@ pub(crate) fn render(
         trace(site, &camera, &outlines, y, &mut parameter, &mut owner);
         let first = row * width;
         let range = &mut picture.range[first..first + width];
-        let (start, step) = (camera.ray(0.0, y as f32), camera.across());
+        let (start, step) = (camera.ray(0.0, y as f32), camera.column_step());
         vectorized!(fill_ranges(range, &parameter, start, step));
         let objects = owner.iter().map(|&owner| shown[usize::from(owner)]);
         picture.objects.extend(objects);
@@ -99,18 +97,18 @@ fn fill_ranges(range: &mut [f32], parameter: &[f32], start: Vec3, step: Vec3) {
     }
 }
 
-/// The nearest surface for every ray of a row: its parameter along the ray (infinite: none) and whose it is, the index of a
-/// solid, or after all solids the ground and then nothing.
+/// The nearest surface for every ray of a row: its parameter along the ray (infinite for open water) and its owner, the
+/// index of a solid; the number of solids means the ground, one more means open water.
 fn trace(
     site: &Site,
-    camera: &Camera,
+    camera: &ViewCamera,
     outlines: &[Outline],
     y: usize,
     parameter: &mut [f32],
     owner: &mut [u16],
 ) {
     let ground = site.solids.len() as u16;
-    let (start, step, height) = (camera.ray(0.0, y as f32), camera.across(), camera.eye.z);
+    let (start, step, height) = (camera.ray(0.0, y as f32), camera.column_step(), camera.eye.z);
     vectorized!(meet_ground(parameter, owner, (start, step), height, ground));
     if !site.pits.is_empty() {
         for (i, parameter) in parameter.iter_mut().enumerate() {
@@ -129,7 +127,7 @@ fn trace(
         if columns.is_empty() {
             continue;
         }
-        let rays = Rays {
+        let rays = EyeRays {
             eye: camera.eye,
             first: camera.ray(columns.start as f32, y as f32),
             step,
@@ -142,7 +140,7 @@ fn trace(
     }
 }
 
-/// Where rays from `height` meters above the ground meet it.
+/// Intersects rays from `height` meters above the ground with it.
 #[inline(always)]
 fn meet_ground(
     parameter: &mut [f32],

@@ -1,7 +1,7 @@
-//! Pits in the ground: bowls that a current has dug, parts of spheres below z = 0.
+//! Scour pits: bowls in the ground, parts of spheres below z = 0.
 //!
-//! The ground is the plane z = 0 but for its pits. A ray that comes down through the mouth of a pit goes on to its bottom, and
-//! from there into a pit that overlaps it. Pits are met exactly, like solids.
+//! Outside the pits the ground is the plane z = 0. A ray through the mouth of a pit continues to its wall, and from
+//! there into any overlapping pit. Intersections are exact, as with solids.
 
 use imaging::vector::{Vec3, vec3};
 
@@ -11,17 +11,17 @@ use super::pose::up;
 /// A bowl: a sphere below the plane of the ground.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Pit {
-    /// Middle of its mouth; z = 0.
+    /// Center of its mouth; z = 0.
     pub(crate) place: Vec3,
-    /// Of its mouth, m.
+    /// Radius of its mouth, m.
     pub(crate) radius: f32,
-    /// The middle of its sphere is this far above the ground, m; below 0: under it.
+    /// Height of the sphere's center above the ground, m; negative below it.
     lift: f32,
     ball: f32,
 }
 
 impl Pit {
-    /// A bowl so wide and deep, m; no deeper than wide.
+    /// A bowl of this radius and depth, m; the depth must not exceed the radius.
     pub(crate) fn new(place: Vec3, radius: f32, depth: f32) -> Self {
         let depth = depth.min(radius);
         let ball = (radius * radius + depth * depth) / (2.0 * depth);
@@ -37,13 +37,12 @@ impl Pit {
         self.place + up(self.lift)
     }
 
-    /// Whether a point of the ground's plane is in its mouth.
     fn is_over(&self, x: f32, y: f32) -> bool {
         let (x, y) = (x - self.place.x, y - self.place.y);
         x * x + y * y < self.radius * self.radius
     }
 
-    /// How deep the ground lies under a point of the plane; 0 beside the pit.
+    /// Depth of the ground under a point of the plane; 0 outside the pit.
     pub(crate) fn depth(&self, x: f32, y: f32) -> f32 {
         let (x, y) = (x - self.place.x, y - self.place.y);
         let square = self.ball * self.ball - x * x - y * y;
@@ -65,24 +64,24 @@ impl Pit {
     }
 
     fn holds(&self, point: Vec3) -> bool {
-        // Not what lies on it: rays end there.
+        // Exclude the surface itself: rays end there.
         let within = self.ball * (1.0 - 1e-5);
         let away = point - self.center();
         point.z <= 0.0 && away.dot(away) < within * within
     }
 }
 
-/// Where a ray that meets the plane of the ground at `reach` lengths of its direction meets the ground.
+/// Continues a ray that meets the ground plane at `reach` lengths of its direction to the bottom of the pits.
 pub(crate) fn sink(pits: &[Pit], from: Vec3, direction: Vec3, reach: f32) -> f32 {
     let mouth = from + direction * reach;
     let Some(first) = pits.iter().find(|pit| pit.is_over(mouth.x, mouth.y)) else {
         return reach;
     };
     let mut met = first.leave(from, direction).max(reach);
-    // Each pit may hand the ray on once.
+    // Each pit can pass the ray on to another at most once.
     for _ in pits {
-        let at = from + direction * met;
-        let Some(next) = pits.iter().find(|pit| pit.holds(at)) else {
+        let position = from + direction * met;
+        let Some(next) = pits.iter().find(|pit| pit.holds(position)) else {
             break;
         };
         met = next.leave(from, direction).max(met);
@@ -95,7 +94,7 @@ pub(crate) fn depth(pits: &[Pit], x: f32, y: f32) -> f32 {
     pits.iter().map(|pit| pit.depth(x, y)).fold(0.0, f32::max)
 }
 
-/// The unit normal of the ground at a point of it.
+/// The unit normal at a point of the ground.
 pub(crate) fn normal(pits: &[Pit], point: Vec3) -> Vec3 {
     let deepest = pits
         .iter()
@@ -115,7 +114,7 @@ pub(super) fn tilt(pits: &[Pit], world: &Lane3, normals: &mut Lane3) {
     }
 }
 
-/// Whether the ground lies on the straight way between two points of it or above it. What is in one pit sees all of that.
+/// Whether the ground blocks the segment between two of its points. Points in the same pit see each other.
 pub(crate) fn is_between(pits: &[Pit], begin: Vec3, end: Vec3) -> bool {
     let (below, above) = if begin.z < end.z {
         (begin, end)
@@ -125,8 +124,7 @@ pub(crate) fn is_between(pits: &[Pit], begin: Vec3, end: Vec3) -> bool {
     if below.z >= 0.0 {
         return false;
     }
-    let inside = |pit: &&Pit| pit.is_over(below.x, below.y);
-    let Some(pit) = pits.iter().find(inside) else {
+    let Some(pit) = pits.iter().find(|pit| pit.is_over(below.x, below.y)) else {
         return true;
     };
     if above.z <= 0.0 {
@@ -160,10 +158,10 @@ mod tests {
         let pits = [pit(), Pit::new(vec3(2.2, 2.0, 0.0), 1.2, 0.6)];
         let mut deep = 0;
         for i in 0..400 {
-            let from = vec3(-2.0, 2.0 + 0.002 * i as f32, 2.0);
+            let start = vec3(-2.0, 2.0 + 0.002 * i as f32, 2.0);
             let target = vec3(0.01 * i as f32, 2.0, 0.0);
-            let way = target - from;
-            let met = from + way * sink(&pits, from, way, 1.0);
+            let way = target - start;
+            let met = start + way * sink(&pits, start, way, 1.0);
             let wanted = -depth(&pits, met.x, met.y);
             assert!((met.z - wanted).abs() < 2e-3, "{i}: {met:?} {wanted}");
             deep += usize::from(met.z < -0.3);

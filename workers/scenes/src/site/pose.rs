@@ -1,11 +1,10 @@
-//! Directions of the world and rigid poses, in meters; x and y lie in the seabed, z points up.
+//! World directions and rigid poses, in meters; x and y are along the seabed, z is up.
 
 use imaging::vector::{Vec3, vec3};
 
 pub(crate) const ZERO: Vec3 = vec3(0.0, 0.0, 0.0);
 pub(crate) const UP: Vec3 = vec3(0.0, 0.0, 1.0);
 
-/// The vector from a point to the one `height` meters above it.
 pub(crate) const fn up(height: f32) -> Vec3 {
     vec3(0.0, 0.0, height)
 }
@@ -16,7 +15,7 @@ pub(crate) fn horizontal(azimuth: f32) -> Vec3 {
     vec3(cos, sin, 0.0)
 }
 
-/// A right-handed frame: where a solid stands and which way its axes point.
+/// A right-handed frame of a solid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Pose {
     pub(crate) origin: Vec3,
@@ -24,7 +23,7 @@ pub(crate) struct Pose {
 }
 
 impl Pose {
-    /// Upright, its x axis `yaw` radians from the world's.
+    /// Upright, with its x axis `yaw` radians from the world's.
     pub(crate) fn upright(origin: Vec3, yaw: f32) -> Self {
         let x = horizontal(yaw);
         Self {
@@ -33,8 +32,8 @@ impl Pose {
         }
     }
 
-    /// Its z axis points from `a` to `b`, its x axis is turned by `roll` radians about it.
-    pub(crate) fn along(a: Vec3, b: Vec3, roll: f32) -> Self {
+    /// With z from `a` to `b` and x rotated by `roll` radians about it.
+    pub(crate) fn pointing(a: Vec3, b: Vec3, roll: f32) -> Self {
         let z = (b - a).normalized();
         let (sin, cos) = libm::sincosf(roll);
         let helper = if z.z.abs() < 0.9 { UP } else { vec3(1.0, 0.0, 0.0) };
@@ -46,19 +45,19 @@ impl Pose {
         }
     }
 
-    /// A direction of the world in this frame.
+    /// World direction in this frame.
     #[inline(always)]
     pub(crate) fn direction_in(&self, world: Vec3) -> Vec3 {
         self.axes.map(|axis| axis.dot(world)).into()
     }
 
-    /// A point of the world in this frame.
+    /// World point in this frame.
     #[inline(always)]
     pub(crate) fn point_in(&self, world: Vec3) -> Vec3 {
         self.direction_in(world - self.origin)
     }
 
-    /// A point of this frame in the world.
+    /// Point of this frame in the world.
     pub(crate) fn point_out(&self, local: Vec3) -> Vec3 {
         self.origin + (self.axes[0] * local.x + self.axes[1] * local.y + self.axes[2] * local.z)
     }
@@ -70,7 +69,7 @@ mod tests {
 
     #[test]
     fn a_point_survives_the_way_into_a_frame_and_out_again() {
-        let pose = Pose::along(vec3(1.0, -2.0, 0.5), vec3(0.2, 1.0, 3.0), 1.1);
+        let pose = Pose::pointing(vec3(1.0, -2.0, 0.5), vec3(0.2, 1.0, 3.0), 1.1);
         let point = vec3(0.3, 4.0, -1.0);
         assert!((pose.point_out(pose.point_in(point)) - point).length() < 1e-5);
         assert!(pose.axes[0].cross(pose.axes[1]).dot(pose.axes[2]) > 0.999);

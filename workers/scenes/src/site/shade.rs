@@ -1,33 +1,33 @@
-//! Gathers the pixels of each solid into groups, wherever they are in the picture, and shades a group at a time.
+//! Gathers the pixels of each solid into groups across the picture, and shades whole groups.
 
 use imaging::vector::{Vec3, vec3};
 use imaging::vectorized;
 
 use super::Site;
 use super::bounds::Bounds;
-use super::camera::Camera;
+use super::camera::ViewCamera;
 use super::finish::Points;
 use super::geometry::Geometry;
 use super::lanes::{LANES, Lane, Lane3, ZEROS, load, mix, ramp, store};
-use super::light::{Light, Lit, background, illuminate, reflect};
-use super::noise::Place;
-use super::picture::Picture;
+use super::light::{Lit, SiteLight, background, illuminate, reflect};
+use super::noise::NoisePoints;
+use super::picture::RenderedRows;
 use super::pits;
 use super::pose::{Pose, UP, ZERO};
 use super::solid::Solid;
 
-/// Reach of the shadow where two surfaces meet, m.
+/// Reach of contact shadows, m.
 const CONTACT_M: f32 = 0.45;
-/// Solids farther off than this are left out; somewhat more than the reach, so that leaving one out changes no bit.
+/// Solids farther off are skipped; slightly more than the reach, so that skipping changes no bit.
 const NEAR_M: f32 = 1.01 * CONTACT_M;
-/// Edges are rounded over this width in the normal, m.
+/// Width of rounded edges in the normals, m.
 const BEVEL_M: f32 = 0.012;
-/// The same in the normals of labels, m.
+/// Width of rounded edges in label normals, m.
 pub(crate) const LABEL_BEVEL_M: f32 = 1e-3;
-/// Mounds of the ground run out over this height, m.
+/// Mounds blend into the ground over this height, m.
 const RUN_OUT_M: f32 = 0.06;
 
-/// Pixels of one solid that wait to be shaded.
+/// Pixels of one solid waiting for a full group.
 #[derive(Clone, Default)]
 struct Queue {
     len: usize,
@@ -37,38 +37,36 @@ struct Queue {
     pixel: [u32; LANES],
 }
 
-/// Shades the pixels of a picture.
 pub(super) struct Shader<'a> {
     site: &'a Site,
-    camera: &'a Camera,
-    light: Light,
-    /// Whether reflectance is shown instead of radiance.
+    camera: &'a ViewCamera,
+    light: SiteLight,
+    /// Renders reflectance instead of radiance.
     reflectance: bool,
     boxes: Vec<Bounds>,
-    /// For each solid and the ground, the solids that come near it.
+    /// For each solid and the ground, the solids within reach.
     near: Vec<Vec<u16>>,
     queues: Vec<Queue>,
 }
 
 impl<'a> Shader<'a> {
-    pub(super) fn new(site: &'a Site, camera: &'a Camera, reflectance: bool) -> Self {
-        let boxes: Vec<Bounds> = site.solids.iter().map(Bounds::around).collect();
-        let ground = Bounds::below(0.0);
+    pub(super) fn new(site: &'a Site, camera: &'a ViewCamera, reflectance: bool) -> Self {
+        let boxes: Vec<Bounds> = site.solids.iter().map(Bounds::from_solid).collect();
+        let ground = Bounds::half_space(0.0);
         let near = boxes.iter().chain([&ground]).enumerate();
         let near = near.map(|(own, bounds)| {
-            // Mounds are a part of the ground and cast no shadow on it; life is too small and too much.
-            let casts = |&other: &usize| {
+            // Mounds belong to the ground and cast no shadow on it; biota are too small and too numerous.
+            let others = (0..boxes.len()).filter(|&other| {
                 let object = site.solids[other].object;
                 other != own && object != 0 && !site.objects[usize::from(object)].category.is_life()
-            };
-            let others = (0..boxes.len()).filter(casts);
+            });
             let others = others.filter(|&other| bounds.touches(&boxes[other], NEAR_M));
             others.map(|other| other as u16).collect()
         });
         Self {
             site,
             camera,
-            light: Light::new(site),
+            light: SiteLight::new(site),
             reflectance,
             near: near.collect(),
             queues: vec![Queue::default(); boxes.len() + 2],
@@ -76,14 +74,14 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// Takes a row, whose first pixel has the given index, and shades what makes up whole groups.
+    /// Adds a row that starts at pixel index `first`, and shades the groups that are full.
     pub(super) fn row(
         &mut self,
         y: usize,
         first: usize,
         parameter: &[f32],
         owner: &[u16],
-        picture: &mut Picture,
+        picture: &mut RenderedRows,
     ) {
         let mut start = 0;
         while start < owner.len() {
@@ -107,14 +105,14 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// Shades what is left.
-    pub(super) fn finish(&mut self, picture: &mut Picture) {
+    /// Shades the remaining pixels.
+    pub(super) fn finish(&mut self, picture: &mut RenderedRows) {
         for whose in 0..self.queues.len() {
             self.flush(whose, picture);
         }
     }
 
-    fn flush(&mut self, whose: usize, picture: &mut Picture) {
+    fn flush(&mut self, whose: usize, picture: &mut RenderedRows) {
         let queue = &mut self.queues[whose];
         let len = std::mem::take(&mut queue.len);
         if len == 0 {
@@ -144,16 +142,14 @@ impl<'a> Shader<'a> {
         }
     }
 
-    fn group(&self, whose: usize, queue: &Queue, len: usize, picture: &mut Picture) -> Lane3 {
+    fn group(&self, whose: usize, queue: &Queue, len: usize, picture: &mut RenderedRows) -> Lane3 {
         let solid = self.site.solids.get(whose);
         let pose = solid.map_or(Pose::upright(ZERO, 0.0), |solid| solid.pose);
         let object = solid.map_or(0, |solid| usize::from(solid.object));
-        // Parts of one form lie in different places of the noise: no two plates of a wall rust alike.
-        let part = (whose % 251) as f32;
         let origin = if object == 0 {
             pose.origin
         } else {
-            vec3(3.71 * part, 5.13 * part, 0.0)
+            noise_origin(whose)
         };
         let mut geometry = Geometry::default();
         let camera = self.camera;
@@ -173,7 +169,7 @@ impl<'a> Shader<'a> {
         vectorized!(geometry.look(&normal, up, pixel_angle));
         let finest = geometry.footprint.iter().copied().fold(f32::INFINITY, f32::min);
         let surface = self.site.objects[object].finish.surface(&Points {
-            place: Place {
+            place: NoisePoints {
                 position: &geometry.grain,
                 footprint: &geometry.footprint,
                 finest,
@@ -206,9 +202,9 @@ impl<'a> Shader<'a> {
         bands
     }
 
-    /// How open each point is to the light from above: less where another solid or the ground is near.
+    /// Openness of each point to light from above: reduced near other solids and the ground.
     fn openness(&self, whose: usize, above_ground: bool, world: &Lane3) -> Lane {
-        let group = vectorized!(Bounds::of_points(world));
+        let group = vectorized!(Bounds::from_points(world));
         let mut distance = [CONTACT_M; LANES];
         for &other in &self.near[whose] {
             let other = usize::from(other);
@@ -229,7 +225,7 @@ impl<'a> Shader<'a> {
         len: usize,
         geometry: &Geometry,
         findings: &[Lane],
-        picture: &mut Picture,
+        picture: &mut RenderedRows,
     ) {
         let Some(labels) = &mut picture.labels else { return };
         let (mut normal, mut edge) = ([ZEROS, ZEROS, [1.0; LANES]], ZEROS);
@@ -253,7 +249,7 @@ impl<'a> Shader<'a> {
     }
 }
 
-/// Unit normals in camera axes; one that an edge has turned away from the camera is brought back to the edge of what it sees.
+/// Unit normals in camera axes. Normals that an edge turned away from the camera are clamped to perpendicular.
 #[inline(always)]
 fn face_camera(shown: &mut Lane3, normal: &Lane3, view: &Lane3, axes: &[Vec3; 3]) {
     let axes = *axes;
@@ -267,7 +263,7 @@ fn face_camera(shown: &mut Lane3, normal: &Lane3, view: &Lane3, axes: &[Vec3; 3]
     }
 }
 
-/// One bit for each finding that covers more than half of the pixel.
+/// Sets the bit of each finding that covers more than half of the pixel.
 #[inline(always)]
 fn set_bits(mask: &mut [u32; LANES], findings: &[Lane]) {
     for (bit, strength) in findings.iter().enumerate() {
@@ -294,4 +290,10 @@ fn run_out(normal: &mut Lane3, height: &Lane) {
         let n = vec3(n.x * share, n.y * share, mix(1.0, n.z, share));
         store(normal, i, n.normalized());
     }
+}
+
+/// Offsets the noise between parts of one shape: no two plates of a wall rust the same way.
+fn noise_origin(whose: usize) -> Vec3 {
+    let part = (whose % 251) as f32;
+    vec3(3.71 * part, 5.13 * part, 0.0)
 }

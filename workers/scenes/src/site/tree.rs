@@ -1,77 +1,76 @@
-//! The boxes of a site's solids in a binary tree, so that a bundle of ways is held against few of them.
+//! Bounding-volume hierarchy of a site's solids for packets of shadow rays.
 
 use imaging::vector::Vec3;
 
 use super::bounds::Bounds;
 use super::solid::Solid;
 
-/// Boxes are grown by this, m: in single precision a way may touch a solid just outside of its box.
+/// Boxes are enlarged by this, m: rounding can place a hit just outside of a box.
 const MARGIN_M: f32 = 1e-3;
-/// Solids of a leaf.
+/// Solids per leaf.
 const FEW: usize = 2;
-/// Deeper than any tree of so many solids as there are numbers for.
+/// Deeper than any tree of `u16` solid numbers.
 const DEPTH: usize = 64;
 
-/// Solids by their boxes.
 pub(crate) struct Tree {
-    nodes: Vec<Node>,
-    /// Numbers of the solids, those of a leaf side by side.
+    nodes: Vec<TreeNode>,
+    /// Solid numbers; those of a leaf are contiguous.
     order: Vec<u16>,
-    /// Hollows have no box: what lies around them is everywhere.
+    /// Hollows have unbounded walls and no box.
     hollows: Vec<u16>,
     boxes: Vec<Bounds>,
 }
 
-struct Node {
+struct TreeNode {
     bounds: Bounds,
-    /// Of a leaf its solids, from the first on; else the left child stands behind its parent and the right one here.
+    /// For a leaf, the index of its first solid; otherwise that of the right child. The left child follows its parent.
     first: usize,
-    /// 0: no leaf.
+    /// 0 for inner nodes.
     count: usize,
 }
 
-/// Ways from one box to another: a share of the way along, all of them are in the box that lies between by that share.
+/// Shadow rays from one box to another. At any share of the length, all of them are inside the interpolated box.
 #[derive(Clone, Copy)]
-pub(crate) struct Bundle {
+pub(crate) struct RayPacket {
     pub(crate) from: Bounds,
     pub(crate) to: Bounds,
 }
 
-impl Bundle {
-    /// The share of the way before which no way of the bundle reaches a box; none where none ever does.
+impl RayPacket {
+    /// Smallest share of the length at which any ray can reach a box; `None` if the packet misses it.
     pub(crate) fn reaches(&self, other: &Bounds) -> Option<f32> {
-        let ends = |bounds: &Bounds| -> [[f32; 3]; 2] { [bounds.low.into(), bounds.high.into()] };
-        let ([from_low, from_high], [to_low, to_high]) = (ends(&self.from), ends(&self.to));
-        let [low, high] = ends(other);
-        // Most boxes are beside all of the bundle.
-        let is_beside = |axis: usize| {
+        let ([from_low, from_high], [to_low, to_high]) = (self.from.ends(), self.to.ends());
+        let [low, high] = other.ends();
+        // Most boxes are outside the packet on some axis.
+        let is_outside = |axis: usize| {
             (from_low[axis] > high[axis]) & (to_low[axis] >= high[axis])
                 | (from_high[axis] < low[axis]) & (to_high[axis] <= low[axis])
         };
-        if is_beside(0) | is_beside(1) | is_beside(2) {
+        if is_outside(0) | is_outside(1) | is_outside(2) {
             return None;
         }
         let (mut enter, mut leave) = (0.0f32, 1.0f32);
-        // Where a quantity that changes evenly from one end to the other is at most 0.
-        let mut below_zero = |start: f32, end: f32| {
-            let cross = start / (start - end);
-            if start > 0.0 {
-                enter = enter.max(cross);
-            } else if end > 0.0 {
-                leave = leave.min(cross);
-            }
-        };
         for axis in 0..3 {
-            below_zero(from_low[axis] - high[axis], to_low[axis] - high[axis]);
-            below_zero(low[axis] - from_high[axis], low[axis] - to_high[axis]);
+            // Both quantities change linearly and must be at most 0 inside the box.
+            for (start, end) in [
+                (from_low[axis] - high[axis], to_low[axis] - high[axis]),
+                (low[axis] - from_high[axis], low[axis] - to_high[axis]),
+            ] {
+                let cross = start / (start - end);
+                if start > 0.0 {
+                    enter = enter.max(cross);
+                } else if end > 0.0 {
+                    leave = leave.min(cross);
+                }
+            }
         }
         (enter <= leave).then_some(enter)
     }
 }
 
 impl Tree {
-    /// The first solid on a ray within `reach` meters along a unit vector, and how far it is; `None` if there is none or the
-    /// ground comes first.
+    /// The first solid on a ray within `reach` meters along a unit vector, and its distance; `None` if there is none or
+    /// the ground is nearer.
     pub(crate) fn first_met(
         &self,
         solids: &[Solid],
@@ -85,16 +84,12 @@ impl Tree {
             f32::INFINITY
         };
         let reach = reach.min(ground);
-        let point = |place: Vec3| Bounds {
-            low: place,
-            high: place,
-        };
-        let bundle = Bundle {
-            from: point(from),
-            to: point(from + heading * reach),
+        let packet = RayPacket {
+            from: Bounds::from_point(from),
+            to: Bounds::from_point(from + heading * reach),
         };
         let mut nearest = (reach, None);
-        self.search(&bundle, |number| {
+        self.search(&packet, |number| {
             let met = solids[usize::from(number)].enter(from, heading);
             if met < nearest.0 {
                 nearest = (met, Some(number));
@@ -104,11 +99,10 @@ impl Tree {
         nearest.1.map(|number| (nearest.0, number))
     }
 
-    /// The tree of some solids.
     pub(crate) fn new(solids: &[Solid]) -> Self {
         let boxes: Vec<Bounds> = solids
             .iter()
-            .map(|solid| Bounds::around(solid).grown(MARGIN_M))
+            .map(|solid| Bounds::from_solid(solid).grown(MARGIN_M))
             .collect();
         let (hollows, mut order): (Vec<u16>, Vec<u16>) =
             (0..solids.len() as u16).partition(|&number| solids[usize::from(number)].is_hollow());
@@ -124,9 +118,9 @@ impl Tree {
         }
     }
 
-    /// Calls `meet` for every solid that a way of the bundle may lie on. It returns the share of the ways beyond which nothing
-    /// matters any more; below 0, the search ends.
-    pub(crate) fn search(&self, bundle: &Bundle, mut meet: impl FnMut(u16) -> f32) {
+    /// Calls `meet` for every solid that may block a ray of the packet. It returns the share of the length beyond which
+    /// hits no longer matter; a negative value ends the search.
+    pub(crate) fn search(&self, packet: &RayPacket, mut meet: impl FnMut(u16) -> f32) {
         let mut within = 1.0;
         for &number in &self.hollows {
             within = meet(number);
@@ -137,20 +131,20 @@ impl Tree {
         let (mut stack, mut height) = ([0usize; DEPTH], 1);
         while height > 0 {
             height -= 1;
-            let at = stack[height];
-            let node = &self.nodes[at];
-            if !bundle.reaches(&node.bounds).is_some_and(|share| share <= within) {
+            let position = stack[height];
+            let node = &self.nodes[position];
+            if !packet.reaches(&node.bounds).is_some_and(|share| share <= within) {
                 continue;
             }
             if node.count == 0 {
                 stack[height] = node.first;
-                stack[height + 1] = at + 1;
+                stack[height + 1] = position + 1;
                 height += 2;
                 continue;
             }
             for &number in &self.order[node.first..node.first + node.count] {
                 let bounds = &self.boxes[usize::from(number)];
-                if node.count == 1 || bundle.reaches(bounds).is_some_and(|share| share <= within) {
+                if node.count == 1 || packet.reaches(bounds).is_some_and(|share| share <= within) {
                     within = meet(number);
                     if within < 0.0 {
                         return;
@@ -161,40 +155,40 @@ impl Tree {
     }
 }
 
-/// Adds the tree of some solids, of which the first is number `first` of all in order.
-fn grow(boxes: &[Bounds], order: &mut [u16], first: usize, nodes: &mut Vec<Node>) {
-    let of = |number: &u16| &boxes[usize::from(*number)];
+/// Adds the subtree of some solids; `first` is the index of the first one in the overall order.
+fn grow(boxes: &[Bounds], order: &mut [u16], first: usize, nodes: &mut Vec<TreeNode>) {
     let bounds = order
         .iter()
-        .map(of)
-        .fold(*of(&order[0]), |all, one| all.with(one));
-    let at = nodes.len();
+        .map(|&number| &boxes[usize::from(number)])
+        .fold(boxes[usize::from(order[0])], |all, bounds| all.union(bounds));
+    let node = nodes.len();
     let count = if order.len() <= FEW { order.len() } else { 0 };
-    nodes.push(Node { bounds, first, count });
+    nodes.push(TreeNode { bounds, first, count });
     if count > 0 {
         return;
     }
-    // Halves along the axis in which their middles lie farthest apart.
-    let middle = |number: &u16, axis: usize| {
-        let Bounds { low, high } = *of(number);
-        <[f32; 3]>::from(low + high)[axis]
-    };
-    let spread = |axis: usize| {
-        let ends = order.iter().map(|number| middle(number, axis));
-        let (low, high) = ends.fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), v| {
+    // Split along the axis with the largest extent of box centers.
+    let spreads = [0, 1, 2].map(|axis| {
+        let middles = order.iter().map(|&number| middle(boxes, number, axis));
+        let (low, high) = middles.fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), v| {
             (a.min(v), b.max(v))
         });
         high - low
-    };
-    let spreads = [0, 1, 2].map(spread);
+    });
     let axis = (0..3).fold(
         0,
         |best, axis| if spreads[axis] > spreads[best] { axis } else { best },
     );
-    order.sort_by(|a, b| middle(a, axis).total_cmp(&middle(b, axis)));
+    order.sort_by(|&a, &b| middle(boxes, a, axis).total_cmp(&middle(boxes, b, axis)));
     let half = order.len() / 2;
     let (left, right) = order.split_at_mut(half);
     grow(boxes, left, first, nodes);
-    nodes[at].first = nodes.len();
+    nodes[node].first = nodes.len();
     grow(boxes, right, first + half, nodes);
+}
+
+/// Twice the center of a box along an axis.
+fn middle(boxes: &[Bounds], number: u16, axis: usize) -> f32 {
+    let Bounds { low, high } = boxes[usize::from(number)];
+    <[f32; 3]>::from(low + high)[axis]
 }

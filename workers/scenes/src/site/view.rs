@@ -1,59 +1,57 @@
-//! Where the camera of a single frame is: drawn from the seed, with the values of a description in place of the drawn ones.
+//! ViewCamera poses of single frames: drawn from the seed, with described values replacing drawn ones.
 
 use imaging::vector::{DVec3, Vec3, vec3};
 use spec::CameraView;
 
-use super::chance::Dice;
+use super::chance::Choices;
 use super::solid::Solid;
 use super::tree::Tree;
-use super::{Object, Site};
+use super::{Site, SiteObject};
 use crate::{CameraPose, LEAST_CLEARANCE_M, SceneError};
 
-/// Elevations of a drawn line of sight, degrees.
 const PITCH_DEG: [f32; 2] = [-30.0, 40.0];
-/// A drawn camera keeps this far from everything, m.
+/// Minimum distance of a drawn camera from surfaces, m.
 const CLEAR_M: f64 = 0.3;
-/// Poses tried for each elevation.
+/// Poses per elevation.
 const TRIES: usize = 16;
-/// How much of the drawn elevation's difference from the family's is left in each round of tries.
+/// Share of the difference between the drawn elevation and the family's that each round of tries keeps.
 const LEVELING: [f64; 5] = [1.0, 0.75, 0.5, 0.25, 0.0];
-/// Steps in which a blocked camera approaches its target.
+/// Steps of a blocked camera towards its target.
 const APPROACHES: usize = 20;
-/// Rays that probe the inner part of a frame of 80 degrees, across and down, within these tangents.
+/// Columns and rows of rays that probe the inner part of an 80° frame.
 const PROBES: [usize; 2] = [12, 8];
 const HALF_FRAME: [f64; 2] = [0.7, 0.42];
-/// Probes look this far, m.
+/// Length of the probes, m.
 const PROBE_M: f32 = 9.0;
-/// Largest share of the probes that may meet a structure, except in rooms.
+/// Largest share of probes that may hit a structure, except in rooms.
 const MOST_STRUCTURE: f64 = 0.7;
 
-/// What poses are drawn around.
+/// Parameters of drawn poses.
 #[derive(Clone, Copy)]
 pub(crate) struct Usual {
-    pub(crate) dice: Dice,
+    pub(crate) dice: Choices,
     pub(crate) view: Viewpoint,
     pub(crate) roll: f64,
-    /// Height of the bottom, m; in open water of a level below the site.
+    /// Height of the bottom, m; in open water a level below the site.
     pub(crate) floor: f64,
     pub(crate) heights: Heights,
-    /// Horizontal distances in parts of that of `view`.
+    /// Horizontal distances relative to that of `view`.
     pub(crate) stretch: [f32; 2],
-    /// Largest turn from the azimuth of `view`, degrees.
+    /// Largest rotation from the azimuth of `view`, degrees.
     pub(crate) turn_deg: f32,
-    /// Share of the probes that must meet a structure.
+    /// Minimum share of probes that hit a structure.
     pub(crate) least_structure: f64,
 }
 
 /// Range of heights above the floor, m.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Heights {
-    /// Of the camera.
     Camera([f32; 2]),
-    /// Of the point that it looks at.
+    /// Heights of the target.
     Target([f32; 2]),
 }
 
-/// A camera that looks past a point: it is above or below the point by whatever `height` and `pitch` give.
+/// A camera whose line of sight passes above or below a point: `height_m` and `pitch_deg` determine by how much.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Viewpoint {
     /// Only x and y count.
@@ -62,14 +60,14 @@ pub(crate) struct Viewpoint {
     pub(crate) pitch_deg: f64,
     /// Azimuth of the line of sight, from y towards x.
     pub(crate) yaw_deg: f64,
-    /// Of the camera, above the world's z = 0.
+    /// ViewCamera height above the world's z = 0.
     pub(crate) height_m: f64,
-    /// From the camera along the line of sight to above or below the target.
+    /// Distance along the line of sight to the vertical through the target.
     pub(crate) distance_m: f64,
 }
 
 impl Viewpoint {
-    pub(crate) fn between(eye: DVec3, target: DVec3) -> Self {
+    pub(crate) fn looking(eye: DVec3, target: DVec3) -> Self {
         let way = target - eye;
         let flat = libm::hypot(way.x, way.y);
         Self {
@@ -93,7 +91,6 @@ impl Viewpoint {
         vec3(self.target.x - away.x, self.target.y - away.y, self.height_m)
     }
 
-    /// The point that the camera looks at.
     pub(crate) fn aim(&self) -> DVec3 {
         self.eye() + self.ahead() * self.distance_m
     }
@@ -103,15 +100,15 @@ impl Viewpoint {
     }
 }
 
-/// The solids and objects that a view is chosen among.
-pub(crate) struct Stage<'a> {
+/// The solids and objects around a view.
+pub(crate) struct Obstacles<'a> {
     solids: &'a [Solid],
-    objects: &'a [Object],
+    objects: &'a [SiteObject],
     tree: Tree,
 }
 
-impl<'a> Stage<'a> {
-    pub(crate) fn new(solids: &'a [Solid], objects: &'a [Object]) -> Self {
+impl<'a> Obstacles<'a> {
+    pub(crate) fn new(solids: &'a [Solid], objects: &'a [SiteObject]) -> Self {
         Self {
             solids,
             objects,
@@ -123,7 +120,7 @@ impl<'a> Stage<'a> {
         f64::from(clearance(self.solids, point.as_f32()))
     }
 
-    /// Whether at least this share of the middle of a frame shows structures, and not only structures.
+    /// Whether structures cover at least `least` of the middle of a frame, and other things are visible too.
     fn shows_structure(&self, view: &Viewpoint, least: f64) -> bool {
         let pose = view.pose(0.0);
         let eye = pose.position_m.as_f32();
@@ -152,7 +149,7 @@ fn center(part: usize, count: usize) -> f64 {
     (2 * part + 1) as f64 / count as f64 - 1.0
 }
 
-/// Distance of a point from the nearest of some solids and from the ground, m; below 0 inside.
+/// Distance of a point from the nearest solid and the ground, m; negative inside.
 pub(crate) fn clearance(solids: &[Solid], point: Vec3) -> f32 {
     solids
         .iter()
@@ -161,12 +158,12 @@ pub(crate) fn clearance(solids: &[Solid], point: Vec3) -> f32 {
 }
 
 impl Usual {
-    /// The view of a description: the first of a fixed sequence of poses that is clear of everything and shows structures; else
-    /// the first that is clear; else the nearest clear one on the way to the target.
+    /// The view of a description: the first clear pose of a fixed sequence that shows structures, else the first clear
+    /// pose, else the nearest clear one on the way to the target.
     ///
     /// # Errors
     /// [`SceneError::View`] if every pose with the given values is blocked.
-    pub(crate) fn choose(&self, stage: &Stage<'_>, given: &CameraView) -> Result<Viewpoint, SceneError> {
+    pub(crate) fn choose(&self, stage: &Obstacles<'_>, given: &CameraView) -> Result<Viewpoint, SceneError> {
         let poses = self.poses(given);
         if let Some(view) = poses.iter().find(|view| self.is_good(stage, view)) {
             return Ok(*view);
@@ -182,11 +179,11 @@ impl Usual {
             .ok_or_else(|| refuse(given, stage.clearance(poses[0].eye())))
     }
 
-    fn is_good(&self, stage: &Stage<'_>, view: &Viewpoint) -> bool {
+    fn is_good(&self, stage: &Obstacles<'_>, view: &Viewpoint) -> bool {
         stage.clearance(view.eye()) >= CLEAR_M && stage.shows_structure(view, self.least_structure)
     }
 
-    /// The sequence of poses: some for each elevation.
+    /// Candidate poses, several per elevation.
     fn poses(&self, given: &CameraView) -> Vec<Viewpoint> {
         let rounds = if given.pitch_deg.is_some() {
             1
@@ -199,7 +196,7 @@ impl Usual {
             .collect()
     }
 
-    /// Ever nearer poses on the way of the first one to the target; none if the distance is given.
+    /// Poses from the first candidate towards the target; empty if the distance is given.
     fn approach(&self, given: &CameraView) -> Vec<Viewpoint> {
         let steps = if given.distance_m.is_some() { 0 } else { APPROACHES };
         let first = self.draw(0, 1.0, given);
@@ -211,24 +208,25 @@ impl Usual {
             .collect()
     }
 
-    /// A pose of the sequence; `share` is that of [`LEVELING`].
+    /// A candidate pose; `share` is a value of [`LEVELING`].
     fn draw(&self, attempt: usize, share: f64, given: &CameraView) -> Viewpoint {
         let dice = self.dice.object(attempt);
-        let between = |choice: u64, [low, high]: [f32; 2]| f64::from(dice.between(choice, low, high));
-        let drawn = f64::from(self.dice.between(0, PITCH_DEG[0], PITCH_DEG[1]));
+        let drawn = f64::from(self.dice.uniform(0, PITCH_DEG[0], PITCH_DEG[1]));
         let pitch_deg = given
             .pitch_deg
             .unwrap_or(self.view.pitch_deg + (drawn - self.view.pitch_deg) * share);
-        let turn_deg = between(1, [-self.turn_deg, self.turn_deg]);
+        let turn_deg = draw_from(dice, 1, [-self.turn_deg, self.turn_deg]);
         let flat = self.view.distance_m * libm::cos(self.view.pitch_deg.to_radians());
-        // A steep camera stays above its place: its distance is limited.
+        // Limit the distance of a steep camera, so that it stays above its base point.
         let slope = libm::cos(pitch_deg.to_radians()).max(0.5);
         let distance_m = given
             .distance_m
-            .unwrap_or(flat * between(2, self.stretch) / slope);
+            .unwrap_or(flat * draw_from(dice, 2, self.stretch) / slope);
         let height_m = match self.heights {
-            Heights::Camera(range) => between(3, range),
-            Heights::Target(range) => between(3, range) - distance_m * libm::sin(pitch_deg.to_radians()),
+            Heights::Camera(range) => draw_from(dice, 3, range),
+            Heights::Target(range) => {
+                draw_from(dice, 3, range) - distance_m * libm::sin(pitch_deg.to_radians())
+            }
         };
         Viewpoint {
             target: self.view.target,
@@ -259,10 +257,13 @@ fn refuse(given: &CameraView, clearance_m: f64) -> SceneError {
 }
 
 impl Site {
-    /// Moves the camera to a view.
     pub(crate) fn look_from(&mut self, view: &Viewpoint) {
         self.lamp_m *= (view.distance_m / (self.target - self.pose.position_m).length()) as f32;
         self.pose = view.pose(self.usual.roll);
         self.target = view.aim();
     }
+}
+
+fn draw_from(dice: Choices, choice: u64, [low, high]: [f32; 2]) -> f64 {
+    f64::from(dice.uniform(choice, low, high))
 }

@@ -51,7 +51,14 @@ fn rows_do_not_depend_on_the_band_that_they_are_rendered_in() {
                 let mut range = Vec::new();
                 for band in 0..bands {
                     let rows = 61 * band / bands..61 * (band + 1) / bands;
-                    let part = site::render(&world.site, &pose, (97, 61), &lens, rows, Wanted::default());
+                    let part = site::render(
+                        &world.site,
+                        &pose,
+                        (97, 61),
+                        &lens,
+                        rows,
+                        RenderOptions::default(),
+                    );
                     radiance
                         .iter_mut()
                         .zip(part.bands)

@@ -1,15 +1,14 @@
-//! Tensors of an ONNX file that lie in other files. A model that came from outside may have none: they would be read
-//! from wherever their names point to.
+//! Rejects external tensors in ONNX files: an uploaded model could read arbitrary paths through them.
 
 use super::Unfit;
-use crate::net::wire::{Value, fields};
+use crate::net::wire::{WireValue, fields};
 
-/// Graphs in graphs, as loops and branches have them; real models have three.
+/// Limit on nested graphs (loops and branches); real models have three.
 const MAX_DEPTH: usize = 64;
 
-/// The messages of an ONNX file that can hold a tensor.
+/// ONNX messages that can contain a tensor.
 #[derive(Clone, Copy, PartialEq)]
-enum Message {
+enum TensorMessage {
     Model,
     Training,
     Graph,
@@ -20,9 +19,9 @@ enum Message {
     Tensor,
 }
 
-impl Message {
-    /// What stands under a field, if it can hold a tensor.
-    fn below(self, field: u32) -> Option<Self> {
+impl TensorMessage {
+    /// The message type of a field, if it can contain a tensor.
+    fn nested(self, field: u32) -> Option<Self> {
         Some(match (self, field) {
             (Self::Model, 7) | (Self::Training, 1 | 2) | (Self::Attribute, 6 | 11) => Self::Graph,
             (Self::Model, 20) => Self::Training,
@@ -36,26 +35,26 @@ impl Message {
     }
 }
 
-/// Searches a file for tensors outside of it.
+/// Searches a file for external tensors.
 ///
 /// # Errors
-/// [`Unfit::NotOnnx`] or [`Unfit::External`], whichever comes first.
-pub(super) fn look(onnx: &[u8]) -> Result<(), Unfit> {
-    let has_graph = fields(onnx).any(|field| matches!(field, Some((7, Value::Bytes(_)))));
+/// [`Unfit::NotOnnx`] or [`Unfit::External`], the first found.
+pub(super) fn find_external(onnx: &[u8]) -> Result<(), Unfit> {
+    let has_graph = fields(onnx).any(|field| matches!(field, Some((7, WireValue::Bytes(_)))));
     if !has_graph {
         return Err(Unfit::NotOnnx);
     }
-    message(Message::Model, onnx, MAX_DEPTH)
+    message(TensorMessage::Model, onnx, MAX_DEPTH)
 }
 
-fn message(kind: Message, bytes: &[u8], depth: usize) -> Result<(), Unfit> {
-    if kind == Message::Tensor {
+fn message(kind: TensorMessage, bytes: &[u8], depth: usize) -> Result<(), Unfit> {
+    if kind == TensorMessage::Tensor {
         return tensor(bytes);
     }
     let depth = depth.checked_sub(1).ok_or(Unfit::NotOnnx)?;
     for field in fields(bytes) {
         let (number, value) = field.ok_or(Unfit::NotOnnx)?;
-        if let (Some(below), Value::Bytes(inner)) = (kind.below(number), value) {
+        if let (Some(below), WireValue::Bytes(inner)) = (kind.nested(number), value) {
             message(below, inner, depth)?;
         }
     }
@@ -66,9 +65,9 @@ fn tensor(bytes: &[u8]) -> Result<(), Unfit> {
     let (mut name, mut external) = (String::new(), false);
     for field in fields(bytes) {
         match field.ok_or(Unfit::NotOnnx)? {
-            (8, Value::Bytes(text)) => name = String::from_utf8_lossy(text).into_owned(),
+            (8, WireValue::Bytes(text)) => name = String::from_utf8_lossy(text).into_owned(),
             (13, _) => external = true,
-            (14, Value::Integer(location)) => external |= location != 0,
+            (14, WireValue::Integer(location)) => external |= location != 0,
             _ => {}
         }
     }
@@ -84,7 +83,7 @@ mod tests {
     use super::*;
     use crate::net::wire::{bytes, integer};
 
-    fn under(path: &[u32], inner: &[u8]) -> Vec<u8> {
+    fn nest(path: &[u32], inner: &[u8]) -> Vec<u8> {
         path.iter().rev().fold(inner.to_vec(), |inner, &field| {
             let mut outer = Vec::new();
             bytes(&mut outer, field, &inner);
@@ -113,30 +112,33 @@ mod tests {
         ];
         for place in places {
             for tensor in [&elsewhere, &named] {
-                let mut model = under(&[7, 2], b"graph");
-                model.extend(under(place, tensor));
+                let mut model = nest(&[7, 2], b"graph");
+                model.extend(nest(place, tensor));
                 assert!(
-                    matches!(look(&model), Err(Unfit::External { tensor }) if tensor == "weights"),
+                    matches!(find_external(&model), Err(Unfit::External { tensor }) if tensor == "weights"),
                     "{place:?}"
                 );
             }
-            let mut model = under(&[7, 2], b"graph");
-            model.extend(under(place, &under(&[8], b"weights")));
-            assert!(look(&model).is_ok(), "{place:?}");
+            let mut model = nest(&[7, 2], b"graph");
+            model.extend(nest(place, &nest(&[8], b"weights")));
+            assert!(find_external(&model).is_ok(), "{place:?}");
         }
     }
 
     #[test]
     fn what_is_no_onnx_file_or_too_deep_is_told_apart() {
         for file in [&b""[..], b"hello, world", &[0xff; 40]] {
-            assert!(matches!(look(file), Err(Unfit::NotOnnx)));
+            assert!(matches!(find_external(file), Err(Unfit::NotOnnx)));
         }
         let mut path = vec![7];
         path.extend([1, 5, 6].repeat(40));
-        assert!(matches!(look(&under(&path, b"")), Err(Unfit::NotOnnx)));
+        assert!(matches!(find_external(&nest(&path, b"")), Err(Unfit::NotOnnx)));
         for model in ["atlantic", "atlantic-range", "mediterranean", "muddy"] {
             let library = crate::Library::embedded().unwrap();
-            assert!(look(&library.get(model).unwrap().onnx).is_ok(), "{model}");
+            assert!(
+                find_external(&library.get(model).unwrap().onnx).is_ok(),
+                "{model}"
+            );
         }
     }
 }

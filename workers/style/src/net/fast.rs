@@ -1,5 +1,4 @@
-//! The network in one pass over the frame: no picture of intermediate values is kept at full resolution, only the last
-//! three rows of the features.
+//! The network in one pass over the frame: at full resolution only the last three rows of the features are stored.
 
 mod across;
 mod context;
@@ -12,47 +11,47 @@ use pulp::{Simd, WithSimd};
 
 use across::{Widened, place};
 use context::Context;
-use multiply::{Block, load, multiply, multiply_row, splat, store};
+use multiply::{SumBlock, load, multiply, multiply_row, splat, store};
 use packed::Packed;
 use planes::{close_row, stride};
 
 use super::layer::{COLOR, OUTPUT, PIXEL, RANGE_COLOR, RANGE_PIXEL, Weights};
 
-/// Vectors of a block of the features: with four of its eight outputs, eight sums.
+/// Vectors per block of features: with four of its eight outputs, eight sums.
 const PIXEL_VECTORS: usize = 2;
-/// Vectors of a block of the result: with its three outputs, nine sums.
+/// Vectors per block of the result: with its three outputs, nine sums.
 const OUTPUT_VECTORS: usize = 3;
 
-/// What a pixel is given as: its color, and in a network that takes a range its color times its range, and its range.
+/// Channels of a pixel: its color; a network with a range adds color times range, and range.
 const PLAIN: usize = 3;
 const RANGED: usize = 7;
 
-/// A network that is ready to run.
+/// A network with its weights packed for execution.
 #[derive(Debug, Clone)]
 pub struct Network {
     context: Context,
     pixel: Packed<4>,
     output: Packed<3>,
     color: Packed<3>,
-    /// Channels that a pixel is given as.
+    /// Channels of a pixel.
     channels: usize,
 }
 
-/// What a network needs while it runs; kept between frames. Nothing in it changes a result.
+/// ContextBuffers reused between frames; their contents do not affect results.
 #[derive(Debug, Default)]
 pub struct Scratch {
-    context: context::Buffers,
+    context: context::ContextBuffers,
     widened: Widened,
-    /// The last three rows of the frame, bordered: `[row % 3][channel]`.
+    /// The last three rows of the frame, with borders: `[row % 3][channel]`.
     image: Vec<f32>,
-    /// The last three rows of the features, bordered.
+    /// The last three rows of the features, with borders.
     features: Vec<f32>,
     /// A row of the result.
     styled: [Vec<f32>; 3],
 }
 
 impl Network {
-    /// Orders the weights for the run.
+    /// Packs the weights.
     #[must_use]
     pub fn new(weights: &Weights) -> Self {
         let (mut pixel, mut color) = (Packed::new(weights, PIXEL), Packed::new(weights, COLOR));
@@ -69,18 +68,18 @@ impl Network {
         }
     }
 
-    /// Whether it takes a range.
+    /// Whether it has a range input.
     #[must_use]
     pub fn takes_range(&self) -> bool {
         self.channels == RANGED
     }
 
-    /// Repaints a frame of sRGB-encoded samples in 0..=1; so is the result. An empty frame stays empty. `range` is that
-    /// of the frame's pixels, 0 at the camera and 1 far away: all are at the camera if it is absent, and a network that
-    /// takes none does not look at it. The bits depend on frame and range alone, not on the CPU.
+    /// Repaints a frame of sRGB-encoded samples in 0..=1 and returns the same encoding. An empty frame stays empty.
+    /// `range` is that of the frame's pixels, 0 at the camera and 1 far away; absent, all pixels are at the camera. A
+    /// network without a range input ignores it. The bits depend on frame and range only, not on the CPU.
     ///
     /// # Panics
-    /// When the range is smaller than the frame.
+    /// If the range is smaller than the frame.
     #[must_use]
     pub fn apply(&self, encoded: &Rgb<f32>, range: Option<&Plane<f32>>, scratch: &mut Scratch) -> Rgb<f32> {
         let (width, height) = encoded.size();
@@ -90,7 +89,7 @@ impl Network {
         }
         let mut planes = [r, g, b];
         if width > 0 && height > 0 {
-            pulp::Arch::new().dispatch(Run {
+            pulp::Arch::new().dispatch(NetworkRun {
                 network: self,
                 encoded,
                 range: range.filter(|_| self.takes_range()),
@@ -103,7 +102,7 @@ impl Network {
     }
 }
 
-struct Run<'a> {
+struct NetworkRun<'a> {
     network: &'a Network,
     encoded: &'a Rgb<f32>,
     range: Option<&'a Plane<f32>>,
@@ -111,7 +110,7 @@ struct Run<'a> {
     planes: &'a mut [Vec<f32>; 3],
 }
 
-impl WithSimd for Run<'_> {
+impl WithSimd for NetworkRun<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -130,9 +129,7 @@ impl WithSimd for Run<'_> {
         scratch.widened.start(width, context);
         scratch.image.resize(3 * channels * stride, 0.0);
         scratch.features.resize(3 * 8 * stride, 0.0);
-        for row in &mut scratch.styled {
-            row.resize(stride, 0.0);
-        }
+        scratch.styled.iter_mut().for_each(|row| row.resize(stride, 0.0));
         let (mut copied, mut made) = (0, 0);
         for y in 0..height {
             cancel::check();
@@ -149,7 +146,7 @@ impl WithSimd for Run<'_> {
                 make_features(
                     simd,
                     &network.pixel,
-                    Rows {
+                    FeatureRows {
                         rows: &scratch.image,
                         stride,
                         slots,
@@ -161,12 +158,12 @@ impl WithSimd for Run<'_> {
                 made += 1;
             }
             let slots = neighbors(y, height);
-            let image = Rows {
+            let image = FeatureRows {
                 rows: &scratch.image,
                 stride,
                 slots,
             };
-            let features = Rows {
+            let features = FeatureRows {
                 rows: &scratch.features,
                 stride,
                 slots,
@@ -179,8 +176,8 @@ impl WithSimd for Run<'_> {
     }
 }
 
-/// Row `y` of the frame as the network is given it, bordered: colors, then with a network that takes a range colors times
-/// range, and the range.
+/// Row `y` of the network's input with borders: colors; then, for a network with a range, colors times range, and the
+/// range.
 #[inline(always)]
 fn copy_row(encoded: &Rgb<f32>, range: Option<&Plane<f32>>, y: usize, rows: &mut [f32], stride: usize) {
     let width = encoded.width();
@@ -205,23 +202,23 @@ fn copy_row(encoded: &Rgb<f32>, range: Option<&Plane<f32>>, y: usize, rows: &mut
     }
 }
 
-/// Rows of several channels: `[slot][channel]`.
+/// FeatureRows of several channels: `[slot][channel]`.
 #[derive(Clone, Copy)]
-struct Rows<'a> {
+struct FeatureRows<'a> {
     rows: &'a [f32],
     stride: usize,
-    /// Slots of the rows above, at and below the current one.
+    /// Slots of the previous, the current and the next row.
     slots: [usize; 3],
 }
 
-impl<'a> Rows<'a> {
+impl<'a> FeatureRows<'a> {
     #[inline(always)]
     fn row(self, slot: usize, channels: usize, channel: usize) -> &'a [f32] {
         &self.rows[(slot * channels + channel) * self.stride..][..self.stride]
     }
 }
 
-/// Slots of the rows above, at and below `y`, continued by the edge.
+/// Slots of the rows above, at and below `y`, clamped to the edge.
 fn neighbors(y: usize, height: usize) -> [usize; 3] {
     [y.saturating_sub(1) % 3, y % 3, (y + 1).min(height - 1) % 3]
 }
@@ -231,8 +228,8 @@ fn neighbors(y: usize, height: usize) -> [usize; 3] {
 fn make_features<S: Simd>(
     simd: S,
     pixel: &Packed<4>,
-    image: Rows<'_>,
-    (widened, place): (&Widened, across::Place),
+    image: FeatureRows<'_>,
+    (widened, place): (&Widened, across::UpsamplePosition),
     features: &mut [f32],
     width: usize,
 ) {
@@ -241,7 +238,7 @@ fn make_features<S: Simd>(
     let channels = pixel.groups[0].weights.len() / pixel.taps;
     for (index, group) in pixel.groups.iter().enumerate() {
         for x in (0..width).step_by(PIXEL_VECTORS * S::F32_LANES) {
-            let mut sums: Block<S, 4, PIXEL_VECTORS> = splat(simd, &group.bias);
+            let mut sums: SumBlock<S, 4, PIXEL_VECTORS> = splat(simd, &group.bias);
             for channel in 0..channels {
                 for row in 0..3 {
                     let samples = &image.row(image.slots[row], channels, channel)[x..];
@@ -272,8 +269,8 @@ fn make_features<S: Simd>(
 fn finish<S: Simd>(
     simd: S,
     network: &Network,
-    image: Rows<'_>,
-    features: Rows<'_>,
+    image: FeatureRows<'_>,
+    features: FeatureRows<'_>,
     styled: &mut [Vec<f32>; 3],
     width: usize,
 ) {
@@ -281,7 +278,7 @@ fn finish<S: Simd>(
     let (output, color) = (&network.output.groups[0], &network.color.groups[0]);
     let bias = std::array::from_fn(|channel| output.bias[channel] + color.bias[channel]);
     for x in (0..width).step_by(OUTPUT_VECTORS * S::F32_LANES) {
-        let mut sums: Block<S, 3, OUTPUT_VECTORS> = splat(simd, &bias);
+        let mut sums: SumBlock<S, 3, OUTPUT_VECTORS> = splat(simd, &bias);
         for (channel, weights) in color.weights.iter().enumerate() {
             let samples = &image.row(image.slots[1], network.channels, channel)[1 + x..];
             multiply(simd, &mut sums, samples, weights);

@@ -1,17 +1,17 @@
-//! The layers of the network and their trained numbers, all in one list.
+//! The layers of the network and their parameters, all in one list.
 
 /// A convolution with bias.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Layer {
     /// Name of the layer; its tensors are `NAME.weight` and `NAME.bias`.
     pub name: &'static str,
-    /// Channels that it makes.
+    /// Output channels.
     pub outputs: usize,
-    /// Channels that each of them sees: 1 where every channel is filtered by itself.
+    /// Input channels per output: 1 for depthwise filters.
     pub inputs: usize,
     /// Side of the filter: 3 or 1.
     pub side: usize,
-    /// Where its weights begin in the list, `[output][input][row][column]`; the biases follow.
+    /// Start of its weights in the list, `[output][input][row][column]`; the biases follow.
     start: usize,
 }
 
@@ -36,7 +36,7 @@ impl Layer {
         }
     }
 
-    /// How many weights it has.
+    /// Number of weights.
     #[must_use]
     pub const fn weights(self) -> usize {
         self.outputs * self.inputs * self.side * self.side
@@ -46,7 +46,7 @@ impl Layer {
         self.start + self.weights() + self.outputs
     }
 
-    /// How many numbers a filter multiplies: inputs × side².
+    /// Inputs per output sample: inputs × side².
     #[must_use]
     pub const fn fan_in(self) -> usize {
         self.inputs * self.side * self.side
@@ -57,7 +57,7 @@ impl Layer {
 pub const ENTER: Layer = Layer::first("enter", 8, 3, 3);
 /// From a quarter to an eighth of the resolution: 8 → 16 channels.
 pub const REDUCE: Layer = ENTER.then("reduce", 16, 8, 3);
-/// The two residual blocks: filter by channel, mix, ReLU, filter by channel, mix.
+/// The two residual blocks: depthwise, mix, ReLU, depthwise, mix.
 pub const BLOCKS: [[Layer; 4]; 2] = {
     let first = block(
         REDUCE,
@@ -83,17 +83,18 @@ pub const BLOCKS: [[Layer; 4]; 2] = {
 pub const LEAVE: Layer = BLOCKS[1][3].then("leave", 8, 16, 3);
 /// Features of a pixel at full resolution: 3 → 8 channels.
 pub const PIXEL: Layer = LEAVE.then("pixel", 8, 3, 3);
-/// From the features to what is added to the color map: 8 → 3 channels.
+/// From the features to the correction of the color map: 8 → 3 channels.
 pub const OUTPUT: Layer = PIXEL.then("output", 3, 8, 3);
 /// The affine color map: 3 → 3 channels.
 pub const COLOR: Layer = OUTPUT.then("colour", 3, 3, 1);
 
-/// Features of a pixel from its range, and from its color times its range: 4 → 8 channels. Of networks that take a range.
+/// Features of a pixel from its range, and from its color times its range: 4 → 8 channels. Only in networks with a
+/// range.
 pub const RANGE_PIXEL: Layer = COLOR.then("range_pixel", 8, 4, 3);
-/// What the range changes in the color map: 4 → 3 channels. Of networks that take a range.
+/// Range-dependent correction of the color map: 4 → 3 channels. Only in networks with a range.
 pub const RANGE_COLOR: Layer = RANGE_PIXEL.then("range_color", 3, 4, 1);
 
-/// Every layer of a network that takes a range, in the order of the list; those of one that takes none come first.
+/// All layers of a network with a range, in list order; those of a network without one come first.
 const ALL: [Layer; 16] = {
     let [a, b] = BLOCKS;
     [
@@ -116,12 +117,12 @@ const ALL: [Layer; 16] = {
     ]
 };
 
-/// How many numbers are trained in a network that takes no range.
+/// Number of parameters of a network without a range.
 pub const PARAMETERS: usize = COLOR.end();
-/// How many numbers are trained in a network that takes a range.
+/// Number of parameters of a network with a range.
 pub const RANGE_PARAMETERS: usize = RANGE_COLOR.end();
 
-/// Every layer of a network that takes a range, or of one that takes none.
+/// All layers of a network with or without a range.
 #[must_use]
 pub fn layers(takes_range: bool) -> &'static [Layer] {
     if takes_range { &ALL } else { &ALL[..14] }
@@ -135,14 +136,14 @@ const fn block(after: Layer, names: [&'static str; 4]) -> [Layer; 4] {
     [spread_a, mix_a, spread_b, mix_b]
 }
 
-/// The trained numbers of a network, layer after layer.
+/// The parameters of a network, layer after layer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Weights<T = f32> {
     values: Vec<T>,
 }
 
 impl<T> Weights<T> {
-    /// Takes [`PARAMETERS`] or [`RANGE_PARAMETERS`] numbers, layer after layer; `None` for any other count.
+    /// Accepts [`PARAMETERS`] or [`RANGE_PARAMETERS`] numbers, layer after layer; `None` for any other count.
     #[must_use]
     pub fn new(values: Vec<T>) -> Option<Self> {
         [PARAMETERS, RANGE_PARAMETERS]
@@ -150,25 +151,25 @@ impl<T> Weights<T> {
             .then_some(Self { values })
     }
 
-    /// Whether the network takes a range.
+    /// Whether the network has a range input.
     #[must_use]
     pub fn takes_range(&self) -> bool {
         self.values.len() == RANGE_PARAMETERS
     }
 
-    /// Its layers, in the order of the list.
+    /// Its layers, in list order.
     #[must_use]
     pub fn layers(&self) -> &'static [Layer] {
         layers(self.takes_range())
     }
 
-    /// All numbers.
+    /// All parameters.
     #[must_use]
     pub fn values(&self) -> &[T] {
         &self.values
     }
 
-    /// All numbers.
+    /// All parameters.
     pub fn values_mut(&mut self) -> &mut [T] {
         &mut self.values
     }
@@ -190,7 +191,7 @@ impl<T> Weights<T> {
         self.values[layer.start..layer.end()].split_at_mut(layer.weights())
     }
 
-    /// The same network in another kind of number.
+    /// The same network in another number type.
     pub fn map<U>(&self, number: impl FnMut(&T) -> U) -> Weights<U> {
         Weights {
             values: self.values.iter().map(number).collect(),
@@ -215,12 +216,12 @@ mod tests {
 
     #[test]
     fn the_layers_fill_the_list_without_a_gap() {
-        let mut at = 0;
+        let mut position = 0;
         for (index, layer) in ALL.into_iter().enumerate() {
-            assert_eq!(layer.start, at, "{}", layer.name);
-            at = layer.end();
-            assert_eq!(index == 13, at == PARAMETERS, "{}", layer.name);
+            assert_eq!(layer.start, position, "{}", layer.name);
+            position = layer.end();
+            assert_eq!(index == 13, position == PARAMETERS, "{}", layer.name);
         }
-        assert_eq!((PARAMETERS, RANGE_PARAMETERS, at), (4735, 5046, 5046));
+        assert_eq!((PARAMETERS, RANGE_PARAMETERS, position), (4735, 5046, 5046));
     }
 }

@@ -1,22 +1,22 @@
-//! The network as an ONNX file: one fixed graph around the trained numbers.
+//! The network as an ONNX file: one fixed graph around the parameters.
 //!
 //! The graph, for an image `x` of any size in 0..=1:
 //!
 //! ```text
-//! c = relu(reduce(relu(enter(mean of each 4×4 pixels of x))))         reduce goes in steps of 2
+//! c = relu(reduce(relu(enter(mean of each 4×4 pixels of x))))         reduce has stride 2
 //! c = c + mix_b(spread_b(relu(mix_a(spread_a(c)))))                    twice
 //! h = relu(pixel(x) + resize(leave(c), bilinear, to the size of x))
 //! styled = clamp(color(x) + output(h), 0, 1)
 //! ```
 //!
-//! A network that takes a range has a second input q, 0 at the camera and 1 far away, and with `r = (q x, q)`
+//! A network with a range has a second input q, 0 at the camera and 1 far away, and with `r = (q x, q)`
 //!
 //! ```text
 //! h = relu(pixel(x) + range_pixel(r) + resize(leave(c), bilinear, to the size of x))
 //! styled = clamp(color(x) + range_color(r) + output(h), 0, 1)
 //! ```
 //!
-//! Filters of side 3 continue a picture by its edge. Opset 17, float32.
+//! 3×3 filters extend a picture by its edge. Opset 17, float32.
 
 mod graph;
 
@@ -24,14 +24,14 @@ use super::layer::{
     BLOCKS, COLOR, ENTER, LEAVE, Layer, OUTPUT, PIXEL, RANGE_COLOR, RANGE_PARAMETERS, RANGE_PIXEL, REDUCE,
     Weights, layers,
 };
-use super::wire::{Value, bytes, fields, integer, under};
+use super::wire::{WireValue, bytes, fields, integer, messages};
 
-pub use graph::{Attribute, Form, Graph};
+pub use graph::{Attribute, ConvolutionShape, Graph};
 
 const IR_VERSION: i64 = 8;
 const OPSET: i64 = 17;
 
-/// The ONNX file of a network; `metadata` are pairs of key and value that say where it comes from.
+/// The ONNX file of a network; `metadata` are key-value pairs about its provenance.
 #[must_use]
 pub fn write(weights: &Weights, metadata: &[(&str, &str)]) -> Vec<u8> {
     model(&graph(weights), metadata)
@@ -56,17 +56,17 @@ pub fn model(graph: &[u8], metadata: &[(&str, &str)]) -> Vec<u8> {
     model
 }
 
-/// The numbers of a network in an ONNX file, or `None` unless its graph is this one to the last byte.
+/// The weights of a network in an ONNX file, or `None` unless its graph is exactly this one.
 #[must_use]
 pub fn read(file: &[u8]) -> Option<Weights> {
     let mut found = None;
     let mut version = None;
     for field in fields(file) {
         match field? {
-            (1, Value::Integer(ir)) => version = Some(ir),
-            (7, Value::Bytes(graph)) if found.is_none() => found = Some(graph),
+            (1, WireValue::Integer(ir)) => version = Some(ir),
+            (7, WireValue::Bytes(graph)) if found.is_none() => found = Some(graph),
             (7, _) => return None,
-            (8, Value::Bytes(opset)) => {
+            (8, WireValue::Bytes(opset)) => {
                 let expected = [0x10, OPSET as u8];
                 if opset != expected {
                     return None;
@@ -79,7 +79,7 @@ pub fn read(file: &[u8]) -> Option<Weights> {
     }
     let found = found.filter(|_| version == Some(IR_VERSION as u64))?;
     let mut values = Vec::with_capacity(RANGE_PARAMETERS);
-    let takes_range = under(found, 11).nth(1).is_some();
+    let takes_range = messages(found, 11).nth(1).is_some();
     for layer in layers(takes_range) {
         for (name, length) in [("weight", layer.weights()), ("bias", layer.outputs)] {
             values.extend(floats(found, &format!("{}.{name}", layer.name), length)?);
@@ -92,10 +92,10 @@ pub fn read(file: &[u8]) -> Option<Weights> {
 
 /// The raw numbers of an initializer.
 fn floats(graph: &[u8], name: &str, length: usize) -> Option<impl Iterator<Item = f32>> {
-    let tensor = under(graph, 5).find(|tensor| under(tensor, 8).eq([name.as_bytes()]))?;
-    let raw = under(tensor, 9).next().filter(|raw| raw.len() == 4 * length)?;
-    let number = |bytes: &[u8]| f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
-    Some(raw.chunks_exact(4).map(number))
+    let tensor = messages(graph, 5).find(|tensor| messages(tensor, 8).eq([name.as_bytes()]))?;
+    let raw = messages(tensor, 9).next().filter(|raw| raw.len() == 4 * length)?;
+    let (numbers, _) = raw.as_chunks::<4>();
+    Some(numbers.iter().map(|bytes| f32::from_le_bytes(*bytes)))
 }
 
 fn graph(weights: &Weights) -> Vec<u8> {
@@ -106,7 +106,7 @@ fn graph(weights: &Weights) -> Vec<u8> {
     graph.finish("fathom_style")
 }
 
-/// The context branch, as wide as the picture in the end.
+/// The context branch, upsampled to the size of the picture.
 fn context(graph: &mut Graph) {
     graph.node(
         "AveragePool",
@@ -175,7 +175,7 @@ fn pixels(graph: &mut Graph, takes_range: bool) {
     graph.node("Clip", &[sum, "black", "white"], "styled", &[]);
 }
 
-/// What the range adds to the features and to the color map.
+/// Contribution of the range to the features and to the color map.
 fn ranged(graph: &mut Graph) {
     graph.input("range", 1);
     graph.node("Mul", &["image", "range"], "image.ranged", &[]);
@@ -200,7 +200,7 @@ fn constants(graph: &mut Graph, weights: &Weights) {
 }
 
 fn convolution(graph: &mut Graph, layer: Layer, ports: (&str, &str), step: i64) {
-    let form = Form {
+    let form = ConvolutionShape {
         side: layer.side as i64,
         step,
         groups: if layer.inputs == 1 {
@@ -219,10 +219,10 @@ mod tests {
     use crate::net::layer::PARAMETERS;
 
     fn some() -> Weights {
-        of(PARAMETERS)
+        numbered(PARAMETERS)
     }
 
-    fn of(count: usize) -> Weights {
+    fn numbered(count: usize) -> Weights {
         Weights::new((0..count).map(|i| (i as f32 * 0.37).fract() - 0.5).collect()).unwrap()
     }
 
@@ -230,7 +230,7 @@ mod tests {
     fn the_numbers_come_back_from_the_file_and_metadata_does_not_matter() {
         for metadata in [&[][..], &[("seed", "7"), ("photo", "none")]] {
             for count in [PARAMETERS, RANGE_PARAMETERS] {
-                assert_eq!(read(&write(&of(count), metadata)).unwrap(), of(count));
+                assert_eq!(read(&write(&numbered(count), metadata)).unwrap(), numbered(count));
             }
         }
     }
@@ -239,12 +239,12 @@ mod tests {
     fn a_file_that_differs_anywhere_in_its_graph_is_another_network() {
         let file = write(&some(), &[]);
         let replaced = |from: &[u8], to: &[u8]| {
-            let at = file
+            let index = file
                 .windows(from.len())
                 .position(|window| window == from)
                 .unwrap();
             let mut file = file.clone();
-            file[at..at + to.len()].copy_from_slice(to);
+            file[index..index + to.len()].copy_from_slice(to);
             read(&file)
         };
         assert_eq!(replaced(b"half_pixel", b"asymmetric"), None);
@@ -253,7 +253,7 @@ mod tests {
         let nan = f32::NAN.to_le_bytes();
         assert_eq!(replaced(&some().weight(REDUCE)[0].to_le_bytes(), &nan), None);
         assert_eq!(read(b""), None);
-        assert_eq!(read(b"no model at all"), None);
+        assert_eq!(read(b"no model index all"), None);
         for end in [1, 100, file.len() / 2, file.len() - 1] {
             assert_eq!(read(&file[..end]), None, "{end}");
         }

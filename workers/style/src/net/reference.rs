@@ -1,4 +1,4 @@
-//! The network as it is written down, in f64: what the fast variant and the trained files are compared with.
+//! The network by definition, in f64: the reference for the fast variant and for the trained files.
 
 use imaging::{Plane, Rgb};
 
@@ -6,17 +6,17 @@ use super::layer::{
     BLOCKS, COLOR, ENTER, LEAVE, Layer, OUTPUT, PIXEL, RANGE_COLOR, RANGE_PIXEL, REDUCE, Weights,
 };
 
-type Planes = Vec<Plane<f64>>;
+type PlaneList = Vec<Plane<f64>>;
 
-/// Repaints a picture; empty ones stay empty. Slow, and without a limit of its own. `range` is that of the picture's
-/// pixels, 0 at the camera and 1 far away: all are at the camera if it is absent, and a network that takes none does not look at it.
+/// Repaints a picture; empty ones stay empty. Slow, and of unlimited size. `range` is that of the picture's pixels, 0
+/// at the camera and 1 far away; absent, all pixels are at the camera. A network without a range input ignores it.
 #[must_use]
 pub fn apply_reference(weights: &Weights<f64>, encoded: &Rgb<f64>, range: Option<&Plane<f64>>) -> Rgb<f64> {
     let (width, height) = encoded.size();
     if width == 0 || height == 0 {
         return encoded.clone();
     }
-    let image: Planes = encoded.planes().to_vec();
+    let image: PlaneList = encoded.planes().to_vec();
     let quarter = relu(convolved(weights, ENTER, &pooled(&image), 1));
     let mut context = relu(convolved(weights, REDUCE, &quarter, 2));
     for [spread_a, mix_a, spread_b, mix_b] in BLOCKS {
@@ -25,7 +25,7 @@ pub fn apply_reference(weights: &Weights<f64>, encoded: &Rgb<f64>, range: Option
         context = sum(context, &convolved(weights, mix_b, &second, 1));
     }
     let left = convolved(weights, LEAVE, &context, 1);
-    let resized: Planes = left.iter().map(|plane| resize(plane, width, height)).collect();
+    let resized: PlaneList = left.iter().map(|plane| resize(plane, width, height)).collect();
     let mut features = sum(convolved(weights, PIXEL, &image, 1), &resized);
     let mut toned = convolved(weights, COLOR, &image, 1);
     if weights.takes_range() {
@@ -40,37 +40,42 @@ pub fn apply_reference(weights: &Weights<f64>, encoded: &Rgb<f64>, range: Option
 }
 
 /// The colors times their range, and the range.
-fn ranged(image: &[Plane<f64>], range: Option<&Plane<f64>>) -> Planes {
+fn ranged(image: &[Plane<f64>], range: Option<&Plane<f64>>) -> PlaneList {
     let (width, height) = image[0].size();
-    let at = |x, y| range.map_or(0.0, |range| range.pixel(x, y));
-    let of = |plane: &Plane<f64>| Plane::from_fn(width, height, |x, y| plane.pixel(x, y) * at(x, y));
-    let mut ranged: Planes = image.iter().map(of).collect();
-    ranged.push(Plane::from_fn(width, height, at));
+    let range = range.map_or_else(
+        || Plane::filled(width, height, 0.0),
+        |range| Plane::from_fn(width, height, |x, y| range.pixel(x, y)),
+    );
+    let colors = image
+        .iter()
+        .map(|plane| Plane::from_fn(width, height, |x, y| plane.pixel(x, y) * range.pixel(x, y)));
+    let mut ranged: PlaneList = colors.collect();
+    ranged.push(range);
     ranged
 }
 
-fn relu(planes: Planes) -> Planes {
+fn relu(planes: PlaneList) -> PlaneList {
     planes
         .iter()
         .map(|plane| plane.map(|&value| value.max(0.0)))
         .collect()
 }
 
-fn sum(one: Planes, other: &[Plane<f64>]) -> Planes {
-    let pairs = one.into_iter().zip(other);
+fn sum(planes: PlaneList, other: &[Plane<f64>]) -> PlaneList {
+    let pairs = planes.into_iter().zip(other);
     pairs
-        .map(|(mut one, other)| {
-            for (a, b) in one.data_mut().iter_mut().zip(other.data()) {
+        .map(|(mut sum, other)| {
+            for (a, b) in sum.data_mut().iter_mut().zip(other.data()) {
                 *a += b;
             }
-            one
+            sum
         })
         .collect()
 }
 
-/// Means of 4×4 pixels; at the right and lower edge of those that are there.
-fn pooled(image: &[Plane<f64>]) -> Planes {
-    let pool = |plane: &Plane<f64>| {
+/// Means of 4×4 pixels, clipped at the right and lower edge.
+fn pooled(image: &[Plane<f64>]) -> PlaneList {
+    let pooled = image.iter().map(|plane| {
         let (width, height) = plane.size();
         Plane::from_fn(width.div_ceil(4), height.div_ceil(4), |x, y| {
             let rows = 4 * y..(4 * y + 4).min(height);
@@ -81,16 +86,16 @@ fn pooled(image: &[Plane<f64>]) -> Planes {
                 .sum();
             sum / count as f64
         })
-    };
-    image.iter().map(pool).collect()
+    });
+    pooled.collect()
 }
 
-/// A convolution that goes on beyond the border with the edge.
-fn convolved(weights: &Weights<f64>, layer: Layer, input: &[Plane<f64>], step: usize) -> Planes {
+/// A convolution that extends the picture by its edge.
+fn convolved(weights: &Weights<f64>, layer: Layer, input: &[Plane<f64>], step: usize) -> PlaneList {
     let (width, height) = input[0].size();
     let (weight, bias) = (weights.weight(layer), weights.bias(layer));
     let reach = layer.side / 2;
-    let make = |output: usize| {
+    let outputs = (0..layer.outputs).map(|output| {
         Plane::from_fn(width.div_ceil(step), height.div_ceil(step), |x, y| {
             let mut sum = bias[output];
             for index in 0..layer.inputs {
@@ -99,28 +104,32 @@ fn convolved(weights: &Weights<f64>, layer: Layer, input: &[Plane<f64>], step: u
                     for column in 0..layer.side {
                         let v = (y * step + row).saturating_sub(reach).min(height - 1);
                         let u = (x * step + column).saturating_sub(reach).min(width - 1);
-                        let at = ((output * layer.inputs + index) * layer.side + row) * layer.side + column;
-                        sum += weight[at] * plane.pixel(u, v);
+                        let position =
+                            ((output * layer.inputs + index) * layer.side + row) * layer.side + column;
+                        sum += weight[position] * plane.pixel(u, v);
                     }
                 }
             }
             sum
         })
-    };
-    (0..layer.outputs).map(make).collect()
+    });
+    outputs.collect()
 }
 
-/// Bilinear, pixel centers at half integers, continued by the edge.
+/// Bilinear, pixel centers at half integers, clamped to the edge.
 fn resize(plane: &Plane<f64>, width: usize, height: usize) -> Plane<f64> {
-    let along = |at: usize, to: usize, from: usize| {
-        let place = ((at as f64 + 0.5) * from as f64 / to as f64 - 0.5).clamp(0.0, (from - 1) as f64);
-        let low = place.floor();
-        (low as usize, (low as usize + 1).min(from - 1), place - low)
-    };
     Plane::from_fn(width, height, |x, y| {
-        let (left, right, u) = along(x, width, plane.width());
-        let (upper, lower, v) = along(y, height, plane.height());
-        let row = |y: usize| plane.pixel(left, y) * (1.0 - u) + plane.pixel(right, y) * u;
-        row(upper) * (1.0 - v) + row(lower) * v
+        let (left, right, u) = locate(x, width, plane.width());
+        let (upper, lower, v) = locate(y, height, plane.height());
+        let [upper, lower] =
+            [upper, lower].map(|y| plane.pixel(left, y) * (1.0 - u) + plane.pixel(right, y) * u);
+        upper * (1.0 - v) + lower * v
     })
+}
+
+/// The neighbors of output sample `i` among the inputs, and the weight of the second.
+fn locate(i: usize, outputs: usize, inputs: usize) -> (usize, usize, f64) {
+    let place = ((i as f64 + 0.5) * inputs as f64 / outputs as f64 - 0.5).clamp(0.0, (inputs - 1) as f64);
+    let low = place.floor();
+    (low as usize, (low as usize + 1).min(inputs - 1), place - low)
 }

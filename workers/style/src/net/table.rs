@@ -1,8 +1,8 @@
-//! The network as a table of colors: the cheap tier for waters that hardly need a network.
+//! The network as a color table: the cheap variant for waters whose network is nearly a color map.
 //!
-//! A table of 17³ colors is fitted to what the network makes of given pictures, and frames look their colors up in it
-//! (tetrahedral interpolation; Kasson, Nin, Plouffe and Hafner 1995). It has no surroundings: softening and haze around
-//! edges are averaged away.
+//! A table of 17³ colors is fitted to the network's output for given pictures; frames are looked up by tetrahedral
+//! interpolation (Kasson, Nin, Plouffe and Hafner 1995). It ignores surroundings: softening and haze around edges are
+//! averaged away.
 
 mod look_up;
 mod swatches;
@@ -15,44 +15,42 @@ pub use look_up::TableScratch;
 
 /// Nodes along each axis.
 const NODES: usize = 17;
-/// From a node to the next one along red, green and blue.
+/// Index steps to the next node along red, green and blue.
 const STEPS: [usize; 3] = [NODES * NODES, NODES, 1];
-/// How often the fit is improved by what it still misses.
+/// Rounds of correction by the residual.
 const ROUNDS: usize = 12;
-/// Weight of the response to flat frames, in pixels: it decides where no picture has a color.
+/// Weight of the response to flat frames, in pixels: it determines colors absent from the pictures.
 const FLAT_WEIGHT: f32 = 4.0;
 
-/// A table of colors: node `(r, g, b)` stands at `(r * 17 + g) * 17 + b`, with a fourth number for alignment.
+/// A color table: node `(r, g, b)` is at `(r * 17 + g) * 17 + b`, with a fourth number for alignment.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Table {
+pub struct ColorTable {
     nodes: Vec<[f32; 4]>,
 }
 
-impl Table {
-    /// The table of a network: a pure function of it. A network that takes a range has none: a table of colors cannot
-    /// know it.
+impl ColorTable {
+    /// The table of a network: a pure function of it. `None` for a network with a range, which a table of colors lacks.
     #[must_use]
     pub fn new(network: &Network) -> Option<Self> {
         if network.takes_range() {
             return None;
         }
         let mut scratch = Scratch::default();
-        let mut repaint = |picture: &Rgb<f32>| network.apply(picture, None, &mut scratch);
         let pairs: Vec<_> = swatches::swatches()
             .map(|before| {
-                let after = repaint(&before);
+                let after = network.apply(&before, None, &mut scratch);
                 (before, after)
             })
             .collect();
-        let node = |index: usize| {
+        let nodes = (0..NODES * NODES * NODES).map(|index| {
             let flat = Rgb::from_fn(1, 1, |_, _| color_of(index));
-            repaint(&flat).pixel(0, 0)
-        };
-        let flat: Vec<[f32; 3]> = (0..NODES * NODES * NODES).map(node).collect();
+            network.apply(&flat, None, &mut scratch).pixel(0, 0)
+        });
+        let flat: Vec<[f32; 3]> = nodes.collect();
         Some(Self::fit(&pairs, &flat))
     }
 
-    /// Fits a table to pictures before and after. `flat` is what becomes of a frame of each node's color.
+    /// Fits a table to pictures before and after. `flat` is the response to a frame of each node's color.
     fn fit(pairs: &[(Rgb<f32>, Rgb<f32>)], flat: &[[f32; 3]]) -> Self {
         let mut table = Self {
             nodes: flat.iter().map(|&[r, g, b]| [r, g, b, 0.0]).collect(),
@@ -63,7 +61,7 @@ impl Table {
         table
     }
 
-    /// Moves each node by the mean of what is missing around it.
+    /// Moves each node by the mean residual around it.
     fn improve(&mut self, pairs: &[(Rgb<f32>, Rgb<f32>)]) {
         let mut sums = vec![[0.0f32; 4]; self.nodes.len()];
         for (before, after) in pairs {
@@ -88,7 +86,7 @@ impl Table {
         }
     }
 
-    /// The color of a color: what [`Table::apply`] does, for one pixel and in the order of the formula.
+    /// The color of [`ColorTable::apply`] for one pixel, in the order of the formula.
     #[must_use]
     pub fn look_up(&self, color: [f32; 3]) -> [f32; 3] {
         let (places, shares) = corners(color);
@@ -110,7 +108,7 @@ fn color_of(index: usize) -> [f32; 3] {
     places.map(|place| place as f32 / (NODES - 1) as f32)
 }
 
-/// The corners of the tetrahedron around a color, and their shares. Colors outside of 0..=1 go to its border.
+/// The corners of the tetrahedron around a color, and their weights. Colors outside of 0..=1 are clamped.
 fn corners(color: [f32; 3]) -> ([usize; 4], [f32; 4]) {
     let mut base = 0;
     let mut inside = [(0.0f32, 0); 3];
@@ -120,7 +118,7 @@ fn corners(color: [f32; 3]) -> ([usize; 4], [f32; 4]) {
         base += cell * STEPS[axis];
         inside[axis] = (place - cell as f32, STEPS[axis]);
     }
-    // Along the axes in the order of their shares, the greatest first; equal ones lead to the same color.
+    // Along the axes in descending order of weight; the order of ties does not change the color.
     inside.sort_by(|one, other| other.0.total_cmp(&one.0));
     let [(u, first), (v, second), (w, third)] = inside;
     (
@@ -144,7 +142,7 @@ mod tests {
             .collect()
     }
 
-    /// A table without a network is what it is fitted to, if that is affine.
+    /// A table reproduces an affine map.
     #[test]
     fn an_affine_map_is_met_everywhere() {
         let map = |[r, g, b]: [f32; 3]| [0.1 + 0.5 * g, 0.2 + 0.3 * r + 0.2 * b, 0.9 - 0.7 * b];
@@ -152,7 +150,7 @@ mod tests {
             [x as f32 / 23.0, y as f32 / 23.0, (x * y % 24) as f32 / 23.0]
         });
         let after = Rgb::from_fn(24, 24, |x, y| map(picture.pixel(x, y)));
-        let table = Table::fit(&[(picture, after)], &flat(map));
+        let table = ColorTable::fit(&[(picture, after)], &flat(map));
         for index in 0..1000 {
             let color = [7, 11, 13].map(|step| (index * step % 1000) as f32 / 999.0);
             for (found, expected) in table.look_up(color).into_iter().zip(map(color)) {
@@ -168,7 +166,7 @@ mod tests {
     fn pictures_decide_over_flat_frames_where_there_are_any() {
         let picture = Rgb::from_fn(40, 40, |_, _| [0.5f32; 3]);
         let after = picture.map(|_| 0.8);
-        let table = Table::fit(&[(picture, after)], &flat(|_| [0.2; 3]));
+        let table = ColorTable::fit(&[(picture, after)], &flat(|_| [0.2; 3]));
         assert!((table.look_up([0.5; 3])[0] - 0.8).abs() < 1e-3);
         assert_eq!(table.look_up([0.0, 1.0, 0.0]), [0.2; 3]);
     }

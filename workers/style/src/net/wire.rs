@@ -1,31 +1,31 @@
-//! As much of the protobuf wire format as an ONNX file needs.
+//! The subset of the protobuf wire format used by ONNX files.
 
 use prost::encoding::{WireType, decode_key, decode_varint, encode_key, encode_varint};
 
-/// Bytes under a field number.
+/// Writes bytes under a field number.
 pub(crate) fn bytes(out: &mut Vec<u8>, field: u32, bytes: &[u8]) {
     encode_key(field, WireType::LengthDelimited, out);
     encode_varint(bytes.len() as u64, out);
     out.extend_from_slice(bytes);
 }
 
-/// An integer under a field number; negative ones in two's complement of 64 bits.
+/// Writes an integer under a field number; negative ones in 64-bit two's complement.
 pub(crate) fn integer(out: &mut Vec<u8>, field: u32, value: i64) {
     encode_key(field, WireType::Varint, out);
     encode_varint(value as u64, out);
 }
 
-/// What stands under a field number.
+/// The value of a field.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Value<'a> {
+pub(crate) enum WireValue<'a> {
     Integer(u64),
     Bytes(&'a [u8]),
     /// Four or eight bytes of fixed length.
     Fixed,
 }
 
-/// The fields of a message in their order; stops with `None` inside at the first byte that is no protobuf.
-pub(crate) fn fields(message: &[u8]) -> impl Iterator<Item = Option<(u32, Value<'_>)>> {
+/// The fields of a message in order; ends with `None` at the first invalid byte.
+pub(crate) fn fields(message: &[u8]) -> impl Iterator<Item = Option<(u32, WireValue<'_>)>> {
     let mut rest = Some(message);
     std::iter::from_fn(move || {
         let now = rest.filter(|bytes| !bytes.is_empty())?;
@@ -36,19 +36,19 @@ pub(crate) fn fields(message: &[u8]) -> impl Iterator<Item = Option<(u32, Value<
 }
 
 /// The messages and texts under a field number.
-pub(crate) fn under(message: &[u8], number: u32) -> impl Iterator<Item = &[u8]> {
+pub(crate) fn messages(message: &[u8], number: u32) -> impl Iterator<Item = &[u8]> {
     fields(message).filter_map(move |field| match field? {
-        (found, Value::Bytes(bytes)) if found == number => Some(bytes),
+        (found, WireValue::Bytes(bytes)) if found == number => Some(bytes),
         _ => None,
     })
 }
 
-fn field(mut message: &[u8]) -> Option<((u32, Value<'_>), &[u8])> {
+fn field(mut message: &[u8]) -> Option<((u32, WireValue<'_>), &[u8])> {
     let (number, kind) = decode_key(&mut message).ok()?;
     let length = match kind {
         WireType::Varint => {
             let value = decode_varint(&mut message).ok()?;
-            return Some(((number, Value::Integer(value)), message));
+            return Some(((number, WireValue::Integer(value)), message));
         }
         WireType::LengthDelimited => usize::try_from(decode_varint(&mut message).ok()?).ok()?,
         WireType::ThirtyTwoBit => 4,
@@ -57,8 +57,8 @@ fn field(mut message: &[u8]) -> Option<((u32, Value<'_>), &[u8])> {
     };
     let (bytes, rest) = message.split_at_checked(length)?;
     let value = match kind {
-        WireType::LengthDelimited => Value::Bytes(bytes),
-        _ => Value::Fixed,
+        WireType::LengthDelimited => WireValue::Bytes(bytes),
+        _ => WireValue::Fixed,
     };
     Some(((number, value), rest))
 }
@@ -75,9 +75,9 @@ mod tests {
         integer(&mut message, 3, -1);
         let read: Option<Vec<_>> = fields(&message).collect();
         let expected = [
-            (1, Value::Integer(300)),
-            (200, Value::Bytes(b"abc")),
-            (3, Value::Integer(u64::MAX)),
+            (1, WireValue::Integer(300)),
+            (200, WireValue::Bytes(b"abc")),
+            (3, WireValue::Integer(u64::MAX)),
         ];
         assert_eq!(read.unwrap(), expected);
     }

@@ -1,17 +1,17 @@
-//! A network of any form on ONNX Runtime.
+//! A network of any architecture on ONNX Runtime.
 
 use imaging::{Plane, Rgb};
 use ort::environment::Environment;
 use ort::session::builder::{GraphOptimizationLevel, SessionBuilder};
 use ort::value::{Outlet, TensorElementType, TensorRef, ValueType};
 
-use super::Beside;
+use super::ModelInputs;
 
 /// A loaded network and the names of its inputs and output.
-pub(super) struct Graph {
+pub(super) struct RuntimeGraph {
     session: ort::session::Session,
     ports: Ports,
-    /// The frame as the network takes it, `[1, 3, height, width]`; kept between frames.
+    /// The frame as network input, `[1, 3, height, width]`; reused between frames.
     samples: Vec<f32>,
 }
 
@@ -23,7 +23,7 @@ struct Ports {
     styled: String,
 }
 
-impl Graph {
+impl RuntimeGraph {
     pub(super) fn new(environment: &Environment, onnx: &[u8]) -> Result<Self, String> {
         let mut builder = options(environment).map_err(|error| error.to_string())?;
         let session = builder
@@ -45,8 +45,8 @@ impl Graph {
         self.ports.range.is_some()
     }
 
-    /// Runs a frame that was checked. An error says what the network did.
-    pub(super) fn run(&mut self, encoded: &Rgb<f32>, beside: Beside<'_>) -> Result<Rgb<f32>, String> {
+    /// Runs a checked frame. The error describes the failure.
+    pub(super) fn run(&mut self, encoded: &Rgb<f32>, beside: ModelInputs<'_>) -> Result<Rgb<f32>, String> {
         let (width, height) = encoded.size();
         self.samples.clear();
         for plane in encoded.planes() {
@@ -81,11 +81,11 @@ impl Graph {
             .try_extract_tensor::<f32>()
             .map_err(failed)?;
         cropped(shape, styled, width, height)
-            .map_err(|answer| format!("answered {answer} to a frame of {width}×{height}"))
+            .map_err(|output| format!("returned {output} for a {width}×{height} frame"))
     }
 }
 
-/// One thread, no spinning, one operator after the other, and kernels that repeat their result.
+/// One thread, no spinning, sequential operators and deterministic kernels.
 fn options(environment: &Environment) -> ort::Result<SessionBuilder> {
     Ok(SessionBuilder::new(environment)?
         .with_intra_threads(1)?
@@ -98,22 +98,21 @@ fn options(environment: &Environment) -> ort::Result<SessionBuilder> {
 }
 
 impl Ports {
-    /// Finds the inputs `image`, `noise` and `range` and the output `styled` by name; an only input or a first output of
-    /// another name takes the place of `image` or `styled`.
+    /// Finds the inputs `image`, `noise` and `range` and the output `styled` by name. A single input or a first output
+    /// of another name serves as `image` or `styled`.
     fn find(inputs: &[Outlet], outputs: &[Outlet]) -> Result<Self, String> {
-        let named = |outlets: &[Outlet], name: &str| outlets.iter().position(|outlet| outlet.name() == name);
-        let [noise, range] = ["noise", "range"].map(|name| named(inputs, name).filter(|_| inputs.len() > 1));
-        let is_beside = |input: usize| Some(input) == noise || Some(input) == range;
-        let image = named(inputs, "image").or_else(|| (0..inputs.len()).find(|&input| !is_beside(input)));
+        let [noise, range] =
+            ["noise", "range"].map(|name| position(inputs, name).filter(|_| inputs.len() > 1));
+        let mut others = (0..inputs.len()).filter(|&input| Some(input) != noise && Some(input) != range);
+        let image = position(inputs, "image").or_else(|| others.clone().next());
         let image = image.ok_or("it has no input")?;
-        let known = |input: usize| input == image || is_beside(input);
-        if let Some(other) = (0..inputs.len()).find(|&input| !known(input)) {
-            let other = inputs[other].name();
+        if let Some(unknown) = others.find(|&input| input != image) {
+            let unknown = inputs[unknown].name();
             return Err(format!(
-                "nothing is known of its input `{other}`; it may have `image`, `noise` and `range`"
+                "its input `{unknown}` is unknown; it may have `image`, `noise` and `range`"
             ));
         }
-        let styled = named(outputs, "styled").unwrap_or(0);
+        let styled = position(outputs, "styled").unwrap_or(0);
         let styled = outputs.get(styled).ok_or("it has no output")?;
         check_kind(&inputs[image], 3)?;
         check_kind(styled, 3)?;
@@ -129,7 +128,7 @@ impl Ports {
     }
 }
 
-/// Refuses what is not float32 of shape `[n, channels, h, w]`, where any of them may be open (-1).
+/// Rejects anything but float32 of shape `[n, channels, h, w]`, where each may be dynamic (-1).
 fn check_kind(outlet: &Outlet, channels: i64) -> Result<(), String> {
     if let ValueType::Tensor {
         ty: TensorElementType::Float32,
@@ -171,6 +170,10 @@ fn cropped(shape: &[i64], samples: &[f32], width: usize, height: usize) -> Resul
         Plane::new(width, height, data).map_err(|error| error.to_string())
     };
     Rgb::new([plane(0)?, plane(1)?, plane(2)?]).map_err(|error| error.to_string())
+}
+
+fn position(outlets: &[Outlet], name: &str) -> Option<usize> {
+    outlets.iter().position(|outlet| outlet.name() == name)
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use imaging::random::Stream;
 use imaging::{Plane, Rgb};
 use style::net::layer::{COLOR, OUTPUT, RANGE_COLOR, Weights};
 use style::net::{Network, Scratch, apply_reference, onnx};
-use style::{Beside, Library, Session};
+use style::{Library, ModelInputs, Session};
 
 use crate::{model_of, runtime};
 
@@ -38,7 +38,7 @@ fn shipped() -> Vec<(String, Weights)> {
     names.map(|name| (name.to_owned(), weights(name))).collect()
 }
 
-/// The shipped networks and two random ones, the last of which takes a range.
+/// The shipped networks and two random ones; the last has a range.
 fn networks() -> Vec<(String, Weights)> {
     let mut networks = shipped();
     networks.push(("random".to_owned(), random(false)));
@@ -46,7 +46,7 @@ fn networks() -> Vec<(String, Weights)> {
     networks
 }
 
-/// A random network, whose layers keep the size of the values.
+/// A random network whose layers preserve the magnitude of the values.
 fn random(takes_range: bool) -> Weights {
     let stream = Stream::stage(5, "agreement");
     let mut random = Weights::zeros(takes_range);
@@ -70,7 +70,7 @@ fn random(takes_range: bool) -> Weights {
     random
 }
 
-/// The range of a picture: everything from the camera to far away, with steps.
+/// Ranges of a picture: from the camera to far away, with steps.
 fn range(width: usize, height: usize) -> Plane<f32> {
     let stream = Stream::stage(7, "agreement");
     Plane::from_fn(width, height, |x, y| {
@@ -78,7 +78,7 @@ fn range(width: usize, height: usize) -> Plane<f32> {
     })
 }
 
-/// A ramp, and noise that is as rough as a picture can be.
+/// A ramp, and noise as rough as possible.
 fn pictures(width: usize, height: usize) -> [(&'static str, Rgb<f32>); 2] {
     let stream = Stream::stage(6, "agreement");
     let ramp = Rgb::from_fn(width, height, |x, y| {
@@ -104,8 +104,8 @@ fn judge(weights: &Weights) -> Session {
     runtime().session(&model).unwrap()
 }
 
-fn with(range: &Plane<f32>) -> Beside<'_> {
-    Beside {
+fn with_range(range: &Plane<f32>) -> ModelInputs<'_> {
+    ModelInputs {
         noise: None,
         range: Some(range),
     }
@@ -127,7 +127,7 @@ fn fast_reference_and_onnx_runtime_agree_at_every_size() {
                 let fast = network.apply(&frame, Some(&range), &mut scratch);
                 let doubled = (frame.map(|&v| f64::from(v)), range.map(|&v| f64::from(v)));
                 let reference = apply_reference(&exact, &doubled.0, Some(&doubled.1));
-                let judged = judge.apply(&frame, with(&range)).unwrap();
+                let judged = judge.apply(&frame, with_range(&range)).unwrap();
                 let errors = [
                     ("fast and reference", largest_error(&fast, &reference)),
                     ("fast and ONNX Runtime", largest_error(&fast, &judged)),
@@ -155,7 +155,7 @@ fn whole_frames_agree_with_onnx_runtime_and_one_with_the_reference() {
             for (picture, frame) in pictures(width, height) {
                 let range = range(width, height);
                 let fast = network.apply(&frame, Some(&range), &mut scratch);
-                let error = largest_error(&fast, &judge.apply(&frame, with(&range)).unwrap());
+                let error = largest_error(&fast, &judge.apply(&frame, with_range(&range)).unwrap());
                 assert!(error <= FLOAT, "{name}, {picture}, {width}×{height}: {error:.1e}");
             }
         }
@@ -196,7 +196,7 @@ fn what_was_computed_before_changes_no_bit() {
     assert_eq!(network.apply(&empty, None, &mut used), empty);
 }
 
-/// A layer that did not matter could be wrong unseen. A few channels are dead behind their ReLU, as in any network.
+/// A layer without effect could be wrong unnoticed. A few channels are dead behind their ReLU, as in any network.
 #[test]
 fn the_numbers_of_every_layer_count() {
     let (_, weights) = networks().pop().unwrap();

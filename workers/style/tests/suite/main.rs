@@ -1,4 +1,4 @@
-//! Style networks on ONNX Runtime. Without the runtime these tests fail and say what to run.
+//! Style networks on ONNX Runtime. Without the runtime these tests fail with installation instructions.
 
 #![allow(clippy::unwrap_used)]
 
@@ -11,7 +11,7 @@ use std::path::Path;
 
 use style::{Library, Runtime, StyleModel};
 
-/// ONNX Runtime as scripts/get-onnxruntime.sh installs it, else from where it usually lies.
+/// ONNX Runtime as installed by scripts/get-onnxruntime.sh, else from its usual location.
 fn runtime() -> Runtime {
     let installed = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../.onnxruntime/libonnxruntime.so");
     let installed = installed.is_file().then_some(installed);

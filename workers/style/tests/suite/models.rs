@@ -1,7 +1,7 @@
-//! Models of other forms than the shipped ones: what is taken, and what is refused with which words.
+//! Models of other architectures than the shipped ones: accepted shapes, and errors of rejected ones.
 
 use imaging::{Plane, Rgb};
-use style::{Beside, Session, StyleError};
+use style::{ModelInputs, Session, StyleError};
 
 use crate::onnx::{DOUBLE, FLOAT, Graph};
 use crate::{model_of, runtime};
@@ -30,8 +30,8 @@ fn unary(operator: &str) -> Graph<'_> {
     }
 }
 
-fn with_noise(noise: &Plane<f32>) -> Beside<'_> {
-    Beside {
+fn with_noise(noise: &Plane<f32>) -> ModelInputs<'_> {
+    ModelInputs {
         noise: Some(noise),
         range: None,
     }
@@ -49,7 +49,7 @@ fn an_only_input_and_a_first_output_may_have_any_name() {
         ..unary("Identity")
     };
     assert_eq!(
-        session(&graph).apply(&frame(), Beside::default()).unwrap(),
+        session(&graph).apply(&frame(), ModelInputs::default()).unwrap(),
         frame()
     );
 }
@@ -63,7 +63,7 @@ fn noise_reaches_a_model_that_asks_for_it_and_is_zero_when_it_is_not_given() {
         ..unary("Add")
     };
     let mut session = session(&graph);
-    assert_eq!(session.apply(&frame(), Beside::default()).unwrap(), frame());
+    assert_eq!(session.apply(&frame(), ModelInputs::default()).unwrap(), frame());
     let noise = Plane::filled(4, 3, 0.25f32);
     assert_eq!(
         session.apply(&frame(), with_noise(&noise)).unwrap(),
@@ -90,13 +90,13 @@ fn the_range_reaches_a_model_that_asks_for_it_and_is_needed() {
     assert!(model.card.takes_range && model.card.takes_noise);
     let mut session = runtime().session(&model).unwrap();
     assert!(session.takes_range() && session.takes_noise());
-    let error = session.apply(&frame(), Beside::default()).unwrap_err();
+    let error = session.apply(&frame(), ModelInputs::default()).unwrap_err();
     assert_eq!(
         error.to_string(),
         "style `test`: it takes the range of each pixel, and the frame has none"
     );
     let (range, noise) = (Plane::filled(4, 3, 0.125f32), Plane::filled(4, 3, 0.25f32));
-    let ranged = |noise| Beside {
+    let ranged = |noise| ModelInputs {
         noise,
         range: Some(&range),
     };
@@ -105,7 +105,7 @@ fn the_range_reaches_a_model_that_asks_for_it_and_is_needed() {
     let shown = session.apply(&frame(), ranged(Some(&noise))).unwrap();
     assert_eq!(shown, frame().map(|v| v + 0.375));
     let wrong = Plane::filled(4, 3, f32::NAN);
-    let beside = Beside {
+    let beside = ModelInputs {
         noise: None,
         range: Some(&wrong),
     };
@@ -136,7 +136,7 @@ fn an_answer_that_was_padded_is_cropped_from_the_top_left() {
             ..unary("Concat")
         };
         assert_eq!(
-            session(&graph).apply(&frame(), Beside::default()).unwrap(),
+            session(&graph).apply(&frame(), ModelInputs::default()).unwrap(),
             frame(),
             "axis {axis}"
         );
@@ -145,7 +145,9 @@ fn an_answer_that_was_padded_is_cropped_from_the_top_left() {
 
 #[test]
 fn an_answer_out_of_the_unit_interval_is_clamped() {
-    let styled = session(&unary("Neg")).apply(&frame(), Beside::default()).unwrap();
+    let styled = session(&unary("Neg"))
+        .apply(&frame(), ModelInputs::default())
+        .unwrap();
     assert!(
         styled
             .planes()
@@ -158,17 +160,17 @@ fn an_answer_out_of_the_unit_interval_is_clamped() {
 fn an_answer_that_is_no_picture_of_the_frame_is_refused() {
     let refused = |graph: &Graph| {
         session(graph)
-            .apply(&frame(), Beside::default())
+            .apply(&frame(), ModelInputs::default())
             .unwrap_err()
             .to_string()
     };
     assert_eq!(
         refused(&unary("GlobalAveragePool")),
-        "style `test` answered a picture of 1×1 to a frame of 4×3"
+        "style `test` returned a picture of 1×1 for a 4×3 frame"
     );
     assert_eq!(
         refused(&unary("Log")),
-        "style `test` answered a picture with a sample of -inf to a frame of 4×3"
+        "style `test` returned a picture with a sample of -inf for a 4×3 frame"
     );
 }
 
@@ -177,13 +179,13 @@ fn a_frame_that_would_spoil_the_answer_is_refused() {
     let mut session = session(&unary("Identity"));
     let mut picture = frame();
     picture.planes_mut()[1][6] = f32::NAN;
-    let error = session.apply(&picture, Beside::default()).unwrap_err();
+    let error = session.apply(&picture, ModelInputs::default()).unwrap_err();
     assert_eq!(
         error.to_string(),
         "style `test`: image is NaN at pixel (2, 1) but must be finite"
     );
     let error = session
-        .apply(&Rgb::from_fn(0, 3, |_, _| [0.0; 3]), Beside::default())
+        .apply(&Rgb::from_fn(0, 3, |_, _| [0.0; 3]), ModelInputs::default())
         .unwrap_err();
     assert_eq!(error.to_string(), "style `test`: the frame is empty: 0×3");
 }
@@ -197,7 +199,7 @@ fn a_model_of_another_form_is_refused_before_it_runs() {
         operands: &[0, 1],
         ..unary("Add")
     };
-    assert!(refused(&other).contains("nothing is known of its input `depth`"));
+    assert!(refused(&other).contains("its input `depth` is unknown"));
     let double = Graph {
         inputs: &[("image", DOUBLE, 3)],
         ..unary("Identity")

@@ -1,4 +1,4 @@
-//! ONNX files of one operator, written by hand: enough of protobuf for what the tests need.
+//! Hand-written ONNX files of one operator, with the necessary subset of protobuf.
 
 /// float32 and float64 of ONNX's element types.
 pub(crate) const FLOAT: u64 = 1;
@@ -11,7 +11,7 @@ pub(crate) struct Graph<'a> {
     pub(crate) attribute: Option<(&'a str, u64)>,
     /// Name, element type and channels of each input; all have shape [1, channels, h, w].
     pub(crate) inputs: &'a [(&'a str, u64, u64)],
-    /// Which inputs the operator takes, by position.
+    /// Inputs of the operator by position.
     pub(crate) operands: &'a [usize],
     pub(crate) output: &'a str,
 }

@@ -1,7 +1,7 @@
 //! The shipped waters.
 
 use imaging::Rgb;
-use style::{Beside, Library, Runtime, Session};
+use style::{Library, ModelInputs, Runtime, Session};
 
 use crate::runtime;
 
@@ -32,12 +32,14 @@ fn every_size_from_one_pixel_gives_a_picture_of_that_size_and_twice_the_same_bit
     for name in WATERS {
         let (mut first, mut second) = (water(name), water(name));
         for (width, height) in [(1, 1), (8, 8), (37, 3), (3, 37), (97, 61)] {
-            let styled = first.apply(&ramp(width, height), Beside::default()).unwrap();
+            let styled = first.apply(&ramp(width, height), ModelInputs::default()).unwrap();
             assert_eq!(styled.size(), (width, height));
             let samples = || styled.planes().iter().flat_map(|plane| plane.data());
             assert!(samples().all(|sample| (0.0..=1.0).contains(sample)), "{name}");
             for session in [&mut first, &mut second] {
-                let again = session.apply(&ramp(width, height), Beside::default()).unwrap();
+                let again = session
+                    .apply(&ramp(width, height), ModelInputs::default())
+                    .unwrap();
                 let again = again.planes().iter().flat_map(|plane| plane.data());
                 assert!(
                     samples().map(|v| v.to_bits()).eq(again.map(|v| v.to_bits())),
@@ -48,12 +50,12 @@ fn every_size_from_one_pixel_gives_a_picture_of_that_size_and_twice_the_same_bit
     }
 }
 
-/// Black is lifted by the water's own light, and white loses its red first, or its blue in mud.
+/// The water lifts black by its veil, and absorbs red first, or blue in mud.
 #[test]
 fn flat_frames_take_the_color_of_their_water() {
     let flat = |name: &str, light: f32| {
         let frame = Rgb::from_fn(64, 48, |_, _| [light; 3]);
-        mean(&water(name).apply(&frame, Beside::default()).unwrap())
+        mean(&water(name).apply(&frame, ModelInputs::default()).unwrap())
     };
     for name in WATERS {
         let (black, white) = (flat(name, 0.0), flat(name, 1.0));
@@ -77,7 +79,7 @@ fn flat_frames_take_the_color_of_their_water() {
 
 #[test]
 fn the_three_waters_differ_clearly() {
-    let means = WATERS.map(|name| mean(&water(name).apply(&ramp(96, 64), Beside::default()).unwrap()));
+    let means = WATERS.map(|name| mean(&water(name).apply(&ramp(96, 64), ModelInputs::default()).unwrap()));
     for (one, other) in [(0, 1), (0, 2), (1, 2)] {
         let apart = means[one]
             .iter()
@@ -90,10 +92,18 @@ fn the_three_waters_differ_clearly() {
 
 #[test]
 fn sessions_on_several_threads_do_not_disturb_each_other() {
-    let alone = water("muddy").apply(&ramp(64, 48), Beside::default()).unwrap();
+    let alone = water("muddy")
+        .apply(&ramp(64, 48), ModelInputs::default())
+        .unwrap();
     std::thread::scope(|scope| {
         let threads: Vec<_> = (0..4)
-            .map(|_| scope.spawn(|| water("muddy").apply(&ramp(64, 48), Beside::default()).unwrap()))
+            .map(|_| {
+                scope.spawn(|| {
+                    water("muddy")
+                        .apply(&ramp(64, 48), ModelInputs::default())
+                        .unwrap()
+                })
+            })
             .collect();
         for thread in threads {
             assert_eq!(thread.join().unwrap(), alone);

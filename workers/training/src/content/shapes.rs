@@ -2,20 +2,17 @@
 
 use imaging::random::Stream;
 
-use super::{Air, Chance, SIDE};
+use super::{Air, ContentChance, SIDE};
 use crate::tensor::Tensor;
 
 /// Far end of the range, which falls towards the lower edge.
 const GROUND_M: f32 = 12.0;
 
-pub(super) fn draw(chance: &Chance) -> Air {
+pub(super) fn draw(chance: &ContentChance) -> Air {
     let mut light = Tensor::zeros(3, SIDE, SIDE);
     let seed = chance.stream.bits(chance.index, 3);
     let ground = clouds(seed);
-    let color = |name: &str, number: u64| {
-        [0, 1, 2].map(|channel| chance.between(name, 3 * number + channel, 0.0, 1.0).powi(2) as f32)
-    };
-    let (dark, bright) = (color("dark", 0), color("bright", 0));
+    let (dark, bright) = (draw_color(chance, "dark", 0), draw_color(chance, "bright", 0));
     for channel in 0..3 {
         for (value, cloud) in light.plane_mut(channel).iter_mut().zip(&ground) {
             let share = (0.5 + 0.25 * cloud).clamp(0.0, 1.0);
@@ -27,13 +24,13 @@ pub(super) fn draw(chance: &Chance) -> Air {
         .collect();
     let count = 2 + (chance.unit("count") * 9.0) as u64;
     for shape in 0..count {
-        let of = |name: &str, low: f64, high: f64| chance.between(name, shape, low, high);
         let side = SIDE as f64;
-        let (x, y) = (of("x", 0.0, side), of("y", 0.0, side));
-        let (half_width, half_height) = (of("width", 4.0, 0.3 * side), of("height", 4.0, 0.3 * side));
-        let kind = of("kind", 0.0, 3.0) as u32;
-        let cell = of("cell", 3.0, 16.0);
-        let (one, other) = (color("one", shape), color("other", shape));
+        let [x, y] = ["x", "y"].map(|name| chance.uniform(name, shape, 0.0, side));
+        let [half_width, half_height] =
+            ["width", "height"].map(|name| chance.uniform(name, shape, 4.0, 0.3 * side));
+        let kind = chance.uniform("kind", shape, 0.0, 3.0) as u32;
+        let cell = chance.uniform("cell", shape, 3.0, 16.0);
+        let [first, second] = ["one", "other"].map(|name| draw_color(chance, name, shape));
         let distance = (GROUND_M as f64 * (1.0 - (shape as f64 + 0.5) / (count as f64 + 1.0))) as f32;
         for v in (y - half_height).max(0.0) as usize..((y + half_height) as usize).min(SIDE) {
             for u in (x - half_width).max(0.0) as usize..((x + half_width) as usize).min(SIDE) {
@@ -42,8 +39,8 @@ pub(super) fn draw(chance: &Chance) -> Air {
                     continue;
                 }
                 let odd = ((u as f64 / cell) as usize + (v as f64 / cell) as usize) % 2 == 1;
-                let paint = if kind == 2 && odd { other } else { one };
-                // Round things are darker at their side.
+                let paint = if kind == 2 && odd { second } else { first };
+                // Round shapes darken towards their sides.
                 let shade = if kind == 0 {
                     1.0
                 } else {
@@ -59,7 +56,8 @@ pub(super) fn draw(chance: &Chance) -> Air {
     Air { light, range }
 }
 
-/// Cloudy noise of mean 0 and variance 1, row by row: random values on grids, one finer than the other, smoothly joined.
+/// Cloudy noise of mean 0 and variance 1, row-major: random values on grids of increasing resolution, smoothly
+/// interpolated.
 fn clouds(seed: u64) -> Vec<f32> {
     const COARSEST_CELLS: usize = 3;
     const OCTAVES: u64 = 5;
@@ -72,14 +70,13 @@ fn clouds(seed: u64) -> Vec<f32> {
         let grid: Vec<f64> = (0..(columns * columns) as u64)
             .map(|node| stream.unit(octave, node) - 0.5)
             .collect();
-        // Cell and smooth place in it.
-        let split = |place: usize| {
-            let place = place as f64 * cells as f64 / SIDE as f64;
-            let inside = place.fract();
-            (place as usize, inside * inside * (3.0 - 2.0 * inside))
-        };
+        // Cell and smoothed position inside it.
         for (pixel, sum) in sums.iter_mut().enumerate() {
-            let ((column, u), (row, v)) = (split(pixel % SIDE), split(pixel / SIDE));
+            let [(column, u), (row, v)] = [pixel % SIDE, pixel / SIDE].map(|place| {
+                let place = place as f64 * cells as f64 / SIDE as f64;
+                let inside = place.fract();
+                (place as usize, inside * inside * (3.0 - 2.0 * inside))
+            });
             let (upper, lower) = (
                 &grid[row * columns + column..],
                 &grid[(row + 1) * columns + column..],
@@ -94,4 +91,8 @@ fn clouds(seed: u64) -> Vec<f32> {
     let variance = sums.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / count;
     let scale = 1.0 / variance.sqrt();
     sums.into_iter().map(|v| ((v - mean) * scale) as f32).collect()
+}
+
+fn draw_color(chance: &ContentChance, name: &str, number: u64) -> [f32; 3] {
+    [0, 1, 2].map(|channel| chance.uniform(name, 3 * number + channel, 0.0, 1.0).powi(2) as f32)
 }

@@ -1,4 +1,4 @@
-//! Filters of side 3 on bordered channels, and their gradients.
+//! 3×3 filters on bordered channels, and their gradients.
 
 use std::ops::Range;
 
@@ -7,10 +7,10 @@ use imaging::vectorized;
 use crate::real::Real;
 use crate::tensor::Tensor;
 
-/// Sums that a dot product keeps side by side: a fixed number, so that its bits do not depend on the CPU.
+/// Partial sums of a dot product: a fixed number, so that its bits do not depend on the CPU.
 const LANES: usize = 8;
 
-/// The channels that an output sees: all of them, or, with a single kernel for each output, its own.
+/// The input channels of an output: all of them, or a single one for depthwise filters.
 fn seen(output: usize, kernels: usize, channels: usize) -> Range<usize> {
     match kernels {
         1 => output..output + 1,
@@ -18,7 +18,7 @@ fn seen(output: usize, kernels: usize, channels: usize) -> Range<usize> {
     }
 }
 
-/// `out[o] = bias[o] + sum of in[i] * weight[o][i]` over bordered channels, in steps of 1 or 2.
+/// `out[o] = bias[o] + sum of in[i] * weight[o][i]` over bordered channels, with stride 1 or 2.
 pub(crate) fn forward<T: Real>(input: &Tensor<T>, weight: &[T], bias: &[T], step: usize) -> Tensor<T> {
     let (width, height) = (
         (input.width - 2).div_ceil(step),
@@ -54,13 +54,13 @@ fn add_row<T: Real>(out: &mut [T], samples: &[T], [a, b, c]: [T; 3], step: usize
         }
     } else {
         for (x, out) in out.iter_mut().enumerate() {
-            let at = &samples[step * x..step * x + 3];
-            *out += a * at[0] + b * at[1] + c * at[2];
+            let position = &samples[step * x..step * x + 3];
+            *out += a * position[0] + b * position[1] + c * position[2];
         }
     }
 }
 
-/// Gradients of weight and bias, accumulated.
+/// Accumulates the gradients of weight and bias.
 pub(crate) fn backward_weights<T: Real>(
     input: &Tensor<T>,
     gradient: &Tensor<T>,
@@ -108,7 +108,7 @@ fn add_taps<T: Real>(
     }
 }
 
-/// Products of the gradient with the samples at, one and two places to the right.
+/// Products of the gradient with the samples at the offsets 0, 1 and 2 to the right.
 #[inline(always)]
 fn dots<T: Real>(gradient: &[T], samples: &[T], sums: &mut [[T; LANES]; 3]) {
     let whole = gradient.len() / LANES * LANES;

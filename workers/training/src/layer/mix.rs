@@ -1,4 +1,4 @@
-//! Mixing the channels of each pixel, and its gradients.
+//! Pointwise mixing of channels, and its gradients.
 
 use imaging::vectorized;
 
@@ -38,7 +38,7 @@ pub(crate) fn backward_input<T: Real>(gradient: &Tensor<T>, weight: &[T], channe
     out
 }
 
-/// Gradients of weight and bias, accumulated.
+/// Accumulates the gradients of weight and bias.
 pub(crate) fn backward_weights<T: Real>(
     input: &Tensor<T>,
     gradient: &Tensor<T>,

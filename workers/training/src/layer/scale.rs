@@ -1,9 +1,9 @@
-//! Means of 4×4 pixels, bilinear enlargement, halving; and their gradients where training needs them.
+//! Means of 4×4 pixels, bilinear upsampling, halving; and the gradients needed by training.
 
 use crate::real::Real;
 use crate::tensor::Tensor;
 
-/// Means of 4×4 pixels; at the right and lower edge, of the pixels that exist.
+/// Means of 4×4 pixels, clipped at the right and lower edge.
 pub(crate) fn pooled<T: Real>(image: &Tensor<T>) -> Tensor<T> {
     let mut out = Tensor::zeros(image.channels, image.height.div_ceil(4), image.width.div_ceil(4));
     for channel in 0..image.channels {
@@ -24,34 +24,34 @@ pub(crate) fn pooled<T: Real>(image: &Tensor<T>) -> Tensor<T> {
     out
 }
 
-/// Where the samples of an enlarged line come from.
-struct Line<T>(Vec<(usize, usize, T)>);
+/// For each sample of an upsampled line: lower source sample, upper source sample, weight of the latter.
+struct Upsampling<T>(Vec<(usize, usize, T)>);
 
-impl<T: Real> Line<T> {
-    /// Pixel centers at half integers, continued by the edge.
+impl<T: Real> Upsampling<T> {
+    /// Pixel centers at half integers, clamped to the edge.
     fn new(from: usize, to: usize) -> Self {
-        let place = |at: usize| {
-            let exact = ((at as f64 + 0.5) * from as f64 / to as f64 - 0.5).clamp(0.0, (from - 1) as f64);
+        let samples = (0..to).map(|i| {
+            let exact = ((i as f64 + 0.5) * from as f64 / to as f64 - 0.5).clamp(0.0, (from - 1) as f64);
             let low = exact as usize;
             (low, (low + 1).min(from - 1), T::from_f64(exact - low as f64))
-        };
-        Self((0..to).map(place).collect())
+        });
+        Self(samples.collect())
     }
 }
 
 /// Bilinear enlargement.
 pub(crate) fn resized<T: Real>(input: &Tensor<T>, height: usize, width: usize) -> Tensor<T> {
     let (rows, columns) = (
-        Line::<T>::new(input.height, height),
-        Line::<T>::new(input.width, width),
+        Upsampling::<T>::new(input.height, height),
+        Upsampling::<T>::new(input.width, width),
     );
     let mut wide = Tensor::zeros(input.channels, input.height, width);
     for channel in 0..input.channels {
         for y in 0..input.height {
-            let from = input.row(channel, y);
-            let to = wide.row_mut(channel, y).iter_mut();
-            for (to, &(low, high, share)) in to.zip(&columns.0) {
-                *to = from[low] + (from[high] - from[low]) * share;
+            let start = input.row(channel, y);
+            let end = wide.row_mut(channel, y).iter_mut();
+            for (end, &(low, high, share)) in end.zip(&columns.0) {
+                *end = start[low] + (start[high] - start[low]) * share;
             }
         }
     }
@@ -59,25 +59,25 @@ pub(crate) fn resized<T: Real>(input: &Tensor<T>, height: usize, width: usize) -
     for channel in 0..input.channels {
         for (y, &(low, high, share)) in rows.0.iter().enumerate() {
             let pairs = wide.row(channel, low).iter().zip(wide.row(channel, high));
-            for (to, (&low, &high)) in out.row_mut(channel, y).iter_mut().zip(pairs) {
-                *to = low + (high - low) * share;
+            for (end, (&low, &high)) in out.row_mut(channel, y).iter_mut().zip(pairs) {
+                *end = low + (high - low) * share;
             }
         }
     }
     out
 }
 
-/// The gradient before [`resized`] from that after it.
+/// The gradient before [`resized`] from the one after it.
 pub(crate) fn unresized<T: Real>(gradient: &Tensor<T>, height: usize, width: usize) -> Tensor<T> {
     let (rows, columns) = (
-        Line::<T>::new(height, gradient.height),
-        Line::<T>::new(width, gradient.width),
+        Upsampling::<T>::new(height, gradient.height),
+        Upsampling::<T>::new(width, gradient.width),
     );
-    let one = T::from_f64(1.0);
+    let first = T::from_f64(1.0);
     let mut wide: Tensor<T> = Tensor::zeros(gradient.channels, height, gradient.width);
     for channel in 0..gradient.channels {
         for (y, &(low, high, share)) in rows.0.iter().enumerate() {
-            for (row, share) in [(low, one - share), (high, share)] {
+            for (row, share) in [(low, first - share), (high, share)] {
                 let sums = wide.row_mut(channel, row).iter_mut();
                 for (sum, &value) in sums.zip(gradient.row(channel, y)) {
                     *sum += value * share;
@@ -88,17 +88,17 @@ pub(crate) fn unresized<T: Real>(gradient: &Tensor<T>, height: usize, width: usi
     let mut out = Tensor::zeros(gradient.channels, height, width);
     for channel in 0..gradient.channels {
         for y in 0..height {
-            let to = out.row_mut(channel, y);
+            let end = out.row_mut(channel, y);
             for (&value, &(low, high, share)) in wide.row(channel, y).iter().zip(&columns.0) {
-                to[low] += value * (one - share);
-                to[high] += value * share;
+                end[low] += value * (first - share);
+                end[high] += value * share;
             }
         }
     }
     out
 }
 
-/// Means of 2×2 pixels; an odd last row or column is left out.
+/// Means of 2×2 pixels, without an odd last row or column.
 pub(crate) fn halved<T: Real>(image: &Tensor<T>) -> Tensor<T> {
     let quarter = T::from_f64(0.25);
     let mut out = Tensor::zeros(image.channels, image.height / 2, image.width / 2);
@@ -114,13 +114,13 @@ pub(crate) fn halved<T: Real>(image: &Tensor<T>) -> Tensor<T> {
     out
 }
 
-/// Adds the gradient before [`halved`] from that after it.
+/// Adds the gradient before [`halved`] from the one after it.
 pub(crate) fn unhalved<T: Real>(gradient: &Tensor<T>, sums: &mut Tensor<T>) {
     let quarter = T::from_f64(0.25);
     for channel in 0..gradient.channels {
         for y in 0..2 * gradient.height {
-            let from = gradient.row(channel, y / 2);
-            for (pair, &value) in sums.row_mut(channel, y).chunks_exact_mut(2).zip(from) {
+            let start = gradient.row(channel, y / 2);
+            for (pair, &value) in sums.row_mut(channel, y).chunks_exact_mut(2).zip(start) {
                 pair[0] += value * quarter;
                 pair[1] += value * quarter;
             }

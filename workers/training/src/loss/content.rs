@@ -1,10 +1,10 @@
-//! How much of the content is lost: windowed normalized cross-correlation of the picture before and after.
+//! ContentPicture loss: windowed normalized cross-correlation of the picture before and after.
 //!
-//! `ncc = cov / sqrt((va + e)(vb + e))` in windows of 7×7 in steps of 2, for a before and b after;
-//! `loss = mean(w (1 - ncc)) / (mean(w) + 0.05)`, `w = va / (va + 4e-4)`, so that flat places do not count. Gain and offset
-//! of b do not matter: a water may take contrast and lift black. With ranges q, 0 near and 1 far, w is times `(1 − q)²` at the
-//! window's center: what is far away is not there to be kept. Brightness at all levels; from the second on also two
-//! color differences at a quarter of the weight. Mean over levels.
+//! `ncc = cov / sqrt((va + e)(vb + e))` in windows of 7×7 in steps of 2, for a before and b after; `loss = mean(w (1 -
+//! ncc)) / (mean(w) + 0.05)`, `w = va / (va + 4e-4)`, so that flat windows do not count. Gain and offset of b do not
+//! matter: a water may reduce contrast and lift black. With ranges q, 0 near and 1 far, w is multiplied by `(1 − q)²`
+//! at the window's center: distant content may vanish. Brightness at all levels; from the second on also two color
+//! differences at a quarter of the weight. Mean over levels.
 
 use rayon::prelude::*;
 
@@ -20,42 +20,40 @@ const VARIANCE_FLOOR: f64 = 1e-5;
 const HALF_WEIGHT: f64 = 4e-4;
 const MEAN_FLOOR: f64 = 0.05;
 
-/// Axes in color with the weight of each: brightness and two differences.
+/// Color axes and their weights: brightness and two differences.
 const AXES: [([f64; 3], f64); 3] = [
     ([0.299, 0.587, 0.114], 1.0),
     ([0.5, -0.5, 0.0], 0.25),
     ([0.25, 0.25, -0.5], 0.25),
 ];
 
-/// The loss of a batch, and the gradient for each picture, times its weight, added to `gradients`.
+/// The loss of a batch. Adds the weighted gradient for each picture to `gradients`.
 pub(crate) fn content<T: Real>(
     before: &[Pyramid<T>],
     after: &[Pyramid<T>],
     ranges: Option<&[Pyramid<T>]>,
     gradients: &mut [Pyramid<T>],
 ) -> f64 {
-    let of_picture = |(index, (before, after)): (usize, (&Pyramid<T>, &Pyramid<T>))| -> Vec<Vec<Windows<T>>> {
-        let level = |level: usize| {
-            let axes = if level == 0 { &AXES[..1] } else { &AXES[..] };
-            let along = |pyramid: &Pyramid<T>, axis| projected(&pyramid.levels[level], axis);
-            axes.iter()
-                .map(|&(axis, _)| {
-                    let range = ranges.map(|ranges| &ranges[index].levels[level]);
-                    Windows::new(along(before, axis), along(after, axis), range)
-                })
-                .collect()
-        };
-        (0..LEVELS).map(level).collect()
-    };
-    let windows: Vec<_> = before.par_iter().zip(after).enumerate().map(of_picture).collect();
+    let pictures = before.par_iter().zip(after).enumerate();
+    let windows = pictures.map(|(index, (before, after))| {
+        let levels = (0..LEVELS).map(|level| {
+            let range = ranges.map(|ranges| &ranges[index].levels[level]);
+            compare_level(&before.levels[level], &after.levels[level], range, level)
+        });
+        levels.collect::<Vec<_>>()
+    });
+    let windows: Vec<Vec<Vec<Windows<T>>>> = windows.collect();
     let mut loss = 0.0;
     let mut factors = vec![Vec::new(); LEVELS];
     for level in 0..LEVELS {
         for axis in 0..windows[0][level].len() {
-            let all = || windows.iter().map(|picture| &picture[level][axis]);
-            let count = all().map(|windows| windows.slopes.len()).sum::<usize>() as f64;
-            let weight = all().map(|windows| windows.weight).sum::<f64>();
-            let lost = all().map(|windows| windows.lost).sum::<f64>();
+            let pictures = windows.iter().map(|picture| &picture[level][axis]);
+            let count = pictures
+                .clone()
+                .map(|windows| windows.slopes.len())
+                .sum::<usize>() as f64;
+            let weight = pictures.clone().map(|windows| windows.weight).sum::<f64>();
+            let lost = pictures.map(|windows| windows.lost).sum::<f64>();
             let scale = AXES[axis].1 / LEVELS as f64 / (weight / count + MEAN_FLOOR) / count;
             loss += lost * scale;
             factors[level].push(CONTENT * scale);
@@ -74,8 +72,8 @@ pub(crate) fn content<T: Real>(
     loss
 }
 
-/// A picture along an axis in color.
-fn projected<T: Real>(picture: &Tensor<T>, axis: [f64; 3]) -> Tensor<T> {
+/// A picture project on a color axis.
+fn project<T: Real>(picture: &Tensor<T>, axis: [f64; 3]) -> Tensor<T> {
     let [r, g, b] = axis.map(T::from_f64);
     let mut out = Tensor::zeros(1, picture.height, picture.width);
     let channels = picture
@@ -89,7 +87,7 @@ fn projected<T: Real>(picture: &Tensor<T>, axis: [f64; 3]) -> Tensor<T> {
     out
 }
 
-/// What the windows of a plane say.
+/// Window sums of a plane.
 struct Windows<T> {
     before: Tensor<T>,
     after: Tensor<T>,
@@ -105,8 +103,7 @@ struct Windows<T> {
 impl<T: Real> Windows<T> {
     fn new(before: Tensor<T>, after: Tensor<T>, range: Option<&Tensor<T>>) -> Self {
         let (width, height) = (before.width, before.height);
-        let count = |side: usize| (side + STEP).saturating_sub(WINDOW) / STEP;
-        let (columns, rows) = (count(width), count(height));
+        let [columns, rows] = [width, height].map(|side| (side + STEP).saturating_sub(WINDOW) / STEP);
         let mut windows = Self {
             before,
             after,
@@ -134,16 +131,15 @@ impl<T: Real> Windows<T> {
                         *moment += sum;
                     }
                 }
-                let center =
-                    |range: &Tensor<T>| range.row(0, STEP * row + WINDOW / 2)[STEP * column + WINDOW / 2];
-                let near = range.map_or(1.0, |range| 1.0 - center(range).to_f64());
+                let (x, y) = (STEP * column + WINDOW / 2, STEP * row + WINDOW / 2);
+                let near = range.map_or(1.0, |range| 1.0 - range.row(0, y)[x].to_f64());
                 windows.push(moments.map(|sum| sum / (WINDOW * WINDOW) as f64), near * near);
             }
         }
         windows
     }
 
-    /// A window from the means of a, b, a², b² and ab, and the share of its weight that its range leaves.
+    /// Adds a window from the means of a, b, a², b² and ab, and the factor of its weight due to range.
     fn push(&mut self, [a, b, aa, bb, ab]: [f64; 5], near: f64) {
         let (va, vb, cov) = ((aa - a * a).max(0.0), bb - b * b, ab - a * b);
         let flat = vb <= 0.0;
@@ -164,7 +160,7 @@ impl<T: Real> Windows<T> {
             .push([alpha, beta, -(alpha * a + beta * b)].map(T::from_f64));
     }
 
-    /// Adds the gradient of `factor * lost` to a picture's.
+    /// Adds the gradient of `factor * lost` to that of a picture.
     fn add_gradient(&self, gradient: &mut Tensor<T>, axis: [f64; 3], factor: f64) {
         let width = self.before.width;
         let mut sums = vec![[T::default(); 3]; self.before.data.len()];
@@ -196,4 +192,17 @@ impl<T: Real> Windows<T> {
             }
         }
     }
+}
+
+/// Compares a level along its color axes.
+fn compare_level<T: Real>(
+    before: &Tensor<T>,
+    after: &Tensor<T>,
+    range: Option<&Tensor<T>>,
+    level: usize,
+) -> Vec<Windows<T>> {
+    let axes = if level == 0 { &AXES[..1] } else { &AXES[..] };
+    axes.iter()
+        .map(|&(axis, _)| Windows::new(project(before, axis), project(after, axis), range))
+        .collect()
 }

@@ -1,4 +1,4 @@
-//! What a step draws by chance: filters, directions and places of patches, each addressed by (step, purpose).
+//! Random draws of a step: filters, directions and patch positions, each addressed by (step, purpose).
 
 use imaging::random::Stream;
 
@@ -27,12 +27,12 @@ pub(crate) fn normals(stream: &Stream, index: u64) -> impl Iterator<Item = f64> 
 /// sees brightness only, all have length 1.
 pub(crate) fn filters<T: Real>(stream: &Stream, index: u64) -> Vec<[T; PATCH_LENGTH]> {
     let mut values = normals(stream, index);
-    let next = |filter: usize| {
+    let filters = (0..FILTERS).map(|filter| {
         let mut taps = [0.0; PATCH_LENGTH];
-        for (at, tap) in taps.iter_mut().enumerate() {
-            let (row, column) = (at / PATCH % PATCH, at % PATCH);
-            let square = |side: usize| (side as f64 - 3.0) * (side as f64 - 3.0);
-            let narrow = libm::exp(-(square(row) + square(column)) / 2.0);
+        for (i, tap) in taps.iter_mut().enumerate() {
+            let [row, column] =
+                [i / PATCH % PATCH, i % PATCH].map(|side| (side as f64 - 3.0) * (side as f64 - 3.0));
+            let narrow = libm::exp(-(row + column) / 2.0);
             *tap = values.next().unwrap_or_default() * if filter < FILTERS / 2 { narrow } else { 1.0 };
         }
         let area = PATCH * PATCH;
@@ -41,56 +41,54 @@ pub(crate) fn filters<T: Real>(stream: &Stream, index: u64) -> Vec<[T; PATCH_LEN
             channel.iter_mut().for_each(|tap| *tap -= mean);
         }
         if filter.is_multiple_of(3) {
-            for at in 0..area {
-                let mean = (taps[at] + taps[area + at] + taps[2 * area + at]) / 3.0;
+            for i in 0..area {
+                let mean = (taps[i] + taps[area + i] + taps[2 * area + i]) / 3.0;
                 for channel in 0..3 {
-                    taps[channel * area + at] = mean;
+                    taps[channel * area + i] = mean;
                 }
             }
         }
         let length = taps.iter().map(|tap| tap * tap).sum::<f64>().sqrt().max(1e-12);
         taps.map(|tap| T::from_f64(tap / length))
-    };
-    (0..FILTERS).map(next).collect()
+    });
+    filters.collect()
 }
 
 /// Unit directions in color.
 pub(crate) fn directions<T: Real>(stream: &Stream, index: u64) -> Vec<[T; 3]> {
     let mut values = normals(stream, index);
-    let mut next = || values.next().unwrap_or_default();
     (0..DIRECTIONS)
         .map(|_| {
-            let direction = [next(), next(), next()];
+            let direction = [0; 3].map(|_| values.next().unwrap_or_default());
             let length = direction.iter().map(|v| v * v).sum::<f64>().sqrt().max(1e-12);
             direction.map(|value| T::from_f64(value / length))
         })
         .collect()
 }
 
-/// Where a patch lies.
+/// Position of a patch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Place {
+pub(crate) struct PatchPosition {
     pub(crate) x: usize,
     pub(crate) y: usize,
 }
 
-/// Places of patches in a picture of this size.
+/// Positions of patches in a picture of this size.
 pub(crate) fn places(
     stream: &Stream,
     index: u64,
     count: usize,
     (width, height): (usize, usize),
-) -> Vec<Place> {
-    let (across, down) = ((width - PATCH + 1) as u64, (height - PATCH + 1) as u64);
-    let place = |at: u64| {
-        let bits = stream.bits(index, at);
-        let scaled = |half: u64, range: u64| (((half & 0xffff_ffff) * range) >> 32) as usize;
-        Place {
-            x: scaled(bits, across),
-            y: scaled(bits >> 32, down),
-        }
-    };
-    (0..count as u64).map(place).collect()
+) -> Vec<PatchPosition> {
+    let places = (0..count as u64).map(|patch| {
+        let bits = stream.bits(index, patch);
+        let [x, y] = [(bits, width), (bits >> 32, height)].map(|(half, side)| {
+            let range = (side - PATCH + 1) as u64;
+            (((half & 0xffff_ffff) * range) >> 32) as usize
+        });
+        PatchPosition { x, y }
+    });
+    places.collect()
 }
 
 #[cfg(test)]
@@ -113,7 +111,7 @@ mod tests {
     #[test]
     fn places_fill_the_picture_and_stay_inside() {
         let places = places(&Stream::stage(1, "test"), 3, 4000, (9, 8));
-        let furthest = |of: fn(&Place) -> usize| places.iter().map(of).max();
+        let furthest = |of: fn(&PatchPosition) -> usize| places.iter().map(of).max();
         assert_eq!((furthest(|p| p.x), furthest(|p| p.y)), (Some(2), Some(1)));
     }
 }

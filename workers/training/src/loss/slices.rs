@@ -1,8 +1,8 @@
-//! Patches of a picture projected on the filters and directions of a level, and slopes carried back to its pixels.
+//! Projects patches of a picture on the filters and directions of a level, and propagates slopes back to its pixels.
 
 use imaging::vectorized;
 
-use super::draw::{DIRECTIONS, FILTERS, PATCH, PATCH_LENGTH, Place};
+use super::draw::{DIRECTIONS, FILTERS, PATCH, PATCH_LENGTH, PatchPosition};
 use crate::real::Real;
 use crate::tensor::Tensor;
 
@@ -16,15 +16,19 @@ pub(super) struct Slices<T> {
 }
 
 /// Projections of the patches of a picture on all filters and directions: `[slice][patch]`.
-pub(super) fn projections<T: Real>(picture: &Tensor<T>, places: &[Place], slices: &Slices<T>) -> Vec<Vec<T>> {
+pub(super) fn projections<T: Real>(
+    picture: &Tensor<T>,
+    places: &[PatchPosition],
+    slices: &Slices<T>,
+) -> Vec<Vec<T>> {
     let mut out = vec![Vec::new(); FILTERS + DIRECTIONS];
     let mut samples = vec![[T::default(); CHUNK]; PATCH_LENGTH];
     for places in places.chunks(CHUNK) {
         for (index, place) in places.iter().enumerate() {
             for line in 0..3 * PATCH {
-                let from = &picture.row(line / PATCH, place.y + line % PATCH)[place.x..place.x + PATCH];
-                for (to, &from) in samples[line * PATCH..][..PATCH].iter_mut().zip(from) {
-                    to[index] = from;
+                let start = &picture.row(line / PATCH, place.y + line % PATCH)[place.x..place.x + PATCH];
+                for (to, &start) in samples[line * PATCH..][..PATCH].iter_mut().zip(start) {
+                    to[index] = start;
                 }
             }
         }
@@ -37,7 +41,7 @@ pub(super) fn projections<T: Real>(picture: &Tensor<T>, places: &[Place], slices
     out
 }
 
-/// Where a patch has its center, by channel.
+/// Index of a patch's center, by channel.
 fn center(channel: usize) -> usize {
     (channel * PATCH + PATCH / 2) * PATCH + PATCH / 2
 }
@@ -63,10 +67,10 @@ fn project<T: Real>(samples: &[[T; CHUNK]], slices: &Slices<T>, sums: &mut [[T; 
     }
 }
 
-/// Adds the slopes of all slices to the pixels of the patches; those of the first patch stand at `start`.
+/// Adds the slopes of all slices to the pixels of the patches; `start` is the index of the first patch's slopes.
 pub(super) fn scatter<T: Real>(
     gradient: &mut Tensor<T>,
-    places: &[Place],
+    places: &[PatchPosition],
     start: usize,
     slices: &Slices<T>,
     slopes: &[Vec<T>],
@@ -80,10 +84,10 @@ pub(super) fn scatter<T: Real>(
         vectorized!(unproject(&chunk, slices, &mut samples));
         for (index, place) in places.iter().enumerate() {
             for line in 0..3 * PATCH {
-                let from = &samples[line * PATCH..][..PATCH];
-                let to = gradient.row_mut(line / PATCH, place.y + line % PATCH);
-                for (to, from) in to[place.x..place.x + PATCH].iter_mut().zip(from) {
-                    *to += from[index];
+                let origin = &samples[line * PATCH..][..PATCH];
+                let end = gradient.row_mut(line / PATCH, place.y + line % PATCH);
+                for (end, origin) in end[place.x..place.x + PATCH].iter_mut().zip(origin) {
+                    *end += origin[index];
                 }
             }
         }

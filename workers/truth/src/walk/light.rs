@@ -1,4 +1,4 @@
-//! The light that a path collects.
+//! Light collected by a path.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -6,9 +6,9 @@ use imaging::rays::leaving;
 use imaging::vector::DVec3;
 
 use super::{ORDERS, Walk};
-use crate::lamp::Lamp;
+use crate::lamp::SphereLamp;
 use crate::phase::versine;
-use crate::scene::{Along, End, Met};
+use crate::scene::{Along, End, SegmentEnd};
 use crate::sea::fresnel;
 
 /// `1 − cos` of 2°, by which waves in light wind spread the sun under water. The phase function is averaged over this cone: toward a
@@ -16,7 +16,7 @@ use crate::sea::fresnel;
 const SUN_VERSINE: f64 = 6.1e-4;
 
 impl<const N: usize> Walk<'_, N> {
-    /// Adds light of the present order, for each channel, times the weight of the path.
+    /// Adds light of a scattering order, per channel, times the weight of the path.
     fn add(&mut self, order: usize, light: [f64; N]) {
         let sums = &mut self.orders[order.min(ORDERS - 1)];
         for i in 0..N {
@@ -24,8 +24,8 @@ impl<const N: usize> Walk<'_, N> {
         }
     }
 
-    /// Adds what every lamp scatters once into a segment, at one place each, drawn evenly in the angle at the lamp (Kulla and
-    /// Fajardo 2012).
+    /// Adds the single scattering of every lamp into a segment, at one point each, uniform in the angle at the lamp
+    /// (Kulla and Fajardo 2012).
     pub(super) fn lamps_along(&mut self, along: Along, end: &End) {
         if !self.scatters() {
             return;
@@ -39,7 +39,7 @@ impl<const N: usize> Walk<'_, N> {
         }
     }
 
-    fn lamp_along(&mut self, lamp: &Lamp, along: Along, end: f64, unit: f64) -> Option<[f64; N]> {
+    fn lamp_along(&mut self, lamp: &SphereLamp, along: Along, end: f64, unit: f64) -> Option<[f64; N]> {
         let Along { origin, direction } = along;
         let away = lamp.place + -origin;
         let nearest = direction.dot(away);
@@ -47,13 +47,13 @@ impl<const N: usize> Walk<'_, N> {
             .max(0.0)
             .sqrt()
             .max(lamp.radius_m);
-        let from = (-nearest / offset).atan();
-        let to = if end.is_finite() {
+        let start = (-nearest / offset).atan();
+        let target = if end.is_finite() {
             ((end - nearest) / offset).atan()
         } else {
             FRAC_PI_2
         };
-        let beyond = offset * (from + unit * (to - from)).tan();
+        let beyond = offset * (start + unit * (target - start)).tan();
         let distance = nearest + beyond;
         if !(0.0..=end).contains(&distance) {
             return None;
@@ -68,18 +68,18 @@ impl<const N: usize> Walk<'_, N> {
         let sine = (lamp.radius_m / gap).min(1.0);
         let cone = 1.0 - (1.0 - sine * sine).sqrt();
         let scattered = self.scene.phase.density_toward(versine(toward, direction), cone);
-        let murk = &self.scene.murk;
-        let meters = murk.meters(origin, direction, distance) + murk.meters(place, toward, gap);
-        let stretch = (to - from) * (offset * offset + beyond * beyond) / offset;
-        let shape = murk.factor(place) * scattered * profile * stretch / (gap * gap);
+        let turbidity = &self.scene.turbidity;
+        let meters = turbidity.meters(origin, direction, distance) + turbidity.meters(place, toward, gap);
+        let stretch = (target - start) * (offset * offset + beyond * beyond) / offset;
+        let shape = turbidity.factor(place) * scattered * profile * stretch / (gap * gap);
         Some(self.channels.map(|channel| {
             let water = self.scene.water[channel];
             water.scattering * lamp.intensity[channel] * shape * (-water.attenuation() * meters).exp()
         }))
     }
 
-    /// Distance and direction to a lamp, where nothing hides the place of it that is looked for.
-    fn unblocked(&mut self, lamp: &Lamp, place: DVec3, from: f64) -> Option<(f64, DVec3)> {
+    /// Distance and direction to a lamp if its sampled point is visible.
+    fn unblocked(&mut self, lamp: &SphereLamp, place: DVec3, from: f64) -> Option<(f64, DVec3)> {
         let away = lamp.place + -place;
         let reach = away.length();
         if reach <= 0.0 {
@@ -87,7 +87,7 @@ impl<const N: usize> Walk<'_, N> {
         }
         let toward = away * (1.0 / reach);
         let shift = if lamp.disc_m > 0.0 {
-            across(toward, lamp.disc_m, self.dice.pair())
+            sample_disc(toward, lamp.disc_m, self.dice.pair())
         } else {
             DVec3::from([0.0; 3])
         };
@@ -99,16 +99,16 @@ impl<const N: usize> Walk<'_, N> {
         (!blocked).then_some((reach, toward))
     }
 
-    /// Adds the light that the end of a segment sends, of the present order. `passes` is the share of it that arrives.
+    /// Adds the light emitted by the end of a segment; `passes` is its transmittance.
     pub(super) fn add_end(&mut self, along: Along, end: &End, passes: [f64; N]) {
         let light = match &end.met {
-            Met::Nothing => return,
-            Met::Sea { cosine } => {
+            SegmentEnd::Nothing => return,
+            SegmentEnd::Sea { cosine } => {
                 let through = 1.0 - fresnel(*cosine);
                 let sky = self.scene.sea.as_ref().map_or([0.0; 3], |sea| sea.sky);
                 self.channels.map(|channel| through * sky[channel])
             }
-            Met::Surface { hit, material } => {
+            SegmentEnd::Surface { hit, material } => {
                 let place = along.origin + along.direction * end.distance;
                 let mut light = self.channels.map(|channel| material.emitted[channel]);
                 if self
@@ -128,7 +128,7 @@ impl<const N: usize> Walk<'_, N> {
         self.add(self.order, arrives);
     }
 
-    /// The light of lamps and sun that falls on a surface.
+    /// The irradiance of a surface by lamps and sun.
     fn irradiance(&mut self, place: DVec3, normal: [f64; 3]) -> [f64; N] {
         let start = leaving(place.into(), normal);
         let (origin, normal) = (DVec3::from(start.origin), DVec3::from(normal));
@@ -145,7 +145,7 @@ impl<const N: usize> Walk<'_, N> {
             };
             let gap = reach.max(lamp.radius_m);
             let facing = normal.dot(toward).max(0.0) * lamp.profile(-toward) / (gap * gap);
-            let meters = self.scene.murk.meters(origin, toward, gap);
+            let meters = self.scene.turbidity.meters(origin, toward, gap);
             for (sum, &channel) in sum.iter_mut().zip(&self.channels) {
                 let passes = (-self.scene.water[channel].attenuation() * meters).exp();
                 *sum += lamp.intensity[channel] * facing * passes;
@@ -154,7 +154,7 @@ impl<const N: usize> Walk<'_, N> {
         sum
     }
 
-    /// Adds the light of the sun that the water scatters at a place toward where the path came from.
+    /// Adds sunlight scattered by the water at a point towards the previous one.
     pub(super) fn sun_on_water(&mut self, place: DVec3, came: DVec3) {
         if let Some((light, direction)) = self.sun(place, 0.0) {
             let scattered = self
@@ -165,7 +165,8 @@ impl<const N: usize> Walk<'_, N> {
         }
     }
 
-    /// Irradiance of the sun at right angles to it at a place, and where it stands; none in the shadow and without a sun.
+    /// Irradiance of the sun perpendicular to its direction at a point, and that direction; `None` in shadow or without
+    /// a sun.
     fn sun(&self, place: DVec3, from: f64) -> Option<([f64; N], DVec3)> {
         let sea = self.scene.sea.as_ref()?;
         let sun = sea.sun.as_ref()?;
@@ -173,7 +174,7 @@ impl<const N: usize> Walk<'_, N> {
         if self.scene.is_blocked(place, sun.direction, from, distance) {
             return None;
         }
-        let meters = self.scene.murk.meters(place, sun.direction, distance);
+        let meters = self.scene.turbidity.meters(place, sun.direction, distance);
         let light = self.channels.map(|channel| {
             sun.irradiance[channel] * (-self.scene.water[channel].attenuation() * meters).exp()
         });
@@ -181,8 +182,8 @@ impl<const N: usize> Walk<'_, N> {
     }
 }
 
-/// A place of a disc of this radius across a unit vector, even over its area.
-fn across(toward: DVec3, radius: f64, [distance, azimuth]: [f64; 2]) -> DVec3 {
+/// A uniformly sampled point of a disc perpendicular to a unit vector.
+fn sample_disc(toward: DVec3, radius: f64, [distance, azimuth]: [f64; 2]) -> DVec3 {
     // The axes of Duff et al. 2017.
     let [x, y, z]: [f64; 3] = toward.into();
     let sign = if z >= 0.0 { 1.0 } else { -1.0 };

@@ -1,5 +1,5 @@
-//! The chain's light of a lamp in a frame with a box and a wall, held against the truth that is stored of it: what each effect brings
-//! it nearer.
+//! The chain's light of a lamp in a frame with a box and a wall against the stored truth: the improvement by each
+//! effect.
 
 use std::path::Path;
 
@@ -12,17 +12,17 @@ use optics::lamp::{
 };
 
 use crate::golden::Case;
-use crate::support::{Solid, Solids};
+use crate::support::{Solids, TestSolid};
 
 /// b_b/b of the stored frame's phase function.
 const BACKSCATTER: f64 = 0.0183;
-/// Share b/20 of the scattering takes light out of the picture; the rest is forward scatter, here left where it arrives.
+/// A share b/20 of the scattering leaves the picture; the rest is forward scatter, counted here at its origin.
 const LOST: f64 = 0.05;
-/// The frame's mean is known to 0.4 % and the formulas of all orders are fits to within about a tenth; the published means have two
-/// digits.
+/// The frame's mean is known to 0.4 % and the formulas of all orders are fits to about a tenth; the published means
+/// have two digits.
 const TOLERANCE: f64 = 0.02;
 
-/// The frame: what its rays meet.
+/// Geometry of the frame.
 struct Frame {
     case: Case,
     solids: Solids,
@@ -36,8 +36,8 @@ impl Frame {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/vectors/realism/mc-lamp-box");
         let case = Case::read(&folder);
         let solids = Solids(vec![
-            Solid::Wall(case.number("/wall_z")),
-            Solid::Block {
+            TestSolid::Wall(case.number("/wall_z")),
+            TestSolid::Block {
                 low: case.triple("/box_lo"),
                 high: case.triple("/box_hi"),
             },
@@ -79,7 +79,7 @@ impl Frame {
         }
     }
 
-    /// Mean of the chain's light over that of the truth, where light of surfaces falls with this attenuation.
+    /// Mean of the chain's light over that of the truth, with this attenuation of surface light.
     fn share(&self, lighting: &Lighting, attenuation: f64) -> f64 {
         let casts = lighting.lamps[0].shadow() != Shadow::None;
         let rays = &self.solids;

@@ -1,11 +1,11 @@
-//! What is known exactly of radiative transfer, and what must hold whatever the scene.
+//! Exact results of radiative transfer, and invariants of every scene.
 
 use std::f64::consts::PI;
 
-use crate::support::{Mean, Solid, Solids, along, radiance, scene, water};
+use crate::support::{Mean, Solids, TestSolid, along, radiance, scene, water};
 use imaging::vector::{DVec3, vec3};
 use optics::lamp::FournierForand;
-use truth::{Address, Along, Lamp, Layers, Material, Murk, Phase, Sea, Sun};
+use truth::{Address, Along, Lambertian, Phase, Sea, SeaSun, SphereLamp, TurbidityField, WaterLayers};
 
 const UP: DVec3 = vec3(0.0, -1.0, 0.0);
 
@@ -13,8 +13,8 @@ fn average() -> Phase {
     Phase::fournier_forand(FournierForand::of_backscatter(0.0183))
 }
 
-fn lamp(place: [f64; 3], intensity: f64) -> Lamp {
-    Lamp {
+fn lamp(place: [f64; 3], intensity: f64) -> SphereLamp {
+    SphereLamp {
         place: place.into(),
         intensity: [intensity; 3],
         beam: None,
@@ -25,8 +25,13 @@ fn lamp(place: [f64; 3], intensity: f64) -> Lamp {
 
 #[test]
 fn a_bright_wall_in_water_that_only_absorbs_fades_exactly() {
-    let solids = Solids(vec![Solid::Wall(3.0)]);
-    let scene = scene(&solids, vec![Material::glowing(1.0)], water(0.4, 0.0), average());
+    let solids = Solids(vec![TestSolid::Wall(3.0)]);
+    let scene = scene(
+        &solids,
+        vec![Lambertian::glowing(1.0)],
+        water(0.4, 0.0),
+        average(),
+    );
     for direction in [[0.0, 0.0, 1.0], [0.3, -0.2, 1.0], [-1.0, 0.5, 1.0]] {
         let along = along(direction);
         let range = 3.0 / along.direction.z;
@@ -36,13 +41,13 @@ fn a_bright_wall_in_water_that_only_absorbs_fades_exactly() {
     }
 }
 
-/// Light of a lamp scattered once, by the midpoint rule in the angle at the lamp.
-fn single(phase: &Phase, lamp: &Lamp, along: Along, end: f64, b: f64, c: f64) -> f64 {
+/// Single-scattered light of a lamp, by the midpoint rule in the angle at the lamp.
+fn single(phase: &Phase, lamp: &SphereLamp, along: Along, end: f64, b: f64, c: f64) -> f64 {
     let nearest = along.direction.dot(lamp.place);
     let offset = (lamp.place.dot(lamp.place) - nearest * nearest).sqrt();
     let (from, to) = ((-nearest / offset).atan(), ((end - nearest) / offset).atan());
     let steps = 20_000;
-    let at = |i: usize| {
+    let step = |i: usize| {
         let angle = from + (to - from) * (i as f64 + 0.5) / steps as f64;
         let reach = offset / angle.cos();
         let scattered = phase.density(1.0 + angle.sin());
@@ -50,23 +55,23 @@ fn single(phase: &Phase, lamp: &Lamp, along: Along, end: f64, b: f64, c: f64) ->
         let profile = lamp.profile(toward.normalized());
         profile * scattered * (-c * (nearest + offset * angle.tan() + reach)).exp()
     };
-    b / offset * (0..steps).map(at).sum::<f64>() * (to - from) / steps as f64
+    b / offset * (0..steps).map(step).sum::<f64>() * (to - from) / steps as f64
 }
 
 #[test]
 fn light_of_a_lamp_that_is_scattered_once_is_the_quadrature() {
-    let solids = Solids(vec![Solid::Wall(4.0)]);
+    let solids = Solids(vec![TestSolid::Wall(4.0)]);
     let phase = average();
     for (number, (a, b)) in [(0.114, 0.037), (0.179, 0.219), (0.366, 1.824)]
         .into_iter()
         .enumerate()
     {
-        let spot = Lamp {
+        let spot = SphereLamp {
             beam: Some((vec3(0.2f64, 0.0, 1.0).normalized(), 35f64.to_radians().cos())),
             ..lamp([-0.5, 0.1, 0.2], 1.0)
         };
         for (kind, lamp) in [lamp([0.3, -0.2, 0.0], 1.0), spot].into_iter().enumerate() {
-            let mut scene = scene(&solids, vec![Material::BLACK], water(a, b), phase.clone());
+            let mut scene = scene(&solids, vec![Lambertian::BLACK], water(a, b), phase.clone());
             scene.lamps = vec![lamp];
             let (mut found, mut error, mut expected) = (0.0, 0.0f64, 0.0);
             for ray in 0..6u64 {
@@ -89,12 +94,12 @@ fn light_of_a_lamp_that_is_scattered_once_is_the_quadrature() {
 
 #[test]
 fn unscattered_light_of_a_lamp_with_a_shadow_is_exact() {
-    let block = Solid::Block {
+    let block = TestSolid::Block {
         low: [-0.1, -0.2, 1.2],
         high: [0.25, 0.25, 1.5],
     };
-    let solids = Solids(vec![Solid::Wall(3.0), block]);
-    let materials = vec![Material::gray(0.5), Material::BLACK];
+    let solids = Solids(vec![TestSolid::Wall(3.0), block]);
+    let materials = vec![Lambertian::gray(0.5), Lambertian::BLACK];
     let mut scene = scene(&solids, materials, water(0.179, 0.219), average());
     let lamp = lamp([-0.4, -0.3, 0.0], 1.0);
     scene.lamps = vec![lamp];
@@ -111,18 +116,20 @@ fn unscattered_light_of_a_lamp_with_a_shadow_is_exact() {
             along.direction * (1.2 / along.direction.z),
             along.direction * (3.0 / along.direction.z),
         );
-        let through = |place: DVec3, low: [f64; 3], high: [f64; 3]| {
+        let is_inside = |place: DVec3, low: [f64; 3], high: [f64; 3]| {
             place.x > low[0] && place.x < high[0] && place.y > low[1] && place.y < high[1]
         };
         let (low, high) = ([-0.1, -0.2], [0.25, 0.25]);
         let steps = 2000;
         let hides = |from: DVec3, to: DVec3| {
             (1..steps).any(|i| {
-                let at = from + (to + -from) * (f64::from(i) / f64::from(steps));
-                at.z > 1.2 && at.z < 1.5 && through(at, [low[0], low[1], 0.0], [high[0], high[1], 0.0])
+                let position = from + (to + -from) * (f64::from(i) / f64::from(steps));
+                position.z > 1.2
+                    && position.z < 1.5
+                    && is_inside(position, [low[0], low[1], 0.0], [high[0], high[1], 0.0])
             })
         };
-        if through(near, [-0.13, -0.23, 0.0], [0.28, 0.28, 0.0]) || hides(vec3(0.0, 0.0, 0.0), far) {
+        if is_inside(near, [-0.13, -0.23, 0.0], [0.28, 0.28, 0.0]) || hides(vec3(0.0, 0.0, 0.0), far) {
             continue;
         }
         let away = lamp.place + -far;
@@ -137,7 +144,7 @@ fn unscattered_light_of_a_lamp_with_a_shadow_is_exact() {
             0.5 / PI * facing / (reach * reach) * (-c * (reach + far.length())).exp()
         };
         let peak = 0.5 / PI / 9.0 * (-c * 6.0f64).exp();
-        // Rays that graze the box are not resolved by the steps above.
+        // The steps above do not resolve rays that graze the box.
         if (found - expected).abs() > 1e-4 * peak {
             let grazes = found == 0.0 || expected == 0.0;
             assert!(grazes, "{along:?}: {found}, expected {expected}");
@@ -147,12 +154,13 @@ fn unscattered_light_of_a_lamp_with_a_shadow_is_exact() {
     assert!(lit > 200 && dark > 10, "{lit} lit, {dark} dark");
 }
 
-/// Light sent back and let through by a slab between z = 0 and a depth, at right angles; without noise where it is not scattered.
+/// Reflected and transmitted light of a slab between z = 0 and a depth at normal incidence; without noise for
+/// unscattered light.
 fn slab(phase: Phase, albedo: f64, depth: f64, paths: u64) -> [Mean; 2] {
-    let solids = Solids(vec![Solid::Wall(-1e-9), Solid::Wall(depth)]);
+    let solids = Solids(vec![TestSolid::Wall(-1e-9), TestSolid::Wall(depth)]);
     [0, 1].map(|side| {
-        let mut materials = vec![Material::BLACK; 2];
-        materials[side] = Material::glowing(1.0);
+        let mut materials = vec![Lambertian::BLACK; 2];
+        materials[side] = Lambertian::glowing(1.0);
         let scene = scene(&solids, materials, water(1.0 - albedo, albedo), phase.clone());
         radiance(&scene, along([0.0, 0.0, 1.0]), side as u64, paths)[3]
     })
@@ -190,25 +198,25 @@ fn a_half_space_of_isotropic_water_reflects_as_chandrasekhar_says() {
 
 #[test]
 fn a_slab_that_absorbs_nothing_loses_nothing() {
-    let solids = Solids(vec![Solid::Wall(-1e-9), Solid::Wall(2.0)]);
+    let solids = Solids(vec![TestSolid::Wall(-1e-9), TestSolid::Wall(2.0)]);
     let phase = Phase::henyey_greenstein(0.5);
-    let scene = scene(&solids, vec![Material::glowing(1.0); 2], water(0.0, 1.0), phase);
+    let scene = scene(&solids, vec![Lambertian::glowing(1.0); 2], water(0.0, 1.0), phase);
     let all = radiance(&scene, along([0.0, 0.0, 1.0]), 0, 20_000)[3];
     assert!((all.mean - 1.0).abs() < 1e-12 && all.error < 1e-12, "{all:?}");
 }
 
 #[test]
 fn layers_of_the_same_optical_depth_are_the_same_slab() {
-    let solids = Solids(vec![Solid::Wall(-1e-9), Solid::Wall(2.0)]);
+    let solids = Solids(vec![TestSolid::Wall(-1e-9), TestSolid::Wall(2.0)]);
     let phase = Phase::henyey_greenstein(0.75);
     let mut scene = scene(
         &solids,
-        vec![Material::BLACK, Material::glowing(1.0)],
+        vec![Lambertian::BLACK, Lambertian::glowing(1.0)],
         water(0.1, 0.9),
         phase,
     );
     // One meter of half and one of half as much again: two in all.
-    scene.murk = Murk::Layers(Layers {
+    scene.turbidity = TurbidityField::Layers(WaterLayers {
         up: vec3(0.0, 0.0, -1.0),
         depth_m: 0.0,
         edges_m: vec![1.0],
@@ -230,7 +238,7 @@ fn flux_deep_in_isotropic_water_falls_by_the_diffusion_exponent() {
 }
 
 fn room() -> Solids {
-    let block = Solid::Block {
+    let block = TestSolid::Block {
         low: [-1.0, -1.5, -0.5],
         high: [1.2, 1.0, 2.0],
     };
@@ -240,22 +248,22 @@ fn room() -> Solids {
 #[test]
 fn a_closed_room_that_sends_out_what_it_takes_is_even() {
     let rooms = room();
-    let half = Material {
+    let half = Lambertian {
         reflectance: [0.5; 3],
         emitted: [0.5; 3],
     };
     let even = scene(&rooms, vec![half], water(0.0, 0.6), average());
-    let murk = Murk::Layers(Layers {
+    let turbidity = TurbidityField::Layers(WaterLayers {
         up: UP,
         depth_m: 3.0,
         edges_m: vec![2.5, 3.2],
         factors: vec![0.2, 3.0, 1.0],
     });
-    let murky = truth::Scene {
-        murk,
+    let turbid = truth::TracedScene {
+        turbidity,
         ..scene(&rooms, vec![half], water(0.0, 0.6), average())
     };
-    for scene in [even, murky] {
+    for scene in [even, turbid] {
         for direction in [[0.0, 0.0, 1.0], [1.0, 0.2, 0.1], [-0.4, 0.6, -1.0]] {
             radiance(&scene, along(direction), 0, 20_000)[3].agrees(1.0, 0.0, "furnace");
         }
@@ -264,8 +272,8 @@ fn a_closed_room_that_sends_out_what_it_takes_is_even() {
 
 #[test]
 fn a_lamp_and_the_place_it_is_seen_from_can_change_places() {
-    // Light that arrives at a place from a lamp at another, over all directions; a bright block beside one of them.
-    let block = Solid::Block {
+    // Light at a point from a lamp at another, over all directions; a bright block next to one of them.
+    let block = TestSolid::Block {
         low: [0.3, -0.6, 0.4],
         high: [0.9, 0.6, 1.4],
     };
@@ -274,7 +282,7 @@ fn a_lamp_and_the_place_it_is_seen_from_can_change_places() {
     let fluence = |from: [f64; 3], to: [f64; 3]| {
         let mut scene = scene(
             &solids,
-            vec![Material::gray(0.8)],
+            vec![Lambertian::gray(0.8)],
             water(0.2, 0.5),
             Phase::henyey_greenstein(0.6),
         );
@@ -307,7 +315,7 @@ fn a_lamp_and_the_place_it_is_seen_from_can_change_places() {
                 light.sum::<f64>() * 4.0 * PI * 32.0 / directions as f64
             })
             .collect();
-        Mean::of(&values)
+        Mean::from_batches(&values)
     };
     let [there, back] = [fluence(places[0], places[1]), fluence(places[1], places[0])];
     there.agrees(back.mean, back.error, "reciprocity");
@@ -316,10 +324,10 @@ fn a_lamp_and_the_place_it_is_seen_from_can_change_places() {
 
 #[test]
 fn a_path_of_all_channels_has_the_means_of_three() {
-    let solids = Solids(vec![Solid::Wall(2.0)]);
+    let solids = Solids(vec![TestSolid::Wall(2.0)]);
     let mut scene = scene(
         &solids,
-        vec![Material::gray(0.6)],
+        vec![Lambertian::gray(0.6)],
         water(0.2, 0.4),
         Phase::henyey_greenstein(0.8),
     );
@@ -328,7 +336,7 @@ fn a_path_of_all_channels_has_the_means_of_three() {
     let ray = along([0.1, 0.0, 1.0]);
     let paths = 30_000u64;
     for channel in 0..3u64 {
-        let of = |shared: bool| {
+        let measure = |shared: bool| {
             let mut batches = [0.0; 30];
             for sample in 0..paths {
                 let address = Address {
@@ -346,9 +354,9 @@ fn a_path_of_all_channels_has_the_means_of_three() {
                 };
                 batches[(sample % 30) as usize] += light * 30.0 / paths as f64;
             }
-            Mean::of(&batches)
+            Mean::from_batches(&batches)
         };
-        let (shared, single) = (of(true), of(false));
+        let (shared, single) = (measure(true), measure(false));
         shared.agrees(single.mean, single.error, &format!("channel {channel}"));
         assert!(single.error < 0.05 * single.mean, "{single:?}");
     }
@@ -356,8 +364,8 @@ fn a_path_of_all_channels_has_the_means_of_three() {
 
 #[test]
 fn the_sun_lights_a_floor_and_the_water_above_it() {
-    // A level floor 2 m below the camera, the sun upright, water that only absorbs: E ρ/π e^{−a (z + Z)}.
-    let below = Solid::Block {
+    // A level floor 2 m below the camera, the sun at the zenith, purely absorbing water: E ρ/π e^{−a (z + Z)}.
+    let below = TestSolid::Block {
         low: [-100.0, 2.0, -100.0],
         high: [100.0, 3.0, 100.0],
     };
@@ -366,19 +374,19 @@ fn the_sun_lights_a_floor_and_the_water_above_it() {
         up: UP,
         depth_m: 5.0,
         sky: [0.0; 3],
-        sun: Some(Sun {
+        sun: Some(SeaSun {
             direction: UP,
             irradiance: [1.0; 3],
         }),
     };
-    let mut clear = scene(&solids, vec![Material::gray(1e-5)], water(0.1, 0.0), average());
+    let mut clear = scene(&solids, vec![Lambertian::gray(1e-5)], water(0.1, 0.0), average());
     clear.sea = Some(sea);
     let along = along([0.0, 1.0, 1.0]);
     let found = radiance(&clear, along, 0, 32)[3].mean;
-    // The surface of the sea sends next to nothing of so dark a floor back to it.
+    // The sea surface reflects almost no light of a floor this dark back to it.
     let expected = 1e-5 / PI * (-0.1 * (7.0 + 2.0 * 2f64.sqrt())).exp();
     assert!((found / expected - 1.0).abs() < 1e-4, "{found} and {expected}");
-    // Scattered once toward a level look in open water: b p(90°) E e^{−c h} ∫ e^{−c t} dt.
+    // Single scattering toward a level look in open water: b p(90°) E e^{−c h} ∫ e^{−c t} dt.
     let empty = Solids(Vec::new());
     let mut open = scene(&empty, Vec::new(), water(0.2, 0.3), Phase::henyey_greenstein(0.5));
     open.sea = Some(sea);

@@ -3,13 +3,13 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::support::{Mean, Solid, Solids, along, radiance, scene, water};
+use crate::support::{Mean, Solids, TestSolid, along, radiance, scene, water};
 use imaging::codec::{self, NpyValues};
 use imaging::geometry::Intrinsics;
 use imaging::vector::vec3;
 use optics::lamp::FournierForand;
 use serde_json::Value;
-use truth::{Along, Lamp, Material, Phase, Sea};
+use truth::{Along, Lambertian, Phase, Sea, SphereLamp};
 
 pub(crate) struct Case {
     folder: PathBuf,
@@ -49,7 +49,7 @@ impl Case {
         })
     }
 
-    fn water(&self) -> truth::Coefficients {
+    fn water(&self) -> truth::WaterCoefficients {
         water(self.number("/absorption"), self.number("/scattering"))
     }
 
@@ -71,10 +71,10 @@ impl Case {
 
 fn slab(case: &Case) {
     let (albedo, depth) = (case.number("/albedo"), case.number("/optical_thickness"));
-    let solids = Solids(vec![Solid::Wall(-1e-9), Solid::Wall(depth)]);
+    let solids = Solids(vec![TestSolid::Wall(-1e-9), TestSolid::Wall(depth)]);
     let sides = [0, 1].map(|side| {
-        let mut materials = vec![Material::BLACK; 2];
-        materials[side] = Material::glowing(1.0);
+        let mut materials = vec![Lambertian::BLACK; 2];
+        materials[side] = Lambertian::glowing(1.0);
         let phase = Phase::henyey_greenstein(case.number("/g"));
         let scene = scene(&solids, materials, water(1.0 - albedo, albedo), phase);
         radiance(&scene, along([0.0, 0.0, 1.0]), 10 + side as u64, 50_000)
@@ -86,11 +86,11 @@ fn slab(case: &Case) {
 fn pole(case: &Case) {
     let (near, far) = (case.number("/pole_z"), case.number("/wall_z"));
     let half = case.number("/pole_half_width_tan") * near;
-    let solids = Solids(vec![Solid::Plate { z: near, half }, Solid::Wall(far)]);
+    let solids = Solids(vec![TestSolid::Plate { z: near, half }, TestSolid::Wall(far)]);
     let places = case.array("tan_x");
     for (name, side) in [("near", 0), ("far", 1)] {
-        let mut materials = vec![Material::BLACK; 2];
-        materials[side] = Material::glowing(1.0);
+        let mut materials = vec![Lambertian::BLACK; 2];
+        materials[side] = Lambertian::glowing(1.0);
         let scene = scene(&solids, materials, case.water(), case.phase());
         let ray = |(i, x): (usize, &f64)| radiance(&scene, along([*x, 0.0, 1.0]), i as u64, 20_000)[3];
         let means: Vec<Mean> = places.iter().enumerate().map(ray).collect();
@@ -147,7 +147,8 @@ struct Stored {
 }
 
 impl Stored {
-    /// Checks the mean of some pixels. Few paths miss the rare bright ones, so a share `tail` of the light is allowed in addition to noise.
+    /// Checks the mean of some pixels. Few paths miss the rare bright ones, so a share `tail` of the light is allowed
+    /// in addition to noise.
     fn agrees(&self, ours: &[Mean], pixels: &[usize], tail: f64, what: &str) {
         let n = pixels.len() as f64;
         let sum = |value: &dyn Fn(usize) -> f64| pixels.iter().map(|&i| value(i)).sum::<f64>();
@@ -179,13 +180,13 @@ fn lamp_frame(case: &Case) {
     let size @ (width, height) = (case.number("/width") as usize, case.number("/height") as usize);
     let (low, high) = (case.triple("/box_lo"), case.triple("/box_hi"));
     let solids = Solids(vec![
-        Solid::Wall(case.number("/wall_z")),
-        Solid::Block { low, high },
+        TestSolid::Wall(case.number("/wall_z")),
+        TestSolid::Block { low, high },
     ]);
-    let materials = vec![Material::gray(case.number("/albedo")); 2];
+    let materials = vec![Lambertian::gray(case.number("/albedo")); 2];
     let mut scene = scene(&solids, materials, case.water(), case.phase());
     let axis = case.triple("/lamp/direction");
-    scene.lamps = vec![Lamp {
+    scene.lamps = vec![SphereLamp {
         place: case.triple("/lamp/position_m").into(),
         intensity: [case.number("/lamp/intensity"); 3],
         beam: Some((axis.into(), case.number("/lamp/cone_deg").to_radians().cos())),

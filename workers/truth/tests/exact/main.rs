@@ -1,4 +1,4 @@
-//! The truth against what is known: closed forms, laws that always hold, and another program.
+//! The truth against closed forms, general laws and an independent program.
 
 mod chain;
 mod checks;

@@ -1,23 +1,23 @@
-//! Solids of tests, and means over paths.
+//! Test solids, and means over paths.
 
 use imaging::random::Stream;
 use imaging::rays::{Hit, Rays};
 use imaging::vector::{DVec3, vec3};
-use truth::{Address, Along, Coefficients, ORDERS, Phase, Scene, Surfaces};
+use truth::{Address, Along, ORDERS, Phase, SurfaceMaterials, TracedScene, WaterCoefficients};
 
-/// A surface; its number among the solids is that of its material.
-pub(crate) enum Solid {
-    /// The plane z = this, without end.
+/// A surface; its index among the solids selects its material.
+pub(crate) enum TestSolid {
+    /// The unbounded plane z = this.
     Wall(f64),
     /// The part of the plane z = `z` with |x| up to `half`.
     Plate { z: f64, half: f64 },
-    /// A box, from outside or from inside.
+    /// A box, from outside or inside.
     Block { low: [f64; 3], high: [f64; 3] },
 }
 
-pub(crate) struct Solids(pub(crate) Vec<Solid>);
+pub(crate) struct Solids(pub(crate) Vec<TestSolid>);
 
-impl Solid {
+impl TestSolid {
     fn enter(&self, origin: [f64; 3], direction: [f64; 3], from: f64) -> Option<(f64, [f64; 3])> {
         let facing = |axis: usize| {
             let mut normal = [0.0; 3];
@@ -33,8 +33,8 @@ impl Solid {
             Self::Block { low, high } => {
                 let (mut enter, mut leave) = ((f64::NEG_INFINITY, 0), (f64::INFINITY, 0));
                 for axis in 0..3 {
-                    let at = |place: f64| (place - origin[axis]) / direction[axis];
-                    let (a, b) = (at(low[axis]), at(high[axis]));
+                    let parameter = |place: f64| (place - origin[axis]) / direction[axis];
+                    let (a, b) = (parameter(low[axis]), parameter(high[axis]));
                     if a.min(b) > enter.0 {
                         enter = (a.min(b), axis);
                     }
@@ -69,23 +69,23 @@ impl Rays for Solids {
 /// A scene without lamps and sea.
 pub(crate) fn scene<'a>(
     solids: &'a Solids,
-    surfaces: Vec<truth::Material>,
-    water: Coefficients,
+    surfaces: Vec<truth::Lambertian>,
+    water: WaterCoefficients,
     phase: Phase,
-) -> Scene<'a> {
-    Scene {
+) -> TracedScene<'a> {
+    TracedScene {
         rays: solids,
-        surfaces: Surfaces::ByObject(surfaces),
+        surfaces: SurfaceMaterials::ByObject(surfaces),
         lamps: Vec::new(),
         sea: None,
         water: [water; 3],
         phase,
-        murk: truth::Murk::Even,
+        turbidity: truth::TurbidityField::Even,
     }
 }
 
-pub(crate) fn water(absorption: f64, scattering: f64) -> Coefficients {
-    Coefficients {
+pub(crate) fn water(absorption: f64, scattering: f64) -> WaterCoefficients {
+    WaterCoefficients {
         absorption,
         scattering,
     }
@@ -106,7 +106,7 @@ pub(crate) struct Mean {
 }
 
 impl Mean {
-    pub(crate) fn of(values: &[f64]) -> Self {
+    pub(crate) fn from_batches(values: &[f64]) -> Self {
         let n = values.len() as f64;
         let mean = values.iter().sum::<f64>() / n;
         let square = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>();
@@ -126,8 +126,8 @@ impl Mean {
     }
 }
 
-/// Radiance of the first channel along a ray by order of scattering, and in all as the last.
-pub(crate) fn radiance(scene: &Scene<'_>, along: Along, pixel: u64, paths: u64) -> [Mean; ORDERS + 1] {
+/// Radiance of the first channel along a ray by scattering order, followed by the total.
+pub(crate) fn radiance(scene: &TracedScene<'_>, along: Along, pixel: u64, paths: u64) -> [Mean; ORDERS + 1] {
     let stream: Stream = truth::stream(7);
     const BATCHES: usize = 32;
     let mut sums = [[0.0; BATCHES]; ORDERS + 1];
@@ -147,5 +147,5 @@ pub(crate) fn radiance(scene: &Scene<'_>, along: Along, pixel: u64, paths: u64) 
             sums[ORDERS][batch] += share * light;
         }
     }
-    sums.map(|batches| Mean::of(&batches))
+    sums.map(|batches| Mean::from_batches(&batches))
 }

@@ -69,7 +69,7 @@ impl Look {
         let (mut light, mut squares, mut fine, mut coarse) = (0.0, 0.0, 0.0, 0.0);
         for scene in &scenes {
             let styled = session
-                .apply(scene, style::Beside::default())
+                .apply(scene, style::ModelInputs::default())
                 .map_err(|error| Failure::Other(error.into()))?;
             for (sum, plane) in sums.iter_mut().zip(styled.planes()) {
                 *sum += 255.0 * plane.data().iter().map(|&v| f64::from(v)).sum::<f64>();

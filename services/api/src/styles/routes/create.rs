@@ -1,7 +1,7 @@
 //! `POST /v1/styles`.
 
 use axum::extract::Multipart;
-use style::Card;
+use style::ModelCard;
 use utoipa::ToSchema;
 
 use crate::http::form::{Form, Kind};
@@ -58,7 +58,7 @@ pub(crate) struct StyleUpload {
 pub(crate) async fn create(
     State(styles): Topic<Styles>,
     MultipartBody(body): MultipartBody,
-) -> Result<Located<Card>, Problem> {
+) -> Result<Located<ModelCard>, Problem> {
     let (card, new) = styles.add(read(body).await?).await?;
     Ok(located(created(new), "/v1/styles".to_owned(), card))
 }

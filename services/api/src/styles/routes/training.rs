@@ -4,7 +4,7 @@ use axum::http::header;
 use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use style::Card;
+use style::ModelCard;
 use utoipa::{IntoParams, ToSchema};
 
 use crate::http::{Json, Path, Problem, Query, State, Topic, bounds};
@@ -56,7 +56,7 @@ pub(crate) struct TrainingView {
     error: Option<String>,
     /// The card of the style, as in the list of styles.
     #[schema(value_type = Option<StyleCard>)]
-    card: Option<Card>,
+    card: Option<ModelCard>,
 }
 
 impl TrainingView {

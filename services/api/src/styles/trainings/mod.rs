@@ -16,7 +16,7 @@ use std::time::Duration;
 
 use imaging::codec::{announced_pixels, decode_picture};
 use serde_json::Value;
-use style::Card;
+use style::ModelCard;
 use tempfile::TempDir;
 use tokio::sync::Notify;
 use tokio_util::sync::CancellationToken;
@@ -46,7 +46,7 @@ pub(crate) enum Progress {
     /// Waiting for others, or running.
     Open,
     /// Its style can be used.
-    Done(Box<Card>),
+    Done(Box<ModelCard>),
     /// Why there is no style.
     Failed(String),
     /// A user cancelled it, or the service stopped.

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
-use style::Card;
+use style::ModelCard;
 
 use super::Order;
 use crate::http::problem::Problem;
@@ -59,7 +59,7 @@ pub(super) async fn validate(children: &Children, order: &Order) -> Result<(), P
 }
 
 /// Trains, and adds the style; an error is shown to whoever asks for the training.
-pub(super) async fn train(styles: &Arc<Styles>, order: &Order) -> Result<Card, String> {
+pub(super) async fn train(styles: &Arc<Styles>, order: &Order) -> Result<ModelCard, String> {
     let folder = order.folder.path();
     let out = folder.join(OUT);
     let mut arguments = arguments(order);
@@ -94,7 +94,7 @@ pub(super) async fn train(styles: &Arc<Styles>, order: &Order) -> Result<Card, S
         std::fs::read(&file).map_err(|error| format!("the training left no {extension}: {error}"))
     };
     let (onnx, card) = (read("onnx")?, read("card.json")?);
-    let card: Card = serde_json::from_slice(&card).map_err(|error| format!("its card: {error}"))?;
+    let card: ModelCard = serde_json::from_slice(&card).map_err(|error| format!("its card: {error}"))?;
     let mut new = NewStyle::new(&order.name, onnx).map_err(|problem| problem.to_string())?;
     new.card = card;
     let (card, _) = styles.add(new).await.map_err(|problem| problem.to_string())?;

@@ -4,7 +4,7 @@ use imaging::{Plane, Rgb, lab, transfer};
 use rayon::prelude::*;
 use style::TableDistance;
 use style::net::layer::Weights;
-use style::net::{Network, Scratch, Table, TableScratch};
+use style::net::{ColorTable, Network, Scratch, TableScratch};
 
 /// What one scene says.
 struct Scene {
@@ -18,7 +18,7 @@ struct Scene {
 /// None for a network that takes a range, which has no table.
 pub(super) fn measure(weights: &Weights) -> Option<TableDistance> {
     let network = Network::new(weights);
-    let table = Table::new(&network)?;
+    let table = ColorTable::new(&network)?;
     let of_scene = |scene: &Rgb<f32>| {
         let exact = network.apply(scene, None, &mut Scratch::default());
         let near = table.apply(scene, &mut TableScratch::default());

@@ -7,7 +7,7 @@ use cli::exit::Failure;
 use cli::files;
 use imaging::codec;
 use style::net::{Network, onnx};
-use style::{Card, Parts, Training};
+use style::{LossTerms, ModelCard, TrainingRecord};
 use training::loss::Losses;
 use training::{Best, Score};
 
@@ -59,7 +59,7 @@ impl Product<'_> {
         ])
     }
 
-    fn card(&self, model: &[u8], best: &Best, score: Score, done: usize) -> Card {
+    fn card(&self, model: &[u8], best: &Best, score: Score, done: usize) -> ModelCard {
         let Arguments {
             name, seed, steps, ..
         } = self.arguments;
@@ -72,7 +72,7 @@ impl Product<'_> {
         if best.step > 0 && done < *steps as usize {
             caveats.push(format!("training was stopped after {done} of {steps} steps"));
         }
-        Card {
+        ModelCard {
             name: name.clone(),
             file: format!("{name}.onnx"),
             sha256: imaging::digest::sha256(model),
@@ -88,7 +88,7 @@ impl Product<'_> {
                     its output alone"
                 .to_owned(),
             caveats,
-            training: Some(Training {
+            training: Some(TrainingRecord {
                 photos: self.given.iter().map(|given| given.sha256.clone()).collect(),
                 seed: *seed,
                 steps: *steps as usize,
@@ -124,8 +124,8 @@ fn inputs(takes_range: bool) -> Vec<String> {
     inputs
 }
 
-fn parts(losses: &Losses) -> Parts {
-    Parts {
+fn parts(losses: &Losses) -> LossTerms {
+    LossTerms {
         texture: rounded(losses.texture),
         color: rounded(losses.color),
         content: rounded(losses.content),

@@ -1,4 +1,4 @@
-//! Where Poisson's sums stand: F at the middle of every row of means, and a guide to the least k.
+//! PoissonTable of Poisson's sums: F at the middle of every row of means, and a guide to the smallest k.
 
 use std::sync::LazyLock;
 
@@ -7,25 +7,25 @@ use super::super::POISSON_SWITCH;
 /// Rows of the table for an electron.
 pub(super) const ROWS_PER_E: usize = 4;
 pub(super) const ROWS: usize = POISSON_SWITCH as usize * ROWS_PER_E;
-/// Parts of 0..1 in which u is looked up.
+/// Intervals of u.
 pub(super) const PARTS: usize = 128;
-/// Values of F in a row. Where k is larger, u is in the last part, which is summed.
+/// Values of F in a row. Larger k have u in the last interval, which is summed.
 pub(super) const COUNTS: usize = 64;
-/// Values of F that decide between three k.
+/// Values of F that separate three k.
 pub(super) const WINDOW: usize = 4;
-/// What f32 loses of u, the table and three products, each at most 1: some 1e-6. It covers the rounding of sums in f64, too.
+/// f32 rounding of u, the table and three products, each at most 1: about 1e-6. Also covers the rounding of f64 sums.
 pub(super) const ROUNDING: f32 = 4e-6;
-pub(super) struct Table {
-    /// Where in `sums` the window of a row and a part of u begins.
+pub(super) struct PoissonTable {
+    /// Start in `sums` of the window for a row and an interval of u.
     pub(super) starts: Vec<u16>,
-    /// 0, 0, F(0), F(1), … of each row; then a window of no number, from which nothing is decided.
+    /// 0, 0, F(0), F(1), … of each row; then a window of NaN, which leaves every pixel open.
     pub(super) sums: Vec<f32>,
 }
 
-pub(super) static TABLE: LazyLock<Table> = LazyLock::new(table);
+pub(super) static TABLE: LazyLock<PoissonTable> = LazyLock::new(table);
 
-fn table() -> Table {
-    let mut table = Table {
+fn table() -> PoissonTable {
+    let mut table = PoissonTable {
         starts: Vec::with_capacity(ROWS * PARTS),
         sums: Vec::with_capacity(ROWS * COUNTS + WINDOW),
     };
@@ -46,13 +46,12 @@ fn table() -> Table {
     table
 }
 
-/// The least k of a part of u, from F at the edges of a row; none where k may lie beyond a window.
+/// The smallest k of an interval of u, from F at the edges of a row; `None` if k may be outside of a window.
 fn least([at_low, at_high]: [&[f64; COUNTS]; 2], part: usize) -> Option<usize> {
     let [from, to] = [part, part + 1].map(|edge| edge as f64 / PARTS as f64);
-    let first = |sums: &[f64; COUNTS], u: f64| sums.iter().position(|&sum| sum > u);
-    // F falls with the mean, so that k is least at the lower edge.
-    let least = first(at_low, from - f64::from(ROUNDING))?;
-    let most = first(at_high, to + f64::from(ROUNDING))?;
+    // F falls with the mean, so that k is smallest at the lower edge.
+    let least = at_low.iter().position(|&sum| sum > from - f64::from(ROUNDING))?;
+    let most = at_high.iter().position(|&sum| sum > to + f64::from(ROUNDING))?;
     (most <= least + 2 && least + WINDOW <= COUNTS).then_some(least)
 }
 

@@ -1,13 +1,13 @@
-//! One sweep down the picture with running sums. The coefficients of a window's row go straight into the sums for their
-//! means, and a ring of rows remembers what must leave those sums again: nothing of the picture's size is kept but the
-//! result. Everything is in double precision, since the background light is sought among nearly equal distances.
+//! One sweep down the picture with running sums. The coefficients of a row are added to the sums for their means
+//! immediately, and a ring of rows stores the values to subtract later: only the result is as large as the picture. All
+//! sums are f64, since the background light is a search among nearly equal distances.
 
 use imaging::{Plane, vectorized};
 
 use super::{Guide, solve};
 use crate::blocks::sums::{WindowSums, exchange, inverse_counts};
 
-/// Columns whose sums are held in the nearest cache at once.
+/// Columns whose sums stay in the nearest cache.
 const BLOCK: usize = 32;
 /// Guide, its products, the plane, and its products with the guide.
 const MOMENTS: usize = 13;
@@ -22,7 +22,7 @@ pub(super) fn guided(guide: &Guide, plane: &Plane<f64>) -> Plane<f64> {
 
 /// One row of the guide and of the plane.
 #[derive(Clone, Copy)]
-struct Row<'a> {
+struct GuideRow<'a> {
     codes: [&'a [u8]; 3],
     plane: &'a [f64],
 }
@@ -34,11 +34,11 @@ fn sweep(guide: &Guide, plane: &Plane<f64>) -> Plane<f64> {
     let (across, down) = (inverse_counts(width, radius), inverse_counts(height, radius));
     let regularization = guide.regularization / (guide.scale * guide.scale);
     let (no_codes, no_plane) = (vec![0u8; width], vec![0.0; width]);
-    let none = Row {
+    let none = GuideRow {
         codes: [&no_codes; 3],
         plane: &no_plane,
     };
-    let row = |y: usize| Row {
+    let row = |y: usize| GuideRow {
         codes: guide.channels.each_ref().map(|channel| channel.row(y)),
         plane: plane.row(y),
     };
@@ -85,9 +85,9 @@ fn sweep(guide: &Guide, plane: &Plane<f64>) -> Plane<f64> {
     filtered
 }
 
-/// Takes the row that enters into the column sums, and the one that leaves out of them.
+/// Adds the entering row to the column sums and subtracts the leaving one.
 #[inline(always)]
-fn slide(columns: &mut [Vec<f64>; MOMENTS], enters: Row, leaves: Row) {
+fn slide(columns: &mut [Vec<f64>; MOMENTS], enters: GuideRow, leaves: GuideRow) {
     let (codes, rest) = columns.split_at_mut(3);
     let (products, rest) = rest.split_at_mut(6);
     let (plane, with_plane) = rest.split_at_mut(1);

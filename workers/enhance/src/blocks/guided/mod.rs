@@ -1,13 +1,12 @@
 //! The guided filter with a color guide (He, Sun and Tang 2013, "Guided image filtering", eq. 14 and 19-21).
 //!
-//! In each window the output is an affine function of the guide, `q = a · I + b`, with
-//! `a = (Σ + ε E)⁻¹ cov(I, p)` and `b = mean(p) - a · mean(I)`; every pixel takes the mean of a and of b over the
-//! windows that hold it. `I` is the guide, a color in 0..=1; `p` the plane to filter; `Σ` the 3 × 3 covariance of the
-//! guide in the window; means are taken over windows that are clipped to the picture. `Σ + ε E` is
-//! positive definite, so its determinant is never 0.
+//! In each window the output is an affine function of the guide, `q = a · I + b`, with `a = (Σ + ε E)⁻¹ cov(I, p)` and
+//! `b = mean(p) - a · mean(I)`; every pixel uses the mean of a and of b over the windows that contain it. `I` is the
+//! guide, a color in 0..=1; `p` the plane to filter; `Σ` the 3 × 3 covariance of the guide in the window; means are
+//! over windows clipped to the picture. `Σ + ε E` is positive definite, so its determinant is never 0.
 //!
-//! The result does not change with an offset of the guide, and a scale of the guide is a scale of ε: the fast form
-//! works on codes, whose sums are whole numbers and exact.
+//! An offset of the guide does not change the result, and a scale of the guide is a scale of ε: the fast variant works
+//! on codes, whose sums are exact integers.
 
 mod fast;
 mod reference;
@@ -20,21 +19,21 @@ use crate::variant::Variant;
 pub const RADIUS_PX: usize = 50;
 /// ε of the methods, in squares of the guide's 0..=1.
 pub const REGULARIZATION: f64 = 1e-3;
-/// Largest radius: the fast form keeps a row of coefficients for each row of a window.
+/// Largest radius: the fast variant keeps a row of coefficients for each row of a window.
 pub const RADIUS_MAX: usize = 255;
 
-/// A guide: codes, and how they become the color in 0..=1.
+/// A guide: codes and their scale.
 #[derive(Debug, Clone)]
 pub struct Guide {
     channels: [Plane<u8>; 3],
-    /// `I = scale · code + offset`; the offset does not matter.
+    /// `I = scale · code + offset`; the offset cancels out.
     scale: f64,
     radius_px: usize,
     regularization: f64,
 }
 
 impl Guide {
-    /// The picture itself as guide, `I = code / 255`, with the methods' radius and ε.
+    /// The picture as guide, `I = code / 255`, with the methods' radius and ε.
     #[must_use]
     pub fn new(picture: &Rgb8) -> Self {
         Self {
@@ -45,13 +44,13 @@ impl Guide {
         }
     }
 
-    /// The same with another scale: `I = scale · code + offset`, above 0.
+    /// Sets the scale of `I = scale · code + offset`, above 0.
     #[must_use]
     pub fn scaled(self, scale: f64) -> Self {
         Self { scale, ..self }
     }
 
-    /// The same with another radius, 0..=[`RADIUS_MAX`] (more is cut), and another ε, above 0.
+    /// Sets the radius, clamped to 0..=[`RADIUS_MAX`], and ε, above 0.
     #[must_use]
     pub fn window(self, radius_px: usize, regularization: f64) -> Self {
         Self {
@@ -71,7 +70,7 @@ impl Guide {
         brighter
     }
 
-    /// Red, green and blue apart.
+    /// The planes of red, green and blue.
     #[must_use]
     pub fn channels(&self) -> &[Plane<u8>; 3] {
         &self.channels
@@ -81,7 +80,7 @@ impl Guide {
 /// Filters a plane of the guide's size.
 ///
 /// # Panics
-/// When the sizes differ.
+/// If the sizes differ.
 #[must_use]
 pub fn guided(guide: &Guide, plane: &Plane<f64>, variant: Variant) -> Plane<f64> {
     assert_eq!(

@@ -1,4 +1,4 @@
-//! The definition, plane by plane in double precision.
+//! The definition, plane by plane in f64.
 
 use imaging::Plane;
 
@@ -8,22 +8,22 @@ use crate::blocks::sums::inside;
 pub(super) fn guided(guide: &Guide, plane: &Plane<f64>) -> Plane<f64> {
     let (width, height) = plane.size();
     let mean = |plane: &Plane<f64>| box_mean(plane, guide.radius_px);
-    let combined = |a: &Plane<f64>, b: &Plane<f64>, with: fn(f64, f64) -> f64| {
-        Plane::from_fn(width, height, |x, y| with(a.pixel(x, y), b.pixel(x, y)))
-    };
     let channels = guide.channels.each_ref();
     let colors = channels.map(|codes| codes.map(|&code| guide.scale * f64::from(code)));
     let means = colors.each_ref().map(mean);
     let plane_mean = mean(plane);
 
-    let covariance = |a: (&Plane<f64>, &Plane<f64>), b: (&Plane<f64>, &Plane<f64>)| {
-        let product = |a, b| combined(a, b, |a, b| a * b);
-        combined(&mean(&product(a.0, b.0)), &product(a.1, b.1), |a, b| a - b)
-    };
-    let channel = |i: usize| (&colors[i], &means[i]);
     let pairs = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
-    let spread = pairs.map(|(i, j)| covariance(channel(i), channel(j)));
-    let with_plane = [0, 1, 2].map(|i| covariance(channel(i), (plane, &plane_mean)));
+    let spread = pairs.map(|(i, j)| {
+        let product_mean = mean(&combine(&colors[i], &colors[j], |a, b| a * b));
+        let mean_product = combine(&means[i], &means[j], |a, b| a * b);
+        combine(&product_mean, &mean_product, |a, b| a - b)
+    });
+    let with_plane = [0, 1, 2].map(|i| {
+        let product_mean = mean(&combine(&colors[i], plane, |a, b| a * b));
+        let mean_product = combine(&means[i], &plane_mean, |a, b| a * b);
+        combine(&product_mean, &mean_product, |a, b| a - b)
+    });
 
     let slopes = Plane::from_fn(width, height, |x, y| {
         let mut matrix = spread.each_ref().map(|plane| plane.pixel(x, y));
@@ -46,7 +46,7 @@ pub(super) fn guided(guide: &Guide, plane: &Plane<f64>) -> Plane<f64> {
     })
 }
 
-/// The mean of the samples within `radius` columns and rows of each sample, divided by the number that lie inside.
+/// The mean of the samples within `radius` columns and rows, over the part of the window inside the plane.
 pub(super) fn box_mean(plane: &Plane<f64>, radius: usize) -> Plane<f64> {
     let (width, height) = plane.size();
     let along = Plane::from_fn(width, height, |x, y| {
@@ -57,6 +57,10 @@ pub(super) fn box_mean(plane: &Plane<f64>, radius: usize) -> Plane<f64> {
         let count = rows.len() * inside(x, radius, width).len();
         rows.map(|j| along.pixel(x, j)).sum::<f64>() / count as f64
     })
+}
+
+fn combine(a: &Plane<f64>, b: &Plane<f64>, join: fn(f64, f64) -> f64) -> Plane<f64> {
+    Plane::from_fn(a.width(), a.height(), |x, y| join(a.pixel(x, y), b.pixel(x, y)))
 }
 
 #[cfg(test)]

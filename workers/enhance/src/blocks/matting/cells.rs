@@ -1,28 +1,27 @@
-//! The part of a picture that is solved for: cells, each a tile's columns and a few rows.
+//! The part of a picture that is solved for: cells, each the columns of a tile and a few rows.
 
 use imaging::Plane;
 
 use super::tile::BLOCK;
-use crate::blocks::Region;
+use crate::blocks::QuadRegion;
 
-/// Rows of a cell: an even number, and more than coefficients and windows reach.
+/// Rows of a cell: even, and more than the reach of coefficients and windows.
 pub(super) const ROWS: usize = 8;
 
-/// A set of cells of a picture.
 #[derive(Debug, Clone)]
-pub(super) struct Cells {
+pub(super) struct CellSet {
     across: usize,
     down: usize,
     chosen: Vec<bool>,
 }
 
-impl Cells {
-    /// All of a picture.
+impl CellSet {
+    /// All cells of a picture.
     pub(super) fn whole(width: usize, height: usize) -> Self {
         Self::filled(width, height, true)
     }
 
-    /// Those that hold a value of at most `limit`.
+    /// The cells with a value of at most `limit`.
     pub(super) fn at_most(plane: &Plane<f64>, limit: f64) -> Self {
         let mut cells = Self::filled(plane.width(), plane.height(), false);
         for (y, row) in plane.data().chunks_exact(plane.width()).enumerate() {
@@ -34,8 +33,8 @@ impl Cells {
         cells
     }
 
-    /// With those of a region.
-    pub(super) fn with(mut self, region: &Region) -> Self {
+    /// Adds the cells of a region.
+    pub(super) fn with_region(mut self, region: &QuadRegion) -> Self {
         for y in region.rows.start / ROWS..region.rows.end.div_ceil(ROWS) {
             let columns = region.columns.start / BLOCK..region.columns.end.div_ceil(BLOCK);
             self.chosen[y * self.across..][columns].fill(true);
@@ -43,7 +42,7 @@ impl Cells {
         self
     }
 
-    /// With so many cells more on each side.
+    /// Adds a margin of cells on each side.
     pub(super) fn grown(&self, columns: usize, rows: usize) -> Self {
         let mut grown = self.clone();
         for y in 0..self.down {
@@ -58,13 +57,13 @@ impl Cells {
         grown
     }
 
-    /// Whether the tile of a row of pixels is in the set.
+    /// Whether the tile at a row of pixels is in the set.
     #[inline(always)]
     pub(super) fn has(&self, tile: usize, y: usize) -> bool {
         self.chosen[y / ROWS * self.across + tile]
     }
 
-    /// Whether one of the columns `first..=last` of a row of pixels is in the set.
+    /// Whether any of the columns `first..=last` of a row of pixels is in the set.
     pub(super) fn has_columns(&self, first: usize, last: usize, y: usize) -> bool {
         (first / BLOCK..=last / BLOCK).any(|tile| self.has(tile, y))
     }
@@ -86,11 +85,11 @@ mod tests {
     #[test]
     fn cells_hold_the_low_values_and_grow_to_the_border() {
         let plane = Plane::from_fn(100, 30, |x, y| if (x, y) == (70, 9) { 0.5 } else { 1.0 });
-        let cells = Cells::at_most(&plane, 0.5);
+        let cells = CellSet::at_most(&plane, 0.5);
         assert!(cells.has(2, 8) && cells.has_columns(10, 64, 15) && !cells.has_columns(10, 63, 15));
         assert!(!cells.has(2, 7) && !cells.has(2, 16));
         let grown = cells.grown(1, 2);
         assert!(grown.has(1, 0) && grown.has(3, 29) && !grown.has(0, 9));
-        assert!(Cells::whole(100, 30).has(3, 29));
+        assert!(CellSet::whole(100, 30).has(3, 29));
     }
 }

@@ -1,54 +1,54 @@
-//! Large pictures: the iteration of Chebyshev (Golub and Varga 1961; Saad 2003, algorithm 12.1) in f32, several steps in one pass.
+//! Large pictures: the Chebyshev iteration (Golub and Varga 1961; Saad 2003, algorithm 12.1) in f32, several steps per
+//! pass.
 //!
-//! Each window adds to L a matrix whose eigenvalues lie in 0..=1, and a pixel is in nine windows at most, so those of `A = L + λ E` lie in
-//! λ..=λ + 9, whatever the picture. So the steps
+//! Each window adds a matrix with eigenvalues in 0..=1 to L, and a pixel is in at most nine windows, so the eigenvalues
+//! of `A = L + λ E` are in λ..=λ + 9 for every picture. Therefore the steps
 //!
 //! ```text
 //! x_{k+1} = x_k + ρ_k ρ_{k-1} (x_k - x_{k-1}) + 2 ρ_k/δ (b - A x_k)      ρ_k = 1/(2 σ - ρ_{k-1}),  ρ_0 = 1/σ
 //! ```
 //!
-//! with `δ = 9/2`, `σ = (λ + δ)/δ` are known beforehand, and how many leave which share of the residual: `1/cosh(k acosh σ)`. Conjugate
-//! gradients need about as many, but each waits for sums over the picture. Here a step of a row needs the step before of two rows more
-//! and no other, so that while a pass goes down the picture once, each step follows two rows behind the one before, and the
-//! coefficients, which are most of the memory, come from farther away once in a pass. They are loaded once for two planes, and values
-//! once for two rows: what limits a step is loading.
+//! with `δ = 9/2`, `σ = (λ + δ)/δ` are known in advance, and so is the share of the residual after k steps: `1/cosh(k
+//! acosh σ)`. Conjugate gradients need about as many steps, but each waits for sums over the picture. Here a step of a
+//! row needs only the previous step of two more rows. While a pass moves down the picture, each step follows two rows
+//! behind the previous one, and the coefficients, which dominate the memory, are fetched from distant caches once per
+//! pass. Steps are limited by loads: coefficients are loaded once for two planes, and values once for two rows.
 
 use std::iter::zip;
 use std::ops::Range;
 
 use imaging::{Plane, vectorized};
 
-use super::cells::{Cells, ROWS};
-use super::tile::{BLOCK, Coefficients, SPAN, Step, take_tile};
+use super::cells::{CellSet, ROWS};
+use super::tile::{BLOCK, ChebyshevStep, SPAN, TileCoefficients, take_tile};
 use super::windows::{RIM, STEPS, each_row};
 
-/// Windows that a pixel is in, at most.
+/// Maximum number of windows that contain a pixel.
 const WINDOWS: f64 = 9.0;
-/// Steps of a pass. More would read more rows than the caches nearby hold.
+/// Steps of a pass. More would read more rows than fit the nearest caches.
 const PASS: usize = 12;
-/// `A`. Columns and rows are whole tiles, with a rim of zeros: where there is no picture, zeros stay zeros.
+/// `A`. Columns and rows are whole tiles, with a rim of zeros: outside of the picture zeros stay zeros.
 pub(super) struct System {
     width: usize,
     height: usize,
     closeness: f64,
-    /// Tiles of a row.
     tiles: usize,
-    cells: Cells,
-    /// Of each row, the rim included, its tiles; λ is on the diagonal.
-    coefficients: Vec<Coefficients>,
+    cells: CellSet,
+    /// The tiles of each row, including the rim; λ is on the diagonal.
+    coefficients: Vec<TileCoefficients>,
 }
 
 impl System {
-    /// Of a picture of at least 3 × 3 pixels.
+    /// The system of a picture of at least 3 × 3 pixels.
     pub(super) fn new(channels: &[Plane<u8>; 3], closeness: f64) -> Self {
         let (width, height) = channels[0].size();
-        Self::within(channels, closeness, Cells::whole(width, height))
+        Self::in_cells(channels, closeness, CellSet::whole(width, height))
     }
 
-    /// Of the pixels in `cells`: the values of the others are those that the steps begin with.
-    pub(super) fn within(channels: &[Plane<u8>; 3], closeness: f64, cells: Cells) -> Self {
+    /// The system of the pixels in `cells`; all other pixels keep their initial values.
+    pub(super) fn in_cells(channels: &[Plane<u8>; 3], closeness: f64, cells: CellSet) -> Self {
         let (width, height) = channels[0].size();
-        // Windows of the pixels of a cell begin in the cells next to it at most.
+        // Windows of the pixels of a cell begin at most one cell away.
         let around = cells.grown(1, 1);
         let tiles = width.div_ceil(BLOCK);
         let rows = height.next_multiple_of(2) + 2 * RIM;
@@ -76,12 +76,12 @@ impl System {
         }
     }
 
-    /// `x` of `A x = λ p` for planes that are solved together: the residual is `residual` of `λ p` at most, but for rounding.
+    /// Solves `A x = λ p` for several planes together, to a residual of `residual` times `λ p`, apart from rounding.
     pub(super) fn solved<const N: usize>(&self, planes: [&Plane<f64>; N], residual: f64) -> [Plane<f64>; N] {
         self.taken(planes, None, residual)
     }
 
-    /// The same for a plane of which something near is known: what is left of the residual is that share of that of `start`.
+    /// Continues from an approximation `start`; `residual` is relative to that of `start`.
     pub(super) fn continued(&self, plane: &Plane<f64>, start: &Plane<f64>, residual: f64) -> Plane<f64> {
         let [x] = self.taken([plane], Some([start]), residual);
         x
@@ -93,7 +93,7 @@ impl System {
         starts: Option<[&Plane<f64>; N]>,
         residual: f64,
     ) -> [Plane<f64>; N] {
-        // A constant comes back, so that only what differs from the mean needs digits.
+        // Constants are preserved, so only the difference from the mean needs precision.
         let means = planes.map(|plane| plane.data().iter().sum::<f64>() / plane.data().len() as f64);
         let b = std::array::from_fn(|n| self.loaded(planes[n], means[n], self.closeness));
         let x: [Vec<f32>; N] = std::array::from_fn(|n| match starts {
@@ -103,7 +103,7 @@ impl System {
         let mut x = [x.clone(), x];
         for steps in steps(self.closeness, residual).chunks(PASS) {
             self.pass(&b, &mut x, steps);
-            // Steps write the planes in turn, the first one `x[0]`: the newest is to be `x[1]`.
+            // Steps write to the planes alternately, starting with `x[0]`; the last must write `x[1]`.
             if steps.len() % 2 == 1 {
                 x.swap(0, 1);
             }
@@ -125,16 +125,21 @@ impl System {
         loaded
     }
 
-    /// Takes steps that follow each other, in rows from the first to the last. `planes` are `x_{k-1}` and `x_k`; an odd number of
-    /// steps leaves them in the other order.
-    fn pass<const N: usize>(&self, b: &[Vec<f32>; N], planes: &mut [[Vec<f32>; N]; 2], steps: &[Step]) {
+    /// Runs consecutive steps from the first row to the last. `planes` are `x_{k-1}` and `x_k`; after an odd number of
+    /// steps they are in the other order.
+    fn pass<const N: usize>(
+        &self,
+        b: &[Vec<f32>; N],
+        planes: &mut [[Vec<f32>; N]; 2],
+        steps: &[ChebyshevStep],
+    ) {
         let height = self.height.next_multiple_of(2);
         for front in (0..height + RIM * (steps.len() - 1)).step_by(ROWS) {
             for (level, step) in steps.iter().enumerate() {
                 let lag = RIM * level;
                 let rows = front.saturating_sub(lag)..(front + ROWS).saturating_sub(lag).min(height);
                 let [before, now] = &mut *planes;
-                // What is written is two steps old, and no other row needs it any more.
+                // The overwritten rows are two steps old and no longer needed.
                 if level.is_multiple_of(2) {
                     vectorized!(self.take_rows(*step, rows.clone(), b, now, before));
                 } else {
@@ -148,7 +153,7 @@ impl System {
     #[inline(always)]
     fn take_rows<const N: usize>(
         &self,
-        step: Step,
+        step: ChebyshevStep,
         rows: Range<usize>,
         b: &[Vec<f32>; N],
         now: &[Vec<f32>; N],
@@ -159,8 +164,8 @@ impl System {
                 if !self.cells.has(tile, y) {
                     continue;
                 }
-                // From two rows before to the second row of the tile.
-                let records: [&Coefficients; 4] =
+                // From two rows before the tile to its second row.
+                let records: [&TileCoefficients; 4] =
                     std::array::from_fn(|row| &self.coefficients[(y + row) * self.tiles + tile]);
                 take_tile(
                     step,
@@ -174,7 +179,7 @@ impl System {
         }
     }
 
-    /// Where a row of pixels starts in a plane with its rim.
+    /// Start of a row of pixels in a plane with its rim.
     fn start_of(&self, y: usize) -> usize {
         (y + RIM) * self.stride() + RIM
     }
@@ -185,19 +190,19 @@ impl System {
     }
 }
 
-/// The steps from `x_0 = x_{-1}` that leave a share of the residual.
-fn steps(closeness: f64, residual: f64) -> Vec<Step> {
+/// The steps from `x_0 = x_{-1}` to a share of the residual.
+fn steps(closeness: f64, residual: f64) -> Vec<ChebyshevStep> {
     let half = WINDOWS / 2.0;
     let sigma = (closeness + half) / half;
     let count = ((1.0 / residual).acosh() / sigma.acosh()).ceil() as usize;
-    let first = Step {
+    let first = ChebyshevStep {
         momentum: 0.0,
         length: (1.0 / (closeness + half)) as f32,
     };
     let mut rho = 1.0 / sigma;
     let later = (1..count.max(1)).map(|_| {
         let next = 1.0 / (2.0 * sigma - rho);
-        let step = Step {
+        let step = ChebyshevStep {
             momentum: (next * rho) as f32,
             length: (2.0 * next / half) as f32,
         };

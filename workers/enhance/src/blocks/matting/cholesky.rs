@@ -1,8 +1,8 @@
 //! Cholesky factors of the matting system by nested dissection (George 1973) and fronts (Duff and Reid 1983).
 //!
-//! A rectangle of pixels is cut by a strip two pixels wide, which no coefficient reaches across; its halves are cut in the same way,
-//! down to small ones. A part is eliminated after the parts inside of it. What is left of it then is a dense matrix over the
-//! pixels around it, which is added to the next larger part.
+//! A rectangle of pixels is cut by a strip two pixels wide, the reach of the coefficients; its halves are cut
+//! recursively down to small ones. A part is eliminated after the parts inside it. Its Schur complement is a dense
+//! matrix over the surrounding pixels, which is added to the next larger part.
 
 use imaging::Plane;
 
@@ -10,24 +10,24 @@ use super::front::Front;
 use super::laplacian::Laplacian;
 use super::windows::{RIM, STEPS};
 
-/// Rectangles of at most so many pixels are not cut.
+/// Larger rectangles are cut.
 const LEAF_PX: usize = 48;
 /// Width of a cut: the reach of a coefficient.
 const CUT_PX: usize = RIM;
 
 /// `L` of `L Lᵀ = A`, part by part in the order of elimination.
-pub(super) struct Factor {
+pub(super) struct CholeskyFactor {
     width: usize,
-    parts: Vec<Part>,
+    parts: Vec<Supernode>,
 }
 
 /// Pixels that are eliminated together.
-struct Part {
-    /// Their positions.
+struct Supernode {
+    /// Positions of the pixels.
     own: Vec<usize>,
-    /// Positions of the later pixels that their rows reach.
+    /// Positions of the later pixels reached by their rows.
     ring: Vec<usize>,
-    /// The columns of `own` in `L`: its rows, then those of `ring`, each as long as `own`.
+    /// The columns of these pixels in `L`: first their rows, then those of `ring`; row-major.
     columns: Vec<f64>,
 }
 
@@ -38,7 +38,7 @@ struct Rectangle {
     y: (usize, usize),
 }
 
-impl Factor {
+impl CholeskyFactor {
     /// Factors `L + λ E`.
     pub(super) fn new(laplacian: &Laplacian, closeness: f64) -> Self {
         let whole = Rectangle {
@@ -58,7 +58,7 @@ impl Factor {
         }
     }
 
-    /// `x` of `A x = b`.
+    /// Solves `A x = b`.
     pub(super) fn solved(&self, mut b: Plane<f64>) -> Plane<f64> {
         debug_assert_eq!(b.width(), self.width);
         let x = b.data_mut();
@@ -72,16 +72,15 @@ impl Factor {
     }
 }
 
-/// A factorization under way.
 struct Elimination<'l> {
     laplacian: &'l Laplacian,
     closeness: f64,
-    /// Place of each pixel in the front that is being assembled.
+    /// Index of each pixel in the current front.
     places: Vec<usize>,
-    parts: Vec<Part>,
+    parts: Vec<Supernode>,
 }
 
-/// What an eliminated rectangle leaves for the pixels around it: the lower half of a dense matrix.
+/// The Schur complement of an eliminated rectangle over the surrounding pixels: the lower half of a dense matrix.
 struct Remainder {
     ring: Vec<usize>,
     rows: Vec<f64>,
@@ -107,7 +106,7 @@ impl Elimination<'_> {
         }
         front.eliminate();
         let (columns, rows) = front.into_parts();
-        self.parts.push(Part {
+        self.parts.push(Supernode {
             own,
             ring: ring.clone(),
             columns,
@@ -115,8 +114,8 @@ impl Elimination<'_> {
         Remainder { ring, rows }
     }
 
-    /// Adds the coefficients between the own pixels, and from these to the ring. Those to pixels that are eliminated were added
-    /// with them.
+    /// Adds the coefficients among the eliminated pixels, and from these to the ring. TileCoefficients of previously
+    /// eliminated pixels were added with those.
     fn add_rows(&self, own: &[usize], front: &mut Front) {
         let width = self.laplacian.width;
         for (place, &pixel) in own.iter().enumerate() {
@@ -124,12 +123,12 @@ impl Elimination<'_> {
             let coefficients = self.laplacian.of_pixel(x, y);
             front.add(place, place, coefficients[0] + self.closeness);
             for ((columns, rows), coefficient) in STEPS.into_iter().zip(coefficients).skip(1) {
-                // To the later pixel, and from the earlier one that reaches this by the same step.
+                // To the later pixel, and from the earlier one at the opposite step.
                 if let Some(other) = self.place(x.wrapping_add_signed(columns), y + rows) {
                     front.add(place, other, coefficient);
                 }
                 let (earlier_x, earlier_y) = (x.wrapping_add_signed(-columns), y.wrapping_sub(rows));
-                // Two own pixels were added above, from the earlier one.
+                // Pairs of eliminated pixels were added above, from the earlier one.
                 if let Some(other) = self
                     .place(earlier_x, earlier_y)
                     .filter(|&other| other >= own.len())
@@ -144,7 +143,7 @@ impl Elimination<'_> {
         }
     }
 
-    /// Place of a pixel in the front; none outside of the picture or the front.
+    /// Index of a pixel in the front; `None` outside of the picture or the front.
     fn place(&self, x: usize, y: usize) -> Option<usize> {
         if x >= self.laplacian.width || y >= self.laplacian.height {
             return None;
@@ -167,24 +166,19 @@ impl Elimination<'_> {
 }
 
 impl Rectangle {
-    /// The pixels that are eliminated last, and what remains on both sides of them: all and nothing of a small rectangle, a cut
-    /// through the longer side of another.
+    /// The pixels to eliminate last, and the rectangles on both sides of them. A small rectangle is eliminated whole,
+    /// others are cut across the longer side.
     fn cut(self) -> (Self, Vec<Self>) {
         let (width, height) = (self.x.1 - self.x.0, self.y.1 - self.y.0);
         if width * height <= LEAF_PX || width.max(height) < 2 * CUT_PX + 1 {
             return (self, Vec::new());
         }
-        let middle = |(start, end): (usize, usize)| start + (end - start - CUT_PX) / 2;
         if width >= height {
-            let at = middle(self.x);
-            let part = |x| Self { x, ..self };
-            let halves = vec![part((self.x.0, at)), part((at + CUT_PX, self.x.1))];
-            (part((at, at + CUT_PX)), halves)
+            let [first, cut, second] = split(self.x).map(|x| Self { x, ..self });
+            (cut, vec![first, second])
         } else {
-            let at = middle(self.y);
-            let part = |y| Self { y, ..self };
-            let halves = vec![part((self.y.0, at)), part((at + CUT_PX, self.y.1))];
-            (part((at, at + CUT_PX)), halves)
+            let [first, cut, second] = split(self.y).map(|y| Self { y, ..self });
+            (cut, vec![first, second])
         }
     }
 
@@ -192,27 +186,26 @@ impl Rectangle {
         (self.y.0..self.y.1).flat_map(move |y| (self.x.0..self.x.1).map(move |x| y * width + x))
     }
 
-    /// Positions of the pixels around, as far as coefficients reach and the picture goes.
+    /// Positions of the surrounding pixels within the reach of coefficients.
     fn ring(self, width: usize, height: usize) -> Vec<usize> {
-        let grown =
-            |(start, end): (usize, usize), most: usize| (start.saturating_sub(RIM), (end + RIM).min(most));
-        let (x, y) = (grown(self.x, width), grown(self.y, height));
-        let inside = |pixel: &usize| {
-            (self.x.0..self.x.1).contains(&(pixel % width)) && (self.y.0..self.y.1).contains(&(pixel / width))
-        };
+        let [x, y] = [(self.x, width), (self.y, height)]
+            .map(|((start, end), side)| (start.saturating_sub(RIM), (end + RIM).min(side)));
         Self { x, y }
             .pixels(width)
-            .filter(|pixel| !inside(pixel))
+            .filter(|pixel| {
+                !((self.x.0..self.x.1).contains(&(pixel % width))
+                    && (self.y.0..self.y.1).contains(&(pixel / width)))
+            })
             .collect()
     }
 }
 
-impl Part {
+impl Supernode {
     fn row(&self, row: usize) -> &[f64] {
         &self.columns[row * self.own.len()..][..self.own.len()]
     }
 
-    /// `L y = b` of these rows, and what they take from the later ones.
+    /// Solves `L y = b` for these rows, and subtracts from the later ones.
     fn forward(&self, x: &mut [f64]) {
         let mut y: Vec<f64> = self.own.iter().map(|&pixel| x[pixel]).collect();
         for i in 0..y.len() {
@@ -227,7 +220,7 @@ impl Part {
         self.store(x, &y);
     }
 
-    /// `Lᵀ x = y` of these columns, once the later pixels are known.
+    /// Solves `Lᵀ x = y` for these columns; later pixels must be known.
     fn backward(&self, x: &mut [f64]) {
         let mut y: Vec<f64> = self.own.iter().map(|&pixel| x[pixel]).collect();
         for (i, &pixel) in self.ring.iter().enumerate() {
@@ -252,4 +245,10 @@ impl Part {
             x[pixel] = value;
         }
     }
+}
+
+/// A side before, inside and after its cut.
+fn split((start, end): (usize, usize)) -> [(usize, usize); 3] {
+    let cut = start + (end - start - CUT_PX) / 2;
+    [(start, cut), (cut, cut + CUT_PX), (cut + CUT_PX, end)]
 }

@@ -1,20 +1,19 @@
-//! A dense symmetric matrix of which the first rows are eliminated.
+//! Dense symmetric matrix with partial elimination.
 
 use imaging::vectorized;
 
-/// Columns that are eliminated before the rest of the matrix is brought up to date.
+/// Columns eliminated between updates of the rest of the matrix.
 const PANEL: usize = 32;
 
-/// The lower half of a symmetric positive definite matrix over own rows, which are eliminated, and those around them.
+/// The lower half of a symmetric positive definite matrix: first the rows to eliminate, then the surrounding ones.
 pub(super) struct Front {
     own: usize,
     size: usize,
-    /// By rows; above the diagonal nothing is read.
+    /// StepRows-major; elements above the diagonal are never read.
     rows: Vec<f64>,
 }
 
 impl Front {
-    /// All zeros.
     pub(super) fn new(own: usize, around: usize) -> Self {
         let size = own + around;
         Self {
@@ -29,7 +28,7 @@ impl Front {
         self.rows[a.max(b) * self.size + a.min(b)] += value;
     }
 
-    /// Turns the own columns into those of the Cholesky factor, and what is left of the others into their Schur complement.
+    /// Replaces the first columns by those of the Cholesky factor, and the rest by its Schur complement.
     pub(super) fn eliminate(&mut self) {
         let mut transposed = vec![0.0; PANEL * self.size];
         for start in (0..self.own).step_by(PANEL) {
@@ -44,7 +43,7 @@ impl Front {
         }
     }
 
-    /// The own columns of all rows, and the rows and columns that are left.
+    /// The eliminated columns of all rows, and the remaining rows and columns.
     pub(super) fn into_parts(self) -> (Vec<f64>, Vec<f64>) {
         let all = self.rows.chunks_exact(self.size.max(1));
         let columns = all.clone().flat_map(|row| &row[..self.own]).copied().collect();
@@ -80,7 +79,7 @@ fn factor(rows: &mut [f64], size: usize, start: usize, end: usize) {
     }
 }
 
-/// Takes the products of columns `start..end` from all later elements.
+/// Subtracts the products of columns `start..end` from all later elements.
 #[inline(always)]
 fn update(rows: &mut [f64], transposed: &[f64], size: usize, start: usize, end: usize) {
     for row in end..size {

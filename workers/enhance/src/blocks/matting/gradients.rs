@@ -5,10 +5,10 @@ use imaging::{Plane, vectorized};
 use super::laplacian::Laplacian;
 use super::windows::RIM;
 
-/// Far more steps than the worst picture needs: rounding could keep a residual above its bound for ever.
+/// Far more steps than the worst picture needs: rounding could keep the residual above its bound forever.
 const STEPS_MAX: usize = 40_000;
 
-/// `x` of `(L + λ E) x = λ p`, from a start, until the residual is a share of `λ p`.
+/// Solves `(L + λ E) x = λ p` from a start until the residual is below a share of `λ p`.
 pub(super) fn solved(
     laplacian: &Laplacian,
     closeness: f64,
@@ -60,7 +60,7 @@ fn with_rim(laplacian: &Laplacian, plane: &Plane<f64>) -> Vec<f64> {
     padded
 }
 
-/// The sum of products, in lanes of its own that do not depend on the CPU.
+/// Dot product in fixed lanes, independent of the CPU.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     vectorized!(lanes(a, b))
 }

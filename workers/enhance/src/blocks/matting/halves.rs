@@ -1,4 +1,4 @@
-//! A picture and its planes at half their size, and back.
+//! Halves and doubles the size of pictures and planes.
 
 use imaging::Plane;
 
@@ -12,17 +12,15 @@ pub(super) fn halved<T: Copy>(plane: &Plane<T>, mean: impl Fn([T; 4]) -> T) -> P
     })
 }
 
-/// Four codes become one.
 pub(super) fn mean_code(codes: [u8; 4]) -> u8 {
     ((codes.into_iter().map(u32::from).sum::<u32>() + 2) / 4) as u8
 }
 
-/// Four values become one.
 pub(super) fn mean_value(values: [f64; 4]) -> f64 {
     values.into_iter().sum::<f64>() / 4.0
 }
 
-/// What [`halved`] made of a plane of this size, interpolated along columns and rows.
+/// Bilinear interpolation of a [`halved`] plane to its original size.
 pub(super) fn doubled(plane: &Plane<f64>, (width, height): (usize, usize)) -> Plane<f64> {
     let mut doubled = Plane::filled(width, height, 0.0);
     let mut between = vec![0.0; plane.width()];
@@ -39,7 +37,7 @@ pub(super) fn doubled(plane: &Plane<f64>, (width, height): (usize, usize)) -> Pl
     doubled
 }
 
-/// The places of half the size on both sides of a place, the one that holds it first.
+/// The two half-size positions on both sides of a position, the containing one first.
 fn sources(place: usize, count: usize) -> (usize, usize) {
     let near = place / 2;
     let far = if place.is_multiple_of(2) {
@@ -63,7 +61,7 @@ mod tests {
         for (x, y) in [(1, 1), (2, 3), (6, 4)] {
             assert_eq!(back.pixel(x, y), ramp.pixel(x, y));
         }
-        // Of the last column and row half the step is left.
+        // The last column and row are half a step away.
         assert_eq!(half.pixel(4, 3), 22.0);
         assert_eq!(mean_code([1, 2, 2, 1]), 2);
     }

@@ -2,10 +2,10 @@
 
 use imaging::{Plane, vectorized};
 
-use super::cells::Cells;
+use super::cells::CellSet;
 use super::windows::{RIM, STEPS, each_row};
 
-/// A symmetric matrix over the pixels of a picture that reaches two pixels far. Planes have a rim of zeros.
+/// A symmetric matrix over the pixels of a picture with a reach of two pixels. Planes have a rim of zeros.
 pub(super) struct Laplacian {
     pub(super) width: usize,
     pub(super) height: usize,
@@ -14,7 +14,7 @@ pub(super) struct Laplacian {
 }
 
 impl Laplacian {
-    /// Of a picture of at least 3 × 3 pixels.
+    /// The matrix of a picture of at least 3 × 3 pixels.
     pub(super) fn new(channels: &[Plane<u8>; 3]) -> Self {
         let (width, height) = channels[0].size();
         let mut laplacian = Self {
@@ -23,7 +23,7 @@ impl Laplacian {
             coefficients: std::array::from_fn(|_| vec![0.0; (width + 2 * RIM) * (height + 2 * RIM)]),
         };
         let stride = laplacian.stride();
-        each_row::<f64>(channels, &Cells::whole(width, height), |y, row| {
+        each_row::<f64>(channels, &CellSet::whole(width, height), |y, row| {
             for (plane, row) in laplacian.coefficients.iter_mut().zip(row) {
                 plane[(y + RIM) * stride..][..stride].copy_from_slice(row);
             }
@@ -52,7 +52,7 @@ impl Laplacian {
         &self.coefficients[0]
     }
 
-    /// `out = (L + λ E) x`, both with their rim; the rim of `x` is 0, and that of `out` stays as it is.
+    /// `out = (L + λ E) x`, both with their rim. The rim of `x` must be 0; that of `out` is unchanged.
     pub(super) fn apply(&self, closeness: f64, x: &[f64], out: &mut [f64]) {
         vectorized!(apply(self, closeness, x, out));
     }

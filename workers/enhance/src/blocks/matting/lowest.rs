@@ -1,13 +1,13 @@
-//! Refinement that is solved for in full size only where the result is low.
+//! Refinement at full size only where the result is low.
 //!
-//! Elsewhere half the size is near enough: a quarter of the pixels, and with a larger λ half of the steps. Around the lowest values, and
-//! in the region that the search for the lowest mean comes through, the steps go on in full size, since colors of single pixels, their
-//! noise included, decide which are the lowest. As many steps for only what half the size cannot know (eigenvalues from 0.1 on) lost
-//! the light of twice as many frames: the low part differs, too.
+//! Elsewhere half the size is accurate enough: a quarter of the pixels and, with a larger λ, half of the steps. Around
+//! the lowest values, and in the region visited by the search for the lowest mean, the iteration continues at full
+//! size, since the noise of single pixels decides which are the lowest. Restricting the full-size steps to high
+//! frequencies (eigenvalues from 0.1) lost the light of twice as many frames: low frequencies differ, too.
 
 use imaging::Plane;
 
-use super::cells::Cells;
+use super::cells::CellSet;
 use super::chebyshev::System;
 use super::halves::{doubled, halved, mean_code, mean_value};
 use super::{CLOSENESS, LARGE, Matting};
@@ -17,28 +17,30 @@ use crate::variant::Variant;
 
 /// λ at half the size.
 const HALF_CLOSENESS: f64 = 0.05;
-/// Residual at half the size, as a share of the right-hand side.
+/// Residual at half the size relative to the right-hand side.
 const HALF_RESIDUAL: f64 = 0.02;
-/// What full size leaves of the residual that it starts with.
+/// Remaining share of the initial residual at full size.
 const RESIDUAL: f64 = 0.05;
-/// Share of the pixels around which full size is solved for.
+/// Share of the pixels to solve for at full size.
 const LOWEST: f64 = 0.025;
-/// Part of the picture that the search for the lowest mean is followed to, for the same.
+/// The full-size region is where the search for the lowest mean has narrowed to one of this many parts.
 const PARTS: usize = 16;
-/// Cells to each side of both: columns and rows.
+/// Margin of cells around both: columns and rows.
 const MARGIN: (usize, usize) = (1, 2);
-/// Sides below have no window at half the size.
+/// Shorter sides have no window at half the size.
 const SIDE_MIN: usize = 5;
 
-/// Refines a plane of the guide's size as [`Matting::refined`], in large pictures nearly so, and closely around the lowest values.
+/// Refines a plane of the guide's size as [`Matting::refined`]; large pictures approximately, and closely around the
+/// lowest values.
 ///
-/// From 180 000 pixels on the fast variant solves the system at half the size (means of 2 × 2 pixels, λ = 0.05) to a residual of
-/// 0.02, and goes on from there with λ = 0.01 in full size where it is low, until a twentieth of the residual is left: within 32
-/// columns and 16 rows of the lowest 2.5 % of the values and of the sixteenth of the picture that
-/// [`lowest`](crate::blocks::lowest) comes through. The reference, and the fast variant in smaller pictures, refine all of the plane.
+/// From 180 000 pixels on the fast variant solves the system at half the size (means of 2 × 2 pixels, λ = 0.05) to a
+/// residual of 0.02, then continues at full size with λ = 0.01 where the plane is low, until a twentieth of the
+/// residual is left: within 32 columns and 16 rows of the lowest 2.5 % of the values and of the sixteenth of the
+/// picture visited by [`lowest`](crate::blocks::lowest). The reference, and the fast variant in smaller pictures,
+/// refine the whole plane.
 ///
 /// # Panics
-/// When the sizes differ.
+/// If the sizes differ.
 #[must_use]
 pub fn lowest_refined(guide: &Guide, plane: &Plane<f64>, variant: Variant) -> Plane<f64> {
     let channels = guide.channels();
@@ -54,13 +56,13 @@ pub fn lowest_refined(guide: &Guide, plane: &Plane<f64>, variant: Variant) -> Pl
     let codes = channels.each_ref().map(|codes| halved(codes, mean_code));
     let [half] = System::new(&codes, HALF_CLOSENESS).solved([&halved(plane, mean_value)], HALF_RESIDUAL);
     let start = doubled(&half, plane.size());
-    let cells = Cells::at_most(&start, low_value(half, LOWEST))
-        .with(&lowest_part(&start, PARTS))
+    let cells = CellSet::at_most(&start, low_value(half, LOWEST))
+        .with_region(&lowest_part(&start, PARTS))
         .grown(MARGIN.0, MARGIN.1);
-    System::within(channels, CLOSENESS[1], cells).continued(plane, &start, RESIDUAL)
+    System::in_cells(channels, CLOSENESS[1], cells).continued(plane, &start, RESIDUAL)
 }
 
-/// The value that a share of the values lies below.
+/// The quantile of the values at a share.
 fn low_value(mut plane: Plane<f64>, share: f64) -> f64 {
     let values = plane.data_mut();
     let place = (share * values.len() as f64) as usize;
@@ -73,7 +75,7 @@ mod tests {
 
     use super::*;
 
-    /// Largest error where the plane is low, as a share of its range, which is 1 here.
+    /// Largest error of the low part relative to the range, which is 1 here.
     const LOW_AGREEMENT: f64 = 0.02;
 
     #[test]

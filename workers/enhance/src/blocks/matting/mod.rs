@@ -1,12 +1,12 @@
-//! Refinement of a plane by the matting Laplacian of a picture (Levin, Lischinski and Weiss 2008, "A closed-form solution to
-//! natural image matting", eq. 12).
+//! Refinement of a plane by the matting Laplacian of a picture (Levin, Lischinski and Weiss 2008, "A closed-form
+//! solution to natural image matting", eq. 12).
 //!
-//! `x` solves `(L + λ E) x = λ p`: near `p`, and in each window of 3 × 3 pixels nearly an affine function of the colors. `L` is the
-//! sum over all windows k that lie wholly inside of `δ_ij - (1 + (I_i - μ_k)ᵀ V_k⁻¹ (I_j - μ_k)) / 9`; I colors, μ_k their mean, V_k
-//! their covariance with 1e-7/9 on its diagonal. Rows of `L` sum to 0, so that a constant comes back.
+//! `x` solves `(L + λ E) x = λ p`: close to `p`, and in each window of 3 × 3 pixels nearly an affine function of the
+//! colors. `L` is the sum over all complete windows k of `δ_ij - (1 + (I_i - μ_k)ᵀ V_k⁻¹ (I_j - μ_k)) / 9`; I colors,
+//! μ_k their mean, V_k their covariance with 1e-7/9 on its diagonal. Rows of `L` sum to 0, so constants are preserved.
 //!
-//! The least eigenvalue of the system is λ: where the residual is a share s of `λ p`, the root mean square of the error of `x` is at
-//! most s times that of `p`.
+//! The smallest eigenvalue of the system is λ: if the residual is a share s of `λ p`, the RMS error of `x` is at most s
+//! times the RMS of `p`.
 
 mod cells;
 mod chebyshev;
@@ -26,17 +26,17 @@ use imaging::Plane;
 use super::guided::{Guide, guided};
 use crate::variant::Variant;
 use chebyshev::System;
-use cholesky::Factor;
+use cholesky::CholeskyFactor;
 use laplacian::Laplacian;
 pub use lowest::lowest_refined;
 
-/// From this many pixels on a picture is held less close to `p`.
+/// Pictures of this many pixels or more use the larger λ.
 const LARGE: usize = 180_000;
 /// λ below and from [`LARGE`] on.
 const CLOSENESS: [f64; 2] = [1e-5, 1e-2];
-/// Residual at which the iteration of the reference ends, as a share of the right-hand side.
+/// Final residual of the reference iteration relative to the right-hand side.
 const REFERENCE_RESIDUAL: f64 = 1e-9;
-/// The same of large pictures: the root mean square of the error of `x` is at most that share of that of `p`.
+/// Final residual of large pictures: the RMS error of `x` is at most this share of the RMS of `p`.
 const LARGE_RESIDUAL: f64 = 1e-3;
 
 /// The system of a picture, prepared for several planes.
@@ -46,33 +46,33 @@ pub struct Matting<'g> {
     solver: Solver,
 }
 
-/// A plane that was guessed, and refined; none where nothing is won by that.
+/// A guessed plane and its refinement; `None` if guessing does not pay.
 pub struct Ahead(Option<[Plane<f64>; 2]>);
 
 enum Solver {
-    /// A side below 3: no window lies inside.
+    /// A side below 3: there is no complete window.
     Nothing,
     /// The reference: conjugate gradients in f64.
     Gradients(Laplacian),
-    /// Large pictures: quicker steps in f32.
+    /// Large pictures: faster steps in f32.
     Chebyshev(System),
-    /// The iteration would take thousands of steps with a small λ: factors, once for all planes.
-    Factored(Factor),
+    /// Small λ, where the iteration would need thousands of steps: factorized once for all planes.
+    Factored(CholeskyFactor),
 }
 
 impl<'g> Matting<'g> {
-    /// Prepares the system of a guide; of the guide only the codes count.
+    /// Prepares the system of a guide, from its codes only.
     #[must_use]
     pub fn new(guide: &'g Guide, variant: Variant) -> Self {
         let (width, height) = guide.channels()[0].size();
         let is_large = width * height >= LARGE;
         let closeness = CLOSENESS[usize::from(is_large)];
-        let laplacian = || Laplacian::new(guide.channels());
+        let channels = guide.channels();
         let solver = match variant {
             _ if width < 3 || height < 3 => Solver::Nothing,
-            Variant::Reference => Solver::Gradients(laplacian()),
-            Variant::Fast if is_large => Solver::Chebyshev(System::new(guide.channels(), closeness)),
-            Variant::Fast => Solver::Factored(Factor::new(&laplacian(), closeness)),
+            Variant::Reference => Solver::Gradients(Laplacian::new(channels)),
+            Variant::Fast if is_large => Solver::Chebyshev(System::new(channels, closeness)),
+            Variant::Fast => Solver::Factored(CholeskyFactor::new(&Laplacian::new(channels), closeness)),
         };
         Self {
             guide,
@@ -84,18 +84,18 @@ impl<'g> Matting<'g> {
     /// Refines a plane of the picture's size.
     ///
     /// # Panics
-    /// When the sizes differ.
+    /// If the sizes differ.
     #[must_use]
     pub fn refined(&self, plane: &Plane<f64>) -> Plane<f64> {
         let [refined] = self.solved([plane], LARGE_RESIDUAL);
         refined
     }
 
-    /// Refines a plane, and where steps are taken together with it one that is known but nearly: [`Self::refined_near`] goes on from
-    /// there.
+    /// Refines a plane and, if planes share their steps, an approximately known second one from which
+    /// [`Self::refined_near`] continues.
     ///
     /// # Panics
-    /// When the sizes differ.
+    /// If the sizes differ.
     #[must_use]
     pub fn refined_beside(
         &self,
@@ -110,11 +110,11 @@ impl<'g> Matting<'g> {
         (refined, Ahead(Some([guess, start])))
     }
 
-    /// Refines the plane that was guessed. Only its difference from the guess is solved for, so far that the residual is at most twice
-    /// that of [`Self::refined`].
+    /// Refines the guessed plane. Only its difference from the guess is solved for, to a residual of at most twice that
+    /// of [`Self::refined`].
     ///
     /// # Panics
-    /// When the sizes differ.
+    /// If the sizes differ.
     #[must_use]
     pub fn refined_near(&self, plane: &Plane<f64>, ahead: Ahead) -> Plane<f64> {
         let Some([mut change, mut refined]) = ahead.0 else {
@@ -214,7 +214,7 @@ mod tests {
         }
     }
 
-    /// Largest error of a large picture as a share of the range of `p`, which is 1 here.
+    /// Largest error of a large picture relative to the range of `p`, which is 1 here.
     const LARGE_AGREEMENT: f64 = 2e-3;
 
     #[test]

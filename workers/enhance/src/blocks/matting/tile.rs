@@ -1,30 +1,30 @@
-//! What a step of the iteration does to two rows of a few columns.
+//! One step of the iteration on a tile: two rows of a few columns.
 
 use super::windows::{RIM, STEPS};
 
-/// A tile is two rows of so many columns: its sums stay in registers.
+/// Columns of a tile: its sums stay in registers.
 pub(super) const BLOCK: usize = 32;
-/// Columns whose coefficients and values a tile reads.
+/// Columns of coefficients and values read by a tile.
 pub(super) const SPAN: usize = BLOCK + 2 * RIM;
-/// Rows and columns of the neighborhood that coefficients reach.
+/// Rows and columns within the reach of coefficients.
 const SIDE: usize = 2 * RIM + 1;
 
-/// What a row of a tile reads of each of [`STEPS`], side by side: one stream of memory instead of many.
-pub(super) type Coefficients = [[f32; SPAN]; STEPS.len()];
+/// TileCoefficients of a row of a tile for all [`STEPS`]: one contiguous stream of memory.
+pub(super) type TileCoefficients = [[f32; SPAN]; STEPS.len()];
 
 /// `x_{k+1} = x_k + momentum (x_k - x_{k-1}) + length (b - A x_k)`.
 #[derive(Clone, Copy)]
-pub(super) struct Step {
+pub(super) struct ChebyshevStep {
     pub(super) momentum: f32,
     pub(super) length: f32,
 }
 
-/// Writes a tile of `x_{k+1}` over `x_{k-1}`, of one plane or of two. `records` are of the two rows before the tile and of its own;
-/// `start` is its first pixel in planes of `stride` columns.
+/// Writes a tile of `x_{k+1}` over `x_{k-1}`, of one plane or of two. `records` are the coefficients of the two rows
+/// before the tile and of its rows; `start` is its first pixel in planes of `stride` columns.
 #[inline(always)]
 pub(super) fn take_tile<const N: usize>(
-    step: Step,
-    records: [&Coefficients; 4],
+    step: ChebyshevStep,
+    records: [&TileCoefficients; 4],
     (start, stride): (usize, usize),
     b: &[Vec<f32>; N],
     now: &[Vec<f32>; N],
@@ -33,12 +33,12 @@ pub(super) fn take_tile<const N: usize>(
     const { assert!(N == 1 || N == 2, "one plane or two") };
     let [first, last] = [0, N - 1];
     let second = start + stride;
-    // Each by its name: indexed, they would not stay in registers.
+    // Separate variables: indexed arrays would not stay in registers.
     let (mut upper, mut lower) = (block(&b[first], start), block(&b[first], second));
     let (mut upper_last, mut lower_last) = (block(&b[last], start), block(&b[last], second));
     for row in 0..=SIDE {
-        let from = start + row * stride - RIM * stride - RIM;
-        let (values, values_last) = (&now[first][from..][..SPAN], &now[last][from..][..SPAN]);
+        let origin = start + row * stride - RIM * stride - RIM;
+        let (values, values_last) = (&now[first][origin..][..SPAN], &now[last][origin..][..SPAN]);
         for column in 0..SIDE {
             if row < SIDE {
                 let reach = coefficient([records[0], records[1], records[2]], column, row);
@@ -71,10 +71,10 @@ fn block(plane: &[f32], start: usize) -> [f32; BLOCK] {
     block
 }
 
-/// Those of a row to the pixels at a column and row of the neighborhood, each counted from the first; `records` are of the two rows
-/// before and of the row.
+/// TileCoefficients from a row to the pixels at a column and row of the neighborhood, both counted from its corner.
+/// `records` are those of the two previous rows and of the row.
 #[inline(always)]
-fn coefficient(records: [&Coefficients; 3], column: usize, row: usize) -> &[f32] {
+fn coefficient(records: [&TileCoefficients; 3], column: usize, row: usize) -> &[f32] {
     let number = (SIDE * row + column).abs_diff(SIDE * RIM + RIM);
     let [record, at] = if (row, column) >= (RIM, RIM) {
         [RIM, RIM]
@@ -93,7 +93,12 @@ fn subtract(rest: &mut [f32; BLOCK], coefficients: &[f32], values: &[f32], colum
 }
 
 #[inline(always)]
-fn finish(Step { momentum, length }: Step, rest: &[f32; BLOCK], now: &[f32], to: &mut [f32]) {
+fn finish(
+    ChebyshevStep { momentum, length }: ChebyshevStep,
+    rest: &[f32; BLOCK],
+    now: &[f32],
+    to: &mut [f32],
+) {
     let (now, to) = (&now[..BLOCK], &mut to[..BLOCK]);
     for i in 0..BLOCK {
         to[i] = length.mul_add(rest[i], momentum.mul_add(now[i] - to[i], now[i]));

@@ -5,11 +5,11 @@ use std::ops::{Add, AddAssign, Mul};
 
 use imaging::{Plane, vectorized};
 
-use super::cells::Cells;
+use super::cells::CellSet;
 
-/// Pixels around the picture that hold zeros: the reach of a coefficient.
+/// Width of the rim of zeros around the picture: the reach of a coefficient.
 pub(super) const RIM: usize = 2;
-/// From a pixel to itself and to the later ones of its neighborhood: columns and rows.
+/// Offsets from a pixel to itself and to the later ones of its neighborhood: columns and rows.
 pub(super) const STEPS: [(isize, usize); 13] = [
     (0, 0),
     (1, 0),
@@ -26,9 +26,9 @@ pub(super) const STEPS: [(isize, usize); 13] = [
     (2, 2),
 ];
 
-/// What is added to the covariance of each window, for colors in 0..=255.
+/// Added to the diagonal of each window's covariance, for colors in 0..=255.
 const RIDGE: f64 = 1e-7 / 9.0 * 255.0 * 255.0;
-/// Windows that are worked on together: what is known of them stays in the first-level cache.
+/// Windows per block: their whitened colors fit the first-level cache.
 const BLOCK: usize = 64;
 /// Windows whose sums stay in registers; a block is several groups.
 const GROUP: usize = 16;
@@ -36,43 +36,42 @@ const GROUP: usize = 16;
 const PIXELS: usize = 9;
 const SIDE: usize = 3;
 
-type Lanes<T> = [T; BLOCK];
+type WindowLanes<T> = [T; BLOCK];
 
 /// A row of each of [`STEPS`], with its rim.
-pub(super) type Row<T> = [Vec<T>; STEPS.len()];
+pub(super) type StepRows<T> = [Vec<T>; STEPS.len()];
 
-/// What coefficients are summed in. Of a window's colors that are whitened products are 9 at most: f32 is enough for a system in f32.
-pub(super) trait Real: Copy + Add<Output = Self> + AddAssign + Mul<Output = Self> {
-    /// The nearest value.
-    fn of(value: f64) -> Self;
+/// Number type of the coefficient sums. Products of whitened colors are at most 9: f32 is enough for a system in f32.
+pub(super) trait WindowNumber: Copy + Add<Output = Self> + AddAssign + Mul<Output = Self> {
+    fn from_f64(value: f64) -> Self;
 }
 
-impl Real for f32 {
+impl WindowNumber for f32 {
     #[inline(always)]
-    fn of(value: f64) -> Self {
+    fn from_f64(value: f64) -> Self {
         value as Self
     }
 }
 
-impl Real for f64 {
+impl WindowNumber for f64 {
     #[inline(always)]
-    fn of(value: f64) -> Self {
+    fn from_f64(value: f64) -> Self {
         value
     }
 }
 
-/// Hands the rows of a picture of at least 3 × 3 pixels to `take`, from the first to the last. They are those of the windows that begin
-/// in `cells`.
-pub(super) fn each_row<T: Real>(
+/// Calls `take` with the rows of a picture of at least 3 × 3 pixels, in order, summed over the windows that begin in
+/// `cells`.
+pub(super) fn each_row<T: WindowNumber>(
     channels: &[Plane<u8>; 3],
-    cells: &Cells,
-    mut take: impl FnMut(usize, &Row<T>),
+    cells: &CellSet,
+    mut take: impl FnMut(usize, &StepRows<T>),
 ) {
     let (width, height) = channels[0].size();
-    let zero = T::of(0.0);
-    let empty = || -> Row<T> { std::array::from_fn(|_| vec![zero; width + 2 * RIM]) };
-    // Windows reach three rows: a row is complete when the windows that end in it are added.
-    let mut rows: [Row<T>; SIDE] = std::array::from_fn(|_| empty());
+    let zero = T::from_f64(0.0);
+    // Windows span three rows: a row is complete after the windows that end in it.
+    let mut rows: [StepRows<T>; SIDE] =
+        std::array::from_fn(|_| std::array::from_fn(|_| vec![zero; width + 2 * RIM]));
     let mut white = Box::new([[[zero; BLOCK]; 3]; PIXELS]);
     for y in 0..height {
         if y + SIDE <= height {
@@ -94,10 +93,15 @@ pub(super) fn each_row<T: Real>(
     }
 }
 
-/// The colors of each window less their mean, multiplied by `C⁻¹`, `C Cᵀ` their covariance: their products are those with its inverse.
-/// Of colors along a line the adjugate would lose the ridge to rounding, and the matrix would not stay positive.
+/// Whitened colors of each window: the difference from the mean times `C⁻¹`, with `C Cᵀ` the covariance. Their products
+/// equal those with the inverse covariance. For colors on a line the adjugate would lose the ridge to rounding, and the
+/// matrix would not stay positive.
 #[inline(always)]
-fn whiten<T: Real>(lines: &[[&[u8]; SIDE]; 3], count: usize, white: &mut [[Lanes<T>; 3]; PIXELS]) {
+fn whiten<T: WindowNumber>(
+    lines: &[[&[u8]; SIDE]; 3],
+    count: usize,
+    white: &mut [[WindowLanes<T>; 3]; PIXELS],
+) {
     for start in (0..count).step_by(GROUP) {
         let group = start..(start + GROUP).min(count);
         let mut codes = [[[0i32; GROUP]; PIXELS]; 3];
@@ -111,12 +115,11 @@ fn whiten<T: Real>(lines: &[[&[u8]; SIDE]; 3], count: usize, white: &mut [[Lanes
     }
 }
 
-/// Writes those of a group from a place on.
 #[inline(always)]
-fn whiten_group<T: Real>(
+fn whiten_group<T: WindowNumber>(
     codes: &[[[i32; GROUP]; PIXELS]; 3],
     start: usize,
-    white: &mut [[Lanes<T>; 3]; PIXELS],
+    white: &mut [[WindowLanes<T>; 3]; PIXELS],
 ) {
     let (mut sums, mut products) = ([[0i32; GROUP]; 3], [[[0i32; GROUP]; 3]; 3]);
     for pixel in 0..PIXELS {
@@ -154,36 +157,39 @@ fn whiten_group<T: Real>(
             let away = |c: usize| f64::from(9 * codes[c][pixel][n] - sums[c][n]) / 9.0;
             let r = away(0) * i11[n];
             let g = (away(1) - c21[n] * r) * i22[n];
-            red[n] = T::of(r);
-            green[n] = T::of(g);
-            blue[n] = T::of((away(2) - c31[n] * r - c32[n] * g) * i33[n]);
+            red[n] = T::from_f64(r);
+            green[n] = T::from_f64(g);
+            blue[n] = T::from_f64((away(2) - c31[n] * r - c32[n] * g) * i33[n]);
         }
     }
 }
 
-/// Adds the windows from column `x` on. Each coefficient adds its windows from left to right, whatever the block.
+/// Adds the windows from column `x` on. Each coefficient sums its windows from left to right, for any block size.
 #[inline(always)]
-fn add<T: Real>(white: &[[Lanes<T>; 3]; PIXELS], (x, count): (usize, usize), rows: &mut [Row<T>; SIDE]) {
-    let share = T::of(-1.0 / 9.0);
+fn add<T: WindowNumber>(
+    white: &[[WindowLanes<T>; 3]; PIXELS],
+    (x, count): (usize, usize),
+    rows: &mut [StepRows<T>; SIDE],
+) {
+    let share = T::from_f64(-1.0 / 9.0);
     for row in 0..SIDE {
         for column in (0..SIDE).rev() {
             let i = SIDE * row + column;
             for j in i..PIXELS {
                 let step = step_of((j % SIDE) as isize - column as isize, j / SIDE - row);
-                let to = &mut rows[row][step][x + column + RIM..][..count];
-                let own = T::of(if i == j { 8.0 / 9.0 } else { -1.0 / 9.0 });
+                let end = &mut rows[row][step][x + column + RIM..][..count];
+                let own = T::from_f64(if i == j { 8.0 / 9.0 } else { -1.0 / 9.0 });
                 let ([a, b, c], [d, e, f]) = (&white[i], &white[j]);
                 for n in 0..count {
-                    to[n] += own + share * (a[n] * d[n] + b[n] * e[n] + c[n] * f[n]);
+                    end[n] += own + share * (a[n] * d[n] + b[n] * e[n] + c[n] * f[n]);
                 }
             }
         }
     }
 }
 
-/// Place in [`STEPS`].
 fn step_of(columns: isize, rows: usize) -> usize {
-    // The row of the pixel itself has no steps to the left.
+    // The pixel's row has no steps to the left.
     let first = if rows == 0 { 0 } else { 5 * rows };
     first.wrapping_add_signed(columns)
 }

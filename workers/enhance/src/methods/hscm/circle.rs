@@ -1,21 +1,21 @@
-//! The circular mask: a robot's camera sees its own housing outside it.
+//! The circular mask: outside it a robot's camera sees its housing.
 
 use std::ops::Range;
 
 use imaging::Plane;
 
-/// The circle that is kept, in parts of the picture; it may lie outside.
+/// The visible circle relative to the picture; it may be outside.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Circle {
-    /// Center column as part of the width.
+    /// Center column relative to the width.
     pub center_x: f64,
-    /// Center row as part of the height.
+    /// Center row relative to the height.
     pub center_y: f64,
-    /// Radius as part of the width.
+    /// Radius relative to the width.
     pub radius: f64,
 }
 
-/// The circle of the method.
+/// The circle of HSCM.
 pub const HSCM: Circle = Circle {
     center_x: 0.45,
     center_y: 0.33,
@@ -24,8 +24,8 @@ pub const HSCM: Circle = Circle {
 
 /// 255 inside the circle and 0 outside.
 ///
-/// Center `(trunc(x W), trunc(y H))` and radius `trunc(r W)` in pixels; a pixel is inside when its squared distance
-/// is not above the squared radius. With radius 0 the center alone is inside; the circle may lie outside the picture.
+/// Center `(trunc(x W), trunc(y H))` and radius `trunc(r W)` in pixels; a pixel is inside if its squared distance is at
+/// most the squared radius. With radius 0 only the center is inside; the circle may be outside the picture.
 #[must_use]
 pub fn plane(width: usize, height: usize, circle: &Circle) -> Plane<u8> {
     let mut mask = Plane::filled(width, height, 0u8);
@@ -48,7 +48,7 @@ pub fn black_out(codes: &mut [u8], channels: usize, size: (usize, usize), circle
     }
 }
 
-/// The columns of row `y` that lie inside the circle.
+/// The columns of row `y` inside the circle.
 fn inside(circle: &Circle, (width, height): (usize, usize), y: usize) -> Range<usize> {
     let center_x = (circle.center_x * width as f64).trunc() as i64;
     let center_y = (circle.center_y * height as f64).trunc() as i64;
@@ -59,8 +59,9 @@ fn inside(circle: &Circle, (width, height): (usize, usize), y: usize) -> Range<u
         return 0..0;
     }
     let reach = room.isqrt();
-    let column = |x: i64| x.clamp(0, width as i64) as usize;
-    column(center_x - reach)..column(center_x + reach + 1)
+    let [start, end] =
+        [center_x - reach, center_x + reach + 1].map(|x: i64| x.clamp(0, width as i64) as usize);
+    start..end
 }
 
 #[cfg(test)]

@@ -1,21 +1,21 @@
-//! Contrast-limited adaptive histogram equalization (Zuiderveld 1994), in the form that OpenCV made common.
+//! Contrast-limited adaptive histogram equalization (Zuiderveld 1994), in the variant of OpenCV.
 //!
-//! The picture is covered by a grid of tiles. Each tile's histogram is clipped at a multiple of its mean bin, what
-//! was cut is spread over all bins, and the cumulative histogram becomes the tile's table. A pixel takes the tables
-//! of the four nearest tile centers, weighted bilinearly.
+//! A grid of tiles covers the picture. Each tile's histogram is clipped at a multiple of its mean bin, the excess is
+//! spread over all bins, and the cumulative histogram becomes the tile's table. A pixel blends the tables of the four
+//! nearest tile centers bilinearly.
 
 use imaging::{Plane, reflected, vectorized};
 
-type Table = [u8; 256];
+type TileTable = [u8; 256];
 
 /// Equalizes a plane of at least one pixel. `grid` is the number of tiles across and down, at least one each;
-/// `clip_limit` is in mean bins, and 0 does not clip.
+/// `clip_limit` is in mean bins; 0 disables clipping.
 ///
-/// When either side is not a multiple of its number of tiles, both are extended by reflection for the histograms:
-/// by `tiles - side mod tiles`, which is a whole row of pixels per tile on a side that did divide.
+/// If either side is not a multiple of its number of tiles, both are extended by reflection for the histograms: by
+/// `tiles - side mod tiles`, which is a whole row of pixels per tile on a side that did divide.
 #[must_use]
 pub fn clahe(picture: &Plane<u8>, (across, down): (usize, usize), clip_limit: f64) -> Plane<u8> {
-    let tiles = Tiles::new(picture.size(), across, down);
+    let tiles = TileGrid::new(picture.size(), across, down);
     let tables = tiles.tables(picture, clip_limit);
     let (width, height) = picture.size();
     let columns: Vec<Neighbors> = (0..width).map(|x| Neighbors::new(x, tiles.width_px)).collect();
@@ -25,11 +25,9 @@ pub fn clahe(picture: &Plane<u8>, (across, down): (usize, usize), clip_limit: f6
     for y in 0..height {
         let row = Neighbors::new(y, tiles.height_px);
         if blended_gap != Some(row.gap) {
-            let tile_row = |row: usize| &tables[row * across..][..across];
-            blends = blend_tables(
-                tile_row(row.gap.saturating_sub(1)),
-                tile_row(row.gap.min(down - 1)),
-            );
+            let [upper, lower] = [row.gap.saturating_sub(1), row.gap.min(down - 1)]
+                .map(|row| &tables[row * across..][..across]);
+            blends = blend_tables(upper, lower);
             blended_gap = Some(row.gap);
         }
         let (from, to) = (picture.row(y), equalized.row_mut(y));
@@ -39,14 +37,14 @@ pub fn clahe(picture: &Plane<u8>, (across, down): (usize, usize), clip_limit: f6
 }
 
 /// The grid over the extended picture.
-struct Tiles {
+struct TileGrid {
     across: usize,
     down: usize,
     width_px: usize,
     height_px: usize,
 }
 
-impl Tiles {
+impl TileGrid {
     fn new((width, height): (usize, usize), across: usize, down: usize) -> Self {
         let (mut extended_width, mut extended_height) = (width, height);
         if !width.is_multiple_of(across) || !height.is_multiple_of(down) {
@@ -61,8 +59,8 @@ impl Tiles {
         }
     }
 
-    /// One table per tile, row by row.
-    fn tables(&self, picture: &Plane<u8>, clip_limit: f64) -> Vec<Table> {
+    /// One table per tile, row-major.
+    fn tables(&self, picture: &Plane<u8>, clip_limit: f64) -> Vec<TileTable> {
         let (width, height) = picture.size();
         let extended_width = self.across * self.width_px;
         let columns: Vec<usize> = (0..extended_width)
@@ -93,7 +91,7 @@ impl Tiles {
         tables
     }
 
-    fn table(&self, mut histogram: [u32; 256], clip_limit: f64) -> Table {
+    fn table(&self, mut histogram: [u32; 256], clip_limit: f64) -> TileTable {
         let area = self.width_px * self.height_px;
         if clip_limit > 0.0 {
             let limit = ((clip_limit * area as f64 / 256.0) as u32).max(1);
@@ -108,7 +106,7 @@ impl Tiles {
     }
 }
 
-/// Cuts every bin at `limit` and spreads the excess: equally, then one by one at equal steps.
+/// Clips every bin at `limit` and spreads the excess: equally, then singly at equal steps.
 fn clip(histogram: &mut [u32; 256], limit: u32) {
     let excess: u32 = histogram.iter().map(|count| count.saturating_sub(limit)).sum();
     for count in histogram.iter_mut() {
@@ -122,12 +120,12 @@ fn clip(histogram: &mut [u32; 256], limit: u32) {
     }
 }
 
-/// Where a pixel lies between the centers of the tiles along one axis.
+/// Position of a pixel between tile centers along one axis.
 #[derive(Clone, Copy)]
 struct Neighbors {
-    /// The gap between centers, which is the number of the tile behind it; before the first center it is 0.
+    /// The gap between centers, equal to the number of the following tile; 0 before the first center.
     gap: usize,
-    /// Share of the tile behind the gap.
+    /// Weight of the following tile.
     weight: f64,
 }
 
@@ -143,15 +141,15 @@ impl Neighbors {
 }
 
 /// For each gap between tile centers and each code: the four table entries in one word, low byte first in the order
-/// upper left, upper right, lower left, lower right. One look-up a pixel instead of four.
-fn blend_tables(upper: &[Table], lower: &[Table]) -> Vec<[u32; 256]> {
+/// upper left, upper right, lower left, lower right. One look-up per pixel instead of four.
+fn blend_tables(upper: &[TileTable], lower: &[TileTable]) -> Vec<[u32; 256]> {
     let last = upper.len() - 1;
-    let table = |gap: usize| {
+    let gaps = (0..=upper.len()).map(|gap| {
         let (left, right) = (gap.saturating_sub(1), gap.min(last));
         let tables = [&upper[left], &upper[right], &lower[left], &lower[right]];
         std::array::from_fn(|code| u32::from_le_bytes(tables.map(|table| table[code])))
-    };
-    (0..=upper.len()).map(table).collect()
+    });
+    gaps.collect()
 }
 
 #[inline(always)]
@@ -168,13 +166,17 @@ fn blend_row(from: &[u8], columns: &[Neighbors], blends: &[[u32; 256]], b: f64, 
         }
         let mut codes = [0u8; BLOCK];
         for ((code, &entry), &a) in codes.iter_mut().zip(&entries).zip(&weights) {
-            let entry_at = |byte: u32| ((entry >> (8 * byte)) & 255) as i32 as f64;
-            let upper = (1.0 - a) * entry_at(0) + a * entry_at(1);
-            let lower = (1.0 - a) * entry_at(2) + a * entry_at(3);
+            let upper = (1.0 - a) * extract_byte(entry, 0) + a * extract_byte(entry, 1);
+            let lower = (1.0 - a) * extract_byte(entry, 2) + a * extract_byte(entry, 3);
             *code = round_ties_even((1.0 - b) * upper + b * lower);
         }
         to.copy_from_slice(&codes[..to.len()]);
     }
+}
+
+#[inline(always)]
+fn extract_byte(word: u32, byte: u32) -> f64 {
+    ((word >> (8 * byte)) & 255) as i32 as f64
 }
 
 /// Rounds a value within 0..=255: adding 2^52 leaves no bit for the fraction.
@@ -192,7 +194,7 @@ mod tests {
         let mut histogram = [0u32; 256];
         histogram[7] = 256 + 3 + 10;
         clip(&mut histogram, 10);
-        // 259 over the limit: one for every bin, and the three left go to bins 0, 85 and 170.
+        // 259 over the limit: one for every bin, and the remaining three in bins 0, 85 and 170.
         assert_eq!(histogram[7], 11);
         assert_eq!(
             (histogram[0], histogram[85], histogram[170], histogram[255]),
@@ -203,9 +205,9 @@ mod tests {
 
     #[test]
     fn a_divisible_side_is_extended_when_the_other_is_not() {
-        let both = Tiles::new((80, 60), 8, 8);
+        let both = TileGrid::new((80, 60), 8, 8);
         assert_eq!((both.width_px, both.height_px), (11, 8));
-        let neither = Tiles::new((80, 64), 8, 8);
+        let neither = TileGrid::new((80, 64), 8, 8);
         assert_eq!((neither.width_px, neither.height_px), (10, 8));
     }
 

@@ -4,17 +4,17 @@ use imaging::{Channels, Plane, Raster, Samples, vectorized};
 
 use crate::signs::{dark_below, is_dark};
 
-/// Luma codes and the code of white: `y = code / white` lies in 0..=1.
+/// Luma codes and the code of white: `y = code / white` in 0..=1.
 ///
-/// Codes are `299 R + 587 G + 114 B` at the depth of the file, so nothing is rounded: white is 255 000 at 8 bit and
-/// 65 535 000 at 16 bit. Gray counts as R = G = B.
+/// Codes are `299 R + 587 G + 114 B` at the depth of the file, without rounding: white is 255 000 at 8 bit and 65 535
+/// 000 at 16 bit. Gray counts as R = G = B.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Luma {
     codes: Plane<u32>,
     white: u32,
     low: u32,
     high: u32,
-    /// Pixels that are nearly black.
+    /// Number of nearly black pixels.
     dark: usize,
 }
 
@@ -54,7 +54,7 @@ impl Luma {
         (self.low, self.high, self.dark) = (low, high, dark as usize);
     }
 
-    /// The codes: thousandths of the file's own luma steps.
+    /// The codes, in thousandths of the file's luma steps.
     #[must_use]
     pub fn codes(&self) -> &Plane<u32> {
         &self.codes
@@ -66,7 +66,7 @@ impl Luma {
         self.white
     }
 
-    /// What a function returns for the luma `y` of each pixel.
+    /// Maps the luma `y` of each pixel.
     pub(crate) fn map(&self, value: impl Fn(f64) -> f64) -> Plane<f64> {
         let white = f64::from(self.white);
         self.codes.map(|&code| value(f64::from(code) / white))
@@ -77,7 +77,7 @@ impl Luma {
         is_dark(self.dark, self.codes.data().len())
     }
 
-    /// The least and the greatest `y`.
+    /// The smallest and the largest `y`.
     pub(crate) fn extremes(&self) -> (f64, f64) {
         let white = f64::from(self.white);
         (f64::from(self.low) / white, f64::from(self.high) / white)

@@ -1,9 +1,9 @@
-//! Merge of a new luma with the chroma of the input: U and V of YUV stay, Y is replaced.
+//! Merges a new luma with the chroma of the input: replaces Y of YUV and keeps U and V.
 
 use imaging::{luma1000, vectorized};
 
-/// `C' = clip(round(C + Y' - Y))` for every channel C, with `Y = (299 R + 587 G + 114 B) / 1000` and the half rounded
-/// up, in exact integers. `colors` is interleaved R, G, B and `luma` holds one code for each pixel.
+/// `C' = clip(round(C + Y' - Y))` for every channel C, with `Y = (299 R + 587 G + 114 B) / 1000`, halves rounded up, in
+/// exact integers. `colors` is interleaved R, G, B; `luma` has one code per pixel.
 #[must_use]
 pub fn merge(colors: &[u8], luma: &[u8]) -> Vec<u8> {
     debug_assert_eq!(colors.len(), 3 * luma.len());
@@ -16,7 +16,7 @@ pub fn merge(colors: &[u8], luma: &[u8]) -> Vec<u8> {
 fn replace(colors: &[u8], luma: &[u8], merged: &mut [u8]) {
     let pixels = colors.chunks_exact(3).zip(merged.chunks_exact_mut(3));
     for ((from, to), &luma) in pixels.zip(luma) {
-        // C + Y' is an integer, so rounding the sum up at a half is taking off Y rounded down at a half.
+        // C + Y' is an integer, so rounding halves of the sum up equals rounding halves of Y down.
         let old = ((luma1000([from[0], from[1], from[2]]) + 499) / 1000) as i16;
         let shift = i16::from(luma) - old;
         for (to, &code) in to.iter_mut().zip(from) {

@@ -1,8 +1,8 @@
 //! HSCM: homomorphic filter, spatial median, CLAHE and circular mask.
 //!
-//! The chain is plain calls in this order: [`Luma`] → [`homomorphic`] → [`median`] → [`clahe`] → [`merge`] →
-//! [`circle`]. The first stages work on luma alone; colors return in the merge, which keeps the chroma of the
-//! input. Every stage is public, so that each can be compared with a reference given the stage before it.
+//! Order: [`Luma`] → [`homomorphic`] → [`median`] → [`clahe`] → [`merge`] → [`circle`]. The first stages process only
+//! the luma; the merge restores the chroma of the input. Every stage is public, so that each can be compared with a
+//! reference from the output of the previous stage.
 
 pub mod circle;
 pub mod clahe;
@@ -19,26 +19,26 @@ use crate::result::{Enhanced, raster};
 use crate::variant::Variant;
 use crate::warning::{Warning, found};
 
-/// Cutoff of the homomorphic filter: the width of the picture over this is `delta`, in bins of the transform.
+/// Cutoff of the homomorphic filter: `delta` is the width of the picture over this, in bins of the transform.
 pub const CUTOFF: f64 = 32.0;
 /// Tiles of CLAHE across and down.
 pub const GRID: (usize, usize) = (8, 8);
 /// Contrast limit of CLAHE, in mean bins.
 pub const CLIP_LIMIT: f64 = 2.0;
-/// Pixels that a tile's histogram should rest on.
+/// Minimum pixels of a tile for a reliable histogram.
 const TILE_PIXELS: usize = 64;
 
 /// Enhances a picture of at least one pixel.
 ///
 /// Gray stays gray. A 16-bit picture keeps its depth through the homomorphic stage and is reduced to 8 bit for the
-/// merge; the result, alpha included, is 8 bit.
+/// merge; the result, including alpha, is 8 bit.
 #[must_use]
 pub(super) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
     let (width, height) = (picture.width(), picture.height());
     let luma = Luma::new(picture);
     let warnings = warnings(&luma);
-    // What a stage has used up is given back before the next one asks for memory: pages that the system must find anew
-    // for every picture cost a third of the whole otherwise.
+    // Each stage frees its input before the next one allocates: fresh pages for every picture would cost a third of the
+    // time.
     let filtered = homomorphic::homomorphic(&luma, CUTOFF, variant);
     drop(luma);
     let smoothed = median::median(&filtered, variant);
@@ -57,7 +57,7 @@ pub(super) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
     }
 }
 
-/// Returns the warnings that concern the equalization of tiles and the gain of dark parts.
+/// Warnings about the equalization of tiles and the gain of dark parts.
 pub(super) fn warnings(luma: &Luma) -> Vec<Warning> {
     let pixels = luma.codes().data().len();
     let (low, high) = luma.extremes();
@@ -68,7 +68,7 @@ pub(super) fn warnings(luma: &Luma) -> Vec<Warning> {
     ])
 }
 
-/// Codes with a new luma: the luma alone for a gray picture, with the chroma of the picture for a color one.
+/// Codes with a new luma: only the luma for a gray picture, with the chroma of the picture for a color one.
 pub(super) fn with_luma(picture: &Raster, luma: Plane<u8>) -> (Channels, Vec<u8>) {
     let codes = match (picture.channels(), picture.samples()) {
         (Channels::Gray, _) => luma.into_data(),

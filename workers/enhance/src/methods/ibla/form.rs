@@ -1,16 +1,16 @@
-//! The forms of the method, which refine planes by the matting Laplacian or by the guided filter.
+//! The variants of IBLA, which refine planes by the matting Laplacian or by the guided filter.
 
 use imaging::{Plane, Rgb8};
 
 use super::blurriness;
-use super::light::Light;
+use super::light::BackgroundLight;
 use crate::blocks::{Guide, Matting, guided, lowest_refined};
 use crate::methods::Method;
 use crate::variant::Variant;
 
-/// A form of the method: what refines blurriness, from which the light follows, and closeness, from which the transmittance does.
+/// Refinement of blurriness, which determines the light, and of closeness, which determines the transmittance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Form {
+pub enum IblaRefinement {
     /// Both by matting: the method `ibla`.
     Matting,
     /// Blurriness by matting around its smallest values, closeness by the guided filter: `ibla_hybrid`.
@@ -19,11 +19,11 @@ pub enum Form {
     Guided,
 }
 
-impl Form {
-    /// All, the exact one first, each faster than the one before it.
+impl IblaRefinement {
+    /// All variants from the exact one to the fastest.
     pub const ALL: [Self; 3] = [Self::Matting, Self::Hybrid, Self::Guided];
 
-    /// The name of its method.
+    /// Name of the method.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -33,13 +33,13 @@ impl Form {
         }
     }
 
-    /// Its method.
+    /// Method of this variant.
     #[must_use]
     pub fn method(self) -> Method {
-        Method::parse(self.name()).expect("each form is a method")
+        Method::parse(self.name()).expect("each variant is a method")
     }
 
-    /// Blurriness refined: `P_b`.
+    /// Refines blurriness: `P_b`.
     pub(super) fn refined(self, guide: &Guide, plane: &Plane<f64>, variant: Variant) -> Plane<f64> {
         match self {
             Self::Matting => Matting::new(guide, variant).refined(plane),
@@ -49,18 +49,18 @@ impl Form {
     }
 }
 
-/// The three colors that the background light of a picture of at least one pixel lies between. With refined blurriness `P_b`, small
-/// where the picture is blurred, they are in this order
+/// The three candidate colors of the background light of a picture of at least one pixel. With refined blurriness
+/// `P_b`, small where the picture is blurred, they are in this order
 ///
-/// - the mean color of the thousandth of the pixels with the smallest `P_b`, of one pixel at least,
-/// - that of the quadtree region with the lowest variance of luma, which no form changes,
+/// - the mean color of the thousandth of the pixels with the smallest `P_b`, at least one pixel,
+/// - that of the quadtree region with the lowest variance of luma, the same for all variants,
 /// - that of the quadtree region with the smallest mean `P_b`,
 ///
 /// each red, green and blue in 0..=1 of the codes.
 #[must_use]
-pub fn candidates(picture: &Rgb8, form: Form, variant: Variant) -> [[f64; 3]; 3] {
+pub fn candidates(picture: &Rgb8, form: IblaRefinement, variant: Variant) -> [[f64; 3]; 3] {
     let refined = form.refined(&Guide::new(picture), &blurriness(picture, variant), variant);
-    Light::new(picture, &refined, variant).candidates
+    BackgroundLight::new(picture, &refined, variant).candidates
 }
 
 #[cfg(test)]
@@ -70,7 +70,7 @@ mod tests {
 
     #[test]
     fn a_faster_form_is_farther_from_the_exact_one() {
-        let distances = Form::ALL.map(|form| form.method().distance());
+        let distances = IblaRefinement::ALL.map(|form| form.method().distance());
         assert_eq!(distances[0], 0.0);
         assert!(distances.is_sorted_by(|one, next| one < next), "{distances:?}");
     }
@@ -81,13 +81,14 @@ mod tests {
             [(x * 3) as u8, (y * 5) as u8, ((x * y) % 97) as u8]
         });
         let raster = picture.clone().into();
-        let results = Form::ALL.map(|form| {
+        let results = IblaRefinement::ALL.map(|form| {
             let result = run_variant(&form.method(), &raster, Variant::Fast).unwrap();
             assert_eq!(result, super::super::restored(&raster, Variant::Fast, form));
             result
         });
         assert_ne!(results[0], results[2]);
-        let [matting, hybrid, guided] = Form::ALL.map(|form| candidates(&picture, form, Variant::Fast));
+        let [matting, hybrid, guided] =
+            IblaRefinement::ALL.map(|form| candidates(&picture, form, Variant::Fast));
         assert_eq!(matting, hybrid, "small pictures are solved as a whole");
         assert_eq!(matting[1], guided[1]);
         assert!(

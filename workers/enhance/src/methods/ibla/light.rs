@@ -8,25 +8,25 @@ use crate::variant::Variant;
 
 /// Codes above this are above 0.5.
 const HALF: usize = 127;
-/// Part of bright pixels at which the light turns from the darkest to the brightest candidate.
+/// Share of bright pixels at the transition from the darkest to the brightest candidate.
 const BRIGHT_PART: f64 = 0.2;
-/// One of so many pixels counts as most blurred.
+/// The most blurred pixels are one in this many.
 const BLURRED: usize = 1000;
-/// Candidates that differ by more than this make a channel whose sigmoid is undecided uncertain.
+/// If candidates of a channel with an undecided sigmoid differ by more than this, the light is unstable.
 const APART: f64 = 0.1;
 
-/// The background light and what it was made of.
+/// The background light and its candidates.
 #[derive(Debug)]
-pub(super) struct Light {
+pub(super) struct BackgroundLight {
     /// The color, 0..=1.
     pub(super) color: [f64; 3],
     /// Colors of the most blurred pixels, of the calmest region and of the most blurred region.
     pub(super) candidates: [[f64; 3]; 3],
-    /// Shares of the brightest candidate in the light.
+    /// Weights of the brightest candidate.
     shares: [f64; 3],
 }
 
-impl Light {
+impl BackgroundLight {
     /// From the blurriness, which is small where the picture is blurred.
     pub(super) fn new(picture: &Rgb8, blurriness: &Plane<f64>, variant: Variant) -> Self {
         let candidates = [
@@ -43,16 +43,16 @@ impl Light {
         }
     }
 
-    /// Whether a channel's candidates lie far apart and its share is undecided; `others` are undecided shares of all channels.
+    /// Whether a channel's candidates are far apart and its share is undecided; `others` are undecided shares of all
+    /// channels.
     pub(super) fn is_unstable(&self, others: [f64; 2]) -> bool {
-        let is_undecided = |share: f64| (0.05..=0.95).contains(&share);
-        let apart = spread(&self.candidates).map(|(low, high)| high - low > APART);
-        let of_all = others.into_iter().any(is_undecided);
-        (0..3).any(|c| apart[c] && (of_all || is_undecided(self.shares[c])))
+        let are_apart = spread(&self.candidates).map(|(low, high)| high - low > APART);
+        let are_others_undecided = others.into_iter().any(is_undecided);
+        (0..3).any(|c| are_apart[c] && (are_others_undecided || is_undecided(self.shares[c])))
     }
 }
 
-/// The least and the greatest of each channel.
+/// The minimum and maximum of each channel.
 fn spread(candidates: &[[f64; 3]; 3]) -> [(f64, f64); 3] {
     std::array::from_fn(|c| {
         let values = candidates.map(|candidate| candidate[c]);
@@ -63,7 +63,7 @@ fn spread(candidates: &[[f64; 3]; 3]) -> [(f64, f64); 3] {
     })
 }
 
-/// The part of the pixels of each channel that lies above 0.5.
+/// The share of pixels above 0.5 in each channel.
 fn bright_parts(picture: &Rgb8) -> [f64; 3] {
     histogram::histograms(picture).map(|counts| {
         let bright: u64 = counts[HALF + 1..].iter().sum();
@@ -75,13 +75,17 @@ fn bright_parts(picture: &Rgb8) -> [f64; 3] {
 fn mean_of_blurred(picture: &Rgb8, blurriness: &Plane<f64>, variant: Variant) -> [f64; 3] {
     let count = (blurriness.data().len() / BLURRED).max(1);
     let positions = largest(&blurriness.map(|value| -value), count, variant);
-    let sum = |channel: usize| -> u64 {
+    [0, 1, 2].map(|channel| {
         let codes = positions
             .iter()
             .map(|position| picture.data()[3 * position + channel]);
-        codes.map(u64::from).sum()
-    };
-    [0, 1, 2].map(|channel| sum(channel) as f64 / (255 * positions.len()) as f64)
+        let sum: u64 = codes.map(u64::from).sum();
+        sum as f64 / (255 * positions.len()) as f64
+    })
+}
+
+fn is_undecided(share: f64) -> bool {
+    (0.05..=0.95).contains(&share)
 }
 
 #[cfg(test)]
@@ -94,7 +98,7 @@ mod tests {
         let blurriness = Plane::from_fn(40, 40, |x, _| x as f64);
         let light_of = |left: u8, right: u8| {
             let picture = Rgb8::from_fn(40, 40, |x, _| if x < 21 { [left; 3] } else { [right; 3] });
-            Light::new(&picture, &blurriness, Variant::Fast)
+            BackgroundLight::new(&picture, &blurriness, Variant::Fast)
         };
         let near = |got: [f64; 3], code: f64| got.iter().all(|value| (value - code / 255.0).abs() < 0.01);
         assert!(near(light_of(200, 100).color, 200.0));
@@ -108,7 +112,7 @@ mod tests {
 
     #[test]
     fn candidates_far_apart_are_unstable_where_a_share_is_undecided() {
-        let light = |apart: f64, shares: [f64; 3]| Light {
+        let light = |apart: f64, shares: [f64; 3]| BackgroundLight {
             color: [0.5; 3],
             candidates: [[0.5; 3], [0.5, 0.5 + apart, 0.5], [0.5; 3]],
             shares,

@@ -1,11 +1,11 @@
 //! IBLA: restoration by image blurriness and light absorption (Peng and Cosman 2017).
 //!
 //! 1. Blurriness: `P = 1/4 Σ |g - Gauss_i(g)|`, g the luma, i = 1..4, windows of `2^i · 4 + 1` pixels a side and σ as
-//!    large; its largest value in 7 × 7, holes filled: `P_r`; refined: `P_b`. It is small where the picture is blurred, and that is
-//!    taken for far away.
+//!    large; its largest value in 7 × 7, holes filled: `P_r`; refined: `P_b`. It is small where the picture is blurred, which is
+//!    interpreted as distant.
 //! 2. Background light from three candidates: the mean color of the thousandth of the pixels with the smallest `P_b`, of
 //!    the quadtree region with the lowest variance of luma, and of the one with the smallest mean `P_b`. For each channel
-//!    `BL_c = s · max + (1 - s) · min` of the three, `s = sig(part of pixels with c > 0.5, 0.2)`.
+//!    `BL_c = s · max + (1 - s) · min` of the three, `s = sig(share of pixels with c > 0.5, 0.2)`.
 //! 3. Closeness: `e_R = norm(lmax(R))`, `e_D = norm(lmax(R) - lmax(max(G, B)))`, `e_B = norm(P_r)`, lmax in
 //!    7 × 7; with `tb = sig(mean R, 0.1)` and `ta = sig(mean BL, 0.5)` the refined
 //!    `e = tb (ta e_D + (1 - ta) e_R) + (1 - tb) e_B`.
@@ -14,13 +14,13 @@
 //! 5. `b_R = 1/7`, `b_k = b_R F_R m_k / (F_k m_R)` with `F = max(BL, 0.1)` and `m = -0.00113 λ + 1.62517` at 620, 540 and 450 nm;
 //!    `t_c = max(exp(-b_c D), 0.1)`; `J_c = (c - BL_c) / t_c + BL_c`.
 //!
-//! `sig(a, b) = 1 / (1 + exp(-32 (a - b)))`; channels lie in 0..=1. What is refined follows the picture by its matting Laplacian, as
-//! in the authors' program; the guided filter, which the paper allows as well, is much faster and often finds
-//! another light. Between the two, `P_b` is refined by matting, around its smallest values, and `e` by the guided filter.
+//! `sig(a, b) = 1 / (1 + exp(-32 (a - b)))`; channels are in 0..=1. Refinement follows the picture by its matting
+//! Laplacian, as in the authors' program. The guided filter, which the paper also allows, is much faster and often
+//! finds another light. The hybrid refines `P_b` by matting around its smallest values, and `e` by the guided filter.
 //!
-//! Where it fails: a large plain object has no texture, passes for water and becomes the light, and if it is bright the rest turns
-//! dark; with a lamp the light is the black water behind, and what is lit turns white; a light that one of the sigmoids leaves undecided
-//! changes from one frame of a film to the next. A picture of one color is unchanged.
+//! Known failures: a large plain object has no texture and is mistaken for water; if it is bright, the rest turns dark.
+//! With a lamp the light is the black water behind, and lit objects turn white. An undecided sigmoid makes the light
+//! change between frames of a film. A picture of one color is unchanged.
 
 mod form;
 mod light;
@@ -35,61 +35,64 @@ use crate::result::{Enhanced, OfGray};
 use crate::signs::{self, Signs};
 use crate::variant::Variant;
 use crate::warning::Warning;
-pub use form::{Form, candidates};
-use light::Light;
+pub use form::{IblaRefinement, candidates};
+use light::BackgroundLight;
 
 /// Radius of the windows of local maxima, pixels.
 const MAXIMUM_PX: usize = 3;
 /// Units of distance between the nearest and the farthest pixel.
 const DEPTH: f64 = 8.0;
-/// Attenuation of red for a unit of distance.
+/// Attenuation of red per unit of distance.
 const RED_ATTENUATION: f64 = 1.0 / 7.0;
 /// Wavelengths of red, green and blue.
 const WAVELENGTH_NM: [f64; 3] = [620.0, 540.0, 450.0];
-/// Least light that attenuation is derived from.
+/// Lower limit of the light in the derivation of attenuation.
 const LIGHT_MIN: f64 = 0.1;
-/// Least transmittance; there is no greatest.
+/// Smallest transmittance, without an upper limit.
 const TRANSMITTANCE: (f64, f64) = (0.1, f64::INFINITY);
-/// A light above this that blackens the picture is a bright object.
+/// A brighter light that blackens the picture is a bright object.
 const BRIGHT_LIGHT: f64 = 0.8;
 
 /// Restores a picture of at least one pixel. The result is colored; 16 bit is reduced to 8.
 #[must_use]
 pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
-    restored(picture, variant, Form::Matting)
+    restored(picture, variant, IblaRefinement::Matting)
 }
 
-/// The same, refined by the guided filter.
+/// [`enhance`] refined by the guided filter.
 #[must_use]
 pub(crate) fn enhance_guided(picture: &Raster, variant: Variant) -> Enhanced {
-    restored(picture, variant, Form::Guided)
+    restored(picture, variant, IblaRefinement::Guided)
 }
 
-/// The same with a light that is found by matting: what differs from [`enhance`] is the transmittance.
+/// [`enhance`] with transmittance refined by the guided filter; the light is found by matting.
 #[must_use]
 pub(crate) fn enhance_hybrid(picture: &Raster, variant: Variant) -> Enhanced {
-    restored(picture, variant, Form::Hybrid)
+    restored(picture, variant, IblaRefinement::Hybrid)
 }
 
-fn restored(picture: &Raster, variant: Variant, form: Form) -> Enhanced {
+fn restored(picture: &Raster, variant: Variant, form: IblaRefinement) -> Enhanced {
     let colors = picture.to_rgb8();
     let guide = &Guide::new(&colors);
     let blurriness = blurriness(&colors, variant);
     let (light, mix, closeness) = match form {
-        Form::Matting => {
+        IblaRefinement::Matting => {
             let measures = Measures::new(guide, blurriness.clone(), variant);
-            // Closeness depends on the light by one factor that is known but nearly: it is refined together with blurriness.
-            let guess =
-                || Mix::new(guide, Light::new(&colors, &blurriness, variant).color).closeness(&measures);
+            // Closeness depends on the light by one factor, which is approximately known: refine it together with
+            // blurriness.
+            let guess = || {
+                Mix::new(guide, BackgroundLight::new(&colors, &blurriness, variant).color)
+                    .closeness(&measures)
+            };
             let matting = Matting::new(guide, variant);
             let (refined, ahead) = matting.refined_beside(&blurriness, guess);
-            let light = Light::new(&colors, &refined, variant);
+            let light = BackgroundLight::new(&colors, &refined, variant);
             let mix = Mix::new(guide, light.color);
             let closeness = matting.refined_near(&mix.closeness(&measures), ahead);
             (light, mix, closeness)
         }
-        Form::Hybrid | Form::Guided => {
-            let light = Light::new(&colors, &form.refined(guide, &blurriness, variant), variant);
+        IblaRefinement::Hybrid | IblaRefinement::Guided => {
+            let light = BackgroundLight::new(&colors, &form.refined(guide, &blurriness, variant), variant);
             let mix = Mix::new(guide, light.color);
             let Measures {
                 by_red,
@@ -171,11 +174,11 @@ impl Measures {
     }
 }
 
-/// How much each of the measures of closeness counts.
+/// Weights of the measures of closeness.
 struct Mix {
-    /// `ta`: share of the loss of red against that of red alone.
+    /// `ta`: weight of the loss of red against red.
     by_loss: f64,
-    /// `tb`: share of both against that of blurriness.
+    /// `tb`: weight of both against blurriness.
     by_color: f64,
 }
 
@@ -189,7 +192,7 @@ impl Mix {
         }
     }
 
-    /// `e` of step 3 before it is refined.
+    /// `e` of step 3 before refinement.
     fn closeness(&self, measures: &Measures) -> Plane<f64> {
         self.joined(measures.by_red.clone(), &measures.by_loss, &measures.by_blur)
     }

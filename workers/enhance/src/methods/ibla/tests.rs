@@ -4,12 +4,12 @@ use super::super::vectors::{VARIANTS, assert_picture, assert_plane, cases, expec
 use super::*;
 use crate::blocks::{calmest, lowest};
 
-/// The light may be off by this: near ties flip single pixels of a candidate.
+/// Near ties flip single pixels of a candidate.
 const LIGHT_TOLERANCE: f64 = 0.01;
-/// Refined planes may be off by this part of their range.
+/// Tolerance of refined planes relative to their range.
 const PLANE_TOLERANCE: f64 = 1e-3;
 
-/// A form of the method: its name, how it refines a plane, and the whole of it.
+/// A variant: its name, its refinement of a plane, and the complete method.
 type Refined<'a> = (
     &'static str,
     &'a dyn Fn(&Plane<f64>) -> Plane<f64>,
@@ -35,7 +35,7 @@ fn golden_stages_and_pictures() {
                 let expected = &expected[name][form];
                 let raw = blurriness(&colors, variant);
                 let refined = refine(&raw);
-                let light = Light::new(&colors, &refined, variant);
+                let light = BackgroundLight::new(&colors, &refined, variant);
                 let boxes = [calmest(&colors), lowest(&refined)].map(|region| {
                     let (x, y) = (&region.columns, &region.rows);
                     [x.start, y.start, x.len(), y.len()].map(|number| number as f64)
@@ -113,11 +113,11 @@ fn bright_haze_is_not_blackened_and_a_bright_wall_is_named() {
     assert!(warnings.contains(&Warning::Blackened) && warnings.contains(&Warning::LampAsBackground));
 }
 
-/// The candidates of the hybrid may be off by this in pictures where nothing but noise decides which pixels are the most blurred. Of
-/// rendered frames 97 % keep them within [`LIGHT_TOLERANCE`]: `docs/agreement.md`.
+/// Tolerance of the hybrid's candidates in pictures where noise decides which pixels are the most blurred. 97 % of
+/// rendered frames are within [`LIGHT_TOLERANCE`]: `docs/agreement.md`.
 const NOISY_LIGHT_TOLERANCE: f64 = 0.05;
 
-/// Water, darker with depth, and things in it that lose contrast with their distance, seen with noise.
+/// Water, darker with depth, and objects that lose contrast with distance, with noise.
 fn scene(seed: usize) -> Rgb8 {
     let (width, height) = (547, 353);
     let random = |n: usize| {
@@ -148,8 +148,8 @@ fn scene(seed: usize) -> Rgb8 {
 fn the_hybrid_stays_near_the_candidates_of_matting() {
     for seed in 0..20 {
         let picture = scene(seed);
-        let [got, expected] =
-            [Form::Hybrid, Form::Matting].map(|form| candidates(&picture, form, Variant::Fast));
+        let [got, expected] = [IblaRefinement::Hybrid, IblaRefinement::Matting]
+            .map(|form| candidates(&picture, form, Variant::Fast));
         for (got, expected) in got.as_flattened().iter().zip(expected.as_flattened()) {
             assert!(
                 (got - expected).abs() < NOISY_LIGHT_TOLERANCE,

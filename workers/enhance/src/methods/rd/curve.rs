@@ -1,37 +1,29 @@
-//! Steps 1 to 4: what each code of a channel becomes.
+//! Steps 1 to 4: the curve of each channel.
 
 use imaging::Rgb8;
 
-use crate::blocks::histogram::{self, Histogram, histograms};
+use crate::blocks::histogram::{self, CodeCounts, histograms};
 use crate::variant::Variant;
 
 /// α of the Rayleigh distribution.
 const ALPHA: f64 = 0.4;
-/// A value this close to a whole number, or to the mean, counts as equal to it: rounding must not move it.
+/// A value this close to an integer or to the mean counts as equal to it: rounding must not move it.
 const EQUAL: f64 = 1e-9;
 
-/// What each code of red, green and blue becomes, in 0..=255.
+/// Curves of red, green and blue over the codes, in 0..=255.
 pub(super) type Curves = [[f64; 256]; 3];
 
-/// The curves of red, green and blue.
 pub(super) fn curves(picture: &Rgb8, variant: Variant) -> Curves {
     let counts = histograms(picture);
     let gains = gains(counts.each_ref().map(histogram::mean));
     std::array::from_fn(|channel| {
         let (low, high) = histogram::ends(&counts[channel]);
-        let scaled = |code: usize| (code as f64 * gains[channel]).min(255.0);
-        let (low, high) = (scaled(low), scaled(high));
-        let value = |code: usize| {
-            if high > low {
-                (scaled(code) - low) / (high - low) * 255.0
-            } else {
-                scaled(code)
-            }
-        };
-        let values = std::array::from_fn(value);
+        let scaled: [f64; 256] = std::array::from_fn(|code| (code as f64 * gains[channel]).min(255.0));
+        let (low, high) = (scaled[low], scaled[high]);
         if high <= low {
-            return values;
+            return scaled;
         }
+        let values = scaled.map(|value| (value - low) / (high - low) * 255.0);
         match variant {
             Variant::Fast => merged(&values, &counts[channel]),
             Variant::Reference => merged_by_pixels(&values, picture, channel),
@@ -39,8 +31,7 @@ pub(super) fn curves(picture: &Rgb8, variant: Variant) -> Curves {
     })
 }
 
-/// Step 1: what each channel is multiplied by. Of equal means the first channel counts as the smallest and as the
-/// largest.
+/// Step 1: the gain of each channel. Among equal means the first channel counts as both smallest and largest.
 fn gains(means: [f64; 3]) -> [f64; 3] {
     let mut sorted = means;
     sorted.sort_unstable_by(f64::total_cmp);
@@ -56,7 +47,7 @@ fn gains(means: [f64; 3]) -> [f64; 3] {
     gains
 }
 
-/// `f(C)`, cut to a whole code.
+/// `f(C)`, truncated to an integer code.
 fn rayleigh(share: f64) -> f64 {
     if share >= 1.0 {
         return 255.0;
@@ -71,8 +62,8 @@ fn whole(value: f64) -> usize {
     (value + EQUAL) as usize
 }
 
-/// Steps 3 and 4 on counts of codes.
-fn merged(values: &[f64; 256], counts: &Histogram) -> [f64; 256] {
+/// Steps 3 and 4 on histograms.
+fn merged(values: &[f64; 256], counts: &CodeCounts) -> [f64; 256] {
     let total = histogram::total(counts) as f64;
     let mean = values
         .iter()
@@ -81,7 +72,7 @@ fn merged(values: &[f64; 256], counts: &Histogram) -> [f64; 256] {
         .sum::<f64>()
         / total;
     let is_lower = |value: f64| value <= mean + EQUAL;
-    let mut sets: [Histogram; 2] = [[0; 256]; 2];
+    let mut sets: [CodeCounts; 2] = [[0; 256]; 2];
     for (&value, count) in values.iter().zip(counts).filter(|(_, count)| **count > 0) {
         sets[usize::from(!is_lower(value))][whole(value)] += count;
     }
@@ -100,7 +91,7 @@ fn merged(values: &[f64; 256], counts: &Histogram) -> [f64; 256] {
     })
 }
 
-/// Steps 3 and 4 on the pixels themselves.
+/// Steps 3 and 4 on the pixels.
 fn merged_by_pixels(values: &[f64; 256], picture: &Rgb8, channel: usize) -> [f64; 256] {
     let pixels: Vec<f64> = picture
         .pixels()
@@ -108,17 +99,15 @@ fn merged_by_pixels(values: &[f64; 256], picture: &Rgb8, channel: usize) -> [f64
         .collect();
     let mean = pixels.iter().sum::<f64>() / pixels.len() as f64;
     let (lower, upper): (Vec<f64>, Vec<f64>) = pixels.iter().partition(|value| **value <= mean + EQUAL);
-    let share = |set: &[f64], value: f64| {
-        let up_to = set.iter().filter(|&&other| whole(other) <= whole(value)).count();
-        up_to as f64 / set.len().max(1) as f64
-    };
     values.map(|value| {
         let (set, other_picture) = if value <= mean + EQUAL {
             (&lower, 0.0)
         } else {
             (&upper, 255.0)
         };
-        (rayleigh(share(set, value)) + other_picture) / 2.0
+        let below = set.iter().filter(|&&other| whole(other) <= whole(value)).count();
+        let share = below as f64 / set.len().max(1) as f64;
+        (rayleigh(share) + other_picture) / 2.0
     })
 }
 
@@ -131,7 +120,7 @@ mod tests {
         assert_eq!(gains([10.0, 40.0, 20.0]), [2.0, 0.5, 1.0]);
         assert_eq!(gains([7.0; 3]), [1.0; 3]);
         assert_eq!(gains([0.0, 40.0, 20.0]), [1.0, 0.5, 1.0]);
-        // With one channel of light the middle mean is 0: nothing is taken away.
+        // With light in one channel only, the middle mean is 0: gains stay 1.
         assert_eq!(gains([0.0, 40.0, 0.0]), [1.0; 3]);
         assert_eq!(gains([0.0; 3]), [1.0; 3]);
     }

@@ -2,16 +2,16 @@
 //!
 //! In 0..=255 reals:
 //! 1. The channel with the smallest mean is multiplied by med / min of the three means, the one with the largest by
-//!    med / max, and clipped; a channel without light is left alone, and the largest where it would lose all.
+//!    med / max, and clipped; a channel without light is unchanged, as is the largest if it would become 0.
 //! 2. Each channel is stretched linearly from its ends to 0..=255.
-//! 3. Each channel is split at its mean m. In each of the two sets, with the cumulative share C of a value's whole part,
+//! 3. Each channel is split at its mean m. In each of the two sets, with the cumulative share C of a value's integer part,
 //!    `f(C) = min(255, 255 sqrt(-2 α² ln(1 - (1 - exp(-1 / (2 α²))) C)))`, α = 0.4, `f(1) = 255`. The lower picture is
 //!    f where the value is at most m and 255 elsewhere, the upper picture is f where it is above m and 0 elsewhere.
-//! 4. The mean of the two pictures, each cut to whole codes. A channel of one value is left as it is.
-//! 5. HSV: saturation and value are stretched between their 1 % tails to 0..=1; what lies outside keeps its value.
+//! 4. The mean of the two pictures, each truncated to integer codes. A channel of one value is unchanged.
+//! 5. HSV: saturation and value are stretched between their 1 % tails to 0..=1; values outside are unchanged.
 //!
-//! Where it fails: a channel without light takes no part; in a picture of few values the two sets are pushed to the ends;
-//! saturation beyond its tails is not changed, which puts unlike colors side by side.
+//! Known failures: a channel without light is ignored; in a picture of few values the two sets are pushed to the ends;
+//! saturation beyond its tails is unchanged, which creates abrupt color edges.
 
 mod curve;
 mod saturation;
@@ -29,7 +29,7 @@ pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
     let colors = picture.to_rgb8();
     let curves = curve::curves(&colors, variant);
     let stretched = saturation::stretched(&colors, &curves, variant);
-    let others: &[signs::Sign] = &[(Warning::ChannelWithoutLight, Signs::lacks_a_channel)];
+    let others: &[signs::FailureSign] = &[(Warning::ChannelWithoutLight, Signs::lacks_a_channel)];
     let warnings = signs::warnings(&colors, &stretched, others);
     Enhanced::from_colors(picture, &stretched, OfGray::Gray, warnings)
 }

@@ -1,7 +1,7 @@
-//! Step 5: saturation and value of HSV, with the hue kept.
+//! Step 5: saturation and value of HSV, with constant hue.
 //!
-//! `V = max`, `S = (max - min) / max`, 0 where max = 0. With the hue kept a channel goes from c to
-//! `V' (1 - S' (max - c) / (max - min))`.
+//! `V = max`, `S = (max - min) / max`, 0 for max = 0. At constant hue a channel changes from c to `V' (1 - S' (max - c)
+//! / (max - min))`.
 
 use imaging::simd::{larger, smaller};
 use imaging::{Rgb8, vectorized};
@@ -10,7 +10,7 @@ use super::curve::Curves;
 use crate::blocks::tails;
 use crate::variant::Variant;
 
-/// Part of the pixels beyond either end of saturation and of value.
+/// Share of the pixels beyond either end of saturation and of value.
 const TAIL: f64 = 0.01;
 
 pub(super) fn stretched(picture: &Rgb8, curves: &Curves, variant: Variant) -> Rgb8 {
@@ -21,7 +21,7 @@ pub(super) fn stretched(picture: &Rgb8, curves: &Curves, variant: Variant) -> Rg
         Variant::Fast => vectorized!(hsv(picture.data(), curves, &mut saturation, &mut value)),
         Variant::Reference => hsv_reference(picture, curves, &mut saturation, &mut value),
     }
-    let stretch = Stretch {
+    let stretch = SaturationStretch {
         saturation: tails(&saturation, TAIL, variant),
         value: tails(&value, TAIL, variant),
     };
@@ -49,7 +49,7 @@ fn saturation_and_value([r, g, b]: [f64; 3]) -> (f64, f64) {
     (if max > 0.0 { (max - min) / max } else { 0.0 }, max)
 }
 
-/// Pixels converted at once.
+/// Pixels per block.
 const BLOCK: usize = 32;
 
 /// The colors of a block of pixels, channel by channel, 0..=1.
@@ -86,24 +86,24 @@ fn hsv(codes: &[u8], curves: &Curves, saturation: &mut [f64], value: &mut [f64])
 }
 
 /// The ends of saturation and of value.
-struct Stretch {
+struct SaturationStretch {
     saturation: (f64, f64),
     value: (f64, f64),
 }
 
-/// `(z - a) / (b - a)` between the ends; what lies outside, and everything when the ends meet, keeps its value.
+/// `(z - a) / (b - a)` between the ends; values outside, and all values if the ends meet, are unchanged.
 #[inline(always)]
-fn between(z: f64, (a, b): (f64, f64)) -> f64 {
+fn stretch(z: f64, (a, b): (f64, f64)) -> f64 {
     let stretched = (z - a) / if b > a { b - a } else { 1.0 };
     if b > a && z >= a && z <= b { stretched } else { z }
 }
 
-impl Stretch {
+impl SaturationStretch {
     fn apply_reference(&self, curves: &Curves, picture: &mut Rgb8) {
         for pixel in picture.data_mut().chunks_exact_mut(3) {
             let color = color(curves, [pixel[0], pixel[1], pixel[2]]);
             let (s, v) = saturation_and_value(color);
-            let (new_s, new_v) = (between(s, self.saturation), between(v, self.value));
+            let (new_s, new_v) = (stretch(s, self.saturation), stretch(v, self.value));
             let spread = s * v;
             for (code, c) in pixel.iter_mut().zip(color) {
                 let share = if spread > 0.0 { (v - c) / spread } else { 0.0 };
@@ -125,8 +125,8 @@ impl Stretch {
             let (mut top, mut slope) = ([0.0f64; BLOCK], [0.0f64; BLOCK]);
             for x in 0..BLOCK {
                 let spread = s[x] * v[x];
-                let light = 255.0 * between(v[x], self.value);
-                let share = between(s[x], self.saturation) / if spread > 0.0 { spread } else { 1.0 };
+                let light = 255.0 * stretch(v[x], self.value);
+                let share = stretch(s[x], self.saturation) / if spread > 0.0 { spread } else { 1.0 };
                 top[x] = light;
                 slope[x] = light * share;
             }

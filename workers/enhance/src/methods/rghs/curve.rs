@@ -1,18 +1,17 @@
-//! Steps 1 and 2: what each code of a channel becomes.
+//! Steps 1 and 2: the curve of each channel.
 
 use imaging::Rgb8;
 
 use super::Curves;
-use crate::blocks::histogram::{self, Histogram, histograms};
+use crate::blocks::histogram::{self, CodeCounts, histograms};
 use crate::variant::Variant;
 
-/// Residual energy after a unit of distance, to the power of three.
+/// Cubed residual energy after a unit of distance.
 const TRANSMITTANCE: [f64; 3] = [0.83 * 0.83 * 0.83, 0.95 * 0.95 * 0.95, 0.97 * 0.97 * 0.97];
 const K: [f64; 3] = [1.1, 0.9, 0.9];
-/// Part of the codes beyond either end of the stretch.
+/// Share of the codes beyond either end of the stretch.
 const TAIL: f64 = 0.005;
 
-/// The curves of red, green and blue.
 pub(super) fn curves(picture: &Rgb8, variant: Variant) -> Curves {
     let counts = histograms(picture);
     let one_color = counts.iter().map(histogram::ends).all(|(low, high)| low == high);
@@ -29,20 +28,20 @@ pub(super) fn curves(picture: &Rgb8, variant: Variant) -> Curves {
             Variant::Fast => ends(&counts[channel], &equalized),
             Variant::Reference => ends_of_sorted(picture, channel, &equalized),
         };
-        let line = Line::new(&ends, channel);
+        let line = StretchLine::new(&ends, channel);
         equalized.map(|code| line.value(f64::from(code)))
     })
 }
 
-/// The mode of a channel's codes, and the ends of what is stretched.
-struct Ends {
+/// The mode of a channel's codes, and the ends of the stretch.
+struct StretchEnds {
     mode: u8,
     low: u8,
     high: u8,
 }
 
-fn ends(counts: &Histogram, equalized: &[u8; 256]) -> Ends {
-    let mut moved: Histogram = [0; 256];
+fn ends(counts: &CodeCounts, equalized: &[u8; 256]) -> StretchEnds {
+    let mut moved: CodeCounts = [0; 256];
     for (&code, count) in equalized.iter().zip(counts) {
         moved[usize::from(code)] += count;
     }
@@ -55,20 +54,20 @@ fn ends(counts: &Histogram, equalized: &[u8; 256]) -> Ends {
         mode
     };
     let high = histogram::code_at(&moved, below + others - 1 - tail(others));
-    Ends {
+    StretchEnds {
         mode: mode as u8,
         low: low as u8,
         high: high as u8,
     }
 }
 
-fn ends_of_sorted(picture: &Rgb8, channel: usize, equalized: &[u8; 256]) -> Ends {
+fn ends_of_sorted(picture: &Rgb8, channel: usize, equalized: &[u8; 256]) -> StretchEnds {
     let mut sorted: Vec<u8> = picture
         .pixels()
         .map(|pixel| equalized[usize::from(pixel[channel])])
         .collect();
     sorted.sort_unstable();
-    // Of runs of equal length the first, which holds the smallest code.
+    // Among runs of equal length the first, which has the smallest code.
     let longest = sorted.chunk_by(|a, b| a == b).rev().max_by_key(|run| run.len());
     let mode = longest.map_or(0, |run| run[0]);
     let below = sorted.partition_point(|&code| code < mode);
@@ -78,7 +77,7 @@ fn ends_of_sorted(picture: &Rgb8, channel: usize, equalized: &[u8; 256]) -> Ends
         .copied()
         .unwrap_or(mode);
     let high = right[right.len() - 1 - tail(right.len() as u64) as usize];
-    Ends { mode, low, high }
+    StretchEnds { mode, low, high }
 }
 
 fn tail(count: u64) -> u64 {
@@ -86,15 +85,15 @@ fn tail(count: u64) -> u64 {
 }
 
 /// The line of step 2.
-struct Line {
+struct StretchLine {
     from: (f64, f64),
     to: (f64, f64),
 }
 
-impl Line {
-    fn new(ends: &Ends, channel: usize) -> Self {
+impl StretchLine {
+    fn new(ends: &StretchEnds, channel: usize) -> Self {
         let (mode, low, high) = (f64::from(ends.mode), f64::from(ends.low), f64::from(ends.high));
-        let to = if mode > 0.0 {
+        let to_ends = if mode > 0.0 {
             let kt = K[channel] * TRANSMITTANCE[channel];
             let n = ((255.0 - high) * kt / mode).floor();
             let top = if n >= 1.0 {
@@ -108,7 +107,7 @@ impl Line {
         };
         Self {
             from: (low, high),
-            to,
+            to: to_ends,
         }
     }
 
@@ -147,7 +146,7 @@ mod tests {
             let kt = 1.1 * 0.83f64.powi(3);
             let n = (215.0 * kt / 20.0).floor();
             assert!((red[40] - (1.526 + (n + 1.0) / 2.0) * 20.0 / kt).abs() < 1e-12);
-            // No light: nothing to scale, and one code cannot be stretched.
+            // No light: nothing to scale, and a single code cannot be stretched.
             assert_eq!(green[0], 0.0);
         }
     }
@@ -157,7 +156,7 @@ mod tests {
         let picture = Rgb8::from_fn(4, 1, |x, _| [[80, 200, 200, 80][x], 0, 0]);
         for variant in [Variant::Fast, Variant::Reference] {
             let [red, ..] = curves(&picture, variant);
-            // Nothing lies below 80: it goes to 0.345 · 80.
+            // No code is below 80: it maps to 0.345 · 80.
             assert!((red[80] - 27.6).abs() < 1e-12, "{}", red[80]);
         }
     }

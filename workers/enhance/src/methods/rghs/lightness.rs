@@ -1,4 +1,4 @@
-//! Step 3: lightness stretched and colors strengthened in CIE Lab.
+//! Step 3: stretches lightness and strengthens colors in CIE Lab.
 
 use imaging::{Plane, Rgb, Rgb8, lab, transfer, vectorized};
 
@@ -7,11 +7,11 @@ use crate::blocks::tails;
 use crate::elementary::exp;
 use crate::variant::Variant;
 
-/// Part of the pixels beyond either end of the lightness.
+/// Share of the pixels beyond either end of the lightness.
 const TAIL: f64 = 0.01;
 /// `1.3^(1 - |p| / 128)`.
 const STRENGTH: f64 = 1.3;
-/// Lightness closer together than this is one value.
+/// Lightness within this span is one value.
 const FLAT_L: f64 = 1e-6;
 
 pub(super) fn stretched(picture: &Rgb8, curves: &Curves, variant: Variant) -> Rgb8 {
@@ -49,7 +49,7 @@ fn fast(picture: &Rgb8, curves: &Curves) -> Rgb8 {
     let mut opponents = [0; 2].map(|_| vec![0.0f32; pixels]);
     vectorized!(to_lab(picture.data(), &linear, &mut lightness, &mut opponents));
     let (low, high) = tails(&lightness, TAIL, Variant::Fast);
-    // Strip by strip, so that the linear light of the whole picture is never held.
+    // Strip by strip, to avoid a full-size plane of linear light.
     let width = picture.width();
     let mut codes = Vec::with_capacity(picture.data().len());
     let [a, b] = opponents.each_ref().map(|plane| plane.chunks(STRIP * width));
@@ -63,10 +63,10 @@ fn fast(picture: &Rgb8, curves: &Curves) -> Rgb8 {
     Rgb8::new(width, picture.height(), codes).expect("three codes for each pixel")
 }
 
-/// Rows turned into codes at once.
+/// Rows per strip.
 const STRIP: usize = 16;
 
-/// Pixels converted at once.
+/// Pixels per block.
 const BLOCK: usize = 32;
 
 #[inline(always)]
@@ -93,15 +93,6 @@ fn from_lab(lightness: &[f64], [a, b]: [&[f32]; 2], (low, high): (f64, f64), lig
     let matrix = lab::from_xyz().map(|row| row.map(|value| value as f32));
     let decay = -(STRENGTH.ln() / 128.0) as f32;
     let strengthened = |p: f32| p * (STRENGTH as f32) * exp(decay * p.abs());
-    let response = |t: f32| {
-        const KNEE: f32 = 6.0 / 29.0;
-        let cube = t * t * t;
-        if t > KNEE {
-            cube
-        } else {
-            3.0 * KNEE * KNEE * (t - 4.0 / 29.0)
-        }
-    };
     let planes = lightness
         .chunks(BLOCK)
         .zip(a.chunks(BLOCK).zip(b.chunks(BLOCK)))
@@ -132,5 +123,17 @@ fn from_lab(lightness: &[f64], [a, b]: [&[f32]; 2], (low, high): (f64, f64), lig
         for (plane, out) in light.iter_mut().zip(&out) {
             plane[start..start + l.len()].copy_from_slice(&out[..l.len()]);
         }
+    }
+}
+
+/// The inverse of the response of CIE Lab.
+#[inline(always)]
+fn response(t: f32) -> f32 {
+    const KNEE: f32 = 6.0 / 29.0;
+    let cube = t * t * t;
+    if t > KNEE {
+        cube
+    } else {
+        3.0 * KNEE * KNEE * (t - 4.0 / 29.0)
     }
 }

@@ -1,15 +1,15 @@
 //! RGHS: relative global histogram stretching (Huang, Wang, Song, Sequeira and Mavromatis 2018).
 //!
 //! 1. Green and blue times 0.5 / mean, clipped.
-//! 2. Each channel, as rounded codes: with the mode a, `I_min` the code at 0.5 % of those below a (a where there are
-//!    none), `I_max` the code at 0.5 % from the top of the others, a line takes `I_min..I_max` to `O_min..O_max`:
+//! 2. Each channel, as rounded codes: with the mode a, `I_min` the code at 0.5 % of those below a (a if there are
+//!    none), `I_max` the code at 0.5 % from the top of the others, a line maps `I_min..I_max` to `O_min..O_max`:
 //!    `O_min = a - 0.655 a`; `O_max = (1.526 + (n + 1) / 2) a / (k t)` where `n = floor((255 - I_max) k t / a)` is at
 //!    least 1, else 255, never below `I_max` and never above 255. `t = N³` with N = (0.83, 0.95, 0.97), k = 1.1 for red
 //!    and 0.9 for green and blue: the exponent and k are this project's reading, since the sources leave them open.
 //! 3. CIE Lab: L stretched between its 1 % tails to 0..=100; a and b become `p · 1.3^(1 - |p| / 128)`.
 //!
-//! A picture of one color skips steps 1 and 2. Where it fails: a mode of 0 (much black) leaves nothing to stretch
-//! relative to; a few colors are pushed apart; a picture of one color only gets more colorful.
+//! A picture of one color skips steps 1 and 2. Known failures: a mode of 0 (much black) cannot be stretched relative
+//! to; a few colors are pushed apart; a picture of one color only becomes more colorful.
 
 mod curve;
 mod lightness;
@@ -35,10 +35,10 @@ pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
     Enhanced::from_colors(picture, &stretched, OfGray::Gray, warnings)
 }
 
-/// What each code of red, green and blue becomes, in 0..=255.
+/// Curves of red, green and blue over the codes, in 0..=255.
 type Curves = [[f64; 256]; 3];
 
-/// The linear light of every code's value.
+/// Curves in linear light.
 fn linear(curves: &Curves) -> Curves {
     curves.map(|curve| curve.map(|value| imaging::transfer::decode(value / 255.0)))
 }

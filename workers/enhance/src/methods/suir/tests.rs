@@ -3,7 +3,7 @@ use imaging::codec::decode_picture;
 use super::super::vectors::{VARIANTS, assert_picture, assert_plane, cases, expected, file, numbers};
 use super::*;
 
-/// The refined exposure may be off by this part of its range.
+/// Tolerance of the refined exposure relative to its range.
 const EXPOSURE_TOLERANCE: f64 = 2e-3;
 
 #[test]
@@ -12,7 +12,7 @@ fn golden_light_exposure_and_pictures() {
     for name in cases() {
         let picture = decode_picture(file(name, "input.png")).unwrap();
         let colors = picture.to_rgb8();
-        let stretch = Stretch::new(&colors);
+        let stretch = JointStretch::new(&colors);
         for variant in VARIANTS {
             let guide = Guide::new(&colors).scaled(stretch.scale);
             let light = background(&guide, variant).map(|code| stretch.value(code).max(1.0 / 255.0));
@@ -64,7 +64,7 @@ fn red_takes_its_whole_range() {
 fn the_rim_counts_as_clear() {
     let picture = Rgb8::from_fn(8, 30, |x, y| [20, (100 + 3 * x) as u8, (90 + 2 * y) as u8]);
     let guide = Guide::new(&picture);
-    let stretch = Stretch::new(&picture);
+    let stretch = JointStretch::new(&picture);
     let dehazed = dehazed(&guide, &stretch, 1, 0.5, Variant::Reference);
     for (value, code) in dehazed.data().iter().zip(guide.channels()[1].data()) {
         let expected = (stretch.value(*code) - 0.5) / TRANSMITTANCE.1 + 0.5;

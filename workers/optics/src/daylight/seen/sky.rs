@@ -1,6 +1,6 @@
 //! How much of the light from all around nothing hides.
 
-use imaging::rays::{Rays, Ways, leaving, offset};
+use imaging::rays::{Rays, ShadowRays, leaving, offset};
 use imaging::vector::DVec3;
 use imaging::{Plane, Rgb, vectorized};
 
@@ -240,7 +240,7 @@ fn is_one(surfaces: Surfaces<'_>, [x, y]: [usize; 2], [i, j]: [usize; 2]) -> boo
 /// A at some pixels that are near each other in the list; 1 at holes.
 fn at_places(surfaces: Surfaces<'_>, sky: &Sky<'_>, rays: &dyn Rays, places: &[[usize; 2]]) -> Vec<[f32; 3]> {
     let mut values = Vec::with_capacity(places.len());
-    let (mut ways, mut clear) = (Ways::default(), Vec::new());
+    let (mut ways, mut clear) = (ShadowRays::default(), Vec::new());
     let mut bundles = vec![Bundle::default(); sky.count()];
     let gaze = Gaze::new(sky);
     for batch in places.chunks(BATCH) {
@@ -256,7 +256,7 @@ fn at_places(surfaces: Surfaces<'_>, sky: &Sky<'_>, rays: &dyn Rays, places: &[[
         }
         clear.clear();
         clear.resize(ways.len(), false);
-        rays.look(&ways, &mut clear);
+        rays.trace_shadow_rays(&ways, &mut clear);
         for (i, &[x, y]) in batch.iter().enumerate() {
             if is_hole(surfaces.range.pixel(x, y)) {
                 values.push([1.0; 3]);

@@ -1,7 +1,7 @@
 //! Where the sun is seen.
 
 use imaging::Plane;
-use imaging::rays::{OFFSET, Rays, Ways, leaving};
+use imaging::rays::{OFFSET, Rays, ShadowRays, leaving};
 use imaging::vector::DVec3;
 use imaging::vectorized;
 
@@ -39,7 +39,7 @@ pub fn sunlit(surfaces: Surfaces<'_>, daylight: &Daylight, sun: &SunLight, rays:
     let sight = Sight::new(daylight, sun);
     let mut lit = Plane::filled(width, height, 0.0f32);
     let mut band = Band::new(width);
-    let (mut ways, mut pixels, mut clear) = (Ways::default(), Vec::new(), Vec::new());
+    let (mut ways, mut pixels, mut clear) = (ShadowRays::default(), Vec::new(), Vec::new());
     for top in (0..height).step_by(SQUARE) {
         let rows = SQUARE.min(height - top);
         for row in 0..rows {
@@ -69,7 +69,7 @@ pub fn sunlit(surfaces: Surfaces<'_>, daylight: &Daylight, sun: &SunLight, rays:
         }
         clear.clear();
         clear.resize(ways.len(), false);
-        rays.look(&ways, &mut clear);
+        rays.trace_shadow_rays(&ways, &mut clear);
         let light = lit.data_mut();
         for (&pixel, &clear) in pixels.iter().zip(&clear) {
             light[pixel as usize] = if clear { 1.0 } else { 0.0 };

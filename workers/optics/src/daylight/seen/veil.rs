@@ -12,7 +12,7 @@
 //! as even in that length: `1 − (1 − e^{−1.5})/1.5`. The sun is occluded by shadow rays of its own from more places: each is in shadow
 //! or not, and few places would draw steps into the veil.
 
-use imaging::rays::{Rays, Ways};
+use imaging::rays::{Rays, ShadowRays};
 use imaging::vector::{DVec3, vec3};
 use imaging::{Plane, Rgb, vectorized};
 
@@ -202,7 +202,7 @@ impl<'a> OccludedVeil<'a> {
     /// V of these pixels, many rays at once: those of one kind of neighboring pixels follow each other.
     fn trace(&self, range: &Plane<f32>, pixels: &[[usize; 2]], rays: &dyn Rays) -> Vec<f32> {
         let mut values = Vec::with_capacity(pixels.len());
-        let (mut ways, mut clear) = (Ways::default(), Vec::new());
+        let (mut ways, mut clear) = (ShadowRays::default(), Vec::new());
         for batch in pixels.chunks(BATCH) {
             let lines: Vec<Line> = batch.iter().map(|&pixel| self.line(range, pixel)).collect();
             ways.clear();
@@ -218,7 +218,7 @@ impl<'a> OccludedVeil<'a> {
             }
             clear.clear();
             clear.resize(ways.len(), true);
-            rays.look(&ways, &mut clear);
+            rays.trace_shadow_rays(&ways, &mut clear);
             let shares = lines
                 .iter()
                 .enumerate()

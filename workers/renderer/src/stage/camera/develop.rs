@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use ::camera::sensor::{self, Chance, Raw, Sensor};
+use ::camera::sensor::{self, Chance, Raw, SensorModel};
 use ::camera::{balance, jpeg, mosaic, preset, tone};
 use imaging::{Raster, Rgb, Rgb8, transfer};
 use optics::plan::StageId;
@@ -72,7 +72,7 @@ pub(crate) fn develop(
     }
 }
 
-fn read(context: &FrameContext<'_>, sensor: &Sensor, light: &Rgb<f32>, cameras: &mut Cameras) -> Raw {
+fn read(context: &FrameContext<'_>, sensor: &SensorModel, light: &Rgb<f32>, cameras: &mut Cameras) -> Raw {
     let seed = context.frame.seed;
     let chance = Chance {
         seed,
@@ -91,7 +91,7 @@ fn note(record: &mut FrameRecord, name: &str, value: Value) {
 }
 
 /// What one needs to read the raw codes, and where the numbers come from.
-fn described(context: &FrameContext<'_>, sensor: &Sensor) -> Value {
+fn described(context: &FrameContext<'_>, sensor: &SensorModel) -> Value {
     let law = preset::complete(&context.frame.camera).sensor.unwrap_or_default();
     let name = law.preset.as_deref().unwrap_or(preset::SENSORS[0].name);
     let source = preset::SensorPreset::find(name).map(|preset| {

@@ -1,10 +1,10 @@
-//! A coated steel pipe: field joints, weld seams under the coat, and damage that bares steel.
+//! A coated steel pipe: field joints, weld seams under the coat, and damage that exposes steel.
 
-use super::{Finish, Grain, Surface, line, steel};
+use super::{Grain, Surface, SurfaceFinish, line, steel};
 use crate::categories::Finding;
 use crate::site::lanes::{LANES, angle, clamp01, floor, mix, ramp};
 
-/// Black, green, blue, gray and brown coats.
+/// Colors: black, green, blue, gray and brown.
 pub(super) const COATS: [[f32; 3]; 5] = [
     [0.045, 0.047, 0.05],
     [0.07, 0.13, 0.09],
@@ -13,29 +13,29 @@ pub(super) const COATS: [[f32; 3]; 5] = [
     [0.14, 0.085, 0.05],
 ];
 const STEEL: [f32; 3] = [0.30, 0.29, 0.28];
-/// Half the width of the girth weld and of the seam along the pipe, m.
+/// Half the width of the girth weld and of the longitudinal seam, m.
 const WELD_M: f32 = 0.011;
 const SEAM_M: f32 = 0.008;
 
-/// The choices of one pipe. Its axis is z, its radius and positions in meters.
+/// Parameters of one pipe. Its axis is z, radius and positions are in meters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Coat {
     pub(crate) radius: f32,
-    /// Where a joint is, and how far apart joints are.
+    /// Position of a joint, and distance between joints.
     pub(crate) joint: f32,
     pub(crate) pitch: f32,
-    /// Half the length of the band that covers a joint.
+    /// Half the length of the band over a joint.
     pub(crate) band: f32,
     pub(crate) band_color: [f32; 3],
-    /// Angle of the seam along the pipe, radians.
+    /// Angle of the longitudinal seam, radians.
     pub(crate) seam: f32,
 }
 
-impl Finish {
-    /// The loop over the points; compile it by `vectorized!`.
+impl SurfaceFinish {
+    /// The loop over the points, compiled by `vectorized!`.
     #[inline(always)]
     pub(super) fn coated(&self, coat: &Coat, grain: &Grain<'_>, surface: &mut Surface) {
-        let Finish { base, wear, .. } = *self;
+        let SurfaceFinish { base, wear, .. } = *self;
         let Grain { points, broad, fine } = *grain;
         let (local, footprint) = (points.local, points.place.footprint);
         let Coat {
@@ -54,7 +54,7 @@ impl Finish {
             let away = from_joint.abs();
             let footprint = footprint[i];
             let sleeve = clamp01(0.5 + (band - away) / footprint);
-            // The sleeve stands proud: its ends slope over a centimeter.
+            // The ends of a sleeve slope over a centimeter.
             let end = (away - band).abs();
             let step = (1.0 - ramp(end, 0.003, 0.012)) * if from_joint < 0.0 { -0.8 } else { 0.8 };
             let weld = line(away, WELD_M, footprint);
@@ -74,10 +74,8 @@ impl Finish {
                 let skin = mix(skin, 0.5 * skin + 0.16, 0.6 * lifted + 0.25 * ridge);
                 surface.albedo[c][i] = mix(skin, metal * (1.0 + 0.2 * weld), damage);
             }
-            // Beads rise to their middle: the slope changes sign there.
-            let bead = |signed: f32, half: f32, part: f32| -0.8 * part * signed / (half + 0.5 * footprint);
-            let around = bead(arc, SEAM_M, ridge);
-            let along = bead(from_joint, WELD_M, weld * (1.0 - 0.6 * sleeve)) - step * 0.8;
+            let around = bead_slope(arc, SEAM_M, ridge, footprint);
+            let along = bead_slope(from_joint, WELD_M, weld * (1.0 - 0.6 * sleeve), footprint) - step * 0.8;
             let rough = 0.0008 + 0.004 * damage;
             let rim = 3.2 * damage * (1.0 - damage);
             let slope = [-y / radius * around, x / radius * around, along];
@@ -92,4 +90,10 @@ impl Finish {
             findings[Finding::Joint as usize][i] = if jointed { 1.0 } else { 0.0 };
         }
     }
+}
+
+/// A weld bead is highest in its middle, where the slope changes sign.
+#[inline(always)]
+fn bead_slope(signed: f32, half: f32, part: f32, footprint: f32) -> f32 {
+    -0.8 * part * signed / (half + 0.5 * footprint)
 }

@@ -1,15 +1,15 @@
-//! Concrete and masonry: joints, pores, stains, cracks along the level lines of a noise, and spalls that bare rusting bars.
+//! Concrete and masonry: joints, pores, stains, cracks along level lines of noise, and spalls that expose rusting bars.
 
 use imaging::vectorized;
 
 use super::pattern::{Joints, boards, courses};
-use super::{Finish, Grain, Pattern, Surface, Unroll, line, steel};
+use super::{Grain, JointPattern, Surface, SurfaceFinish, Unroll, line, steel};
 use crate::categories::Finding;
 use crate::site::lanes::{LANES, floor, larger, load, mix, ramp};
-use crate::site::noise::{Noise, Octaves};
+use crate::site::noise::{NoiseSample, Octaves};
 
 const DIRT: [f32; 3] = [0.62, 0.55, 0.42];
-/// Fresh break: paler, with the colors of the aggregate.
+/// Fresh break: paler, in the colors of the aggregate.
 const BROKEN: [f32; 3] = [0.30, 0.275, 0.235];
 /// Half the width of the widest crack, m.
 const CRACK_M: f32 = 0.0038;
@@ -17,12 +17,12 @@ const CRACK_M: f32 = 0.0038;
 const BAR_PITCH_M: f32 = 0.16;
 const BAR_M: f32 = 0.009;
 
-impl Finish {
-    pub(super) fn concrete(&self, pattern: &Pattern, grain: &Grain<'_>, surface: &mut Surface) {
+impl SurfaceFinish {
+    pub(super) fn concrete(&self, pattern: &JointPattern, grain: &Grain<'_>, surface: &mut Surface) {
         let mut joints = Joints::NONE;
         match pattern {
-            Pattern::Boards => vectorized!(boards(&mut joints, grain, self.direction)),
-            Pattern::Courses(pieces) => {
+            JointPattern::Boards => vectorized!(boards(&mut joints, grain, self.direction)),
+            JointPattern::Courses(pieces) => {
                 let around = match pieces.unroll {
                     Unroll::Round { radius } => (std::f32::consts::TAU * radius / pieces.length).round(),
                     Unroll::Walls { .. } => 1e6,
@@ -39,22 +39,17 @@ impl Finish {
 
 #[inline(always)]
 fn cast(
-    finish: &Finish,
+    finish: &SurfaceFinish,
     joints: &Joints,
-    pores: &Noise,
-    cracks: &Noise,
+    pores: &NoiseSample,
+    cracks: &NoiseSample,
     grain: &Grain<'_>,
     surface: &mut Surface,
 ) {
-    let Finish {
-        base,
-        wear,
-        direction: phase,
-        ..
-    } = *finish;
+    let (base, wear, phase) = (finish.base, finish.wear, finish.direction);
     let Grain { points, broad, fine } = *grain;
     let (local, footprint, edge) = (points.local, points.place.footprint, points.edge);
-    // Added to the noise where it is tested for a spall.
+    // Threshold of the noise for a spall.
     let spalling = 0.55 * wear - 0.14;
     for i in 0..LANES {
         let (speck, broad) = (fine.value[i], broad.value[i]);
@@ -62,7 +57,7 @@ fn cast(
         let steep = load(&cracks.slope, i);
         let climb = larger(steep.length(), 0.2);
         let steep: [f32; 3] = steep.into();
-        // A crack follows a level line, as far as the broad noise lets it run.
+        // A crack follows a level line where the broad noise allows it.
         let open = ramp(0.8 * broad + wear, -0.05, 0.25);
         let width = CRACK_M * (0.35 + 0.65 * open) * if open > 0.0 { 1.0 } else { 0.0 };
         let away = (field - 0.06 * speck).abs() / climb;
@@ -70,7 +65,7 @@ fn cast(
         let broken = field + spalling + 0.12 * speck + 0.2 * edge[i];
         let spall = ramp(broken, 0.36, 0.43);
         let rim = 4.0 * spall * (1.0 - spall);
-        // Bars show where the spall is deep.
+        // Deep spalls expose the bars.
         let along = local[2][i] / BAR_PITCH_M + phase;
         let bar_away = (along - floor(along + 0.5)).abs() * BAR_PITCH_M;
         let bar = ramp(broken, 0.47, 0.52) * line(bar_away, BAR_M, footprint[i]);
@@ -95,12 +90,18 @@ fn cast(
                 - 0.7 * rim * steep[axis] / climb;
         }
         surface.gloss[i] = 0.03;
-        let findings = &mut surface.findings;
         let resolved = width > 0.1 * footprint[i];
         let cracked = (away < larger(width, 0.5 * footprint[i])) & resolved & (open > 0.5);
-        findings[Finding::Crack as usize][i] = if cracked { 1.0 - spall } else { 0.0 };
+        let whole = 1.0 - spall;
+        let findings = &mut surface.findings;
         findings[Finding::Spalling as usize][i] = spall;
         findings[Finding::Corrosion as usize][i] = bar;
-        findings[Finding::Joint as usize][i] = if joint > 0.3 { 1.0 - spall } else { 0.0 };
+        set_where(&mut findings[Finding::Crack as usize][i], whole, cracked);
+        set_where(&mut findings[Finding::Joint as usize][i], whole, joint > 0.3);
     }
+}
+
+#[inline(always)]
+fn set_where(finding: &mut f32, value: f32, condition: bool) {
+    *finding = if condition { value } else { 0.0 };
 }

@@ -1,15 +1,14 @@
-//! The second scale of texture: grains, and shells and pebbles among them, that show from near.
+//! Second scale of texture: grains, shells and pebbles that show at close range.
 
 use imaging::vectorized;
 
-use super::{Finish, Points, Surface};
+use super::{Points, Surface, SurfaceFinish};
 use crate::site::lanes::LANES;
-use crate::site::noise::{Noise, Octaves};
+use crate::site::noise::{NoiseSample, Octaves};
 
 const SHELL: [f32; 3] = [0.55, 0.52, 0.46];
 
-impl Finish {
-    /// Strews grains over sand or stone.
+impl SurfaceFinish {
     pub(super) fn strew(&self, points: &Points<'_>, surface: &mut Surface) {
         let place = &points.place;
         let lumps = place.noise(Octaves::even(9.0, 2, self.key ^ 0x6b));
@@ -20,7 +19,13 @@ impl Finish {
 }
 
 #[inline(always)]
-fn scatter(strength: f32, lumps: &Noise, grains: &Noise, shells: &Noise, surface: &mut Surface) {
+fn scatter(
+    strength: f32,
+    lumps: &NoiseSample,
+    grains: &NoiseSample,
+    shells: &NoiseSample,
+    surface: &mut Surface,
+) {
     for i in 0..LANES {
         let light = 1.0 + strength * (0.55 * grains.value[i] + 0.35 * lumps.value[i]);
         let shell = 0.7 * strength * shells.value[i];

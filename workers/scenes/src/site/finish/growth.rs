@@ -2,10 +2,10 @@
 
 use imaging::vectorized;
 
-use super::{Finish, Grain, Surface};
+use super::{Grain, Surface, SurfaceFinish};
 use crate::categories::Finding;
 use crate::site::lanes::{LANES, Lane, ZEROS, clamp01, mix, ramp};
-use crate::site::noise::{Noise, Octaves};
+use crate::site::noise::{NoiseSample, Octaves};
 
 pub(super) const WEED: [[f32; 3]; 4] = [
     [0.060, 0.072, 0.032],
@@ -15,11 +15,11 @@ pub(super) const WEED: [[f32; 3]; 4] = [
 ];
 const FILM: [f32; 3] = [0.125, 0.115, 0.07];
 const SHELL: [f32; 3] = [0.42, 0.39, 0.34];
-/// Below this sum of choices not even the film shows.
+/// Bare surface below this sum of choices.
 const BARE: f32 = -0.3;
 const DENSE: f32 = 0.8;
 
-impl Finish {
+impl SurfaceFinish {
     pub(super) fn overgrow(&self, grain: &Grain<'_>, surface: &mut Surface) {
         let place = &grain.points.place;
         let patch = place.noise(Octaves::even(2.6, 2, self.key ^ 0x33));
@@ -34,7 +34,7 @@ impl Finish {
     }
 }
 
-/// More grows where the noise says so, and on what faces up.
+/// Raises the density with the patch noise and on upward surfaces.
 #[inline(always)]
 fn thrive(density: &mut Lane, growth: f32, patch: &Lane, grain: &Grain<'_>) {
     let (broad, rise) = (&grain.broad.value, grain.points.rise);
@@ -47,14 +47,14 @@ fn thrive(density: &mut Lane, growth: f32, patch: &Lane, grain: &Grain<'_>) {
 fn settle(
     [young, old]: [[f32; 3]; 2],
     density: &Lane,
-    patch: &Noise,
-    fine: &Noise,
-    shells: &Noise,
+    patch: &NoiseSample,
+    fine: &NoiseSample,
+    shells: &NoiseSample,
     surface: &mut Surface,
 ) {
     for i in 0..LANES {
         let speck = fine.value[i];
-        // Fine noise tears the border of a clump into tufts; near the middle it is closed.
+        // Fine noise frays the border of a clump; its middle stays closed.
         let any = ramp(density[i], BARE, BARE + 0.15);
         let film = 0.72 * any * ramp(density[i] + 0.2 * speck, BARE, 0.45);
         let clump = any * ramp(density[i] + 0.6 * speck, 0.22, DENSE);

@@ -1,10 +1,10 @@
-//! The joints of concrete and masonry: formwork boards, tunnel segments, blocks in courses.
+//! Joints of concrete and masonry: formwork boards, tunnel segments, blocks in courses.
 
 use super::{Grain, Points, line};
 use crate::site::lanes::{LANES, Lane, Lane3, ZEROS, angle, floor, ramp, smaller};
 use crate::site::noise::{hash, lattice};
 
-/// How a surface is laid out flat: along a direction u across its axis and v = z along it.
+/// Flat coordinates of a surface: u across its axis and v = z along it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Unroll {
     /// A cylinder about z: u is the arc in meters.
@@ -13,16 +13,14 @@ pub(crate) enum Unroll {
     Walls { half: [f32; 2] },
 }
 
-/// Where the joints are.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Pattern {
-    /// Seams that boards have left, along z.
+pub(crate) enum JointPattern {
+    /// Seams of formwork boards along z.
     Boards,
-    /// Courses of pieces, every other course moved by half a piece.
+    /// Courses of pieces, every other course shifted by half a piece.
     Courses(Courses),
 }
 
-/// Measures of courses.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Courses {
     pub(crate) unroll: Unroll,
@@ -32,19 +30,18 @@ pub(crate) struct Courses {
     pub(crate) length: f32,
     /// Half the width of a joint, m.
     pub(crate) joint: f32,
-    /// Depth of shade in the two pockets of a piece for bolts, 0..1.
+    /// Depth of shade in the two bolt pockets of a piece, 0..1.
     pub(crate) pocket: f32,
-    /// How much pieces differ in brightness.
+    /// Spread of brightness among pieces.
     pub(crate) variety: f32,
 }
 
-/// What a pattern does to a group of points.
 pub(super) struct Joints {
-    /// Share of the pixel that a joint covers, 0..1.
+    /// Share of the pixel covered by a joint, 0..1.
     pub(super) joint: Lane,
     /// Depth of shade in pockets.
     pub(super) pocket: Lane,
-    /// Factor on the brightness of the piece.
+    /// Brightness factor of the piece.
     pub(super) tint: Lane,
     /// Slope of the groove in the solid's frame.
     pub(super) slope: Lane3,
@@ -59,7 +56,7 @@ impl Joints {
     };
 }
 
-/// Boards of 0.45 m, their seams wavering with the noise.
+/// Boards of 0.45 m with seams that waver with the noise.
 #[inline(always)]
 pub(super) fn boards(joints: &mut Joints, grain: &Grain<'_>, phase: f32) {
     const BOARD_PER_M: f32 = 2.2;
@@ -73,32 +70,30 @@ pub(super) fn boards(joints: &mut Joints, grain: &Grain<'_>, phase: f32) {
     }
 }
 
-/// u of each point, and the direction in which it grows.
+/// u of each point, and its gradient.
 #[inline(always)]
 fn unrolled(unroll: Unroll, local: &Lane3) -> (Lane, [Lane; 2]) {
     let (mut u, mut toward) = (ZEROS, [ZEROS; 2]);
-    let mut lay = |i: usize, arc: f32, [x, y]: [f32; 2]| (u[i], toward[0][i], toward[1][i]) = (arc, x, y);
     let [xs, ys, _] = local;
     match unroll {
         Unroll::Round { radius } => {
             for i in 0..LANES {
                 let (x, y) = (xs[i], ys[i]);
-                lay(i, radius * angle(y, x), [-y / radius, x / radius]);
+                (u[i], toward[0][i], toward[1][i]) = (radius * angle(y, x), -y / radius, x / radius);
             }
         }
         Unroll::Walls { half } => {
             for i in 0..LANES {
                 let (x, y) = (xs[i], ys[i]);
                 let on_x = half[0] - x.abs() < half[1] - y.abs();
-                let [across, along] = if on_x { [0.0, 1.0] } else { [1.0, 0.0] };
-                lay(i, if on_x { y } else { x }, [across, along]);
+                (u[i], toward[0][i], toward[1][i]) = if on_x { (y, 0.0, 1.0) } else { (x, 1.0, 0.0) };
             }
         }
     }
     (u, toward)
 }
 
-/// `around`: number of pieces around a cylinder; pieces whose numbers differ by it are the same.
+/// `around`: number of pieces around a cylinder. Piece numbers are modulo this.
 #[inline(always)]
 pub(super) fn courses(joints: &mut Joints, courses: &Courses, around: f32, key: u32, points: &Points<'_>) {
     let Courses {
@@ -119,24 +114,12 @@ pub(super) fn courses(joints: &mut Joints, courses: &Courses, around: f32, key: 
         let number = floor(w);
         let piece = number - around * floor(number / around);
         let (in_u, in_v) = (w - number, v - course);
-        // Signed distances to the middle of the nearest joint, m.
-        let signed = |part: f32, side: f32| {
-            if part > 0.5 {
-                (part - 1.0) * side
-            } else {
-                part * side
-            }
-        };
-        let (from_u, from_v) = (signed(in_u, length), signed(in_v, height));
+        let (from_u, from_v) = (joint_distance(in_u, length), joint_distance(in_v, height));
         let (au, av) = (from_u.abs(), from_v.abs());
         joints.joint[i] = line(smaller(au, av), joint, footprint[i]);
-        // Edges of pieces are worn round over two widths of the joint: the surface falls towards the joint.
-        let fall = |from: f32, distance: f32| {
-            let near = 1.0 - ramp(distance, joint, 3.0 * joint);
-            if from < 0.0 { -0.9 * near } else { 0.9 * near }
-        };
         let visible = 1.0 - ramp(footprint[i], 2.0 * joint, 6.0 * joint);
-        let (slope_u, slope_v) = (visible * fall(from_u, au), visible * fall(from_v, av));
+        let slope_u = visible * worn_slope(from_u, au, joint);
+        let slope_v = visible * worn_slope(from_v, av, joint);
         let bolt_u = ((in_u - 0.5).abs() - 0.25) * length;
         let bolt_v = av - 0.17;
         let round = bolt_u * bolt_u * 160.0 + bolt_v * bolt_v * 320.0;
@@ -148,4 +131,21 @@ pub(super) fn courses(joints: &mut Joints, courses: &Courses, around: f32, key: 
         joints.slope[1][i] = slope_u * toward[1][i];
         joints.slope[2][i] = slope_v;
     }
+}
+
+/// Signed distance to the middle of the nearest joint, m.
+#[inline(always)]
+fn joint_distance(part: f32, side: f32) -> f32 {
+    if part > 0.5 {
+        (part - 1.0) * side
+    } else {
+        part * side
+    }
+}
+
+/// Edges of pieces are worn round over two joint widths: the surface falls towards the joint.
+#[inline(always)]
+fn worn_slope(signed: f32, distance: f32, joint: f32) -> f32 {
+    let near = 1.0 - ramp(distance, joint, 3.0 * joint);
+    if signed < 0.0 { -0.9 * near } else { 0.9 * near }
 }

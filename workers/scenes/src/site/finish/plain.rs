@@ -1,11 +1,11 @@
-//! Stone, anodes, rubber, bags and solid growth: a single color with mottles and relief.
+//! Stone, anodes, rubber, bags and solid growth: one color with mottles and relief.
 
 use imaging::vectorized;
 
-use super::{Finish, Grain, Material, Surface};
+use super::{Grain, Material, Surface, SurfaceFinish};
 use crate::site::lanes::LANES;
 
-impl Finish {
+impl SurfaceFinish {
     pub(super) fn plain(&self, grain: &Grain<'_>, surface: &mut Surface) {
         let weights = match self.material {
             Material::Stone => [0.004, 0.05, 0.35],
@@ -25,7 +25,7 @@ impl Finish {
     }
 }
 
-/// `weights`: fine relief, broad relief and mottles; and the gloss.
+/// `weights`: fine relief, broad relief and mottles; then the gloss.
 #[inline(always)]
 fn mottle(base: [f32; 3], grain: &Grain<'_>, (weights, gloss): ([f32; 3], f32), surface: &mut Surface) {
     let Grain { broad, fine, .. } = *grain;

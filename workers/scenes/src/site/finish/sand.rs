@@ -4,18 +4,18 @@ use std::f32::consts::TAU;
 
 use imaging::vectorized;
 
-use super::{Finish, Grain, Surface};
+use super::{Grain, Surface, SurfaceFinish};
 use crate::site::lanes::{LANES, Lane, clamp01, cos_turns, mix, ramp, sin_turns};
-use crate::site::noise::{Noise, Octaves};
+use crate::site::noise::{NoiseSample, Octaves};
 
 const RIPPLES_PER_M: f32 = 5.5;
 const HEIGHT_M: f32 = 0.009;
 const GRAVEL: [f32; 3] = [0.30, 0.285, 0.26];
 
-impl Finish {
+impl SurfaceFinish {
     pub(super) fn sand(&self, grain: &Grain<'_>, surface: &mut Surface) {
         let place = &grain.points.place;
-        // Ripples give out in places, and the color changes over meters.
+        // Ripples vanish in places, and the color varies over meters.
         let region = place.values(Octaves::even(0.37, 2, self.key ^ 0x17));
         let gravel = place.dots(16.0, 0.3, 0.8, self.key ^ 0x29);
         vectorized!(ripple(self, grain, &region, &gravel, surface));
@@ -23,8 +23,14 @@ impl Finish {
 }
 
 #[inline(always)]
-fn ripple(finish: &Finish, grain: &Grain<'_>, region: &Lane, gravel: &Noise, surface: &mut Surface) {
-    let Finish {
+fn ripple(
+    finish: &SurfaceFinish,
+    grain: &Grain<'_>,
+    region: &Lane,
+    gravel: &NoiseSample,
+    surface: &mut Surface,
+) {
+    let SurfaceFinish {
         base,
         wear,
         direction,
@@ -40,7 +46,7 @@ fn ripple(finish: &Finish, grain: &Grain<'_>, region: &Lane, gravel: &Noise, sur
         let strength = visible * (0.15 + 0.85 * ramp(region[i] - wear, -0.55, 0.35));
         let crest = strength * sin_turns(phase);
         let steep = strength * HEIGHT_M * TAU * RIPPLES_PER_M * cos_turns(phase);
-        // Gravel and shell lie in the troughs, and where there are no ripples.
+        // Gravel and shells collect in the troughs and where there are no ripples.
         let scattered = 0.7 * broad.value[i] - 0.9 * region[i] - 0.5 * crest + wear;
         let pebble = gravel.value[i] * ramp(scattered, 0.05, 0.6);
         let light = 1.0 + 0.2 * broad.value[i] + 0.38 * fine.value[i] + 0.1 * crest;

@@ -1,20 +1,20 @@
-//! Painted steel: chips that rust, stain around them, and streaks where rust has run down.
+//! Painted steel: rusting chips, the stains around them, and streaks of rust below.
 
 use imaging::vectorized;
 
-use super::{Finish, Grain, Surface};
+use super::{Grain, Surface, SurfaceFinish};
 use crate::categories::Finding;
 use crate::site::lanes::{LANES, Lane, clamp01, mix, ramp};
-use crate::site::noise::{Octaves, Place};
+use crate::site::noise::{NoisePoints, Octaves};
 
 const RUST_DARK: [f32; 3] = [0.085, 0.042, 0.026];
 const RUST_BRIGHT: [f32; 3] = [0.235, 0.098, 0.038];
-/// Share of the paint's albedo that is left where rust has run down.
+/// Transmittance of the rust streaks, a factor on the paint's albedo.
 const STAIN: [f32; 3] = [0.78, 0.58, 0.42];
 
-impl Finish {
+impl SurfaceFinish {
     pub(super) fn steel(&self, grain: &Grain<'_>, surface: &mut Surface) {
-        let run = Place {
+        let run = NoisePoints {
             position: grain.points.world,
             ..grain.points.place
         };
@@ -28,8 +28,8 @@ impl Finish {
 }
 
 #[inline(always)]
-fn paint(finish: &Finish, grain: &Grain<'_>, run: &Lane, surface: &mut Surface) {
-    let Finish { base, wear, .. } = *finish;
+fn paint(finish: &SurfaceFinish, grain: &Grain<'_>, run: &Lane, surface: &mut Surface) {
+    let SurfaceFinish { base, wear, .. } = *finish;
     let Grain { points, broad, fine } = *grain;
     let edge = points.edge;
     for i in 0..LANES {
@@ -43,7 +43,7 @@ fn paint(finish: &Finish, grain: &Grain<'_>, run: &Lane, surface: &mut Surface) 
             let paint = base[c] * faded * mix(1.0, STAIN[c], stain);
             surface.albedo[c][i] = mix(paint, rust_albedo(c, age), rust);
         }
-        // Paint is smooth and rust is scale.
+        // Paint is smooth, rust is scaly.
         let rough = 0.0009 + 0.006 * rust;
         for axis in 0..3 {
             surface.slope[axis][i] = rough * fine.slope[axis][i];

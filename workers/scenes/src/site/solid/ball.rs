@@ -1,25 +1,25 @@
-//! An ellipsoid.
+//! Ellipsoid.
 
 use imaging::vector::Vec3;
 
-use super::{Form, beyond_box};
+use super::{ShapeGeometry, beyond_box};
 use crate::site::bounds::Bounds;
 use crate::site::lanes::{larger, smallest};
 
 /// An ellipsoid about the origin, radii in meters.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Ball {
+pub(crate) struct Ellipsoid {
     pub(crate) radii: Vec3,
 }
 
-impl Ball {
+impl Ellipsoid {
     #[inline(always)]
     fn scaled(&self, v: Vec3) -> Vec3 {
         v.zip(self.radii, |v, radius| v / radius)
     }
 }
 
-impl Form for Ball {
+impl ShapeGeometry for Ellipsoid {
     #[inline(always)]
     fn enter(&self, o: Vec3, d: Vec3) -> f32 {
         let (o, d) = (self.scaled(o), self.scaled(d));
@@ -59,7 +59,7 @@ mod tests {
 
     #[test]
     fn a_ray_enters_an_ellipsoid_at_its_radius() {
-        let ball = Ball {
+        let ball = Ellipsoid {
             radii: vec3(1.0, 2.0, 0.5),
         };
         assert_eq!(ball.enter(vec3(0.0, -5.0, 0.0), vec3(0.0, 1.0, 0.0)), 3.0);

@@ -1,14 +1,14 @@
-//! A box.
+//! Box.
 
 use imaging::vector::Vec3;
 
-use super::Form;
+use super::ShapeGeometry;
 use crate::site::bounds::Bounds;
 use crate::site::lanes::{larger, largest, smaller, smallest};
 
 /// A box about the origin, half sides in meters.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Block {
+pub(crate) struct SolidBox {
     pub(crate) half: Vec3,
 }
 
@@ -18,7 +18,7 @@ fn inverse(d: f32) -> f32 {
     1.0 / if d.abs() < 1e-12 { 1e-12 } else { d }
 }
 
-impl Form for Block {
+impl ShapeGeometry for SolidBox {
     #[inline(always)]
     fn enter(&self, o: Vec3, d: Vec3) -> f32 {
         let inverse = d.map(inverse);
@@ -44,8 +44,8 @@ impl Form for Block {
         let part = p.zip(self.half, |p, half| larger(p.abs() - half + bevel, 0.0));
         let scale = 1.0 / larger(part.length(), 1e-9);
         let edge = 3.0 * (1.0 - scale * largest(part));
-        let signed = |part: f32, p: f32| if p < 0.0 { -part * scale } else { part * scale };
-        (part.zip(p, signed), smaller(edge, 1.0))
+        let normal = part.zip(p, |part, p| if p < 0.0 { -part * scale } else { part * scale });
+        (normal, smaller(edge, 1.0))
     }
 
     fn bounds(&self) -> Bounds {
@@ -59,7 +59,7 @@ mod tests {
 
     use super::*;
 
-    const BLOCK: Block = Block {
+    const BLOCK: SolidBox = SolidBox {
         half: vec3(1.0, 2.0, 3.0),
     };
 

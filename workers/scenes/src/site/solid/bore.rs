@@ -2,7 +2,7 @@
 
 use imaging::vector::{Vec3, vec3};
 
-use super::Form;
+use super::ShapeGeometry;
 use crate::site::bounds::Bounds;
 use crate::site::lanes::{larger, smaller};
 
@@ -13,8 +13,8 @@ pub(crate) struct Bore {
     pub(crate) length: f32,
 }
 
-impl Form for Bore {
-    /// Where a ray from inside reaches the wall.
+impl ShapeGeometry for Bore {
+    /// First hit of a ray from inside.
     #[inline(always)]
     fn enter(&self, o: Vec3, d: Vec3) -> f32 {
         let square = larger(d.x * d.x + d.y * d.y, 1e-12);

@@ -1,8 +1,8 @@
-//! A torus or a bend of a pipe: the part of a torus about one side of its center.
+//! Torus segment: a bend of a pipe.
 
 use imaging::vector::{Vec3, vec3};
 
-use super::Form;
+use super::ShapeGeometry;
 use crate::site::bounds::Bounds;
 use crate::site::lanes::{larger, smaller};
 
@@ -14,13 +14,13 @@ pub(crate) struct Ring {
     pub(super) half_angle: [f32; 2],
 }
 
-/// Steps of the march; a ray that grazes the surface for longer misses it.
+/// Steps of the march; rays that graze the surface for longer count as misses.
 const STEPS: usize = 28;
-/// How near to the surface a march must come, in meters.
+/// Largest distance from the surface of a hit, m.
 const CONTACT_M: f32 = 2e-4;
-/// A march ends this near to the surface, in meters.
+/// A march stops at this distance from the surface, m.
 const TOUCH_M: f32 = 2e-5;
-/// Rays that march side by side.
+/// EyeRays that march together.
 pub(super) const WIDE: usize = 8;
 
 impl Ring {
@@ -34,7 +34,7 @@ impl Ring {
         }
     }
 
-    /// Whether a ray comes from outside where it touches the surface, and does not just leave it.
+    /// Whether a ray enters the surface at a point of contact, as opposed to leaving it.
     #[inline(always)]
     pub(super) fn is_entered(&self, p: Vec3, d: Vec3) -> bool {
         (p - self.center_line(p)).dot(d) < 0.0
@@ -44,7 +44,7 @@ impl Ring {
     #[inline(always)]
     fn center_line(&self, p: Vec3) -> Vec3 {
         let [sin, cos] = self.half_angle;
-        // On the axis every point of the ring is nearest: take the middle of the bend.
+        // On the axis every point of the ring is nearest: choose the middle of the bend.
         let p = if p.x.abs() + p.y.abs() < 1e-6 {
             vec3(p.x, 1e-6, p.z)
         } else {
@@ -61,7 +61,7 @@ impl Ring {
         vec3(if p.x < 0.0 { -x } else { x }, y, 0.0)
     }
 
-    /// Where rays enter: every ray marches until it touches the surface or has passed the ring, eight side by side.
+    /// Entry parameters of eight rays that march together until each touches the surface or has passed the ring.
     #[inline(always)]
     pub(super) fn enter_abreast(&self, o: [Vec3; WIDE], d: [Vec3; WIDE]) -> [f32; WIDE] {
         let reach = 1.05 * (self.bend_radius + self.tube_radius);
@@ -93,7 +93,7 @@ impl Ring {
     }
 }
 
-impl Form for Ring {
+impl ShapeGeometry for Ring {
     #[inline(always)]
     fn enter(&self, o: Vec3, d: Vec3) -> f32 {
         self.enter_abreast([o; WIDE], [d; WIDE])[0]

@@ -2,7 +2,7 @@
 
 use imaging::vector::{Vec3, vec3};
 
-use super::Form;
+use super::ShapeGeometry;
 use crate::site::bounds::Bounds;
 use crate::site::lanes::{larger, smaller};
 
@@ -12,14 +12,10 @@ pub(crate) struct Room {
     pub(crate) half: Vec3,
 }
 
-impl Form for Room {
-    /// Where a ray from inside reaches a wall.
+impl ShapeGeometry for Room {
+    /// First hit of a ray from inside.
     #[inline(always)]
     fn enter(&self, o: Vec3, d: Vec3) -> f32 {
-        let leave = |o: f32, d: f32, half: f32| {
-            let inverse = 1.0 / if d.abs() < 1e-12 { 1e-12 } else { d };
-            half * inverse.abs() - o * inverse
-        };
         let parameter = smaller(leave(o.x, d.x, self.half.x), leave(o.y, d.y, self.half.y));
         let height = o.z + parameter * d.z;
         if (parameter > 0.0) & (height.abs() <= self.half.z) {
@@ -37,11 +33,10 @@ impl Form for Room {
     #[inline(always)]
     fn normal(&self, p: Vec3, _: f32) -> (Vec3, f32) {
         let (x, y) = (self.half.x - p.x.abs(), self.half.y - p.y.abs());
-        let sign = |p: f32| if p < 0.0 { 1.0 } else { -1.0 };
         let normal = if x < y {
-            vec3(sign(p.x), 0.0, 0.0)
+            vec3(inward(p.x), 0.0, 0.0)
         } else {
-            vec3(0.0, sign(p.y), 0.0)
+            vec3(0.0, inward(p.y), 0.0)
         };
         (normal, larger(1.0 - larger(x, y) * 20.0, 0.0))
     }
@@ -49,6 +44,18 @@ impl Form for Room {
     fn bounds(&self) -> Bounds {
         Bounds::about_origin(self.half)
     }
+}
+
+/// Parameter where a ray from inside leaves the slab of this half width.
+#[inline(always)]
+fn leave(o: f32, d: f32, half: f32) -> f32 {
+    let inverse = 1.0 / if d.abs() < 1e-12 { 1e-12 } else { d };
+    half * inverse.abs() - o * inverse
+}
+
+#[inline(always)]
+fn inward(p: f32) -> f32 {
+    if p < 0.0 { 1.0 } else { -1.0 }
 }
 
 #[cfg(test)]

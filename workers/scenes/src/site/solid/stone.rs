@@ -1,10 +1,10 @@
-//! A broken stone: the body that a dozen planes cut out of space.
+//! A broken stone: the intersection of a dozen half-spaces.
 
 use imaging::vector::{Vec3, vec3};
 
-use super::{Form, beyond_box};
+use super::{ShapeGeometry, beyond_box};
 use crate::site::bounds::Bounds;
-use crate::site::chance::Dice;
+use crate::site::chance::Choices;
 use crate::site::lanes::{larger, smaller};
 
 const PLANES: usize = 14;
@@ -16,8 +16,8 @@ pub(crate) struct Stone {
     reach: Vec3,
 }
 
-/// Does the same with every plane of a stone, without a loop: the compiler turns loops over rays and points into vector
-/// instructions only where there is none within.
+/// Unrolls a loop over the planes of a stone: the compiler vectorizes loops over rays and points only without inner
+/// loops.
 macro_rules! for_planes {
     ($stone:expr, $normal:ident, $offset:ident => $work:block) => {
         for_planes!($stone, $normal, $offset => $work; 0 1 2 3 4 5 6 7 8 9 10 11 12 13)
@@ -32,18 +32,18 @@ macro_rules! for_planes {
 
 impl Stone {
     /// A stone of about the given half sides.
-    pub(crate) fn broken(half: Vec3, dice: Dice) -> Self {
-        // Directions of a golden spiral are spread evenly, so that the body is closed on every side.
+    pub(crate) fn broken(half: Vec3, dice: Choices) -> Self {
+        // The directions of a golden spiral are evenly spread, so that the body is closed on every side.
         let planes = std::array::from_fn(|i| {
             let choice = 100 + 4 * i as u64;
-            let z = 1.0 - (2.0 * i as f32 + 1.0) / PLANES as f32 + dice.between(choice, -0.06, 0.06);
-            let (sin, cos) = libm::sincosf(2.399_963 * i as f32 + dice.between(choice + 1, -0.35, 0.35));
+            let z = 1.0 - (2.0 * i as f32 + 1.0) / PLANES as f32 + dice.uniform(choice, -0.06, 0.06);
+            let (sin, cos) = libm::sincosf(2.399_963 * i as f32 + dice.uniform(choice + 1, -0.35, 0.35));
             let flat = (1.0 - z * z).max(0.0).sqrt();
             let direction = vec3(flat * cos, flat * sin, z);
             // The plane that cuts the unit ball, stretched to the half sides.
             let normal = direction.zip(half, |v, half| v / half);
             let scale = 1.0 / normal.length();
-            (normal * scale, scale * dice.between(choice + 2, 0.62, 0.95))
+            (normal * scale, scale * dice.uniform(choice + 2, 0.62, 0.95))
         });
         Self {
             planes,
@@ -52,7 +52,7 @@ impl Stone {
     }
 }
 
-impl Form for Stone {
+impl ShapeGeometry for Stone {
     #[inline(always)]
     fn enter(&self, o: Vec3, d: Vec3) -> f32 {
         let (mut enter, mut leave) = (0.0, f32::INFINITY);
@@ -106,7 +106,7 @@ mod tests {
     #[test]
     fn a_stone_is_closed_and_stays_in_its_box() {
         for seed in 0..20 {
-            let stone = Stone::broken(vec3(1.0, 0.7, 0.5), Dice::new(seed, "structure.test"));
+            let stone = Stone::broken(vec3(1.0, 0.7, 0.5), Choices::new(seed, "structure.test"));
             let Bounds { low, high } = stone.bounds();
             for turn in 0..64 {
                 let (sin, cos) = libm::sincosf(turn as f32 * 0.1);

@@ -1,12 +1,12 @@
-//! Rays against solids slowly and in f64, by other formulas than the fast ones where there are others.
+//! Reference intersections in f64, by different formulas where possible.
 
 use imaging::geometry::Intrinsics;
 use imaging::vector::{DVec3, vec3};
 
-use super::{Ring, Shape, Solid};
+use super::{Ring, Solid, SolidShape};
 use crate::{FAMILIES, World};
 
-/// Rays that graze an edge may meet another solid in f64; no more than this share of them.
+/// Allowed share of rays that graze an edge and hit another solid in f64.
 const GRAZING: f64 = 0.002;
 /// Single precision: seven digits of coordinates up to 60 m, and a march that ends 0.2 mm before a ring.
 const RANGE_TOLERANCE: f64 = 5e-4;
@@ -53,13 +53,13 @@ fn range_is_that_of_the_analytic_intersection_in_f64() {
     }
 }
 
-/// The parameter at which the ray from `eye` along `ray` meets the solid first; infinite if it does not.
+/// Parameter of the first hit of the ray from `eye` along `ray`; infinite for a miss.
 fn enter(solid: &Solid, eye: DVec3, ray: DVec3) -> f64 {
     let inward = |v: DVec3| DVec3::from(solid.pose.axes.map(|axis| axis.as_f64().dot(v)));
     let (o, d) = (inward(eye - solid.pose.origin.as_f64()), inward(ray));
     let along = |t: f64| o + d * t;
     let hits = match &solid.shape {
-        Shape::Tube(tube) => {
+        SolidShape::Tube(tube) => {
             let (radius, top) = (f64::from(tube.radius), f64::from(tube.length));
             let mut hits = circle(o, d, radius);
             hits.retain(|&t| (0.0..=top).contains(&along(t).z));
@@ -70,12 +70,12 @@ fn enter(solid: &Solid, eye: DVec3, ray: DVec3) -> f64 {
             );
             hits
         }
-        Shape::Bore(bore) => {
+        SolidShape::Bore(bore) => {
             let mut leave = circle(o, d, f64::from(bore.radius)).split_off(1);
             leave.retain(|&t| (0.0..=f64::from(bore.length)).contains(&along(t).z));
             leave
         }
-        Shape::Block(block) => {
+        SolidShape::SolidBox(block) => {
             let half = block.half.as_f64();
             let on_face = |&(t, axis): &(f64, usize)| {
                 let (p, half): ([f64; 3], [f64; 3]) = (along(t).into(), half.into());
@@ -84,7 +84,7 @@ fn enter(solid: &Solid, eye: DVec3, ray: DVec3) -> f64 {
             let faces = faces(o, d, half).into_iter();
             faces.filter(on_face).map(|(t, _)| t).collect()
         }
-        Shape::Room(room) => {
+        SolidShape::Room(room) => {
             let half = room.half.as_f64();
             let walls = faces(o, d, half).into_iter().filter(|&(_, axis)| axis < 2);
             let leave = walls.map(|(t, _)| t).filter(|&t| t > 0.0);
@@ -92,13 +92,13 @@ fn enter(solid: &Solid, eye: DVec3, ray: DVec3) -> f64 {
             let open = along(leave).z.abs() > half.z;
             if open { vec![] } else { vec![leave] }
         }
-        Shape::Ball(ball) => {
+        SolidShape::Ellipsoid(ball) => {
             let radii = ball.radii.as_f64();
             let scaled = |v: DVec3| vec3(v.x / radii.x, v.y / radii.y, v.z / radii.z);
             let (o, d) = (scaled(o), scaled(d));
             roots(d.dot(d), o.dot(d), o.dot(o) - 1.0)
         }
-        Shape::Stone(stone) => {
+        SolidShape::Stone(stone) => {
             let planes = stone
                 .planes
                 .map(|(normal, offset)| (normal.as_f64(), f64::from(offset)));
@@ -110,7 +110,7 @@ fn enter(solid: &Solid, eye: DVec3, ray: DVec3) -> f64 {
             };
             hits.into_iter().filter(inside).collect()
         }
-        Shape::Ring(ring) => bend(ring, o, d).into_iter().collect(),
+        SolidShape::Ring(ring) => bend(ring, o, d).into_iter().collect(),
     };
     let ahead = hits.into_iter().filter(|&t| t > 0.0);
     ahead.fold(f64::INFINITY, f64::min)
@@ -138,7 +138,7 @@ fn faces(o: DVec3, d: DVec3, half: DVec3) -> Vec<(f64, usize)> {
     crossings.collect()
 }
 
-/// The first change of sign of the distance along the ray, in steps of a part of the thickness, then bisected.
+/// First sign change of the distance along the ray, in steps of a part of the thickness, then bisected.
 fn bend(ring: &Ring, o: DVec3, d: DVec3) -> Option<f64> {
     let (bend, tube) = (f64::from(ring.bend_radius), f64::from(ring.tube_radius));
     let [sin, cos] = ring.half_angle.map(f64::from);

@@ -2,7 +2,7 @@
 
 use imaging::vector::{Vec3, vec3};
 
-use super::Form;
+use super::ShapeGeometry;
 use crate::site::bounds::Bounds;
 use crate::site::lanes::{larger, smaller};
 
@@ -13,7 +13,7 @@ pub(crate) struct Tube {
     pub(crate) length: f32,
 }
 
-impl Form for Tube {
+impl ShapeGeometry for Tube {
     #[inline(always)]
     fn enter(&self, o: Vec3, d: Vec3) -> f32 {
         let square = d.x * d.x + d.y * d.y;

@@ -1,33 +1,33 @@
-//! Bilinear enlargement of the context: each of its rows is widened when it is first needed, and two neighbors are
-//! mixed for every row of the frame.
+//! Bilinear upsampling of the context: each row is widened at first use, and two neighbors are mixed for every row of
+//! the frame.
 
-use super::planes::{Planes, stride};
+use super::planes::{BorderedPlanes, stride};
 
-/// Where a sample of the frame lies between two samples of the context.
+/// Position of a frame sample between two context samples.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Place {
+pub(super) struct UpsamplePosition {
     pub(super) low: usize,
     pub(super) high: usize,
-    /// Share of `high`, 0..=1.
+    /// Weight of `high`, 0..=1.
     pub(super) share: f32,
 }
 
-/// Pixel centers at half integers, continued by the edge.
-pub(super) fn place(at: usize, to: usize, from: usize) -> Place {
+/// Pixel centers at half integers, clamped to the edge.
+pub(super) fn place(at: usize, to: usize, from: usize) -> UpsamplePosition {
     let exact = ((at as f64 + 0.5) * from as f64 / to as f64 - 0.5).clamp(0.0, (from - 1) as f64);
     let low = exact as usize;
-    Place {
+    UpsamplePosition {
         low,
         high: (low + 1).min(from - 1),
         share: (exact - low as f64) as f32,
     }
 }
 
-/// The last two rows of the context that were widened.
+/// The two most recently widened rows of the context.
 #[derive(Debug, Default)]
 pub(super) struct Widened {
-    columns: Vec<Place>,
-    /// Which row each slot holds.
+    columns: Vec<UpsamplePosition>,
+    /// Row number in each slot.
     held: [Option<usize>; 2],
     rows: [Vec<f32>; 2],
     stride: usize,
@@ -35,7 +35,7 @@ pub(super) struct Widened {
 
 impl Widened {
     /// Prepares for a frame of this width.
-    pub(super) fn start(&mut self, width: usize, context: &Planes) {
+    pub(super) fn start(&mut self, width: usize, context: &BorderedPlanes) {
         self.columns.clear();
         self.columns
             .extend((0..width).map(|x| place(x, width, context.width)));
@@ -46,8 +46,8 @@ impl Widened {
         }
     }
 
-    /// Widens the rows of a place, unless they are there.
-    pub(super) fn fetch(&mut self, context: &Planes, place: Place) {
+    /// Widens the rows of a position unless they are cached.
+    pub(super) fn fetch(&mut self, context: &BorderedPlanes, place: UpsamplePosition) {
         for y in [place.low, place.high] {
             let slot = y % 2;
             if self.held[slot] == Some(y) {
@@ -65,7 +65,7 @@ impl Widened {
         }
     }
 
-    /// A channel of row `y` of the context, as wide as the frame.
+    /// A channel of row `y` of the context at the width of the frame.
     #[inline(always)]
     pub(super) fn row(&self, y: usize, channel: usize) -> &[f32] {
         &self.rows[y % 2][channel * self.stride..][..self.stride]

@@ -1,14 +1,14 @@
-//! The context branch: everything below full resolution.
+//! The context branch: all layers below full resolution.
 
 use imaging::Rgb;
 use pulp::{Simd, WithSimd};
 
-use super::multiply::{Block, load, multiply, multiply_row, splat, store};
+use super::multiply::{SumBlock, load, multiply, multiply_row, splat, store};
 use super::packed::Packed;
-use super::planes::Planes;
+use super::planes::BorderedPlanes;
 use crate::net::layer::{BLOCKS, ENTER, LEAVE, REDUCE, Weights};
 
-/// Vectors of a block; with four outputs that makes eight sums, which the registers of AVX2 hold.
+/// Vectors of a block; with four outputs eight sums, which fit the registers of AVX2.
 const VECTORS: usize = 2;
 
 /// Weights of the branch.
@@ -28,38 +28,37 @@ struct MixedBlock {
     mix_b: Packed<4>,
 }
 
-/// Buffers of the branch, kept between frames.
+/// ContextBuffers of the branch, kept between frames.
 #[derive(Debug, Default)]
-pub(super) struct Buffers {
+pub(super) struct ContextBuffers {
     sums: Vec<f32>,
-    pooled: Planes,
-    quarter: Planes,
+    pooled: BorderedPlanes,
+    quarter: BorderedPlanes,
     /// Columns 0, 2, 4… and 1, 3, 5… of the bordered quarter.
-    halves: [Planes; 2],
-    context: Planes,
-    spread: Planes,
-    mixed: Planes,
-    left: Planes,
+    halves: [BorderedPlanes; 2],
+    context: BorderedPlanes,
+    spread: BorderedPlanes,
+    mixed: BorderedPlanes,
+    left: BorderedPlanes,
 }
 
 impl Context {
     pub(super) fn new(weights: &Weights) -> Self {
-        let block = |[spread_a, mix_a, spread_b, mix_b]: [_; 4]| MixedBlock {
-            spread_a: Packed::new(weights, spread_a),
-            mix_a: Packed::new(weights, mix_a),
-            spread_b: Packed::new(weights, spread_b),
-            mix_b: Packed::new(weights, mix_b),
-        };
         Self {
             enter: Packed::new(weights, ENTER),
             reduce: Packed::new(weights, REDUCE),
-            blocks: BLOCKS.map(block),
+            blocks: BLOCKS.map(|[spread_a, mix_a, spread_b, mix_b]| MixedBlock {
+                spread_a: Packed::new(weights, spread_a),
+                mix_a: Packed::new(weights, mix_a),
+                spread_b: Packed::new(weights, spread_b),
+                mix_b: Packed::new(weights, mix_b),
+            }),
             leave: Packed::new(weights, LEAVE),
         }
     }
 
-    /// The features that the branch hands to every pixel, at an eighth of the resolution: 8 channels.
-    pub(super) fn run<'a>(&self, image: &Rgb<f32>, buffers: &'a mut Buffers) -> &'a Planes {
+    /// The context features at an eighth of the resolution: 8 channels.
+    pub(super) fn run<'a>(&self, image: &Rgb<f32>, buffers: &'a mut ContextBuffers) -> &'a BorderedPlanes {
         pool(image, &mut buffers.sums, &mut buffers.pooled);
         let (width, height) = (buffers.pooled.width, buffers.pooled.height);
         let (narrow, low) = (width.div_ceil(2), height.div_ceil(2));
@@ -71,7 +70,7 @@ impl Context {
             planes.reshape(16, narrow, low);
         }
         buffers.left.reshape(8, narrow, low);
-        pulp::Arch::new().dispatch(Run {
+        pulp::Arch::new().dispatch(ContextRun {
             context: self,
             buffers,
         });
@@ -79,12 +78,12 @@ impl Context {
     }
 }
 
-struct Run<'a> {
+struct ContextRun<'a> {
     context: &'a Context,
-    buffers: &'a mut Buffers,
+    buffers: &'a mut ContextBuffers,
 }
 
-impl WithSimd for Run<'_> {
+impl WithSimd for ContextRun<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -104,8 +103,8 @@ impl WithSimd for Run<'_> {
     }
 }
 
-/// Means of 4×4 pixels; at the right and lower edge of those that are there.
-fn pool(image: &Rgb<f32>, sums: &mut Vec<f32>, pooled: &mut Planes) {
+/// Means of 4×4 pixels, clipped at the right and lower edge.
+fn pool(image: &Rgb<f32>, sums: &mut Vec<f32>, pooled: &mut BorderedPlanes) {
     let (width, height) = image.size();
     pooled.reshape(3, width.div_ceil(4), height.div_ceil(4));
     for (channel, plane) in image.planes().iter().enumerate() {
@@ -131,14 +130,20 @@ fn pool(image: &Rgb<f32>, sums: &mut Vec<f32>, pooled: &mut Planes) {
     pooled.close();
 }
 
-/// A filter of side 3 over all channels.
+/// A 3×3 filter over all channels.
 #[inline(always)]
-fn filter3<S: Simd>(simd: S, packed: &Packed<4>, input: &Planes, output: &mut Planes, relu: bool) {
+fn filter3<S: Simd>(
+    simd: S,
+    packed: &Packed<4>,
+    input: &BorderedPlanes,
+    output: &mut BorderedPlanes,
+    relu: bool,
+) {
     let inputs = packed.groups[0].weights.len() / packed.taps;
     for y in 0..input.height {
         for (index, group) in packed.groups.iter().enumerate() {
             for x in (0..input.width).step_by(VECTORS * S::F32_LANES) {
-                let mut sums: Block<S, 4, VECTORS> = splat(simd, &group.bias);
+                let mut sums: SumBlock<S, 4, VECTORS> = splat(simd, &group.bias);
                 for channel in 0..inputs {
                     let weights = &group.weights[9 * channel..9 * channel + 9];
                     for row in 0..3 {
@@ -157,11 +162,11 @@ fn filter3<S: Simd>(simd: S, packed: &Packed<4>, input: &Planes, output: &mut Pl
 #[inline(always)]
 fn put<S: Simd>(
     simd: S,
-    output: &mut Planes,
+    output: &mut BorderedPlanes,
     channel: usize,
     y: usize,
     x: usize,
-    sums: Block<S, 4, VECTORS>,
+    sums: SumBlock<S, 4, VECTORS>,
     relu: bool,
 ) {
     let zero = simd.splat_f32s(0.0);
@@ -173,8 +178,8 @@ fn put<S: Simd>(
     }
 }
 
-/// Even and odd columns of the bordered rows, so that a filter in steps of 2 reads neighbors.
-fn split(planes: &Planes, halves: &mut [Planes; 2]) {
+/// Splits the bordered rows into even and odd columns, so that a filter of stride 2 reads neighbors.
+fn split(planes: &BorderedPlanes, halves: &mut [BorderedPlanes; 2]) {
     let [even, odd] = halves;
     let columns = even.width;
     for channel in 0..8 {
@@ -189,14 +194,19 @@ fn split(planes: &Planes, halves: &mut [Planes; 2]) {
     }
 }
 
-/// A filter of side 3 in steps of 2, with ReLU.
+/// A 3×3 filter of stride 2 with ReLU.
 #[inline(always)]
-fn reduce<S: Simd>(simd: S, packed: &Packed<4>, [even, odd]: &[Planes; 2], output: &mut Planes) {
+fn reduce<S: Simd>(
+    simd: S,
+    packed: &Packed<4>,
+    [even, odd]: &[BorderedPlanes; 2],
+    output: &mut BorderedPlanes,
+) {
     let inputs = packed.groups[0].weights.len() / packed.taps;
     for y in 0..output.height {
         for (index, group) in packed.groups.iter().enumerate() {
             for x in (0..output.width).step_by(VECTORS * S::F32_LANES) {
-                let mut sums: Block<S, 4, VECTORS> = splat(simd, &group.bias);
+                let mut sums: SumBlock<S, 4, VECTORS> = splat(simd, &group.bias);
                 for channel in 0..inputs {
                     for row in 0..3 {
                         let weights = &group.weights[9 * channel + 3 * row..][..3];
@@ -213,13 +223,13 @@ fn reduce<S: Simd>(simd: S, packed: &Packed<4>, [even, odd]: &[Planes; 2], outpu
     output.close();
 }
 
-/// A filter of side 3 for each channel by itself. The border of the result is left open: only [`mix`] reads it.
+/// A 3×3 depthwise filter. The border of the result stays undefined: only [`mix`] reads it.
 #[inline(always)]
-fn spread_out<S: Simd>(simd: S, packed: &Packed<1>, input: &Planes, output: &mut Planes) {
+fn spread_out<S: Simd>(simd: S, packed: &Packed<1>, input: &BorderedPlanes, output: &mut BorderedPlanes) {
     for (channel, group) in packed.groups.iter().enumerate() {
         for y in 0..input.height {
             for x in (0..input.width).step_by(VECTORS * S::F32_LANES) {
-                let mut sums: Block<S, 1, VECTORS> = splat(simd, &group.bias);
+                let mut sums: SumBlock<S, 1, VECTORS> = splat(simd, &group.bias);
                 for row in 0..3 {
                     let samples = &input.row(channel, y + row)[x..];
                     multiply_row(simd, &mut sums, samples, &group.weights[3 * row..]);
@@ -230,13 +240,19 @@ fn spread_out<S: Simd>(simd: S, packed: &Packed<1>, input: &Planes, output: &mut
     }
 }
 
-/// Mixes the channels of each pixel: replaces the output with ReLU, or is added to it.
+/// Mixes the channels of each pixel: replaces the output with ReLU, or adds to it.
 #[inline(always)]
-fn mix<S: Simd>(simd: S, packed: &Packed<4>, input: &Planes, output: &mut Planes, replace: bool) {
+fn mix<S: Simd>(
+    simd: S,
+    packed: &Packed<4>,
+    input: &BorderedPlanes,
+    output: &mut BorderedPlanes,
+    replace: bool,
+) {
     for y in 0..input.height {
         for (index, group) in packed.groups.iter().enumerate() {
             for x in (0..input.width).step_by(VECTORS * S::F32_LANES) {
-                let mut sums: Block<S, 4, VECTORS> = splat(simd, &group.bias);
+                let mut sums: SumBlock<S, 4, VECTORS> = splat(simd, &group.bias);
                 for (channel, weights) in group.weights.iter().enumerate() {
                     multiply(simd, &mut sums, &input.row(channel, y + 1)[1 + x..], weights);
                 }

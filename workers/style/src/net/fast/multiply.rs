@@ -1,17 +1,18 @@
-//! The inner loop of every layer: one sample of a row times the weights of several outputs, a block of columns at a time.
+//! The inner loop of every layer: one sample of a row times the weights of several outputs, a block of columns at a
+//! time.
 //!
-//! Products and sums are separate instructions, never fused ones, so every CPU gives the same bits.
+//! Products and sums are separate instructions, never fused, so every CPU yields the same bits.
 
 use pulp::Simd;
 
 /// Sums of a block: `V` vectors of columns for each of `OUT` outputs.
-pub(super) type Block<S, const OUT: usize, const V: usize> = [[<S as Simd>::f32s; V]; OUT];
+pub(super) type SumBlock<S, const OUT: usize, const V: usize> = [[<S as Simd>::f32s; V]; OUT];
 
 /// Adds samples × weights. `samples` begins at the first column of the block.
 #[inline(always)]
 pub(super) fn multiply<S: Simd, const OUT: usize, const V: usize>(
     simd: S,
-    sums: &mut Block<S, OUT, V>,
+    sums: &mut SumBlock<S, OUT, V>,
     samples: &[f32],
     weights: &[f32; OUT],
 ) {
@@ -25,11 +26,11 @@ pub(super) fn multiply<S: Simd, const OUT: usize, const V: usize>(
     }
 }
 
-/// Adds a row of a filter of side 3. `samples` begins one column before the block.
+/// Adds a row of a 3×3 filter. `samples` begins one column before the block.
 #[inline(always)]
 pub(super) fn multiply_row<S: Simd, const OUT: usize, const V: usize>(
     simd: S,
-    sums: &mut Block<S, OUT, V>,
+    sums: &mut SumBlock<S, OUT, V>,
     samples: &[f32],
     weights: &[[f32; OUT]],
 ) {
@@ -58,6 +59,6 @@ pub(super) fn store<S: Simd, const V: usize>(samples: &mut [f32], sums: [S::f32s
 pub(super) fn splat<S: Simd, const OUT: usize, const V: usize>(
     simd: S,
     values: &[f32; OUT],
-) -> Block<S, OUT, V> {
+) -> SumBlock<S, OUT, V> {
     values.map(|value| [simd.splat_f32s(value); V])
 }

@@ -1,17 +1,17 @@
-//! Weights in the order in which the inner loop takes them.
+//! Weights in the order of the inner loop.
 
 use crate::net::layer::{Layer, Weights};
 
 /// The weights of a layer, in groups of `OUT` outputs: `[group][input][tap][output of the group]`.
 #[derive(Debug, Clone)]
 pub(super) struct Packed<const OUT: usize> {
-    pub(super) groups: Vec<Group<OUT>>,
+    pub(super) groups: Vec<OutputGroup<OUT>>,
     pub(super) taps: usize,
 }
 
 /// `OUT` outputs of a layer.
 #[derive(Debug, Clone)]
-pub(super) struct Group<const OUT: usize> {
+pub(super) struct OutputGroup<const OUT: usize> {
     /// `[input × taps + tap]`, for all outputs of the group.
     pub(super) weights: Vec<[f32; OUT]>,
     pub(super) bias: [f32; OUT],
@@ -21,19 +21,19 @@ impl<const OUT: usize> Packed<OUT> {
     pub(super) fn new(weights: &Weights, layer: Layer) -> Self {
         let (weight, bias) = (weights.weight(layer), weights.bias(layer));
         let taps = layer.side * layer.side;
-        let group = |group: usize| Group {
+        let groups = (0..layer.outputs / OUT).map(|group| OutputGroup {
             weights: (0..layer.inputs * taps)
-                .map(|at| std::array::from_fn(|o| weight[(group * OUT + o) * layer.inputs * taps + at]))
+                .map(|i| std::array::from_fn(|o| weight[(group * OUT + o) * layer.inputs * taps + i]))
                 .collect(),
             bias: std::array::from_fn(|o| bias[group * OUT + o]),
-        };
+        });
         Self {
-            groups: (0..layer.outputs / OUT).map(group).collect(),
+            groups: groups.collect(),
             taps,
         }
     }
 
-    /// Makes one layer of two that are added: it is given the channels of both.
+    /// Fuses two layers whose outputs are added into one over the channels of both.
     pub(super) fn join(&mut self, other: Self) {
         for (group, other) in self.groups.iter_mut().zip(other.groups) {
             group.weights.extend(other.weights);

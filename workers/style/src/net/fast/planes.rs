@@ -1,24 +1,24 @@
-//! Pictures of many channels with a border, laid out so that vector loops need no special cases.
+//! Multi-channel pictures with borders and slack, so that vector loops need no special cases.
 
-/// Room after each row, so that a block of vectors may begin at its last sample: 4 vectors of 16 lanes.
+/// Slack after each row, so that a block of vectors may begin at its last sample: 4 vectors of 16 lanes.
 pub(super) const SLACK: usize = 64;
 
 /// Channels of one size, each with a border of one sample on every side.
 #[derive(Debug, Default)]
-pub(super) struct Planes {
+pub(super) struct BorderedPlanes {
     pub(super) width: usize,
     pub(super) height: usize,
     stride: usize,
     data: Vec<f32>,
 }
 
-/// From the first sample of a bordered row to that of the next.
+/// Distance between the starts of bordered rows.
 pub(super) const fn stride(width: usize) -> usize {
     1 + width + 1 + SLACK
 }
 
-impl Planes {
-    /// Changes the size; the samples are then of no meaning.
+impl BorderedPlanes {
+    /// Changes the size; the samples are undefined afterwards.
     pub(super) fn reshape(&mut self, channels: usize, width: usize, height: usize) {
         (self.width, self.height, self.stride) = (width, height, stride(width));
         self.data.resize(channels * (height + 2) * self.stride, 0.0);

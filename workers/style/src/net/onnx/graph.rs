@@ -1,24 +1,24 @@
-//! ONNX graphs as bytes: nodes as they come, then tensors, inputs and outputs, by their field numbers.
+//! Encodes ONNX graphs: nodes in order, then tensors, inputs and outputs, by field number.
 
 use std::borrow::Cow;
 
 use super::super::wire::{bytes, integer};
 
-/// ONNX's numbers of element types.
+/// ONNX element types.
 const FLOAT: i64 = 1;
 const INT64: i64 = 7;
 
 /// The value of an attribute.
 pub enum Attribute<'a> {
-    /// A whole number.
+    /// An integer.
     Integer(i64),
-    /// Whole numbers.
+    /// Integers.
     Integers(&'a [i64]),
     /// Text.
     Text(&'a str),
 }
 
-/// A graph from `image`, and what else it takes, to `styled`.
+/// A graph from `image` and optional further inputs to `styled`.
 #[derive(Default)]
 pub struct Graph {
     message: Vec<u8>,
@@ -48,8 +48,9 @@ impl Graph {
         bytes(&mut self.message, 1, &node);
     }
 
-    /// A convolution after padding each side, by the edge or by reflection. Its tensors are NAME.weight and NAME.bias.
-    pub fn convolution(&mut self, name: &str, ports: (&str, &str), form: Form) {
+    /// Adds a convolution after padding each side, by the edge or by reflection. Its tensors are NAME.weight and
+    /// NAME.bias.
+    pub fn convolution(&mut self, name: &str, ports: (&str, &str), form: ConvolutionShape) {
         let (input, output) = ports;
         let mut input = Cow::Borrowed(input);
         if let Some((border, mode)) = form.padding {
@@ -71,25 +72,25 @@ impl Graph {
         );
     }
 
-    /// An input beside `image`, of as many channels.
+    /// Adds an input next to `image`.
     pub fn input(&mut self, name: &str, channels: i64) {
         self.inputs.push(port(name, channels));
     }
 
-    /// A tensor of floats.
+    /// Adds a tensor of floats.
     pub fn floats(&mut self, name: &str, sides: &[i64], values: &[f32]) {
         let raw: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
         self.tensors.push(tensor(name, FLOAT, sides, &raw));
     }
 
-    /// A list of whole numbers.
+    /// Adds a tensor of integers.
     pub fn integers(&mut self, name: &str, values: &[i64]) {
         let raw: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
         self.tensors
             .push(tensor(name, INT64, &[values.len() as i64], &raw));
     }
 
-    /// The graph's message.
+    /// The encoded graph.
     #[must_use]
     pub fn finish(mut self, name: &str) -> Vec<u8> {
         let message = &mut self.message;
@@ -106,9 +107,9 @@ impl Graph {
     }
 }
 
-/// Form of a convolution.
+/// Parameters of a convolution.
 #[derive(Clone, Copy)]
-pub struct Form {
+pub struct ConvolutionShape {
     /// Side of the kernel.
     pub side: i64,
     /// Stride.

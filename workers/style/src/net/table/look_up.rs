@@ -1,19 +1,19 @@
-//! A whole frame through a table, row by row: places and shares in vectors, then the table's nodes pixel by pixel.
+//! Applies a table to a frame row by row: positions and weights in vectors, then the table's nodes pixel by pixel.
 
 use imaging::vectorized;
 use imaging::{Plane, Rgb};
 
-use super::{NODES, STEPS, Table};
+use super::{ColorTable, NODES, STEPS};
 
-/// Places and shares of one row; kept between frames. Nothing in it changes a result.
+/// Buffers for a row, reused between frames; their contents do not affect results.
 #[derive(Debug, Default)]
 pub struct TableScratch {
     places: [Vec<u32>; 4],
     shares: [Vec<f32>; 4],
 }
 
-impl Table {
-    /// Repaints a frame of sRGB-encoded samples in 0..=1; so is the result.
+impl ColorTable {
+    /// Repaints a frame of sRGB-encoded samples in 0..=1 and returns the same encoding.
     #[must_use]
     pub fn apply(&self, encoded: &Rgb<f32>, scratch: &mut TableScratch) -> Rgb<f32> {
         let (width, height) = encoded.size();
@@ -53,12 +53,12 @@ impl Table {
     }
 }
 
-/// Corners and shares of the colors of a row, without a branch. Whole numbers are kept as floats until the end: below
-/// 2²³ they are exact, and adding 2²³ leaves them in the low bits.
+/// Corners and weights of the colors of a row, branch-free. Integers are stored as floats until the end: below 2²³ they
+/// are exact, and adding 2²³ leaves them in the low bits.
 #[inline(always)]
 fn locate(rows: [&[f32]; 3], places: &mut [Vec<u32>; 4], shares: &mut [Vec<f32>; 4]) {
     const LAST: f32 = (NODES - 1) as f32;
-    /// Added and taken away, it rounds to a whole number.
+    /// Adding and subtracting it rounds to an integer.
     const ROUND: f32 = 12_582_912.0;
     const WHOLE: f32 = 8_388_608.0;
     let [red, green, blue] = rows;
@@ -71,7 +71,7 @@ fn locate(rows: [&[f32]; 3], places: &mut [Vec<u32>; 4], shares: &mut [Vec<f32>;
     let index = |value: f32| (value + WHOLE).to_bits() & 0x007f_ffff;
     for x in 0..width {
         let place = |value: f32| value.max(0.0).min(1.0) * LAST;
-        // Between two nodes either may count as the cell's beginning when the place is whole: the color is the same.
+        // For an integral position between two cells either is correct: the color is the same.
         let cell = |place: f32| ((place - 0.5 + ROUND) - ROUND).min(LAST - 1.0);
         let (r, g, b) = (place(red[x]), place(green[x]), place(blue[x]));
         let (cell_r, cell_g, cell_b) = (cell(r), cell(g), cell(b));
@@ -114,17 +114,17 @@ mod tests {
         let nodes = (0..(NODES * NODES * NODES) as u64)
             .map(|node| [0, 1, 2, 3].map(|channel| stream.unit(node, channel) as f32))
             .collect();
-        let table = Table { nodes };
+        let table = ColorTable { nodes };
         let mut scratch = TableScratch::default();
         for (width, height) in [(1, 1), (7, 3), (640, 2), (53, 31), (0, 4)] {
-            // Ties and whole places are as common as the others.
+            // Ties and integral positions are as common as the others.
             let frame = Rgb::from_fn(width, height, |x, y| {
-                let at = (y * width + x) as u64;
-                let value = |channel| match stream.bits(9000 + at, channel) % 4 {
-                    0 => (stream.bits(at, 7) % 17) as f32 / 16.0,
-                    1 => stream.unit(at, 8) as f32,
-                    2 => stream.unit(at, channel) as f32 * 1.2 - 0.1,
-                    _ => stream.unit(at, channel) as f32,
+                let position = (y * width + x) as u64;
+                let value = |channel| match stream.bits(9000 + position, channel) % 4 {
+                    0 => (stream.bits(position, 7) % 17) as f32 / 16.0,
+                    1 => stream.unit(position, 8) as f32,
+                    2 => stream.unit(position, channel) as f32 * 1.2 - 0.1,
+                    _ => stream.unit(position, channel) as f32,
                 };
                 [value(0), value(1), value(2)]
             });

@@ -1,27 +1,27 @@
 //! The fastest variant: the circular Gaussian on a picture of half the width and half the height.
 //!
-//! A Gaussian several pixels wide leaves nothing of the upper half of the frequencies, so it can be computed on every
-//! second sample of every second row: a binomial of seven (`cos⁶(ω/2)`) before samples are left out, the Gaussian, and
-//! the same binomial to fill in what was left out. The kernel of the Gaussian is divided by the responses of both
-//! binomials, which makes frequencies up to a quarter of the sampling rate exact. What remains is aliasing, of at most
-//! `0.168 / σ⁶` of the strongest component, σ in pixels: [`aliasing`].
+//! A Gaussian several pixels wide removes the upper half of the frequencies, so it can be computed on every second
+//! sample of every second row: a binomial of seven (`cos⁶(ω/2)`) before decimation, the Gaussian, and the same binomial
+//! to interpolate. The kernel of the Gaussian is divided by the responses of both binomials, which makes frequencies up
+//! to a quarter of the sampling rate exact. The remaining error is aliasing of at most `0.168 / σ⁶` of the strongest
+//! component, σ in pixels: [`aliasing`].
 //!
-//! One sweep down the picture with rings of rows: memory that is not touched does not have to be found.
+//! One sweep down the picture with rings of rows stays within the caches.
 
 use imaging::reflected;
 
 use super::logarithm::Logarithm;
 use super::padding::padded_side;
-use super::recipe::Kernels;
-use super::separable::{BLOCK, Ring, weighted_sum};
+use super::recipe::PassKernels;
+use super::separable::{BLOCK, RowRing, weighted_sum};
 use super::{R_HIGH, R_LOW};
 use crate::methods::hscm::luma::Luma;
 
 /// Reach of the binomial, in samples.
 const REACH: usize = 3;
 
-/// The largest gain of a component beyond a quarter of the sampling rate, along an axis where the Gaussian has this σ:
-/// the maximum of `sin⁶(δ/2) exp(-δ² σ²/2)` over the distance δ to the folding frequency.
+/// The largest gain of a component beyond a quarter of the sampling rate, along an axis with a Gaussian of this σ: the
+/// maximum of `sin⁶(δ/2) exp(-δ² σ²/2)` over the distance δ to the folding frequency.
 pub(super) fn aliasing(sigma_px: f64) -> f64 {
     0.168 / sigma_px.powi(6)
 }
@@ -31,9 +31,9 @@ pub(super) fn response(k: usize, n: usize) -> f64 {
     (std::f64::consts::PI * k as f64 / n as f64).cos().powi(12)
 }
 
-/// Filters a picture; `finish` takes each finished row of `x`, from the top down. Compile it by `vectorized!`.
+/// Filters a picture; calls `finish` with each finished row of `x`, from the top down. Compile it by `vectorized!`.
 #[inline(always)]
-pub(super) fn sweep(luma: &Luma, kernels: &Kernels, finish: &mut impl FnMut(usize, &[f32])) {
+pub(super) fn sweep(luma: &Luma, kernels: &PassKernels, finish: &mut impl FnMut(usize, &[f32])) {
     let (gain, drop) = (R_HIGH as f32, (R_HIGH - R_LOW) as f32);
     let (width, height) = luma.codes().size();
     let (padded, radius) = (padded_side(height), kernels.y.len() - 1);
@@ -43,15 +43,15 @@ pub(super) fn sweep(luma: &Luma, kernels: &Kernels, finish: &mut impl FnMut(usiz
     let mut line = vec![0.0f32; stride + 2 * (kernels.x.len() - 1)];
     // Rings of rows. The first three count rows from `above` rows over the picture, on a circle of `padded` rows.
     let above = 2 * (radius + 1) + REACH;
-    let mut logs = Ring::new(2 * radius + 8, width);
-    let mut narrow = Ring::new(2 * REACH + 1, half);
-    let mut small = Ring::new(2 * radius + 1, stride);
-    let mut wide = Ring::new(4, width);
+    let mut logs = RowRing::new(2 * radius + 8, width);
+    let mut narrow = RowRing::new(2 * REACH + 1, half);
+    let mut small = RowRing::new(2 * radius + 1, stride);
+    let mut wide = RowRing::new(4, width);
     let mut row = vec![0.0f32; width];
     let mut ready = 0;
     for step in 0..height.div_ceil(2) + 2 * radius + 3 {
         while ready <= 2 * step + 2 * REACH {
-            // Several turns above a picture that is smaller than the window.
+            // Several turns above a picture smaller than the window.
             let position = (ready + padded * above.div_ceil(padded) - above) % padded;
             narrowing.run(position, logs.row_mut(ready), narrow.row_mut(ready));
             ready += 1;
@@ -77,14 +77,14 @@ pub(super) fn sweep(luma: &Luma, kernels: &Kernels, finish: &mut impl FnMut(usiz
     }
 }
 
-/// Logarithms, and every second sample of their rows.
+/// Computes logarithms and decimated rows.
 struct Narrowing<'a> {
     luma: &'a Luma,
     logarithm: Logarithm,
     /// Columns of the picture that follow it on the padded circle.
     beyond: Vec<usize>,
     line: Vec<f32>,
-    /// Even and odd samples apart, each with its neighbors on the circle.
+    /// Even samples with their neighbors on the circle; odd ones likewise.
     even: Vec<f32>,
     odd: Vec<f32>,
     /// Samples of a narrow row.
@@ -140,9 +140,16 @@ fn blur_row(rows: [&[f32]; 7], kernel: &[f32], line: &mut [f32], half: usize, sm
     }
 }
 
-/// Blurred down the columns around row `center` of the ring, and filled in again along the row.
+/// Blurs down the columns around row `center` of the ring and interpolates along the row.
 #[inline(always)]
-fn widen_row(small: &Ring, center: usize, kernel: &[f32], line: &mut [f32], half: usize, wide: &mut [f32]) {
+fn widen_row(
+    small: &RowRing,
+    center: usize,
+    kernel: &[f32],
+    line: &mut [f32],
+    half: usize,
+    wide: &mut [f32],
+) {
     for block in (0..half).step_by(BLOCK) {
         let sums = weighted_sum(kernel, |offset| {
             &small.row(center.wrapping_add_signed(offset))[block..]
@@ -162,7 +169,7 @@ fn widen_row(small: &Ring, center: usize, kernel: &[f32], line: &mut [f32], half
     }
 }
 
-/// Fills `reach` samples before and after the samples of a circle.
+/// Wraps `reach` samples around both ends of a circle.
 #[inline(always)]
 fn close(line: &mut [f32], reach: usize) {
     let n = line.len() - 2 * reach;

@@ -1,4 +1,4 @@
-//! The logarithm of a row of luma, in single precision.
+//! The logarithm of a row of luma in f32.
 
 use super::EPS;
 use crate::elementary::ln;
@@ -18,7 +18,7 @@ impl Logarithm {
 
     #[inline(always)]
     pub(super) fn row(self, codes: &[u32], logs: &mut [f32]) {
-        // Codes stay below 2^26, and the signed conversion is the one that vector units have.
+        // Codes stay below 2^26, and vector units have only the signed conversion.
         for (log, &code) in logs.iter_mut().zip(codes) {
             *log = ln(code as i32 as f32 * self.scale + EPS as f32);
         }

@@ -1,17 +1,19 @@
-//! Homomorphic filter: illumination is slow and multiplies, so its logarithm is a low frequency and is turned down.
+//! Homomorphic filter: illumination varies slowly and is multiplicative, so its logarithm is a low frequency to
+//! attenuate.
 //!
-//! `l = ln(y + eps)`; `x = IDFT(H · DFT(l))`; `s = 255 exp(min(x, 0))`, rounded, with
-//! `H(u, v) = (r_high - r_low)(1 - exp(-(u² + v²) / (2 delta²))) + r_low`.
+//! `l = ln(y + eps)`; `x = IDFT(H · DFT(l))`; `s = 255 exp(min(x, 0))`, rounded, with `H(u, v) = (r_high - r_low)(1 -
+//! exp(-(u² + v²) / (2 delta²))) + r_low`.
 //!
-//! Symbols: `y` luma in 0..=1; `eps` = 0.01; `r_high` = 2.5 and `r_low` = 0.5 the gains of high and low frequencies; `u`, `v`
-//! signed bin numbers of the rows and columns of the padded picture; `delta` the cutoff in bins, the width over a constant
-//! ([`CUTOFF`](super::CUTOFF)), the same on both axes (so the cut is elliptical in cycles per pixel unless the picture is
-//! square). Each side is padded at its end to the next size without a prime factor above 5 (fast to transform).
+//! Symbols: `y` luma in 0..=1; `eps` = 0.01; `r_high` = 2.5 and `r_low` = 0.5 the gains of high and low frequencies;
+//! `u`, `v` signed bin numbers of the rows and columns of the padded picture; `delta` the cutoff in bins, the width
+//! over a constant ([`CUTOFF`](super::CUTOFF)), the same on both axes (so the cut is elliptical in cycles per pixel
+//! unless the picture is square). Each side is padded at its end to the next size without a prime factor above 5 (fast
+//! to transform).
 //!
-//! Three implementations. [`Variant::Reference`] is the definition in double precision. [`Variant::Fast`] uses that the
-//! filter is `r_high · l - (r_high - r_low) · (Gaussian ∗ l)`, that the circular Gaussian is separable, and that it leaves
-//! nothing of the upper half of the frequencies when it is several pixels wide: two short passes in single precision, on
-//! every second sample where what that changes is far below a code. [`Recipe`] decides which one applies.
+//! [`Variant::Reference`] is the definition in f64. [`Variant::Fast`] uses that the filter is `r_high · l - (r_high -
+//! r_low) · (Gaussian ∗ l)`, that the circular Gaussian is separable, and that it removes the upper half of the
+//! frequencies if it is several pixels wide: two short passes in f32, decimated where the error is far below a code.
+//! [`FilterRecipe`] selects the implementation.
 
 mod decimated;
 mod logarithm;
@@ -23,22 +25,22 @@ mod separable;
 use imaging::{Plane, vectorized};
 
 pub use padding::padded_side;
-pub use recipe::{Kernels, Recipe};
+pub use recipe::{FilterRecipe, PassKernels};
 
 use crate::elementary::exp;
 use crate::methods::hscm::luma::Luma;
 use crate::variant::Variant;
 
-/// Logarithms closer together than this are one value: a transform would leave noise on both sides of a rounding tie.
+/// Logarithms within this span are one value: a transform would leave noise on both sides of a rounding tie.
 const FLAT_LOG: f64 = 1e-6;
 /// Gain of high frequencies.
 const R_HIGH: f64 = 2.5;
 /// Gain of low frequencies.
 const R_LOW: f64 = 0.5;
-/// Added to the luma before the logarithm, so that black has one.
+/// Added to the luma, so that black has a logarithm.
 const EPS: f64 = 0.01;
 
-/// The filtered luma, 8 bit, for `delta = max(width / cutoff, 1)`. `luma` must hold at least one pixel.
+/// The filtered luma, 8 bit, for `delta = max(width / cutoff, 1)`. `luma` must not be empty.
 #[must_use]
 pub fn homomorphic(luma: &Luma, cutoff: f64, variant: Variant) -> Plane<u8> {
     let recipe = choose(luma, cutoff, variant);
@@ -47,7 +49,7 @@ pub fn homomorphic(luma: &Luma, cutoff: f64, variant: Variant) -> Plane<u8> {
     }
     let (width, height) = luma.codes().size();
     let mut codes = Plane::filled(width, height, 0u8);
-    // Compiled on its own: a closure that is called in two places is not inlined into either.
+    // Compiled separately: a closure with two callers is not inlined into either.
     sweep(&recipe, luma, &mut |y: usize, row: &[f32]| {
         let codes = codes.row_mut(y);
         vectorized!(encode(row, codes));
@@ -55,21 +57,21 @@ pub fn homomorphic(luma: &Luma, cutoff: f64, variant: Variant) -> Plane<u8> {
     codes
 }
 
-/// The filtered logarithm in double precision, for recipes that need it.
-fn exact(recipe: &Recipe, luma: &Luma) -> Option<Plane<f64>> {
+/// The filtered logarithm in f64, for recipes that need it.
+fn exact(recipe: &FilterRecipe, luma: &Luma) -> Option<Plane<f64>> {
     match recipe {
-        Recipe::Flat => Some(luma.map(|y| R_LOW * log(y))),
-        Recipe::Transform { delta } => Some(reference::filtered_log(luma, *delta)),
-        Recipe::Separable(_) | Recipe::Decimated(_) => None,
+        FilterRecipe::Flat => Some(luma.map(|y| R_LOW * log(y))),
+        FilterRecipe::Transform { delta } => Some(reference::filtered_log(luma, *delta)),
+        FilterRecipe::Separable(_) | FilterRecipe::Decimated(_) => None,
     }
 }
 
-/// Hands each row of the filtered logarithm to `finish`, for recipes of two passes.
-fn sweep(recipe: &Recipe, luma: &Luma, finish: &mut impl FnMut(usize, &[f32])) {
+/// Calls `finish` with each row of the filtered logarithm, for recipes of two passes.
+fn sweep(recipe: &FilterRecipe, luma: &Luma, finish: &mut impl FnMut(usize, &[f32])) {
     match recipe {
-        Recipe::Flat | Recipe::Transform { .. } => {}
-        Recipe::Separable(kernels) => vectorized!(separable::sweep(luma, kernels, finish)),
-        Recipe::Decimated(kernels) => vectorized!(decimated::sweep(luma, kernels, finish)),
+        FilterRecipe::Flat | FilterRecipe::Transform { .. } => {}
+        FilterRecipe::Separable(kernels) => vectorized!(separable::sweep(luma, kernels, finish)),
+        FilterRecipe::Decimated(kernels) => vectorized!(decimated::sweep(luma, kernels, finish)),
     }
 }
 
@@ -81,8 +83,8 @@ fn encode(row: &[f32], codes: &mut [u8]) {
     }
 }
 
-/// The integer part of a value in 0..=255.5. Adding 2^23 rounds to an integer and leaves it in the low bits; a cast
-/// would take five times as long, since it promises something for every float.
+/// The integer part of a value in 0..=255.5. Adding 2^23 rounds to an integer in the low bits; a cast is defined for
+/// every float and would cost five times as long.
 #[inline(always)]
 fn floor_code(value: f32) -> u8 {
     const ROUND: f32 = 8_388_608.0;
@@ -91,33 +93,34 @@ fn floor_code(value: f32) -> u8 {
     (floor + ROUND).to_bits() as u8
 }
 
-/// The filtered logarithm `x` itself, before the exponential. `luma` must hold at least one pixel.
+/// The filtered logarithm `x` before the exponential. `luma` must not be empty.
 #[must_use]
 pub fn filtered_log(luma: &Luma, cutoff: f64, variant: Variant) -> Plane<f32> {
     filtered_by(&choose(luma, cutoff, variant), luma)
 }
 
-/// The filtered logarithm by a recipe, which must have been chosen for this picture.
+/// The filtered logarithm by a recipe chosen for this picture.
 #[must_use]
-pub fn filtered_by(recipe: &Recipe, luma: &Luma) -> Plane<f32> {
+pub fn filtered_by(recipe: &FilterRecipe, luma: &Luma) -> Plane<f32> {
     if let Some(exact) = exact(recipe, luma) {
         return exact.map(|&x| x as f32);
     }
     let (width, height) = luma.codes().size();
     let mut logs = Plane::filled(width, height, 0.0f32);
-    let mut finish = |y: usize, row: &[f32]| logs.row_mut(y).copy_from_slice(row);
-    sweep(recipe, luma, &mut finish);
+    sweep(recipe, luma, &mut |y: usize, row: &[f32]| {
+        logs.row_mut(y).copy_from_slice(row)
+    });
     logs
 }
 
-fn choose(luma: &Luma, cutoff: f64, variant: Variant) -> Recipe {
+fn choose(luma: &Luma, cutoff: f64, variant: Variant) -> FilterRecipe {
     let (low, high) = luma.extremes();
     let size = luma.codes().size();
     let delta = delta_bins(size.0, cutoff);
     match variant {
-        _ if log(high) - log(low) < FLAT_LOG => Recipe::Flat,
-        Variant::Reference => Recipe::Transform { delta },
-        Variant::Fast => Recipe::choose(size, delta),
+        _ if log(high) - log(low) < FLAT_LOG => FilterRecipe::Flat,
+        Variant::Reference => FilterRecipe::Transform { delta },
+        Variant::Fast => FilterRecipe::choose(size, delta),
     }
 }
 

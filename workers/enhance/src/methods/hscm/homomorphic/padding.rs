@@ -1,21 +1,22 @@
-//! Padded sides.
+//! Padded side lengths.
 
 /// The least side of at least `n` (`n >= 1`) whose only prime factors are 2, 3 and 5.
 #[must_use]
 pub fn padded_side(n: usize) -> usize {
-    let smooth = |mut side: usize| {
-        for factor in [2, 3, 5] {
-            while side.is_multiple_of(factor) {
-                side /= factor;
-            }
-        }
-        side == 1
-    };
     let mut side = n.max(1);
-    while !smooth(side) {
+    while !is_smooth(side) {
         side += 1;
     }
     side
+}
+
+fn is_smooth(mut side: usize) -> bool {
+    for factor in [2, 3, 5] {
+        while side.is_multiple_of(factor) {
+            side /= factor;
+        }
+    }
+    side == 1
 }
 
 #[cfg(test)]

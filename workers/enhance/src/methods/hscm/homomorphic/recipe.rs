@@ -1,4 +1,4 @@
-//! Which implementation the fast variant uses: chosen from the size and the cutoff alone.
+//! Selects the implementation of the fast variant from the size and the cutoff.
 
 use imaging::fft::{self, Complex};
 
@@ -6,38 +6,37 @@ use super::decimated::{aliasing, response};
 use super::padding::padded_side;
 use super::{EPS, R_HIGH, R_LOW};
 
-/// Weight of the circular Gaussian that may be cut off, in parts of the whole. With logarithms in -4.6..=0 and
-/// `r_high` 2.5 the filtered logarithm then moves by at most 1e-5: one code in several hundred is near enough to a
-/// tie to change.
+/// Share of the circular Gaussian's weight that may be truncated. With logarithms in -4.6..=0 and `r_high` 2.5 the
+/// filtered logarithm then moves by at most 1e-5: one code in several hundred is close enough to a tie to change.
 const KERNEL_TAIL: f64 = 1e-6;
-/// The same on every second sample, where division by the response of leaving samples out puts a small kink into the
-/// spectrum and a long faint tail to the kernel. The filtered logarithm moves by at most 1.4e-4.
+/// The same for the decimated kernel, where division by the decimation response adds a small kink to the spectrum and a
+/// long faint tail to the kernel. The filtered logarithm moves by at most 1.4e-4.
 const KERNEL_TAIL_DECIMATED: f64 = 3e-5;
-/// Largest sum of both kernel radii. Beyond it the transform costs less than the two passes.
+/// Largest sum of both kernel radii. Beyond it the transform is cheaper than the two passes.
 const RADII_MAX: usize = 300;
 
-/// Most that aliasing may change the filtered logarithm by, for the worst of all pictures: stripes of black and white at
-/// the worst frequency. The method's tolerance is 2e-3; in pictures of scenes a few 1e-6 remain.
+/// Largest change of the filtered logarithm by aliasing in the worst picture: stripes of black and white at the worst
+/// frequency. The method's tolerance is 2e-3; pictures of scenes show a few 1e-6.
 const ALIASING_MAX: f64 = 1.5e-3;
 
 /// Half kernels of the two passes, center first.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Kernels {
+pub struct PassKernels {
     /// Weights along a row.
     pub x: Vec<f32>,
     /// Weights along a column.
     pub y: Vec<f32>,
 }
 
-/// How the filter is computed. A plain value: planning can be tested without filtering.
+/// Implementation of the filter. A plain value: planning can be tested without filtering.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Recipe {
-    /// All logarithms are one value: they are scaled by `r_low`.
+pub enum FilterRecipe {
+    /// All logarithms are equal and are scaled by `r_low`.
     Flat,
     /// Two passes.
-    Separable(Kernels),
-    /// Two passes on every second sample of every second row.
-    Decimated(Kernels),
+    Separable(PassKernels),
+    /// Two passes, decimated by two along both axes.
+    Decimated(PassKernels),
     /// The two-dimensional transform in double precision.
     Transform {
         /// The cutoff, in bins.
@@ -45,8 +44,8 @@ pub enum Recipe {
     },
 }
 
-impl Recipe {
-    /// The cheapest way to filter a picture of (width, height), at least 1×1, that is not flat, by a cutoff of `delta` bins.
+impl FilterRecipe {
+    /// The cheapest recipe for a picture of (width, height), at least 1×1 and not flat, with a cutoff of `delta` bins.
     #[must_use]
     pub fn choose(size: (usize, usize), delta: f64) -> Self {
         Self::decimated(size, delta)
@@ -54,43 +53,42 @@ impl Recipe {
             .unwrap_or(Self::Transform { delta })
     }
 
-    /// Two passes; `None` where a kernel would not fit, or the transform costs less.
+    /// Two passes; `None` if a kernel would not fit or the transform is cheaper.
     pub(super) fn separable((width, height): (usize, usize), delta: f64) -> Option<Self> {
         let x = half_kernel(padded_side(width), delta, 1)?;
         let y = half_kernel(padded_side(height), delta, 1)?;
-        (x.len() + y.len() - 2 <= RADII_MAX).then_some(Self::Separable(Kernels { x, y }))
+        (x.len() + y.len() - 2 <= RADII_MAX).then_some(Self::Separable(PassKernels { x, y }))
     }
 
-    /// Two passes on every second sample; `None` where a side cannot be halved, a kernel would not fit, or aliasing
-    /// might show.
+    /// Two decimated passes; `None` if a side cannot be halved, a kernel would not fit, or aliasing might be visible.
     fn decimated((width, height): (usize, usize), delta: f64) -> Option<Self> {
         let sides = [padded_side(width), padded_side(height)];
         if sides.iter().any(|side| side % 2 == 1) {
             return None;
         }
-        // Stripes swing by half of the range; a component aliases before the Gaussian, and its image behind it.
+        // Stripes swing by half of the range; a component aliases before the Gaussian, and its image after it.
         let swing = 0.5 * EPS.ln().abs() * (R_HIGH - R_LOW);
         let gains = sides.map(|side| 2.0 * aliasing(side as f64 / (2.0 * std::f64::consts::PI * delta)));
         if swing * (gains[0] + gains[1]) > ALIASING_MAX {
             return None;
         }
         let [x, y] = sides.map(|side| half_kernel(side, delta, 2));
-        Some(Self::Decimated(Kernels { x: x?, y: y? }))
+        Some(Self::Decimated(PassKernels { x: x?, y: y? }))
     }
 }
 
-/// The circular convolution kernel on every `step`-th (1 or 2) of `n` samples whose transform is `exp(-k² / (2 delta²))`,
-/// over the response of leaving samples out where some are, from its center outward until less than [`KERNEL_TAIL`] or
-/// [`KERNEL_TAIL_DECIMATED`] remains; `None` when more than half the side would be needed.
+/// The circular convolution kernel with the transform `exp(-k² / (2 delta²))` on every `step`-th (1 or 2) of `n`
+/// samples, divided by the decimation response for step 2, from its center outward until less than [`KERNEL_TAIL`] or
+/// [`KERNEL_TAIL_DECIMATED`] remains; `None` if more than half the side would be needed.
 fn half_kernel(side: usize, delta: f64, step: usize) -> Option<Vec<f32>> {
     let n = side / step;
-    let bin = |k: usize| {
+    let bins = (0..n).map(|k| {
         let k = k.min(n - k);
         let signed = k as f64 / delta;
         let lost = if step == 1 { 1.0 } else { response(k, side) };
         Complex::new((-0.5 * signed * signed).exp() / lost / n as f64, 0.0)
-    };
-    let mut bins: Vec<Complex<f64>> = (0..n).map(bin).collect();
+    });
+    let mut bins: Vec<Complex<f64>> = bins.collect();
     fft::double_inverse(n).process(&mut bins);
     let mut outside: f64 = bins[1..].iter().map(|weight| weight.re.abs()).sum();
     let mut taps = vec![bins[0].re];
@@ -103,7 +101,7 @@ fn half_kernel(side: usize, delta: f64, step: usize) -> Option<Vec<f32>> {
         outside -= 2.0 * bins[next].re.abs();
         taps.push(bins[next].re);
     }
-    // What was cut off is given back in proportion, so that a constant stays exactly what it was.
+    // Renormalize after truncation, so that constants are exact.
     let sum = taps[0] + 2.0 * taps[1..].iter().sum::<f64>();
     Some(taps.iter().map(|tap| (tap / sum) as f32).collect())
 }
@@ -114,14 +112,14 @@ mod tests {
     use super::*;
     use crate::methods::hscm::CUTOFF;
 
-    fn chosen(size: (usize, usize)) -> Recipe {
-        Recipe::choose(size, delta_bins(size.0, CUTOFF))
+    fn chosen(size: (usize, usize)) -> FilterRecipe {
+        FilterRecipe::choose(size, delta_bins(size.0, CUTOFF))
     }
 
     #[test]
     fn the_default_cutoff_needs_a_short_kernel_on_every_second_sample() {
         for size in [(869, 565), (640, 480), (1280, 960), (800, 800)] {
-            let Recipe::Decimated(Kernels { x, y }) = chosen(size) else {
+            let FilterRecipe::Decimated(PassKernels { x, y }) = chosen(size) else {
                 panic!("{size:?} should be decimated");
             };
             assert!(x.len() < 16 && y.len() < 16, "{size:?}");
@@ -130,16 +128,19 @@ mod tests {
 
     #[test]
     fn odd_sides_and_narrow_gaussians_keep_every_sample() {
-        // 75 is padded to itself; a cut-off of 60 bins leaves a Gaussian of 2.4 by 1.5 pixels.
-        for recipe in [chosen((75, 96)), Recipe::choose((869, 565), 60.0)] {
-            assert!(matches!(recipe, Recipe::Separable(_)), "{recipe:?}");
+        // 75 is padded to 75; a cutoff of 60 bins gives a Gaussian of 2.4 by 1.5 pixels.
+        for recipe in [chosen((75, 96)), FilterRecipe::choose((869, 565), 60.0)] {
+            assert!(matches!(recipe, FilterRecipe::Separable(_)), "{recipe:?}");
         }
     }
 
     #[test]
     fn kernels_longer_than_the_side_take_the_transform() {
-        assert_eq!(chosen((11, 3)), Recipe::Transform { delta: 1.0 });
-        assert_eq!(Recipe::choose((869, 565), 1.0), Recipe::Transform { delta: 1.0 });
+        assert_eq!(chosen((11, 3)), FilterRecipe::Transform { delta: 1.0 });
+        assert_eq!(
+            FilterRecipe::choose((869, 565), 1.0),
+            FilterRecipe::Transform { delta: 1.0 }
+        );
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! The definition, in double precision: pad, transform, multiply, transform back, crop.
+//! The definition in f64: pad, transform, multiply, transform back, crop.
 
 use imaging::fft::{self, Complex, Fft};
 use imaging::{Plane, reflected};
@@ -7,7 +7,6 @@ use super::padding::padded_side;
 use super::{R_HIGH, R_LOW};
 use crate::methods::hscm::luma::Luma;
 
-/// The filtered logarithm `x`.
 pub(super) fn filtered_log(luma: &Luma, delta: f64) -> Plane<f64> {
     let (width, height) = luma.codes().size();
     let (padded_width, padded_height) = (padded_side(width), padded_side(height));
@@ -24,8 +23,8 @@ pub(super) fn filtered_log(luma: &Luma, delta: f64) -> Plane<f64> {
     for v in 0..padded_height {
         for (u, bin) in bins.row_mut(v).iter_mut().enumerate() {
             // Signed bin numbers: the second half of a side counts back from its end.
-            let signed = |k: usize, side: usize| k.min(side - k) as f64 / delta;
-            let (u, v) = (signed(u, padded_width), signed(v, padded_height));
+            let u = u.min(padded_width - u) as f64 / delta;
+            let v = v.min(padded_height - v) as f64 / delta;
             *bin *= (R_HIGH - R_LOW) * (1.0 - (-0.5 * (u * u + v * v)).exp()) + R_LOW;
         }
     }

@@ -1,30 +1,29 @@
-//! The fast variant: the circular Gaussian as two short passes, in single precision.
+//! The fast variant: the circular Gaussian as two short passes in f32.
 //!
-//! One sweep down the picture. The rows that a column sum needs are kept in a ring, so nothing leaves the cache
-//! between the logarithm and the finished row. Padding is never stored: each pass looks up which sample lies at
-//! a padded position.
+//! One sweep down the picture. A ring holds the rows of a column sum, so that all data stay in the cache between the
+//! logarithm and the finished row. Padding is never stored: each pass maps padded positions to samples.
 
 use imaging::reflected;
 
 use super::logarithm::Logarithm;
 use super::padding::padded_side;
-use super::recipe::Kernels;
+use super::recipe::PassKernels;
 use super::{R_HIGH, R_LOW};
 use crate::methods::hscm::luma::Luma;
 
-/// Columns whose sums are held in registers at once: four vectors of eight.
+/// Columns whose sums stay in registers: four vectors of eight.
 pub(super) const BLOCK: usize = 32;
 
-/// Filters a picture; `finish` takes each finished row of `x`, from the top down. Compile it by `vectorized!`.
+/// Filters a picture; calls `finish` with each finished row of `x`, from the top down. Compile it by `vectorized!`.
 #[inline(always)]
-pub(super) fn sweep(luma: &Luma, kernels: &Kernels, finish: &mut impl FnMut(usize, &[f32])) {
+pub(super) fn sweep(luma: &Luma, kernels: &PassKernels, finish: &mut impl FnMut(usize, &[f32])) {
     let (gain, drop) = (R_HIGH as f32, (R_HIGH - R_LOW) as f32);
     let (width, height) = luma.codes().size();
     let padded = padded_side(height);
     let radius = kernels.y.len() - 1;
     let mut rows = RowPass::new(luma, &kernels.x);
-    let mut logs = Ring::new(2 * radius + 1, rows.stride);
-    let mut blurred = Ring::new(2 * radius + 1, rows.stride);
+    let mut logs = RowRing::new(2 * radius + 1, rows.stride);
+    let mut blurred = RowRing::new(2 * radius + 1, rows.stride);
     let mut filtered = vec![0.0f32; rows.stride];
     // Positions count from `radius` rows above the picture, on a circle of `padded` rows.
     for position in 0..height + 2 * radius {
@@ -49,14 +48,14 @@ pub(super) fn sweep(luma: &Luma, kernels: &Kernels, finish: &mut impl FnMut(usiz
     }
 }
 
-/// The last rows of a sweep, by their position.
-pub(super) struct Ring {
+/// The latest rows of a sweep by position.
+pub(super) struct RowRing {
     rows: usize,
     stride: usize,
     samples: Vec<f32>,
 }
 
-impl Ring {
+impl RowRing {
     pub(super) fn new(rows: usize, stride: usize) -> Self {
         Self {
             rows,
@@ -76,7 +75,7 @@ impl Ring {
     }
 }
 
-/// Logarithm and row sums of one row of the picture.
+/// Computes the logarithm and row sums of one row.
 struct RowPass<'a> {
     luma: &'a Luma,
     kernel: &'a [f32],
@@ -96,16 +95,16 @@ impl<'a> RowPass<'a> {
         let padded = padded_side(width);
         let radius = kernel.len() - 1;
         let stride = width.next_multiple_of(BLOCK);
-        let columns = |first: usize| {
+        let [before, after] = [padded - radius, width].map(|first| {
             let positions = (first..first + radius).map(|i| i % padded);
             positions.map(|i| reflected(i as isize, width)).collect()
-        };
+        });
         Self {
             luma,
             kernel,
             logarithm: Logarithm::new(luma),
-            before: columns(padded - radius),
-            after: columns(width),
+            before,
+            after,
             line: vec![0.0; stride + 2 * radius],
             stride,
         }
@@ -154,7 +153,7 @@ pub(super) fn weighted_sum<'a>(kernel: &[f32], samples: impl Fn(isize) -> &'a [f
 mod tests {
     use imaging::{Plane, Raster, Rgb8};
 
-    use super::super::recipe::Recipe;
+    use super::super::recipe::FilterRecipe;
     use super::*;
 
     #[test]
@@ -162,8 +161,8 @@ mod tests {
         let picture = Rgb8::from_fn(131, 97, |x, y| [(x * y) as u8, (7 * x) as u8, (3 * y) as u8]);
         let luma = Luma::new(&Raster::from(picture));
         let delta = super::super::delta_bins(131, crate::methods::hscm::CUTOFF);
-        let recipe = Recipe::separable((131, 97), delta).expect("the cutoff is separable at this size");
-        let Recipe::Separable(kernels) = &recipe else {
+        let recipe = FilterRecipe::separable((131, 97), delta).expect("the cutoff is separable at this size");
+        let FilterRecipe::Separable(kernels) = &recipe else {
             panic!("{recipe:?} is not separable");
         };
         let mut plain = Plane::filled(131, 97, 0.0f32);

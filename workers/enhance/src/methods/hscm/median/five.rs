@@ -1,13 +1,13 @@
-//! The 5 × 5 median as a selection network over many columns at once.
+//! The 5 × 5 median as a selection network over many columns.
 //!
-//! Each column of five is sorted once and serves the five windows that contain it. In a window the columns are
-//! sorted, then each of the five ranks is sorted across the columns. The element of rank i among the ranks and j
-//! across then has at least `i j - 1` others not above it and `(6 - i)(6 - j) - 1` not below it, which leaves 13
-//! elements that can be the median; of these the least and the greatest are dropped until one is left.
+//! Each column of five is sorted once and serves the five windows that contain it. In a window the columns are sorted,
+//! then each of the five ranks is sorted across the columns. The element of rank i among the ranks and j across then
+//! has at least `i j - 1` others not above it and `(6 - i)(6 - j) - 1` not below it, which leaves 13 candidates for the
+//! median; the smallest and the largest are dropped until one is left.
 
 use imaging::{Plane, vectorized};
 
-/// Columns in one step: two vectors of 32 codes.
+/// Columns per step: two vectors of 32 codes.
 const BLOCK: usize = 64;
 const RADIUS: usize = 2;
 
@@ -23,8 +23,8 @@ fn sweep(picture: &Plane<u8>) -> Plane<u8> {
     columns.fill(vec![0u8; line]);
     let mut medians = Vec::with_capacity(width * height);
     for y in 0..height {
-        let row = |row: usize| picture.row((y + row).saturating_sub(RADIUS).min(height - 1));
-        sort_columns([0, 1, 2, 3, 4].map(row), &mut columns);
+        let rows = [0, 1, 2, 3, 4].map(|row| picture.row((y + row).saturating_sub(RADIUS).min(height - 1)));
+        sort_columns(rows, &mut columns);
         for start in (0..width).step_by(BLOCK) {
             let block = window_medians(columns.each_ref().map(|rank| &rank[start..]));
             medians.extend_from_slice(&block[..BLOCK.min(width - start)]);
@@ -33,7 +33,7 @@ fn sweep(picture: &Plane<u8>) -> Plane<u8> {
     Plane::new(width, height, medians).expect("one median for each pixel")
 }
 
-/// Orders pairs of elements, one after the other.
+/// Orders pairs of elements in sequence.
 macro_rules! order {
     ($v:ident: $(($low:literal, $high:literal))*) => {$(
         ($v[$low], $v[$high]) = ($v[$low].min($v[$high]), $v[$low].max($v[$high]));
@@ -53,7 +53,7 @@ fn sort_five(mut v: [u8; 5]) -> [u8; 5] {
     v
 }
 
-/// Writes rank by rank the sorted columns of five rows, with the border columns repeated twice.
+/// Writes the sorted columns of five rows rank by rank, with the border columns repeated twice.
 #[inline(always)]
 fn sort_columns(rows: [&[u8]; 5], columns: &mut [Vec<u8>; 5]) {
     let width = rows[0].len();
@@ -94,7 +94,8 @@ fn select(ranks: [[u8; 5]; 5]) -> u8 {
     let mut v = [
         a[3], a[4], b[2], b[3], b[4], c[1], c[2], c[3], d[0], d[1], d[2], e[0], e[1],
     ];
-    // Of eight of the thirteen neither the least nor the greatest is the median; then of the six left and the next…
+    // Among eight of the thirteen, neither the smallest nor the largest is the median; then among the remaining six and
+    // the next…
     order!(v: (0, 7)(1, 6)(2, 5)(3, 4) (0, 1)(0, 2)(0, 3) (4, 7)(5, 7)(6, 7));
     order!(v: (1, 8)(2, 6)(3, 5) (1, 2)(1, 3)(1, 4) (5, 8)(6, 8)(4, 8));
     order!(v: (2, 9)(3, 6)(4, 5) (2, 3)(2, 4) (5, 9)(6, 9));
@@ -108,8 +109,8 @@ fn select(ranks: [[u8; 5]; 5]) -> u8 {
 mod tests {
     use super::*;
 
-    /// A network of minima and maxima is right for all codes if it is right for zeros and ones (the 0-1 principle);
-    /// sorted columns of zeros and ones are given by their number of ones.
+    /// A network of minima and maxima is correct for all codes if it is correct for zeros and ones (the 0-1 principle);
+    /// sorted columns of zeros and ones are described by their number of ones.
     #[test]
     fn the_network_selects_the_thirteenth_of_twenty_five() {
         for case in 0..6usize.pow(5) {

@@ -1,4 +1,4 @@
-//! Median over a window of 5 × 5 with the border replicated: code 13 of the 25 sorted ones. Both variants give the same codes.
+//! 5 × 5 median with replicated borders: code 13 of the 25 sorted ones. Both variants yield the same codes.
 
 mod five;
 mod reference;

@@ -1,4 +1,4 @@
-//! The definition: collect the window, find its middle.
+//! The definition: sorts each window.
 
 use imaging::Plane;
 
@@ -11,8 +11,8 @@ pub(super) fn median(picture: &Plane<u8>) -> Plane<u8> {
         window.clear();
         for row in y..=y + 2 * RADIUS_PX {
             let row = row.saturating_sub(RADIUS_PX).min(height - 1);
-            let column = |x: usize| x.saturating_sub(RADIUS_PX).min(width - 1);
-            window.extend((x..=x + 2 * RADIUS_PX).map(|x| picture.pixel(column(x), row)));
+            let columns = (x..=x + 2 * RADIUS_PX).map(|x| x.saturating_sub(RADIUS_PX).min(width - 1));
+            window.extend(columns.map(|x| picture.pixel(x, row)));
         }
         let middle = window.len() / 2;
         *window.select_nth_unstable(middle).1

@@ -1,11 +1,12 @@
-//! Light followed from a lamp, for tables: independent of the paths from the camera, and without their tail.
+//! Light tracing from a lamp, for tables: independent of the paths from the camera, and without their heavy tail.
 //!
-//! The geometry is symmetric about the axis of the lamp: it stands at the origin and shines along z; cameras stand in the plane z = 0
-//! at some distances from it and look in the plane through the axis; black walls stand at some z. A photon's free paths follow b
-//! alone, absorption weakens it. Light that is scattered by more than 50 degrees is rare and is what a camera beside the lamp sees:
-//! each event splits it off, so every photon meets it. Each event is joined to the direction of each look, over a disc of 5 degrees
-//! and not one point; by symmetry an event at the distance q from the axis and at the depth z is seen from where its line of sight
-//! crosses z = 0. One path serves all walls: those deeper than it has been. The error falls as the root of the photons.
+//! The geometry is symmetric about the axis of the lamp, which is at the origin and shines along z; cameras are in the
+//! plane z = 0 at several distances from it and look in the plane through the axis; black walls are at several z. A
+//! photon's free paths are sampled from b, absorption reduces its weight. Light scattered by more than 50 degrees is
+//! rare, but it is the light that a camera next to the lamp receives: each event splits it off, so every photon
+//! contributes. Each event is connected to the direction of each look, over a disc of 5 degrees instead of a point. By
+//! symmetry an event at the distance q from the axis and at the depth z is visible from the point where its line of
+//! sight crosses z = 0. One path serves all walls beyond its maximum depth. The error falls as the root of the photons.
 
 mod disc;
 mod tally;
@@ -18,58 +19,58 @@ use imaging::random::Stream;
 use imaging::vector::{DVec3, vec3};
 
 use crate::estimate::Level;
-use crate::phase::{Phase, about};
-use crate::water::Coefficients;
-use disc::Disc;
-use tally::Tally;
+use crate::phase::{Phase, tilt};
+use crate::water::WaterCoefficients;
+use disc::LookDisc;
+use tally::PhotonTally;
 
-/// Batches from whose scatter the errors follow.
+/// Batches; the errors follow from their scatter.
 const BATCHES: usize = 16;
-/// What is scattered by more than this is split off, degrees.
+/// Wider scattering is split off, degrees.
 const WIDE_DEG: f64 = 50.0;
-/// Photons that weigh less play roulette.
+/// Photons of smaller weight undergo Russian roulette.
 const LIGHT: f64 = 0.01;
-/// Scatterings after which a photon is given up; at the weights above none gets there.
+/// Limit on scattering events; the weight limit ends photons long before.
 const MOST_EVENTS: usize = 4096;
 
-/// What is lit and seen.
+/// Geometry of lamp, cameras and walls.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bench {
     /// The water.
-    pub water: Coefficients,
-    /// Half angle of the lamp's cone, degrees; none: it shines in all directions.
+    pub water: WaterCoefficients,
+    /// Half angle of the lamp's cone, degrees; `None` for an isotropic lamp.
     pub cone_deg: Option<f64>,
-    /// Depths of black walls, rising, m; infinite for water without end.
+    /// Depths of black walls, ascending, m; infinite for unbounded water.
     pub walls_m: Vec<f64>,
     /// Angles of the looks from z, positive away from the lamp, degrees.
     pub looks_deg: Vec<f64>,
-    /// Distances of the cameras from the lamp: nearest and farthest of each bin, m.
+    /// Distances of the cameras from the lamp: minimum and maximum of each bin, m.
     pub cameras_m: Vec<[f64; 2]>,
-    /// Rings on the walls: angles at the lamp from its axis, rising, degrees.
+    /// Rings on the walls: angles at the lamp from its axis, ascending, degrees.
     pub rings_deg: Vec<f64>,
 }
 
-/// What cameras see and walls receive, for an intensity of 1 on the axis.
+/// Radiance at cameras and irradiance of walls, for an intensity of 1 on the axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shone {
-    /// Radiance of the water's glow by look, wall and camera: scattered once, and in all.
-    pub glow: Vec<Vec<Vec<Glow>>>,
+    /// Airlight by look, wall and camera.
+    pub airlight: Vec<Vec<Vec<Airlight>>>,
     /// Mean irradiance of scattered light by wall and ring.
     pub scattered: Vec<Vec<Level>>,
-    /// Photons.
+    /// Number of photons.
     pub photons: u64,
 }
 
-/// The glow that one camera sees.
+/// Airlight at one camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Glow {
-    /// Scattered once.
-    pub once: Level,
-    /// Scattered once or more often.
+pub struct Airlight {
+    /// Single scattering.
+    pub single: Level,
+    /// Single and multiple scattering.
     pub all: Level,
 }
 
-/// A photon, or a part of one.
+/// A photon, or a split-off part of one.
 #[derive(Debug, Clone, Copy)]
 struct Photon {
     place: DVec3,
@@ -80,10 +81,10 @@ struct Photon {
 }
 
 impl Bench {
-    /// Follows photons; each number of a range is one of them, with random numbers of its own.
+    /// Follows the photons of a range of numbers, each with independent random numbers.
     #[must_use]
     pub fn shine(&self, phase: &Phase, seed: u64, photons: Range<u64>) -> Shone {
-        let mut tallies = vec![Tally::new(self); BATCHES];
+        let mut tallies = vec![PhotonTally::new(self); BATCHES];
         let mut follower = Follower::new(self, phase, seed);
         for photon in photons.clone() {
             if photon % 256 == 0 {
@@ -92,7 +93,7 @@ impl Bench {
             follower.follow(photon, &mut tallies[(photon % BATCHES as u64) as usize]);
         }
         let count = photons.end - photons.start;
-        Tally::levels(
+        PhotonTally::levels(
             self,
             &tallies,
             self.power() * BATCHES as f64 / count as f64,
@@ -100,7 +101,7 @@ impl Bench {
         )
     }
 
-    /// All light of the lamp: the integral of its profile over the sphere.
+    /// The power of the lamp: the integral of its profile over the sphere.
     fn power(&self) -> f64 {
         self.cone_deg
             .map_or(4.0 * PI, |cone| PI * (1.0 - cone.to_radians().cos()))
@@ -110,7 +111,7 @@ impl Bench {
 struct Follower<'a> {
     bench: &'a Bench,
     phase: &'a Phase,
-    disc: Disc,
+    disc: LookDisc,
     /// Share of the light that is not split off.
     narrow: f64,
     stream: Stream,
@@ -124,7 +125,7 @@ impl<'a> Follower<'a> {
         Self {
             bench,
             phase,
-            disc: Disc::new(phase),
+            disc: LookDisc::new(phase),
             narrow: phase.share_within(1.0 - WIDE_DEG.to_radians().cos()),
             stream: Stream::stage(seed, "lantern"),
             photon: 0,
@@ -138,8 +139,8 @@ impl<'a> Follower<'a> {
         self.stream.unit(self.photon, self.drawn)
     }
 
-    /// Follows a photon with all that is split off it.
-    fn follow(&mut self, photon: u64, tally: &mut Tally) {
+    /// Follows a photon with all parts split off it.
+    fn follow(&mut self, photon: u64, tally: &mut PhotonTally) {
         (self.photon, self.drawn) = (photon, 0);
         let direction = self.emitted();
         self.stack.push(Photon {
@@ -154,18 +155,18 @@ impl<'a> Follower<'a> {
         }
     }
 
-    /// A direction by the lamp's profile, which rises evenly in the cosine within the cone.
+    /// A direction by the lamp's profile, which is linear in the cosine within the cone.
     fn emitted(&mut self) -> DVec3 {
         let (height, azimuth) = (self.draw(), self.draw());
         let versine = match self.bench.cone_deg {
             None => 2.0 * height,
             Some(cone) => (1.0 - cone.to_radians().cos()) * (1.0 - height.sqrt()),
         };
-        about(vec3(0.0, 0.0, 1.0), versine, azimuth)
+        tilt(vec3(0.0, 0.0, 1.0), versine, azimuth)
     }
 
-    fn go(&mut self, mut photon: Photon, tally: &mut Tally) {
-        let Coefficients {
+    fn go(&mut self, mut photon: Photon, tally: &mut PhotonTally) {
+        let WaterCoefficients {
             absorption,
             scattering,
         } = self.bench.water;
@@ -193,7 +194,7 @@ impl<'a> Follower<'a> {
         }
     }
 
-    /// Puts aside the part of a photon that is scattered widely.
+    /// Queues the widely scattered part of a photon.
     fn split(&mut self, photon: &Photon) {
         let mut wide = Photon {
             weight: photon.weight * (1.0 - self.narrow),
@@ -205,7 +206,7 @@ impl<'a> Follower<'a> {
         }
     }
 
-    /// A direction after scattering, among the shares of the phase function between two.
+    /// A direction after scattering, between two shares of the phase function.
     fn turned(&mut self, direction: DVec3, from: f64, to: f64) -> DVec3 {
         let unit = from + self.draw() * (to - from);
         let azimuth = self.draw();

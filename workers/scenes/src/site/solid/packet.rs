@@ -1,41 +1,40 @@
-//! Ways through the world that a solid may lie on, a run of them at a time, and single rays. What begins inside a solid is not
-//! stopped by it.
+//! Occlusion tests for packets of shadow rays, and single rays. A solid does not block a ray that starts inside it.
 
 use imaging::vector::Vec3;
 use imaging::vectorized;
 
-use super::{Form, Ring, Shape, Solid, ring};
+use super::{Ring, ShapeGeometry, Solid, SolidShape, ring};
 use crate::site::lanes::load;
 use crate::site::pose::Pose;
 
-/// Ways of a run: those from a square of eight pixels a side.
+/// EyeRays per packet: those of a square of eight pixels a side.
 pub(crate) const RUN: usize = 64;
 
-/// A run of ways in the world.
-pub(crate) struct Run {
-    /// Where they begin.
+/// A packet of shadow rays in world coordinates.
+pub(crate) struct ShadowPacket {
+    /// Origins.
     pub(crate) from: [[f32; RUN]; 3],
-    /// The vectors to where they end.
+    /// Vectors to the ends.
     pub(crate) way: [[f32; RUN]; 3],
-    /// 1 where something lies on the way, else 0.
-    pub(crate) hidden: [f32; RUN],
+    /// 1 if occluded, else 0.
+    pub(crate) occluded: [f32; RUN],
 }
 
 impl Solid {
-    /// Marks the ways of a run that this solid lies on.
-    pub(crate) fn hide(&self, run: &mut Run) {
+    /// Marks the rays occluded by this solid.
+    pub(crate) fn occlude(&self, run: &mut ShadowPacket) {
         let pose = &self.pose;
         match &self.shape {
-            Shape::Ring(ring) => vectorized!(hide_behind_ring(ring, pose, run)),
+            SolidShape::Ring(ring) => vectorized!(hide_behind_ring(ring, pose, run)),
             shape => for_form!(shape, form => vectorized!(hide_behind(form, pose, run))),
         }
     }
 
-    /// Where a ray of the world enters, in lengths of its direction; infinite if it does not.
+    /// Entry parameter of a world ray, in lengths of its direction; infinite for a miss.
     pub(crate) fn enter(&self, origin: Vec3, direction: Vec3) -> f32 {
         let (o, d) = (self.pose.point_in(origin), self.pose.direction_in(direction));
         match &self.shape {
-            Shape::Ring(ring) => {
+            SolidShape::Ring(ring) => {
                 let met = ring.enter(o, d);
                 if met.is_finite() && ring.is_entered(o + d * met, d) {
                     met
@@ -57,7 +56,7 @@ impl Solid {
 }
 
 #[inline(always)]
-fn hide_behind(form: &impl Form, pose: &Pose, run: &mut Run) {
+fn hide_behind(form: &impl ShapeGeometry, pose: &Pose, run: &mut ShadowPacket) {
     let pose = *pose;
     for i in 0..RUN {
         let (o, d) = (
@@ -65,12 +64,12 @@ fn hide_behind(form: &impl Form, pose: &Pose, run: &mut Run) {
             pose.direction_in(load(&run.way, i)),
         );
         let met = form.enter(o, d) < 1.0;
-        run.hidden[i] = if met { 1.0 } else { run.hidden[i] };
+        run.occluded[i] = if met { 1.0 } else { run.occluded[i] };
     }
 }
 
 #[inline(always)]
-fn hide_behind_ring(ring: &Ring, pose: &Pose, run: &mut Run) {
+fn hide_behind_ring(ring: &Ring, pose: &Pose, run: &mut ShadowPacket) {
     let (ring, pose) = (*ring, *pose);
     for start in (0..RUN).step_by(ring::WIDE) {
         let o = std::array::from_fn(|i| pose.point_in(load(&run.from, start + i)));
@@ -78,7 +77,7 @@ fn hide_behind_ring(ring: &Ring, pose: &Pose, run: &mut Run) {
         let met = ring.enter_abreast(o, d);
         for i in 0..ring::WIDE {
             if met[i] < 1.0 && ring.is_entered(o[i] + d[i] * met[i], d[i]) {
-                run.hidden[start + i] = 1.0;
+                run.occluded[start + i] = 1.0;
             }
         }
     }

@@ -1,4 +1,4 @@
-//! The phase function that a frame asks its truth to have.
+//! The described phase function of a frame.
 
 use optics::lamp::{AVERAGE_BACKSCATTER_FRACTION, FournierForand, asymmetry_of};
 use optics::water::Water;
@@ -7,10 +7,10 @@ use spec::PhaseFunction;
 
 use crate::phase::Phase;
 
-/// How the water of a frame scatters in its truth, every number known.
+/// Phase function with all parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(tag = "kind")]
-pub enum Law {
+pub enum PhaseModel {
     /// Fournier–Forand on the line of Mobley, Sundman and Boss.
     #[serde(rename = "ff")]
     FournierForand {
@@ -25,7 +25,7 @@ pub enum Law {
     },
 }
 
-impl Law {
+impl PhaseModel {
     /// The phase function of a description, with the backscatter fraction of its water.
     #[must_use]
     pub fn of_water(phase: PhaseFunction, water: Option<&Water>) -> Self {
@@ -38,7 +38,7 @@ impl Law {
         }
     }
 
-    /// Its phase function.
+    /// Its table.
     #[must_use]
     pub fn phase(self) -> Phase {
         match self {

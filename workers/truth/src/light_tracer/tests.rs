@@ -3,7 +3,7 @@ use optics::lamp::FournierForand;
 
 fn bench(scattering: f64, cone_deg: Option<f64>) -> Bench {
     Bench {
-        water: Coefficients {
+        water: WaterCoefficients {
             absorption: 0.179,
             scattering,
         },
@@ -15,13 +15,13 @@ fn bench(scattering: f64, cone_deg: Option<f64>) -> Bench {
     }
 }
 
-/// Light of a lamp at the origin that is scattered once into a ray, by the midpoint rule along the ray.
+/// Single-scattered light of a lamp at the origin along a ray, by the midpoint rule.
 fn single(bench: &Bench, phase: &Phase, look_deg: f64, wall: f64, camera: f64) -> f64 {
     let (sin, cos) = look_deg.to_radians().sin_cos();
     let c = bench.water.attenuation();
     let (steps, end) = (200_000, (wall / cos).min(60.0));
     let cone = bench.cone_deg.map(|cone| cone.to_radians().cos());
-    let at = |i: usize| {
+    let steps_light = |i: usize| {
         let s = end * (i as f64 + 0.5) / steps as f64;
         let (x, z) = (camera + s * sin, s * cos);
         let r = x.hypot(z);
@@ -29,7 +29,7 @@ fn single(bench: &Bench, phase: &Phase, look_deg: f64, wall: f64, camera: f64) -
         let cosine = -(x * sin + z * cos) / r;
         profile * phase.density(1.0 - cosine) * (-c * (s + r)).exp() / (r * r)
     };
-    bench.water.scattering * (0..steps).map(at).sum::<f64>() * end / steps as f64
+    bench.water.scattering * (0..steps).map(steps_light).sum::<f64>() * end / steps as f64
 }
 
 #[test]
@@ -41,13 +41,13 @@ fn what_is_scattered_once_is_the_integral_along_the_ray() {
         for (look, degrees) in bench.looks_deg.iter().enumerate() {
             for (wall, meters) in bench.walls_m.iter().enumerate() {
                 for (camera, [near, far]) in bench.cameras_m.iter().enumerate() {
-                    let once = shone.glow[look][wall][camera].once;
+                    let traced = shone.airlight[look][wall][camera].single;
                     let exact = single(&bench, &phase, *degrees, *meters, 0.5 * (near + far));
                     // Two percent for the width of camera and disc.
-                    let allowed = 4.0 * once.error + 0.02 * exact + 1e-6;
+                    let allowed = 4.0 * traced.error + 0.02 * exact + 1e-6;
                     assert!(
-                        (once.mean - exact).abs() <= allowed,
-                        "{cone:?} {degrees} {meters} {near}: {once:?} and {exact}"
+                        (traced.mean - exact).abs() <= allowed,
+                        "{cone:?} {degrees} {meters} {near}: {traced:?} and {exact}"
                     );
                 }
             }
@@ -59,7 +59,7 @@ fn what_is_scattered_once_is_the_integral_along_the_ray() {
 fn photons_that_are_not_absorbed_all_arrive() {
     let phase = Phase::henyey_greenstein(0.9);
     let bench = Bench {
-        water: Coefficients {
+        water: WaterCoefficients {
             absorption: 0.0,
             scattering: 0.5,
         },
@@ -71,7 +71,7 @@ fn photons_that_are_not_absorbed_all_arrive() {
     let shone = bench.shine(&phase, 2, 0..4000);
     let [_, outer] = bench.ring_m(0, 0);
     let scattered = shone.scattered[0][0].mean * PI * outer * outer / bench.power();
-    // What never met the water: the profile rises evenly in the cosine.
+    // Unscattered light: the profile is linear in the cosine.
     let cone = 20f64.to_radians().cos();
     let steps = 10_000;
     let direct: f64 = (0..steps)

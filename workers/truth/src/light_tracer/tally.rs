@@ -1,30 +1,30 @@
-//! What photons leave at cameras and walls.
+//! Contributions of photons to cameras and walls.
 
 use std::f64::consts::PI;
 
-use super::disc::Disc;
-use super::{Bench, Glow, Photon, Shone};
+use super::disc::LookDisc;
+use super::{Airlight, Bench, Photon, Shone};
 use crate::estimate::{Level, level};
 
 /// Sums of one batch.
 #[derive(Debug, Clone)]
-pub(super) struct Tally {
-    /// By look, wall and camera: scattered once, and in all.
-    glow: Vec<[f64; 2]>,
+pub(super) struct PhotonTally {
+    /// By look, wall and camera: single scattering, and all.
+    airlight: Vec<[f64; 2]>,
     /// By wall and ring.
     walls: Vec<f64>,
 }
 
-impl Tally {
+impl PhotonTally {
     pub(super) fn new(bench: &Bench) -> Self {
         let (walls, cameras) = (bench.walls_m.len(), bench.cameras_m.len());
         Self {
-            glow: vec![[0.0; 2]; bench.looks_deg.len() * walls * cameras],
+            airlight: vec![[0.0; 2]; bench.looks_deg.len() * walls * cameras],
             walls: vec![0.0; walls * bench.rings_deg.len()],
         }
     }
 
-    /// Adds a scattered photon to the walls that it crosses first on its next free path.
+    /// Adds a scattered photon to the walls that its next free path is the first to cross.
     pub(super) fn cross(&mut self, bench: &Bench, photon: &Photon, free: f64) {
         let end = photon.place.z + photon.direction.z * free;
         if photon.order == 0 || end <= photon.deepest {
@@ -35,8 +35,8 @@ impl Tally {
                 continue;
             }
             let distance = (wall - photon.place.z) / photon.direction.z;
-            let at = photon.place + photon.direction * distance;
-            let angle = at.x.hypot(at.y).atan2(wall).to_degrees();
+            let position = photon.place + photon.direction * distance;
+            let angle = position.x.hypot(position.y).atan2(wall).to_degrees();
             let ring = bench.rings_deg.partition_point(|&edge| edge <= angle);
             if let Some(sum) = self.walls.get_mut(number * bench.rings_deg.len() + ring)
                 && ring < bench.rings_deg.len()
@@ -46,8 +46,8 @@ impl Tally {
         }
     }
 
-    /// Adds what an event sends to the cameras.
-    pub(super) fn join(&mut self, bench: &Bench, disc: &Disc, photon: &Photon) {
+    /// Adds the contribution of an event to the cameras.
+    pub(super) fn join(&mut self, bench: &Bench, disc: &LookDisc, photon: &Photon) {
         let depth = photon.place.z;
         let radius = photon.place.x.hypot(photon.place.y);
         if depth <= 0.0 || radius <= 0.0 {
@@ -56,7 +56,7 @@ impl Tally {
         let outward = (photon.direction.x * photon.place.x + photon.direction.y * photon.place.y) / radius;
         for (number, look) in bench.looks_deg.iter().enumerate() {
             let (sin, cos) = look.to_radians().sin_cos();
-            // The event on this side of the axis, and on the other.
+            // The event on either side of the axis.
             for side in [1.0, -1.0] {
                 let camera = side * radius - depth * sin / cos;
                 if camera > 0.0 {
@@ -64,7 +64,7 @@ impl Tally {
                     let meters = depth / cos;
                     let light = photon.weight * (-bench.water.attenuation() * meters).exp()
                         / (2.0 * PI * radius * cos);
-                    self.see(bench, number, camera, photon, light, || disc.at(cosine));
+                    self.see(bench, number, camera, photon, light, || disc.mean(cosine));
                 }
             }
         }
@@ -94,42 +94,38 @@ impl Tally {
             .filter(|(_, wall)| **wall > photon.deepest)
         {
             let place = (look * bench.walls_m.len() + wall) * bench.cameras_m.len() + bin;
-            let [once, all] = &mut self.glow[place];
+            let [single, all] = &mut self.airlight[place];
             *all += light;
             if photon.order == 1 {
-                *once += light;
+                *single += light;
             }
         }
     }
 
-    /// Means over batches; `scale` turns the sum of a batch into light.
+    /// Means over batches; `scale` converts the sum of a batch to light.
     pub(super) fn levels(bench: &Bench, batches: &[Self], scale: f64, photons: u64) -> Shone {
-        let of = |pick: &dyn Fn(&Self) -> f64| -> Level {
-            let values: Vec<f64> = batches.iter().map(|batch| scale * pick(batch)).collect();
-            level(&values)
-        };
         let (walls, cameras, rings) = (bench.walls_m.len(), bench.cameras_m.len(), bench.rings_deg.len());
-        let glow = |look: usize, wall: usize, camera: usize| {
-            let place = (look * walls + wall) * cameras + camera;
-            Glow {
-                once: of(&|batch| batch.glow[place][0]),
-                all: of(&|batch| batch.glow[place][1]),
-            }
-        };
-        let scattered = |wall: usize, ring: usize| {
-            let area = bench.ring_area(wall, ring);
-            of(&|batch| batch.walls[wall * rings + ring] / area)
-        };
+        let airlight = (0..bench.looks_deg.len() * walls * cameras).map(|place| {
+            let [single, all] =
+                [0, 1].map(|order: usize| batch_level(batches, |batch| scale * batch.airlight[place][order]));
+            Airlight { single, all }
+        });
+        let airlight: Vec<Airlight> = airlight.collect();
+        let scattered = (0..walls).map(|wall| {
+            let rings = (0..rings).map(|ring| {
+                let area = bench.ring_area(wall, ring);
+                batch_level(batches, |batch| scale * (batch.walls[wall * rings + ring] / area))
+            });
+            rings.collect()
+        });
         Shone {
-            glow: (0..bench.looks_deg.len())
+            airlight: (0..bench.looks_deg.len())
                 .map(|look| {
-                    let row = |wall| (0..cameras).map(|camera| glow(look, wall, camera)).collect();
-                    (0..walls).map(row).collect()
+                    let rows = airlight[look * walls * cameras..].chunks(cameras.max(1));
+                    rows.take(walls).map(<[Airlight]>::to_vec).collect()
                 })
                 .collect(),
-            scattered: (0..walls)
-                .map(|wall| (0..rings).map(|ring| scattered(wall, ring)).collect())
-                .collect(),
+            scattered: scattered.collect(),
             photons,
         }
     }
@@ -139,17 +135,18 @@ impl Bench {
     /// Inner and outer radius of a ring on a wall, m.
     #[must_use]
     pub fn ring_m(&self, wall: usize, ring: usize) -> [f64; 2] {
-        let radius = |degrees: f64| self.walls_m[wall] * degrees.to_radians().tan();
-        let inner = if ring == 0 {
-            0.0
-        } else {
-            radius(self.rings_deg[ring - 1])
-        };
-        [inner, radius(self.rings_deg[ring])]
+        let [inner, outer] = [ring.saturating_sub(1), ring]
+            .map(|ring| self.walls_m[wall] * self.rings_deg[ring].to_radians().tan());
+        [if ring == 0 { 0.0 } else { inner }, outer]
     }
 
     fn ring_area(&self, wall: usize, ring: usize) -> f64 {
         let [inner, outer] = self.ring_m(wall, ring);
         PI * (outer * outer - inner * inner)
     }
+}
+
+fn batch_level(batches: &[PhotonTally], sum: impl Fn(&PhotonTally) -> f64) -> Level {
+    let values: Vec<f64> = batches.iter().map(sum).collect();
+    level(&values)
 }
