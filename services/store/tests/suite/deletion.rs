@@ -1,7 +1,7 @@
-//! Deleting and compacting.
+//! Deletion and compaction.
 //!
-//! Failure is: a live blob that a reader cannot find at any moment; a deleted one that comes back; space that stays
-//! taken.
+//! Failures: a live blob that a reader cannot find at any moment; a deleted blob that reappears; space that is not
+//! reclaimed.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -45,7 +45,7 @@ async fn compacting_frees_the_space_of_what_is_deleted_and_nothing_else() {
     let blobs = some(0..100);
     put_one_by_one(&store, &blobs).await;
     assert_eq!(store.compact().await.unwrap().packs, 0, "nothing is deleted");
-    // Of the first packs everything, of later ones two thirds, of the last ones nothing.
+    // All blobs of the first packs, two thirds of later ones, none of the last.
     let (gone, live): (Vec<Blob>, Vec<Blob>) = blobs
         .into_iter()
         .enumerate()
@@ -138,7 +138,7 @@ async fn a_compaction_that_is_cut_off_anywhere_loses_nothing_and_can_be_begun_ag
         put_one_by_one(&store, &blobs).await;
         store.delete(&digests(&blobs[..45])).await.unwrap();
         let _ = tokio::time::timeout(Duration::from_micros(cut_us), store.compact()).await;
-        // The writer may still be at the step it was given; a folder has one store at a time.
+        // The writer may still be busy with its last step; a folder has one store at a time.
         store.close().await;
         let store = Store::open_with(folder.path(), PACK_BYTES).await.unwrap();
         holds_all(&store, &blobs[45..]).await;

@@ -1,7 +1,8 @@
-//! A process that stores, deletes and compacts, and is killed at random times and at the worst ones.
+//! A process that stores, deletes and compacts, and is killed at random and at critical moments.
 //!
-//! Failure is: a blob whose storing was acknowledged and that cannot be read; one whose deletion was acknowledged and that
-//! is there; a store that does not open. The process is this very test program, which runs [`child`] alone.
+//! Failures: an acknowledged blob that cannot be read; a deleted blob that is still there; a store that does not
+//! open.
+//! The process is this test program, running only [`child`].
 
 use std::collections::BTreeSet;
 use std::io::{BufRead, BufReader, Write};
@@ -13,7 +14,7 @@ use store::Store;
 
 use crate::fixture::{digests, numbered};
 
-/// Says to [`child`] where the store is and with which number to begin.
+/// Environment variable with the store's folder and the first number of [`child`].
 const PLACE: &str = "STORE_OF_THE_CHILD";
 const PACK_BYTES: u64 = 1_500_000;
 const BLOB_BYTES: usize = 50_000;
@@ -93,7 +94,7 @@ fn run_and_kill(heard: &mut Heard, path: &Path, first: u64, faults: Option<&str>
         heard.note(&line);
     }
     child.kill().unwrap();
-    // What it had written into the pipe before counts as well.
+    // Lines already in the pipe count as well.
     lines.for_each(|line| heard.note(&line));
     assert!(!child.wait().unwrap().success());
 }

@@ -1,5 +1,3 @@
-//! What goes in comes out, or an error does.
-
 use store::{Blob, Store, StoreError};
 
 use crate::fixture::blob;
@@ -17,7 +15,7 @@ async fn bytes_come_back_after_a_restart_and_repeats_are_not_stored_twice() {
         store.put_all(vec![one.clone()]).await.unwrap();
         let stats = store.stats();
         assert_eq!((stats.packs, stats.blobs, stats.bytes), (1, 2, 6));
-        // No close: as if the process had been killed.
+        // No close, as if the process had been killed.
     }
     let store = Store::open(folder.path()).await.unwrap();
     assert_eq!(
