@@ -1,4 +1,4 @@
-//! Checks a description against the table of fields and collects every error.
+//! Checks a description against the schema and collects every error.
 
 mod across;
 mod camera;
@@ -23,32 +23,31 @@ use serde_json::{Number, Value};
 
 use crate::invalid::{FieldError, MAX_ERRORS, quote};
 use crate::json::{describe, step};
+use crate::law::find_key;
 use crate::node::{Node, float};
 use crate::schema::{EXACT, Range, Shape};
 use crate::vocabulary::Vocabulary;
 
 pub(crate) use lights::has_lamps;
 pub(crate) use names::is_dataset;
+pub(crate) use object::parse_default;
 pub(crate) use places::places;
 pub(crate) use truth::is_traced;
 
-/// Walks document and table side by side.
+/// Walks the document and the schema in parallel.
 pub(crate) struct Checker<'v> {
     pub(crate) vocabulary: &'v Vocabulary,
-    /// Whether the description was checked when it was accepted: its form is read, its names and limits are believed,
-    /// so that it means what it meant then.
-    pub(crate) trusting: bool,
     /// The job's seed, for the laws' streams.
     pub(crate) seed: u64,
     pub(crate) errors: Vec<FieldError>,
 }
 
-/// Where in the document a value stands.
+/// Location of a value in the document.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Place {
     /// JSON pointer.
     pub(crate) pointer: String,
-    /// For messages: `lights[0].x`. The steps of laws are left out.
+    /// Name in messages, such as `lights[0].x`, without the steps into distributions.
     pub(crate) name: String,
 }
 
@@ -61,7 +60,7 @@ impl Place {
         }
     }
 
-    /// Its name with this in place of each position in a list.
+    /// Its name with `item` in place of each list position.
     pub(crate) fn path(&self, item: &str) -> String {
         let mut parts = self.name.split('[');
         let first = parts.next().unwrap_or_default().to_owned();
@@ -78,7 +77,7 @@ impl Place {
         }
     }
 
-    /// A value of the choice or grid that stands here.
+    /// A value of a choice or grid at this location.
     pub(crate) fn alternative(&self, law: &str, position: usize) -> Self {
         Self {
             pointer: format!("{}/{law}/{position}", self.pointer),
@@ -97,8 +96,18 @@ impl std::fmt::Display for Place {
     }
 }
 
+impl<'v> Checker<'v> {
+    pub(crate) fn new(vocabulary: &'v Vocabulary, seed: u64) -> Self {
+        Self {
+            vocabulary,
+            seed,
+            errors: Vec::new(),
+        }
+    }
+}
+
 impl Checker<'_> {
-    /// Adds an error, as long as there is room; built only then.
+    /// Adds an error if there is room; `error` is only called then.
     pub(crate) fn refuse(&mut self, error: impl FnOnce() -> FieldError) {
         match self.errors.len() {
             0..MAX_ERRORS => self.errors.push(error()),
@@ -107,12 +116,12 @@ impl Checker<'_> {
         }
     }
 
-    /// The checked value; `None` if it is refused, with its errors added. Objects keep the fields that are right, so
-    /// that checks across fields find what they can.
+    /// The checked value, or `None` with its errors added. Objects keep their valid fields, so that checks across
+    /// fields can continue.
     pub(crate) fn node(&mut self, at: &Place, shape: &Shape, laws: bool, value: &Value) -> Option<Node> {
         if let Value::Object(map) = value
             && !matches!(shape, Shape::Labels)
-            && let Some(key) = law::key_of(map)
+            && let Some(key) = find_key(map)
         {
             if laws {
                 return self.law(at, shape, key, map);
@@ -178,7 +187,7 @@ impl Checker<'_> {
 
     fn number(&mut self, at: &Place, range: &Range, value: &Value) -> Option<Node> {
         let number = value.as_f64()?;
-        if self.trusting || range.holds(number) {
+        if range.holds(number) {
             return Some(Node::Constant(float(number)));
         }
         self.out_of_range(at, value, &range.to_string())
@@ -187,7 +196,7 @@ impl Checker<'_> {
     fn integer(&mut self, at: &Place, min: i128, max: i128, value: &Value) -> Option<Node> {
         let limit = Shape::Integer(min, max).limit();
         match whole(value) {
-            Some(number) if self.trusting || (min..=max).contains(&number) => constant(number),
+            Some(number) if (min..=max).contains(&number) => constant(number),
             Some(_) => self.out_of_range(at, value, &limit),
             None => self.out_of_range(at, value, &format!("whole numbers in {limit}")),
         }
@@ -207,7 +216,7 @@ impl Checker<'_> {
         distinct: bool,
         items: &[Value],
     ) -> Option<Node> {
-        if items.len() > max && !self.trusting {
+        if items.len() > max {
             let message = format!("{at} has {} elements, the limit is {max}", items.len());
             self.refuse(|| FieldError::new(&at.pointer, message).limit(format!("at most {max} elements")));
             return None;
@@ -248,7 +257,7 @@ impl Checker<'_> {
     }
 }
 
-/// The whole number that this value is; doubles count up to 2^53.
+/// The value as a whole number; doubles count up to 2^53.
 pub(crate) fn whole(value: &Value) -> Option<i128> {
     if let Some(number) = value.as_u64() {
         return Some(number.into());
@@ -260,6 +269,6 @@ pub(crate) fn whole(value: &Value) -> Option<i128> {
     (number.fract() == 0.0 && number.abs() <= EXACT as f64).then_some(number as i128)
 }
 
-fn constant(number: i128) -> Option<Node> {
+pub(crate) fn constant(number: i128) -> Option<Node> {
     Number::from_i128(number).map(|number| Node::Constant(Value::Number(number)))
 }

@@ -1,8 +1,8 @@
-//! The columns of a record: every scalar of the description under its own path, and what came out of the frame.
+//! The columns of a record: every scalar of the description by its path, and the results of the frame.
 //!
-//! A leaf that stands in several kinds of one object, such as the intensity of a light, stands here once. Of three numbers
-//! each is a leaf, `….r`, `.g`, `.b` or `.x`, `.y`, `.z`. A list has its length as `LIST.count`, and its elements are
-//! reached as `LIST.N` or `LIST.N.FIELD`.
+//! A leaf common to several kinds of one object, such as the intensity of a light, occurs once. Three numbers are
+//! three leaves, `….r`, `.g`, `.b` or `.x`, `.y`, `.z`. The length of a list is `LIST.count`, and its elements are
+//! `LIST.N` or `LIST.N.FIELD`.
 
 use serde_json::Value;
 
@@ -14,38 +14,38 @@ use crate::schema::{EXACT, Field, Shape};
 /// A scalar of a record.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Leaf {
-    /// Its name in questions.
+    /// Name in queries.
     pub name: String,
-    /// JSON pointer in the record; of an element's field, from the element.
+    /// JSON pointer in the record; for a field of a list element, relative to the element.
     pub pointer: String,
-    /// What stands there.
+    /// Type of the value.
     pub kind: LeafKind,
-    /// Unit of its number.
+    /// Unit of a number.
     pub unit: Option<&'static str>,
-    /// What it means.
+    /// Meaning.
     pub doc: &'static str,
 }
 
-/// The water by name is that of a preset, or that of a water of the user's own.
+/// The name of the water, from a preset or a user-defined water.
 const WATER: &str = "water.optics";
 const OWN_WATER: &str = "/parameters/water/optics/name";
 
 impl Leaf {
-    /// What a record has here, as JSON.
+    /// The JSON value of this leaf in a record.
     #[must_use]
     pub fn find<'a>(&self, record: &'a Value) -> Option<&'a Value> {
         self.pointers().find_map(|pointer| at(record, pointer))
     }
 
-    /// Where it may stand in a record, as JSON pointers; the first that is there counts.
+    /// Possible locations in a record, as JSON pointers; the first present one counts.
     pub fn pointers(&self) -> impl Iterator<Item = &str> {
         let own_water = (self.name == WATER).then_some(OWN_WATER);
         std::iter::once(self.pointer.as_str()).chain(own_water)
     }
 }
 
-/// What stands at a JSON pointer, none of whose parts has a `~`. The common function makes two texts of each part, which took
-/// half of the time of an import.
+/// The value at a JSON pointer without `~` escapes. `Value::pointer` allocates two strings per step, which took half
+/// of the time of an import.
 fn at<'a>(record: &'a Value, pointer: &str) -> Option<&'a Value> {
     let mut parts = pointer.split('/').skip(1);
     parts.try_fold(record, |value, part| match value {
@@ -55,7 +55,7 @@ fn at<'a>(record: &'a Value, pointer: &str) -> Option<&'a Value> {
     })
 }
 
-/// What stands in a leaf.
+/// Type of a leaf.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LeafKind {
     /// A number.
@@ -66,25 +66,25 @@ pub enum LeafKind {
     Large,
     /// A string.
     Text,
-    /// A list, of which the length counts.
+    /// A list, represented by its length.
     Length,
 }
 
 /// A list of a description.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct List {
-    /// Its name in questions.
+    /// Name in queries.
     pub name: String,
     /// JSON pointer in the record.
     pub pointer: String,
-    /// What stands in its elements, by name; the name is empty where an element is a scalar itself.
+    /// The leaves of its elements by name; the name is empty for scalar elements.
     pub element: Vec<Leaf>,
 }
 
-/// Everything that a record can be asked for by name, apart from metrics, labels, timings and artifacts.
+/// All queryable values of a record, except metrics, labels, timings and artifacts.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Leaves {
-    /// The scalars of the description, parents before children, and then the results.
+    /// Scalars of the description, parents before children, then the results.
     pub scalars: Vec<Leaf>,
     /// The lists of the description.
     pub lists: Vec<List>,
@@ -115,7 +115,7 @@ impl Leaves {
             Shape::Text(_) => self.add(spot, LeafKind::Text),
             Shape::Rgb(_) => self.triple(spot, ["r", "g", "b"]),
             Shape::Vector(_) => self.triple(spot, ["x", "y", "z"]),
-            // The object has nothing but what its string is short for.
+            // The object has only the field that its string abbreviates.
             Shape::Short(_, [field]) => {
                 let inside = spot.below("", &format!("/{}", field.name));
                 self.gather(&inside, &field.shape);
@@ -198,7 +198,7 @@ impl Leaves {
     }
 }
 
-/// A place of a record, with what its declaration says of it.
+/// A location in a record with its declaration.
 #[derive(Debug, Clone, Default)]
 struct Spot {
     name: String,
@@ -231,7 +231,7 @@ mod tests {
     use super::*;
     use crate::table;
 
-    /// The fields as the documentation has them, by the words that say what they are: an account of its own.
+    /// The fields of the documentation, classified by the words of the table, independently of the schema walk.
     fn documented() -> Vec<String> {
         let mut names = Vec::new();
         for row in table::rows() {
@@ -248,7 +248,7 @@ mod tests {
                 _ => &[],
             };
             let is_short = row.limit.starts_with("a string is short for");
-            // Its one field is known by the name of the object.
+            // Its only field goes by the name of the object.
             let path = if path == "site.name" {
                 "site".to_owned()
             } else {

@@ -1,7 +1,7 @@
-//! Validated job and frame descriptions, the laws that vary them, and the record of a frame.
+//! Validated job and frame descriptions, their distributions, and the record of a frame.
 //!
-//! A [`Job`] is a frame description with laws in place of values. [`Job::parse`] checks everything once and reports
-//! all errors together; [`Job::resolve`] is a pure function of (job, index) to a [`Frame`] without any law left.
+//! A [`Job`] is a frame description with distributions in place of values. [`Job::parse`] reports all errors
+//! together. [`Job::resolve`] is a pure function of (job, index) to a [`Frame`] without distributions.
 
 mod artifact;
 mod camera;

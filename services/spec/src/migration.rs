@@ -1,24 +1,21 @@
-//! Fields and values of descriptions for 0.1, and what to write now.
+//! Fields and values of version 0.1, and their replacements.
 
-/// A field or a value that descriptions no longer have.
+/// A field or value removed since version 0.1.
 #[derive(Debug, Clone, Copy)]
 pub struct Removed {
-    /// Its path, such as `lights[].shadow`.
+    /// Path such as `lights[].shadow`.
     pub path: &'static str,
-    /// The value that is gone; the whole field without one.
+    /// The removed value; `None` if the whole field was removed.
     pub value: Option<&'static str>,
-    /// What to write instead.
+    /// Replacement.
     pub now: &'static str,
 }
 
-/// The water decides it.
 const DERIVED: &str = "remove it: it follows from `water.optics`, `water.depth_m` and `daylight`";
-/// The planner decides it.
 const PLANNED: &str = "remove it: the planner chooses by `fidelity`";
-/// Lamps are physical.
 const SHADOWS: &str = "remove it: every lamp casts shadows, softer with a larger `radius_m`";
 
-/// Everything that was removed, in the order of the fields.
+/// All removed fields and values, in field order.
 pub const REMOVED: &[Removed] = &[
     value("scene.light", "baked", "`\"lighting\": \"in_air\"`"),
     value(
@@ -187,7 +184,7 @@ const fn value(path: &'static str, value: &'static str, now: &'static str) -> Re
     }
 }
 
-/// What to write in place of a field at this path, if it was removed; `written` decides where the field alone does not.
+/// The replacement of a removed field at this path; `written` decides if the path is ambiguous.
 pub(crate) fn find_field(path: &str, written: Option<&str>) -> Option<&'static Removed> {
     let mut rows = REMOVED.iter().filter(|removed| removed.path == path);
     let of_value = rows
@@ -196,7 +193,7 @@ pub(crate) fn find_field(path: &str, written: Option<&str>) -> Option<&'static R
     of_value.or_else(|| rows.find(|removed| removed.value.is_none()))
 }
 
-/// What to write in place of a value of a field that is still there, if the value was removed.
+/// The replacement of a removed value of an existing field.
 pub(crate) fn find_value(path: &str, written: &str) -> Option<&'static Removed> {
     let is_it = |removed: &&Removed| removed.path == path && removed.value == Some(written);
     REMOVED.iter().find(is_it)
@@ -237,7 +234,7 @@ mod tests {
         parts.collect()
     }
 
-    /// After a change of the table, copy what the failure prints.
+    /// After a change of the table, copy the output of the failure.
     #[test]
     fn the_migration_table_of_the_documentation_is_up_to_date() {
         let written = include_str!("../../../docs/migration.md");

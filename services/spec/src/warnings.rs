@@ -1,4 +1,4 @@
-//! What a user should know about a valid description.
+//! Warnings about a valid description.
 
 use serde::Deserialize;
 
@@ -7,7 +7,6 @@ use crate::node::{Law, LawNode, Node};
 use crate::vocabulary::Vocabulary;
 use crate::water::Optics;
 
-/// The warnings of a checked description.
 pub(crate) fn find(document: &Node, vocabulary: &Vocabulary) -> Vec<String> {
     let waters = places(document, "water");
     let mut warnings: Vec<_> = waters
@@ -24,7 +23,7 @@ pub(crate) fn find(document: &Node, vocabulary: &Vocabulary) -> Vec<String> {
     warnings
 }
 
-/// What the rules of waters say of one of these optics.
+/// The warning of the water rules for one of the possible optics.
 fn optics(water: &Node, vocabulary: &Vocabulary) -> Option<String> {
     let optics = water.get("optics")?.alternatives("");
     optics.iter().find_map(|(_, optics)| {
@@ -33,7 +32,7 @@ fn optics(water: &Node, vocabulary: &Vocabulary) -> Option<String> {
     })
 }
 
-/// Whether this law is a grid of more than one value.
+/// Whether this distribution is a grid of more than one value.
 fn is_axis(law: &LawNode) -> bool {
     matches!(law.law, Law::Grid { .. }) && law.values().len() > 1
 }

@@ -1,4 +1,4 @@
-//! Reading the attributes.
+//! Parsing of the derive's attributes.
 
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use quote::quote;
@@ -6,18 +6,18 @@ use syn::meta::ParseNestedMeta;
 use syn::punctuated::Punctuated;
 use syn::{Attribute, Expr, Ident, LitInt, LitStr, Token, parenthesized};
 
-/// What stands on a type.
+/// Attributes of a type.
 #[derive(Default)]
 pub(crate) struct Container {
-    /// The field that a string is short for.
+    /// The only field of an object that may be written as a string.
     pub(crate) short: Option<LitStr>,
-    /// What the type is called where its module cannot be seen.
+    /// Name of the type where its module is not visible.
     pub(crate) name: Option<LitStr>,
-    /// The tag of an object that has none.
+    /// Tag of an object without one.
     pub(crate) default: Option<LitStr>,
-    /// The field that decides which others there are, from serde.
+    /// The field that selects the variant, from serde.
     pub(crate) tag: Option<LitStr>,
-    /// Whether it is a word or an object, from serde.
+    /// Whether the type is a word or an object, from serde.
     pub(crate) untagged: bool,
 }
 
@@ -52,7 +52,7 @@ impl Container {
         Ok(container)
     }
 
-    /// The name of the type outside of its module.
+    /// The name of the type outside its module.
     pub(crate) fn name_of(&self, ident: &Ident) -> String {
         self.name
             .as_ref()
@@ -60,12 +60,12 @@ impl Container {
     }
 }
 
-/// What stands on a field, or on a variant that is one.
+/// Attributes of a field, or of a variant with a value.
 #[derive(Default)]
 pub(crate) struct FieldAttributes {
-    /// Its doc comment as one line.
+    /// The doc comment as one line.
     pub(crate) doc: String,
-    /// Whether it is no part of the description.
+    /// Excluded from the description.
     pub(crate) skipped: bool,
     pub(crate) limits: Option<Limits>,
     pub(crate) default: Option<String>,
@@ -73,15 +73,14 @@ pub(crate) struct FieldAttributes {
     pub(crate) unit: Option<LitStr>,
     pub(crate) fixed: bool,
     pub(crate) vector: bool,
-    /// What strings may stand there, as `Names`.
+    /// Allowed strings, as `Names`.
     pub(crate) names: Option<TokenStream>,
     pub(crate) max: Option<LitInt>,
     pub(crate) distinct: bool,
-    /// What it must fit together with, each a `Rule`.
+    /// Constraints across fields, each a `Rule`.
     pub(crate) rules: Vec<TokenStream>,
 }
 
-/// The limits of a number.
 pub(crate) enum Limits {
     Within(Expr, Expr),
     Above(Expr, Expr),
@@ -151,7 +150,7 @@ impl FieldAttributes {
     }
 }
 
-/// A rule that names other fields: `needs("range", "z_depth")`.
+/// Parses a rule with field names: `needs("range", "z_depth")`.
 fn rule(word: &str, meta: &ParseNestedMeta<'_>) -> syn::Result<TokenStream> {
     let content;
     parenthesized!(content in meta.input);
@@ -198,7 +197,6 @@ fn json(value: TokenTree) -> String {
     }
 }
 
-/// The doc comment as one line.
 fn doc(attributes: &[Attribute]) -> String {
     let lines = attributes.iter().filter_map(|attribute| {
         let value = &attribute.meta.require_name_value().ok()?.value;

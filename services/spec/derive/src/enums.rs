@@ -1,4 +1,4 @@
-//! Enums: words, objects with a tag, objects of one field.
+//! Enums: words, tagged objects, objects with one field.
 
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
@@ -50,13 +50,13 @@ pub(crate) fn derive(
     };
     let words = (!words.is_empty()).then(|| {
         quote! {
-            /// The names of the variants that are words.
+            /// The names of the word variants.
             pub const WORDS: &'static [&'static str] = &[#(#words),*];
         }
     });
     let fields = (!fields.is_empty()).then(|| {
         quote! {
-            /// The variants that hold a value, as fields of which an object has one.
+            /// The variants with a value, as the fields of a one-field object.
             pub const FIELDS: &'static [crate::schema::Field] = &[#(#fields),*];
         }
     });
@@ -118,7 +118,7 @@ fn tagged(
     })
 }
 
-/// An enum of words beside an object.
+/// An enum of words and one object.
 fn untagged(input: &DeriveInput, container: &Container, data: &DataEnum) -> syn::Result<TokenStream> {
     let mut types = data.variants.iter().map(value_of);
     let (Some(words), Some(object), None) = (types.next(), types.next(), types.next()) else {
@@ -138,7 +138,7 @@ fn untagged(input: &DeriveInput, container: &Container, data: &DataEnum) -> syn:
     })
 }
 
-/// The type of the one value of a variant.
+/// The type of a variant's only value.
 fn value_of(variant: &Variant) -> syn::Result<&Type> {
     let mut fields = variant.fields.iter();
     match (fields.next(), fields.next()) {
@@ -147,7 +147,7 @@ fn value_of(variant: &Variant) -> syn::Result<&Type> {
     }
 }
 
-/// `ZDepth` as a description writes it: `z_depth`.
+/// `ZDepth` as written in JSON: `z_depth`.
 fn name_of(variant: &Variant) -> String {
     let mut name = String::new();
     for letter in variant.ident.to_string().chars() {

@@ -1,4 +1,4 @@
-//! What must fit together across fields, apart from the water.
+//! Checks across fields, except for the water.
 
 use std::collections::BTreeSet;
 
@@ -11,14 +11,14 @@ use crate::invalid::FieldError;
 use crate::node::Node;
 use crate::schema::describe;
 
-/// What the picture of an artifact is made of.
+/// The light that each artifact is derived from.
 const NEEDS: [(&str, [&str; 2]); 2] = [
     ("snow_mask", ["water.snow", "water.sediment"]),
     ("raw", ["camera.sensor", "camera.preset"]),
 ];
 
 impl Checker<'_> {
-    /// Checks a description whose fields are right by themselves; those that are not are missing here.
+    /// Checks a description without its invalid fields.
     pub(crate) fn across(&mut self, document: &Node) {
         let contents = Contents::read(document);
         self.rules(&contents);
@@ -29,7 +29,7 @@ impl Checker<'_> {
         self.truth_work(document, &contents);
     }
 
-    /// Artifacts that show what a frame must have.
+    /// Artifacts that need another part of the frame.
     fn artifacts(&mut self, document: &Node, contents: &Contents<'_>) {
         for (artifact, paths) in NEEDS {
             if paths.iter().any(|path| contents.has_given(path, None)) {
@@ -76,7 +76,7 @@ impl Checker<'_> {
     }
 }
 
-/// The names that a list holds in every frame.
+/// The names that a list contains in every frame.
 fn certain(list: &Node) -> BTreeSet<&str> {
     let Node::List(items) = list else {
         return BTreeSet::new();

@@ -1,5 +1,3 @@
-//! The camera, its picture and the scene before it.
-
 use std::collections::BTreeSet;
 
 use imaging::codec::MAX_PIXELS;
@@ -11,7 +9,7 @@ use crate::invalid::FieldError;
 use crate::node::Node;
 
 impl Checker<'_> {
-    /// Tries the camera before each kind of scene.
+    /// Tries the camera with each kind of scene.
     pub(crate) fn cameras(&mut self, document: &Node, frames: u64) {
         let Some(camera) = document.get("camera") else {
             return;
@@ -28,7 +26,7 @@ impl Checker<'_> {
         });
     }
 
-    /// The size of the picture, and a file for its codes.
+    /// Checks the image size and the file format for its codes.
     pub(super) fn camera(&mut self, document: &Node) {
         let is_png = |(_, encode): &(String, &Node)| {
             let format = encode.get("format").map(|format| format.strings(""));

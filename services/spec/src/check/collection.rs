@@ -1,5 +1,5 @@
-//! Collections of uploaded scenes: a description holds the ids of their scenes, so that a job stays what it was when a
-//! collection grows.
+//! Collections of uploaded scenes. A description contains the ids of their scenes, so that a job does not change when
+//! a collection grows.
 
 use std::collections::BTreeSet;
 
@@ -8,12 +8,11 @@ use serde_json::{Map, Value, json};
 use super::{Checker, Place};
 use crate::invalid::{FieldError, quote};
 
-/// The kind of scene that is a collection.
 pub(super) const KIND: &str = "collection";
 
 impl Checker<'_> {
-    /// The object of a collection with the ids of its scenes: `{"grid": […]}` of them with `each`, else a choice. None of other
-    /// objects, and where the ids are there already.
+    /// Returns the object of a collection with the ids of its scenes: `{"grid": […]}` with `each`, else a choice.
+    /// `None` for other objects and if the ids are present.
     pub(super) fn with_scenes(
         &mut self,
         at: &Place,
@@ -21,7 +20,7 @@ impl Checker<'_> {
         map: &Map<String, Value>,
     ) -> Option<Map<String, Value>> {
         let name = map.get("name")?.as_str()?;
-        if kind != KIND || self.trusting || map.contains_key("id") {
+        if kind != KIND || map.contains_key("id") {
             return None;
         }
         let Some(ids) = self.vocabulary.collections.get(name) else {
@@ -49,7 +48,7 @@ impl Checker<'_> {
     }
 }
 
-/// The names of all collections that a description may mean, without a check of anything else.
+/// The names of all collections that a description may mention, without further checks.
 pub(crate) fn named(description: &Value) -> BTreeSet<String> {
     match description {
         Value::Array(items) => items.iter().flat_map(named).collect(),

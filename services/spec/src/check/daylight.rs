@@ -1,4 +1,4 @@
-//! Daylight, the water that it shines into, and the scene that it lights.
+//! Daylight, water and scene lighting.
 
 use super::present::Contents;
 use super::{Checker, has_lamps, places};
@@ -9,7 +9,7 @@ use crate::node::Node;
 const LIGHTING: [&str; 3] = ["/daylight", "/lights", "/scene"];
 
 impl Checker<'_> {
-    /// A sky needs water, and reflectance needs light.
+    /// A sky needs water, and a reflectance scene needs light.
     pub(super) fn daylight(&mut self, document: &Node, contents: &Contents<'_>) {
         let has_sky = contents.has("daylight.sun_elevation_deg", None);
         if has_sky && !contents.has("water.optics", None) {

@@ -1,4 +1,4 @@
-//! The values that the laws of a part of the description can yield, as far as they are tried.
+//! The values that the distributions of a part can yield, as far as they are tried.
 
 use std::collections::BTreeSet;
 
@@ -9,19 +9,19 @@ use crate::invalid::FieldError;
 use crate::node::{Drawn, LawNode, Node};
 use crate::rules::Fault;
 
-/// This many frames from the first on are tried as they are.
+/// Number of frames tried as drawn.
 const FRAMES_TRIED: u64 = 64;
 
-/// At most this many combinations of extremes are tried: 12 intervals, or 100 presets by 5 intervals. Beyond it each
-/// law's extremes are tried alone, against all others at their lower and at their upper end.
+/// Maximum number of tried combinations: 12 intervals, or 100 presets by 5 intervals. Above it, the extremes of each
+/// distribution are tried separately, against the lower and the upper ends of all others.
 const EXTREMES_TRIED: usize = 4096;
 
-/// Which extreme each law takes.
+/// The extreme of each distribution.
 #[derive(Default)]
 struct Extremes<'a> {
-    /// What those take that are not named below: their last extreme or their first.
+    /// Extreme of the distributions not in `named`: the last or the first.
     last: bool,
-    /// By the law's pointer.
+    /// By pointer.
     named: Vec<(&'a str, usize)>,
 }
 
@@ -37,8 +37,8 @@ impl Extremes<'_> {
 }
 
 impl Checker<'_> {
-    /// Tries a top-level field at the extremes of its distributions and in the first of `frames` frames, unless it has errors
-    /// already. Adds the first fault of each place and field.
+    /// Tries a top-level field without errors at the extremes of its distributions and in the first of `frames`
+    /// frames. Adds the first fault of each location and field.
     pub(super) fn try_values<T: DeserializeOwned>(
         &mut self,
         name: &str,
@@ -70,10 +70,10 @@ impl Checker<'_> {
     }
 }
 
-/// A way to draw laws.
+/// A drawing function.
 type Draw<'d> = dyn Fn(&LawNode) -> Drawn + 'd;
 
-/// Hands out ways to draw the laws of a part: at their extremes, then as the first of `frames` frames draw them.
+/// Calls `found` with drawing functions for a part: at the extremes, then for the first of `frames` frames.
 fn each_draw(node: &Node, frames: u64, found: &mut dyn FnMut(&Draw<'_>)) {
     for extremes in extremes(node) {
         found(&|law: &LawNode| extremes.draw(law));
@@ -88,7 +88,7 @@ fn each_draw(node: &Node, frames: u64, found: &mut dyn FnMut(&Draw<'_>)) {
     }
 }
 
-/// Combinations of the laws' extremes; one if there is no law.
+/// Combinations of extremes; one without distributions.
 fn extremes(node: &Node) -> Vec<Extremes<'_>> {
     let mut laws = node.laws();
     laws.retain(|law| law.extreme_count() > 1);
@@ -138,7 +138,7 @@ fn one_at_a_time<'a>(laws: &[&'a LawNode]) -> Vec<Extremes<'a>> {
     combinations
 }
 
-/// What the choices and grids around a law must choose for it to come into play.
+/// The selections of the enclosing choices and grids that activate a distribution.
 fn way_to<'a>(pointer: &str, laws: &[&'a LawNode]) -> Vec<(&'a str, usize)> {
     let chosen = |outer: &&'a LawNode| {
         let inside = pointer.strip_prefix(outer.pointer.as_str())?.strip_prefix('/')?;

@@ -1,4 +1,4 @@
-//! Laws: their own form, and that all they can yield is within the limits of the field.
+//! Distributions: their syntax, and whether all their values are within the field's limits.
 
 use imaging::random::Stream;
 use serde_json::{Map, Value};
@@ -6,26 +6,12 @@ use serde_json::{Map, Value};
 use super::{Checker, Place, whole};
 use crate::invalid::FieldError;
 use crate::json::describe;
-use crate::law::KEYS;
+use crate::law::{KEYS, companion};
 use crate::node::{Law, LawNode, Node};
 use crate::schema::{EXACT, Shape};
 
-/// The first key that makes this object a law, if it has one.
-pub(super) fn key_of(map: &Map<String, Value>) -> Option<&'static str> {
-    KEYS.into_iter().find(|key| map.contains_key(*key))
-}
-
-/// The key that may stand beside a law's.
-fn companion(key: &str) -> Option<&'static str> {
-    match key {
-        "choice" => Some("weights"),
-        "normal" => Some("clip"),
-        _ => None,
-    }
-}
-
 impl Checker<'_> {
-    /// The law marked by `key`, in a place of this shape.
+    /// Checks the distribution marked by `key` for a field of this shape.
     pub(super) fn law(
         &mut self,
         at: &Place,
@@ -70,7 +56,7 @@ impl Checker<'_> {
         map.keys().all(|key| allowed.contains(&key.as_str()))
     }
 
-    /// A refused law: the message goes on after the field's name.
+    /// Adds an error; `message` follows the field's name.
     fn bad_law(&mut self, at: &Place, value: &Value, message: &str) -> Option<Law> {
         self.refuse(|| FieldError::new(&at.pointer, format!("{at}: {message}")).value(value));
         None
@@ -249,7 +235,7 @@ impl Checker<'_> {
         }
     }
 
-    /// Whether an end of what a law can yield may stand in the place of the law.
+    /// Checks whether the end of a distribution's range is a valid value of the field.
     fn check_end(&mut self, at: &Place, shape: &Shape, key: &str, end: &Value) -> Option<()> {
         let fits = match shape {
             Shape::Scalar => true,
@@ -261,7 +247,7 @@ impl Checker<'_> {
                 return None;
             }
         };
-        if fits || self.trusting {
+        if fits {
             return Some(());
         }
         let limit = shape.limit();

@@ -1,12 +1,10 @@
-//! The lamps and the haze of a description.
-
 use super::Checker;
 use super::places::lists;
 use crate::invalid::FieldError;
 use crate::node::Node;
 
 impl Checker<'_> {
-    /// All haze shares one space.
+    /// All haze must use the same color space.
     pub(super) fn haze_spaces(&mut self, document: &Node) {
         let mut first: Option<String> = None;
         for (pointer, space) in spaces(document) {
@@ -34,7 +32,7 @@ pub(crate) fn has_lamps(document: &Node) -> bool {
         .any(|(_, light)| light.get("position_m").is_some())
 }
 
-/// Every light that can be, with its pointer.
+/// Every possible light, with its pointer.
 fn lights(document: &Node) -> Vec<(String, &Node)> {
     let mut lights = Vec::new();
     for (at, items) in lists(document, "lights") {
@@ -45,7 +43,7 @@ fn lights(document: &Node) -> Vec<(String, &Node)> {
     lights
 }
 
-/// The space of all haze that can be, with its pointer.
+/// The color space of each possible haze, with its pointer.
 fn spaces(document: &Node) -> Vec<(String, &str)> {
     let all = lights(document).into_iter();
     let nodes = all.filter_map(|(pointer, light)| Some((pointer, light.get("space")?)));

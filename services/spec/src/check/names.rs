@@ -1,4 +1,4 @@
-//! Strings: names of the vocabulary, fixed words, ids and paths.
+//! Strings: vocabulary names, fixed words, ids and paths.
 
 use serde_json::Value;
 
@@ -8,23 +8,22 @@ use crate::migration;
 use crate::node::Node;
 use crate::schema::Names;
 
-/// Longest path in bytes, that of common systems.
+/// Maximum path length of common systems, bytes.
 const MAX_PATH_BYTES: usize = 4096;
 
-/// Longest name of a dataset and longest id of a scene.
+/// Maximum length of a dataset name or scene id.
 const MAX_NAME: usize = 100;
 
-/// Longest free text in characters.
+/// Maximum length of free text, characters.
 const MAX_WORDS: usize = 1000;
 
-/// Longest name of a water, as for the waters themselves.
+/// Maximum length of a water's name.
 const MAX_WATER_NAME: usize = 64;
 
 impl Checker<'_> {
-    /// The string in its canonical form: presets by their full name, the others as written.
+    /// The string in canonical form: presets by full name, all others unchanged.
     pub(super) fn text(&mut self, at: &Place, names: Names, text: &str) -> Option<Node> {
         let canonical = match names {
-            _ if self.trusting => Some(text.to_owned()),
             Names::Preset => self.vocabulary.preset(text).map(str::to_owned),
             Names::Words => is_words(text).then(|| text.to_owned()),
             Names::WaterName => is_water_name(text).then(|| text.to_owned()),
@@ -79,7 +78,7 @@ impl Checker<'_> {
         });
     }
 
-    /// Refuses presets that lack what rendering needs. With coefficients beside them the optics decide.
+    /// Rejects presets that lack data for rendering. If coefficients are given, the optics decide.
     pub(super) fn refuse_unrenderable(&mut self, at: &Place, optics: &Node, is_object: bool) {
         let Node::Object(fields) = optics else { return };
         let harmless = ["preset", "veil_gain", "phase", "forward_scatter"];

@@ -54,7 +54,7 @@ impl Checker<'_> {
         map: &Map<String, Value>,
     ) -> Option<Node> {
         let written = match (map.get(tag), presence) {
-            (None, Presence::Default(text)) => default(text),
+            (None, Presence::Default(text)) => parse_default(text),
             (Some(value), _) => value.clone(),
             (None, _) => return self.refuse_tag(&at.field(tag), options, None),
         };
@@ -124,16 +124,16 @@ impl Checker<'_> {
         None
     }
 
-    /// Whether this kind of object can be had here: files only on the machine that renders, collections only in a service.
+    /// Whether this kind of object is available: files only on the rendering machine, collections only in a service.
     fn offers(&self, option: &Variant) -> bool {
         match option.name {
-            "files" => self.vocabulary.local || self.trusting,
-            collection::KIND => !self.vocabulary.local || self.trusting,
+            "files" => self.vocabulary.local,
+            collection::KIND => !self.vocabulary.local,
             _ => true,
         }
     }
 
-    /// An object, or a string in place of its field `field`.
+    /// Checks an object, or a string in place of its field `field`.
     pub(super) fn short(&mut self, at: &Place, field: &str, fields: &[Field], value: &Value) -> Option<Node> {
         let numbers = self.own_water(value);
         let checked = match numbers.as_ref().unwrap_or(value) {
@@ -179,7 +179,7 @@ impl Checker<'_> {
         Some(Node::Object(labels))
     }
 
-    /// A label's value. A whole number keeps its form, whether it was written 2 or 2.0.
+    /// Checks a label. A whole number is stored the same way, whether written 2 or 2.0.
     pub(super) fn scalar(&mut self, at: &Place, value: &Value) -> Option<Node> {
         match value {
             Value::Bool(_) => Some(Node::Constant(value.clone())),
@@ -217,7 +217,7 @@ impl Checker<'_> {
         }
     }
 
-    /// Whether a field is one of 0.1: refused with what to write now, if possible for each field inside.
+    /// Rejects a field of version 0.1 and suggests its replacement, if possible for each field inside.
     fn refuse_removed(&mut self, at: &Place, value: &Value) -> bool {
         let Some(removed) = migration::find_field(&at.path("[]"), value.as_str()) else {
             return false;
@@ -245,7 +245,7 @@ impl Checker<'_> {
         match (value, field.presence) {
             (Some(value), _) => self.node(at, &field.shape, field.laws, value),
             (None, Presence::Optional) => None,
-            (None, Presence::Default(text)) => self.node(at, &field.shape, field.laws, &default(text)),
+            (None, Presence::Default(text)) => self.node(at, &field.shape, field.laws, &parse_default(text)),
             (None, Presence::Required) => {
                 let message = format!("{at} is missing: {}", field.doc);
                 self.refuse(|| FieldError::new(&at.pointer, message).limit("required"));
@@ -255,6 +255,6 @@ impl Checker<'_> {
     }
 }
 
-fn default(text: &str) -> Value {
+pub(crate) fn parse_default(text: &str) -> Value {
     serde_json::from_str(text).expect("the defaults of the table are JSON, a test reads them all")
 }

@@ -1,4 +1,5 @@
-//! Waters of the users' own: a description holds their numbers, so that a frame stays what it is when the water is gone.
+//! User-defined waters. A description contains their numbers, so that a frame does not change when the water is
+//! deleted.
 
 use serde_json::{Map, Value};
 
@@ -8,8 +9,8 @@ const PARTS: [&str; 2] = ["absorption_per_m", "scattering_per_m"];
 const WHOLE: &str = "beam_attenuation_per_m";
 
 impl Checker<'_> {
-    /// What stands for the name of a user's water, or for an object with that preset: its name and numbers, with those
-    /// of the object in place of the water's.
+    /// The optics for the name of a user-defined water, or for an object with that preset: the water's name and
+    /// numbers, overridden by those of the object.
     pub(super) fn own_water(&self, optics: &Value) -> Option<Value> {
         let own = |name: &str| Some((name.to_owned(), self.vocabulary.waters.get(name)?));
         match optics {
@@ -27,7 +28,8 @@ impl Checker<'_> {
     }
 }
 
-/// A given beam attenuation replaces the water's a and b, and a given a or b replaces its c: both would contradict it.
+/// A given beam attenuation replaces the water's a and b; a given a or b replaces its c. Keeping both would be
+/// contradictory.
 fn merged(name: &str, water: &Map<String, Value>, given: Map<String, Value>) -> Map<String, Value> {
     let gives_whole = given.contains_key(WHOLE);
     let gives_part = PARTS.iter().any(|part| given.contains_key(*part));

@@ -1,9 +1,9 @@
-//! What can stand at the places of a document.
+//! Possible values of document fields.
 
 use super::Place;
 use crate::node::Node;
 
-/// What can stand in a field of the document, each with its pointer.
+/// The possible values of a document field, each with its pointer.
 pub(crate) fn places<'a>(document: &'a Node, name: &str) -> Vec<(String, &'a Node)> {
     document
         .get(name)
@@ -11,7 +11,7 @@ pub(crate) fn places<'a>(document: &'a Node, name: &str) -> Vec<(String, &'a Nod
         .unwrap_or_default()
 }
 
-/// Every list that can stand in a field of the document, with its place.
+/// The possible lists of a document field, each with its location.
 pub(super) fn lists<'a>(document: &'a Node, name: &str) -> Vec<(Place, &'a [Node])> {
     let mut lists = Vec::new();
     for (pointer, node) in places(document, name) {

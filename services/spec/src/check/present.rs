@@ -1,4 +1,4 @@
-//! The fields that a checked description holds, by their paths.
+//! The fields of a checked description, by path.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -9,19 +9,18 @@ use crate::fields::DOCUMENT;
 use crate::node::Node;
 use crate::schema::{Field, Presence, Shape};
 
-/// A field of a checked description.
 pub(super) struct Present<'a> {
     pub(super) field: &'static Field,
     pub(super) at: Place,
-    /// The object that holds it.
+    /// The object with this field.
     pub(super) object: &'a Node,
     pub(super) node: &'a Node,
-    /// The alternative of its top-level field that it belongs to.
+    /// The alternative of its top-level field.
     pub(super) branch: usize,
 }
 
 impl Present<'_> {
-    /// Whether it has another value than its default.
+    /// Whether its value differs from the default.
     pub(super) fn is_given(&self) -> bool {
         match self.field.presence {
             Presence::Default(text) => {
@@ -33,15 +32,15 @@ impl Present<'_> {
     }
 }
 
-/// The fields of a description and their paths, such as `water.optics`, apart for each alternative of a top-level field.
+/// The fields of a description by path, such as `water.optics`, separately for each alternative of a top-level field.
 #[derive(Default)]
 pub(super) struct Contents<'a> {
     pub(super) fields: Vec<Present<'a>>,
-    /// Fields that are there, by default or not.
+    /// Present fields, including defaults.
     present: BTreeSet<(String, usize)>,
-    /// Fields with another value than their default, and the words of lists, as in `artifacts.raw`.
+    /// Fields with a value other than the default, and words of lists, as in `artifacts.raw`.
     given: BTreeSet<(String, usize)>,
-    /// Alternatives of each top-level field.
+    /// Number of alternatives of each top-level field.
     branches: BTreeMap<&'static str, usize>,
 }
 
@@ -54,12 +53,12 @@ impl<'a> Contents<'a> {
         contents
     }
 
-    /// Whether a frame can have this path, given or by default. `own` is the branch of a top-level field that the frame has.
+    /// Whether a frame can have this path, given or by default. `own` is the frame's branch of a top-level field.
     pub(super) fn has(&self, path: &str, own: Option<(&str, usize)>) -> bool {
         self.holds(&self.present, path, own)
     }
 
-    /// Whether a frame can have this path with another value than its default.
+    /// Whether a frame can have this path with a value other than the default.
     pub(super) fn has_given(&self, path: &str, own: Option<(&str, usize)>) -> bool {
         self.holds(&self.given, path, own)
     }
@@ -121,7 +120,7 @@ impl<'a> Contents<'a> {
         self.fields.push(present);
     }
 
-    /// What a value holds.
+    /// Adds the contents of a value.
     fn add_inside(&mut self, shape: &'static Shape, value: &'a Node, at: &Place, branch: usize) {
         match (shape, value) {
             (Shape::Object(fields) | Shape::Short(_, fields) | Shape::OneOf(fields), Node::Object(_)) => {
@@ -156,7 +155,7 @@ impl<'a> Contents<'a> {
     }
 }
 
-/// Whether two values are the same, whether whole numbers are written 2 or 2.0.
+/// Compares values; 2 and 2.0 are equal.
 fn is_same(left: &Value, right: &Value) -> bool {
     match (left, right) {
         (Value::Number(left), Value::Number(right)) => left.as_f64() == right.as_f64(),
@@ -167,7 +166,6 @@ fn is_same(left: &Value, right: &Value) -> bool {
     }
 }
 
-/// The top-level field of a path.
 pub(super) fn top_of(path: &str) -> &str {
     path.split(['.', '[']).next().unwrap_or_default()
 }

@@ -1,4 +1,4 @@
-//! The rules across fields that the table declares, see [`Rule`].
+//! Rules across fields, as declared in the schema; see [`Rule`].
 
 use super::Checker;
 use super::present::{Contents, Present, top_of};
@@ -7,8 +7,7 @@ use crate::node::Node;
 use crate::schema::{Rule, TRACED, describe};
 
 impl Checker<'_> {
-    /// Checks the rules of every field that is given. Fields with errors of their own are missing from the contents: a rule that
-    /// would need one is not checked.
+    /// Checks the rules of every given field. Rules that involve an invalid field are skipped.
     pub(super) fn rules(&mut self, contents: &Contents<'_>) {
         let wrong: Vec<_> = self.errors.iter().map(|error| error.pointer.clone()).collect();
         for present in contents.fields.iter().filter(|present| present.is_given()) {
@@ -30,7 +29,7 @@ impl Checker<'_> {
     }
 }
 
-/// A field and what it must fit together with.
+/// A field under check.
 struct Situation<'a> {
     present: &'a Present<'a>,
     contents: &'a Contents<'a>,
@@ -39,7 +38,7 @@ struct Situation<'a> {
 }
 
 impl Situation<'_> {
-    /// What breaks this rule.
+    /// Describes how the field breaks this rule.
     fn find_problem(&self, rule: &Rule) -> Option<String> {
         let Present { at, object, node, .. } = self.present;
         let subject = match node {
@@ -84,7 +83,7 @@ impl Situation<'_> {
         }
     }
 
-    /// Whether a field of the same object, or a path of the same frame, is given. One that is wrong counts.
+    /// Whether a field of the same object, or a path of the same frame, is given, valid or not.
     fn is_given(&self, path: &str) -> bool {
         self.is_wrong(path)
             || if is_sibling(path) {
@@ -94,7 +93,7 @@ impl Situation<'_> {
             }
     }
 
-    /// Whether it is there, given or by default.
+    /// Whether it is present, given or by default.
     fn has(&self, path: &str) -> bool {
         if is_sibling(path) {
             self.present.object.get(path).is_some()
@@ -103,7 +102,7 @@ impl Situation<'_> {
         }
     }
 
-    /// Whether what a path leads to has errors.
+    /// Whether the field at this path has errors.
     fn is_wrong(&self, path: &str) -> bool {
         let pointer = if is_sibling(path) {
             let (parent, _) = self.present.at.pointer.rsplit_once('/').unwrap_or_default();
@@ -114,7 +113,7 @@ impl Situation<'_> {
         self.wrong.iter().any(|error| error.starts_with(&pointer))
     }
 
-    /// These fields as a message names them, those of the same object by their whole paths.
+    /// The names of these fields in messages; siblings by their whole paths.
     fn name(&self, paths: &[&str]) -> String {
         let parent = self.present.at.name.rsplit_once('.');
         let name = |path: &&str| match parent {
@@ -134,7 +133,7 @@ fn is_sibling(path: &str) -> bool {
     !path.contains('.')
 }
 
-/// Whether a list holds nothing but the constant 0.
+/// Whether a list contains only the constant 0.
 fn is_zero(list: &Node) -> bool {
     let is_nothing = |node: &Node| matches!(node, Node::Constant(value) if value.as_f64() == Some(0.0));
     matches!(list, Node::List(axis) if axis.iter().all(is_nothing))

@@ -1,4 +1,4 @@
-//! What a description asks of its scenes: refused where no frame can have it, a warning where some frames cannot.
+//! Requirements on scenes: an error if no frame meets them, a warning if some frames do not.
 
 use std::collections::BTreeSet;
 
@@ -13,11 +13,11 @@ use crate::node::Node;
 use crate::scene_parts::{ScenePart, SceneParts, Uploads};
 use crate::schema::Names;
 
-/// A scene that a frame can have.
+/// A possible scene of a frame.
 struct Candidate {
     name: String,
     parts: SceneParts,
-    /// Whether frames surely have it, whatever laws draw: a scene of a collection of which each is taken.
+    /// Whether some frame certainly has it, as with a collection of which each scene is used.
     is_certain: bool,
 }
 
@@ -30,11 +30,11 @@ struct Ask {
     part: ScenePart,
 }
 
-/// A field or an element of a list.
+/// A field or list element.
 struct Element {
-    /// Those of its values that need a part of the scene.
+    /// The possible values that need a part of the scene.
     asks: Vec<Ask>,
-    /// How many values can stand there.
+    /// Number of possible values.
     values: usize,
 }
 
@@ -42,12 +42,12 @@ struct Element {
 struct Lacking {
     count: usize,
     first: Option<String>,
-    /// Whether some frames surely lack it: no scene has the part, or one that is certain does not.
+    /// Whether some frames certainly lack it: no scene has the part, or a certain one lacks it.
     is_certain: bool,
 }
 
 impl Checker<'_> {
-    /// Checks what the description asks of its scenes. Returns warnings about what only some frames have.
+    /// Checks the requirements on scenes. Returns warnings for those that only some frames meet.
     pub(crate) fn scenes(&mut self, document: &Node, uploads: &Uploads) -> Vec<String> {
         let scenes = self.candidates(document, uploads);
         let mut warnings = Vec::new();
@@ -112,7 +112,7 @@ impl Checker<'_> {
         self.refuse(|| error);
     }
 
-    /// The scenes that a frame can have. Uploaded ones that do not exist are refused.
+    /// The possible scenes of a frame. Rejects uploaded scenes that do not exist.
     fn candidates(&mut self, document: &Node, uploads: &Uploads) -> Vec<Candidate> {
         let mut scenes = Vec::new();
         let places = places(document, "scene");
@@ -149,7 +149,7 @@ impl Checker<'_> {
         scenes
     }
 
-    /// The styles of each water that take a range.
+    /// The styles of each water that use the range.
     fn styles(&self, document: &Node) -> Vec<Vec<Element>> {
         let of_water = |(pointer, water): (String, &Node)| {
             let pointer = format!("{pointer}/style");
@@ -219,17 +219,17 @@ fn needs(ask: &Ask, lacking: &Lacking) -> String {
     }
 }
 
-/// Everything that each water asks for.
+/// The requirements of each water.
 fn waters(document: &Node) -> Vec<Vec<Element>> {
     needing_range(document, "water", &["optics", "snow", "sediment"])
 }
 
-/// Everything that each camera asks for.
+/// The requirements of each camera.
 fn cameras(document: &Node) -> Vec<Vec<Element>> {
     needing_range(document, "camera", &["defocus"])
 }
 
-/// Those of these fields of an object that are there: each needs a range.
+/// Those of `fields` that an object has: each needs a range.
 fn needing_range(document: &Node, object: &str, fields: &[&str]) -> Vec<Vec<Element>> {
     let asked = |pointer: &str, node: &Node, name: &str| {
         let value = node.get(name)?.canonical();
@@ -252,7 +252,7 @@ fn needing_range(document: &Node, object: &str, fields: &[&str]) -> Vec<Vec<Elem
     places.map(of_object).collect()
 }
 
-/// Everything that the lights of each list ask for.
+/// The requirements of the lights of each list.
 fn lamps(document: &Node) -> Vec<Vec<Element>> {
     let of_item = |at: &Place, item: &Node| {
         let lights = item.alternatives(&at.pointer);
@@ -274,7 +274,7 @@ fn lamps(document: &Node) -> Vec<Vec<Element>> {
     elements(document, "lights", of_item)
 }
 
-/// Everything that the artifacts of each list ask for.
+/// The requirements of the artifacts of each list.
 fn artifacts(document: &Node) -> Vec<Vec<Element>> {
     let of_item = |at: &Place, item: &Node| {
         let kinds = item.strings(&at.pointer);

@@ -1,4 +1,4 @@
-//! The paths that the truth of a frame takes.
+//! Path budget of the Monte Carlo truth.
 
 use super::present::Contents;
 use super::{Checker, places};
@@ -7,7 +7,7 @@ use crate::invalid::FieldError;
 use crate::node::Node;
 use crate::truth::{TooMuch, Truth};
 
-/// Whether a frame can ask for its light by Monte Carlo.
+/// Whether a frame can request the Monte Carlo truth.
 pub(crate) fn is_traced(document: &Node) -> bool {
     let lists = places(document, "artifacts");
     let mut names = lists.iter().flat_map(|(pointer, list)| match list {
@@ -18,7 +18,7 @@ pub(crate) fn is_traced(document: &Node) -> bool {
 }
 
 impl Checker<'_> {
-    /// Paths of the largest frame. Only the renderer knows the size of a picture.
+    /// Checks the paths of the largest frame. Only the renderer knows the size of an uploaded image.
     pub(super) fn truth_work(&mut self, document: &Node, contents: &Contents<'_>) {
         if !is_traced(document) || !contents.has("scene.family", None) {
             return;

@@ -1,4 +1,4 @@
-//! The rules of waters, asked for those that the distributions can yield.
+//! The rules of waters, tried for the possible values of the distributions.
 
 use serde::Deserialize;
 
@@ -39,7 +39,7 @@ impl Checker<'_> {
     }
 }
 
-/// The kinds of daylight that a frame can have; no rule depends on the numbers of a sky.
+/// The possible kinds of daylight; the rules do not depend on the numbers of a sky.
 fn daylights(document: &Node) -> Vec<Daylight> {
     let alternatives = places(document, "daylight").into_iter();
     let daylight = |(_, node): (String, &Node)| Daylight::deserialize(node.value(&|law| law.draw(0))).ok();
@@ -48,7 +48,7 @@ fn daylights(document: &Node) -> Vec<Daylight> {
     all
 }
 
-/// `W H / f²` of the widest and highest camera that the distributions can yield.
+/// Maximum of `W H / f²` over the possible cameras.
 fn widest(document: &Node) -> Option<f64> {
     let own = |(_, scene): &(String, &Node)| scene.get("family").is_some();
     let cameras = places(document, "camera").into_iter().filter_map(|(_, camera)| {

@@ -1,5 +1,3 @@
-//! Valid descriptions: defaults, canonical form, frames.
-
 use serde_json::{Value, json};
 use spec::{ArtifactKind, Camera, Encode, Fidelity, HazeBlend, HoleRule, Job, RangeKind, Scene};
 
@@ -225,7 +223,7 @@ fn the_focal_length_follows_from_the_field_of_view() {
 #[test]
 fn a_stored_job_means_what_it_meant_whatever_names_there_are_by_now() {
     let accepted = job(&everything());
-    let stored = Job::trusted(accepted.canonical()).unwrap();
+    let stored = Job::from_canonical(accepted.canonical()).unwrap();
     assert_eq!(stored.canonical(), accepted.canonical());
     assert_eq!(
         (stored.frames(), stored.dataset(), stored.seed(), stored.styles()),
@@ -245,12 +243,12 @@ fn a_stored_job_means_what_it_meant_whatever_names_there_are_by_now() {
         .replace("williamson2022", "a-source-that-is-gone");
     assert_ne!(of_old, accepted.canonical());
     assert!(Job::parse(of_old.as_bytes(), &vocabulary(false)).is_err());
-    let old = Job::trusted(&of_old).unwrap();
+    let old = Job::from_canonical(&of_old).unwrap();
     assert_eq!(old.canonical(), of_old);
     assert!((0..old.frames().min(50)).all(|index| old.resolve(index).is_ok()));
     let wide = job_with(json!({"alpha": 0.5})).canonical().replace("0.5", "7.5");
     assert_eq!(
-        Job::trusted(&wide).unwrap().resolve(0).unwrap().alpha,
+        Job::from_canonical(&wide).unwrap().resolve(0).unwrap().alpha,
         7.5,
         "a limit of then may have been wider"
     );
@@ -263,11 +261,11 @@ fn a_damaged_job_is_an_error_and_no_panic() {
         .step_by(3)
         .filter(|at| canonical.is_char_boundary(*at))
     {
-        assert!(Job::trusted(&canonical[..at]).is_err());
+        assert!(Job::from_canonical(&canonical[..at]).is_err());
         for byte in ["\"", "{", "9", "-", "null"] {
             let mut damaged = canonical.clone();
             damaged.replace_range(at..=at, byte);
-            if let Ok(job) = Job::trusted(&damaged) {
+            if let Ok(job) = Job::from_canonical(&damaged) {
                 let _ = job.resolve(0);
             }
         }

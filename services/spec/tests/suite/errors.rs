@@ -1,4 +1,4 @@
-//! Refused descriptions: every error at once, each with its place and what would be right.
+//! Rejected descriptions: all errors together, each with its location and limit.
 
 use serde_json::{Value, json};
 use spec::{FieldError, Job, MAX_ERRORS};

@@ -1,4 +1,4 @@
-//! Refused laws.
+//! Rejected distributions.
 
 use serde_json::{Value, json};
 

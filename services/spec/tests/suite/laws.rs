@@ -1,11 +1,11 @@
-//! The laws: published answers, independence of one another, grids.
+//! Distributions: known results, independence of one another, grids.
 
 use crate::common::{job, job_with, parameters, with};
 use imaging::random::Stream;
 use serde_json::{Value, json};
 use spec::{Encode, Fidelity, law};
 
-/// log and exp of another library than `libm` may differ by some units in the last place.
+/// log and exp of other libraries may differ from `libm` by some units in the last place.
 const OTHER_LIBRARY: f64 = 1e-14;
 
 struct Vector {
@@ -88,7 +88,7 @@ fn the_functions_give_the_published_answers() {
     }
 }
 
-/// The same answers through a whole job: every label can hold every law.
+/// The same results through a whole job: every label can be any distribution.
 #[test]
 fn a_job_gives_the_published_answers() {
     let mut labels = 0;

@@ -1,11 +1,11 @@
-//! What a description asks of scenes that cannot give it.
+//! Requirements on scenes that lack a part.
 
 use serde_json::{Value, json};
 use spec::{Draft, FieldError, Job, SceneParts, Uploads};
 
 use crate::common::vocabulary;
 
-/// `scn_flat` is a picture alone; `scn_deep` has a range, `scn_shot` a camera, too.
+/// `scn_flat` is only an image; `scn_deep` has a range, `scn_shot` also a camera.
 fn check(document: &Value) -> Result<Job, Vec<FieldError>> {
     let flat = SceneParts::default();
     let deep = SceneParts { range: true, ..flat };
@@ -93,7 +93,7 @@ fn a_style_that_takes_a_range_needs_a_scene_with_one() {
     );
     assert_eq!(found[0].value, Some(json!("ranged")));
     assert_eq!(found[0].limit.as_deref(), Some("only over a scene with a range"));
-    // Over a scene with a range, and of a style that takes none, nothing is said.
+    // A scene with a range, or a style without one: no warning.
     assert_eq!(warnings(&styled("scn_deep", json!("ranged"))), [""; 0]);
     assert_eq!(warnings(&styled("scn_flat", json!("muddy"))), [""; 0]);
     assert_eq!(
@@ -126,7 +126,7 @@ fn a_law_that_always_asks_is_refused_and_one_that_may_is_warned_of() {
             "`water.optics` at /water/choice/1/optics needs a range, which scene `scn_flat` lacks: such frames go without it"
         ]
     );
-    // Whatever is drawn, an artifact is missing.
+    // An artifact is missing whichever scene is drawn.
     let either = over(
         json!("scn_flat"),
         json!({"artifacts": ["rgb", {"choice": ["range", "boxes"]}]}),
@@ -221,13 +221,13 @@ fn a_collection_becomes_the_scenes_that_it_has_now() {
         .collect();
     assert_eq!(ids, ["scn_a", "scn_b", "scn_c", "scn_a", "scn_b", "scn_c"]);
     assert_eq!(each.uploaded_scene_ids(), ["scn_a", "scn_b", "scn_c"]);
-    // Accepted once, a job no longer depends on what the collection has become.
+    // An accepted job does not depend on later changes of the collection.
     let mut grown = vocabulary(false);
     grown.collections.clear();
     let again = Job::parse(each.canonical().as_bytes(), &grown).unwrap();
     assert_eq!(again.canonical(), each.canonical());
     assert_eq!(
-        Job::trusted(each.canonical()).unwrap().canonical(),
+        Job::from_canonical(each.canonical()).unwrap().canonical(),
         each.canonical()
     );
 
@@ -294,7 +294,7 @@ fn a_collection_is_refused_where_one_of_its_scenes_cannot_give_what_every_frame_
             ),
         ]
     );
-    // Where chance decides what a frame asks or which scene it has, some frames go without.
+    // If chance decides the artifacts or the scene, some frames miss the part.
     let water = json!({"water": {"optics": "jerlov-1C"}});
     let by_chance = json!({"water": {"choice": [{}, {"optics": "jerlov-1C"}]}});
     let drawn = json!({"kind": "collection", "name": "dock", "each": false});

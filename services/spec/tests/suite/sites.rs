@@ -5,7 +5,6 @@ use spec::{FieldError, Job, MAX_ERRORS, SITES, SitePreset, Vocabulary};
 
 use crate::common;
 
-/// The names that the shipped sites use.
 fn vocabulary() -> Vocabulary {
     let names = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect();
     Vocabulary {
@@ -187,7 +186,7 @@ fn the_canonical_form_holds_every_description_and_is_a_fixed_point() {
     ] {
         let first = job(&document);
         let again = job(&serde_json::from_str(first.canonical()).unwrap());
-        let trusted = Job::trusted(first.canonical()).unwrap();
+        let trusted = Job::from_canonical(first.canonical()).unwrap();
         for other in [again, trusted] {
             assert_eq!(first.canonical(), other.canonical());
             assert_eq!(first.digest(), other.digest());
@@ -306,7 +305,7 @@ fn errors_of_a_mix_name_the_field_and_the_site_if_it_is_not_every_site() {
     assert_eq!(places[0].0, "/scene/cracks");
     assert!(places[1].1.starts_with("`water.depth_m` is -2"), "{places:#?}");
 
-    // The wall has neither lamps nor a fixed scene; the shaft is not given by the job.
+    // The wall has neither lamps nor a fixed scene; the job does not name the shaft.
     let error = errors(&json!({
         "site": {"choice": ["paper", "tank"]}, "water": {"snow": null}, "artifacts": ["raw"],
     }));
@@ -368,10 +367,11 @@ fn a_damaged_canonical_text_is_refused_without_a_panic() {
     let canonical = job(&mixed()).canonical().to_owned();
     for at in 0..canonical.len() {
         if canonical.is_char_boundary(at) {
-            assert!(Job::trusted(&canonical[..at]).is_err());
+            assert!(Job::from_canonical(&canonical[..at]).is_err());
         }
     }
     for name in ["scene", "site", "choice", "name", "water"] {
-        let _ = Job::trusted(&canonical.replace(&format!("\"{name}\""), "\"x\"")).map(|job| job.resolve(0));
+        let _ = Job::from_canonical(&canonical.replace(&format!("\"{name}\""), "\"x\""))
+            .map(|job| job.resolve(0));
     }
 }

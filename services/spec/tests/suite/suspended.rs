@@ -1,4 +1,4 @@
-//! Snow and turbidity: what is refused.
+//! Rejected snow and turbidity.
 
 use serde_json::json;
 

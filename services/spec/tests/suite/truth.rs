@@ -1,11 +1,11 @@
-//! The truth of a frame: what is asked of it, and what it does not go with.
+//! Monte Carlo truth: accuracy, and fields that exclude it.
 
 use serde_json::{Value, json};
 use spec::Truth;
 
 use crate::common::{errors, job_with, only_error, with};
 
-/// A job of few pixels that asks for its truth, with these fields beside.
+/// A job of few pixels that requests its truth, with these fields.
 fn traced(beside: Value) -> Value {
     let mut fields = json!({
         "camera": {"width": 64, "height": 48},

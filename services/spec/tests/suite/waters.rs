@@ -1,4 +1,4 @@
-//! Waters: what must fit together, and what the optics are asked for.
+//! Waters: consistency, and requirements on the optics.
 
 use optics::own_water::parse_own;
 use serde_json::{Value, json};
