@@ -1,4 +1,4 @@
-//! The topics of a running service, put together.
+//! State of a running service, composed of its topics.
 
 use std::fs::File;
 use std::io;
@@ -35,32 +35,32 @@ use crate::waters::Waters;
 /// Why the service does not start.
 #[derive(Debug, thiserror::Error)]
 pub enum StartError {
-    /// The token setting.
+    /// Invalid token setting.
     #[error(transparent)]
     Token(#[from] TokenError),
-    /// The data directory.
+    /// The data folder cannot be opened.
     #[error(transparent)]
     Data(#[from] DataError),
-    /// The styles that were added earlier.
+    /// The added styles cannot be loaded.
     #[error(transparent)]
     Styles(#[from] AddedStyleError),
-    /// Jobs that were open cannot be read.
+    /// Open jobs cannot be read.
     #[error(transparent)]
     Catalogue(#[from] CatalogueError),
     /// Images of a set in a bucket, which this program cannot read.
     #[error("the data folder has images of {0}, which only fathom-cluster reads")]
     Bucket(String),
-    /// The listen address.
+    /// The listen address cannot be used.
     #[error("cannot listen on {address}: {source}")]
     Listen {
         /// The address.
         address: SocketAddr,
-        /// What the system said.
+        /// Error of the operating system.
         source: io::Error,
     },
 }
 
-/// The state of each topic; a handler asks for that of its own.
+/// The state of each topic.
 #[derive(Clone, FromRef)]
 pub(crate) struct App {
     pub(crate) catalogue: Arc<Catalogue>,
@@ -75,12 +75,12 @@ pub(crate) struct App {
     pub(crate) styles: Arc<Styles>,
     pub(crate) pictures: Arc<Pictures>,
     pub(crate) operations: Arc<Operations>,
-    /// Cancelled when the service stops: waiting requests then respond with what they have.
+    /// Cancelled when the service stops; waiting requests then return their current result.
     pub(crate) stop: CancellationToken,
 }
 
 impl App {
-    /// Opens the data folder, which stays locked while the file is held.
+    /// Opens the data folder, which stays locked while the file is open.
     pub(crate) async fn open(
         config: &Config,
         surroundings: &Surroundings,

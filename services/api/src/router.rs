@@ -1,4 +1,4 @@
-//! The router: one line for each endpoint, grouped by what they need.
+//! The router: one line per endpoint, grouped by requirements.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -120,7 +120,7 @@ fn reading() -> OpenApiRouter<App> {
         .routes(routes!(leases::routes::worker::list))
 }
 
-/// Questions whose time grows with the number of images.
+/// Queries whose time grows with the number of images.
 fn asking() -> OpenApiRouter<App> {
     OpenApiRouter::new()
         .routes(routes!(images::routes::list::list))
@@ -201,7 +201,7 @@ fn operating() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(operations::routes::backup::create))
 }
 
-/// Makes budgets of one size for each caller.
+/// Creates budgets with the same share per caller.
 struct Budgets<'a>(&'a Limits);
 
 impl Budgets<'_> {
@@ -226,7 +226,7 @@ impl Budgets<'_> {
     }
 }
 
-/// Calls of workers have budgets of their own: no flood of public requests can let a lease expire.
+/// Worker calls have separate budgets, so that a flood of public requests cannot let a lease expire.
 fn worker_protocol(tokens: &Arc<Tokens>, budgets: &Budgets<'_>) -> OpenApiRouter<App> {
     let limits = budgets.0;
     let memory = budgets.bodies("bodies of workers", limits.worker_body_bytes);

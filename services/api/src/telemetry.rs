@@ -1,4 +1,4 @@
-//! What the service counts about itself, in Prometheus' text form with base units.
+//! Telemetry of the service, in Prometheus' text format with base units.
 
 use std::sync::LazyLock;
 
@@ -11,16 +11,16 @@ use prometheus::{
 use spec::FrameRecord;
 use store::StoreStats;
 
-/// From a cached read to a long-poll, in seconds.
+/// From a cached read to a long poll, in seconds.
 const REQUEST_BUCKETS: [f64; 10] = [0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 60.0];
-/// From encoding a small picture to a large reference render, in seconds.
+/// From encoding a small image to a large reference render, in seconds.
 const STAGE_BUCKETS: [f64; 10] = [0.0003, 0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0];
 /// From a thumbnail to the linear layers of a large frame.
 const COMMIT_BUCKETS: [f64; 8] = [1e4, 3e4, 1e5, 3e5, 1e6, 1e7, 1e8, 5e8];
-/// A frame has about a dozen stages; a record that claims more is not worth a label for each.
+/// A frame has about a dozen stages; a record with more does not get a label for each.
 const MAX_STAGES: usize = 32;
 
-/// Every service of the process counts here.
+/// Shared by every service of the process.
 static TELEMETRY: LazyLock<Telemetry> =
     LazyLock::new(|| Telemetry::register().expect("the names are valid and differ"));
 
@@ -124,7 +124,7 @@ impl Telemetry {
     }
 }
 
-/// Everything counted so far, the catalogue's figures included.
+/// All metrics, including those of the catalogue.
 ///
 /// # Errors
 /// A metric that cannot be written.
@@ -133,7 +133,7 @@ pub(crate) fn render() -> prometheus::Result<String> {
 }
 
 pub(crate) fn request(method: &Method, route: &str, status: u16, seconds: f64) {
-    // A client may invent methods; a label for each would grow without end.
+    // A client may invent methods; a label for each would grow without limit.
     let method = match *method {
         Method::GET | Method::HEAD | Method::POST | Method::DELETE => method.as_str(),
         _ => "other",
@@ -150,7 +150,7 @@ pub(crate) fn shed(budget: &'static str) {
     TELEMETRY.shed.with_label_values(&[budget]).inc();
 }
 
-/// Counts a frame that was rendered a second time.
+/// Counts a spot check.
 pub(crate) fn checked(outcome: &'static str) {
     TELEMETRY.checked.with_label_values(&[outcome]).inc();
 }

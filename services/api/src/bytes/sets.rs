@@ -1,4 +1,4 @@
-//! Bytes of imported images: ranges of the tars of their sets, read where they lie.
+//! Bytes of imported images: ranges of the tars of their sets, read in place.
 
 use std::fs::File;
 use std::io::{self, ErrorKind};
@@ -15,16 +15,16 @@ use crate::http::problem::{Problem, Slug};
 /// Reads a range of a file of a set in a bucket. It may block.
 pub type ReadBucket = Arc<dyn Fn(&Place, Range<u64>) -> Result<Vec<u8>, Unread> + Send + Sync>;
 
-/// Why the bytes of an imported artifact are not there.
+/// Why the bytes of an imported artifact are unavailable.
 #[derive(Debug, Clone, thiserror::Error)]
 pub enum Unread {
-    /// The tar is gone, or too short.
+    /// The tar is missing or too short.
     #[error("{0}")]
     Gone(String),
-    /// Other bytes lie at the place.
+    /// The bytes have another digest.
     #[error("{0}")]
     Differs(String),
-    /// The store does not respond or refuses access; the same call may succeed later.
+    /// The store does not respond or refuses access; a retry may succeed.
     #[error("{0}")]
     Unreachable(String),
 }
@@ -40,14 +40,14 @@ impl From<Unread> for Problem {
     }
 }
 
-/// Reads what imported artifacts consist of.
+/// Reads the bytes of imported artifacts.
 #[derive(Clone, Default)]
 pub struct SetFiles {
     buckets: Option<ReadBucket>,
 }
 
 impl SetFiles {
-    /// With what reads buckets; without it only sets in folders can be read.
+    /// Without `buckets` only sets in folders can be read.
     #[must_use]
     pub fn new(buckets: Option<ReadBucket>) -> Self {
         Self { buckets }
@@ -59,7 +59,7 @@ impl SetFiles {
         self.buckets.is_some() || !is_bucket(set)
     }
 
-    /// The bytes of an artifact, verified.
+    /// Reads and verifies the bytes of an artifact.
     ///
     /// # Errors
     /// [`Unread`].
@@ -110,7 +110,7 @@ fn from_folder(place: &Place, range: Range<u64>) -> Result<Vec<u8>, Unread> {
         return Err(Unread::Differs(reason));
     }
     let file = File::open(path).map_err(failed)?;
-    // Before memory is taken for them.
+    // Check the length before allocating memory.
     if file.metadata().map_err(failed)?.len() < range.end {
         return Err(failed(ErrorKind::UnexpectedEof.into()));
     }

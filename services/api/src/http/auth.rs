@@ -10,16 +10,16 @@ use sha2::{Digest, Sha256};
 
 use crate::http::problem::{Problem, Slug};
 
-/// What a token may do.
+/// Permissions of a token.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Scope {
-    /// Look at everything that is not secret.
+    /// Read all non-secret data.
     Read,
     /// Submit and cancel jobs, upload scenes.
     Submit,
-    /// Be a worker.
+    /// Act as a worker.
     Work,
-    /// Everything.
+    /// All permissions.
     Admin,
 }
 
@@ -40,7 +40,7 @@ impl Scope {
     }
 }
 
-/// Why the token setting cannot be used. Secrets are never part of a message.
+/// An invalid token setting. Messages never contain secrets.
 #[derive(Debug, thiserror::Error)]
 pub enum TokenError {
     /// An entry without a secret.
@@ -57,25 +57,25 @@ pub enum TokenError {
         /// Counted from 1.
         position: usize,
     },
-    /// Others could reach the service.
+    /// The address is reachable from other machines.
     #[error("{0} can be reached from other machines: set FATHOM_TOKEN, or listen on 127.0.0.1")]
     Open(SocketAddr),
 }
 
-/// Owner of what is sent without a token.
+/// Owner of requests without a token.
 const ANYONE: &str = "local";
 
-/// Who sent a request: rows that belong to a caller carry `owner`.
+/// The sender of a request. Rows that belong to a caller have its `owner`.
 #[derive(Debug, Clone)]
 pub(crate) struct Caller {
-    /// Hash of the token, or `local` where none is needed.
+    /// Hash of the token, or `local` without tokens.
     pub(crate) owner: String,
-    /// Whether it is a worker that the service has started.
+    /// Whether it is a worker started by the service.
     pub(crate) is_own_worker: bool,
 }
 
 impl Caller {
-    /// Whether nothing tells it from others.
+    /// Whether it is anonymous.
     pub(crate) fn is_anyone(&self) -> bool {
         self.owner == ANYONE
     }
@@ -86,15 +86,15 @@ struct Entry {
     scopes: Vec<Scope>,
 }
 
-/// The known tokens; if the user has set none, every request may do everything.
+/// The known tokens. Without any, every request has all permissions.
 pub(crate) struct Tokens {
     entries: Vec<Entry>,
-    /// Hash of the secret that only the service's own workers have.
+    /// Hash of the secret shared only with the service's workers.
     own_worker: Option<[u8; 32]>,
 }
 
 impl Tokens {
-    /// Reads `SECRET` or `scope+scope:SECRET` entries, separated by commas.
+    /// Parses `SECRET` or `scope+scope:SECRET` entries, separated by commas.
     pub(crate) fn parse(setting: Option<&str>, listen: SocketAddr) -> Result<Self, TokenError> {
         let Some(setting) = setting.filter(|text| !text.is_empty()) else {
             return if listen.ip().is_loopback() {
@@ -122,7 +122,7 @@ impl Tokens {
         !self.entries.is_empty()
     }
 
-    /// Takes the secret of the service's own workers, which has their scope alone.
+    /// Adds the secret of the service's workers, which has only their scope.
     pub(crate) fn add_own_worker(&mut self, secret: &str) {
         self.own_worker = Some(Sha256::digest(secret).into());
     }
@@ -148,7 +148,7 @@ impl Tokens {
                 "Bearer",
             ));
         };
-        // Every entry is compared, whichever matches.
+        // Every entry is compared, to keep the time constant.
         let known = self.entries.iter().fold(None, |found, entry| {
             if same(&entry.hash, &hash) {
                 Some(entry)
@@ -205,19 +205,19 @@ fn bearer(headers: &HeaderMap) -> Option<&[u8]> {
         .then(|| secret.trim_ascii())
 }
 
-/// Compares in a time that does not depend on where the first difference is.
+/// Compares in constant time.
 fn same(a: &[u8; 32], b: &[u8; 32]) -> bool {
     a.iter().zip(b).fold(0, |difference, (x, y)| difference | (x ^ y)) == 0
 }
 
-/// The scope that a group of routes requires.
+/// The scope required by a group of routes.
 #[derive(Clone)]
 pub(crate) struct Guard {
     pub(crate) tokens: std::sync::Arc<Tokens>,
     pub(crate) scope: Scope,
 }
 
-/// Passes requests whose token has the scope, with their [`Caller`] as an extension.
+/// Passes requests with the required scope, with their [`Caller`] as an extension.
 pub(crate) async fn require(
     State(guard): State<Guard>,
     mut request: Request,

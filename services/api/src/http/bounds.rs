@@ -1,11 +1,11 @@
-//! Query parameters within their limits.
+//! Checks of query parameters.
 
 use std::time::Duration;
 
 use super::problem::{Problem, Slug};
 use crate::limits;
 
-/// The number of rows of a page.
+/// Checks the number of rows of a page.
 pub(crate) fn rows(limit: Option<u32>) -> Result<u32, Problem> {
     match limit {
         None => Ok(limits::DEFAULT_PAGE_ROWS),
@@ -14,7 +14,7 @@ pub(crate) fn rows(limit: Option<u32>) -> Result<u32, Problem> {
     }
 }
 
-/// How long a client wants to wait.
+/// Checks the time that a client wants to wait.
 pub(crate) fn wait(seconds: Option<u64>) -> Result<Duration, Problem> {
     let longest = limits::MAX_WAIT.as_secs();
     match seconds.unwrap_or(0) {
@@ -23,7 +23,7 @@ pub(crate) fn wait(seconds: Option<u64>) -> Result<Duration, Problem> {
     }
 }
 
-/// A filter; an empty one is none.
+/// Checks a filter; an empty one counts as absent.
 pub(crate) fn filter(filter: Option<String>) -> Result<Option<String>, Problem> {
     match filter {
         Some(text) if text.len() > limits::FILTER_BYTES => {
@@ -35,7 +35,7 @@ pub(crate) fn filter(filter: Option<String>) -> Result<Option<String>, Problem> 
     }
 }
 
-/// The names of a list that is separated by commas.
+/// Splits a comma-separated list.
 pub(crate) fn names(list: &str) -> Vec<String> {
     list.split(',').map(|name| name.trim().to_owned()).collect()
 }

@@ -1,4 +1,4 @@
-//! Budgets: how many requests of a kind may be at work at the same time, in all and for one caller.
+//! Concurrency budgets: how many requests of a kind may run at the same time, in total and per caller.
 
 use std::collections::HashMap;
 use std::net::IpAddr;
@@ -13,14 +13,14 @@ use crate::http::auth::Caller;
 use crate::http::problem::Problem;
 use crate::telemetry;
 
-/// Callers whose places are remembered before those that hold none are forgotten.
+/// Callers tracked before idle ones are removed.
 const KNOWN_CALLERS: usize = 64;
 
-/// The other end of a connection.
+/// The remote address of a connection.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Peer(pub(crate) IpAddr);
 
-/// Who a request counts for: the token, or without any the address that it came from.
+/// Returns the caller that a request counts for: the token, or without tokens the remote address.
 pub(crate) fn caller_of(request: &Request) -> String {
     let caller = request.extensions().get::<Caller>();
     let token = caller.filter(|caller| !caller.is_anyone());
@@ -32,34 +32,34 @@ pub(crate) fn caller_of(request: &Request) -> String {
     }
 }
 
-/// How many requests of a kind may run at the same time. Clones share the places: a layer is cloned for each route,
-/// and the limit must hold over all of them.
+/// Concurrency limit for a kind of request. Clones share the permits: a layer is cloned for each route, and the limit
+/// must hold over all of them.
 #[derive(Clone)]
 pub(crate) struct Budget(Arc<Places>);
 
 struct Places {
     name: &'static str,
     all: Arc<Semaphore>,
-    /// Of these each caller may hold so many.
+    /// Permits of each caller.
     each: usize,
     callers: Mutex<HashMap<String, Arc<Semaphore>>>,
     patience: Duration,
 }
 
-/// One or more places of a budget, given back when dropped.
+/// One or more permits of a budget, released on drop.
 pub(crate) struct Place {
     _own: OwnedSemaphorePermit,
     _all: OwnedSemaphorePermit,
 }
 
-/// The share of a budget that one caller may take.
+/// The share of a budget that one caller may use.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Share {
     pub(crate) percent: usize,
 }
 
 impl Budget {
-    /// `patience`: how long a request waits for a place before it is shed.
+    /// `patience`: how long a request waits for a permit before it is shed.
     pub(crate) fn new(name: &'static str, places: usize, share: Share, patience: Duration) -> Self {
         Self(Arc::new(Places {
             name,
@@ -70,12 +70,12 @@ impl Budget {
         }))
     }
 
-    /// Takes a place for a caller.
+    /// Acquires a permit for a caller.
     pub(crate) async fn take(&self, caller: &str) -> Result<Place, Problem> {
         self.take_many(caller, 1).await
     }
 
-    /// Takes several places at once.
+    /// Acquires several permits together.
     pub(crate) async fn take_many(&self, caller: &str, count: u32) -> Result<Place, Problem> {
         let places = &*self.0;
         let deadline = Instant::now() + places.patience;
@@ -100,11 +100,11 @@ impl Budget {
 }
 
 impl Places {
-    /// The places of a caller.
+    /// The permits of a caller.
     fn of(&self, caller: &str) -> Arc<Semaphore> {
         let mut callers = self.callers.lock().unwrap_or_else(PoisonError::into_inner);
         if callers.len() >= KNOWN_CALLERS {
-            // One with a request under way is held by it.
+            // A running request keeps a reference.
             callers.retain(|_, places| Arc::strong_count(places) > 1);
         }
         let places = callers.entry(caller.to_owned());

@@ -1,5 +1,5 @@
-//! The OpenAPI document and a page to read it: Swagger UI, whose files come deflated in one archive and leave as gzip
-//! without being unpacked.
+//! The OpenAPI document and its viewer, Swagger UI. The viewer's files are stored deflated in one archive and sent as
+//! gzip without recompression.
 
 use axum::Router;
 use axum::body::Bytes;
@@ -53,7 +53,7 @@ fn file(name: &str, media_type: &'static str) -> MethodRouter {
     })
 }
 
-/// The file `dist/NAME` of a ZIP archive as gzip: both hold the same deflated bytes.
+/// The file `dist/NAME` of a ZIP archive as gzip: both contain the same deflate stream.
 fn gzipped(archive: &[u8], name: &str) -> Option<Vec<u8>> {
     const END: &[u8] = b"PK\x05\x06";
     const ENTRY_BYTES: usize = 46;

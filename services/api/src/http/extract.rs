@@ -1,4 +1,4 @@
-//! Extractors whose refusals are problems that name what was refused.
+//! Extractors whose rejections are problems that name the offending input.
 
 use std::time::Duration;
 
@@ -25,7 +25,7 @@ impl From<QueryRejection> for Problem {
     }
 }
 
-/// Parts of the path.
+/// Path parameters.
 #[derive(FromRequestParts)]
 #[from_request(via(axum::extract::Path), rejection(Problem))]
 pub(crate) struct Path<T>(pub(crate) T);
@@ -36,20 +36,20 @@ impl From<PathRejection> for Problem {
     }
 }
 
-/// The body of a JSON request, unread: the description's own reader is stricter than a common one.
+/// The unparsed body of a JSON request. The description's parser is stricter than serde's.
 pub(crate) struct JsonBytes(pub(crate) Bytes);
 
 impl<S: Send + Sync> FromRequest<S> for JsonBytes {
     type Rejection = Problem;
 
     async fn from_request(request: Request, state: &S) -> Result<Self, Problem> {
-        // Also keeps other sites' pages out: a browser asks before it sends this content type across sites.
+        // Blocks cross-site requests as well: a browser sends a preflight before this content type.
         media_type(request.headers(), "application/json")?;
         Ok(Self(body(request, state).await?))
     }
 }
 
-/// The fields of a multipart form, unread.
+/// The unread fields of a multipart form.
 pub(crate) struct MultipartBody(pub(crate) Multipart);
 
 impl<S: Send + Sync> FromRequest<S> for MultipartBody {
@@ -64,7 +64,7 @@ impl<S: Send + Sync> FromRequest<S> for MultipartBody {
     }
 }
 
-/// A protobuf message: checked when it comes from a worker, so no route sees one that breaks the protocol.
+/// A checked protobuf message. Routes only see valid messages.
 pub(crate) struct Protobuf<M>(pub(crate) M);
 
 impl<M: proto::Checked, S: Send + Sync> FromRequest<S> for Protobuf<M> {
@@ -83,7 +83,7 @@ impl<M: prost::Message> IntoResponse for Protobuf<M> {
     }
 }
 
-/// Who submits a description, and the key under which a repeat of it finds the same job.
+/// The submitter of a description, and its idempotency key.
 pub(crate) struct Submitter {
     pub(crate) owner: String,
     pub(crate) idempotency_key: Option<String>,
@@ -146,7 +146,7 @@ impl<S: Send + Sync> FromRequestParts<S> for PreferredWait {
     }
 }
 
-/// The elements of a header whose value is a list, over all its lines.
+/// The elements of a list header, over all its lines.
 pub(crate) fn listed(headers: &HeaderMap, name: impl AsHeaderName) -> impl Iterator<Item = &str> {
     let lines = headers.get_all(name).into_iter();
     let lines = lines.filter_map(|value| value.to_str().ok());
@@ -164,7 +164,7 @@ async fn body<S: Send + Sync>(request: Request, state: &S) -> Result<Bytes, Prob
         })
 }
 
-/// Also refuses compressed bodies: what they unpack to has no limit that their length tells.
+/// Checks the content type and rejects compressed bodies, whose length does not bound their decompressed size.
 fn media_type(headers: &HeaderMap, wanted: &str) -> Result<(), Problem> {
     if let Some(encoding) = headers
         .get(header::CONTENT_ENCODING)

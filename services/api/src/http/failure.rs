@@ -1,4 +1,4 @@
-//! From the errors of the crates below to problems: the only place where that is decided, apart from sets.
+//! Maps errors of other crates to problems, except those of sets.
 
 use catalogue::CatalogueError;
 use proto::MessageError;
@@ -67,7 +67,7 @@ impl From<MessageError> for Problem {
     }
 }
 
-/// From an error of the file system while something was written.
+/// Maps an error of the file system during a write.
 pub(crate) fn writing(error: &std::io::Error) -> Problem {
     use std::io::ErrorKind;
     match error.kind() {

@@ -1,4 +1,4 @@
-//! Bodies that keep their place in a budget until the client has taken them.
+//! Response bodies that keep their permit until the client has received them.
 
 use std::pin::Pin;
 use std::task::{Context, Poll, ready};
@@ -8,10 +8,10 @@ use hyper::body::{Frame, SizeHint};
 
 use crate::http::budget::Place;
 
-/// Bytes passed to the connection at a time: while a client does not read, the rest and the place stay here.
+/// Bytes passed to the connection at a time. The rest and the permit wait here for the client to read.
 const PIECE_BYTES: usize = 64 << 10;
 
-/// A body and the place that it holds.
+/// A body and its permit.
 pub(crate) struct Held {
     body: Body,
     rest: Bytes,
@@ -19,7 +19,7 @@ pub(crate) struct Held {
 }
 
 impl Held {
-    /// The body, in pieces, with the place.
+    /// Wraps a body in pieces, with its permit.
     pub(crate) fn around(body: Body, place: Place) -> Body {
         Body::new(Self {
             body,

@@ -1,5 +1,8 @@
-//! What every request passes through, from the outside in: request id and log line, problems, panics, other sites'
-//! pages; then what its group needs: scope, a time limit, its body, a place in the group's budget.
+//! Middleware of all requests, from the outside in: request id and log line, problems, panics, cross-site check; then
+//! that of the route's group: scope, timeout, body, concurrency permit.
+//!
+//! `tower-http` has layers for request ids, panics, timeouts and logs. They are not used: each response here is a
+//! problem document with the request id, and one function does it with less code than the layers and their adapters.
 
 use std::any::Any;
 use std::panic::AssertUnwindSafe;
@@ -22,10 +25,10 @@ use crate::http::problem::{Problem, Slug};
 use crate::http::receive::{Receiving, receive};
 use crate::telemetry;
 
-/// Longest request id accepted from a client.
+/// Maximum length of a client's request id.
 const REQUEST_ID_BYTES: usize = 64;
 
-/// The layers of a group of routes.
+/// Middleware settings of a group of routes.
 pub(crate) struct Group {
     pub(crate) scope: Option<Scope>,
     pub(crate) budget: Choice,
@@ -36,9 +39,9 @@ pub(crate) struct Group {
 /// The budget of a request.
 #[derive(Clone)]
 pub(crate) enum Choice {
-    /// That of its group.
+    /// One budget for the whole group.
     One(Budget),
-    /// One for those that ask to wait, so that they take no places of those that do not.
+    /// Separate budget for long polls.
     ByWait { waits: Budget, others: Budget },
 }
 
@@ -60,7 +63,7 @@ fn asks_to_wait(request: &Request) -> bool {
 }
 
 impl Group {
-    /// Puts the group's layers around its routes, and around nothing else: unknown routes belong to no group.
+    /// Adds the group's middleware to its routes only; unknown routes belong to no group.
     pub(crate) fn around<S: Clone + Send + Sync + 'static>(
         self,
         routes: OpenApiRouter<S>,
@@ -135,7 +138,7 @@ pub(crate) async fn observe(request: Request, next: Next) -> Response {
     let status = response.status().as_u16();
     telemetry::request(&method, &route, status, seconds);
     let ms = seconds * 1e3;
-    // Workers, probes and those who follow a job call all the time. What fails is always told.
+    // Polling by workers, probes and followers is frequent. Errors are always logged.
     let is_read = method == Method::GET || method == Method::HEAD;
     let is_routine = is_read || route.starts_with("/v1/worker/") || !route.starts_with("/v1/");
     if is_routine && status < 500 {
@@ -162,7 +165,8 @@ fn request_id(headers: &HeaderMap) -> String {
         .map_or_else(|| format!("req_{}", ordered_id().simple()), str::to_owned)
 }
 
-/// Whether a browser sent this on behalf of another site's page: an open service on loopback would obey.
+/// Whether a browser sent this from a page of another site. A service without tokens on loopback would otherwise
+/// accept it.
 fn crosses_sites(request: &Request) -> bool {
     if [Method::GET, Method::HEAD, Method::OPTIONS].contains(request.method()) {
         return false;
@@ -185,7 +189,7 @@ fn panicked(payload: Box<dyn Any + Send>) -> Response {
     Problem::internal(&format!("panic: {}", text.unwrap_or_default())).into_response()
 }
 
-/// Renders a problem; any other error response, such as an unsupported method, becomes one.
+/// Renders a problem. Any other error response, such as an unsupported method, becomes one.
 fn as_problem(mut response: Response, id: &str) -> Response {
     if let Some(problem) = response.extensions_mut().remove::<Problem>() {
         return problem.render(Some(id));

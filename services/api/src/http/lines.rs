@@ -1,5 +1,5 @@
-//! Responses of many lines, fetched batch by batch while the client reads: memory stays small however many there
-//! are, and a client that stops reading stops the fetching.
+//! Line-by-line responses, fetched in batches as the client reads. Memory stays bounded, and a client that stops
+//! reading stops the fetching.
 
 use std::io;
 
@@ -12,17 +12,16 @@ use serde::Serialize;
 
 use crate::http::problem::Problem;
 
-/// One JSON value a line.
+/// One JSON value per line.
 pub(crate) const NDJSON: &str = "application/x-ndjson";
 
-/// Some lines, and where the next ones begin; none: there are no more.
+/// Some lines and the cursor of the next batch; `None` at the end.
 pub(crate) struct Batch<C> {
     pub(crate) bytes: Vec<u8>,
     pub(crate) next: Option<C>,
 }
 
-/// Sends a first batch and then the following ones. An error in between cuts the response short, so that the client
-/// notices.
+/// Sends a first batch and the following ones. A later error truncates the response, which the client detects.
 pub(crate) fn respond<C, F>(
     media_type: &'static str,
     first: Batch<C>,
@@ -44,7 +43,7 @@ where
     ([(header::CONTENT_TYPE, media_type)], Body::from_stream(all)).into_response()
 }
 
-/// The rows of a job as lines of JSON, in frame order: `read` gives those after a frame, at most `most`.
+/// The rows of a job as lines of JSON, in frame order. `read` returns at most `most` rows after a frame.
 pub(crate) async fn by_frame<T, F>(
     most: u32,
     read: impl Fn(Option<u64>) -> F + Send + Sync + 'static,
@@ -77,7 +76,7 @@ pub(crate) fn json_lines<T: Serialize>(values: impl IntoIterator<Item = T>) -> R
     Ok(bytes)
 }
 
-/// The error that cuts a response short.
+/// The error that truncates a response.
 pub(crate) fn cut_short(problem: Problem) -> io::Error {
     tracing::warn!(%problem, "a response was cut short");
     io::Error::other(problem.to_string())

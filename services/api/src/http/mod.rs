@@ -1,4 +1,4 @@
-//! What every topic needs of HTTP: extractors, problems, layers, the accept loop.
+//! HTTP infrastructure of all topics: extractors, problems, layers, the accept loop.
 
 pub(crate) mod auth;
 pub(crate) mod bounds;

@@ -1,4 +1,4 @@
-//! A connection whose client may be slow, but not for ever.
+//! A connection with a limit on how slowly the client may read.
 
 use std::future::Future;
 use std::io;
@@ -9,7 +9,7 @@ use std::time::Duration;
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 use tokio::time::{Sleep, sleep};
 
-/// A stream that fails when nothing can be written for a while: the client has stopped reading, and the pending data
+/// A stream that fails if no write succeeds within the limit: the client has stopped reading, and the pending data
 /// takes memory.
 pub(crate) struct Patient<S> {
     stream: S,
@@ -26,7 +26,7 @@ impl<S> Patient<S> {
         }
     }
 
-    /// Fails once writing has been impossible for the limit.
+    /// Fails once writing has been blocked for the limit.
     fn watched<T>(&mut self, context: &mut Context<'_>, done: Poll<io::Result<T>>) -> Poll<io::Result<T>> {
         if done.is_ready() {
             self.stalled = None;

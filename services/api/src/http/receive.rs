@@ -1,5 +1,5 @@
-//! Bodies are received before a request takes a place: a client that sends slowly holds a connection and the bytes that it has sent,
-//! and nothing that others wait for.
+//! Receives the body before a request acquires a permit. A slow client occupies a connection and the bytes sent so
+//! far, but no permit.
 
 use std::time::Duration;
 
@@ -16,20 +16,20 @@ use crate::http::budget::{Budget, Place, caller_of};
 use crate::http::problem::{Problem, Slug};
 use crate::limits::BODY_BYTES_PER_S;
 
-/// Bytes of a place in the budget of bodies.
+/// Bytes per permit in the budget of bodies.
 pub(crate) const PLACE_BYTES: usize = 1 << 10;
 
 /// How bodies of a group are received.
 #[derive(Clone)]
 pub(crate) struct Receiving {
     pub(crate) most_bytes: usize,
-    /// How long a body may take beside what its bytes allow.
+    /// Time for a body in addition to the time allowed by its bytes.
     pub(crate) grace: Duration,
-    /// KiB of bodies in memory.
+    /// Budget of bodies in memory, KiB.
     pub(crate) memory: Budget,
 }
 
-/// Receives the body of a request and passes it on whole. Its bytes count until there is a response.
+/// Receives the whole body of a request and passes it on. Its bytes count until the response.
 pub(crate) async fn receive(
     State(receiving): State<Receiving>,
     request: Request,
@@ -68,7 +68,7 @@ impl Receiving {
             _memory: Vec::new(),
         };
         loop {
-            // Each byte prolongs the time by what it may take.
+            // Each byte extends the deadline.
             let allowed = self.grace + Duration::from_secs_f64(bytes as f64 / BODY_BYTES_PER_S);
             let Ok(piece) = timeout_at(begun + allowed, coming.next()).await else {
                 return Err(self.too_slow(bytes, begun));
@@ -90,8 +90,8 @@ impl Receiving {
         }
     }
 
-    /// Reads on and keeps nothing, up to twice what the route takes: a client that is still sending when the connection ends
-    /// would not hear why.
+    /// Reads and discards up to twice the limit of the route. A client that is still sending when the connection
+    /// closes would not see the response.
     async fn discarded(&self, mut coming: BodyDataStream) -> Problem {
         let (begun, mut bytes) = (Instant::now(), 0);
         while let Ok(Some(Ok(piece))) = timeout_at(begun + self.grace, coming.next()).await {
@@ -136,7 +136,7 @@ mod tests {
         }
     }
 
-    /// A body whose pieces come one by one, each after a pause.
+    /// A body whose pieces arrive after a pause each.
     fn dripping(pieces: usize, bytes: usize, pause: Duration) -> Body {
         let pieces = stream::iter(0..pieces).then(move |_| async move {
             tokio::time::sleep(pause).await;

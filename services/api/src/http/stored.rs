@@ -9,10 +9,10 @@ use axum::response::{IntoResponse, Response};
 use crate::http::extract::listed;
 use crate::http::problem::{Problem, Slug};
 
-/// Bytes that are named by their digest never change: a copy is good for as long as the standard lets one say.
+/// Bytes named by their digest never change, so copies stay valid for the maximum time of the standard.
 const IMMUTABLE: &str = "private, max-age=31536000, immutable";
 
-/// Stored bytes to be sent.
+/// Stored bytes to send.
 pub(crate) struct Stored {
     pub(crate) digest: String,
     pub(crate) media_type: String,
@@ -64,12 +64,12 @@ pub(crate) fn is_at_hand(headers: &HeaderMap, tag: &str) -> bool {
     tags.any(|one| one == "*" || one.trim_matches('"') == tag)
 }
 
-/// "Your copy is right."
+/// 304: the client's copy is current.
 pub(crate) fn not_modified(tag: &str) -> Response {
     (StatusCode::NOT_MODIFIED, immutable(tag)).into_response()
 }
 
-/// The headers of bytes that never change.
+/// Headers of immutable bytes.
 pub(crate) fn immutable(tag: &str) -> [(HeaderName, String); 2] {
     [
         (header::ETAG, format!("\"{tag}\"")),
@@ -88,8 +88,7 @@ enum Asked {
     Beyond,
 }
 
-/// What `Range` asks for. Several ranges, other units and what does not parse count as no range, as the standard
-/// allows.
+/// Parses `Range`. Several ranges, other units and malformed values count as no range, as the standard allows.
 fn requested(headers: &HeaderMap, digest: &str, length: usize) -> Asked {
     let text = |name| {
         headers

@@ -1,5 +1,5 @@
-//! Following a job: events are made from the catalogue when the client is ready for the next one. Nothing is stored for
-//! a client, so one that reads slowly costs nothing and one that reconnects misses nothing.
+//! Job events, derived from the catalogue when the client is ready for the next one. Clients have no stored state, so
+//! slow ones cost nothing and reconnecting ones miss nothing.
 
 use std::collections::VecDeque;
 use std::convert::Infallible;
@@ -15,7 +15,7 @@ use tokio::time::Instant;
 use super::Jobs;
 use crate::limits::PROGRESS_PAUSE;
 
-/// Frames that a `problem` names; `/errors` has all of them.
+/// Maximum frames listed by a `problem`; `/errors` has all of them.
 const NAMED_FRAMES: u32 = 5;
 
 /// Id of the last event sent to this client.
@@ -43,7 +43,7 @@ impl Seen {
     }
 }
 
-/// What was sent last.
+/// State sent last.
 struct Told {
     seen: Seen,
     /// `None`: sent over an earlier connection.
@@ -111,7 +111,7 @@ impl Follow {
         }
     }
 
-    /// Queues the events for what is new.
+    /// Queues the events of new changes.
     async fn look(&mut self) -> Result<(), CatalogueError> {
         let Some(job) = self.jobs.catalogue.job(&self.id).await? else {
             self.ended = true;
@@ -145,7 +145,7 @@ impl Follow {
         if before.and_then(|told| told.state) != Some(job.state) {
             self.push(Event::default().event("state"), &job);
         }
-        // Only the last event has an id: a client that loses the others on its way gets all of them again.
+        // Only the last event has an id, so that a client that misses the others receives all of them again.
         if let Some(last) = self.ready.pop_back() {
             self.ready
                 .push_back(last.id(format!("{}.{}", seen.version, seen.failed)));

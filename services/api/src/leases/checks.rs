@@ -1,5 +1,5 @@
-//! What a worker may say of a frame, held against what the service knows: the description, the files that were put under the same
-//! lease, and the worker's registration. A worker that lies is not the author of a fact.
+//! Checks of a worker's report on a frame against the description, the files stored under the same lease, and the
+//! worker's registration. A misbehaving worker must not be able to store false facts.
 
 use proto::wire::{Artifact, RegisterRequest};
 use serde_json::{Number, Value};
@@ -7,13 +7,13 @@ use spec::{ArtifactKind, Counts, Frame, FrameRecord, Scene};
 
 use super::puts::Put;
 
-/// Longest time of a stage, ms: a week.
+/// Maximum time of a stage, ms: a week.
 const MOST_MS: f64 = 7.0 * 86_400e3;
-/// Most warnings of a frame, and the longest of them: a handful of sentences.
+/// Maximum number and length of a frame's warnings: a few sentences.
 const WARNINGS: usize = 64;
 const WARNING_BYTES: usize = 4096;
 
-/// Everything wrong with a file of a frame.
+/// Returns all faults of a file of a frame.
 pub(crate) fn check_file(frame: &Frame, file: &Artifact) -> Vec<String> {
     let Some(kind) = asked(frame, &file.kind) else {
         let asked: Vec<String> = frame.artifacts.iter().map(ToString::to_string).collect();
@@ -40,7 +40,7 @@ pub(crate) fn check_file(frame: &Frame, file: &Artifact) -> Vec<String> {
     faults
 }
 
-/// A record, and what is known beside it.
+/// A record and the facts to check it against.
 pub(crate) struct Evidence<'a> {
     pub(crate) frame: &'a Frame,
     pub(crate) puts: &'a [Put],
@@ -49,7 +49,7 @@ pub(crate) struct Evidence<'a> {
 }
 
 impl Evidence<'_> {
-    /// Everything wrong with the record.
+    /// Returns all faults of the record.
     pub(crate) fn faults(&self) -> Vec<String> {
         let checks = [
             self.parameters(),
@@ -63,7 +63,7 @@ impl Evidence<'_> {
         checks.into_iter().flatten().collect()
     }
 
-    /// The parameters are those that the description resolves to. The camera of a scene that is not procedural is its own.
+    /// The parameters must match the resolved description. A non-procedural scene has its camera in the upload.
     fn parameters(&self) -> Vec<String> {
         let ignored = (!self.is_procedural()).then_some("camera");
         let place = difference(&self.frame.parameters, &self.record.parameters, ignored);
@@ -71,7 +71,7 @@ impl Evidence<'_> {
         fault.into_iter().collect()
     }
 
-    /// The files are those that were put, each once, and nothing is missing that every such frame has.
+    /// The files must match the stored ones, each once, and include all mandatory kinds.
     fn artifacts(&self) -> Vec<String> {
         let named = &self.record.artifacts;
         let mut faults = Vec::new();
@@ -96,7 +96,7 @@ impl Evidence<'_> {
         faults
     }
 
-    /// Every picture but the thumbnail has the size of the frame.
+    /// Every image except the thumbnail must have the frame's size.
     fn sides(&self) -> Vec<String> {
         let Some(size) = self.size() else {
             return vec!["/parameters/camera has no width and height".to_owned()];
@@ -111,7 +111,7 @@ impl Evidence<'_> {
         wrong.map(fault).collect()
     }
 
-    /// Only what was asked for was measured, of pictures that the frame has.
+    /// Only requested metrics of present images are allowed.
     fn measurements(&self) -> Vec<String> {
         let frame = self.frame;
         let mut faults = Vec::new();
@@ -125,7 +125,7 @@ impl Evidence<'_> {
         faults
     }
 
-    /// Counts, times and warnings are no larger than any frame has them, so that sums over many frames stay numbers.
+    /// Counts, times and warnings must be plausible, so that sums over many frames stay finite.
     fn numbers(&self) -> Vec<String> {
         let Counts {
             holes,
@@ -180,7 +180,7 @@ impl Evidence<'_> {
         faults
     }
 
-    /// The frame was made with what its worker registered with.
+    /// The provenance must match the worker's registration.
     fn origin(&self) -> Vec<String> {
         let (made, worker) = (&self.record.provenance, self.worker);
         let runtime = made.onnx_runtime.as_deref();
@@ -211,12 +211,12 @@ impl Evidence<'_> {
     }
 }
 
-/// The artifact of this name, if the frame asks for it.
+/// The artifact of this name, if the frame requests it.
 fn asked<'a>(frame: &'a Frame, name: &str) -> Option<&'a ArtifactKind> {
     frame.artifacts.iter().find(|kind| kind.to_string() == name)
 }
 
-/// Where two values differ first, as a JSON pointer; a key of theirs may be ignored.
+/// JSON pointer to the first difference of two values; one key may be ignored.
 fn difference(expected: &Value, found: &Value, ignored: Option<&str>) -> Option<String> {
     match (expected, found) {
         (Value::Object(a), Value::Object(b)) => {
@@ -239,7 +239,7 @@ fn difference(expected: &Value, found: &Value, ignored: Option<&str>) -> Option<
     }
 }
 
-/// A number of a record came through a parser, which is off by its last bit now and then: the expected one may go through it as well.
+/// A parser may round a number of a record by its last bit, so the expected number is parsed as well.
 fn is_same_number(expected: &Number, found: &Number) -> bool {
     expected == found
         || serde_json::from_str::<Number>(&expected.to_string()).is_ok_and(|parsed| parsed == *found)

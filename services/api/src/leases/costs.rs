@@ -1,11 +1,12 @@
-//! Cost estimates: from typical figures at first, from the frames rendered here once there are any.
+//! Cost estimates: typical figures at first, then means of the frames rendered here.
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use spec::{Frame, FrameRecord};
 
-/// Nanoseconds a pixel of each stage on one core of a server processor, 768×492, before anything was measured; of lamps, each.
+/// Nanoseconds per pixel of each stage on one core of a server processor, 768×492, before any measurement; per lamp
+/// for lamps.
 const TYPICAL_NS: [(&str, f64); 13] = [
     ("scene", 90.0),
     ("plan", 2.0),
@@ -21,7 +22,7 @@ const TYPICAL_NS: [(&str, f64); 13] = [
     ("metrics", 50.0),
     ("files", 75.0),
 ];
-/// Bytes a pixel of each kind of artifact: PNG of synthetic scenes, float32 NPY of the linear layers.
+/// Bytes per pixel of each artifact kind: PNG of synthetic scenes, float32 NPY of the linear layers.
 const TYPICAL_BYTES: [(&str, f64); 13] = [
     ("range", 0.6),
     ("instances", 0.02),
@@ -37,16 +38,16 @@ const TYPICAL_BYTES: [(&str, f64); 13] = [
     ("truth", 24.0),
     ("clean", 1.0),
 ];
-/// Bytes a pixel of any other kind: pictures.
+/// Bytes per pixel of other kinds: images.
 const PICTURE_BYTES: f64 = 0.5;
 /// Bytes of a frame's rows.
 const ROW_BYTES: f64 = 6000.0;
-/// Share of the newest frame in the running means.
+/// Weight of the newest frame in the running means.
 const NEWEST: f64 = 0.05;
-/// Kinds that are learned; a record that claims more is not worth the memory.
+/// Maximum learned kinds; a record with more is not worth the memory.
 const MOST_KINDS: usize = 64;
 
-/// What was learned from frames.
+/// Costs learned from rendered frames.
 #[derive(Default)]
 pub(crate) struct Costs(Mutex<Learned>);
 
@@ -88,7 +89,7 @@ impl Costs {
         let mut learned = self.learned();
         for (stage, typical) in TYPICAL_NS {
             let units = if stage == "lamps" { lamps } else { 1.0 };
-            // A skipped stage takes nearly no time, which says nothing about its cost.
+            // A skipped stage takes almost no time, which is not its cost.
             let ms = record.timings_ms.get(stage).copied().unwrap_or(0.0);
             let ns = ms * 1e6 / pixels / units;
             if ns > typical / 100.0 {
@@ -163,7 +164,7 @@ impl Learned {
     }
 }
 
-/// What the paths of a truth take at most by convention; 0 where no artifact asks for it.
+/// Maximum nominal time of the Monte Carlo paths; 0 without an artifact that needs them.
 fn traced_seconds(frame: &Frame, pixels: f64) -> f64 {
     let most = frame.truth.unwrap_or_default().most_paths(pixels as u64);
     match most {

@@ -1,6 +1,6 @@
-//! The lease table and everything that moves it: the clock, the tokens, the workers that wait.
+//! The lease table with its clock, tokens and waiting workers.
 //!
-//! The table itself is a pure state machine. It is held for microseconds at a time and never across an await.
+//! The table itself is a pure state machine. Its lock is held for microseconds and never across an await.
 
 use std::collections::{BTreeSet, HashMap};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -19,19 +19,19 @@ use super::table::{JobEntry, LeaseTable, Making, Millis, Rules, StrikeEvent};
 use crate::clock::{Clock, ordered_id};
 use crate::telemetry;
 
-/// A waiting worker checks again after this time: frames become free when a pause after a failure ends, which sends no
-/// notification.
+/// Interval at which a waiting worker checks again: frames become available without a notification when their pause
+/// after a failure ends.
 const LOOK_AGAIN: Duration = Duration::from_millis(250);
 
 pub(super) struct State {
     pub(super) table: LeaseTable,
     open: HashMap<String, Open>,
     pub(super) liars: Liars,
-    /// The workers that the service has started, by id.
+    /// Ids of the workers started by the service.
     own: BTreeSet<String>,
 }
 
-/// What is known of an open job beside its frames.
+/// An open job, except its frames.
 struct Open {
     submitted_at: UnixMs,
     spec_digest: String,
@@ -41,7 +41,7 @@ struct Open {
 pub(crate) struct Dispatch {
     state: Mutex<State>,
     work: Notify,
-    /// Rung when leases were cancelled.
+    /// Notified when leases are cancelled.
     cancelled: Notify,
     next_token: AtomicU64,
     clock: Clock,
@@ -55,8 +55,8 @@ impl Dispatch {
             liars: Liars::default(),
             own: BTreeSet::new(),
         };
-        // Tokens only grow, also from one life of the service to the next: the high half of a UUIDv7 is the time in
-        // milliseconds and a random part.
+        // Tokens only increase, also over restarts: the high half of a UUIDv7 is the time in milliseconds and a
+        // random part.
         let first_token = ordered_id().as_u64_pair().0;
         Self {
             state: Mutex::new(state),
@@ -108,7 +108,7 @@ impl Dispatch {
         freed
     }
 
-    /// Registers a worker and returns its id; none for the name of a worker that was dismissed.
+    /// Registers a worker and returns its id; `None` if a worker of this name was dismissed.
     pub(crate) fn register(&self, about: RegisterRequest, is_own: bool) -> Option<String> {
         let mut state = self.state();
         if state.liars.has(&about.name) {
@@ -122,7 +122,7 @@ impl Dispatch {
         Some(id)
     }
 
-    /// Waits for frames to render. `None`: none came in time. `Err`: the worker is not registered.
+    /// Waits for frames to render. `None`: none in time. `Err`: the worker is not registered.
     pub(crate) async fn lease(
         &self,
         worker: &str,
@@ -150,18 +150,18 @@ impl Dispatch {
             if now >= deadline {
                 return Ok(None);
             }
-            // Woken or not: the table decides.
+            // The next look at the table decides, woken or not.
             let _ = timeout_at(deadline.min(now + LOOK_AGAIN), bell).await;
         }
     }
 
-    /// Offers nothing more of a job, and tells the workers that hold frames of it.
+    /// Cancels the leases of a job and notifies their workers.
     pub(crate) fn cancel(&self, job: &str) {
         self.table(|table, _| table.cancel(job));
         self.cancelled.notify_waiters();
     }
 
-    /// Prolongs a worker's leases; waits until one of its leases is cancelled, if none is.
+    /// Extends a worker's leases. If none is cancelled, waits until one is.
     pub(crate) async fn beat(
         &self,
         worker: &str,
@@ -184,7 +184,7 @@ impl Dispatch {
             if is_news || timeout_at(deadline, bell).await.is_err() {
                 return Ok(beat);
             }
-            // They were prolonged when the beat came.
+            // They were extended when the heartbeat arrived.
             named = &[];
         }
     }
@@ -208,8 +208,8 @@ impl Dispatch {
         self.after_loss(events)
     }
 
-    /// Takes back all leases of the workers of this name immediately: their process has ended. Also returns whether one
-    /// was registered.
+    /// Takes back all leases of the workers of this name immediately, because their process has ended. Also returns
+    /// whether one was registered.
     pub(crate) fn drop_workers_named(&self, name: &str) -> (bool, Vec<StrikeEvent>) {
         let mut state = self.state();
         let workers = state.table.workers();
@@ -240,7 +240,7 @@ impl Dispatch {
         self.table(|table, _| table.workers().any(|(_, about, _)| about.onnx_runtime.is_some()))
     }
 
-    /// Frames that all registered workers render side by side.
+    /// Total slots of the registered workers.
     pub(crate) fn slots(&self) -> u64 {
         self.table(|table, _| table.workers().map(|(_, about, _)| u64::from(about.slots)).sum())
     }
@@ -291,7 +291,7 @@ impl Dispatch {
 }
 
 impl State {
-    /// Counts a fault of a worker, which is dismissed with all its leases after a few.
+    /// Counts a fault of a worker. After a few it is dismissed with all its leases.
     pub(super) fn blame(&mut self, id: &str, why: &str, now: Millis) -> Vec<StrikeEvent> {
         let name = self.table.workers().find(|(known, ..)| *known == id);
         let Some(name) = name.map(|(_, about, _)| about.name.clone()) else {
@@ -307,7 +307,7 @@ impl State {
 }
 
 impl Dispatch {
-    /// Dismisses a worker whose frame is not what it renders to.
+    /// Dismisses a worker that committed a wrong frame.
     pub(crate) fn dismiss(&self, id: &str) -> Vec<StrikeEvent> {
         let mut state = self.state();
         let now = self.now();
@@ -327,7 +327,7 @@ impl Dispatch {
     }
 }
 
-/// The worker is not registered with this life of the service.
+/// The worker is not registered since the service started.
 pub(crate) struct Unknown;
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Workers whose reports were refused: what they said cannot be so.
+//! Workers whose reports were rejected as impossible.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -7,22 +7,22 @@ use proto::wire::{Claim, RegisterRequest};
 use super::dispatch::Dispatch;
 use super::table::StrikeEvent;
 
-/// A worker is dismissed at this many refused reports: one may be a bit that fell over on its way.
+/// A worker is dismissed after this many rejected reports; a single one may be a transmission error.
 const MOST_REFUSALS: u32 = 3;
-/// Names that are kept; they come from workers.
+/// Maximum stored names; they come from workers.
 const MOST_NAMES: usize = 1000;
 
-/// Refused reports, and who was dismissed for them in this life of the service.
+/// Rejected reports and dismissed workers since the service started.
 #[derive(Default)]
 pub(crate) struct Liars {
     refusals: BTreeMap<String, u32>,
     dismissed: BTreeSet<String>,
-    /// Of these, workers that the service has started.
+    /// Dismissed workers started by the service.
     own: BTreeSet<String>,
 }
 
 impl Liars {
-    /// Counts a refused report of a worker with this id and name; returns whether that dismisses it.
+    /// Counts a rejected report of a worker; returns whether that dismisses it.
     pub(crate) fn refused(&mut self, id: &str, name: &str, is_own: bool) -> bool {
         let count = self.refusals.entry(id.to_owned()).or_default();
         *count += 1;
@@ -33,7 +33,7 @@ impl Liars {
         true
     }
 
-    /// Lets no worker of this name register again.
+    /// Blocks registrations with this worker's name.
     pub(crate) fn dismiss(&mut self, id: &str, name: &str, is_own: bool) {
         self.refusals.remove(id);
         if self.dismissed.len() < MOST_NAMES {
@@ -44,12 +44,12 @@ impl Liars {
         }
     }
 
-    /// Whether workers of this name may not register again.
+    /// Whether workers of this name are dismissed.
     pub(crate) fn has(&self, name: &str) -> bool {
         self.dismissed.contains(name)
     }
 
-    /// Forgets the refusals of workers that are gone.
+    /// Drops the counts of unregistered workers.
     pub(crate) fn keep(&mut self, is_registered: impl Fn(&str) -> bool) {
         self.refusals.retain(|id, _| is_registered(id));
     }
@@ -64,7 +64,7 @@ impl Dispatch {
         })
     }
 
-    /// The report on a frame was refused: the frame is offered again, and a worker that goes on like this is dismissed with all
+    /// Handles a rejected report: the frame is offered again, and a worker that repeats this is dismissed with all
     /// its leases.
     pub(crate) fn refuse(&self, claim: &Claim, error: &str) -> Vec<StrikeEvent> {
         let mut state = self.state();
@@ -81,14 +81,14 @@ impl Dispatch {
             error,
             "a report that cannot be true"
         );
-        // A lease that has ended meanwhile has given the frame back already.
+        // An ended lease has already returned the frame.
         let _ = state.table.refuse(claim);
         let events = state.blame(&id, "its reports cannot be true", now);
         drop(state);
         self.after_loss(events)
     }
 
-    /// The service's own workers that were dismissed: they render nothing more until it is started again.
+    /// The service's workers that were dismissed. They render no more frames until the service restarts.
     pub(crate) fn dismissed_own(&self) -> Vec<String> {
         self.state().liars.own.iter().cloned().collect()
     }
@@ -98,7 +98,7 @@ impl Dispatch {
         self.table(|table, _| table.has_worker(id))
     }
 
-    /// Whether a lease is out under this token.
+    /// Whether a lease with this token exists.
     pub(crate) fn has_lease(&self, token: u64) -> bool {
         self.table(|table, _| table.holder(token).is_some())
     }

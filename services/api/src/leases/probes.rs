@@ -1,16 +1,16 @@
-//! Which frames are rendered a second time: the first of each worker and then one in so many, drawn so that nobody can foresee it; and
-//! what a worker has committed since its last frame that was found good.
+//! Selects frames for spot checks: the first frame of each worker and then a random one of each `one_in`,
+//! unpredictable for workers. Tracks the commits of each worker since its last good check.
 
 use std::collections::{BTreeMap, HashMap, VecDeque};
 use std::hash::{BuildHasher, RandomState};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// Frames of a worker that are remembered: some megabytes. The oldest are forgotten where checks fall so far behind.
+/// Maximum tracked frames of a worker: some megabytes. Older ones are dropped if checks fall behind.
 const MOST_UNPROVEN: usize = 100_000;
 
-/// The frames of all workers that were not compared yet.
+/// The unchecked frames of all workers.
 pub(crate) struct Probes {
-    /// One frame in so many is rendered again; 0: none.
+    /// One frame of this many is rendered again; 0: none.
     pub(crate) one_in: u64,
     draw: RandomState,
     state: Mutex<State>,
@@ -22,7 +22,7 @@ struct State {
     waiting: VecDeque<Probe>,
 }
 
-/// What a worker has committed since its last good check.
+/// Commits of a worker since its last good check.
 #[derive(Default)]
 struct Unproven {
     frames: VecDeque<(Arc<str>, u64)>,
@@ -36,7 +36,7 @@ pub(crate) struct Probe {
     pub(crate) worker: String,
     pub(crate) job: Arc<str>,
     pub(crate) frame: u64,
-    /// Frames of the worker that it speaks for, itself included.
+    /// Number of the worker's frames that it vouches for, including itself.
     covers: usize,
 }
 
@@ -49,7 +49,7 @@ impl Probes {
         }
     }
 
-    /// Notes a frame that a worker has committed.
+    /// Records a commit of a worker.
     pub(crate) fn committed(&self, worker: &str, job: &str, frame: u64) {
         if self.one_in == 0 {
             return;
@@ -82,12 +82,12 @@ impl Probes {
         }
     }
 
-    /// The frame that has waited longest.
+    /// The longest waiting frame.
     pub(crate) fn next(&self) -> Option<Probe> {
         self.state().waiting.pop_front()
     }
 
-    /// A frame was found good, and so are those that its worker had committed before.
+    /// The frame is good, and so are its worker's earlier commits.
     pub(crate) fn is_good(&self, probe: &Probe) {
         self.end(probe, |unproven| {
             unproven.has_been_checked = true;
@@ -99,7 +99,7 @@ impl Probes {
         });
     }
 
-    /// Nothing can be said of a frame: another one is taken.
+    /// The check is inconclusive: another frame is selected.
     pub(crate) fn is_open(&self, probe: &Probe) {
         self.end(probe, |_| {});
     }
@@ -111,7 +111,7 @@ impl Probes {
         }
     }
 
-    /// Takes the frames of a worker that nothing speaks for, by job.
+    /// Removes the unproven frames of a worker and returns them by job.
     pub(crate) fn take(&self, worker: &str) -> BTreeMap<String, Vec<u64>> {
         let mut state = self.state();
         state.waiting.retain(|probe| probe.worker != worker);
@@ -123,7 +123,7 @@ impl Probes {
         by_job
     }
 
-    /// Forgets workers that are gone and were checked.
+    /// Drops unregistered workers without unchecked frames.
     pub(crate) fn keep(&self, is_registered: impl Fn(&str) -> bool) {
         self.state()
             .workers

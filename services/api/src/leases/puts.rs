@@ -1,4 +1,4 @@
-//! What was put for frames that are not committed yet: a commit names these files and no others.
+//! Files of uncommitted frames. A commit must name exactly these files.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -10,21 +10,21 @@ use spec::{ArtifactEntry, Frame};
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Put {
     pub(crate) entry: ArtifactEntry,
-    /// Columns and rows that its header announces; none of a file that has no sides.
+    /// Columns and rows of its header; `None` for a file that is not an image.
     pub(crate) sides: Option<(usize, usize)>,
 }
 
 /// Token, frame and attempt of a claim.
 type Key = (u64, u64, u32);
 
-/// What is known of a frame before its commit.
+/// A frame before its commit.
 #[derive(Clone)]
 pub(crate) struct Uncommitted {
     pub(crate) frame: Arc<Frame>,
     pub(crate) files: Vec<Put>,
 }
 
-/// What is known of the frame of each claim.
+/// Uncommitted frames by claim.
 #[derive(Default)]
 pub(crate) struct Puts(Mutex<HashMap<Key, Uncommitted>>);
 
@@ -33,7 +33,7 @@ fn key(claim: &Claim) -> Key {
 }
 
 impl Puts {
-    /// Adds files. One of a kind that is there replaces it: a worker that missed a response puts its files again.
+    /// Adds files. A file replaces an earlier one of its kind: a worker that missed a response sends its files again.
     pub(crate) fn add(&self, claim: &Claim, frame: Arc<Frame>, files: Vec<Put>) {
         let mut all = self.all();
         let empty = || Uncommitted { frame, files: vec![] };
@@ -42,17 +42,17 @@ impl Puts {
         known.extend(files);
     }
 
-    /// The frame and the files of a claim, if any were put.
+    /// The frame and the files of a claim, if any were stored.
     pub(crate) fn get(&self, claim: &Claim) -> Option<Uncommitted> {
         self.all().get(&key(claim)).cloned()
     }
 
-    /// Forgets the files of a claim.
+    /// Drops the files of a claim.
     pub(crate) fn remove(&self, claim: &Claim) {
         self.all().remove(&key(claim));
     }
 
-    /// Forgets the files of leases that have ended.
+    /// Drops the files of ended leases.
     pub(crate) fn tidy_up(&self, is_current: impl Fn(u64) -> bool) {
         self.all().retain(|(token, ..), _| is_current(*token));
     }

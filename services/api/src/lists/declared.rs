@@ -1,4 +1,4 @@
-//! The lists, and how each is read from its declaration.
+//! The lists, each read from its declaration.
 
 use camera::preset::{ASSUMPTIONS, CAMERAS, CameraPreset, SENSORS, SensorPreset};
 use catalogue::{JobState, columns_of_every_image};
@@ -13,7 +13,7 @@ use style::Library;
 use super::{Entry, List};
 use crate::http::problem::Slug;
 
-/// Every list, in the order of the documentation.
+/// Every list, in documentation order.
 pub(super) const LISTS: &[List] = &[
     List {
         name: "sites",

@@ -1,5 +1,5 @@
-//! Schemas of descriptions, written from the table of accepted fields: a named component for each group, list of words
-//! and law.
+//! Schemas of descriptions, generated from the field schema: a named component for each group, list of words and
+//! distribution.
 
 use serde_json::{Map, Value, json};
 use spec::schema::{Field, MAX_LABEL_TEXT, MAX_LABELS, Names, Presence, Range, Shape, Variant};
@@ -25,10 +25,10 @@ const EXAMPLE: &str = r#"{
 /// Components by name.
 pub(crate) type Components = Map<String, Value>;
 
-/// What may stand in a place, without a law.
+/// The schema of a value without distributions.
 struct Plain {
     schema: Value,
-    /// What its law is called, without `Law`.
+    /// Name of its distribution, without the suffix `Law`.
     base: String,
     /// Whether `schema` refers to a component of that name.
     is_named: bool,
@@ -40,7 +40,7 @@ struct Writer<'v> {
     found: Components,
 }
 
-/// Every component that a job or a water of a user's own needs: `JobDescription`, `NewWater` and what they are made of.
+/// All components of jobs and user-defined waters: `JobDescription`, `NewWater` and their parts.
 pub(crate) fn components(vocabulary: &Vocabulary) -> Components {
     let mut writer = Writer {
         vocabulary,
@@ -88,7 +88,7 @@ impl Writer<'_> {
         object
     }
 
-    /// The field's own schema or a law, with meaning, unit and default beside it.
+    /// The field's schema or a distribution, with meaning, unit and default.
     fn field(&mut self, field: &Field) -> Value {
         let plain = match field.shape {
             Shape::Text(names) => self.text(names, field.type_name.or(Some(field.name))),
@@ -114,7 +114,7 @@ impl Writer<'_> {
         schema
     }
 
-    /// What stands in a place where a law may stand, too.
+    /// The schema of a value or its distribution.
     fn varied(&mut self, plain: Plain) -> Value {
         let Plain {
             schema,
@@ -194,10 +194,10 @@ impl Writer<'_> {
         }
     }
 
-    /// A component, written once.
+    /// Adds a component once.
     fn named(&mut self, name: &str, write: impl FnOnce(&mut Self) -> Value) -> Plain {
         if !self.found.contains_key(name) {
-            // Whatever it is made of may come back to it.
+            // Reserve the name first, because schemas may be recursive.
             self.found.insert(name.to_owned(), Value::Null);
             let schema = write(self);
             self.found.insert(name.to_owned(), schema);
@@ -209,7 +209,7 @@ impl Writer<'_> {
         }
     }
 
-    /// A group of fields. `Description` keeps its name apart from what the service stores under the same word.
+    /// A group of fields. The suffix `Description` avoids clashes with stored types.
     fn group(&mut self, type_name: &str, write: impl FnOnce(&mut Self) -> Value) -> Plain {
         Plain {
             base: type_name.to_owned(),
@@ -261,7 +261,7 @@ impl Writer<'_> {
         union
     }
 
-    /// A string stands for the object of its one field.
+    /// A string as a shorthand for the object with its one field.
     fn short(&mut self, name: &str, fields: &[Field], type_name: &str) -> Value {
         let text = fields
             .iter()
@@ -274,7 +274,7 @@ impl Writer<'_> {
         json!({"oneOf": [text, object.schema]})
     }
 
-    /// A string. Those of a list that no user adds to are a component with all of them.
+    /// A string. A fixed list of words becomes a component.
     fn text(&mut self, names: Names, type_name: Option<&str>) -> Plain {
         let name = match names {
             Names::Fixed(_) => type_name.map(camel),
@@ -319,7 +319,7 @@ pub(super) fn reference(name: &str) -> Value {
     json!({"$ref": format!("#/components/schemas/{name}")})
 }
 
-/// Where names of this kind are listed.
+/// The endpoint that lists names of this kind.
 fn listed_at(names: Names) -> &'static str {
     match names {
         Names::Preset => ", or a water of your own; `GET /v1/waters` lists both",

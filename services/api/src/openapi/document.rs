@@ -1,5 +1,5 @@
-//! The document put together: what the routes declare, the components that the lists and fields of the program write, and
-//! what holds for every operation.
+//! Assembles the document: the declarations of the routes, the generated components of lists and fields, and common
+//! responses.
 
 use serde_json::{Map, Value, json};
 use spec::Vocabulary;
@@ -34,11 +34,11 @@ pub(crate) fn document(mut routes: OpenApi, vocabulary: &Vocabulary, list_names:
     document
 }
 
-/// Components that are lists of this crate.
+/// Components of built-in lists.
 fn lists(names: &[&str]) -> Map<String, Value> {
     let slugs = || Slug::ALL.iter().map(|slug| slug.name());
     let types: Vec<_> = slugs().map(|slug| format!("/problems/{slug}")).collect();
-    // What generators call the words, which begin with a slash.
+    // Names for code generators, because the words begin with a slash.
     let words: Vec<_> = slugs()
         .map(|slug| slug.replace('-', "_").to_uppercase())
         .collect();
@@ -53,7 +53,7 @@ fn lists(names: &[&str]) -> Map<String, Value> {
     }
 }
 
-/// The rows of a page are components: a page does not repeat what stands in them.
+/// Makes the rows of pages components, so that a page refers to them.
 fn refer_to_rows(components: &mut Map<String, Value>) {
     for (name, page) in components.iter_mut() {
         if let Some(row) = name.strip_prefix("Page_") {
@@ -62,7 +62,7 @@ fn refer_to_rows(components: &mut Map<String, Value>) {
     }
 }
 
-/// Bodies that are no JSON are text or bytes.
+/// Non-JSON bodies are text or bytes.
 fn set_media_types(operation: &mut Value) {
     let responses = operation.get_mut("responses").and_then(Value::as_object_mut);
     for (_, response) in responses.into_iter().flatten() {
@@ -81,7 +81,7 @@ fn set_media_types(operation: &mut Value) {
     }
 }
 
-/// A parameter is there or not: it cannot be null.
+/// A parameter may be absent, but not null.
 fn leave_out_null(schema: &mut Map<String, Value>) {
     let only = |name: &str| {
         let options = schema.get(name)?.as_array()?;

@@ -1,14 +1,14 @@
-//! Schemas of laws. Those that yield numbers are the same everywhere; a choice and a grid hold values of their place, so
-//! each type of value has its own.
+//! Schemas of distributions. Numeric ones are common to all fields; choices and grids contain values of their field,
+//! so each type of value has its own schema.
 
 use serde_json::{Map, Value, json};
 
 use super::description::{Components, reference};
 
-/// What every law has in common.
+/// Common description of all distributions.
 const ABOUT: &str = "A law: the value of each frame is a pure function of seed, place and frame.";
 
-/// The laws that yield numbers.
+/// The numeric distributions.
 pub(super) fn components() -> Components {
     let pair = |about: &str| json!({"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2, "description": about});
     let whole = json!({"type": "array", "items": {"type": "integer"}, "minItems": 2, "maxItems": 2,
@@ -34,8 +34,8 @@ pub(super) fn components() -> Components {
     found
 }
 
-/// Adds `{base}Law` and `{base}OrLaw` with the choice and the grid of such values. `value`: what stands without a law;
-/// absent for values that have no component of their own, since their limits differ from field to field.
+/// Adds `{base}Law` and `{base}OrLaw` with the choice and the grid of such values. `value` is the schema without
+/// distributions; absent for numbers, whose limits differ from field to field.
 pub(super) fn add(found: &mut Components, base: &str, value: Option<Value>) {
     let (law, place) = (format!("{base}Law"), format!("{base}OrLaw"));
     let (choice, grid) = (format!("{base}Choice"), format!("{base}Grid"));
@@ -76,7 +76,7 @@ fn object(key: &str, argument: Value, companion: Option<(&str, Value, bool)>, ex
     law
 }
 
-/// An object of the law's key and what may or must stand beside it.
+/// An object with the distribution's key and its companion.
 fn law_object(key: &str, argument: Value, companion: Option<(&str, Value, bool)>) -> Value {
     let mut law = json!({"type": "object", "properties": {key: argument}, "required": [key],
                          "additionalProperties": false, "description": ABOUT});

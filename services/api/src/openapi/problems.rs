@@ -1,22 +1,22 @@
-//! Problems that every operation of a kind can end with, added in one place so that no route forgets one.
+//! Problems common to a kind of operation, added here so that no route misses one.
 
 use utoipa::openapi::path::{Operation, Parameter, ParameterIn, PathItem};
 use utoipa::openapi::{OpenApi, Ref, RefOr};
 
-/// Of every operation: the service's own faults, and too slow a client.
+/// For every operation: internal errors, and slow clients.
 const ALL: &[u16] = &[408, 500, 503];
-/// Of operations that need a token: none, or one that may not; pages of other sites count as the latter.
+/// For operations with a token: missing or insufficient; cross-site requests count as the latter.
 const GUARDED: &[u16] = &[401, 403];
-/// Of operations with parameters that can be wrong.
+/// For operations with parameters.
 const WITH_PARAMETERS: &[u16] = &[400];
-/// Of operations on something that the path names.
+/// For operations on an item in the path.
 const WITH_PATH: &[u16] = &[404];
-/// Of operations with a body.
+/// For operations with a body.
 const WITH_BODY: &[u16] = &[400, 413, 415, 422];
-/// Of operations that write: the disk is full.
+/// For operations that write: the disk is full.
 const WRITING: &[u16] = &[507];
 
-/// Adds the problems that follow from an operation's form.
+/// Adds the problems implied by the form of an operation.
 pub(super) fn add(document: &mut OpenApi) {
     for item in document.paths.paths.values_mut() {
         let PathItem {

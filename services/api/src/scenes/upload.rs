@@ -1,4 +1,4 @@
-//! A scene upload on its way from a form to a checked value.
+//! Parses a scene upload.
 
 use axum::body::Bytes;
 use axum::extract::Multipart;
@@ -26,7 +26,7 @@ const FIELDS: [(&str, Kind); 15] = [
     ("name", Kind::Text),
 ];
 
-/// Longest name of a scene in a collection, in characters: that of a file.
+/// Maximum length of a scene's name in a collection, characters: that of a file name.
 const MAX_NAME: usize = 255;
 
 /// The fields of a scene upload.
@@ -43,14 +43,14 @@ pub(super) struct SceneForm {
     cx: Option<f64>,
     cy: Option<f64>,
     hfov_deg: Option<f64>,
-    /// The collection that it joins.
+    /// The collection to add it to.
     pub(super) collection: Option<String>,
-    /// Its name there.
+    /// Its name in the collection.
     pub(super) name: Option<String>,
 }
 
 impl SceneForm {
-    /// Reads all fields; what is wrong with them is reported together.
+    /// Reads all fields and reports all errors together.
     pub(super) async fn read(body: Multipart) -> Result<Self, Problem> {
         let mut form = Form::read(body, &FIELDS).await?;
         if form.get("fx").is_some() && form.get("focal_px").is_some() {
@@ -119,7 +119,7 @@ impl SceneForm {
         Ok(scene)
     }
 
-    /// What is said about the camera.
+    /// The camera, if given.
     pub(super) fn camera(&self) -> Option<GivenCamera> {
         let Self {
             focal_px,

@@ -1,4 +1,4 @@
-//! Waters of the users' own, in memory beside the shipped ones; the catalogue keeps them.
+//! User-defined waters, cached in memory; the catalogue stores them.
 
 pub(crate) mod routes;
 pub(crate) mod view;
@@ -18,16 +18,16 @@ use crate::http::problem::{Problem, Slug};
 use crate::processes::compute::to_the_end;
 use view::WaterView;
 
-/// The waters of the users' own.
+/// The user-defined waters.
 pub(crate) struct Waters {
     own: RwLock<Vec<Own>>,
-    /// Held while catalogue and memory change together.
+    /// Held while catalogue and cache change together.
     turn: Mutex<()>,
     catalogue: Arc<Catalogue>,
     clock: Clock,
 }
 
-/// A water of a user's own.
+/// A user-defined water.
 #[derive(Clone)]
 struct Own {
     water: OwnWater,
@@ -46,7 +46,8 @@ impl Own {
 }
 
 impl Waters {
-    /// Reads the waters from the catalogue. One that today's tests refuse stays stored, is logged and left out.
+    /// Reads the waters from the catalogue. A water that fails the current checks stays stored, but is logged and
+    /// skipped.
     pub(crate) async fn open(catalogue: Arc<Catalogue>, clock: Clock) -> Result<Self, CatalogueError> {
         let mut own: Vec<Own> = Vec::new();
         for WaterRow {
@@ -76,13 +77,13 @@ impl Waters {
         })
     }
 
-    /// The optics that each name stands for in a job.
+    /// The optics of each name in a job.
     pub(crate) fn words(&self) -> BTreeMap<String, Map<String, Value>> {
         let words = |own: Own| (own.name().to_owned(), own.water.optics());
         self.own().into_iter().map(words).collect()
     }
 
-    /// The shipped waters, then the users' own by name.
+    /// The shipped waters, then the user-defined ones by name.
     fn all(&self) -> Vec<WaterView> {
         let shipped = preset::presets()
             .iter()
@@ -99,7 +100,7 @@ impl Waters {
         self.own.read().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Checks and stores a water; jobs may use it at once. Goes on to its end when the client goes away.
+    /// Checks and stores a water, which jobs may then use. Completes even if the client disconnects.
     async fn create(self: &Arc<Self>, body: Vec<u8>) -> Result<WaterView, Problem> {
         let waters = Arc::clone(self);
         to_the_end(async move {
@@ -132,7 +133,7 @@ impl Waters {
         .await
     }
 
-    /// Deletes a water. Jobs hold its numbers and go on.
+    /// Deletes a water. Jobs are unaffected: they contain its numbers.
     async fn delete(self: &Arc<Self>, name: String) -> Result<(), Problem> {
         let waters = Arc::clone(self);
         to_the_end(async move {

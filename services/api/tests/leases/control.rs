@@ -1,4 +1,4 @@
-//! What pausing, resuming and trying again mean to frames and leases.
+//! Effects of pausing, resuming and retrying on frames and leases.
 
 use super::claim;
 use api::lease_table::{JobEntry, LeaseTable, Millis, Totals};

@@ -1,8 +1,8 @@
-//! Frames that kill their worker, among frames that do not.
+//! Frames that kill their worker, among healthy ones.
 //!
-//! Failure is: a frame that is given up although it kills nobody; one that kills its worker and is not given up; a
-//! healthy frame without exactly one image; a history that does not end. Workers render several frames at a time, so a
-//! killed worker always takes innocent frames along.
+//! Failures: a healthy frame is quarantined; a frame that kills its worker is not; a healthy frame without exactly
+//! one image; a history without an end. Workers render several frames at a time, so a killed worker always loses
+//! healthy frames as well.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -15,7 +15,7 @@ const STEPS: u64 = 20_000;
 
 struct Worker {
     id: String,
-    /// What each slot has left of its lease.
+    /// Remaining lease of each slot.
     slots: Vec<Option<Grant>>,
 }
 
@@ -28,7 +28,7 @@ struct History {
     token: u64,
     workers: Vec<Worker>,
     lives: u64,
-    /// Whether the service hears of a death at once, or finds out by silence.
+    /// Whether the service is notified of a death, or detects it by silence.
     children: bool,
     poison: BTreeSet<u64>,
     images: BTreeMap<u64, u32>,
@@ -41,7 +41,7 @@ impl History {
         self.chance.bits(self.number, self.drawn) % choices
     }
 
-    /// One slot does one thing.
+    /// One step of one slot.
     fn step(&mut self) {
         self.now += 1 + self.pick(400);
         self.beat();

@@ -1,4 +1,4 @@
-//! What the lease table promises, told in small histories.
+//! Guarantees of the lease table, in short histories.
 
 use std::collections::BTreeMap;
 
@@ -294,7 +294,7 @@ fn a_job_stays_with_the_program_and_the_machines_of_its_first_image() {
         table.add_job(job("a", 10));
         let [first, second] =
             [("old", 1), ("new", 2)].map(|(name, token)| table.grant(name, now, token, 0.0).unwrap());
-        // Nothing is there yet that the second could differ from.
+        // There is no frame yet that the second could differ from.
         assert_eq!(table.waits_for("a"), None);
         assert!(table.made_with("a", &making("1", None)));
         table.begin_commit(&first_claim(&first), now).unwrap();
@@ -307,7 +307,7 @@ fn a_job_stays_with_the_program_and_the_machines_of_its_first_image() {
         table.drop_worker("old", now);
         assert_eq!(table.waits_for("a").is_some(), !mixed);
         if !mixed {
-            // Another job is nobody's yet.
+            // Another job has no provenance yet.
             table.add_job(job("b", 1));
             assert_eq!(table.grant("new", now, 5, 0.0).unwrap().job_id, "b");
         }

@@ -1,4 +1,4 @@
-//! Bad input is refused with a problem that names field, value and limit; it stores nothing and breaks nothing.
+//! Invalid input is rejected with a problem that names field, value and limit; it has no side effects.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -14,7 +14,7 @@ use sqlx::{AssertSqlSafe, ConnectOptions, Connection};
 use store::Store;
 use tempfile::TempDir;
 
-/// Rows and stored bytes of a directory that no service uses at the moment.
+/// Rows and stored bytes of a folder of a stopped service.
 fn counted(data: &TempDir) -> String {
     let runtime = tokio::runtime::Runtime::new().unwrap();
     runtime.block_on(async {
@@ -26,7 +26,7 @@ fn counted(data: &TempDir) -> String {
     })
 }
 
-/// The number of rows of every table in the file of a catalogue, also of jobs that are being deleted.
+/// The number of rows of every table in a catalogue file, including jobs being deleted.
 async fn counts(file: &Path) -> BTreeMap<String, u64> {
     let mut connection = SqliteConnectOptions::new()
         .filename(file)
@@ -47,8 +47,8 @@ async fn counts(file: &Path) -> BTreeMap<String, u64> {
     counts
 }
 
-/// Runs refusals against a service that already holds a job and a scene; nothing may have changed afterwards, and the
-/// service goes on.
+/// Runs rejections against a service with a job and a scene; afterwards its data must be unchanged and it must still
+/// work.
 pub(crate) fn nothing_changes(refusals: impl FnOnce(&Running)) {
     let service = start();
     service.submit(&job());
@@ -60,13 +60,13 @@ pub(crate) fn nothing_changes(refusals: impl FnOnce(&Running)) {
     refusals(&service);
     assert_eq!(service.get("/readyz").status, 200);
     assert_eq!(service.shown(), shown);
-    // The service goes on: the job that was there is still offered.
+    // The existing job is still offered.
     let worker = Fake::register(&service);
     worker.release(&worker.lease(1000).expect("a frame"));
     assert_eq!(counted(&service.stop()), before);
 }
 
-/// The job with the value at a JSON pointer replaced; parents are made as needed.
+/// The job with the value at a JSON pointer replaced; parents are created as needed.
 fn with(pointer: &str, value: Value) -> Value {
     let mut changed = job();
     let mut place = &mut changed;

@@ -1,10 +1,10 @@
-//! Bad scenes are refused with the field; holes are none.
+//! Invalid scenes are rejected with the field; holes are valid.
 
 use crate::bad_input::nothing_changes;
 use crate::common::bytes::{png, png_head, range_npy, range_png};
 use crate::common::start;
 
-/// A name for the case, the fields, where the error stands, and what it says.
+/// Name of the case, form fields, pointer of the error, parts of its message.
 type Refused<'a> = (&'a str, Vec<(&'a str, &'a [u8])>, &'a str, &'a [&'a str]);
 
 #[test]

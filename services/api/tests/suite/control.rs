@@ -1,4 +1,4 @@
-//! Pausing, resuming, trying again, deleting.
+//! Pausing, resuming, retrying, deleting.
 
 use crate::common::worker::Fake;
 use crate::common::{Running, job, start, start_on};
@@ -134,7 +134,7 @@ fn a_dataset_is_deleted_with_its_jobs_unless_one_goes_on() {
         service.get(left).problem(404, "not-found");
     }
     assert_eq!(service.get("/v1/datasets").json()["items"], json!([]));
-    // The same description may come again under the same name.
+    // The same description is accepted again under the same name.
     service.submit(&job());
 }
 

@@ -1,4 +1,4 @@
-//! Requests that are made to hurt: floods, dribblers, deep and huge JSON, bombs, tricks with paths.
+//! Hostile requests: floods, slow senders, deep and huge JSON, decompression bombs, path tricks.
 
 use std::io::{Read, Write};
 use std::net::TcpStream;

@@ -1,4 +1,4 @@
-//! The life of a job: submitted, leased, committed, asked for; repeated, cancelled, taken up again.
+//! The life of a job: submission, lease, commit, queries; repetition, cancellation, resumption.
 
 use std::time::{Duration, Instant};
 

@@ -1,4 +1,4 @@
-//! Workers that say what cannot be so.
+//! Workers with impossible reports.
 
 use proto::wire::{Artifact, PutArtifactsRequest};
 use renderer::worker::client::ClientError;
@@ -21,7 +21,7 @@ fn a_liar_is_dismissed_after_three_lies_and_others_finish_its_frames() {
     let id = service.submit(&job());
     let liar = Fake::register(&service);
 
-    // A frame without its picture.
+    // A frame without its image.
     let lease = liar.lease(1000).unwrap();
     let frame = liar.frame(&lease).unwrap();
     let mut lie = record(&frame, &"ab".repeat(32), 9);
@@ -31,7 +31,7 @@ fn a_liar_is_dismissed_after_three_lies_and_others_finish_its_frames() {
     // The lease has lost the frame, which is offered again.
     assert!(matches!(liar.finish(&lease), Err(ClientError::Stale)));
 
-    // Other parameters than those of the description.
+    // Parameters other than those of the description.
     let lease = liar.lease(1000).unwrap();
     let picture = numbered_png(32, 24, 0);
     let digest = spec::sha256(&picture);
@@ -53,12 +53,12 @@ fn a_liar_is_dismissed_after_three_lies_and_others_finish_its_frames() {
     let said = refused(liar.client.commit(&commit(claim(&lease), &lie)));
     assert!(said.contains("/parameters/alpha"), "{said}");
 
-    // A picture that is a page.
+    // An image that is an HTML page.
     let lease = liar.lease(1000).unwrap();
     let said = refused(put(&lease, "text/html").map(|()| true));
     assert!(said.contains("not text/html"), "{said}");
 
-    // It is gone, and so is its name.
+    // The worker is dismissed, and so is its name.
     assert!(liar.try_lease(0).is_err());
     assert!(
         service.get("/v1/workers").json()["items"]

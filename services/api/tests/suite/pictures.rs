@@ -1,4 +1,4 @@
-//! A user's own pictures: enhanced and measured, never stored.
+//! User images: enhanced and measured, never stored.
 
 use crate::bad_input::nothing_changes;
 use crate::common::bytes::{png, png_head};
@@ -65,7 +65,7 @@ fn metrics_are_those_of_the_library() {
     assert_eq!(compared["metrics"]["ssim"], json!(1.0), "{compared}");
 }
 
-/// A path, the fields, where the error stands, and what it says.
+/// Path, form fields, pointer of the error, part of its message.
 type Refused<'a> = (&'a str, Vec<(&'a str, &'a [u8])>, &'a str, &'a str);
 
 #[test]

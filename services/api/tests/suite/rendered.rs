@@ -40,7 +40,7 @@ fn an_uploaded_scene_becomes_an_image_in_water() {
     };
     let original = decode_picture(&picture).unwrap().to_rgb8();
     let (clear, murky) = (rgb(0), rgb(1));
-    // Columns 0 to 2 have no range: what a hole looks like is the renderer's affair.
+    // Columns 0 to 2 have no range: the appearance of a hole is up to the renderer.
     let difference = |picture: &Rgb8| {
         let places = (0..30).flat_map(|y| (3..40).map(move |x| (x, y)));
         let of = |(x, y)| u32::from(picture.pixel(x, y)[0].abs_diff(original.pixel(x, y)[0]));

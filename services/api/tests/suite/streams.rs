@@ -1,4 +1,4 @@
-//! Responses that go on: events, lines of records, tables.
+//! Streaming responses: events, lines of records, tables.
 
 use std::io::{BufRead, BufReader, Write};
 use std::net::TcpStream;
@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 /// An event: kind, id, data.
 type Event = (String, String, Value);
 
-/// Reads events until the stream ends or this many have come.
+/// Reads events until the stream ends or this many have arrived.
 fn events(service: &Running, job: &str, last: Option<&str>, most: usize) -> Vec<Event> {
     let mut stream = TcpStream::connect(service.url.trim_start_matches("http://")).unwrap();
     let last = last.map_or_else(String::new, |id| format!("last-event-id: {id}\r\n"));
@@ -85,7 +85,7 @@ fn events_tell_the_life_of_a_job_and_end_with_it() {
         json!({"done": 5, "failed": 1, "frames": 6})
     );
 
-    // Whoever saw all of it is told that there is no more; whoever saw less is told how it ended.
+    // A client that saw the end gets 204; one that saw less gets the end.
     let end = &told.last().unwrap().1;
     let path = format!("/v1/jobs/{id}/events");
     assert_eq!(service.get_with(&path, &[("last-event-id", end)]).status, 204);
@@ -165,7 +165,7 @@ fn readers_that_never_read_are_few_and_are_cut_off() {
         Some(id.clone())
     );
     drop(held);
-    // A place is free again when the service next writes to it, or the connection is seen to be closed.
+    // A permit is free when the service next writes to the connection, or detects that it is closed.
     while service.get(&format!("/v1/jobs/{id}/results")).status == 503 {
         std::thread::sleep(Duration::from_millis(50));
     }

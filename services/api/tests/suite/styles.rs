@@ -1,4 +1,4 @@
-//! Styles that the service has and a worker does not.
+//! Styles that the service has and a worker lacks.
 
 use crate::common::worker::Real;
 use crate::common::{Running, Setup, job, start, start_on, start_with};
@@ -17,7 +17,7 @@ fn a_worker_fetches_a_style_that_it_lacks() {
     let mut styled = job();
     styled["water"]["style"] = json!({"grid": ["harbour", "muddy"]});
     styled["count"] = json!(1);
-    // Started before the job is there, with the shipped styles alone.
+    // Started before the job exists, with only the shipped styles.
     let _worker = Real::start(&service);
     let id = service.submit(&styled);
     let ended = service.get(&format!("/v1/jobs/{id}?wait=60")).json();
@@ -32,7 +32,7 @@ fn a_worker_fetches_a_style_that_it_lacks() {
     service.get("/v1/worker/styles/nowhere").problem(404, "not-found");
 }
 
-/// A service whose trial takes every network.
+/// A service whose trial accepts every network.
 fn trusting() -> Setup {
     Setup {
         program: "/bin/true",
@@ -55,7 +55,7 @@ fn names(service: &Running) -> Vec<String> {
 #[test]
 fn an_added_style_is_listed_and_rendered_at_once_and_after_a_restart() {
     let service = start_with(trusting());
-    // With the shipped styles alone.
+    // With only the shipped styles.
     let worker = Real::start(&service);
     let mut styled = job();
     styled["water"]["style"] = json!("harbour");
@@ -127,7 +127,7 @@ fn a_name_belongs_to_one_network() {
     );
 }
 
-/// The fields, where the error stands, and what it says.
+/// Form fields, pointer of the error, part of its message.
 type Refused<'a> = (&'a [(&'a str, &'a [u8])], &'a str, &'a str);
 
 #[test]
@@ -270,7 +270,7 @@ fn a_training_that_cannot_be_taken_is_refused_by_field() {
     assert!(!service.folder().join("added-styles").exists());
 }
 
-/// A process that ends well and leaves nothing.
+/// A process that succeeds without output.
 #[test]
 fn a_training_without_a_result_has_failed_and_says_so() {
     let service = start_with(trusting());

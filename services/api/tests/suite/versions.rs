@@ -7,7 +7,7 @@ use sqlx::{ConnectOptions, Connection, Executor};
 use crate::common::worker::Fake;
 use crate::common::{Running, job, start};
 
-/// Changes the catalogue behind the back of the service.
+/// Changes the catalogue without the service.
 fn sabotage(service: &Running, sql: &'static str) {
     let file = service.folder().join("catalogue.sqlite");
     tokio::runtime::Runtime::new().unwrap().block_on(async {
@@ -138,7 +138,7 @@ fn what_is_not_as_it_was_sealed_is_found_and_named() {
     let named = json!({"job": id, "frame": 1, "reason": "its record has another digest than its row"});
     assert_eq!(found["damaged"][0], named);
     assert_ne!(found["computed"], root);
-    // A record and its row together: only the root tells.
+    // A record and its row together: only the root reveals it.
     sabotage(
         &service,
         "UPDATE records SET record = json_remove(record, '$.frame')",

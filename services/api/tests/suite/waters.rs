@@ -1,4 +1,4 @@
-//! Waters of the users' own: checked, kept, used by name, deleted.
+//! User-defined waters: checked, stored, used by name, deleted.
 
 use serde_json::{Value, json};
 

@@ -1,5 +1,3 @@
-//! `GET /v1/datasets/{name}/metadata.jsonl` and `metadata.csv`.
-
 use std::borrow::Cow;
 use std::sync::Arc;
 
@@ -13,17 +11,17 @@ use crate::http::lines::{self, Batch};
 use crate::http::{Path, Problem, Query, State, Topic, bounds};
 use crate::limits::ROWS_BATCH;
 
-/// Which images.
+/// Selection of images.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub(crate) struct Parameters {
-    /// Only images that fulfill this.
+    /// Only images that match this filter.
     #[param(example = "uiqm > 0.8")]
     filter: Option<String>,
 }
 
-/// Read everything that is known of a dataset's images, one JSON object a line.
+/// Export the metadata of a dataset's images, one JSON object per line.
 ///
 /// Parameters, labels, metrics, counts, digests of the artifacts. Every row has the same members.
 #[utoipa::path(get, path = "/v1/datasets/{name}/metadata.jsonl", tag = "datasets", operation_id = "export_metadata_jsonl",
@@ -40,10 +38,10 @@ pub(crate) async fn jsonl(
         .await
 }
 
-/// Read everything that is known of a dataset's images as a table.
+/// Export the metadata of a dataset's images as CSV.
 ///
-/// The first line names the columns; what is absent is empty. Texts that a spreadsheet would take for a formula begin with an
-/// apostrophe.
+/// The first line has the column names; absent values are empty. Text that a spreadsheet would read as a formula is
+/// prefixed with an apostrophe.
 #[utoipa::path(get, path = "/v1/datasets/{name}/metadata.csv", tag = "datasets", operation_id = "export_metadata_csv",
     params(("name" = String, Path, description = "Name of the dataset"), Parameters),
     responses((status = 200, description = "RFC 4180.", content_type = "text/csv", body = String)))]
@@ -62,7 +60,7 @@ pub(crate) async fn csv(
         .await
 }
 
-/// A question about all rows of a dataset.
+/// A query for all rows of a dataset.
 struct Table {
     catalogue: Arc<Catalogue>,
     dataset: String,
@@ -70,7 +68,7 @@ struct Table {
     columns: Vec<String>,
 }
 
-/// How rows become bytes, with the names of the columns.
+/// Converts rows to bytes; receives the column names.
 type Write = fn(&[String], Vec<Value>) -> Result<Vec<u8>, Problem>;
 
 impl Table {
@@ -136,7 +134,7 @@ fn cell(value: Option<&Value>) -> String {
     }
 }
 
-/// A text that no spreadsheet takes for a formula: one that begins like it gets an apostrophe in front.
+/// Prefixes text that a spreadsheet would read as a formula with an apostrophe.
 fn plain(text: &str) -> Cow<'_, str> {
     if text.starts_with(['=', '+', '-', '@', '\t', '\r']) {
         format!("'{text}").into()

@@ -1,5 +1,3 @@
-//! `POST /v1/datasets/{name}/versions/{version}/verify`.
-
 use catalogue::{SealedImage, VersionJob};
 use serde::{Deserialize, Serialize};
 use spec::{FrameRecord, MerkleTree};
@@ -10,54 +8,54 @@ use crate::http::{Json, JsonBytes, Path, Problem, Slug, State, Topic};
 use crate::images::routes::verify::{StoredBytes, condition};
 use crate::limits::RECORDS_BATCH;
 
-/// Most damaged images that an answer names.
+/// Maximum number of damaged images in a response.
 const MOST_NAMED: usize = 100;
 
-/// What to verify.
+/// Options of a verification.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 #[schema(as = VersionWish)]
 pub(crate) struct Wish {
-    /// Also read the bytes of every artifact and hash them.
+    /// Also read and hash the bytes of every artifact.
     #[serde(default)]
     #[schema(default = false)]
     bytes: bool,
 }
 
-/// Something about an image that is not as it was sealed.
+/// A difference between an image and its sealed state.
 #[derive(Debug, Serialize, ToSchema)]
 pub(crate) struct DamagedImage {
     /// Its job.
     job: String,
-    /// Its frame; null: the images of the job as a whole.
+    /// Its frame; null: all images of the job.
     frame: Option<u64>,
-    /// What is wrong.
+    /// Description of the difference.
     reason: String,
 }
 
-/// What was found.
+/// Result of a verification.
 #[derive(Debug, Serialize, ToSchema)]
 pub(crate) struct VerifiedVersion {
-    /// Whether everything is as it was sealed.
+    /// Whether the version is unchanged since it was sealed.
     intact: bool,
-    /// The root that was sealed.
+    /// Root stored in the seal.
     root: String,
-    /// The root that follows from the records of the images now.
+    /// Root computed from the present records.
     computed: String,
-    /// Images whose records were read.
+    /// Images with a verified record.
     images: u64,
-    /// Artifacts whose bytes were read.
+    /// Artifacts with verified bytes.
     artifacts: u64,
-    /// Number of findings.
+    /// Number of differences.
     damages: u64,
-    /// The first 100 of them.
+    /// The first 100 differences.
     damaged: Vec<DamagedImage>,
 }
 
 /// Verify a sealed version: compute its root again from the records of its images.
 ///
-/// Each record is compared with the digest and the list of artifacts that the catalogue has beside it, and with `bytes` every artifact with its
-/// digest, which takes as long as reading all of them: at most five minutes.
+/// Each record is compared with its digest and list of artifacts in the catalogue. With `bytes`, every artifact is
+/// read and compared with its digest, for at most five minutes.
 #[utoipa::path(post, path = "/v1/datasets/{name}/versions/{version}/verify", tag = "datasets", operation_id = "verify_sealed_version",
     params(("name" = String, Path, description = "Name of the dataset"), ("version" = u64, Path, description = "From 1")),
     request_body(content = Wish, content_type = "application/json"),
@@ -149,12 +147,12 @@ impl VerifiedVersion {
     }
 }
 
-/// An image, with what its record says.
+/// An image with data from its record.
 struct Checked {
     frame: u64,
-    /// As the record has it.
+    /// Digest computed from the record.
     digest: String,
-    /// Its artifacts.
+    /// Its artifact kinds.
     kinds: Vec<String>,
     wrong: Vec<String>,
 }

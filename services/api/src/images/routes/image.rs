@@ -1,5 +1,3 @@
-//! `GET /v1/images/{job}/{frame}`, its artifacts and its preview.
-
 use axum::http::{HeaderMap, HeaderValue, header};
 use axum::response::{IntoResponse, Response};
 use imaging::codec;
@@ -12,7 +10,7 @@ use crate::images::{Images, archive};
 use crate::limits;
 use crate::openapi::{ArtifactKind, Bytes, ImageRecord};
 
-/// The record of an image: resolved parameters, optics, plan, metrics, artifacts, timings, provenance.
+/// Get the record of an image: resolved parameters, optics, plan, metrics, artifacts, timings, provenance.
 #[utoipa::path(get, path = "/v1/images/{job}/{frame}", tag = "images", operation_id = "get_image",
     params(("job" = String, Path, description = "`job_…`"), ("frame" = u64, Path, description = "From 0")),
     responses((status = 200, description = "The record.", body = ImageRecord)))]
@@ -23,9 +21,9 @@ pub(crate) async fn get(
     Ok(Json(images.get(&job, frame).await?))
 }
 
-/// The bytes of an artifact.
+/// Get the bytes of an artifact.
 ///
-/// The entity tag is the SHA-256 of the bytes, so a copy never goes stale. Single ranges are answered.
+/// The entity tag is the SHA-256 of the bytes, so copies never become stale. Single ranges are supported.
 #[utoipa::path(get, path = "/v1/images/{job}/{frame}/artifacts/{kind}", tag = "images", operation_id = "get_artifact",
     params(("job" = String, Path, description = "`job_…`"), ("frame" = u64, Path, description = "From 0"),
            ("kind" = ArtifactKind, Path, description = "Such as `rgb`, `range`, `enhanced.hscm`"),
@@ -50,24 +48,24 @@ pub(crate) async fn artifact(
     images.stored(artifact).await?.response(&headers)
 }
 
-/// Which artifacts.
+/// Selection of artifacts.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub(crate) struct Parameters {
-    /// Kinds of artifacts, separated by commas; absent: all.
+    /// Artifact kinds, separated by commas; absent: all.
     #[param(example = "rgb,range")]
     kinds: Option<String>,
-    /// Whether the record of the image comes first, as `record.json`.
+    /// Whether to include the record of the image as the first file, `record.json`.
     #[serde(default)]
     #[param(default = false)]
     record: bool,
 }
 
-/// Several artifacts of an image as one tar.
+/// Get several artifacts of an image as one tar.
 ///
-/// Its files are named `KIND.EXTENSION` and stand in the order of `kinds`, after the record if that is asked for. The length is known
-/// from the start; bytes are verified against their digests while they are sent, and the response is cut short where they differ.
+/// Its files are named `KIND.EXTENSION`, in the order of `kinds`, after the record if requested. The length is known
+/// in advance. Bytes are verified against their digests while they are sent; a mismatch truncates the response.
 #[utoipa::path(get, path = "/v1/images/{job}/{frame}/artifacts", tag = "images",
     operation_id = "get_artifacts",
     params(("job" = String, Path, description = "`job_…`"), ("frame" = u64, Path, description = "From 0"), Parameters),
@@ -98,7 +96,7 @@ pub(crate) async fn artifacts(
     archive::response(images, record, artifacts).await
 }
 
-/// A thumbnail of the result: a PNG of at most 256 px a side.
+/// Get a thumbnail of the result: a PNG of at most 256 px a side.
 #[utoipa::path(get, path = "/v1/images/{job}/{frame}/preview", tag = "images", operation_id = "get_preview",
     params(("job" = String, Path, description = "`job_…`"), ("frame" = u64, Path, description = "From 0")),
     responses((status = 200, description = "The thumbnail.", content((Bytes = "image/png"))),

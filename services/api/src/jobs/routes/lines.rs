@@ -1,5 +1,3 @@
-//! `GET /v1/jobs/{id}/results` and `errors`: one row a line, in frame order.
-
 use std::sync::Arc;
 
 use axum::response::Response;
@@ -11,9 +9,9 @@ use crate::http::{Path, Problem, State, Topic};
 use crate::jobs::Jobs;
 use crate::limits::{RECORDS_BATCH, ROWS_BATCH};
 
-/// Read the records of a job's images, in frame order.
+/// Get the records of a job's images, in frame order.
 ///
-/// Works in every state of the job: it answers what is there.
+/// Available in every state of the job; returns the records so far.
 #[utoipa::path(get, path = "/v1/jobs/{id}/results", tag = "jobs", operation_id = "list_job_results",
     params(("id" = String, Path, description = "`job_…`")),
     responses((status = 200, description = "One record a line, as `/v1/images/{job}/{frame}` answers it.",
@@ -27,9 +25,9 @@ pub(crate) async fn results(State(jobs): Topic<Jobs>, Path(id): Path<String>) ->
     by_frame(RECORDS_BATCH, read, |image: &Value| image["frame"].as_u64()).await
 }
 
-/// Read the failures of a job, in frame order.
+/// Get the failures of a job, in frame order.
 ///
-/// Works in every state of the job: it answers what is there.
+/// Available in every state of the job; returns the failures so far.
 #[utoipa::path(get, path = "/v1/jobs/{id}/errors", tag = "jobs", operation_id = "list_job_errors",
     params(("id" = String, Path, description = "`job_…`")),
     responses((status = 200, description = "One `Failure` a line.", content_type = "application/x-ndjson", body = String)))]

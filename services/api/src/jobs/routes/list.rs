@@ -1,12 +1,10 @@
-//! `GET /v1/jobs`.
-
 use crate::http::{Json, Problem, Query, State, Topic, bounds};
 
 use catalogue::{Catalogue, JobRow, JobState, Page};
 use serde::Deserialize;
 use utoipa::IntoParams;
 
-/// Which jobs.
+/// Selection of jobs.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
@@ -19,7 +17,7 @@ pub(crate) struct Parameters {
     /// Rows of the page, 1..=1000.
     #[param(default = 100, minimum = 1, maximum = 1000)]
     limit: Option<u32>,
-    /// `next_cursor` of the page before.
+    /// `next_cursor` of the previous page.
     cursor: Option<String>,
 }
 

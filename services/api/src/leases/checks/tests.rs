@@ -45,7 +45,7 @@ fn put(kind: &str, sides: (usize, usize)) -> Put {
 /// A change of an honest record.
 type Lie = fn(&mut FrameRecord);
 
-/// What an honest worker says.
+/// The record of an honest worker.
 fn record(frame: &Frame, puts: &[Put]) -> FrameRecord {
     let text = frame.parameters.to_string();
     FrameRecord {
@@ -168,7 +168,7 @@ fn a_file_is_of_a_kind_that_was_asked_for_and_what_its_type_says() {
     );
 }
 
-/// A seeded stream of numbers.
+/// A seeded random stream.
 struct Dice(u64);
 
 impl Dice {

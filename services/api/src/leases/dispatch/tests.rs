@@ -6,7 +6,7 @@ use proto::wire::FrameClaim;
 use super::super::table::TERM_MS;
 use super::*;
 
-/// A dispatch with a job of one frame, the worker's id, and the hand of the clock.
+/// A dispatch with a job of one frame, the worker's id, and its clock.
 fn one_frame() -> (Dispatch, String, Arc<AtomicU64>) {
     let hand = Arc::new(AtomicU64::new(0));
     let read = Arc::clone(&hand);
@@ -110,7 +110,7 @@ async fn a_cancel_is_told_at_once_and_nothing_else_ends_a_beat_early() {
     let begun = Instant::now();
     let quiet = dispatch.beat(&worker, &[token], wait).await.ok().unwrap();
     assert_eq!((quiet, begun.elapsed()), (BeatResponse::default(), wait));
-    // Also of a lease that the beat does not name.
+    // Also for a lease missing from the heartbeat.
     let beat = {
         let (dispatch, worker) = (Arc::clone(&dispatch), worker.clone());
         tokio::spawn(async move { dispatch.beat(&worker, &[], wait).await.ok() })
@@ -120,7 +120,7 @@ async fn a_cancel_is_told_at_once_and_nothing_else_ends_a_beat_early() {
     dispatch.cancel("job_a");
     assert_eq!(beat.await.unwrap().unwrap().cancelled, [token]);
     assert_eq!(begun.elapsed(), Duration::ZERO);
-    // Once.
+    // Only once.
     let again = dispatch.beat(&worker, &[], Duration::ZERO).await.ok().unwrap();
     assert_eq!(again, BeatResponse::default());
 }

@@ -1,4 +1,4 @@
-//! `POST /v1/worker/artifacts`, `commit` and `fail`: what the holder of a lease reports of a frame.
+//! Reports of the holder of a lease on a frame.
 
 use std::sync::Arc;
 
@@ -69,13 +69,13 @@ pub(crate) async fn commit(
     });
     begun.map_err(|_| stale_lease(&claim))?;
     faults::point("commit.begun");
-    // From here on the frame is pinned: the task unpins it even if the worker hangs up.
+    // The frame is pinned now: the task unpins it even if the worker disconnects.
     let stored = to_the_end(async move { leases.commit(&claim, &record, &worker).await }).await?;
     let already_there = stored == InsertImage::AlreadyThere;
     Ok(Protobuf(CommitResponse { already_there }))
 }
 
-/// Reports a failed attempt: the frame is tried again after a pause, or given up.
+/// Reports a failed attempt: the frame is tried again after a pause, or quarantined.
 pub(crate) async fn fail(
     State(leases): Topic<Leases>,
     Protobuf(request): Protobuf<FailRequest>,
@@ -103,7 +103,7 @@ fn put(file: &Artifact) -> Put {
 }
 
 impl Leases {
-    /// Fails on a full disk, for which no worker is to blame.
+    /// Fails on a full disk without blaming the worker.
     async fn room(&self, claim: &Claim) -> Result<(), Problem> {
         let room = self.bytes.space.room().await;
         if room.is_err() {
@@ -119,7 +119,7 @@ impl Leases {
             .map_err(|error| Problem::internal(&error))
     }
 
-    /// Compares a record with what is known of its frame; returns the worker.
+    /// Compares a record with the known facts of its frame; returns the worker.
     async fn examine(&self, claim: &Claim, record: &FrameRecord) -> Result<String, Problem> {
         let worker = self.dispatch.holder(claim.token);
         let (id, worker) = worker.ok_or_else(|| stale_lease(claim))?;
@@ -143,7 +143,8 @@ impl Leases {
         Err(self.refuse(claim, &faults).await)
     }
 
-    /// Refuses what a worker says of a frame: the frame is offered again, and the worker is dismissed after a few times.
+    /// Rejects a worker's report on a frame: the frame is offered again, and the worker is dismissed after a few
+    /// rejections.
     async fn refuse(&self, claim: &Claim, faults: &[String]) -> Problem {
         self.puts.remove(claim);
         let detail = shorten(&faults.join("; "));

@@ -1,4 +1,4 @@
-//! What frames are made with: those of one job have the bytes of one program on one kind of machine, unless it is allowed otherwise.
+//! Provenance rules: the frames of one job come from one program on one kind of machine, unless mixing is allowed.
 
 use proto::wire::RegisterRequest;
 use spec::Provenance;
@@ -9,7 +9,7 @@ use super::lease::Lease;
 use super::types::{Making, Millis, Rules};
 
 impl Making {
-    /// As a record tells.
+    /// From the provenance of a record.
     pub(crate) fn of(provenance: &Provenance) -> Self {
         Self {
             code_version: provenance.code_version.clone(),
@@ -18,14 +18,14 @@ impl Making {
         }
     }
 
-    /// Whether a worker of this registration makes the same bytes. A job that has used no ONNX Runtime may use any.
+    /// Whether a worker of this registration produces the same bytes. A job without ONNX Runtime accepts any version.
     fn is_of(&self, worker: &RegisterRequest) -> bool {
         self.code_version == worker.code_version
             && self.cpu_features == worker.cpu_features
             && (self.onnx_runtime.is_none() || self.onnx_runtime == worker.onnx_runtime)
     }
 
-    /// Takes a further frame in; returns whether it was made with the same.
+    /// Merges the provenance of another frame; returns whether it is compatible.
     fn takes(&mut self, other: &Self) -> bool {
         let is_same = self.code_version == other.code_version && self.cpu_features == other.cpu_features;
         let runtimes = (&self.onnx_runtime, &other.onnx_runtime);
@@ -58,14 +58,14 @@ impl Rules {
         is_open || job.made.as_ref().is_none_or(|made| made.is_of(worker))
     }
 
-    /// Whether the frame of a lease has taken longer than any may.
+    /// Whether the frame of a lease has exceeded the time limit.
     pub(super) fn is_stalled(self, lease: &Lease, now: Millis) -> bool {
         !lease.cancelled && lease.since.plus(self.frame_limit_ms) <= now
     }
 }
 
 impl LeaseTable {
-    /// Notes what a frame that is about to be written was made with; returns whether the job may have it.
+    /// Records the provenance of a frame before it is written; returns whether the job accepts it.
     pub fn made_with(&mut self, job: &str, making: &Making) -> bool {
         let is_being_written = self.pinned.keys().any(|(other, _)| other == job);
         let Some(job) = self.jobs.get_mut(job) else {
@@ -79,7 +79,7 @@ impl LeaseTable {
         takes || self.rules.mixed
     }
 
-    /// What a job waits for, if there are workers and none of them may render it.
+    /// The provenance that a job waits for, if there are workers but none is compatible.
     #[must_use]
     pub fn waits_for(&self, job: &str) -> Option<&Making> {
         let job = self.jobs.get(job).filter(|job| !job.is_untouched())?;

@@ -1,5 +1,3 @@
-//! `POST /v1/enhance`.
-
 use axum::http::{HeaderName, HeaderValue, header};
 use axum::response::{IntoResponse, Response};
 use enhance::Method;
@@ -13,10 +11,10 @@ use crate::http::{MultipartBody, Problem, Query, State, Topic};
 use crate::openapi::{Bytes, Enhancement};
 use crate::pictures::Pictures;
 
-/// Codes of what the method is known to do badly with this picture.
+/// Codes of the method's known failures with this image.
 const WARNINGS: HeaderName = HeaderName::from_static("fathom-warnings");
 
-/// Which method, and what of its result.
+/// Method and output.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
@@ -24,11 +22,11 @@ pub(crate) struct Parameters {
     /// The enhancement method.
     #[param(value_type = Enhancement, example = "hscm")]
     method: String,
-    /// Whether pixels outside of the method's mask are blacked out, if it has one.
+    /// Whether pixels outside the method's mask become black.
     #[serde(default = "yes")]
     #[param(default = true)]
     mask: bool,
-    /// Form of the answer.
+    /// Image format of the response.
     #[serde(default)]
     #[param(default = "png")]
     format: PictureFormat,
@@ -38,7 +36,7 @@ fn yes() -> bool {
     true
 }
 
-/// A picture of one's own.
+/// A user image.
 #[derive(ToSchema)]
 #[expect(dead_code, reason = "describes the body; the handler reads it")]
 pub(crate) struct EnhanceUpload {
@@ -47,9 +45,9 @@ pub(crate) struct EnhanceUpload {
     picture: Vec<u8>,
 }
 
-/// Enhance a picture of your own. Nothing is stored.
+/// Enhance your image. Nothing is stored.
 ///
-/// `Fathom-Warnings` names known failures of the method that the picture shows.
+/// `Fathom-Warnings` lists known failures of the method with this image.
 #[utoipa::path(post, path = "/v1/enhance", tag = "pictures", operation_id = "enhance_picture", params(Parameters),
     request_body(content = EnhanceUpload, content_type = "multipart/form-data"),
     responses((status = 200, description = "The enhanced picture, 8 bit.",

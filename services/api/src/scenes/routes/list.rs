@@ -1,5 +1,3 @@
-//! `GET /v1/scenes`.
-
 use catalogue::{Catalogue, Page};
 
 use crate::http::paging::Paging;

@@ -1,5 +1,3 @@
-//! `POST /v1/sets`.
-
 use axum::http::StatusCode;
 use serde_json::Value;
 use spec::{FieldError, Invalid};
@@ -14,13 +12,13 @@ use crate::sets::view::SetView;
 /// A set to import.
 #[derive(ToSchema)]
 pub(crate) struct NewSet {
-    /// Folder or `s3://BUCKET/PREFIX`, below a store that the service was started with.
+    /// Folder or `s3://BUCKET/PREFIX`, below one of the service's stores.
     #[schema(example = "s3://reef/tour")]
     url: String,
 }
 
 impl NewSet {
-    /// Reads a body; all that is wrong with it is reported together.
+    /// Parses a body and reports all errors together.
     fn parse(body: &[u8]) -> Result<Self, Problem> {
         let value = serde_json::from_slice(body);
         let value: Value = value.map_err(|error| Problem::new(Slug::InvalidBody, error.to_string()))?;
@@ -58,8 +56,8 @@ impl NewSet {
 
 /// Import a set, and follow it while it grows.
 ///
-/// The images of its finished shards join a job of their own; their bytes stay in the set. The response comes when the job is
-/// stored. Importing a set again changes nothing but that the service looks at once for what is new.
+/// The images of its finished shards join a separate job; their bytes stay in the set. The response is sent when the
+/// job is stored. Importing a set again only polls it immediately.
 #[utoipa::path(post, path = "/v1/sets", tag = "sets", operation_id = "import_set",
     request_body(content = NewSet, content_type = "application/json"),
     responses((status = 202, description = "Its images are on their way; `Location` is the set.", body = SetView),
