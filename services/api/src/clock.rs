@@ -18,11 +18,9 @@ impl Clock {
     #[must_use]
     pub fn system() -> Self {
         let start = Instant::now();
-        let monotonic = move || u64::try_from(start.elapsed().as_millis()).unwrap_or(u64::MAX);
-        let wall = || u64::try_from(since_1970(SystemTime::now()).as_millis()).unwrap_or(u64::MAX);
         Self {
-            monotonic: Arc::new(monotonic),
-            wall: Arc::new(wall),
+            monotonic: Arc::new(move || u64::try_from(start.elapsed().as_millis()).unwrap_or(u64::MAX)),
+            wall: Arc::new(|| u64::try_from(since_1970(SystemTime::now()).as_millis()).unwrap_or(u64::MAX)),
         }
     }
 

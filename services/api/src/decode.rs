@@ -152,8 +152,11 @@ fn camera_of(given: &GivenCamera, rgb: &[u8]) -> Result<Option<Intrinsics>, Refu
         Radiance::Encoded(raster) => (raster.width(), raster.height()),
         Radiance::Linear(picture) => picture.size(),
     };
-    let from_angle = |degrees: f64| width as f64 / 2.0 / (degrees.to_radians() / 2.0).tan();
-    let Some(focal_px) = given.focal_px.or_else(|| given.hfov_deg.map(from_angle)) else {
+    let Some(focal_px) = given.focal_px.or_else(|| {
+        given
+            .hfov_deg
+            .map(|degrees: f64| width as f64 / 2.0 / (degrees.to_radians() / 2.0).tan())
+    }) else {
         return Ok(None);
     };
     let centered = Intrinsics::centered(focal_px, width, height);
@@ -168,8 +171,8 @@ fn enhanced(folder: &Path, request: &EnhanceRequest) -> Checked<String> {
     let bytes = fs::read(folder.join(&request.picture))?;
     let encoded = (|| {
         let refuse = |message: String| Refusal::new("picture", message);
-        let unknown = || Refusal::new("method", format!("method is `{}`", request.method));
-        let method = Method::parse(&request.method).ok_or_else(unknown)?;
+        let method = Method::parse(&request.method)
+            .ok_or_else(|| Refusal::new("method", format!("method is `{}`", request.method)))?;
         let picture = picture("picture", &bytes)?;
         let enhanced = enhance::run(&method, &picture).map_err(|error| refuse(error.to_string()))?;
         let result = match request.masked {

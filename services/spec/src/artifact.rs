@@ -227,8 +227,11 @@ impl ArtifactKind {
     /// Whether a text is the name of a kind and safe in paths and file names. Unknown methods are accepted.
     #[must_use]
     pub fn is_name(text: &str) -> bool {
-        let plain = |byte: u8| byte.is_ascii_lowercase() || byte.is_ascii_digit() || b"._-".contains(&byte);
-        text.len() <= MOST_NAME_BYTES && text.bytes().all(plain) && Self::parse(text).is_some()
+        text.len() <= MOST_NAME_BYTES
+            && text
+                .bytes()
+                .all(|byte: u8| byte.is_ascii_lowercase() || byte.is_ascii_digit() || b"._-".contains(&byte))
+            && Self::parse(text).is_some()
     }
 
     /// Parses a kind: a fixed one or `enhanced.<method>`.

@@ -109,18 +109,22 @@ impl Frame {
     /// The haze in drawing order.
     #[must_use]
     pub fn haze(&self) -> Vec<Haze> {
-        let haze = |light: &Light| match light {
-            Light::Haze(haze) => Some(*haze),
-            Light::Point(_) | Light::Spot(_) => None,
-        };
-        self.lights.iter().filter_map(haze).collect()
+        self.lights
+            .iter()
+            .filter_map(|light: &Light| match light {
+                Light::Haze(haze) => Some(*haze),
+                Light::Point(_) | Light::Spot(_) => None,
+            })
+            .collect()
     }
 
     /// Number of lamps in the water.
     #[must_use]
     pub fn lamp_count(&self) -> usize {
-        let is_lamp = |light: &&Light| !matches!(light, Light::Haze(_));
-        self.lights.iter().filter(is_lamp).count()
+        self.lights
+            .iter()
+            .filter(|light: &&Light| !matches!(light, Light::Haze(_)))
+            .count()
     }
 
     /// Whether lamps light the water.

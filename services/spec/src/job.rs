@@ -164,8 +164,10 @@ impl Job {
     /// The description of this frame's site.
     fn document(&self, index: u64) -> &Node {
         let drawn = self.site.as_ref().map(|site| site.value(&|law| law.draw(index)));
-        let is_drawn = |document: &&Document| drawn.as_ref().is_some_and(|name| *name == document.site);
-        let document = self.documents.iter().find(is_drawn);
+        let document = self
+            .documents
+            .iter()
+            .find(|document: &&Document| drawn.as_ref().is_some_and(|name| *name == document.site));
         &document.unwrap_or(&self.documents[0]).node
     }
 

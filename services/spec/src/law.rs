@@ -77,11 +77,13 @@ pub fn normal(u: f64, mean: f64, sd: f64, low: f64, high: f64) -> f64 {
 pub fn choice(u: f64, weights: &[f64]) -> usize {
     let total: f64 = weights.iter().sum();
     let mut sum = 0.0;
-    let beyond = |weight: &f64| {
-        sum += weight;
-        sum > u * total
-    };
-    weights.iter().position(beyond).unwrap_or_default()
+    weights
+        .iter()
+        .position(|weight: &f64| {
+            sum += weight;
+            sum > u * total
+        })
+        .unwrap_or_default()
 }
 
 #[cfg(test)]

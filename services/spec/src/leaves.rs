@@ -266,11 +266,9 @@ mod tests {
     #[test]
     fn every_leaf_of_a_description_has_its_own_name() {
         let Leaves { scalars, lists } = Leaves::of_records();
-        let of_description =
-            |leaf: &&Leaf| leaf.pointer.starts_with("/parameters/") && leaf.name != "water.optics";
         let mut names: Vec<String> = scalars
             .iter()
-            .filter(of_description)
+            .filter(|leaf: &&Leaf| leaf.pointer.starts_with("/parameters/") && leaf.name != "water.optics")
             .map(|leaf| leaf.name.clone())
             .collect();
         let lights = lists.iter().find(|list| list.name == "lights").unwrap();

@@ -195,8 +195,9 @@ pub(crate) fn find_field(path: &str, written: Option<&str>) -> Option<&'static R
 
 /// The replacement of a removed value of an existing field.
 pub(crate) fn find_value(path: &str, written: &str) -> Option<&'static Removed> {
-    let is_it = |removed: &&Removed| removed.path == path && removed.value == Some(written);
-    REMOVED.iter().find(is_it)
+    REMOVED
+        .iter()
+        .find(|removed: &&Removed| removed.path == path && removed.value == Some(written))
 }
 
 /// The table in Markdown.

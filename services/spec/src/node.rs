@@ -111,23 +111,27 @@ impl Node {
     /// this node.
     pub(crate) fn alternatives(&self, pointer: &str) -> Vec<(String, &Self)> {
         match self {
-            Self::Law(law) if !law.values().is_empty() => {
-                let within = |(position, value): (usize, _)| {
+            Self::Law(law) if !law.values().is_empty() => law
+                .values()
+                .iter()
+                .enumerate()
+                .flat_map(|(position, value): (usize, _)| {
                     Self::alternatives(value, &format!("{pointer}/{}/{position}", law.key()))
-                };
-                law.values().iter().enumerate().flat_map(within).collect()
-            }
+                })
+                .collect(),
             _ => vec![(pointer.to_owned(), self)],
         }
     }
 
     /// The possible strings, each with its pointer.
     pub(crate) fn strings(&self, pointer: &str) -> Vec<(String, &str)> {
-        let text = |(pointer, node)| match node {
-            &Self::Constant(Value::String(ref text)) => Some((pointer, text.as_str())),
-            _ => None,
-        };
-        self.alternatives(pointer).into_iter().filter_map(text).collect()
+        self.alternatives(pointer)
+            .into_iter()
+            .filter_map(|(pointer, node)| match node {
+                &Self::Constant(Value::String(ref text)) => Some((pointer, text.as_str())),
+                _ => None,
+            })
+            .collect()
     }
 
     /// The greatest possible number.
@@ -142,12 +146,14 @@ impl Node {
 
     /// Every possible number; for an interval its ends.
     fn numbers(&self) -> Vec<f64> {
-        let ends = |(_, node): (String, &Self)| match node {
-            Self::Constant(value) => vec![value.clone()],
-            Self::Law(law) => law.ends().map(Vec::from).unwrap_or_default(),
-            _ => Vec::new(),
-        };
-        let values = self.alternatives("").into_iter().flat_map(ends);
+        let values = self
+            .alternatives("")
+            .into_iter()
+            .flat_map(|(_, node): (String, &Self)| match node {
+                Self::Constant(value) => vec![value.clone()],
+                Self::Law(law) => law.ends().map(Vec::from).unwrap_or_default(),
+                _ => Vec::new(),
+            });
         values.filter_map(|value| value.as_f64()).collect()
     }
 }

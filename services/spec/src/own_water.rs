@@ -121,7 +121,6 @@ impl OwnWater {
 
 /// The faults of fields without an error so far. A rejected number is neither missing nor known.
 fn new_errors(faults: &[Fault], errors: &[FieldError]) -> Vec<FieldError> {
-    let is_refused = |field: &str| errors.iter().any(|error| error.pointer.starts_with(field));
     let in_numbers = [
         "/absorption_per_m",
         "/scattering_per_m",
@@ -129,7 +128,7 @@ fn new_errors(faults: &[Fault], errors: &[FieldError]) -> Vec<FieldError> {
         "/diffuse_attenuation_per_m",
     ]
     .into_iter()
-    .any(is_refused);
+    .any(|field: &str| errors.iter().any(|error| error.pointer.starts_with(field)));
     let pointer = |fault: &Fault| {
         fault
             .path

@@ -91,11 +91,14 @@ impl ArtifactEntry {
             media_type,
             ..
         } = self;
-        let is_digit = |byte: u8| byte.is_ascii_digit() || (b'a'..=b'f').contains(&byte);
         if !ArtifactKind::is_name(kind) {
             return Err(format!("`{kind}` is not an artifact kind"));
         }
-        if digest.len() != 64 || !digest.bytes().all(is_digit) {
+        if digest.len() != 64
+            || !digest
+                .bytes()
+                .all(|byte: u8| byte.is_ascii_digit() || (b'a'..=b'f').contains(&byte))
+        {
             return Err(format!(
                 "digest `{digest}` of `{kind}` is not 64 lower-case hexadecimal digits"
             ));

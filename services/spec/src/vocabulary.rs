@@ -74,8 +74,10 @@ impl Vocabulary {
 
     /// The full name of a preset with this full or short name.
     pub(crate) fn preset(&self, written: &str) -> Option<&str> {
-        let is_meant = |full: &&String| *full == written || full.split('/').next() == Some(written);
-        self.presets.iter().find(is_meant).map(String::as_str)
+        self.presets
+            .iter()
+            .find(|full: &&String| *full == written || full.split('/').next() == Some(written))
+            .map(String::as_str)
     }
 
     /// Why a preset, by its full name, cannot be rendered.

@@ -117,11 +117,11 @@ impl Form {
 
     /// Adds errors from inside a field.
     pub(crate) fn refuse_inside(&mut self, name: &str, Invalid(errors): Invalid) {
-        let inside = |error: FieldError| FieldError {
-            pointer: format!("/{name}{}", error.pointer),
-            ..error
-        };
-        self.errors.extend(errors.into_iter().map(inside));
+        self.errors
+            .extend(errors.into_iter().map(|error: FieldError| FieldError {
+                pointer: format!("/{name}{}", error.pointer),
+                ..error
+            }));
     }
 
     /// Returns all errors together, if any.

@@ -154,14 +154,13 @@ pub(crate) async fn observe(request: Request, next: Next) -> Response {
 
 fn request_id(headers: &HeaderMap) -> String {
     let given = headers.get("x-request-id").and_then(|value| value.to_str().ok());
-    let usable = |id: &&str| {
-        (1..=REQUEST_ID_BYTES).contains(&id.len())
-            && id
-                .bytes()
-                .all(|byte| byte.is_ascii_alphanumeric() || b"-_.".contains(&byte))
-    };
     given
-        .filter(usable)
+        .filter(|id: &&str| {
+            (1..=REQUEST_ID_BYTES).contains(&id.len())
+                && id
+                    .bytes()
+                    .all(|byte| byte.is_ascii_alphanumeric() || b"-_.".contains(&byte))
+        })
         .map_or_else(|| format!("req_{}", ordered_id().simple()), str::to_owned)
 }
 

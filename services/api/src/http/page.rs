@@ -88,8 +88,10 @@ pub(crate) fn router() -> Router {
     assets.fold(Router::new(), |router, asset| {
         let tag = spec::hex(&Sha256::digest(asset.bytes));
         let path = asset.path;
-        let response = move |headers: HeaderMap| async move { asset.response(&headers, &tag) };
-        router.route(path, get(response))
+        router.route(
+            path,
+            get(move |headers: HeaderMap| async move { asset.response(&headers, &tag) }),
+        )
     })
 }
 

@@ -105,10 +105,11 @@ impl Evidence<'_> {
         let pictures = self.puts.iter().filter(|put| put.entry.kind != preview);
         let wrong = pictures.filter_map(|put| Some((&put.entry.kind, put.sides?)));
         let wrong = wrong.filter(|(_, sides)| *sides != size);
-        let fault = |(kind, (width, height)): (&String, (usize, usize))| {
-            format!("`{kind}` is {width}×{height}, the frame {}×{}", size.0, size.1)
-        };
-        wrong.map(fault).collect()
+        wrong
+            .map(|(kind, (width, height)): (&String, (usize, usize))| {
+                format!("`{kind}` is {width}×{height}, the frame {}×{}", size.0, size.1)
+            })
+            .collect()
     }
 
     /// Only requested metrics of present images are allowed.

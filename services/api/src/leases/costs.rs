@@ -153,14 +153,17 @@ impl Learned {
             let known = TYPICAL_BYTES.iter().find(|(known, _)| *known == kind);
             known.map_or(PICTURE_BYTES, |(_, bytes)| *bytes)
         };
-        let each = |kind: String| {
-            self.kind_bytes
-                .get(&kind)
-                .copied()
-                .unwrap_or_else(|| typical(&kind))
-        };
         let kinds = frame.artifacts.iter().map(ToString::to_string);
-        kinds.map(each).sum::<f64>() * pixels + ROW_BYTES
+        kinds
+            .map(|kind: String| {
+                self.kind_bytes
+                    .get(&kind)
+                    .copied()
+                    .unwrap_or_else(|| typical(&kind))
+            })
+            .sum::<f64>()
+            * pixels
+            + ROW_BYTES
     }
 }
 

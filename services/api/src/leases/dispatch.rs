@@ -248,17 +248,19 @@ impl Dispatch {
     /// The registered workers.
     pub(crate) fn workers(&self) -> Vec<Worker> {
         self.table(|table, now| {
-            let worker = |(id, about, seen): (&str, &RegisterRequest, Millis)| Worker {
-                id: id.to_owned(),
-                name: about.name.clone(),
-                slots: about.slots,
-                leased_frames: table.held_by(id) as u64,
-                silent_ms: now.0.saturating_sub(seen.0),
-                code_version: about.code_version.clone(),
-                onnx_runtime: about.onnx_runtime.clone(),
-                cpu_features: about.cpu_features.clone(),
-            };
-            table.workers().map(worker).collect()
+            table
+                .workers()
+                .map(|(id, about, seen): (&str, &RegisterRequest, Millis)| Worker {
+                    id: id.to_owned(),
+                    name: about.name.clone(),
+                    slots: about.slots,
+                    leased_frames: table.held_by(id) as u64,
+                    silent_ms: now.0.saturating_sub(seen.0),
+                    code_version: about.code_version.clone(),
+                    onnx_runtime: about.onnx_runtime.clone(),
+                    cpu_features: about.cpu_features.clone(),
+                })
+                .collect()
         })
     }
 

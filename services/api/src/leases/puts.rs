@@ -36,8 +36,10 @@ impl Puts {
     /// Adds files. A file replaces an earlier one of its kind: a worker that missed a response sends its files again.
     pub(crate) fn add(&self, claim: &Claim, frame: Arc<Frame>, files: Vec<Put>) {
         let mut all = self.all();
-        let empty = || Uncommitted { frame, files: vec![] };
-        let known = &mut all.entry(key(claim)).or_insert_with(empty).files;
+        let known = &mut all
+            .entry(key(claim))
+            .or_insert_with(|| Uncommitted { frame, files: vec![] })
+            .files;
         known.retain(|old| files.iter().all(|new| new.entry.kind != old.entry.kind));
         known.extend(files);
     }

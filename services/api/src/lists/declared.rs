@@ -253,19 +253,23 @@ fn families(_: &Library) -> Vec<Entry> {
 }
 
 fn categories(_: &Library) -> Vec<Entry> {
-    let numbered = |(category, name): &(scenes::categories::Category, &str)| Entry {
-        number: Some(*category as u8),
-        ..entry(*name, category.about())
-    };
-    CATEGORIES.iter().map(numbered).collect()
+    CATEGORIES
+        .iter()
+        .map(|(category, name): &(scenes::categories::Category, &str)| Entry {
+            number: Some(*category as u8),
+            ..entry(*name, category.about())
+        })
+        .collect()
 }
 
 fn findings(_: &Library) -> Vec<Entry> {
-    let numbered = |(finding, name): &(scenes::categories::Finding, &str)| Entry {
-        number: Some(*finding as u8),
-        ..entry(*name, finding.about())
-    };
-    FINDINGS.iter().map(numbered).collect()
+    FINDINGS
+        .iter()
+        .map(|(finding, name): &(scenes::categories::Finding, &str)| Entry {
+            number: Some(*finding as u8),
+            ..entry(*name, finding.about())
+        })
+        .collect()
 }
 
 fn fields(_: &Library) -> Vec<Entry> {
@@ -273,20 +277,24 @@ fn fields(_: &Library) -> Vec<Entry> {
         "" => row.doc.clone(),
         limit => format!("{}; {limit}", row.doc),
     };
-    let field = |row: table::Row| Entry {
-        unit: row.unit,
-        ..entry(row.path.clone(), about(&row))
-    };
-    table::rows().into_iter().map(field).collect()
+    table::rows()
+        .into_iter()
+        .map(|row: table::Row| Entry {
+            unit: row.unit,
+            ..entry(row.path.clone(), about(&row))
+        })
+        .collect()
 }
 
 fn columns(library: &Library) -> Vec<Entry> {
     let columns = columns_of_every_image(&vocabulary(library, false).metrics);
-    let column = |column: catalogue::ColumnInfo| Entry {
-        unit: column.unit,
-        ..entry(column.name, column.kind)
-    };
-    columns.into_iter().map(column).collect()
+    columns
+        .into_iter()
+        .map(|column: catalogue::ColumnInfo| Entry {
+            unit: column.unit,
+            ..entry(column.name, column.kind)
+        })
+        .collect()
 }
 
 fn states(_: &Library) -> Vec<Entry> {

@@ -223,16 +223,18 @@ impl Writer<'_> {
 
     /// An object of one field for each of these.
     fn options(&mut self, fields: &[Field], type_name: &str) -> Vec<Value> {
-        let option = |field: &Field| {
-            let name = format!("{}{type_name}", camel(field.name));
-            let only = |writer: &mut Self| {
-                let mut object = writer.object(std::slice::from_ref(field));
-                object["required"] = json!([field.name]);
-                object
-            };
-            self.group(&name, only).schema
-        };
-        fields.iter().map(option).collect()
+        fields
+            .iter()
+            .map(|field: &Field| {
+                let name = format!("{}{type_name}", camel(field.name));
+                self.group(&name, |writer: &mut Self| {
+                    let mut object = writer.object(std::slice::from_ref(field));
+                    object["required"] = json!([field.name]);
+                    object
+                })
+                .schema
+            })
+            .collect()
     }
 
     fn tagged(&mut self, tag: &str, presence: Presence, options: &[Variant]) -> Value {
@@ -240,17 +242,18 @@ impl Writer<'_> {
         for option in options {
             let is_usual =
                 matches!(presence, Presence::Default(text) if text.trim_matches('"') == option.name);
-            let write = |writer: &mut Self| {
-                let mut object = writer.object(option.fields);
-                object["properties"][tag] = json!({"type": "string", "const": option.name});
-                let mut required = object["required"].as_array().cloned().unwrap_or_default();
-                if !is_usual {
-                    required.push(tag.into());
-                    object["required"] = required.into();
-                }
-                object
-            };
-            let kind = self.group(option.type_name, write).schema;
+            let kind = self
+                .group(option.type_name, |writer: &mut Self| {
+                    let mut object = writer.object(option.fields);
+                    object["properties"][tag] = json!({"type": "string", "const": option.name});
+                    let mut required = object["required"].as_array().cloned().unwrap_or_default();
+                    if !is_usual {
+                        required.push(tag.into());
+                        object["required"] = required.into();
+                    }
+                    object
+                })
+                .schema;
             kinds.insert(option.name.to_owned(), kind["$ref"].clone());
         }
         let references: Vec<_> = kinds.values().map(|path| json!({"$ref": path})).collect();

@@ -34,15 +34,19 @@ pub(super) fn add(document: &mut OpenApi) {
 fn add_problems(operation: &mut Operation, writing: &[u16]) {
     let when = |holds: bool, statuses: &'static [u16]| if holds { statuses } else { &[] };
     let parameters = operation.parameters.as_deref().unwrap_or_default();
-    let is_path = |parameter: &RefOr<Parameter>| match parameter {
-        RefOr::T(parameter) => matches!(parameter.parameter_in, ParameterIn::Path),
-        RefOr::Ref(_) => false,
-    };
     let statuses = [
         ALL,
         when(operation.security.is_none(), GUARDED),
         when(!parameters.is_empty(), WITH_PARAMETERS),
-        when(parameters.iter().any(is_path), WITH_PATH),
+        when(
+            parameters
+                .iter()
+                .any(|parameter: &RefOr<Parameter>| match parameter {
+                    RefOr::T(parameter) => matches!(parameter.parameter_in, ParameterIn::Path),
+                    RefOr::Ref(_) => false,
+                }),
+            WITH_PATH,
+        ),
         when(operation.request_body.is_some(), WITH_BODY),
         writing,
     ];

@@ -118,10 +118,9 @@ pub(crate) async fn exceeded(id: Option<u32>, allowance: Allowance) -> String {
             }
         }
     };
-    let late = |_| format!("it took longer than {} s", allowance.time.as_secs());
     tokio::time::timeout(allowance.time, looking)
         .await
-        .unwrap_or_else(late)
+        .unwrap_or_else(|_| format!("it took longer than {} s", allowance.time.as_secs()))
 }
 
 fn resident_bytes(id: u32) -> Option<u64> {

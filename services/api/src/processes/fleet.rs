@@ -54,12 +54,13 @@ impl Fleet {
     /// Starts this many children, named `local-1`, `local-2`, …
     pub(crate) fn start(recipe: Recipe, workers: usize, on_exit: &OnExit) -> Self {
         let (recipe, stop) = (Arc::new(recipe), CancellationToken::new());
-        let keeper = |number: usize| {
-            let name = format!("{OWN_WORKER}{number}");
-            tokio::spawn(keep(Arc::clone(&recipe), name, Arc::clone(on_exit), stop.clone()))
-        };
         Self {
-            keepers: (1..=workers).map(keeper).collect(),
+            keepers: (1..=workers)
+                .map(|number: usize| {
+                    let name = format!("{OWN_WORKER}{number}");
+                    tokio::spawn(keep(Arc::clone(&recipe), name, Arc::clone(on_exit), stop.clone()))
+                })
+                .collect(),
             stop,
         }
     }

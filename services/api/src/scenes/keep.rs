@@ -94,8 +94,7 @@ impl Scenes {
             camera,
         } = decoded.reply;
         files.intrinsics = camera;
-        let hashed = move || hashed(&files);
-        let (files, blobs) = self.processes.compute.run(hashed).await?;
+        let (files, blobs) = self.processes.compute.run(move || hashed(&files)).await?;
         let row = SceneRow {
             id: format!("scn_{}", ordered_id().simple()),
             content_digest: content_digest(&files),

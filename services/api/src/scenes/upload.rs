@@ -58,7 +58,6 @@ impl SceneForm {
         }
         let above_0 = |value: &f64| *value > 0.0 && value.is_finite();
         let finite = |value: &f64| value.is_finite();
-        let angle = |degrees: &f64| *degrees > 0.0 && *degrees < 180.0;
         let focal_px = form.parsed("focal_px", "a number above 0", above_0);
         let fx = form.parsed("fx", "a number above 0", above_0);
         let classes = form.get("classes").map(|text| scenes::classes::read(text));
@@ -96,7 +95,9 @@ impl SceneForm {
             focal_px: focal_px.or(fx),
             cx: form.parsed("cx", "a finite number", finite),
             cy: form.parsed("cy", "a finite number", finite),
-            hfov_deg: form.parsed("hfov_deg", "a number above 0 and below 180", angle),
+            hfov_deg: form.parsed("hfov_deg", "a number above 0 and below 180", |degrees: &f64| {
+                *degrees > 0.0 && *degrees < 180.0
+            }),
             collection,
             name,
         };

@@ -213,9 +213,10 @@ pub fn prepare(
     job: &str,
     images: Vec<SetImage>,
 ) -> Result<Vec<NewImage>, CatalogueError> {
-    let prepare =
-        |image: SetImage| catalogue.imported_image(job, &image.record, image.created_ms, &image.offsets);
-    images.into_iter().map(prepare).collect()
+    images
+        .into_iter()
+        .map(|image: SetImage| catalogue.imported_image(job, &image.record, image.created_ms, &image.offsets))
+        .collect()
 }
 
 /// Checks the job of a set. Its frames are rendered, so styles and scene files need not be available. The program

@@ -79,8 +79,10 @@ impl Waters {
 
     /// The optics of each name in a job.
     pub(crate) fn words(&self) -> BTreeMap<String, Map<String, Value>> {
-        let words = |own: Own| (own.name().to_owned(), own.water.optics());
-        self.own().into_iter().map(words).collect()
+        self.own()
+            .into_iter()
+            .map(|own: Own| (own.name().to_owned(), own.water.optics()))
+            .collect()
     }
 
     /// The shipped waters, then the user-defined ones by name.

@@ -38,13 +38,16 @@ impl Members {
 
     /// Generates statements that pass each numeric field to `found`.
     pub(crate) fn numbers(&self) -> Vec<TokenStream> {
-        let number = |(position, member): (usize, &Member)| {
-            let name = &member.name;
-            member.is_float().then(
+        self.0
+            .iter()
+            .enumerate()
+            .filter_map(|(position, member): (usize, &Member)| {
+                let name = &member.name;
+                member.is_float().then(
                 || quote!(found(&Self::FIELDS[#position], crate::described::Floats::floats(&self.#name));),
             )
-        };
-        self.0.iter().enumerate().filter_map(number).collect()
+            })
+            .collect()
     }
 }
 

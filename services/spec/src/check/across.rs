@@ -81,16 +81,18 @@ fn certain(list: &Node) -> BTreeSet<&str> {
     let Node::List(items) = list else {
         return BTreeSet::new();
     };
-    let only = |item| {
-        let names: BTreeSet<_> = Node::strings(item, "")
-            .into_iter()
-            .map(|(_, name)| name)
-            .collect();
-        if names.len() == 1 {
-            names.into_iter().next()
-        } else {
-            None
-        }
-    };
-    items.iter().filter_map(only).collect()
+    items
+        .iter()
+        .filter_map(|item| {
+            let names: BTreeSet<_> = Node::strings(item, "")
+                .into_iter()
+                .map(|(_, name)| name)
+                .collect();
+            if names.len() == 1 {
+                names.into_iter().next()
+            } else {
+                None
+            }
+        })
+        .collect()
 }

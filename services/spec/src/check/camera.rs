@@ -15,8 +15,10 @@ impl Checker<'_> {
             return;
         };
         let scenes = places(document, "scene");
-        let is_rendered = |(_, scene): &(String, &Node)| scene.get("family").is_some();
-        let kinds: BTreeSet<bool> = scenes.iter().map(is_rendered).collect();
+        let kinds: BTreeSet<bool> = scenes
+            .iter()
+            .map(|(_, scene): &(String, &Node)| scene.get("family").is_some())
+            .collect();
         let find_faults = self.vocabulary.camera_rules.faults;
         self.try_values("camera", camera, frames, &|camera: &Camera| {
             kinds
@@ -28,11 +30,12 @@ impl Checker<'_> {
 
     /// Checks the image size and the file format for its codes.
     pub(super) fn camera(&mut self, document: &Node) {
-        let is_png = |(_, encode): &(String, &Node)| {
-            let format = encode.get("format").map(|format| format.strings(""));
-            format.into_iter().flatten().all(|(_, name)| name == "png")
-        };
-        let all_png = places(document, "encode").iter().all(is_png);
+        let all_png = places(document, "encode")
+            .iter()
+            .all(|(_, encode): &(String, &Node)| {
+                let format = encode.get("format").map(|format| format.strings(""));
+                format.into_iter().flatten().all(|(_, name)| name == "png")
+            });
         for (pointer, camera) in places(document, "camera") {
             let greatest = |name| camera.get(name).and_then(Node::greatest).unwrap_or_default();
             let (width, height) = (greatest("width"), greatest("height"));

@@ -16,15 +16,18 @@ impl Checker<'_> {
             let message = "`daylight` is a sky, but needs `water.optics`: there is no water for it to light";
             self.refuse(|| FieldError::new("/daylight", message));
         }
-        let is_wrong = |pointer: &&str| {
-            self.errors
-                .iter()
-                .any(|error| error.pointer.starts_with(*pointer))
-        };
         let daylight = document.get("daylight");
         let is_night =
             daylight.is_some_and(|daylight| daylight.strings("").iter().all(|(_, word)| *word == "none"));
-        if has_sky || !is_night || has_lamps(document) || LIGHTING.iter().any(is_wrong) {
+        if has_sky
+            || !is_night
+            || has_lamps(document)
+            || LIGHTING.iter().any(|pointer: &&str| {
+                self.errors
+                    .iter()
+                    .any(|error| error.pointer.starts_with(*pointer))
+            })
+        {
             return;
         }
         for (pointer, scene) in places(document, "scene") {

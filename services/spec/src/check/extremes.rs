@@ -140,15 +140,16 @@ fn one_at_a_time<'a>(laws: &[&'a LawNode]) -> Vec<Extremes<'a>> {
 
 /// The selections of the enclosing choices and grids that activate a distribution.
 fn way_to<'a>(pointer: &str, laws: &[&'a LawNode]) -> Vec<(&'a str, usize)> {
-    let chosen = |outer: &&'a LawNode| {
-        let inside = pointer.strip_prefix(outer.pointer.as_str())?.strip_prefix('/')?;
-        let position = inside
-            .strip_prefix(outer.key())?
-            .split('/')
-            .nth(1)?
-            .parse()
-            .ok()?;
-        Some((outer.pointer.as_str(), position))
-    };
-    laws.iter().filter_map(chosen).collect()
+    laws.iter()
+        .filter_map(|outer: &&'a LawNode| {
+            let inside = pointer.strip_prefix(outer.pointer.as_str())?.strip_prefix('/')?;
+            let position = inside
+                .strip_prefix(outer.key())?
+                .split('/')
+                .nth(1)?
+                .parse()
+                .ok()?;
+            Some((outer.pointer.as_str(), position))
+        })
+        .collect()
 }

@@ -117,15 +117,21 @@ fn is_words(text: &str) -> bool {
 }
 
 fn is_water_name(text: &str) -> bool {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "._-".contains(c);
     let starts = text.starts_with(|c: char| c.is_ascii_alphanumeric());
-    starts && text.len() <= MAX_WATER_NAME && text.chars().all(plain)
+    starts
+        && text.len() <= MAX_WATER_NAME
+        && text
+            .chars()
+            .all(|c: char| c.is_ascii_alphanumeric() || "._-".contains(c))
 }
 
 fn is_scene_id(text: &str) -> bool {
     let tail = text.strip_prefix("scn_").unwrap_or_default();
-    let plain = |c: char| c.is_ascii_alphanumeric() || "_-".contains(c);
-    !tail.is_empty() && text.len() <= MAX_NAME && tail.chars().all(plain)
+    !tail.is_empty()
+        && text.len() <= MAX_NAME
+        && tail
+            .chars()
+            .all(|c: char| c.is_ascii_alphanumeric() || "_-".contains(c))
 }
 
 fn is_path(text: &str) -> bool {

@@ -23,8 +23,11 @@ impl Checker<'_> {
             .filter(|field| map.contains_key(field.name))
             .copied()
             .collect();
-        let is_removed = |key: &String| migration::find_field(&at.field(key).path("[]"), None).is_some();
-        if present.len() == 1 || map.keys().any(is_removed) {
+        if present.len() == 1
+            || map
+                .keys()
+                .any(|key: &String| migration::find_field(&at.field(key).path("[]"), None).is_some())
+        {
             self.refuse_unknown(at, &names, map, |_| None);
             return Some(Node::Object(self.fields(at, &present, map)));
         }
@@ -74,8 +77,10 @@ impl Checker<'_> {
             .chain([tag])
             .collect();
         self.refuse_unknown(at, &names, map, |key| {
-            let has = |other: &&Variant| other.fields.iter().any(|field| field.name == key);
-            let owner = options.iter().find(has)?.name;
+            let owner = options
+                .iter()
+                .find(|other: &&Variant| other.fields.iter().any(|field| field.name == key))?
+                .name;
             Some(format!(
                 "`{key}` goes with {tag} \"{owner}\", not with \"{written}\""
             ))
@@ -165,8 +170,12 @@ impl Checker<'_> {
         let mut labels = Vec::new();
         for (key, value) in map {
             let at = at.field(key);
-            let plain = |letter: char| letter.is_ascii_alphanumeric() || "_.-".contains(letter);
-            if key.is_empty() || key.len() > MAX_LABEL_KEY || !key.chars().all(plain) {
+            if key.is_empty()
+                || key.len() > MAX_LABEL_KEY
+                || !key
+                    .chars()
+                    .all(|letter: char| letter.is_ascii_alphanumeric() || "_.-".contains(letter))
+            {
                 let limit = format!("1 to {MAX_LABEL_KEY} of A-Z a-z 0-9 _ . -");
                 self.refuse(|| {
                     FieldError::new(&at.pointer, format!("{at}: the name must be {limit}")).limit(limit)

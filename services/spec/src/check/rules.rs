@@ -116,11 +116,13 @@ impl Situation<'_> {
     /// The names of these fields in messages; siblings by their whole paths.
     fn name(&self, paths: &[&str]) -> String {
         let parent = self.present.at.name.rsplit_once('.');
-        let name = |path: &&str| match parent {
-            Some((parent, _)) if is_sibling(path) => format!("{parent}.{path}"),
-            _ => (*path).to_owned(),
-        };
-        let names: Vec<_> = paths.iter().map(name).collect();
+        let names: Vec<_> = paths
+            .iter()
+            .map(|path: &&str| match parent {
+                Some((parent, _)) if is_sibling(path) => format!("{parent}.{path}"),
+                _ => (*path).to_owned(),
+            })
+            .collect();
         describe(&names)
     }
 
@@ -135,6 +137,5 @@ fn is_sibling(path: &str) -> bool {
 
 /// Whether a list contains only the constant 0.
 fn is_zero(list: &Node) -> bool {
-    let is_nothing = |node: &Node| matches!(node, Node::Constant(value) if value.as_f64() == Some(0.0));
-    matches!(list, Node::List(axis) if axis.iter().all(is_nothing))
+    matches!(list, Node::List(axis) if axis.iter().all(|node: &Node| matches!(node, Node::Constant(value) if value.as_f64() == Some(0.0))))
 }

@@ -99,13 +99,15 @@ impl Checker<'_> {
         let error = FieldError::new(&ask.pointer, message)
             .value(&ask.value)
             .limit(format!("only over a scene with {}", ask.part.describe()));
-        let possible = |name: &String| {
-            let part = ArtifactKind::parse(name).and_then(|kind| kind.needs());
-            part.is_none_or(|part| !lacking[part as usize].is_certain)
-        };
         let error = if ask.pointer.starts_with("/artifacts") {
             let kinds = self.vocabulary.listed(Names::Artifact);
-            error.allowed(kinds.into_iter().filter(possible), "")
+            error.allowed(
+                kinds.into_iter().filter(|name: &String| {
+                    let part = ArtifactKind::parse(name).and_then(|kind| kind.needs());
+                    part.is_none_or(|part| !lacking[part as usize].is_certain)
+                }),
+                "",
+            )
         } else {
             error
         };
@@ -245,60 +247,64 @@ fn needing_range(document: &Node, object: &str, fields: &[&str]) -> Vec<Vec<Elem
         })
     };
     let places = places(document, object).into_iter();
-    let of_object = |(pointer, node): (String, &Node)| {
-        let fields = fields.iter();
-        fields.filter_map(|name| asked(&pointer, node, name)).collect()
-    };
-    places.map(of_object).collect()
+    places
+        .map(|(pointer, node): (String, &Node)| {
+            let fields = fields.iter();
+            fields.filter_map(|name| asked(&pointer, node, name)).collect()
+        })
+        .collect()
 }
 
 /// The requirements of the lights of each list.
 fn lamps(document: &Node) -> Vec<Vec<Element>> {
-    let of_item = |at: &Place, item: &Node| {
+    elements(document, "lights", |at: &Place, item: &Node| {
         let lights = item.alternatives(&at.pointer);
         let values = lights.len();
         let lamps = lights
             .into_iter()
             .filter(|(_, light)| light.get("position_m").is_some());
-        let ask = |(pointer, light): (String, &Node)| Ask {
-            pointer,
-            name: format!("the lamp {at}"),
-            value: light.canonical(),
-            part: ScenePart::Range,
-        };
         Element {
-            asks: lamps.map(ask).collect(),
+            asks: lamps
+                .map(|(pointer, light): (String, &Node)| Ask {
+                    pointer,
+                    name: format!("the lamp {at}"),
+                    value: light.canonical(),
+                    part: ScenePart::Range,
+                })
+                .collect(),
             values,
         }
-    };
-    elements(document, "lights", of_item)
+    })
 }
 
 /// The requirements of the artifacts of each list.
 fn artifacts(document: &Node) -> Vec<Vec<Element>> {
-    let of_item = |at: &Place, item: &Node| {
+    elements(document, "artifacts", |at: &Place, item: &Node| {
         let kinds = item.strings(&at.pointer);
         let values = kinds.len();
-        let ask = |(pointer, kind): (String, &str)| {
-            Some(Ask {
-                part: ArtifactKind::parse(kind)?.needs()?,
-                pointer,
-                name: format!("the artifact \"{kind}\""),
-                value: kind.into(),
-            })
-        };
         Element {
-            asks: kinds.into_iter().filter_map(ask).collect(),
+            asks: kinds
+                .into_iter()
+                .filter_map(|(pointer, kind): (String, &str)| {
+                    Some(Ask {
+                        part: ArtifactKind::parse(kind)?.needs()?,
+                        pointer,
+                        name: format!("the artifact \"{kind}\""),
+                        value: kind.into(),
+                    })
+                })
+                .collect(),
             values,
         }
-    };
-    elements(document, "artifacts", of_item)
+    })
 }
 
 fn elements(document: &Node, name: &str, of_item: impl Fn(&Place, &Node) -> Element) -> Vec<Vec<Element>> {
-    let of_list = |(at, items): (Place, &[Node])| {
-        let items = items.iter().enumerate();
-        items.map(|(i, item)| of_item(&at.item(i), item)).collect()
-    };
-    lists(document, name).into_iter().map(of_list).collect()
+    lists(document, name)
+        .into_iter()
+        .map(|(at, items): (Place, &[Node])| {
+            let items = items.iter().enumerate();
+            items.map(|(i, item)| of_item(&at.item(i), item)).collect()
+        })
+        .collect()
 }

@@ -42,21 +42,23 @@ impl Checker<'_> {
 /// The possible kinds of daylight; the rules do not depend on the numbers of a sky.
 fn daylights(document: &Node) -> Vec<Daylight> {
     let alternatives = places(document, "daylight").into_iter();
-    let daylight = |(_, node): (String, &Node)| Daylight::deserialize(node.value(&|law| law.draw(0))).ok();
-    let mut all: Vec<_> = alternatives.filter_map(daylight).collect();
+    let mut all: Vec<_> = alternatives
+        .filter_map(|(_, node): (String, &Node)| Daylight::deserialize(node.value(&|law| law.draw(0))).ok())
+        .collect();
     all.dedup();
     all
 }
 
 /// Maximum of `W H / f²` over the possible cameras.
 fn widest(document: &Node) -> Option<f64> {
-    let own = |(_, scene): &(String, &Node)| scene.get("family").is_some();
     let cameras = places(document, "camera").into_iter().filter_map(|(_, camera)| {
         let most = |name| camera.get(name).and_then(Node::greatest);
         let across = 2.0 * (0.5 * most("hfov_deg")?.to_radians()).tan();
         Some(across * across * most("height")? / camera.get("width").and_then(Node::least)?)
     });
-    cameras
-        .reduce(f64::max)
-        .filter(|_| places(document, "scene").iter().any(own))
+    cameras.reduce(f64::max).filter(|_| {
+        places(document, "scene")
+            .iter()
+            .any(|(_, scene): &(String, &Node)| scene.get("family").is_some())
+    })
 }

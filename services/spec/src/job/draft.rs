@@ -189,8 +189,12 @@ impl<'v> Draft<'v> {
 impl Checker<'_> {
     /// Without a site a description needs a scene.
     fn require_scene(&mut self, document: &Node) {
-        let is_wrong = |error: &FieldError| error.pointer.starts_with("/scene");
-        if document.get("scene").is_none() && !self.errors.iter().any(is_wrong) {
+        if document.get("scene").is_none()
+            && !self
+                .errors
+                .iter()
+                .any(|error: &FieldError| error.pointer.starts_with("/scene"))
+        {
             let message = "`scene` is missing: what the camera would see in air, or name a `site`";
             self.refuse(|| FieldError::new("/scene", message).limit("required"));
         }

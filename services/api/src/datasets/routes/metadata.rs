@@ -118,8 +118,10 @@ impl Table {
 }
 
 fn records(columns: &[String], rows: &[Value]) -> Vec<u8> {
-    let line = |row: &Value| record(columns.iter().map(|name| cell(row.get(name))));
-    rows.iter().map(line).collect::<String>().into_bytes()
+    rows.iter()
+        .map(|row: &Value| record(columns.iter().map(|name| cell(row.get(name)))))
+        .collect::<String>()
+        .into_bytes()
 }
 
 fn record(cells: impl Iterator<Item = String>) -> String {

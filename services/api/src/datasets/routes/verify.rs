@@ -105,8 +105,12 @@ impl VerifiedVersion {
                 .await?;
             let Some(last) = images.last() else { break };
             after = Some(last.frame);
-            let check = move || images.iter().map(Checked::new).collect::<Vec<_>>();
-            for image in datasets.processes.compute.run(check).await? {
+            for image in datasets
+                .processes
+                .compute
+                .run(move || images.iter().map(Checked::new).collect::<Vec<_>>())
+                .await?
+            {
                 self.images += 1;
                 tree.push(&image.digest);
                 for reason in image.wrong {

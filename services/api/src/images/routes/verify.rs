@@ -88,12 +88,15 @@ pub(crate) async fn verify(
         let artifact = images.artifact(&job, frame, &entry.kind).await?;
         artifacts.push(compared(&images, artifact, again.clone()).await?);
     }
-    let same = |artifact: &VerifiedArtifact| artifact.rerendered_digest.as_ref() == Some(&artifact.digest);
     Ok(Json(Verified {
         intact: artifacts
             .iter()
             .all(|artifact| artifact.stored == StoredBytes::Good),
-        reproduced: again.as_ref().map(|_| artifacts.iter().all(same)),
+        reproduced: again.as_ref().map(|_| {
+            artifacts.iter().all(|artifact: &VerifiedArtifact| {
+                artifact.rerendered_digest.as_ref() == Some(&artifact.digest)
+            })
+        }),
         differences: again.map_or_else(Vec::new, |again| differences(&image, &again)),
         artifacts,
     }))
@@ -116,8 +119,11 @@ async fn compared(
     let largest_difference = match (again, bytes) {
         (Some(again), Some(bytes)) => {
             let kind = entry.kind.clone();
-            let compare = move || again.bytes(&kind).and_then(|again| difference(&bytes, &again));
-            images.processes.compute.run(compare).await?
+            images
+                .processes
+                .compute
+                .run(move || again.bytes(&kind).and_then(|again| difference(&bytes, &again)))
+                .await?
         }
         _ => None,
     };

@@ -18,11 +18,15 @@ use crate::limits::{RECORDS_BATCH, ROWS_BATCH};
                content_type = "application/x-ndjson", body = String)))]
 pub(crate) async fn results(State(jobs): Topic<Jobs>, Path(id): Path<String>) -> Result<Response, Problem> {
     jobs.get(&id).await?;
-    let read = move |after| {
-        let (catalogue, id) = (Arc::clone(&jobs.catalogue), id.clone());
-        async move { catalogue.results(&id, after, RECORDS_BATCH).await }
-    };
-    by_frame(RECORDS_BATCH, read, |image: &Value| image["frame"].as_u64()).await
+    by_frame(
+        RECORDS_BATCH,
+        move |after| {
+            let (catalogue, id) = (Arc::clone(&jobs.catalogue), id.clone());
+            async move { catalogue.results(&id, after, RECORDS_BATCH).await }
+        },
+        |image: &Value| image["frame"].as_u64(),
+    )
+    .await
 }
 
 /// Get the failures of a job, in frame order.
@@ -33,9 +37,13 @@ pub(crate) async fn results(State(jobs): Topic<Jobs>, Path(id): Path<String>) ->
     responses((status = 200, description = "One `Failure` a line.", content_type = "application/x-ndjson", body = String)))]
 pub(crate) async fn errors(State(jobs): Topic<Jobs>, Path(id): Path<String>) -> Result<Response, Problem> {
     jobs.get(&id).await?;
-    let read = move |after| {
-        let (catalogue, id) = (Arc::clone(&jobs.catalogue), id.clone());
-        async move { catalogue.failures(&id, after, ROWS_BATCH).await }
-    };
-    by_frame(ROWS_BATCH, read, |failure: &FailureRow| Some(failure.frame)).await
+    by_frame(
+        ROWS_BATCH,
+        move |after| {
+            let (catalogue, id) = (Arc::clone(&jobs.catalogue), id.clone());
+            async move { catalogue.failures(&id, after, ROWS_BATCH).await }
+        },
+        |failure: &FailureRow| Some(failure.frame),
+    )
+    .await
 }

@@ -88,13 +88,15 @@ pub(crate) async fn preview(
         .run(move || resolved(&job, shown))
         .await??;
     let estimate = estimate(&jobs, &sample, frames).await?;
-    let view = |frame: Frame| ResolvedFrame {
-        frame: frame.index,
-        parameters: frame.parameters,
-    };
     Ok(Json(JobPreview {
         frames,
-        first: first.into_iter().map(view).collect(),
+        first: first
+            .into_iter()
+            .map(|frame: Frame| ResolvedFrame {
+                frame: frame.index,
+                parameters: frame.parameters,
+            })
+            .collect(),
         warnings,
         estimate,
     }))

@@ -216,8 +216,12 @@ fn records_that_were_changed_at_random_never_panic_and_none_passes_with_other_fa
             passed += 1;
             assert_eq!(changed.parameters, honest.parameters);
             assert_eq!(changed.provenance.code_version, honest.provenance.code_version);
-            let is_put = |entry: &ArtifactEntry| puts.iter().any(|put| put.entry == *entry);
-            assert!(changed.artifacts.iter().all(is_put));
+            assert!(
+                changed
+                    .artifacts
+                    .iter()
+                    .all(|entry: &ArtifactEntry| puts.iter().any(|put| put.entry == *entry))
+            );
         }
     }
     assert!(

@@ -141,11 +141,10 @@ impl LeaseTable {
             return None;
         }
         let about = &self.workers.get(worker)?.about;
-        let offered = |job: &str| {
+        if let Some(suspect) = self.suspects.due(now, |job: &str| {
             let job = self.jobs.get(job);
             job.is_some_and(|job| !job.held_back && self.rules.fits(job, about))
-        };
-        if let Some(suspect) = self.suspects.due(now, offered) {
+        }) {
             if self.leases.of_worker(worker).next().is_none() {
                 return self.grant_suspect(worker, now, token, &suspect);
             }
@@ -248,11 +247,12 @@ impl LeaseTable {
     #[must_use]
     pub fn cancelled_of(&self, worker: &str) -> Vec<u64> {
         let tokens = self.leases.tokens_of(worker).into_iter();
-        let is_news = |token: &u64| {
-            let lease = self.leases.get(*token);
-            lease.is_some_and(|lease| lease.cancelled && !lease.told)
-        };
-        tokens.filter(is_news).collect()
+        tokens
+            .filter(|token: &u64| {
+                let lease = self.leases.get(*token);
+                lease.is_some_and(|lease| lease.cancelled && !lease.told)
+            })
+            .collect()
     }
 
     /// Takes the open frames of a lease back without counting an attempt.

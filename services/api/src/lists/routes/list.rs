@@ -28,12 +28,16 @@ pub(crate) struct ListView {
 #[utoipa::path(get, path = "/v1/lists", tag = "lists", operation_id = "list_lists",
     responses((status = 200, description = "All lists, on one page.", body = Page<ListView>)))]
 pub(crate) async fn list() -> Json<Page<ListView>> {
-    let view = |list: &List| ListView {
-        name: list.name,
-        about: list.about,
-        places: list.places,
-        path: list.path(),
-        command: list.command(),
-    };
-    Json(Page::whole(List::all().iter().map(view).collect()))
+    Json(Page::whole(
+        List::all()
+            .iter()
+            .map(|list: &List| ListView {
+                name: list.name,
+                about: list.about,
+                places: list.places,
+                path: list.path(),
+                command: list.command(),
+            })
+            .collect(),
+    ))
 }

@@ -9,15 +9,17 @@ use crate::styles::Styles;
 pub(crate) async fn styles(State(styles): Topic<Styles>) -> Result<Protobuf<StylesResponse>, Problem> {
     let known = styles.known();
     let names = known.library.names();
-    let style = |name: &str| {
-        let model = known.library.get(name)?;
-        let card = serde_json::to_string(&model.card).map_err(|error| Problem::internal(&error));
-        Some(card.map(|card_json| Style {
-            name: name.to_owned(),
-            card_json,
-        }))
-    };
-    let styles = names.into_iter().filter_map(style).collect::<Result<_, _>>()?;
+    let styles = names
+        .into_iter()
+        .filter_map(|name: &str| {
+            let model = known.library.get(name)?;
+            let card = serde_json::to_string(&model.card).map_err(|error| Problem::internal(&error));
+            Some(card.map(|card_json| Style {
+                name: name.to_owned(),
+                card_json,
+            }))
+        })
+        .collect::<Result<_, _>>()?;
     Ok(Protobuf(StylesResponse { styles }))
 }
 
