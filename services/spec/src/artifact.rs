@@ -8,15 +8,20 @@ use crate::scene_parts::ScenePart;
 const PNG: &str = "image/png";
 
 /// Maximum length of a kind or media type, bytes.
-const MOST_NAME_BYTES: usize = 64;
+const MAX_NAME_BYTES: usize = 64;
 
 /// Whether a text is one media type and safe as a `Content-Type` header.
 #[must_use]
 pub fn is_media_type(text: &str) -> bool {
-    let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-+.".contains(&byte);
-    let plain = |part: &str| !part.is_empty() && part.bytes().all(plain);
     let parts = text.split_once('/');
-    text.len() <= MOST_NAME_BYTES && parts.is_some_and(|(kind, name)| plain(kind) && plain(name))
+    text.len() <= MAX_NAME_BYTES && parts.is_some_and(|(kind, name)| is_token(kind) && is_token(name))
+}
+
+fn is_token(text: &str) -> bool {
+    !text.is_empty()
+        && text
+            .bytes()
+            .all(|byte| byte.is_ascii_alphanumeric() || b"-+.".contains(&byte))
 }
 
 /// A file that can be stored for a frame.
@@ -105,16 +110,14 @@ impl ArtifactKind {
     #[must_use]
     pub fn about(&self) -> &'static str {
         match self {
-            Self::Rgb => "the result, 8 bit, in the format of `encode`",
+            Self::Rgb => "the final image, 8 bit, in the format of `encode`",
             Self::Clean => "the scene in air, 8 bit, in the format of `encode`",
-            Self::Direct => "light that arrives unscattered: NPY float32 [h, w, 3], linear, white = 1",
-            Self::ForwardScatter => {
-                "light that arrives scattered forward: NPY float32 [h, w, 3], linear, white = 1"
-            }
+            Self::Direct => "unscattered light: NPY float32 [h, w, 3], linear, white = 1",
+            Self::ForwardScatter => "forward-scattered light: NPY float32 [h, w, 3], linear, white = 1",
             Self::Backscatter => "veiling light along the ray: NPY float32 [h, w, 3], linear, white = 1",
-            Self::Scattered => "the picture after the water, 8 bit, in the format of `encode`",
-            Self::Styled => "what the style network made of it, 8 bit, in the format of `encode`",
-            Self::Hazed => "the picture after haze, the same as `rgb`",
+            Self::Scattered => "the image after the water, 8 bit, in the format of `encode`",
+            Self::Styled => "output of the style network, 8 bit, in the format of `encode`",
+            Self::Hazed => "the image after haze, the same as `rgb`",
             Self::Range => "range along the line of sight: 16-bit PNG, mm, 0 = hole",
             Self::Transmittance => "transmittance of the water along the ray, 0..1: NPY float32 [h, w, 3]",
             Self::Instances => "instance of each pixel, 0 = background: 8- or 16-bit PNG",
@@ -124,7 +127,7 @@ impl ArtifactKind {
             }
             Self::Normals => "unit normals in camera axes, right, down, ahead: NPY float32 [h, w, 3]",
             Self::Findings => {
-                "bits of the inspection findings that each pixel shows: 8-bit PNG; `findings` lists them"
+                "inspection findings visible in each pixel, as bits: 8-bit PNG; `findings` lists them"
             }
             Self::Boxes => {
                 "camera pose and the objects in view with category, box and visibility: JSON, m and px"
@@ -133,12 +136,14 @@ impl ArtifactKind {
             Self::Raw => {
                 "codes of the sensor: 16-bit PNG, a mosaic or RGB; black, gain and filters are in the record"
             }
-            Self::Valid => "where the camera looks into the picture: 8-bit PNG, 255 = inside, 0 = beyond",
+            Self::Valid => {
+                "part of the output covered by the uploaded image: 8-bit PNG, 255 = inside, 0 = outside"
+            }
             Self::Truth => {
                 "light by Monte Carlo, three planes, and its standard error, three planes: NPY float32 [h, w, 6], linear, white = 1"
             }
             Self::TruthReport => {
-                "what was traced, how well it is known, and how far the chain is from it: JSON"
+                "work and accuracy of the Monte Carlo light, and the deviation of the image chain: JSON"
             }
             Self::Enhanced(_) => "result of the enhancement, 8 bit, in the format of `encode`",
             Self::HscmMask => "circular mask of HSCM: 8-bit PNG",
@@ -227,7 +232,7 @@ impl ArtifactKind {
     /// Whether a text is the name of a kind and safe in paths and file names. Unknown methods are accepted.
     #[must_use]
     pub fn is_name(text: &str) -> bool {
-        text.len() <= MOST_NAME_BYTES
+        text.len() <= MAX_NAME_BYTES
             && text
                 .bytes()
                 .all(|byte: u8| byte.is_ascii_lowercase() || byte.is_ascii_digit() || b"._-".contains(&byte))

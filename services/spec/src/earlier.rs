@@ -5,8 +5,8 @@ use serde_json::Value;
 use crate::invalid::{FieldError, Invalid};
 
 /// Error text for a job of version 0.1.
-pub const EARLIER_VERSION: &str = "the job was described for version 0.1, and this version cannot render it again; its images can be \
-                                   listed and read, or rendered by version 0.1";
+pub const EARLIER_VERSION: &str = "the job is of version 0.1, which this version cannot render; its images can be listed and read, or \
+                                   rendered by version 0.1";
 
 /// Whether this is the canonical text of a job of version 0.1. Later ones have `daylight`, or several sites with it.
 #[must_use]

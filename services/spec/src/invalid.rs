@@ -80,7 +80,7 @@ impl FieldError {
     #[must_use]
     pub fn allowed<S: AsRef<str>>(mut self, names: impl IntoIterator<Item = S>, written: &str) -> Self {
         self.allowed = names.into_iter().map(|name| name.as_ref().to_owned()).collect();
-        self.did_you_mean = crate::suggest::nearest(written, &self.allowed);
+        self.did_you_mean = crate::suggest::nearest(written, &self.allowed).filter(|name| name != written);
         self
     }
 }
@@ -89,6 +89,7 @@ impl FieldError {
 pub(crate) fn quote(value: &Value) -> String {
     match value {
         Value::String(text) => format!("\"{}\"", shorten(text)),
+        Value::Array(items) if items.is_empty() => "an empty list".to_owned(),
         Value::Array(items) => format!("a list of {}", items.len()),
         Value::Object(_) => "an object".to_owned(),
         scalar => scalar.to_string(),

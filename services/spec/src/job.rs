@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 use imaging::digest::sha256;
 use serde_json::Value;
 
-use crate::check::{places, whole};
+use crate::check::{find_values, whole};
 use crate::earlier::refuse_earlier_version;
 use crate::frame::Frame;
 use crate::invalid::{FieldError, Invalid};
@@ -188,7 +188,7 @@ impl Job {
         let objects = self
             .documents
             .iter()
-            .flat_map(|document| places(&document.node, object));
+            .flat_map(|document| find_values(&document.node, object));
         let strings: BTreeSet<_> = objects
             .filter_map(|(_, object)| object.get(field))
             .flat_map(|node| node.strings(""))

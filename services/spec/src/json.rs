@@ -5,6 +5,7 @@
 use std::fmt;
 
 use serde::de::{DeserializeSeed, Error, MapAccess, SeqAccess, Visitor};
+use serde_json::error::Category;
 use serde_json::{Map, Number, Value};
 
 use crate::invalid::{FieldError, Invalid, MAX_ERRORS, quote};
@@ -37,7 +38,10 @@ pub fn read(bytes: &[u8]) -> Result<Value, Invalid> {
         Ok(_) => Err(Invalid(reader.duplicates)),
         Err(error) => Err(Invalid(vec![FieldError::new(
             &pointer(&reader.path),
-            format!("not valid JSON: {error}"),
+            match error.classify() {
+                Category::Data => error.to_string(),
+                _ => format!("not valid JSON: {error}"),
+            },
         )])),
     }
 }
@@ -130,8 +134,11 @@ impl<'de> Visitor<'de> for Seed<'_> {
             enter(self.0, key.clone())?;
             let value = entries.next_value_seed(Seed(self.0))?;
             if map.contains_key(&key) {
-                let error =
-                    FieldError::new(&pointer(&self.0.path), format!("`{key}` stands twice")).value(&value);
+                let error = FieldError::new(
+                    &pointer(&self.0.path),
+                    format!("`{key}` occurs twice; remove one"),
+                )
+                .value(&value);
                 if self.0.duplicates.len() < MAX_ERRORS {
                     self.0.duplicates.push(error);
                 }
@@ -155,7 +162,7 @@ fn enter<E: Error>(reader: &mut Reader, key: String) -> Result<(), E> {
 /// The kind of a JSON value, for messages.
 pub(crate) fn describe(value: &Value) -> String {
     match value {
-        Value::Null => "null; leave the field out instead".to_owned(),
+        Value::Null => "null; omit the field instead".to_owned(),
         Value::String(_) => format!("the string {}", quote(value)),
         other => quote(other),
     }

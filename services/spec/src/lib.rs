@@ -73,7 +73,7 @@ pub use own_water::{JERLOV_TYPES, OwnWater};
 pub use recent::RecentJobs;
 pub use record::{ArtifactEntry, Counts, FrameRecord, Promise, Provenance, RecordOf, job_digest};
 pub use record_text::{BriefRecord, RecordText, Sound};
-pub use rules::{CameraRules, Fault, Sight, WaterRules};
+pub use rules::{CameraRules, Fault, WaterConditions, WaterRules};
 pub use scene_files::{RangeFile, RangeKind, SceneFiles};
 pub use scene_parts::{ScenePart, SceneParts, Uploads};
 pub use scene_record::{InstanceRecord, LensRecord, SceneRecord};

@@ -26,7 +26,7 @@ pub const REMOVED: &[Removed] = &[
     field("scene.light", "`scene.lighting`: \"in_air\" or \"water\""),
     field(
         "camera.motion.samples",
-        "remove it: 8 pictures along the path are averaged",
+        "remove it: 8 images along the path are averaged",
     ),
     field("camera.motion.exposure_s", "`camera.exposure_s`"),
     field("camera.rolling", "`camera.readout_s`"),
@@ -47,7 +47,7 @@ pub const REMOVED: &[Removed] = &[
     ),
     field(
         "camera.sensor.shot",
-        "remove it: every sensor but the preset `ideal` counts electrons",
+        "remove it: every sensor except the preset `ideal` counts electrons",
     ),
     field(
         "camera.vignette.v1",
@@ -59,7 +59,7 @@ pub const REMOVED: &[Removed] = &[
     ),
     field(
         "camera.jpeg.measured",
-        "remove it: metrics and enhancements take the compressed picture",
+        "remove it: metrics and enhancements use the compressed image",
     ),
     field(
         "water.ambient",
@@ -76,11 +76,11 @@ pub const REMOVED: &[Removed] = &[
     field("water.from_above.q", DERIVED),
     field(
         "water.from_above.surfaces",
-        "`scene.lighting`: \"water\" lights the surfaces, \"in_air\" leaves them as they are",
+        "`scene.lighting`: \"water\" lights the surfaces, \"in_air\" leaves them unchanged",
     ),
     field(
         "water.from_above.sun_share",
-        "`daylight.cloud_cover` and `daylight.sun_elevation_deg`, which it follows from",
+        "`daylight.cloud_cover` and `daylight.sun_elevation_deg`, which determine it",
     ),
     field(
         "water.from_above.sun",
@@ -98,11 +98,11 @@ pub const REMOVED: &[Removed] = &[
     field("water.from_above.ambient_rays", PLANNED),
     field(
         "water.from_above.caustics",
-        "`daylight.wind_m_per_s`, which the waves follow from",
+        "`daylight.wind_m_per_s`, which determines the waves",
     ),
     field(
         "water.from_above.shafts",
-        "remove it: shafts follow from `daylight` and the waves",
+        "remove it: `daylight` and the waves determine the shafts",
     ),
     field("water.multiple", PLANNED),
     field("water.glow_phase", "`water.optics.phase`: \"ff\" or \"hg\""),
@@ -113,7 +113,7 @@ pub const REMOVED: &[Removed] = &[
     field("water.style_tier", PLANNED),
     field(
         "water.optics.forward_scatter.spread",
-        "remove it: two kernels follow from a and b where no `forward_scatter` is given",
+        "remove it: without `forward_scatter`, two kernels are derived from a and b",
     ),
     field("water.optics.forward_scatter.law", "`water.optics.phase`"),
     field("water.optics.forward_scatter.occlusion", PLANNED),
@@ -147,7 +147,7 @@ pub const REMOVED: &[Removed] = &[
     ),
     field(
         "png_text",
-        "remove it: PNG files always name their kind, unit and meaning",
+        "remove it: PNG files always contain their kind, unit and meaning",
     ),
     field("truth.block", "remove it: errors count in blocks of 8 pixels"),
     field("truth.seed", "remove it: the paths follow `seed`"),
@@ -181,6 +181,16 @@ const fn value(path: &'static str, value: &'static str, now: &'static str) -> Re
         path,
         value: Some(value),
         now,
+    }
+}
+
+impl Removed {
+    /// The replacement as an instruction.
+    pub(crate) fn instruction(&self) -> String {
+        match self.now.starts_with(['`', '"']) {
+            true => format!("use {}", self.now),
+            false => self.now.to_owned(),
+        }
     }
 }
 
@@ -235,14 +245,23 @@ mod tests {
         parts.collect()
     }
 
-    /// After a change of the table, copy the output of the failure.
+    /// `FATHOM_WRITE=1 cargo test -p spec` updates the table.
     #[test]
     fn the_migration_table_of_the_documentation_is_up_to_date() {
-        let written = include_str!("../../../docs/migration.md");
-        assert!(
-            written.contains(&markdown()),
-            "docs/migration.md should hold:\n{}",
-            markdown()
-        );
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/migration.md");
+        let text = std::fs::read_to_string(path).unwrap();
+        let table = text.find("| up to 0.1 |").unwrap();
+        let end = text[table..]
+            .find("\n\n")
+            .map_or(text.len(), |end| table + end + 1);
+        let updated = format!("{}{}{}", &text[..table], markdown(), &text[end..]);
+        if std::env::var_os("FATHOM_WRITE").is_some() {
+            std::fs::write(path, updated).unwrap();
+        } else {
+            assert!(
+                text == updated,
+                "docs/migration.md is out of date: run FATHOM_WRITE=1 cargo test -p spec"
+            );
+        }
     }
 }

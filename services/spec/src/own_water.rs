@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 use spec_derive::Described;
 
-use crate::check::{Checker, Place};
+use crate::check::{Checker, Location};
 use crate::described::Described;
 use crate::invalid::{FieldError, Invalid};
 use crate::json;
@@ -78,7 +78,7 @@ impl OwnWater {
         let value = json::read(bytes)?;
         let vocabulary = Vocabulary::default();
         let mut checker = Checker::new(&vocabulary, 0);
-        let Some(node) = checker.node(&Place::default(), &Self::SHAPE, false, &value) else {
+        let Some(node) = checker.check(&Location::default(), &Self::SHAPE, false, &value) else {
             return Err(Invalid(checker.errors));
         };
         let water = Self::deserialize(node.canonical()).unwrap_or_default();
@@ -128,25 +128,23 @@ fn new_errors(faults: &[Fault], errors: &[FieldError]) -> Vec<FieldError> {
         "/diffuse_attenuation_per_m",
     ]
     .into_iter()
-    .any(|field: &str| errors.iter().any(|error| error.pointer.starts_with(field)));
-    let pointer = |fault: &Fault| {
-        fault
-            .path
-            .iter()
-            .map(|step| format!("/{step}"))
-            .collect::<String>()
-    };
-    let has_error = |fault: &&Fault| {
-        let at = pointer(fault);
-        let below = format!("{at}/");
-        let is_there =
-            |error: &FieldError| error.pointer == at || !at.is_empty() && error.pointer.starts_with(&below);
-        errors.iter().any(is_there)
-    };
+    .any(|field| errors.iter().any(|error| error.pointer.starts_with(field)));
     faults
         .iter()
         .filter(|fault| !(in_numbers && fault.missing))
-        .filter(|fault| !has_error(fault))
-        .map(|fault| FieldError::new(&pointer(fault), fault.message.clone()))
+        .map(|fault| {
+            let pointer: String = fault.path.iter().map(|step| format!("/{step}")).collect();
+            FieldError::new(&pointer, fault.message.clone())
+        })
+        .filter(|new| {
+            !errors
+                .iter()
+                .any(|error| is_at_or_below(&error.pointer, &new.pointer))
+        })
         .collect()
+}
+
+fn is_at_or_below(pointer: &str, parent: &str) -> bool {
+    let rest = pointer.strip_prefix(parent);
+    rest.is_some_and(|rest| rest.is_empty() || !parent.is_empty() && rest.starts_with('/'))
 }

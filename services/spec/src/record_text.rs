@@ -26,7 +26,7 @@ impl RecordText {
     /// The parser's error.
     pub fn read(text: String) -> Result<Self, serde_json::Error> {
         let record: BriefRecord = serde_json::from_str(&text)?;
-        let parameters = parameters(&text)?;
+        let parameters = find_parameters(&text)?;
         Ok(Self {
             digest: record.digest_with(parameters),
             record,
@@ -68,13 +68,18 @@ impl<'de> Deserialize<'de> for RecordText {
 
 /// The text of the parameters. In canonical text only a quote and a colon separate a name from its value, and a comma
 /// and a quote precede the next name. The parameters are never the last field.
-fn parameters(text: &str) -> Result<&str, serde_json::Error> {
+fn find_parameters(text: &str) -> Result<&str, serde_json::Error> {
     let mut deserializer = serde_json::Deserializer::from_str(text);
     let names = deserializer.deserialize_map(Names)?;
-    let place = |name: &str| name.as_ptr().addr() - text.as_ptr().addr();
-    let found = names.map(|(name, next)| place(name) + name.len() + 2..place(next).saturating_sub(2));
-    let parameters = found.and_then(|range| text.get(range));
-    parameters.ok_or_else(|| Error::custom("a record in another form than the canonical one"))
+    let found = names.and_then(|(name, next)| {
+        let start = offset(text, name) + name.len() + 2;
+        text.get(start..offset(text, next).saturating_sub(2))
+    });
+    found.ok_or_else(|| Error::custom("the record is not in canonical form"))
+}
+
+fn offset(text: &str, part: &str) -> usize {
+    part.as_ptr().addr() - text.as_ptr().addr()
 }
 
 /// Finds the key of the parameters in the text, and the key after it.
@@ -205,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_record_is_refused() {
+    fn malformed_records_are_rejected() {
         let text = serde_json::to_value(record()).unwrap().to_string();
         let wrong = [
             text.replace("0.1", "1e999"),

@@ -9,7 +9,7 @@ use crate::water::{Optics, Water};
 #[derive(Debug, Clone, Copy)]
 pub struct WaterRules {
     /// Returns the faults of a water under the given conditions.
-    pub faults: fn(&Water, Sight) -> Vec<Fault>,
+    pub faults: fn(&Water, WaterConditions) -> Vec<Fault>,
     /// Returns a warning about valid optics.
     pub warning: fn(&Optics) -> Option<String>,
 }
@@ -42,7 +42,7 @@ impl Default for CameraRules {
 
 /// Conditions for checking a water.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sight {
+pub struct WaterConditions {
     /// Whether lamps light it.
     pub lamps: bool,
     /// Daylight above it.

@@ -79,7 +79,7 @@ fn lay_out(path: &str, shape: &Shape, rows: &mut Vec<Row>) {
                     .join(", "),
                 presence: *presence,
                 laws: false,
-                doc: "decides which other fields there are".to_owned(),
+                doc: "selects the other fields".to_owned(),
             });
             lay_out_options(path, options, rows);
         }

@@ -42,7 +42,7 @@ impl Default for Truth {
 pub enum TooMuch {
     /// The paths exceed the limit without a budget.
     #[error(
-        "`truth` may take {paths} paths of each of {pixels} pixels, the limit is {MOST_WORK} in all without `truth.budget_s`"
+        "`truth` can need {paths} paths for each of {pixels} pixels, the limit without `truth.budget_s` is {MOST_WORK} in total"
     )]
     NeedsBudget {
         /// Pixels of the frame.
@@ -52,7 +52,7 @@ pub enum TooMuch {
     },
     /// The budget is too small for the first batch of paths.
     #[error(
-        "`truth.budget_s` is {budget_s}, but the first {LEAST_PATHS} paths of {pixels} pixels take {least_s}"
+        "`truth.budget_s` is {budget_s}, but the first {LEAST_PATHS} paths of {pixels} pixels need {least_s} s"
     )]
     BudgetTooSmall {
         /// The budget, s.
@@ -126,7 +126,7 @@ mod tests {
         let truth = Truth::default();
         assert_eq!(truth.most_paths(65_536), Ok((65_536, false)));
         let refused = truth.most_paths(65_537).map_err(|wrong| wrong.to_string());
-        assert!(refused.unwrap_err().contains("the limit is 4294967296"));
+        assert!(refused.unwrap_err().contains("is 4294967296 in total"));
         let paid = |budget_s| {
             Truth {
                 budget_s: Some(budget_s),
@@ -139,6 +139,6 @@ mod tests {
         assert_eq!(paid(19.1), Ok((16, true)));
         assert_eq!(paid(19.3), Ok((32, true)));
         assert_eq!(paid(1e6), Ok((65_536, false)));
-        assert!(paid(9.5).unwrap_err().to_string().contains("take 9.6"));
+        assert!(paid(9.5).unwrap_err().to_string().contains("need 9.6"));
     }
 }

@@ -2,13 +2,13 @@
 
 use serde::Deserialize;
 
-use crate::check::places;
+use crate::check::find_values;
 use crate::node::{Law, LawNode, Node};
 use crate::vocabulary::Vocabulary;
 use crate::water::Optics;
 
 pub(crate) fn find(document: &Node, vocabulary: &Vocabulary) -> Vec<String> {
-    let waters = places(document, "water");
+    let waters = find_values(document, "water");
     let mut warnings: Vec<_> = waters
         .iter()
         .filter_map(|(_, water)| optics(water, vocabulary))
@@ -16,7 +16,7 @@ pub(crate) fn find(document: &Node, vocabulary: &Vocabulary) -> Vec<String> {
     let values = document.laws().into_iter().flat_map(|law| law.values());
     if let Some(axis) = values.flat_map(Node::laws).find(|law| is_axis(law)) {
         warnings.push(format!(
-            "the grid at {} multiplies the frames even where its place is not chosen",
+            "the grid at {} multiplies the frames even if its choice is not drawn",
             axis.pointer
         ));
     }

@@ -203,7 +203,7 @@ pub enum HoleRule {
     #[field(
         within(0.001, 100_000.0),
         unit = "m",
-        untraced = "a hole is open water, whatever range stands for it"
+        untraced = "a hole is traced as open water"
     )]
     RangeM(f64),
 }

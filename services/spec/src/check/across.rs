@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use serde_json::Value;
 
 use super::Checker;
-use super::places::places;
 use super::present::Contents;
+use super::values::find_values;
 use crate::invalid::FieldError;
 use crate::node::Node;
 use crate::schema::describe;
@@ -19,23 +19,23 @@ const NEEDS: [(&str, [&str; 2]); 2] = [
 
 impl Checker<'_> {
     /// Checks a description without its invalid fields.
-    pub(crate) fn across(&mut self, document: &Node) {
+    pub(crate) fn check_across(&mut self, document: &Node) {
         let contents = Contents::read(document);
-        self.rules(&contents);
-        self.camera(document);
-        self.haze_spaces(document);
-        self.daylight(document, &contents);
-        self.artifacts(document, &contents);
-        self.truth_work(document, &contents);
+        self.check_rules(&contents);
+        self.check_image(document);
+        self.check_haze(document);
+        self.check_daylight(document, &contents);
+        self.check_artifacts(document, &contents);
+        self.check_truth_work(document, &contents);
     }
 
     /// Artifacts that need another part of the frame.
-    fn artifacts(&mut self, document: &Node, contents: &Contents<'_>) {
+    fn check_artifacts(&mut self, document: &Node, contents: &Contents<'_>) {
         for (artifact, paths) in NEEDS {
             if paths.iter().any(|path| contents.has_given(path, None)) {
                 continue;
             }
-            for (pointer, list) in places(document, "artifacts") {
+            for (pointer, list) in find_values(document, "artifacts") {
                 let Node::List(items) = list else { continue };
                 let kinds = items.iter().enumerate();
                 for (pointer, kind) in kinds.flat_map(|(i, item)| item.strings(&format!("{pointer}/{i}"))) {
@@ -52,11 +52,11 @@ impl Checker<'_> {
         if document.get("enhance").is_none() {
             return;
         }
-        let runs: Vec<_> = places(document, "enhance")
+        let runs: Vec<_> = find_values(document, "enhance")
             .iter()
-            .map(|(_, list)| certain(list))
+            .map(|(_, list)| certain_names(list))
             .collect();
-        for (pointer, list) in places(document, "artifacts") {
+        for (pointer, list) in find_values(document, "artifacts") {
             let Node::List(items) = list else { continue };
             for (position, item) in items.iter().enumerate() {
                 for (pointer, kind) in item.strings(&format!("{pointer}/{position}")) {
@@ -77,7 +77,7 @@ impl Checker<'_> {
 }
 
 /// The names that a list contains in every frame.
-fn certain(list: &Node) -> BTreeSet<&str> {
+fn certain_names(list: &Node) -> BTreeSet<&str> {
     let Node::List(items) = list else {
         return BTreeSet::new();
     };

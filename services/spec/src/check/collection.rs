@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 
 use serde_json::{Map, Value, json};
 
-use super::{Checker, Place};
+use super::{Checker, Location};
 use crate::invalid::{FieldError, quote};
 
 pub(super) const KIND: &str = "collection";
@@ -13,9 +13,9 @@ pub(super) const KIND: &str = "collection";
 impl Checker<'_> {
     /// Returns the object of a collection with the ids of its scenes: `{"grid": […]}` with `each`, else a choice.
     /// `None` for other objects and if the ids are present.
-    pub(super) fn with_scenes(
+    pub(super) fn expand_collection(
         &mut self,
-        at: &Place,
+        location: &Location,
         kind: &str,
         map: &Map<String, Value>,
     ) -> Option<Map<String, Value>> {
@@ -25,13 +25,10 @@ impl Checker<'_> {
         }
         let Some(ids) = self.vocabulary.collections.get(name) else {
             let known: Vec<String> = self.vocabulary.collections.keys().cloned().collect();
-            let (at, value) = (at.field("name"), Value::from(name));
-            let message = format!(
-                "{at} {} is not a collection of uploaded scenes here",
-                quote(&value)
-            );
+            let (location, value) = (location.field("name"), Value::from(name));
+            let message = format!("{location} {} is not a collection of this service", quote(&value));
             self.refuse(|| {
-                FieldError::new(&at.pointer, message)
+                FieldError::new(&location.pointer, message)
                     .value(&value)
                     .allowed(known, name)
             });

@@ -53,10 +53,10 @@ impl Checker<'_> {
         let varied = if node.laws().is_empty() {
             String::new()
         } else {
-            format!("a {name} that the distributions can yield: ")
+            format!("a possible {name} of the distributions: ")
         };
         let mut found = BTreeSet::new();
-        each_draw(node, frames, &mut |draw| {
+        try_draws(node, frames, &mut |draw| {
             let Ok(values) = T::deserialize(node.value(&draw)) else {
                 return;
             };
@@ -74,8 +74,8 @@ impl Checker<'_> {
 type Draw<'d> = dyn Fn(&LawNode) -> Drawn + 'd;
 
 /// Calls `found` with drawing functions for a part: at the extremes, then for the first of `frames` frames.
-fn each_draw(node: &Node, frames: u64, found: &mut dyn FnMut(&Draw<'_>)) {
-    for extremes in extremes(node) {
+fn try_draws(node: &Node, frames: u64, found: &mut dyn FnMut(&Draw<'_>)) {
+    for extremes in combine_extremes(node) {
         found(&|law: &LawNode| extremes.draw(law));
     }
     let tried = if node.laws().is_empty() {
@@ -89,14 +89,14 @@ fn each_draw(node: &Node, frames: u64, found: &mut dyn FnMut(&Draw<'_>)) {
 }
 
 /// Combinations of extremes; one without distributions.
-fn extremes(node: &Node) -> Vec<Extremes<'_>> {
+fn combine_extremes(node: &Node) -> Vec<Extremes<'_>> {
     let mut laws = node.laws();
     laws.retain(|law| law.extreme_count() > 1);
     let product = laws
         .iter()
         .try_fold(1_usize, |product, law| product.checked_mul(law.extreme_count()));
     if product.is_none_or(|product| product > EXTREMES_TRIED) {
-        return one_at_a_time(&laws);
+        return vary_one_by_one(&laws);
     }
     laws.iter().fold(vec![Extremes::default()], |combinations, law| {
         let mut wider = Vec::with_capacity(combinations.len() * law.extreme_count());
@@ -117,17 +117,17 @@ fn extremes(node: &Node) -> Vec<Extremes<'_>> {
     })
 }
 
-fn one_at_a_time<'a>(laws: &[&'a LawNode]) -> Vec<Extremes<'a>> {
+fn vary_one_by_one<'a>(laws: &[&'a LawNode]) -> Vec<Extremes<'a>> {
     let mut combinations = Vec::new();
     for law in laws {
-        let way = way_to(&law.pointer, laws);
+        let enclosing = enclosing_choices(&law.pointer, laws);
         for (last, position) in
             (0..law.extreme_count()).flat_map(|position| [(false, position), (true, position)])
         {
             if combinations.len() == EXTREMES_TRIED {
                 return combinations;
             }
-            let named = way
+            let named = enclosing
                 .iter()
                 .copied()
                 .chain([(law.pointer.as_str(), position)])
@@ -139,7 +139,7 @@ fn one_at_a_time<'a>(laws: &[&'a LawNode]) -> Vec<Extremes<'a>> {
 }
 
 /// The selections of the enclosing choices and grids that activate a distribution.
-fn way_to<'a>(pointer: &str, laws: &[&'a LawNode]) -> Vec<(&'a str, usize)> {
+fn enclosing_choices<'a>(pointer: &str, laws: &[&'a LawNode]) -> Vec<(&'a str, usize)> {
     laws.iter()
         .filter_map(|outer: &&'a LawNode| {
             let inside = pointer.strip_prefix(outer.pointer.as_str())?.strip_prefix('/')?;

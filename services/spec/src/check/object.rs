@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value};
 
-use super::{Checker, Place, collection};
+use super::{Checker, Location, collection};
 use crate::invalid::FieldError;
 use crate::json::describe;
 use crate::migration;
@@ -10,13 +10,23 @@ use crate::node::{Node, float};
 use crate::schema::{Field, MAX_LABEL_KEY, MAX_LABEL_TEXT, MAX_LABELS, Presence, Shape, Variant};
 
 impl Checker<'_> {
-    pub(super) fn object(&mut self, at: &Place, fields: &[Field], map: &Map<String, Value>) -> Node {
+    pub(super) fn check_object(
+        &mut self,
+        location: &Location,
+        fields: &[Field],
+        map: &Map<String, Value>,
+    ) -> Node {
         let names: Vec<_> = fields.iter().map(|field| field.name).collect();
-        self.refuse_unknown(at, &names, map, |_| None);
-        Node::Object(self.fields(at, fields, map))
+        self.refuse_unknown(location, &names, map, |_| None);
+        Node::Object(self.check_fields(location, fields, map))
     }
 
-    pub(super) fn one_of(&mut self, at: &Place, fields: &[Field], map: &Map<String, Value>) -> Option<Node> {
+    pub(super) fn check_one_of(
+        &mut self,
+        location: &Location,
+        fields: &[Field],
+        map: &Map<String, Value>,
+    ) -> Option<Node> {
         let names: Vec<_> = fields.iter().map(|field| field.name).collect();
         let present: Vec<_> = fields
             .iter()
@@ -26,13 +36,13 @@ impl Checker<'_> {
         if present.len() == 1
             || map
                 .keys()
-                .any(|key: &String| migration::find_field(&at.field(key).path("[]"), None).is_some())
+                .any(|key: &String| migration::find_field(&location.field(key).path("[]"), None).is_some())
         {
-            self.refuse_unknown(at, &names, map, |_| None);
-            return Some(Node::Object(self.fields(at, &present, map)));
+            self.refuse_unknown(location, &names, map, |_| None);
+            return Some(Node::Object(self.check_fields(location, &present, map)));
         }
         let message = format!(
-            "{at} must hold exactly one of {}, but holds {}",
+            "{location} must have exactly one of {}, but has {}",
             names.join(", "),
             present.len()
         );
@@ -41,16 +51,16 @@ impl Checker<'_> {
             .find(|key| !names.contains(&key.as_str()))
             .map_or("", String::as_str);
         self.refuse(|| {
-            FieldError::new(&at.pointer, message)
+            FieldError::new(&location.pointer, message)
                 .limit("exactly one")
                 .allowed(names, written)
         });
         None
     }
 
-    pub(super) fn tagged(
+    pub(super) fn check_tagged(
         &mut self,
-        at: &Place,
+        location: &Location,
         tag: &'static str,
         presence: Presence,
         options: &[Variant],
@@ -59,16 +69,16 @@ impl Checker<'_> {
         let written = match (map.get(tag), presence) {
             (None, Presence::Default(text)) => parse_default(text),
             (Some(value), _) => value.clone(),
-            (None, _) => return self.refuse_tag(&at.field(tag), options, None),
+            (None, _) => return self.refuse_tag(&location.field(tag), options, None),
         };
         let Value::String(written) = &written else {
-            return self.refuse_tag(&at.field(tag), options, Some(&written));
+            return self.refuse_tag(&location.field(tag), options, Some(&written));
         };
         let Some(option) = options
             .iter()
             .find(|option| option.name == *written && self.offers(option))
         else {
-            return self.refuse_tag(&at.field(tag), options, Some(&written.as_str().into()));
+            return self.refuse_tag(&location.field(tag), options, Some(&written.as_str().into()));
         };
         let names: Vec<_> = option
             .fields
@@ -76,29 +86,34 @@ impl Checker<'_> {
             .map(|field| field.name)
             .chain([tag])
             .collect();
-        self.refuse_unknown(at, &names, map, |key| {
+        self.refuse_unknown(location, &names, map, |key| {
             let owner = options
                 .iter()
                 .find(|other: &&Variant| other.fields.iter().any(|field| field.name == key))?
                 .name;
             Some(format!(
-                "`{key}` goes with {tag} \"{owner}\", not with \"{written}\""
+                "`{key}` belongs to {tag} \"{owner}\", not to \"{written}\""
             ))
         });
-        let with_scenes = self.with_scenes(at, written, map);
-        let mut fields = self.fields(at, option.fields, with_scenes.as_ref().unwrap_or(map));
+        let with_scenes = self.expand_collection(location, written, map);
+        let mut fields = self.check_fields(location, option.fields, with_scenes.as_ref().unwrap_or(map));
         fields.push((tag.to_owned(), Node::Constant(written.as_str().into())));
         Some(Node::Object(fields))
     }
 
-    fn refuse_tag(&mut self, at: &Place, options: &[Variant], value: Option<&Value>) -> Option<Node> {
+    fn refuse_tag(
+        &mut self,
+        location: &Location,
+        options: &[Variant],
+        value: Option<&Value>,
+    ) -> Option<Node> {
         let allowed: Vec<_> = options
             .iter()
             .filter(|option| self.offers(option))
             .map(|option| option.name)
             .collect();
         self.refuse(|| match value {
-            None => FieldError::new(&at.pointer, format!("{at} is missing"))
+            None => FieldError::new(&location.pointer, format!("{location} is missing"))
                 .limit("required")
                 .allowed(allowed, ""),
             Some(Value::String(name)) => {
@@ -110,18 +125,21 @@ impl Checker<'_> {
                     true => "works only with `fathom render`",
                     false => "is not known",
                 };
-                let message = format!("{at} {} {why}", crate::invalid::quote(&name.as_str().into()));
-                FieldError::new(&at.pointer, message)
+                let message = format!(
+                    "{location} {} {why}",
+                    crate::invalid::quote(&name.as_str().into())
+                );
+                FieldError::new(&location.pointer, message)
                     .value(&name.as_str().into())
                     .allowed(allowed, name)
             }
             Some(other) => {
                 let message = format!(
-                    "{at} decides which fields there are: it must be a string, but is {}; \
-                    a choice of whole objects can vary it",
+                    "{location} selects the other fields and must be a string, but is {}; \
+                    to vary it, use a choice of whole objects",
                     describe(other)
                 );
-                FieldError::new(&at.pointer, message)
+                FieldError::new(&location.pointer, message)
                     .value(other)
                     .allowed(allowed, "")
             }
@@ -139,37 +157,43 @@ impl Checker<'_> {
     }
 
     /// Checks an object, or a string in place of its field `field`.
-    pub(super) fn short(&mut self, at: &Place, field: &str, fields: &[Field], value: &Value) -> Option<Node> {
-        let numbers = self.own_water(value);
+    pub(super) fn check_short(
+        &mut self,
+        location: &Location,
+        field: &str,
+        fields: &[Field],
+        value: &Value,
+    ) -> Option<Node> {
+        let numbers = self.expand_own_water(value);
         let checked = match numbers.as_ref().unwrap_or(value) {
-            Value::Object(map) => self.object(at, fields, map),
+            Value::Object(map) => self.check_object(location, fields, map),
             Value::String(_) => {
                 let (own, others): (Vec<Field>, Vec<Field>) = fields
                     .iter()
                     .copied()
                     .partition(|candidate| candidate.name == field);
-                let node = self.node(at, &own.first()?.shape, false, value)?;
-                let mut nodes = self.fields(at, &others, &Map::new());
+                let node = self.check(location, &own.first()?.shape, false, value)?;
+                let mut nodes = self.check_fields(location, &others, &Map::new());
                 nodes.push((field.to_owned(), node));
                 Node::Object(nodes)
             }
-            _ => return self.wrong_kind(at, &Shape::Short("", &[]), true, value),
+            _ => return self.refuse_kind(location, &Shape::Short("", &[]), true, value),
         };
-        self.refuse_unrenderable(at, &checked, value.is_object());
+        self.refuse_unrenderable(location, &checked, value.is_object());
         Some(checked)
     }
 
-    pub(super) fn labels(&mut self, at: &Place, map: &Map<String, Value>) -> Option<Node> {
+    pub(super) fn check_labels(&mut self, location: &Location, map: &Map<String, Value>) -> Option<Node> {
         if map.len() > MAX_LABELS {
-            let message = format!("{at} has {} entries, the limit is {MAX_LABELS}", map.len());
+            let message = format!("{location} has {} entries, the limit is {MAX_LABELS}", map.len());
             self.refuse(|| {
-                FieldError::new(&at.pointer, message).limit(format!("at most {MAX_LABELS} entries"))
+                FieldError::new(&location.pointer, message).limit(format!("at most {MAX_LABELS} entries"))
             });
             return None;
         }
         let mut labels = Vec::new();
         for (key, value) in map {
-            let at = at.field(key);
+            let location = location.field(key);
             if key.is_empty()
                 || key.len() > MAX_LABEL_KEY
                 || !key
@@ -178,10 +202,11 @@ impl Checker<'_> {
             {
                 let limit = format!("1 to {MAX_LABEL_KEY} of A-Z a-z 0-9 _ . -");
                 self.refuse(|| {
-                    FieldError::new(&at.pointer, format!("{at}: the name must be {limit}")).limit(limit)
+                    FieldError::new(&location.pointer, format!("{location}: the name must be {limit}"))
+                        .limit(limit)
                 });
             }
-            if let Some(node) = self.node(&at, &Shape::Scalar, true, value) {
+            if let Some(node) = self.check(&location, &Shape::Scalar, true, value) {
                 labels.push((key.clone(), node));
             }
         }
@@ -189,7 +214,7 @@ impl Checker<'_> {
     }
 
     /// Checks a label. A whole number is stored the same way, whether written 2 or 2.0.
-    pub(super) fn scalar(&mut self, at: &Place, value: &Value) -> Option<Node> {
+    pub(super) fn check_scalar(&mut self, location: &Location, value: &Value) -> Option<Node> {
         match value {
             Value::Bool(_) => Some(Node::Constant(value.clone())),
             Value::Number(number) => Some(
@@ -201,25 +226,25 @@ impl Checker<'_> {
             Value::String(text) if text.chars().count() <= MAX_LABEL_TEXT => {
                 Some(Node::Constant(value.clone()))
             }
-            Value::String(_) => self.out_of_range(at, value, &format!("at most {MAX_LABEL_TEXT} characters")),
-            _ => self.wrong_kind(at, &Shape::Scalar, true, value),
+            Value::String(_) => self.refuse_range(location, value, &format!("{MAX_LABEL_TEXT} characters")),
+            _ => self.refuse_kind(location, &Shape::Scalar, true, value),
         }
     }
 
     fn refuse_unknown(
         &mut self,
-        at: &Place,
+        location: &Location,
         names: &[&str],
         map: &Map<String, Value>,
         note: impl Fn(&str) -> Option<String>,
     ) {
         for (key, value) in map.iter().filter(|(key, _)| !names.contains(&key.as_str())) {
-            if self.refuse_removed(&at.field(key), value) {
+            if self.refuse_removed(&location.field(key), value) {
                 continue;
             }
             self.refuse(|| {
-                let message = note(key).unwrap_or_else(|| format!("{at} has no field `{key}`"));
-                FieldError::new(&at.field(key).pointer, message)
+                let message = note(key).unwrap_or_else(|| format!("{location} has no field `{key}`"));
+                FieldError::new(&location.field(key).pointer, message)
                     .value(value)
                     .allowed(names, key)
             });
@@ -227,37 +252,44 @@ impl Checker<'_> {
     }
 
     /// Rejects a field of version 0.1 and suggests its replacement, if possible for each field inside.
-    fn refuse_removed(&mut self, at: &Place, value: &Value) -> bool {
-        let Some(removed) = migration::find_field(&at.path("[]"), value.as_str()) else {
+    fn refuse_removed(&mut self, location: &Location, value: &Value) -> bool {
+        let Some(removed) = migration::find_field(&location.path("[]"), value.as_str()) else {
             return false;
         };
         let mut found_inside = false;
         for (key, value) in value.as_object().into_iter().flatten() {
-            found_inside |= self.refuse_removed(&at.field(key), value);
+            found_inside |= self.refuse_removed(&location.field(key), value);
         }
         if !found_inside {
-            let message = format!("{at} was removed in 0.2: {}", removed.now);
-            self.refuse(|| FieldError::new(&at.pointer, message).value(value));
+            let message = format!("{location} was removed in 0.2; {}", removed.instruction());
+            self.refuse(|| FieldError::new(&location.pointer, message).value(value));
         }
         true
     }
 
-    fn fields(&mut self, at: &Place, fields: &[Field], map: &Map<String, Value>) -> Vec<(String, Node)> {
+    fn check_fields(
+        &mut self,
+        location: &Location,
+        fields: &[Field],
+        map: &Map<String, Value>,
+    ) -> Vec<(String, Node)> {
         let checked = fields.iter().filter_map(|field| {
-            let node = self.field(&at.field(field.name), field, map.get(field.name))?;
+            let node = self.check_field(&location.field(field.name), field, map.get(field.name))?;
             Some((field.name.to_owned(), node))
         });
         checked.collect()
     }
 
-    fn field(&mut self, at: &Place, field: &Field, value: Option<&Value>) -> Option<Node> {
+    fn check_field(&mut self, location: &Location, field: &Field, value: Option<&Value>) -> Option<Node> {
         match (value, field.presence) {
-            (Some(value), _) => self.node(at, &field.shape, field.laws, value),
+            (Some(value), _) => self.check(location, &field.shape, field.laws, value),
             (None, Presence::Optional) => None,
-            (None, Presence::Default(text)) => self.node(at, &field.shape, field.laws, &parse_default(text)),
+            (None, Presence::Default(text)) => {
+                self.check(location, &field.shape, field.laws, &parse_default(text))
+            }
             (None, Presence::Required) => {
-                let message = format!("{at} is missing: {}", field.doc);
-                self.refuse(|| FieldError::new(&at.pointer, message).limit("required"));
+                let message = format!("{location} is missing: {}", field.doc);
+                self.refuse(|| FieldError::new(&location.pointer, message).limit("required"));
                 None
             }
         }

@@ -4,14 +4,14 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::Value;
 
-use super::Place;
+use super::Location;
 use crate::fields::DOCUMENT;
 use crate::node::Node;
 use crate::schema::{Field, Presence, Shape};
 
 pub(super) struct Present<'a> {
     pub(super) field: &'static Field,
-    pub(super) at: Place,
+    pub(super) location: Location,
     /// The object with this field.
     pub(super) object: &'a Node,
     pub(super) node: &'a Node,
@@ -48,7 +48,7 @@ impl<'a> Contents<'a> {
     pub(super) fn read(document: &'a Node) -> Self {
         let mut contents = Self::default();
         if let Shape::Object(fields) = DOCUMENT {
-            contents.add_fields(fields, document, &Place::default(), None);
+            contents.add_fields(fields, document, &Location::default(), None);
         }
         contents
     }
@@ -84,26 +84,32 @@ impl<'a> Contents<'a> {
     }
 
     /// `branch` is `None` at the top level.
-    fn add_fields(&mut self, fields: &'static [Field], object: &'a Node, at: &Place, branch: Option<usize>) {
+    fn add_fields(
+        &mut self,
+        fields: &'static [Field],
+        object: &'a Node,
+        location: &Location,
+        branch: Option<usize>,
+    ) {
         for field in fields {
             let Some(node) = object.get(field.name) else {
                 continue;
             };
-            let at = at.field(field.name);
-            let values = node.alternatives(&at.pointer);
+            let location = location.field(field.name);
+            let values = node.alternatives(&location.pointer);
             if branch.is_none() {
                 self.branches.insert(field.name, values.len());
             }
             for (position, (pointer, value)) in values.into_iter().enumerate() {
-                let at = Place {
+                let location = Location {
                     pointer,
-                    name: at.name.clone(),
+                    name: location.name.clone(),
                 };
-                self.add_inside(&field.shape, value, &at, branch.unwrap_or(position));
+                self.add_inside(&field.shape, value, &location, branch.unwrap_or(position));
             }
             self.add(Present {
                 field,
-                at,
+                location,
                 object,
                 node,
                 branch: branch.unwrap_or_default(),
@@ -112,7 +118,7 @@ impl<'a> Contents<'a> {
     }
 
     fn add(&mut self, present: Present<'a>) {
-        let key = (present.at.path(""), present.branch);
+        let key = (present.location.path(""), present.branch);
         if present.is_given() {
             self.given.insert(key.clone());
         }
@@ -121,34 +127,37 @@ impl<'a> Contents<'a> {
     }
 
     /// Adds the contents of a value.
-    fn add_inside(&mut self, shape: &'static Shape, value: &'a Node, at: &Place, branch: usize) {
+    fn add_inside(&mut self, shape: &'static Shape, value: &'a Node, location: &Location, branch: usize) {
         match (shape, value) {
             (Shape::Object(fields) | Shape::Short(_, fields) | Shape::OneOf(fields), Node::Object(_)) => {
-                self.add_fields(fields, value, at, Some(branch));
+                self.add_fields(fields, value, location, Some(branch));
             }
             (Shape::Tagged { tag, options, .. }, Node::Object(_)) => {
                 let written = value.get(tag).map(|tag| tag.strings("")).unwrap_or_default();
-                let is_meant = |name: &str| written.iter().any(|(_, written)| *written == name);
-                if let Some(option) = options.iter().find(|option| is_meant(option.name)) {
-                    self.add_fields(option.fields, value, at, Some(branch));
+                let option = options
+                    .iter()
+                    .find(|option| written.iter().any(|(_, name)| *name == option.name));
+                if let Some(option) = option {
+                    self.add_fields(option.fields, value, location, Some(branch));
                 }
             }
-            (Shape::Either(_, object), Node::Object(_)) => self.add_inside(object, value, at, branch),
+            (Shape::Either(_, object), Node::Object(_)) => self.add_inside(object, value, location, branch),
             (Shape::List { element, .. }, Node::List(items)) => {
                 for (position, item) in items.iter().enumerate() {
-                    let at = at.item(position);
-                    for (pointer, value) in item.alternatives(&at.pointer) {
-                        let at = Place {
+                    let location = location.item(position);
+                    for (pointer, value) in item.alternatives(&location.pointer) {
+                        let location = Location {
                             pointer,
-                            name: at.name.clone(),
+                            name: location.name.clone(),
                         };
-                        self.add_inside(element, value, &at, branch);
+                        self.add_inside(element, value, &location, branch);
                     }
                 }
             }
-            (Shape::Text(_), Node::Constant(word)) if at.name.ends_with(']') => {
+            (Shape::Text(_), Node::Constant(word)) if location.name.ends_with(']') => {
                 let word = word.as_str().unwrap_or_default();
-                self.given.insert((format!("{}.{word}", at.path("")), branch));
+                self.given
+                    .insert((format!("{}.{word}", location.path("")), branch));
             }
             _ => {}
         }

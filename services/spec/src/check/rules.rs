@@ -8,7 +8,7 @@ use crate::schema::{Rule, TRACED, describe};
 
 impl Checker<'_> {
     /// Checks the rules of every given field. Rules that involve an invalid field are skipped.
-    pub(super) fn rules(&mut self, contents: &Contents<'_>) {
+    pub(super) fn check_rules(&mut self, contents: &Contents<'_>) {
         let wrong: Vec<_> = self.errors.iter().map(|error| error.pointer.clone()).collect();
         for present in contents.fields.iter().filter(|present| present.is_given()) {
             let situation = Situation {
@@ -19,7 +19,7 @@ impl Checker<'_> {
             for rule in present.field.rules {
                 if let Some(message) = situation.find_problem(rule) {
                     self.refuse(|| {
-                        FieldError::new(&present.at.pointer, message)
+                        FieldError::new(&present.location.pointer, message)
                             .value(&present.node.canonical())
                             .limit(rule.to_string())
                     });
@@ -40,21 +40,26 @@ struct Situation<'a> {
 impl Situation<'_> {
     /// Describes how the field breaks this rule.
     fn find_problem(&self, rule: &Rule) -> Option<String> {
-        let Present { at, object, node, .. } = self.present;
+        let Present {
+            location,
+            object,
+            node,
+            ..
+        } = self.present;
         let subject = match node {
-            Node::Constant(value) => format!("{at} is {}", quote(value)),
-            _ => format!("{at} is given"),
+            Node::Constant(value) => format!("{location} is {}", quote(value)),
+            _ => format!("{location} is given"),
         };
         match rule {
             Rule::Needs(paths) => (!paths.iter().any(|path| self.is_given(path))).then(|| {
                 let remedy = if paths.len() == 1 { "it" } else { "one of them" };
                 format!(
-                    "{subject}, but needs {}: add {remedy}, or remove {at}",
+                    "{subject}, but needs {}: add {remedy}, or remove {location}",
                     self.name(paths)
                 )
             }),
             Rule::NeedsAlways(path) => (!self.is_wrong(path) && !self.contents.is_certain(path))
-                .then(|| format!("{subject}, but {rule}: change the others, or remove {at}")),
+                .then(|| format!("{subject}, but {rule}: change the others, or remove {location}")),
             Rule::Excludes(paths) => paths.iter().find(|path| self.has(path)).map(|path| {
                 format!(
                     "{subject}, which cannot be combined with {}; remove one of them",
@@ -63,7 +68,7 @@ impl Situation<'_> {
             }),
             Rule::Untraced(reason) => TRACED.iter().find(|path| self.is_given(path)).map(|path| {
                 format!(
-                    "{subject}, which does not go with {}: {reason}; remove one of them",
+                    "{subject}, which cannot be combined with {}: {reason}; remove one of them",
                     describe(&[path])
                 )
             }),
@@ -71,15 +76,20 @@ impl Situation<'_> {
                 let (value, limit) = (node.greatest()?, object.get(path)?.least()?);
                 (value >= limit).then(|| {
                     format!(
-                        "{at} is {value}, but must be below {}, which is {limit}",
+                        "{location} is {value}, but must be below {}, which is {limit}",
                         self.name(&[path])
                     )
                 })
             }
-            Rule::Differs(path) => (object.get(path)?.canonical() == node.canonical())
-                .then(|| format!("{at} is the same as {}: change one of them", self.name(&[path]))),
-            Rule::NonZero => is_zero(node)
-                .then(|| format!("{at} is [0, 0, 0], which has no direction: its length must be above 0")),
+            Rule::Differs(path) => (object.get(path)?.canonical() == node.canonical()).then(|| {
+                format!(
+                    "{location} is the same as {}: change one of them",
+                    self.name(&[path])
+                )
+            }),
+            Rule::NonZero => is_zero(node).then(|| {
+                format!("{location} is [0, 0, 0], which has no direction: its length must be above 0")
+            }),
         }
     }
 
@@ -105,7 +115,7 @@ impl Situation<'_> {
     /// Whether the field at this path has errors.
     fn is_wrong(&self, path: &str) -> bool {
         let pointer = if is_sibling(path) {
-            let (parent, _) = self.present.at.pointer.rsplit_once('/').unwrap_or_default();
+            let (parent, _) = self.present.location.pointer.rsplit_once('/').unwrap_or_default();
             format!("{parent}/{path}")
         } else {
             format!("/{}", top_of(path))
@@ -115,7 +125,7 @@ impl Situation<'_> {
 
     /// The names of these fields in messages; siblings by their whole paths.
     fn name(&self, paths: &[&str]) -> String {
-        let parent = self.present.at.name.rsplit_once('.');
+        let parent = self.present.location.name.rsplit_once('.');
         let names: Vec<_> = paths
             .iter()
             .map(|path: &&str| match parent {
@@ -127,7 +137,7 @@ impl Situation<'_> {
     }
 
     fn own_branch(&self) -> Option<(&str, usize)> {
-        Some((top_of(&self.present.at.name), self.present.branch))
+        Some((top_of(&self.present.location.name), self.present.branch))
     }
 }
 

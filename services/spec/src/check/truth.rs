@@ -1,7 +1,7 @@
 //! Path budget of the Monte Carlo truth.
 
 use super::present::Contents;
-use super::{Checker, places};
+use super::{Checker, find_values};
 use crate::artifact::ArtifactKind;
 use crate::invalid::FieldError;
 use crate::node::Node;
@@ -9,7 +9,7 @@ use crate::truth::{TooMuch, Truth};
 
 /// Whether a frame can request the Monte Carlo truth.
 pub(crate) fn is_traced(document: &Node) -> bool {
-    let lists = places(document, "artifacts");
+    let lists = find_values(document, "artifacts");
     let mut names = lists.iter().flat_map(|(pointer, list)| match list {
         Node::List(items) => items.iter().flat_map(|item| item.strings(pointer)).collect(),
         _ => Vec::new(),
@@ -19,22 +19,24 @@ pub(crate) fn is_traced(document: &Node) -> bool {
 
 impl Checker<'_> {
     /// Checks the paths of the largest frame. Only the renderer knows the size of an uploaded image.
-    pub(super) fn truth_work(&mut self, document: &Node, contents: &Contents<'_>) {
+    pub(super) fn check_truth_work(&mut self, document: &Node, contents: &Contents<'_>) {
         if !is_traced(document) || !contents.has("scene.family", None) {
             return;
         }
-        let asked = document.get("truth");
-        let number = |name| asked.and_then(|truth| truth.get(name)).and_then(Node::greatest);
+        let [paths_max, budget_s] = ["paths_max", "budget_s"].map(|name| {
+            let given = document.get("truth").and_then(|truth| truth.get(name));
+            given.and_then(Node::greatest)
+        });
         let default = Truth::default();
         let truth = Truth {
-            paths_max: number("paths_max").map_or(default.paths_max, |paths| paths as u64),
-            budget_s: number("budget_s"),
+            paths_max: paths_max.map_or(default.paths_max, |paths| paths as u64),
+            budget_s,
             ..default
         };
-        for (_, camera) in places(document, "camera") {
-            let side = |name| camera.get(name).and_then(Node::greatest).unwrap_or_default();
-            let wrong = truth.most_paths((side("width") * side("height")) as u64).err();
-            if let Some(wrong) = wrong {
+        for (_, camera) in find_values(document, "camera") {
+            let [width, height] =
+                ["width", "height"].map(|name| camera.get(name).and_then(Node::greatest).unwrap_or_default());
+            if let Err(wrong) = truth.most_paths((width * height) as u64) {
                 let pointer = match wrong {
                     TooMuch::NeedsBudget { .. } if truth.paths_max == default.paths_max => "/camera",
                     TooMuch::NeedsBudget { .. } => "/truth/paths_max",

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use serde_json::Value;
 
-use crate::check::{Checker, Place, collection, places};
+use crate::check::{Checker, Location, collection, find_values};
 use crate::fields::DOCUMENT;
 use crate::invalid::{FieldError, Invalid, MAX_ERRORS};
 use crate::json::{self, MAX_BYTES};
@@ -56,9 +56,9 @@ impl<'v> Draft<'v> {
         let mut draft = Self::start(json::read(json)?, vocabulary)?;
         let frames = draft.job.frames();
         for (document, part) in draft.job.documents.iter().zip(&mut draft.parts) {
-            part.checker.across(&document.node);
-            part.checker.water(&document.node, frames);
-            part.checker.cameras(&document.node, frames);
+            part.checker.check_across(&document.node);
+            part.checker.try_waters(&document.node, frames);
+            part.checker.try_cameras(&document.node, frames);
         }
         draft.refuse_path_through_sites();
         let length = draft.job.canonical.len();
@@ -87,7 +87,7 @@ impl<'v> Draft<'v> {
         let (mut documents, mut parts) = (Vec::new(), Vec::new());
         for description in sites.descriptions {
             let mut checker = Checker::new(vocabulary, seed);
-            let Some(node) = checker.node(&Place::default(), &DOCUMENT, false, &description.value) else {
+            let Some(node) = checker.check(&Location::default(), &DOCUMENT, false, &description.value) else {
                 return Err(Invalid(checker.errors));
             };
             checker.require_scene(&node);
@@ -129,7 +129,7 @@ impl<'v> Draft<'v> {
     pub fn check(mut self, uploads: &Uploads) -> Result<Job, Invalid> {
         let mut found = Vec::new();
         for (document, part) in self.job.documents.iter().zip(&mut self.parts) {
-            let of_scenes = part.checker.scenes(&document.node, uploads);
+            let of_scenes = part.checker.check_scenes(&document.node, uploads);
             let mut warnings = warnings::find(&document.node, part.checker.vocabulary);
             warnings.extend(of_scenes);
             found.push(warnings);
@@ -177,11 +177,12 @@ impl<'v> Draft<'v> {
     fn refuse_path_through_sites(&mut self) {
         let mut laws = self.job.site.iter().flat_map(Node::laws);
         let documents = self.job.documents.iter();
-        let mut cameras = documents.flat_map(|document| places(&document.node, "camera"));
+        let mut cameras = documents.flat_map(|document| find_values(&document.node, "camera"));
         if laws.any(|law| law.key() != "grid") && cameras.any(|(_, camera)| camera.get("path").is_some()) {
-            let message = "`camera.path` goes through one world, but `site` is drawn for each frame";
+            let message =
+                "`camera.path` needs one site, but `site` is drawn for each frame; use one site, or a `grid`";
             self.errors
-                .push(FieldError::new("/site", message).limit("no law but `grid`"));
+                .push(FieldError::new("/site", message).limit("one site, or a `grid` of sites"));
         }
     }
 }
@@ -195,7 +196,7 @@ impl Checker<'_> {
                 .iter()
                 .any(|error: &FieldError| error.pointer.starts_with("/scene"))
         {
-            let message = "`scene` is missing: what the camera would see in air, or name a `site`";
+            let message = "`scene` is missing; add it, or name a `site`";
             self.refuse(|| FieldError::new("/scene", message).limit("required"));
         }
     }

@@ -47,7 +47,7 @@ fn read_documents(reader: &Reader, stored: &Value) -> Result<(Option<Node>, Vec<
         fields: own,
     } in named
     {
-        let mut description = own.ok_or_else(|| damage(&pointer, "must be a whole description"))?;
+        let mut description = own.ok_or_else(|| damage(&pointer, "must be a complete description"))?;
         description.extend(fields.clone());
         description.insert("site".to_owned(), json!({"name": name}));
         documents.insert(name, reader.read_document(&description.into())?);
@@ -150,8 +150,8 @@ impl Reader {
         map: &Map<String, Value>,
         tag: Option<&str>,
     ) -> Result<Vec<(String, Node)>, Invalid> {
-        let is_known = |key: &str| tag == Some(key) || fields.iter().any(|field| field.name == key);
-        if let Some(key) = map.keys().find(|key| !is_known(key)) {
+        let known: Vec<_> = fields.iter().map(|field| field.name).chain(tag).collect();
+        if let Some(key) = map.keys().find(|key| !known.contains(&key.as_str())) {
             return Err(damage(&format!("{pointer}{}", step(key)), "is not a known field"));
         }
         let mut nodes = Vec::new();

@@ -50,18 +50,18 @@ pub(crate) enum Drawn {
 impl LawNode {
     /// Draws the value for a frame.
     pub(crate) fn draw(&self, index: u64) -> Drawn {
-        let unit = || self.stream.unit(index, 0);
+        let unit = self.stream.unit(index, 0);
         match &self.law {
-            Law::Choice { weights, .. } => Drawn::One(law::choice(unit(), weights)),
+            Law::Choice { weights, .. } => Drawn::One(law::choice(unit, weights)),
             Law::Grid { values, stride } => Drawn::One((index / stride % values.len() as u64) as usize),
-            Law::Uniform(a, b) => Drawn::Number(float(law::uniform(unit(), *a, *b))),
-            Law::LogUniform(a, b) => Drawn::Number(float(law::log_uniform(unit(), *a, *b))),
-            Law::Int { a, b, as_float } => Drawn::Number(whole(law::int(unit(), *a, *b), *as_float)),
+            Law::Uniform(a, b) => Drawn::Number(float(law::uniform(unit, *a, *b))),
+            Law::LogUniform(a, b) => Drawn::Number(float(law::log_uniform(unit, *a, *b))),
+            Law::Int { a, b, as_float } => Drawn::Number(whole(law::int(unit, *a, *b), *as_float)),
             Law::Normal {
                 mean,
                 sd,
                 clip: (low, high),
-            } => Drawn::Number(float(law::normal(unit(), *mean, *sd, *low, *high))),
+            } => Drawn::Number(float(law::normal(unit, *mean, *sd, *low, *high))),
         }
     }
 
@@ -120,14 +120,14 @@ impl LawNode {
     /// The distribution as written.
     pub(crate) fn canonical(&self) -> Value {
         let key = self.key();
-        let list = |values: &[Node]| values.iter().map(Node::canonical).collect::<Value>();
+        let list = self.values().iter().map(Node::canonical).collect::<Value>();
         match &self.law {
             Law::Choice {
-                values,
                 weights,
                 weighted: true,
-            } => json!({key: list(values), "weights": floats(weights)}),
-            Law::Choice { values, .. } | Law::Grid { values, .. } => json!({key: list(values)}),
+                ..
+            } => json!({key: list, "weights": floats(weights)}),
+            Law::Choice { .. } | Law::Grid { .. } => json!({key: list}),
             Law::Uniform(a, b) | Law::LogUniform(a, b) => json!({key: floats(&[*a, *b])}),
             Law::Int { a, b, .. } => json!({key: [a, b]}),
             Law::Normal {

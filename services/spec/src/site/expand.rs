@@ -6,7 +6,7 @@ use serde_json::{Map, Value, json};
 
 use super::SitePreset;
 use super::merge::merge;
-use crate::check::{Checker, Place};
+use crate::check::{Checker, Location};
 use crate::fields::JOB;
 use crate::invalid::FieldError;
 use crate::node::Node;
@@ -70,8 +70,8 @@ impl Sites {
             checker.refuse(|| FieldError::new("/site", message).limit(format!("at most {MAX_SITES} sites")));
             return None;
         }
-        let at = Place::default().field("site");
-        let name = checker.node(&at, &Shape::Text(Names::WaterName), true, &names)?;
+        let location = Location::default().field("site");
+        let name = checker.check(&location, &Shape::Text(Names::WaterName), true, &names)?;
         let mut sites = BTreeMap::new();
         for site in named {
             checker.add_site(site, &mut sites);
@@ -119,11 +119,11 @@ impl Checker<'_> {
             .filter(|field| site.fields.contains_key(*field))
         {
             let message =
-                format!("site `{name}` cannot have `{field}`: give it beside `site`, for all frames");
+                format!("site `{name}` cannot have `{field}`; set it next to `site`, for all frames");
             self.refuse(|| FieldError::new(&format!("{pointer}/{field}"), message));
         }
         if sites.get(&name).is_some_and(|known| known.fields != site.fields) {
-            let message = format!("`site` has two different sites named `{name}`: rename one of them");
+            let message = format!("`site` has two different sites named `{name}`; rename one of them");
             self.refuse(|| FieldError::new(&pointer, message).value(&name.as_str().into()));
         }
         sites.insert(name, site);

@@ -61,8 +61,10 @@ fn merge_tagged(
     let Some(option) = option else {
         return job.clone();
     };
-    let is_changed = |name| job.get(name).is_some_and(|value| site.get(name) != Some(value));
-    if is_changed(tag) || is_changed("family") {
+    if [tag, "family"]
+        .iter()
+        .any(|name| job.get(*name).is_some_and(|value| site.get(*name) != Some(value)))
+    {
         site.retain(|name, _| name == tag);
         return merge(&[], site, job);
     }

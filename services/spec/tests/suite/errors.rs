@@ -104,7 +104,7 @@ fn numbers_outside_their_limits_are_refused() {
         (
             json!({"labels": {"a": "x".repeat(257)}}),
             "/labels/a",
-            "at most 256 characters",
+            "256 characters",
         ),
     ];
     for (fields, pointer, limit) in refused {
@@ -126,7 +126,7 @@ fn values_of_the_wrong_kind_say_what_was_expected() {
         ),
         (
             json!({"alpha": null}),
-            "`alpha` must be a number or a distribution, but is null; leave the field out instead",
+            "`alpha` must be a number or a distribution, but is null; omit the field instead",
         ),
         (
             json!({"count": "3"}),
@@ -138,7 +138,7 @@ fn values_of_the_wrong_kind_say_what_was_expected() {
         ),
         (
             json!({"water": []}),
-            "`water` must be an object or a distribution, but is a list of 0",
+            "`water` must be an object or a distribution, but is an empty list",
         ),
         (
             json!({"water": {"optics": 3}}),
@@ -150,7 +150,7 @@ fn values_of_the_wrong_kind_say_what_was_expected() {
         ),
         (
             json!({"water": {"optics": {"preset": "jerlov-1C", "veiling_light": [1, 2]}}}),
-            "`water.optics.veiling_light` must be a list of three numbers, R, G, B or a distribution, but is a list of 2",
+            "`water.optics.veiling_light` must be a list of three numbers (R, G, B) or a distribution, but is a list of 2",
         ),
     ];
     for (fields, message) in refused {
@@ -158,7 +158,7 @@ fn values_of_the_wrong_kind_say_what_was_expected() {
     }
     assert_eq!(
         errors(&json!([]))[0].message,
-        "the description must be an object, but is a list of 0"
+        "the description must be an object, but is an empty list"
     );
 }
 
@@ -234,7 +234,7 @@ fn what_decides_the_shape_must_be_there_and_constant() {
     let quality = only_error(json!({"encode": {"quality": 3}}));
     assert_eq!(
         quality.message,
-        "`quality` goes with format \"jpeg\", not with \"png\""
+        "`quality` belongs to format \"jpeg\", not to \"png\""
     );
     for field in ["count", "seed", "dataset"] {
         let error = only_error(json!({field: {"choice": [1, 2]}}));

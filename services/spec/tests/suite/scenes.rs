@@ -70,7 +70,10 @@ fn everything_that_needs_a_range_is_refused_at_once_and_with_the_other_errors() 
         found[1].message,
         "`water.optics` needs a range, which scene `scn_flat` lacks"
     );
-    assert_eq!(found[1].limit.as_deref(), Some("only over a scene with a range"));
+    assert_eq!(
+        found[1].limit.as_deref(),
+        Some("only with a scene that has a range")
+    );
     let possible = &found[5].allowed;
     assert!(possible.contains(&"rgb".to_owned()) && possible.contains(&"transmittance".to_owned()));
     assert!(
@@ -92,14 +95,17 @@ fn a_style_that_takes_a_range_needs_a_scene_with_one() {
         "the style \"ranged\" needs a range, which scene `scn_flat` lacks"
     );
     assert_eq!(found[0].value, Some(json!("ranged")));
-    assert_eq!(found[0].limit.as_deref(), Some("only over a scene with a range"));
+    assert_eq!(
+        found[0].limit.as_deref(),
+        Some("only with a scene that has a range")
+    );
     // A scene with a range, or a style without one: no warning.
     assert_eq!(warnings(&styled("scn_deep", json!("ranged"))), [""; 0]);
     assert_eq!(warnings(&styled("scn_flat", json!("muddy"))), [""; 0]);
     assert_eq!(
         warnings(&styled("scn_flat", json!({"choice": ["muddy", "ranged"]}))),
         [
-            "the style \"ranged\" at /water/style/choice/1 needs a range, which scene `scn_flat` lacks: such frames go without it"
+            "the style \"ranged\" at /water/style/choice/1 needs a range, which scene `scn_flat` lacks; those frames are rendered without it"
         ]
     );
 }
@@ -123,7 +129,7 @@ fn a_law_that_always_asks_is_refused_and_one_that_may_is_warned_of() {
     assert_eq!(
         warnings(&waters(json!([{"style": "muddy"}, {"optics": "jerlov-3C"}]))),
         [
-            "`water.optics` at /water/choice/1/optics needs a range, which scene `scn_flat` lacks: such frames go without it"
+            "`water.optics` at /water/choice/1/optics needs a range, which scene `scn_flat` lacks; those frames are rendered without it"
         ]
     );
     // An artifact is missing whichever scene is drawn.
@@ -166,7 +172,7 @@ fn scenes_that_do_not_exist_are_refused_where_they_stand() {
     ));
     let pointers: Vec<_> = found.iter().map(|error| error.pointer.as_str()).collect();
     assert_eq!(pointers, ["/alpha", "/scene/id/choice/1"]);
-    assert!(found[1].message.contains("`scn_gone` was not uploaded"));
+    assert!(found[1].message.contains("`scn_gone` does not exist"));
 }
 
 #[test]

@@ -272,11 +272,11 @@ fn what_is_no_site_is_refused_at_its_place() {
         (
             json!({"choice": ["shaft"], "weights": [1, 2]}),
             "/site",
-            "2 weights for 1 values",
+            "`weights` has 2 numbers; must have 1, one per value",
         ),
         (json!({"uniform": [0, 1]}), "/site", "yields a number"),
         (json!({"name": "a b"}), "/site", "must be 1 to 64"),
-        (json!({"name": "x", "seed": 4}), "/site/seed", "beside `site`"),
+        (json!({"name": "x", "seed": 4}), "/site/seed", "next to `site`"),
         (
             json!({"grid": ["tank", {"name": "tank", "alpha": 1}]}),
             "/site/grid/1",

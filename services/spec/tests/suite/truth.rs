@@ -40,7 +40,7 @@ fn more_paths_than_the_limit_need_a_budget_that_pays_for_the_first() {
     let error = only_error(traced(large()));
     assert_eq!(error.pointer, "/camera");
     assert!(
-        error.message.contains("65536 paths of each of 90000 pixels"),
+        error.message.contains("65536 paths for each of 90000 pixels"),
         "{}",
         error.message
     );

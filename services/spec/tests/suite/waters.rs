@@ -92,7 +92,7 @@ fn the_ends_of_laws_are_tried_against_each_other() {
     assert!(
         error
             .message
-            .starts_with("a water that the distributions can yield: "),
+            .starts_with("a possible water of the distributions: "),
         "{}",
         error.message
     );
@@ -229,7 +229,7 @@ fn a_choice_of_waters_may_hold_the_users_own_but_a_choice_of_presets_may_not() {
     let error = only_error(optics(json!({"preset": {"choice": ["jerlov-1C", "quay"]}})));
     assert_eq!(error.pointer, "/water/optics/preset/choice/1");
     assert!(
-        error.message.contains("choose among whole waters"),
+        error.message.contains("use a choice of optics"),
         "{}",
         error.message
     );

@@ -1,10 +1,10 @@
 //! Possible values of document fields.
 
-use super::Place;
+use super::Location;
 use crate::node::Node;
 
 /// The possible values of a document field, each with its pointer.
-pub(crate) fn places<'a>(document: &'a Node, name: &str) -> Vec<(String, &'a Node)> {
+pub(crate) fn find_values<'a>(document: &'a Node, name: &str) -> Vec<(String, &'a Node)> {
     document
         .get(name)
         .map(|node| node.alternatives(&format!("/{name}")))
@@ -12,12 +12,12 @@ pub(crate) fn places<'a>(document: &'a Node, name: &str) -> Vec<(String, &'a Nod
 }
 
 /// The possible lists of a document field, each with its location.
-pub(super) fn lists<'a>(document: &'a Node, name: &str) -> Vec<(Place, &'a [Node])> {
+pub(super) fn find_lists<'a>(document: &'a Node, name: &str) -> Vec<(Location, &'a [Node])> {
     let mut lists = Vec::new();
-    for (pointer, node) in places(document, name) {
+    for (pointer, node) in find_values(document, name) {
         if let Node::List(items) = node {
             let name = name.to_owned();
-            lists.push((Place { pointer, name }, items.as_slice()));
+            lists.push((Location { pointer, name }, items.as_slice()));
         }
     }
     lists
