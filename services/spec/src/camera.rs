@@ -199,7 +199,7 @@ impl Camera {
 
     /// The camera for this image size and focal length in pixels: the inverse of [`Camera::focal_px`].
     #[must_use]
-    pub fn of_picture(width: usize, height: usize, focal_px: f64) -> Self {
+    pub fn from_focal(width: usize, height: usize, focal_px: f64) -> Self {
         let half = libm::atan(width as f64 / 2.0 / focal_px);
         Self::pinhole(width, height, (2.0 * half).to_degrees())
     }

@@ -197,10 +197,10 @@ impl Removed {
 /// The replacement of a removed field at this path; `written` decides if the path is ambiguous.
 pub(crate) fn find_field(path: &str, written: Option<&str>) -> Option<&'static Removed> {
     let mut rows = REMOVED.iter().filter(|removed| removed.path == path);
-    let of_value = rows
+    let matching_value = rows
         .clone()
         .find(|removed| removed.value.is_some() && removed.value == written);
-    of_value.or_else(|| rows.find(|removed| removed.value.is_none()))
+    matching_value.or_else(|| rows.find(|removed| removed.value.is_none()))
 }
 
 /// The replacement of a removed value of an existing field.

@@ -36,7 +36,7 @@ pub struct Snow {
 impl Snow {
     /// Snow of this density, with defaults for all other fields.
     #[must_use]
-    pub const fn of(density_per_m3: f64) -> Self {
+    pub const fn with_density(density_per_m3: f64) -> Self {
         Self {
             density_per_m3,
             radius_m: 0.000_15,

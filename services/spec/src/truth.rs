@@ -81,18 +81,18 @@ impl Truth {
                 Ok((self.paths_max, false))
             };
         };
-        let each = seconds(pixels, 1);
-        let paid = (budget_s / each).floor() as u64;
-        if paid < LEAST_PATHS {
+        let one_path_s = seconds(pixels, 1);
+        let affordable = (budget_s / one_path_s).floor() as u64;
+        if affordable < LEAST_PATHS {
             return Err(TooMuch::BudgetTooSmall {
                 budget_s,
                 pixels,
-                least_s: each * LEAST_PATHS as f64,
+                least_s: one_path_s * LEAST_PATHS as f64,
             });
         }
         // The tracer doubles the paths, so only powers of two of the first batch are used.
-        let paid = LEAST_PATHS << (paid / LEAST_PATHS).ilog2();
-        Ok((paid.min(self.paths_max), paid < self.paths_max))
+        let affordable = LEAST_PATHS << (affordable / LEAST_PATHS).ilog2();
+        Ok((affordable.min(self.paths_max), affordable < self.paths_max))
     }
 }
 

@@ -53,7 +53,7 @@ impl Container {
     }
 
     /// The name of the type outside its module.
-    pub(crate) fn name_of(&self, ident: &Ident) -> String {
+    pub(crate) fn type_name(&self, ident: &Ident) -> String {
         self.name
             .as_ref()
             .map_or_else(|| ident.to_string(), LitStr::value)
@@ -90,12 +90,12 @@ pub(crate) enum Limits {
 impl FieldAttributes {
     pub(crate) fn read(attributes: &[Attribute]) -> syn::Result<Self> {
         let mut field = Self {
-            doc: doc(attributes),
+            doc: read_doc(attributes),
             ..Self::default()
         };
         for attribute in attributes {
             if attribute.path().is_ident("field") {
-                attribute.parse_nested_meta(|meta| field.take(&meta))?;
+                attribute.parse_nested_meta(|meta| field.parse(&meta))?;
             } else if attribute.path().is_ident("serde") {
                 attribute.parse_nested_meta(|meta| {
                     field.skipped |= meta.path.is_ident("skip");
@@ -109,19 +109,19 @@ impl FieldAttributes {
         Ok(field)
     }
 
-    fn take(&mut self, meta: &ParseNestedMeta<'_>) -> syn::Result<()> {
+    fn parse(&mut self, meta: &ParseNestedMeta<'_>) -> syn::Result<()> {
         let word = meta.path.require_ident()?.to_string();
         match word.as_str() {
             "within" => {
-                let (low, high) = pair(meta)?;
+                let (low, high) = parse_pair(meta)?;
                 self.limits = Some(Limits::Within(low, high));
             }
             "above" => {
-                let (low, high) = pair(meta)?;
+                let (low, high) = parse_pair(meta)?;
                 self.limits = Some(Limits::Above(low, high));
             }
             "finite" => self.limits = Some(Limits::Finite),
-            "default" => self.default = Some(json(meta.value()?.parse()?)),
+            "default" => self.default = Some(token_to_json(meta.value()?.parse()?)),
             "optional" => self.optional = true,
             "unit" => self.unit = Some(meta.value()?.parse()?),
             "fixed" => self.fixed = true,
@@ -142,7 +142,7 @@ impl FieldAttributes {
                 self.rules.push(quote!(crate::schema::Rule::Untraced(#reason)));
             }
             "needs" | "needs_always" | "excludes" | "below" | "differs" => {
-                self.rules.push(rule(&word, meta)?)
+                self.rules.push(parse_rule(&word, meta)?)
             }
             _ => return Err(meta.error("no attribute of a field")),
         }
@@ -151,7 +151,7 @@ impl FieldAttributes {
 }
 
 /// Parses a rule with field names: `needs("range", "z_depth")`.
-fn rule(word: &str, meta: &ParseNestedMeta<'_>) -> syn::Result<TokenStream> {
+fn parse_rule(word: &str, meta: &ParseNestedMeta<'_>) -> syn::Result<TokenStream> {
     let content;
     parenthesized!(content in meta.input);
     let paths: Vec<_> = Punctuated::<LitStr, Token![,]>::parse_terminated(&content)?
@@ -167,7 +167,7 @@ fn rule(word: &str, meta: &ParseNestedMeta<'_>) -> syn::Result<TokenStream> {
     })
 }
 
-fn pair(meta: &ParseNestedMeta<'_>) -> syn::Result<(Expr, Expr)> {
+fn parse_pair(meta: &ParseNestedMeta<'_>) -> syn::Result<(Expr, Expr)> {
     let content;
     parenthesized!(content in meta.input);
     let ends = Punctuated::<Expr, Token![,]>::parse_terminated(&content)?;
@@ -179,7 +179,7 @@ fn pair(meta: &ParseNestedMeta<'_>) -> syn::Result<(Expr, Expr)> {
 }
 
 /// The tokens of a JSON value as JSON text.
-fn json(value: TokenTree) -> String {
+fn token_to_json(value: TokenTree) -> String {
     let TokenTree::Group(group) = value else {
         return value.to_string();
     };
@@ -188,7 +188,7 @@ fn json(value: TokenTree) -> String {
         .into_iter()
         .map(|token| match &token {
             TokenTree::Punct(sign) if matches!(sign.as_char(), ',' | ':') => format!("{sign} "),
-            _ => json(token),
+            _ => token_to_json(token),
         })
         .collect();
     match group.delimiter() {
@@ -197,7 +197,7 @@ fn json(value: TokenTree) -> String {
     }
 }
 
-fn doc(attributes: &[Attribute]) -> String {
+fn read_doc(attributes: &[Attribute]) -> String {
     let lines = attributes.iter().filter_map(|attribute| {
         let value = &attribute.meta.require_name_value().ok()?.value;
         match value {

@@ -13,18 +13,18 @@ pub(crate) fn derive(
     data: &DataEnum,
 ) -> syn::Result<TokenStream> {
     if let Some(tag) = &container.tag {
-        return tagged(input, container, &tag.value(), data);
+        return derive_tagged(input, container, &tag.value(), data);
     }
     if container.untagged {
-        return untagged(input, container, data);
+        return derive_untagged(input, container, data);
     }
     let is_word = |variant: &&Variant| matches!(variant.fields, Fields::Unit);
-    let words: Vec<_> = data.variants.iter().filter(is_word).map(name_of).collect();
+    let words: Vec<_> = data.variants.iter().filter(is_word).map(variant_name).collect();
     let (mut fields, mut numbers) = (Vec::new(), Vec::new());
     for variant in data.variants.iter().filter(|variant| !is_word(variant)) {
         let member = Member::new(
-            format_ident!("{}", name_of(variant)),
-            value_of(variant)?,
+            format_ident!("{}", variant_name(variant)),
+            value_type(variant)?,
             FieldAttributes::read(&variant.attrs)?,
         );
         if member.is_float() {
@@ -35,7 +35,7 @@ pub(crate) fn derive(
         }
         fields.push(member.field());
     }
-    let (name, type_name) = (&input.ident, container.name_of(&input.ident));
+    let (name, type_name) = (&input.ident, container.type_name(&input.ident));
     let shape = match (words.is_empty(), fields.is_empty()) {
         (false, true) => quote!(crate::schema::Shape::Text(crate::schema::Names::Fixed(
             Self::WORDS
@@ -75,7 +75,7 @@ pub(crate) fn derive(
     })
 }
 
-fn tagged(
+fn derive_tagged(
     input: &DeriveInput,
     container: &Container,
     tag: &str,
@@ -90,10 +90,10 @@ fn tagged(
     };
     let mut options = Vec::new();
     for variant in &data.variants {
-        let name = name_of(variant);
+        let name = variant_name(variant);
         let (fields, type_name) = match &variant.fields {
             Fields::Unnamed(_) => {
-                let inside = value_of(variant)?;
+                let inside = value_type(variant)?;
                 let type_name = quote!(<#inside as crate::described::Described>::NAME);
                 (quote!(#inside::FIELDS), type_name)
             }
@@ -105,7 +105,7 @@ fn tagged(
         };
         options.push(quote!(crate::schema::Variant { name: #name, fields: #fields, type_name: #type_name }));
     }
-    let (name, type_name) = (&input.ident, container.name_of(&input.ident));
+    let (name, type_name) = (&input.ident, container.type_name(&input.ident));
     Ok(quote! {
         impl crate::described::Described for #name {
             const NAME: &'static str = #type_name;
@@ -119,14 +119,14 @@ fn tagged(
 }
 
 /// An enum of words and one object.
-fn untagged(input: &DeriveInput, container: &Container, data: &DataEnum) -> syn::Result<TokenStream> {
-    let mut types = data.variants.iter().map(value_of);
+fn derive_untagged(input: &DeriveInput, container: &Container, data: &DataEnum) -> syn::Result<TokenStream> {
+    let mut types = data.variants.iter().map(value_type);
     let (Some(words), Some(object), None) = (types.next(), types.next(), types.next()) else {
         let message = "words and an object were expected";
         return Err(syn::Error::new_spanned(&input.ident, message));
     };
     let (words, object) = (words?, object?);
-    let (name, type_name) = (&input.ident, container.name_of(&input.ident));
+    let (name, type_name) = (&input.ident, container.type_name(&input.ident));
     Ok(quote! {
         impl crate::described::Described for #name {
             const NAME: &'static str = #type_name;
@@ -139,7 +139,7 @@ fn untagged(input: &DeriveInput, container: &Container, data: &DataEnum) -> syn:
 }
 
 /// The type of a variant's only value.
-fn value_of(variant: &Variant) -> syn::Result<&Type> {
+fn value_type(variant: &Variant) -> syn::Result<&Type> {
     let mut fields = variant.fields.iter();
     match (fields.next(), fields.next()) {
         (Some(field), None) => Ok(&field.ty),
@@ -148,7 +148,7 @@ fn value_of(variant: &Variant) -> syn::Result<&Type> {
 }
 
 /// `ZDepth` as written in JSON: `z_depth`.
-fn name_of(variant: &Variant) -> String {
+fn variant_name(variant: &Variant) -> String {
     let mut name = String::new();
     for letter in variant.ident.to_string().chars() {
         if letter.is_uppercase() && !name.is_empty() {

@@ -82,7 +82,7 @@ fn derive_struct(
     let name = &input.ident;
     let members = Members::read(&data.fields)?;
     let (fields, numbers) = (members.fields(), members.numbers());
-    let type_name = container.name_of(name);
+    let type_name = container.type_name(name);
     let shape = match &container.short {
         Some(field) => quote!(crate::schema::Shape::Short(#field, Self::FIELDS)),
         None => quote!(crate::schema::Shape::Object(Self::FIELDS)),

@@ -60,7 +60,7 @@ impl<'v> Draft<'v> {
             part.checker.try_waters(&document.node, frames);
             part.checker.try_cameras(&document.node, frames);
         }
-        draft.refuse_path_through_sites();
+        draft.refuse_path_with_drawn_site();
         let length = draft.job.canonical.len();
         if length > MAX_BYTES {
             let message =
@@ -129,9 +129,9 @@ impl<'v> Draft<'v> {
     pub fn check(mut self, uploads: &Uploads) -> Result<Job, Invalid> {
         let mut found = Vec::new();
         for (document, part) in self.job.documents.iter().zip(&mut self.parts) {
-            let of_scenes = part.checker.check_scenes(&document.node, uploads);
+            let scene_warnings = part.checker.check_scenes(&document.node, uploads);
             let mut warnings = warnings::find(&document.node, part.checker.vocabulary);
-            warnings.extend(of_scenes);
+            warnings.extend(scene_warnings);
             found.push(warnings);
         }
         self.job.warnings = self.join(&found, |site, warning| format!("site `{site}`: {warning}"));
@@ -142,11 +142,11 @@ impl<'v> Draft<'v> {
     fn finish(mut self) -> Result<Job, Invalid> {
         let parts = self.parts.iter_mut();
         let found: Vec<_> = parts.map(|part| part.take_errors(&self.written)).collect();
-        let of_sites = self.join(&found, |site, error| FieldError {
+        let site_errors = self.join(&found, |site, error| FieldError {
             message: format!("site `{site}`: {}", error.message),
             ..error.clone()
         });
-        self.errors.extend(of_sites);
+        self.errors.extend(site_errors);
         if self.errors.len() > MAX_ERRORS {
             self.errors.truncate(MAX_ERRORS);
             self.errors.push(FieldError::too_many());
@@ -174,7 +174,7 @@ impl<'v> Draft<'v> {
     }
 
     /// A path has one world.
-    fn refuse_path_through_sites(&mut self) {
+    fn refuse_path_with_drawn_site(&mut self) {
         let mut laws = self.job.site.iter().flat_map(Node::laws);
         let documents = self.job.documents.iter();
         let mut cameras = documents.flat_map(|document| find_values(&document.node, "camera"));

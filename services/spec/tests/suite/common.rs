@@ -47,7 +47,7 @@ pub(crate) fn vocabulary(local: bool) -> Vocabulary {
 }
 
 /// The minimal description with these fields; adds a style if `alpha` needs one.
-pub(crate) fn with(fields: Value) -> Value {
+pub(crate) fn document_with(fields: Value) -> Value {
     let mut document = json!({"scene": {"kind": "procedural", "family": "structure"}});
     let Value::Object(fields) = fields else {
         return fields;
@@ -68,7 +68,7 @@ pub(crate) fn job(document: &Value) -> Job {
 
 /// The job of the minimal description with these fields.
 pub(crate) fn job_with(fields: Value) -> Job {
-    job(&with(fields))
+    job(&document_with(fields))
 }
 
 pub(crate) fn errors(document: &Value) -> Vec<FieldError> {
@@ -80,7 +80,7 @@ pub(crate) fn errors(document: &Value) -> Vec<FieldError> {
 
 /// The only error of the minimal description with these fields.
 pub(crate) fn only_error(fields: Value) -> FieldError {
-    let mut found = errors(&with(fields.clone()));
+    let mut found = errors(&document_with(fields.clone()));
     assert_eq!(found.len(), 1, "{fields}: {found:#?}");
     found.remove(0)
 }

@@ -1,7 +1,7 @@
 use serde_json::{Value, json};
 use spec::{ArtifactKind, Camera, Encode, Fidelity, HazeBlend, HoleRule, Job, RangeKind, Scene};
 
-use crate::common::{errors, job, job_with, parameters, vocabulary, with};
+use crate::common::{document_with, errors, job, job_with, parameters, vocabulary};
 
 const LEAST: &str = concat!(
     r#"{"alpha":1.0,"artifacts":["rgb"],"camera":{"bits":8,"frames_per_s":25.0,"height":492,"hfov_deg":80.0,"supersample":1,"tone":"srgb","width":768},"count":1,"#,
@@ -34,12 +34,12 @@ fn everything() -> Value {
 
 #[test]
 fn the_least_description_gets_every_default() {
-    assert_eq!(job(&with(json!({}))).canonical(), LEAST);
+    assert_eq!(job(&document_with(json!({}))).canonical(), LEAST);
 }
 
 #[test]
 fn the_canonical_form_is_a_fixed_point() {
-    for document in [with(json!({})), everything()] {
+    for document in [document_with(json!({})), everything()] {
         let first = job(&document);
         let second = Job::parse(first.canonical().as_bytes(), &vocabulary(false)).unwrap();
         assert_eq!(first.canonical(), second.canonical());
@@ -52,10 +52,10 @@ fn the_canonical_form_is_a_fixed_point() {
 
 #[test]
 fn order_spacing_and_the_form_of_numbers_do_not_change_the_digest() {
-    let one = br#"{"scene":{"kind":"procedural","family":"structure","seed":7},"alpha":0.50,"count":10,"water":{"style":"muddy"}}"#;
+    let submitted = br#"{"scene":{"kind":"procedural","family":"structure","seed":7},"alpha":0.50,"count":10,"water":{"style":"muddy"}}"#;
     let other = br#"{ "count": 1e1, "alpha": 5e-1, "scene": {"seed": 7.0, "family": "structure", "kind": "procedural"},
         "water": {"range_scale": 1, "style": "muddy"}, "labels": {} }"#;
-    let [one, other] = [&one[..], &other[..]].map(|text| Job::parse(text, &vocabulary(false)).unwrap());
+    let [one, other] = [&submitted[..], &other[..]].map(|text| Job::parse(text, &vocabulary(false)).unwrap());
     assert_eq!(one.canonical(), other.canonical());
     assert_eq!(one.digest(), other.digest());
     assert_eq!(one.digest().len(), 64);
@@ -78,7 +78,7 @@ fn minus_zero_is_zero_and_a_large_seed_is_kept_exactly() {
 fn parameters_are_the_resolved_description_without_count() {
     let mut expected: Value = serde_json::from_str(LEAST).unwrap();
     expected.as_object_mut().unwrap().remove("count");
-    assert_eq!(parameters(&job(&with(json!({}))), 0), expected);
+    assert_eq!(parameters(&job(&document_with(json!({}))), 0), expected);
 }
 
 #[test]
@@ -237,14 +237,14 @@ fn a_stored_job_means_what_it_meant_whatever_names_there_are_by_now() {
     for index in [0, 1, 7, 1999] {
         assert_eq!(stored.resolve(index).unwrap(), accepted.resolve(index).unwrap());
     }
-    let of_old = accepted
+    let earlier = accepted
         .canonical()
         .replace("\"muddy\"", "\"a-style-that-is-gone\"")
         .replace("williamson2022", "a-source-that-is-gone");
-    assert_ne!(of_old, accepted.canonical());
-    assert!(Job::parse(of_old.as_bytes(), &vocabulary(false)).is_err());
-    let old = Job::from_canonical(&of_old).unwrap();
-    assert_eq!(old.canonical(), of_old);
+    assert_ne!(earlier, accepted.canonical());
+    assert!(Job::parse(earlier.as_bytes(), &vocabulary(false)).is_err());
+    let old = Job::from_canonical(&earlier).unwrap();
+    assert_eq!(old.canonical(), earlier);
     assert!((0..old.frames().min(50)).all(|index| old.resolve(index).is_ok()));
     let wide = job_with(json!({"alpha": 0.5})).canonical().replace("0.5", "7.5");
     assert_eq!(

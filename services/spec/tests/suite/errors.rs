@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 use spec::{FieldError, Job, MAX_ERRORS};
 
-use crate::common::{errors, only_error, vocabulary, with};
+use crate::common::{document_with, errors, only_error, vocabulary};
 
 fn pointers(errors: &[FieldError]) -> Vec<&str> {
     errors.iter().map(|error| error.pointer.as_str()).collect()
@@ -254,7 +254,7 @@ fn fidelity_is_exactly_one_of_three() {
 
 #[test]
 fn a_removed_field_names_the_new_one() {
-    let found = errors(&with(json!({
+    let found = errors(&document_with(json!({
         "scene": {"kind": "procedural", "family": "structure", "light": "albedo"},
         "water": {"ambient": "exposed", "from_above": {"sun_share": 0.5, "sun": {"elevation_deg": 30}, "caustics": {}}},
         "lights": [{"kind": "point", "position_m": [0, 0, 0], "intensity": [1, 1, 1], "shadow": "soft"}],
@@ -371,7 +371,7 @@ fn duplicate_keys_and_broken_text_are_refused() {
 #[test]
 fn the_list_of_errors_is_limited() {
     let names: serde_json::Map<_, _> = (0..5000).map(|i| (format!("unknown{i}"), json!(i))).collect();
-    let found = errors(&with(Value::Object(names)));
+    let found = errors(&document_with(Value::Object(names)));
     assert_eq!(found.len(), MAX_ERRORS + 1);
     assert!(found[MAX_ERRORS].message.contains("more than 100 errors"));
 }

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::common::{errors, only_error, with};
+use crate::common::{document_with, errors, only_error};
 
 fn alpha(law: Value) -> spec::FieldError {
     only_error(json!({"alpha": law, "water": {"style": "muddy"}}))
@@ -211,7 +211,7 @@ fn laws_of_camera_sides_are_judged_by_their_greatest_product() {
 
 #[test]
 fn every_bad_value_of_a_choice_is_reported() {
-    let found = errors(&with(
+    let found = errors(&document_with(
         json!({"water": {"style": {"choice": ["a", "muddy", "b"]}}}),
     ));
     let pointers: Vec<_> = found.iter().map(|error| error.pointer.as_str()).collect();

@@ -1,6 +1,6 @@
 //! Distributions: known results, independence of one another, grids.
 
-use crate::common::{job, job_with, parameters, with};
+use crate::common::{document_with, job, job_with, parameters};
 use imaging::random::Stream;
 use serde_json::{Value, json};
 use spec::{Encode, Fidelity, law};
@@ -107,7 +107,7 @@ fn a_job_gives_the_published_answers() {
         else {
             continue;
         };
-        let document = with(json!({"seed": seed, "count": 100_000_000, "labels": {name: law}}));
+        let document = document_with(json!({"seed": seed, "count": 100_000_000, "labels": {name: law}}));
         let exact = law.get("log_uniform").or(law.get("normal")).is_none();
         let ours = &parameters(&job(&document), index)["labels"][name];
         assert!(

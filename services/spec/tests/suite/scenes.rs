@@ -210,14 +210,15 @@ fn a_collection_becomes_the_scenes_that_it_has_now() {
         json!({"scene": scene, "count": 2})
     };
     let parse = |document: &Value| Job::parse(document.to_string().as_bytes(), &vocabulary(false));
-    let each = parse(&document(json!({}))).unwrap();
-    assert_eq!(each.frames(), 6);
-    assert!(each.canonical().contains(
+    let collection = parse(&document(json!({}))).unwrap();
+    assert_eq!(collection.frames(), 6);
+    assert!(collection.canonical().contains(
         r#""scene":{"each":true,"id":{"grid":["scn_a","scn_b","scn_c"]},"kind":"collection","lighting":"in_air","name":"dock"}"#
     ));
     let ids: Vec<String> = (0..6)
         .map(|index| {
-            each.resolve(index)
+            collection
+                .resolve(index)
                 .unwrap()
                 .scene
                 .uploaded_id()
@@ -226,15 +227,15 @@ fn a_collection_becomes_the_scenes_that_it_has_now() {
         })
         .collect();
     assert_eq!(ids, ["scn_a", "scn_b", "scn_c", "scn_a", "scn_b", "scn_c"]);
-    assert_eq!(each.uploaded_scene_ids(), ["scn_a", "scn_b", "scn_c"]);
+    assert_eq!(collection.uploaded_scene_ids(), ["scn_a", "scn_b", "scn_c"]);
     // An accepted job does not depend on later changes of the collection.
     let mut grown = vocabulary(false);
     grown.collections.clear();
-    let again = Job::parse(each.canonical().as_bytes(), &grown).unwrap();
-    assert_eq!(again.canonical(), each.canonical());
+    let again = Job::parse(collection.canonical().as_bytes(), &grown).unwrap();
+    assert_eq!(again.canonical(), collection.canonical());
     assert_eq!(
-        Job::from_canonical(each.canonical()).unwrap().canonical(),
-        each.canonical()
+        Job::from_canonical(collection.canonical()).unwrap().canonical(),
+        collection.canonical()
     );
 
     let drawn = parse(&document(json!({"each": false}))).unwrap();
@@ -277,8 +278,8 @@ fn a_collection_is_refused_where_one_of_its_scenes_cannot_give_what_every_frame_
         draft.check(&uploads).map_err(|invalid| invalid.0)
     };
     let asked = json!({"water": {"optics": "jerlov-1C"}, "artifacts": ["rgb", "range", "boxes"]});
-    let each = json!({"kind": "collection", "name": "dock"});
-    let refused = check(&over(each.clone(), asked.clone())).err().unwrap();
+    let collection = json!({"kind": "collection", "name": "dock"});
+    let refused = check(&over(collection.clone(), asked.clone())).err().unwrap();
     let found: Vec<_> = refused
         .iter()
         .map(|error| (error.pointer.as_str(), error.message.as_str()))
@@ -304,7 +305,7 @@ fn a_collection_is_refused_where_one_of_its_scenes_cannot_give_what_every_frame_
     let water = json!({"water": {"optics": "jerlov-1C"}});
     let by_chance = json!({"water": {"choice": [{}, {"optics": "jerlov-1C"}]}});
     let drawn = json!({"kind": "collection", "name": "dock", "each": false});
-    for document in [over(each.clone(), by_chance), over(drawn, water.clone())] {
+    for document in [over(collection.clone(), by_chance), over(drawn, water.clone())] {
         let accepted = check(&document).unwrap();
         assert!(
             accepted.warnings()[0].contains("which scene `scn_b` lacks"),
@@ -312,7 +313,7 @@ fn a_collection_is_refused_where_one_of_its_scenes_cannot_give_what_every_frame_
             accepted.warnings()
         );
     }
-    let one_of = json!({"choice": [each, {"kind": "uploaded", "id": "scn_a"}]});
+    let one_of = json!({"choice": [collection, {"kind": "uploaded", "id": "scn_a"}]});
     let accepted = check(&over(one_of, water)).unwrap();
     assert!(
         accepted

@@ -82,27 +82,30 @@ fn objects_are_merged_and_everything_else_is_replaced() {
         "fidelity": {"tolerance": 0.01},
     }));
     let parameters = parameters(&job, 0);
-    let at = |pointer: &str| parameters.pointer(pointer).unwrap_or(&Value::Null).clone();
-    assert_eq!(at("/scene/seed"), 12);
+    let value_at = |pointer: &str| parameters.pointer(pointer).unwrap_or(&Value::Null).clone();
+    assert_eq!(value_at("/scene/seed"), 12);
     assert_eq!(
-        (at("/scene/lighting"), at("/scene/ground/scour")),
+        (value_at("/scene/lighting"), value_at("/scene/ground/scour")),
         (json!("water"), json!(0.5))
     );
     assert_eq!(
-        (at("/camera/width"), at("/camera/height")),
+        (value_at("/camera/width"), value_at("/camera/height")),
         (json!(320), json!(492))
     );
     // An object with exactly one field is replaced.
-    assert_eq!(at("/camera/exposure"), json!({"fixed": 2.0}));
-    assert_eq!(at("/fidelity"), json!({"tolerance": 0.01}));
+    assert_eq!(value_at("/camera/exposure"), json!({"fixed": 2.0}));
+    assert_eq!(value_at("/fidelity"), json!({"tolerance": 0.01}));
     // The site's short form is completed.
     assert_eq!(
-        at("/water/optics"),
+        value_at("/water/optics"),
         json!({"preset": "jerlov-1C/williamson2022", "backscatter_fraction": 0.02, "phase": "ff"})
     );
-    assert_eq!(at("/water/depth_m"), 9.0);
-    assert_eq!((at("/water/snow"), at("/lights")), (Value::Null, json!([])));
-    assert!(at("/water/sediment").is_object());
+    assert_eq!(value_at("/water/depth_m"), 9.0);
+    assert_eq!(
+        (value_at("/water/snow"), value_at("/lights")),
+        (Value::Null, json!([]))
+    );
+    assert!(value_at("/water/sediment").is_object());
 }
 
 #[test]

@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use serde_json::{Value, json};
 use spec::{Job, fields::MAX_FRAMES};
 
-use crate::common::{vocabulary, with};
+use crate::common::{document_with, vocabulary};
 
 /// A number or a distribution within a..=b.
 fn number(a: f64, b: f64) -> BoxedStrategy<Value> {
@@ -57,7 +57,7 @@ fn description() -> impl Strategy<Value = Value> {
     )
         .prop_map(|(count, seed, alpha, scale, optics, lights, style)| {
             let water = json!({"range_scale": scale, "optics": optics, "style": style});
-            with(
+            document_with(
                 json!({"count": count, "seed": seed, "alpha": alpha, "water": water, "lights": lights,
                 "camera": {"width": {"int": [1, 100]}, "hfov_deg": {"log_uniform": [10, 100]}}}),
             )

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 use spec::Truth;
 
-use crate::common::{errors, job_with, only_error, with};
+use crate::common::{document_with, errors, job_with, only_error};
 
 /// A job of few pixels that requests its truth, with these fields.
 fn traced(beside: Value) -> Value {
@@ -72,7 +72,7 @@ fn what_is_not_traced_is_refused_all_at_once() {
                             "veiling_light": [0, 0, 0]}
         }
     }));
-    let found: Vec<String> = errors(&with(job))
+    let found: Vec<String> = errors(&document_with(job))
         .into_iter()
         .map(|error| error.pointer)
         .collect();

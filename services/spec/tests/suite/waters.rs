@@ -6,7 +6,7 @@ use spec::{
     ForwardScatter, Haze, HazeBlend, HazeSpace, HoleRule, Optics, ScatterModel, ScatterSource, Water,
 };
 
-use crate::common::{errors, job_with, only_error, vocabulary, with};
+use crate::common::{document_with, errors, job_with, only_error, vocabulary};
 
 fn optics(optics: Value) -> Value {
     json!({"water": {"optics": optics}})
@@ -117,7 +117,7 @@ fn many_laws_are_tried_one_at_a_time_and_the_pair_that_clashes_is_found() {
 
 #[test]
 fn a_water_that_lacks_numbers_says_which() {
-    let found = errors(&with(optics(json!({}))));
+    let found = errors(&document_with(optics(json!({}))));
     let messages: Vec<_> = found.iter().map(|error| error.message.as_str()).collect();
     assert!(
         messages
@@ -207,14 +207,15 @@ fn a_water_of_the_users_own_is_written_out_in_numbers() {
 
 #[test]
 fn what_stands_beside_a_water_of_the_users_own_replaces_its_numbers() {
-    let of = |fields: Value| job_with(optics(fields)).resolve(0).unwrap().water.optics.unwrap();
-    let veiled = of(json!({"preset": "quay", "veil_gain": 0.5, "absorption_per_m": [0.3, 0.1, 0.2]}));
+    let resolve_optics = |fields: Value| job_with(optics(fields)).resolve(0).unwrap().water.optics.unwrap();
+    let veiled =
+        resolve_optics(json!({"preset": "quay", "veil_gain": 0.5, "absorption_per_m": [0.3, 0.1, 0.2]}));
     assert_eq!(
         (veiled.absorption_per_m, veiled.scattering_per_m),
         (Some([0.3, 0.1, 0.2]), Some([1.0, 1.1, 1.3]))
     );
     assert_eq!(veiled.name.as_deref(), Some("quay"));
-    let whole = of(json!({"preset": "quay", "beam_attenuation_per_m": [1, 1, 1]}));
+    let whole = resolve_optics(json!({"preset": "quay", "beam_attenuation_per_m": [1, 1, 1]}));
     assert_eq!(
         (whole.absorption_per_m, whole.beam_attenuation_per_m),
         (None, Some([1.0; 3]))
