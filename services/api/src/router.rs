@@ -28,19 +28,19 @@ use crate::{
 /// The whole application.
 pub(crate) fn router(app: App, tokens: &Arc<Tokens>, hosts: Hosts, limits: &Limits) -> Router {
     let budgets = Budgets(limits);
-    let probing = budgets.of("probes", limits.requests, SHED_AFTER);
-    let requests = budgets.of("reads", limits.requests, SHED_AFTER);
-    let questions = budgets.of("questions", limits.questions, SHED_QUESTION_AFTER);
-    let submissions = budgets.of("submissions", limits.submissions, SHED_AFTER);
-    let renders = budgets.of("renders", limits.renders, SHED_AT_ONCE);
-    let streams = budgets.of("events", limits.streams, SHED_AT_ONCE);
-    let lines = budgets.of("lines", limits.lines, SHED_AT_ONCE);
-    let uploads = budgets.of("uploads", limits.uploads, SHED_UPLOAD_AFTER);
-    let pictures = budgets.of("pictures", limits.pictures, SHED_UPLOAD_AFTER);
-    let backups = budgets.of("backups", 1, SHED_AT_ONCE);
+    let probing = budgets.new_budget("probes", limits.requests, SHED_AFTER);
+    let requests = budgets.new_budget("reads", limits.requests, SHED_AFTER);
+    let questions = budgets.new_budget("questions", limits.questions, SHED_QUESTION_AFTER);
+    let submissions = budgets.new_budget("submissions", limits.submissions, SHED_AFTER);
+    let renders = budgets.new_budget("renders", limits.renders, SHED_AT_ONCE);
+    let streams = budgets.new_budget("events", limits.streams, SHED_AT_ONCE);
+    let lines = budgets.new_budget("lines", limits.lines, SHED_AT_ONCE);
+    let uploads = budgets.new_budget("uploads", limits.uploads, SHED_UPLOAD_AFTER);
+    let pictures = budgets.new_budget("pictures", limits.pictures, SHED_UPLOAD_AFTER);
+    let backups = budgets.new_budget("backups", 1, SHED_AT_ONCE);
     let memory = budgets.bodies("bodies", limits.body_bytes);
     let followers = Choice::ByWait {
-        waits: budgets.of("waits", limits.waits, SHED_AT_ONCE),
+        waits: budgets.new_budget("waits", limits.waits, SHED_AT_ONCE),
         others: requests.clone(),
     };
     let group_of = |scope, budget, timeout, most_bytes| Group {
@@ -56,20 +56,20 @@ pub(crate) fn router(app: App, tokens: &Arc<Tokens>, hosts: Hosts, limits: &Limi
     let (request, upload) = (limits::REQUEST, limits::UPLOAD);
     let wait = limits::MAX_WAIT + limits::LONG_POLL_GRACE;
     let routes = OpenApiRouter::with_openapi(openapi::frame())
-        .merge(group(None, &probing, request, 0).around(probes(), tokens))
-        .merge(group(read, &requests, request, 0).around(reading(), tokens))
-        .merge(group(read, &questions, request, 0).around(asking(), tokens))
-        .merge(group_of(read, followers, wait, 0).around(following(), tokens))
-        .merge(group(read, &streams, request, 0).around(telling(), tokens))
-        .merge(group(read, &lines, request, 0).around(listing(), tokens))
-        .merge(group(submit, &submissions, request, limits::JSON_BYTES).around(submitting(), tokens))
-        .merge(group(submit, &renders, wait, limits::JSON_BYTES).around(rendering(), tokens))
-        .merge(group(submit, &uploads, upload, limits::SCENE_BYTES).around(uploading(), tokens))
-        .merge(group(submit, &uploads, upload, limits::STYLE_BYTES).around(adding(), tokens))
-        .merge(group(submit, &uploads, upload, limits::PHOTOS_BYTES).around(training(), tokens))
-        .merge(group(Some(Scope::Admin), &backups, limits::BACKUP, 0).around(operating(), tokens))
-        .merge(group(submit, &renders, upload, limits::JSON_BYTES).around(verifying(), tokens))
-        .merge(group(submit, &pictures, upload, limits::PICTURES_BYTES).around(computing(), tokens));
+        .merge(group(None, &probing, request, 0).wrap(probe_routes(), tokens))
+        .merge(group(read, &requests, request, 0).wrap(read_routes(), tokens))
+        .merge(group(read, &questions, request, 0).wrap(query_routes(), tokens))
+        .merge(group_of(read, followers, wait, 0).wrap(wait_routes(), tokens))
+        .merge(group(read, &streams, request, 0).wrap(event_routes(), tokens))
+        .merge(group(read, &lines, request, 0).wrap(line_routes(), tokens))
+        .merge(group(submit, &submissions, request, limits::JSON_BYTES).wrap(submit_routes(), tokens))
+        .merge(group(submit, &renders, wait, limits::JSON_BYTES).wrap(render_routes(), tokens))
+        .merge(group(submit, &uploads, upload, limits::SCENE_BYTES).wrap(scene_upload_routes(), tokens))
+        .merge(group(submit, &uploads, upload, limits::STYLE_BYTES).wrap(style_upload_routes(), tokens))
+        .merge(group(submit, &uploads, upload, limits::PHOTOS_BYTES).wrap(training_routes(), tokens))
+        .merge(group(Some(Scope::Admin), &backups, limits::BACKUP, 0).wrap(backup_routes(), tokens))
+        .merge(group(submit, &renders, upload, limits::JSON_BYTES).wrap(verify_routes(), tokens))
+        .merge(group(submit, &pictures, upload, limits::PICTURES_BYTES).wrap(image_routes(), tokens));
     let (public, routes) = routes.merge(worker_protocol(tokens, &budgets)).split_for_parts();
     let shipped = List::all().iter().filter(|list| list.stored_at.is_none());
     let list_names: Vec<&str> = shipped.map(|list| list.name).collect();
@@ -82,18 +82,18 @@ pub(crate) fn router(app: App, tokens: &Arc<Tokens>, hosts: Hosts, limits: &Limi
         .route("/problems/{slug}", get(problem::describe))
         .fallback(|| async { Problem::not_found("no such route; see /docs") })
         .layer(from_fn_with_state(stored, space::note))
-        .layer(from_fn_with_state(hosts, hosts::known))
+        .layer(from_fn_with_state(hosts, hosts::check_host))
         .layer(from_fn(observe))
 }
 
-fn probes() -> OpenApiRouter<App> {
+fn probe_routes() -> OpenApiRouter<App> {
     OpenApiRouter::new()
         .routes(routes!(operations::routes::probes::livez))
         .routes(routes!(operations::routes::probes::readyz))
         .routes(routes!(operations::routes::probes::version))
 }
 
-fn reading() -> OpenApiRouter<App> {
+fn read_routes() -> OpenApiRouter<App> {
     OpenApiRouter::new()
         .routes(routes!(operations::routes::probes::metrics))
         .routes(routes!(jobs::routes::list::list))
@@ -121,7 +121,7 @@ fn reading() -> OpenApiRouter<App> {
 }
 
 /// Queries whose time grows with the number of images.
-fn asking() -> OpenApiRouter<App> {
+fn query_routes() -> OpenApiRouter<App> {
     OpenApiRouter::new()
         .routes(routes!(images::routes::list::list))
         .routes(routes!(datasets::routes::stats::stats))
@@ -129,18 +129,18 @@ fn asking() -> OpenApiRouter<App> {
         .routes(routes!(datasets::routes::density::density))
 }
 
-fn following() -> OpenApiRouter<App> {
+fn wait_routes() -> OpenApiRouter<App> {
     OpenApiRouter::new()
         .routes(routes!(jobs::routes::get::get))
         .routes(routes!(jobs::routes::description::get))
         .routes(routes!(styles::routes::training::get))
 }
 
-fn telling() -> OpenApiRouter<App> {
+fn event_routes() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(jobs::routes::events::events))
 }
 
-fn listing() -> OpenApiRouter<App> {
+fn line_routes() -> OpenApiRouter<App> {
     OpenApiRouter::new()
         .routes(routes!(jobs::routes::lines::results))
         .routes(routes!(jobs::routes::lines::errors))
@@ -148,7 +148,7 @@ fn listing() -> OpenApiRouter<App> {
         .routes(routes!(datasets::routes::metadata::csv))
 }
 
-fn submitting() -> OpenApiRouter<App> {
+fn submit_routes() -> OpenApiRouter<App> {
     OpenApiRouter::new()
         .routes(routes!(jobs::routes::create::create))
         .routes(routes!(jobs::routes::preview::preview))
@@ -168,36 +168,36 @@ fn submitting() -> OpenApiRouter<App> {
         .routes(routes!(scenes::routes::collections::delete))
 }
 
-fn rendering() -> OpenApiRouter<App> {
+fn render_routes() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(jobs::routes::render::create))
 }
 
-fn uploading() -> OpenApiRouter<App> {
+fn scene_upload_routes() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(scenes::routes::create::create))
 }
 
-fn adding() -> OpenApiRouter<App> {
+fn style_upload_routes() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(styles::routes::create::create))
 }
 
-fn training() -> OpenApiRouter<App> {
+fn training_routes() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(styles::routes::train::train))
 }
 
-fn verifying() -> OpenApiRouter<App> {
+fn verify_routes() -> OpenApiRouter<App> {
     OpenApiRouter::new()
         .routes(routes!(images::routes::verify::verify))
         .routes(routes!(datasets::routes::versions::seal))
         .routes(routes!(datasets::routes::verify::verify))
 }
 
-fn computing() -> OpenApiRouter<App> {
+fn image_routes() -> OpenApiRouter<App> {
     OpenApiRouter::new()
         .routes(routes!(pictures::routes::enhance::enhance))
         .routes(routes!(pictures::routes::measure::measure))
 }
 
-fn operating() -> OpenApiRouter<App> {
+fn backup_routes() -> OpenApiRouter<App> {
     OpenApiRouter::new().routes(routes!(operations::routes::backup::create))
 }
 
@@ -205,7 +205,7 @@ fn operating() -> OpenApiRouter<App> {
 struct Budgets<'a>(&'a Limits);
 
 impl Budgets<'_> {
-    fn of(&self, name: &'static str, places: usize, patience: Duration) -> Budget {
+    fn new_budget(&self, name: &'static str, places: usize, patience: Duration) -> Budget {
         let share = Share {
             percent: self.0.caller_percent,
         };
@@ -214,7 +214,7 @@ impl Budgets<'_> {
 
     /// A budget of bodies in memory.
     fn bodies(&self, name: &'static str, bytes: usize) -> Budget {
-        self.of(name, bytes / PLACE_BYTES, SHED_AT_ONCE)
+        self.new_budget(name, bytes / PLACE_BYTES, SHED_AT_ONCE)
     }
 
     fn receiving(&self, memory: &Budget, most_bytes: usize) -> Receiving {
@@ -232,7 +232,7 @@ fn worker_protocol(tokens: &Arc<Tokens>, budgets: &Budgets<'_>) -> OpenApiRouter
     let memory = budgets.bodies("bodies of workers", limits.worker_body_bytes);
     let group = |name, places, patience, timeout, most_bytes| Group {
         scope: Some(Scope::Work),
-        budget: Choice::One(budgets.of(name, places, patience)),
+        budget: Choice::One(budgets.new_budget(name, places, patience)),
         timeout,
         receiving: budgets.receiving(&memory, most_bytes),
     };
@@ -260,8 +260,8 @@ fn worker_protocol(tokens: &Arc<Tokens>, budgets: &Budgets<'_>) -> OpenApiRouter
     let leasing = group("worker waits", limits.worker_waits, SHED_AFTER, waiting, message);
     let uploading = group("worker uploads", limits.worker_uploads, SHED_AFTER, upload, files);
     OpenApiRouter::new()
-        .merge(calling.around(calls, tokens))
-        .merge(beating.around(beats, tokens))
-        .merge(leasing.around(waits, tokens))
-        .merge(uploading.around(uploads, tokens))
+        .merge(calling.wrap(calls, tokens))
+        .merge(beating.wrap(beats, tokens))
+        .merge(leasing.wrap(waits, tokens))
+        .merge(uploading.wrap(uploads, tokens))
 }

@@ -190,9 +190,11 @@ async fn tidy_up(app: App, end: CancellationToken) {
     while end.run_until_cancelled(ticks.tick()).await.is_some() {
         app.bytes.naming.tidy_up();
         app.leases
-            .puts
-            .tidy_up(|token| app.leases.dispatch.has_lease(token));
+            .pending
+            .drop_ended(|token| app.leases.dispatch.has_lease(token));
         let dispatch = &app.leases.dispatch;
-        app.leases.probes.keep(|worker| dispatch.has_worker(worker));
+        app.leases
+            .probes
+            .retain_registered(|worker| dispatch.has_worker(worker));
     }
 }

@@ -76,7 +76,7 @@ pub(crate) struct Caller {
 
 impl Caller {
     /// Whether it is anonymous.
-    pub(crate) fn is_anyone(&self) -> bool {
+    pub(crate) fn is_anonymous(&self) -> bool {
         self.owner == ANYONE
     }
 }
@@ -98,7 +98,7 @@ impl Tokens {
     pub(crate) fn parse(setting: Option<&str>, listen: SocketAddr) -> Result<Self, TokenError> {
         let Some(setting) = setting.filter(|text| !text.is_empty()) else {
             return if listen.ip().is_loopback() {
-                Ok(Self::of(Vec::new()))
+                Ok(Self::from_entries(Vec::new()))
             } else {
                 Err(TokenError::Open(listen))
             };
@@ -107,10 +107,10 @@ impl Tokens {
             .split(',')
             .zip(1..)
             .map(|(text, position)| Entry::parse(text.trim(), position));
-        Ok(Self::of(entries.collect::<Result<_, _>>()?))
+        Ok(Self::from_entries(entries.collect::<Result<_, _>>()?))
     }
 
-    fn of(entries: Vec<Entry>) -> Self {
+    fn from_entries(entries: Vec<Entry>) -> Self {
         Self {
             entries,
             own_worker: None,
@@ -129,7 +129,7 @@ impl Tokens {
 
     fn check(&self, headers: &HeaderMap, needed: Scope) -> Result<Caller, Problem> {
         let hash: Option<[u8; 32]> = bearer(headers).map(|secret| Sha256::digest(secret).into());
-        let is_own = |hash: [u8; 32]| self.own_worker.is_some_and(|own| same(&own, &hash));
+        let is_own = |hash: [u8; 32]| self.own_worker.is_some_and(|own| is_same_secret(&own, &hash));
         if let Some(hash) = hash.filter(|hash| needed == Scope::Work && is_own(*hash)) {
             return Ok(Caller {
                 owner: spec::hex(&hash),
@@ -150,7 +150,7 @@ impl Tokens {
         };
         // Every entry is compared, to keep the time constant.
         let known = self.entries.iter().fold(None, |found, entry| {
-            if same(&entry.hash, &hash) {
+            if is_same_secret(&entry.hash, &hash) {
                 Some(entry)
             } else {
                 found
@@ -169,7 +169,7 @@ impl Tokens {
             });
         }
         let detail = format!("this request needs a token with the scope `{}`", needed.name());
-        Err(Problem::new(Slug::Forbidden, detail).with("scope", needed.name()))
+        Err(Problem::new(Slug::Forbidden, detail).with_member("scope", needed.name()))
     }
 }
 
@@ -206,7 +206,7 @@ fn bearer(headers: &HeaderMap) -> Option<&[u8]> {
 }
 
 /// Compares in constant time.
-fn same(a: &[u8; 32], b: &[u8; 32]) -> bool {
+fn is_same_secret(a: &[u8; 32], b: &[u8; 32]) -> bool {
     a.iter().zip(b).fold(0, |difference, (x, y)| difference | (x ^ y)) == 0
 }
 

@@ -10,10 +10,10 @@ impl From<CatalogueError> for Problem {
     fn from(error: CatalogueError) -> Self {
         match error {
             CatalogueError::Filter(filter) => {
-                let problem =
-                    Self::new(Slug::InvalidFilter, filter.to_string()).with("position", filter.position);
+                let problem = Self::new(Slug::InvalidFilter, filter.to_string())
+                    .with_member("position", filter.position);
                 match filter.did_you_mean {
-                    Some(name) => problem.with("did_you_mean", name),
+                    Some(name) => problem.with_member("did_you_mean", name),
                     None => problem,
                 }
             }

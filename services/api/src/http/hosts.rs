@@ -48,7 +48,7 @@ impl Hosts {
 }
 
 /// Passes requests for a name of this service. A request without a host is HTTP/1.0, which no browser uses.
-pub(crate) async fn known(
+pub(crate) async fn check_host(
     State(hosts): State<Hosts>,
     request: Request,
     next: Next,

@@ -19,7 +19,7 @@ use utoipa_axum::router::OpenApiRouter;
 
 use crate::clock::ordered_id;
 use crate::http::auth::{Guard, Scope, Tokens, require};
-use crate::http::budget::{Budget, caller_of};
+use crate::http::budget::{Budget, identify_caller};
 use crate::http::held::Held;
 use crate::http::problem::{Problem, Slug};
 use crate::http::receive::{Receiving, receive};
@@ -46,17 +46,17 @@ pub(crate) enum Choice {
 }
 
 impl Choice {
-    fn of(&self, request: &Request) -> &Budget {
+    fn select(&self, request: &Request) -> &Budget {
         match self {
             Self::One(budget) => budget,
-            Self::ByWait { waits, .. } if asks_to_wait(request) => waits,
+            Self::ByWait { waits, .. } if wants_to_wait(request) => waits,
             Self::ByWait { others, .. } => others,
         }
     }
 }
 
 /// Whether the query has a `wait` other than 0.
-fn asks_to_wait(request: &Request) -> bool {
+fn wants_to_wait(request: &Request) -> bool {
     let query = request.uri().query().unwrap_or_default();
     let waits = query.split('&').filter_map(|pair| pair.strip_prefix("wait="));
     waits.into_iter().any(|seconds| seconds != "0")
@@ -64,16 +64,16 @@ fn asks_to_wait(request: &Request) -> bool {
 
 impl Group {
     /// Adds the group's middleware to its routes only; unknown routes belong to no group.
-    pub(crate) fn around<S: Clone + Send + Sync + 'static>(
+    pub(crate) fn wrap<S: Clone + Send + Sync + 'static>(
         self,
         routes: OpenApiRouter<S>,
         tokens: &Arc<Tokens>,
     ) -> OpenApiRouter<S> {
         let routes = routes
             .route_layer(DefaultBodyLimit::max(self.receiving.most_bytes))
-            .route_layer(from_fn_with_state(self.budget, within_budget))
+            .route_layer(from_fn_with_state(self.budget, limit_concurrency))
             .route_layer(from_fn_with_state(self.receiving, receive))
-            .route_layer(from_fn_with_state(self.timeout, in_time));
+            .route_layer(from_fn_with_state(self.timeout, enforce_timeout));
         match self.scope {
             Some(scope) => routes.route_layer(from_fn_with_state(
                 Guard {
@@ -87,17 +87,24 @@ impl Group {
     }
 }
 
-async fn within_budget(
+async fn limit_concurrency(
     State(choice): State<Choice>,
     request: Request,
     next: Next,
 ) -> Result<Response, Problem> {
-    let place = choice.of(&request).take(&caller_of(&request)).await?;
+    let permit = choice
+        .select(&request)
+        .acquire(&identify_caller(&request))
+        .await?;
     let response = next.run(request).await;
-    Ok(response.map(|body| Held::around(body, place)))
+    Ok(response.map(|body| Held::wrap(body, permit)))
 }
 
-async fn in_time(State(limit): State<Duration>, request: Request, next: Next) -> Result<Response, Problem> {
+async fn enforce_timeout(
+    State(limit): State<Duration>,
+    request: Request,
+    next: Next,
+) -> Result<Response, Problem> {
     tokio::time::timeout(limit, next.run(request)).await.map_err(|_| {
         Problem::new(
             Slug::RequestTimeout,
@@ -132,7 +139,7 @@ pub(crate) async fn observe(request: Request, next: Next) -> Response {
     let response = AssertUnwindSafe(work.instrument(span.clone()))
         .catch_unwind()
         .await
-        .unwrap_or_else(panicked);
+        .unwrap_or_else(report_panic);
     let mut response = as_problem(response, &id);
     let seconds = start.elapsed().as_secs_f64();
     let status = response.status().as_u16();
@@ -182,7 +189,7 @@ fn crosses_sites(request: &Request) -> bool {
     site.is_none() || site != host
 }
 
-fn panicked(payload: Box<dyn Any + Send>) -> Response {
+fn report_panic(payload: Box<dyn Any + Send>) -> Response {
     let text = payload.downcast_ref::<&str>().map(|text| (*text).to_owned());
     let text = text.or_else(|| payload.downcast_ref::<String>().cloned());
     Problem::internal(&format!("panic: {}", text.unwrap_or_default())).into_response()
@@ -226,7 +233,7 @@ mod tests {
     use crate::http::budget::Share;
     use crate::limits::SHED_AFTER;
 
-    async fn ask(app: &Router, request: Request) -> Response {
+    async fn send(app: &Router, request: Request) -> Response {
         app.clone().oneshot(request).await.unwrap()
     }
 
@@ -250,7 +257,7 @@ mod tests {
         let app = Router::new()
             .route("/a", get(work.clone()))
             .route("/b", get(work))
-            .layer(from_fn_with_state(Choice::One(budget), within_budget))
+            .layer(from_fn_with_state(Choice::One(budget), limit_concurrency))
             .layer(from_fn(observe));
         let calls: Vec<_> = (0..40)
             .map(|i| tokio::spawn(app.clone().oneshot(path(if i % 2 == 0 { "/a" } else { "/b" }))))
@@ -283,14 +290,14 @@ mod tests {
                 }),
             )
             .route("/late", get(std::future::pending::<()>))
-            .layer(from_fn_with_state(Duration::from_secs(5), in_time))
+            .layer(from_fn_with_state(Duration::from_secs(5), enforce_timeout))
             .layer(from_fn(observe));
         for (route, status) in [("/panic", 500), ("/late", 408)] {
             let mut request = path(route);
             request
                 .headers_mut()
                 .insert("x-request-id", "mine-1".parse().unwrap());
-            let response = ask(&app, request).await;
+            let response = send(&app, request).await;
             assert_eq!(response.status(), status);
             assert_eq!(
                 response.headers()[header::CONTENT_TYPE],
@@ -304,7 +311,7 @@ mod tests {
 
     #[test]
     fn only_a_request_that_asks_to_wait_counts_as_one() {
-        let asks = |query: &str| asks_to_wait(&path(&format!("/v1/jobs/a{query}")));
+        let asks = |query: &str| wants_to_wait(&path(&format!("/v1/jobs/a{query}")));
         assert!(asks("?wait=10") && asks("?since=3&wait=60"));
         assert!(!asks("") && !asks("?wait=0") && !asks("?since=3") && !asks("?xwait=3"));
     }

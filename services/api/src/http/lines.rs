@@ -44,7 +44,7 @@ where
 }
 
 /// The rows of a job as lines of JSON, in frame order. `read` returns at most `most` rows after a frame.
-pub(crate) async fn by_frame<T, F>(
+pub(crate) async fn stream_frames<T, F>(
     most: u32,
     read: impl Fn(Option<u64>) -> F + Send + Sync + 'static,
     frame: fn(&T) -> Option<u64>,

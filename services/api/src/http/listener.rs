@@ -48,7 +48,7 @@ pub(crate) async fn serve(listener: TcpListener, app: Router, limits: Limits, st
                 continue;
             }
         };
-        let Ok(share) = peers.take(&peer.0.to_string()).await else {
+        let Ok(share) = peers.acquire(&peer.0.to_string()).await else {
             continue;
         };
         let app = TowerToHyperService::new(app.clone());

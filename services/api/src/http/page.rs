@@ -106,7 +106,7 @@ impl Asset {
             (header::REFERRER_POLICY, text("no-referrer")),
         ];
         let common = (common, [(header::ETAG, format!("\"{tag}\""))]);
-        if stored::is_at_hand(headers, tag) {
+        if stored::has_current_copy(headers, tag) {
             return (StatusCode::NOT_MODIFIED, common).into_response();
         }
         let media_type = [(header::CONTENT_TYPE, self.media_type)];

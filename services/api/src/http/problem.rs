@@ -147,7 +147,7 @@ impl Problem {
     }
 
     /// Adds an extension member.
-    pub(crate) fn with(mut self, name: &str, value: impl Into<Value>) -> Self {
+    pub(crate) fn with_member(mut self, name: &str, value: impl Into<Value>) -> Self {
         self.more.insert(name.to_owned(), value.into());
         self
     }
@@ -162,7 +162,7 @@ impl Problem {
     pub(crate) fn field(pointer: &str, message: impl Into<String>) -> Self {
         let message = message.into();
         let errors = json!([{"pointer": pointer, "message": message}]);
-        Self::new(Slug::Validation, message).with("errors", errors)
+        Self::new(Slug::Validation, message).with_member("errors", errors)
     }
 
     /// An internal error: logged here with its cause, reported without it.
@@ -242,7 +242,7 @@ impl From<Invalid> for Problem {
             errors => format!("{} errors", errors.len()),
         };
         let errors = serde_json::to_value(&invalid.0).unwrap_or_default();
-        Self::new(Slug::Validation, detail).with("errors", errors)
+        Self::new(Slug::Validation, detail).with_member("errors", errors)
     }
 }
 

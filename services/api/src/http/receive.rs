@@ -12,7 +12,7 @@ use futures::{StreamExt, stream};
 use hyper::body::Body as _;
 use tokio::time::{Instant, timeout_at};
 
-use crate::http::budget::{Budget, Place, caller_of};
+use crate::http::budget::{Budget, Permit, identify_caller};
 use crate::http::problem::{Problem, Slug};
 use crate::limits::BODY_BYTES_PER_S;
 
@@ -41,7 +41,7 @@ pub(crate) async fn receive(
     let length = request.headers().get(header::CONTENT_LENGTH);
     let length = length.and_then(|length| length.to_str().ok()?.parse::<u64>().ok());
     let is_beyond = length.is_some_and(|bytes| bytes > receiving.most_bytes as u64);
-    let caller = caller_of(&request);
+    let caller = identify_caller(&request);
     let (parts, body) = request.into_parts();
     if is_beyond {
         return Err(receiving.discarded(body.into_data_stream()).await);
@@ -55,7 +55,7 @@ pub(crate) async fn receive(
 /// A body in memory.
 struct Received {
     pieces: Vec<Bytes>,
-    _memory: Vec<Place>,
+    _memory: Vec<Permit>,
 }
 
 impl Receiving {
@@ -83,7 +83,9 @@ impl Receiving {
             let more = bytes.div_ceil(PLACE_BYTES) - places;
             if more > 0 {
                 let count = u32::try_from(more).map_err(|_| self.too_large())?;
-                received._memory.push(self.memory.take_many(caller, count).await?);
+                received
+                    ._memory
+                    .push(self.memory.acquire_many(caller, count).await?);
                 places += more;
             }
             received.pieces.push(piece);

@@ -36,15 +36,15 @@ impl Stored {
                 ),
             ],
         );
-        match requested(headers, &self.digest, length) {
-            Asked::All => Ok((common, self.bytes).into_response()),
-            Asked::Part(range) => {
+        match parse_range(headers, &self.digest, length) {
+            RequestedRange::All => Ok((common, self.bytes).into_response()),
+            RequestedRange::Part(range) => {
                 let place = format!("bytes {}-{}/{length}", range.start, range.end - 1);
                 let part = Bytes::from(self.bytes).slice(range);
                 let place = [(header::CONTENT_RANGE, place)];
                 Ok((StatusCode::PARTIAL_CONTENT, common, place, Body::from(part)).into_response())
             }
-            Asked::Beyond => {
+            RequestedRange::Unsatisfiable => {
                 let place = HeaderValue::from_str(&format!("bytes */{length}"));
                 let problem = Problem::new(
                     Slug::RangeNotSatisfiable,
@@ -59,7 +59,7 @@ impl Stored {
 }
 
 /// Returns whether the client has a copy with this tag.
-pub(crate) fn is_at_hand(headers: &HeaderMap, tag: &str) -> bool {
+pub(crate) fn has_current_copy(headers: &HeaderMap, tag: &str) -> bool {
     let mut tags = listed(headers, header::IF_NONE_MATCH).map(|one| one.trim_start_matches("W/"));
     tags.any(|one| one == "*" || one.trim_matches('"') == tag)
 }
@@ -82,40 +82,40 @@ pub(crate) fn octets(bytes: Vec<u8>) -> impl IntoResponse {
     ([(header::CONTENT_TYPE, "application/octet-stream")], bytes)
 }
 
-enum Asked {
+enum RequestedRange {
     All,
     Part(Range<usize>),
-    Beyond,
+    Unsatisfiable,
 }
 
 /// Parses `Range`. Several ranges, other units and malformed values count as no range, as the standard allows.
-fn requested(headers: &HeaderMap, digest: &str, length: usize) -> Asked {
+fn parse_range(headers: &HeaderMap, digest: &str, length: usize) -> RequestedRange {
     let text = |name| {
         headers
             .get(name)
             .and_then(|value: &HeaderValue| value.to_str().ok())
     };
     if text(header::IF_RANGE).is_some_and(|tag| tag.trim_matches('"') != digest) {
-        return Asked::All;
+        return RequestedRange::All;
     }
     let Some((first, last)) =
         text(header::RANGE).and_then(|range| range.strip_prefix("bytes=")?.split_once('-'))
     else {
-        return Asked::All;
+        return RequestedRange::All;
     };
     let (start, end) = match (first.trim().parse::<usize>(), last.trim().parse::<usize>()) {
         (Ok(first), Ok(last)) if first <= last => (first, last.saturating_add(1).min(length)),
         (Ok(first), Err(_)) if last.trim().is_empty() => (first, length),
         (Err(_), Ok(suffix)) if first.trim().is_empty() => match suffix {
-            0 => return Asked::Beyond,
+            0 => return RequestedRange::Unsatisfiable,
             _ => (length.saturating_sub(suffix), length),
         },
-        _ => return Asked::All,
+        _ => return RequestedRange::All,
     };
     if start < end {
-        Asked::Part(start..end)
+        RequestedRange::Part(start..end)
     } else {
-        Asked::Beyond
+        RequestedRange::Unsatisfiable
     }
 }
 
@@ -165,7 +165,7 @@ mod tests {
     fn a_copy_is_recognized_in_a_list_and_a_weak_tag() {
         let mut headers = HeaderMap::new();
         headers.insert(header::IF_NONE_MATCH, "\"x\", W/\"abc\"".parse().unwrap());
-        assert!(is_at_hand(&headers, "abc"));
-        assert!(!is_at_hand(&headers, "abcd"));
+        assert!(has_current_copy(&headers, "abc"));
+        assert!(!has_current_copy(&headers, "abcd"));
     }
 }

@@ -77,12 +77,12 @@ impl Jobs {
         match verdict {
             Verdict::Good => {
                 telemetry::checked("good");
-                self.leases.probes.is_good(probe);
+                self.leases.probes.mark_good(probe);
             }
             Verdict::Open(why) => {
                 telemetry::checked("open");
                 tracing::info!(worker, job, frame, why, "a frame could not be checked");
-                self.leases.probes.is_open(probe);
+                self.leases.probes.mark_inconclusive(probe);
             }
             Verdict::Differs(what) => {
                 telemetry::checked("differs");

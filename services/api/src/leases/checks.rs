@@ -5,7 +5,7 @@ use proto::wire::{Artifact, RegisterRequest};
 use serde_json::{Number, Value};
 use spec::{ArtifactKind, Counts, Frame, FrameRecord, Scene};
 
-use super::puts::Put;
+use super::pending::PendingArtifact;
 
 /// Maximum time of a stage, ms: a week.
 const MOST_MS: f64 = 7.0 * 86_400e3;
@@ -43,7 +43,7 @@ pub(crate) fn check_file(frame: &Frame, file: &Artifact) -> Vec<String> {
 /// A record and the facts to check it against.
 pub(crate) struct Evidence<'a> {
     pub(crate) frame: &'a Frame,
-    pub(crate) puts: &'a [Put],
+    pub(crate) pending: &'a [PendingArtifact],
     pub(crate) worker: &'a RegisterRequest,
     pub(crate) record: &'a FrameRecord,
 }
@@ -80,7 +80,7 @@ impl Evidence<'_> {
             if named[..position].iter().any(|other| other.kind == *kind) {
                 faults.push(format!("`{kind}` is named twice"));
             }
-            if !self.puts.iter().any(|put| put.entry == *entry) {
+            if !self.pending.iter().any(|put| put.entry == *entry) {
                 faults.push(format!(
                     "`{kind}` with the digest {}, {} bytes, {} was not stored under this lease",
                     entry.digest, entry.bytes, entry.media_type
@@ -102,7 +102,7 @@ impl Evidence<'_> {
             return vec!["/parameters/camera has no width and height".to_owned()];
         };
         let preview = ArtifactKind::Preview.to_string();
-        let pictures = self.puts.iter().filter(|put| put.entry.kind != preview);
+        let pictures = self.pending.iter().filter(|put| put.entry.kind != preview);
         let wrong = pictures.filter_map(|put| Some((&put.entry.kind, put.sides?)));
         let wrong = wrong.filter(|(_, sides)| *sides != size);
         wrong

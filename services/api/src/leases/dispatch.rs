@@ -14,8 +14,8 @@ use tokio::time::{Instant, timeout_at};
 
 use super::Worker;
 use super::granted::Granted;
-use super::liars::Liars;
-use super::table::{JobEntry, LeaseTable, Making, Millis, Rules, StrikeEvent};
+use super::misbehavior::Misbehavior;
+use super::table::{JobEntry, LeaseTable, Millis, Rules, StrikeEvent, Toolchain};
 use crate::clock::{Clock, ordered_id};
 use crate::telemetry;
 
@@ -26,7 +26,7 @@ const LOOK_AGAIN: Duration = Duration::from_millis(250);
 pub(super) struct State {
     pub(super) table: LeaseTable,
     open: HashMap<String, Open>,
-    pub(super) liars: Liars,
+    pub(super) misbehavior: Misbehavior,
     /// Ids of the workers started by the service.
     own: BTreeSet<String>,
 }
@@ -52,7 +52,7 @@ impl Dispatch {
         let state = State {
             table: LeaseTable::with_rules(rules),
             open: HashMap::new(),
-            liars: Liars::default(),
+            misbehavior: Misbehavior::default(),
             own: BTreeSet::new(),
         };
         // Tokens only increase, also over restarts: the high half of a UUIDv7 is the time in milliseconds and a
@@ -90,7 +90,7 @@ impl Dispatch {
             failed,
             strikes,
             paused: row.state == JobState::Paused,
-            made: provenance.as_ref().map(Making::of),
+            made: provenance.as_ref().map(Toolchain::from_provenance),
         });
         drop(state);
         self.work.notify_waiters();
@@ -111,7 +111,7 @@ impl Dispatch {
     /// Registers a worker and returns its id; `None` if a worker of this name was dismissed.
     pub(crate) fn register(&self, about: RegisterRequest, is_own: bool) -> Option<String> {
         let mut state = self.state();
-        if state.liars.has(&about.name) {
+        if state.misbehavior.is_dismissed(&about.name) {
             return None;
         }
         let id = format!("wrk_{}", ordered_id().simple());
@@ -200,9 +200,12 @@ impl Dispatch {
             events.extend(state.blame(&worker, "it holds frames and hands none in", now));
         }
         let State {
-            table, liars, own, ..
+            table,
+            misbehavior,
+            own,
+            ..
         } = &mut *state;
-        liars.keep(|id| table.has_worker(id));
+        misbehavior.retain_registered(|id| table.has_worker(id));
         own.retain(|id| table.has_worker(id));
         drop(state);
         self.after_loss(events)
@@ -300,7 +303,7 @@ impl State {
             return Vec::new();
         };
         let is_own = self.own.contains(id);
-        if !self.liars.refused(id, &name, is_own) {
+        if !self.misbehavior.count_rejection(id, &name, is_own) {
             return Vec::new();
         }
         tracing::error!(worker = name, why, "worker dismissed");
@@ -318,7 +321,7 @@ impl Dispatch {
             return Vec::new();
         };
         let is_own = state.own.contains(id);
-        state.liars.dismiss(id, &name, is_own);
+        state.misbehavior.dismiss(id, &name, is_own);
         tracing::error!(
             worker = name,
             "worker dismissed: a frame of it is not what it renders to"

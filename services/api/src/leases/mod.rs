@@ -6,9 +6,9 @@ pub(crate) mod costs;
 mod descriptions;
 pub(crate) mod dispatch;
 mod granted;
-mod liars;
+mod misbehavior;
+pub(crate) mod pending;
 pub(crate) mod probes;
-pub(crate) mod puts;
 pub(crate) mod routes;
 mod strikes;
 pub mod table;
@@ -26,8 +26,8 @@ use changes::Changes;
 use costs::Costs;
 use descriptions::Descriptions;
 use dispatch::Dispatch;
+use pending::PendingArtifacts;
 use probes::Probes;
-use puts::Puts;
 use table::Rules;
 
 /// Leased and queued frames, and the costs learned from finished ones.
@@ -36,7 +36,7 @@ pub(crate) struct Leases {
     pub(crate) changes: Changes,
     pub(crate) costs: Costs,
     descriptions: Descriptions,
-    pub(crate) puts: Puts,
+    pub(crate) pending: PendingArtifacts,
     pub(crate) probes: Probes,
     pub(crate) catalogue: Arc<Catalogue>,
     pub(crate) bytes: Arc<Bytes>,
@@ -60,7 +60,7 @@ impl Leases {
             changes: Changes::default(),
             costs: Costs::default(),
             descriptions: Descriptions::default(),
-            puts: Puts::default(),
+            pending: PendingArtifacts::default(),
             probes,
             catalogue,
             bytes,

@@ -6,7 +6,7 @@ use std::hash::{BuildHasher, RandomState};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Maximum tracked frames of a worker: some megabytes. Older ones are dropped if checks fall behind.
-const MOST_UNPROVEN: usize = 100_000;
+const MAX_UNPROVEN: usize = 100_000;
 
 /// The unchecked frames of all workers.
 pub(crate) struct Probes {
@@ -50,7 +50,7 @@ impl Probes {
     }
 
     /// Records a commit of a worker.
-    pub(crate) fn committed(&self, worker: &str, job: &str, frame: u64) {
+    pub(crate) fn record_commit(&self, worker: &str, job: &str, frame: u64) {
         if self.one_in == 0 {
             return;
         }
@@ -67,7 +67,7 @@ impl Probes {
             Some((last, _)) if **last == *job => Arc::clone(last),
             _ => Arc::from(job),
         };
-        if unproven.frames.len() == MOST_UNPROVEN {
+        if unproven.frames.len() == MAX_UNPROVEN {
             unproven.frames.pop_front();
         }
         unproven.frames.push_back((Arc::clone(&job), frame));
@@ -88,8 +88,8 @@ impl Probes {
     }
 
     /// The frame is good, and so are its worker's earlier commits.
-    pub(crate) fn is_good(&self, probe: &Probe) {
-        self.end(probe, |unproven| {
+    pub(crate) fn mark_good(&self, probe: &Probe) {
+        self.finish(probe, |unproven| {
             unproven.has_been_checked = true;
             let known = unproven.frames.iter();
             let place = known
@@ -100,11 +100,11 @@ impl Probes {
     }
 
     /// The check is inconclusive: another frame is selected.
-    pub(crate) fn is_open(&self, probe: &Probe) {
-        self.end(probe, |_| {});
+    pub(crate) fn mark_inconclusive(&self, probe: &Probe) {
+        self.finish(probe, |_| {});
     }
 
-    fn end(&self, probe: &Probe, change: impl FnOnce(&mut Unproven)) {
+    fn finish(&self, probe: &Probe, change: impl FnOnce(&mut Unproven)) {
         if let Some(unproven) = self.state().workers.get_mut(&probe.worker) {
             unproven.is_waiting = false;
             change(unproven);
@@ -124,7 +124,7 @@ impl Probes {
     }
 
     /// Drops unregistered workers without unchecked frames.
-    pub(crate) fn keep(&self, is_registered: impl Fn(&str) -> bool) {
+    pub(crate) fn retain_registered(&self, is_registered: impl Fn(&str) -> bool) {
         self.state()
             .workers
             .retain(|worker, unproven| unproven.is_waiting || is_registered(worker));
@@ -140,11 +140,11 @@ mod tests {
     use super::*;
 
     fn commit(probes: &Probes, worker: &str, frames: std::ops::Range<u64>) {
-        frames.for_each(|frame| probes.committed(worker, "job_a", frame));
+        frames.for_each(|frame| probes.record_commit(worker, "job_a", frame));
     }
 
     #[test]
-    fn the_first_frame_of_each_worker_is_checked_and_then_one_in_so_many() {
+    fn the_first_frame_of_each_worker_is_checked_and_then_a_random_share() {
         let probes = Probes::new(100);
         commit(&probes, "a", 0..1);
         commit(&probes, "b", 1..2);
@@ -154,7 +154,7 @@ mod tests {
         for frame in 0..20_000 {
             commit(&probes, "c", frame..frame + 1);
             if let Some(probe) = probes.next() {
-                probes.is_good(&probe);
+                probes.mark_good(&probe);
                 checked += 1;
             }
         }
@@ -165,16 +165,16 @@ mod tests {
     }
 
     #[test]
-    fn what_came_after_the_last_good_frame_is_not_proven() {
+    fn frames_after_the_last_good_one_are_unproven() {
         let probes = Probes::new(1);
         commit(&probes, "a", 0..5);
         let first = probes.next().unwrap();
         assert_eq!((first.frame, probes.next()), (0, None));
-        probes.is_good(&first);
+        probes.mark_good(&first);
         commit(&probes, "a", 5..7);
         let second = probes.next().unwrap();
         assert_eq!(second.frame, 5);
-        probes.is_open(&second);
+        probes.mark_inconclusive(&second);
         commit(&probes, "b", 100..101);
         assert_eq!(
             probes.take("a"),

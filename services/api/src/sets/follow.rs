@@ -13,7 +13,7 @@ use crate::http::problem::Problem;
 /// Minimum pause between two polls.
 const PAUSE: Duration = Duration::from_secs(2);
 /// Minimum pause if changes of the set are announced.
-const PAUSE_TOLD: Duration = Duration::from_secs(30);
+const PAUSE_ANNOUNCED: Duration = Duration::from_secs(30);
 /// The pause is at least this many times the duration of a poll, which is longer for a large set.
 const PAUSE_SHARE: u32 = 10;
 
@@ -54,8 +54,8 @@ impl Sets {
         if self.reader.is_some() {
             let jobs = self.jobs.catalogue.imported_jobs().await?;
             let open = jobs.iter().filter(|job| !job.state.has_ended());
-            let told = |job: &JobRow| self.jobs.engine.is_some() && job.is_shared();
-            open.for_each(|job| self.follow(job, told(job)));
+            let is_announced = |job: &JobRow| self.jobs.engine.is_some() && job.is_shared();
+            open.for_each(|job| self.follow(job, is_announced(job)));
         }
         Ok(())
     }
@@ -70,8 +70,8 @@ impl Sets {
         Ok(deleted)
     }
 
-    /// Polls a set until it is complete. `told`: its changes are announced, so that rare polls are enough.
-    pub(super) fn follow(self: &Arc<Self>, row: &JobRow, told: bool) {
+    /// Polls a set until it is complete. `is_announced`: its changes are announced, so that rare polls are enough.
+    pub(super) fn follow(self: &Arc<Self>, row: &JobRow, is_announced: bool) {
         let Some(location) = row.set.clone() else { return };
         let followed = Arc::clone(self.followed().entry(row.id.clone()).or_default());
         if std::mem::replace(&mut followed.last().goes_on, true) {
@@ -79,7 +79,7 @@ impl Sets {
             return;
         }
         let (sets, job) = (Arc::clone(self), row.id.clone());
-        let least = if told { PAUSE_TOLD } else { PAUSE };
+        let least = if is_announced { PAUSE_ANNOUNCED } else { PAUSE };
         tokio::spawn(async move {
             let stop = sets.jobs.stop.clone();
             stop.run_until_cancelled(sets.follow_to_the_end(&location, &job, &followed, least))

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::claim;
-use api::lease_table::{Grant, JobEntry, LeaseTable, Making, Millis, Rules, Stale};
+use api::lease_table::{Grant, JobEntry, LeaseTable, Millis, Rules, Stale, Toolchain};
 use proto::wire::{Claim, RegisterRequest};
 
 fn job(id: &str, frames: u64) -> JobEntry {
@@ -264,8 +264,8 @@ fn worker(code_version: &str, onnx_runtime: Option<&str>) -> RegisterRequest {
     }
 }
 
-fn making(code_version: &str, onnx_runtime: Option<&str>) -> Making {
-    Making {
+fn toolchain(code_version: &str, onnx_runtime: Option<&str>) -> Toolchain {
+    Toolchain {
         code_version: code_version.to_owned(),
         cpu_features: "avx2".to_owned(),
         onnx_runtime: onnx_runtime.map(str::to_owned),
@@ -296,11 +296,11 @@ fn a_job_stays_with_the_program_and_the_machines_of_its_first_image() {
             [("old", 1), ("new", 2)].map(|(name, token)| table.grant(name, now, token, 0.0).unwrap());
         // There is no frame yet that the second could differ from.
         assert_eq!(table.waits_for("a"), None);
-        assert!(table.made_with("a", &making("1", None)));
+        assert!(table.record_toolchain("a", &toolchain("1", None)));
         table.begin_commit(&first_claim(&first), now).unwrap();
-        assert_eq!(table.made_with("a", &making("2", None)), mixed);
+        assert_eq!(table.record_toolchain("a", &toolchain("2", None)), mixed);
         table.finish_commit(&first_claim(&first));
-        assert_eq!(table.made_with("a", &making("2", None)), mixed);
+        assert_eq!(table.record_toolchain("a", &toolchain("2", None)), mixed);
         table.refuse(&first_claim(&second)).unwrap();
         assert_eq!(table.grant("new", now, 3, 0.0).is_some(), mixed);
         assert!(table.grant("old", now, 4, 0.0).is_some());
@@ -320,7 +320,7 @@ fn a_runtime_binds_only_jobs_that_have_used_it() {
     let mut table = LeaseTable::new();
     let resumed = |id: &str, onnx_runtime| JobEntry {
         done: std::iter::once(0..1).collect(),
-        made: Some(making("1", onnx_runtime)),
+        made: Some(toolchain("1", onnx_runtime)),
         ..job(id, 2)
     };
     table.add_job(resumed("plain", None));
@@ -328,7 +328,7 @@ fn a_runtime_binds_only_jobs_that_have_used_it() {
     table.register("other", worker("1", Some("1.22")), now);
     assert_eq!(table.grant("other", now, 1, 0.0).unwrap().job_id, "plain");
     assert_eq!(table.grant("other", now, 2, 0.0), None);
-    assert!(!table.made_with("styled", &making("1", Some("1.22"))));
+    assert!(!table.record_toolchain("styled", &toolchain("1", Some("1.22"))));
     table.register("same", worker("1", Some("1.20")), now);
     assert_eq!(table.grant("same", now, 3, 0.0).unwrap().job_id, "styled");
 }

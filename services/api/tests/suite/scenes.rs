@@ -268,8 +268,8 @@ fn a_scene_goes_when_no_job_uses_it_and_leaves_its_collections() {
     let problem = service
         .delete(&format!("/v1/scenes/{first}"))
         .problem(409, "in-use");
-    let told = problem["detail"].as_str().unwrap();
-    assert!(told.contains(&first) && told.contains(&job), "{told}");
+    let sent = problem["detail"].as_str().unwrap();
+    assert!(sent.contains(&first) && sent.contains(&job), "{sent}");
     assert_eq!(service.get("/v1/collections").json()["items"][0]["scenes"], 2);
 
     assert_eq!(service.delete(&format!("/v1/jobs/{job}")).status, 200);

@@ -214,8 +214,8 @@ fn bytes_of_which_the_commit_never_came_go_after_a_while() {
     );
     assert_eq!(service.delete(&format!("/v1/jobs/{id}")).status, 200);
     let blobs = |count: u64| {
-        let told = service.get("/metrics").text();
-        told.contains(&format!("fathom_store_blobs {count}\n"))
+        let sent = service.get("/metrics").text();
+        sent.contains(&format!("fathom_store_blobs {count}\n"))
     };
     eventually("the end of bytes without a name", || blobs(1));
     let picture = service.get(&format!("/v1/images/{kept}/0/artifacts/rgb"));

@@ -36,8 +36,8 @@ fn a_dataset_is_sealed_asked_for_and_unsealed() {
     let service = start();
     seal(&service).problem(404, "not-found");
     let id = service.submit(&job());
-    let told = seal(&service).problem(409, "job-state");
-    assert!(told["detail"].as_str().unwrap().contains(&id), "{told}");
+    let sent = seal(&service).problem(409, "job-state");
+    assert!(sent["detail"].as_str().unwrap().contains(&id), "{sent}");
     Fake::register(&service).work();
     let sealed = seal(&service);
     assert_eq!(sealed.status, 201, "{}", sealed.text());
@@ -93,10 +93,10 @@ fn a_dataset_is_sealed_asked_for_and_unsealed() {
         .problem(400, "invalid-path");
 
     for path in [format!("/v1/jobs/{id}"), "/v1/datasets/tests".to_owned()] {
-        let told = service.delete(&path).problem(409, "sealed");
+        let sent = service.delete(&path).problem(409, "sealed");
         assert!(
-            told["detail"].as_str().unwrap().contains("fathom rm tests@"),
-            "{told}"
+            sent["detail"].as_str().unwrap().contains("fathom rm tests@"),
+            "{sent}"
         );
     }
     for number in [1, 2] {

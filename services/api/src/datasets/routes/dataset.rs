@@ -11,10 +11,10 @@ use crate::jobs::Jobs;
     responses((status = 200, description = "A page of datasets.", body = Page<DatasetRow>)))]
 pub(crate) async fn list(
     State(catalogue): Topic<Catalogue>,
-    Query(asked): Query<Paging>,
+    Query(query): Query<Paging>,
 ) -> Result<Json<Page<DatasetRow>>, Problem> {
-    let limit = bounds::rows(asked.limit)?;
-    Ok(Json(catalogue.datasets(limit, asked.cursor).await?))
+    let limit = bounds::check_rows(query.limit)?;
+    Ok(Json(catalogue.datasets(limit, query.cursor).await?))
 }
 
 /// A dataset with its columns.

@@ -33,14 +33,14 @@ pub(crate) struct Parameters {
 pub(crate) async fn density(
     State(catalogue): Topic<Catalogue>,
     Path(name): Path<String>,
-    Query(asked): Query<Parameters>,
+    Query(query): Query<Parameters>,
 ) -> Result<Json<Density>, Problem> {
-    let filter = bounds::filter(asked.filter)?;
+    let filter = bounds::check_filter(query.filter)?;
     let columns = DensityColumns {
-        x: &asked.x,
-        y: &asked.y,
-        mean_of: asked.mean_of.as_deref(),
+        x: &query.x,
+        y: &query.y,
+        mean_of: query.mean_of.as_deref(),
     };
-    let density = catalogue.density(&name, filter.as_deref(), columns, asked.bins.unwrap_or(64));
+    let density = catalogue.density(&name, filter.as_deref(), columns, query.bins.unwrap_or(64));
     Ok(Json(density.await?))
 }

@@ -31,15 +31,15 @@ pub(crate) struct Parameters {
 pub(crate) async fn histogram(
     State(catalogue): Topic<Catalogue>,
     Path(name): Path<String>,
-    Query(asked): Query<Parameters>,
+    Query(query): Query<Parameters>,
 ) -> Result<Json<Histogram>, Problem> {
-    let range = asked.min.zip(asked.max);
-    if range.is_none() && (asked.min.is_some() || asked.max.is_some()) {
+    let range = query.min.zip(query.max);
+    if range.is_none() && (query.min.is_some() || query.max.is_some()) {
         let detail = "give both `min` and `max`, or neither";
         return Err(Problem::new(Slug::InvalidQuery, detail));
     }
-    let filter = bounds::filter(asked.filter)?;
-    let bins = asked.bins.unwrap_or(50);
-    let histogram = catalogue.histogram(&name, filter.as_deref(), &asked.column, bins, range);
+    let filter = bounds::check_filter(query.filter)?;
+    let bins = query.bins.unwrap_or(50);
+    let histogram = catalogue.histogram(&name, filter.as_deref(), &query.column, bins, range);
     Ok(Json(histogram.await?))
 }

@@ -30,9 +30,9 @@ pub(crate) struct Parameters {
 pub(crate) async fn jsonl(
     State(catalogue): Topic<Catalogue>,
     Path(name): Path<String>,
-    Query(asked): Query<Parameters>,
+    Query(query): Query<Parameters>,
 ) -> Result<Response, Problem> {
-    let table = Table::open(catalogue, name, asked).await?;
+    let table = Table::open(catalogue, name, query).await?;
     table
         .stream(lines::NDJSON, Vec::new(), |_, rows| lines::json_lines(rows))
         .await
@@ -48,9 +48,9 @@ pub(crate) async fn jsonl(
 pub(crate) async fn csv(
     State(catalogue): Topic<Catalogue>,
     Path(name): Path<String>,
-    Query(asked): Query<Parameters>,
+    Query(query): Query<Parameters>,
 ) -> Result<Response, Problem> {
-    let table = Table::open(catalogue, name, asked).await?;
+    let table = Table::open(catalogue, name, query).await?;
     let head = record(table.columns.iter().map(|name| quoted(name)));
     let media_type = "text/csv; charset=utf-8; header=present";
     table
@@ -72,11 +72,11 @@ struct Table {
 type Write = fn(&[String], Vec<Value>) -> Result<Vec<u8>, Problem>;
 
 impl Table {
-    async fn open(catalogue: Arc<Catalogue>, dataset: String, asked: Parameters) -> Result<Self, Problem> {
+    async fn open(catalogue: Arc<Catalogue>, dataset: String, query: Parameters) -> Result<Self, Problem> {
         super::dataset::row(&catalogue, &dataset).await?;
         let columns = catalogue.columns(&dataset).await?.into_iter();
         Ok(Self {
-            filter: bounds::filter(asked.filter)?,
+            filter: bounds::check_filter(query.filter)?,
             columns: columns.map(|column| column.name).collect(),
             dataset,
             catalogue,

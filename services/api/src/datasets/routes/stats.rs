@@ -45,12 +45,12 @@ pub(crate) struct Statistics {
 pub(crate) async fn stats(
     State(catalogue): Topic<Catalogue>,
     Path(name): Path<String>,
-    Query(asked): Query<Parameters>,
+    Query(query): Query<Parameters>,
 ) -> Result<Json<Statistics>, Problem> {
-    let metrics = bounds::names(&asked.metrics);
-    let filter = bounds::filter(asked.filter)?;
-    let Some(by) = asked.by else {
-        let groups = catalogue.stats(&name, &metrics, asked.group_by.as_deref(), filter.as_deref());
+    let metrics = bounds::split_names(&query.metrics);
+    let filter = bounds::check_filter(query.filter)?;
+    let Some(by) = query.by else {
+        let groups = catalogue.stats(&name, &metrics, query.group_by.as_deref(), filter.as_deref());
         let GroupedStats { groups, source, .. } = groups.await?;
         return Ok(Json(Statistics {
             by: None,
@@ -58,7 +58,7 @@ pub(crate) async fn stats(
             source,
         }));
     };
-    if asked.group_by.is_some() {
+    if query.group_by.is_some() {
         let detail = "give `by` or `group_by`, not both";
         return Err(Problem::new(Slug::InvalidQuery, detail));
     }

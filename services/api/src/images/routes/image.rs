@@ -42,7 +42,7 @@ pub(crate) async fn artifact(
 ) -> Result<Response, Problem> {
     let artifact = images.artifact(&job, frame, &kind).await?;
     let digest = &artifact.entry.digest;
-    if stored::is_at_hand(&headers, digest) {
+    if stored::has_current_copy(&headers, digest) {
         return Ok(stored::not_modified(digest));
     }
     images.stored(artifact).await?.response(&headers)
@@ -73,13 +73,13 @@ pub(crate) struct Parameters {
 pub(crate) async fn artifacts(
     State(images): Topic<Images>,
     Path((job, frame)): Path<(String, u64)>,
-    Query(asked): Query<Parameters>,
+    Query(query): Query<Parameters>,
 ) -> Result<Response, Problem> {
     let mut artifacts = images.artifacts(&job, frame).await?;
-    if let Some(kinds) = &asked.kinds {
+    if let Some(kinds) = &query.kinds {
         let known: Vec<_> = artifacts.iter().map(|found| found.entry.kind.as_str()).collect();
         let known = known.join(", ");
-        let named = bounds::names(kinds).into_iter().map(|kind| {
+        let named = bounds::split_names(kinds).into_iter().map(|kind| {
             let artifact = artifacts.iter().find(|found| found.entry.kind == kind).cloned();
             artifact.ok_or_else(|| {
                 Problem::not_found(format!(
@@ -89,7 +89,7 @@ pub(crate) async fn artifacts(
         });
         artifacts = named.collect::<Result<_, _>>()?;
     }
-    let record = match asked.record {
+    let record = match query.record {
         true => Some(images.get(&job, frame).await?.to_string().into_bytes()),
         false => None,
     };
@@ -108,7 +108,7 @@ pub(crate) async fn preview(
 ) -> Result<Response, Problem> {
     let artifact = images.artifact(&job, frame, "rgb").await?;
     let tag = format!("{}-{}", artifact.entry.digest, limits::PREVIEW_PX);
-    if stored::is_at_hand(&headers, &tag) {
+    if stored::has_current_copy(&headers, &tag) {
         return Ok(stored::not_modified(&tag));
     }
     let bytes = images.stored(artifact).await?.bytes;

@@ -38,16 +38,20 @@ pub(crate) struct Parameters {
     responses((status = 200, description = "A page of rows.", body = Page<ImageRow>)))]
 pub(crate) async fn list(
     State(catalogue): Topic<Catalogue>,
-    Query(asked): Query<Parameters>,
+    Query(query): Query<Parameters>,
 ) -> Result<Json<Page<Value>>, Problem> {
     let query = ImageQuery {
-        dataset: asked.dataset,
-        filter: bounds::filter(asked.filter)?,
-        order_by: asked.order_by,
-        limit: bounds::rows(asked.limit)?,
-        cursor: asked.cursor,
-        offset: asked.offset.unwrap_or_default(),
-        fields: asked.fields.as_deref().map(bounds::names).unwrap_or_default(),
+        dataset: query.dataset,
+        filter: bounds::check_filter(query.filter)?,
+        order_by: query.order_by,
+        limit: bounds::check_rows(query.limit)?,
+        cursor: query.cursor,
+        offset: query.offset.unwrap_or_default(),
+        fields: query
+            .fields
+            .as_deref()
+            .map(bounds::split_names)
+            .unwrap_or_default(),
     };
     Ok(Json(catalogue.images(query).await?))
 }

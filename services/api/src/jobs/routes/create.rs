@@ -39,7 +39,7 @@ pub(crate) struct Parameters {
 pub(crate) async fn create(
     State(jobs): Topic<Jobs>,
     submitter: Submitter,
-    Query(asked): Query<Parameters>,
+    Query(query): Query<Parameters>,
     JsonBytes(body): JsonBytes,
 ) -> Result<Located<JobRow>, Problem> {
     let job = jobs.parse(&body).await?;
@@ -47,7 +47,7 @@ pub(crate) async fn create(
     let submission = Submission {
         submitter,
         priority: limits::JOB_PRIORITY,
-        again: asked.again,
+        again: query.again,
     };
     let submitted = jobs.accept(job, submission).await?;
     let mut row = submitted.job.row;

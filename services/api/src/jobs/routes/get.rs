@@ -27,9 +27,9 @@ pub(crate) struct Parameters {
 pub(crate) async fn get(
     State(jobs): Topic<Jobs>,
     Path(id): Path<String>,
-    Query(asked): Query<Parameters>,
+    Query(query): Query<Parameters>,
 ) -> Result<Json<JobRow>, Problem> {
-    let limit = bounds::wait(asked.wait)?;
-    let until = asked.since.map_or(Until::Ended, Until::After);
+    let limit = bounds::check_wait(query.wait)?;
+    let until = query.since.map_or(Until::Ended, Until::After);
     Ok(Json(jobs.wait(&id, limit, until).await?))
 }

@@ -4,7 +4,7 @@ use axum::response::Response;
 use catalogue::FailureRow;
 use serde_json::Value;
 
-use crate::http::lines::by_frame;
+use crate::http::lines::stream_frames;
 use crate::http::{Path, Problem, State, Topic};
 use crate::jobs::Jobs;
 use crate::limits::{RECORDS_BATCH, ROWS_BATCH};
@@ -18,7 +18,7 @@ use crate::limits::{RECORDS_BATCH, ROWS_BATCH};
                content_type = "application/x-ndjson", body = String)))]
 pub(crate) async fn results(State(jobs): Topic<Jobs>, Path(id): Path<String>) -> Result<Response, Problem> {
     jobs.get(&id).await?;
-    by_frame(
+    stream_frames(
         RECORDS_BATCH,
         move |after| {
             let (catalogue, id) = (Arc::clone(&jobs.catalogue), id.clone());
@@ -37,7 +37,7 @@ pub(crate) async fn results(State(jobs): Topic<Jobs>, Path(id): Path<String>) ->
     responses((status = 200, description = "One `Failure` a line.", content_type = "application/x-ndjson", body = String)))]
 pub(crate) async fn errors(State(jobs): Topic<Jobs>, Path(id): Path<String>) -> Result<Response, Problem> {
     jobs.get(&id).await?;
-    by_frame(
+    stream_frames(
         ROWS_BATCH,
         move |after| {
             let (catalogue, id) = (Arc::clone(&jobs.catalogue), id.clone());

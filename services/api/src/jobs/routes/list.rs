@@ -26,9 +26,9 @@ pub(crate) struct Parameters {
     responses((status = 200, description = "A page of jobs.", body = Page<JobRow>)))]
 pub(crate) async fn list(
     State(catalogue): Topic<Catalogue>,
-    Query(asked): Query<Parameters>,
+    Query(query): Query<Parameters>,
 ) -> Result<Json<Page<JobRow>>, Problem> {
-    let limit = bounds::rows(asked.limit)?;
-    let page = catalogue.jobs(asked.dataset, asked.state, limit, asked.cursor);
+    let limit = bounds::check_rows(query.limit)?;
+    let page = catalogue.jobs(query.dataset, query.state, limit, query.cursor);
     Ok(Json(page.await?))
 }

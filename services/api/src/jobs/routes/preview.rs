@@ -5,7 +5,7 @@ use serde_json::Value;
 use spec::{Frame, Job};
 use utoipa::{IntoParams, ToSchema};
 
-use crate::http::bounds::beyond;
+use crate::http::bounds::out_of_range;
 use crate::http::{Json, JsonBytes, Problem, Query, State, Topic};
 use crate::jobs::Jobs;
 use crate::leases::costs::Sized;
@@ -72,12 +72,12 @@ pub(crate) struct JobPreview {
               (status = 409, response = crate::openapi::Problem)))]
 pub(crate) async fn preview(
     State(jobs): Topic<Jobs>,
-    Query(asked): Query<Parameters>,
+    Query(query): Query<Parameters>,
     JsonBytes(body): JsonBytes,
 ) -> Result<Json<JobPreview>, Problem> {
-    let shown = asked.frames.unwrap_or(SHOWN);
+    let shown = query.frames.unwrap_or(SHOWN);
     if shown > MOST_SHOWN {
-        return Err(beyond("frames", shown, 0, MOST_SHOWN));
+        return Err(out_of_range("frames", shown, 0, MOST_SHOWN));
     }
     let job = jobs.parse(&body).await?;
     jobs.check_runtime(&job)?;

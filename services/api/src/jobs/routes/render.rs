@@ -67,7 +67,7 @@ pub(crate) async fn create(
         JobState::DoneWithFailures => {
             let problem = why_failed(&jobs, &id).await?;
             match is_kept {
-                true => problem.with("job", id.as_str()).into_response(),
+                true => problem.with_member("job", id.as_str()).into_response(),
                 false => problem.into_response(),
             }
         }

@@ -30,8 +30,8 @@ fn worker() -> RegisterRequest {
     }
 }
 
-fn put(kind: &str, sides: (usize, usize)) -> Put {
-    Put {
+fn stored_file(kind: &str, sides: (usize, usize)) -> PendingArtifact {
+    PendingArtifact {
         entry: ArtifactEntry {
             kind: kind.to_owned(),
             digest: "ab".repeat(32),
@@ -46,13 +46,13 @@ fn put(kind: &str, sides: (usize, usize)) -> Put {
 type Lie = fn(&mut FrameRecord);
 
 /// The record of an honest worker.
-fn record(frame: &Frame, puts: &[Put]) -> FrameRecord {
+fn record(frame: &Frame, pending: &[PendingArtifact]) -> FrameRecord {
     let text = frame.parameters.to_string();
     FrameRecord {
         frame: 1,
         parameters: serde_json::from_str(&text).unwrap(),
         measurements: [("rgb".to_owned(), [("uiqm".to_owned(), 0.5)].into())].into(),
-        artifacts: puts.iter().map(|put| put.entry.clone()).collect(),
+        artifacts: pending.iter().map(|put| put.entry.clone()).collect(),
         timings_ms: [("water".to_owned(), 3.0)].into(),
         provenance: Provenance {
             code_version: "1".to_owned(),
@@ -76,18 +76,22 @@ fn promise(bound: f64, text: &str) -> Promise {
 #[test]
 fn an_honest_record_has_no_fault_and_each_lie_is_named() {
     let (frame, worker) = (frame(), worker());
-    let puts = [put("rgb", (32, 24)), put("range", (32, 24))];
-    let honest = record(&frame, &puts);
-    let faults = |puts: &[Put], record: &FrameRecord| {
+    let pending = [stored_file("rgb", (32, 24)), stored_file("range", (32, 24))];
+    let honest = record(&frame, &pending);
+    let faults = |pending: &[PendingArtifact], record: &FrameRecord| {
         let evidence = Evidence {
             frame: &frame,
-            puts,
+            pending,
             worker: &worker,
             record,
         };
         evidence.faults()
     };
-    assert!(faults(&puts, &honest).is_empty(), "{:?}", faults(&puts, &honest));
+    assert!(
+        faults(&pending, &honest).is_empty(),
+        "{:?}",
+        faults(&pending, &honest)
+    );
     let changes: [(&str, Lie); 16] = [
         ("/parameters/alpha", |record| {
             record.parameters["alpha"] = json!(0.5)
@@ -134,13 +138,13 @@ fn an_honest_record_has_no_fault_and_each_lie_is_named() {
     for (said, change) in changes {
         let mut lie = honest.clone();
         change(&mut lie);
-        let found = faults(&puts, &lie);
+        let found = faults(&pending, &lie);
         assert!(
             found.iter().any(|fault| fault.contains(said)),
             "{said}: {found:?}"
         );
     }
-    let small = [put("rgb", (32, 24)), put("range", (31, 24))];
+    let small = [stored_file("rgb", (32, 24)), stored_file("range", (31, 24))];
     assert_eq!(faults(&small, &honest), ["`range` is 31×24, the frame 32×24"]);
 }
 
@@ -186,8 +190,8 @@ impl Dice {
 fn records_that_were_changed_at_random_never_panic_and_none_passes_with_other_facts() {
     const ROUNDS: usize = 20_000;
     let (frame, worker) = (frame(), worker());
-    let puts = [put("rgb", (32, 24)), put("range", (32, 24))];
-    let honest = record(&frame, &puts);
+    let pending = [stored_file("rgb", (32, 24)), stored_file("range", (32, 24))];
+    let honest = record(&frame, &pending);
     let text = serde_json::to_vec(&honest).unwrap();
     let mut dice = Dice(7);
     let (mut parsed, mut passed) = (0, 0);
@@ -208,7 +212,7 @@ fn records_that_were_changed_at_random_never_panic_and_none_passes_with_other_fa
         parsed += 1;
         let evidence = Evidence {
             frame: &frame,
-            puts: &puts,
+            pending: &pending,
             worker: &worker,
             record: &changed,
         };
@@ -220,7 +224,7 @@ fn records_that_were_changed_at_random_never_panic_and_none_passes_with_other_fa
                 changed
                     .artifacts
                     .iter()
-                    .all(|entry: &ArtifactEntry| puts.iter().any(|put| put.entry == *entry))
+                    .all(|entry: &ArtifactEntry| pending.iter().any(|put| put.entry == *entry))
             );
         }
     }

@@ -67,11 +67,11 @@ pub(crate) async fn beat(
     Protobuf(beat): Protobuf<BeatRequest>,
 ) -> Result<Protobuf<BeatResponse>, Problem> {
     let wait = Duration::from_millis(beat.wait_ms.into()).min(limits::MAX_WAIT);
-    let told = tokio::select! {
-        told = leases.dispatch.beat(&beat.worker_id, &beat.tokens, wait) => told,
+    let response = tokio::select! {
+        response = leases.dispatch.beat(&beat.worker_id, &beat.tokens, wait) => response,
         () = leases.stop.cancelled() => Ok(BeatResponse::default()),
     };
-    told.map(Protobuf).map_err(unknown_worker)
+    response.map(Protobuf).map_err(unknown_worker)
 }
 
 /// `local-1`, `local-2`, …

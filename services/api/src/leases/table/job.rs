@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
-use super::types::{JobEntry, Making, Millis};
+use super::types::{JobEntry, Millis, Toolchain};
 
 /// A frame that kills its worker or fails this often is quarantined.
 const STRIKES: u32 = 3;
@@ -17,7 +17,7 @@ pub(crate) struct Job {
     /// Time of the last grant, counted in grants: the job that has waited longest goes first.
     pub(crate) served: u64,
     /// Provenance of its images; `None` before the first.
-    pub(crate) made: Option<Making>,
+    pub(crate) made: Option<Toolchain>,
     frames: u64,
     finished: u64,
     /// Whether any frame has an image.

@@ -16,7 +16,7 @@ pub(crate) struct Lease {
     /// Whether its job was cancelled; the lease stays until its worker has been notified.
     pub(crate) cancelled: bool,
     /// Whether its worker has been notified.
-    pub(crate) told: bool,
+    pub(crate) notified: bool,
     /// Time of the grant, or of its latest frame.
     pub(crate) since: Millis,
     pub(crate) ends: Millis,

@@ -15,8 +15,8 @@ mod claims;
 mod job;
 mod lease;
 mod loss;
-mod making;
 mod suspects;
+mod toolchain;
 mod types;
 mod workers;
 
@@ -29,7 +29,7 @@ use proto::wire::{BeatResponse, RegisterRequest};
 use self::job::Job;
 use self::lease::{Lease, Leases};
 use self::suspects::{Suspect, Suspects};
-pub use self::types::{Grant, JobEntry, Making, Millis, Rules, Stale, StrikeEvent, Totals};
+pub use self::types::{Grant, JobEntry, Millis, Rules, Stale, StrikeEvent, Toolchain, Totals};
 
 /// Duration of a lease without a heartbeat: three may be missed.
 pub const TERM_MS: u32 = 15_000;
@@ -136,7 +136,7 @@ impl LeaseTable {
     /// Leases the next frames to a worker. `token` must be new. `frame_ms` is the worker's time per frame; if it is
     /// not positive, one frame is granted.
     pub fn grant(&mut self, worker: &str, now: Millis, token: u64, frame_ms: f64) -> Option<Grant> {
-        self.saw(worker, now);
+        self.record_message(worker, now);
         if self.leases.of_worker(worker).any(|lease| lease.apart) || self.leases.contains(token) {
             return None;
         }
@@ -202,7 +202,7 @@ impl LeaseTable {
             frames,
             apart,
             cancelled: false,
-            told: false,
+            notified: false,
             since: now,
             ends: now.plus(TERM_MS.into()),
         };
@@ -216,13 +216,13 @@ impl LeaseTable {
 
     /// Extends a worker's leases; returns the cancelled and lost ones.
     pub fn beat(&mut self, worker: &str, tokens: &[u64], now: Millis) -> BeatResponse {
-        self.saw(worker, now);
+        self.record_message(worker, now);
         let mut beat = BeatResponse::default();
         for &token in tokens {
             match self.leases.get_mut(token).filter(|lease| lease.worker == worker) {
                 None => beat.lost.push(token),
                 Some(lease) if lease.cancelled => {
-                    lease.told = true;
+                    lease.notified = true;
                     beat.cancelled.push(token);
                     self.leases.remove_if_empty(token);
                 }
@@ -235,7 +235,7 @@ impl LeaseTable {
         // Granted while the worker's last heartbeat was on its way.
         for token in self.cancelled_of(worker) {
             if let Some(lease) = self.leases.get_mut(token) {
-                lease.told = true;
+                lease.notified = true;
             }
             beat.cancelled.push(token);
             self.leases.remove_if_empty(token);
@@ -250,7 +250,7 @@ impl LeaseTable {
         tokens
             .filter(|token: &u64| {
                 let lease = self.leases.get(*token);
-                lease.is_some_and(|lease| lease.cancelled && !lease.told)
+                lease.is_some_and(|lease| lease.cancelled && !lease.notified)
             })
             .collect()
     }

@@ -35,7 +35,7 @@ impl Default for Rules {
 
 /// Provenance of a frame.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Making {
+pub struct Toolchain {
     /// Version of the software.
     pub code_version: String,
     /// CPU features that select code paths.
@@ -62,7 +62,7 @@ pub struct JobEntry {
     /// Whether the job is paused.
     pub paused: bool,
     /// Provenance of its images; `None` before the first.
-    pub made: Option<Making>,
+    pub made: Option<Toolchain>,
 }
 
 /// Frames leased to a worker.

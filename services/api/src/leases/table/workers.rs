@@ -50,7 +50,7 @@ impl LeaseTable {
     }
 
     /// Records a message of a worker; an unregistered one counts as having one slot.
-    pub(super) fn saw(&mut self, worker: &str, now: Millis) {
+    pub(super) fn record_message(&mut self, worker: &str, now: Millis) {
         if let Some(known) = self.workers.get_mut(worker) {
             known.seen = now;
         } else {

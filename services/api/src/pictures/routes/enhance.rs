@@ -54,28 +54,28 @@ pub(crate) struct EnhanceUpload {
                content((Bytes = "image/png"), (Bytes = "image/webp")))))]
 pub(crate) async fn enhance(
     State(pictures): Topic<Pictures>,
-    Query(asked): Query<Parameters>,
+    Query(query): Query<Parameters>,
     MultipartBody(body): MultipartBody,
 ) -> Result<Response, Problem> {
-    let method = Method::parse(&asked.method).ok_or_else(|| {
+    let method = Method::parse(&query.method).ok_or_else(|| {
         let known = enhance::METHODS.join(", ");
         Problem::field(
             "/method",
-            format!("method is `{}`; there are {known}", asked.method),
+            format!("method is `{}`; there are {known}", query.method),
         )
     })?;
     let mut form = Form::read(body, &[("picture", Kind::File)]).await?;
     form.require("picture");
     form.check()?;
-    let media_type = match asked.format {
+    let media_type = match query.format {
         PictureFormat::Png => "image/png",
         PictureFormat::Webp => "image/webp",
     };
     let request = Request::Enhance(EnhanceRequest {
         picture: "picture".to_owned(),
         method: method.name().to_owned(),
-        masked: asked.mask,
-        is_webp: matches!(asked.format, PictureFormat::Webp),
+        masked: query.mask,
+        is_webp: matches!(query.format, PictureFormat::Webp),
     });
     let enhanced = pictures.run::<String>(&request, &form, &["picture"]).await?;
     let (bytes, warnings) = (enhanced.result().await?, &enhanced.reply);

@@ -38,10 +38,10 @@ pub(crate) struct MeasureUpload {
     responses((status = 200, description = "The values.", body = Measured)))]
 pub(crate) async fn measure(
     State(pictures): Topic<Pictures>,
-    Query(asked): Query<Parameters>,
+    Query(query): Query<Parameters>,
     MultipartBody(body): MultipartBody,
 ) -> Result<Json<Measured>, Problem> {
-    let metrics = metrics(asked.metrics.as_deref().unwrap_or(USUAL))?;
+    let metrics = metrics(query.metrics.as_deref().unwrap_or(USUAL))?;
     let fields = [("picture", Kind::File), ("clean", Kind::File)];
     let mut form = Form::read(body, &fields).await?;
     form.require("picture");

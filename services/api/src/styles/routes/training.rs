@@ -106,9 +106,9 @@ pub(crate) struct Parameters {
 pub(crate) async fn get(
     State(styles): Topic<Styles>,
     Path(id): Path<String>,
-    Query(asked): Query<Parameters>,
+    Query(query): Query<Parameters>,
 ) -> Result<Json<TrainingView>, Problem> {
-    let limit = bounds::wait(asked.wait)?;
+    let limit = bounds::check_wait(query.wait)?;
     let training = styles.trainings.get(&id)?;
     styles.wait(&training, limit).await;
     Ok(Json(TrainingView::new(&training)))

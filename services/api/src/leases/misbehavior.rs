@@ -8,25 +8,25 @@ use super::dispatch::Dispatch;
 use super::table::StrikeEvent;
 
 /// A worker is dismissed after this many rejected reports; a single one may be a transmission error.
-const MOST_REFUSALS: u32 = 3;
+const MAX_REJECTIONS: u32 = 3;
 /// Maximum stored names; they come from workers.
-const MOST_NAMES: usize = 1000;
+const MAX_NAMES: usize = 1000;
 
 /// Rejected reports and dismissed workers since the service started.
 #[derive(Default)]
-pub(crate) struct Liars {
-    refusals: BTreeMap<String, u32>,
+pub(crate) struct Misbehavior {
+    rejections: BTreeMap<String, u32>,
     dismissed: BTreeSet<String>,
     /// Dismissed workers started by the service.
     own: BTreeSet<String>,
 }
 
-impl Liars {
+impl Misbehavior {
     /// Counts a rejected report of a worker; returns whether that dismisses it.
-    pub(crate) fn refused(&mut self, id: &str, name: &str, is_own: bool) -> bool {
-        let count = self.refusals.entry(id.to_owned()).or_default();
+    pub(crate) fn count_rejection(&mut self, id: &str, name: &str, is_own: bool) -> bool {
+        let count = self.rejections.entry(id.to_owned()).or_default();
         *count += 1;
-        if *count < MOST_REFUSALS {
+        if *count < MAX_REJECTIONS {
             return false;
         }
         self.dismiss(id, name, is_own);
@@ -35,8 +35,8 @@ impl Liars {
 
     /// Blocks registrations with this worker's name.
     pub(crate) fn dismiss(&mut self, id: &str, name: &str, is_own: bool) {
-        self.refusals.remove(id);
-        if self.dismissed.len() < MOST_NAMES {
+        self.rejections.remove(id);
+        if self.dismissed.len() < MAX_NAMES {
             self.dismissed.insert(name.to_owned());
         }
         if is_own {
@@ -45,13 +45,13 @@ impl Liars {
     }
 
     /// Whether workers of this name are dismissed.
-    pub(crate) fn has(&self, name: &str) -> bool {
+    pub(crate) fn is_dismissed(&self, name: &str) -> bool {
         self.dismissed.contains(name)
     }
 
     /// Drops the counts of unregistered workers.
-    pub(crate) fn keep(&mut self, is_registered: impl Fn(&str) -> bool) {
-        self.refusals.retain(|id, _| is_registered(id));
+    pub(crate) fn retain_registered(&mut self, is_registered: impl Fn(&str) -> bool) {
+        self.rejections.retain(|id, _| is_registered(id));
     }
 }
 
@@ -74,23 +74,17 @@ impl Dispatch {
             return Vec::new();
         };
         let Claim { job_id, frame, .. } = claim;
-        tracing::warn!(
-            worker = name,
-            job = job_id,
-            frame,
-            error,
-            "a report that cannot be true"
-        );
+        tracing::warn!(worker = name, job = job_id, frame, error, "a rejected report");
         // An ended lease has already returned the frame.
         let _ = state.table.refuse(claim);
-        let events = state.blame(&id, "its reports cannot be true", now);
+        let events = state.blame(&id, "its reports were rejected", now);
         drop(state);
         self.after_loss(events)
     }
 
     /// The service's workers that were dismissed. They render no more frames until the service restarts.
     pub(crate) fn dismissed_own(&self) -> Vec<String> {
-        self.state().liars.own.iter().cloned().collect()
+        self.state().misbehavior.own.iter().cloned().collect()
     }
 
     /// Whether a worker is registered.
@@ -109,15 +103,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_third_refusal_dismisses_a_worker_and_its_name() {
-        let mut liars = Liars::default();
-        let refused = |liars: &mut Liars, id, name| liars.refused(id, name, false);
-        assert!(!refused(&mut liars, "wrk_1", "a") && !refused(&mut liars, "wrk_1", "a"));
-        assert!(!refused(&mut liars, "wrk_2", "b"));
-        assert!(!liars.has("a"));
-        assert!(refused(&mut liars, "wrk_1", "a"));
-        assert!(liars.has("a") && !liars.has("b"));
-        liars.keep(|_| false);
-        assert!(!refused(&mut liars, "wrk_2", "b"));
+    fn the_third_rejection_dismisses_a_worker_and_its_name() {
+        let mut misbehavior = Misbehavior::default();
+        let refused = |misbehavior: &mut Misbehavior, id, name| misbehavior.count_rejection(id, name, false);
+        assert!(!refused(&mut misbehavior, "wrk_1", "a") && !refused(&mut misbehavior, "wrk_1", "a"));
+        assert!(!refused(&mut misbehavior, "wrk_2", "b"));
+        assert!(!misbehavior.is_dismissed("a"));
+        assert!(refused(&mut misbehavior, "wrk_1", "a"));
+        assert!(misbehavior.is_dismissed("a") && !misbehavior.is_dismissed("b"));
+        misbehavior.retain_registered(|_| false);
+        assert!(!refused(&mut misbehavior, "wrk_2", "b"));
     }
 }
