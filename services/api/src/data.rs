@@ -156,31 +156,12 @@ impl Data {
             return Ok(None);
         }
         let _lock = lock(folder)?;
-        let refused = |reason: String| DataError::NotRebuilt {
-            path: folder.to_owned(),
-            reason,
-        };
-        let failed = |error: io::Error| refused(error.to_string());
-        let backup = newest(folder).map_err(failed)?;
-        let backup = backup.ok_or_else(|| {
-            refused("its folder `backups` has none; put one there, as `fathom backup` makes it".to_owned())
-        })?;
-        let unfinished = path.with_extension("unfinished");
-        let copy = || {
-            std::fs::copy(backup.join(CATALOGUE), &unfinished)?;
-            File::open(&unfinished)?.sync_all()?;
-            // SQLite would apply the log of the old catalogue to this one.
-            for end in ["sqlite-wal", "sqlite-shm"] {
-                match std::fs::remove_file(path.with_extension(end)) {
-                    Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
-                    _ => {}
-                }
-            }
-            std::fs::rename(&unfinished, &path)?;
-            File::open(folder)?.sync_all()
-        };
-        copy().map_err(failed)?;
-        Ok(Some(backup))
+        restore_newest(folder, &path)
+            .map(Some)
+            .map_err(|error| DataError::NotRebuilt {
+                path: folder.to_owned(),
+                reason: error.to_string(),
+            })
     }
 
     /// Closes the databases in order, then unlocks the folder.
@@ -188,6 +169,26 @@ impl Data {
         self.catalogue.close().await;
         self.store.close().await;
     }
+}
+
+/// Copies the catalogue of the newest backup to `path`; returns the backup's folder.
+fn restore_newest(folder: &Path, path: &Path) -> io::Result<PathBuf> {
+    let backup = newest(folder)?.ok_or_else(|| {
+        io::Error::other("its folder `backups` is empty; put a backup of `fathom backup` there")
+    })?;
+    let unfinished = path.with_extension("unfinished");
+    std::fs::copy(backup.join(CATALOGUE), &unfinished)?;
+    File::open(&unfinished)?.sync_all()?;
+    // SQLite would apply the log of the old catalogue to this one.
+    for end in ["sqlite-wal", "sqlite-shm"] {
+        match std::fs::remove_file(path.with_extension(end)) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+            _ => {}
+        }
+    }
+    std::fs::rename(&unfinished, path)?;
+    File::open(folder)?.sync_all()?;
+    Ok(backup)
 }
 
 const CATALOGUE: &str = "catalogue.sqlite";
@@ -210,21 +211,19 @@ fn has_packs(folder: &Path) -> bool {
 /// Locks the data folder. The lock ends when the file is dropped, also if the process is killed.
 fn lock(folder: &Path) -> Result<File, DataError> {
     let path = folder.join("lock");
-    let refused = |source| DataError::Lock {
-        path: path.clone(),
-        source,
-    };
-    let file = File::options()
+    let opened = File::options()
         .create(true)
         .truncate(false)
         .write(true)
-        .open(&path)
-        .map_err(refused)?;
-    match file.try_lock() {
-        Ok(()) => Ok(file),
-        Err(TryLockError::WouldBlock) => Err(DataError::Taken(folder.to_owned())),
-        Err(TryLockError::Error(source)) => Err(refused(source)),
-    }
+        .open(&path);
+    let locked = opened.map_err(TryLockError::Error).and_then(|file| {
+        file.try_lock()?;
+        Ok(file)
+    });
+    locked.map_err(|error| match error {
+        TryLockError::WouldBlock => DataError::Taken(folder.to_owned()),
+        TryLockError::Error(source) => DataError::Lock { path, source },
+    })
 }
 
 #[cfg(test)]

@@ -170,11 +170,11 @@ fn camera_of(given: &GivenCamera, rgb: &[u8]) -> Result<Option<Intrinsics>, Refu
 fn enhanced(folder: &Path, request: &EnhanceRequest) -> Checked<String> {
     let bytes = fs::read(folder.join(&request.picture))?;
     let encoded = (|| {
-        let refuse = |message: String| Refusal::new("picture", message);
         let method = Method::parse(&request.method)
             .ok_or_else(|| Refusal::new("method", format!("method is `{}`", request.method)))?;
         let picture = picture("picture", &bytes)?;
-        let enhanced = enhance::run(&method, &picture).map_err(|error| refuse(error.to_string()))?;
+        let enhanced =
+            enhance::run(&method, &picture).map_err(|error| Refusal::new("picture", error.to_string()))?;
         let result = match request.masked {
             true => enhanced.picture,
             false => enhanced.unmasked,
@@ -185,7 +185,7 @@ fn enhanced(folder: &Path, request: &EnhanceRequest) -> Checked<String> {
         };
         let codes: Vec<_> = enhanced.warnings.iter().map(|warning| warning.code()).collect();
         Ok((
-            bytes.map_err(|error| refuse(error.to_string()))?,
+            bytes.map_err(|error| Refusal::new("picture", error.to_string()))?,
             codes.join(", "),
         ))
     })();
@@ -224,14 +224,15 @@ fn measured(folder: &Path, request: &MeasureRequest) -> Checked<Measured> {
 
 /// Decodes an image within the size limit.
 fn picture(field: &str, bytes: &[u8]) -> Result<Raster, Refusal> {
-    let refuse = |message: String| Refusal::new(field, message);
-    let picture = decode_picture(bytes).map_err(|error| refuse(format!("`{field}`: {error}")))?;
+    let picture =
+        decode_picture(bytes).map_err(|error| Refusal::new(field, format!("`{field}`: {error}")))?;
     let (width, height) = (picture.width(), picture.height());
     match width * height {
         0..=limits::PICTURE_PIXELS => Ok(picture),
-        pixels => Err(refuse(format!(
-            "`{field}` is {width}×{height} = {pixels} pixels, the limit is {}",
-            limits::PICTURE_PIXELS
-        ))),
+        pixels => {
+            let limit = limits::PICTURE_PIXELS;
+            let message = format!("`{field}` is {width}×{height} = {pixels} pixels, the limit is {limit}");
+            Err(Refusal::new(field, message))
+        }
     }
 }

@@ -61,16 +61,16 @@ pub async fn start_in(config: Config, surroundings: Surroundings) -> Result<Serv
     let limits = surroundings.limits;
     let (app, lock) = App::open(&config, &surroundings).await?;
     if let Err(error) = backup::clear_unfinished(&config.data) {
-        tracing::warn!(%error, "backups that never finished stay");
+        tracing::warn!(%error, "could not remove unfinished backups");
     }
     app.jobs.resume_all().await?;
     app.sets.resume_all().await?;
-    let listen = |source| StartError::Listen {
+    let bound = TcpListener::bind(config.listen).await;
+    let bound = bound.and_then(|listener| Ok((listener.local_addr()?, listener)));
+    let (address, listener) = bound.map_err(|source| StartError::Listen {
         address: config.listen,
         source,
-    };
-    let listener = TcpListener::bind(config.listen).await.map_err(listen)?;
-    let address = listener.local_addr().map_err(listen)?;
+    })?;
     let end = CancellationToken::new();
     let hosts = Hosts::new(are_tokens_needed, &config.hosts);
     let router = router::router(app.clone(), &Arc::new(tokens), hosts, &limits);

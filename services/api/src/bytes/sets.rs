@@ -96,27 +96,32 @@ fn is_bucket(set: &str) -> bool {
 }
 
 fn from_folder(place: &Place, range: Range<u64>) -> Result<Vec<u8>, Unread> {
-    let failed = |error: io::Error| {
+    let read = read_range(Path::new(&place.set), &place.tar, range);
+    let read = read.map_err(|error| {
         let reason = format!("{} in {}: {error}", place.tar, place.set);
         match error.kind() {
             ErrorKind::NotFound | ErrorKind::NotADirectory | ErrorKind::UnexpectedEof => Unread::Gone(reason),
             _ => Unread::Unreachable(reason),
         }
-    };
-    let folder = Path::new(&place.set).canonicalize().map_err(failed)?;
-    let path = folder.join(&place.tar).canonicalize().map_err(failed)?;
+    })?;
+    read.ok_or_else(|| Unread::Differs(format!("{} is outside {}", place.tar, place.set)))
+}
+
+/// `None` if the file is outside the folder.
+fn read_range(folder: &Path, file: &str, range: Range<u64>) -> io::Result<Option<Vec<u8>>> {
+    let folder = folder.canonicalize()?;
+    let path = folder.join(file).canonicalize()?;
     if !path.starts_with(&folder) {
-        let reason = format!("{} leads out of {}", place.tar, place.set);
-        return Err(Unread::Differs(reason));
+        return Ok(None);
     }
-    let file = File::open(path).map_err(failed)?;
+    let file = File::open(path)?;
     // Check the length before allocating memory.
-    if file.metadata().map_err(failed)?.len() < range.end {
-        return Err(failed(ErrorKind::UnexpectedEof.into()));
+    if file.metadata()?.len() < range.end {
+        return Err(ErrorKind::UnexpectedEof.into());
     }
     let mut bytes = vec![0; (range.end - range.start) as usize];
-    file.read_exact_at(&mut bytes, range.start).map_err(failed)?;
-    Ok(bytes)
+    file.read_exact_at(&mut bytes, range.start)?;
+    Ok(Some(bytes))
 }
 
 #[cfg(test)]

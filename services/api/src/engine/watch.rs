@@ -52,7 +52,7 @@ impl Engine {
         let status = child.wait().await;
         tracing::warn!(
             ?status,
-            "the process that watches the store ended and is started again"
+            "the process that watches the store ended and is restarted"
         );
     }
 }

@@ -129,8 +129,9 @@ impl Tokens {
 
     fn check(&self, headers: &HeaderMap, needed: Scope) -> Result<Caller, Problem> {
         let hash: Option<[u8; 32]> = bearer(headers).map(|secret| Sha256::digest(secret).into());
-        let is_own = |hash: [u8; 32]| self.own_worker.is_some_and(|own| is_same_secret(&own, &hash));
-        if let Some(hash) = hash.filter(|hash| needed == Scope::Work && is_own(*hash)) {
+        if let (Some(hash), Some(own), Scope::Work) = (hash, self.own_worker, needed)
+            && is_same_secret(&own, &hash)
+        {
             return Ok(Caller {
                 owner: spec::hex(&hash),
                 is_own_worker: true,
@@ -158,7 +159,7 @@ impl Tokens {
         });
         let Some(entry) = known else {
             return Err(unauthorized(
-                "the token is not known",
+                "the token is unknown",
                 "Bearer error=\"invalid_token\"",
             ));
         };

@@ -46,6 +46,6 @@ pub(crate) fn split_names(list: &str) -> Vec<String> {
 }
 
 pub(crate) fn out_of_range(name: &str, value: u64, least: u64, most: u64) -> Problem {
-    let detail = format!("{name}: is {value} but must be in {least}..={most}");
+    let detail = format!("{name} is {value}; must be in {least}..={most}");
     Problem::new(Slug::InvalidQuery, detail)
 }

@@ -24,8 +24,7 @@ pub(crate) struct Peer(pub(crate) IpAddr);
 pub(crate) fn identify_caller(request: &Request) -> String {
     let caller = request.extensions().get::<Caller>();
     let token = caller.filter(|caller| !caller.is_anonymous());
-    let peer = || request.extensions().get::<Peer>();
-    match (token, peer()) {
+    match (token, request.extensions().get::<Peer>()) {
         (Some(caller), _) => caller.owner.clone(),
         (None, Some(Peer(address))) => address.to_string(),
         (None, None) => String::new(),
@@ -82,13 +81,16 @@ impl Budget {
         let own = timeout_at(deadline, permits.find_caller(caller).acquire_many_owned(count)).await;
         let Ok(Ok(own)) = own else {
             return Err(self.shed(format!(
-                "this caller has taken its {} permits for {}",
+                "this caller already has {} concurrent {}; retry later",
                 permits.per_caller, permits.name
             )));
         };
         let all = timeout_at(deadline, Arc::clone(&permits.all).acquire_many_owned(count)).await;
         let Ok(Ok(all)) = all else {
-            return Err(self.shed(format!("all permits for {} are taken", permits.name)));
+            return Err(self.shed(format!(
+                "the limit of concurrent {} is reached; retry later",
+                permits.name
+            )));
         };
         Ok(Permit { _own: own, _all: all })
     }

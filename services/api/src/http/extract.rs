@@ -95,19 +95,16 @@ impl<S: Send + Sync> FromRequestParts<S> for Submitter {
     async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Self, Problem> {
         let caller = parts.extensions.get::<Caller>();
         let owner = caller.ok_or_else(|| Problem::internal(&"a route that asks for no scope"))?;
-        let refuse = |why: String| Problem::new(Slug::InvalidHeader, format!("Idempotency-Key {why}"));
         let mut keys = parts.headers.get_all("idempotency-key").iter();
         let (key, another) = (keys.next(), keys.next());
         if another.is_some() {
-            return Err(refuse("stands there more than once".to_owned()));
+            return Err(invalid_key("occurs more than once; send one"));
         }
         let key = key.map(|value| {
-            let key = value
-                .to_str()
-                .map_err(|_| refuse("is not visible ASCII".to_owned()))?;
+            let key = value.to_str().map_err(|_| invalid_key("is not visible ASCII"))?;
             match key.len() {
                 1..=limits::IDEMPOTENCY_KEY_BYTES => Ok(key.to_owned()),
-                length => Err(refuse(format!(
+                length => Err(invalid_key(&format!(
                     "has {length} characters, the limit is 1..={}",
                     limits::IDEMPOTENCY_KEY_BYTES
                 ))),
@@ -118,6 +115,10 @@ impl<S: Send + Sync> FromRequestParts<S> for Submitter {
             idempotency_key: key.transpose()?,
         })
     }
+}
+
+fn invalid_key(problem: &str) -> Problem {
+    Problem::new(Slug::InvalidHeader, format!("Idempotency-Key {problem}"))
 }
 
 /// `Prefer: wait=N` (RFC 7240): how long the client wants to wait for the result.
@@ -158,7 +159,7 @@ async fn body<S: Send + Sync>(request: Request, state: &S) -> Result<Bytes, Prob
         .await
         .map_err(|rejection: BytesRejection| match rejection.status() {
             StatusCode::PAYLOAD_TOO_LARGE => {
-                Problem::new(Slug::TooLarge, "the body is larger than this route takes")
+                Problem::new(Slug::TooLarge, "the body exceeds the limit of this route")
             }
             _ => Problem::new(Slug::InvalidBody, rejection.body_text()),
         })
@@ -173,7 +174,7 @@ fn media_type(headers: &HeaderMap, wanted: &str) -> Result<(), Problem> {
         let encoding = String::from_utf8_lossy(encoding.as_bytes());
         return Err(Problem::new(
             Slug::UnsupportedMediaType,
-            format!("the content encoding is `{encoding}`; send the body as it is"),
+            format!("the content encoding is `{encoding}`; send the body uncompressed"),
         ));
     }
     let given = headers

@@ -80,6 +80,6 @@ pub(crate) fn storage_full(error: &dyn std::fmt::Display) -> Problem {
     tracing::error!(%error, "the disk is full");
     Problem::new(
         Slug::StorageFull,
-        "there is no space left for the data directory; reading goes on",
+        "the data folder has no space left; reads still work",
     )
 }

@@ -41,7 +41,7 @@ impl Form {
             let refusal = match known.iter().find(|(known, _)| *known == name) {
                 None => {
                     let names: Vec<_> = known.iter().map(|(name, _)| *name).collect();
-                    format!("there is no field `{name}`; fields are {}", names.join(", "))
+                    format!("`{name}` is not a field; must be one of {}", names.join(", "))
                 }
                 Some((_, Kind::File | Kind::Text)) if fields.iter().any(|(seen, _)| *seen == name) => {
                     format!("`{name}` is given twice")
@@ -148,7 +148,7 @@ async fn text(field: &mut Field<'_>) -> Result<Result<String, String>, Problem> 
 fn broken(error: &MultipartError) -> Problem {
     match error.status() {
         StatusCode::PAYLOAD_TOO_LARGE => {
-            Problem::new(Slug::TooLarge, "the upload is larger than this route takes")
+            Problem::new(Slug::TooLarge, "the upload exceeds the limit of this route")
         }
         _ => Problem::new(Slug::InvalidBody, error.body_text()),
     }

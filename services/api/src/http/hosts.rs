@@ -62,7 +62,7 @@ pub(crate) async fn check_host(
     }
     let names = texts.unwrap_or_default().join(", ");
     let detail = format!(
-        "`{names}` is not a name of this service: without tokens it responds to localhost, 127.0.0.0/8, [::1] and those of --hosts"
+        "`{names}` is not a name of this service; without tokens it accepts localhost, 127.0.0.0/8, [::1] and the names of --hosts"
     );
     Err(Problem::new(Slug::UnknownHost, detail))
 }

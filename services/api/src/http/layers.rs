@@ -45,6 +45,12 @@ pub(crate) enum Choice {
     ByWait { waits: Budget, others: Budget },
 }
 
+impl From<&Budget> for Choice {
+    fn from(budget: &Budget) -> Self {
+        Self::One(budget.clone())
+    }
+}
+
 impl Choice {
     fn select(&self, request: &Request) -> &Budget {
         match self {
@@ -108,7 +114,7 @@ async fn enforce_timeout(
     tokio::time::timeout(limit, next.run(request)).await.map_err(|_| {
         Problem::new(
             Slug::RequestTimeout,
-            format!("not received and answered within {} s", limit.as_secs()),
+            format!("the request took longer than {} s", limit.as_secs()),
         )
     })
 }
@@ -127,11 +133,7 @@ pub(crate) async fn observe(request: Request, next: Next) -> Response {
     let span = tracing::info_span!("request", id);
     let work = async {
         if crosses_sites(&request) {
-            Problem::new(
-                Slug::CrossOrigin,
-                "the page that sent this belongs to another site",
-            )
-            .into_response()
+            Problem::new(Slug::CrossOrigin, "the request comes from a page of another site").into_response()
         } else {
             next.run(request).await
         }
@@ -210,7 +212,7 @@ fn as_problem(mut response: Response, id: &str) -> Response {
         _ => Slug::Internal,
     };
     let allow = response.headers_mut().remove(header::ALLOW);
-    let problem = Problem::new(slug, "see /openapi.json for the routes and what they take");
+    let problem = Problem::new(slug, "see /openapi.json for routes and methods");
     let problem = match allow {
         Some(allow) => problem.header(header::ALLOW, allow),
         None => problem,

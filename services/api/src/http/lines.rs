@@ -53,17 +53,22 @@ where
     T: Serialize + Send + 'static,
     F: Future<Output = Result<Vec<T>, CatalogueError>> + Send + 'static,
 {
-    let batch = move |rows: Vec<T>| {
-        let more = rows.len() == most as usize;
-        let next = rows.last().filter(|_| more).and_then(frame);
-        let bytes = json_lines(rows)?;
-        Ok::<_, Problem>(Batch { bytes, next })
-    };
-    let first = batch(read(None).await?)?;
+    let first = to_batch(read(None).await?, most, frame)?;
     Ok(respond(NDJSON, first, move |after| {
         let rows = read(Some(after));
-        async move { batch(rows.await?) }
+        async move { to_batch(rows.await?, most, frame) }
     }))
+}
+
+fn to_batch<T: Serialize>(
+    rows: Vec<T>,
+    most: u32,
+    frame: fn(&T) -> Option<u64>,
+) -> Result<Batch<u64>, Problem> {
+    let has_more = rows.len() == most as usize;
+    let next = rows.last().filter(|_| has_more).and_then(frame);
+    let bytes = json_lines(rows)?;
+    Ok(Batch { bytes, next })
 }
 
 /// Values as lines of JSON.

@@ -130,10 +130,10 @@ mod tests {
             let named =
                 words.filter_map(|word| word.strip_prefix("./").or_else(|| word.strip_prefix("/assets/")));
             for name in named {
-                let is_there = |asset: &Asset| asset.path == format!("/assets/{name}");
                 let all = [FIGURES, MACHINE, STABILITY].into_iter().chain(ASSETS);
                 assert!(
-                    all.into_iter().any(|asset| is_there(&asset)),
+                    all.into_iter()
+                        .any(|asset| asset.path == format!("/assets/{name}")),
                     "{} names {name}",
                     asset.path
                 );

@@ -67,12 +67,12 @@ slugs! {
     /// The token lacks the scope of this request.
     Forbidden = "forbidden", FORBIDDEN, "The token does not allow this";
     /// A browser sent this from a page of another site.
-    CrossOrigin = "cross-origin", FORBIDDEN, "Requests from other sites are refused";
+    CrossOrigin = "cross-origin", FORBIDDEN, "Requests from other sites are rejected";
     /// The `Host` header names another service. Without tokens only this machine's names and those of `--hosts` are
     /// accepted.
     UnknownHost = "unknown-host", MISDIRECTED_REQUEST, "This service has another name";
     /// No such route, job, image, artifact, dataset or scene.
-    NotFound = "not-found", NOT_FOUND, "There is no such thing";
+    NotFound = "not-found", NOT_FOUND, "Not found";
     /// The route exists for other methods.
     MethodNotAllowed = "method-not-allowed", METHOD_NOT_ALLOWED, "The method is not allowed here";
     /// The client was too slow to send its request.
@@ -94,7 +94,7 @@ slugs! {
     /// The job's state does not allow this, such as resuming a job that has ended.
     JobState = "job-state", CONFLICT, "The job is in another state";
     /// The query exceeds the time limit; narrow it with a filter or a dataset.
-    QueryTooSlow = "query-too-slow", UNPROCESSABLE_ENTITY, "The question takes too long";
+    QueryTooSlow = "query-too-slow", UNPROCESSABLE_ENTITY, "The query takes too long";
     /// The same idempotency key was used with another description.
     IdempotencyKeyReused = "idempotency-key-reused", UNPROCESSABLE_ENTITY, "The idempotency key belongs to another job";
     /// The body is larger than the limit.
@@ -170,7 +170,7 @@ impl Problem {
         tracing::error!(%error, "the service failed");
         Self::new(
             Slug::Internal,
-            "an unexpected fault; the service's log has the details",
+            "an internal error; the service's log has the details",
         )
     }
 

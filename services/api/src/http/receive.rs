@@ -107,7 +107,7 @@ impl Receiving {
 
     fn too_large(&self) -> Problem {
         let detail = format!(
-            "the body is larger than the {} bytes that this route takes",
+            "the body is larger than {} bytes, the limit of this route",
             self.most_bytes
         );
         Problem::new(Slug::TooLarge, detail)
@@ -116,7 +116,7 @@ impl Receiving {
     fn too_slow(&self, bytes: usize, begun: Instant) -> Problem {
         let seconds = begun.elapsed().as_secs_f64();
         let detail = format!(
-            "{bytes} bytes of the body came in {seconds:.1} s; after {} s it must have come with {BODY_BYTES_PER_S} bytes a second",
+            "{bytes} bytes of the body arrived in {seconds:.1} s; after {} s it must arrive with {BODY_BYTES_PER_S} bytes per second or more",
             self.grace.as_secs_f64()
         );
         Problem::new(Slug::RequestTimeout, detail)

@@ -90,17 +90,12 @@ enum RequestedRange {
 
 /// Parses `Range`. Several ranges, other units and malformed values count as no range, as the standard allows.
 fn parse_range(headers: &HeaderMap, digest: &str, length: usize) -> RequestedRange {
-    let text = |name| {
-        headers
-            .get(name)
-            .and_then(|value: &HeaderValue| value.to_str().ok())
-    };
-    if text(header::IF_RANGE).is_some_and(|tag| tag.trim_matches('"') != digest) {
+    let [tag, range] =
+        [header::IF_RANGE, header::RANGE].map(|name| headers.get(name).and_then(|value| value.to_str().ok()));
+    if tag.is_some_and(|tag| tag.trim_matches('"') != digest) {
         return RequestedRange::All;
     }
-    let Some((first, last)) =
-        text(header::RANGE).and_then(|range| range.strip_prefix("bytes=")?.split_once('-'))
-    else {
+    let Some((first, last)) = range.and_then(|range| range.strip_prefix("bytes=")?.split_once('-')) else {
         return RequestedRange::All;
     };
     let (start, end) = match (first.trim().parse::<usize>(), last.trim().parse::<usize>()) {

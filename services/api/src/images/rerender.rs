@@ -50,7 +50,7 @@ impl Images {
         let resolved = Job::from_canonical(&spec)?.resolve(frame)?;
         if resolved.scene.files().is_some() {
             // For an imported set these are paths on this machine, which the set's author has no permission to read.
-            let detail = "the frame shows files of the machine that rendered it";
+            let detail = "the frame uses local files of the machine that rendered it";
             return Err(Problem::new(Slug::RenderFailed, detail));
         }
         let folder = TempDir::new().map_err(|error| Problem::internal(&error))?;
@@ -66,7 +66,6 @@ impl Images {
             OsStr::new("--data"),
             self.data.as_os_str(),
         ];
-        let failed = |why| Problem::new(Slug::RenderFailed, why);
         match self
             .processes
             .children
@@ -74,9 +73,10 @@ impl Images {
             .await?
         {
             Ended::Well => {}
-            Ended::Refused(why) | Ended::Lacking(why) => return Err(failed(why)),
+            Ended::Refused(why) | Ended::Lacking(why) => return Err(Problem::new(Slug::RenderFailed, why)),
             Ended::Badly(why) => {
-                return Err(failed(format!("the process that rendered the frame: {why}")));
+                let detail = format!("the rendering process failed: {why}");
+                return Err(Problem::new(Slug::RenderFailed, detail));
             }
         }
         let record =
@@ -122,11 +122,11 @@ pub(crate) fn difference(stored: &[u8], again: &[u8]) -> Option<f64> {
             _ => None,
         };
     }
-    let linear = |bytes: &[u8]| match decode_radiance(bytes) {
-        Ok(Radiance::Linear(picture)) => Some(picture),
-        _ => None,
+    let (Ok(Radiance::Linear(a)), Ok(Radiance::Linear(b))) =
+        (decode_radiance(stored), decode_radiance(again))
+    else {
+        return None;
     };
-    let (a, b) = (linear(stored)?, linear(again)?);
     let planes = a.planes().iter().zip(b.planes());
     let pairs = planes.flat_map(|(a, b)| a.data().iter().zip(b.data()));
     (a.size() == b.size()).then_some(())?;

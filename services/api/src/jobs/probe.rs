@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use imaging::Samples;
 use imaging::codec::decode_picture;
-use serde_json::{Value, json};
+use serde_json::json;
 use tokio_util::sync::CancellationToken;
 
 use super::Jobs;
@@ -113,29 +113,29 @@ impl Jobs {
         let image = self.images.get(job, frame).await?;
         let again = self.images.rerender(job, frame).await?;
         let record = json!(again.record);
-        let same = |name: &str| image.pointer(name) == record.pointer(name);
-        if !same("/provenance/code_version") || !same("/provenance/onnx_runtime") {
-            return Ok(Verdict::Open("it was made with another version".to_owned()));
+        let differing: Vec<_> = ["code_version", "onnx_runtime", "inputs", "cpu_features"]
+            .into_iter()
+            .filter(|name| image["provenance"].get(name) != record["provenance"].get(name))
+            .collect();
+        match differing.first() {
+            Some(&("code_version" | "onnx_runtime")) => {
+                Ok(Verdict::Open("the frame is of another version".to_owned()))
+            }
+            Some(&"inputs") => Ok(Verdict::Differs("/provenance/inputs".to_owned())),
+            Some(_) => self.compare_images(job, frame, again).await,
+            None => {
+                let different = FACTS.iter().find(|name| image[**name] != record[**name]);
+                Ok(different.map_or(Verdict::Good, |name| Verdict::Differs((*name).to_owned())))
+            }
         }
-        if !same("/provenance/inputs") {
-            return Ok(Verdict::Differs("/provenance/inputs".to_owned()));
-        }
-        if same("/provenance/cpu_features") {
-            let fact = |record: &Value, name: &str| record.get(name).cloned().unwrap_or_default();
-            let other = FACTS
-                .iter()
-                .find(|name| fact(&image, name) != fact(&record, name));
-            return Ok(other.map_or(Verdict::Good, |name| Verdict::Differs((*name).to_owned())));
-        }
-        self.on_other_machine(job, frame, again).await
     }
 
     /// Compares only the images, which may differ by rounding.
-    async fn on_other_machine(&self, job: &str, frame: u64, again: Again) -> Result<Verdict, Problem> {
+    async fn compare_images(&self, job: &str, frame: u64, again: Again) -> Result<Verdict, Problem> {
         const PICTURE: &str = "rgb";
         let Some(bytes) = again.bytes(PICTURE) else {
             return Ok(Verdict::Open(
-                "it was made on another kind of machine and has no picture".to_owned(),
+                "the frame is of another kind of machine and has no image".to_owned(),
             ));
         };
         let stored = self.images.artifact(job, frame, PICTURE).await?;
@@ -156,16 +156,15 @@ impl Jobs {
 /// Mean difference of two images of one size and depth, 8-bit codes.
 fn mean_difference(one: &[u8], other: &[u8]) -> Option<f64> {
     let (one, other) = (decode_picture(one).ok()?, decode_picture(other).ok()?);
-    let sum = |pairs: &mut dyn Iterator<Item = f64>| pairs.sum::<f64>();
-    let (sum, count) = match (one.samples(), other.samples()) {
-        (Samples::U8(a), Samples::U8(b)) if a.len() == b.len() => (
-            sum(&mut a.iter().zip(b).map(|(a, b)| f64::from(a.abs_diff(*b)))),
-            a.len(),
-        ),
-        (Samples::U16(a), Samples::U16(b)) if a.len() == b.len() => (
-            sum(&mut a.iter().zip(b).map(|(a, b)| f64::from(a.abs_diff(*b)) / 257.0)),
-            a.len(),
-        ),
+    let (sum, count): (f64, _) = match (one.samples(), other.samples()) {
+        (Samples::U8(a), Samples::U8(b)) if a.len() == b.len() => {
+            let differences = a.iter().zip(b).map(|(a, b)| f64::from(a.abs_diff(*b)));
+            (differences.sum(), a.len())
+        }
+        (Samples::U16(a), Samples::U16(b)) if a.len() == b.len() => {
+            let differences = a.iter().zip(b).map(|(a, b)| f64::from(a.abs_diff(*b)) / 257.0);
+            (differences.sum(), a.len())
+        }
         _ => return None,
     };
     Some(sum / count.max(1) as f64)

@@ -15,12 +15,12 @@ const WARNING_BYTES: usize = 4096;
 
 /// Returns all faults of a file of a frame.
 pub(crate) fn check_file(frame: &Frame, file: &Artifact) -> Vec<String> {
-    let Some(kind) = asked(frame, &file.kind) else {
-        let asked: Vec<String> = frame.artifacts.iter().map(ToString::to_string).collect();
+    let Some(kind) = find_requested(frame, &file.kind) else {
+        let requested: Vec<String> = frame.artifacts.iter().map(ToString::to_string).collect();
         return vec![format!(
-            "`{}` was not asked for, but {}",
+            "`{}` was not requested, but {}",
             file.kind,
-            asked.join(", ")
+            requested.join(", ")
         )];
     };
     let media_type = kind.media_type(frame.encode);
@@ -35,7 +35,7 @@ pub(crate) fn check_file(frame: &Frame, file: &Artifact) -> Vec<String> {
         imaging::codec::read_sides(&file.data).is_some()
     };
     if !is_readable {
-        faults.push(format!("the bytes of `{kind}` are no {media_type}"));
+        faults.push(format!("the bytes of `{kind}` are not {media_type}"));
     }
     faults
 }
@@ -121,7 +121,7 @@ impl Evidence<'_> {
                 faults.push(format!("/measurements/{subject}: the frame has no such picture"));
             }
             let others = values.keys().filter(|metric| !frame.metrics.contains(metric));
-            faults.extend(others.map(|metric| format!("/measurements/{subject}/{metric} was not asked for")));
+            faults.extend(others.map(|metric| format!("/measurements/{subject}/{metric} was not requested")));
         }
         faults
     }
@@ -207,13 +207,14 @@ impl Evidence<'_> {
         if self.is_procedural() {
             return Some((self.frame.camera.width, self.frame.camera.height));
         }
-        let side = |name: &str| self.record.parameters["camera"][name].as_u64();
-        Some((side("width")? as usize, side("height")? as usize))
+        let camera = &self.record.parameters["camera"];
+        let (width, height) = (camera["width"].as_u64()?, camera["height"].as_u64()?);
+        Some((width as usize, height as usize))
     }
 }
 
 /// The artifact of this name, if the frame requests it.
-fn asked<'a>(frame: &'a Frame, name: &str) -> Option<&'a ArtifactKind> {
+fn find_requested<'a>(frame: &'a Frame, name: &str) -> Option<&'a ArtifactKind> {
     frame.artifacts.iter().find(|kind| kind.to_string() == name)
 }
 
@@ -221,15 +222,16 @@ fn asked<'a>(frame: &'a Frame, name: &str) -> Option<&'a ArtifactKind> {
 fn difference(expected: &Value, found: &Value, ignored: Option<&str>) -> Option<String> {
     match (expected, found) {
         (Value::Object(a), Value::Object(b)) => {
-            let counts = |key: &String| Some(key.as_str()) != ignored;
-            let inside = a.iter().filter(|(key, _)| counts(key)).find_map(|(key, value)| {
-                let Some(other) = b.get(key) else {
-                    return Some(format!("/{key}"));
-                };
-                difference(value, other, None).map(|rest| format!("/{key}{rest}"))
-            });
-            let extra = || b.keys().find(|key| counts(key) && !a.contains_key(*key));
-            inside.or_else(|| extra().map(|key| format!("/{key}")))
+            let mut keys = a
+                .keys()
+                .chain(b.keys())
+                .filter(|key| Some(key.as_str()) != ignored);
+            keys.find_map(|key| match (a.get(key), b.get(key)) {
+                (Some(value), Some(other)) => {
+                    difference(value, other, None).map(|rest| format!("/{key}{rest}"))
+                }
+                _ => Some(format!("/{key}")),
+            })
         }
         (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {
             let mut pairs = a.iter().zip(b).enumerate();

@@ -74,8 +74,8 @@ pub(crate) struct Cost {
 impl Costs {
     /// Learns from a rendered frame.
     pub(crate) fn learn(&self, record: &FrameRecord) {
-        let side = |name: &str| record.parameters.pointer(&format!("/camera/{name}"))?.as_f64();
-        let (Some(width), Some(height)) = (side("width"), side("height")) else {
+        let camera = &record.parameters["camera"];
+        let (Some(width), Some(height)) = (camera["width"].as_f64(), camera["height"].as_f64()) else {
             return;
         };
         let pixels = (width * height).max(1.0);
@@ -107,11 +107,12 @@ impl Costs {
     /// The mean over these frames.
     pub(crate) fn mean(&self, frames: &[Sized<'_>]) -> Cost {
         let learned = self.learned();
-        let sum =
-            |of: &dyn Fn(&Sized<'_>) -> f64| frames.iter().map(of).sum::<f64>() / frames.len().max(1) as f64;
+        let count = frames.len().max(1) as f64;
+        let seconds: f64 = frames.iter().map(|sized| learned.seconds(sized)).sum();
+        let bytes: f64 = frames.iter().map(|sized| learned.bytes(sized)).sum();
         Cost {
-            seconds: sum(&|sized| learned.seconds(sized)),
-            bytes: sum(&|sized| learned.bytes(sized)),
+            seconds: seconds / count,
+            bytes: bytes / count,
         }
     }
 
@@ -122,25 +123,7 @@ impl Costs {
 
 impl Learned {
     fn seconds(&self, Sized { frame, pixels }: &Sized<'_>) -> f64 {
-        let in_water = frame.water.optics.is_some();
-        let runs = |stage: &str| match stage {
-            "water" => in_water,
-            "lamps" => frame.has_lamps(),
-            "snow" => frame.water.snow.is_some_and(|snow| snow.density_per_m3 > 0.0),
-            "turbidity" => {
-                in_water
-                    && frame
-                        .water
-                        .turbidity
-                        .is_some_and(|patches| patches.contrast > 0.0)
-            }
-            "style" => frame.water.style.is_some() && frame.alpha > 0.0,
-            "haze" => !frame.haze().is_empty(),
-            "enhance" => !frame.enhance.is_empty(),
-            "metrics" => !frame.metrics.is_empty(),
-            _ => true,
-        };
-        let stages = TYPICAL_NS.iter().filter(|(stage, _)| runs(stage));
+        let stages = TYPICAL_NS.iter().filter(|(stage, _)| runs(frame, stage));
         let ns = stages.map(|(stage, typical)| {
             let units = if *stage == "lamps" { frame.lamp_count() } else { 1 };
             self.stage_ns.get(stage).unwrap_or(typical) * units as f64
@@ -149,22 +132,41 @@ impl Learned {
     }
 
     fn bytes(&self, Sized { frame, pixels }: &Sized<'_>) -> f64 {
-        let typical = |kind: &str| {
-            let known = TYPICAL_BYTES.iter().find(|(known, _)| *known == kind);
-            known.map_or(PICTURE_BYTES, |(_, bytes)| *bytes)
-        };
         let kinds = frame.artifacts.iter().map(ToString::to_string);
         kinds
             .map(|kind: String| {
                 self.kind_bytes
                     .get(&kind)
                     .copied()
-                    .unwrap_or_else(|| typical(&kind))
+                    .unwrap_or_else(|| typical_bytes(&kind))
             })
             .sum::<f64>()
             * pixels
             + ROW_BYTES
     }
+}
+
+/// Whether the stage runs for this frame.
+fn runs(frame: &Frame, stage: &str) -> bool {
+    let water = &frame.water;
+    match stage {
+        "water" => water.optics.is_some(),
+        "lamps" => frame.has_lamps(),
+        "snow" => water.snow.is_some_and(|snow| snow.density_per_m3 > 0.0),
+        "turbidity" => {
+            water.optics.is_some() && water.turbidity.is_some_and(|patches| patches.contrast > 0.0)
+        }
+        "style" => water.style.is_some() && frame.alpha > 0.0,
+        "haze" => !frame.haze().is_empty(),
+        "enhance" => !frame.enhance.is_empty(),
+        "metrics" => !frame.metrics.is_empty(),
+        _ => true,
+    }
+}
+
+fn typical_bytes(kind: &str) -> f64 {
+    let known = TYPICAL_BYTES.iter().find(|(known, _)| *known == kind);
+    known.map_or(PICTURE_BYTES, |(_, bytes)| *bytes)
 }
 
 /// Maximum nominal time of the Monte Carlo paths; 0 without an artifact that needs them.

@@ -197,7 +197,7 @@ impl Dispatch {
         let stalled = state.table.stalled(now);
         let mut events = state.table.expire(now);
         for worker in stalled {
-            events.extend(state.blame(&worker, "it holds frames and hands none in", now));
+            events.extend(state.blame(&worker, "it holds frames without committing any", now));
         }
         let State {
             table,
@@ -322,10 +322,7 @@ impl Dispatch {
         };
         let is_own = state.own.contains(id);
         state.misbehavior.dismiss(id, &name, is_own);
-        tracing::error!(
-            worker = name,
-            "worker dismissed: a frame of it is not what it renders to"
-        );
+        tracing::error!(worker = name, "worker dismissed for a wrong frame");
         let events = state.table.drop_worker(id, now);
         drop(state);
         self.after_loss(events)

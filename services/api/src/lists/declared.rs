@@ -1,6 +1,6 @@
 //! The lists, each read from its declaration.
 
-use camera::preset::{ASSUMPTIONS, CAMERAS, CameraPreset, SENSORS, SensorPreset};
+use camera::preset::{ASSUMPTIONS, CAMERAS, SENSORS, SensorPreset};
 use catalogue::{JobState, columns_of_every_image};
 use enhance::Method;
 use quality::{MetricId, MetricInfo, Profile};
@@ -17,14 +17,14 @@ use crate::http::problem::Slug;
 pub(super) const LISTS: &[List] = &[
     List {
         name: "sites",
-        about: "whole places that a job can start from",
+        about: "complete places that a job can start from",
         places: &["`site` of a job", "`fathom new`"],
         stored_at: None,
         shipped: Some(sites),
     },
     List {
         name: "artifacts",
-        about: "what can be stored of a frame",
+        about: "files that can be stored for a frame",
         places: &[
             "`artifacts` of a job",
             "`kind` of `/v1/images/{job}/{frame}/artifacts/{kind}`",
@@ -47,13 +47,13 @@ pub(super) const LISTS: &[List] = &[
     List {
         name: "profiles",
         about: "published arithmetic of a metric",
-        places: &["behind the `@` of a metric", "`fathom measure --profile`"],
+        places: &["after the `@` of a metric", "`fathom measure --profile`"],
         stored_at: None,
         shipped: Some(profiles),
     },
     List {
         name: "enhancements",
-        about: "methods that enhance a picture",
+        about: "image enhancement methods",
         places: &[
             "`enhance` of a job",
             "`method` of `/v1/enhance`",
@@ -95,7 +95,7 @@ pub(super) const LISTS: &[List] = &[
     },
     List {
         name: "columns",
-        about: "what images can be filtered and ordered by; a dataset has more",
+        about: "columns for filtering and sorting images; a dataset has more",
         places: &[
             "`filter`, `order_by` and `fields` of `/v1/images`, with the labels and artifacts that `/v1/datasets/{name}` lists",
             "`group_by` and `column` of `/v1/datasets/{name}`",
@@ -121,13 +121,13 @@ pub(super) const LISTS: &[List] = &[
     List {
         name: "problems",
         about: "types of problems",
-        places: &["`type` of every refusal", "`/problems/{slug}`"],
+        places: &["`type` of every error response", "`/problems/{slug}`"],
         stored_at: None,
         shipped: Some(problems),
     },
     List {
         name: "cameras",
-        about: "cameras: port, lens, shutter and sensor together",
+        about: "cameras with port, lens, shutter and sensor",
         places: &["`camera.preset` of a job"],
         stored_at: None,
         shipped: Some(cameras),
@@ -141,14 +141,14 @@ pub(super) const LISTS: &[List] = &[
     },
     List {
         name: "waters",
-        about: "optical waters: those that come with the program, in a service beside those of its users",
+        about: "optical waters: built-in ones, in a service also user-defined ones",
         places: &["`water.optics` of a job", "`/v1/waters/{name}`"],
         stored_at: Some("/v1/waters"),
         shipped: Some(waters),
     },
     List {
         name: "styles",
-        about: "style waters: those that come with the program, in a service beside those of its users",
+        about: "style waters: built-in ones, in a service also added ones",
         places: &["`water.style` of a job"],
         stored_at: Some("/v1/styles"),
         shipped: Some(styles),
@@ -213,23 +213,24 @@ fn artifacts(library: &Library) -> Vec<Entry> {
 }
 
 fn metrics(_: &Library) -> Vec<Entry> {
-    let about = |info: &MetricInfo| {
-        let (least, most) = (*info.range.start(), *info.range.end());
-        let range = if most.is_finite() {
-            format!("; {least}..={most}")
-        } else {
-            String::new()
-        };
-        let reference = if info.needs_reference {
-            "; needs the clean picture"
-        } else {
-            ""
-        };
-        format!("{}{range}{reference}", info.about)
-    };
     MetricId::all()
-        .map(|id| entry(id.to_string(), about(id.info())))
+        .map(|id| entry(id.to_string(), describe_metric(id.info())))
         .collect()
+}
+
+fn describe_metric(info: &MetricInfo) -> String {
+    let (least, most) = (*info.range.start(), *info.range.end());
+    let range = if most.is_finite() {
+        format!("; {least}..={most}")
+    } else {
+        String::new()
+    };
+    let reference = if info.needs_reference {
+        "; needs the clean image"
+    } else {
+        ""
+    };
+    format!("{}{range}{reference}", info.about)
 }
 
 fn profiles(_: &Library) -> Vec<Entry> {
@@ -241,9 +242,11 @@ fn profiles(_: &Library) -> Vec<Entry> {
 
 fn enhancements(_: &Library) -> Vec<Entry> {
     let methods = enhance::METHODS.iter().filter_map(|name| Method::parse(name));
-    let about = |method: &Method| format!("{}; {}", method.about(), method.against_published());
     methods
-        .map(|method| entry(method.name(), about(&method)))
+        .map(|method| {
+            let about = format!("{}; {}", method.about(), method.against_published());
+            entry(method.name(), about)
+        })
         .collect()
 }
 
@@ -255,7 +258,7 @@ fn families(_: &Library) -> Vec<Entry> {
 fn categories(_: &Library) -> Vec<Entry> {
     CATEGORIES
         .iter()
-        .map(|(category, name): &(scenes::categories::Category, &str)| Entry {
+        .map(|(category, name)| Entry {
             number: Some(*category as u8),
             ..entry(*name, category.about())
         })
@@ -265,7 +268,7 @@ fn categories(_: &Library) -> Vec<Entry> {
 fn findings(_: &Library) -> Vec<Entry> {
     FINDINGS
         .iter()
-        .map(|(finding, name): &(scenes::categories::Finding, &str)| Entry {
+        .map(|(finding, name)| Entry {
             number: Some(*finding as u8),
             ..entry(*name, finding.about())
         })
@@ -273,15 +276,17 @@ fn findings(_: &Library) -> Vec<Entry> {
 }
 
 fn fields(_: &Library) -> Vec<Entry> {
-    let about = |row: &table::Row| match row.limit.as_str() {
-        "" => row.doc.clone(),
-        limit => format!("{}; {limit}", row.doc),
-    };
     table::rows()
         .into_iter()
-        .map(|row: table::Row| Entry {
-            unit: row.unit,
-            ..entry(row.path.clone(), about(&row))
+        .map(|row| {
+            let about = match row.limit.as_str() {
+                "" => row.doc,
+                limit => format!("{}; {limit}", row.doc),
+            };
+            Entry {
+                unit: row.unit,
+                ..entry(row.path, about)
+            }
         })
         .collect()
 }
@@ -290,7 +295,7 @@ fn columns(library: &Library) -> Vec<Entry> {
     let columns = columns_of_every_image(&vocabulary(library, false).metrics);
     columns
         .into_iter()
-        .map(|column: catalogue::ColumnInfo| Entry {
+        .map(|column| Entry {
             unit: column.unit,
             ..entry(column.name, column.kind)
         })
@@ -305,16 +310,12 @@ fn states(_: &Library) -> Vec<Entry> {
 }
 
 fn jerlov_types(_: &Library) -> Vec<Entry> {
-    let about = |name: &str| {
-        if name.starts_with('I') {
-            "open ocean"
-        } else {
-            "coastal"
-        }
-    };
     JERLOV_TYPES
         .iter()
-        .map(|name| entry(*name, about(name)))
+        .map(|name| {
+            let is_ocean = name.starts_with('I');
+            entry(*name, if is_ocean { "open ocean" } else { "coastal" })
+        })
         .collect()
 }
 
@@ -326,26 +327,26 @@ fn problems(_: &Library) -> Vec<Entry> {
 }
 
 fn cameras(_: &Library) -> Vec<Entry> {
-    let about = |camera: &CameraPreset| format!("{}; {}", camera.about, camera.source);
     CAMERAS
         .iter()
-        .map(|camera| entry(camera.name, about(camera)))
+        .map(|camera| entry(camera.name, format!("{}; {}", camera.about, camera.source)))
         .collect()
 }
 
 fn sensors(_: &Library) -> Vec<Entry> {
-    let about = |sensor: &SensorPreset| {
-        let assumed = if sensor.is_assumed() {
-            format!("; {ASSUMPTIONS}")
-        } else {
-            String::new()
-        };
-        format!("{}; {}{assumed}", sensor.about, sensor.source)
-    };
     SENSORS
         .iter()
-        .map(|sensor| entry(sensor.name, about(sensor)))
+        .map(|sensor| entry(sensor.name, describe_sensor(sensor)))
         .collect()
+}
+
+fn describe_sensor(sensor: &SensorPreset) -> String {
+    let assumed = if sensor.is_assumed() {
+        format!("; {ASSUMPTIONS}")
+    } else {
+        String::new()
+    };
+    format!("{}; {}{assumed}", sensor.about, sensor.source)
 }
 
 fn waters(_: &Library) -> Vec<Entry> {

@@ -57,7 +57,7 @@ pub(crate) fn components(vocabulary: &Vocabulary) -> Components {
         writer.found.insert("JobDescription".to_owned(), job);
     }
     let mut water = writer.object(OwnWater::FIELDS);
-    water["description"] = "A water of your own. Arrays are R, G, B; what is absent is unknown.".into();
+    water["description"] = "A user-defined water. Arrays are R, G, B; an absent value is unknown.".into();
     water["examples"] = json!([{
         "name": "quay-7", "source": "our transmissometer, May", "licence": "CC-BY-4.0", "wavelength_nm": [650, 532, 450],
         "absorption_per_m": [0.42, 0.2, 0.5], "scattering_per_m": [1.0, 1.1, 1.3], "diffuse_attenuation_per_m": [0.6, 0.4, 0.8]
@@ -325,17 +325,17 @@ pub(super) fn reference(name: &str) -> Value {
 /// The endpoint that lists names of this kind.
 fn listed_at(names: Names) -> &'static str {
     match names {
-        Names::Preset => ", or a water of your own; `GET /v1/waters` lists both",
+        Names::Preset => ", or a user-defined water; `GET /v1/waters` lists both",
         Names::Style => "; `GET /v1/styles` lists them",
-        Names::Camera => "; `GET /v1/lists/cameras` says what they are",
-        Names::Sensor => "; `GET /v1/lists/sensors` says what they are",
+        Names::Camera => "; `GET /v1/lists/cameras` describes them",
+        Names::Sensor => "; `GET /v1/lists/sensors` describes them",
         Names::SceneId => "; `GET /v1/scenes` lists them",
-        Names::Dataset => "; `GET /v1/datasets` lists those that exist",
+        Names::Dataset => "; `GET /v1/datasets` lists the existing ones",
         Names::Collection => "; `GET /v1/collections` lists them",
-        Names::Family => "; `GET /v1/lists/families` says what they show",
-        Names::Enhancement => "; `GET /v1/lists/enhancements` says what they do",
-        Names::Metric => "; `GET /v1/lists/metrics` says what they measure",
-        Names::Artifact => "; `GET /v1/lists/artifacts` says what they hold",
+        Names::Family => "; `GET /v1/lists/families` describes them",
+        Names::Enhancement => "; `GET /v1/lists/enhancements` describes them",
+        Names::Metric => "; `GET /v1/lists/metrics` describes them",
+        Names::Artifact => "; `GET /v1/lists/artifacts` describes them",
         Names::Fixed(_) | Names::WaterName | Names::Words | Names::Path => "",
     }
 }
@@ -355,8 +355,8 @@ fn number(range: &Range) -> Value {
 }
 
 fn integer(low: i128, high: i128) -> Value {
-    let end = |end| serde_json::Number::from_i128(end).map(Value::Number);
-    json!({"type": "integer", "minimum": end(low), "maximum": end(high)})
+    let [low, high] = [low, high].map(serde_json::Number::from_i128);
+    json!({"type": "integer", "minimum": low, "maximum": high})
 }
 
 /// `range_m` as a part of a type's name: `RangeM`.

@@ -36,16 +36,17 @@ pub(crate) fn document(mut routes: OpenApi, vocabulary: &Vocabulary, list_names:
 
 /// Components of built-in lists.
 fn lists(names: &[&str]) -> Map<String, Value> {
-    let slugs = || Slug::ALL.iter().map(|slug| slug.name());
-    let types: Vec<_> = slugs().map(|slug| format!("/problems/{slug}")).collect();
+    let slugs: Vec<_> = Slug::ALL.iter().map(|slug| slug.name()).collect();
+    let types: Vec<_> = slugs.iter().map(|slug| format!("/problems/{slug}")).collect();
     // Names for code generators, because the words begin with a slash.
-    let words: Vec<_> = slugs()
+    let words: Vec<_> = slugs
+        .iter()
         .map(|slug| slug.replace('-', "_").to_uppercase())
         .collect();
     let lists = json!({
-        "ListName": {"type": "string", "enum": names, "description": "A list that comes with the program."},
+        "ListName": {"type": "string", "enum": names, "description": "A built-in list."},
         "ProblemType": {"type": "string", "enum": types, "x-enum-varnames": words,
-                        "description": "A kind of problem; `GET /v1/lists/problems` says what it means."},
+                        "description": "A kind of problem; `GET /v1/lists/problems` explains it."},
     });
     match lists {
         Value::Object(lists) => lists,
@@ -83,17 +84,19 @@ fn set_media_types(operation: &mut Value) {
 
 /// A parameter may be absent, but not null.
 fn leave_out_null(schema: &mut Map<String, Value>) {
-    let only = |name: &str| {
-        let options = schema.get(name)?.as_array()?;
-        let mut kept = options
-            .iter()
-            .filter(|option| **option != "null" && option["type"] != "null");
-        kept.next().filter(|_| kept.next().is_none()).cloned()
-    };
-    if let Some(only) = only("type") {
+    if let Some(only) = find_only_option(schema.get("type")) {
         schema.insert("type".to_owned(), only);
-    } else if let Some(Value::Object(only)) = only("oneOf") {
+    } else if let Some(Value::Object(only)) = find_only_option(schema.get("oneOf")) {
         schema.remove("oneOf");
         schema.extend(only);
     }
+}
+
+/// The only option of a list other than null.
+fn find_only_option(options: Option<&Value>) -> Option<Value> {
+    let mut kept = options?
+        .as_array()?
+        .iter()
+        .filter(|option| **option != "null" && option["type"] != "null");
+    kept.next().filter(|_| kept.next().is_none()).cloned()
 }

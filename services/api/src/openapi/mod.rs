@@ -54,7 +54,7 @@ written! {
 /// A problem (RFC 9457).
 #[derive(ToResponse, ToSchema)]
 #[response(
-    description = "A problem. `type` says which.",
+    description = "A problem; `type` is its kind.",
     content_type = "application/problem+json"
 )]
 #[expect(dead_code, reason = "describes the body, which is built member by member")]
@@ -108,15 +108,15 @@ pub(crate) struct FieldError {
     modifiers(&Bearer, &ProblemTypes),
     security(("token" = [])),
     tags((name = "jobs", description = "Submitting descriptions and following them"),
-         (name = "images", description = "What was rendered"),
+         (name = "images", description = "Rendered images"),
          (name = "datasets", description = "Collections of images"),
          (name = "sets", description = "Datasets in a folder or a bucket, made without this service"),
-         (name = "scenes", description = "Pictures and ranges of your own"),
-         (name = "pictures", description = "Enhancing and measuring pictures of your own"),
+         (name = "scenes", description = "Your images and ranges"),
+         (name = "pictures", description = "Enhancing and measuring your images"),
          (name = "waters", description = "Optical waters"),
          (name = "styles", description = "Style waters: networks that repaint a frame"),
-         (name = "lists", description = "Every identifier that a request may hold"),
-         (name = "operations", description = "For those who run the service"))
+         (name = "lists", description = "Identifiers accepted in requests"),
+         (name = "operations", description = "Operation of the service"))
 )]
 struct Frame;
 

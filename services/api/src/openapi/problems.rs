@@ -1,6 +1,6 @@
 //! Problems common to a kind of operation, added here so that no route misses one.
 
-use utoipa::openapi::path::{Operation, Parameter, ParameterIn, PathItem};
+use utoipa::openapi::path::{Operation, ParameterIn, PathItem};
 use utoipa::openapi::{OpenApi, Ref, RefOr};
 
 /// For every operation: internal errors, and slow clients.
@@ -32,25 +32,26 @@ pub(super) fn add(document: &mut OpenApi) {
 }
 
 fn add_problems(operation: &mut Operation, writing: &[u16]) {
-    let when = |holds: bool, statuses: &'static [u16]| if holds { statuses } else { &[] };
     let parameters = operation.parameters.as_deref().unwrap_or_default();
-    let statuses = [
-        ALL,
-        when(operation.security.is_none(), GUARDED),
-        when(!parameters.is_empty(), WITH_PARAMETERS),
-        when(
-            parameters
-                .iter()
-                .any(|parameter: &RefOr<Parameter>| match parameter {
-                    RefOr::T(parameter) => matches!(parameter.parameter_in, ParameterIn::Path),
-                    RefOr::Ref(_) => false,
-                }),
-            WITH_PATH,
-        ),
-        when(operation.request_body.is_some(), WITH_BODY),
-        writing,
+    let has_path = parameters.iter().any(|parameter| match parameter {
+        RefOr::T(parameter) => matches!(parameter.parameter_in, ParameterIn::Path),
+        RefOr::Ref(_) => false,
+    });
+    let conditional = [
+        (operation.security.is_none(), GUARDED),
+        (!parameters.is_empty(), WITH_PARAMETERS),
+        (has_path, WITH_PATH),
+        (operation.request_body.is_some(), WITH_BODY),
     ];
-    for status in statuses.concat() {
+    let mut statuses = ALL.to_vec();
+    statuses.extend(
+        conditional
+            .iter()
+            .filter(|(holds, _)| *holds)
+            .flat_map(|(_, group)| *group),
+    );
+    statuses.extend(writing);
+    for status in statuses {
         let problem = RefOr::Ref(Ref::from_response_name("Problem"));
         operation
             .responses

@@ -94,14 +94,13 @@ impl Decoding {
             memory_bytes: (mib as u64) << 20,
         };
         let arguments = [OsStr::new("--folder"), folder.path().as_os_str()];
-        let refuse = |why: String| Problem::field(&format!("/{}", files.field), why);
+        let pointer = format!("/{}", files.field);
         match self.children.run("decode", &arguments, allowance).await? {
             Ended::Well => {}
-            Ended::Refused(why) | Ended::Lacking(why) => return Err(refuse(why)),
+            Ended::Refused(why) | Ended::Lacking(why) => return Err(Problem::field(&pointer, why)),
             Ended::Badly(why) => {
-                return Err(refuse(format!(
-                    "it cannot be decoded; of the process that tried it: {why}"
-                )));
+                let message = format!("it cannot be decoded: {why}");
+                return Err(Problem::field(&pointer, message));
             }
         }
         let reply = tokio::fs::read(folder.path().join(REPLY)).await;

@@ -83,11 +83,7 @@ async fn keep(recipe: Arc<Recipe>, name: String, on_exit: OnExit, stop: Cancella
             Ok(child) => {
                 let (status, tail) = live(child, &name, &stop).await;
                 if !stop.is_cancelled() {
-                    tracing::warn!(
-                        worker = name,
-                        ?status,
-                        "a worker process ended and is started again"
-                    );
+                    tracing::warn!(worker = name, ?status, "a worker process ended and is restarted");
                 }
                 if on_exit(name.clone(), tail).await {
                     pause = FIRST_PAUSE;

@@ -63,7 +63,7 @@ impl Scenes {
             return Ok(());
         }
         let message = format!(
-            "the collection `{collection}` has {most} scenes, the limit; scene `{id}` is stored without it"
+            "the collection `{collection}` has {most} scenes, the limit; scene `{id}` is stored, but not in it"
         );
         Err(Problem::field("/collection", message))
     }

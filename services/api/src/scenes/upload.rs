@@ -54,12 +54,13 @@ impl SceneForm {
     pub(super) async fn read(body: Multipart) -> Result<Self, Problem> {
         let mut form = Form::read(body, &FIELDS).await?;
         if form.get("fx").is_some() && form.get("focal_px").is_some() {
-            form.refuse("fx", "`fx` and `focal_px` are the same; give one".to_owned());
+            form.refuse(
+                "fx",
+                "`fx` is an alias of `focal_px`; send one of them".to_owned(),
+            );
         }
-        let above_0 = |value: &f64| *value > 0.0 && value.is_finite();
-        let finite = |value: &f64| value.is_finite();
-        let focal_px = form.parsed("focal_px", "a number above 0", above_0);
-        let fx = form.parsed("fx", "a number above 0", above_0);
+        let focal_px = form.parsed("focal_px", "a number above 0", is_positive);
+        let fx = form.parsed("fx", "a number above 0", is_positive);
         let classes = form.get("classes").map(|text| scenes::classes::read(text));
         let classes =
             classes.and_then(|read| read.map_err(|wrong| form.refuse_inside("classes", wrong)).ok());
@@ -75,7 +76,7 @@ impl SceneForm {
         }
         let name = form.texts("name").next();
         if collection.is_none() && name.is_some() {
-            form.refuse("name", "a `name` goes with a `collection`".to_owned());
+            form.refuse("name", "`name` needs `collection`".to_owned());
         }
         if name.as_deref().is_some_and(|name| !is_name(name)) {
             form.refuse(
@@ -90,11 +91,11 @@ impl SceneForm {
             instances: form.get("instances").cloned(),
             classes,
             pose,
-            unit_m: form.parsed("unit_m", "a number above 0", above_0),
+            unit_m: form.parsed("unit_m", "a number above 0", is_positive),
             invalid_code: form.parsed("invalid_code", "a whole number in 0..=65535", |_| true),
             focal_px: focal_px.or(fx),
-            cx: form.parsed("cx", "a finite number", finite),
-            cy: form.parsed("cy", "a finite number", finite),
+            cx: form.parsed("cx", "a finite number", |value: &f64| value.is_finite()),
+            cy: form.parsed("cy", "a finite number", |value: &f64| value.is_finite()),
             hfov_deg: form.parsed("hfov_deg", "a number above 0 and below 180", |degrees: &f64| {
                 *degrees > 0.0 && *degrees < 180.0
             }),
@@ -156,6 +157,10 @@ impl SceneForm {
             world_from_camera: self.pose,
         }
     }
+}
+
+fn is_positive(value: &f64) -> bool {
+    *value > 0.0 && value.is_finite()
 }
 
 fn is_name(text: &str) -> bool {

@@ -54,8 +54,8 @@ impl Sets {
         if self.reader.is_some() {
             let jobs = self.jobs.catalogue.imported_jobs().await?;
             let open = jobs.iter().filter(|job| !job.state.has_ended());
-            let is_announced = |job: &JobRow| self.jobs.engine.is_some() && job.is_shared();
-            open.for_each(|job| self.follow(job, is_announced(job)));
+            let has_engine = self.jobs.engine.is_some();
+            open.for_each(|job| self.follow(job, has_engine && job.is_shared()));
         }
         Ok(())
     }

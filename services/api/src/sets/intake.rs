@@ -18,7 +18,7 @@ pub enum IntakeError {
     #[error(transparent)]
     Catalogue(#[from] CatalogueError),
     /// The images imported from this location belong to another job.
-    #[error("{location} was imported as {job}, and holds another job now; delete {job} first")]
+    #[error("{location} was imported as {job}, but now contains another job; delete {job} first")]
     AnotherJob {
         /// Location of the set.
         location: String,

@@ -39,7 +39,7 @@ impl Sets {
 
     fn reader(&self) -> Result<&Reader, Problem> {
         self.reader.as_ref().ok_or_else(|| {
-            let reason = "this service reads no sets: it was started without `--store`";
+            let reason = "imports are disabled; start the service with `--store`";
             Problem::field("/url", reason)
         })
     }

@@ -89,7 +89,7 @@ impl Reader {
         match serde_json::from_slice(&first) {
             Ok(Line::Set(head)) => Ok((head, reading)),
             _ => Err(LookError::Damaged(
-                "the reader does not say what the set is of".to_owned(),
+                "the reader sent no head of the set".to_owned(),
             )),
         }
     }
@@ -174,7 +174,7 @@ fn part(catalogue: &Catalogue, job: &str, line: &[u8]) -> Result<Prepared, LookE
             shard,
         }),
         Ok(Line::Set(_)) => Err(LookError::Damaged(
-            "the reader says twice what the set is of".to_owned(),
+            "the reader sent two heads of the set".to_owned(),
         )),
         Err(error) => Err(LookError::Damaged(format!("a line of the reader: {error}"))),
     }

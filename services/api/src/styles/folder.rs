@@ -30,7 +30,7 @@ pub enum AddedStyleError {
     },
     /// A configured style has the name of an added one, and is another network.
     #[error(
-        "{}: there is now another style `{name}`; give that one another name, or take this card away, after which its images can no longer be rendered again",
+        "{}: the configured style `{name}` is another network; rename it, or delete this card, after which its images cannot be rendered again",
         path.display()
     )]
     Taken {
@@ -100,16 +100,15 @@ impl Folder {
 
     /// Whether one more style may be kept.
     pub(super) fn has_room_for(&self, bytes: u64) -> Result<(), Problem> {
-        let full =
-            |what: String| Problem::new(Slug::TooLarge, format!("{what}; all of them are kept in memory"));
-        if self.styles >= limits::ADDED_STYLES {
-            return Err(full(format!("there are {} added styles already", self.styles)));
+        let (count, limit) = (self.styles, limits::ADDED_STYLES);
+        if count >= limit {
+            let detail = format!("the service has {count} added styles, the limit is {limit}");
+            return Err(Problem::new(Slug::TooLarge, detail));
         }
-        if self.bytes + bytes > limits::ADDED_STYLES_BYTES {
-            let (have, limit) = (self.bytes, limits::ADDED_STYLES_BYTES);
-            return Err(full(format!(
-                "the added styles have {have} bytes already, the limit is {limit}"
-            )));
+        let (total, limit) = (self.bytes + bytes, limits::ADDED_STYLES_BYTES);
+        if total > limit {
+            let detail = format!("the added styles would have {total} bytes, the limit is {limit}");
+            return Err(Problem::new(Slug::TooLarge, detail));
         }
         Ok(())
     }

@@ -29,8 +29,7 @@ pub use folder::{AddedStyleError, added_styles};
 use trainings::Trainings;
 
 /// Caveat on the card of every added style.
-const NO_PROMISE: &str =
-    "it was added by a user: nobody has measured how stable it is from frame to frame or across sizes";
+const NO_PROMISE: &str = "added by a user; its stability over frames and sizes is not measured";
 
 /// A network to be added as a style.
 pub(crate) struct NewStyle {
@@ -136,7 +135,7 @@ impl Styles {
             return Ok(Some(model.card.clone()));
         }
         let detail = format!(
-            "the style `{}` is another network, with the digest {}; styles are never replaced, since images name them",
+            "the style `{}` exists with another network, digest {}; choose another name",
             model.name, model.card.sha256
         );
         Err(Problem::new(Slug::NameTaken, detail))

@@ -31,10 +31,7 @@ impl Styles {
             Ended::Well => Ok(()),
             Ended::Refused(why) => Err(Problem::field("/model", why)),
             Ended::Lacking(what) => Err(Problem::new(Slug::RuntimeMissing, what)),
-            Ended::Badly(why) => Err(Problem::field(
-                "/model",
-                format!("it cannot be used; of the process that tried it: {why}"),
-            )),
+            Ended::Badly(why) => Err(Problem::field("/model", format!("it cannot be used: {why}"))),
         }
     }
 }

@@ -64,7 +64,7 @@ impl Waters {
                 }),
                 Ok(_) => tracing::warn!(
                     water = name,
-                    "a shipped water has this name now: it hides the user's own"
+                    "a built-in water with this name now hides the user-defined one"
                 ),
                 Err(errors) => tracing::warn!(water = name, %errors, "a stored water is left out"),
             }
@@ -117,7 +117,7 @@ impl Waters {
                 created_at,
             };
             if preset::find(&name).is_some() || !waters.catalogue.insert_water(row).await? {
-                let detail = format!("there is a water `{name}` already");
+                let detail = format!("the water `{name}` exists; choose another name");
                 return Err(Problem::new(Slug::NameTaken, detail));
             }
             let own = Own {
@@ -146,7 +146,7 @@ impl Waters {
             match (deleted, preset::find(&name)) {
                 (true, _) => Ok(()),
                 (false, Some(_)) => Err(Problem::not_found(format!(
-                    "water `{name}` comes with the service and stays"
+                    "water `{name}` is built in and cannot be deleted"
                 ))),
                 (false, None) => Err(Problem::not_found(format!("no water `{name}`"))),
             }

@@ -60,7 +60,6 @@ impl WaterView {
     #[must_use]
     pub fn new(preset: &Preset, created_at: Option<UnixMs>) -> Self {
         let all = properties(preset);
-        let some = |values: Channels| values.iter().any(Option::is_some).then_some(values);
         Self {
             name: preset.name.clone(),
             created_at: created_at.map(|time| time.to_string()),
@@ -68,20 +67,25 @@ impl WaterView {
             source: preset.source.clone(),
             licence: preset.licence.clone(),
             caveats: preset.caveats.clone(),
-            wavelength_nm: some(preset.wavelength_nm),
-            absorption_per_m: some(preset.absorption),
-            scattering_per_m: some(preset.scattering),
-            beam_attenuation_per_m: some(preset.beam_attenuation),
-            diffuse_attenuation_per_m: some(preset.diffuse_attenuation),
+            wavelength_nm: known(preset.wavelength_nm),
+            absorption_per_m: known(preset.absorption),
+            scattering_per_m: known(preset.scattering),
+            beam_attenuation_per_m: known(preset.beam_attenuation),
+            diffuse_attenuation_per_m: known(preset.diffuse_attenuation),
             veiling_light: all.veiling_light,
             backscatter_fraction: all.backscatter_fraction,
-            g_per_m: some(all.g),
+            g_per_m: known(all.g),
             spread_offset_rad: all.spread_offset_rad,
-            spread_rad_per_m: some(all.spread_rad_per_m),
+            spread_rad_per_m: known(all.spread_rad_per_m),
             derived: all.derived,
             warnings: preset.warnings.clone(),
             defects: preset.defects.clone(),
             unrenderable: preset.unrenderable(),
         }
     }
+}
+
+/// `None` if all channels are unknown.
+fn known(values: Channels) -> Option<Channels> {
+    values.iter().any(Option::is_some).then_some(values)
 }

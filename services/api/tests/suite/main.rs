@@ -10,6 +10,7 @@ mod bad_uploads;
 mod common;
 mod control;
 mod documents;
+mod error_page;
 mod hostile;
 mod images;
 mod jobs;

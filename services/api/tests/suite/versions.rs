@@ -135,7 +135,7 @@ fn what_is_not_as_it_was_sealed_is_found_and_named() {
         (&json!(false), &json!(2)),
         "{found}"
     );
-    let named = json!({"job": id, "frame": 1, "reason": "its record has another digest than its row"});
+    let named = json!({"job": id, "frame": 1, "reason": "the digest of its record differs from its row"});
     assert_eq!(found["damaged"][0], named);
     assert_ne!(found["computed"], root);
     // A record and its row together: only the root reveals it.

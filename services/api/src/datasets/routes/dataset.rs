@@ -50,7 +50,7 @@ pub(super) async fn row(catalogue: &Catalogue, name: &str) -> Result<DatasetRow,
 /// in the background. Scenes are kept.
 #[utoipa::path(delete, path = "/v1/datasets/{name}", tag = "datasets", operation_id = "delete_dataset",
     params(("name" = String, Path, description = "Name of the dataset")),
-    responses((status = 200, description = "It is gone.", body = Deleted),
+    responses((status = 200, description = "Deleted.", body = Deleted),
               (status = 409, response = crate::openapi::Problem)))]
 pub(crate) async fn delete(
     State(jobs): Topic<Jobs>,

@@ -26,7 +26,7 @@ pub(crate) struct Parameters {
 /// Parameters, labels, metrics, counts, digests of the artifacts. Every row has the same members.
 #[utoipa::path(get, path = "/v1/datasets/{name}/metadata.jsonl", tag = "datasets", operation_id = "export_metadata_jsonl",
     params(("name" = String, Path, description = "Name of the dataset"), Parameters),
-    responses((status = 200, description = "One object a line.", content_type = "application/x-ndjson", body = String)))]
+    responses((status = 200, description = "One object per line.", content_type = "application/x-ndjson", body = String)))]
 pub(crate) async fn jsonl(
     State(catalogue): Topic<Catalogue>,
     Path(name): Path<String>,

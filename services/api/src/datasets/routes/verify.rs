@@ -59,7 +59,7 @@ pub(crate) struct VerifiedVersion {
 #[utoipa::path(post, path = "/v1/datasets/{name}/versions/{version}/verify", tag = "datasets", operation_id = "verify_sealed_version",
     params(("name" = String, Path, description = "Name of the dataset"), ("version" = u64, Path, description = "From 1")),
     request_body(content = Wish, content_type = "application/json"),
-    responses((status = 200, description = "What was found.", body = VerifiedVersion)))]
+    responses((status = 200, description = "The result.", body = VerifiedVersion)))]
 pub(crate) async fn verify(
     State(datasets): Topic<Datasets>,
     Path((name, version)): Path<(String, u64)>,
@@ -84,7 +84,7 @@ pub(crate) async fn verify(
             found.add(
                 &job,
                 None,
-                "its images have another root than was sealed".to_owned(),
+                "the root of its images differs from the sealed one".to_owned(),
             );
         }
         tree.push(computed);
@@ -175,7 +175,7 @@ impl Checked {
                 artifacts.sort_unstable();
                 let stored = image.artifacts.iter().map(|(kind, digest)| (kind, digest));
                 if !stored.eq(artifacts) {
-                    wrong.push("its artifacts are not those of its record".to_owned());
+                    wrong.push("its artifacts differ from those in its record".to_owned());
                 }
                 record.digest()
             }
@@ -185,7 +185,7 @@ impl Checked {
             }
         };
         if digest != image.digest && wrong.is_empty() {
-            wrong.push("its record has another digest than its row".to_owned());
+            wrong.push("the digest of its record differs from its row".to_owned());
         }
         Self {
             frame: image.frame,

@@ -10,7 +10,7 @@ use crate::http::{Json, Path, Problem, State, Topic};
 /// List the sealed versions of a dataset on one page, oldest first.
 #[utoipa::path(get, path = "/v1/datasets/{name}/versions", tag = "datasets", operation_id = "list_sealed_versions",
     params(("name" = String, Path, description = "Name of the dataset")),
-    responses((status = 200, description = "Its versions.", body = Page<VersionRow>)))]
+    responses((status = 200, description = "The versions.", body = Page<VersionRow>)))]
 pub(crate) async fn list(
     State(datasets): Topic<Datasets>,
     Path(name): Path<String>,
@@ -27,7 +27,7 @@ pub(crate) async fn list(
 #[utoipa::path(post, path = "/v1/datasets/{name}/versions", tag = "datasets", operation_id = "seal_dataset",
     params(("name" = String, Path, description = "Name of the dataset")),
     responses((status = 201, description = "Sealed; `Location` is the version.", body = VersionRow),
-              (status = 200, description = "It was sealed before and has not changed since.", body = VersionRow),
+              (status = 200, description = "Unchanged since it was sealed.", body = VersionRow),
               (status = 409, response = crate::openapi::Problem)))]
 pub(crate) async fn seal(
     State(datasets): Topic<Datasets>,
@@ -64,7 +64,7 @@ pub(crate) async fn get(
 /// Unseal a version. Its images are kept but no longer protected; its number is not reused.
 #[utoipa::path(delete, path = "/v1/datasets/{name}/versions/{version}", tag = "datasets", operation_id = "unseal_version",
     params(("name" = String, Path, description = "Name of the dataset"), ("version" = u64, Path, description = "From 1")),
-    responses((status = 204, description = "It is unsealed.")))]
+    responses((status = 204, description = "Unsealed.")))]
 pub(crate) async fn delete(
     State(datasets): Topic<Datasets>,
     Path((name, version)): Path<(String, u64)>,

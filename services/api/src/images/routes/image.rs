@@ -27,13 +27,13 @@ pub(crate) async fn get(
 #[utoipa::path(get, path = "/v1/images/{job}/{frame}/artifacts/{kind}", tag = "images", operation_id = "get_artifact",
     params(("job" = String, Path, description = "`job_…`"), ("frame" = u64, Path, description = "From 0"),
            ("kind" = ArtifactKind, Path, description = "Such as `rgb`, `range`, `enhanced.hscm`"),
-           ("If-None-Match" = Option<String>, Header, description = "Entity tags of copies at hand"),
+           ("If-None-Match" = Option<String>, Header, description = "Entity tags of the client's copies"),
            ("Range" = Option<String>, Header, description = "One range of bytes")),
     responses((status = 200, description = "The bytes, verified against their digest. NPY is `application/x-npy`, JSON `application/json`.",
                content((Bytes = "application/*"), (Bytes = "image/jpeg"), (Bytes = "image/png"), (Bytes = "image/webp"))),
               (status = 206, description = "A range of the bytes.",
                content((Bytes = "application/*"), (Bytes = "image/jpeg"), (Bytes = "image/png"), (Bytes = "image/webp"))),
-              (status = 304, description = "The copy at hand is right."),
+              (status = 304, description = "The client's copy is current."),
               (status = 416, response = crate::openapi::Problem)))]
 pub(crate) async fn artifact(
     State(images): Topic<Images>,
@@ -100,7 +100,7 @@ pub(crate) async fn artifacts(
 #[utoipa::path(get, path = "/v1/images/{job}/{frame}/preview", tag = "images", operation_id = "get_preview",
     params(("job" = String, Path, description = "`job_…`"), ("frame" = u64, Path, description = "From 0")),
     responses((status = 200, description = "The thumbnail.", content((Bytes = "image/png"))),
-              (status = 304, description = "The copy at hand is right.")))]
+              (status = 304, description = "The client's copy is current.")))]
 pub(crate) async fn preview(
     State(images): Topic<Images>,
     Path((job, frame)): Path<(String, u64)>,

@@ -68,7 +68,7 @@ pub(crate) struct Verified {
 #[utoipa::path(post, path = "/v1/images/{job}/{frame}/verify", tag = "images", operation_id = "verify_image",
     params(("job" = String, Path, description = "`job_…`"), ("frame" = u64, Path, description = "From 0")),
     request_body(content = Wish, content_type = "application/json"),
-    responses((status = 200, description = "What was found.", body = Verified)))]
+    responses((status = 200, description = "The result.", body = Verified)))]
 pub(crate) async fn verify(
     State(images): Topic<Images>,
     Path((job, frame)): Path<(String, u64)>,

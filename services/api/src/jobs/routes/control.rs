@@ -9,7 +9,7 @@ use crate::jobs::Jobs;
 /// has no effect.
 #[utoipa::path(post, path = "/v1/jobs/{id}/cancel", tag = "jobs", operation_id = "cancel_job",
     params(("id" = String, Path, description = "`job_…`")),
-    responses((status = 200, description = "The job as it is now.", body = JobRow)))]
+    responses((status = 200, description = "The present state of the job.", body = JobRow)))]
 pub(crate) async fn cancel(
     State(jobs): Topic<Jobs>,
     Path(id): Path<String>,
@@ -22,7 +22,7 @@ pub(crate) async fn cancel(
 /// Workers finish their leased frames and receive no more until it is resumed. Pausing a paused job has no effect.
 #[utoipa::path(post, path = "/v1/jobs/{id}/pause", tag = "jobs", operation_id = "pause_job",
     params(("id" = String, Path, description = "`job_…`")),
-    responses((status = 200, description = "The job as it is now.", body = JobRow),
+    responses((status = 200, description = "The present state of the job.", body = JobRow),
               (status = 409, response = crate::openapi::Problem)))]
 pub(crate) async fn pause(State(jobs): Topic<Jobs>, Path(id): Path<String>) -> Result<Json<JobRow>, Problem> {
     Ok(Json(jobs.pause(id).await?))
@@ -33,7 +33,7 @@ pub(crate) async fn pause(State(jobs): Topic<Jobs>, Path(id): Path<String>) -> R
 /// Resuming a job that is not paused has no effect.
 #[utoipa::path(post, path = "/v1/jobs/{id}/resume", tag = "jobs", operation_id = "resume_job",
     params(("id" = String, Path, description = "`job_…`")),
-    responses((status = 200, description = "The job as it is now.", body = JobRow),
+    responses((status = 200, description = "The present state of the job.", body = JobRow),
               (status = 409, response = crate::openapi::Problem)))]
 pub(crate) async fn resume(
     State(jobs): Topic<Jobs>,
@@ -47,7 +47,7 @@ pub(crate) async fn resume(
 /// Their failures are discarded. A job that ended with failures resumes.
 #[utoipa::path(post, path = "/v1/jobs/{id}/retry-failed", tag = "jobs", operation_id = "retry_job",
     params(("id" = String, Path, description = "`job_…`")),
-    responses((status = 200, description = "The job as it is now.", body = JobRow),
+    responses((status = 200, description = "The present state of the job.", body = JobRow),
               (status = 409, response = crate::openapi::Problem)))]
 pub(crate) async fn retry_failed(
     State(jobs): Topic<Jobs>,
@@ -61,7 +61,7 @@ pub(crate) async fn retry_failed(
 /// Deletion is immediate and permanent; space is reclaimed in the background. Scenes are kept.
 #[utoipa::path(delete, path = "/v1/jobs/{id}", tag = "jobs", operation_id = "delete_job",
     params(("id" = String, Path, description = "`job_…`")),
-    responses((status = 200, description = "It is gone.", body = Deleted)))]
+    responses((status = 200, description = "Deleted.", body = Deleted)))]
 pub(crate) async fn delete(
     State(jobs): Topic<Jobs>,
     Path(id): Path<String>,

@@ -18,7 +18,7 @@ use crate::limits;
     params(("id" = String, Path, description = "`job_…`"),
            ("Last-Event-ID" = Option<String>, Header, description = "Id of the last event that was received")),
     responses((status = 200, description = "The events.", content_type = "text/event-stream", body = String),
-              (status = 204, description = "The job has ended and all of it was told.")))]
+              (status = 204, description = "The job has ended and all events were sent.")))]
 pub(crate) async fn events(
     State(jobs): Topic<Jobs>,
     Path(id): Path<String>,

@@ -23,7 +23,7 @@ pub(crate) struct Parameters {
 /// A job that has ended is returned immediately.
 #[utoipa::path(get, path = "/v1/jobs/{id}", tag = "jobs", operation_id = "get_job",
     params(("id" = String, Path, description = "`job_…`"), Parameters),
-    responses((status = 200, description = "The job as it is now.", body = JobRow)))]
+    responses((status = 200, description = "The present state of the job.", body = JobRow)))]
 pub(crate) async fn get(
     State(jobs): Topic<Jobs>,
     Path(id): Path<String>,

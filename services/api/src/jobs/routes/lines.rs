@@ -14,7 +14,7 @@ use crate::limits::{RECORDS_BATCH, ROWS_BATCH};
 /// Available in every state of the job; returns the records so far.
 #[utoipa::path(get, path = "/v1/jobs/{id}/results", tag = "jobs", operation_id = "list_job_results",
     params(("id" = String, Path, description = "`job_…`")),
-    responses((status = 200, description = "One record a line, as `/v1/images/{job}/{frame}` answers it.",
+    responses((status = 200, description = "One record per line, as from `/v1/images/{job}/{frame}`.",
                content_type = "application/x-ndjson", body = String)))]
 pub(crate) async fn results(State(jobs): Topic<Jobs>, Path(id): Path<String>) -> Result<Response, Problem> {
     jobs.get(&id).await?;
@@ -34,7 +34,7 @@ pub(crate) async fn results(State(jobs): Topic<Jobs>, Path(id): Path<String>) ->
 /// Available in every state of the job; returns the failures so far.
 #[utoipa::path(get, path = "/v1/jobs/{id}/errors", tag = "jobs", operation_id = "list_job_errors",
     params(("id" = String, Path, description = "`job_…`")),
-    responses((status = 200, description = "One `Failure` a line.", content_type = "application/x-ndjson", body = String)))]
+    responses((status = 200, description = "One `Failure` per line.", content_type = "application/x-ndjson", body = String)))]
 pub(crate) async fn errors(State(jobs): Topic<Jobs>, Path(id): Path<String>) -> Result<Response, Problem> {
     jobs.get(&id).await?;
     stream_frames(

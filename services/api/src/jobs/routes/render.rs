@@ -23,11 +23,11 @@ const DATASET: &str = "renders";
 /// `Content-Location` is then its location. A render that exceeds the wait becomes the job in `Location`.
 #[utoipa::path(post, path = "/v1/renders", tag = "jobs", operation_id = "render_frame",
     params(("Prefer" = Option<String>, Header, description = "`wait=N`: seconds, default 30, at most 60"),
-           ("Accept" = Option<String>, Header, description = "`image/*` for the picture"),
+           ("Accept" = Option<String>, Header, description = "`image/*` for the image"),
            ("Idempotency-Key" = Option<String>, Header, description = "1..=255 characters, kept per token")),
     request_body(content = JobDescription, content_type = "application/json"),
     responses(
-        (status = 200, description = "The picture, or the record of the image.",
+        (status = 200, description = "The image, or its record.",
          content((ImageRecord = "application/json"), (Bytes = "image/jpeg"), (Bytes = "image/png"), (Bytes = "image/webp"))),
         (status = 202, description = "Not ready in time; `Location` is the job.", body = JobRow),
         (status = 409, response = crate::openapi::Problem)))]
@@ -40,7 +40,10 @@ pub(crate) async fn create(
 ) -> Result<Response, Problem> {
     let job = jobs.parse(&in_dataset(&body)).await?;
     if job.frames() != 1 {
-        let message = format!("a render has one frame, this describes {}", job.frames());
+        let message = format!(
+            "a render has one frame, but the description has {}; submit a job instead",
+            job.frames()
+        );
         return Err(Problem::field("/count", message));
     }
     let is_kept = names_dataset(&body) || submitter.idempotency_key.is_some();
@@ -92,14 +95,14 @@ async fn picture_or_record(jobs: &Jobs, headers: &HeaderMap, job: &str) -> Resul
     }
     let entry = jobs.catalogue.artifact(job, 0, "rgb").await?;
     let entry = entry
-        .ok_or_else(|| Problem::field("/artifacts", "name `rgb` among the artifacts to get the picture"))?;
+        .ok_or_else(|| Problem::field("/artifacts", "`artifacts` lacks `rgb`; add it to get the image"))?;
     let stored = jobs.images.stored(entry).await?;
     Ok((location, stored.response(&HeaderMap::new())?).into_response())
 }
 
 async fn why_failed(jobs: &Jobs, job: &str) -> Result<Problem, Problem> {
     let failure = jobs.catalogue.failures(job, None, 1).await?.pop();
-    let error = failure.map_or_else(|| "no reason is known".to_owned(), |failure| failure.error);
+    let error = failure.map_or_else(|| "no reason was recorded".to_owned(), |failure| failure.error);
     Ok(Problem::new(Slug::RenderFailed, error))
 }
 

@@ -164,11 +164,11 @@ fn a_file_is_of_a_kind_that_was_asked_for_and_what_its_type_says() {
     assert_eq!(file("rgb", "image/png", &picture), "");
     assert_eq!(
         file("direct", "application/x-npy", &picture),
-        "`direct` was not asked for, but rgb, range, enhanced.hscm"
+        "`direct` was not requested, but rgb, range, enhanced.hscm"
     );
     assert_eq!(
         file("range", "text/html", b"<script>"),
-        "`range` is image/png, not text/html; the bytes of `range` are no image/png"
+        "`range` is image/png, not text/html; the bytes of `range` are not image/png"
     );
 }
 

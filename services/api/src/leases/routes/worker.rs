@@ -28,10 +28,10 @@ pub(crate) async fn register(
     } = &about;
     tracing::info!(worker = name, slots, version = code_version, "worker registered");
     if !caller.is_own_worker && is_own_name(name) {
-        let detail = format!("`{name}` is a name of the service's own workers; choose another");
+        let detail = format!("`{name}` is reserved for the service's workers; choose another name");
         return Err(Problem::new(Slug::Forbidden, detail));
     }
-    let detail = format!("worker `{name}` was dismissed: what it said of frames could not be true");
+    let detail = format!("worker `{name}` was dismissed for rejected reports");
     let worker_id = leases.dispatch.register(about, caller.is_own_worker);
     Ok(Protobuf(RegisterResponse {
         worker_id: worker_id.ok_or_else(|| Problem::new(Slug::Forbidden, detail))?,
@@ -90,7 +90,7 @@ pub(crate) async fn release(
 }
 
 fn unknown_worker(_: Unknown) -> Problem {
-    let detail = "this life of the service does not know the worker; register again";
+    let detail = "the worker is not registered since the service started; register again";
     Problem::new(Slug::UnknownWorker, detail)
 }
 

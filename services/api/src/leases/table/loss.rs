@@ -79,7 +79,7 @@ impl LeaseTable {
                             self.rules.frame_limit_ms / 1000
                         ),
                         false => {
-                            format!("worker `{name}` was lost while it rendered this frame and no other")
+                            format!("worker `{name}` was lost while it rendered only this frame")
                         }
                     };
                     events.push(event(&job, frame, strikes, error, again.is_none()));

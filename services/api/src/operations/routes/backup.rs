@@ -32,7 +32,7 @@ pub(crate) struct BackupView {
 /// The copy is a complete data folder in `backups` of the service's. Move it away; to restore, start a service on it.
 /// One backup runs at a time.
 #[utoipa::path(post, path = "/v1/backups", tag = "operations", operation_id = "create_backup",
-    responses((status = 201, description = "The copy is whole and on the disk.", body = BackupView),
+    responses((status = 201, description = "The copy is complete and on disk.", body = BackupView),
               (status = 507, response = crate::openapi::Problem)))]
 pub(crate) async fn create(
     State(operations): Topic<Operations>,
@@ -49,8 +49,9 @@ async fn copy(operations: &Arc<Operations>) -> Result<BackupView, Problem> {
     let backups = operations.data.join("backups");
     let name = format!("{PREFIX}{}", ordered_id().simple());
     let (unfinished, folder) = (backups.join(format!(".{name}")), backups.join(&name));
-    let failed = |error: std::io::Error| Problem::internal(&error);
-    tokio::fs::create_dir_all(&unfinished).await.map_err(failed)?;
+    tokio::fs::create_dir_all(&unfinished)
+        .await
+        .map_err(|error| Problem::internal(&error))?;
     let copied = async {
         operations
             .catalogue
@@ -64,18 +65,20 @@ async fn copy(operations: &Arc<Operations>) -> Result<BackupView, Problem> {
             .run(move || styles.copy_to(&copy))
             .await?;
         copied.map_err(|error| writing(&error))?;
-        tokio::fs::rename(&unfinished, &folder).await.map_err(failed)?;
+        tokio::fs::rename(&unfinished, &folder)
+            .await
+            .map_err(|error| Problem::internal(&error))?;
         let counted = folder.clone();
         let counted = tokio::task::spawn_blocking(move || below(&counted)).await;
         counted
             .map_err(|error| Problem::internal(&error))?
-            .map_err(failed)
+            .map_err(|error| Problem::internal(&error))
     };
     let copied: Result<u64, Problem> = copied.await;
     if copied.is_err()
         && let Err(error) = tokio::fs::remove_dir_all(&unfinished).await
     {
-        tracing::warn!(folder = %unfinished.display(), %error, "what a failed backup wrote is left behind");
+        tracing::warn!(folder = %unfinished.display(), %error, "could not remove a failed backup");
     }
     let bytes = copied?;
     tracing::info!(folder = %folder.display(), bytes, "backup made");

@@ -9,7 +9,7 @@ use crate::telemetry;
 
 /// Check whether the process responds.
 #[utoipa::path(get, path = "/livez", tag = "operations", operation_id = "get_liveness", security(()),
-    responses((status = 200, description = "The process answers.", body = String)))]
+    responses((status = 200, description = "The process responds.", body = String)))]
 pub(crate) async fn livez() -> &'static str {
     "ok\n"
 }
@@ -27,13 +27,13 @@ pub(crate) async fn readyz(State(operations): Topic<Operations>) -> Result<Strin
         return Err(Problem::overloaded("the service is stopping"));
     }
     if operations.bytes.space.is_full().await {
-        let detail = "there is no space left for the data directory; reading goes on";
+        let detail = "the data folder has no space left; reads still work";
         return Err(Problem::new(Slug::StorageFull, detail));
     }
     let dismissed = operations.leases.dispatch.dismissed_own();
     if !dismissed.is_empty() {
         let detail = format!(
-            "dismissed for frames that could not be true: {}; have this machine's memory tested, then start the service again",
+            "dismissed for wrong frames: {}; test this machine's memory, then restart the service",
             dismissed.join(", ")
         );
         return Err(Problem::overloaded(detail));

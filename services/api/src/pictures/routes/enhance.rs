@@ -50,7 +50,7 @@ pub(crate) struct EnhanceUpload {
 /// `Fathom-Warnings` lists known failures of the method with this image.
 #[utoipa::path(post, path = "/v1/enhance", tag = "pictures", operation_id = "enhance_picture", params(Parameters),
     request_body(content = EnhanceUpload, content_type = "multipart/form-data"),
-    responses((status = 200, description = "The enhanced picture, 8 bit.",
+    responses((status = 200, description = "The enhanced image, 8 bit.",
                content((Bytes = "image/png"), (Bytes = "image/webp")))))]
 pub(crate) async fn enhance(
     State(pictures): Topic<Pictures>,
@@ -61,7 +61,7 @@ pub(crate) async fn enhance(
         let known = enhance::METHODS.join(", ");
         Problem::field(
             "/method",
-            format!("method is `{}`; there are {known}", query.method),
+            format!("method is `{}`; must be one of {known}", query.method),
         )
     })?;
     let mut form = Form::read(body, &[("picture", Kind::File)]).await?;

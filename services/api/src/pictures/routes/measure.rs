@@ -56,12 +56,17 @@ pub(crate) async fn measure(
 }
 
 fn metrics(list: &str) -> Result<Vec<MetricId>, Problem> {
-    let parse = |name: &str| {
-        MetricId::parse(name).ok_or_else(|| {
-            let known: Vec<String> = MetricId::all().map(|id| id.to_string()).collect();
-            let message = format!("metric `{name}` does not exist; there are {}", known.join(", "));
-            Problem::field("/metrics", message)
+    list.split(',')
+        .map(str::trim)
+        .map(|name| {
+            MetricId::parse(name).ok_or_else(|| {
+                let known: Vec<String> = MetricId::all().map(|id| id.to_string()).collect();
+                let message = format!(
+                    "metric `{name}` does not exist; must be one of {}",
+                    known.join(", ")
+                );
+                Problem::field("/metrics", message)
+            })
         })
-    };
-    list.split(',').map(|name| parse(name.trim())).collect()
+        .collect()
 }

@@ -12,8 +12,8 @@ pub(crate) async fn list(State(catalogue): Topic<Catalogue>) -> Result<Json<Page
 
 /// Get the scenes of a collection in the order used by jobs, on one page.
 #[utoipa::path(get, path = "/v1/collections/{name}", tag = "scenes", operation_id = "get_collection",
-    params(("name" = String, Path, description = "Its name")),
-    responses((status = 200, description = "Its scenes.", body = Page<CollectionScene>)))]
+    params(("name" = String, Path, description = "Name")),
+    responses((status = 200, description = "The scenes.", body = Page<CollectionScene>)))]
 pub(crate) async fn get(
     State(catalogue): Topic<Catalogue>,
     Path(name): Path<String>,
@@ -27,8 +27,8 @@ pub(crate) async fn get(
 
 /// Delete a collection. Its scenes are kept, and so are jobs that use it.
 #[utoipa::path(delete, path = "/v1/collections/{name}", tag = "scenes", operation_id = "delete_collection",
-    params(("name" = String, Path, description = "Its name")),
-    responses((status = 204, description = "It is gone.")))]
+    params(("name" = String, Path, description = "Name")),
+    responses((status = 204, description = "Deleted.")))]
 pub(crate) async fn delete(
     State(catalogue): Topic<Catalogue>,
     Path(name): Path<String>,

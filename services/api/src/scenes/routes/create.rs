@@ -55,7 +55,7 @@ pub(crate) struct SceneUpload {
 #[utoipa::path(post, path = "/v1/scenes", tag = "scenes", operation_id = "upload_scene",
     request_body(content = SceneUpload, content_type = "multipart/form-data"),
     responses((status = 201, description = "Stored.", body = SceneView),
-              (status = 200, description = "It was there already.", body = SceneView)))]
+              (status = 200, description = "Already stored.", body = SceneView)))]
 pub(crate) async fn create(
     State(scenes): Topic<Scenes>,
     MultipartBody(body): MultipartBody,

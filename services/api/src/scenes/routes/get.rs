@@ -22,7 +22,7 @@ pub(crate) async fn get(
 /// cannot be deleted, because their images could not be rendered again.
 #[utoipa::path(delete, path = "/v1/scenes/{id}", tag = "scenes", operation_id = "delete_scene",
     params(("id" = String, Path, description = "`scn_…`")),
-    responses((status = 204, description = "It is gone."),
+    responses((status = 204, description = "Deleted."),
               (status = 409, response = crate::openapi::Problem)))]
 pub(crate) async fn delete(
     State(scenes): Topic<Scenes>,

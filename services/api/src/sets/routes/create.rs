@@ -25,12 +25,12 @@ impl NewSet {
         let Value::Object(fields) = value else {
             return Err(Problem::new(
                 Slug::InvalidBody,
-                "the body is no object; send {\"url\": \"…\"}",
+                "the body must be an object such as {\"url\": \"…\"}",
             ));
         };
         let mut errors = Vec::new();
         for name in fields.keys().filter(|name| *name != "url") {
-            let message = format!("there is no field `{name}`; fields are url");
+            let message = format!("`{name}` is not a field; must be url");
             errors.push(FieldError::new(&format!("/{name}"), message));
         }
         let limit = limits::SET_URL_BYTES;
@@ -41,7 +41,7 @@ impl NewSet {
                 Err(format!("url has {} bytes, the limit is {limit}", url.len()))
             }
             Some(Value::String(url)) => Ok(url.clone()),
-            Some(other) => Err(format!("url is {other} but must be a text")),
+            Some(other) => Err(format!("url is {other}; must be a string")),
         };
         match url {
             Ok(url) if errors.is_empty() => Ok(Self { url }),
@@ -60,7 +60,7 @@ impl NewSet {
 /// job is stored. Importing a set again only polls it immediately.
 #[utoipa::path(post, path = "/v1/sets", tag = "sets", operation_id = "import_set",
     request_body(content = NewSet, content_type = "application/json"),
-    responses((status = 202, description = "Its images are on their way; `Location` is the set.", body = SetView),
+    responses((status = 202, description = "The import has started; `Location` is the set.", body = SetView),
               (status = 409, response = crate::openapi::Problem),
               (status = 502, response = crate::openapi::Problem)))]
 pub(crate) async fn create(

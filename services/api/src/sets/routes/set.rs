@@ -24,7 +24,7 @@ pub(crate) async fn get(State(sets): Topic<Sets>, Path(job): Path<String>) -> Re
 /// The set itself is unchanged and can be imported again.
 #[utoipa::path(delete, path = "/v1/sets/{job}", tag = "sets", operation_id = "forget_set",
     params(("job" = String, Path, description = "`job_…`")),
-    responses((status = 200, description = "It is forgotten.", body = Deleted)))]
+    responses((status = 200, description = "Removed.", body = Deleted)))]
 pub(crate) async fn delete(
     State(sets): Topic<Sets>,
     Path(job): Path<String>,

@@ -51,7 +51,7 @@ pub(crate) struct StyleUpload {
 #[utoipa::path(post, path = "/v1/styles", tag = "styles", operation_id = "add_style",
     request_body(content = StyleUpload, content_type = "multipart/form-data"),
     responses((status = 201, description = "Added: its card.", body = StyleCard),
-              (status = 200, description = "It was there already.", body = StyleCard),
+              (status = 200, description = "Already stored.", body = StyleCard),
               (status = 409, response = crate::openapi::Problem)))]
 pub(crate) async fn create(
     State(styles): Topic<Styles>,

@@ -100,7 +100,7 @@ async fn read(body: Multipart) -> Result<Order, Problem> {
         steps: steps.unwrap_or(1000),
         range: range.unwrap_or(false),
         licence: form.text_or("licence", "unknown"),
-        source: form.text_or("source", "trained from photos given by a user of the service"),
+        source: form.text_or("source", "trained from a user's photos"),
         photos,
         folder,
     })

@@ -102,7 +102,7 @@ pub(crate) struct Parameters {
 /// Get a training, or wait for its end.
 #[utoipa::path(get, path = "/v1/styles/trainings/{id}", tag = "styles", operation_id = "get_training",
     params(("id" = String, Path, description = "`trn_…`"), Parameters),
-    responses((status = 200, description = "The training as it is now.", body = TrainingView)))]
+    responses((status = 200, description = "The present state of the training.", body = TrainingView)))]
 pub(crate) async fn get(
     State(styles): Topic<Styles>,
     Path(id): Path<String>,
@@ -120,7 +120,7 @@ pub(crate) async fn get(
 /// is kept, and only until the training ends.
 #[utoipa::path(get, path = "/v1/styles/trainings/{id}/preview", tag = "styles", operation_id = "get_training_preview",
     params(("id" = String, Path, description = "`trn_…`")),
-    responses((status = 200, description = "The picture.", body = Bytes, content_type = "image/png")))]
+    responses((status = 200, description = "The image.", body = Bytes, content_type = "image/png")))]
 pub(crate) async fn preview(
     State(styles): Topic<Styles>,
     Path(id): Path<String>,
@@ -140,7 +140,7 @@ pub(crate) async fn preview(
 /// Its results are deleted. Cancelling a training that has ended has no effect.
 #[utoipa::path(delete, path = "/v1/styles/trainings/{id}", tag = "styles", operation_id = "cancel_training",
     params(("id" = String, Path, description = "`trn_…`")),
-    responses((status = 200, description = "The training as it is now.", body = TrainingView)))]
+    responses((status = 200, description = "The present state of the training.", body = TrainingView)))]
 pub(crate) async fn delete(
     State(styles): Topic<Styles>,
     Path(id): Path<String>,

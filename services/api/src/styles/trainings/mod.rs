@@ -153,25 +153,23 @@ impl Trainings {
 
     /// Accepts an order, if its name is free and there is room.
     fn take(&self, styles: &Styles, order: Order) -> Result<Arc<Training>, Problem> {
-        let taken = |why: String| Err(Problem::new(Slug::NameTaken, why));
         if styles.known().library.get(&order.name).is_some() {
-            return taken(format!(
-                "there is a style `{}` already; styles are never replaced",
-                order.name
-            ));
+            let detail = format!("the style `{}` exists; choose another name", order.name);
+            return Err(Problem::new(Slug::NameTaken, detail));
         }
         let mut list = self.list();
         if let Some(other) = list
             .iter()
             .find(|other| other.is_open() && other.order.name == order.name)
         {
-            return taken(format!(
-                "a style `{}` is being trained already, by {}",
-                order.name, other.id
-            ));
+            let detail = format!("{} already trains a style `{}`", other.id, order.name);
+            return Err(Problem::new(Slug::NameTaken, detail));
         }
         if list.iter().filter(|training| training.is_open()).count() >= limits::OPEN_TRAININGS {
-            let detail = format!("{} trainings are waiting already", limits::OPEN_TRAININGS);
+            let detail = format!(
+                "{} trainings are waiting, the limit; retry later",
+                limits::OPEN_TRAININGS
+            );
             return Err(Problem::overloaded(detail));
         }
         let training = Arc::new(Training {

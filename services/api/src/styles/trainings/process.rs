@@ -48,14 +48,12 @@ pub(super) async fn validate(children: &Children, order: &Order) -> Result<(), P
     let mut arguments = arguments(order);
     arguments.push("--check".into());
     let ended = run(children, &arguments, LOOK).await?;
-    let refuse = |why: String| Err(Problem::field("/photo", clean(&why, order.folder.path())));
-    match ended {
-        Ended::Well => Ok(()),
-        Ended::Refused(why) => refuse(why),
-        Ended::Lacking(why) | Ended::Badly(why) => refuse(format!(
-            "it cannot be used; of the process that looked at it: {why}"
-        )),
-    }
+    let message = match ended {
+        Ended::Well => return Ok(()),
+        Ended::Refused(why) => why,
+        Ended::Lacking(why) | Ended::Badly(why) => format!("it cannot be checked: {why}"),
+    };
+    Err(Problem::field("/photo", clean(&message, order.folder.path())))
 }
 
 /// Trains and adds the style. The training's view shows an error.
@@ -89,11 +87,11 @@ pub(super) async fn train(styles: &Arc<Styles>, order: &Order) -> Result<Card, S
         Ended::Well => {}
         Ended::Refused(why) | Ended::Lacking(why) | Ended::Badly(why) => return Err(clean(&why, folder)),
     }
-    let read = |extension: &str| {
+    let [onnx, card] = ["onnx", "card.json"].map(|extension| {
         let file = out.join(format!("{}.{extension}", order.name));
-        std::fs::read(&file).map_err(|error| format!("the training left no {extension}: {error}"))
-    };
-    let (onnx, card) = (read("onnx")?, read("card.json")?);
+        std::fs::read(&file).map_err(|error| format!("the training wrote no {extension}: {error}"))
+    });
+    let (onnx, card) = (onnx?, card?);
     let card: Card = serde_json::from_slice(&card).map_err(|error| format!("its card: {error}"))?;
     let mut new = NewStyle::new(&order.name, onnx).map_err(|problem| problem.to_string())?;
     new.card = card;

@@ -11,7 +11,7 @@ use crate::waters::view::WaterView;
 /// It must pass the self-tests of the shipped waters; all failures are listed. An accepted job contains its numbers,
 /// so frames do not change when the water is deleted.
 #[utoipa::path(post, path = "/v1/waters", tag = "waters", operation_id = "add_water", request_body = NewWater,
-    responses((status = 201, description = "Stored; `warnings` says what is odd about it.", body = WaterView),
+    responses((status = 201, description = "Stored; `warnings` lists anomalies.", body = WaterView),
               (status = 409, response = crate::openapi::Problem)))]
 pub(crate) async fn create(
     State(waters): Topic<Waters>,

@@ -14,7 +14,7 @@ pub(crate) async fn list(State(waters): Topic<Waters>) -> Json<Page<WaterView>> 
 
 /// Get a water. Write the `/` of a full name as `%2F`; a short name selects its default source.
 #[utoipa::path(get, path = "/v1/waters/{name}", tag = "waters", operation_id = "get_water",
-    params(("name" = String, Path, description = "Its name")),
+    params(("name" = String, Path, description = "Name")),
     responses((status = 200, description = "The water.", body = WaterView)))]
 pub(crate) async fn get(
     State(waters): Topic<Waters>,
@@ -28,8 +28,8 @@ pub(crate) async fn get(
 /// Accepted jobs contain its numbers: they continue, and their frames can be rendered again. Shipped waters cannot be
 /// deleted.
 #[utoipa::path(delete, path = "/v1/waters/{name}", tag = "waters", operation_id = "delete_water",
-    params(("name" = String, Path, description = "Its name")),
-    responses((status = 204, description = "It is gone.")))]
+    params(("name" = String, Path, description = "Name")),
+    responses((status = 204, description = "Deleted.")))]
 pub(crate) async fn delete(
     State(waters): Topic<Waters>,
     Path(name): Path<String>,
