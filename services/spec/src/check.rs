@@ -70,6 +70,10 @@ impl Location {
         })
     }
 
+    pub(crate) fn error(&self, message: impl Into<String>) -> FieldError {
+        FieldError::new(&self.pointer, message)
+    }
+
     pub(crate) fn item(&self, position: usize) -> Self {
         Self {
             pointer: format!("{}/{position}", self.pointer),
@@ -132,9 +136,7 @@ impl Checker<'_> {
             if laws {
                 return self.check_law(location, shape, key, map);
             }
-            self.refuse(|| {
-                FieldError::new(&location.pointer, format!("{location} cannot be a distribution"))
-            });
+            self.refuse(|| location.error(format!("{location} cannot be a distribution")));
             return None;
         }
         match (shape, value) {
@@ -180,9 +182,7 @@ impl Checker<'_> {
                 shape.describe(),
                 describe(value)
             );
-            let error = FieldError::new(&location.pointer, message)
-                .value(value)
-                .limit(shape.describe());
+            let error = location.error(message).value(value).limit(shape.describe());
             match value {
                 Value::Object(map) if laws => {
                     error.allowed(crate::law::KEYS, map.keys().next().map_or("", String::as_str))
@@ -212,7 +212,8 @@ impl Checker<'_> {
                         "{location} is {}; must be a whole number in {limit}",
                         quote(value)
                     );
-                    FieldError::new(&location.pointer, message)
+                    location
+                        .error(message)
                         .value(value)
                         .limit(format!("whole numbers in {limit}"))
                 });
@@ -224,9 +225,7 @@ impl Checker<'_> {
     pub(crate) fn refuse_range(&mut self, location: &Location, value: &Value, limit: &str) -> Option<Node> {
         self.refuse(|| {
             let message = format!("{location} is {}, the limit is {limit}", quote(value));
-            FieldError::new(&location.pointer, message)
-                .value(value)
-                .limit(limit)
+            location.error(message).value(value).limit(limit)
         });
         None
     }
@@ -241,9 +240,7 @@ impl Checker<'_> {
     ) -> Option<Node> {
         if items.len() > max {
             let message = format!("{location} has {} elements, the limit is {max}", items.len());
-            self.refuse(|| {
-                FieldError::new(&location.pointer, message).limit(format!("at most {max} elements"))
-            });
+            self.refuse(|| location.error(message).limit(format!("at most {max} elements")));
             return None;
         }
         let list = self.check_items(location, element, items)?;

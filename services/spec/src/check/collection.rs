@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use serde_json::{Map, Value, json};
 
 use super::{Checker, Location};
-use crate::invalid::{FieldError, quote};
+use crate::invalid::quote;
 
 pub(super) const KIND: &str = "collection";
 
@@ -27,11 +27,7 @@ impl Checker<'_> {
             let known: Vec<String> = self.vocabulary.collections.keys().cloned().collect();
             let (location, value) = (location.field("name"), Value::from(name));
             let message = format!("{location} {} is not a collection of this service", quote(&value));
-            self.refuse(|| {
-                FieldError::new(&location.pointer, message)
-                    .value(&value)
-                    .allowed(known, name)
-            });
+            self.refuse(|| location.error(message).value(&value).allowed(known, name));
             return None;
         };
         let law = if map.get("each") == Some(&Value::Bool(false)) {

@@ -4,7 +4,6 @@ use imaging::random::Stream;
 use serde_json::{Map, Value};
 
 use super::{Checker, Location, whole};
-use crate::invalid::FieldError;
 use crate::json::describe;
 use crate::law::{KEYS, companion};
 use crate::node::{Law, LawNode, Node};
@@ -48,7 +47,9 @@ impl Checker<'_> {
                 } else {
                     format!("{location} is a `{key}` distribution and cannot have `{other}`; remove it")
                 };
-                FieldError::new(&location.field(other).pointer, message)
+                location
+                    .field(other)
+                    .error(message)
                     .value(value)
                     .allowed(&allowed, other)
             });
@@ -58,7 +59,7 @@ impl Checker<'_> {
 
     /// Adds an error; `message` follows the field's name.
     fn refuse_law(&mut self, location: &Location, value: &Value, message: &str) -> Option<Law> {
-        self.refuse(|| FieldError::new(&location.pointer, format!("{location}: {message}")).value(value));
+        self.refuse(|| location.error(format!("{location}: {message}")).value(value));
         None
     }
 
@@ -280,11 +281,7 @@ impl Checker<'_> {
         }
         let limit = shape.limit();
         let message = format!("{location}: `{key}` can yield {end}, the limit is {limit}");
-        self.refuse(|| {
-            FieldError::new(&location.pointer, message)
-                .value(end)
-                .limit(limit)
-        });
+        self.refuse(|| location.error(message).value(end).limit(limit));
         None
     }
 }

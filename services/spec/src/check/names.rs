@@ -51,7 +51,7 @@ impl Checker<'_> {
             let value = Value::from(text);
             if let Some(removed) = removed {
                 let message = format!("{location} {} was removed in 0.2; {}", quote(&value), removed.instruction());
-                return FieldError::new(&location.pointer, message).value(&value);
+                return location.error(message).value(&value);
             }
             let problem = match names {
                 Names::Preset if self.vocabulary.waters.contains_key(text) => {
@@ -70,7 +70,7 @@ impl Checker<'_> {
                 _ => format!("is not {}", names.describe()),
             };
             let error =
-                FieldError::new(&location.pointer, format!("{location} {} {problem}", quote(&value))).value(&value);
+                location.error(format!("{location} {} {problem}", quote(&value))).value(&value);
             if allowed.is_empty() {
                 error.limit(names.describe())
             } else {

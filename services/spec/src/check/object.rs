@@ -3,7 +3,6 @@
 use serde_json::{Map, Value};
 
 use super::{Checker, Location, collection};
-use crate::invalid::FieldError;
 use crate::json::describe;
 use crate::migration;
 use crate::node::{Node, float};
@@ -51,7 +50,8 @@ impl Checker<'_> {
             .find(|key| !names.contains(&key.as_str()))
             .map_or("", String::as_str);
         self.refuse(|| {
-            FieldError::new(&location.pointer, message)
+            location
+                .error(message)
                 .limit("exactly one")
                 .allowed(names, written)
         });
@@ -113,7 +113,8 @@ impl Checker<'_> {
             .map(|option| option.name)
             .collect();
         self.refuse(|| match value {
-            None => FieldError::new(&location.pointer, format!("{location} is missing"))
+            None => location
+                .error(format!("{location} is missing"))
                 .limit("required")
                 .allowed(allowed, ""),
             Some(Value::String(name)) => {
@@ -129,7 +130,8 @@ impl Checker<'_> {
                     "{location} {} {why}",
                     crate::invalid::quote(&name.as_str().into())
                 );
-                FieldError::new(&location.pointer, message)
+                location
+                    .error(message)
                     .value(&name.as_str().into())
                     .allowed(allowed, name)
             }
@@ -139,9 +141,7 @@ impl Checker<'_> {
                     to vary it, use a choice of whole objects",
                     describe(other)
                 );
-                FieldError::new(&location.pointer, message)
-                    .value(other)
-                    .allowed(allowed, "")
+                location.error(message).value(other).allowed(allowed, "")
             }
         });
         None
@@ -187,7 +187,9 @@ impl Checker<'_> {
         if map.len() > MAX_LABELS {
             let message = format!("{location} has {} entries, the limit is {MAX_LABELS}", map.len());
             self.refuse(|| {
-                FieldError::new(&location.pointer, message).limit(format!("at most {MAX_LABELS} entries"))
+                location
+                    .error(message)
+                    .limit(format!("at most {MAX_LABELS} entries"))
             });
             return None;
         }
@@ -202,7 +204,8 @@ impl Checker<'_> {
             {
                 let limit = format!("1 to {MAX_LABEL_KEY} of A-Z a-z 0-9 _ . -");
                 self.refuse(|| {
-                    FieldError::new(&location.pointer, format!("{location}: the name must be {limit}"))
+                    location
+                        .error(format!("{location}: the name must be {limit}"))
                         .limit(limit)
                 });
             }
@@ -244,7 +247,9 @@ impl Checker<'_> {
             }
             self.refuse(|| {
                 let message = note(key).unwrap_or_else(|| format!("{location} has no field `{key}`"));
-                FieldError::new(&location.field(key).pointer, message)
+                location
+                    .field(key)
+                    .error(message)
                     .value(value)
                     .allowed(names, key)
             });
@@ -262,7 +267,7 @@ impl Checker<'_> {
         }
         if !found_inside {
             let message = format!("{location} was removed in 0.2; {}", removed.instruction());
-            self.refuse(|| FieldError::new(&location.pointer, message).value(value));
+            self.refuse(|| location.error(message).value(value));
         }
         true
     }
@@ -289,7 +294,7 @@ impl Checker<'_> {
             }
             (None, Presence::Required) => {
                 let message = format!("{location} is missing: {}", field.doc);
-                self.refuse(|| FieldError::new(&location.pointer, message).limit("required"));
+                self.refuse(|| location.error(message).limit("required"));
                 None
             }
         }
