@@ -20,6 +20,7 @@ use crate::images::Images;
 use crate::jobs::Jobs;
 use crate::leases::Leases;
 use crate::leases::probes::Probes;
+use crate::limits::Limits;
 use crate::operations::Operations;
 use crate::pictures::Pictures;
 use crate::processes::Processes;
@@ -94,11 +95,7 @@ impl App {
             lock,
         } = Data::open(&config.data, &metrics).await?;
         let catalogue = Arc::new(catalogue);
-        let sets = SetFiles::new(config.buckets.clone());
-        let mut imported = catalogue.imported_jobs().await?.into_iter();
-        if let Some(set) = imported.find_map(|job| job.set.filter(|set| !sets.reaches(set))) {
-            return Err(StartError::Bucket(set));
-        }
+        let sets = open_sets(config, &catalogue).await?;
         let bytes = Bytes::new(
             store,
             sets,
@@ -107,17 +104,7 @@ impl App {
             limits.reserve_bytes,
         );
         let bytes = Arc::new(bytes);
-        let processes = Arc::new(Processes {
-            compute: Compute::new(limits.compute),
-            children: Children::new(&config.worker_program, config.style_options(), limits.children),
-            decoding: Decoding::new(
-                &config.worker_program,
-                limits.uploads + limits.pictures,
-                limits.decoding_mib,
-            ),
-            live: (config.workers > 0)
-                .then(|| Live::new(&config.worker_program, &config.data, config.style_options())),
-        });
+        let processes = Arc::new(new_processes(config, limits));
         let waters = Arc::new(Waters::open(Arc::clone(&catalogue), clock.clone()).await?);
         let styles = Styles::open(
             config,
@@ -141,8 +128,6 @@ impl App {
             processes: Arc::clone(&processes),
             data: config.data.clone(),
         });
-        let engine = config.engine.clone().zip(config.stores.first());
-        let engine = engine.map(|(options, store)| Engine::new(&config.cluster_program, store, options));
         let jobs = Arc::new(Jobs {
             catalogue: Arc::clone(&catalogue),
             leases: Arc::clone(&leases),
@@ -151,7 +136,7 @@ impl App {
             styles: Arc::clone(&styles),
             waters: Arc::clone(&waters),
             processes: Arc::clone(&processes),
-            engine,
+            engine: new_engine(config),
             turn: Default::default(),
             clock: clock.clone(),
             stop: stop.clone(),
@@ -192,4 +177,29 @@ impl App {
         };
         Ok((app, lock))
     }
+}
+
+/// The reader of imported images, which must reach every imported set.
+async fn open_sets(config: &Config, catalogue: &Catalogue) -> Result<SetFiles, StartError> {
+    let sets = SetFiles::new(config.buckets.clone());
+    let mut imported = catalogue.imported_jobs().await?.into_iter();
+    match imported.find_map(|job| job.set.filter(|set| !sets.reaches(set))) {
+        Some(set) => Err(StartError::Bucket(set)),
+        None => Ok(sets),
+    }
+}
+
+fn new_processes(config: &Config, limits: &Limits) -> Processes {
+    let program = &config.worker_program;
+    Processes {
+        compute: Compute::new(limits.compute),
+        children: Children::new(program, config.style_options(), limits.children),
+        decoding: Decoding::new(program, limits.uploads + limits.pictures, limits.decoding_mib),
+        live: (config.workers > 0).then(|| Live::new(program, &config.data, config.style_options())),
+    }
+}
+
+fn new_engine(config: &Config) -> Option<Engine> {
+    let (options, store) = config.engine.clone().zip(config.stores.first())?;
+    Some(Engine::new(&config.cluster_program, store, options))
 }

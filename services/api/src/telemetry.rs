@@ -63,12 +63,12 @@ impl Telemetry {
             )?,
             checked: register_int_counter_vec!(
                 "fathom_frames_checked_total",
-                "Frames that were rendered a second time, by outcome",
+                "Spot-checked frames, by outcome",
                 &["outcome"]
             )?,
             shed: register_int_counter_vec!(
                 "fathom_requests_shed_total",
-                "Requests refused with 503 because all places of their kind were taken",
+                "Requests rejected with 503 at the concurrency limit of their kind",
                 &["budget"]
             )?,
             committed: register_int_counter!(
@@ -88,7 +88,7 @@ impl Telemetry {
             )?,
             failed: register_int_counter_vec!(
                 "fathom_frames_failed_total",
-                "Failed attempts at frames, by whether the frame is given up",
+                "Failed attempts, by whether the frame is quarantined",
                 &["given_up"]
             )?,
             granted: register_int_counter!("fathom_leases_granted_total", "Leases granted to workers")?,
@@ -98,17 +98,14 @@ impl Telemetry {
             )?,
             expired: register_int_counter!(
                 "fathom_leases_expired_total",
-                "Leases that expired without a word from their worker"
+                "Leases that expired without a heartbeat"
             )?,
             strikes: register_int_counter!(
                 "fathom_lease_strikes_total",
-                "Frames that were alone on a lease that ended without a result"
+                "Single-frame leases that ended without a result"
             )?,
-            queued: register_int_gauge!(
-                "fathom_frames_queued",
-                "Frames of open jobs that wait for a worker"
-            )?,
-            leased: register_int_gauge!("fathom_frames_leased", "Frames that a worker holds")?,
+            queued: register_int_gauge!("fathom_frames_queued", "Queued frames of open jobs")?,
+            leased: register_int_gauge!("fathom_frames_leased", "Leased frames")?,
             queue_age_seconds: register_gauge!(
                 "fathom_queue_age_seconds",
                 "Seconds since the oldest open job was submitted"
@@ -119,7 +116,7 @@ impl Telemetry {
                 "fathom_store_blobs",
                 "Stored artifacts, shared ones counted once"
             )?,
-            store_packs: register_int_gauge!("fathom_store_packs", "Files that hold the artifacts")?,
+            store_packs: register_int_gauge!("fathom_store_packs", "Pack files")?,
         })
     }
 }

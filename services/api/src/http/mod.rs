@@ -13,6 +13,7 @@ pub(crate) mod layers;
 pub(crate) mod lines;
 pub(crate) mod listener;
 pub(crate) mod located;
+pub(crate) mod observe;
 pub(crate) mod page;
 pub(crate) mod paging;
 mod patient;

@@ -1,17 +1,6 @@
 //! The lists, each read from its declaration.
 
-use camera::preset::{ASSUMPTIONS, CAMERAS, SENSORS, SensorPreset};
-use catalogue::{JobState, columns_of_every_image};
-use enhance::Method;
-use quality::{MetricId, MetricInfo, Profile};
-use renderer::vocabulary;
-use scenes::Family;
-use scenes::categories::{CATEGORIES, FINDINGS};
-use spec::{JERLOV_TYPES, SITES, table};
-use style::Library;
-
-use super::{Entry, List};
-use crate::http::problem::Slug;
+use super::{List, entries};
 
 /// Every list, in documentation order.
 pub(super) const LISTS: &[List] = &[
@@ -20,7 +9,7 @@ pub(super) const LISTS: &[List] = &[
         about: "complete places that a job can start from",
         places: &["`site` of a job", "`fathom new`"],
         stored_at: None,
-        shipped: Some(sites),
+        shipped: Some(entries::sites),
     },
     List {
         name: "artifacts",
@@ -31,7 +20,7 @@ pub(super) const LISTS: &[List] = &[
             "`fathom export --kinds`",
         ],
         stored_at: None,
-        shipped: Some(artifacts),
+        shipped: Some(entries::artifacts),
     },
     List {
         name: "metrics",
@@ -42,14 +31,14 @@ pub(super) const LISTS: &[List] = &[
             "`fathom measure --metrics`",
         ],
         stored_at: None,
-        shipped: Some(metrics),
+        shipped: Some(entries::metrics),
     },
     List {
         name: "profiles",
         about: "published arithmetic of a metric",
         places: &["after the `@` of a metric", "`fathom measure --profile`"],
         stored_at: None,
-        shipped: Some(profiles),
+        shipped: Some(entries::profiles),
     },
     List {
         name: "enhancements",
@@ -60,14 +49,14 @@ pub(super) const LISTS: &[List] = &[
             "`fathom enhance`",
         ],
         stored_at: None,
-        shipped: Some(enhancements),
+        shipped: Some(entries::enhancements),
     },
     List {
         name: "families",
         about: "families of procedural scenes",
         places: &["`scene.family` of a job"],
         stored_at: None,
-        shipped: Some(families),
+        shipped: Some(entries::families),
     },
     List {
         name: "categories",
@@ -77,21 +66,21 @@ pub(super) const LISTS: &[List] = &[
             "`category` in the artifact `boxes`",
         ],
         stored_at: None,
-        shipped: Some(categories),
+        shipped: Some(entries::categories),
     },
     List {
         name: "findings",
         about: "inspection findings with their bits",
         places: &["bits of the artifact `findings`: `1 << number`"],
         stored_at: None,
-        shipped: Some(findings),
+        shipped: Some(entries::findings),
     },
     List {
         name: "fields",
         about: "fields of a job description with units, limits and words",
         places: &["a job", "`pointer` of an error, as a path"],
         stored_at: None,
-        shipped: Some(fields),
+        shipped: Some(entries::fields),
     },
     List {
         name: "columns",
@@ -102,56 +91,56 @@ pub(super) const LISTS: &[List] = &[
             "`fathom query`",
         ],
         stored_at: None,
-        shipped: Some(columns),
+        shipped: Some(entries::columns),
     },
     List {
         name: "states",
         about: "states of a job",
         places: &["`state` of `/v1/jobs`"],
         stored_at: None,
-        shipped: Some(states),
+        shipped: Some(entries::states),
     },
     List {
         name: "jerlov-types",
         about: "water types of Jerlov",
         places: &["`jerlov_type` of `/v1/waters`"],
         stored_at: None,
-        shipped: Some(jerlov_types),
+        shipped: Some(entries::jerlov_types),
     },
     List {
         name: "problems",
         about: "types of problems",
         places: &["`type` of every error response", "`/problems/{slug}`"],
         stored_at: None,
-        shipped: Some(problems),
+        shipped: Some(entries::problems),
     },
     List {
         name: "cameras",
         about: "cameras with port, lens, shutter and sensor",
         places: &["`camera.preset` of a job"],
         stored_at: None,
-        shipped: Some(cameras),
+        shipped: Some(entries::cameras),
     },
     List {
         name: "sensors",
         about: "sensors with their noise",
         places: &["`camera.sensor` of a job"],
         stored_at: None,
-        shipped: Some(sensors),
+        shipped: Some(entries::sensors),
     },
     List {
         name: "waters",
         about: "optical waters: built-in ones, in a service also user-defined ones",
         places: &["`water.optics` of a job", "`/v1/waters/{name}`"],
         stored_at: Some("/v1/waters"),
-        shipped: Some(waters),
+        shipped: Some(entries::waters),
     },
     List {
         name: "styles",
         about: "style waters: built-in ones, in a service also added ones",
         places: &["`water.style` of a job"],
         stored_at: Some("/v1/styles"),
-        shipped: Some(styles),
+        shipped: Some(entries::styles),
     },
     List {
         name: "scenes",
@@ -187,178 +176,3 @@ pub(super) const LISTS: &[List] = &[
         shipped: None,
     },
 ];
-
-fn entry(name: impl Into<String>, about: impl Into<String>) -> Entry {
-    Entry {
-        name: name.into(),
-        number: None,
-        unit: None,
-        about: about.into(),
-    }
-}
-
-fn sites(_: &Library) -> Vec<Entry> {
-    SITES
-        .iter()
-        .map(|site| entry(site.name, site.summary()))
-        .collect()
-}
-
-fn artifacts(library: &Library) -> Vec<Entry> {
-    let kinds = vocabulary(library, false).artifacts();
-    kinds
-        .iter()
-        .map(|kind| entry(kind.to_string(), kind.about()))
-        .collect()
-}
-
-fn metrics(_: &Library) -> Vec<Entry> {
-    MetricId::all()
-        .map(|id| entry(id.to_string(), describe_metric(id.info())))
-        .collect()
-}
-
-fn describe_metric(info: &MetricInfo) -> String {
-    let (least, most) = (*info.range.start(), *info.range.end());
-    let range = if most.is_finite() {
-        format!("; {least}..={most}")
-    } else {
-        String::new()
-    };
-    let reference = if info.needs_reference {
-        "; needs the clean image"
-    } else {
-        ""
-    };
-    format!("{}{range}{reference}", info.about)
-}
-
-fn profiles(_: &Library) -> Vec<Entry> {
-    Profile::ALL
-        .iter()
-        .map(|profile| entry(profile.name(), profile.about()))
-        .collect()
-}
-
-fn enhancements(_: &Library) -> Vec<Entry> {
-    let methods = enhance::METHODS.iter().filter_map(|name| Method::parse(name));
-    methods
-        .map(|method| {
-            let about = format!("{}; {}", method.about(), method.against_published());
-            entry(method.name(), about)
-        })
-        .collect()
-}
-
-fn families(_: &Library) -> Vec<Entry> {
-    let families = scenes::FAMILIES.iter().filter_map(|name| Family::parse(name));
-    families.map(|family| entry(family.name, family.about)).collect()
-}
-
-fn categories(_: &Library) -> Vec<Entry> {
-    CATEGORIES
-        .iter()
-        .map(|(category, name)| Entry {
-            number: Some(*category as u8),
-            ..entry(*name, category.about())
-        })
-        .collect()
-}
-
-fn findings(_: &Library) -> Vec<Entry> {
-    FINDINGS
-        .iter()
-        .map(|(finding, name)| Entry {
-            number: Some(*finding as u8),
-            ..entry(*name, finding.about())
-        })
-        .collect()
-}
-
-fn fields(_: &Library) -> Vec<Entry> {
-    table::rows()
-        .into_iter()
-        .map(|row| {
-            let about = match row.limit.as_str() {
-                "" => row.doc,
-                limit => format!("{}; {limit}", row.doc),
-            };
-            Entry {
-                unit: row.unit,
-                ..entry(row.path, about)
-            }
-        })
-        .collect()
-}
-
-fn columns(library: &Library) -> Vec<Entry> {
-    let columns = columns_of_every_image(&vocabulary(library, false).metrics);
-    columns
-        .into_iter()
-        .map(|column| Entry {
-            unit: column.unit,
-            ..entry(column.name, column.kind)
-        })
-        .collect()
-}
-
-fn states(_: &Library) -> Vec<Entry> {
-    JobState::ALL
-        .iter()
-        .map(|(state, name)| entry(*name, state.about()))
-        .collect()
-}
-
-fn jerlov_types(_: &Library) -> Vec<Entry> {
-    JERLOV_TYPES
-        .iter()
-        .map(|name| {
-            let is_ocean = name.starts_with('I');
-            entry(*name, if is_ocean { "open ocean" } else { "coastal" })
-        })
-        .collect()
-}
-
-fn problems(_: &Library) -> Vec<Entry> {
-    Slug::ALL
-        .iter()
-        .map(|slug| entry(slug.name(), slug.meaning()))
-        .collect()
-}
-
-fn cameras(_: &Library) -> Vec<Entry> {
-    CAMERAS
-        .iter()
-        .map(|camera| entry(camera.name, format!("{}; {}", camera.about, camera.source)))
-        .collect()
-}
-
-fn sensors(_: &Library) -> Vec<Entry> {
-    SENSORS
-        .iter()
-        .map(|sensor| entry(sensor.name, describe_sensor(sensor)))
-        .collect()
-}
-
-fn describe_sensor(sensor: &SensorPreset) -> String {
-    let assumed = if sensor.is_assumed() {
-        format!("; {ASSUMPTIONS}")
-    } else {
-        String::new()
-    };
-    format!("{}; {}{assumed}", sensor.about, sensor.source)
-}
-
-fn waters(_: &Library) -> Vec<Entry> {
-    let presets = optics::preset::presets().iter();
-    presets
-        .map(|preset| entry(preset.name.clone(), preset.source.clone()))
-        .collect()
-}
-
-fn styles(library: &Library) -> Vec<Entry> {
-    library
-        .models()
-        .map(|model| entry(model.name.clone(), model.card.source.clone()))
-        .collect()
-}

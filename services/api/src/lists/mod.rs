@@ -2,6 +2,7 @@
 //! documentation.
 
 mod declared;
+mod entries;
 pub(crate) mod routes;
 
 use serde::Serialize;

@@ -2,10 +2,11 @@
 //! distribution.
 
 use serde_json::{Map, Value, json};
-use spec::schema::{Field, MAX_LABEL_TEXT, MAX_LABELS, Names, Presence, Range, Shape, Variant};
+use spec::schema::{Field, MAX_LABEL_TEXT, MAX_LABELS, Names, Presence, Shape, Variant};
 use spec::{OwnWater, Vocabulary};
 
 use super::laws;
+use super::leaf::{camel, integer, listed_at, number, reference};
 
 /// The documented example of a job.
 const EXAMPLE: &str = r#"{
@@ -316,52 +317,4 @@ fn bare(schema: Value, base: &str) -> Plain {
         base: base.to_owned(),
         is_named: false,
     }
-}
-
-pub(super) fn reference(name: &str) -> Value {
-    json!({"$ref": format!("#/components/schemas/{name}")})
-}
-
-/// The endpoint that lists names of this kind.
-fn listed_at(names: Names) -> &'static str {
-    match names {
-        Names::Preset => ", or a user-defined water; `GET /v1/waters` lists both",
-        Names::Style => "; `GET /v1/styles` lists them",
-        Names::Camera => "; `GET /v1/lists/cameras` describes them",
-        Names::Sensor => "; `GET /v1/lists/sensors` describes them",
-        Names::SceneId => "; `GET /v1/scenes` lists them",
-        Names::Dataset => "; `GET /v1/datasets` lists the existing ones",
-        Names::Collection => "; `GET /v1/collections` lists them",
-        Names::Family => "; `GET /v1/lists/families` describes them",
-        Names::Enhancement => "; `GET /v1/lists/enhancements` describes them",
-        Names::Metric => "; `GET /v1/lists/metrics` describes them",
-        Names::Artifact => "; `GET /v1/lists/artifacts` describes them",
-        Names::Fixed(_) | Names::WaterName | Names::Words | Names::Path => "",
-    }
-}
-
-fn number(range: &Range) -> Value {
-    let mut number = json!({"type": "number"});
-    if *range != Range::FINITE {
-        let least = if range.above {
-            "exclusiveMinimum"
-        } else {
-            "minimum"
-        };
-        number[least] = range.min.into();
-        number["maximum"] = range.max.into();
-    }
-    number
-}
-
-fn integer(low: i128, high: i128) -> Value {
-    let [low, high] = [low, high].map(serde_json::Number::from_i128);
-    json!({"type": "integer", "minimum": low, "maximum": high})
-}
-
-/// `range_m` as a part of a type's name: `RangeM`.
-fn camel(name: &str) -> String {
-    name.split('_')
-        .map(|part| part[..1].to_uppercase() + &part[1..])
-        .collect()
 }

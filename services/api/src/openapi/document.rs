@@ -5,7 +5,7 @@ use serde_json::{Map, Value, json};
 use spec::Vocabulary;
 use utoipa::openapi::OpenApi;
 
-use super::{description, problems};
+use super::{description, leaf, problems};
 use crate::http::problem::Slug;
 
 /// The document of these routes and of the lists with these names.
@@ -58,7 +58,7 @@ fn lists(names: &[&str]) -> Map<String, Value> {
 fn refer_to_rows(components: &mut Map<String, Value>) {
     for (name, page) in components.iter_mut() {
         if let Some(row) = name.strip_prefix("Page_") {
-            page["properties"]["items"]["items"] = description::reference(row);
+            page["properties"]["items"]["items"] = leaf::reference(row);
         }
     }
 }

@@ -3,7 +3,8 @@
 
 use serde_json::{Value, json};
 
-use super::description::{Components, reference};
+use super::description::Components;
+use super::leaf::reference;
 
 /// Common description of all distributions.
 const ABOUT: &str =

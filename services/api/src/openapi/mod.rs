@@ -4,6 +4,7 @@ mod bodies;
 mod description;
 mod document;
 mod laws;
+mod leaf;
 mod problems;
 
 use utoipa::openapi::OpenApi;

@@ -66,24 +66,7 @@ impl SceneForm {
             classes.and_then(|read| read.map_err(|wrong| form.refuse_inside("classes", wrong)).ok());
         let pose = form.get("pose").map(|text| scenes::pose::read(text));
         let pose = pose.and_then(|read| read.map_err(|wrong| form.refuse_inside("pose", wrong)).ok());
-        let collection = form.texts("collection").next();
-        if let Some(name) = collection.as_deref().filter(|name| !spec::is_collection(name)) {
-            let limit = spec::schema::Names::Collection.describe();
-            form.refuse(
-                "collection",
-                format!("collection is `{name}` but must be {limit}"),
-            );
-        }
-        let name = form.texts("name").next();
-        if collection.is_none() && name.is_some() {
-            form.refuse("name", "`name` needs `collection`".to_owned());
-        }
-        if name.as_deref().is_some_and(|name| !is_name(name)) {
-            form.refuse(
-                "name",
-                format!("name must be 1 to {MAX_NAME} printable characters"),
-            );
-        }
+        let (collection, name) = read_collection(&mut form);
         let scene = Self {
             rgb: form.get("rgb").cloned().unwrap_or_default(),
             range: form.get("range").cloned(),
@@ -102,23 +85,31 @@ impl SceneForm {
             collection,
             name,
         };
-        if form.get("rgb").is_none() {
-            form.refuse("rgb", "`rgb` is missing: the picture".to_owned());
+        scene.refuse_conflicts(&mut form);
+        form.check()?;
+        Ok(scene)
+    }
+
+    fn refuse_conflicts(&self, form: &mut Form) {
+        form.require("rgb");
+        if self.range.is_some() && self.z_depth.is_some() {
+            form.refuse(
+                "z_depth",
+                "`range` and `z_depth` exclude each other; send one".to_owned(),
+            );
         }
-        if scene.range.is_some() && scene.z_depth.is_some() {
-            form.refuse("z_depth", "give `range` or `z_depth`, not both".to_owned());
+        if self.focal_px.is_some() && self.hfov_deg.is_some() {
+            form.refuse(
+                "hfov_deg",
+                "`focal_px` and `hfov_deg` exclude each other; send one".to_owned(),
+            );
         }
-        if scene.focal_px.is_some() && scene.hfov_deg.is_some() {
-            form.refuse("hfov_deg", "give `focal_px` or `hfov_deg`, not both".to_owned());
-        }
-        if scene.camera().is_none() && (scene.cx.is_some() || scene.cy.is_some()) {
+        if self.camera().is_none() && (self.cx.is_some() || self.cy.is_some()) {
             form.refuse(
                 "cx",
                 "a principal point needs `focal_px` or `hfov_deg`".to_owned(),
             );
         }
-        form.check()?;
-        Ok(scene)
     }
 
     /// The camera, if given.
@@ -157,6 +148,25 @@ impl SceneForm {
             world_from_camera: self.pose,
         }
     }
+}
+
+fn read_collection(form: &mut Form) -> (Option<String>, Option<String>) {
+    let collection = form.texts("collection").next();
+    if let Some(name) = collection.as_deref().filter(|name| !spec::is_collection(name)) {
+        let limit = spec::schema::Names::Collection.describe();
+        form.refuse("collection", format!("collection is `{name}`; must be {limit}"));
+    }
+    let name = form.texts("name").next();
+    if collection.is_none() && name.is_some() {
+        form.refuse("name", "`name` needs `collection`".to_owned());
+    }
+    if name.as_deref().is_some_and(|name| !is_name(name)) {
+        form.refuse(
+            "name",
+            format!("name must be 1 to {MAX_NAME} printable characters"),
+        );
+    }
+    (collection, name)
 }
 
 fn is_positive(value: &f64) -> bool {

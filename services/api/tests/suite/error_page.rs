@@ -47,39 +47,51 @@ const READS: &[&str] = &[
     "/problems/none",
 ];
 
-/// Requests with a body: path, headers, body.
-const WRITES: &[(&str, &[(&str, &str)], &str)] = &[
-    ("/livez", &[JSON], "{}"),
-    ("/v1/jobs", &[("content-type", "text/plain")], "{}"),
-    ("/v1/jobs", &[JSON, ("content-encoding", "gzip")], "{}"),
-    ("/v1/jobs", &[JSON], ""),
-    ("/v1/jobs", &[JSON], "[]"),
-    ("/v1/jobs", &[JSON], r#"{"alpha": 3}"#),
-    ("/v1/jobs", &[JSON, ("idempotency-key", "")], "{}"),
-    ("/v1/jobs?again=maybe", &[JSON], "{}"),
-    ("/v1/jobs", &[JSON, ("origin", "https://evil.example")], "{}"),
-    ("/v1/jobs", &[JSON, ("host", "evil.example")], "{}"),
-    ("/v1/jobs/preview?frames=101", &[JSON], "{}"),
-    ("/v1/jobs/job_1/cancel", &[], ""),
-    ("/v1/renders", &[JSON, ("prefer", "wait=x")], "{}"),
-    (
+type Headers = &'static [(&'static str, &'static str)];
+
+struct Post {
+    path: &'static str,
+    headers: Headers,
+    body: &'static str,
+}
+
+const fn post(path: &'static str, headers: Headers, body: &'static str) -> Post {
+    Post { path, headers, body }
+}
+
+/// Requests with a body.
+const WRITES: &[Post] = &[
+    post("/livez", &[JSON], "{}"),
+    post("/v1/jobs", &[("content-type", "text/plain")], "{}"),
+    post("/v1/jobs", &[JSON, ("content-encoding", "gzip")], "{}"),
+    post("/v1/jobs", &[JSON], ""),
+    post("/v1/jobs", &[JSON], "[]"),
+    post("/v1/jobs", &[JSON], r#"{"alpha": 3}"#),
+    post("/v1/jobs", &[JSON, ("idempotency-key", "")], "{}"),
+    post("/v1/jobs?again=maybe", &[JSON], "{}"),
+    post("/v1/jobs", &[JSON, ("origin", "https://evil.example")], "{}"),
+    post("/v1/jobs", &[JSON, ("host", "evil.example")], "{}"),
+    post("/v1/jobs/preview?frames=101", &[JSON], "{}"),
+    post("/v1/jobs/job_1/cancel", &[], ""),
+    post("/v1/renders", &[JSON, ("prefer", "wait=x")], "{}"),
+    post(
         "/v1/renders",
         &[JSON],
         r#"{"count": 2, "scene": {"kind": "procedural", "family": "structure"}}"#,
     ),
-    (
+    post(
         "/v1/renders",
         &[JSON, ("accept", "image/png")],
         r#"{"artifacts": ["clean"], "scene": {"kind": "procedural", "family": "structure"}}"#,
     ),
-    ("/v1/scenes", &[JSON], "{}"),
-    ("/v1/waters", &[JSON], r#"{"name": "a b"}"#),
-    ("/v1/sets", &[JSON], "[]"),
-    ("/v1/sets", &[JSON], r#"{"uri": 1, "url": 2}"#),
-    ("/v1/sets", &[JSON], r#"{"url": "s3://bucket/set"}"#),
-    ("/v1/images/job_1/0/verify?rerender=x", &[JSON], "{}"),
-    ("/v1/worker/register", &[JSON], "{}"),
-    (
+    post("/v1/scenes", &[JSON], "{}"),
+    post("/v1/waters", &[JSON], r#"{"name": "a b"}"#),
+    post("/v1/sets", &[JSON], "[]"),
+    post("/v1/sets", &[JSON], r#"{"uri": 1, "url": 2}"#),
+    post("/v1/sets", &[JSON], r#"{"url": "s3://bucket/set"}"#),
+    post("/v1/images/job_1/0/verify?rerender=x", &[JSON], "{}"),
+    post("/v1/worker/register", &[JSON], "{}"),
+    post(
         "/v1/worker/register",
         &[("content-type", "application/x-protobuf")],
         "",
@@ -87,7 +99,7 @@ const WRITES: &[(&str, &[(&str, &str)], &str)] = &[
 ];
 
 /// Forms: path and text fields.
-const FORMS: &[(&str, &[(&str, &str)])] = &[
+const FORMS: &[(&str, Headers)] = &[
     ("/v1/scenes", &[("name", "a")]),
     ("/v1/scenes", &[("rgb", "no image"), ("colour", "red")]),
     (
@@ -146,7 +158,7 @@ fn write_requests(page: &mut String, service: &Running) {
         write_problem(page, &format!("GET {path}"), &service.get(path));
     }
     page.push_str("\n## Writes\n");
-    for (path, headers, body) in WRITES {
+    for Post { path, headers, body } in WRITES {
         let shown: Vec<_> = headers
             .iter()
             .filter(|header| **header != JSON)
@@ -225,7 +237,7 @@ fn write_tokens(page: &mut String) {
         token: Some("read:look-only"),
         ..Setup::default()
     });
-    let bearers: [(&str, &[(&str, &str)]); 2] = [
+    let bearers: [(&str, Headers); 2] = [
         ("no token", &[]),
         ("an unknown token", &[("authorization", "Bearer x")]),
     ];

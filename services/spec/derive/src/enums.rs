@@ -18,10 +18,13 @@ pub(crate) fn derive(
     if container.untagged {
         return derive_untagged(input, container, data);
     }
-    let is_word = |variant: &&Variant| matches!(variant.fields, Fields::Unit);
-    let words: Vec<_> = data.variants.iter().filter(is_word).map(variant_name).collect();
+    let (words, others): (Vec<_>, Vec<_>) = data
+        .variants
+        .iter()
+        .partition(|variant| matches!(variant.fields, Fields::Unit));
+    let words: Vec<_> = words.into_iter().map(variant_name).collect();
     let (mut fields, mut numbers) = (Vec::new(), Vec::new());
-    for variant in data.variants.iter().filter(|variant| !is_word(variant)) {
+    for variant in others {
         let member = Member::new(
             format_ident!("{}", variant_name(variant)),
             value_type(variant)?,
@@ -36,18 +39,7 @@ pub(crate) fn derive(
         fields.push(member.field());
     }
     let (name, type_name) = (&input.ident, container.type_name(&input.ident));
-    let shape = match (words.is_empty(), fields.is_empty()) {
-        (false, true) => quote!(crate::schema::Shape::Text(crate::schema::Names::Fixed(
-            Self::WORDS
-        ))),
-        (true, false) => quote!(crate::schema::Shape::OneOf(Self::FIELDS)),
-        _ => quote! {
-            crate::schema::Shape::Either(
-                crate::schema::Names::Fixed(Self::WORDS),
-                &crate::schema::Shape::OneOf(Self::FIELDS),
-            )
-        },
-    };
+    let shape = shape(!words.is_empty(), !fields.is_empty());
     let words = (!words.is_empty()).then(|| {
         quote! {
             /// The names of the word variants.
@@ -73,6 +65,21 @@ pub(crate) fn derive(
             }
         }
     })
+}
+
+fn shape(has_words: bool, has_fields: bool) -> TokenStream {
+    match (has_words, has_fields) {
+        (true, false) => quote!(crate::schema::Shape::Text(crate::schema::Names::Fixed(
+            Self::WORDS
+        ))),
+        (false, true) => quote!(crate::schema::Shape::OneOf(Self::FIELDS)),
+        _ => quote! {
+            crate::schema::Shape::Either(
+                crate::schema::Names::Fixed(Self::WORDS),
+                &crate::schema::Shape::OneOf(Self::FIELDS),
+            )
+        },
+    }
 }
 
 fn derive_tagged(

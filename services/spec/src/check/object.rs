@@ -1,12 +1,11 @@
-//! Objects: known and unknown fields, defaults, kinds, labels.
+//! Objects: known and unknown fields, defaults.
 
 use serde_json::{Map, Value};
 
-use super::{Checker, Location, collection};
-use crate::json::describe;
+use super::{Checker, Location};
 use crate::migration;
-use crate::node::{Node, float};
-use crate::schema::{Field, MAX_LABEL_KEY, MAX_LABEL_TEXT, MAX_LABELS, Presence, Shape, Variant};
+use crate::node::Node;
+use crate::schema::{Field, Presence, Shape};
 
 impl Checker<'_> {
     pub(super) fn check_object(
@@ -58,104 +57,6 @@ impl Checker<'_> {
         None
     }
 
-    pub(super) fn check_tagged(
-        &mut self,
-        location: &Location,
-        tag: &'static str,
-        presence: Presence,
-        options: &[Variant],
-        map: &Map<String, Value>,
-    ) -> Option<Node> {
-        let written = match (map.get(tag), presence) {
-            (None, Presence::Default(text)) => parse_default(text),
-            (Some(value), _) => value.clone(),
-            (None, _) => return self.refuse_tag(&location.field(tag), options, None),
-        };
-        let Value::String(written) = &written else {
-            return self.refuse_tag(&location.field(tag), options, Some(&written));
-        };
-        let Some(option) = options
-            .iter()
-            .find(|option| option.name == *written && self.offers(option))
-        else {
-            return self.refuse_tag(&location.field(tag), options, Some(&written.as_str().into()));
-        };
-        let names: Vec<_> = option
-            .fields
-            .iter()
-            .map(|field| field.name)
-            .chain([tag])
-            .collect();
-        self.refuse_unknown(location, &names, map, |key| {
-            let owner = options
-                .iter()
-                .find(|other: &&Variant| other.fields.iter().any(|field| field.name == key))?
-                .name;
-            Some(format!(
-                "`{key}` belongs to {tag} \"{owner}\", not to \"{written}\""
-            ))
-        });
-        let with_scenes = self.expand_collection(location, written, map);
-        let mut fields = self.check_fields(location, option.fields, with_scenes.as_ref().unwrap_or(map));
-        fields.push((tag.to_owned(), Node::Constant(written.as_str().into())));
-        Some(Node::Object(fields))
-    }
-
-    fn refuse_tag(
-        &mut self,
-        location: &Location,
-        options: &[Variant],
-        value: Option<&Value>,
-    ) -> Option<Node> {
-        let allowed: Vec<_> = options
-            .iter()
-            .filter(|option| self.offers(option))
-            .map(|option| option.name)
-            .collect();
-        self.refuse(|| match value {
-            None => location
-                .error(format!("{location} is missing"))
-                .limit("required")
-                .allowed(allowed, ""),
-            Some(Value::String(name)) => {
-                let known = options.iter().any(|option| option.name == name);
-                let why = match known {
-                    true if self.vocabulary.local => {
-                        "needs a service: upload its scenes there and submit the job with `fathom submit`"
-                    }
-                    true => "works only with `fathom render`",
-                    false => "is not known",
-                };
-                let message = format!(
-                    "{location} {} {why}",
-                    crate::invalid::quote(&name.as_str().into())
-                );
-                location
-                    .error(message)
-                    .value(&name.as_str().into())
-                    .allowed(allowed, name)
-            }
-            Some(other) => {
-                let message = format!(
-                    "{location} selects the other fields and must be a string, but is {}; \
-                    to vary it, use a choice of whole objects",
-                    describe(other)
-                );
-                location.error(message).value(other).allowed(allowed, "")
-            }
-        });
-        None
-    }
-
-    /// Whether this kind of object is available: files only on the rendering machine, collections only in a service.
-    fn offers(&self, option: &Variant) -> bool {
-        match option.name {
-            "files" => self.vocabulary.local,
-            collection::KIND => !self.vocabulary.local,
-            _ => true,
-        }
-    }
-
     /// Checks an object, or a string in place of its field `field`.
     pub(super) fn check_short(
         &mut self,
@@ -183,58 +84,7 @@ impl Checker<'_> {
         Some(checked)
     }
 
-    pub(super) fn check_labels(&mut self, location: &Location, map: &Map<String, Value>) -> Option<Node> {
-        if map.len() > MAX_LABELS {
-            let message = format!("{location} has {} entries, the limit is {MAX_LABELS}", map.len());
-            self.refuse(|| {
-                location
-                    .error(message)
-                    .limit(format!("at most {MAX_LABELS} entries"))
-            });
-            return None;
-        }
-        let mut labels = Vec::new();
-        for (key, value) in map {
-            let location = location.field(key);
-            if key.is_empty()
-                || key.len() > MAX_LABEL_KEY
-                || !key
-                    .chars()
-                    .all(|letter: char| letter.is_ascii_alphanumeric() || "_.-".contains(letter))
-            {
-                let limit = format!("1 to {MAX_LABEL_KEY} of A-Z a-z 0-9 _ . -");
-                self.refuse(|| {
-                    location
-                        .error(format!("{location}: the name must be {limit}"))
-                        .limit(limit)
-                });
-            }
-            if let Some(node) = self.check(&location, &Shape::Scalar, true, value) {
-                labels.push((key.clone(), node));
-            }
-        }
-        Some(Node::Object(labels))
-    }
-
-    /// Checks a label. A whole number is stored the same way, whether written 2 or 2.0.
-    pub(super) fn check_scalar(&mut self, location: &Location, value: &Value) -> Option<Node> {
-        match value {
-            Value::Bool(_) => Some(Node::Constant(value.clone())),
-            Value::Number(number) => Some(
-                match (super::whole(value).and_then(super::constant), number.as_f64()) {
-                    (Some(whole), _) => whole,
-                    (None, float_value) => Node::Constant(float(float_value?)),
-                },
-            ),
-            Value::String(text) if text.chars().count() <= MAX_LABEL_TEXT => {
-                Some(Node::Constant(value.clone()))
-            }
-            Value::String(_) => self.refuse_range(location, value, &format!("{MAX_LABEL_TEXT} characters")),
-            _ => self.refuse_kind(location, &Shape::Scalar, true, value),
-        }
-    }
-
-    fn refuse_unknown(
+    pub(super) fn refuse_unknown(
         &mut self,
         location: &Location,
         names: &[&str],
@@ -272,7 +122,7 @@ impl Checker<'_> {
         true
     }
 
-    fn check_fields(
+    pub(super) fn check_fields(
         &mut self,
         location: &Location,
         fields: &[Field],
