@@ -185,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn what_json_does_not_know_is_refused() {
+    fn values_outside_json_are_rejected() {
         for text in [
             "",
             "{",

@@ -114,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn a_whole_number_takes_an_equal_share_of_the_unit() {
+    fn whole_numbers_share_the_unit_equally() {
         let steps = 7000;
         let mut counts = [0; 7];
         for k in 0..steps {

@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn the_ends_are_infinite_and_nothing_lies_beyond() {
+    fn the_ends_are_infinite_and_outside_is_nan() {
         assert_eq!(normal_quantile(0.0), f64::NEG_INFINITY);
         assert_eq!(normal_quantile(1.0), f64::INFINITY);
         assert!(normal_quantile(-0.1).is_nan() && normal_quantile(1.1).is_nan());

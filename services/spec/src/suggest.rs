@@ -70,7 +70,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_suggested_for_a_word_unlike_all() {
+    fn dissimilar_words_get_no_suggestion() {
         assert_eq!(among("banana", &["alpha", "water"]), None);
         assert_eq!(among("", &["alpha"]), None);
     }

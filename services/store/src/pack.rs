@@ -128,9 +128,9 @@ impl Folder {
         let path = self.path(pack);
         let damaged = path.with_extension("sqlite.damaged");
         for end in ["", "-wal", "-shm"] {
-            let from = suffixed(&path, end);
-            if from.exists() {
-                std::fs::rename(from, suffixed(&damaged, end))?;
+            let file = suffixed(&path, end);
+            if file.exists() {
+                std::fs::rename(file, suffixed(&damaged, end))?;
             }
         }
         self.sync()

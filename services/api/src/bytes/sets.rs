@@ -164,7 +164,7 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn nothing_outside_of_the_set_is_read() {
+    async fn files_outside_the_set_are_not_read() {
         let folder = tempfile::tempdir().unwrap();
         let set = folder.path().join("set");
         std::fs::create_dir(&set).unwrap();
@@ -189,7 +189,7 @@ mod tests {
         assert!(matches!(without, Err(Unread::Unreachable(_))), "{without:?}");
         let reader: ReadBucket =
             Arc::new(|_, range| Ok(b"0123456789"[range.start as usize..range.end as usize].to_vec()));
-        let with = SetFiles::new(Some(reader)).read(&place, &entry(b"345")).await;
-        assert_eq!(with.unwrap(), b"345");
+        let read = SetFiles::new(Some(reader)).read(&place, &entry(b"345")).await;
+        assert_eq!(read.unwrap(), b"345");
     }
 }

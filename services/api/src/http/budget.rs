@@ -153,7 +153,7 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn callers_that_hold_nothing_are_forgotten() {
+    async fn idle_callers_are_dropped() {
         let budget = Budget::new("tests", 1000, HALF, Duration::ZERO);
         let kept = budget.acquire("kept").await.ok();
         for caller in 0..10 * KNOWN_CALLERS {

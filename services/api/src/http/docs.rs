@@ -96,7 +96,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_files_of_the_page_unpack_to_what_they_are() {
+    fn the_files_of_the_page_unpack_unchanged() {
         for (name, part) in [
             ("swagger-ui.css", ".swagger-ui"),
             ("swagger-ui-bundle.js", "SwaggerUIBundle"),

@@ -78,7 +78,7 @@ mod tests {
     use crate::http::budget::{Budget, Share};
 
     #[tokio::test]
-    async fn the_place_is_free_when_the_last_piece_is_taken_and_nothing_is_changed() {
+    async fn the_permit_is_released_with_the_last_piece_and_the_body_is_unchanged() {
         let places = Budget::new("tests", 1, Share { percent: 100 }, Duration::ZERO);
         let sent: Vec<u8> = (0..PIECE_BYTES * 2 + 9).map(|n| (n % 251) as u8).collect();
         let permit = places.acquire("a").await.ok().unwrap();

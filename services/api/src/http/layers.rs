@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[tokio::test(start_paused = true)]
-    async fn panics_and_late_answers_are_problems_with_the_request_id() {
+    async fn panics_and_timeouts_are_problems_with_the_request_id() {
         let app = Router::new()
             .route(
                 "/panic",
@@ -199,7 +199,7 @@ mod tests {
     }
 
     #[test]
-    fn only_a_request_that_asks_to_wait_counts_as_one() {
+    fn only_a_request_with_a_wait_is_a_long_poll() {
         let asks = |query: &str| wants_to_wait(&path(&format!("/v1/jobs/a{query}")));
         assert!(asks("?wait=10") && asks("?since=3&wait=60"));
         assert!(!asks("") && !asks("?wait=0") && !asks("?since=3") && !asks("?xwait=3"));

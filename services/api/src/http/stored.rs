@@ -137,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn one_range_is_answered_and_anything_stranger_gets_everything() {
+    fn a_single_range_is_honored_and_other_ranges_return_everything() {
         assert_eq!(status("bytes=2-5"), (206, Some("bytes 2-5/10".to_owned())));
         assert_eq!(status("bytes=2-99"), (206, Some("bytes 2-9/10".to_owned())));
         assert_eq!(status("bytes=7-"), (206, Some("bytes 7-9/10".to_owned())));

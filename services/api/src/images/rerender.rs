@@ -31,12 +31,12 @@ pub(crate) struct Again {
 impl Again {
     /// The bytes of the artifact of this kind.
     pub(crate) fn bytes(&self, kind: &str) -> Option<Vec<u8>> {
-        let at = self
+        let position = self
             .record
             .artifacts
             .iter()
             .position(|artifact| artifact.kind == kind)?;
-        fs::read(self.folder.path().join(format!("artifact-{at}"))).ok()
+        fs::read(self.folder.path().join(format!("artifact-{position}"))).ok()
     }
 }
 

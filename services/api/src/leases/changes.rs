@@ -36,7 +36,7 @@ mod tests {
     use super::*;
 
     #[tokio::test]
-    async fn only_those_who_wait_for_the_job_are_woken_and_nobody_is_remembered() {
+    async fn only_followers_of_the_job_are_woken_and_none_is_kept() {
         let changes = Changes::default();
         let (mut mine, other) = (changes.subscribe("job_a"), changes.subscribe("job_b"));
         changes.notify("job_a");

@@ -213,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn more_work_costs_more_and_what_was_measured_replaces_what_is_typical() {
+    fn more_work_costs_more_and_measurements_replace_typical_figures() {
         let costs = Costs::default();
         let plain = cost(&costs, &job(json!({})));
         let water = cost(
@@ -222,16 +222,16 @@ mod tests {
         );
         assert!(water.seconds > plain.seconds && water.bytes == plain.bytes);
         let lamp = json!({"kind": "point", "position_m": [0, 0, 0], "intensity": [1, 1, 1]});
-        let of = |water: serde_json::Value, lamps: usize| {
+        let seconds = |water: serde_json::Value, lamps: usize| {
             let lights = vec![lamp.clone(); lamps];
             cost(&costs, &job(json!({"water": water, "lights": lights}))).seconds
         };
         let suspended = [
-            of(json!({"optics": "jerlov-3C"}), 0),
-            of(json!({"optics": "jerlov-3C", "snow": {"density_per_m3": 10}}), 0),
-            of(json!({"optics": "jerlov-3C", "turbidity": {"contrast": 0.5}}), 0),
-            of(json!({"optics": "jerlov-3C"}), 1),
-            of(json!({"optics": "jerlov-3C"}), 4),
+            seconds(json!({"optics": "jerlov-3C"}), 0),
+            seconds(json!({"optics": "jerlov-3C", "snow": {"density_per_m3": 10}}), 0),
+            seconds(json!({"optics": "jerlov-3C", "turbidity": {"contrast": 0.5}}), 0),
+            seconds(json!({"optics": "jerlov-3C"}), 1),
+            seconds(json!({"optics": "jerlov-3C"}), 4),
         ];
         assert!(
             suspended.windows(2).all(|pair| pair[0] < pair[1]),

@@ -201,7 +201,7 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn a_reply_is_believed_as_far_as_it_is_one() {
+    async fn malformed_replies_are_rejected() {
         let good = r#"read line; printf '{"media_type":"image/png","bytes":3}\nabc'; read line"#;
         assert_eq!(drawn(good).await.as_deref(), Some(&b"abc"[..]));
         for bad in [

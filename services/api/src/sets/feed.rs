@@ -62,7 +62,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lines_are_what_the_reader_of_another_build_would_write() {
+    fn lines_of_other_builds_can_be_read() {
         let part = r#"{"part":{"images":[],"shard":{"frame":500,"tar":"shards/000001-ab.tar","end":{"digest":"d","changed_ms":7,
             "failed":[{"frame":501,"strikes":3,"given_up":true,"error":"e"}]}}}}"#;
         let Line::Part(part) = serde_json::from_str(part).unwrap() else {

@@ -123,10 +123,10 @@ mod tests {
     use crate::jobs::new_job_id;
 
     #[test]
-    fn an_id_says_when_its_job_was_accepted() {
+    fn an_id_contains_the_time_of_acceptance() {
         let now = std::time::SystemTime::UNIX_EPOCH.elapsed().unwrap().as_millis() as u64;
-        let at = accepted_at(&new_job_id()).unwrap();
-        assert!(at.0.abs_diff(now) < 60_000, "{at} is not now");
+        let accepted = accepted_at(&new_job_id()).unwrap();
+        assert!(accepted.0.abs_diff(now) < 60_000, "{accepted} is not now");
         assert_eq!(accepted_at("job_a"), None);
     }
 }

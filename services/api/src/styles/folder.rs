@@ -132,9 +132,9 @@ impl Folder {
         let copy = data.join(FOLDER);
         fs::create_dir_all(&copy)?;
         for entry in entries(&self.path)? {
-            let to = copy.join(entry.file_name());
-            fs::copy(entry.path(), &to)?;
-            File::open(&to)?.sync_all()?;
+            let target = copy.join(entry.file_name());
+            fs::copy(entry.path(), &target)?;
+            File::open(&target)?.sync_all()?;
         }
         File::open(&copy)?.sync_all()
     }

@@ -45,16 +45,16 @@ impl History {
     fn step(&mut self) {
         self.now += 1 + self.pick(400);
         self.beat();
-        let at = self.pick(self.workers.len() as u64) as usize;
-        let slot = self.pick(self.workers[at].slots.len() as u64) as usize;
-        match self.workers[at].slots[slot].take() {
+        let worker_index = self.pick(self.workers.len() as u64) as usize;
+        let slot = self.pick(self.workers[worker_index].slots.len() as u64) as usize;
+        match self.workers[worker_index].slots[slot].take() {
             None => {
                 self.token += 1;
                 let cost = [0.0, 400.0][self.pick(2) as usize];
-                let worker = &mut self.workers[at];
+                let worker = &mut self.workers[worker_index];
                 worker.slots[slot] = self.table.grant(&worker.id, Millis(self.now), self.token, cost);
             }
-            Some(grant) => self.render(at, slot, grant),
+            Some(grant) => self.render(worker_index, slot, grant),
         }
         let lost = self.table.expire(Millis(self.now));
         self.note(lost);

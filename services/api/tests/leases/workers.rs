@@ -170,7 +170,7 @@ fn after_a_restart_of_the_service_the_worker_joins_again_and_finishes() {
 }
 
 #[test]
-fn a_commit_whose_answer_is_lost_costs_nothing() {
+fn a_commit_with_a_lost_response_is_harmless() {
     let (service, job) = service(10);
     service.state().lost_answers = 2;
     let worker = Worker::start(&service, 1);
@@ -199,7 +199,7 @@ fn a_service_that_goes_away_is_waited_for() {
 }
 
 #[test]
-fn a_stopped_worker_gives_everything_back_without_burning_an_attempt() {
+fn a_stopped_worker_returns_its_leases_without_counting_an_attempt() {
     let (service, _) = service(1_000_000);
     let worker = Worker::start(&service, 2);
     service.wait("some frames", |state| state.images.len() > 3);

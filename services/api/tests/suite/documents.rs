@@ -273,7 +273,7 @@ fn the_words_of_the_document_are_those_of_the_program() {
 }
 
 #[test]
-fn every_list_is_where_the_list_of_lists_says() {
+fn every_list_is_at_its_listed_path() {
     let (service, document) = document();
     let lists = service.get("/v1/lists").json();
     for list in lists["items"].as_array().unwrap() {

@@ -87,7 +87,7 @@ fn jobs(service: &Running) -> usize {
 }
 
 #[test]
-fn clients_that_dribble_are_cut_off_and_nobody_else_waits_for_them() {
+fn slow_clients_are_cut_off_without_delaying_others() {
     let limits = Limits {
         head_read: Duration::from_millis(500),
         ..Limits::default()

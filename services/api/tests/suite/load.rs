@@ -56,7 +56,7 @@ fn others_are_served(service: &Running, worker: &Fake) {
 }
 
 #[test]
-fn slow_bodies_hold_nothing_that_others_need_and_are_cut() {
+fn slow_bodies_hold_no_permit_and_are_cut() {
     let service = limited(Limits {
         body_grace: Duration::from_secs(4),
         ..Limits::default()
@@ -80,7 +80,7 @@ fn slow_bodies_hold_nothing_that_others_need_and_are_cut() {
 }
 
 #[test]
-fn long_polls_and_event_streams_beyond_their_budget_are_shed_at_once_and_harm_nobody() {
+fn long_polls_and_event_streams_beyond_their_budget_are_shed_immediately() {
     let service = limited(Limits {
         waits: 100,
         streams: 20,
@@ -259,7 +259,7 @@ fn two_idempotency_keys_are_refused() {
 }
 
 #[test]
-fn a_head_that_is_too_large_or_no_http_ends_the_connection_and_nothing_else() {
+fn an_oversized_or_malformed_head_ends_only_its_connection() {
     let service = start();
     let large = [b"GET / HTTP/1.1\r\nx: ".to_vec(), vec![b'y'; 200_000]].concat();
     for bytes in [b"hello\r\n\r\n".to_vec(), large] {

@@ -49,7 +49,7 @@ fn bytes_that_are_no_message_are_refused() {
 }
 
 #[test]
-fn a_worker_of_another_version_of_the_protocol_is_told_what_to_do() {
+fn a_worker_with_another_protocol_version_gets_instructions() {
     nothing_changes(|service| {
         for protocol in [0, proto::VERSION - 1, proto::VERSION + 1] {
             let about = wire::RegisterRequest {

@@ -16,7 +16,7 @@ fn refused(outcome: Result<bool, ClientError>) -> String {
 }
 
 #[test]
-fn a_liar_is_dismissed_after_three_lies_and_others_finish_its_frames() {
+fn a_misbehaving_worker_is_dismissed_after_three_reports_and_others_finish_its_frames() {
     let service = start();
     let id = service.submit(&job());
     let worker = Fake::register(&service);

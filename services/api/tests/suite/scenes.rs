@@ -36,7 +36,7 @@ fn job_over(scene: &Value, fields: Value) -> Value {
 }
 
 #[test]
-fn a_job_that_asks_for_what_its_scene_lacks_is_refused_whatever_it_is_sent_to() {
+fn a_job_that_needs_a_missing_part_of_its_scene_is_rejected_by_every_endpoint() {
     let lamp = json!({"kind": "point", "position_m": [0, 0, 0], "intensity": [1, 1, 1]});
     nothing_changes(|service| {
         let scene = service.get("/v1/scenes").json()["items"][0].clone();
@@ -69,7 +69,7 @@ fn a_job_that_asks_for_what_its_scene_lacks_is_refused_whatever_it_is_sent_to() 
 }
 
 #[test]
-fn a_law_that_asks_in_some_frames_is_accepted_with_a_warning() {
+fn a_distribution_that_needs_a_part_in_some_frames_causes_a_warning() {
     let service = start();
     let scene = uploaded(&service, &[("rgb", &png(16, 12))]);
     let job = job_over(&scene, json!({"water": {"grid": [{}, {"optics": "jerlov-1C"}]}}));

@@ -56,7 +56,7 @@ fn render(service: &Running, worker: &Fake, dataset: &str, seed: u64, side: usiz
 }
 
 #[test]
-fn the_space_of_deleted_images_comes_back_and_shared_bytes_stay() {
+fn the_space_of_deleted_images_is_reclaimed_and_shared_bytes_are_kept() {
     let service = start();
     let worker = Fake::register(&service);
     let kept = render(&service, &worker, "kept", 1, 64);
@@ -80,7 +80,7 @@ fn the_space_of_deleted_images_comes_back_and_shared_bytes_stay() {
 }
 
 #[test]
-fn the_space_of_a_deleted_scene_comes_back_and_bytes_of_others_stay() {
+fn the_space_of_a_deleted_scene_is_reclaimed_and_others_keep_their_bytes() {
     let service = start();
     let upload = |fields: &[(&str, &[u8])]| {
         let answer = service.upload(fields);
@@ -112,7 +112,7 @@ fn small_disk() -> PathBuf {
 }
 
 #[test]
-fn a_full_disk_is_told_reading_goes_on_and_writing_goes_on_when_there_is_space_again() {
+fn a_full_disk_is_reported_reads_work_and_writes_resume_with_space() {
     small_disk::run("space::writing_on_a_full_disk", "size=24m");
 }
 

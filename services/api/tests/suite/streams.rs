@@ -116,7 +116,7 @@ fn progress_comes_twice_a_second_at_most() {
 }
 
 #[test]
-fn a_deleted_job_says_so_to_those_who_follow_it() {
+fn followers_of_a_deleted_job_are_notified() {
     let service = start();
     let id = service.submit(&job());
     let sent = std::thread::scope(|scope| {

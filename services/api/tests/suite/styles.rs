@@ -53,7 +53,7 @@ fn names(service: &Running) -> Vec<String> {
 }
 
 #[test]
-fn an_added_style_is_listed_and_rendered_at_once_and_after_a_restart() {
+fn an_added_style_is_available_immediately_and_after_a_restart() {
     let service = start_with(trusting());
     // With only the shipped styles.
     let worker = Real::start(&service);
@@ -131,7 +131,7 @@ fn a_name_belongs_to_one_network() {
 type Refused<'a> = (&'a [(&'a str, &'a [u8])], &'a str, &'a str);
 
 #[test]
-fn a_style_that_cannot_be_taken_leaves_nothing_behind() {
+fn a_rejected_style_leaves_no_files() {
     let service = start();
     let before = names(&service);
     let onnx = muddy();
@@ -272,7 +272,7 @@ fn a_training_that_cannot_be_taken_is_refused_by_field() {
 
 /// A process that succeeds without output.
 #[test]
-fn a_training_without_a_result_has_failed_and_says_so() {
+fn a_training_without_a_result_fails_with_a_reason() {
     let service = start_with(trusting());
     let taken = service.form("/v1/styles/train", &[("name", b"harbour"), ("photo", b"p")]);
     assert_eq!(taken.status, 202, "{}", taken.text());

@@ -32,7 +32,7 @@ fn seal(service: &Running) -> crate::common::Answer {
 }
 
 #[test]
-fn a_dataset_is_sealed_asked_for_and_unsealed() {
+fn a_dataset_is_sealed_queried_and_unsealed() {
     let service = start();
     seal(&service).problem(404, "not-found");
     let id = service.submit(&job());
@@ -108,7 +108,7 @@ fn a_dataset_is_sealed_asked_for_and_unsealed() {
 }
 
 #[test]
-fn what_is_not_as_it_was_sealed_is_found_and_named() {
+fn changes_since_sealing_are_found_and_named() {
     let service = start();
     let id = service.submit(&job());
     Fake::register(&service).work();

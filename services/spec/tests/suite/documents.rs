@@ -119,7 +119,7 @@ fn a_frame_has_the_values_of_its_parameters() {
 }
 
 #[test]
-fn presets_are_stored_by_their_full_name_whatever_their_form() {
+fn presets_are_stored_by_their_full_name() {
     for optics in [
         json!("jerlov-3C"),
         json!("jerlov-3C/williamson2022"),
@@ -160,7 +160,7 @@ fn uploaded_scenes_are_listed_whether_chosen_or_not() {
 }
 
 #[test]
-fn files_are_read_only_where_the_vocabulary_says_local() {
+fn files_are_accepted_only_with_a_local_vocabulary() {
     let text = json!({"scene": {"kind": "files", "rgb": "a.png", "z_depth": "d.png", "unit_m": 0.001,
         "invalid_code": 0}});
     let frame = Job::parse(text.to_string().as_bytes(), &vocabulary(true))
@@ -185,7 +185,7 @@ fn files_are_read_only_where_the_vocabulary_says_local() {
 }
 
 #[test]
-fn what_has_no_effect_is_refused() {
+fn fields_without_effect_are_rejected() {
     let refused = |document: Value| {
         let found = errors(&document);
         assert_eq!(found.len(), 1, "{document}: {found:#?}");
@@ -221,7 +221,7 @@ fn the_focal_length_follows_from_the_field_of_view() {
 }
 
 #[test]
-fn a_stored_job_means_what_it_meant_whatever_names_there_are_by_now() {
+fn a_stored_job_keeps_its_meaning_when_names_change() {
     let accepted = job(&everything());
     let stored = Job::from_canonical(accepted.canonical()).unwrap();
     assert_eq!(stored.canonical(), accepted.canonical());

@@ -49,7 +49,7 @@ fn an_error_names_field_value_and_limit() {
 }
 
 #[test]
-fn errors_serialize_without_what_is_empty() {
+fn errors_serialize_without_empty_members() {
     let error = only_error(json!({"alpha": 1.5}));
     let text = json!({"pointer": "/alpha", "message": error.message, "value": 1.5, "limit": "0..=1"});
     assert_eq!(serde_json::to_value(&error).unwrap(), text);
@@ -118,7 +118,7 @@ fn numbers_outside_their_limits_are_refused() {
 }
 
 #[test]
-fn values_of_the_wrong_kind_say_what_was_expected() {
+fn values_of_the_wrong_kind_report_the_expected_one() {
     let refused = [
         (
             json!({"alpha": "NaN"}),
@@ -211,7 +211,7 @@ fn unknown_names_suggest_the_nearest() {
 }
 
 #[test]
-fn what_decides_the_shape_must_be_there_and_constant() {
+fn tags_must_be_present_and_constant() {
     let scene = |scene: Value| errors(&json!({"scene": scene})).remove(0);
     assert_eq!(scene(json!({})).message, "`scene.kind` is missing");
     assert_eq!(scene(json!({})).allowed, ["procedural", "uploaded", "collection"]);

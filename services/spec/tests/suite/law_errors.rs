@@ -100,7 +100,7 @@ fn a_law_of_the_wrong_form_is_refused_at_its_place() {
 }
 
 #[test]
-fn keys_beside_a_law_are_refused() {
+fn keys_next_to_a_distribution_are_rejected() {
     let error = alpha(json!({"uniform": [0, 1], "clip": [0, 1]}));
     assert_eq!(
         (error.pointer.as_str(), error.allowed.as_slice()),
@@ -154,7 +154,7 @@ fn all_that_a_law_can_yield_must_be_within_the_limits() {
 }
 
 #[test]
-fn numbers_do_not_stand_in_for_strings_nor_fractions_for_whole_numbers() {
+fn numbers_are_no_strings_and_fractions_no_whole_numbers() {
     let style = only_error(json!({"water": {"style": {"uniform": [0, 1]}}}));
     assert_eq!(
         style.message,

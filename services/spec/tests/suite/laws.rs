@@ -51,7 +51,7 @@ fn same(ours: &Value, published: &Value, exact: bool) -> bool {
 }
 
 #[test]
-fn the_functions_give_the_published_answers() {
+fn the_functions_yield_the_published_results() {
     for Vector {
         seed,
         pointer,
@@ -90,7 +90,7 @@ fn the_functions_give_the_published_answers() {
 
 /// The same results through a whole job: every label can be any distribution.
 #[test]
-fn a_job_gives_the_published_answers() {
+fn a_job_yields_the_published_results() {
     let mut labels = 0;
     for Vector {
         seed,
@@ -163,7 +163,7 @@ fn raising_the_count_keeps_the_frames_there_were() {
 }
 
 #[test]
-fn the_last_axis_of_a_grid_runs_fastest_and_the_axes_stand_in_the_order_of_their_pointers() {
+fn the_last_axis_of_a_grid_is_fastest_and_axes_are_sorted_by_pointer() {
     let job = job_with(json!({
         "count": 2,
         "labels": {"b": {"grid": ["x", "y"]}, "a": {"grid": [10, 20, 30]}},

@@ -45,7 +45,7 @@ fn lamp() -> Value {
 }
 
 #[test]
-fn everything_that_needs_a_range_is_refused_at_once_and_with_the_other_errors() {
+fn all_missing_ranges_are_reported_with_the_other_errors() {
     let found = errors(&over(
         json!("scn_flat"),
         json!({
@@ -85,7 +85,7 @@ fn everything_that_needs_a_range_is_refused_at_once_and_with_the_other_errors() 
 }
 
 #[test]
-fn a_style_that_takes_a_range_needs_a_scene_with_one() {
+fn a_style_with_a_range_input_needs_a_scene_with_a_range() {
     let styled = |scene: &str, style: Value| over(json!(scene), json!({"water": {"style": style}}));
     let found = errors(&styled("scn_flat", json!("ranged")));
     assert_eq!(found.len(), 1, "{found:#?}");
@@ -111,7 +111,7 @@ fn a_style_that_takes_a_range_needs_a_scene_with_one() {
 }
 
 #[test]
-fn what_a_scene_has_may_be_asked_for() {
+fn the_parts_of_a_scene_can_be_requested() {
     let water = json!({"optics": {"preset": "jerlov-1C", "veil_gain": 0.3}});
     let fields = json!({"water": water, "lights": [lamp()], "artifacts": ["rgb", "range"]});
     assert_eq!(warnings(&over(json!("scn_deep"), fields.clone())), [""; 0]);
@@ -121,7 +121,7 @@ fn what_a_scene_has_may_be_asked_for() {
 }
 
 #[test]
-fn a_law_that_always_asks_is_refused_and_one_that_may_is_warned_of() {
+fn a_distribution_that_always_needs_a_part_is_rejected_and_one_that_may_causes_a_warning() {
     let waters = |choice: Value| over(json!("scn_flat"), json!({"water": {"choice": choice}}));
     let always = errors(&waters(json!([{"optics": "jerlov-1C"}, {"optics": "jerlov-3C"}])));
     let pointers: Vec<_> = always.iter().map(|error| error.pointer.as_str()).collect();
@@ -165,7 +165,7 @@ fn a_scene_by_chance_is_warned_of_unless_no_scene_will_do() {
 }
 
 #[test]
-fn scenes_that_do_not_exist_are_refused_where_they_stand() {
+fn missing_scenes_are_reported_at_their_pointer() {
     let found = errors(&over(
         json!({"choice": ["scn_deep", "scn_gone"]}),
         json!({"alpha": -1}),
@@ -176,7 +176,7 @@ fn scenes_that_do_not_exist_are_refused_where_they_stand() {
 }
 
 #[test]
-fn a_field_of_view_beside_a_camera_has_no_effect() {
+fn a_field_of_view_next_to_a_camera_has_no_effect() {
     let seen = json!({"camera": {"hfov_deg": 60}});
     let found = errors(&over(json!("scn_shot"), seen.clone()));
     assert_eq!((found.len(), found[0].pointer.as_str()), (1, "/camera/hfov_deg"));
@@ -184,7 +184,7 @@ fn a_field_of_view_beside_a_camera_has_no_effect() {
 }
 
 #[test]
-fn files_have_what_is_named_beside_them() {
+fn files_have_the_named_parts() {
     let job = |scene: Value| {
         let document =
             json!({"scene": scene, "water": {"optics": "jerlov-1C"}, "artifacts": ["rgb", "range"]});
@@ -257,7 +257,7 @@ fn a_collection_becomes_the_scenes_that_it_has_now() {
 }
 
 #[test]
-fn a_collection_is_refused_where_one_of_its_scenes_cannot_give_what_every_frame_asks() {
+fn a_collection_is_rejected_if_one_of_its_scenes_lacks_a_required_part() {
     let over = |scene: Value, fields: Value| {
         let mut document = fields;
         document["scene"] = scene;
@@ -326,7 +326,7 @@ fn a_collection_is_refused_where_one_of_its_scenes_cannot_give_what_every_frame_
 }
 
 #[test]
-fn without_a_service_a_collection_says_that_it_needs_one() {
+fn without_a_service_a_collection_is_rejected() {
     let scene = json!({"kind": "collection", "name": "dock", "id": {"grid": ["scn_a", "scn_b"]}});
     let found = Job::parse(json!({"scene": scene}).to_string().as_bytes(), &vocabulary(true));
     let found = found.unwrap_err().0;

@@ -216,7 +216,7 @@ fn the_canonical_form_holds_every_description_and_is_a_fixed_point() {
 }
 
 #[test]
-fn a_grid_of_sites_takes_each_in_turn_and_shares_the_axes_of_all() {
+fn a_grid_of_sites_enumerates_them_and_shares_their_axes() {
     let job = job(&json!({
         "site": {"grid": ["tank", "shaft", "pipeline"]}, "count": 2, "alpha": {"grid": [0.5, 1]},
         "water": {"style": "muddy"}, "labels": {"run": "a"},
@@ -263,7 +263,7 @@ fn an_unknown_site_comes_with_the_known_ones() {
 }
 
 #[test]
-fn what_is_no_site_is_refused_at_its_place() {
+fn bad_sites_are_rejected_at_their_pointer() {
     let cases = [
         (json!(7), "/site", "must be a string or a distribution"),
         (

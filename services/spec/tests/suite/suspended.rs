@@ -19,7 +19,7 @@ fn snow(fields: serde_json::Value) -> serde_json::Value {
 }
 
 #[test]
-fn snow_says_everything_that_is_wrong_with_it() {
+fn all_errors_of_snow_are_reported() {
     let pointers = |more| {
         errors(&document_with(more))
             .into_iter()

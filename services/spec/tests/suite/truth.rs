@@ -62,7 +62,7 @@ fn more_paths_than_the_limit_need_a_budget_that_pays_for_the_first() {
 }
 
 #[test]
-fn what_is_not_traced_is_refused_all_at_once() {
+fn all_untraced_fields_are_rejected_together() {
     let job = traced(json!({
         "scene": {"kind": "procedural", "family": "structure"},
         "camera": {"width": 64, "height": 48, "distortion": {"k1": -0.1}, "port": {"kind": "flat"}},

@@ -101,11 +101,11 @@ async fn a_flipped_bit_anywhere_in_a_file_is_never_served_and_never_keeps_the_st
         let copy = tempfile::tempdir().unwrap();
         std::fs::create_dir(copy.path().join("packs")).unwrap();
         for path in packs(folder.path()) {
-            let to = copy.path().join("packs").join(path.file_name().unwrap());
+            let target = copy.path().join("packs").join(path.file_name().unwrap());
             if path == pack {
-                std::fs::write(to, &bytes).unwrap();
+                std::fs::write(target, &bytes).unwrap();
             } else {
-                std::fs::hard_link(&path, to).unwrap();
+                std::fs::hard_link(&path, target).unwrap();
             }
         }
         found_and_mended(&copy, &blobs[..30]).await;

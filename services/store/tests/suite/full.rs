@@ -16,7 +16,7 @@ const BALLAST_BYTES: usize = 6 << 20;
 const PACK_BYTES: u64 = 4_000_000;
 
 #[test]
-fn a_full_disk_stops_writing_and_nothing_else() {
+fn a_full_disk_stops_only_writes() {
     small_disk::run("full::on_a_small_disk", DISK);
 }
 

@@ -100,7 +100,7 @@ fn run_and_kill(heard: &mut Heard, path: &Path, first: u64, faults: Option<&str>
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn what_was_acknowledged_holds_after_every_kill() {
+async fn acknowledged_writes_survive_every_kill() {
     let folder = tempfile::tempdir().unwrap();
     let mut heard = Heard::default();
     let rounds = [
@@ -121,11 +121,11 @@ async fn what_was_acknowledged_holds_after_every_kill() {
         let store = Store::open_with(folder.path(), PACK_BYTES).await.unwrap();
         for &number in &heard.put {
             let blob = numbered(number, BLOB_BYTES);
-            let there = store.get(&blob.digest).await.unwrap();
+            let stored = store.get(&blob.digest).await.unwrap();
             if heard.deleted.contains(&number) {
-                assert!(there.is_none(), "round {round}: {number} was deleted");
+                assert!(stored.is_none(), "round {round}: {number} was deleted");
             } else if !heard.deleting.contains(&number) {
-                assert!(there == Some(blob.bytes), "round {round}: {number} was stored");
+                assert!(stored == Some(blob.bytes), "round {round}: {number} was stored");
             }
         }
         store.close().await;

@@ -170,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn cells_are_quoted_where_they_must_be_and_empty_where_nothing_is() {
+    fn cells_are_quoted_if_necessary_and_empty_if_absent() {
         let columns = ["a", "b", "c", "d"].map(str::to_owned);
         let rows = [
             json!({"a": "x, \"y\"\n", "b": 1.5, "c": null}),

@@ -74,7 +74,7 @@ fn promise(bound: f64, text: &str) -> Promise {
 }
 
 #[test]
-fn an_honest_record_has_no_fault_and_each_lie_is_named() {
+fn an_honest_record_has_no_fault_and_each_false_one_is_named() {
     let (frame, worker) = (frame(), worker());
     let pending = [stored_file("rgb", (32, 24)), stored_file("range", (32, 24))];
     let honest = record(&frame, &pending);
@@ -149,7 +149,7 @@ fn an_honest_record_has_no_fault_and_each_lie_is_named() {
 }
 
 #[test]
-fn a_file_is_of_a_kind_that_was_asked_for_and_what_its_type_says() {
+fn a_file_has_a_requested_kind_and_matches_its_media_type() {
     let frame = frame();
     let picture = encode_png(&Rgb8::from_fn(32, 24, |_, _| [9; 3]).into()).unwrap();
     let file = |kind: &str, media_type: &str, data: &[u8]| {

@@ -235,7 +235,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn nothing_but_a_small_png_is_shown() {
+    fn only_a_small_png_is_a_preview() {
         let png = |side: usize| {
             let picture = Rgb8::from_fn(side, side, |x, y| [x as u8, y as u8, 7]);
             encode_png(&picture.into()).unwrap_or_default()

@@ -84,7 +84,7 @@ fn a_service_that_does_not_look_whether_a_frame_is_open_is_caught() {
 }
 
 #[test]
-fn a_service_that_forgets_what_it_wrote_is_caught() {
+fn a_service_that_forgets_its_images_is_detected() {
     let found = play(CAUGHT_WITHIN, Variant::ForgetsImages);
     assert!(
         found
