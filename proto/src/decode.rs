@@ -1,32 +1,32 @@
-//! From bytes to a checked message: the only way in.
+//! Decoding and checking of received messages.
 
 use crate::check::Checked;
 use crate::error::MessageError;
 use crate::{limits, rules};
 
-/// Reads a message and checks it. Its fields are counted before they are decoded: two bytes of an empty artifact would
-/// become a hundred in memory.
+/// Decodes a message and checks it. Fields are counted before decoding, because an empty artifact takes two bytes on
+/// the wire and about a hundred in memory.
 ///
 /// # Errors
-/// [`MessageError`]: the bytes are no such message, or a field holds what it must not.
+/// [`MessageError`] if the bytes are not such a message or a field is invalid.
 pub fn decode<M: Checked>(bytes: &[u8]) -> Result<M, MessageError> {
     let fields = count_fields(bytes).ok_or(MessageError::Cut)?;
-    rules::length("message", fields, limits::MESSAGE_FIELDS, "fields")?;
+    rules::check_length("message", fields, limits::MESSAGE_FIELDS, "fields")?;
     let message = M::decode(bytes).map_err(|error| MessageError::Wire(error.to_string()))?;
     message.check()?;
     Ok(message)
 }
 
-/// Fields of the outermost level; `None` if the bytes end inside one.
+/// Counts the fields of the outermost level; `None` if the bytes end inside one.
 fn count_fields(mut bytes: &[u8]) -> Option<usize> {
     let mut fields = 0;
     while !bytes.is_empty() {
-        let key = varint(&mut bytes)?;
+        let key = read_varint(&mut bytes)?;
         let value = match key & 7 {
-            0 => varint(&mut bytes).map(|_| 0),
+            0 => read_varint(&mut bytes).map(|_| 0),
             1 => Some(8),
-            2 => varint(&mut bytes),
-            // A group, which no message of ours has: prost reports it.
+            2 => read_varint(&mut bytes),
+            // A group: this protocol has none, and prost reports it.
             3 | 4 => Some(0),
             5 => Some(4),
             _ => None,
@@ -37,7 +37,7 @@ fn count_fields(mut bytes: &[u8]) -> Option<usize> {
     Some(fields)
 }
 
-fn varint(bytes: &mut &[u8]) -> Option<u64> {
+fn read_varint(bytes: &mut &[u8]) -> Option<u64> {
     let mut value = 0_u64;
     for shift in (0..64).step_by(7) {
         let (&byte, rest) = bytes.split_first()?;
@@ -62,7 +62,10 @@ mod tests {
         // Field 2, length 0: an empty artifact.
         let many = [0x12, 0].repeat(limits::MESSAGE_FIELDS + 1);
         let error = decode::<PutArtifactsRequest>(&many).unwrap_err();
-        assert_eq!(error.to_string(), "`message` has 8193 fields, the limit is 8192");
+        assert_eq!(
+            error.to_string(),
+            "`message` has 8193 fields; must be at most 8192"
+        );
         let beat = BeatRequest {
             worker_id: "wrk_1".to_owned(),
             tokens: vec![1, u64::MAX],
@@ -72,7 +75,7 @@ mod tests {
     }
 
     #[test]
-    fn bytes_that_end_early_or_have_another_form_are_told_apart_from_wrong_values() {
+    fn truncated_and_malformed_bytes_differ_from_wrong_values() {
         for cut in [&[0x0a, 5, b'x'][..], &[0x80], &[0xff; 11], &[0x0f], &[0x09, 1]] {
             assert_eq!(
                 decode::<BeatRequest>(cut).unwrap_err(),

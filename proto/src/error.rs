@@ -1,54 +1,52 @@
-//! Why a message is refused.
-
-/// A message that is not of this protocol, or a field that holds what it must not.
+/// A malformed message or an invalid field.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum MessageError {
     /// The bytes end inside a field.
-    #[error("the message is cut off or no message of this protocol")]
+    #[error("the message is truncated or not of this protocol")]
     Cut,
-    /// A field has another type than the protocol says.
+    /// A field has the wrong wire type.
     #[error("the message is not of this protocol: {0}")]
     Wire(String),
-    /// The sender must set this field.
+    /// A required field is absent.
     #[error("`{field}` is missing")]
     Missing {
-        /// Name in the protocol.
+        /// Field name in the protocol.
         field: &'static str,
     },
-    /// Longer than the limit.
-    #[error("`{field}` has {length} {unit}, the limit is {limit}")]
+    /// The field is too long.
+    #[error("`{field}` has {length} {unit}; must be at most {limit}")]
     TooLong {
-        /// Name in the protocol.
+        /// Field name in the protocol.
         field: &'static str,
-        /// What arrived.
+        /// Received length.
         length: usize,
-        /// What is accepted.
+        /// Maximum length.
         limit: usize,
-        /// What is counted.
+        /// Unit of both lengths.
         unit: &'static str,
     },
-    /// A value outside its range.
-    #[error("`{field}` is {value}, it must be {wanted}")]
+    /// The value is outside its range.
+    #[error("`{field}` is {value}; must be {wanted}")]
     Value {
-        /// Name in the protocol.
+        /// Field name in the protocol.
         field: &'static str,
-        /// What arrived, shortened.
+        /// The received value, shortened.
         value: String,
-        /// What is accepted.
+        /// Accepted values.
         wanted: &'static str,
     },
-    /// The two sides are of different versions.
+    /// The two sides have different protocol versions.
     #[error(
-        "the other side speaks version {theirs} of the worker protocol and this one version {ours}: use the same \
+        "the other side uses version {theirs} of the worker protocol and this side version {ours}; run the same \
          version of fathom for service and workers"
     )]
     Protocol {
-        /// What arrived; 0: from before versions were sent.
+        /// Version of the other side; 0: the sender predates version numbers.
         theirs: u32,
-        /// What is accepted.
+        /// Version of this side.
         ours: u32,
     },
     /// The record is not the JSON of a frame record.
-    #[error("`record_json` is no frame record: {0}")]
+    #[error("`record_json` is not a frame record: {0}")]
     Record(String),
 }

@@ -1,11 +1,11 @@
-//! What a field must hold.
+//! Constraints on single fields.
 
 use crate::MessageError;
 use crate::limits;
 
 type Checked = Result<(), MessageError>;
 
-pub(crate) fn version(theirs: u32) -> Checked {
+pub(crate) fn check_version(theirs: u32) -> Checked {
     let ours = crate::VERSION;
     if theirs == ours {
         Ok(())
@@ -14,8 +14,8 @@ pub(crate) fn version(theirs: u32) -> Checked {
     }
 }
 
-/// Refuses the default, which an absent field decodes to.
-pub(crate) fn present<T: Default + PartialEq>(field: &'static str, value: &T) -> Checked {
+/// Rejects the default value, which is how an absent field decodes.
+pub(crate) fn require<T: Default + PartialEq>(field: &'static str, value: &T) -> Checked {
     if *value == T::default() {
         Err(MessageError::Missing { field })
     } else {
@@ -23,16 +23,16 @@ pub(crate) fn present<T: Default + PartialEq>(field: &'static str, value: &T) ->
     }
 }
 
-pub(crate) fn id(field: &'static str, value: &str) -> Checked {
-    present(field, &value)?;
-    text(field, value, limits::ID_BYTES)
+pub(crate) fn check_id(field: &'static str, value: &str) -> Checked {
+    require(field, &value)?;
+    check_text(field, value, limits::ID_BYTES)
 }
 
-pub(crate) fn text(field: &'static str, value: &str, limit: usize) -> Checked {
-    length(field, value.len(), limit, "bytes")
+pub(crate) fn check_text(field: &'static str, value: &str, limit: usize) -> Checked {
+    check_length(field, value.len(), limit, "bytes")
 }
 
-pub(crate) fn length(field: &'static str, length: usize, limit: usize, unit: &'static str) -> Checked {
+pub(crate) fn check_length(field: &'static str, length: usize, limit: usize, unit: &'static str) -> Checked {
     if length > limit {
         Err(MessageError::TooLong {
             field,
@@ -45,20 +45,21 @@ pub(crate) fn length(field: &'static str, length: usize, limit: usize, unit: &'s
     }
 }
 
-pub(crate) fn digest(field: &'static str, value: &str) -> Checked {
-    let hex = |byte: u8| byte.is_ascii_digit() || (b'a'..=b'f').contains(&byte);
-    let holds = value.len() == 64 && value.bytes().all(hex);
-    value_holds(field, value, holds, "64 lower-case hex digits")
+pub(crate) fn check_digest(field: &'static str, value: &str) -> Checked {
+    let is_digest = value.len() == 64
+        && value
+            .bytes()
+            .all(|byte| matches!(byte, b'0'..=b'9' | b'a'..=b'f'));
+    check_value(field, value, is_digest, "64 lower-case hex digits")
 }
 
-/// Refuses a value that does not hold what is wanted.
-pub(crate) fn value_holds(
+pub(crate) fn check_value(
     field: &'static str,
     value: impl ToString,
-    holds: bool,
+    is_valid: bool,
     wanted: &'static str,
 ) -> Checked {
-    if holds {
+    if is_valid {
         return Ok(());
     }
     let value = value.to_string().chars().take(80).collect();

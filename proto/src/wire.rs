@@ -3,7 +3,7 @@
 pub struct RegisterRequest {
     #[prost(string, tag = "1")]
     pub name: ::prost::alloc::string::String,
-    /// Frames that the worker renders side by side.
+    /// Frames that the worker renders in parallel.
     #[prost(uint32, tag = "2")]
     pub slots: u32,
     #[prost(string, tag = "3")]
@@ -20,7 +20,7 @@ pub struct RegisterRequest {
 pub struct RegisterResponse {
     #[prost(string, tag = "1")]
     pub worker_id: ::prost::alloc::string::String,
-    /// A lease ends this long after the last beat that named it.
+    /// A lease expires this long after the last heartbeat with its token.
     #[prost(uint32, tag = "2")]
     pub lease_term_ms: u32,
     #[prost(uint32, tag = "3")]
@@ -32,16 +32,16 @@ pub struct RegisterResponse {
 pub struct LeaseRequest {
     #[prost(string, tag = "1")]
     pub worker_id: ::prost::alloc::string::String,
-    /// How long the service may hold the request until there is work.
+    /// Maximum time the service may hold the request until there is work.
     #[prost(uint32, tag = "2")]
     pub wait_ms: u32,
-    /// Running mean of what a frame costs; 0: not known yet.
+    /// Running mean of the time per frame; 0: not known yet.
     #[prost(double, tag = "3")]
     pub frame_ms: f64,
 }
 #[derive(Clone, PartialEq, ::prost::Message)]
 pub struct LeaseResponse {
-    /// Absent: nothing to do.
+    /// Absent: no work available.
     #[prost(message, optional, tag = "1")]
     pub lease: ::core::option::Option<Lease>,
 }
@@ -54,7 +54,7 @@ pub struct Lease {
     /// At least one.
     #[prost(message, repeated, tag = "3")]
     pub frames: ::prost::alloc::vec::Vec<FrameClaim>,
-    /// How long the lease lasts without a beat.
+    /// Duration of the lease without a heartbeat.
     #[prost(uint32, tag = "4")]
     pub term_ms: u32,
     /// SHA-256 of the job's canonical description, lower-case hex.
@@ -74,20 +74,20 @@ pub struct BeatRequest {
     pub worker_id: ::prost::alloc::string::String,
     #[prost(uint64, repeated, tag = "2")]
     pub tokens: ::prost::alloc::vec::Vec<u64>,
-    /// How long the service may hold the request while none of the worker's leases is cancelled.
+    /// Maximum time the service may hold the request until one of the worker's leases is cancelled.
     #[prost(uint32, tag = "3")]
     pub wait_ms: u32,
 }
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct BeatResponse {
-    /// Leases of cancelled jobs, whether the request named them or not: drop the frames.
+    /// Leases of cancelled jobs, including leases missing from the request: drop the frames.
     #[prost(uint64, repeated, tag = "1")]
     pub cancelled: ::prost::alloc::vec::Vec<u64>,
-    /// Leases that have ended: drop the frames.
+    /// Expired leases: drop the frames.
     #[prost(uint64, repeated, tag = "2")]
     pub lost: ::prost::alloc::vec::Vec<u64>,
 }
-/// A worker's hold on a frame. A stale claim changes nothing and is refused with 409.
+/// A worker's claim on a frame. A stale claim has no effect and is rejected with 409.
 #[derive(Clone, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct Claim {
     /// Changes with every lease.
@@ -97,7 +97,7 @@ pub struct Claim {
     pub job_id: ::prost::alloc::string::String,
     #[prost(uint64, tag = "3")]
     pub frame: u64,
-    /// Which try this is, from 1.
+    /// Number of this attempt, from 1.
     #[prost(uint32, tag = "4")]
     pub attempt: u32,
 }
@@ -130,7 +130,7 @@ pub struct CommitRequest {
 }
 #[derive(Clone, Copy, PartialEq, Eq, Hash, ::prost::Message)]
 pub struct CommitResponse {
-    /// The image was stored before; nothing changed.
+    /// The image was already stored; no change.
     #[prost(bool, tag = "1")]
     pub already_there: bool,
 }
@@ -140,7 +140,7 @@ pub struct FailRequest {
     pub claim: ::core::option::Option<Claim>,
     #[prost(string, tag = "2")]
     pub error: ::prost::alloc::string::String,
-    /// False: trying again cannot help.
+    /// False: a retry would fail as well.
     #[prost(bool, tag = "3")]
     pub retryable: bool,
     #[prost(btree_map = "string, double", tag = "4")]

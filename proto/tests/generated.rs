@@ -1,5 +1,5 @@
-//! The messages in `src/wire.rs` are those of the protocol file. They are kept in the repository, so that a build needs
-//! no compiler of protocols; `FATHOM_WRITE=1 cargo test -p proto` writes them anew after a change.
+//! `src/wire.rs` matches the protocol file. It is committed so that a build needs no protobuf compiler. Update it
+//! with `FATHOM_WRITE=1 cargo test -p proto`.
 
 use std::path::Path;
 

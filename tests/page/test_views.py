@@ -83,7 +83,7 @@ def test_an_image_shows_its_layers_numbers_and_hostile_labels_as_text(visit, ser
         painted = "(canvas) => new Set(canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data).size"
         assert page.locator("canvas.right").evaluate(painted) > 4
     page.click("text=Render again and compare")
-    page.wait_for_selector("text=It renders to the same bytes.", timeout=120_000)
+    page.wait_for_selector("text=The bytes are the same.", timeout=120_000)
 
 
 def test_hostile_names_in_the_address_are_text(visit):

@@ -90,7 +90,7 @@ pub(super) fn draw_snow(knobs: &Knobs, camera: &Intrinsics, size: (usize, usize)
         radius_m: knobs.log("snow.radius", 1e-5, 0.02),
         spectrum: knobs.within("snow.spectrum", 1.5, 6.0),
         albedo: knobs.within_rgb("snow.albedo", 0.0, 1.0),
-        ..Snow::of(0.0)
+        ..Snow::with_density(0.0)
     };
     let most = MOST_PARTICLES / snow::expected(&law, snow::solid(camera, size));
     let most = most.min(snow::MOST_COVER / snow::cover(&law, 0.0)).min(1e6);

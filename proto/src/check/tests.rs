@@ -85,16 +85,21 @@ fn whole_messages_pass_and_keep_every_field() {
 
 #[test]
 fn an_absent_field_is_named() {
-    let told = |refused: Result<(), MessageError>| refused.unwrap_err().to_string();
-    assert_eq!(told(Lease::default().check()), "`frames` is missing");
-    assert_eq!(told(FailRequest::default().check()), "`claim` is missing");
+    assert_eq!(
+        Lease::default().check().unwrap_err().to_string(),
+        "`frames` is missing"
+    );
+    assert_eq!(
+        FailRequest::default().check().unwrap_err().to_string(),
+        "`claim` is missing"
+    );
     let mut fail = FailRequest {
         claim: claimed(),
         ..FailRequest::default()
     };
     assert_eq!(fail.check(), Ok(()));
     fail.claim.as_mut().unwrap().attempt = 0;
-    assert_eq!(told(fail.check()), "`attempt` is missing");
+    assert_eq!(fail.check().unwrap_err().to_string(), "`attempt` is missing");
 }
 
 #[test]
@@ -103,7 +108,7 @@ fn a_record_of_another_frame_or_of_no_json_is_refused() {
     sent.claim.as_mut().unwrap().frame = 8;
     assert_eq!(
         sent.record().unwrap_err().to_string(),
-        "`record_json` is no frame record: it is of frame 7, the claim is on frame 8"
+        "`record_json` is not a frame record: it belongs to frame 7, but the claim is for frame 8"
     );
     sent.record_json = b"{".to_vec();
     assert!(matches!(sent.record(), Err(MessageError::Record(_))));
@@ -132,7 +137,7 @@ fn too_many_and_too_long_are_refused_with_the_limit() {
     };
     assert_eq!(
         beat.check().unwrap_err().to_string(),
-        "`tokens` has 4097 tokens, the limit is 4096"
+        "`tokens` has 4097 tokens; must be at most 4096"
     );
     let request = RegisterRequest {
         name: "x".repeat(1000),

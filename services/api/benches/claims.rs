@@ -1,4 +1,4 @@
-//! What a claim costs with a million frames waiting and a million done, in one job and in a thousand.
+//! Cost of a claim with a million frames waiting and a million completed, in one job and in a thousand.
 
 use std::time::{Duration, Instant};
 
@@ -8,7 +8,7 @@ use proto::wire::Claim;
 
 const EACH: u64 = 1_000_000;
 
-/// Every second frame has its image: the worst way for a million of them to lie.
+/// Every second frame has its image: the worst case for a million frames.
 fn table(jobs: u64) -> LeaseTable {
     let mut table = LeaseTable::new();
     let of_one = EACH / jobs;
@@ -45,7 +45,7 @@ fn claims(criterion: &mut Criterion) {
             bench.iter_custom(|iterations| {
                 let (mut left, mut spent) = (iterations, Duration::ZERO);
                 while left > 0 {
-                    // A tenth of what waits, then a fresh table.
+                    // A tenth of the queued frames, then a fresh table.
                     let (some, mut table) = (left.min(EACH / 10), table(jobs));
                     let begun = Instant::now();
                     for _ in 0..some {

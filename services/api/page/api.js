@@ -1,4 +1,4 @@
-// The API of the service: the token, problems, a service that is away for a while.
+// API client: token, problems, and retries while the service is unreachable.
 
 import { queryOf } from "./text.js";
 
@@ -22,7 +22,7 @@ function headers(more) {
   return token === null ? more : { ...more, authorization: `Bearer ${token}` };
 }
 
-// Sends a request. Without a connection a question is asked again when the service is back; what changes something is not.
+// Sends a request. Reads are retried when the connection returns; writes are not.
 export async function send(path, options = {}) {
   for (;;) {
     let response;
@@ -81,7 +81,7 @@ export async function list(path, signal) {
 }
 
 const kept = new Map();
-// A list that does not change while the service runs.
+// A list that is constant while the service runs.
 export function known(path) {
   if (!kept.has(path)) {
     const asked = list(path);
@@ -97,7 +97,7 @@ export async function lines(path, signal) {
   return text.split("\n").filter(Boolean).map((line) => JSON.parse(line));
 }
 
-// Server-sent events until the job ends: they are read here because an EventSource has no token.
+// Server-sent events until the job ends. EventSource cannot send a token.
 export async function follow(path, signal, tell) {
   let last = null;
   while (!signal.aborted) {
@@ -147,7 +147,7 @@ export function pause(ms, signal) {
   });
 }
 
-// Waits until the service responds, and says so meanwhile.
+// Waits until the service responds, and shows a notice meanwhile.
 export async function back(signal) {
   waiting ??= untilBack().finally(() => { waiting = null; });
   await waiting;
@@ -156,7 +156,7 @@ export async function back(signal) {
 
 async function untilBack() {
   const note = document.getElementById("gone");
-  note.textContent = "The service does not respond. This page goes on as soon as it does.";
+  note.textContent = "The service does not respond. This page continues as soon as it does.";
   note.hidden = false;
   for (;;) {
     await pause(1000);
@@ -170,7 +170,7 @@ function askToken(problem) {
   asking ??= new Promise((resolve) => {
     const dialog = /** @type {HTMLDialogElement} */ (document.getElementById("token"));
     document.getElementById("token-why").textContent = token === null
-      ? "Whoever runs it has set FATHOM_TOKEN." : `It refused the last one: ${problem.detail}.`;
+      ? "Its operator has set FATHOM_TOKEN." : `The last token was rejected: ${problem.detail}.`;
     const form = dialog.querySelector("form");
     form.reset();
     form.onsubmit = () => {

@@ -1,4 +1,4 @@
-// Views and their addresses: the part behind # is the view and its state, so that every state can be shared.
+// Routing: the fragment contains the view and its state, so that every state has a link.
 
 import { back } from "./api.js";
 import { h, put, problemBox } from "./dom.js";
@@ -34,7 +34,7 @@ function decoded(part) {
   }
 }
 
-// What a view is given: its address, and how to change it without a new view.
+// The context of a view: its address, and how to change it without a new view.
 class Route {
   constructor(place) {
     this.name = place.name;
@@ -45,7 +45,7 @@ class Route {
     this.signal = this.end.signal;
   }
 
-  // Changes a part of the state in the address.
+  // Changes part of the state in the address.
   set(values) {
     for (const [key, value] of Object.entries(values)) {
       if (value === undefined || value === null || value === "") delete this.query[key];
@@ -81,7 +81,7 @@ async function show() {
   if (!isFirst && document.activeElement === document.body) title?.focus({ preventScroll: true });
 }
 
-// The module of a view, even if the service is away at first.
+// Loads the module of a view, also after the service was unreachable.
 async function loaded(load, signal) {
   try {
     return await load();
@@ -103,7 +103,7 @@ function mark(name) {
 const KEYS = { s: "#/", j: "#/jobs", c: "#/compose", w: "#/waters", y: "#/styles", p: "#/speed" };
 let isGoing = false;
 
-// "/" is the filter, "g" and a letter a view.
+// Shortcuts: "/" focuses the filter, "g" and a letter opens a view.
 document.addEventListener("keydown", (event) => {
   if (event.ctrlKey || event.metaKey || event.altKey || /** @type {HTMLElement} */ (event.target).closest?.("input, textarea, select, dialog")) return;
   if (isGoing && KEYS[event.key]) {
@@ -121,5 +121,5 @@ document.addEventListener("keydown", (event) => {
 
 window.addEventListener("hashchange", show);
 await show();
-// The other views are here before they are needed.
+// Preload the other views.
 await Promise.allSettled(Object.values(VIEWS).map((load) => load()));

@@ -1,4 +1,4 @@
-// Histograms and curves, drawn as SVG: sharp at any size, and readable by the keyboard.
+// Histograms and curves as SVG with keyboard access.
 
 import { h, svg } from "./dom.js";
 import { number } from "./text.js";
@@ -6,7 +6,7 @@ import { number } from "./text.js";
 const WIDTH = 320;
 const HEIGHT = 110;
 
-// Bars of a histogram. A drag, or two numbers, choose a range: chosen(low, high).
+// Bars of a histogram. A drag or two numbers select a range: chosen(low, high).
 export function histogram(bins, /** @type {{ chosen?: (min: number, max: number) => void, label: string, other?: any }} */ how) {
   const { chosen, label, other } = how;
   const { edges, counts } = bins;
@@ -30,7 +30,7 @@ function at(edges, share) {
   return edges[0] + (edges.at(-1) - edges[0]) * share;
 }
 
-// Lets a pointer choose a part of the width.
+// Selects part of the width by pointer.
 function brushed(plot, brush, chosen) {
   let from = null;
   const share = (event) => {

@@ -1,4 +1,4 @@
-// A job beside a live frame: form and JSON are one document, and the frame follows it.
+// A job next to a live frame. Form and JSON edit one document, and the frame follows it.
 
 import { ProblemError, get, pause, post } from "./api.js";
 import { h, heading, problemBox, put, same } from "./dom.js";
@@ -9,7 +9,7 @@ import { Live, pictureOf, rendered } from "./live.js";
 import { bytes, count, duration, number } from "./text.js";
 
 const STRIP = 12;
-// Lamps nearer than that, or behind the camera, have their handles as if they were there: else they stood far beside the picture.
+// Minimum distance for the handles of lamps: closer ones would be far outside the image.
 const NEAREST = 1;
 
 export async function show(root, route) {
@@ -31,7 +31,7 @@ class Compose {
     this.speed = h("p.quiet", { "data-speed": "" }, "Rendering …");
     this.wrong = h("div", { "aria-live": "polite" });
     this.facts = h("div.note", { role: "status" }, "…");
-    this.strip = h("div.frames", { role: "group", "aria-label": "Twelve frames drawn from the laws" });
+    this.strip = h("div.frames", { role: "group", "aria-label": "Twelve sample frames" });
     this.submit = h("button.primary", { type: "button", onclick: () => this.send() }, "Submit");
     this.plan = h("div");
     this.live = new Live(route.signal, (shown) => this.shown(shown), (error) => this.failed(error));
@@ -51,12 +51,12 @@ class Compose {
     this.json.value = JSON.stringify(this.job, null, 2);
   }
 
-  // The JSON was edited: the form follows.
+  // After an edit of the JSON, update the form.
   read() {
     let parsed;
     try {
       parsed = JSON.parse(this.json.value);
-      if (!parsed || typeof parsed !== "object" || Array.isArray(parsed)) throw new Error("a job is an object");
+      if (!parsed || typeof parsed !== "object" || Array.isArray(parsed)) throw new Error("a job must be an object");
     } catch (error) {
       this.json.setAttribute("aria-invalid", "true");
       put(this.wrong, h("p.wrong", {}, `JSON: ${error.message}`));
@@ -80,11 +80,11 @@ class Compose {
   current() {
     const drawn = this.first[this.frame]?.parameters;
     const own = settled(this.job, drawn);
-    // The values of a site are known once they are drawn.
+    // The values of a site are known once a frame is drawn.
     return this.job.site !== undefined && drawn?.site ? replaced(drawn, own) : own;
   }
 
-  // After the last change: errors, cost, the frames of the laws, and the frame in full.
+  // After the last change: errors, cost, sample frames, and the frame in full size.
   async settle() {
     this.working?.abort();
     this.working = new AbortController();
@@ -140,7 +140,7 @@ class Compose {
     if (!(error instanceof ProblemError && error.problem.errors)) this.speed.textContent = error.message;
   }
 
-  // The plan of the frame: its promise and the time of each stage.
+  // The plan of the frame: error bound and time of each stage.
   async showPlan(signal) {
     await pause(400, signal);
     const frame = this.current();
@@ -178,7 +178,7 @@ class Compose {
     }
   }
 
-  // A handle for each light that can be moved in the picture.
+  // A handle for each light that can be moved in the image.
   drawHandles() {
     const now = this.current();
     const lights = Array.isArray(now.lights) ? now.lights : [];
@@ -242,19 +242,19 @@ function opened(text) {
     const job = JSON.parse(text);
     if (job && typeof job === "object" && !Array.isArray(job)) return job;
   } catch {
-    // An address that was cut short begins with the usual job.
+    // A truncated address falls back to the default job.
   }
   return structuredClone(START);
 }
 
-// Objects are merged and everything else is replaced, as a job replaces fields of its site.
+// Merges objects and replaces everything else, as a job overrides its site.
 function replaced(base, own) {
   const isObject = (one) => one !== null && typeof one === "object" && !Array.isArray(one);
   if (!isObject(base) || !isObject(own)) return own;
   return { ...base, ...Object.fromEntries(Object.entries(own).map(([key, value]) => [key, replaced(base[key], value)])) };
 }
 
-// Where a light is in the picture, as shares of its sides.
+// The position of a light in the image, as shares of its sides.
 function inPicture(light, camera) {
   if (light.kind === "haze") return { x: light.x, y: light.y };
   const [right, down, ahead] = light.position_m ?? [0, 0, 1];
@@ -263,7 +263,7 @@ function inPicture(light, camera) {
   return { x: 0.5 + (focal * right) / depth, y: 0.5 + (focal * shape * down) / depth };
 }
 
-// The fields of a light that stands there; a lamp keeps its distance ahead.
+// The fields of a light at this position; a lamp keeps its distance from the camera.
 function placed(light, camera, x, y) {
   const tidy = (value) => Number(value.toFixed(4));
   if (light.kind === "haze") return { x: tidy(x), y: tidy(y) };

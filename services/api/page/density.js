@@ -1,15 +1,15 @@
-// How many images have which pair of values. A rectangle becomes a filter.
+// A 2-D histogram of two columns. A selected rectangle becomes a filter.
 
 import { get } from "./api.js";
 import { color, h, put, select } from "./dom.js";
 import { shade } from "./picture.js";
 import { number, path } from "./text.js";
 
-// Cells along each axis at most, and at least: few images in many cells show nothing.
+// Maximum and minimum cells along each axis: few images need few cells.
 const CELLS = 64;
 const FEWEST = 12;
 
-// The panel; chosen({column, min, max}, {column, min, max}) gets what was brushed.
+// The panel; chosen({column, min, max}, {column, min, max}) is called with the selection.
 export function densityPanel(route, { name, columns, images }, chosen) {
   const bins = Math.min(CELLS, Math.max(FEWEST, Math.ceil(Math.sqrt(images))));
   const numbers = columns.filter((column) => column.kind === "number").map((column) => column.name);

@@ -1,4 +1,4 @@
-// Elements. Every text becomes a text node: nothing that comes from data is ever read as markup.
+// DOM elements. Every text becomes a text node, so that data is never parsed as markup.
 
 const SVG = "http://www.w3.org/2000/svg";
 
@@ -34,9 +34,9 @@ export function heading(text, ...beside) {
   return h("div.heading", {}, h("h1", { tabindex: "-1" }, text), ...beside);
 }
 
-// What gives the same without the page: calls of the API and commands.
+// The equivalent API calls and commands.
 export function same(...lines) {
-  return h("details.same", {}, h("summary", {}, "The same without the page"),
+  return h("details.same", {}, h("summary", {}, "Without this page"),
     h("pre", { tabindex: "0", role: "group", "aria-label": "Calls and commands" }, lines.filter(Boolean).join("\n")));
 }
 
@@ -56,10 +56,10 @@ export function table(head, rows, props = {}) {
         ? h("th", { scope: "row" }, cell) : h("td", {}, cell)))))));
 }
 
-// A problem of the API with all that it says.
+// An API problem with all its members.
 export function problemBox(error) {
   const errors = error.problem?.errors ?? [];
-  return h("div.problem", { role: "alert" }, h("strong", {}, error.problem?.title ?? "It did not work"),
+  return h("div.problem", { role: "alert" }, h("strong", {}, error.problem?.title ?? "Error"),
     h("p", {}, error.problem?.detail ?? error.message),
     errors.length > 0 && h("ul", {}, errors.map((one) => h("li", {}, one.message))),
     error.problem?.did_you_mean && h("p", {}, "Did you mean ", h("code", {}, error.problem.did_you_mean), "?"));

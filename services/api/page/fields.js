@@ -1,5 +1,5 @@
-// The fields that the form of Compose shows, and how far their sliders reach. What a value may be the service says: a slider
-// covers what is usual, and the number beside it takes anything.
+// The fields in the form of Compose, with the usual range of their sliders. The service checks the limits: the number
+// next to a slider accepts any value.
 
 export const START = {
   dataset: "composed",
@@ -75,7 +75,7 @@ export function at(document, pointer) {
   return pointer.split("/").slice(1).reduce((value, key) => (value && typeof value === "object" ? value[key] : undefined), document);
 }
 
-// Sets a value, or removes the field where it is undefined.
+// Sets a value, or removes the field if it is undefined.
 export function put(document, pointer, value) {
   const keys = pointer.split("/").slice(1);
   const last = keys.pop();

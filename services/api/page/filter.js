@@ -1,11 +1,11 @@
-// The filter line: completion of columns and words, and errors where they are.
+// The filter line: completion of columns and words, and inline errors.
 
 import { h, put } from "./dom.js";
 
 const WORDS = ["and", "or", "not", "in", "between", "is null", "is not null", "true", "false"];
 const KEY = "fathom.filters";
 
-// changed(text) is called with each filter that is sent.
+// changed(text) is called with each submitted filter.
 export class FilterLine {
   constructor(columns, text, changed) {
     this.names = columns.map((column) => column.name).concat(WORDS);
@@ -35,7 +35,7 @@ export class FilterLine {
     this.changed(text);
   }
 
-  // Joins one more condition.
+  // Adds a condition.
   add(condition) {
     const text = this.input.value.trim();
     this.take(text ? `(${text}) and ${condition}` : condition);
@@ -92,7 +92,7 @@ export class FilterLine {
     this.input.setAttribute("aria-expanded", "false");
   }
 
-  // Shows what is wrong and where: the position counts characters.
+  // Shows an error at its position, in characters.
   fault(problem) {
     this.input.toggleAttribute("aria-invalid", Boolean(problem));
     this.wrong.hidden = !problem;

@@ -1,4 +1,4 @@
-// The form of a job: a control for each field, that changes the same document as the JSON beside it.
+// The form of a job: one control per field. Form and JSON edit the same document.
 
 import { known } from "./api.js";
 import { h, put, select } from "./dom.js";
@@ -24,7 +24,7 @@ export class Form {
     this.draw();
   }
 
-  // Draws every control anew, as after a change of the JSON.
+  // Redraws every control, as after a change of the JSON.
   draw() {
     const active = document.activeElement;
     const holder = /** @type {HTMLElement} */ (active?.closest?.("[data-pointer]"));
@@ -39,12 +39,12 @@ export class Form {
     control?.querySelector(active.classList.contains("law-kind") ? ".law-kind" : "input, select:not(.law-kind), button")?.focus();
   }
 
-  // With a site the form shows the fields that replace the site's.
+  // With a site the form shows the fields that override the site's.
   isShown(field) {
     return this.job.site === undefined || at(this.job, field.pointer) !== undefined;
   }
 
-  // A site replaces the description; name, count and seed of the job stay.
+  // A site replaces the description, except for dataset, count and seed of the job.
   siteSelect() {
     const { site } = this.job;
     const isOwn = site !== undefined && typeof site !== "string";
@@ -68,7 +68,7 @@ export class Form {
     const note = h("p.wrong", { id: `${id}-wrong`, hidden: true });
     this.notes.set(field.pointer, note);
     const laws = lawsFor(field);
-    const kind = laws.length > 0 && h("select.law-kind", { "aria-label": `Value or law of ${name}`, onchange: (event) => {
+    const kind = laws.length > 0 && h("select.law-kind", { "aria-label": `Value or distribution of ${name}`, onchange: (event) => {
       this.change(field, event.target.value === "" ? plain(value, field) : newLaw(event.target.value, field, plain(value, field)));
       this.draw();
     } }, [["", "value"], ...[...new Set([...laws, law].filter(Boolean))].map((one) => [one, one])].map(([key, text]) => h("option",
@@ -165,7 +165,7 @@ export class Form {
     this.changed(isDragging);
   }
 
-  // Shows each error at its field; returns those that have none here.
+  // Shows each error at its field; returns those without a field here.
   fault(errors) {
     for (const note of this.notes.values()) note.hidden = true;
     return errors.filter((error) => {
@@ -180,7 +180,7 @@ export class Form {
   }
 }
 
-// A value in place of a law.
+// A value in place of a distribution.
 function plain(value, field) {
   if (!lawOf(value)) return value ?? field.value;
   const first = Object.values(value)[0];

@@ -1,15 +1,15 @@
-// A grid of any number of thumbnails: only those in view exist, and only the pages around them are asked for.
+// A virtual grid of thumbnails: only visible ones exist, and only nearby pages are loaded.
 
 import { get } from "./api.js";
 import { h, put } from "./dom.js";
 
 const PAGE = 100;
 const MOST_PAGES = 80;
-// Browsers lay out no taller elements.
+// The maximum element height of browsers.
 const TALLEST = 15_000_000;
 
 export class Grid {
-  // cell(row) makes the content of a row; question is that of /v1/images without limit and cursor.
+  // cell(row) creates the content of a row; query has the parameters of /v1/images without limit and cursor.
   constructor(signal, cell) {
     this.signal = signal;
     this.cell = cell;
@@ -24,13 +24,13 @@ export class Grid {
     signal.addEventListener("abort", () => watch.disconnect());
   }
 
-  // Shows the images of a question.
-  show(question, total) {
+  // Shows the images of a query.
+  show(query, total) {
     this.asked?.abort();
     this.asked = new AbortController();
     const stop = this.asked;
     this.signal.addEventListener("abort", () => stop.abort(), { once: true });
-    this.question = question;
+    this.query = query;
     this.total = total;
     this.pages = new Map();
     this.walking = null;
@@ -44,7 +44,7 @@ export class Grid {
   }
 
   layOut(isNew = false) {
-    if (!this.question) return;
+    if (!this.query) return;
     const width = this.element.clientWidth - 8;
     if (isNew) {
       this.columns = Math.max(2, Math.floor(width / 168));
@@ -52,13 +52,13 @@ export class Grid {
       this.high = Math.round(this.side * 0.66 + 24);
       const rows = Math.ceil(this.total / this.columns);
       this.tall = rows * this.high;
-      // So that the end of the bar is that of the rows.
+      // The end of the scroll bar is the end of the rows.
       const view = this.element.clientHeight;
       this.squeeze = this.tall > TALLEST ? (this.tall - view) / (TALLEST - view) : 1;
       this.space.style.height = `${Math.min(this.tall, TALLEST)}px`;
       this.clear();
     }
-    // Beyond the tallest element a step of the bar covers several rows; the rows themselves keep their size.
+    // Beyond the maximum height a step of the scroll bar covers several rows; rows keep their size.
     const shift = this.element.scrollTop * (this.squeeze - 1);
     const top = this.element.scrollTop * this.squeeze;
     const from = Math.max(0, Math.floor(top / this.high) - 1) * this.columns;
@@ -100,7 +100,7 @@ export class Grid {
     put(cell, this.cell(row, at));
   }
 
-  // Asks for the pages in view, one at a time; the newest wish wins.
+  // Loads the visible pages, one at a time; the latest request wins.
   async want(first, last) {
     this.wish = { first, last };
     if (this.walking) return;
@@ -121,14 +121,14 @@ export class Grid {
   }
 
   async load(page, signal) {
-    const answer = await get("/v1/images", { ...this.question, limit: PAGE, offset: page * PAGE }, signal);
+    const answer = await get("/v1/images", { ...this.query, limit: PAGE, offset: page * PAGE }, signal);
     this.pages.set(page, answer.items);
     if (!answer.next_cursor) this.end(page * PAGE + answer.items.length);
     if (this.pages.size > MOST_PAGES) this.pages.delete(this.pages.keys().next().value);
     for (const [at, cell] of this.cells) this.fill(at, cell);
   }
 
-  // There are fewer than was said.
+  // There are fewer rows than reported.
   end(total) {
     if (total < this.total) this.resize(total);
   }

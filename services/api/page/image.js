@@ -1,4 +1,4 @@
-// One image: its layers under a divider, everything that is known about it, and whether it renders to the same again.
+// One image: its layers with a divider, its record, and its verification.
 
 import { get, known, post } from "./api.js";
 import { h, heading, problemBox, put, same, select } from "./dom.js";
@@ -23,7 +23,7 @@ export async function show(root, route) {
     h("div.columns", {}, section("Parameters", parameters(record, fields, description, waters)), section("Plan and time", planTable(record)),
       section("Metrics", measurements(record)), section("Objects", boxesTable(record, (one) => layers.point(one))),
       section("Along a column", await along(record, route)), section("Files", files(record, base, about)),
-      section("Where it comes from", provenance(record))),
+      section("Provenance", provenance(record))),
     same(`GET ${base}`, `GET ${base}/artifacts/rgb`, `POST ${base}/verify {"rerender": true}`,
       `fathom query 'job == "${job}" and frame == ${frame}' --dataset ${record.dataset}`));
   await showNeighbors(neighbors, record, route);
@@ -41,12 +41,12 @@ function section(title, ...content) {
   return h("section.panel", {}, h("h2", {}, title), ...content);
 }
 
-// The frame as a description of its own: what the record fills in from a water stays out.
+// The frame as a separate description, without the values that its water fills in.
 function ofFrame(record) {
   return { ...record.parameters, count: 1 };
 }
 
-// The images before and after it in the set as it was looked at.
+// The previous and next image in the last view of the set.
 async function showNeighbors(place, record, route) {
   const { set, filter, order } = route.query;
   const column = order?.replace(/^-/, "");
@@ -75,7 +75,7 @@ function valueOf(record, column) {
   return column.split(".").reduce((value, key) => value?.[key], record.parameters);
 }
 
-// Images whose value of a column is next to this one's.
+// Images with the adjacent values of a column.
 async function along(record, route) {
   const numbers = Object.keys(flat(record.parameters)).concat(Object.keys(record.measurements.rgb ?? {}));
   const place = h("div.strip");
@@ -88,7 +88,7 @@ async function along(record, route) {
     const [less, more] = await Promise.all([ask("<", `-${column}`), ask(">", column)]);
     const shown = (row) => h("a", { href: `#/image/${path(row.job, String(row.frame))}?along=${encodeURIComponent(column)}` },
       picture(`/v1/images/${path(row.job, String(row.frame))}/preview`, `Frame ${row.frame}`), h("span.caption", {}, number(row[column], 4)));
-    return put(place, less.items.reverse().map(shown), h("strong.here", {}, `here ${number(value)}`), more.items.map(shown));
+    return put(place, less.items.reverse().map(shown), h("strong.here", {}, `this image: ${number(value)}`), more.items.map(shown));
   };
   await draw(chosen).catch((error) => put(place, h("p.quiet", {}, error.message)));
   return h("div", {}, select("Column", numbers.includes(chosen) ? numbers : [chosen, ...numbers], chosen, (column) => {
@@ -97,7 +97,7 @@ async function along(record, route) {
   }), place);
 }
 
-// Numbers of the description by the names of their columns.
+// Numbers of the description by column name.
 function flat(value, name = "", found = {}) {
   if (typeof value === "number") found[name] = value;
   else if (value && typeof value === "object" && !Array.isArray(value)) {
@@ -113,13 +113,13 @@ function files(record, base, about) {
 
 async function verify(base, button, place, route) {
   button.disabled = true;
-  put(place, h("p", {}, "Rendering it again …"));
+  put(place, h("p", {}, "Rendering again …"));
   try {
     const found = await (await post(`${base}/verify`, { rerender: true }, { signal: route.signal })).json();
     const kinds = found.artifacts.map((one) => h("li", {}, one.kind, ": stored ", one.stored, one.largest_difference !== null
       && `, largest difference ${number(one.largest_difference)}`, one.rerendered_digest === one.digest && ", the same bytes again"));
     put(place, h("div.note", {}, h("strong", { class: found.intact && found.reproduced ? "good" : "bad" }, found.reproduced
-      ? "It renders to the same bytes." : "It renders to other bytes."), found.intact ? "" : " Stored bytes are damaged.",
+      ? "The bytes are the same." : "The bytes differ."), found.intact ? "" : " Stored bytes are damaged.",
     h("ul", {}, kinds, found.differences.map((one) => h("li", {}, one)))));
   } catch (error) {
     if (!route.signal.aborted) put(place, problemBox(error));

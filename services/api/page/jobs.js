@@ -1,10 +1,10 @@
-// Jobs and their progress as it happens; failures with their reasons; the workers.
+// Jobs with live progress; failures with their errors; the workers.
 
 import { follow, get, lines, list, pause, post } from "./api.js";
 import { h, heading, problemBox, put, same, table } from "./dom.js";
 import { bytes, count, duration, number, path, when } from "./text.js";
 
-// A browser has six connections to a service; pictures and questions need some of them.
+// A browser has six connections to a service; images and queries need some of them.
 const STREAMS = 3;
 const OPEN = ["queued", "running", "paused"];
 
@@ -31,7 +31,7 @@ async function all(root, route) {
   await showWorkers(workers, route);
 }
 
-// The jobs that have no stream are asked for now and then.
+// Jobs without a stream are polled.
 async function ask(watched, route) {
   while (watched.length > 0) {
     await pause(3000, route.signal);
@@ -42,12 +42,12 @@ async function ask(watched, route) {
 
 async function showWorkers(place, route) {
   const { items } = await get("/v1/workers", {}, route.signal);
-  put(place, h("h2", {}, count(items.length, "worker")), items.length === 0 ? h("p.bad", {}, "No worker is here: jobs wait.")
-    : table(["worker", "slots", "frames in work", "last heard", "version"], items.map((one) => [one.name, number(one.slots),
+  put(place, h("h2", {}, count(items.length, "worker")), items.length === 0 ? h("p.bad", {}, "No workers are connected; jobs wait.")
+    : table(["worker", "slots", "frames in progress", "last heard", "version"], items.map((one) => [one.name, number(one.slots),
       number(one.leased_frames), `${duration(one.silent_ms / 1000)} ago`, one.code_version]), { label: "Workers" }));
 }
 
-// The progress of a job with rate and remaining time, from what was told of late.
+// The progress of a job, with rate and remaining time from recent events.
 class Bar {
   constructor(job) {
     this.job = job;
@@ -111,7 +111,7 @@ async function one(root, route, id) {
   const draw = () => {
     const isOpen = OPEN.includes(bar.job.state);
     put(controls, button("pause", "Pause", isOpen && bar.job.state !== "paused"), button("resume", "Resume", bar.job.state === "paused"),
-      button("cancel", "Cancel", isOpen), button("retry-failed", "Try failed frames again", bar.job.failed > 0 && !isOpen));
+      button("cancel", "Cancel", isOpen), button("retry-failed", "Retry failed frames", bar.job.failed > 0 && !isOpen));
     put(facts, table(["", ""], [["id", h("code", {}, id)], ["submitted", when(bar.job.created_at)], ["started", when(bar.job.started_at)],
       ["finished", when(bar.job.finished_at)], ["bytes", bytes(bar.job.bytes)], ["digest", h("code", {}, bar.job.digest ?? "–")]], { label: "Job" }));
     if (bar.job.failed !== shownFailed) {

@@ -1,4 +1,4 @@
-// Laws: what may stand in place of a value, how it is edited and what it looks like.
+// Distributions: editing and drawing.
 
 import { h, svg } from "./dom.js";
 import { number } from "./text.js";
@@ -10,14 +10,14 @@ export function lawOf(value) {
   return NAMES.find((name) => name in value) ?? null;
 }
 
-// Laws that a field may have.
+// Distributions allowed for a field.
 export function lawsFor(field) {
   if (field.noLaw) return [];
   if (field.kind === "choice") return ["choice"];
   return field.whole ? ["int", "choice"] : ["uniform", ...(field.low > 0 ? ["log_uniform"] : []), "normal", "choice"];
 }
 
-// A law around a value.
+// A distribution around a value.
 export function newLaw(name, field, value) {
   const tidy = (one) => (field.whole ? Math.round(one) : Number(one.toPrecision(3)));
   if (name === "choice" || name === "grid") return { [name]: [value ?? field.value] };
@@ -32,7 +32,7 @@ export function newLaw(name, field, value) {
   return { [name]: [tidy(Math.max(low, mean - half)), tidy(Math.min(high, mean + half))] };
 }
 
-// A value in the middle, for a frame that the service has not resolved yet.
+// A middle value, for a frame that the service has not resolved yet.
 export function middle(value) {
   const name = lawOf(value);
   const law = value[name];
@@ -42,7 +42,7 @@ export function middle(value) {
   return name === "log_uniform" ? Math.sqrt(law[0] * law[1]) : (law[0] + law[1]) / 2;
 }
 
-// A description with values in place of laws: those of a resolved frame, where it has them.
+// A description with values in place of distributions, from a resolved frame if available.
 export function settled(value, resolved) {
   if (lawOf(value)) return resolved === undefined ? settled(middle(value), undefined) : resolved;
   if (Array.isArray(value)) return value.map((one, at) => settled(one, resolved?.[at]));
@@ -52,7 +52,7 @@ export function settled(value, resolved) {
   return value;
 }
 
-// Inputs for the numbers of a law; changed(law) gets each new one.
+// Inputs for the numbers of a distribution; changed(law) is called with each change.
 export function lawEditor(name, value, field, options, changed) {
   const law = value[name];
   if (name === "choice" || name === "grid") return choices(name, value, field, options, changed);
@@ -84,7 +84,7 @@ function choices(name, value, field, options, changed) {
   return h("div.row.grow", {}, box, add);
 }
 
-// The density of a law as a little picture.
+// A small plot of a distribution's density.
 function shape(name, value, law) {
   const [a, b] = name === "normal" ? value.clip ?? [law[0] - 3 * law[1], law[0] + 3 * law[1]] : law;
   const density = (x) => {

@@ -1,4 +1,4 @@
-// Two layers of an image at the same place, with a divider that a pointer or the keyboard moves.
+// Two layers of an image with a divider, moved by pointer or keyboard.
 
 import { drawBoxes } from "./set.js";
 import { h, put, select } from "./dom.js";
@@ -6,7 +6,7 @@ import { codeColor, pixels } from "./picture.js";
 import { known } from "./api.js";
 import { path } from "./text.js";
 
-// In the order in which light goes; what is not named comes after.
+// In the order of the light path; other layers follow.
 const ORDER = ["rgb", "clean", "direct", "forward_scatter", "backscatter", "scattered", "styled", "hazed", "range", "transmittance",
   "semantics", "semantics.visible", "instances", "findings", "normals", "snow_mask"];
 

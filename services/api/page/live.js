@@ -1,12 +1,12 @@
-// The live frame: the newest description is rendered, older ones that wait are dropped.
+// The live frame: only the latest description is rendered.
 
 import { post } from "./api.js";
 
-// Requests at the same time: while one picture is on its way the next is rendered.
+// Concurrent requests: one image is transferred while the next is rendered.
 const MOST = 2;
 
 export class Live {
-  // shown({bitmap, ms, isFull}) is called for each picture, in order; failed(error) where there is none.
+  // shown({bitmap, ms, isFull}) is called for each image, in order; failed(error) on errors.
   constructor(signal, shown, failed) {
     this.signal = signal;
     this.shown = shown;
@@ -48,18 +48,18 @@ export class Live {
   }
 }
 
-// A frame as a picture; nothing of it is kept by the service.
+// Renders a frame that the service does not store.
 export async function rendered(frame, signal) {
   const response = await post("/v1/renders", frame, { signal, accept: "image/*", prefer: "wait=30" });
-  if (response.status === 202) throw new Error("the service has too much to do to render this now");
+  if (response.status === 202) throw new Error("the service is too busy to render this now");
   return createImageBitmap(await response.blob());
 }
 
-// What the picture needs of a description, at a share of its size.
+// The part of a description that affects the image, at a share of its size.
 export function pictureOf(frame, share, quality = 90) {
   const { count, dataset, labels, enhance, metrics, ...rest } = frame;
   const camera = { ...(frame.camera ?? {}) };
-  // A scene of the user's own brings its size.
+  // An uploaded scene has its own size.
   if (frame.scene?.kind === "procedural") {
     camera.width = Math.max(16, Math.round((camera.width ?? 768) * share));
     camera.height = Math.max(16, Math.round((camera.height ?? 492) * share));

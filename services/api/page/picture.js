@@ -1,9 +1,9 @@
-// Pictures and layers as pixels: thumbnails, 16-bit PNG, NPY, and the colors of ranges and masks.
+// Decodes images and layers: thumbnails, 16-bit PNG, NPY, and the colors of ranges and masks.
 
 import { binary, hasToken, send } from "./api.js";
 import { h } from "./dom.js";
 
-// An image of the service. A token cannot be sent by the element itself.
+// An image of the service. An img element cannot send a token.
 export function picture(path, alt, props = {}) {
   const image = h("img", { alt, decoding: "async", ...props });
   if (hasToken()) {
@@ -58,12 +58,12 @@ function ofArray({ shape, values }, kind) {
   return image;
 }
 
-// Linear light to a code of sRGB.
+// Linear light to sRGB code.
 function encoded(value) {
   return 255 * (value <= 0.0031308 ? 12.92 * value : 1.055 * value ** (1 / 2.4) - 0.055);
 }
 
-// A gray PNG of 16 bits, not interlaced: {width, height, values}. The canvas of a browser keeps 8 bits only.
+// A 16-bit gray PNG, not interlaced: {width, height, values}. A canvas only keeps 8 bits.
 export async function readPng16(data) {
   const view = new DataView(data);
   const parts = [];
@@ -107,7 +107,7 @@ function paeth(a, b, c) {
   return pa <= pb && pa <= pc ? a : pb <= pc ? b : c;
 }
 
-// Near is bright, far is dark; a hole is transparent.
+// Near is bright, far is dark, holes are transparent.
 function ofRange({ width, height, values }) {
   const known = values.filter((value) => value > 0).sort();
   const low = known[Math.floor(known.length * 0.01)] ?? 0;
@@ -123,14 +123,14 @@ function ofRange({ width, height, values }) {
 
 const STOPS = [[13, 8, 135], [84, 2, 163], [139, 10, 165], [185, 50, 137], [219, 92, 104], [244, 136, 73], [254, 188, 43], [240, 249, 33]];
 
-// A place on a scale from dark to bright that stays ordered without colors.
+// A color scale with monotonic brightness.
 export function shade(share) {
   const place = Math.min(1, Math.max(0, share)) * (STOPS.length - 1);
   const at = Math.min(STOPS.length - 2, Math.floor(place));
   return STOPS[at].map((low, c) => Math.round(low + (STOPS[at + 1][c] - low) * (place - at)));
 }
 
-// A color for each number, neighbors far apart; 0 is transparent.
+// A color for each number, with contrast between neighbors; 0 is transparent.
 export function codeColor(number) {
   const hue = (number * 137.508) % 360;
   const light = 0.5 + 0.14 * ((number % 3) - 1);

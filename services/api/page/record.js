@@ -1,4 +1,4 @@
-// Tables of what the record of an image says.
+// Tables of an image's record.
 
 import { h, table } from "./dom.js";
 import { lawOf } from "./laws.js";
@@ -7,7 +7,7 @@ import { number } from "./text.js";
 
 const OPTICS_UNITS = { spread_px_per_m: "px/m", spread_offset_px: "px", backscatter_fraction: "" };
 
-// job is the description of the whole job, as far as it is known: where it has a law, the law stands beside the value.
+// job is the description of the job, if known; its distributions are shown next to the values.
 export function parameters(record, fields, job, waters) {
   const known = new Map(fields.map((field) => [field.name.replace(/\([a-z]+\)/g, ""), field]));
   const rows = [];
@@ -27,7 +27,7 @@ export function parameters(record, fields, job, waters) {
       table(["coefficient", "value"], water, { label: "Coefficients" }))];
 }
 
-// The law that a description has at a parameter, or above it, as text.
+// The distribution at a parameter or its parent, as text.
 function lawAt(job, name) {
   let place = job;
   for (const key of ["", ...name.split(/[.[\]]+/).filter(Boolean)]) {
@@ -56,7 +56,7 @@ export function planTable(record) {
     h("p.quiet", {}, `${skipped} stages are skipped. A bound is the largest error in linear light at the output of its stage.`),
     record.promise ? h("p", {}, record.promise.text) : null,
     record.promise?.exceeds ? h("p.bad", {}, `The plan exceeds the tolerance: ${record.promise.exceeds}.`) : null,
-    h("p", {}, `It took ${number(total, 3)} ms:`),
+    h("p", {}, `Time ${number(total, 3)} ms:`),
     h("ul.bars", {}, times.map(([name, ms]) => {
       const bar = h("i");
       bar.style.width = `${Math.max(0.5, (100 * ms) / total)}%`;
@@ -66,16 +66,16 @@ export function planTable(record) {
 
 export function measurements(record) {
   const pictures = Object.keys(record.measurements).sort((a, b) => (a === "rgb" ? -1 : b === "rgb" ? 1 : a.localeCompare(b)));
-  if (pictures.length === 0) return h("p.quiet", {}, "None were asked for.");
+  if (pictures.length === 0) return h("p.quiet", {}, "None were requested.");
   const names = [...new Set(pictures.flatMap((one) => Object.keys(record.measurements[one])))];
   return table(["metric", ...pictures], names.map((name) => [name, ...pictures.map((one) => number(record.measurements[one][name]))]),
     { label: "Metrics" });
 }
 
-// point(number) shows one object in the picture, point(null) all.
+// point(number) highlights one object in the image, point(null) all.
 export function boxesTable(record, point) {
   const all = record.scene?.instances ?? [];
-  if (all.length === 0) return h("p.quiet", {}, "The job asked for no labels.");
+  if (all.length === 0) return h("p.quiet", {}, "The job requested no labels.");
   const rows = all.map((one) => {
     const patch = h("i.patch");
     patch.style.background = `rgb(${codeColor(one.number).join(" ")})`;
@@ -90,5 +90,5 @@ export function provenance(record) {
   const { inputs = {}, ...rest } = record.provenance ?? {};
   const rows = [["rendered", record.created_at], ...Object.entries(rest).map(([name, value]) => [name, number(value)]),
     ...Object.entries(inputs).map(([name, value]) => [name, String(value)]), ...Object.entries(record.counts ?? {}).map(([name, value]) => [name, number(value)])];
-  return table(["", ""], rows.map(([name, value]) => [name, h("span.mono", {}, value ?? "–")]), { label: "Where it comes from" });
+  return table(["", ""], rows.map(([name, value]) => [name, h("span.mono", {}, value ?? "–")]), { label: "Provenance" });
 }

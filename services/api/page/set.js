@@ -1,4 +1,4 @@
-// A set: its images as a grid, the filter, and what its columns look like.
+// A set: image grid, filter, and column charts.
 
 import { ProblemError, get } from "./api.js";
 import { histogram } from "./chart.js";
@@ -11,7 +11,7 @@ import { bytes, count, number, path, queryOf, quoted } from "./text.js";
 
 const OVERLAYS = [["", "none"], ["semantics", "categories"], ["semantics.visible", "visible categories"], ["instances", "instances"], ["boxes", "boxes"], ["range", "range"]];
 
-// Images that the grid has room for until it is known how many there are.
+// Size of the grid until the number of images is known.
 const FIRST = 100;
 
 export async function show(root, route) {
@@ -37,15 +37,15 @@ class SetView {
     h("div.split", {}, h("div", {}, this.tools, this.grid.element), this.side), this.samePlace);
   }
 
-  question() {
+  query() {
     const { filter, order } = this.route.query;
     const fields = ["job", "frame", order?.replace(/^-/, "")].filter(Boolean);
     return { dataset: this.name, filter, order_by: order, fields: fields.join(",") };
   }
 
   async start() {
-    // The first images are asked for before it is known how many there are.
-    this.grid.show(this.question(), FIRST);
+    // Load the first images before their number is known.
+    this.grid.show(this.query(), FIRST);
     this.info = await get(`/v1/datasets/${path(this.name)}`, {}, this.route.signal);
     this.kinds = this.info.columns.filter((column) => column.name.startsWith("artifacts.")).map((column) => column.name.slice(10));
     this.filter = new FilterLine(this.info.columns, this.route.query.filter ?? "", (text) => {
@@ -95,7 +95,7 @@ class SetView {
     } }, low, high, h("button", {}, "Filter"))), this.density.panel);
   }
 
-  // Bins along an axis: few images in many bins show nothing.
+  // Bins along an axis: few images need few bins.
   bins(most) {
     return Math.min(most, Math.max(10, Math.ceil(2 * Math.sqrt(this.info.images))));
   }
@@ -107,7 +107,7 @@ class SetView {
   async update(isShown = false) {
     const { filter } = this.route.query;
     this.showSame();
-    if (!isShown) this.grid.show(this.question(), FIRST);
+    if (!isShown) this.grid.show(this.query(), FIRST);
     this.density.update();
     const drawn = this.showHistogram();
     try {
@@ -152,7 +152,7 @@ class SetView {
   showSame() {
     const { filter, order } = this.route.query;
     const name = quoted(this.name);
-    put(this.samePlace, same(`GET /v1/images${queryOf(this.question())}`,
+    put(this.samePlace, same(`GET /v1/images${queryOf(this.query())}`,
       `fathom query ${quoted(filter ?? "")} --dataset ${name}${order ? ` --order-by ${quoted(order)}` : ""}`,
       `fathom export ${name}${filter ? ` --filter ${quoted(filter)}` : ""} --kinds ${this.kinds.join(",")} --out ${name}`));
   }

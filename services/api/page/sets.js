@@ -1,4 +1,4 @@
-// All sets as cards, and two of them beside each other.
+// All sets as cards, and a comparison of two.
 
 import { get, list } from "./api.js";
 import { histogram } from "./chart.js";
@@ -18,7 +18,7 @@ export async function show(root, route) {
     const found = sets.filter((set) => set.name.includes(search.value.trim()));
     put(place, found.map((set) => card(set, jobs, route)));
     if (sets.length === 0) put(place, empty());
-    else if (found.length === 0) put(place, h("p", {}, "No set has that in its name."));
+    else if (found.length === 0) put(place, h("p", {}, "No set matches this name."));
   };
   search.addEventListener("input", draw);
   place.removeAttribute("aria-busy");

@@ -1,4 +1,4 @@
-// What each way of computing costs and how far it is off, and what the frames of a set took.
+// Cost and error of each variant, and times of the frames of a set.
 
 import { get, list, send } from "./api.js";
 import { curves } from "./chart.js";
@@ -35,12 +35,12 @@ async function figures(place, route) {
     const marks = shown.map((row) => ({ x: Number(row.ms_min), y: Number(row.error_max), name: name(row), strong: row.default === "true",
       color: `c${variants.indexOf(row.variant) % 8}` }));
     put(place, h("h2", {}, "Error against time"), h("p.quiet", {}, `Left is faster, down is more exact; both axes are logarithmic. A ring marks what a `
-      + `job gets, the line joins what nothing else beats. Shipped figures, not of this machine: ${machine.machine}, ${machine.runs} runs of each.`),
+      + `job gets, the line joins the best variants. Shipped figures, not of this machine: ${machine.machine}, ${machine.runs} runs of each.`),
     h("div.row", {}, select("Stage", stages, stage, (value) => change({ stage: value })), select("Scene", scenes, scene, (value) => change({ scene: value }))),
     shown.length > 0 ? curves([{ name: "front", color: "front", points: front.map(point) }], { label: `Error against time of ${stage}, ${scene}`,
-      x: "ms", y: "largest error", log: true, marks }) : h("p", {}, "No variant of it has an error."),
+      x: "ms", y: "largest error", log: true, marks }) : h("p", {}, "All variants are exact."),
     h("p.legend", {}, variants.map((variant, at) => [h(`i.key.c${at % 8}`), variant])),
-    h("details", {}, h("summary", {}, "The same as a table"), table(["variant", "ms", "largest error", "codes", ""], shown.map((row) => [
+    h("details", {}, h("summary", {}, "As a table"), table(["variant", "ms", "largest error", "codes", ""], shown.map((row) => [
       `${row.variant} ${row.terms}`, number(Number(row.ms_min), 3), number(Number(row.error_max), 2), row.codes_max,
       [row.default === "true" && "default ", row.pareto === "true" && "front"]]), { label: "Variants" })));
   };
@@ -51,7 +51,7 @@ async function figures(place, route) {
   draw();
 }
 
-// Where an enhancement makes pictures worse: rows of degradations, each in steps from harmless to hopeless.
+// Failures of enhancements: rows of degradations with increasing strength.
 async function stability(place, route) {
   const text = await send("/assets/stability.csv", { signal: route.signal }).then((one) => one.text());
   const [head, ...rows] = text.trim().split("\n").map((line) => line.split(";"));
@@ -90,7 +90,7 @@ async function stability(place, route) {
 
 async function ofSet(place, route) {
   const sets = (await list("/v1/datasets", route.signal)).map((set) => set.name);
-  if (sets.length === 0) return put(place, h("h2", {}, "Frames of a set"), h("p.quiet", {}, "There is no set yet."));
+  if (sets.length === 0) return put(place, h("h2", {}, "Frames of a set"), h("p.quiet", {}, "There are no sets yet."));
   const draw = async (name) => {
     const page = await get("/v1/images", { dataset: name, limit: SAMPLE, order_by: "-created_ms", fields: "job,frame" }, route.signal);
     const records = await Promise.all(page.items.map((row) => get(`/v1/images/${path(row.job, String(row.frame))}`, {}, route.signal)));
@@ -111,7 +111,7 @@ async function ofSet(place, route) {
       draw(value);
     }), h("p.quiet", {}, `Of the newest ${count(records.length, "frame")}.`), h("div.split.even", {},
       table(["stage", "median ms"], [...times].map(([stage, values]) => [stage, number(median(values), 3)]), { label: "Time of each stage" }),
-      table(["stage and form", "frames", "largest bound", "planned ms"], [...stages].map(([stage, one]) => [stage, number(one.frames),
+      table(["stage and variant", "frames", "largest bound", "planned ms"], [...stages].map(([stage, one]) => [stage, number(one.frames),
         one.bound ? number(one.bound, 3) : "–", number(one.cost / one.frames, 3)]), { label: "Bounds of each stage" })));
   };
   return draw(sets.includes(route.query.set) ? route.query.set : sets[0]);

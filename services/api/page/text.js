@@ -41,7 +41,7 @@ export function literal(value) {
   return typeof value === "string" ? `"${value.replaceAll("\\", "\\\\").replaceAll('"', '\\"')}"` : String(value);
 }
 
-// A word of a shell.
+// A quoted shell word.
 export function quoted(text) {
   return /^[\w./:=@%+-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`;
 }

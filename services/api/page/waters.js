@@ -1,4 +1,4 @@
-// Waters and styles: what they are, and the same scene in each.
+// Waters and styles, each with the same scene.
 
 import { list, pause, send } from "./api.js";
 import { curves } from "./chart.js";
@@ -38,7 +38,7 @@ function waterCard(water, wall) {
     h("a", { href: `#/compose?job=${encodeURIComponent(JSON.stringify({ ...SCENE, water: { optics: water.name, range_scale: 0.25 } }))}` }, "Compose with it"));
 }
 
-// Pictures that are rendered when they come into view, one after the other.
+// Images rendered one by one as they become visible.
 class Wall {
   constructor(route) {
     this.signal = route.signal;
@@ -92,7 +92,7 @@ function styleCard(style, wall) {
     h("a", { href: `#/compose?job=${encodeURIComponent(JSON.stringify(frame))}` }, "Compose with it"));
 }
 
-// A photo is dropped or chosen, and its losses are drawn while the style is trained.
+// Accepts a photo and plots the losses while the style is trained.
 function trainer(route, done) {
   const words = h("div", { "aria-live": "polite" });
   const photo = h("input", { type: "file", accept: "image/png,image/jpeg,image/webp", multiple: true, required: true, "aria-label": "Photos of one water" });
@@ -118,7 +118,7 @@ function trainer(route, done) {
     if (event.dataTransfer.files.length > 0) photo.files = event.dataTransfer.files;
   } }, h("h2", {}, "Train a style from a photo"), h("p.quiet", {}, "Drop photos of one water here, or choose them. A thousand steps take about a minute on four free cores."),
   h("div.row", {}, photo, name, h("label.field", {}, h("span", {}, "steps"), steps),
-    h("label.field", { title: "Contrast falls with the range as in the photos; scenes need a range" }, h("span", {}, "follows the range"), range), h("button.primary", {}, "Train")), words);
+    h("label.field", { title: "Contrast falls with range as in the photos; scenes need a range" }, h("span", {}, "follows the range"), range), h("button.primary", {}, "Train")), words);
   return form;
 }
 
@@ -133,7 +133,7 @@ async function watch(training, words, route) {
       `/v1/styles/trainings/${encodeURIComponent(training.id)}`, { method: "DELETE" }).catch(() => {}) }, "Stop");
     if (training.preview_ms && training.preview_ms !== drawn) {
       drawn = training.preview_ms;
-      // Another address for each: the picture behind it changes.
+      // A different address for each, because the image changes.
       put(scene, picture(`/v1/styles/trainings/${path(training.id)}/preview?at=${drawn}`, `A scene in ${training.name} after ${training.done} steps`,
         { class: "learning", width: 320, height: 240 }));
     }

@@ -1,4 +1,4 @@
-//! The topics of a running service, put together.
+//! State of a running service, composed of its topics.
 
 use std::fs::File;
 use std::io;
@@ -20,6 +20,7 @@ use crate::images::Images;
 use crate::jobs::Jobs;
 use crate::leases::Leases;
 use crate::leases::probes::Probes;
+use crate::limits::Limits;
 use crate::operations::Operations;
 use crate::pictures::Pictures;
 use crate::processes::Processes;
@@ -35,32 +36,32 @@ use crate::waters::Waters;
 /// Why the service does not start.
 #[derive(Debug, thiserror::Error)]
 pub enum StartError {
-    /// The token setting.
+    /// Invalid token setting.
     #[error(transparent)]
     Token(#[from] TokenError),
-    /// The data directory.
+    /// The data folder cannot be opened.
     #[error(transparent)]
     Data(#[from] DataError),
-    /// The styles that were added earlier.
+    /// The added styles cannot be loaded.
     #[error(transparent)]
     Styles(#[from] AddedStyleError),
-    /// Jobs that were open cannot be read.
+    /// Open jobs cannot be read.
     #[error(transparent)]
     Catalogue(#[from] CatalogueError),
     /// Images of a set in a bucket, which this program cannot read.
     #[error("the data folder has images of {0}, which only fathom-cluster reads")]
     Bucket(String),
-    /// The listen address.
+    /// The listen address cannot be used.
     #[error("cannot listen on {address}: {source}")]
     Listen {
         /// The address.
         address: SocketAddr,
-        /// What the system said.
+        /// Error of the operating system.
         source: io::Error,
     },
 }
 
-/// The state of each topic; a handler asks for that of its own.
+/// The state of each topic.
 #[derive(Clone, FromRef)]
 pub(crate) struct App {
     pub(crate) catalogue: Arc<Catalogue>,
@@ -75,12 +76,12 @@ pub(crate) struct App {
     pub(crate) styles: Arc<Styles>,
     pub(crate) pictures: Arc<Pictures>,
     pub(crate) operations: Arc<Operations>,
-    /// Cancelled when the service stops: waiting requests then respond with what they have.
+    /// Cancelled when the service stops; waiting requests then return their current result.
     pub(crate) stop: CancellationToken,
 }
 
 impl App {
-    /// Opens the data folder, which stays locked while the file is held.
+    /// Opens the data folder, which stays locked while the file is open.
     pub(crate) async fn open(
         config: &Config,
         surroundings: &Surroundings,
@@ -94,11 +95,7 @@ impl App {
             lock,
         } = Data::open(&config.data, &metrics).await?;
         let catalogue = Arc::new(catalogue);
-        let sets = SetFiles::new(config.buckets.clone());
-        let mut imported = catalogue.imported_jobs().await?.into_iter();
-        if let Some(set) = imported.find_map(|job| job.set.filter(|set| !sets.reaches(set))) {
-            return Err(StartError::Bucket(set));
-        }
+        let sets = open_sets(config, &catalogue).await?;
         let bytes = Bytes::new(
             store,
             sets,
@@ -107,17 +104,7 @@ impl App {
             limits.reserve_bytes,
         );
         let bytes = Arc::new(bytes);
-        let processes = Arc::new(Processes {
-            compute: Compute::new(limits.compute),
-            children: Children::new(&config.worker_program, config.style_options(), limits.children),
-            decoding: Decoding::new(
-                &config.worker_program,
-                limits.uploads + limits.pictures,
-                limits.decoding_mib,
-            ),
-            live: (config.workers > 0)
-                .then(|| Live::new(&config.worker_program, &config.data, config.style_options())),
-        });
+        let processes = Arc::new(new_processes(config, limits));
         let waters = Arc::new(Waters::open(Arc::clone(&catalogue), clock.clone()).await?);
         let styles = Styles::open(
             config,
@@ -141,8 +128,6 @@ impl App {
             processes: Arc::clone(&processes),
             data: config.data.clone(),
         });
-        let engine = config.engine.clone().zip(config.stores.first());
-        let engine = engine.map(|(options, store)| Engine::new(&config.cluster_program, store, options));
         let jobs = Arc::new(Jobs {
             catalogue: Arc::clone(&catalogue),
             leases: Arc::clone(&leases),
@@ -151,7 +136,7 @@ impl App {
             styles: Arc::clone(&styles),
             waters: Arc::clone(&waters),
             processes: Arc::clone(&processes),
-            engine,
+            engine: new_engine(config),
             turn: Default::default(),
             clock: clock.clone(),
             stop: stop.clone(),
@@ -192,4 +177,29 @@ impl App {
         };
         Ok((app, lock))
     }
+}
+
+/// The reader of imported images, which must reach every imported set.
+async fn open_sets(config: &Config, catalogue: &Catalogue) -> Result<SetFiles, StartError> {
+    let sets = SetFiles::new(config.buckets.clone());
+    let mut imported = catalogue.imported_jobs().await?.into_iter();
+    match imported.find_map(|job| job.set.filter(|set| !sets.reaches(set))) {
+        Some(set) => Err(StartError::Bucket(set)),
+        None => Ok(sets),
+    }
+}
+
+fn new_processes(config: &Config, limits: &Limits) -> Processes {
+    let program = &config.worker_program;
+    Processes {
+        compute: Compute::new(limits.compute),
+        children: Children::new(program, config.style_options(), limits.children),
+        decoding: Decoding::new(program, limits.uploads + limits.pictures, limits.decoding_mib),
+        live: (config.workers > 0).then(|| Live::new(program, &config.data, config.style_options())),
+    }
+}
+
+fn new_engine(config: &Config) -> Option<Engine> {
+    let (options, store) = config.engine.clone().zip(config.stores.first())?;
+    Some(Engine::new(&config.cluster_program, store, options))
 }

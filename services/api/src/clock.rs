@@ -1,4 +1,4 @@
-//! The two clocks of the service, passed in so that tests can set them.
+//! Monotonic and wall clock of the service; tests inject them.
 
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
@@ -6,7 +6,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use catalogue::UnixMs;
 use uuid::{ContextV7, Timestamp, Uuid};
 
-/// The source of the time.
+/// The source of time.
 #[derive(Clone)]
 pub struct Clock {
     monotonic: Arc<dyn Fn() -> u64 + Send + Sync>,
@@ -14,20 +14,17 @@ pub struct Clock {
 }
 
 impl Clock {
-    /// The machine's clocks.
+    /// The clocks of this machine.
     #[must_use]
     pub fn system() -> Self {
         let start = Instant::now();
-        let monotonic = move || u64::try_from(start.elapsed().as_millis()).unwrap_or(u64::MAX);
-        let wall = || u64::try_from(since_1970(SystemTime::now()).as_millis()).unwrap_or(u64::MAX);
         Self {
-            monotonic: Arc::new(monotonic),
-            wall: Arc::new(wall),
+            monotonic: Arc::new(move || u64::try_from(start.elapsed().as_millis()).unwrap_or(u64::MAX)),
+            wall: Arc::new(|| u64::try_from(since_1970(SystemTime::now()).as_millis()).unwrap_or(u64::MAX)),
         }
     }
 
-    /// Clocks that read what these functions return: milliseconds that never go back, and milliseconds since 1970 in
-    /// UTC.
+    /// Builds a clock from two functions: monotonic milliseconds, and milliseconds since 1970 in UTC.
     pub fn from_functions(
         monotonic: impl Fn() -> u64 + Send + Sync + 'static,
         wall: impl Fn() -> u64 + Send + Sync + 'static,
@@ -38,23 +35,23 @@ impl Clock {
         }
     }
 
-    /// Milliseconds since an arbitrary moment, for leases.
+    /// Milliseconds since an arbitrary start, for leases.
     pub(crate) fn monotonic_ms(&self) -> u64 {
         (self.monotonic)()
     }
 
-    /// The time with which rows are stamped.
+    /// Wall-clock time for rows.
     pub(crate) fn wall(&self) -> UnixMs {
         UnixMs((self.wall)())
     }
 }
 
-/// A UUID (version 7) that is greater than those before it in this process.
+/// A UUID (version 7) greater than all earlier ones of this process.
 pub(crate) fn ordered_id() -> Uuid {
     id_at(SystemTime::now())
 }
 
-/// A machine without a battery for its clock may start before 1970: that counts as 1970.
+/// A machine without a clock battery may start before 1970, which counts as 1970.
 fn since_1970(now: SystemTime) -> Duration {
     now.duration_since(UNIX_EPOCH).unwrap_or_default()
 }

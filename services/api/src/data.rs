@@ -1,4 +1,4 @@
-//! The folder of a service, opened by one process.
+//! The data folder of a service, opened by one process.
 
 use std::fs::{File, TryLockError};
 use std::io;
@@ -12,15 +12,15 @@ use crate::operations::routes::backup::newest;
 /// Why a data folder cannot be opened.
 #[derive(Debug, thiserror::Error)]
 pub enum DataError {
-    /// The folder cannot be made.
+    /// The folder cannot be created.
     #[error("cannot use the data directory {}: {source}", path.display())]
     Folder {
         /// The folder.
         path: PathBuf,
-        /// What the file system said.
+        /// Error of the file system.
         source: io::Error,
     },
-    /// Another service runs on it.
+    /// Another service uses the folder.
     #[error("another service already uses {}", .0.display())]
     Taken(PathBuf),
     /// The lock file cannot be used.
@@ -28,10 +28,10 @@ pub enum DataError {
     Lock {
         /// The lock file.
         path: PathBuf,
-        /// What the file system said.
+        /// Error of the file system.
         source: io::Error,
     },
-    /// Packs without their catalogue.
+    /// Packs without a catalogue.
     #[error(
         "{} has packs of artifacts, but catalogue.sqlite is missing or empty. Put it back, or move the whole folder away and \
          restore a backup; `fathom scrub --rebuild` takes the catalogue of the newest backup in it, and what came later is \
@@ -44,18 +44,18 @@ pub enum DataError {
          `fathom scrub --rebuild` renders everything again", .0.display()
     )]
     NoPacks(PathBuf),
-    /// The packs of another catalogue.
+    /// The packs belong to another catalogue.
     #[error(
         "the packs in {} belong to another catalogue than the one beside them: put the right one back, or move it away and run \
          `fathom scrub --rebuild`", .0.display()
     )]
     OtherPacks(PathBuf),
-    /// What cannot be rebuilt.
+    /// The catalogue cannot be rebuilt.
     #[error("{} cannot get its catalogue from a backup: {reason}", path.display())]
     NotRebuilt {
         /// The folder.
         path: PathBuf,
-        /// Why not.
+        /// Cause.
         reason: String,
     },
     /// The catalogue cannot be opened.
@@ -66,17 +66,17 @@ pub enum DataError {
     Store(#[from] StoreError),
 }
 
-/// An open data folder, locked while this value lives.
+/// An open data folder, locked while this value exists.
 pub struct Data {
     /// Jobs, images, scenes.
     pub catalogue: Catalogue,
-    /// The bytes.
+    /// The artifacts.
     pub store: Store,
     pub(crate) lock: File,
 }
 
 impl Data {
-    /// Opens or creates the folder. `metrics`: the columns that the catalogue has at least.
+    /// Opens or creates the folder. `metrics` are the minimum columns of the catalogue.
     ///
     /// # Errors
     /// [`DataError`].
@@ -88,7 +88,7 @@ impl Data {
         Self::open_as(folder, metrics, has_packs(folder)).await
     }
 
-    /// The same where packs may be lost.
+    /// Opens the folder even if its packs are missing.
     ///
     /// # Errors
     /// [`DataError`].
@@ -107,7 +107,7 @@ impl Data {
             store: Store::open(folder).await?,
             lock,
         };
-        // SQLite makes the bytes of a new catalogue safe, not its name.
+        // SQLite syncs the content of a new catalogue, but not its directory entry.
         if let Err(error) = File::open(folder).and_then(|folder| folder.sync_all()) {
             tracing::warn!(%error, "the names in the data folder may not survive a power cut");
         }
@@ -136,7 +136,7 @@ impl Data {
             Some(known) if known != id => Err(DataError::OtherPacks(folder.to_owned())),
             Some(_) => Ok(()),
             None => {
-                // On a full disk it has time until the next start.
+                // Storing it can wait for the next start if the disk is full.
                 if let Err(error) = self.store.set_folder(&id) {
                     tracing::warn!(%error, "the packs do not name their catalogue yet");
                 }
@@ -145,8 +145,8 @@ impl Data {
         }
     }
 
-    /// Takes the catalogue of the newest backup for packs that have lost theirs, and returns the backup's folder; `None` if they
-    /// have it.
+    /// Restores the catalogue from the newest backup if the packs have none, and returns the backup's folder; `None`
+    /// if the catalogue exists.
     ///
     /// # Errors
     /// [`DataError::NotRebuilt`] without a backup; [`DataError::Taken`].
@@ -156,38 +156,39 @@ impl Data {
             return Ok(None);
         }
         let _lock = lock(folder)?;
-        let refused = |reason: String| DataError::NotRebuilt {
-            path: folder.to_owned(),
-            reason,
-        };
-        let failed = |error: io::Error| refused(error.to_string());
-        let backup = newest(folder).map_err(failed)?;
-        let backup = backup.ok_or_else(|| {
-            refused("its folder `backups` has none; put one there, as `fathom backup` makes it".to_owned())
-        })?;
-        let unfinished = path.with_extension("unfinished");
-        let copy = || {
-            std::fs::copy(backup.join(CATALOGUE), &unfinished)?;
-            File::open(&unfinished)?.sync_all()?;
-            // The log of the one that is gone would be taken for that of this one.
-            for end in ["sqlite-wal", "sqlite-shm"] {
-                match std::fs::remove_file(path.with_extension(end)) {
-                    Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
-                    _ => {}
-                }
-            }
-            std::fs::rename(&unfinished, &path)?;
-            File::open(folder)?.sync_all()
-        };
-        copy().map_err(failed)?;
-        Ok(Some(backup))
+        restore_newest(folder, &path)
+            .map(Some)
+            .map_err(|error| DataError::NotRebuilt {
+                path: folder.to_owned(),
+                reason: error.to_string(),
+            })
     }
 
-    /// Closes the databases in order; the folder is free afterwards.
+    /// Closes the databases in order, then unlocks the folder.
     pub async fn close(self) {
         self.catalogue.close().await;
         self.store.close().await;
     }
+}
+
+/// Copies the catalogue of the newest backup to `path`; returns the backup's folder.
+fn restore_newest(folder: &Path, path: &Path) -> io::Result<PathBuf> {
+    let backup = newest(folder)?.ok_or_else(|| {
+        io::Error::other("its folder `backups` is empty; put a backup of `fathom backup` there")
+    })?;
+    let unfinished = path.with_extension("unfinished");
+    std::fs::copy(backup.join(CATALOGUE), &unfinished)?;
+    File::open(&unfinished)?.sync_all()?;
+    // SQLite would apply the log of the old catalogue to this one.
+    for end in ["sqlite-wal", "sqlite-shm"] {
+        match std::fs::remove_file(path.with_extension(end)) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+            _ => {}
+        }
+    }
+    std::fs::rename(&unfinished, path)?;
+    File::open(folder)?.sync_all()?;
+    Ok(backup)
 }
 
 const CATALOGUE: &str = "catalogue.sqlite";
@@ -196,7 +197,7 @@ fn is_missing(catalogue: &Path) -> bool {
     std::fs::metadata(catalogue).map_or(true, |file| file.len() == 0)
 }
 
-/// Whether there is anything beside which a catalogue must be; packs that were set aside count.
+/// Whether the folder has packs that require a catalogue, including damaged packs that were set aside.
 fn has_packs(folder: &Path) -> bool {
     let entries = std::fs::read_dir(folder.join("packs"))
         .into_iter()
@@ -207,24 +208,22 @@ fn has_packs(folder: &Path) -> bool {
         .any(|name| name != "folder.id")
 }
 
-/// Takes the data directory. The lock ends when the file is dropped, also when the process is killed.
+/// Locks the data folder. The lock ends when the file is dropped, also if the process is killed.
 fn lock(folder: &Path) -> Result<File, DataError> {
     let path = folder.join("lock");
-    let refused = |source| DataError::Lock {
-        path: path.clone(),
-        source,
-    };
-    let file = File::options()
+    let opened = File::options()
         .create(true)
         .truncate(false)
         .write(true)
-        .open(&path)
-        .map_err(refused)?;
-    match file.try_lock() {
-        Ok(()) => Ok(file),
-        Err(TryLockError::WouldBlock) => Err(DataError::Taken(folder.to_owned())),
-        Err(TryLockError::Error(source)) => Err(refused(source)),
-    }
+        .open(&path);
+    let locked = opened.map_err(TryLockError::Error).and_then(|file| {
+        file.try_lock()?;
+        Ok(file)
+    });
+    locked.map_err(|error| match error {
+        TryLockError::WouldBlock => DataError::Taken(folder.to_owned()),
+        TryLockError::Error(source) => DataError::Lock { path, source },
+    })
 }
 
 #[cfg(test)]

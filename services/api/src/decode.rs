@@ -1,5 +1,5 @@
-//! What users send is decoded by a process of its own, `PROGRAM decode --folder FOLDER`, which the service gives so much memory and
-//! time and no more. The folder holds `request.json` and the files; the process leaves `reply.json` there.
+//! Decodes user files in a separate process, `PROGRAM decode --folder FOLDER`, with limited memory and time. The
+//! folder contains `request.json` and the files; the process writes `reply.json`.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -22,29 +22,29 @@ use crate::limits;
 
 pub(crate) const REQUEST: &str = "request.json";
 pub(crate) const REPLY: &str = "reply.json";
-/// The picture that an enhancement leaves.
+/// File name of an enhanced image.
 pub(crate) const RESULT: &str = "result";
 
-/// What to do with the files.
+/// Operation on the files.
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum Request {
     /// Check a scene; replies with [`SceneFacts`].
     Scene(SceneRequest),
-    /// Enhance a picture; replies with the codes of warnings.
+    /// Enhance an image; replies with warning codes.
     Enhance(EnhanceRequest),
-    /// Measure a picture; replies with [`Measured`].
+    /// Measure an image; replies with [`Measured`].
     Measure(MeasureRequest),
 }
 
-/// The files of a scene by their names, and what is said of its camera.
+/// The files of a scene by name, and its camera.
 #[derive(Serialize, Deserialize)]
 pub(crate) struct SceneRequest {
     pub(crate) files: SceneFiles<String>,
     pub(crate) camera: Option<GivenCamera>,
 }
 
-/// A camera as a form describes it. A principal point that is not given lies in the middle.
+/// A camera given in a form. The principal point defaults to the center.
 #[derive(Clone, Copy, Serialize, Deserialize)]
 pub(crate) struct GivenCamera {
     pub(crate) focal_px: Option<f64>,
@@ -53,7 +53,7 @@ pub(crate) struct GivenCamera {
     pub(crate) hfov_deg: Option<f64>,
 }
 
-/// What only decoding tells of a scene.
+/// Facts about a scene that require decoding.
 #[derive(Serialize, Deserialize)]
 pub(crate) struct SceneFacts {
     pub(crate) width: usize,
@@ -61,17 +61,17 @@ pub(crate) struct SceneFacts {
     pub(crate) camera: Option<Intrinsics>,
 }
 
-/// A picture to enhance.
+/// An image to enhance.
 #[derive(Serialize, Deserialize)]
 pub(crate) struct EnhanceRequest {
     pub(crate) picture: String,
     pub(crate) method: String,
-    /// Whether pixels outside of the method's mask are blacked out.
+    /// Whether pixels outside the method's mask become black.
     pub(crate) masked: bool,
     pub(crate) is_webp: bool,
 }
 
-/// A picture to measure.
+/// An image to measure.
 #[derive(Serialize, Deserialize)]
 pub(crate) struct MeasureRequest {
     pub(crate) picture: String,
@@ -79,18 +79,18 @@ pub(crate) struct MeasureRequest {
     pub(crate) metrics: Vec<String>,
 }
 
-/// What was measured.
+/// Measurements of an image.
 #[derive(Debug, Serialize, Deserialize, ToSchema)]
 pub(crate) struct Measured {
-    /// Columns of the picture.
+    /// Image columns.
     width: usize,
-    /// Rows of the picture.
+    /// Image rows.
     height: usize,
     /// Values by metric.
     metrics: BTreeMap<String, f64>,
 }
 
-/// Why a file is refused, and the field of the form that held it.
+/// A rejected file: form field and reason.
 #[derive(Serialize, Deserialize)]
 pub(crate) struct Refusal {
     pub(crate) pointer: String,
@@ -112,10 +112,10 @@ impl From<SceneError> for Refusal {
     }
 }
 
-/// Does what the service asks for in a folder: the process of `PROGRAM decode`.
+/// Executes the request in a folder; the main function of `PROGRAM decode`.
 ///
 /// # Errors
-/// The folder is not one of the service.
+/// The folder has no valid request.
 pub fn decode_folder(folder: &Path) -> io::Result<()> {
     let request = serde_json::from_slice(&fs::read(folder.join(REQUEST))?)?;
     let reply = match request {
@@ -126,7 +126,7 @@ pub fn decode_folder(folder: &Path) -> io::Result<()> {
     fs::write(folder.join(REPLY), serde_json::to_vec(&reply)?)
 }
 
-/// What reading files and refusing them comes to.
+/// I/O errors outside, rejections inside.
 type Checked<T> = io::Result<Result<T, Refusal>>;
 
 fn scene(folder: &Path, SceneRequest { files, camera }: &SceneRequest) -> Checked<SceneFacts> {
@@ -145,15 +145,18 @@ fn scene(folder: &Path, SceneRequest { files, camera }: &SceneRequest) -> Checke
     })())
 }
 
-/// The camera needs the picture's size, which only decoding tells for every format.
+/// The camera needs the image size, which requires decoding.
 fn camera_of(given: &GivenCamera, rgb: &[u8]) -> Result<Option<Intrinsics>, Refusal> {
     let picture = decode_radiance(rgb).map_err(|error| Refusal::new("rgb", format!("rgb: {error}")))?;
     let (width, height) = match picture {
         Radiance::Encoded(raster) => (raster.width(), raster.height()),
         Radiance::Linear(picture) => picture.size(),
     };
-    let from_angle = |degrees: f64| width as f64 / 2.0 / (degrees.to_radians() / 2.0).tan();
-    let Some(focal_px) = given.focal_px.or_else(|| given.hfov_deg.map(from_angle)) else {
+    let Some(focal_px) = given.focal_px.or_else(|| {
+        given
+            .hfov_deg
+            .map(|degrees: f64| width as f64 / 2.0 / (degrees.to_radians() / 2.0).tan())
+    }) else {
         return Ok(None);
     };
     let centered = Intrinsics::centered(focal_px, width, height);
@@ -167,11 +170,11 @@ fn camera_of(given: &GivenCamera, rgb: &[u8]) -> Result<Option<Intrinsics>, Refu
 fn enhanced(folder: &Path, request: &EnhanceRequest) -> Checked<String> {
     let bytes = fs::read(folder.join(&request.picture))?;
     let encoded = (|| {
-        let refuse = |message: String| Refusal::new("picture", message);
-        let unknown = || Refusal::new("method", format!("method is `{}`", request.method));
-        let method = Method::parse(&request.method).ok_or_else(unknown)?;
+        let method = Method::parse(&request.method)
+            .ok_or_else(|| Refusal::new("method", format!("method is `{}`", request.method)))?;
         let picture = picture("picture", &bytes)?;
-        let enhanced = enhance::run(&method, &picture).map_err(|error| refuse(error.to_string()))?;
+        let enhanced =
+            enhance::run(&method, &picture).map_err(|error| Refusal::new("picture", error.to_string()))?;
         let result = match request.masked {
             true => enhanced.picture,
             false => enhanced.unmasked,
@@ -182,7 +185,7 @@ fn enhanced(folder: &Path, request: &EnhanceRequest) -> Checked<String> {
         };
         let codes: Vec<_> = enhanced.warnings.iter().map(|warning| warning.code()).collect();
         Ok((
-            bytes.map_err(|error| refuse(error.to_string()))?,
+            bytes.map_err(|error| Refusal::new("picture", error.to_string()))?,
             codes.join(", "),
         ))
     })();
@@ -219,16 +222,17 @@ fn measured(folder: &Path, request: &MeasureRequest) -> Checked<Measured> {
     })())
 }
 
-/// A picture of bearable size.
+/// Decodes an image within the size limit.
 fn picture(field: &str, bytes: &[u8]) -> Result<Raster, Refusal> {
-    let refuse = |message: String| Refusal::new(field, message);
-    let picture = decode_picture(bytes).map_err(|error| refuse(format!("`{field}`: {error}")))?;
+    let picture =
+        decode_picture(bytes).map_err(|error| Refusal::new(field, format!("`{field}`: {error}")))?;
     let (width, height) = (picture.width(), picture.height());
     match width * height {
         0..=limits::PICTURE_PIXELS => Ok(picture),
-        pixels => Err(refuse(format!(
-            "`{field}` is {width}×{height} = {pixels} pixels, the limit is {}",
-            limits::PICTURE_PIXELS
-        ))),
+        pixels => {
+            let limit = limits::PICTURE_PIXELS;
+            let message = format!("`{field}` is {width}×{height} = {pixels} pixels, the limit is {limit}");
+            Err(Refusal::new(field, message))
+        }
     }
 }

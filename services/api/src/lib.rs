@@ -1,10 +1,10 @@
 //! The HTTP API: public routes, the worker protocol, and the service around them.
 //!
-//! [`start`] opens the data directory, takes up unfinished jobs, starts the service's own workers and serves
-//! requests until [`Service::stop`]. Handlers await; whatever computes runs on a bounded pool. Every refusal is an
-//! RFC 9457 problem.
+//! [`start`] opens the data folder, resumes unfinished jobs, starts the service's workers and serves requests until
+//! [`Service::stop`]. Handlers await; computations run on a bounded pool. Every error response is an RFC 9457
+//! problem.
 //!
-//! Absent on purpose: TLS (put a proxy in front), user accounts (tokens with scopes), a message broker.
+//! Absent on purpose: TLS (use a proxy), user accounts (tokens with scopes), a message broker.
 
 mod app;
 mod bytes;

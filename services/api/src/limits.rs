@@ -1,4 +1,4 @@
-//! Every limit of the service, with its reason.
+//! All limits of the service, with their reasons.
 
 use std::time::Duration;
 
@@ -6,35 +6,35 @@ use std::time::Duration;
 pub(crate) const JSON_BYTES: usize = 1 << 20;
 /// One scene upload: radiance as float NPY of 16 Mpx (192 MiB) and its range (64 MiB).
 pub(crate) const SCENE_BYTES: usize = 256 << 20;
-/// Fields of a form, wrong ones and repeated ones included: a scene has eleven.
+/// Fields of a form, including invalid and repeated ones: a scene has eleven.
 pub(crate) const FORM_FIELDS: usize = 32;
-/// The two pictures of a measurement: 16-bit PNG of 16 Mpx that did not compress.
+/// The two images of a measurement: incompressible 16-bit PNG of 16 Mpx.
 pub(crate) const PICTURES_BYTES: usize = 200 << 20;
-/// A picture to enhance or measure at once: a method holds up to 200 bytes a pixel, 3 GiB at this size.
+/// An image to enhance or measure in a request: a method needs up to 200 bytes per pixel, 3 GiB at this size.
 pub(crate) const PICTURE_PIXELS: usize = 16_000_000;
-/// A style model and its form: the largest network that anybody tried for this has 7 MB.
+/// A style model and its form: the largest network tried for this has 7 MB.
 pub(crate) const STYLE_BYTES: usize = 64 << 20;
 /// Photos of one water.
 pub(crate) const PHOTOS: usize = 8;
 /// The photos of a training and its form.
 pub(crate) const PHOTOS_BYTES: usize = 128 << 20;
-/// Steps of a training: five times what the shipped waters took.
+/// Steps of a training: five times those of the shipped waters.
 pub(crate) const STEPS: u32 = 5000;
-/// Trainings that wait for each other: each keeps its photos on the disk.
+/// Queued trainings: each keeps its photos on disk.
 pub(crate) const OPEN_TRAININGS: usize = 8;
-/// Trainings that can still be asked after: a few kilobytes each.
+/// Trainings kept for status requests: a few kilobytes each.
 pub(crate) const KNOWN_TRAININGS: usize = 100;
 /// A text of a form: a caveat on a style's card is a paragraph.
 pub(crate) const FORM_TEXT_BYTES: usize = 4096;
-/// Styles that may be added: the list of all is one page.
+/// Added styles: the list of all is one page.
 pub(crate) const ADDED_STYLES: usize = 1000;
-/// Bytes of all added styles: every process that renders keeps them in memory.
+/// Bytes of all added styles: every rendering process keeps them in memory.
 pub(crate) const ADDED_STYLES_BYTES: u64 = 1 << 30;
-/// Memory of a process that tries a style: the widest of the usual networks takes 1 GiB for 768×492.
+/// Memory of a process that tries a style: the widest of the usual networks needs 1 GiB for 768×492.
 pub(crate) const STYLE_TRIAL_MEMORY_BYTES: u64 = 3 << 30;
-/// The artifacts of one frame: three float layers of 12 Mpx, and the pictures.
+/// The artifacts of one frame: three float layers of 12 Mpx, and the images.
 pub(crate) const ARTIFACT_BYTES: usize = 512 << 20;
-/// A worker's message without artifacts: the record of a frame is a few tens of kilobytes.
+/// A worker's message without artifacts: the record of a frame has some tens of kilobytes.
 pub(crate) const WORKER_MESSAGE_BYTES: usize = 8 << 20;
 /// A request line and headers: a filter in the query may have a few kilobytes.
 pub(crate) const HEADER_BYTES: usize = 64 << 10;
@@ -45,118 +45,118 @@ pub(crate) const REQUEST: Duration = Duration::from_secs(30);
 pub(crate) const UPLOAD: Duration = Duration::from_secs(300);
 /// A backup: 100 GB at 100 MB/s take 1000 s.
 pub(crate) const BACKUP: Duration = Duration::from_secs(3600);
-/// Beyond the wait that a long-poll asks for.
+/// Additional time beyond the wait of a long poll.
 pub(crate) const LONG_POLL_GRACE: Duration = Duration::from_secs(15);
-/// The longest wait that a request may ask for: proxies commonly cut at 60 s.
+/// Maximum wait of a request: proxies commonly cut at 60 s.
 pub(crate) const MAX_WAIT: Duration = Duration::from_secs(60);
-/// How long a direct render is waited for unless `Prefer` says otherwise.
+/// Default wait of a direct render without `Prefer`.
 pub(crate) const DEFAULT_RENDER_WAIT: Duration = Duration::from_secs(30);
-/// How long open requests may go on after a stop.
+/// Time for open requests to finish after a stop.
 pub(crate) const DRAIN: Duration = Duration::from_secs(10);
-/// How long a worker process may take to hand its leases back: it takes 10 s at most itself.
+/// Time for a worker process to return its leases, which is limited to 10 s by the worker.
 pub(crate) const WORKER_STOP: Duration = Duration::from_secs(12);
 
-/// How long a request waits for a place before it is shed: long enough for a burst of submissions to pass in group
+/// How long a request waits for a permit before it is shed: long enough for a burst of submissions to pass in group
 /// commits, short enough for a client to notice.
 pub(crate) const SHED_AFTER: Duration = Duration::from_millis(500);
-/// The same of a question to the catalogue, which takes a tenth of a second.
+/// The wait of a catalogue query, which takes a tenth of a second.
 pub(crate) const SHED_QUESTION_AFTER: Duration = Duration::from_secs(2);
-/// The same of an upload: its bytes have come already, and those before it are decoded within seconds.
+/// The wait of an upload: its bytes have arrived, and earlier uploads are decoded within seconds.
 pub(crate) const SHED_UPLOAD_AFTER: Duration = Duration::from_secs(15);
-/// The same of what holds its place for long: waiting would not help.
+/// No wait for requests with long-lived permits.
 pub(crate) const SHED_AT_ONCE: Duration = Duration::ZERO;
-/// Slowest body, in the mean: what an old modem sends.
+/// Minimum mean rate of a body: that of an old modem.
 pub(crate) const BODY_BYTES_PER_S: f64 = 1024.0;
-/// Files that the service opens itself: catalogue, packs, children.
+/// Files opened by the service itself: catalogue, packs, children.
 const OWN_FILES: usize = 256;
 
-/// A page of a list.
+/// Default rows of a page.
 pub(crate) const DEFAULT_PAGE_ROWS: u32 = 100;
 /// The largest page: a few hundred kilobytes of JSON.
 pub(crate) const MAX_PAGE_ROWS: u32 = 1000;
 /// A filter of this length is parsed in microseconds.
 pub(crate) const FILTER_BYTES: usize = 4096;
-/// Where a set lies: an object's key has at most 1024 bytes, a path 4096.
+/// Location of a set: an object's key has at most 1024 bytes, a path 4096.
 pub(crate) const SET_URL_BYTES: usize = 4096;
 /// An idempotency key: a UUID has 36 characters.
 pub(crate) const IDEMPOTENCY_KEY_BYTES: usize = 255;
-/// Records that are read at a time while a client reads lines: about a megabyte.
+/// Records per batch of a line-by-line response: about a megabyte.
 pub(crate) const RECORDS_BATCH: u32 = 100;
-/// Rows that are read at a time: about a megabyte, as a page.
+/// Rows per batch: about a megabyte, as a page.
 pub(crate) const ROWS_BATCH: u32 = 1000;
-/// How often events tell of progress at most.
+/// Minimum pause between progress events.
 pub(crate) const PROGRESS_PAUSE: Duration = Duration::from_millis(500);
-/// How often a sign of life comes where there are no events.
+/// Interval of keep-alive comments without events.
 pub(crate) const HEARTBEAT: Duration = Duration::from_secs(15);
 /// Side of a thumbnail.
 pub(crate) const PREVIEW_PX: usize = 256;
 
-/// The beat of a worker.
+/// Heartbeat interval of a worker.
 pub(crate) const BEAT_MS: u32 = 5_000;
 
-/// How long a worker may hold a frame beyond the time that it may take to render: for its files to arrive on a busy line.
+/// How long a worker may hold a frame beyond its rendering time, for uploads on a slow connection.
 pub(crate) const HAND_IN: Duration = Duration::from_secs(60);
 
-/// A frame's priority when a person waits for it, and of an ordinary job.
+/// Priority of direct renders.
 pub(crate) const RENDER_PRIORITY: i32 = 100;
-/// The priority of an ordinary job.
+/// Priority of an ordinary job.
 pub(crate) const JOB_PRIORITY: i32 = 0;
 
-/// Numbers that a test wants smaller.
+/// Limits that tests reduce.
 #[derive(Debug, Clone, Copy)]
 pub struct Limits {
-    /// Of every budget below, what one caller may take: a token, or an address where there are none.
+    /// Share of each budget below for one caller: a token, or an address without tokens.
     pub caller_percent: usize,
-    /// Public reads at work at the same time; the next is shed with 503. Each holds at most an artifact in memory.
+    /// Concurrent public reads; more are shed with 503. Each holds at most an artifact in memory.
     pub requests: usize,
-    /// Questions over many images: fewer than the catalogue has readers, so that plain reads find one.
+    /// Queries over many images: fewer than the catalogue's readers, so that plain reads find one.
     pub questions: usize,
     /// Submissions and changes.
     pub submissions: usize,
-    /// Long-polls. They hold a few kilobytes each.
+    /// Long polls. They hold a few kilobytes each.
     pub waits: usize,
     /// Direct renders and verifications, which wait for frames.
     pub renders: usize,
-    /// Events of jobs, for as long as the client listens. Each holds a few events in memory.
+    /// Event streams, each open as long as the client listens, with a few events in memory.
     pub streams: usize,
-    /// Results and metadata, line by line for as long as the client reads. Each holds a batch of rows in memory.
+    /// Line-by-line responses, each open as long as the client reads, with a batch of rows in memory.
     pub lines: usize,
-    /// Uploads that are decoded at the same time: each by a process that may take 256 MiB.
+    /// Concurrently decoded uploads, each in a process with up to 256 MiB.
     pub uploads: usize,
-    /// Bodies of requests in memory, all together.
+    /// Total bytes of request bodies in memory.
     pub body_bytes: usize,
-    /// The same of workers: the artifacts of one frame are 512 MiB at most, usually 2 MiB.
+    /// Total bytes of workers' bodies in memory: the artifacts of one frame are at most 512 MiB, usually 2 MiB.
     pub worker_body_bytes: usize,
-    /// How long a body may take beside the time that its bytes allow.
+    /// Time for a body in addition to the time allowed by its bytes.
     pub body_grace: Duration,
-    /// Pictures enhanced or measured at the same time: each by a process that may take 3 GiB.
+    /// Images enhanced or measured concurrently, each in a process with up to 3 GiB.
     pub pictures: usize,
-    /// MiB that processes which decode may take together: one of the largest scene or picture, or many usual ones.
+    /// Total MiB of decoding processes: one of the largest scenes or images, or many usual ones.
     pub decoding_mib: usize,
     /// Processes that render or try a model within a request.
     pub children: usize,
-    /// Worker calls at the same time, apart from those that wait for a lease. Their own budget, so that a flood of
-    /// public requests cannot let leases expire.
+    /// Concurrent worker calls, except waits for a lease. A separate budget, so that a flood of public requests
+    /// cannot let leases expire.
     pub worker_calls: usize,
-    /// Artifact messages that are stored at the same time.
+    /// Artifact messages stored concurrently.
     pub worker_uploads: usize,
-    /// Beats that wait for a cancelled lease: one for each worker.
+    /// Heartbeats waiting for a cancelled lease: one per worker.
     pub worker_beats: usize,
-    /// Worker calls that wait for a lease: one for each slot of the fleet.
+    /// Worker calls waiting for a lease: one per slot of the fleet.
     pub worker_waits: usize,
-    /// Open connections; further ones wait in the listen queue.
+    /// Open connections; more wait in the listen queue.
     pub connections: usize,
-    /// How long the head of a request may take, and how long an idle connection is kept. Longer than the 15 s after
-    /// which a worker's connection pool drops an idle connection by itself.
+    /// Maximum time to send the head of a request, and to keep an idle connection. Longer than the 15 s after which a
+    /// worker's connection pool drops an idle connection.
     pub head_read: Duration,
-    /// How long a response may lie unread: a client that has stopped reading is cut off.
+    /// Maximum time a response may be unread before the connection is closed.
     pub unread: Duration,
-    /// Bytes that are laid aside for deletions on a full disk. Taking a thousand rows away writes up to 20 MiB of log
-    /// before any space comes back.
+    /// Bytes reserved for deletions on a full disk. Deleting a thousand rows writes up to 20 MiB of log before it
+    /// frees space.
     pub reserve_bytes: u64,
-    /// How long stored bytes may be without a row that names them: longer than any lease.
+    /// How long stored bytes may be without a row: longer than any lease.
     pub unnamed: Duration,
-    /// Decoding and thumbnails at the same time: one for each core, they hold whole pictures.
+    /// Concurrent decoding and thumbnails: one per core, because they hold whole images.
     pub compute: usize,
 }
 
@@ -193,7 +193,7 @@ impl Default for Limits {
     }
 }
 
-/// Files and connections that the system lets this process have at the same time.
+/// The file descriptor limit of this process.
 fn open_files() -> usize {
     const USUAL: usize = 1024;
     let limits = std::fs::read_to_string("/proc/self/limits").unwrap_or_default();

@@ -1,4 +1,7 @@
-//! The router: one line for each endpoint, grouped by what they need.
+//! The router: groups of routes with their requirements.
+
+mod group;
+mod routes;
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -7,69 +10,75 @@ use axum::Router;
 use axum::middleware::{from_fn, from_fn_with_state};
 use axum::routing::{get, post};
 use utoipa_axum::router::OpenApiRouter;
-use utoipa_axum::routes;
 
+use self::group::RouteGroup;
+use self::routes::*;
 use crate::app::App;
 use crate::bytes::space;
 use crate::http::auth::{Scope, Tokens};
 use crate::http::budget::{Budget, Share};
 use crate::http::hosts::{self, Hosts};
-use crate::http::layers::{Choice, Group, observe};
+use crate::http::layers::Choice;
+use crate::http::observe::observe;
 use crate::http::problem;
 use crate::http::problem::Problem;
 use crate::http::receive::{PLACE_BYTES, Receiving};
 use crate::limits::{self, Limits, SHED_AFTER, SHED_AT_ONCE, SHED_QUESTION_AFTER, SHED_UPLOAD_AFTER};
 use crate::lists::List;
-use crate::{
-    bytes, datasets, http, images, jobs, leases, lists, openapi, operations, pictures, scenes, sets, styles,
-    waters,
-};
+use crate::{bytes, http, jobs, leases, openapi, scenes, styles};
 
 /// The whole application.
 pub(crate) fn router(app: App, tokens: &Arc<Tokens>, hosts: Hosts, limits: &Limits) -> Router {
     let budgets = Budgets(limits);
-    let probing = budgets.of("probes", limits.requests, SHED_AFTER);
-    let requests = budgets.of("reads", limits.requests, SHED_AFTER);
-    let questions = budgets.of("questions", limits.questions, SHED_QUESTION_AFTER);
-    let submissions = budgets.of("submissions", limits.submissions, SHED_AFTER);
-    let renders = budgets.of("renders", limits.renders, SHED_AT_ONCE);
-    let streams = budgets.of("events", limits.streams, SHED_AT_ONCE);
-    let lines = budgets.of("lines", limits.lines, SHED_AT_ONCE);
-    let uploads = budgets.of("uploads", limits.uploads, SHED_UPLOAD_AFTER);
-    let pictures = budgets.of("pictures", limits.pictures, SHED_UPLOAD_AFTER);
-    let backups = budgets.of("backups", 1, SHED_AT_ONCE);
-    let memory = budgets.bodies("bodies", limits.body_bytes);
+    let probing = budgets.new_budget("probes", limits.requests, SHED_AFTER);
+    let requests = budgets.new_budget("reads", limits.requests, SHED_AFTER);
+    let questions = budgets.new_budget("questions", limits.questions, SHED_QUESTION_AFTER);
+    let submissions = budgets.new_budget("submissions", limits.submissions, SHED_AFTER);
+    let renders = budgets.new_budget("renders", limits.renders, SHED_AT_ONCE);
+    let streams = budgets.new_budget("events", limits.streams, SHED_AT_ONCE);
+    let lines = budgets.new_budget("lines", limits.lines, SHED_AT_ONCE);
+    let uploads = budgets.new_budget("uploads", limits.uploads, SHED_UPLOAD_AFTER);
+    let pictures = budgets.new_budget("pictures", limits.pictures, SHED_UPLOAD_AFTER);
+    let backups = budgets.new_budget("backups", 1, SHED_AT_ONCE);
     let followers = Choice::ByWait {
-        waits: budgets.of("waits", limits.waits, SHED_AT_ONCE),
+        waits: budgets.new_budget("waits", limits.waits, SHED_AT_ONCE),
         others: requests.clone(),
     };
-    let group_of = |scope, budget, timeout, most_bytes| Group {
-        scope,
-        budget,
-        timeout,
-        receiving: budgets.receiving(&memory, most_bytes),
-    };
-    let group = |scope, budget: &Budget, timeout, most_bytes| {
-        group_of(scope, Choice::One(budget.clone()), timeout, most_bytes)
-    };
     let (read, submit) = (Some(Scope::Read), Some(Scope::Submit));
-    let (request, upload) = (limits::REQUEST, limits::UPLOAD);
-    let wait = limits::MAX_WAIT + limits::LONG_POLL_GRACE;
-    let routes = OpenApiRouter::with_openapi(openapi::frame())
-        .merge(group(None, &probing, request, 0).around(probes(), tokens))
-        .merge(group(read, &requests, request, 0).around(reading(), tokens))
-        .merge(group(read, &questions, request, 0).around(asking(), tokens))
-        .merge(group_of(read, followers, wait, 0).around(following(), tokens))
-        .merge(group(read, &streams, request, 0).around(telling(), tokens))
-        .merge(group(read, &lines, request, 0).around(listing(), tokens))
-        .merge(group(submit, &submissions, request, limits::JSON_BYTES).around(submitting(), tokens))
-        .merge(group(submit, &renders, wait, limits::JSON_BYTES).around(rendering(), tokens))
-        .merge(group(submit, &uploads, upload, limits::SCENE_BYTES).around(uploading(), tokens))
-        .merge(group(submit, &uploads, upload, limits::STYLE_BYTES).around(adding(), tokens))
-        .merge(group(submit, &uploads, upload, limits::PHOTOS_BYTES).around(training(), tokens))
-        .merge(group(Some(Scope::Admin), &backups, limits::BACKUP, 0).around(operating(), tokens))
-        .merge(group(submit, &renders, upload, limits::JSON_BYTES).around(verifying(), tokens))
-        .merge(group(submit, &pictures, upload, limits::PICTURES_BYTES).around(computing(), tokens));
+    let (upload, wait) = (limits::UPLOAD, limits::MAX_WAIT + limits::LONG_POLL_GRACE);
+    let groups = [
+        RouteGroup::new(probe_routes(), None, &probing),
+        RouteGroup::new(read_routes(), read, &requests),
+        RouteGroup::new(query_routes(), read, &questions),
+        RouteGroup::new(wait_routes(), read, followers).with_timeout(wait),
+        RouteGroup::new(event_routes(), read, &streams),
+        RouteGroup::new(line_routes(), read, &lines),
+        RouteGroup::new(submit_routes(), submit, &submissions).with_body(limits::JSON_BYTES),
+        RouteGroup::new(render_routes(), submit, &renders)
+            .with_timeout(wait)
+            .with_body(limits::JSON_BYTES),
+        RouteGroup::new(scene_upload_routes(), submit, &uploads)
+            .with_timeout(upload)
+            .with_body(limits::SCENE_BYTES),
+        RouteGroup::new(style_upload_routes(), submit, &uploads)
+            .with_timeout(upload)
+            .with_body(limits::STYLE_BYTES),
+        RouteGroup::new(training_routes(), submit, &uploads)
+            .with_timeout(upload)
+            .with_body(limits::PHOTOS_BYTES),
+        RouteGroup::new(backup_routes(), Some(Scope::Admin), &backups).with_timeout(limits::BACKUP),
+        RouteGroup::new(verify_routes(), submit, &renders)
+            .with_timeout(upload)
+            .with_body(limits::JSON_BYTES),
+        RouteGroup::new(image_routes(), submit, &pictures)
+            .with_timeout(upload)
+            .with_body(limits::PICTURES_BYTES),
+    ];
+    let memory = budgets.bodies("bodies", limits.body_bytes);
+    let routes = OpenApiRouter::with_openapi(openapi::frame());
+    let routes = groups.into_iter().fold(routes, |routes, group| {
+        routes.merge(group.build(budgets.receiving(&memory), tokens))
+    });
     let (public, routes) = routes.merge(worker_protocol(tokens, &budgets)).split_for_parts();
     let shipped = List::all().iter().filter(|list| list.stored_at.is_none());
     let list_names: Vec<&str> = shipped.map(|list| list.name).collect();
@@ -82,130 +91,15 @@ pub(crate) fn router(app: App, tokens: &Arc<Tokens>, hosts: Hosts, limits: &Limi
         .route("/problems/{slug}", get(problem::describe))
         .fallback(|| async { Problem::not_found("no such route; see /docs") })
         .layer(from_fn_with_state(stored, space::note))
-        .layer(from_fn_with_state(hosts, hosts::known))
+        .layer(from_fn_with_state(hosts, hosts::check_host))
         .layer(from_fn(observe))
 }
 
-fn probes() -> OpenApiRouter<App> {
-    OpenApiRouter::new()
-        .routes(routes!(operations::routes::probes::livez))
-        .routes(routes!(operations::routes::probes::readyz))
-        .routes(routes!(operations::routes::probes::version))
-}
-
-fn reading() -> OpenApiRouter<App> {
-    OpenApiRouter::new()
-        .routes(routes!(operations::routes::probes::metrics))
-        .routes(routes!(jobs::routes::list::list))
-        .routes(routes!(images::routes::image::get))
-        .routes(routes!(images::routes::image::artifact))
-        .routes(routes!(images::routes::image::artifacts))
-        .routes(routes!(images::routes::image::preview))
-        .routes(routes!(scenes::routes::list::list))
-        .routes(routes!(scenes::routes::get::get))
-        .routes(routes!(scenes::routes::collections::list))
-        .routes(routes!(scenes::routes::collections::get))
-        .routes(routes!(sets::routes::set::list))
-        .routes(routes!(sets::routes::set::get))
-        .routes(routes!(waters::routes::water::list))
-        .routes(routes!(waters::routes::water::get))
-        .routes(routes!(styles::routes::list::list))
-        .routes(routes!(styles::routes::training::preview))
-        .routes(routes!(lists::routes::list::list))
-        .routes(routes!(lists::routes::get::get))
-        .routes(routes!(datasets::routes::dataset::list))
-        .routes(routes!(datasets::routes::dataset::get))
-        .routes(routes!(datasets::routes::versions::list))
-        .routes(routes!(datasets::routes::versions::get))
-        .routes(routes!(leases::routes::worker::list))
-}
-
-/// Questions whose time grows with the number of images.
-fn asking() -> OpenApiRouter<App> {
-    OpenApiRouter::new()
-        .routes(routes!(images::routes::list::list))
-        .routes(routes!(datasets::routes::stats::stats))
-        .routes(routes!(datasets::routes::histogram::histogram))
-        .routes(routes!(datasets::routes::density::density))
-}
-
-fn following() -> OpenApiRouter<App> {
-    OpenApiRouter::new()
-        .routes(routes!(jobs::routes::get::get))
-        .routes(routes!(jobs::routes::description::get))
-        .routes(routes!(styles::routes::training::get))
-}
-
-fn telling() -> OpenApiRouter<App> {
-    OpenApiRouter::new().routes(routes!(jobs::routes::events::events))
-}
-
-fn listing() -> OpenApiRouter<App> {
-    OpenApiRouter::new()
-        .routes(routes!(jobs::routes::lines::results))
-        .routes(routes!(jobs::routes::lines::errors))
-        .routes(routes!(datasets::routes::metadata::jsonl))
-        .routes(routes!(datasets::routes::metadata::csv))
-}
-
-fn submitting() -> OpenApiRouter<App> {
-    OpenApiRouter::new()
-        .routes(routes!(jobs::routes::create::create))
-        .routes(routes!(jobs::routes::preview::preview))
-        .routes(routes!(jobs::routes::control::delete))
-        .routes(routes!(styles::routes::training::delete))
-        .routes(routes!(jobs::routes::control::cancel))
-        .routes(routes!(jobs::routes::control::pause))
-        .routes(routes!(jobs::routes::control::resume))
-        .routes(routes!(jobs::routes::control::retry_failed))
-        .routes(routes!(datasets::routes::dataset::delete))
-        .routes(routes!(datasets::routes::versions::delete))
-        .routes(routes!(sets::routes::create::create))
-        .routes(routes!(sets::routes::set::delete))
-        .routes(routes!(waters::routes::create::create))
-        .routes(routes!(waters::routes::water::delete))
-        .routes(routes!(scenes::routes::get::delete))
-        .routes(routes!(scenes::routes::collections::delete))
-}
-
-fn rendering() -> OpenApiRouter<App> {
-    OpenApiRouter::new().routes(routes!(jobs::routes::render::create))
-}
-
-fn uploading() -> OpenApiRouter<App> {
-    OpenApiRouter::new().routes(routes!(scenes::routes::create::create))
-}
-
-fn adding() -> OpenApiRouter<App> {
-    OpenApiRouter::new().routes(routes!(styles::routes::create::create))
-}
-
-fn training() -> OpenApiRouter<App> {
-    OpenApiRouter::new().routes(routes!(styles::routes::train::train))
-}
-
-fn verifying() -> OpenApiRouter<App> {
-    OpenApiRouter::new()
-        .routes(routes!(images::routes::verify::verify))
-        .routes(routes!(datasets::routes::versions::seal))
-        .routes(routes!(datasets::routes::verify::verify))
-}
-
-fn computing() -> OpenApiRouter<App> {
-    OpenApiRouter::new()
-        .routes(routes!(pictures::routes::enhance::enhance))
-        .routes(routes!(pictures::routes::measure::measure))
-}
-
-fn operating() -> OpenApiRouter<App> {
-    OpenApiRouter::new().routes(routes!(operations::routes::backup::create))
-}
-
-/// Makes budgets of one size for each caller.
+/// Creates budgets with the same share per caller.
 struct Budgets<'a>(&'a Limits);
 
 impl Budgets<'_> {
-    fn of(&self, name: &'static str, places: usize, patience: Duration) -> Budget {
+    fn new_budget(&self, name: &'static str, places: usize, patience: Duration) -> Budget {
         let share = Share {
             percent: self.0.caller_percent,
         };
@@ -214,28 +108,23 @@ impl Budgets<'_> {
 
     /// A budget of bodies in memory.
     fn bodies(&self, name: &'static str, bytes: usize) -> Budget {
-        self.of(name, bytes / PLACE_BYTES, SHED_AT_ONCE)
+        self.new_budget(name, bytes / PLACE_BYTES, SHED_AT_ONCE)
     }
 
-    fn receiving(&self, memory: &Budget, most_bytes: usize) -> Receiving {
+    /// Settings for receiving bodies; by default none is accepted.
+    fn receiving(&self, memory: &Budget) -> Receiving {
         Receiving {
-            most_bytes,
+            most_bytes: 0,
             grace: self.0.body_grace,
             memory: memory.clone(),
         }
     }
 }
 
-/// Calls of workers have budgets of their own: no flood of public requests can let a lease expire.
+/// Worker calls have separate budgets, so that a flood of public requests cannot let a lease expire.
 fn worker_protocol(tokens: &Arc<Tokens>, budgets: &Budgets<'_>) -> OpenApiRouter<App> {
     let limits = budgets.0;
     let memory = budgets.bodies("bodies of workers", limits.worker_body_bytes);
-    let group = |name, places, patience, timeout, most_bytes| Group {
-        scope: Some(Scope::Work),
-        budget: Choice::One(budgets.of(name, places, patience)),
-        timeout,
-        receiving: budgets.receiving(&memory, most_bytes),
-    };
     let calls = OpenApiRouter::new()
         .route("/v1/worker/register", post(leases::routes::worker::register))
         .route("/v1/worker/commit", post(leases::routes::frame::commit))
@@ -252,16 +141,26 @@ fn worker_protocol(tokens: &Arc<Tokens>, budgets: &Budgets<'_>) -> OpenApiRouter
     let beats = OpenApiRouter::new().route("/v1/worker/beat", post(leases::routes::worker::beat));
     let waits = OpenApiRouter::new().route("/v1/worker/lease", post(leases::routes::worker::lease));
     let uploads = OpenApiRouter::new().route("/v1/worker/artifacts", post(leases::routes::frame::artifacts));
-    let (request, waiting) = (limits::REQUEST, limits::MAX_WAIT + limits::LONG_POLL_GRACE);
+    let wait = limits::MAX_WAIT + limits::LONG_POLL_GRACE;
+    let work = Some(Scope::Work);
+    let calling = budgets.new_budget("worker calls", limits.worker_calls, SHED_AFTER);
+    let beating = budgets.new_budget("worker beats", limits.worker_beats, SHED_AFTER);
+    let waiting = budgets.new_budget("worker waits", limits.worker_waits, SHED_AFTER);
+    let uploading = budgets.new_budget("worker uploads", limits.worker_uploads, SHED_AFTER);
     let message = limits::WORKER_MESSAGE_BYTES;
-    let (upload, files) = (limits::UPLOAD, limits::ARTIFACT_BYTES);
-    let calling = group("worker calls", limits.worker_calls, SHED_AFTER, request, message);
-    let beating = group("worker beats", limits.worker_beats, SHED_AFTER, waiting, message);
-    let leasing = group("worker waits", limits.worker_waits, SHED_AFTER, waiting, message);
-    let uploading = group("worker uploads", limits.worker_uploads, SHED_AFTER, upload, files);
-    OpenApiRouter::new()
-        .merge(calling.around(calls, tokens))
-        .merge(beating.around(beats, tokens))
-        .merge(leasing.around(waits, tokens))
-        .merge(uploading.around(uploads, tokens))
+    let groups = [
+        RouteGroup::new(calls, work, &calling).with_body(message),
+        RouteGroup::new(beats, work, &beating)
+            .with_timeout(wait)
+            .with_body(message),
+        RouteGroup::new(waits, work, &waiting)
+            .with_timeout(wait)
+            .with_body(message),
+        RouteGroup::new(uploads, work, &uploading)
+            .with_timeout(limits::UPLOAD)
+            .with_body(limits::ARTIFACT_BYTES),
+    ];
+    groups.into_iter().fold(OpenApiRouter::new(), |routes, group| {
+        routes.merge(group.build(budgets.receiving(&memory), tokens))
+    })
 }

@@ -1,4 +1,4 @@
-//! The service as a whole: its start, the tasks beside the requests, and its end.
+//! The service as a whole: start, background tasks, shutdown.
 
 use std::fs::File;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
@@ -24,9 +24,9 @@ use crate::operations::routes::backup;
 use crate::processes::fleet::{Fleet, OnExit, Recipe};
 use crate::router;
 
-/// How often expired leases are collected: a killed worker's frames are offered again this long after their term.
+/// Interval of collecting expired leases.
 const EXPIRY_INTERVAL: Duration = Duration::from_millis(200);
-/// How often the metrics recorder's histograms and the announced digests are tidied up.
+/// Interval of dropping expired metrics and digest protections.
 const UPKEEP_INTERVAL: Duration = Duration::from_secs(5);
 
 /// A running service.
@@ -34,9 +34,9 @@ pub struct Service {
     address: SocketAddr,
     app: App,
     fleet: Fleet,
-    /// Ends the tasks, after the workers have handed their leases back.
+    /// Ends the tasks, after the workers have returned their leases.
     end: CancellationToken,
-    /// The server and what runs beside it.
+    /// The server and the background tasks.
     tasks: Vec<JoinHandle<()>>,
     _lock: File,
 }
@@ -44,7 +44,7 @@ pub struct Service {
 /// Starts a service on this machine.
 ///
 /// # Errors
-/// Whatever keeps it from answering requests.
+/// [`StartError`] if the service cannot serve requests.
 pub async fn start(config: Config) -> Result<Service, StartError> {
     let surroundings = Surroundings::of_this_machine(&config);
     start_in(config, surroundings).await
@@ -53,7 +53,7 @@ pub async fn start(config: Config) -> Result<Service, StartError> {
 /// Starts a service in given surroundings.
 ///
 /// # Errors
-/// Whatever keeps it from answering requests.
+/// [`StartError`] if the service cannot serve requests.
 pub async fn start_in(config: Config, surroundings: Surroundings) -> Result<Service, StartError> {
     let mut tokens = Tokens::parse(config.token.as_deref(), config.listen)?;
     let (are_tokens_needed, own_secret) = (tokens.are_needed(), random_secret());
@@ -61,16 +61,16 @@ pub async fn start_in(config: Config, surroundings: Surroundings) -> Result<Serv
     let limits = surroundings.limits;
     let (app, lock) = App::open(&config, &surroundings).await?;
     if let Err(error) = backup::clear_unfinished(&config.data) {
-        tracing::warn!(%error, "backups that never finished stay");
+        tracing::warn!(%error, "could not remove unfinished backups");
     }
     app.jobs.resume_all().await?;
     app.sets.resume_all().await?;
-    let listen = |source| StartError::Listen {
+    let bound = TcpListener::bind(config.listen).await;
+    let bound = bound.and_then(|listener| Ok((listener.local_addr()?, listener)));
+    let (address, listener) = bound.map_err(|source| StartError::Listen {
         address: config.listen,
         source,
-    };
-    let listener = TcpListener::bind(config.listen).await.map_err(listen)?;
-    let address = listener.local_addr().map_err(listen)?;
+    })?;
     let end = CancellationToken::new();
     let hosts = Hosts::new(are_tokens_needed, &config.hosts);
     let router = router::router(app.clone(), &Arc::new(tokens), hosts, &limits);
@@ -98,17 +98,17 @@ pub async fn start_in(config: Config, surroundings: Surroundings) -> Result<Serv
 }
 
 impl Service {
-    /// Where it listens.
+    /// The listen address.
     #[must_use]
     pub fn address(&self) -> SocketAddr {
         self.address
     }
 
-    /// Stops the service in order: waiting requests get their response, the service's workers hand their leases back and
+    /// Stops the service in order: waiting requests get their response, the service's workers return their leases and
     /// stop, open requests finish, the catalogue and the store are closed.
     ///
     /// # Errors
-    /// A task of the service had failed before. Nothing that was acknowledged is lost.
+    /// A task of the service had failed before. No acknowledged data is lost.
     pub async fn stop(self) -> Result<(), JoinError> {
         self.app.stop.cancel();
         self.fleet.stop().await;
@@ -124,7 +124,7 @@ impl Service {
     }
 }
 
-/// A secret that only the service and its own workers know.
+/// A secret shared only by the service and its workers.
 fn random_secret() -> String {
     format!("{}{}", ordered_id().simple(), ordered_id().simple())
 }
@@ -190,9 +190,11 @@ async fn tidy_up(app: App, end: CancellationToken) {
     while end.run_until_cancelled(ticks.tick()).await.is_some() {
         app.bytes.naming.tidy_up();
         app.leases
-            .puts
-            .tidy_up(|token| app.leases.dispatch.has_lease(token));
+            .pending
+            .drop_ended(|token| app.leases.dispatch.has_lease(token));
         let dispatch = &app.leases.dispatch;
-        app.leases.probes.keep(|worker| dispatch.has_worker(worker));
+        app.leases
+            .probes
+            .retain_registered(|worker| dispatch.has_worker(worker));
     }
 }

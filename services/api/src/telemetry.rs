@@ -1,4 +1,4 @@
-//! What the service counts about itself, in Prometheus' text form with base units.
+//! Telemetry of the service, in Prometheus' text format with base units.
 
 use std::sync::LazyLock;
 
@@ -11,16 +11,16 @@ use prometheus::{
 use spec::FrameRecord;
 use store::StoreStats;
 
-/// From a cached read to a long-poll, in seconds.
+/// From a cached read to a long poll, in seconds.
 const REQUEST_BUCKETS: [f64; 10] = [0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 60.0];
-/// From encoding a small picture to a large reference render, in seconds.
+/// From encoding a small image to a large reference render, in seconds.
 const STAGE_BUCKETS: [f64; 10] = [0.0003, 0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0];
 /// From a thumbnail to the linear layers of a large frame.
 const COMMIT_BUCKETS: [f64; 8] = [1e4, 3e4, 1e5, 3e5, 1e6, 1e7, 1e8, 5e8];
-/// A frame has about a dozen stages; a record that claims more is not worth a label for each.
+/// A frame has about a dozen stages; a record with more does not get a label for each.
 const MAX_STAGES: usize = 32;
 
-/// Every service of the process counts here.
+/// Shared by every service of the process.
 static TELEMETRY: LazyLock<Telemetry> =
     LazyLock::new(|| Telemetry::register().expect("the names are valid and differ"));
 
@@ -63,12 +63,12 @@ impl Telemetry {
             )?,
             checked: register_int_counter_vec!(
                 "fathom_frames_checked_total",
-                "Frames that were rendered a second time, by outcome",
+                "Spot-checked frames, by outcome",
                 &["outcome"]
             )?,
             shed: register_int_counter_vec!(
                 "fathom_requests_shed_total",
-                "Requests refused with 503 because all places of their kind were taken",
+                "Requests rejected with 503 at the concurrency limit of their kind",
                 &["budget"]
             )?,
             committed: register_int_counter!(
@@ -88,7 +88,7 @@ impl Telemetry {
             )?,
             failed: register_int_counter_vec!(
                 "fathom_frames_failed_total",
-                "Failed attempts at frames, by whether the frame is given up",
+                "Failed attempts, by whether the frame is quarantined",
                 &["given_up"]
             )?,
             granted: register_int_counter!("fathom_leases_granted_total", "Leases granted to workers")?,
@@ -98,17 +98,14 @@ impl Telemetry {
             )?,
             expired: register_int_counter!(
                 "fathom_leases_expired_total",
-                "Leases that expired without a word from their worker"
+                "Leases that expired without a heartbeat"
             )?,
             strikes: register_int_counter!(
                 "fathom_lease_strikes_total",
-                "Frames that were alone on a lease that ended without a result"
+                "Single-frame leases that ended without a result"
             )?,
-            queued: register_int_gauge!(
-                "fathom_frames_queued",
-                "Frames of open jobs that wait for a worker"
-            )?,
-            leased: register_int_gauge!("fathom_frames_leased", "Frames that a worker holds")?,
+            queued: register_int_gauge!("fathom_frames_queued", "Queued frames of open jobs")?,
+            leased: register_int_gauge!("fathom_frames_leased", "Leased frames")?,
             queue_age_seconds: register_gauge!(
                 "fathom_queue_age_seconds",
                 "Seconds since the oldest open job was submitted"
@@ -119,12 +116,12 @@ impl Telemetry {
                 "fathom_store_blobs",
                 "Stored artifacts, shared ones counted once"
             )?,
-            store_packs: register_int_gauge!("fathom_store_packs", "Files that hold the artifacts")?,
+            store_packs: register_int_gauge!("fathom_store_packs", "Pack files")?,
         })
     }
 }
 
-/// Everything counted so far, the catalogue's figures included.
+/// All metrics, including those of the catalogue.
 ///
 /// # Errors
 /// A metric that cannot be written.
@@ -133,7 +130,7 @@ pub(crate) fn render() -> prometheus::Result<String> {
 }
 
 pub(crate) fn request(method: &Method, route: &str, status: u16, seconds: f64) {
-    // A client may invent methods; a label for each would grow without end.
+    // A client may invent methods; a label for each would grow without limit.
     let method = match *method {
         Method::GET | Method::HEAD | Method::POST | Method::DELETE => method.as_str(),
         _ => "other",
@@ -150,7 +147,7 @@ pub(crate) fn shed(budget: &'static str) {
     TELEMETRY.shed.with_label_values(&[budget]).inc();
 }
 
-/// Counts a frame that was rendered a second time.
+/// Counts a spot check.
 pub(crate) fn checked(outcome: &'static str) {
     TELEMETRY.checked.with_label_values(&[outcome]).inc();
 }

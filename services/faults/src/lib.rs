@@ -1,17 +1,17 @@
-//! Named points at which a test can break a running process.
+//! Fault injection: named points at which a test can break a running process.
 //!
-//! The service and the worker pass points such as `commit.written`. Nothing happens there unless the environment variable
-//! `FATHOM_FAULTS` names the point, so that tests can kill the released binary at the worst moments. A fault is written
+//! The service and the worker pass points such as `commit.written`. A point has no effect unless the environment
+//! variable `FATHOM_FAULTS` names it, so tests can kill the released binary at critical moments. Forms of a fault:
 //!
 //! ```text
-//! POINT=ACTION        whenever the point is passed
-//! POINT=ACTION@N      the N-th time that it is passed (from 1)
-//! POINT=ACTION#F      whenever it is passed for frame F
-//! POINT=ACTION#R/M    whenever it is passed for a frame whose number leaves R when divided by M
+//! POINT=ACTION        every time the point is passed
+//! POINT=ACTION@N      the N-th time it is passed, from 1
+//! POINT=ACTION#F      every time it is passed for frame F
+//! POINT=ACTION#R/M    every time it is passed for a frame with frame % M == R
 //! ```
 //!
-//! and several are separated by commas. Actions: `abort` (the process ends immediately, nothing is flushed), `panic`, `hang`
-//! (sleeps forever), `memory` (allocates until something stops it), `flag` (the caller does what the point is named for).
+//! Commas separate several faults. Actions: `abort` (ends the process without flushing), `panic`, `hang` (sleeps
+//! forever), `memory` (allocates until stopped), `flag` (the caller simulates the named fault).
 
 mod plan;
 
@@ -20,31 +20,31 @@ use std::time::Duration;
 
 use plan::{Action, Plan};
 
-/// The environment variable that names the faults.
+/// Environment variable with the faults.
 pub const VARIABLE: &str = "FATHOM_FAULTS";
 
-/// Step of `memory` and the pause after it: slow enough that a limit is noticed before the machine is full.
+/// Step of `memory` and the pause after it: slow enough for a limit to act before the machine runs out.
 const MEMORY_STEP_BYTES: usize = 32 << 20;
 const MEMORY_PAUSE: Duration = Duration::from_millis(5);
 
-/// Passes a point that belongs to no frame.
+/// Passes a point outside any frame.
 pub fn point(name: &str) {
     if let Some(plan) = plan() {
         plan.passed(name, None).map(act).unwrap_or_default();
     }
 }
 
-/// Passes a point for a frame; returns whether the caller should do what the point is named for.
+/// Passes a point for a frame; returns whether the caller should simulate the named fault.
 #[must_use]
 pub fn frame_point(name: &str, frame: u64) -> bool {
     let Some(plan) = plan() else { return false };
     plan.passed(name, Some(frame)).is_some_and(act)
 }
 
-/// The faults of this process.
+/// Checks the faults of this process.
 ///
 /// # Errors
-/// The variable is malformed: a test that means to break something must not pass with nothing broken.
+/// The variable is malformed. A test that injects faults must not pass with none injected.
 pub fn check() -> Result<(), String> {
     match std::env::var(VARIABLE) {
         Ok(text) => Plan::parse(&text).map(drop),

@@ -1,8 +1,7 @@
-//! The faults of a process.
+//! Parsed faults.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// What a fault does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Action {
     Abort,
@@ -12,7 +11,6 @@ pub(crate) enum Action {
     Flag,
 }
 
-/// When a fault acts.
 #[derive(Debug)]
 enum When {
     Always,
@@ -27,27 +25,27 @@ struct Fault {
     when: When,
 }
 
-/// The faults of a process.
 #[derive(Debug)]
 pub(crate) struct Plan(Vec<Fault>);
 
 impl Plan {
-    /// Reads `POINT=ACTION[@N | #F | #R/M]`, separated by commas.
+    /// Parses `POINT=ACTION[@N | #F | #R/M]`, separated by commas.
     pub(crate) fn parse(text: &str) -> Result<Self, String> {
         text.split(',')
             .map(str::trim)
             .filter(|part| !part.is_empty())
-            .map(fault)
+            .map(parse_fault)
             .collect::<Result<_, _>>()
             .map(Self)
     }
 
-    /// The action to take at a point that is passed.
+    /// Returns the action for a passed point.
     pub(crate) fn passed(&self, point: &str, frame: Option<u64>) -> Option<Action> {
-        let here = self.0.iter().filter(|fault| fault.point == point);
-        here.filter(|fault| fault.when.is_now(frame))
-            .map(|fault| fault.action)
-            .next()
+        let mut active = self
+            .0
+            .iter()
+            .filter(|fault| fault.point == point && fault.when.is_now(frame));
+        active.next().map(|fault| fault.action)
     }
 }
 
@@ -63,21 +61,24 @@ impl When {
     }
 }
 
-fn fault(text: &str) -> Result<Fault, String> {
-    let wrong =
-        || format!("fault `{text}` is not POINT=ACTION, POINT=ACTION@N, POINT=ACTION#F or POINT=ACTION#R/M");
-    let number = |text: &str| text.parse::<u64>().map_err(|_| wrong());
-    let (point, rest) = text.split_once('=').ok_or_else(wrong)?;
+fn parse_fault(text: &str) -> Result<Fault, String> {
+    parse_parts(text).ok_or_else(|| {
+        format!("fault `{text}` is not POINT=ACTION, POINT=ACTION@N, POINT=ACTION#F or POINT=ACTION#R/M")
+    })
+}
+
+fn parse_parts(text: &str) -> Option<Fault> {
+    let (point, rest) = text.split_once('=')?;
     let (action, when) = if let Some((action, n)) = rest.split_once('@') {
-        let (n, passed) = (number(n)?, AtomicU64::new(0));
+        let (n, passed) = (n.parse().ok()?, AtomicU64::new(0));
         (action, When::Nth { n, passed })
     } else if let Some((action, frames)) = rest.split_once('#') {
         let (remainder, modulus) = match frames.split_once('/') {
-            Some((remainder, modulus)) => (number(remainder)?, Some(number(modulus)?)),
-            None => (number(frames)?, None),
+            Some((remainder, modulus)) => (remainder.parse().ok()?, Some(modulus.parse().ok()?)),
+            None => (frames.parse().ok()?, None),
         };
         if modulus == Some(0) {
-            return Err(wrong());
+            return None;
         }
         (action, When::Frames { remainder, modulus })
     } else {
@@ -89,9 +90,9 @@ fn fault(text: &str) -> Result<Fault, String> {
         "hang" => Action::Hang,
         "memory" => Action::Memory,
         "flag" => Action::Flag,
-        _ => return Err(wrong()),
+        _ => return None,
     };
-    Ok(Fault {
+    Some(Fault {
         point: point.to_owned(),
         action,
         when,
@@ -103,7 +104,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_fault_meets_the_passings_that_it_names_and_no_other() {
+    fn a_fault_acts_only_on_the_passes_it_names() {
         let plan = Plan::parse("a=abort@3, b=flag#7 ,c=hang#1/4,d=panic").unwrap_or_else(|e| panic!("{e}"));
         let third: Vec<bool> = (0..4).map(|_| plan.passed("a", None).is_some()).collect();
         assert_eq!(third, [false, false, true, false]);
@@ -117,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_read_is_refused() {
+    fn malformed_faults_are_rejected() {
         for text in ["a", "a=burn", "a=abort@x", "a=abort#1/0", "=abort@"] {
             assert!(Plan::parse(text).is_err(), "{text}");
         }

@@ -79,7 +79,7 @@ impl Card {
         }
         let job = match is_of_earlier_version(&card.job) {
             true => None,
-            false => Some(Job::trusted(&card.job).map_err(|error| unreadable(&error))?),
+            false => Some(Job::from_canonical(&card.job).map_err(|error| unreadable(&error))?),
         };
         let is_whole = spec::sha256(card.job.as_bytes()) == card.digest
             && job.as_ref().is_none_or(|job| job.frames() == card.frames)

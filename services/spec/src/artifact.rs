@@ -1,4 +1,4 @@
-//! What can be stored of a frame.
+//! Artifact kinds.
 
 use serde::Deserialize;
 
@@ -7,37 +7,42 @@ use crate::scene_parts::ScenePart;
 
 const PNG: &str = "image/png";
 
-/// Longest name of a kind or a media type.
-const MOST_NAME_BYTES: usize = 64;
+/// Maximum length of a kind or media type, bytes.
+const MAX_NAME_BYTES: usize = 64;
 
-/// Whether this may become the content type of a response, and nothing else beside it.
+/// Whether a text is one media type and safe as a `Content-Type` header.
 #[must_use]
 pub fn is_media_type(text: &str) -> bool {
-    let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-+.".contains(&byte);
-    let plain = |part: &str| !part.is_empty() && part.bytes().all(plain);
     let parts = text.split_once('/');
-    text.len() <= MOST_NAME_BYTES && parts.is_some_and(|(kind, name)| plain(kind) && plain(name))
+    text.len() <= MAX_NAME_BYTES && parts.is_some_and(|(kind, name)| is_token(kind) && is_token(name))
 }
 
-/// What can be stored of a frame.
+fn is_token(text: &str) -> bool {
+    !text.is_empty()
+        && text
+            .bytes()
+            .all(|byte| byte.is_ascii_alphanumeric() || b"-+.".contains(&byte))
+}
+
+/// A file that can be stored for a frame.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
 #[serde(try_from = "String")]
 pub enum ArtifactKind {
-    /// The result.
+    /// Final image.
     Rgb,
-    /// The scene in air.
+    /// Scene in air.
     Clean,
-    /// Light that arrives unscattered, linear NPY.
+    /// Unscattered light, linear NPY.
     Direct,
-    /// Light that arrives scattered forward, linear NPY.
+    /// Forward-scattered light, linear NPY.
     ForwardScatter,
     /// Veiling light along the ray, linear NPY.
     Backscatter,
-    /// The picture after the water.
+    /// Image after the water.
     Scattered,
-    /// What the style network made of it.
+    /// Output of the style network.
     Styled,
-    /// The picture after haze; the same as `rgb` before encoding.
+    /// Image after haze; the same as `rgb` before encoding.
     Hazed,
     /// Range in millimeters, 16-bit PNG, 0 = hole.
     Range,
@@ -51,19 +56,19 @@ pub enum ArtifactKind {
     SemanticsVisible,
     /// Unit normals in camera axes, linear NPY.
     Normals,
-    /// Bits of the inspection findings that each pixel shows, 8-bit PNG.
+    /// Inspection findings visible in each pixel as bits, 8-bit PNG.
     Findings,
-    /// The objects in view with category, box, transmittance and visibility, and the camera's pose, JSON.
+    /// Objects in view with category, box, transmittance and visibility, and the camera's pose, JSON.
     Boxes,
     /// Opacity of the marine snow in green, 8-bit PNG, 255 = opaque.
     SnowMask,
-    /// Codes of the sensor before anything is made of them.
+    /// Sensor codes before development.
     Raw,
-    /// Where the camera looks into the picture that was uploaded, 8-bit PNG, 255 = inside.
+    /// Part of the output covered by the uploaded image, 8-bit PNG, 255 = inside.
     Valid,
-    /// Light of the frame by Monte Carlo and its standard error, linear NPY of six planes.
+    /// Monte Carlo light of the frame and its standard error, linear NPY of six planes.
     Truth,
-    /// What was traced, and how far the chain is from it, JSON.
+    /// Work and accuracy of the Monte Carlo truth, and the deviation of the image chain, JSON.
     TruthReport,
     /// Result of an enhancement method.
     Enhanced(String),
@@ -74,7 +79,7 @@ pub enum ArtifactKind {
 }
 
 impl ArtifactKind {
-    /// Every kind with a fixed name; `enhanced.<method>` comes beside them.
+    /// Every kind with a fixed name. The results of enhancements are named `enhanced.<method>`.
     pub const FIXED: [(&'static str, Self); 23] = [
         ("rgb", Self::Rgb),
         ("clean", Self::Clean),
@@ -101,20 +106,18 @@ impl ArtifactKind {
         ("preview", Self::Preview),
     ];
 
-    /// What its file holds: format, unit and meaning.
+    /// Format, unit and meaning of the file.
     #[must_use]
     pub fn about(&self) -> &'static str {
         match self {
-            Self::Rgb => "the result, 8 bit, in the format of `encode`",
+            Self::Rgb => "the final image, 8 bit, in the format of `encode`",
             Self::Clean => "the scene in air, 8 bit, in the format of `encode`",
-            Self::Direct => "light that arrives unscattered: NPY float32 [h, w, 3], linear, white = 1",
-            Self::ForwardScatter => {
-                "light that arrives scattered forward: NPY float32 [h, w, 3], linear, white = 1"
-            }
+            Self::Direct => "unscattered light: NPY float32 [h, w, 3], linear, white = 1",
+            Self::ForwardScatter => "forward-scattered light: NPY float32 [h, w, 3], linear, white = 1",
             Self::Backscatter => "veiling light along the ray: NPY float32 [h, w, 3], linear, white = 1",
-            Self::Scattered => "the picture after the water, 8 bit, in the format of `encode`",
-            Self::Styled => "what the style network made of it, 8 bit, in the format of `encode`",
-            Self::Hazed => "the picture after haze, the same as `rgb`",
+            Self::Scattered => "the image after the water, 8 bit, in the format of `encode`",
+            Self::Styled => "output of the style network, 8 bit, in the format of `encode`",
+            Self::Hazed => "the image after haze, the same as `rgb`",
             Self::Range => "range along the line of sight: 16-bit PNG, mm, 0 = hole",
             Self::Transmittance => "transmittance of the water along the ray, 0..1: NPY float32 [h, w, 3]",
             Self::Instances => "instance of each pixel, 0 = background: 8- or 16-bit PNG",
@@ -124,7 +127,7 @@ impl ArtifactKind {
             }
             Self::Normals => "unit normals in camera axes, right, down, ahead: NPY float32 [h, w, 3]",
             Self::Findings => {
-                "bits of the inspection findings that each pixel shows: 8-bit PNG; `findings` lists them"
+                "inspection findings visible in each pixel, as bits: 8-bit PNG; `findings` lists them"
             }
             Self::Boxes => {
                 "camera pose and the objects in view with category, box and visibility: JSON, m and px"
@@ -133,12 +136,14 @@ impl ArtifactKind {
             Self::Raw => {
                 "codes of the sensor: 16-bit PNG, a mosaic or RGB; black, gain and filters are in the record"
             }
-            Self::Valid => "where the camera looks into the picture: 8-bit PNG, 255 = inside, 0 = beyond",
+            Self::Valid => {
+                "part of the output covered by the uploaded image: 8-bit PNG, 255 = inside, 0 = outside"
+            }
             Self::Truth => {
                 "light by Monte Carlo, three planes, and its standard error, three planes: NPY float32 [h, w, 6], linear, white = 1"
             }
             Self::TruthReport => {
-                "what was traced, how well it is known, and how far the chain is from it: JSON"
+                "work and accuracy of the Monte Carlo light, and the deviation of the image chain: JSON"
             }
             Self::Enhanced(_) => "result of the enhancement, 8 bit, in the format of `encode`",
             Self::HscmMask => "circular mask of HSCM: 8-bit PNG",
@@ -146,7 +151,7 @@ impl ArtifactKind {
         }
     }
 
-    /// Unit of the numbers in its file; none where they have none, are codes, or are several.
+    /// Unit of the file's numbers; `None` for codes and for several units.
     #[must_use]
     pub fn unit(&self) -> Option<&'static str> {
         match self {
@@ -156,7 +161,7 @@ impl ArtifactKind {
         }
     }
 
-    /// Whether it is made of labels, which are computed only for it.
+    /// Whether it needs labels, which are computed only on request.
     #[must_use]
     pub fn needs_labels(&self) -> bool {
         matches!(
@@ -165,13 +170,13 @@ impl ArtifactKind {
         )
     }
 
-    /// Whether it is made of the light by Monte Carlo, which is traced only for it.
+    /// Whether it needs the Monte Carlo light, which is traced only on request.
     #[must_use]
     pub fn is_traced(&self) -> bool {
         matches!(self, Self::Truth | Self::TruthReport)
     }
 
-    /// What the scene must have for it.
+    /// The scene part that the artifact requires.
     #[must_use]
     pub fn needs(&self) -> Option<ScenePart> {
         match self {
@@ -184,7 +189,7 @@ impl ArtifactKind {
         }
     }
 
-    /// The media type of its file, where pictures are encoded like this.
+    /// Media type of the file for this encoding of images.
     #[must_use]
     pub fn media_type(&self, encode: Encode) -> &'static str {
         match self {
@@ -218,21 +223,23 @@ impl ArtifactKind {
         }
     }
 
-    /// Whether a frame that asks for it may be without it: what the scene lacks, and an enhancement that did not run.
+    /// Whether it may be missing from a frame: for lack of a scene part, or because an enhancement did not run.
     #[must_use]
     pub fn may_be_absent(&self) -> bool {
         self.needs().is_some() || matches!(self, Self::Enhanced(_) | Self::HscmMask | Self::Raw)
     }
 
-    /// Whether this is the name of a kind that may become part of paths and file names: the name of a method is a plain
-    /// word here, known or not.
+    /// Whether a text is the name of a kind and safe in paths and file names. Unknown methods are accepted.
     #[must_use]
     pub fn is_name(text: &str) -> bool {
-        let plain = |byte: u8| byte.is_ascii_lowercase() || byte.is_ascii_digit() || b"._-".contains(&byte);
-        text.len() <= MOST_NAME_BYTES && text.bytes().all(plain) && Self::parse(text).is_some()
+        text.len() <= MAX_NAME_BYTES
+            && text
+                .bytes()
+                .all(|byte: u8| byte.is_ascii_lowercase() || byte.is_ascii_digit() || b"._-".contains(&byte))
+            && Self::parse(text).is_some()
     }
 
-    /// The kind of this name: a fixed one or `enhanced.<method>`.
+    /// Parses a kind: a fixed one or `enhanced.<method>`.
     #[must_use]
     pub fn parse(name: &str) -> Option<Self> {
         if let Some(method) = name.strip_prefix("enhanced.") {

@@ -1,20 +1,22 @@
-//! Checks a description against the table of fields and collects every error.
+//! Checks a description against the schema and collects every error.
 
 mod across;
 mod camera;
 pub(crate) mod collection;
 mod daylight;
 mod extremes;
+mod labels;
 mod law;
 mod lights;
 mod names;
 mod object;
 mod own_water;
-mod places;
 mod present;
 mod rules;
 mod scene;
+mod tagged;
 mod truth;
+mod values;
 mod water;
 
 use std::collections::BTreeSet;
@@ -23,36 +25,35 @@ use serde_json::{Number, Value};
 
 use crate::invalid::{FieldError, MAX_ERRORS, quote};
 use crate::json::{describe, step};
+use crate::law::find_key;
 use crate::node::{Node, float};
 use crate::schema::{EXACT, Range, Shape};
 use crate::vocabulary::Vocabulary;
 
 pub(crate) use lights::has_lamps;
 pub(crate) use names::is_dataset;
-pub(crate) use places::places;
+pub(crate) use object::parse_default;
 pub(crate) use truth::is_traced;
+pub(crate) use values::find_values;
 
-/// Walks document and table side by side.
+/// Walks the document and the schema in parallel.
 pub(crate) struct Checker<'v> {
     pub(crate) vocabulary: &'v Vocabulary,
-    /// Whether the description was checked when it was accepted: its form is read, its names and limits are believed,
-    /// so that it means what it meant then.
-    pub(crate) trusting: bool,
     /// The job's seed, for the laws' streams.
     pub(crate) seed: u64,
     pub(crate) errors: Vec<FieldError>,
 }
 
-/// Where in the document a value stands.
+/// Location of a value in the document.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Place {
+pub(crate) struct Location {
     /// JSON pointer.
     pub(crate) pointer: String,
-    /// For messages: `lights[0].x`. The steps of laws are left out.
+    /// Name in messages, such as `lights[0].x`, without the steps into distributions.
     pub(crate) name: String,
 }
 
-impl Place {
+impl Location {
     pub(crate) fn field(&self, key: &str) -> Self {
         let dot = if self.name.is_empty() { "" } else { "." };
         Self {
@@ -61,7 +62,7 @@ impl Place {
         }
     }
 
-    /// Its name with this in place of each position in a list.
+    /// Its name with `item` in place of each list position.
     pub(crate) fn path(&self, item: &str) -> String {
         let mut parts = self.name.split('[');
         let first = parts.next().unwrap_or_default().to_owned();
@@ -71,6 +72,10 @@ impl Place {
         })
     }
 
+    pub(crate) fn error(&self, message: impl Into<String>) -> FieldError {
+        FieldError::new(&self.pointer, message)
+    }
+
     pub(crate) fn item(&self, position: usize) -> Self {
         Self {
             pointer: format!("{}/{position}", self.pointer),
@@ -78,7 +83,7 @@ impl Place {
         }
     }
 
-    /// A value of the choice or grid that stands here.
+    /// A value of a choice or grid at this location.
     pub(crate) fn alternative(&self, law: &str, position: usize) -> Self {
         Self {
             pointer: format!("{}/{law}/{position}", self.pointer),
@@ -87,7 +92,7 @@ impl Place {
     }
 }
 
-impl std::fmt::Display for Place {
+impl std::fmt::Display for Location {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         if self.name.is_empty() {
             f.write_str("the description")
@@ -97,8 +102,18 @@ impl std::fmt::Display for Place {
     }
 }
 
+impl<'v> Checker<'v> {
+    pub(crate) fn new(vocabulary: &'v Vocabulary, seed: u64) -> Self {
+        Self {
+            vocabulary,
+            seed,
+            errors: Vec::new(),
+        }
+    }
+}
+
 impl Checker<'_> {
-    /// Adds an error, as long as there is room; built only then.
+    /// Adds an error if there is room; `error` is only called then.
     pub(crate) fn refuse(&mut self, error: impl FnOnce() -> FieldError) {
         match self.errors.len() {
             0..MAX_ERRORS => self.errors.push(error()),
@@ -107,25 +122,31 @@ impl Checker<'_> {
         }
     }
 
-    /// The checked value; `None` if it is refused, with its errors added. Objects keep the fields that are right, so
-    /// that checks across fields find what they can.
-    pub(crate) fn node(&mut self, at: &Place, shape: &Shape, laws: bool, value: &Value) -> Option<Node> {
+    /// The checked value, or `None` with its errors added. Objects keep their valid fields, so that checks across
+    /// fields can continue.
+    pub(crate) fn check(
+        &mut self,
+        location: &Location,
+        shape: &Shape,
+        laws: bool,
+        value: &Value,
+    ) -> Option<Node> {
         if let Value::Object(map) = value
             && !matches!(shape, Shape::Labels)
-            && let Some(key) = law::key_of(map)
+            && let Some(key) = find_key(map)
         {
             if laws {
-                return self.law(at, shape, key, map);
+                return self.check_law(location, shape, key, map);
             }
-            self.refuse(|| FieldError::new(&at.pointer, format!("{at} cannot be a distribution")));
+            self.refuse(|| location.error(format!("{location} cannot be a distribution")));
             return None;
         }
         match (shape, value) {
-            (Shape::Number(range), Value::Number(_)) => self.number(at, range, value),
-            (Shape::Integer(min, max), Value::Number(_)) => self.integer(at, *min, *max, value),
-            (Shape::Text(names), Value::String(text)) => self.text(at, *names, text),
+            (Shape::Number(range), Value::Number(_)) => self.check_number(location, range, value),
+            (Shape::Integer(min, max), Value::Number(_)) => self.check_integer(location, *min, *max, value),
+            (Shape::Text(names), Value::String(text)) => self.check_text(location, *names, text),
             (Shape::Bool, Value::Bool(_)) => Some(Node::Constant(value.clone())),
-            (Shape::Scalar, _) => self.scalar(at, value),
+            (Shape::Scalar, _) => self.check_scalar(location, value),
             (
                 Shape::List {
                     element,
@@ -133,12 +154,12 @@ impl Checker<'_> {
                     distinct,
                 },
                 Value::Array(items),
-            ) => self.list(at, element, *max, *distinct, items),
+            ) => self.check_list(location, element, *max, *distinct, items),
             (Shape::Rgb(range) | Shape::Vector(range), Value::Array(items)) if items.len() == 3 => {
-                self.items(at, &Shape::Number(*range), items)
+                self.check_items(location, &Shape::Number(*range), items)
             }
-            (Shape::Object(fields), Value::Object(map)) => Some(self.object(at, fields, map)),
-            (Shape::OneOf(fields), Value::Object(map)) => self.one_of(at, fields, map),
+            (Shape::Object(fields), Value::Object(map)) => Some(self.check_object(location, fields, map)),
+            (Shape::OneOf(fields), Value::Object(map)) => self.check_one_of(location, fields, map),
             (
                 Shape::Tagged {
                     tag,
@@ -146,26 +167,24 @@ impl Checker<'_> {
                     options,
                 },
                 Value::Object(map),
-            ) => self.tagged(at, tag, *presence, options, map),
-            (Shape::Short(field, fields), _) => self.short(at, field, fields, value),
-            (Shape::Either(names, _), Value::String(text)) => self.text(at, *names, text),
-            (Shape::Either(_, object), Value::Object(_)) => self.node(at, object, laws, value),
-            (Shape::Labels, Value::Object(map)) => self.labels(at, map),
-            _ => self.wrong_kind(at, shape, laws, value),
+            ) => self.check_tagged(location, tag, *presence, options, map),
+            (Shape::Short(field, fields), _) => self.check_short(location, field, fields, value),
+            (Shape::Either(names, _), Value::String(text)) => self.check_text(location, *names, text),
+            (Shape::Either(_, object), Value::Object(_)) => self.check(location, object, laws, value),
+            (Shape::Labels, Value::Object(map)) => self.check_labels(location, map),
+            _ => self.refuse_kind(location, shape, laws, value),
         }
     }
 
-    fn wrong_kind(&mut self, at: &Place, shape: &Shape, laws: bool, value: &Value) -> Option<Node> {
+    fn refuse_kind(&mut self, location: &Location, shape: &Shape, laws: bool, value: &Value) -> Option<Node> {
         self.refuse(|| {
             let or_law = if laws { " or a distribution" } else { "" };
             let message = format!(
-                "{at} must be {}{or_law}, but is {}",
+                "{location} must be {}{or_law}, but is {}",
                 shape.describe(),
                 describe(value)
             );
-            let error = FieldError::new(&at.pointer, message)
-                .value(value)
-                .limit(shape.describe());
+            let error = location.error(message).value(value).limit(shape.describe());
             match value {
                 Value::Object(map) if laws => {
                     error.allowed(crate::law::KEYS, map.keys().next().map_or("", String::as_str))
@@ -176,69 +195,83 @@ impl Checker<'_> {
         None
     }
 
-    fn number(&mut self, at: &Place, range: &Range, value: &Value) -> Option<Node> {
+    fn check_number(&mut self, location: &Location, range: &Range, value: &Value) -> Option<Node> {
         let number = value.as_f64()?;
-        if self.trusting || range.holds(number) {
+        if range.holds(number) {
             return Some(Node::Constant(float(number)));
         }
-        self.out_of_range(at, value, &range.to_string())
+        self.refuse_range(location, value, &range.to_string())
     }
 
-    fn integer(&mut self, at: &Place, min: i128, max: i128, value: &Value) -> Option<Node> {
+    fn check_integer(&mut self, location: &Location, min: i128, max: i128, value: &Value) -> Option<Node> {
         let limit = Shape::Integer(min, max).limit();
         match whole(value) {
-            Some(number) if self.trusting || (min..=max).contains(&number) => constant(number),
-            Some(_) => self.out_of_range(at, value, &limit),
-            None => self.out_of_range(at, value, &format!("whole numbers in {limit}")),
+            Some(number) if (min..=max).contains(&number) => constant(number),
+            Some(_) => self.refuse_range(location, value, &limit),
+            None => {
+                self.refuse(|| {
+                    let message = format!(
+                        "{location} is {}; must be a whole number in {limit}",
+                        quote(value)
+                    );
+                    location
+                        .error(message)
+                        .value(value)
+                        .limit(format!("whole numbers in {limit}"))
+                });
+                None
+            }
         }
     }
 
-    pub(crate) fn out_of_range(&mut self, at: &Place, value: &Value, limit: &str) -> Option<Node> {
-        let message = || format!("{at} is {}, the limit is {limit}", quote(value));
-        self.refuse(|| FieldError::new(&at.pointer, message()).value(value).limit(limit));
+    pub(crate) fn refuse_range(&mut self, location: &Location, value: &Value, limit: &str) -> Option<Node> {
+        self.refuse(|| {
+            let message = format!("{location} is {}, the limit is {limit}", quote(value));
+            location.error(message).value(value).limit(limit)
+        });
         None
     }
 
-    fn list(
+    fn check_list(
         &mut self,
-        at: &Place,
+        location: &Location,
         element: &Shape,
         max: usize,
         distinct: bool,
         items: &[Value],
     ) -> Option<Node> {
-        if items.len() > max && !self.trusting {
-            let message = format!("{at} has {} elements, the limit is {max}", items.len());
-            self.refuse(|| FieldError::new(&at.pointer, message).limit(format!("at most {max} elements")));
+        if items.len() > max {
+            let message = format!("{location} has {} elements, the limit is {max}", items.len());
+            self.refuse(|| location.error(message).limit(format!("at most {max} elements")));
             return None;
         }
-        let list = self.items(at, element, items)?;
+        let list = self.check_items(location, element, items)?;
         if distinct {
-            self.refuse_repeats(at, &list);
+            self.refuse_repeats(location, &list);
         }
         Some(list)
     }
 
-    fn items(&mut self, at: &Place, element: &Shape, items: &[Value]) -> Option<Node> {
+    fn check_items(&mut self, location: &Location, element: &Shape, items: &[Value]) -> Option<Node> {
         let nodes: Vec<_> = items
             .iter()
             .enumerate()
-            .map(|(i, item)| self.node(&at.item(i), element, true, item))
+            .map(|(i, item)| self.check(&location.item(i), element, true, item))
             .collect();
         nodes.into_iter().collect::<Option<Vec<_>>>().map(Node::List)
     }
 
-    fn refuse_repeats(&mut self, at: &Place, list: &Node) {
+    fn refuse_repeats(&mut self, location: &Location, list: &Node) {
         let Node::List(items) = list else { return };
         let mut seen = BTreeSet::new();
         for (position, item) in items.iter().enumerate() {
-            let at = at.item(position);
-            let names = item.strings(&at.pointer);
+            let location = location.item(position);
+            let names = item.strings(&location.pointer);
             for (pointer, name) in names.iter().filter(|(_, name)| seen.contains(name)) {
                 self.refuse(|| {
                     FieldError::new(
                         pointer,
-                        format!("{at} can be \"{name}\", which stands in the list already"),
+                        format!("{location} can be \"{name}\", which the list already contains; remove one"),
                     )
                     .value(&Value::from(*name))
                 });
@@ -248,7 +281,7 @@ impl Checker<'_> {
     }
 }
 
-/// The whole number that this value is; doubles count up to 2^53.
+/// The value as a whole number; doubles count up to 2^53.
 pub(crate) fn whole(value: &Value) -> Option<i128> {
     if let Some(number) = value.as_u64() {
         return Some(number.into());
@@ -260,6 +293,6 @@ pub(crate) fn whole(value: &Value) -> Option<i128> {
     (number.fract() == 0.0 && number.abs() <= EXACT as f64).then_some(number as i128)
 }
 
-fn constant(number: i128) -> Option<Node> {
+pub(crate) fn constant(number: i128) -> Option<Node> {
     Number::from_i128(number).map(|number| Node::Constant(Value::Number(number)))
 }

@@ -1,36 +1,36 @@
-//! The classes of the objects in an uploaded scene, in the form of COCO's panoptic annotations.
+//! Object classes of an uploaded scene, in the format of COCO's panoptic annotations.
 
 use serde::{Deserialize, Serialize};
 
-/// Which class each object of a scene has.
+/// The class of each object of a scene.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Classes {
-    /// The classes by ascending id; some may have no object in this scene.
+    /// Classes by ascending id; some may have no object in this scene.
     pub categories: Vec<SceneCategory>,
-    /// The objects whose class is known, by ascending number.
+    /// Objects with a known class, by ascending number.
     pub segments_info: Vec<Segment>,
 }
 
 /// A class of objects.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SceneCategory {
-    /// Its code in the semantic mask.
+    /// Code in the semantic mask.
     pub id: u8,
-    /// What it is called.
+    /// Name of the class.
     pub name: String,
 }
 
 /// An object of a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Segment {
-    /// Its number in the instance mask.
+    /// Number in the instance mask.
     pub id: u16,
-    /// Its class.
+    /// Id of its class.
     pub category_id: u8,
 }
 
 impl Classes {
-    /// Class of an object; none if it is not known.
+    /// Class of an object; `None` if unknown.
     #[must_use]
     pub fn class_of(&self, number: u16) -> Option<u8> {
         let found = self
@@ -46,7 +46,7 @@ impl Classes {
         Some(&self.categories[found.ok()?].name)
     }
 
-    /// The same classes, and of the objects only those that `keep` is true of.
+    /// The same classes, with only the objects for which `keep` is true.
     #[must_use]
     pub fn only(mut self, keep: impl Fn(u16) -> bool) -> Self {
         self.segments_info.retain(|segment| keep(segment.id));

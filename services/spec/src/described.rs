@@ -1,28 +1,28 @@
-//! What a type tells of itself: the shape of its values, and which of its numbers lie beyond their limits.
+//! Schema of a type, and its numbers outside their limits.
 
 use crate::schema::{Field, Shape};
 
 /// A type of the description.
 pub trait Described {
-    /// What may stand for a value of this type.
+    /// Schema of a value of this type.
     const SHAPE: Shape;
 
-    /// Its own name, such as `Camera`.
+    /// Name of the type, such as `Camera`.
     const NAME: &'static str;
 
-    /// Hands every number and triple of numbers that is there to `found`, with its field; not those of objects inside.
+    /// Calls `found` with each present numeric field; nested objects are skipped.
     fn numbers(&self, found: &mut dyn FnMut(&'static Field, &[f64])) {
         let _ = found;
     }
 }
 
-/// A number beyond the limits of its field.
+/// A number outside the limits of its field.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{field} is {value}{}, the limit is {limit}", .part.map(|part| format!(" in {part}")).unwrap_or_default())]
 pub struct Beyond {
     /// The field.
     pub field: &'static str,
-    /// Which of three numbers: R, G, B or x, y, z.
+    /// Component of three numbers: R, G, B or x, y, z.
     pub part: Option<char>,
     /// The number.
     pub value: f64,
@@ -30,7 +30,7 @@ pub struct Beyond {
     pub limit: String,
 }
 
-/// Every number of this value that lies beyond the limits of its field; not those of objects inside.
+/// Returns every number of this value outside the limits of its field; nested objects are skipped.
 #[must_use]
 pub fn beyond(value: &impl Described) -> Vec<Beyond> {
     let mut all = Vec::new();
@@ -55,7 +55,7 @@ pub fn beyond(value: &impl Described) -> Vec<Beyond> {
     all
 }
 
-/// The numbers of a field: one, three, or none where it is absent.
+/// The numbers of a field: one, three, or an empty slice if absent.
 pub(crate) trait Floats {
     fn floats(&self) -> &[f64];
 }

@@ -1,20 +1,20 @@
-//! Jobs of version 0.1, which data folders and sets still hold. Their images are listed and served, but they cannot be rendered.
+//! Jobs of version 0.1 in older data folders and sets. Their images are listed and served, but cannot be rendered.
 
 use serde_json::Value;
 
 use crate::invalid::{FieldError, Invalid};
 
-/// Why a job of version 0.1 is not rendered.
-pub const EARLIER_VERSION: &str = "the job was described for version 0.1, and this version cannot render it again; its images can be \
-                                   listed and read, or rendered by version 0.1";
+/// Error text for a job of version 0.1.
+pub const EARLIER_VERSION: &str = "the job is of version 0.1, which this version cannot render; its images can be listed and read, or \
+                                   rendered by version 0.1";
 
-/// Whether this is the canonical text of a job of version 0.1: every later one has `daylight`, or several sites that have.
+/// Whether this is the canonical text of a job of version 0.1. Later ones have `daylight`, or several sites with it.
 #[must_use]
 pub fn is_of_earlier_version(canonical: &str) -> bool {
     serde_json::from_str(canonical).is_ok_and(|job: Value| lacks_daylight(&job))
 }
 
-/// Refuses a stored job of version 0.1.
+/// Rejects a stored job of version 0.1.
 pub(crate) fn refuse_earlier_version(job: &Value) -> Result<(), Invalid> {
     match lacks_daylight(job) {
         true => Err(Invalid(vec![FieldError::new("", EARLIER_VERSION)])),
@@ -45,11 +45,11 @@ mod tests {
         };
         let job = Job::parse(text, &vocabulary).unwrap();
         assert!(!is_of_earlier_version(job.canonical()));
-        assert!(Job::trusted(job.canonical()).is_ok());
+        assert!(Job::from_canonical(job.canonical()).is_ok());
         let mut earlier: Value = serde_json::from_str(job.canonical()).unwrap();
         earlier.as_object_mut().unwrap().remove("daylight");
         assert!(is_of_earlier_version(&earlier.to_string()));
-        let refused = Job::trusted(&earlier.to_string()).unwrap_err();
+        let refused = Job::from_canonical(&earlier.to_string()).unwrap_err();
         assert!(refused.to_string().contains("version 0.1"), "{refused}");
     }
 }

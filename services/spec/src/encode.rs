@@ -1,9 +1,9 @@
-//! How pictures are written.
+//! Image encodings.
 
 use serde::Deserialize;
 use spec_derive::Described;
 
-/// How RGB-like artifacts are stored.
+/// File format of RGB-like artifacts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Described)]
 #[serde(tag = "format", rename_all = "snake_case")]
 #[described(default = "png")]

@@ -1,17 +1,18 @@
-//! The accepted fields of a job. Each is declared where its type stands: see [`Frame`] and the types that it is made of.
+//! The accepted fields of a job. Each is declared with its type: see [`Frame`] and the types of its fields.
 //!
-//! Parsing, the field table of the documentation, the service's OpenAPI text and the columns of the catalogue read this.
+//! The parser, the field table of the documentation, the OpenAPI document and the catalogue's columns use this
+//! schema.
 
 use crate::frame::Frame;
 use crate::schema::{Field, Presence, Shape};
 
-/// Most frames of a job, and the greatest `count`.
+/// Maximum frames of a job, and maximum `count`.
 pub const MAX_FRAMES: u64 = 100_000_000;
 
-/// The whole description.
+/// Schema of the whole description.
 pub static DOCUMENT: Shape = Shape::Object(&JOB);
 
-/// The one field of a job that its frames do not have.
+/// The only field of a job that its frames lack.
 const COUNT: Field = Field {
     name: "count",
     shape: Shape::Integer(1, MAX_FRAMES as i128),
@@ -23,7 +24,6 @@ const COUNT: Field = Field {
     type_name: None,
 };
 
-/// The fields of a job.
 pub(crate) const JOB: [Field; Frame::FIELDS.len() + 1] = {
     let mut fields = [COUNT; Frame::FIELDS.len() + 1];
     fields[0] = Frame::FIELDS[0];

@@ -1,9 +1,9 @@
-//! What fills a procedural scene: growth with relief, animals, ropes and bubbles, and the bottom's pits and grains.
+//! Contents of a procedural scene: growth, animals, ropes, bubbles, scour and grain.
 
 use serde::Deserialize;
 use spec_derive::Described;
 
-/// Growth, animals, ropes and bubbles within 8 m of a scene's usual view. Growth stands on structures and stones.
+/// Growth, animals, ropes and bubbles within 8 m of a scene's usual view. Growth attaches to structures and stones.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize, Described)]
 #[serde(deny_unknown_fields)]
 pub struct Life {
@@ -16,16 +16,16 @@ pub struct Life {
     /// plants that hang from surfaces
     #[field(within(0.0, 100.0), default = 0, unit = "1/m²")]
     pub weed: f64,
-    /// loose ropes
+    /// number of loose ropes
     #[field(within(0, 16), default = 0)]
     pub ropes: usize,
-    /// fish
+    /// number of fish
     #[field(within(0.0, 5.0), default = 0, unit = "1/m³")]
     pub fish: f64,
-    /// jellyfish
+    /// number of jellyfish
     #[field(within(0.0, 2.0), default = 0, unit = "1/m³")]
     pub jellyfish: f64,
-    /// bubbles that rise
+    /// number of rising bubbles
     #[field(within(0.0, 50.0), default = 0, unit = "1/m³")]
     pub bubbles: f64,
 }
@@ -34,13 +34,13 @@ pub struct Life {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize, Described)]
 #[serde(deny_unknown_fields)]
 pub struct Ground {
-    /// depth of the pits that currents dig around feet, in their diameters
+    /// depth of the scour pits around foundations, in foundation diameters
     #[field(within(0.0, 2.0), default = 0)]
     pub scour: f64,
-    /// share of a pipe's diameter that lies under the bottom; drawn from the seed by default
+    /// buried share of a pipe's diameter; drawn from the seed by default
     #[field(within(0.0, 1.0))]
     pub burial: Option<f64>,
-    /// strength of the second scale of texture, of grains and shells on sand and stones
+    /// strength of the fine texture of grains and shells on sand and stones
     #[field(within(0.0, 1.0), default = 0)]
     pub grain: f64,
 }

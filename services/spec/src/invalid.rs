@@ -1,34 +1,34 @@
-//! What is wrong with a submitted description: every error, each with the place where it stands.
+//! Errors of a submitted description, each with its location.
 
 use serde::Serialize;
 use serde_json::Value;
 
-/// At most this many errors are listed: a document of a megabyte could hold a hundred thousand.
+/// Maximum listed errors: a document of a megabyte could have a hundred thousand.
 pub const MAX_ERRORS: usize = 100;
 
-/// Longest string that an error quotes, in characters.
+/// Maximum quoted length of a string, characters.
 const MAX_QUOTED: usize = 80;
 
-/// All errors of one description, never empty, in the order of the fields.
+/// All errors of one description, never empty, in field order.
 #[derive(Debug, Clone, PartialEq, Serialize, thiserror::Error)]
 #[error("{}", summary(.0))]
 #[serde(transparent)]
 pub struct Invalid(pub Vec<FieldError>);
 
-/// One error: where it stands, what is wrong, what would be right.
+/// One error: location, problem, limit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FieldError {
-    /// JSON pointer (RFC 6901) into the submitted document; empty for the document as a whole.
+    /// JSON pointer (RFC 6901) into the submitted document; empty for the whole document.
     pub pointer: String,
-    /// Names the field, its value and the limit, for people.
+    /// Message with the field, its value and the limit.
     pub message: String,
-    /// The refused value, if it is short.
+    /// The rejected value, if short.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub value: Option<Value>,
-    /// The limit that it breaks, such as `0..=1`.
+    /// The limit, such as `0..=1`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limit: Option<String>,
-    /// What may stand here, if that is a list of names.
+    /// Allowed names, if they can be listed.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub allowed: Vec<String>,
     /// The nearest allowed name.
@@ -37,7 +37,7 @@ pub struct FieldError {
 }
 
 impl FieldError {
-    /// An error at a place; the other parts are added by the methods below.
+    /// An error with a location and a message; the methods below add the rest.
     #[must_use]
     pub fn new(pointer: &str, message: impl Into<String>) -> Self {
         Self {
@@ -56,7 +56,7 @@ impl FieldError {
         Self::new("", message)
     }
 
-    /// Adds the refused value, unless it is too long to be of use.
+    /// Adds the rejected value unless it is too long.
     #[must_use]
     pub fn value(mut self, value: &Value) -> Self {
         self.value = match value {
@@ -76,19 +76,20 @@ impl FieldError {
         self
     }
 
-    /// Adds the allowed names and the one nearest to what was written.
+    /// Adds the allowed names and the one closest to `written`.
     #[must_use]
     pub fn allowed<S: AsRef<str>>(mut self, names: impl IntoIterator<Item = S>, written: &str) -> Self {
         self.allowed = names.into_iter().map(|name| name.as_ref().to_owned()).collect();
-        self.did_you_mean = crate::suggest::nearest(written, &self.allowed);
+        self.did_you_mean = crate::suggest::nearest(written, &self.allowed).filter(|name| name != written);
         self
     }
 }
 
-/// The value as a message quotes it: strings in quotes and shortened, lists and objects by their kind.
+/// The value as quoted in messages: strings shortened, lists and objects by kind.
 pub(crate) fn quote(value: &Value) -> String {
     match value {
         Value::String(text) => format!("\"{}\"", shorten(text)),
+        Value::Array(items) if items.is_empty() => "an empty list".to_owned(),
         Value::Array(items) => format!("a list of {}", items.len()),
         Value::Object(_) => "an object".to_owned(),
         scalar => scalar.to_string(),

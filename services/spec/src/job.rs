@@ -1,14 +1,15 @@
-//! A job: a frame description with laws in place of values, valid by construction.
+//! A job: a frame description with distributions, valid by construction.
 
 mod draft;
 mod grids;
+mod stored;
 
 use std::collections::BTreeSet;
 
 use imaging::digest::sha256;
 use serde_json::Value;
 
-use crate::check::{places, whole};
+use crate::check::{find_values, whole};
 use crate::earlier::refuse_earlier_version;
 use crate::frame::Frame;
 use crate::invalid::{FieldError, Invalid};
@@ -22,19 +23,20 @@ pub use draft::Draft;
 
 /// A job, valid by construction: N frames as a formula.
 ///
-/// Each law draws its value for frame i from (seed, JSON pointer of the law, i) alone, see [`crate::law`]; so any
-/// frame can be resolved by itself, another law changes nothing, and a greater `count` keeps the frames there were.
-/// Grids span the frames instead: cell = i mod product of the axes, axes in the order of their pointers' bytes, the
-/// last one fastest. An axis inside a choice, a site or another grid counts whether or not its place is chosen; axes at
-/// the same pointer of several sites are one, as long as the longest.
+/// Each distribution draws its value for frame i only from (seed, its JSON pointer, i), see [`crate::law`]. Any frame
+/// can be resolved independently, other distributions have no effect on it, and a greater `count` keeps the existing
+/// frames. Grids enumerate instead: cell = i mod product of the axes, axes in byte order of their pointers, the last
+/// one fastest. An axis inside a choice, a site or another grid always counts. Axes at the same pointer of several
+/// sites are one axis of the maximum length.
 ///
-/// With `camera.path` the frames of one pass over the path share their world: laws of `scene`, of `camera.view` and inside
-/// `camera.path` draw for the number of the pass, which is i / (product of the axes × frames of the path), instead of i.
+/// With `camera.path` the frames of one pass over the path share their world: distributions of `scene`, of
+/// `camera.view` and inside `camera.path` draw for the number of the pass, i / (product of the axes × frames of the
+/// path), instead of i.
 #[derive(Debug, Clone)]
 pub struct Job {
-    /// The name of a frame's site, or how it is drawn. `None` for a job without a site.
+    /// Name of a frame's site, or its distribution. `None` for a job without sites.
     site: Option<Node>,
-    /// One for each site, or that of the job without a site. Never empty.
+    /// One per site, or a single one without sites. Never empty.
     documents: Vec<Document>,
     pub(crate) canonical: String,
     dataset: String,
@@ -45,7 +47,7 @@ pub struct Job {
     pub(crate) warnings: Vec<String>,
 }
 
-/// A complete description, checked.
+/// A complete, checked description.
 #[derive(Debug, Clone)]
 struct Document {
     /// Name of the site; empty without one.
@@ -54,28 +56,51 @@ struct Document {
 }
 
 impl Job {
-    /// Reads and checks a description where nothing is known of uploaded scenes; elsewhere [`Draft`] checks them, too.
+    /// Parses and checks a description, assuming that its uploaded scenes exist; use [`Draft`] to check them.
     ///
     /// # Errors
-    /// Every error of the description together, at most [`crate::MAX_ERRORS`]; of a text that is not JSON, that one.
+    /// All errors of the description, at most [`crate::MAX_ERRORS`]; a single one if the text is not JSON.
     pub fn parse(json: &[u8], vocabulary: &Vocabulary) -> Result<Self, Invalid> {
         Draft::read(json, vocabulary)?.check(&Uploads::Unknown)
     }
 
-    /// Reads the canonical text of a job that was accepted before. Its names and numbers are believed, so that it renders
-    /// what it rendered then, whatever names, sites and limits there are by now.
+    /// Reads the canonical text of an accepted job. Names and limits are not checked again, so that the job renders the
+    /// same frames after they have changed.
     ///
     /// # Errors
-    /// A text that does not parse: it is damaged, or the job of version 0.1.
-    pub fn trusted(canonical: &str) -> Result<Self, Invalid> {
-        let value = json::read(canonical.as_bytes())?;
-        refuse_earlier_version(&value)?;
-        let vocabulary = Vocabulary::default();
-        Draft::start(value, &vocabulary, true)?.finish()
+    /// A damaged text, or a job of version 0.1.
+    pub fn from_canonical(text: &str) -> Result<Self, Invalid> {
+        let stored = json::read(text.as_bytes())?;
+        refuse_earlier_version(&stored)?;
+        stored::read_job(&stored)
+    }
+
+    /// Lays out the grids of the documents and counts the frames.
+    fn assemble(
+        seed: u64,
+        mut site: Option<Node>,
+        mut documents: Vec<Document>,
+        errors: &mut Vec<FieldError>,
+    ) -> Self {
+        let trees = documents.iter_mut().map(|document| &mut document.node);
+        let cells = grids::lay_out_grids(trees.chain(site.as_mut()));
+        let frames = grids::count_frames(&documents[0].node, cells, errors);
+        let dataset = documents[0].node.get("dataset").map(|node| node.strings(""));
+        let dataset = dataset.into_iter().flatten().map(|(_, name)| name.to_owned());
+        Self {
+            dataset: dataset.collect(),
+            warnings: Vec::new(),
+            canonical: canonical(site.as_ref(), &documents).to_string(),
+            frames,
+            cells: cells.unwrap_or(1),
+            seed,
+            site,
+            documents,
+        }
     }
 
     /// Canonical JSON text: sorted keys, no spaces, defaults filled in, presets by full name and in object form,
-    /// laws kept; number fields with a point or exponent (`1.0`), whole-number fields without. Parsing it again
+    /// distributions kept; number fields with a point or exponent (`1.0`), whole-number fields without. Parsing it
     /// yields the same text.
     #[must_use]
     pub fn canonical(&self) -> &str {
@@ -106,7 +131,7 @@ impl Job {
         self.seed
     }
 
-    /// The frame of this index: a pure function of the description and the index. It does not depend on `count`.
+    /// Resolves the frame of this index: a pure function of description and index, independent of `count`.
     ///
     /// # Errors
     /// An index beyond the last frame.
@@ -125,7 +150,7 @@ impl Job {
             _ if path_frames.is_some() && is_shared_by_pass(&law.pointer) => law.draw(pass),
             _ => law.draw(index),
         });
-        // Each cell of the grid goes through the whole path, and then again.
+        // Each cell of the grid passes over the whole path, then repeats.
         if let Some(Value::Object(path)) = parameters.pointer_mut("/camera/path")
             && !path.contains_key("frame")
         {
@@ -136,32 +161,34 @@ impl Job {
             .map_err(|error| single(FieldError::new("", format!("frame {index}: {error}"))))
     }
 
-    /// The description that a frame is drawn from.
+    /// The description of this frame's site.
     fn document(&self, index: u64) -> &Node {
         let drawn = self.site.as_ref().map(|site| site.value(&|law| law.draw(index)));
-        let is_drawn = |document: &&Document| drawn.as_ref().is_some_and(|name| *name == document.site);
-        let document = self.documents.iter().find(is_drawn);
+        let document = self
+            .documents
+            .iter()
+            .find(|document: &&Document| drawn.as_ref().is_some_and(|name| *name == document.site));
         &document.unwrap_or(&self.documents[0]).node
     }
 
-    /// Names of all style models that a frame can ask for, sorted.
+    /// Names of all style models that a frame can use, sorted.
     #[must_use]
     pub fn styles(&self) -> Vec<String> {
         self.strings("water", "style")
     }
 
-    /// Ids of all uploaded scenes that a frame can ask for, sorted.
+    /// Ids of all uploaded scenes that a frame can use, sorted.
     #[must_use]
     pub fn uploaded_scene_ids(&self) -> Vec<String> {
         self.strings("scene", "id")
     }
 
-    /// Every string that a field of an object can have in any site, sorted.
+    /// All possible strings of an object's field over all sites, sorted.
     fn strings(&self, object: &str, field: &str) -> Vec<String> {
         let objects = self
             .documents
             .iter()
-            .flat_map(|document| places(&document.node, object));
+            .flat_map(|document| find_values(&document.node, object));
         let strings: BTreeSet<_> = objects
             .filter_map(|(_, object)| object.get(field))
             .flat_map(|node| node.strings(""))
@@ -170,14 +197,14 @@ impl Job {
         strings.into_iter().collect()
     }
 
-    /// What the user should know, though nothing is wrong.
+    /// Warnings about a valid description.
     #[must_use]
     pub fn warnings(&self) -> &[String] {
         &self.warnings
     }
 }
 
-/// Frames of the path that a frame is on, of one that stays at a given place 1; `None` without a path.
+/// Length of the frame's path, frames; 1 for a fixed position, `None` without a path.
 fn path_frames(document: &Node, index: u64) -> Option<u64> {
     let camera = document.get("camera")?.value(&|law| law.draw(index));
     let path = camera.get("path")?;
@@ -187,14 +214,14 @@ fn path_frames(document: &Node, index: u64) -> Option<u64> {
     }
 }
 
-/// Whether all frames of a pass over a path share what the law at this pointer draws.
+/// Whether all frames of a pass over a path share the value of the distribution at this pointer.
 fn is_shared_by_pass(pointer: &str) -> bool {
     let mut parts = pointer.split('/').skip(1);
     match parts.next() {
         Some("scene") => true,
         Some("camera") => match parts.find(|part| ["view", "path"].contains(part)) {
             Some("view") => true,
-            // The path itself decides how long a pass is.
+            // The path itself sets the length of a pass.
             Some(_) => parts.next().is_some(),
             None => false,
         },
@@ -211,7 +238,7 @@ fn single(error: FieldError) -> Invalid {
     Invalid(vec![error])
 }
 
-/// The canonical form of a job: that of its description, or of each description in place of its site's name.
+/// The canonical form of a job: its description, or each description in place of its site's name.
 fn canonical(site: Option<&Node>, documents: &[Document]) -> Value {
     let mut job = documents[0].node.canonical();
     if let Some(site @ Node::Law(_)) = site {

@@ -1,27 +1,28 @@
-//! Strict reading of JSON: RFC 8259 within limits, and no key twice.
+//! Strict JSON parsing: RFC 8259 within limits, without duplicate keys.
 //!
-//! A common reader keeps the last of two equal keys and drops the other silently; here both stay visible as an error.
+//! A common parser silently keeps the last of two equal keys.
 
 use std::fmt;
 
 use serde::de::{DeserializeSeed, Error, MapAccess, SeqAccess, Visitor};
+use serde_json::error::Category;
 use serde_json::{Map, Number, Value};
 
 use crate::invalid::{FieldError, Invalid, MAX_ERRORS, quote};
 
-/// Longest description in bytes, as submitted and in canonical form. A grid of ten thousand scenes fits.
+/// Maximum length of a description in bytes, submitted or canonical. A grid of ten thousand scenes fits.
 pub const MAX_BYTES: usize = 1 << 20;
 
-/// Deepest nesting of lists and objects. The deepest field needs 4; each law around it adds 2.
+/// Maximum nesting of lists and objects. The deepest field needs 4; each enclosing distribution adds 2.
 pub const MAX_DEPTH: usize = 32;
 
-/// Longest key in bytes, so that pointers stay short. No field and no label comes near.
+/// Maximum length of a key in bytes. Fields and labels are far shorter.
 const MAX_KEY_BYTES: usize = 256;
 
-/// Reads one JSON document.
+/// Parses one JSON document.
 ///
 /// # Errors
-/// Too long, not JSON, nested too deeply, a key that is too long, or keys that stand twice (all of them).
+/// Too long, not JSON, nested too deeply, an overlong key, or duplicate keys (all of them).
 pub fn read(bytes: &[u8]) -> Result<Value, Invalid> {
     if bytes.len() > MAX_BYTES {
         let message = format!("the document has {} bytes, the limit is {MAX_BYTES}", bytes.len());
@@ -37,12 +38,15 @@ pub fn read(bytes: &[u8]) -> Result<Value, Invalid> {
         Ok(_) => Err(Invalid(reader.duplicates)),
         Err(error) => Err(Invalid(vec![FieldError::new(
             &pointer(&reader.path),
-            format!("not valid JSON: {error}"),
+            match error.classify() {
+                Category::Data => error.to_string(),
+                _ => format!("not valid JSON: {error}"),
+            },
         )])),
     }
 }
 
-/// One more step of a JSON pointer, escaped as RFC 6901 asks.
+/// One step of a JSON pointer, escaped after RFC 6901.
 pub(crate) fn step(key: &str) -> String {
     format!("/{}", key.replace('~', "~0").replace('/', "~1"))
 }
@@ -130,8 +134,11 @@ impl<'de> Visitor<'de> for Seed<'_> {
             enter(self.0, key.clone())?;
             let value = entries.next_value_seed(Seed(self.0))?;
             if map.contains_key(&key) {
-                let error =
-                    FieldError::new(&pointer(&self.0.path), format!("`{key}` stands twice")).value(&value);
+                let error = FieldError::new(
+                    &pointer(&self.0.path),
+                    format!("`{key}` occurs twice; remove one"),
+                )
+                .value(&value);
                 if self.0.duplicates.len() < MAX_ERRORS {
                     self.0.duplicates.push(error);
                 }
@@ -152,10 +159,10 @@ fn enter<E: Error>(reader: &mut Reader, key: String) -> Result<(), E> {
     Ok(())
 }
 
-/// What kind of JSON value this is, for messages.
+/// The kind of a JSON value, for messages.
 pub(crate) fn describe(value: &Value) -> String {
     match value {
-        Value::Null => "null; leave the field out instead".to_owned(),
+        Value::Null => "null; omit the field instead".to_owned(),
         Value::String(_) => format!("the string {}", quote(value)),
         other => quote(other),
     }
@@ -178,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn what_json_does_not_know_is_refused() {
+    fn values_outside_json_are_rejected() {
         for text in [
             "",
             "{",

@@ -1,33 +1,47 @@
-//! The laws as pure functions of a uniform number u in [0, 1).
+//! Distributions as pure functions of a uniform number u in [0, 1).
 //!
-//! The law at JSON pointer `p` of a job with seed `s` takes, for frame `i`,
-//! `u = imaging::random::Stream::law(s, p).unit(i, 0)`. The pointer is that of the place where the law stands in the
-//! description, so a law inside the second value of a choice has a pointer such as `/water/choice/1/range_scale`. Where
-//! a job mixes sites, it is the pointer within the site's description: a site draws the same alone and among others.
-//! Filling in defaults moves nothing, so submitted and canonical description have the same pointers.
+//! The distribution at JSON pointer `p` of a job with seed `s` uses, for frame `i`, `u =
+//! imaging::random::Stream::law(s, p).unit(i, 0)`. The pointer is its location in the description, so a distribution
+//! inside the second value of a choice has a pointer such as `/water/choice/1/range_scale`. If a job mixes sites, the
+//! pointer is relative to the site's description, so a site draws the same values with and without others. Submitted
+//! and canonical description have the same pointers.
 //!
 //! Every function is plain IEEE double arithmetic in the order written, with transcendentals from `libm`: the same
-//! bits on every machine. `tests/vectors/laws.json` holds known answers.
+//! bits on every machine. `tests/vectors/laws.json` holds known results.
 
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 use crate::normal::normal_quantile;
 
-/// The keys that make an object a law.
+/// The keys that mark an object as a distribution.
 pub const KEYS: [&str; 6] = ["choice", "grid", "int", "log_uniform", "normal", "uniform"];
 
-/// Whether a value is written as a law.
-pub(crate) fn is_law(value: &Value) -> bool {
-    KEYS.iter().any(|key| value.get(key).is_some())
+/// The first key that marks this object as a distribution.
+pub(crate) fn find_key(map: &Map<String, Value>) -> Option<&'static str> {
+    KEYS.into_iter().find(|key| map.contains_key(*key))
 }
 
-/// Half of the spacing of u: `normal` takes the middle of the cell that u stands for.
+/// The key allowed next to a distribution's key.
+pub(crate) fn companion(key: &str) -> Option<&'static str> {
+    match key {
+        "choice" => Some("weights"),
+        "normal" => Some("clip"),
+        _ => None,
+    }
+}
+
+/// Whether a value is written as a distribution.
+pub(crate) fn is_law(value: &Value) -> bool {
+    value.as_object().and_then(find_key).is_some()
+}
+
+/// Half of the spacing of u: `normal` evaluates at the middle of the cell of u.
 const HALF_STEP: f64 = 1.0 / (1_u64 << 54) as f64;
 
 /// The greatest double below 1.
 const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 
-/// a + (b − a)·u, and never above b (rounding could pass it by one unit in the last place).
+/// a + (b − a)·u, at most b: rounding could exceed it by one unit in the last place.
 #[must_use]
 pub fn uniform(u: f64, a: f64, b: f64) -> f64 {
     (a + (b - a) * u).min(b)
@@ -42,32 +56,34 @@ pub fn log_uniform(u: f64, a: f64, b: f64) -> f64 {
 
 /// a + floor((b − a + 1)·u): whole numbers from a to b, both included, for |a|, |b| ≤ 2^53.
 ///
-/// u has 2^53 equally likely values, so each number comes within 1 part in 2^53 / (b − a + 1) of its fair share.
+/// u has 2^53 equally likely values, so each number's probability is within 1 part in 2^53 / (b − a + 1) of uniform.
 #[must_use]
 pub fn int(u: f64, a: i64, b: i64) -> i64 {
     let count = (b - a) as f64 + 1.0;
     b.min(a + (count * u).floor() as i64)
 }
 
-/// mean + sd·z with Φ(z) = u + 2^-54, clamped to `low..=high`. Where u + 2^-54 rounds to 1, the double below is used.
+/// mean + sd·z with Φ(z) = u + 2^-54, clamped to `low..=high`. u + 2^-54 is limited to the largest double below 1.
 #[must_use]
 pub fn normal(u: f64, mean: f64, sd: f64, low: f64, high: f64) -> f64 {
     let z = normal_quantile((u + HALF_STEP).min(BELOW_ONE));
     (mean + sd * z).max(low).min(high)
 }
 
-/// The first k with w_0 + … + w_k > u·(w_0 + … + w_n-1), sums from left to right. Weight 0: never.
+/// The first k with w_0 + … + w_k > u·(w_0 + … + w_n-1), sums from left to right. Weight 0 is never selected.
 ///
-/// Without weights all are 1. 0 for an empty list.
+/// Without weights all are 1. Returns 0 for an empty list.
 #[must_use]
 pub fn choice(u: f64, weights: &[f64]) -> usize {
     let total: f64 = weights.iter().sum();
     let mut sum = 0.0;
-    let beyond = |weight: &f64| {
-        sum += weight;
-        sum > u * total
-    };
-    weights.iter().position(beyond).unwrap_or_default()
+    weights
+        .iter()
+        .position(|weight: &f64| {
+            sum += weight;
+            sum > u * total
+        })
+        .unwrap_or_default()
 }
 
 #[cfg(test)]
@@ -98,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn a_whole_number_takes_an_equal_share_of_the_unit() {
+    fn whole_numbers_share_the_unit_equally() {
         let steps = 7000;
         let mut counts = [0; 7];
         for k in 0..steps {

@@ -1,8 +1,8 @@
-//! The columns of a record: every scalar of the description under its own path, and what came out of the frame.
+//! The columns of a record: every scalar of the description by its path, and the results of the frame.
 //!
-//! A leaf that stands in several kinds of one object, such as the intensity of a light, stands here once. Of three numbers
-//! each is a leaf, `….r`, `.g`, `.b` or `.x`, `.y`, `.z`. A list has its length as `LIST.count`, and its elements are
-//! reached as `LIST.N` or `LIST.N.FIELD`.
+//! A leaf common to several kinds of one object, such as the intensity of a light, occurs once. Three numbers are
+//! three leaves, `….r`, `.g`, `.b` or `.x`, `.y`, `.z`. The length of a list is `LIST.count`, and its elements are
+//! `LIST.N` or `LIST.N.FIELD`.
 
 use serde_json::Value;
 
@@ -14,39 +14,39 @@ use crate::schema::{EXACT, Field, Shape};
 /// A scalar of a record.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Leaf {
-    /// Its name in questions.
+    /// Name in queries.
     pub name: String,
-    /// JSON pointer in the record; of an element's field, from the element.
+    /// JSON pointer in the record; for a field of a list element, relative to the element.
     pub pointer: String,
-    /// What stands there.
+    /// Type of the value.
     pub kind: LeafKind,
-    /// Unit of its number.
+    /// Unit of a number.
     pub unit: Option<&'static str>,
-    /// What it means.
+    /// Meaning.
     pub doc: &'static str,
 }
 
-/// The water by name is that of a preset, or that of a water of the user's own.
+/// The name of the water, from a preset or a user-defined water.
 const WATER: &str = "water.optics";
 const OWN_WATER: &str = "/parameters/water/optics/name";
 
 impl Leaf {
-    /// What a record has here, as JSON.
+    /// The JSON value of this leaf in a record.
     #[must_use]
     pub fn find<'a>(&self, record: &'a Value) -> Option<&'a Value> {
-        self.pointers().find_map(|pointer| at(record, pointer))
+        self.pointers().find_map(|pointer| value_at(record, pointer))
     }
 
-    /// Where it may stand in a record, as JSON pointers; the first that is there counts.
+    /// Possible locations in a record, as JSON pointers; the first present one counts.
     pub fn pointers(&self) -> impl Iterator<Item = &str> {
         let own_water = (self.name == WATER).then_some(OWN_WATER);
         std::iter::once(self.pointer.as_str()).chain(own_water)
     }
 }
 
-/// What stands at a JSON pointer, none of whose parts has a `~`. The common function makes two texts of each part, which took
-/// half of the time of an import.
-fn at<'a>(record: &'a Value, pointer: &str) -> Option<&'a Value> {
+/// The value at a JSON pointer without `~` escapes. `Value::pointer` allocates two strings per step, which took half
+/// of the time of an import.
+fn value_at<'a>(record: &'a Value, pointer: &str) -> Option<&'a Value> {
     let mut parts = pointer.split('/').skip(1);
     parts.try_fold(record, |value, part| match value {
         Value::Object(fields) => fields.get(part),
@@ -55,7 +55,7 @@ fn at<'a>(record: &'a Value, pointer: &str) -> Option<&'a Value> {
     })
 }
 
-/// What stands in a leaf.
+/// Type of a leaf.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LeafKind {
     /// A number.
@@ -66,25 +66,25 @@ pub enum LeafKind {
     Large,
     /// A string.
     Text,
-    /// A list, of which the length counts.
+    /// A list, represented by its length.
     Length,
 }
 
 /// A list of a description.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct List {
-    /// Its name in questions.
+    /// Name in queries.
     pub name: String,
     /// JSON pointer in the record.
     pub pointer: String,
-    /// What stands in its elements, by name; the name is empty where an element is a scalar itself.
+    /// The leaves of its elements by name; the name is empty for scalar elements.
     pub element: Vec<Leaf>,
 }
 
-/// Everything that a record can be asked for by name, apart from metrics, labels, timings and artifacts.
+/// All queryable values of a record, except metrics, labels, timings and artifacts.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Leaves {
-    /// The scalars of the description, parents before children, and then the results.
+    /// Scalars of the description, parents before children, then the results.
     pub scalars: Vec<Leaf>,
     /// The lists of the description.
     pub lists: Vec<List>,
@@ -115,7 +115,7 @@ impl Leaves {
             Shape::Text(_) => self.add(spot, LeafKind::Text),
             Shape::Rgb(_) => self.triple(spot, ["r", "g", "b"]),
             Shape::Vector(_) => self.triple(spot, ["x", "y", "z"]),
-            // The object has nothing but what its string is short for.
+            // The object has only the field that its string abbreviates.
             Shape::Short(_, [field]) => {
                 let inside = spot.below("", &format!("/{}", field.name));
                 self.gather(&inside, &field.shape);
@@ -198,7 +198,7 @@ impl Leaves {
     }
 }
 
-/// A place of a record, with what its declaration says of it.
+/// A location in a record with its declaration.
 #[derive(Debug, Clone, Default)]
 struct Spot {
     name: String,
@@ -227,82 +227,4 @@ fn joined(name: &str, field: &str) -> String {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::table;
-
-    /// The fields as the documentation has them, by the words that say what they are: an account of its own.
-    fn documented() -> Vec<String> {
-        let mut names = Vec::new();
-        for row in table::rows() {
-            // The kinds of an object share their leaves: `scene(files).rgb` is `scene.rgb`.
-            let mut path = String::new();
-            for (position, part) in row.path.split(['(', ')']).enumerate() {
-                path += if position % 2 == 0 { part } else { "" };
-            }
-            let parts: &[&str] = match row.kind {
-                "a number" | "a whole number" | "a string" | "a string or an object" => &[""],
-                "a list of three numbers, R, G, B" => &[".r", ".g", ".b"],
-                "a list of three numbers, x, y, z" => &[".x", ".y", ".z"],
-                "a list" => &[".count"],
-                _ => &[],
-            };
-            let is_short = row.limit.starts_with("a string is short for");
-            // Its one field is known by the name of the object.
-            let path = if path == "site.name" {
-                "site".to_owned()
-            } else {
-                path
-            };
-            if path != "count" && !is_short {
-                names.extend(parts.iter().map(|part| format!("{path}{part}")));
-            }
-        }
-        names.sort_unstable();
-        names.dedup();
-        names
-    }
-
-    #[test]
-    fn every_leaf_of_a_description_has_its_own_name() {
-        let Leaves { scalars, lists } = Leaves::of_records();
-        let of_description =
-            |leaf: &&Leaf| leaf.pointer.starts_with("/parameters/") && leaf.name != "water.optics";
-        let mut names: Vec<String> = scalars
-            .iter()
-            .filter(of_description)
-            .map(|leaf| leaf.name.clone())
-            .collect();
-        let lights = lists.iter().find(|list| list.name == "lights").unwrap();
-        names.extend(
-            lights
-                .element
-                .iter()
-                .map(|leaf| format!("lights[].{}", leaf.name)),
-        );
-        names.sort_unstable();
-        assert_eq!(names, documented());
-        let all: Vec<_> = lists.iter().map(|list| list.name.as_str()).collect();
-        assert_eq!(all, ["lights", "enhance", "metrics", "artifacts"]);
-    }
-
-    #[test]
-    fn units_and_kinds_come_from_the_declaration() {
-        let leaves = Leaves::of_records();
-        let leaf = |name: &str| leaves.scalars.iter().find(|leaf| leaf.name == name).unwrap();
-        assert_eq!(leaf("water.snow.density_per_m3").unit, Some("1/m³"));
-        assert_eq!(
-            leaf("water.optics.veiling_light.b").pointer,
-            "/parameters/water/optics/veiling_light/2"
-        );
-        assert_eq!(
-            (leaf("seed").kind, leaf("scene.seed").kind),
-            (LeafKind::Large, LeafKind::Whole)
-        );
-        assert_eq!(leaf("absorption_per_m.r").unit, Some("1/m"));
-        assert_eq!(leaf("lights.count").kind, LeafKind::Length);
-        assert_eq!(leaf("camera.hfov_deg").doc, "horizontal field of view");
-        let silent = leaves.scalars.iter().find(|leaf| leaf.doc.is_empty());
-        assert_eq!(silent, None, "every leaf says what it means");
-    }
-}
+mod tests;

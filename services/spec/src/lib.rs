@@ -1,7 +1,7 @@
-//! Validated job and frame descriptions, the laws that vary them, and the record of a frame.
+//! Validated job and frame descriptions, their distributions, and the record of a frame.
 //!
-//! A [`Job`] is a frame description with laws in place of values. [`Job::parse`] checks everything once and reports
-//! all errors together; [`Job::resolve`] is a pure function of (job, index) to a [`Frame`] without any law left.
+//! A [`Job`] is a frame description with distributions in place of values. [`Job::parse`] reports all errors
+//! together. [`Job::resolve`] is a pure function of (job, index) to a [`Frame`] without distributions.
 
 mod artifact;
 mod camera;
@@ -31,6 +31,7 @@ mod record;
 mod record_text;
 mod results;
 mod rules;
+mod scene;
 mod scene_files;
 mod scene_parts;
 mod scene_record;
@@ -60,7 +61,7 @@ pub use daylight::{Daylight, NamedDaylight, Sky};
 pub use described::{Beyond, Described, beyond};
 pub use earlier::{EARLIER_VERSION, is_of_earlier_version};
 pub use encode::Encode;
-pub use frame::{Fidelity, Frame, Scene, SceneLighting, SiteName};
+pub use frame::{Fidelity, Frame, SiteName};
 pub use inhabited::{Ground, Life};
 pub use invalid::{FieldError, Invalid, MAX_ERRORS};
 pub use job::{Draft, Job};
@@ -73,7 +74,8 @@ pub use own_water::{JERLOV_TYPES, OwnWater};
 pub use recent::RecentJobs;
 pub use record::{ArtifactEntry, Counts, FrameRecord, Promise, Provenance, RecordOf, job_digest};
 pub use record_text::{BriefRecord, RecordText, Sound};
-pub use rules::{CameraRules, Fault, Sight, WaterRules};
+pub use rules::{CameraRules, Fault, WaterConditions, WaterRules};
+pub use scene::{Scene, SceneLighting};
 pub use scene_files::{RangeFile, RangeKind, SceneFiles};
 pub use scene_parts::{ScenePart, SceneParts, Uploads};
 pub use scene_record::{InstanceRecord, LensRecord, SceneRecord};

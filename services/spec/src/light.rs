@@ -7,15 +7,15 @@ use spec_derive::Described;
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Described)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Light {
-    /// An overlay, no physics.
+    /// A non-physical overlay.
     Haze(Haze),
     /// A lamp that shines in all directions.
     Point(PointLamp),
-    /// A lamp that shines about an axis.
+    /// A lamp that shines around an axis.
     Spot(SpotLamp),
 }
 
-/// A Gaussian laid over the picture.
+/// A Gaussian overlay on the image.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Described)]
 pub struct Haze {
     /// position in image widths
@@ -24,7 +24,7 @@ pub struct Haze {
     /// position in image heights
     #[field(within(-100.0, 100.0))]
     pub y: f64,
-    /// sigma in image heights; 0 or less: skipped
+    /// sigma in image heights; skipped if 0 or less
     #[field(finite, default = 0.2)]
     pub size: f64,
     /// weight at the center
@@ -33,41 +33,41 @@ pub struct Haze {
     /// color in the space of the haze
     #[field(within(0.0, 1000.0), default = [1, 1, 1])]
     pub color: [f64; 3],
-    /// how it is laid over the picture
+    /// blend mode
     #[field(default = "over")]
     pub blend: HazeBlend,
-    /// the same for all haze
+    /// color space; the same for all haze
     #[field(fixed, default = "linear")]
     pub space: HazeSpace,
 }
 
 impl Haze {
-    /// Whether it does anything at all.
+    /// Whether it has any effect.
     #[must_use]
     pub fn shines(&self) -> bool {
         self.size > 0.0 && self.size.is_finite() && self.intensity > 0.0
     }
 }
 
-/// How haze is laid over the picture.
+/// Blend mode of haze.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Described)]
 #[serde(rename_all = "snake_case")]
 pub enum HazeBlend {
-    /// Covers what is below: I (1 − α) + color α.
+    /// Normal blending: I (1 − α) + color α.
     #[default]
     Over,
-    /// Adds to what is below: I + color α.
+    /// Additive blending: I + color α.
     Add,
 }
 
-/// The space haze is laid in.
+/// Color space of haze.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, Described)]
 #[serde(rename_all = "snake_case")]
 pub enum HazeSpace {
     /// Linear light.
     #[default]
     Linear,
-    /// sRGB-encoded values, clamped to 0..=1, for likeness to the published pictures.
+    /// sRGB-encoded values, clamped to 0..=1, to match the published images.
     Display,
 }
 
@@ -80,12 +80,12 @@ pub struct PointLamp {
     /// linear radiance times m², per steradian; of a spot along its axis
     #[field(within(0.0, 1e6))]
     pub intensity: [f64; 3],
-    /// radius of the sphere that shines: the larger, the softer its shadows
+    /// radius of the emitting sphere; larger means softer shadows
     #[field(within(0.0, 0.5), unit = "m", default = 0.02)]
     pub radius_m: f64,
 }
 
-/// A lamp that shines about an axis.
+/// A lamp that shines around an axis.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize, Described)]
 pub struct SpotLamp {
     /// meters right, down and ahead of the camera
@@ -94,13 +94,13 @@ pub struct SpotLamp {
     /// linear radiance times m², per steradian; of a spot along its axis
     #[field(within(0.0, 1e6))]
     pub intensity: [f64; 3],
-    /// axis
+    /// direction of the axis
     #[field(vector, within(-1000.0, 1000.0), default = [0, 0, 1], nonzero)]
     pub direction: [f64; 3],
-    /// angle from the axis at which no light is left
+    /// angle from the axis at which the light reaches zero
     #[field(within(0.5, 90.0), default = 30, unit = "degree")]
     pub cone_deg: f64,
-    /// radius of the sphere that shines: the larger, the softer its shadows
+    /// radius of the emitting sphere; larger means softer shadows
     #[field(within(0.0, 0.5), unit = "m", default = 0.02)]
     pub radius_m: f64,
 }
@@ -110,6 +110,6 @@ pub struct SpotLamp {
 pub enum RaySource {
     /// The solids of a procedural scene.
     Scene,
-    /// The range image: only what the picture shows occludes.
+    /// The range image: only visible surfaces occlude.
     Screen,
 }

@@ -1,13 +1,14 @@
-//! A Merkle tree: one digest for a sequence of which each part can be compared by itself.
+//! A Merkle tree: one digest for a sequence whose parts can be compared separately.
 
 use imaging::digest::hex;
 use sha2::{Digest, Sha256};
 
-/// A Merkle tree over leaves that come one after the other, as in RFC 6962 (2013), section 2.1: leaves and nodes are hashed apart,
-/// with a leading 0 or 1, and the last of an odd number goes up as it is. It holds one digest for each bit of the number of leaves.
+/// A Merkle tree over a stream of leaves as in RFC 6962 (2013), section 2.1: leaves and nodes are hashed separately, with
+/// a leading 0 or 1, and the last node of an odd level moves up unchanged. The state is one digest for each bit of the
+/// number of leaves.
 #[derive(Debug, Clone, Default)]
 pub struct MerkleTree {
-    /// Whole subtrees, the largest first.
+    /// Complete subtrees, the largest first.
     subtrees: Vec<Subtree>,
 }
 
@@ -37,7 +38,7 @@ impl MerkleTree {
         self.subtrees.push(added);
     }
 
-    /// The root of the leaves so far, lower-case hex; of none the SHA-256 of nothing.
+    /// The root of the leaves so far, lower-case hex; without leaves the SHA-256 of the empty string.
     #[must_use]
     pub fn root(&self) -> String {
         let roots = self.subtrees.iter().rev().map(|subtree| subtree.root);

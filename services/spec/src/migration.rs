@@ -1,24 +1,21 @@
-//! Fields and values of descriptions for 0.1, and what to write now.
+//! Fields and values of version 0.1, and their replacements.
 
-/// A field or a value that descriptions no longer have.
+/// A field or value removed since version 0.1.
 #[derive(Debug, Clone, Copy)]
 pub struct Removed {
-    /// Its path, such as `lights[].shadow`.
+    /// Path such as `lights[].shadow`.
     pub path: &'static str,
-    /// The value that is gone; the whole field without one.
+    /// The removed value; `None` if the whole field was removed.
     pub value: Option<&'static str>,
-    /// What to write instead.
+    /// Replacement.
     pub now: &'static str,
 }
 
-/// The water decides it.
 const DERIVED: &str = "remove it: it follows from `water.optics`, `water.depth_m` and `daylight`";
-/// The planner decides it.
 const PLANNED: &str = "remove it: the planner chooses by `fidelity`";
-/// Lamps are physical.
 const SHADOWS: &str = "remove it: every lamp casts shadows, softer with a larger `radius_m`";
 
-/// Everything that was removed, in the order of the fields.
+/// All removed fields and values, in field order.
 pub const REMOVED: &[Removed] = &[
     value("scene.light", "baked", "`\"lighting\": \"in_air\"`"),
     value(
@@ -29,7 +26,7 @@ pub const REMOVED: &[Removed] = &[
     field("scene.light", "`scene.lighting`: \"in_air\" or \"water\""),
     field(
         "camera.motion.samples",
-        "remove it: 8 pictures along the path are averaged",
+        "remove it: 8 images along the path are averaged",
     ),
     field("camera.motion.exposure_s", "`camera.exposure_s`"),
     field("camera.rolling", "`camera.readout_s`"),
@@ -50,7 +47,7 @@ pub const REMOVED: &[Removed] = &[
     ),
     field(
         "camera.sensor.shot",
-        "remove it: every sensor but the preset `ideal` counts electrons",
+        "remove it: every sensor except the preset `ideal` counts electrons",
     ),
     field(
         "camera.vignette.v1",
@@ -62,7 +59,7 @@ pub const REMOVED: &[Removed] = &[
     ),
     field(
         "camera.jpeg.measured",
-        "remove it: metrics and enhancements take the compressed picture",
+        "remove it: metrics and enhancements use the compressed image",
     ),
     field(
         "water.ambient",
@@ -79,11 +76,11 @@ pub const REMOVED: &[Removed] = &[
     field("water.from_above.q", DERIVED),
     field(
         "water.from_above.surfaces",
-        "`scene.lighting`: \"water\" lights the surfaces, \"in_air\" leaves them as they are",
+        "`scene.lighting`: \"water\" lights the surfaces, \"in_air\" leaves them unchanged",
     ),
     field(
         "water.from_above.sun_share",
-        "`daylight.cloud_cover` and `daylight.sun_elevation_deg`, which it follows from",
+        "`daylight.cloud_cover` and `daylight.sun_elevation_deg`, which determine it",
     ),
     field(
         "water.from_above.sun",
@@ -101,11 +98,11 @@ pub const REMOVED: &[Removed] = &[
     field("water.from_above.ambient_rays", PLANNED),
     field(
         "water.from_above.caustics",
-        "`daylight.wind_m_per_s`, which the waves follow from",
+        "`daylight.wind_m_per_s`, which determines the waves",
     ),
     field(
         "water.from_above.shafts",
-        "remove it: shafts follow from `daylight` and the waves",
+        "remove it: `daylight` and the waves determine the shafts",
     ),
     field("water.multiple", PLANNED),
     field("water.glow_phase", "`water.optics.phase`: \"ff\" or \"hg\""),
@@ -116,7 +113,7 @@ pub const REMOVED: &[Removed] = &[
     field("water.style_tier", PLANNED),
     field(
         "water.optics.forward_scatter.spread",
-        "remove it: two kernels follow from a and b where no `forward_scatter` is given",
+        "remove it: without `forward_scatter`, two kernels are derived from a and b",
     ),
     field("water.optics.forward_scatter.law", "`water.optics.phase`"),
     field("water.optics.forward_scatter.occlusion", PLANNED),
@@ -150,7 +147,7 @@ pub const REMOVED: &[Removed] = &[
     ),
     field(
         "png_text",
-        "remove it: PNG files always name their kind, unit and meaning",
+        "remove it: PNG files always contain their kind, unit and meaning",
     ),
     field("truth.block", "remove it: errors count in blocks of 8 pixels"),
     field("truth.seed", "remove it: the paths follow `seed`"),
@@ -187,19 +184,30 @@ const fn value(path: &'static str, value: &'static str, now: &'static str) -> Re
     }
 }
 
-/// What to write in place of a field at this path, if it was removed; `written` decides where the field alone does not.
-pub(crate) fn find_field(path: &str, written: Option<&str>) -> Option<&'static Removed> {
-    let mut rows = REMOVED.iter().filter(|removed| removed.path == path);
-    let of_value = rows
-        .clone()
-        .find(|removed| removed.value.is_some() && removed.value == written);
-    of_value.or_else(|| rows.find(|removed| removed.value.is_none()))
+impl Removed {
+    /// The replacement as an instruction.
+    pub(crate) fn instruction(&self) -> String {
+        match self.now.starts_with(['`', '"']) {
+            true => format!("use {}", self.now),
+            false => self.now.to_owned(),
+        }
+    }
 }
 
-/// What to write in place of a value of a field that is still there, if the value was removed.
+/// The replacement of a removed field at this path; `written` decides if the path is ambiguous.
+pub(crate) fn find_field(path: &str, written: Option<&str>) -> Option<&'static Removed> {
+    let mut rows = REMOVED.iter().filter(|removed| removed.path == path);
+    let matching_value = rows
+        .clone()
+        .find(|removed| removed.value.is_some() && removed.value == written);
+    matching_value.or_else(|| rows.find(|removed| removed.value.is_none()))
+}
+
+/// The replacement of a removed value of an existing field.
 pub(crate) fn find_value(path: &str, written: &str) -> Option<&'static Removed> {
-    let is_it = |removed: &&Removed| removed.path == path && removed.value == Some(written);
-    REMOVED.iter().find(is_it)
+    REMOVED
+        .iter()
+        .find(|removed: &&Removed| removed.path == path && removed.value == Some(written))
 }
 
 /// The table in Markdown.
@@ -237,14 +245,23 @@ mod tests {
         parts.collect()
     }
 
-    /// After a change of the table, copy what the failure prints.
+    /// `FATHOM_WRITE=1 cargo test -p spec` updates the table.
     #[test]
     fn the_migration_table_of_the_documentation_is_up_to_date() {
-        let written = include_str!("../../../docs/migration.md");
-        assert!(
-            written.contains(&markdown()),
-            "docs/migration.md should hold:\n{}",
-            markdown()
-        );
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/migration.md");
+        let text = std::fs::read_to_string(path).unwrap();
+        let table = text.find("| up to 0.1 |").unwrap();
+        let end = text[table..]
+            .find("\n\n")
+            .map_or(text.len(), |end| table + end + 1);
+        let updated = format!("{}{}{}", &text[..table], markdown(), &text[end..]);
+        if std::env::var_os("FATHOM_WRITE").is_some() {
+            std::fs::write(path, updated).unwrap();
+        } else {
+            assert!(
+                text == updated,
+                "docs/migration.md is out of date: run FATHOM_WRITE=1 cargo test -p spec"
+            );
+        }
     }
 }

@@ -1,4 +1,4 @@
-//! The checked description as a tree whose leaves are constants and laws.
+//! The checked description as a tree of constants and distributions.
 
 mod draw;
 
@@ -8,21 +8,21 @@ use serde_json::Value;
 
 pub(crate) use draw::{Drawn, Law, LawNode};
 
-/// A place of the checked description.
+/// A value of the checked description.
 #[derive(Debug, Clone)]
 pub(crate) enum Node {
     /// A scalar.
     Constant(Value),
     /// A list.
     List(Vec<Node>),
-    /// An object, each key once; sorted where it is written.
+    /// An object with unique keys, sorted on output.
     Object(Vec<(String, Node)>),
-    /// A law in place of a value.
+    /// A distribution.
     Law(Box<LawNode>),
 }
 
 impl Node {
-    /// The value with every law replaced by what `draw` yields for it.
+    /// The value with every distribution replaced by the result of `draw`.
     pub(crate) fn value(&self, draw: &impl Fn(&LawNode) -> Drawn) -> Value {
         self.with_laws(&|law| match draw(law) {
             Drawn::Number(number) => number,
@@ -30,12 +30,12 @@ impl Node {
         })
     }
 
-    /// The canonical form: laws kept.
+    /// The canonical form, with distributions.
     pub(crate) fn canonical(&self) -> Value {
         self.with_laws(&LawNode::canonical)
     }
 
-    /// The value with this in place of each law that is not inside another; keys sorted.
+    /// The value with every outermost distribution replaced by `law_value`; keys sorted.
     fn with_laws(&self, law_value: &dyn Fn(&LawNode) -> Value) -> Value {
         match self {
             Self::Constant(value) => value.clone(),
@@ -50,8 +50,8 @@ impl Node {
         }
     }
 
-    /// Pointer of the field at `path` once laws are replaced by what `draw` yields; if there is none, of the deepest
-    /// place on the way that exists. `pointer` is that of this place.
+    /// The pointer of the field at `path` with distributions drawn by `draw`, or of its deepest existing parent.
+    /// `pointer` is the location of this node.
     pub(crate) fn locate(&self, pointer: &str, path: &[&str], draw: &impl Fn(&LawNode) -> Drawn) -> String {
         if let Self::Law(law) = self
             && let Drawn::One(position) = draw(law)
@@ -67,7 +67,7 @@ impl Node {
         }
     }
 
-    /// All laws of this tree, those inside choices and grids included, outer before inner.
+    /// All distributions of this tree, including nested ones, outer before inner.
     pub(crate) fn laws(&self) -> Vec<&LawNode> {
         let mut found = Vec::new();
         self.visit(&mut |law| found.push(law));
@@ -86,7 +86,7 @@ impl Node {
         }
     }
 
-    /// Changes every law of this tree.
+    /// Changes every distribution of this tree.
     pub(crate) fn change_laws(&mut self, change: &mut impl FnMut(&mut LawNode)) {
         match self {
             Self::Constant(_) => {}
@@ -101,58 +101,64 @@ impl Node {
         }
     }
 
-    /// The field of this name, if this is an object that has it.
+    /// The field of an object; `None` for other nodes.
     pub(crate) fn get(&self, name: &str) -> Option<&Self> {
         let Self::Object(fields) = self else { return None };
         fields.iter().find(|(key, _)| key == name).map(|(_, node)| node)
     }
 
-    /// What can stand here once the values of choices and grids are laid open, each with its pointer.
-    /// `pointer` is that of this place.
+    /// The possible values after expanding choices and grids, each with its pointer. `pointer` is the location of
+    /// this node.
     pub(crate) fn alternatives(&self, pointer: &str) -> Vec<(String, &Self)> {
         match self {
-            Self::Law(law) if !law.values().is_empty() => {
-                let within = |(position, value): (usize, _)| {
+            Self::Law(law) if !law.values().is_empty() => law
+                .values()
+                .iter()
+                .enumerate()
+                .flat_map(|(position, value): (usize, _)| {
                     Self::alternatives(value, &format!("{pointer}/{}/{position}", law.key()))
-                };
-                law.values().iter().enumerate().flat_map(within).collect()
-            }
+                })
+                .collect(),
             _ => vec![(pointer.to_owned(), self)],
         }
     }
 
-    /// The strings that can stand here, each with its pointer.
+    /// The possible strings, each with its pointer.
     pub(crate) fn strings(&self, pointer: &str) -> Vec<(String, &str)> {
-        let text = |(pointer, node)| match node {
-            &Self::Constant(Value::String(ref text)) => Some((pointer, text.as_str())),
-            _ => None,
-        };
-        self.alternatives(pointer).into_iter().filter_map(text).collect()
+        self.alternatives(pointer)
+            .into_iter()
+            .filter_map(|(pointer, node)| match node {
+                &Self::Constant(Value::String(ref text)) => Some((pointer, text.as_str())),
+                _ => None,
+            })
+            .collect()
     }
 
-    /// The greatest number that can stand here.
+    /// The greatest possible number.
     pub(crate) fn greatest(&self) -> Option<f64> {
         self.numbers().into_iter().reduce(f64::max)
     }
 
-    /// The least number that can stand here.
+    /// The least possible number.
     pub(crate) fn least(&self) -> Option<f64> {
         self.numbers().into_iter().reduce(f64::min)
     }
 
-    /// Every number that can stand here, of an interval its ends.
+    /// Every possible number; for an interval its ends.
     fn numbers(&self) -> Vec<f64> {
-        let ends = |(_, node): (String, &Self)| match node {
-            Self::Constant(value) => vec![value.clone()],
-            Self::Law(law) => law.ends().map(Vec::from).unwrap_or_default(),
-            _ => Vec::new(),
-        };
-        let values = self.alternatives("").into_iter().flat_map(ends);
+        let values = self
+            .alternatives("")
+            .into_iter()
+            .flat_map(|(_, node): (String, &Self)| match node {
+                Self::Constant(value) => vec![value.clone()],
+                Self::Law(law) => law.ends().map(Vec::from).unwrap_or_default(),
+                _ => Vec::new(),
+            });
         values.filter_map(|value| value.as_f64()).collect()
     }
 }
 
-/// A number as number fields have it: always with a point or an exponent, and no negative zero.
+/// Canonical form of a number field: always with a point or an exponent, and no negative zero.
 pub(crate) fn float(number: f64) -> Value {
     Value::from(number + 0.0)
 }

@@ -1,4 +1,3 @@
-//! The inverse of the normal distribution function.
 #![expect(
     clippy::excessive_precision,
     reason = "the coefficients stand as they are printed"
@@ -65,11 +64,11 @@ const TAIL_DENOMINATOR: [f64; 8] = [
     1.0,
 ];
 
-/// z with Φ(z) = p, the standard normal quantile, for 0 < p < 1.
+/// The standard normal quantile z with Φ(z) = p, for 0 < p < 1.
 ///
 /// Algorithm AS 241, routine PPND16 (Wichura 1988, Applied Statistics 37, 477-484): relative accuracy about 1e-16.
-/// Rational functions of q² for |q| ≤ 0.425 with q = p − 1/2, of sqrt(−ln min(p, 1−p)) beyond. Logarithm and root
-/// come from `libm`, so the value is the same on every machine. p = 0 and p = 1 give ∓∞; outside, NaN.
+/// Rational functions of q² for |q| ≤ 0.425 with q = p − 1/2, of sqrt(−ln min(p, 1−p)) beyond. Logarithm and root are
+/// from `libm`, so the result is the same on every machine. p = 0 and p = 1 yield ∓∞; values outside 0..=1 yield NaN.
 #[must_use]
 pub fn normal_quantile(p: f64) -> f64 {
     let q = p - 0.5;
@@ -142,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn the_ends_are_infinite_and_nothing_lies_beyond() {
+    fn the_ends_are_infinite_and_outside_is_nan() {
         assert_eq!(normal_quantile(0.0), f64::NEG_INFINITY);
         assert_eq!(normal_quantile(1.0), f64::INFINITY);
         assert!(normal_quantile(-0.1).is_nan() && normal_quantile(1.1).is_nan());

@@ -1,10 +1,10 @@
-//! A water of a user's own, as it is submitted.
+//! User-defined waters as submitted.
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 use spec_derive::Described;
 
-use crate::check::{Checker, Place};
+use crate::check::{Checker, Location};
 use crate::described::Described;
 use crate::invalid::{FieldError, Invalid};
 use crate::json;
@@ -12,32 +12,32 @@ use crate::rules::Fault;
 use crate::vocabulary::Vocabulary;
 use crate::water::Optics;
 
-/// The types that a water may be of.
+/// Jerlov water types.
 pub const JERLOV_TYPES: [&str; 15] = [
     "I", "IA", "IB", "II", "III", "1C", "3C", "5C", "7C", "9C", "1", "3", "5", "7", "9",
 ];
 
-/// A water of a user's own. Arrays are R, G, B; absent is unknown.
+/// A user-defined water. Arrays are R, G, B; an absent value is unknown.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, Described)]
 #[serde(default)]
 pub struct OwnWater {
-    /// what jobs call it
+    /// name of the water in jobs
     #[field(fixed, names = WaterName)]
     pub name: String,
-    /// where the numbers come from
+    /// source of the numbers
     #[field(fixed, names = Words)]
     pub source: String,
-    /// under what terms they may be used
+    /// license of the numbers
     #[field(fixed, names = Words, default = "unknown")]
     pub licence: String,
-    /// what others should know
+    /// notes for users of the water
     #[field(fixed, names = Words, max = 16, distinct, default = [])]
     pub caveats: Vec<String>,
-    /// its type, held against its neighbors of the same source
+    /// Jerlov type, checked against the neighboring types of the same source
     #[field(fixed, words = JERLOV_TYPES)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub jerlov_type: Option<String>,
-    /// what stands for red, green and blue, falling
+    /// wavelengths of red, green and blue, in falling order
     #[field(fixed, within(300.0, 1000.0), unit = "nm")]
     pub wavelength_nm: [f64; 3],
     /// a
@@ -56,7 +56,7 @@ pub struct OwnWater {
     #[field(fixed, within(0.0, 1000.0), unit = "1/m")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub diffuse_attenuation_per_m: Option<[f64; 3]>,
-    /// b_b/b, for the glow of lamps
+    /// b_b/b, for the airlight of lamps
     #[field(fixed, within(0.002, 0.5))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub backscatter_fraction: Option<f64>,
@@ -67,23 +67,18 @@ pub struct OwnWater {
 }
 
 impl OwnWater {
-    /// Reads a water and checks it, field by field and then by `test`, which knows what makes a water.
+    /// Parses a water and checks it, field by field and then with `test`, which checks the physics.
     ///
     /// # Errors
-    /// Every error together: fields, limits, and what `test` finds.
+    /// All errors of fields and limits, and those of `test`.
     pub fn parse<T>(
         bytes: &[u8],
         test: impl FnOnce(&Self) -> Result<T, Vec<Fault>>,
     ) -> Result<(Self, T), Invalid> {
         let value = json::read(bytes)?;
         let vocabulary = Vocabulary::default();
-        let mut checker = Checker {
-            vocabulary: &vocabulary,
-            trusting: false,
-            seed: 0,
-            errors: Vec::new(),
-        };
-        let Some(node) = checker.node(&Place::default(), &Self::SHAPE, false, &value) else {
+        let mut checker = Checker::new(&vocabulary, 0);
+        let Some(node) = checker.check(&Location::default(), &Self::SHAPE, false, &value) else {
             return Err(Invalid(checker.errors));
         };
         let water = Self::deserialize(node.canonical()).unwrap_or_default();
@@ -97,14 +92,14 @@ impl OwnWater {
         }
     }
 
-    /// The water as it was submitted, in canonical form.
+    /// The submitted water in canonical form.
     #[must_use]
     pub fn description(&self) -> String {
         json!(self).to_string()
     }
 
-    /// The fields of `water.optics` that stand for its name in a job. The beam attenuation is left to a and b where both
-    /// are known.
+    /// The fields of `water.optics` for this water in a job. The beam attenuation is derived from a and b if both are
+    /// known.
     #[must_use]
     pub fn optics(&self) -> Map<String, Value> {
         let parts = self.absorption_per_m.is_some() && self.scattering_per_m.is_some();
@@ -124,9 +119,8 @@ impl OwnWater {
     }
 }
 
-/// The faults of fields that have no error yet. A number that is refused is neither missing nor known.
+/// The faults of fields without an error so far. A rejected number is neither missing nor known.
 fn new_errors(faults: &[Fault], errors: &[FieldError]) -> Vec<FieldError> {
-    let is_refused = |field: &str| errors.iter().any(|error| error.pointer.starts_with(field));
     let in_numbers = [
         "/absorption_per_m",
         "/scattering_per_m",
@@ -134,25 +128,23 @@ fn new_errors(faults: &[Fault], errors: &[FieldError]) -> Vec<FieldError> {
         "/diffuse_attenuation_per_m",
     ]
     .into_iter()
-    .any(is_refused);
-    let pointer = |fault: &Fault| {
-        fault
-            .path
-            .iter()
-            .map(|step| format!("/{step}"))
-            .collect::<String>()
-    };
-    let has_error = |fault: &&Fault| {
-        let at = pointer(fault);
-        let below = format!("{at}/");
-        let is_there =
-            |error: &FieldError| error.pointer == at || !at.is_empty() && error.pointer.starts_with(&below);
-        errors.iter().any(is_there)
-    };
+    .any(|field| errors.iter().any(|error| error.pointer.starts_with(field)));
     faults
         .iter()
         .filter(|fault| !(in_numbers && fault.missing))
-        .filter(|fault| !has_error(fault))
-        .map(|fault| FieldError::new(&pointer(fault), fault.message.clone()))
+        .map(|fault| {
+            let pointer: String = fault.path.iter().map(|step| format!("/{step}")).collect();
+            FieldError::new(&pointer, fault.message.clone())
+        })
+        .filter(|new| {
+            !errors
+                .iter()
+                .any(|error| is_at_or_below(&error.pointer, &new.pointer))
+        })
         .collect()
+}
+
+fn is_at_or_below(pointer: &str, parent: &str) -> bool {
+    let rest = pointer.strip_prefix(parent);
+    rest.is_some_and(|rest| rest.is_empty() || !parent.is_empty() && rest.starts_with('/'))
 }

@@ -1,4 +1,4 @@
-//! The record of a rendered frame: what was asked, what was done, what came out. It travels from worker to catalogue.
+//! The record of a rendered frame: parameters, plan, results. Workers send it to the catalogue.
 
 use std::collections::BTreeMap;
 
@@ -11,18 +11,18 @@ use crate::artifact::{ArtifactKind, is_media_type};
 use crate::scene_record::SceneRecord;
 use crate::truth::TruthRecord;
 
-/// Everything known about one image apart from its bytes.
+/// All data about one image except its bytes.
 pub type FrameRecord = RecordOf<Value, Map<String, Value>>;
 
-/// A record whose open parts are kept as values of type `V`, in maps of type `M`.
+/// A record whose open parts have values of type `V` and maps of type `M`.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct RecordOf<V, M> {
     /// Position in the job.
     pub frame: u64,
     /// The resolved frame as canonical JSON ([`crate::Frame::parameters`]).
     pub parameters: V,
-    /// The numbers the water stage ran with: per-channel coefficients after preset, derivation and range scale, and
-    /// which of them were derived; how long the paths through patches were, and how much snow fell. Empty without any of these.
+    /// Numbers of the water stage: per-channel coefficients after preset, derivation and range scale, and the derived
+    /// ones; path lengths through turbidity patches; particles of snow. May be empty.
     pub optics: M,
     /// The plan: per stage its variant, terms, bound, gain and expected cost.
     pub plan: V,
@@ -33,36 +33,36 @@ pub struct RecordOf<V, M> {
     pub measurements: BTreeMap<String, BTreeMap<String, f64>>,
     /// The stored files.
     pub artifacts: Vec<ArtifactEntry>,
-    /// What was counted on the way.
+    /// Counters of the rendering.
     pub counts: Counts,
     /// Milliseconds per stage. Not part of any digest.
     pub timings_ms: BTreeMap<String, f64>,
-    /// What the user should know about this image.
+    /// Warnings about this image.
     pub warnings: Vec<String>,
-    /// Where the camera was and what could be seen; of uploaded scenes only where an artifact with labels was asked for.
+    /// Camera pose and visible objects. For uploaded scenes only with an artifact that needs labels.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scene: Option<SceneRecord>,
-    /// What was traced of it by Monte Carlo; only where an artifact asked for it.
+    /// The Monte Carlo result; only with an artifact that needs it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub truth: Option<TruthRecord>,
-    /// With what it was made.
+    /// Software and inputs.
     pub provenance: Provenance,
 }
 
 /// The promised error bound of a frame.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Promise {
-    /// The largest error of any sample of the exposed light, from black to white, against the exact chain in f64.
+    /// Maximum error of any sample of the exposed light, black to white, against the exact chain in f64.
     pub bound: f64,
     /// The tolerance of the frame.
     pub tolerance: f64,
-    /// Stages that run without a bound: the promise does not count them.
+    /// Stages without a bound, which the promise does not cover.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub unbounded: Vec<String>,
-    /// Why the bound exceeds the tolerance, and what to change; `None` if it does not.
+    /// Why the bound exceeds the tolerance, and the remedy; `None` if it does not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub exceeds: Option<String>,
-    /// All of it in one sentence.
+    /// The promise as one sentence.
     pub text: String,
 }
 
@@ -80,10 +80,10 @@ pub struct ArtifactEntry {
 }
 
 impl ArtifactEntry {
-    /// Finds a kind, digest or type that cannot be one.
+    /// Checks kind, digest and media type.
     ///
     /// # Errors
-    /// What is wrong.
+    /// The first invalid one.
     pub fn check(&self) -> Result<(), String> {
         let Self {
             kind,
@@ -91,11 +91,14 @@ impl ArtifactEntry {
             media_type,
             ..
         } = self;
-        let is_digit = |byte: u8| byte.is_ascii_digit() || (b'a'..=b'f').contains(&byte);
         if !ArtifactKind::is_name(kind) {
             return Err(format!("`{kind}` is not an artifact kind"));
         }
-        if digest.len() != 64 || !digest.bytes().all(is_digit) {
+        if digest.len() != 64
+            || !digest
+                .bytes()
+                .all(|byte: u8| byte.is_ascii_digit() || (b'a'..=b'f').contains(&byte))
+        {
             return Err(format!(
                 "digest `{digest}` of `{kind}` is not 64 lower-case hexadecimal digits"
             ));
@@ -109,35 +112,35 @@ impl ArtifactEntry {
     }
 }
 
-/// What was counted while rendering.
+/// Counters of the rendering.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Counts {
     /// Pixels without a valid range.
     pub holes: u64,
-    /// Samples of negative radiance that were set to 0.
+    /// Samples of negative radiance set to 0.
     pub negative_radiance: u64,
-    /// Samples of the result outside 0..=1 that the encoder clamped.
+    /// Samples of the result outside 0..=1, clamped by the encoder.
     pub clamped: u64,
-    /// Range pixels beyond what 16-bit millimeters hold.
+    /// Range pixels beyond the maximum of 16-bit millimeters.
     pub range_saturated: u64,
 }
 
-/// With what an image was made.
+/// Software and inputs of an image.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Provenance {
-    /// Version of the code.
+    /// Version of the software.
     pub code_version: String,
     /// Version of ONNX Runtime, if a style network ran.
     pub onnx_runtime: Option<String>,
-    /// CPU features that choose code paths, such as `avx2,fma`.
+    /// CPU features that select code paths, such as `avx2,fma`.
     pub cpu_features: String,
-    /// SHA-256 of every model and uploaded file that went in, by name.
+    /// SHA-256 of every model and uploaded file used, by name.
     pub inputs: BTreeMap<String, String>,
 }
 
 impl FrameRecord {
-    /// SHA-256 over (frame, kind, artifact digest, resolved parameters): the same wherever and however often the
-    /// frame is rendered on one build, runtime and CPU feature set. Lower-case hex.
+    /// SHA-256 over (frame, kind, artifact digest, resolved parameters), lower-case hex. It is reproducible for one
+    /// build, runtime and CPU feature set.
     #[must_use]
     pub fn digest(&self) -> String {
         self.digest_with(&self.parameters.to_string())
@@ -145,7 +148,7 @@ impl FrameRecord {
 }
 
 impl<V, M> RecordOf<V, M> {
-    /// The same of parameters that are there as canonical text.
+    /// The digest for parameters in canonical text.
     pub(crate) fn digest_with(&self, parameters: &str) -> String {
         let mut artifacts: Vec<_> = self
             .artifacts

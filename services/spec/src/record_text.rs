@@ -1,4 +1,4 @@
-//! A record that stays text: read as far as it is checked and measured, without a tree of what is only stored.
+//! A record kept as text. Only the checked and measured parts are parsed.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -8,10 +8,10 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::record::RecordOf;
 
-/// What is read of a record that stays text.
+/// The parsed parts of a record kept as text.
 pub type BriefRecord = RecordOf<Sound, BTreeMap<String, Sound>>;
 
-/// Canonical text of a [`crate::FrameRecord`], in JSON a string.
+/// Canonical text of a [`crate::FrameRecord`]; a string in JSON.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordText {
     text: String,
@@ -20,13 +20,13 @@ pub struct RecordText {
 }
 
 impl RecordText {
-    /// Reads a text from which a [`crate::FrameRecord`] can be read.
+    /// Parses the canonical text of a [`crate::FrameRecord`].
     ///
     /// # Errors
-    /// What is wrong with it.
+    /// The parser's error.
     pub fn read(text: String) -> Result<Self, serde_json::Error> {
         let record: BriefRecord = serde_json::from_str(&text)?;
-        let parameters = parameters(&text)?;
+        let parameters = find_parameters(&text)?;
         Ok(Self {
             digest: record.digest_with(parameters),
             record,
@@ -34,14 +34,14 @@ impl RecordText {
         })
     }
 
-    /// What is read of it.
+    /// The parsed parts.
     #[must_use]
     pub fn record(&self) -> &BriefRecord {
         &self.record
     }
 
-    /// As [`crate::FrameRecord::digest`], over the parameters as they stand in the text. In other than canonical form they have
-    /// another digest.
+    /// As [`crate::FrameRecord::digest`], over the text of the parameters. Non-canonical parameters have another
+    /// digest.
     #[must_use]
     pub fn digest(&self) -> &str {
         &self.digest
@@ -66,18 +66,23 @@ impl<'de> Deserialize<'de> for RecordText {
     }
 }
 
-/// The text of the parameters. Nothing but a quote and a colon stands between a name and its value, and a comma and a quote between
-/// that and the next name, which the parameters are never without.
-fn parameters(text: &str) -> Result<&str, serde_json::Error> {
+/// The text of the parameters. In canonical text only a quote and a colon separate a name from its value, and a comma
+/// and a quote precede the next name. The parameters are never the last field.
+fn find_parameters(text: &str) -> Result<&str, serde_json::Error> {
     let mut deserializer = serde_json::Deserializer::from_str(text);
     let names = deserializer.deserialize_map(Names)?;
-    let place = |name: &str| name.as_ptr().addr() - text.as_ptr().addr();
-    let found = names.map(|(name, next)| place(name) + name.len() + 2..place(next).saturating_sub(2));
-    let parameters = found.and_then(|range| text.get(range));
-    parameters.ok_or_else(|| Error::custom("a record in another form than the canonical one"))
+    let found = names.and_then(|(name, next)| {
+        let start = offset(text, name) + name.len() + 2;
+        text.get(start..offset(text, next).saturating_sub(2))
+    });
+    found.ok_or_else(|| Error::custom("the record is not in canonical form"))
 }
 
-/// Looks for the name of the parameters in the text, and the name after it.
+fn offset(text: &str, part: &str) -> usize {
+    part.as_ptr().addr() - text.as_ptr().addr()
+}
+
+/// Finds the key of the parameters in the text, and the key after it.
 struct Names;
 
 impl<'de> Visitor<'de> for Names {
@@ -89,7 +94,7 @@ impl<'de> Visitor<'de> for Names {
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
         let (mut parameters, mut next) = (None, None);
-        // A name with an escape is none of a record's, and cannot be borrowed.
+        // A key with an escape is foreign to records, and cannot be borrowed.
         while let Some(name) = map.next_key::<&'de str>()? {
             if name == "parameters" {
                 parameters = Some(name);
@@ -102,7 +107,7 @@ impl<'de> Visitor<'de> for Names {
     }
 }
 
-/// A JSON value that can be read, of which nothing is kept.
+/// A valid JSON value, parsed and discarded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Sound;
 
@@ -167,7 +172,7 @@ mod tests {
         FrameRecord {
             frame: 7,
             parameters: json!({"seed": 1, "alpha": 0.1, "labels": {"a\"b,": "{\"parameters\":{}}"}, "lights": [{"x": 1e-9}, null]}),
-            // Fields of an inner object are none of the record.
+            // Fields of an inner object do not count.
             optics: json!({"parameters": {"seed": 2}, "plan": [1.5, true]})
                 .as_object()
                 .cloned()
@@ -205,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_record_is_refused() {
+    fn malformed_records_are_rejected() {
         let text = serde_json::to_value(record()).unwrap().to_string();
         let wrong = [
             text.replace("0.1", "1e999"),

@@ -1,22 +1,22 @@
-//! What came out of frames that images can be asked for, beside their metrics.
+//! Queryable results of frames, except metrics.
 
 use crate::schema::{Names, Range, Shape};
 
-/// A result that images can be asked for.
+/// A queryable result.
 pub(crate) struct ResultField {
-    /// Its name in questions.
+    /// Name in queries.
     pub(crate) name: &'static str,
-    /// Where it stands in a record.
+    /// JSON pointer in a record.
     pub(crate) pointer: &'static str,
     pub(crate) shape: Shape,
     pub(crate) unit: Option<&'static str>,
-    /// What it means.
+    /// Meaning.
     pub(crate) doc: &'static str,
 }
 
-/// What came out of a frame, beside its metrics: the numbers that its water ran with, what was met, counted and taken.
+/// Results of a frame, except metrics: numbers of the water stage, counters, provenance.
 pub(crate) const RESULTS: &[ResultField] = &[
-    // The water by name: of a preset, or of a water of the user's own, whose numbers the record holds.
+    // The name of the water; for a user-defined water the record contains its numbers.
     result(
         "water.optics",
         "/parameters/water/optics/preset",
@@ -235,7 +235,7 @@ const NUMBER: Shape = Shape::Number(Range::FINITE);
 const WHOLE: Shape = Shape::Integer(0, 1 << 53);
 const TEXT: Shape = Shape::Text(Names::Words);
 const RGB: Shape = Shape::Rgb(Range::FINITE);
-/// Its elements are objects of their own, reached through the record.
+/// Its elements are objects, available through the record.
 const LIST: Shape = Shape::List {
     element: &Shape::Scalar,
     max: usize::MAX,

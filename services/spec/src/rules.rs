@@ -1,21 +1,21 @@
-//! What a description cannot know by itself: whether the numbers of a water or a camera fit together. `optics` and `camera`
-//! know.
+//! Rules that need domain knowledge: whether the numbers of a water or a camera are consistent. `optics` and `camera`
+//! implement them.
 
 use crate::camera::Camera;
 use crate::daylight::Daylight;
 use crate::water::{Optics, Water};
 
-/// The rules of waters, handed in by the crate that knows them.
+/// The rules of waters, implemented by `optics`.
 #[derive(Debug, Clone, Copy)]
 pub struct WaterRules {
-    /// What is wrong with a water that is looked at in this way.
-    pub faults: fn(&Water, Sight) -> Vec<Fault>,
-    /// What a user should know of these optics, though nothing is wrong.
+    /// Returns the faults of a water under the given conditions.
+    pub faults: fn(&Water, WaterConditions) -> Vec<Fault>,
+    /// Returns a warning about valid optics.
     pub warning: fn(&Optics) -> Option<String>,
 }
 
 impl Default for WaterRules {
-    /// Anything goes.
+    /// Accepts everything.
     fn default() -> Self {
         Self {
             faults: |_, _| Vec::new(),
@@ -24,15 +24,15 @@ impl Default for WaterRules {
     }
 }
 
-/// The rules of cameras, handed in by the crate that knows them.
+/// The rules of cameras, implemented by `camera`.
 #[derive(Debug, Clone, Copy)]
 pub struct CameraRules {
-    /// What is wrong with a camera; the flag says whether the scene is rendered for it, else it is a picture.
+    /// Returns the faults of a camera; the flag distinguishes rendered scenes from uploaded images.
     pub faults: fn(&Camera, bool) -> Vec<Fault>,
 }
 
 impl Default for CameraRules {
-    /// Anything goes.
+    /// Accepts everything.
     fn default() -> Self {
         Self {
             faults: |_, _| Vec::new(),
@@ -40,26 +40,26 @@ impl Default for CameraRules {
     }
 }
 
-/// What a water is looked at with.
+/// Conditions for checking a water.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sight {
+pub struct WaterConditions {
     /// Whether lamps light it.
     pub lamps: bool,
-    /// The daylight over it.
+    /// Daylight above it.
     pub daylight: Daylight,
     /// Whether its light is traced by Monte Carlo.
     pub traced: bool,
-    /// The largest cross-section of the view at 1 m, m²; absent if it is not known.
+    /// The maximum cross-section of the view at 1 m, m²; `None` if unknown.
     pub solid: Option<f64>,
 }
 
-/// Something wrong, with the field that has to change.
+/// A fault with the field to change.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fault {
-    /// The field below the object that was checked, such as `["optics", "g_per_m"]`; empty: the object as a whole.
+    /// Path below the checked object, such as `["optics", "g_per_m"]`; empty for the whole object.
     pub path: Vec<&'static str>,
-    /// Names field, value and limit.
+    /// Message with field, value and limit.
     pub message: String,
-    /// Whether it says that something is missing.
+    /// Whether a value is missing.
     pub missing: bool,
 }

@@ -1,4 +1,4 @@
-//! The files of a scene that is not procedural: a picture with its range, mask and camera.
+//! The files of a non-procedural scene: image with range, mask and camera.
 
 use imaging::geometry::Intrinsics;
 use serde::{Deserialize, Serialize};
@@ -6,51 +6,51 @@ use serde::{Deserialize, Serialize};
 use crate::classes::Classes;
 use crate::scene_parts::SceneParts;
 
-/// The files of a scene. `T` is what stands for a file: its path, its digest or its bytes.
+/// The files of a scene. `T` represents a file: path, digest or bytes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SceneFiles<T> {
-    /// The picture: PNG, JPEG, WebP, NPY floats of shape [height, width, 3], or EXR.
+    /// The image: PNG, JPEG, WebP, NPY floats of shape [height, width, 3], or EXR.
     pub rgb: T,
     /// Range or z-depth.
     pub range: Option<RangeFile<T>>,
     /// Instance of each pixel, 0 = background: 8- or 16-bit gray PNG, or NPY uint8 or uint16.
     pub instances: Option<T>,
-    /// The camera, if it is known.
+    /// The camera, if known.
     pub intrinsics: Option<Intrinsics>,
-    /// What the objects of the instance mask are.
+    /// Classes of the objects in the instance mask.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub classes: Option<Classes>,
-    /// Where the camera was: rows of the matrix from camera axes (right, down, ahead, 1) to the world, meters.
+    /// Camera pose: rows of the matrix from camera axes (right, down, ahead, 1) to the world, meters.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub world_from_camera: Option<[[f64; 4]; 4]>,
 }
 
-/// A map of distances: 8- or 16-bit gray PNG, NPY float16, float32, float64, uint8 or uint16, or the channel Z of an EXR file.
+/// A distance map: 8- or 16-bit gray PNG, NPY float16, float32, float64, uint8 or uint16, or the channel Z of an EXR
+/// file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RangeFile<T> {
     /// The file.
     pub file: T,
-    /// What its values are.
+    /// Kind of distance.
     pub kind: RangeKind,
-    /// Meters of one unit of the file. Floats are meters if it is not given; integer codes need it.
+    /// Meters per unit of the file. Required for integer codes; 1 by default for floats.
     pub unit_m: Option<f64>,
-    /// The value that stands for a hole. Integer codes need it; in a file of floats it is a hole beside what is not
-    /// finite.
+    /// The value of a hole. Required for integer codes; non-finite floats are always holes.
     pub invalid_code: Option<u16>,
 }
 
-/// Which distance a map holds.
+/// Kind of distance in a map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum RangeKind {
     /// Along the line of sight.
     Range,
-    /// Along the optical axis, as depth cameras give it.
+    /// Along the optical axis, as from depth cameras.
     ZDepth,
 }
 
 impl RangeKind {
-    /// Its name, which is also that of the field the file comes in.
+    /// Its name, also of the upload field.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -59,7 +59,7 @@ impl RangeKind {
         }
     }
 
-    /// The kind of this name.
+    /// Parses a kind.
     #[must_use]
     pub fn parse(name: &str) -> Option<Self> {
         [Self::Range, Self::ZDepth]
@@ -69,10 +69,10 @@ impl RangeKind {
 }
 
 impl<T> SceneFiles<T> {
-    /// The same with something else in place of each file, in the order picture, range, mask.
+    /// Maps each file, in the order image, range, mask.
     ///
     /// # Errors
-    /// The first that `change` returns.
+    /// The first error of `change`.
     pub fn try_map<'a, U, E>(
         &'a self,
         mut change: impl FnMut(&'a T) -> Result<U, E>,
@@ -95,7 +95,7 @@ impl<T> SceneFiles<T> {
         })
     }
 
-    /// What the scene has.
+    /// The parts of the scene.
     #[must_use]
     pub fn parts(&self) -> SceneParts {
         SceneParts {

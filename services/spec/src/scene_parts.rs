@@ -1,15 +1,15 @@
-//! What scenes can have beside their picture.
+//! Optional parts of scenes.
 
 use std::collections::BTreeMap;
 
-/// Something that not every scene has.
+/// An optional part of a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum ScenePart {
     /// The distance of each pixel.
     Range,
     /// The object that each pixel shows.
     Instances,
-    /// Normals and findings of the surfaces that a procedural scene is made of.
+    /// Normals and findings of the surfaces of a procedural scene.
     Surfaces,
 }
 
@@ -28,21 +28,21 @@ impl ScenePart {
     }
 }
 
-/// What a scene has.
+/// The parts of a scene.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct SceneParts {
-    /// Whether it has a range or z-depth.
+    /// Has a range or z-depth.
     pub range: bool,
-    /// Whether it has an instance mask.
+    /// Has an instance mask.
     pub instances: bool,
-    /// Whether its surfaces are known.
+    /// Has known surfaces.
     pub surfaces: bool,
-    /// Whether it brings its own camera.
+    /// Has a camera.
     pub camera: bool,
 }
 
 impl SceneParts {
-    /// What every procedural scene has.
+    /// The parts of every procedural scene.
     pub const PROCEDURAL: Self = Self {
         range: true,
         instances: true,
@@ -61,11 +61,11 @@ impl SceneParts {
     }
 }
 
-/// What is known of uploaded scenes where a description is checked.
+/// Known uploaded scenes.
 #[derive(Debug, Clone)]
 pub enum Uploads {
-    /// Nothing: they are believed to exist and to have every part.
+    /// No information: all scenes are assumed to exist with every part.
     Unknown,
-    /// These exist, by id, and no others.
+    /// The only existing scenes, by id.
     Known(BTreeMap<String, SceneParts>),
 }

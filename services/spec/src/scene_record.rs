@@ -1,4 +1,4 @@
-//! What a record says about the scene of a frame: where the camera was, and what could be seen.
+//! The scene part of a record: camera pose and visible objects.
 
 use imaging::geometry::Intrinsics;
 use serde::{Deserialize, Serialize};
@@ -9,27 +9,27 @@ use crate::classes::SceneCategory;
 /// The camera and the objects in view.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SceneRecord {
-    /// Rows of the matrix that takes camera axes (right, down, ahead, 1) to the world of a procedural scene, in meters.
+    /// Rows of the matrix from camera axes (right, down, ahead, 1) to the world of a procedural scene, meters.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub world_from_camera: Option<[[f64; 4]; 4]>,
-    /// The camera, in index coordinates; of one behind a flat port its focal length in air.
+    /// The camera in index coordinates; behind a flat port with its focal length in air.
     pub intrinsics: Intrinsics,
-    /// What bends its rays; absent of a pinhole.
+    /// Lens and port; absent for a pinhole.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lens: Option<LensRecord>,
-    /// The objects in view; absent unless an artifact with labels was asked for.
+    /// Objects in view; absent without an artifact that needs labels.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub instances: Option<Vec<InstanceRecord>>,
-    /// The classes of an uploaded scene; those of procedural scenes are always the same.
+    /// Classes of an uploaded scene; those of procedural scenes are fixed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub categories: Option<Vec<SceneCategory>>,
-    /// How many of them have a contrast that can be seen.
+    /// Number of objects with visible contrast.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub visible: Option<u64>,
-    /// The least visibility of those that have one.
+    /// Minimum visibility of the objects that have one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub least_visibility: Option<f64>,
-    /// Their mean visibility.
+    /// Mean visibility.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mean_visibility: Option<f64>,
 }
@@ -37,20 +37,22 @@ pub struct SceneRecord {
 /// A lens behind its port.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LensRecord {
-    /// How the distortion is meant: `brown-conrady`, from ideal to distorted coordinates.
+    /// Distortion model: `brown-conrady`, from ideal to distorted coordinates.
     pub model: String,
-    /// Its coefficients.
+    /// Distortion coefficients.
     pub distortion: Distortion,
-    /// Refractive index of the water before a flat port, R, G, B; absent without one.
+    /// Refractive index of the water in front of a flat port, R, G, B; absent without one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub flat_port_n_w: Option<[f64; 3]>,
 }
 
 impl LensRecord {
-    /// The lens for readers that know no ports: the focal length over that in air, and the distortion of rays in the water.
+    /// The lens for readers without a port model: the ratio of the focal length in water to that in air, and the
+    /// distortion of rays in water.
     ///
-    /// A flat port makes `ρ = n t / √(1 - (n² - 1) t²)` of the tangent t in the water. Its series up to t⁷, into which the lens
-    /// is inserted, is a distortion of the same kind: within two thousandths of the radius up to 30° from the axis in the water.
+    /// A flat port maps the tangent t in the water to `ρ = n t / √(1 - (n² - 1) t²)`. Its series up to t⁷, composed
+    /// with the lens, is a distortion of the same model: within two thousandths of the radius up to 30° from the axis
+    /// in the water.
     #[must_use]
     pub fn in_water(&self) -> (f64, Distortion) {
         let Some([_, n, _]) = self.flat_port_n_w else {
@@ -83,26 +85,26 @@ impl LensRecord {
 /// An object in view.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct InstanceRecord {
-    /// Its number in the instance mask.
+    /// Number in the instance mask.
     pub number: u16,
-    /// What it is, by the name of the semantic mask's code.
+    /// Category, by the name of the semantic code.
     pub category: String,
-    /// The box around what is seen of it: left, top, and the first column and row beyond.
+    /// Bounding box of the visible part: left, top, and the first column and row beyond.
     #[serde(rename = "box")]
     pub bounds: [usize; 4],
-    /// How many pixels show it.
+    /// Visible pixels.
     pub pixels: u64,
-    /// Of growth: the number of the object in view that it is attached to.
+    /// For growth: number of the visible object that it is attached to.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub host: Option<u16>,
-    /// Its median range in meters.
+    /// Median range, m.
     pub range_m: Option<f64>,
     /// Transmittance of the water at that range, R, G, B.
     pub transmittance: Option<[f64; 3]>,
-    /// Its contrast against its surround after the water.
+    /// Contrast against its surround after the water.
     pub contrast: Option<f64>,
-    /// That contrast over the one before the water, at most 1; absent where it had none before.
+    /// Contrast after the water over contrast before it, at most 1; absent if the latter is 0.
     pub visibility: Option<f64>,
-    /// Whether the contrast after the water reaches the threshold of sight, 0.02.
+    /// Whether the contrast after the water reaches the visibility threshold of 0.02.
     pub visible: bool,
 }

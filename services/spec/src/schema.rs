@@ -1,4 +1,4 @@
-//! How the accepted fields are described. `#[derive(Described)]` writes these values from a declaration.
+//! The schema of the accepted fields. `#[derive(Described)]` generates it.
 
 mod names;
 mod rule;
@@ -7,41 +7,41 @@ pub use names::Names;
 pub use rule::Rule;
 pub(crate) use rule::{TRACED, describe};
 
-/// Most labels: each becomes a queryable column.
+/// Maximum labels: each becomes a queryable column.
 pub const MAX_LABELS: usize = 32;
 
-/// Longest key of a label, in characters.
+/// Maximum length of a label's key, characters.
 pub const MAX_LABEL_KEY: usize = 64;
 
-/// Longest string of a label, in characters.
+/// Maximum length of a label's string, characters.
 pub const MAX_LABEL_TEXT: usize = 256;
 
-/// Beyond this, doubles skip whole numbers.
+/// Largest magnitude up to which doubles represent every whole number.
 pub const EXACT: i128 = 1 << 53;
 
 /// One field of an object.
 #[derive(Debug, Clone, Copy)]
 pub struct Field {
-    /// Its key.
+    /// Key of the field.
     pub name: &'static str,
-    /// What may stand there.
+    /// Type and limits.
     pub shape: Shape,
-    /// What happens if it is absent.
+    /// Meaning of absence.
     pub presence: Presence,
-    /// Whether a law may stand in its place.
+    /// Whether a distribution is allowed.
     pub laws: bool,
     /// Unit of its numbers.
     pub unit: Option<&'static str>,
-    /// What it means, without its rules.
+    /// Meaning, without the rules.
     pub doc: &'static str,
-    /// What it must fit together with.
+    /// Rules across fields.
     pub rules: &'static [Rule],
     /// Name of the described type of its value, or of the elements of a list.
     pub type_name: Option<&'static str>,
 }
 
 impl Field {
-    /// What it means and what it must fit together with, for documentation.
+    /// Meaning with the rules, for documentation.
     #[must_use]
     pub fn meaning(&self) -> String {
         let rules = self.rules.iter().map(|rule| format!("; {rule}"));
@@ -49,18 +49,18 @@ impl Field {
     }
 }
 
-/// What happens if a field is absent.
+/// Meaning of an absent field.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Presence {
-    /// It is an error.
+    /// An error.
     Required,
-    /// It stays unknown, none, or is derived.
+    /// Unknown, none, or derived.
     Optional,
-    /// This JSON text stands for it.
+    /// This JSON text.
     Default(&'static str),
 }
 
-/// What may stand in a place.
+/// Type and limits of a value.
 #[derive(Debug, Clone, Copy)]
 pub enum Shape {
     /// A finite number.
@@ -71,11 +71,11 @@ pub enum Shape {
     Text(Names),
     /// A list; with `distinct`, of strings that differ.
     List {
-        /// What each element is.
+        /// Shape of each element.
         element: &'static Shape,
-        /// Greatest length.
+        /// Maximum length.
         max: usize,
-        /// Whether no element may stand twice.
+        /// Whether elements must differ.
         distinct: bool,
     },
     /// Three numbers: R, G, B.
@@ -86,13 +86,13 @@ pub enum Shape {
     Object(&'static [Field]),
     /// An object with exactly one of these fields.
     OneOf(&'static [Field]),
-    /// An object whose field `tag` decides which others it has.
+    /// An object whose field `tag` selects the other fields.
     Tagged {
-        /// The deciding field; never a law.
+        /// The selecting field; never a distribution.
         tag: &'static str,
-        /// The tag if it is absent, or that it is required.
+        /// Default of the tag, or required.
         presence: Presence,
-        /// The kinds of object.
+        /// Kinds of the object.
         options: &'static [Variant],
     },
     /// An object with these fields, or a string `s` short for `{field: s}`.
@@ -101,14 +101,14 @@ pub enum Shape {
     Either(Names, &'static Shape),
     /// True or false.
     Bool,
-    /// The user's own scalars by name.
+    /// User-defined scalars by name.
     Labels,
     /// A number, string or boolean.
     Scalar,
 }
 
 impl Shape {
-    /// What must stand here, for messages: `a number`.
+    /// The expected value in messages: `a number`.
     #[must_use]
     pub fn describe(&self) -> &'static str {
         match self {
@@ -116,8 +116,8 @@ impl Shape {
             Self::Integer(..) => "a whole number",
             Self::Text(_) => "a string",
             Self::List { .. } => "a list",
-            Self::Rgb(_) => "a list of three numbers, R, G, B",
-            Self::Vector(_) => "a list of three numbers, x, y, z",
+            Self::Rgb(_) => "a list of three numbers (R, G, B)",
+            Self::Vector(_) => "a list of three numbers (x, y, z)",
             Self::Object(_) | Self::OneOf(_) | Self::Tagged { .. } | Self::Labels => "an object",
             Self::Short(..) | Self::Either(..) => "a string or an object",
             Self::Bool => "true or false",
@@ -125,7 +125,7 @@ impl Shape {
         }
     }
 
-    /// Its limits, for people; empty where the fields below have their own.
+    /// The limits as text; empty if the nested fields have them.
     #[must_use]
     pub fn limit(&self) -> String {
         match self {
@@ -158,9 +158,9 @@ impl Shape {
 pub struct Variant {
     /// Value of the tag.
     pub name: &'static str,
-    /// The other fields.
+    /// Other fields.
     pub fields: &'static [Field],
-    /// Name of the type of such objects.
+    /// Type name of such objects.
     pub type_name: &'static str,
 }
 
@@ -179,7 +179,7 @@ impl Range {
     /// All finite numbers.
     pub const FINITE: Self = Self::within(-f64::MAX, f64::MAX);
 
-    /// Both ends included.
+    /// An interval with both ends.
     #[must_use]
     pub const fn within(min: f64, max: f64) -> Self {
         Self {
@@ -189,7 +189,7 @@ impl Range {
         }
     }
 
-    /// Lower end excluded.
+    /// An interval without its lower end.
     #[must_use]
     pub const fn above(min: f64, max: f64) -> Self {
         Self {
@@ -199,7 +199,7 @@ impl Range {
         }
     }
 
-    /// Whether the number lies within.
+    /// Whether the number is within the interval.
     #[must_use]
     pub fn holds(&self, number: f64) -> bool {
         number <= self.max

@@ -1,15 +1,13 @@
-//! Whether a set is to be worked on.
-
 use serde::{Deserialize, Serialize};
 
-/// Whether a set is to be worked on.
+/// State of a set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SetState {
     /// Shards are rendered.
     Running,
-    /// Shards that were begun are finished, and no others are begun.
+    /// Started shards are finished; others do not start.
     Paused,
-    /// Nothing is rendered any more.
+    /// No more shards are rendered.
     Cancelled,
 }

@@ -1,21 +1,21 @@
-//! Sites: descriptions of whole places that a job can start from.
+//! Sites: complete descriptions that a job can start from.
 
 mod expand;
 mod merge;
 
 use serde_json::{Map, Value};
 
-pub(crate) use expand::{OF_THE_JOB, Sites, insert_descriptions};
+pub(crate) use expand::{NamedSite, OF_THE_JOB, Sites, insert_descriptions, split_site, take_names};
 
-/// A site that comes with the program.
+/// A built-in site.
 #[derive(Debug, Clone, Copy)]
 pub struct SitePreset {
-    /// Its name in jobs.
+    /// Name in jobs.
     pub name: &'static str,
     text: &'static str,
 }
 
-/// The sites that come with the program.
+/// The built-in sites.
 pub const SITES: [SitePreset; 7] = [
     SitePreset::new("harbour-wall", include_str!("../sites/harbour-wall.json")),
     SitePreset::new("lock-chamber", include_str!("../sites/lock-chamber.json")),
@@ -26,7 +26,7 @@ pub const SITES: [SitePreset; 7] = [
     SitePreset::new("paper", include_str!("../sites/paper.json")),
 ];
 
-/// Keys of a site's file that are not part of its description.
+/// Keys of a site's file outside its description.
 const COMMENTS: [&str; 2] = ["summary", "note"];
 
 impl SitePreset {
@@ -40,14 +40,14 @@ impl SitePreset {
         SITES.iter().find(|site| site.name == name)
     }
 
-    /// What the site shows, in one line.
+    /// One-line summary of the site.
     #[must_use]
     pub fn summary(&self) -> String {
         let file = self.file();
         file["summary"].as_str().unwrap_or_default().to_owned()
     }
 
-    /// The description, with distributions in place of values.
+    /// The description, with distributions.
     #[must_use]
     pub fn description(&self) -> Map<String, Value> {
         let mut fields = self.file();

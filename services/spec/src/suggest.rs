@@ -1,10 +1,10 @@
-//! "Did you mean …?": the nearest name by edit distance.
+//! "Did you mean …?": the closest name by edit distance.
 
-/// Names longer than this are cut before they are compared, so that the cost stays small.
+/// Names are cut to this length before the comparison, which bounds its cost.
 const MAX_COMPARED: usize = 48;
 
-/// The allowed name nearest to what was written, if any is near enough to be what was meant: at most a third of
-/// the letters differ, or one begins with the other. Upper and lower case count as the same.
+/// The allowed name closest to `written`, if it is plausible: at most a third of the letters differ, or one is a
+/// prefix of the other. Case is ignored.
 #[must_use]
 pub fn nearest(written: &str, allowed: &[String]) -> Option<String> {
     let written = folded(written);
@@ -70,7 +70,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_suggested_for_a_word_unlike_all() {
+    fn dissimilar_words_get_no_suggestion() {
         assert_eq!(among("banana", &["alpha", "water"]), None);
         assert_eq!(among("", &["alpha"]), None);
     }

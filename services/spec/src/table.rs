@@ -1,4 +1,4 @@
-//! The table of fields laid flat, for documentation.
+//! The flattened table of fields, for documentation.
 
 use crate::fields::DOCUMENT;
 use crate::schema::{Field, Presence, Shape, Variant};
@@ -8,17 +8,17 @@ use crate::schema::{Field, Presence, Shape, Variant};
 pub struct Row {
     /// Path such as `lights[].x`; for objects of several kinds with the kinds: `scene(uploaded).id`.
     pub path: String,
-    /// What may stand there.
+    /// Type.
     pub kind: &'static str,
     /// Unit of its numbers.
     pub unit: Option<&'static str>,
-    /// Its limits.
+    /// Limits.
     pub limit: String,
-    /// What an absent field means.
+    /// Meaning of absence.
     pub presence: Presence,
-    /// Whether a law may stand in its place.
+    /// Whether a distribution is allowed.
     pub laws: bool,
-    /// What it means, with its rules.
+    /// Meaning, with the rules.
     pub doc: String,
 }
 
@@ -79,7 +79,7 @@ fn lay_out(path: &str, shape: &Shape, rows: &mut Vec<Row>) {
                     .join(", "),
                 presence: *presence,
                 laws: false,
-                doc: "decides which other fields there are".to_owned(),
+                doc: "selects the other fields".to_owned(),
             });
             lay_out_options(path, options, rows);
         }
@@ -96,7 +96,7 @@ fn lay_out(path: &str, shape: &Shape, rows: &mut Vec<Row>) {
     }
 }
 
-/// The fields of objects of several kinds. Fields that some kinds share are listed once.
+/// The fields of objects of several kinds. Fields common to several kinds are listed once.
 fn lay_out_options(path: &str, options: &[Variant], rows: &mut Vec<Row>) {
     let mut groups: Vec<(Vec<&str>, Vec<Row>)> = Vec::new();
     for option in options {
@@ -153,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn every_path_stands_once_and_has_a_meaning() {
+    fn every_path_is_unique_and_has_a_meaning() {
         let rows = rows();
         let mut paths: Vec<_> = rows.iter().map(|row| row.path.as_str()).collect();
         paths.sort_unstable();
@@ -162,7 +162,7 @@ mod tests {
         assert!(rows.iter().all(|row| !row.doc.is_empty()));
     }
 
-    /// A default belongs into the table, or is worded as one.
+    /// A default belongs in the table, or is worded as one.
     #[test]
     fn no_meaning_explains_an_absent_field() {
         for row in rows() {
@@ -170,14 +170,20 @@ mod tests {
         }
     }
 
-    /// The documented table is this one. After a change of the fields, copy what the failure prints.
+    /// The committed table matches the schema. `FATHOM_WRITE=1 cargo test -p spec` updates it.
     #[test]
     fn the_field_table_of_the_documentation_is_up_to_date() {
-        let written = include_str!("../FIELDS.md");
-        assert!(
-            written.contains(&markdown()),
-            "FIELDS.md should hold:\n{}",
-            markdown()
-        );
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/FIELDS.md");
+        let text = std::fs::read_to_string(path).unwrap();
+        let head = text.find("| field | kind |").unwrap();
+        let updated = format!("{}{}", &text[..head], markdown());
+        if std::env::var_os("FATHOM_WRITE").is_some() {
+            std::fs::write(path, updated).unwrap();
+        } else {
+            assert!(
+                text == updated,
+                "FIELDS.md is out of date: run FATHOM_WRITE=1 cargo test -p spec"
+            );
+        }
     }
 }

@@ -1,28 +1,28 @@
-//! What is asked of the Monte Carlo truth of a frame, and how many paths that may take.
+//! Accuracy and path budget of the Monte Carlo truth.
 
 use serde::{Deserialize, Serialize};
 use spec_derive::Described;
 
-/// Paths of one channel that a core of a server processor is taken to follow in a second. A convention and no measurement of the
-/// machine at hand, so that the bytes of a frame with a time budget follow from its description alone.
+/// Nominal paths per second of one core and channel. It is a convention, so that the bytes of a frame with a time
+/// budget depend only on its description.
 pub const NOMINAL_PATHS_PER_S: f64 = 500_000.0;
-/// Fewest paths of a pixel and channel: one of each batch, from whose scatter the error follows.
+/// Minimum paths of a pixel and channel: one for each batch of the error estimate.
 pub const LEAST_PATHS: u64 = 16;
-/// Pixels times paths of each channel that need no budget: 65536 of 65536.
+/// Maximum pixels × paths of a channel without a budget: 65536 × 65536.
 pub const MOST_WORK: u64 = 1 << 32;
 
-/// How well the light of a frame must be known by Monte Carlo.
+/// Accuracy of the Monte Carlo light of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Described)]
 #[serde(deny_unknown_fields)]
 pub struct Truth {
-    /// error of the median block as a share of the frame's mean
+    /// standard error of the median block, as a share of the frame's mean
     #[field(fixed, within(0.001, 0.5), default = 0.02)]
     pub target: f64,
-    /// most paths of each pixel and channel; pixels times paths beyond 2^32 need `budget_s`
+    /// maximum paths of each pixel and channel; pixels times paths beyond 2^32 need `budget_s`
     #[field(fixed, within(16, 1_048_576), default = 65536)]
     pub paths_max: u64,
-    /// as many paths as one core follows in this time at 500 000 in a second, by convention and not by the clock; without it
-    /// `paths_max` is the only limit
+    /// nominal time on one core at 500 000 paths per second, independent of the clock; limited only by `paths_max` by
+    /// default
     #[field(fixed, above(0.0, 1e6), unit = "s")]
     pub budget_s: Option<f64>,
 }
@@ -37,36 +37,36 @@ impl Default for Truth {
     }
 }
 
-/// Why a frame of so many pixels cannot be traced.
+/// Why a frame of this size cannot be traced.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum TooMuch {
-    /// More paths than are followed without a budget.
+    /// The paths exceed the limit without a budget.
     #[error(
-        "`truth` may take {paths} paths of each of {pixels} pixels, the limit is {MOST_WORK} in all without `truth.budget_s`"
+        "`truth` can need {paths} paths for each of {pixels} pixels, the limit without `truth.budget_s` is {MOST_WORK} in total"
     )]
     NeedsBudget {
         /// Pixels of the frame.
         pixels: u64,
-        /// Most paths of each.
+        /// Maximum paths of each pixel.
         paths: u64,
     },
-    /// The budget does not even pay for the first paths.
+    /// The budget is too small for the first batch of paths.
     #[error(
-        "`truth.budget_s` is {budget_s}, but the first {LEAST_PATHS} paths of {pixels} pixels take {least_s}"
+        "`truth.budget_s` is {budget_s}, but the first {LEAST_PATHS} paths of {pixels} pixels need {least_s} s"
     )]
     BudgetTooSmall {
         /// The budget, s.
         budget_s: f64,
         /// Pixels of the frame.
         pixels: u64,
-        /// What is needed, s.
+        /// Minimum budget, s.
         least_s: f64,
     },
 }
 
 impl Truth {
-    /// The most paths of each pixel and channel in a frame of so many pixels, and whether the budget rather than `paths_max` says
-    /// so.
+    /// Maximum paths of each pixel and channel for this number of pixels, and whether the budget rather than
+    /// `paths_max` limits them.
     ///
     /// # Errors
     /// [`TooMuch`].
@@ -81,35 +81,35 @@ impl Truth {
                 Ok((self.paths_max, false))
             };
         };
-        let each = seconds(pixels, 1);
-        let paid = (budget_s / each).floor() as u64;
-        if paid < LEAST_PATHS {
+        let one_path_s = seconds(pixels, 1);
+        let affordable = (budget_s / one_path_s).floor() as u64;
+        if affordable < LEAST_PATHS {
             return Err(TooMuch::BudgetTooSmall {
                 budget_s,
                 pixels,
-                least_s: each * LEAST_PATHS as f64,
+                least_s: one_path_s * LEAST_PATHS as f64,
             });
         }
-        // Paths are doubled from the first on: what lies between is not paid for.
-        let paid = LEAST_PATHS << (paid / LEAST_PATHS).ilog2();
-        Ok((paid.min(self.paths_max), paid < self.paths_max))
+        // The tracer doubles the paths, so only powers of two of the first batch are used.
+        let affordable = LEAST_PATHS << (affordable / LEAST_PATHS).ilog2();
+        Ok((affordable.min(self.paths_max), affordable < self.paths_max))
     }
 }
 
-/// Seconds that so many paths of each pixel and channel take by convention.
+/// Nominal seconds for this many paths of each pixel and channel.
 #[must_use]
 pub fn seconds(pixels: u64, paths: u64) -> f64 {
     3.0 * pixels as f64 * paths as f64 / NOMINAL_PATHS_PER_S
 }
 
-/// What was traced of a frame.
+/// Result of tracing a frame.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TruthRecord {
     /// Paths of each pixel and channel.
     pub paths: u64,
-    /// What ended it: `target`, `paths_max` or `budget_s`.
+    /// The limit that ended it: `target`, `paths_max` or `budget_s`.
     pub ended_by: String,
-    /// Paths that a limit cut; their light is too little.
+    /// Paths truncated by a limit, which lose light.
     pub cut: u64,
     /// Standard error of the median block, red, green, blue.
     pub median_error: [f64; 3],
@@ -126,7 +126,7 @@ mod tests {
         let truth = Truth::default();
         assert_eq!(truth.most_paths(65_536), Ok((65_536, false)));
         let refused = truth.most_paths(65_537).map_err(|wrong| wrong.to_string());
-        assert!(refused.unwrap_err().contains("the limit is 4294967296"));
+        assert!(refused.unwrap_err().contains("is 4294967296 in total"));
         let paid = |budget_s| {
             Truth {
                 budget_s: Some(budget_s),
@@ -139,6 +139,6 @@ mod tests {
         assert_eq!(paid(19.1), Ok((16, true)));
         assert_eq!(paid(19.3), Ok((32, true)));
         assert_eq!(paid(1e6), Ok((65_536, false)));
-        assert!(paid(9.5).unwrap_err().to_string().contains("take 9.6"));
+        assert!(paid(9.5).unwrap_err().to_string().contains("need 9.6"));
     }
 }

@@ -1,5 +1,3 @@
-//! The names that a description may use.
-
 use std::collections::BTreeMap;
 
 use serde_json::{Map, Value};
@@ -8,43 +6,43 @@ use crate::artifact::ArtifactKind;
 use crate::rules::{CameraRules, WaterRules};
 use crate::schema::Names;
 
-/// The names that a description may use. They come from the crates and folders that own them.
+/// The names that a description may use, provided by the crates and folders that define them.
 #[derive(Debug, Clone, Default)]
 pub struct Vocabulary {
     /// Families of procedural scenes.
     pub families: Vec<String>,
-    /// Full names of the water presets (`jerlov-3C/williamson2022`); the first of several that share the part before the
-    /// slash is what that part alone means (`jerlov-3C`).
+    /// Full names of the water presets (`jerlov-3C/williamson2022`). The part before the slash abbreviates the first
+    /// preset with it (`jerlov-3C`).
     pub presets: Vec<String>,
-    /// Presets that cannot be rendered, and why.
+    /// Presets that cannot be rendered, with the reason.
     pub unrenderable_presets: Vec<(String, String)>,
-    /// Waters of the users' own: the fields of `water.optics` that stand for each name.
+    /// User-defined waters: fields of `water.optics` by name.
     pub waters: BTreeMap<String, Map<String, Value>>,
-    /// What must fit together within a water.
+    /// Consistency rules of waters.
     pub rules: WaterRules,
-    /// Cameras, by the names of their presets.
+    /// Camera presets.
     pub cameras: Vec<String>,
-    /// Sensors, by the names of their presets.
+    /// Sensor presets.
     pub sensors: Vec<String>,
-    /// What must fit together within a camera.
+    /// Consistency rules of cameras.
     pub camera_rules: CameraRules,
     /// Style models.
     pub styles: Vec<String>,
-    /// Those of the style models that take the range of each pixel.
+    /// Style models that use the range of each pixel.
     pub range_styles: Vec<String>,
     /// Enhancement methods.
     pub enhancements: Vec<String>,
     /// Metrics, `name` or `name@profile`.
     pub metrics: Vec<String>,
-    /// Collections of uploaded scenes: the ids of their scenes in order. Of those that a description does not name the
-    /// ids need not be there.
+    /// Collections of uploaded scenes: the ids of their scenes in order. Only collections mentioned by the
+    /// description need to be present.
     pub collections: BTreeMap<String, Vec<String>>,
     /// Whether `scene.kind` may be `files`.
     pub local: bool,
 }
 
 impl Vocabulary {
-    /// The names that may stand in such a place; none where any text of the right form may.
+    /// The allowed names; empty if any well-formed text is allowed.
     #[must_use]
     pub fn listed(&self, names: Names) -> Vec<String> {
         match names {
@@ -74,10 +72,12 @@ impl Vocabulary {
         fixed.chain(enhanced).collect()
     }
 
-    /// The full name of a preset, if there is one of this full or bare name.
+    /// The full name of a preset with this full or short name.
     pub(crate) fn preset(&self, written: &str) -> Option<&str> {
-        let is_meant = |full: &&String| *full == written || full.split('/').next() == Some(written);
-        self.presets.iter().find(is_meant).map(String::as_str)
+        self.presets
+            .iter()
+            .find(|full: &&String| *full == written || full.split('/').next() == Some(written))
+            .map(String::as_str)
     }
 
     /// Why a preset, by its full name, cannot be rendered.

@@ -1,15 +1,14 @@
-//! What a user should know about a valid description.
+//! Warnings about a valid description.
 
 use serde::Deserialize;
 
-use crate::check::places;
+use crate::check::find_values;
 use crate::node::{Law, LawNode, Node};
 use crate::vocabulary::Vocabulary;
 use crate::water::Optics;
 
-/// The warnings of a checked description.
 pub(crate) fn find(document: &Node, vocabulary: &Vocabulary) -> Vec<String> {
-    let waters = places(document, "water");
+    let waters = find_values(document, "water");
     let mut warnings: Vec<_> = waters
         .iter()
         .filter_map(|(_, water)| optics(water, vocabulary))
@@ -17,14 +16,14 @@ pub(crate) fn find(document: &Node, vocabulary: &Vocabulary) -> Vec<String> {
     let values = document.laws().into_iter().flat_map(|law| law.values());
     if let Some(axis) = values.flat_map(Node::laws).find(|law| is_axis(law)) {
         warnings.push(format!(
-            "the grid at {} multiplies the frames even where its place is not chosen",
+            "the grid at {} multiplies the frames even if its choice is not drawn",
             axis.pointer
         ));
     }
     warnings
 }
 
-/// What the rules of waters say of one of these optics.
+/// The warning of the water rules for one of the possible optics.
 fn optics(water: &Node, vocabulary: &Vocabulary) -> Option<String> {
     let optics = water.get("optics")?.alternatives("");
     optics.iter().find_map(|(_, optics)| {
@@ -33,7 +32,7 @@ fn optics(water: &Node, vocabulary: &Vocabulary) -> Option<String> {
     })
 }
 
-/// Whether this law is a grid of more than one value.
+/// Whether this distribution is a grid of more than one value.
 fn is_axis(law: &LawNode) -> bool {
     matches!(law.law, Law::Grid { .. }) && law.values().len() > 1
 }

@@ -1,5 +1,4 @@
-//! The water of a frame: optics, what varies with the place, and the style. Presets and what follows from these numbers
-//! are the business of `optics`.
+//! The water of a frame: optics, spatial variation, and style. `optics` defines presets and derived numbers.
 
 use serde::{Deserialize, Serialize};
 use spec_derive::Described;
@@ -9,15 +8,15 @@ use crate::suspended::{Sediment, Snow, Turbidity};
 /// The water and its style.
 #[derive(Debug, Clone, PartialEq, Deserialize, Described)]
 pub struct Water {
-    /// a preset or coefficients; no water by default
+    /// preset or coefficients; no water by default
     pub optics: Option<Optics>,
-    /// multiplies every per-meter quantity
+    /// factor on every per-meter quantity
     #[field(above(0.0, 1000.0), default = 1, needs("optics"))]
     pub range_scale: f64,
-    /// depth of the camera below the surface; 5 by day if it is not given
+    /// depth of the camera below the surface; 5 in daylight by default
     #[field(within(0.0, 12_000.0), unit = "m", needs("optics"))]
     pub depth_m: Option<f64>,
-    /// what a pixel without a valid range means
+    /// treatment of pixels without a valid range
     #[field(default = "background", needs("optics"))]
     pub holes: HoleRule,
     /// style model
@@ -25,7 +24,7 @@ pub struct Water {
     pub style: Option<String>,
     /// marine snow; none by default
     pub snow: Option<Snow>,
-    /// patches of murkier water that multiply every coefficient; none by default
+    /// turbidity patches that multiply every coefficient; none by default
     #[field(needs("optics"))]
     pub turbidity: Option<Turbidity>,
     /// clouds of stirred sediment near the bottom and behind thrusters; none by default
@@ -49,7 +48,7 @@ impl Default for Water {
 }
 
 impl From<Optics> for Water {
-    /// A water of these optics, all else as in a description that says nothing of it.
+    /// A water with these optics and default values otherwise.
     fn from(optics: Optics) -> Self {
         Self {
             optics: Some(optics),
@@ -58,36 +57,37 @@ impl From<Optics> for Water {
     }
 }
 
-/// A preset, coefficients, or a preset with fields replaced; absent is unknown. Arrays are R, G, B, coefficients in 1/m.
+/// A preset, coefficients, or a preset with overrides; an absent value is unknown. Arrays are R, G, B, coefficients
+/// in 1/m.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, Described)]
 #[serde(deny_unknown_fields, default)]
 #[described(short = "preset")]
 pub struct Optics {
-    /// the preset whose fields the others replace
+    /// preset whose fields the others replace
     #[field(names = Preset)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub preset: Option<String>,
-    /// what these coefficients are called; a water of the user's own brings its name
+    /// name of these coefficients; set by a user-defined water
     #[field(fixed, names = WaterName)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    /// c = a + b
+    /// beam attenuation c = a + b
     #[field(within(0.0, 1000.0), unit = "1/m")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub beam_attenuation_per_m: Option<[f64; 3]>,
-    /// a
+    /// absorption a
     #[field(within(0.0, 1000.0), unit = "1/m")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub absorption_per_m: Option<[f64; 3]>,
-    /// b
+    /// scattering b
     #[field(within(0.0, 1000.0), unit = "1/m")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scattering_per_m: Option<[f64; 3]>,
-    /// of the revised model; c by default
+    /// backscatter attenuation of the revised model; c by default
     #[field(within(0.0, 1000.0), unit = "1/m")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub backscatter_attenuation_per_m: Option<[f64; 3]>,
-    /// K_d, the decay of daylight with depth
+    /// diffuse attenuation K_d: decay of daylight with depth
     #[field(within(0.0, 1000.0), unit = "1/m")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub diffuse_attenuation_per_m: Option<[f64; 3]>,
@@ -95,7 +95,7 @@ pub struct Optics {
     #[field(within(0.0, 1000.0), excludes("daylight.sun_elevation_deg"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub veiling_light: Option<[f64; 3]>,
-    /// brightness of a derived veiling light
+    /// brightness factor of a derived veiling light
     #[field(within(0.0, 1000.0), excludes("daylight.sun_elevation_deg"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub veil_gain: Option<f64>,
@@ -103,16 +103,16 @@ pub struct Optics {
     #[field(within(0.002, 0.5))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub backscatter_fraction: Option<f64>,
-    /// phase function of the water, of the airlight of lamps, the forward scatter and the Monte Carlo truth alike
+    /// phase function of the water, used for the airlight of lamps, the forward scatter and the Monte Carlo truth
     #[field(default = "ff")]
     pub phase: PhaseFunction,
-    /// a published model of forward scatter; by default two kernels from a and b, or none if these are unknown
+    /// published model of forward scatter; by default two kernels from a and b, or none if these are unknown
     #[serde(skip_serializing_if = "Option::is_none")]
     pub forward_scatter: Option<ForwardScatter>,
 }
 
 impl Optics {
-    /// Whether the description sets the veiling light, so that daylight does not.
+    /// Whether the description sets the veiling light, which overrides the daylight's.
     #[must_use]
     pub fn sets_veil(&self) -> bool {
         self.veiling_light.is_some() || self.veil_gain.is_some()
@@ -123,7 +123,7 @@ impl Optics {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, Described)]
 #[serde(deny_unknown_fields)]
 pub struct ForwardScatter {
-    /// the form
+    /// variant of the model
     #[field(default = "jaffe")]
     pub model: ScatterModel,
     /// G, at most c; derived by default
@@ -138,13 +138,13 @@ pub struct ForwardScatter {
     #[field(within(0.0, 100_000.0), unit = "px")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub spread_offset_px: Option<[f64; 3]>,
-    /// the light `jaffe` spreads
+    /// light that `jaffe` spreads
     #[field(default = "radiance")]
     pub source: ScatterSource,
 }
 
 impl From<ScatterModel> for ForwardScatter {
-    /// This form with all its numbers derived.
+    /// A model with derived numbers.
     fn from(model: ScatterModel) -> Self {
         Self {
             model,
@@ -156,26 +156,26 @@ impl From<ScatterModel> for ForwardScatter {
     }
 }
 
-/// The two published forms of forward scatter, or none.
+/// The published variants of forward scatter, or none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, Described)]
 #[serde(rename_all = "snake_case")]
 pub enum ScatterModel {
-    /// Jaffe–McGlamery: each point of the scene spreads with its own range (Eq. 3-6 as meant).
+    /// Jaffe–McGlamery: each scene point spreads by its range (Eq. 3-6, corrected).
     Jaffe,
-    /// Each image point gathers with its own range (Eq. 8-9).
+    /// Each image point gathers by its range (Eq. 8-9).
     Simplified,
     /// No forward scatter.
     None,
 }
 
-/// What light the `jaffe` form spreads.
+/// The light spread by `jaffe`.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, Described)]
 #[serde(rename_all = "snake_case")]
 pub enum ScatterSource {
-    /// U = J w, so that no more than e^{−GZ} of the light arrives.
+    /// U = J w, so that at most e^{−GZ} of the light arrives.
     #[default]
     Radiance,
-    /// U = J T w, Eq. 3 to the letter.
+    /// U = J T w, Eq. 3 as printed.
     Direct,
 }
 
@@ -186,24 +186,24 @@ pub enum PhaseFunction {
     /// Fournier–Forand with the water's backscatter fraction.
     #[default]
     Ff,
-    /// Henyey–Greenstein with the mean cosine that has the water's backscatter fraction.
+    /// Henyey–Greenstein with the mean cosine that yields the water's backscatter fraction.
     Hg,
 }
 
-/// What a pixel without a valid range means.
+/// Treatment of pixels without a valid range.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, Described)]
 #[serde(rename_all = "snake_case")]
 pub enum HoleRule {
-    /// The ray meets only water: nothing of the scene arrives where the water attenuates at all.
+    /// The ray sees only water, at infinite range.
     #[default]
     Background,
-    /// The frame is refused.
+    /// The frame fails.
     Reject,
-    /// range that takes the place of a hole's
+    /// range used for holes
     #[field(
         within(0.001, 100_000.0),
         unit = "m",
-        untraced = "a hole is open water, whatever range stands for it"
+        untraced = "a hole is traced as open water"
     )]
     RangeM(f64),
 }

@@ -1,4 +1,4 @@
-//! What is wrong with a pack apart from the bytes of its blobs, and rewriting such a pack.
+//! Integrity checks and rewriting of packs.
 
 use std::path::Path;
 
@@ -7,19 +7,19 @@ use sqlx::Connection;
 use crate::error::StoreError;
 use crate::store::Store;
 
-/// In the folder of packs: the id of the data folder that they belong to.
+/// File with the id of the data folder that owns the packs.
 const FOLDER: &str = "folder.id";
 
 impl Store {
-    /// Findings about packs, each with its pack: pages that are not whole, entries without bytes or with another length.
+    /// Returns the faults of each pack: damaged pages, entries with missing or truncated bytes.
     ///
     /// # Errors
-    /// [`StoreError::Failed`] when the disk cannot be read.
+    /// [`StoreError::Failed`] if the disk cannot be read.
     pub async fn check(&self) -> Result<Vec<(u32, String)>, StoreError> {
         let packs: Vec<u32> = self.index().packs().keys().copied().collect();
         let mut findings = Vec::new();
         for pack in packs {
-            match self.check_one(pack).await {
+            match self.check_pack(pack).await {
                 Ok(found) => findings.extend(found.into_iter().map(|finding| (pack, finding))),
                 Err(StoreError::Damaged { message }) => findings.push((pack, message)),
                 Err(error) => return Err(error),
@@ -28,15 +28,15 @@ impl Store {
         Ok(findings)
     }
 
-    async fn check_one(&self, pack: u32) -> Result<Vec<String>, StoreError> {
-        let mut connection = self.shared.folder.reader(pack).await?;
+    async fn check_pack(&self, pack: u32) -> Result<Vec<String>, StoreError> {
+        let mut connection = self.shared.folder.open_reader(pack).await?;
         let checked: Result<Vec<String>, sqlx::Error> = async {
             let mut findings: Vec<String> = sqlx::query_scalar("PRAGMA integrity_check")
                 .fetch_all(&mut connection)
                 .await?;
             findings.retain(|finding| finding != "ok");
             let wrong: Vec<String> = sqlx::query_scalar(
-                "SELECT 'entry ' || lower(hex(digest)) || ' has no bytes of its length' FROM entry
+                "SELECT 'entry ' || lower(hex(digest)) || ' has missing or truncated bytes' FROM entry
                  WHERE NOT EXISTS (SELECT 1 FROM data WHERE data.id = entry.data AND length(data.bytes) = entry.length)
                  LIMIT 100",
             )
@@ -50,24 +50,24 @@ impl Store {
         Ok(checked?)
     }
 
-    /// Moves everything that is good out of a pack and removes it. Returns false if damaged blobs keep it.
+    /// Moves all intact blobs out of a pack and removes it. Returns false if damaged blobs keep it.
     ///
     /// # Errors
-    /// [`StoreError::Full`] and others: what is moved stays moved, and another call goes on.
+    /// [`StoreError::Full`] and others. Moved blobs stay moved; call again to continue.
     pub async fn rewrite(&self, pack: u32) -> Result<bool, StoreError> {
         let _alone = self.upkeep.lock().await;
         self.index().seal(pack);
-        self.empty(pack).await?;
+        self.move_out(pack).await?;
         self.writer()?.remove(pack).await
     }
 
-    /// The digests of all blobs.
+    /// Returns the digests of all blobs.
     #[must_use]
     pub fn digests(&self) -> Vec<[u8; 32]> {
         self.index().digests()
     }
 
-    /// The data folder that the packs belong to; `None` before the first [`Store::set_folder`].
+    /// Returns the id of the data folder that owns the packs; `None` before the first [`Store::set_folder`].
     ///
     /// # Errors
     /// [`StoreError::Failed`].
@@ -79,7 +79,7 @@ impl Store {
         }
     }
 
-    /// Notes the data folder that the packs belong to.
+    /// Stores the id of the data folder that owns the packs.
     ///
     /// # Errors
     /// [`StoreError::Full`], [`StoreError::Failed`].
@@ -92,7 +92,7 @@ impl Store {
     }
 }
 
-/// Whole or not at all.
+/// Writes the file atomically.
 fn write(packs: &Path, id: &str) -> Result<(), StoreError> {
     let (unfinished, path) = (packs.join("folder.new"), packs.join(FOLDER));
     std::fs::write(&unfinished, id)?;

@@ -1,4 +1,4 @@
-//! Compaction of packs that hold little, and backup of all packs.
+//! Compaction of sparse packs, and backup of all packs.
 
 use std::path::Path;
 
@@ -7,27 +7,27 @@ use sqlx::Connection;
 use crate::error::StoreError;
 use crate::pack::Folder;
 use crate::store::Store;
-use crate::writer::Put;
+use crate::writer::CheckedBlob;
 
-/// Bytes that one step moves: they are in memory, and other writes wait for it.
+/// Bytes moved in one step. They are held in memory, and other writes wait for the step.
 const STEP_BYTES: usize = 32 << 20;
 
-/// What a compaction did.
+/// Result of a compaction.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Compaction {
-    /// Packs that are gone.
+    /// Removed packs.
     pub packs: u64,
-    /// Bytes of the disk that are free again.
+    /// Freed disk space, bytes.
     pub bytes_freed: u64,
 }
 
 impl Store {
-    /// Rewrites the packs of which more than half is deleted: what they still hold moves to the pack that grows, step by
-    /// step, and the files go. Readers find every blob all the while, and so does a start after a crash. The emptiest
-    /// pack goes first, so that a full disk gets room.
+    /// Rewrites every pack with more than half of its bytes deleted: moves the live blobs to the open pack in steps,
+    /// then removes the file. Blobs stay readable throughout, also after a crash. The emptiest pack goes first, so
+    /// that a full disk gains space early.
     ///
     /// # Errors
-    /// [`StoreError::Full`] and others: what is done stays done, and another call goes on.
+    /// [`StoreError::Full`] and others. Completed steps stay; call again to continue.
     pub async fn compact(&self) -> Result<Compaction, StoreError> {
         let _alone = self.upkeep.lock().await;
         let mut packs: Vec<_> = self
@@ -44,7 +44,7 @@ impl Store {
                 continue;
             }
             self.index().seal(pack);
-            let moved = self.empty(pack).await?;
+            let moved = self.move_out(pack).await?;
             if self.writer()?.remove(pack).await? {
                 all.packs += 1;
                 all.bytes_freed += size.saturating_sub(moved);
@@ -53,53 +53,54 @@ impl Store {
         Ok(all)
     }
 
-    /// Pages are never quite full, so the file's size alone does not tell.
+    /// Pages are never quite full, so the file size is not enough.
     async fn is_mostly_dead(&self, pack: u32, live: u64) -> Result<bool, StoreError> {
-        let mut connection = self.shared.folder.reader(pack).await?;
+        let mut connection = self.shared.folder.open_reader(pack).await?;
         let written = sqlx::query_scalar::<_, i64>("SELECT coalesce(sum(length(bytes)), 0) FROM data")
             .fetch_one(&mut connection)
             .await;
         connection.close().await?;
         match written.map_err(StoreError::from) {
             Ok(written) => Ok(u64::try_from(written).unwrap_or(0).saturating_sub(live) > live),
-            // What is damaged cannot be counted. With nothing left in it, it may go.
+            // Damaged bytes cannot be counted. Without live blobs the pack can be removed.
             Err(StoreError::Damaged { .. }) => Ok(live == 0),
             Err(error) => Err(error),
         }
     }
 
-    /// Moves the blobs of a pack to the one that grows; returns their bytes. Damaged ones stay, and so does the pack.
-    pub(crate) async fn empty(&self, pack: u32) -> Result<u64, StoreError> {
+    /// Moves the blobs of a pack to the open pack; returns the moved bytes. Damaged blobs stay, and with them the
+    /// pack.
+    pub(crate) async fn move_out(&self, pack: u32) -> Result<u64, StoreError> {
         let (mut step, mut in_step, mut moved) = (Vec::new(), 0, 0);
-        let blobs = self.index().blobs_of(pack);
+        let blobs = self.index().digests_in(pack);
         for digest in blobs {
             match self.read(digest).await {
                 Ok(None) | Err(StoreError::Corrupt { .. }) => continue,
                 Ok(Some(bytes)) => {
                     in_step += bytes.len();
-                    step.push(Put { digest, bytes });
+                    step.push(CheckedBlob { digest, bytes });
                 }
                 Err(error) => return Err(error),
             }
             if in_step >= STEP_BYTES {
-                moved += self.shift(pack, std::mem::take(&mut step)).await?;
+                moved += self.move_blobs(pack, std::mem::take(&mut step)).await?;
                 in_step = 0;
             }
         }
-        Ok(moved + self.shift(pack, step).await?)
+        Ok(moved + self.move_blobs(pack, step).await?)
     }
 
-    async fn shift(&self, from: u32, step: Vec<Put>) -> Result<u64, StoreError> {
+    async fn move_blobs(&self, from: u32, step: Vec<CheckedBlob>) -> Result<u64, StoreError> {
         let bytes = step.iter().map(|put| put.bytes.len() as u64).sum();
-        self.writer()?.shift(from, step).await?;
+        self.writer()?.move_blobs(from, step).await?;
         Ok(bytes)
     }
 
-    /// Copies every pack to a folder that another store can open, while this one goes on. Blobs that are deleted
-    /// meanwhile may be missing in the copy: copy the catalogue first and delete nothing until both are done.
+    /// Copies every pack to a folder that another store can open, while this store stays in use. Blobs deleted during
+    /// the copy may be missing from it: copy the catalogue first and delete nothing until both copies are complete.
     ///
     /// # Errors
-    /// [`StoreError::Failed`], also when the folder has packs; [`StoreError::Full`].
+    /// [`StoreError::Failed`], also if the folder already has packs; [`StoreError::Full`].
     pub async fn backup(&self, to: &Path) -> Result<(), StoreError> {
         let _alone = self.upkeep.lock().await;
         let copies = Folder(to.join("packs"));
@@ -117,7 +118,7 @@ impl Store {
     }
 
     async fn copy(&self, pack: u32, copies: &Folder) -> Result<(), StoreError> {
-        let mut connection = self.shared.folder.plain(pack).await?;
+        let mut connection = self.shared.folder.open_plain(pack).await?;
         let copied = sqlx::query("VACUUM INTO ?")
             .bind(copies.path(pack).display().to_string())
             .execute(&mut connection)

@@ -1,4 +1,4 @@
-//! SHA-256 digests: hexadecimal outside, 32 bytes inside.
+//! SHA-256 digests.
 
 use sha2::{Digest as _, Sha256};
 
@@ -9,17 +9,16 @@ use crate::error::StoreError;
 pub(crate) struct Digest(pub(crate) [u8; 32]);
 
 impl Digest {
-    /// Upper case is refused: a digest has one spelling, since it is also an ETag.
+    /// Upper case is rejected: the digest is also an ETag and must have one spelling.
     pub(crate) fn parse(text: &str) -> Result<Self, StoreError> {
-        let refused = || StoreError::NotADigest {
-            text: text.chars().take(80).collect(),
-        };
         let mut bytes = [0; 32];
-        hex::decode_to_slice(text, &mut bytes).map_err(|_| refused())?;
-        if text.bytes().any(|digit| digit.is_ascii_uppercase()) {
-            return Err(refused());
+        let is_hex = hex::decode_to_slice(text, &mut bytes).is_ok();
+        if is_hex && !text.bytes().any(|digit| digit.is_ascii_uppercase()) {
+            return Ok(Self(bytes));
         }
-        Ok(Self(bytes))
+        Err(StoreError::NotADigest {
+            text: text.chars().take(80).collect(),
+        })
     }
 
     pub(crate) fn hash(bytes: &[u8]) -> Self {

@@ -1,64 +1,62 @@
-//! What can go wrong with stored bytes.
-
 use std::path::{Path, PathBuf};
 
-/// SQLite's result codes that mean "no space": FULL, and the shared-memory file of the WAL that could not grow.
+/// SQLite result codes for "no space": FULL, and a failed extension of the WAL's shared-memory file.
 const FULL: [i32; 2] = [13, 4874];
 
-/// SQLite's primary result codes that mean "these pages are not what was written": CORRUPT, NOTADB, and ERROR, since our
-/// statements are right for the tables that a pack has.
+/// SQLite primary result codes for damaged pages: CORRUPT, NOTADB, and ERROR, because the store's statements are
+/// valid for an intact pack.
 const DAMAGED: [i32; 3] = [1, 11, 26];
 
 /// An error of the store.
 #[derive(Debug, Clone, thiserror::Error)]
 pub enum StoreError {
-    /// The disk is full. Nothing of the call is stored; reads go on, and so do writes once there is space again.
+    /// The disk is full. The call stored nothing; reads still work, and writes work again once there is space.
     #[error("no space left for artifacts: {message}")]
     Full {
-        /// What SQLite or the system said.
+        /// Message from SQLite or the operating system.
         message: String,
     },
-    /// The bytes do not have the digest they came with.
-    #[error("artifact with digest {claimed} has the digest {found}")]
+    /// The bytes do not have the claimed digest.
+    #[error("the artifact was sent with digest {claimed}, but its bytes have digest {found}")]
     DigestMismatch {
-        /// The digest that came with the bytes.
+        /// The digest sent with the bytes.
         claimed: String,
-        /// Their SHA-256.
+        /// SHA-256 of the bytes.
         found: String,
     },
     /// Stored bytes no longer have the digest that names them.
     #[error("stored artifact {digest} is damaged")]
     Corrupt {
-        /// The digest they should have.
+        /// The expected digest.
         digest: String,
     },
-    /// Text that is no digest.
-    #[error("`{text}` is not 64 lower-case hexadecimal digits")]
+    /// Text in another format than a digest.
+    #[error("digest `{text}` is not 64 lower-case hexadecimal digits")]
     NotADigest {
-        /// The text.
+        /// The rejected text.
         text: String,
     },
-    /// A file in the folder of packs is not one of ours, or cannot be read.
-    #[error("{} is not a readable artifact pack: {reason}", path.display())]
+    /// A file in the folder of packs is foreign or unreadable.
+    #[error("{} is not a readable artifact pack: {reason}; move it out of the folder of packs", path.display())]
     Pack {
-        /// The file.
+        /// File path.
         path: PathBuf,
-        /// Why.
+        /// Cause.
         reason: String,
     },
-    /// A pack has pages that are not what was written.
+    /// A pack has damaged pages.
     #[error("artifact store: {message}")]
     Damaged {
-        /// What SQLite said.
+        /// Message from SQLite.
         message: String,
     },
     /// The store was closed.
     #[error("the artifact store is closed")]
     Closed,
-    /// Anything else that a database or a folder reported.
+    /// Any other error of SQLite or the file system.
     #[error("artifact store: {message}")]
     Failed {
-        /// What it said.
+        /// Message from SQLite or the operating system.
         message: String,
     },
 }
@@ -93,7 +91,7 @@ impl From<std::io::Error> for StoreError {
     }
 }
 
-/// Whether SQLite found that pages are damaged.
+/// Whether SQLite reported damaged pages.
 pub(crate) fn is_damage(error: &sqlx::Error) -> bool {
     code(error).is_some_and(|code| DAMAGED.contains(&(code & 0xff)))
 }

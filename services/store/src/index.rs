@@ -1,4 +1,4 @@
-//! Which pack holds which blob: in memory, filled from the packs at start. There is no index file that could disagree.
+//! Index from digest to pack: in memory, filled from the packs at start. An index file could disagree with the packs.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
@@ -7,48 +7,46 @@ use sqlx::{Connection, Row};
 
 use crate::digest::Digest;
 use crate::error::{StoreError, is_damage};
-use crate::pack::{Folder, check, forget};
+use crate::pack::{Folder, check, delete_entries};
 
-/// Where a blob lies and how long it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Place {
+pub(crate) struct Location {
     pub(crate) pack: u32,
     pub(crate) length: u64,
 }
 
-/// What a pack holds.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) struct PackUse {
     pub(crate) blobs: u64,
     pub(crate) bytes: u64,
 }
 
-/// All blobs that can be read.
+/// All readable blobs.
 #[derive(Debug, Default)]
 pub(crate) struct Index {
-    places: HashMap<Digest, Place>,
+    locations: HashMap<Digest, Location>,
     packs: BTreeMap<u32, PackUse>,
-    /// Found not to have their digest any more. A put replaces them.
+    /// Bytes no longer match the digest. The next put replaces them.
     damaged: HashSet<Digest>,
-    /// Packs that must not grow.
+    /// Packs closed for writing.
     sealed: HashSet<u32>,
-    /// The largest number that a pack has had.
+    /// Highest pack number used so far.
     newest: u32,
-    /// Packs that could not be read at all.
+    /// Number of unreadable packs.
     set_aside: u64,
 }
 
 impl Index {
-    /// Reads every pack. Of a digest in two packs the newer counts, and the older entry is taken away: a crash between
-    /// two steps, or damage, left it there. A pack that cannot be read at all is set aside, since the others are good and
-    /// what it held can be made again.
+    /// Reads every pack. If two packs have the same digest after a crash or damage, the newer entry counts and the
+    /// older one is deleted. An unreadable pack is set aside: the others are intact, and its blobs can be rendered
+    /// again.
     pub(crate) async fn load(folder: &Folder, packs: &[u32]) -> Result<Self, StoreError> {
         let mut index = Self::default();
         for &pack in packs {
             match index.read(folder, pack).await {
                 Ok(()) => {}
                 Err(StoreError::Damaged { message }) => {
-                    tracing::error!(pack, message, "an artifact pack cannot be read and is set aside");
+                    tracing::error!(pack, message, "an artifact pack is unreadable and was set aside");
                     folder.set_aside(pack)?;
                     index.set_aside += 1;
                 }
@@ -65,7 +63,7 @@ impl Index {
                 message: "the file is empty".to_owned(),
             });
         }
-        let mut connection = folder.resting(pack).await?;
+        let mut connection = folder.open_sealed(pack).await?;
         check(&mut connection, &folder.path(pack)).await?;
         let mut stale: BTreeMap<u32, Vec<Digest>> = BTreeMap::new();
         self.add_pack(pack);
@@ -75,9 +73,9 @@ impl Index {
                 let row = match rows.try_next().await {
                     Ok(Some(row)) => row,
                     Ok(None) => break,
-                    // What was read so far is as good as any: every blob is hashed before it is served.
+                    // The rows read so far are usable: every blob is hashed before it is served.
                     Err(error) if is_damage(&error) => {
-                        tracing::error!(pack, %error, "an artifact pack can only be read in part");
+                        tracing::error!(pack, %error, "an artifact pack is only partly readable");
                         self.seal(pack);
                         break;
                     }
@@ -85,7 +83,7 @@ impl Index {
                 };
                 let length = row.try_get::<i64, _>(1)? as u64;
                 if let Some(digest) = Digest::from_row(row.try_get(0)?)
-                    && let Some(before) = self.insert(digest, Place { pack, length })
+                    && let Some(before) = self.insert(digest, Location { pack, length })
                 {
                     stale.entry(before.pack).or_default().push(digest);
                 }
@@ -93,29 +91,29 @@ impl Index {
         }
         connection.close().await?;
         for (pack, digests) in stale {
-            let mut connection = folder.resting(pack).await?;
-            if let Err(error) = forget(&mut connection, &digests).await {
-                tracing::warn!(pack, %error, "old entries of a pack stay");
+            let mut connection = folder.open_sealed(pack).await?;
+            if let Err(error) = delete_entries(&mut connection, &digests).await {
+                tracing::warn!(pack, %error, "could not delete the old entries of a pack");
             }
             connection.close().await?;
         }
         Ok(())
     }
 
-    /// Where the blob can be read, damaged or not.
-    pub(crate) fn place(&self, digest: &Digest) -> Option<Place> {
-        self.places.get(digest).copied()
+    /// Where the blob is stored, damaged or not.
+    pub(crate) fn locate(&self, digest: &Digest) -> Option<Location> {
+        self.locations.get(digest).copied()
     }
 
-    /// Returns whether the blob is stored and not known to be damaged.
+    /// Whether the blob is stored and not known to be damaged.
     pub(crate) fn holds(&self, digest: &Digest) -> bool {
-        self.places.contains_key(digest) && !self.damaged.contains(digest)
+        self.locations.contains_key(digest) && !self.damaged.contains(digest)
     }
 
-    /// Records where a blob is on the disk; returns where it was before.
-    pub(crate) fn insert(&mut self, digest: Digest, place: Place) -> Option<Place> {
+    /// Records where a blob is stored; returns the previous location.
+    pub(crate) fn insert(&mut self, digest: Digest, place: Location) -> Option<Location> {
         self.damaged.remove(&digest);
-        let before = self.places.insert(digest, place);
+        let before = self.locations.insert(digest, place);
         self.discount(before);
         let used = self.packs.entry(place.pack).or_default();
         used.blobs += 1;
@@ -123,15 +121,15 @@ impl Index {
         before
     }
 
-    /// Removes a blob; returns where it was.
-    pub(crate) fn remove(&mut self, digest: &Digest) -> Option<Place> {
+    /// Removes a blob; returns where it was stored.
+    pub(crate) fn remove(&mut self, digest: &Digest) -> Option<Location> {
         self.damaged.remove(digest);
-        let before = self.places.remove(digest);
+        let before = self.locations.remove(digest);
         self.discount(before);
         before
     }
 
-    fn discount(&mut self, place: Option<Place>) {
+    fn discount(&mut self, place: Option<Location>) {
         if let Some(place) = place
             && let Some(used) = self.packs.get_mut(&place.pack)
         {
@@ -140,15 +138,15 @@ impl Index {
         }
     }
 
-    /// The bytes at this place are not the blob's. Their pack must not grow: it may have more damage.
-    pub(crate) fn set_damaged(&mut self, digest: Digest, place: Place) {
-        if self.place(&digest) == Some(place) {
+    /// Marks the bytes at this location as damaged and seals their pack, which may have more damage.
+    pub(crate) fn set_damaged(&mut self, digest: Digest, place: Location) {
+        if self.locate(&digest) == Some(place) {
             self.damaged.insert(digest);
             self.seal(place.pack);
         }
     }
 
-    /// What is written from now on goes to a later pack.
+    /// Closes a pack for writing.
     pub(crate) fn seal(&mut self, pack: u32) {
         self.sealed.insert(pack);
     }
@@ -158,7 +156,7 @@ impl Index {
         self.newest = self.newest.max(pack);
     }
 
-    /// Removes a pack that holds no blob; returns whether it did.
+    /// Removes a pack without blobs; returns whether it did.
     pub(crate) fn remove_pack(&mut self, pack: u32) -> bool {
         let empty = self.packs.get(&pack).is_some_and(|used| used.blobs == 0);
         if empty {
@@ -168,25 +166,27 @@ impl Index {
         empty
     }
 
-    /// The pack that grows, if the newest still does.
+    /// The open pack, unless the newest is sealed.
     pub(crate) fn growing(&self) -> Option<(u32, PackUse)> {
         let (&pack, &used) = self.packs.last_key_value()?;
         (pack == self.newest && !self.sealed.contains(&pack)).then_some((pack, used))
     }
 
-    /// The number of the next pack. No number is used twice while a reader may still have the older file open.
+    /// Pack numbers are never reused: a reader may still have the older file open.
     pub(crate) fn next_number(&self) -> u32 {
         self.newest + 1
     }
 
     pub(crate) fn digests(&self) -> Vec<[u8; 32]> {
-        self.places.keys().map(|digest| digest.0).collect()
+        self.locations.keys().map(|digest| digest.0).collect()
     }
 
-    /// The blobs of a pack.
-    pub(crate) fn blobs_of(&self, pack: u32) -> Vec<Digest> {
-        let of = self.places.iter().filter(|(_, place)| place.pack == pack);
-        of.map(|(digest, _)| *digest).collect()
+    pub(crate) fn digests_in(&self, pack: u32) -> Vec<Digest> {
+        let stored = self
+            .locations
+            .iter()
+            .filter(|(_, location)| location.pack == pack);
+        stored.map(|(digest, _)| *digest).collect()
     }
 
     pub(crate) fn set_aside(&self) -> u64 {

@@ -1,4 +1,4 @@
-//! One pack: its file name, its tables, how it is created and checked.
+//! One pack: file name, tables, creation and format check.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -9,19 +9,20 @@ use sqlx::{AssertSqlSafe, ConnectOptions, Connection, Executor, SqliteConnection
 use crate::digest::Digest;
 use crate::error::StoreError;
 
-/// Large pages keep a blob of some hundred kilobytes in few pages: measured 3 to 4 times faster than 4 KiB pages.
+/// With large pages a blob of some hundred kilobytes needs few of them: 3 to 4 times faster than 4 KiB pages.
 const PAGE_BYTES: u32 = 65536;
 
-/// "FTHM", in the header of every pack: tells ours from any other SQLite file.
+/// "FTHM" in the header of every pack distinguishes it from any other SQLite file.
 const APPLICATION_ID: i64 = 0x4654_484d;
 
 /// Version of the tables below.
 const FORMAT: i64 = 1;
 
-/// How long a connection waits for a lock. Only the checkpoint at the end of a pack ever has to wait.
+/// How long a connection waits for a lock. Only the checkpoint at the end of a pack has to wait.
 const BUSY: Duration = Duration::from_secs(5);
 
-/// `entry` is small and has what a start must read; the bytes lie apart, so that reading it does not touch them.
+/// `entry` is small and holds the rows read at start; the bytes are in a separate table, so that a start does not
+/// read them.
 const TABLES: &str = "
     CREATE TABLE data (id INTEGER PRIMARY KEY, bytes BLOB NOT NULL) STRICT;
     CREATE TABLE entry (
@@ -31,7 +32,6 @@ const TABLES: &str = "
     ) STRICT, WITHOUT ROWID;
 ";
 
-/// The folder of packs.
 #[derive(Debug, Clone)]
 pub(crate) struct Folder(pub(crate) PathBuf);
 
@@ -40,7 +40,7 @@ impl Folder {
         self.0.join(format!("pack-{pack:06}.sqlite"))
     }
 
-    /// Numbers of the existing packs, in order. What a crash left of a pack is removed.
+    /// Returns the numbers of the existing packs, in order, and removes the remains of crashed writes.
     pub(crate) fn packs(&self) -> Result<Vec<u32>, StoreError> {
         let mut packs = Vec::new();
         for entry in std::fs::read_dir(&self.0)? {
@@ -52,7 +52,7 @@ impl Folder {
                 .filter_map(|end| name.strip_suffix(end))
                 .any(|pack| !self.0.join(format!("{pack}.sqlite")).exists());
             if name.contains(".sqlite.new") || without_pack {
-                // A log without its pack would be taken for that of the next pack of this number.
+                // SQLite would apply a log without a pack to the next pack of this number.
                 std::fs::remove_file(entry.path())?;
             } else if let Some(number) = name
                 .strip_prefix("pack-")
@@ -60,7 +60,7 @@ impl Folder {
             {
                 let number = number
                     .parse()
-                    .map_err(|_| StoreError::pack(&entry.path(), "its name has no number"))?;
+                    .map_err(|_| StoreError::pack(&entry.path(), "the file name has no pack number"))?;
                 packs.push(number);
             }
         }
@@ -68,11 +68,11 @@ impl Folder {
         Ok(packs)
     }
 
-    /// Creates an empty pack under its final name, whole or not at all.
+    /// Creates an empty pack atomically.
     pub(crate) async fn create(&self, pack: u32) -> Result<(), StoreError> {
         let path = self.path(pack);
         let unfinished = path.with_extension("sqlite.new");
-        // An attempt that met a full disk may have left a part.
+        // An attempt on a full disk may have left a partial file.
         if unfinished.exists() {
             std::fs::remove_file(&unfinished)?;
         }
@@ -89,29 +89,29 @@ impl Folder {
         self.sync()
     }
 
-    /// A connection that writes. WAL, so that readers go on meanwhile; FULL, so that a commit is on the disk.
-    pub(crate) async fn writer(&self, pack: u32) -> Result<SqliteConnection, sqlx::Error> {
+    /// Opens a writing connection: WAL, so that readers are not blocked; FULL, so that a commit is durable.
+    pub(crate) async fn open_writer(&self, pack: u32) -> Result<SqliteConnection, sqlx::Error> {
         self.options(pack)
             .journal_mode(SqliteJournalMode::Wal)
             .connect()
             .await
     }
 
-    /// A connection to a pack that does not grow. Its log is folded in, so that reading needs no other file: on a full
-    /// disk none could be made.
-    pub(crate) async fn resting(&self, pack: u32) -> Result<SqliteConnection, sqlx::Error> {
-        let mut connection = self.plain(pack).await?;
-        fold_in(&mut connection).await;
+    /// Opens a closed pack and folds its log into it, so that reading needs no other file, which a full disk could
+    /// not hold.
+    pub(crate) async fn open_sealed(&self, pack: u32) -> Result<SqliteConnection, sqlx::Error> {
+        let mut connection = self.open_plain(pack).await?;
+        remove_log(&mut connection).await;
         Ok(connection)
     }
 
-    /// A connection to a pack as it is.
-    pub(crate) async fn plain(&self, pack: u32) -> Result<SqliteConnection, sqlx::Error> {
+    /// Opens a pack without changing its journal mode.
+    pub(crate) async fn open_plain(&self, pack: u32) -> Result<SqliteConnection, sqlx::Error> {
         self.options(pack).connect().await
     }
 
-    /// A connection that only reads.
-    pub(crate) async fn reader(&self, pack: u32) -> Result<SqliteConnection, sqlx::Error> {
+    /// Opens a read-only connection.
+    pub(crate) async fn open_reader(&self, pack: u32) -> Result<SqliteConnection, sqlx::Error> {
         self.options(pack).pragma("query_only", "1").connect().await
     }
 
@@ -123,20 +123,19 @@ impl Folder {
             .disable_statement_logging()
     }
 
-    /// Renames a pack that cannot be read at all and keeps it for inspection.
+    /// Renames an unreadable pack and keeps it for inspection.
     pub(crate) fn set_aside(&self, pack: u32) -> Result<(), StoreError> {
         let path = self.path(pack);
         let damaged = path.with_extension("sqlite.damaged");
         for end in ["", "-wal", "-shm"] {
-            let from = suffixed(&path, end);
-            if from.exists() {
-                std::fs::rename(from, suffixed(&damaged, end))?;
+            let file = suffixed(&path, end);
+            if file.exists() {
+                std::fs::rename(file, suffixed(&damaged, end))?;
             }
         }
         self.sync()
     }
 
-    /// Removes a pack permanently.
     pub(crate) fn remove(&self, pack: u32) -> Result<(), StoreError> {
         let path = self.path(pack);
         std::fs::remove_file(&path)?;
@@ -149,7 +148,7 @@ impl Folder {
         self.sync()
     }
 
-    /// Bytes of a pack on the disk.
+    /// Size of a pack on disk, bytes.
     pub(crate) fn size(&self, pack: u32) -> Result<u64, StoreError> {
         Ok(std::fs::metadata(self.path(pack))?.len())
     }
@@ -159,27 +158,30 @@ impl Folder {
     }
 }
 
-/// SQLite's name for a file beside a database.
+/// SQLite's name for a companion file of a database.
 fn suffixed(path: &Path, end: &str) -> PathBuf {
     let mut name = path.as_os_str().to_owned();
     name.push(end);
     name.into()
 }
 
-/// Ends the write-ahead log of a pack that no longer grows. When a reader is in the way the log stays, which only
-/// matters on a full disk.
-pub(crate) async fn fold_in(connection: &mut SqliteConnection) {
+/// Removes the write-ahead log of a closed pack. If a reader blocks this the log stays, which matters only on a full
+/// disk.
+pub(crate) async fn remove_log(connection: &mut SqliteConnection) {
     let folded =
         sqlx::raw_sql("PRAGMA busy_timeout = 200; PRAGMA journal_mode = DELETE; PRAGMA busy_timeout = 5000;")
             .execute(connection)
             .await;
     if let Err(error) = folded {
-        tracing::debug!(%error, "a pack keeps its log for now");
+        tracing::debug!(%error, "could not remove the log of a pack yet");
     }
 }
 
-/// Takes entries out of a pack; their bytes stay until the pack is rewritten.
-pub(crate) async fn forget(connection: &mut SqliteConnection, digests: &[Digest]) -> Result<(), sqlx::Error> {
+/// Deletes entries of a pack; their bytes stay until the pack is rewritten.
+pub(crate) async fn delete_entries(
+    connection: &mut SqliteConnection,
+    digests: &[Digest],
+) -> Result<(), sqlx::Error> {
     transaction(connection, async |connection| {
         for digest in digests {
             let entry = sqlx::query("DELETE FROM entry WHERE digest = ?").bind(&digest.0[..]);
@@ -190,8 +192,8 @@ pub(crate) async fn forget(connection: &mut SqliteConnection, digests: &[Digest]
     .await
 }
 
-/// Makes a change in a transaction. Not in one of sqlx, which could not begin another after SQLite has rolled back by
-/// itself, as it does on a full disk.
+/// Runs a change in a transaction. A sqlx transaction does not recover after SQLite rolls back on its side, as it
+/// does on a full disk.
 pub(crate) async fn transaction(
     connection: &mut SqliteConnection,
     change: impl AsyncFnOnce(&mut SqliteConnection) -> Result<(), sqlx::Error>,
@@ -207,13 +209,13 @@ pub(crate) async fn transaction(
     done
 }
 
-/// Refuses a file that is not a pack of this format.
+/// Rejects a file that is not a pack of this format.
 pub(crate) async fn check(connection: &mut SqliteConnection, path: &Path) -> Result<(), StoreError> {
     let id: i64 = sqlx::query_scalar("PRAGMA application_id")
         .fetch_one(&mut *connection)
         .await?;
     if id != APPLICATION_ID {
-        return Err(StoreError::pack(path, "it is some other SQLite database"));
+        return Err(StoreError::pack(path, "it is another SQLite database"));
     }
     let format: i64 = sqlx::query_scalar("PRAGMA user_version")
         .fetch_one(connection)
@@ -221,7 +223,7 @@ pub(crate) async fn check(connection: &mut SqliteConnection, path: &Path) -> Res
     if format != FORMAT {
         return Err(StoreError::pack(
             path,
-            format!("its format is {format}, this program reads {FORMAT}"),
+            format!("its format is {format}; this program reads format {FORMAT}"),
         ));
     }
     Ok(())

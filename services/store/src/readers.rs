@@ -9,11 +9,12 @@ use tokio::sync::Semaphore;
 use crate::digest::Digest;
 use crate::pack::Folder;
 
-/// Reads at one time. Each connection has a thread, so this bounds threads; more only queue at the disk.
-const AT_ONCE: usize = 16;
+/// Maximum concurrent reads. Each connection has a thread, so this bounds threads; more reads would only queue at the
+/// disk.
+const MAX_READS: usize = 16;
 
-/// Connections kept open while idle, whichever pack they belong to; the one unused longest goes first.
-const IDLE: usize = 16;
+/// Maximum idle connections over all packs; the least recently used is closed first.
+const MAX_IDLE: usize = 16;
 
 pub(crate) struct Readers {
     folder: Folder,
@@ -25,7 +26,7 @@ pub(crate) struct Readers {
 struct Idle {
     /// Oldest first.
     connections: Vec<(u32, SqliteConnection)>,
-    /// Packs that are gone: a connection kept to one would keep its space.
+    /// Removed packs: an open connection would keep their disk space.
     retired: HashSet<u32>,
 }
 
@@ -33,19 +34,19 @@ impl Readers {
     pub(crate) fn new(folder: Folder) -> Self {
         Self {
             folder,
-            permits: Semaphore::new(AT_ONCE),
+            permits: Semaphore::new(MAX_READS),
             idle: Mutex::default(),
         }
     }
 
-    /// The bytes of a blob in this pack, as they are stored.
+    /// Reads the stored bytes of a blob.
     pub(crate) async fn read(&self, pack: u32, digest: Digest) -> Result<Option<Vec<u8>>, sqlx::Error> {
         let Ok(_permit) = self.permits.acquire().await else {
             return Err(sqlx::Error::PoolClosed);
         };
         let mut connection = match self.take(pack) {
             Some(connection) => connection,
-            None => self.folder.reader(pack).await?,
+            None => self.folder.open_reader(pack).await?,
         };
         let bytes = sqlx::query_scalar(
             "SELECT data.bytes FROM entry JOIN data ON data.id = entry.data WHERE entry.digest = ?1",
@@ -58,17 +59,17 @@ impl Readers {
     }
 
     /// Closes the idle connections to a pack.
-    pub(crate) fn let_go(&self, pack: u32) {
+    pub(crate) fn close_idle(&self, pack: u32) {
         self.idle().connections.retain(|(other, _)| *other != pack);
     }
 
-    /// The same for good: those that read at the moment are closed when they have ended.
+    /// Closes the idle connections to a pack now, and busy ones when their read ends.
     pub(crate) fn retire(&self, pack: u32) {
         self.idle().retired.insert(pack);
-        self.let_go(pack);
+        self.close_idle(pack);
     }
 
-    /// Closes all that are idle.
+    /// Closes all idle connections.
     pub(crate) async fn close(&self) {
         let idle = std::mem::take(&mut self.idle().connections);
         for (pack, connection) in idle {
@@ -90,7 +91,7 @@ impl Readers {
             return;
         }
         idle.connections.push((pack, connection));
-        if idle.connections.len() > IDLE {
+        if idle.connections.len() > MAX_IDLE {
             idle.connections.remove(0);
         }
     }

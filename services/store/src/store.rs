@@ -10,9 +10,9 @@ use crate::error::{StoreError, is_damage};
 use crate::index::Index;
 use crate::pack::Folder;
 use crate::readers::Readers;
-use crate::writer::{Put, Shared, Writer};
+use crate::writer::{CheckedBlob, Shared, Writer};
 
-/// A pack is closed and the next one begun at this size: large enough that packs stay few, small enough to copy one.
+/// Size at which a pack is closed: large enough to keep packs few, small enough to copy one.
 const PACK_BYTES: u64 = 2 << 30;
 
 /// Bytes to store.
@@ -20,31 +20,31 @@ const PACK_BYTES: u64 = 2 << 30;
 pub struct Blob {
     /// SHA-256 of the bytes, lower-case hex; checked.
     pub digest: String,
-    /// The bytes.
+    /// The content.
     pub bytes: Vec<u8>,
 }
 
-/// What a store holds.
+/// Contents of a store.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct StoreStats {
-    /// Packs.
+    /// Packs in use.
     pub packs: u64,
-    /// Blobs that can be read.
+    /// Readable blobs.
     pub blobs: u64,
-    /// Their bytes.
+    /// Sum of their lengths, bytes.
     pub bytes: u64,
-    /// Packs that could not be read at all at start and were renamed to `….damaged`.
+    /// Unreadable packs, renamed to `….damaged` at start.
     pub set_aside: u64,
 }
 
-/// The condition of a stored blob.
+/// Condition of a stored blob.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scrubbed {
-    /// Its bytes have the digest that names them.
+    /// The bytes match the digest.
     Good,
-    /// They have another one, or cannot be read.
+    /// The bytes do not match, or cannot be read.
     Corrupt,
-    /// It is not there.
+    /// Not stored.
     Missing,
 }
 
@@ -53,20 +53,20 @@ pub struct Store {
     pub(crate) shared: Arc<Shared>,
     writer: Mutex<Option<Writer>>,
     task: Mutex<Option<JoinHandle<()>>>,
-    /// Held while packs are rewritten or copied, which must not overlap.
+    /// Serializes rewriting and copying of packs.
     pub(crate) upkeep: tokio::sync::Mutex<()>,
 }
 
 impl Store {
-    /// Opens or creates the store in `folder/packs`. A pack that cannot be read at all is set aside: the others are good.
+    /// Opens or creates the store in `folder/packs`. An unreadable pack is set aside, because the others are intact.
     ///
     /// # Errors
-    /// [`StoreError::Pack`] naming a file that is some other database or a later format.
+    /// [`StoreError::Pack`] for a foreign database or a later format.
     pub async fn open(folder: &Path) -> Result<Self, StoreError> {
         Self::open_with(folder, PACK_BYTES).await
     }
 
-    /// The same with packs of another size.
+    /// Opens the store with another pack size, bytes.
     ///
     /// # Errors
     /// As [`Store::open`].
@@ -89,17 +89,18 @@ impl Store {
         })
     }
 
-    /// Stores blobs; they are on the disk when this returns. What is there already is read and hashed: good bytes are not
-    /// written again, so repeats are harmless, and damaged bytes are replaced.
+    /// Stores blobs durably. Blobs already stored are read and hashed: intact ones are not written again, so repeats
+    /// are harmless, and damaged ones are replaced.
     ///
     /// # Errors
-    /// [`StoreError::DigestMismatch`], [`StoreError::NotADigest`]: nothing of the call is stored. [`StoreError::Full`].
+    /// [`StoreError::DigestMismatch`], [`StoreError::NotADigest`], [`StoreError::Full`]. The call then stored
+    /// nothing.
     pub async fn put_all(&self, blobs: Vec<Blob>) -> Result<(), StoreError> {
-        let checked = blocking(move || blobs.into_iter().map(checked).collect::<Result<Vec<_>, _>>());
+        let checked = run_blocking(move || blobs.into_iter().map(verify).collect::<Result<Vec<_>, _>>());
         let mut new = Vec::new();
         for put in checked.await?? {
-            let there = self.index().holds(&put.digest);
-            if !there || self.scrubbed(put.digest).await? != Scrubbed::Good {
+            let is_stored = self.index().holds(&put.digest);
+            if !is_stored || self.scrubbed(put.digest).await? != Scrubbed::Good {
                 new.push(put);
             }
         }
@@ -112,33 +113,33 @@ impl Store {
     /// Reads and verifies a blob; `None` if it is not stored.
     ///
     /// # Errors
-    /// [`StoreError::Corrupt`] when the stored bytes no longer have this digest: they are not served.
+    /// [`StoreError::Corrupt`] if the stored bytes no longer match the digest.
     pub async fn get(&self, digest: &str) -> Result<Option<Vec<u8>>, StoreError> {
         self.read(Digest::parse(digest)?).await
     }
 
     pub(crate) async fn read(&self, digest: Digest) -> Result<Option<Vec<u8>>, StoreError> {
         loop {
-            let Some(place) = self.index().place(&digest) else {
+            let Some(place) = self.index().locate(&digest) else {
                 return Ok(None);
             };
             let read = self.shared.readers.read(place.pack, digest).await;
             let intact = match read {
                 Ok(Some(bytes)) => {
-                    let (found, bytes) = blocking(move || (Digest::hash(&bytes), bytes)).await?;
+                    let (found, bytes) = run_blocking(move || (Digest::hash(&bytes), bytes)).await?;
                     (found == digest).then_some(bytes)
                 }
                 Ok(None) => None,
                 Err(error) if is_damage(&error) || !self.shared.folder.path(place.pack).exists() => None,
-                // It was moved or deleted meanwhile.
-                Err(_) if self.index().place(&digest) != Some(place) => continue,
+                // Moved or deleted during the read.
+                Err(_) if self.index().locate(&digest) != Some(place) => continue,
                 Err(error) => return Err(error.into()),
             };
             if intact.is_some() {
                 return Ok(intact);
             }
             let mut index = self.index();
-            if index.place(&digest) == Some(place) {
+            if index.locate(&digest) == Some(place) {
                 index.set_damaged(digest, place);
                 return Err(StoreError::Corrupt {
                     digest: digest.to_string(),
@@ -147,10 +148,10 @@ impl Store {
         }
     }
 
-    /// Reads a blob and hashes it.
+    /// Reads a blob and verifies its digest.
     ///
     /// # Errors
-    /// [`StoreError::NotADigest`]; [`StoreError::Failed`] when the disk cannot be read.
+    /// [`StoreError::NotADigest`]; [`StoreError::Failed`] if the disk cannot be read.
     pub async fn scrub(&self, digest: &str) -> Result<Scrubbed, StoreError> {
         self.scrubbed(Digest::parse(digest)?).await
     }
@@ -164,17 +165,17 @@ impl Store {
         }
     }
 
-    /// Deletes blobs, which leaves their space to [`Store::compact`]; returns their bytes. Missing blobs are skipped. None
-    /// of them may be stored again before this returns.
+    /// Deletes blobs and returns their bytes; [`Store::compact`] reclaims the space. Missing blobs are skipped. Do
+    /// not store any of them again before this returns.
     ///
     /// # Errors
-    /// [`StoreError::NotADigest`]: nothing is deleted. [`StoreError::Full`]: some may be; the call can be repeated.
+    /// [`StoreError::NotADigest`]: nothing is deleted. [`StoreError::Full`]: some may be deleted; call again.
     pub async fn delete(&self, digests: &[String]) -> Result<u64, StoreError> {
         let digests = digests.iter().map(|digest| Digest::parse(digest));
         self.writer()?.delete(digests.collect::<Result<_, _>>()?).await
     }
 
-    /// Whether a digest is stored and not known to be damaged.
+    /// Whether a blob is stored and not known to be damaged.
     ///
     /// # Errors
     /// [`StoreError::NotADigest`].
@@ -183,23 +184,22 @@ impl Store {
         Ok(self.index().holds(&digest))
     }
 
-    /// What the store holds.
+    /// Returns the current counts.
     #[must_use]
     pub fn stats(&self) -> StoreStats {
         let index = self.index();
         let uses = index.packs().values();
-        let sum = |part: fn(&crate::index::PackUse) -> u64| uses.clone().map(part).sum();
         StoreStats {
             packs: index.packs().len() as u64,
-            blobs: sum(|pack| pack.blobs),
-            bytes: sum(|pack| pack.bytes),
+            blobs: uses.clone().map(|pack| pack.blobs).sum(),
+            bytes: uses.map(|pack| pack.bytes).sum(),
             set_aside: index.set_aside(),
         }
     }
 
-    /// Ends the writer after what it has taken on, and closes all connections.
+    /// Finishes the queued writes and closes all connections.
     pub async fn close(&self) {
-        // The writer's connection is the last: it folds the log into the pack.
+        // The writer's connection must close last: it folds the log into the pack.
         self.shared.readers.close().await;
         drop(self.writer.lock().unwrap_or_else(PoisonError::into_inner).take());
         let task = self.task.lock().unwrap_or_else(PoisonError::into_inner).take();
@@ -218,15 +218,16 @@ impl Store {
     }
 }
 
-/// Hashing takes too long for a thread that others wait for.
-async fn blocking<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> Result<T, StoreError> {
-    let failed = |error: tokio::task::JoinError| StoreError::Failed {
-        message: error.to_string(),
-    };
-    tokio::task::spawn_blocking(work).await.map_err(failed)
+/// Runs `work`, usually hashing, outside the async threads.
+async fn run_blocking<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> Result<T, StoreError> {
+    tokio::task::spawn_blocking(work)
+        .await
+        .map_err(|error| StoreError::Failed {
+            message: error.to_string(),
+        })
 }
 
-fn checked(blob: Blob) -> Result<Put, StoreError> {
+fn verify(blob: Blob) -> Result<CheckedBlob, StoreError> {
     let digest = Digest::parse(&blob.digest)?;
     let found = Digest::hash(&blob.bytes);
     if found != digest {
@@ -235,7 +236,7 @@ fn checked(blob: Blob) -> Result<Put, StoreError> {
             found: found.to_string(),
         });
     }
-    Ok(Put {
+    Ok(CheckedBlob {
         digest,
         bytes: blob.bytes,
     })

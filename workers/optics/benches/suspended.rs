@@ -35,7 +35,7 @@ fn suspended(bench: &mut Criterion) {
             far_m: 3.0,
             radius_m: 8e-4,
             albedo: [0.5; 3],
-            ..Snow::of(0.0)
+            ..Snow::with_density(0.0)
         };
         let surround = Surround {
             range: &range,

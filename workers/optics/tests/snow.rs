@@ -22,7 +22,7 @@ const SNOWS: [(&str, Snow); 4] = [
             spectrum: 3.0,
             aggregates: 0.4,
             drift_m_per_s: Some([0.3, -0.1, 0.2]),
-            ..Snow::of(200.0)
+            ..Snow::with_density(200.0)
         },
     ),
     (
@@ -33,7 +33,7 @@ const SNOWS: [(&str, Snow); 4] = [
             far_m: 4.0,
             radius_m: 2e-4,
             albedo: [0.9, 0.8, 0.7],
-            ..Snow::of(0.0)
+            ..Snow::with_density(0.0)
         },
     ),
     (
@@ -44,7 +44,7 @@ const SNOWS: [(&str, Snow); 4] = [
             far_m: 3.0,
             radius_m: 1e-3,
             albedo: [0.5; 3],
-            ..Snow::of(0.0)
+            ..Snow::with_density(0.0)
         },
     ),
     (
@@ -55,7 +55,7 @@ const SNOWS: [(&str, Snow); 4] = [
             far_m: 2.0,
             radius_m: 3e-3,
             albedo: [1.0; 3],
-            ..Snow::of(0.0)
+            ..Snow::with_density(0.0)
         },
     ),
 ];

@@ -1,4 +1,4 @@
-//! Stored bytes: their space on the disk, the digests about to be named, and how space is reclaimed.
+//! Stored bytes: disk space, digests awaiting their row, and reclaiming.
 
 pub(crate) mod naming;
 pub(crate) mod reclaim;
@@ -18,7 +18,7 @@ use naming::Naming;
 use sets::SetFiles;
 use space::Space;
 
-/// The artifact store and what guards it.
+/// The artifact store and its guards.
 pub(crate) struct Bytes {
     pub(crate) store: Store,
     /// Bytes of imported images.

@@ -1,4 +1,4 @@
-//! Keeps bytes from being deleted while a row that names them is about to be stored.
+//! Protects bytes from deletion until the row with their digest is stored.
 
 use std::collections::HashMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -6,11 +6,11 @@ use std::time::{Duration, Instant};
 
 use tokio::sync::{RwLock, RwLockReadGuard, RwLockWriteGuard};
 
-/// How long a frame's artifacts are kept for its commit, which usually follows at once. A later commit is refused, and
-/// the frame is given up: nothing wrong is ever stored.
+/// How long a frame's artifacts are kept for its commit, which usually follows within seconds. A later commit is
+/// rejected and the frame fails, so no wrong image is stored.
 const FRESH: Duration = Duration::from_secs(600);
 
-/// The digests that are stored and not yet named.
+/// Digests of stored bytes without a row.
 #[derive(Default)]
 pub(crate) struct Naming {
     turns: RwLock<()>,
@@ -18,17 +18,17 @@ pub(crate) struct Naming {
 }
 
 impl Naming {
-    /// Held while a row is stored that names digests which are known to be there.
+    /// Shared guard: held while storing a row whose digests are known to exist.
     pub(crate) async fn beside_others(&self) -> RwLockReadGuard<'_, ()> {
         self.turns.read().await
     }
 
-    /// Held while digests are deleted.
+    /// Exclusive guard: held while deleting digests.
     pub(crate) async fn alone(&self) -> RwLockWriteGuard<'_, ()> {
         self.turns.write().await
     }
 
-    /// Announces digests that are about to be stored and then named.
+    /// Protects digests that will be stored and then referenced by a row.
     pub(crate) async fn announce(&self, digests: impl IntoIterator<Item = String>) {
         let _turn = self.beside_others().await;
         let now = Instant::now();
@@ -36,7 +36,7 @@ impl Naming {
             .extend(digests.into_iter().map(|digest| (digest, now)));
     }
 
-    /// Removes digests that have been named.
+    /// Ends the protection of digests that have a row.
     pub(crate) fn named<'a>(&self, digests: impl IntoIterator<Item = &'a str>) {
         let mut fresh = self.digests();
         for digest in digests {
@@ -44,14 +44,14 @@ impl Naming {
         }
     }
 
-    /// Whether a digest is about to be named.
+    /// Whether a digest is protected.
     pub(crate) fn is_fresh(&self, digest: &str) -> bool {
         self.digests()
             .get(digest)
             .is_some_and(|since| since.elapsed() < FRESH)
     }
 
-    /// Forgets what was never named.
+    /// Drops expired protections.
     pub(crate) fn tidy_up(&self) {
         self.digests().retain(|_, since| since.elapsed() < FRESH);
     }

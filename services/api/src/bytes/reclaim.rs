@@ -1,4 +1,4 @@
-//! Reclaiming the space of deleted jobs in the background, a little at a time.
+//! Reclaims the space of deleted jobs in the background, in small batches.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -8,12 +8,12 @@ use tokio_util::sync::CancellationToken;
 use super::Bytes;
 use crate::http::problem::{Problem, Slug};
 
-/// Digests of one batch: a commit waits at most for one, some tens of milliseconds.
+/// Digests of one batch. A commit waits for at most one, some tens of milliseconds.
 const BATCH: u32 = 256;
-/// Pause before retrying bytes that could not be deleted because a commit was about to name them or the disk was full.
+/// Pause before retrying bytes that a pending commit protects or that a full disk kept.
 const AGAIN: Duration = Duration::from_secs(60);
 
-/// Reclaims after each deletion, and once at startup for what an earlier run of the service left.
+/// Reclaims after each deletion, and once at startup for deletions of an earlier run.
 pub(crate) async fn run(bytes: Arc<Bytes>, end: CancellationToken) {
     loop {
         let left = match reclaim(&bytes, &end).await {
@@ -64,13 +64,13 @@ async fn reclaim(bytes: &Bytes, end: &CancellationToken) -> Result<bool, Problem
 enum Step {
     /// Bytes deleted.
     Deleted(u64),
-    /// The remaining orphans are about to be named again.
+    /// Pending commits protect the remaining orphans.
     Waiting,
     Finished,
 }
 
 async fn delete_some(bytes: &Bytes) -> Result<Step, Problem> {
-    // From here to the end no row may be stored that names one of the orphans.
+    // No row that references an orphan may be stored until the end of this function.
     let _alone = bytes.naming.alone().await;
     let orphans = bytes.catalogue.orphans(BATCH).await?;
     if orphans.is_empty() {

@@ -1,12 +1,10 @@
-//! `GET /v1/worker/blobs/{digest}`.
-
 use axum::response::IntoResponse;
 
 use crate::bytes::Bytes;
 use crate::http::stored::octets;
 use crate::http::{Path, Problem, State, Topic, found};
 
-/// The bytes of an uploaded scene's file.
+/// Returns the bytes of an uploaded scene's file.
 pub(crate) async fn blob(
     State(bytes): Topic<Bytes>,
     Path(digest): Path<String>,

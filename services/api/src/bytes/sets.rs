@@ -1,4 +1,4 @@
-//! Bytes of imported images: ranges of the tars of their sets, read where they lie.
+//! Bytes of imported images: ranges of the tars of their sets, read in place.
 
 use std::fs::File;
 use std::io::{self, ErrorKind};
@@ -15,16 +15,16 @@ use crate::http::problem::{Problem, Slug};
 /// Reads a range of a file of a set in a bucket. It may block.
 pub type ReadBucket = Arc<dyn Fn(&Place, Range<u64>) -> Result<Vec<u8>, Unread> + Send + Sync>;
 
-/// Why the bytes of an imported artifact are not there.
+/// Why the bytes of an imported artifact are unavailable.
 #[derive(Debug, Clone, thiserror::Error)]
 pub enum Unread {
-    /// The tar is gone, or too short.
+    /// The tar is missing or too short.
     #[error("{0}")]
     Gone(String),
-    /// Other bytes lie at the place.
+    /// The bytes have another digest.
     #[error("{0}")]
     Differs(String),
-    /// The store does not respond or refuses access; the same call may succeed later.
+    /// The store does not respond or refuses access; a retry may succeed.
     #[error("{0}")]
     Unreachable(String),
 }
@@ -40,14 +40,14 @@ impl From<Unread> for Problem {
     }
 }
 
-/// Reads what imported artifacts consist of.
+/// Reads the bytes of imported artifacts.
 #[derive(Clone, Default)]
 pub struct SetFiles {
     buckets: Option<ReadBucket>,
 }
 
 impl SetFiles {
-    /// With what reads buckets; without it only sets in folders can be read.
+    /// Without `buckets` only sets in folders can be read.
     #[must_use]
     pub fn new(buckets: Option<ReadBucket>) -> Self {
         Self { buckets }
@@ -59,7 +59,7 @@ impl SetFiles {
         self.buckets.is_some() || !is_bucket(set)
     }
 
-    /// The bytes of an artifact, verified.
+    /// Reads and verifies the bytes of an artifact.
     ///
     /// # Errors
     /// [`Unread`].
@@ -96,27 +96,32 @@ fn is_bucket(set: &str) -> bool {
 }
 
 fn from_folder(place: &Place, range: Range<u64>) -> Result<Vec<u8>, Unread> {
-    let failed = |error: io::Error| {
+    let read = read_range(Path::new(&place.set), &place.tar, range);
+    let read = read.map_err(|error| {
         let reason = format!("{} in {}: {error}", place.tar, place.set);
         match error.kind() {
             ErrorKind::NotFound | ErrorKind::NotADirectory | ErrorKind::UnexpectedEof => Unread::Gone(reason),
             _ => Unread::Unreachable(reason),
         }
-    };
-    let folder = Path::new(&place.set).canonicalize().map_err(failed)?;
-    let path = folder.join(&place.tar).canonicalize().map_err(failed)?;
+    })?;
+    read.ok_or_else(|| Unread::Differs(format!("{} is outside {}", place.tar, place.set)))
+}
+
+/// `None` if the file is outside the folder.
+fn read_range(folder: &Path, file: &str, range: Range<u64>) -> io::Result<Option<Vec<u8>>> {
+    let folder = folder.canonicalize()?;
+    let path = folder.join(file).canonicalize()?;
     if !path.starts_with(&folder) {
-        let reason = format!("{} leads out of {}", place.tar, place.set);
-        return Err(Unread::Differs(reason));
+        return Ok(None);
     }
-    let file = File::open(path).map_err(failed)?;
-    // Before memory is taken for them.
-    if file.metadata().map_err(failed)?.len() < range.end {
-        return Err(failed(ErrorKind::UnexpectedEof.into()));
+    let file = File::open(path)?;
+    // Check the length before allocating memory.
+    if file.metadata()?.len() < range.end {
+        return Err(ErrorKind::UnexpectedEof.into());
     }
     let mut bytes = vec![0; (range.end - range.start) as usize];
-    file.read_exact_at(&mut bytes, range.start).map_err(failed)?;
-    Ok(bytes)
+    file.read_exact_at(&mut bytes, range.start)?;
+    Ok(Some(bytes))
 }
 
 #[cfg(test)]
@@ -159,7 +164,7 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn nothing_outside_of_the_set_is_read() {
+    async fn files_outside_the_set_are_not_read() {
         let folder = tempfile::tempdir().unwrap();
         let set = folder.path().join("set");
         std::fs::create_dir(&set).unwrap();
@@ -184,7 +189,7 @@ mod tests {
         assert!(matches!(without, Err(Unread::Unreachable(_))), "{without:?}");
         let reader: ReadBucket =
             Arc::new(|_, range| Ok(b"0123456789"[range.start as usize..range.end as usize].to_vec()));
-        let with = SetFiles::new(Some(reader)).read(&place, &entry(b"345")).await;
-        assert_eq!(with.unwrap(), b"345");
+        let read = SetFiles::new(Some(reader)).read(&place, &entry(b"345")).await;
+        assert_eq!(read.unwrap(), b"345");
     }
 }

@@ -1,4 +1,4 @@
-//! Whether the disk is full, as far as the service has noticed, and the reserve for deletions.
+//! Tracks whether the disk is full, and keeps a reserve for deletions.
 
 use std::fs::File;
 use std::io::{self, Write};
@@ -14,12 +14,12 @@ use crate::bytes::Bytes;
 use crate::http::failure::storage_full;
 use crate::http::problem::{Problem, Slug};
 
-/// Bytes written to find out whether there is space again: as much as a few frames need.
+/// Bytes written to test for free space: as much as a few frames need.
 const PROBE_BYTES: usize = 4 << 20;
-/// Its file, overwritten each time and removed.
+/// The test file, overwritten each time and removed.
 const PROBE: &str = "space.probe";
 
-/// A file whose space is released for a deletion on a full disk: a deletion must write before it frees anything.
+/// A file whose space is released for a deletion on a full disk: a deletion must write before it frees space.
 const RESERVE: &str = "space.reserve";
 
 /// The state of the disk space.
@@ -27,14 +27,14 @@ pub(crate) struct Space {
     folder: PathBuf,
     full: AtomicBool,
     reserve_bytes: u64,
-    /// Whether a deletion has the reserve: until it is restored nothing else may be written.
+    /// Whether a deletion has the reserve. Other writes are rejected until it is restored.
     given: AtomicBool,
     /// Whether that deletion is still running.
     in_use: AtomicBool,
 }
 
 impl Space {
-    /// Writes the reserve, if there is room for it, and looks whether the disk is full from the start.
+    /// Writes the reserve if there is room, and checks whether the disk is already full.
     pub(crate) fn new(folder: &Path, reserve_bytes: u64) -> Self {
         let space = Self {
             folder: folder.to_owned(),
@@ -50,7 +50,7 @@ impl Space {
         space
     }
 
-    /// Releases the reserve for a deletion; returns false if there is none.
+    /// Releases the reserve for a deletion; returns false without a reserve.
     pub(crate) fn give_reserve(&self) -> bool {
         let given = std::fs::remove_file(self.folder.join(RESERVE)).is_ok();
         if given {
@@ -68,7 +68,7 @@ impl Space {
         self.is_full().await;
     }
 
-    /// Refuses writes while a deletion has the reserve and it cannot be restored.
+    /// Rejects writes while a deletion has the reserve and it cannot be restored.
     pub(crate) async fn room(self: &Arc<Self>) -> Result<(), Problem> {
         if self.given.load(Ordering::SeqCst) && self.is_full().await {
             return Err(storage_full(&"the reserve is in use"));
@@ -76,7 +76,7 @@ impl Space {
         Ok(())
     }
 
-    /// Whether the service ran out of space and there is still none.
+    /// Whether the service ran out of space and still has none.
     pub(crate) async fn is_full(self: &Arc<Self>) -> bool {
         if !self.full.load(Ordering::SeqCst) {
             return false;
@@ -102,7 +102,7 @@ impl Space {
         written.and(removed)
     }
 
-    /// Writes the reserve, whole or not at all.
+    /// Writes the reserve atomically.
     fn lay_aside(&self) -> io::Result<()> {
         let path = self.folder.join(RESERVE);
         if std::fs::metadata(&path).map_or(0, |file| file.len()) != self.reserve_bytes {
@@ -117,7 +117,7 @@ impl Space {
     }
 }
 
-/// Bytes that no file system makes smaller.
+/// Writes incompressible bytes, so that the file takes its full size on every file system.
 fn fill(mut file: File, bytes: u64) -> io::Result<()> {
     let mut state = 1_u64;
     let mut block = [0; 1 << 16];
@@ -135,7 +135,7 @@ fn fill(mut file: File, bytes: u64) -> io::Result<()> {
     file.sync_all()
 }
 
-/// Middleware that notices responses reporting a full disk or damage.
+/// Middleware that records responses about a full disk or damage.
 pub(crate) async fn note(State(bytes): State<Arc<Bytes>>, request: Request, next: Next) -> Response {
     let response = next.run(request).await;
     match response.extensions().get::<Problem>() {

@@ -1,4 +1,4 @@
-//! Bytes that no row names: a worker stored them, and its commit never came.
+//! Deletes bytes without a row: a worker stored them and never committed.
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -9,10 +9,10 @@ use tokio_util::sync::CancellationToken;
 use super::Bytes;
 use crate::http::problem::Problem;
 
-/// Digests of one question.
+/// Digests of one query.
 const BATCH: usize = 1000;
 
-/// Looks for such bytes again and again; what has no name twice in a row, `interval` apart, goes.
+/// Searches periodically. Bytes without a row in two consecutive searches, `interval` apart, are deleted.
 pub(crate) async fn run(bytes: Arc<Bytes>, interval: Duration, end: CancellationToken) {
     let mut before = HashSet::new();
     loop {
@@ -27,7 +27,7 @@ pub(crate) async fn run(bytes: Arc<Bytes>, interval: Duration, end: Cancellation
     }
 }
 
-/// Hands what had no name `before`, either, over to be reclaimed. Returns what has none for the first time.
+/// Queues bytes that were also unreferenced `before` for reclaiming. Returns the newly unreferenced ones.
 async fn sweep(
     bytes: &Bytes,
     before: &HashSet<[u8; 32]>,

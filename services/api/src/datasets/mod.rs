@@ -12,7 +12,7 @@ use crate::images::Images;
 use crate::processes::Processes;
 use crate::processes::compute::to_the_end;
 
-/// What it takes to seal datasets and to verify what is sealed.
+/// Sealing and verification of datasets.
 pub(crate) struct Datasets {
     pub(crate) catalogue: Arc<Catalogue>,
     pub(crate) images: Arc<Images>,
@@ -21,7 +21,7 @@ pub(crate) struct Datasets {
 }
 
 impl Datasets {
-    /// Seals a dataset; returns the version, and whether it is new. Goes on to its end when the client goes away.
+    /// Seals a dataset; returns the version, and whether it is new. Completes even if the client disconnects.
     async fn seal(self: &Arc<Self>, dataset: String) -> Result<(VersionRow, bool), Problem> {
         let datasets = Arc::clone(self);
         to_the_end(async move {
@@ -42,7 +42,7 @@ impl Datasets {
         Ok(())
     }
 
-    /// A sealed version.
+    /// Returns a sealed version.
     async fn version(&self, dataset: &str, version: u64) -> Result<VersionRow, Problem> {
         let row = self.catalogue.version(dataset, version).await?;
         found(row, "sealed version", format_args!("{dataset}@{version}"))

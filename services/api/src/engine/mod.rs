@@ -1,7 +1,7 @@
-//! Jobs that are rendered into sets by the workers of a broker.
+//! Jobs rendered into sets by the workers of a broker.
 //!
-//! What a broker and a store ask for is done by processes: `fathom-cluster jobs`. The store is the truth of these jobs: each is a
-//! set `STORE/JOB`, which every service of the store sees, and the catalogue an index over it.
+//! `fathom-cluster jobs` processes talk to broker and store. The store is authoritative for these jobs: each is a set
+//! `STORE/JOB` visible to every service of the store, and the catalogue indexes it.
 
 pub(crate) mod orders;
 mod watch;
@@ -19,25 +19,25 @@ use tokio::process::Command;
 use crate::http::problem::{Problem, Slug};
 use orders::{Accepted, Order};
 
-/// Which broker hands the shards of jobs to workers.
+/// The broker that distributes shards to workers.
 #[derive(Debug, Clone)]
 pub struct EngineOptions {
-    /// Its addresses, separated by commas; they may hold secrets.
+    /// Addresses, separated by commas; they may contain secrets.
     pub url: String,
-    /// Its token.
+    /// Authentication token.
     pub token: Option<String>,
-    /// How long a worker may be silent.
+    /// Seconds without a heartbeat before a shard is reassigned.
     pub lease_s: f64,
-    /// Servers that keep a copy of each message.
+    /// Number of servers that store each message.
     pub replicas: u8,
 }
 
-/// A broker and the store below which its workers render.
+/// A broker, and the store that its workers render into.
 pub(crate) struct Engine {
     program: PathBuf,
     store: String,
     options: EngineOptions,
-    /// The styles that every worker has.
+    /// The styles available to every worker.
     styles: BTreeSet<String>,
 }
 
@@ -56,12 +56,12 @@ impl Engine {
         }
     }
 
-    /// Whether any worker can render a job: what it needs comes with the program.
+    /// Whether any worker can render a job: only built-in resources are used.
     pub(crate) fn takes(&self, job: &Job) -> bool {
         job.uploaded_scene_ids().is_empty() && job.styles().iter().all(|style| self.styles.contains(style))
     }
 
-    /// Begins the set of a job, or finds that of the same submission.
+    /// Creates the set of a job, or finds the set of an earlier submission with the same key.
     pub(crate) async fn submit(&self, order: &Order) -> Result<Accepted, Problem> {
         let input = serde_json::to_vec(order).map_err(|error| Problem::internal(&error))?;
         let said = self.call(&["submit", &self.store], &input).await?;
@@ -75,7 +75,7 @@ impl Engine {
         self.call(&["state", set], &input).await.map(drop)
     }
 
-    /// Has the failed frames of a job's set rendered again.
+    /// Renders the failed frames of a job's set again.
     pub(crate) async fn retry(&self, job: &JobRow) -> Result<(), Problem> {
         let set = job.set.as_deref().unwrap_or_default();
         self.call(&["retry", set], b"").await.map(drop)
@@ -95,7 +95,7 @@ impl Engine {
             replicas,
         } = &self.options;
         let mut command = Command::new(&self.program);
-        // In the environment, since other users of the machine can see arguments.
+        // Passed by environment, because other users can see arguments.
         command
             .arg("jobs")
             .args(words)
@@ -116,12 +116,12 @@ impl Engine {
         command
     }
 
-    /// Runs a command to its end; returns what it writes.
+    /// Runs a command and returns its output.
     async fn call(&self, words: &[&str], input: &[u8]) -> Result<Vec<u8>, Problem> {
         let child = self.command(words).spawn();
         let mut child = child.map_err(|error| Problem::internal(&error))?;
         if let Some(mut stdin) = child.stdin.take() {
-            // Why it does not read stands in its exit status.
+            // The exit status reports why the child did not read.
             let _ = stdin.write_all(input).await;
         }
         let ended = child.wait_with_output().await;

@@ -1,57 +1,57 @@
-//! What the service and `fathom-cluster jobs` tell each other, as JSON.
+//! JSON messages between the service and `fathom-cluster jobs`.
 
 use serde::{Deserialize, Serialize};
 use spec::SetState;
 
 use crate::leases::Worker;
 
-/// A job to begin a set for.
+/// An order to create the set of a job.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Order {
-    /// Its id, unless the same submission has one already.
+    /// Id of the job, unless an earlier submission with this key has one.
     pub id: String,
-    /// Its canonical text.
+    /// Canonical text of the job.
     pub job: String,
-    /// SHA-256 of the caller and the key under which a repeat finds the same job, whichever service it asks.
+    /// SHA-256 of caller and idempotency key, so that a repeat finds the same job through every service.
     pub key: Option<String>,
 }
 
-/// What became of an order.
+/// Result of an order.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Accepted {
-    /// Its job.
+    /// The job of the order.
     Job {
         /// The id.
         id: String,
-        /// Where its set lies.
+        /// Location of the set.
         location: String,
     },
     /// The key was used with another description.
     KeyConflict,
 }
 
-/// What `fathom-cluster jobs watch` sees, a line each.
+/// A line of `fathom-cluster jobs watch`.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Event {
-    /// A set that is new or has changed; each comes again from time to time.
+    /// A new or changed set. Unchanged sets repeat from time to time.
     Set(SeenSet),
     /// The workers of the broker.
     Workers(Vec<Worker>),
 }
 
-/// How far the set of a job is.
+/// Progress of a job's set.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SeenSet {
-    /// The id of the job.
+    /// Id of the job.
     pub id: String,
-    /// Where the set lies.
+    /// Location of the set.
     pub location: String,
-    /// Whether it is worked on.
+    /// State of the set.
     pub state: SetState,
-    /// Shards that are done.
+    /// Completed shards.
     pub done: u64,
-    /// When the last of them was, by the clock of the store; 0 without one.
+    /// Time of the latest completed shard by the store's clock; 0 without one.
     pub changed_ms: i64,
 }

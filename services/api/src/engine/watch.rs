@@ -1,4 +1,4 @@
-//! The process that watches the store and fills the broker: `fathom-cluster jobs watch`. It is started again when it ends.
+//! Supervises `fathom-cluster jobs watch`, the process that watches the store and fills the broker.
 
 use std::time::Duration;
 
@@ -9,11 +9,11 @@ use tokio::sync::mpsc::Sender;
 use super::Engine;
 use super::orders::Event;
 
-/// Between two lives of the process.
+/// Pause before restarting the process.
 const PAUSE: Duration = Duration::from_secs(1);
 
 impl Engine {
-    /// Watches until the receiver is gone.
+    /// Watches until the receiver is dropped.
     pub(crate) async fn watch(&self, seen: &Sender<Event>) {
         while !seen.is_closed() {
             match self.command(&["watch", &self.store]).spawn() {
@@ -24,7 +24,8 @@ impl Engine {
         }
     }
 
-    /// Reads what a child says until it ends. Its standard input stays open as long: it ends with the service.
+    /// Forwards the events of a child until it exits. Its standard input stays open, so that it ends with the
+    /// service.
     async fn follow(&self, mut child: Child, seen: &Sender<Event>) {
         let _stdin = child.stdin.take();
         if let Some(stderr) = child.stderr.take() {
@@ -51,7 +52,7 @@ impl Engine {
         let status = child.wait().await;
         tracing::warn!(
             ?status,
-            "the process that watches the store ended and is started again"
+            "the process that watches the store ended and is restarted"
         );
     }
 }

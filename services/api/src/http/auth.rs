@@ -10,16 +10,16 @@ use sha2::{Digest, Sha256};
 
 use crate::http::problem::{Problem, Slug};
 
-/// What a token may do.
+/// Permissions of a token.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Scope {
-    /// Look at everything that is not secret.
+    /// Read all non-secret data.
     Read,
     /// Submit and cancel jobs, upload scenes.
     Submit,
-    /// Be a worker.
+    /// Act as a worker.
     Work,
-    /// Everything.
+    /// All permissions.
     Admin,
 }
 
@@ -40,7 +40,7 @@ impl Scope {
     }
 }
 
-/// Why the token setting cannot be used. Secrets are never part of a message.
+/// An invalid token setting. Messages never contain secrets.
 #[derive(Debug, thiserror::Error)]
 pub enum TokenError {
     /// An entry without a secret.
@@ -57,26 +57,26 @@ pub enum TokenError {
         /// Counted from 1.
         position: usize,
     },
-    /// Others could reach the service.
+    /// The address is reachable from other machines.
     #[error("{0} can be reached from other machines: set FATHOM_TOKEN, or listen on 127.0.0.1")]
     Open(SocketAddr),
 }
 
-/// Owner of what is sent without a token.
+/// Owner of requests without a token.
 const ANYONE: &str = "local";
 
-/// Who sent a request: rows that belong to a caller carry `owner`.
+/// The sender of a request. Rows that belong to a caller have its `owner`.
 #[derive(Debug, Clone)]
 pub(crate) struct Caller {
-    /// Hash of the token, or `local` where none is needed.
+    /// Hash of the token, or `local` without tokens.
     pub(crate) owner: String,
-    /// Whether it is a worker that the service has started.
+    /// Whether it is a worker started by the service.
     pub(crate) is_own_worker: bool,
 }
 
 impl Caller {
-    /// Whether nothing tells it from others.
-    pub(crate) fn is_anyone(&self) -> bool {
+    /// Whether it is anonymous.
+    pub(crate) fn is_anonymous(&self) -> bool {
         self.owner == ANYONE
     }
 }
@@ -86,19 +86,19 @@ struct Entry {
     scopes: Vec<Scope>,
 }
 
-/// The known tokens; if the user has set none, every request may do everything.
+/// The known tokens. Without any, every request has all permissions.
 pub(crate) struct Tokens {
     entries: Vec<Entry>,
-    /// Hash of the secret that only the service's own workers have.
+    /// Hash of the secret shared only with the service's workers.
     own_worker: Option<[u8; 32]>,
 }
 
 impl Tokens {
-    /// Reads `SECRET` or `scope+scope:SECRET` entries, separated by commas.
+    /// Parses `SECRET` or `scope+scope:SECRET` entries, separated by commas.
     pub(crate) fn parse(setting: Option<&str>, listen: SocketAddr) -> Result<Self, TokenError> {
         let Some(setting) = setting.filter(|text| !text.is_empty()) else {
             return if listen.ip().is_loopback() {
-                Ok(Self::of(Vec::new()))
+                Ok(Self::from_entries(Vec::new()))
             } else {
                 Err(TokenError::Open(listen))
             };
@@ -107,10 +107,10 @@ impl Tokens {
             .split(',')
             .zip(1..)
             .map(|(text, position)| Entry::parse(text.trim(), position));
-        Ok(Self::of(entries.collect::<Result<_, _>>()?))
+        Ok(Self::from_entries(entries.collect::<Result<_, _>>()?))
     }
 
-    fn of(entries: Vec<Entry>) -> Self {
+    fn from_entries(entries: Vec<Entry>) -> Self {
         Self {
             entries,
             own_worker: None,
@@ -122,15 +122,16 @@ impl Tokens {
         !self.entries.is_empty()
     }
 
-    /// Takes the secret of the service's own workers, which has their scope alone.
+    /// Adds the secret of the service's workers, which has only their scope.
     pub(crate) fn add_own_worker(&mut self, secret: &str) {
         self.own_worker = Some(Sha256::digest(secret).into());
     }
 
     fn check(&self, headers: &HeaderMap, needed: Scope) -> Result<Caller, Problem> {
         let hash: Option<[u8; 32]> = bearer(headers).map(|secret| Sha256::digest(secret).into());
-        let is_own = |hash: [u8; 32]| self.own_worker.is_some_and(|own| same(&own, &hash));
-        if let Some(hash) = hash.filter(|hash| needed == Scope::Work && is_own(*hash)) {
+        if let (Some(hash), Some(own), Scope::Work) = (hash, self.own_worker, needed)
+            && is_same_secret(&own, &hash)
+        {
             return Ok(Caller {
                 owner: spec::hex(&hash),
                 is_own_worker: true,
@@ -148,9 +149,9 @@ impl Tokens {
                 "Bearer",
             ));
         };
-        // Every entry is compared, whichever matches.
+        // Every entry is compared, to keep the time constant.
         let known = self.entries.iter().fold(None, |found, entry| {
-            if same(&entry.hash, &hash) {
+            if is_same_secret(&entry.hash, &hash) {
                 Some(entry)
             } else {
                 found
@@ -158,7 +159,7 @@ impl Tokens {
         });
         let Some(entry) = known else {
             return Err(unauthorized(
-                "the token is not known",
+                "the token is unknown",
                 "Bearer error=\"invalid_token\"",
             ));
         };
@@ -169,7 +170,7 @@ impl Tokens {
             });
         }
         let detail = format!("this request needs a token with the scope `{}`", needed.name());
-        Err(Problem::new(Slug::Forbidden, detail).with("scope", needed.name()))
+        Err(Problem::new(Slug::Forbidden, detail).with_member("scope", needed.name()))
     }
 }
 
@@ -205,19 +206,19 @@ fn bearer(headers: &HeaderMap) -> Option<&[u8]> {
         .then(|| secret.trim_ascii())
 }
 
-/// Compares in a time that does not depend on where the first difference is.
-fn same(a: &[u8; 32], b: &[u8; 32]) -> bool {
+/// Compares in constant time.
+fn is_same_secret(a: &[u8; 32], b: &[u8; 32]) -> bool {
     a.iter().zip(b).fold(0, |difference, (x, y)| difference | (x ^ y)) == 0
 }
 
-/// The scope that a group of routes requires.
+/// The scope required by a group of routes.
 #[derive(Clone)]
 pub(crate) struct Guard {
     pub(crate) tokens: std::sync::Arc<Tokens>,
     pub(crate) scope: Scope,
 }
 
-/// Passes requests whose token has the scope, with their [`Caller`] as an extension.
+/// Passes requests with the required scope, with their [`Caller`] as an extension.
 pub(crate) async fn require(
     State(guard): State<Guard>,
     mut request: Request,

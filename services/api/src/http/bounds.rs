@@ -1,30 +1,35 @@
-//! Query parameters within their limits.
+//! Checks of query parameters.
 
 use std::time::Duration;
 
 use super::problem::{Problem, Slug};
 use crate::limits;
 
-/// The number of rows of a page.
-pub(crate) fn rows(limit: Option<u32>) -> Result<u32, Problem> {
+/// Checks the number of rows of a page.
+pub(crate) fn check_rows(limit: Option<u32>) -> Result<u32, Problem> {
     match limit {
         None => Ok(limits::DEFAULT_PAGE_ROWS),
         Some(rows @ 1..=limits::MAX_PAGE_ROWS) => Ok(rows),
-        Some(rows) => Err(beyond("limit", rows.into(), 1, limits::MAX_PAGE_ROWS.into())),
+        Some(rows) => Err(out_of_range(
+            "limit",
+            rows.into(),
+            1,
+            limits::MAX_PAGE_ROWS.into(),
+        )),
     }
 }
 
-/// How long a client wants to wait.
-pub(crate) fn wait(seconds: Option<u64>) -> Result<Duration, Problem> {
+/// Checks the time that a client wants to wait.
+pub(crate) fn check_wait(seconds: Option<u64>) -> Result<Duration, Problem> {
     let longest = limits::MAX_WAIT.as_secs();
     match seconds.unwrap_or(0) {
         seconds if seconds <= longest => Ok(Duration::from_secs(seconds)),
-        seconds => Err(beyond("wait", seconds, 0, longest)),
+        seconds => Err(out_of_range("wait", seconds, 0, longest)),
     }
 }
 
-/// A filter; an empty one is none.
-pub(crate) fn filter(filter: Option<String>) -> Result<Option<String>, Problem> {
+/// Checks a filter; an empty one counts as absent.
+pub(crate) fn check_filter(filter: Option<String>) -> Result<Option<String>, Problem> {
     match filter {
         Some(text) if text.len() > limits::FILTER_BYTES => {
             let (bytes, limit) = (text.len(), limits::FILTER_BYTES);
@@ -35,12 +40,12 @@ pub(crate) fn filter(filter: Option<String>) -> Result<Option<String>, Problem> 
     }
 }
 
-/// The names of a list that is separated by commas.
-pub(crate) fn names(list: &str) -> Vec<String> {
+/// Splits a comma-separated list.
+pub(crate) fn split_names(list: &str) -> Vec<String> {
     list.split(',').map(|name| name.trim().to_owned()).collect()
 }
 
-pub(crate) fn beyond(name: &str, value: u64, least: u64, most: u64) -> Problem {
-    let detail = format!("{name}: is {value} but must be in {least}..={most}");
+pub(crate) fn out_of_range(name: &str, value: u64, least: u64, most: u64) -> Problem {
+    let detail = format!("{name} is {value}; must be in {least}..={most}");
     Problem::new(Slug::InvalidQuery, detail)
 }

@@ -1,4 +1,4 @@
-//! Budgets: how many requests of a kind may be at work at the same time, in all and for one caller.
+//! Concurrency budgets: how many requests of a kind may run at the same time, in total and per caller.
 
 use std::collections::HashMap;
 use std::net::IpAddr;
@@ -13,84 +13,86 @@ use crate::http::auth::Caller;
 use crate::http::problem::Problem;
 use crate::telemetry;
 
-/// Callers whose places are remembered before those that hold none are forgotten.
+/// Callers tracked before idle ones are removed.
 const KNOWN_CALLERS: usize = 64;
 
-/// The other end of a connection.
+/// The remote address of a connection.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Peer(pub(crate) IpAddr);
 
-/// Who a request counts for: the token, or without any the address that it came from.
-pub(crate) fn caller_of(request: &Request) -> String {
+/// Returns the caller that a request counts for: the token, or without tokens the remote address.
+pub(crate) fn identify_caller(request: &Request) -> String {
     let caller = request.extensions().get::<Caller>();
-    let token = caller.filter(|caller| !caller.is_anyone());
-    let peer = || request.extensions().get::<Peer>();
-    match (token, peer()) {
+    let token = caller.filter(|caller| !caller.is_anonymous());
+    match (token, request.extensions().get::<Peer>()) {
         (Some(caller), _) => caller.owner.clone(),
         (None, Some(Peer(address))) => address.to_string(),
         (None, None) => String::new(),
     }
 }
 
-/// How many requests of a kind may run at the same time. Clones share the places: a layer is cloned for each route,
-/// and the limit must hold over all of them.
+/// Concurrency limit for a kind of request. Clones share the permits: a layer is cloned for each route, and the limit
+/// must hold over all of them.
 #[derive(Clone)]
-pub(crate) struct Budget(Arc<Places>);
+pub(crate) struct Budget(Arc<Permits>);
 
-struct Places {
+struct Permits {
     name: &'static str,
     all: Arc<Semaphore>,
-    /// Of these each caller may hold so many.
-    each: usize,
+    /// Permits of each caller.
+    per_caller: usize,
     callers: Mutex<HashMap<String, Arc<Semaphore>>>,
     patience: Duration,
 }
 
-/// One or more places of a budget, given back when dropped.
-pub(crate) struct Place {
+/// One or more permits of a budget, released on drop.
+pub(crate) struct Permit {
     _own: OwnedSemaphorePermit,
     _all: OwnedSemaphorePermit,
 }
 
-/// The share of a budget that one caller may take.
+/// The share of a budget that one caller may use.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Share {
     pub(crate) percent: usize,
 }
 
 impl Budget {
-    /// `patience`: how long a request waits for a place before it is shed.
-    pub(crate) fn new(name: &'static str, places: usize, share: Share, patience: Duration) -> Self {
-        Self(Arc::new(Places {
+    /// `patience`: how long a request waits for a permit before it is shed.
+    pub(crate) fn new(name: &'static str, permits: usize, share: Share, patience: Duration) -> Self {
+        Self(Arc::new(Permits {
             name,
-            all: Arc::new(Semaphore::new(places)),
-            each: (places * share.percent).div_ceil(100).max(1),
+            all: Arc::new(Semaphore::new(permits)),
+            per_caller: (permits * share.percent).div_ceil(100).max(1),
             callers: Mutex::default(),
             patience,
         }))
     }
 
-    /// Takes a place for a caller.
-    pub(crate) async fn take(&self, caller: &str) -> Result<Place, Problem> {
-        self.take_many(caller, 1).await
+    /// Acquires a permit for a caller.
+    pub(crate) async fn acquire(&self, caller: &str) -> Result<Permit, Problem> {
+        self.acquire_many(caller, 1).await
     }
 
-    /// Takes several places at once.
-    pub(crate) async fn take_many(&self, caller: &str, count: u32) -> Result<Place, Problem> {
-        let places = &*self.0;
-        let deadline = Instant::now() + places.patience;
-        let own = timeout_at(deadline, places.of(caller).acquire_many_owned(count)).await;
+    /// Acquires several permits together.
+    pub(crate) async fn acquire_many(&self, caller: &str, count: u32) -> Result<Permit, Problem> {
+        let permits = &*self.0;
+        let deadline = Instant::now() + permits.patience;
+        let own = timeout_at(deadline, permits.find_caller(caller).acquire_many_owned(count)).await;
         let Ok(Ok(own)) = own else {
             return Err(self.shed(format!(
-                "this caller has taken its {} places for {}",
-                places.each, places.name
+                "this caller already has {} concurrent {}; retry later",
+                permits.per_caller, permits.name
             )));
         };
-        let all = timeout_at(deadline, Arc::clone(&places.all).acquire_many_owned(count)).await;
+        let all = timeout_at(deadline, Arc::clone(&permits.all).acquire_many_owned(count)).await;
         let Ok(Ok(all)) = all else {
-            return Err(self.shed(format!("all places for {} are taken", places.name)));
+            return Err(self.shed(format!(
+                "the limit of concurrent {} is reached; retry later",
+                permits.name
+            )));
         };
-        Ok(Place { _own: own, _all: all })
+        Ok(Permit { _own: own, _all: all })
     }
 
     fn shed(&self, detail: String) -> Problem {
@@ -99,17 +101,17 @@ impl Budget {
     }
 }
 
-impl Places {
-    /// The places of a caller.
-    fn of(&self, caller: &str) -> Arc<Semaphore> {
+impl Permits {
+    /// The permits of a caller.
+    fn find_caller(&self, caller: &str) -> Arc<Semaphore> {
         let mut callers = self.callers.lock().unwrap_or_else(PoisonError::into_inner);
         if callers.len() >= KNOWN_CALLERS {
-            // One with a request under way is held by it.
-            callers.retain(|_, places| Arc::strong_count(places) > 1);
+            // A running request keeps a reference.
+            callers.retain(|_, permits| Arc::strong_count(permits) > 1);
         }
-        let places = callers.entry(caller.to_owned());
-        let places = places.or_insert_with(|| Arc::new(Semaphore::new(self.each)));
-        Arc::clone(places)
+        let permits = callers.entry(caller.to_owned());
+        let permits = permits.or_insert_with(|| Arc::new(Semaphore::new(self.per_caller)));
+        Arc::clone(permits)
     }
 }
 
@@ -120,15 +122,15 @@ mod tests {
     const HALF: Share = Share { percent: 50 };
 
     async fn is_free(budget: &Budget, caller: &str) -> bool {
-        budget.take(caller).await.is_ok()
+        budget.acquire(caller).await.is_ok()
     }
 
     #[tokio::test(start_paused = true)]
     async fn a_caller_has_its_share_and_leaves_the_rest_to_others() {
         let budget = Budget::new("tests", 4, HALF, Duration::ZERO);
-        let held = [budget.take("a").await.ok(), budget.take("a").await.ok()];
+        let held = [budget.acquire("a").await.ok(), budget.acquire("a").await.ok()];
         assert!(held.iter().all(Option::is_some) && !is_free(&budget, "a").await);
-        let others = [budget.take("b").await.ok(), budget.take("c").await.ok()];
+        let others = [budget.acquire("b").await.ok(), budget.acquire("c").await.ok()];
         assert!(others.iter().all(Option::is_some) && !is_free(&budget, "d").await);
         drop(held);
         assert!(is_free(&budget, "a").await);
@@ -137,7 +139,7 @@ mod tests {
     #[tokio::test(start_paused = true)]
     async fn a_request_waits_as_long_as_its_budget_is_patient() {
         let budget = Budget::new("tests", 1, HALF, Duration::from_secs(2));
-        let held = budget.take("a").await.ok();
+        let held = budget.acquire("a").await.ok();
         let begun = Instant::now();
         assert!(!is_free(&budget, "a").await);
         assert_eq!(begun.elapsed(), Duration::from_secs(2));
@@ -151,9 +153,9 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn callers_that_hold_nothing_are_forgotten() {
+    async fn idle_callers_are_dropped() {
         let budget = Budget::new("tests", 1000, HALF, Duration::ZERO);
-        let kept = budget.take("kept").await.ok();
+        let kept = budget.acquire("kept").await.ok();
         for caller in 0..10 * KNOWN_CALLERS {
             assert!(is_free(&budget, &caller.to_string()).await);
         }

@@ -1,5 +1,5 @@
-//! The OpenAPI document and a page to read it: Swagger UI, whose files come deflated in one archive and leave as gzip
-//! without being unpacked.
+//! The OpenAPI document and its viewer, Swagger UI. The viewer's files are stored deflated in one archive and sent as
+//! gzip without recompression.
 
 use axum::Router;
 use axum::body::Bytes;
@@ -53,34 +53,40 @@ fn file(name: &str, media_type: &'static str) -> MethodRouter {
     })
 }
 
-/// The file `dist/NAME` of a ZIP archive as gzip: both hold the same deflated bytes.
+/// The file `dist/NAME` of a ZIP archive as gzip: both contain the same deflate stream.
 fn gzipped(archive: &[u8], name: &str) -> Option<Vec<u8>> {
     const END: &[u8] = b"PK\x05\x06";
     const ENTRY_BYTES: usize = 46;
     const LOCAL_BYTES: usize = 30;
     const GZIP_HEAD: [u8; 10] = [0x1f, 0x8b, 8, 0, 0, 0, 0, 0, 0, 0xff];
-    let short = |at: usize| {
-        Some(usize::from(u16::from_le_bytes(
-            archive.get(at..at + 2)?.try_into().ok()?,
-        )))
-    };
-    let long = |at: usize| Some(u32::from_le_bytes(archive.get(at..at + 4)?.try_into().ok()?) as usize);
     let end = archive.windows(END.len()).rposition(|window| window == END)?;
-    let mut entry = long(end + 16)?;
+    let mut entry = read_number(archive, 4, end + 16)?;
     loop {
-        let name_bytes = short(entry + 28)?;
+        let name_bytes = read_number(archive, 2, entry + 28)?;
         let path = archive.get(entry + ENTRY_BYTES..)?.get(..name_bytes)?;
         if path.ends_with(format!("/dist/{name}").as_bytes()) {
             break;
         }
-        entry += ENTRY_BYTES + name_bytes + short(entry + 30)? + short(entry + 32)?;
+        entry += ENTRY_BYTES
+            + name_bytes
+            + read_number(archive, 2, entry + 30)?
+            + read_number(archive, 2, entry + 32)?;
     }
-    let local = long(entry + 42)?;
-    let data_from = local + LOCAL_BYTES + short(local + 26)? + short(local + 28)?;
-    let deflated = archive.get(data_from..)?.get(..long(entry + 20)?)?;
+    let local = read_number(archive, 4, entry + 42)?;
+    let data_from =
+        local + LOCAL_BYTES + read_number(archive, 2, local + 26)? + read_number(archive, 2, local + 28)?;
+    let deflated = archive
+        .get(data_from..)?
+        .get(..read_number(archive, 4, entry + 20)?)?;
     let checksum = archive.get(entry + 16..entry + 20)?;
     let size = archive.get(entry + 24..entry + 28)?;
     Some([&GZIP_HEAD, deflated, checksum, size].concat())
+}
+
+/// A little-endian number of up to 8 bytes.
+fn read_number(archive: &[u8], bytes: usize, offset: usize) -> Option<usize> {
+    let digits = archive.get(offset..offset + bytes)?.iter().rev();
+    Some(digits.fold(0, |number, byte| number << 8 | usize::from(*byte)))
 }
 
 #[cfg(test)]
@@ -90,7 +96,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_files_of_the_page_unpack_to_what_they_are() {
+    fn the_files_of_the_page_unpack_unchanged() {
         for (name, part) in [
             ("swagger-ui.css", ".swagger-ui"),
             ("swagger-ui-bundle.js", "SwaggerUIBundle"),

@@ -1,4 +1,4 @@
-//! Extractors whose refusals are problems that name what was refused.
+//! Extractors whose rejections are problems that name the offending input.
 
 use std::time::Duration;
 
@@ -25,7 +25,7 @@ impl From<QueryRejection> for Problem {
     }
 }
 
-/// Parts of the path.
+/// Path parameters.
 #[derive(FromRequestParts)]
 #[from_request(via(axum::extract::Path), rejection(Problem))]
 pub(crate) struct Path<T>(pub(crate) T);
@@ -36,20 +36,20 @@ impl From<PathRejection> for Problem {
     }
 }
 
-/// The body of a JSON request, unread: the description's own reader is stricter than a common one.
+/// The unparsed body of a JSON request. The description's parser is stricter than serde's.
 pub(crate) struct JsonBytes(pub(crate) Bytes);
 
 impl<S: Send + Sync> FromRequest<S> for JsonBytes {
     type Rejection = Problem;
 
     async fn from_request(request: Request, state: &S) -> Result<Self, Problem> {
-        // Also keeps other sites' pages out: a browser asks before it sends this content type across sites.
+        // Blocks cross-site requests as well: a browser sends a preflight before this content type.
         media_type(request.headers(), "application/json")?;
         Ok(Self(body(request, state).await?))
     }
 }
 
-/// The fields of a multipart form, unread.
+/// The unread fields of a multipart form.
 pub(crate) struct MultipartBody(pub(crate) Multipart);
 
 impl<S: Send + Sync> FromRequest<S> for MultipartBody {
@@ -64,7 +64,7 @@ impl<S: Send + Sync> FromRequest<S> for MultipartBody {
     }
 }
 
-/// A protobuf message: checked when it comes from a worker, so no route sees one that breaks the protocol.
+/// A checked protobuf message. Routes only see valid messages.
 pub(crate) struct Protobuf<M>(pub(crate) M);
 
 impl<M: proto::Checked, S: Send + Sync> FromRequest<S> for Protobuf<M> {
@@ -83,7 +83,7 @@ impl<M: prost::Message> IntoResponse for Protobuf<M> {
     }
 }
 
-/// Who submits a description, and the key under which a repeat of it finds the same job.
+/// The submitter of a description, and its idempotency key.
 pub(crate) struct Submitter {
     pub(crate) owner: String,
     pub(crate) idempotency_key: Option<String>,
@@ -95,19 +95,16 @@ impl<S: Send + Sync> FromRequestParts<S> for Submitter {
     async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Self, Problem> {
         let caller = parts.extensions.get::<Caller>();
         let owner = caller.ok_or_else(|| Problem::internal(&"a route that asks for no scope"))?;
-        let refuse = |why: String| Problem::new(Slug::InvalidHeader, format!("Idempotency-Key {why}"));
         let mut keys = parts.headers.get_all("idempotency-key").iter();
         let (key, another) = (keys.next(), keys.next());
         if another.is_some() {
-            return Err(refuse("stands there more than once".to_owned()));
+            return Err(invalid_key("occurs more than once; send one"));
         }
         let key = key.map(|value| {
-            let key = value
-                .to_str()
-                .map_err(|_| refuse("is not visible ASCII".to_owned()))?;
+            let key = value.to_str().map_err(|_| invalid_key("is not visible ASCII"))?;
             match key.len() {
                 1..=limits::IDEMPOTENCY_KEY_BYTES => Ok(key.to_owned()),
-                length => Err(refuse(format!(
+                length => Err(invalid_key(&format!(
                     "has {length} characters, the limit is 1..={}",
                     limits::IDEMPOTENCY_KEY_BYTES
                 ))),
@@ -118,6 +115,10 @@ impl<S: Send + Sync> FromRequestParts<S> for Submitter {
             idempotency_key: key.transpose()?,
         })
     }
+}
+
+fn invalid_key(problem: &str) -> Problem {
+    Problem::new(Slug::InvalidHeader, format!("Idempotency-Key {problem}"))
 }
 
 /// `Prefer: wait=N` (RFC 7240): how long the client wants to wait for the result.
@@ -146,7 +147,7 @@ impl<S: Send + Sync> FromRequestParts<S> for PreferredWait {
     }
 }
 
-/// The elements of a header whose value is a list, over all its lines.
+/// The elements of a list header, over all its lines.
 pub(crate) fn listed(headers: &HeaderMap, name: impl AsHeaderName) -> impl Iterator<Item = &str> {
     let lines = headers.get_all(name).into_iter();
     let lines = lines.filter_map(|value| value.to_str().ok());
@@ -158,13 +159,13 @@ async fn body<S: Send + Sync>(request: Request, state: &S) -> Result<Bytes, Prob
         .await
         .map_err(|rejection: BytesRejection| match rejection.status() {
             StatusCode::PAYLOAD_TOO_LARGE => {
-                Problem::new(Slug::TooLarge, "the body is larger than this route takes")
+                Problem::new(Slug::TooLarge, "the body exceeds the limit of this route")
             }
             _ => Problem::new(Slug::InvalidBody, rejection.body_text()),
         })
 }
 
-/// Also refuses compressed bodies: what they unpack to has no limit that their length tells.
+/// Checks the content type and rejects compressed bodies, whose length does not bound their decompressed size.
 fn media_type(headers: &HeaderMap, wanted: &str) -> Result<(), Problem> {
     if let Some(encoding) = headers
         .get(header::CONTENT_ENCODING)
@@ -173,7 +174,7 @@ fn media_type(headers: &HeaderMap, wanted: &str) -> Result<(), Problem> {
         let encoding = String::from_utf8_lossy(encoding.as_bytes());
         return Err(Problem::new(
             Slug::UnsupportedMediaType,
-            format!("the content encoding is `{encoding}`; send the body as it is"),
+            format!("the content encoding is `{encoding}`; send the body uncompressed"),
         ));
     }
     let given = headers

@@ -1,4 +1,4 @@
-//! From the errors of the crates below to problems: the only place where that is decided, apart from sets.
+//! Maps errors of other crates to problems, except those of sets.
 
 use catalogue::CatalogueError;
 use proto::MessageError;
@@ -10,10 +10,10 @@ impl From<CatalogueError> for Problem {
     fn from(error: CatalogueError) -> Self {
         match error {
             CatalogueError::Filter(filter) => {
-                let problem =
-                    Self::new(Slug::InvalidFilter, filter.to_string()).with("position", filter.position);
+                let problem = Self::new(Slug::InvalidFilter, filter.to_string())
+                    .with_member("position", filter.position);
                 match filter.did_you_mean {
-                    Some(name) => problem.with("did_you_mean", name),
+                    Some(name) => problem.with_member("did_you_mean", name),
                     None => problem,
                 }
             }
@@ -67,7 +67,7 @@ impl From<MessageError> for Problem {
     }
 }
 
-/// From an error of the file system while something was written.
+/// Maps an error of the file system during a write.
 pub(crate) fn writing(error: &std::io::Error) -> Problem {
     use std::io::ErrorKind;
     match error.kind() {
@@ -80,6 +80,6 @@ pub(crate) fn storage_full(error: &dyn std::fmt::Display) -> Problem {
     tracing::error!(%error, "the disk is full");
     Problem::new(
         Slug::StorageFull,
-        "there is no space left for the data directory; reading goes on",
+        "the data folder has no space left; reads still work",
     )
 }

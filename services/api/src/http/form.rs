@@ -1,4 +1,4 @@
-//! Multipart forms, read as a whole: what is wrong with the fields is reported together.
+//! Multipart forms, read completely; all invalid fields are reported together.
 
 use std::str::FromStr;
 
@@ -11,18 +11,18 @@ use spec::{FieldError, Invalid};
 use super::problem::{Problem, Slug};
 use crate::limits;
 
-/// What a field holds.
+/// Type of a form field.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Kind {
     File,
-    /// A file that may be given several times.
+    /// A repeatable file.
     Files,
     Text,
-    /// A text that may be given several times.
+    /// A repeatable text.
     Texts,
 }
 
-/// The fields of a form by their names, in the order in which they came.
+/// The fields of a form by name, in order of arrival.
 pub(crate) struct Form {
     fields: Vec<(&'static str, Bytes)>,
     errors: Vec<FieldError>,
@@ -41,7 +41,7 @@ impl Form {
             let refusal = match known.iter().find(|(known, _)| *known == name) {
                 None => {
                     let names: Vec<_> = known.iter().map(|(name, _)| *name).collect();
-                    format!("there is no field `{name}`; fields are {}", names.join(", "))
+                    format!("`{name}` is not a field; must be one of {}", names.join(", "))
                 }
                 Some((_, Kind::File | Kind::Text)) if fields.iter().any(|(seen, _)| *seen == name) => {
                     format!("`{name}` is given twice")
@@ -60,36 +60,36 @@ impl Form {
                 },
             };
             errors.push(FieldError::new(&format!("/{name}"), refusal));
-            // The fields after it are checked too.
+            // Continue, so that later fields are checked too.
             while field.chunk().await.map_err(|error| broken(&error))?.is_some() {}
         }
         Ok(Self { fields, errors })
     }
 
-    /// The first field of a name.
+    /// The first field with a name.
     pub(crate) fn get(&self, name: &str) -> Option<&Bytes> {
         let first = self.fields.iter().find(|(field, _)| *field == name);
         first.map(|(_, bytes)| bytes)
     }
 
-    /// All fields of a name.
+    /// All fields with a name.
     pub(crate) fn all<'a>(&'a self, name: &'a str) -> impl Iterator<Item = &'a Bytes> {
         let found = self.fields.iter().filter(move |(field, _)| *field == name);
         found.map(|(_, bytes)| bytes)
     }
 
-    /// The texts of a name.
+    /// All texts with a name.
     pub(crate) fn texts<'a>(&'a self, name: &'a str) -> impl Iterator<Item = String> {
         self.all(name)
             .map(|bytes| String::from_utf8_lossy(bytes).into_owned())
     }
 
-    /// A text, or a default where it is absent.
+    /// A text, or a default if absent.
     pub(crate) fn text_or(&self, name: &str, otherwise: &str) -> String {
         self.texts(name).next().unwrap_or_else(|| otherwise.to_owned())
     }
 
-    /// A number within its limit, or a truth value; another one is refused.
+    /// Parses a number or truth value and adds an error if it is invalid.
     pub(crate) fn parsed<T: FromStr>(
         &mut self,
         name: &str,
@@ -104,7 +104,7 @@ impl Form {
         number
     }
 
-    /// Refuses a form without this field.
+    /// Adds an error if the field is missing.
     pub(crate) fn require(&mut self, name: &str) {
         if self.get(name).is_none() {
             self.refuse(name, format!("`{name}` is missing"));
@@ -115,16 +115,16 @@ impl Form {
         self.errors.push(FieldError::new(&format!("/{name}"), message));
     }
 
-    /// Refuses what is wrong inside of a field.
+    /// Adds errors from inside a field.
     pub(crate) fn refuse_inside(&mut self, name: &str, Invalid(errors): Invalid) {
-        let inside = |error: FieldError| FieldError {
-            pointer: format!("/{name}{}", error.pointer),
-            ..error
-        };
-        self.errors.extend(errors.into_iter().map(inside));
+        self.errors
+            .extend(errors.into_iter().map(|error: FieldError| FieldError {
+                pointer: format!("/{name}{}", error.pointer),
+                ..error
+            }));
     }
 
-    /// Returns all refusals together, if there are any.
+    /// Returns all errors together, if any.
     pub(crate) fn check(&mut self) -> Result<(), Problem> {
         match std::mem::take(&mut self.errors) {
             errors if errors.is_empty() => Ok(()),
@@ -144,11 +144,11 @@ async fn text(field: &mut Field<'_>) -> Result<Result<String, String>, Problem> 
     Ok(String::from_utf8(bytes).map_err(|_| "is not UTF-8".to_owned()))
 }
 
-/// A form that cannot be read to its end.
+/// A form that ends prematurely or is malformed.
 fn broken(error: &MultipartError) -> Problem {
     match error.status() {
         StatusCode::PAYLOAD_TOO_LARGE => {
-            Problem::new(Slug::TooLarge, "the upload is larger than this route takes")
+            Problem::new(Slug::TooLarge, "the upload exceeds the limit of this route")
         }
         _ => Problem::new(Slug::InvalidBody, error.body_text()),
     }

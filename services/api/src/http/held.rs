@@ -1,4 +1,4 @@
-//! Bodies that keep their place in a budget until the client has taken them.
+//! Response bodies that keep their permit until the client has received them.
 
 use std::pin::Pin;
 use std::task::{Context, Poll, ready};
@@ -6,25 +6,25 @@ use std::task::{Context, Poll, ready};
 use axum::body::{Body, Bytes};
 use hyper::body::{Frame, SizeHint};
 
-use crate::http::budget::Place;
+use crate::http::budget::Permit;
 
-/// Bytes passed to the connection at a time: while a client does not read, the rest and the place stay here.
+/// Bytes passed to the connection at a time. The rest and the permit wait here for the client to read.
 const PIECE_BYTES: usize = 64 << 10;
 
-/// A body and the place that it holds.
+/// A body and its permit.
 pub(crate) struct Held {
     body: Body,
     rest: Bytes,
-    _place: Place,
+    _place: Permit,
 }
 
 impl Held {
-    /// The body, in pieces, with the place.
-    pub(crate) fn around(body: Body, place: Place) -> Body {
+    /// Wraps a body in pieces, with its permit.
+    pub(crate) fn wrap(body: Body, permit: Permit) -> Body {
         Body::new(Self {
             body,
             rest: Bytes::new(),
-            _place: place,
+            _place: permit,
         })
     }
 }
@@ -78,21 +78,21 @@ mod tests {
     use crate::http::budget::{Budget, Share};
 
     #[tokio::test]
-    async fn the_place_is_free_when_the_last_piece_is_taken_and_nothing_is_changed() {
+    async fn the_permit_is_released_with_the_last_piece_and_the_body_is_unchanged() {
         let places = Budget::new("tests", 1, Share { percent: 100 }, Duration::ZERO);
         let sent: Vec<u8> = (0..PIECE_BYTES * 2 + 9).map(|n| (n % 251) as u8).collect();
-        let place = places.take("a").await.ok().unwrap();
-        let held = Held::around(Body::from(sent.clone()), place);
+        let permit = places.acquire("a").await.ok().unwrap();
+        let held = Held::wrap(Body::from(sent.clone()), permit);
         assert_eq!(held.size_hint().exact(), Some(sent.len() as u64));
         let mut pieces = held.into_data_stream();
         let mut taken = Vec::new();
         for _ in 0..3 {
-            assert!(places.take("b").await.is_err());
+            assert!(places.acquire("b").await.is_err());
             taken.extend(pieces.next().await.unwrap().unwrap());
         }
         assert!(pieces.next().await.is_none());
         drop(pieces);
-        assert!(places.take("b").await.is_ok());
+        assert!(places.acquire("b").await.is_ok());
         assert_eq!(taken, sent);
     }
 }

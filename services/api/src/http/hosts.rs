@@ -1,8 +1,8 @@
-//! Names under which an open service responds.
+//! Host names of a service without tokens.
 //!
-//! A page of another site may give its own name the address of this machine after a browser has loaded it (DNS rebinding); the
-//! browser then takes the service for a part of that site. Only the `Host` header still tells. A service with tokens needs no
-//! such check: the page has none.
+//! A foreign page may rebind its host name to this machine after a browser has loaded it (DNS rebinding), so that the
+//! browser treats the service as the same site. The `Host` header still reveals this. A service with tokens does not
+//! need this check: the page has no token.
 
 use std::net::IpAddr;
 use std::sync::Arc;
@@ -15,12 +15,12 @@ use axum::response::Response;
 
 use crate::http::problem::{Problem, Slug};
 
-/// The names that a service responds to.
+/// Accepted host names.
 #[derive(Clone)]
 pub(crate) enum Hosts {
-    /// All: every request needs a token.
+    /// Any name: every request needs a token.
     Any,
-    /// This machine's loopback names, and these.
+    /// This machine's loopback names, and the listed ones.
     Loopback(Arc<[String]>),
 }
 
@@ -38,7 +38,7 @@ impl Hosts {
         let Ok(authority) = host.parse::<Authority>() else {
             return false;
         };
-        // A dot at the end makes a name absolute and no other one.
+        // A trailing dot makes a name absolute.
         let name = authority.host().to_ascii_lowercase();
         let name = name.strip_suffix('.').unwrap_or(&name);
         let bare = name.trim_start_matches('[').trim_end_matches(']');
@@ -47,8 +47,8 @@ impl Hosts {
     }
 }
 
-/// Passes requests to a name of this service. A request without any is of HTTP/1.0, which no browser speaks.
-pub(crate) async fn known(
+/// Passes requests for a name of this service. A request without a host is HTTP/1.0, which no browser uses.
+pub(crate) async fn check_host(
     State(hosts): State<Hosts>,
     request: Request,
     next: Next,
@@ -62,7 +62,7 @@ pub(crate) async fn known(
     }
     let names = texts.unwrap_or_default().join(", ");
     let detail = format!(
-        "`{names}` is not a name of this service: without tokens it responds to localhost, 127.0.0.0/8, [::1] and those of --hosts"
+        "`{names}` is not a name of this service; without tokens it accepts localhost, 127.0.0.0/8, [::1] and the names of --hosts"
     );
     Err(Problem::new(Slug::UnknownHost, detail))
 }

@@ -1,31 +1,20 @@
-//! What every request passes through, from the outside in: request id and log line, problems, panics, other sites'
-//! pages; then what its group needs: scope, a time limit, its body, a place in the group's budget.
+//! Middleware of a group of routes: scope, timeout, body, concurrency permit. [`super::observe`] is outside of it.
 
-use std::any::Any;
-use std::panic::AssertUnwindSafe;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use axum::extract::{DefaultBodyLimit, MatchedPath, Request, State};
-use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, header};
+use axum::extract::{DefaultBodyLimit, Request, State};
 use axum::middleware::{Next, from_fn_with_state};
-use axum::response::{IntoResponse, Response};
-use futures::FutureExt;
-use tracing::Instrument;
+use axum::response::Response;
 use utoipa_axum::router::OpenApiRouter;
 
-use crate::clock::ordered_id;
 use crate::http::auth::{Guard, Scope, Tokens, require};
-use crate::http::budget::{Budget, caller_of};
+use crate::http::budget::{Budget, identify_caller};
 use crate::http::held::Held;
 use crate::http::problem::{Problem, Slug};
 use crate::http::receive::{Receiving, receive};
-use crate::telemetry;
 
-/// Longest request id accepted from a client.
-const REQUEST_ID_BYTES: usize = 64;
-
-/// The layers of a group of routes.
+/// Middleware settings of a group of routes.
 pub(crate) struct Group {
     pub(crate) scope: Option<Scope>,
     pub(crate) budget: Choice,
@@ -36,41 +25,47 @@ pub(crate) struct Group {
 /// The budget of a request.
 #[derive(Clone)]
 pub(crate) enum Choice {
-    /// That of its group.
+    /// One budget for the whole group.
     One(Budget),
-    /// One for those that ask to wait, so that they take no places of those that do not.
+    /// Separate budget for long polls.
     ByWait { waits: Budget, others: Budget },
 }
 
+impl From<&Budget> for Choice {
+    fn from(budget: &Budget) -> Self {
+        Self::One(budget.clone())
+    }
+}
+
 impl Choice {
-    fn of(&self, request: &Request) -> &Budget {
+    fn select(&self, request: &Request) -> &Budget {
         match self {
             Self::One(budget) => budget,
-            Self::ByWait { waits, .. } if asks_to_wait(request) => waits,
+            Self::ByWait { waits, .. } if wants_to_wait(request) => waits,
             Self::ByWait { others, .. } => others,
         }
     }
 }
 
 /// Whether the query has a `wait` other than 0.
-fn asks_to_wait(request: &Request) -> bool {
+fn wants_to_wait(request: &Request) -> bool {
     let query = request.uri().query().unwrap_or_default();
     let waits = query.split('&').filter_map(|pair| pair.strip_prefix("wait="));
     waits.into_iter().any(|seconds| seconds != "0")
 }
 
 impl Group {
-    /// Puts the group's layers around its routes, and around nothing else: unknown routes belong to no group.
-    pub(crate) fn around<S: Clone + Send + Sync + 'static>(
+    /// Adds the group's middleware to its routes only; unknown routes belong to no group.
+    pub(crate) fn wrap<S: Clone + Send + Sync + 'static>(
         self,
         routes: OpenApiRouter<S>,
         tokens: &Arc<Tokens>,
     ) -> OpenApiRouter<S> {
         let routes = routes
             .route_layer(DefaultBodyLimit::max(self.receiving.most_bytes))
-            .route_layer(from_fn_with_state(self.budget, within_budget))
+            .route_layer(from_fn_with_state(self.budget, limit_concurrency))
             .route_layer(from_fn_with_state(self.receiving, receive))
-            .route_layer(from_fn_with_state(self.timeout, in_time));
+            .route_layer(from_fn_with_state(self.timeout, enforce_timeout));
         match self.scope {
             Some(scope) => routes.route_layer(from_fn_with_state(
                 Guard {
@@ -84,128 +79,30 @@ impl Group {
     }
 }
 
-async fn within_budget(
+async fn limit_concurrency(
     State(choice): State<Choice>,
     request: Request,
     next: Next,
 ) -> Result<Response, Problem> {
-    let place = choice.of(&request).take(&caller_of(&request)).await?;
+    let permit = choice
+        .select(&request)
+        .acquire(&identify_caller(&request))
+        .await?;
     let response = next.run(request).await;
-    Ok(response.map(|body| Held::around(body, place)))
+    Ok(response.map(|body| Held::wrap(body, permit)))
 }
 
-async fn in_time(State(limit): State<Duration>, request: Request, next: Next) -> Result<Response, Problem> {
+async fn enforce_timeout(
+    State(limit): State<Duration>,
+    request: Request,
+    next: Next,
+) -> Result<Response, Problem> {
     tokio::time::timeout(limit, next.run(request)).await.map_err(|_| {
         Problem::new(
             Slug::RequestTimeout,
-            format!("not received and answered within {} s", limit.as_secs()),
+            format!("the request took longer than {} s", limit.as_secs()),
         )
     })
-}
-
-/// The outermost layer: assigns the request id, turns problems and panics into responses, writes the log line.
-pub(crate) async fn observe(request: Request, next: Next) -> Response {
-    let id = request_id(request.headers());
-    let method = request.method().clone();
-    let path = request.uri().path().to_owned();
-    let route = request
-        .extensions()
-        .get::<MatchedPath>()
-        .map_or("unmatched", MatchedPath::as_str)
-        .to_owned();
-    let start = Instant::now();
-    let span = tracing::info_span!("request", id);
-    let work = async {
-        if crosses_sites(&request) {
-            Problem::new(
-                Slug::CrossOrigin,
-                "the page that sent this belongs to another site",
-            )
-            .into_response()
-        } else {
-            next.run(request).await
-        }
-    };
-    let response = AssertUnwindSafe(work.instrument(span.clone()))
-        .catch_unwind()
-        .await
-        .unwrap_or_else(panicked);
-    let mut response = as_problem(response, &id);
-    let seconds = start.elapsed().as_secs_f64();
-    let status = response.status().as_u16();
-    telemetry::request(&method, &route, status, seconds);
-    let ms = seconds * 1e3;
-    // Workers, probes and those who follow a job call all the time. What fails is always told.
-    let is_read = method == Method::GET || method == Method::HEAD;
-    let is_routine = is_read || route.starts_with("/v1/worker/") || !route.starts_with("/v1/");
-    if is_routine && status < 500 {
-        span.in_scope(|| tracing::debug!(%method, path, status, ms, "answered"));
-    } else {
-        span.in_scope(|| tracing::info!(%method, path, status, ms, "answered"));
-    }
-    if let Ok(value) = HeaderValue::from_str(&id) {
-        response.headers_mut().insert("x-request-id", value);
-    }
-    response
-}
-
-fn request_id(headers: &HeaderMap) -> String {
-    let given = headers.get("x-request-id").and_then(|value| value.to_str().ok());
-    let usable = |id: &&str| {
-        (1..=REQUEST_ID_BYTES).contains(&id.len())
-            && id
-                .bytes()
-                .all(|byte| byte.is_ascii_alphanumeric() || b"-_.".contains(&byte))
-    };
-    given
-        .filter(usable)
-        .map_or_else(|| format!("req_{}", ordered_id().simple()), str::to_owned)
-}
-
-/// Whether a browser sent this on behalf of another site's page: an open service on loopback would obey.
-fn crosses_sites(request: &Request) -> bool {
-    if [Method::GET, Method::HEAD, Method::OPTIONS].contains(request.method()) {
-        return false;
-    }
-    let Some(origin) = request.headers().get(header::ORIGIN) else {
-        return false;
-    };
-    let host = request.headers().get(header::HOST).map(HeaderValue::as_bytes);
-    let site = origin
-        .to_str()
-        .ok()
-        .and_then(|text| text.split_once("://"))
-        .map(|(_, site)| site.as_bytes());
-    site.is_none() || site != host
-}
-
-fn panicked(payload: Box<dyn Any + Send>) -> Response {
-    let text = payload.downcast_ref::<&str>().map(|text| (*text).to_owned());
-    let text = text.or_else(|| payload.downcast_ref::<String>().cloned());
-    Problem::internal(&format!("panic: {}", text.unwrap_or_default())).into_response()
-}
-
-/// Renders a problem; any other error response, such as an unsupported method, becomes one.
-fn as_problem(mut response: Response, id: &str) -> Response {
-    if let Some(problem) = response.extensions_mut().remove::<Problem>() {
-        return problem.render(Some(id));
-    }
-    let slug = match response.status() {
-        status if !status.is_client_error() && !status.is_server_error() => return response,
-        StatusCode::NOT_FOUND => Slug::NotFound,
-        StatusCode::METHOD_NOT_ALLOWED => Slug::MethodNotAllowed,
-        StatusCode::PAYLOAD_TOO_LARGE => Slug::TooLarge,
-        StatusCode::UNSUPPORTED_MEDIA_TYPE => Slug::UnsupportedMediaType,
-        status if status.is_client_error() => Slug::InvalidBody,
-        _ => Slug::Internal,
-    };
-    let allow = response.headers_mut().remove(header::ALLOW);
-    let problem = Problem::new(slug, "see /openapi.json for the routes and what they take");
-    let problem = match allow {
-        Some(allow) => problem.header(header::ALLOW, allow),
-        None => problem,
-    };
-    problem.render(Some(id))
 }
 
 #[cfg(test)]
@@ -214,6 +111,7 @@ mod tests {
 
     use axum::Router;
     use axum::body::Body;
+    use axum::http::header;
     use axum::middleware::from_fn;
     use axum::routing::get;
     use tokio::sync::Barrier;
@@ -221,9 +119,10 @@ mod tests {
 
     use super::*;
     use crate::http::budget::Share;
+    use crate::http::observe::observe;
     use crate::limits::SHED_AFTER;
 
-    async fn ask(app: &Router, request: Request) -> Response {
+    async fn send(app: &Router, request: Request) -> Response {
         app.clone().oneshot(request).await.unwrap()
     }
 
@@ -247,7 +146,7 @@ mod tests {
         let app = Router::new()
             .route("/a", get(work.clone()))
             .route("/b", get(work))
-            .layer(from_fn_with_state(Choice::One(budget), within_budget))
+            .layer(from_fn_with_state(Choice::One(budget), limit_concurrency))
             .layer(from_fn(observe));
         let calls: Vec<_> = (0..40)
             .map(|i| tokio::spawn(app.clone().oneshot(path(if i % 2 == 0 { "/a" } else { "/b" }))))
@@ -269,7 +168,7 @@ mod tests {
     }
 
     #[tokio::test(start_paused = true)]
-    async fn panics_and_late_answers_are_problems_with_the_request_id() {
+    async fn panics_and_timeouts_are_problems_with_the_request_id() {
         let app = Router::new()
             .route(
                 "/panic",
@@ -280,14 +179,14 @@ mod tests {
                 }),
             )
             .route("/late", get(std::future::pending::<()>))
-            .layer(from_fn_with_state(Duration::from_secs(5), in_time))
+            .layer(from_fn_with_state(Duration::from_secs(5), enforce_timeout))
             .layer(from_fn(observe));
         for (route, status) in [("/panic", 500), ("/late", 408)] {
             let mut request = path(route);
             request
                 .headers_mut()
                 .insert("x-request-id", "mine-1".parse().unwrap());
-            let response = ask(&app, request).await;
+            let response = send(&app, request).await;
             assert_eq!(response.status(), status);
             assert_eq!(
                 response.headers()[header::CONTENT_TYPE],
@@ -300,27 +199,9 @@ mod tests {
     }
 
     #[test]
-    fn only_a_request_that_asks_to_wait_counts_as_one() {
-        let asks = |query: &str| asks_to_wait(&path(&format!("/v1/jobs/a{query}")));
+    fn only_a_request_with_a_wait_is_a_long_poll() {
+        let asks = |query: &str| wants_to_wait(&path(&format!("/v1/jobs/a{query}")));
         assert!(asks("?wait=10") && asks("?since=3&wait=60"));
         assert!(!asks("") && !asks("?wait=0") && !asks("?since=3") && !asks("?xwait=3"));
-    }
-
-    #[test]
-    fn only_pages_of_other_sites_are_refused() {
-        let request = |origin: Option<&str>| {
-            let mut request = Request::post("/")
-                .header("host", "localhost:7311")
-                .body(Body::empty())
-                .unwrap();
-            if let Some(origin) = origin {
-                request.headers_mut().insert("origin", origin.parse().unwrap());
-            }
-            request
-        };
-        assert!(!crosses_sites(&request(None)));
-        assert!(!crosses_sites(&request(Some("http://localhost:7311"))));
-        assert!(crosses_sites(&request(Some("http://evil.example"))));
-        assert!(crosses_sites(&request(Some("null"))));
     }
 }

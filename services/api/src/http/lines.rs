@@ -1,5 +1,5 @@
-//! Responses of many lines, fetched batch by batch while the client reads: memory stays small however many there
-//! are, and a client that stops reading stops the fetching.
+//! Line-by-line responses, fetched in batches as the client reads. Memory stays bounded, and a client that stops
+//! reading stops the fetching.
 
 use std::io;
 
@@ -12,17 +12,16 @@ use serde::Serialize;
 
 use crate::http::problem::Problem;
 
-/// One JSON value a line.
+/// One JSON value per line.
 pub(crate) const NDJSON: &str = "application/x-ndjson";
 
-/// Some lines, and where the next ones begin; none: there are no more.
+/// Some lines and the cursor of the next batch; `None` at the end.
 pub(crate) struct Batch<C> {
     pub(crate) bytes: Vec<u8>,
     pub(crate) next: Option<C>,
 }
 
-/// Sends a first batch and then the following ones. An error in between cuts the response short, so that the client
-/// notices.
+/// Sends a first batch and the following ones. A later error truncates the response, which the client detects.
 pub(crate) fn respond<C, F>(
     media_type: &'static str,
     first: Batch<C>,
@@ -44,8 +43,8 @@ where
     ([(header::CONTENT_TYPE, media_type)], Body::from_stream(all)).into_response()
 }
 
-/// The rows of a job as lines of JSON, in frame order: `read` gives those after a frame, at most `most`.
-pub(crate) async fn by_frame<T, F>(
+/// The rows of a job as lines of JSON, in frame order. `read` returns at most `most` rows after a frame.
+pub(crate) async fn stream_frames<T, F>(
     most: u32,
     read: impl Fn(Option<u64>) -> F + Send + Sync + 'static,
     frame: fn(&T) -> Option<u64>,
@@ -54,17 +53,22 @@ where
     T: Serialize + Send + 'static,
     F: Future<Output = Result<Vec<T>, CatalogueError>> + Send + 'static,
 {
-    let batch = move |rows: Vec<T>| {
-        let more = rows.len() == most as usize;
-        let next = rows.last().filter(|_| more).and_then(frame);
-        let bytes = json_lines(rows)?;
-        Ok::<_, Problem>(Batch { bytes, next })
-    };
-    let first = batch(read(None).await?)?;
+    let first = to_batch(read(None).await?, most, frame)?;
     Ok(respond(NDJSON, first, move |after| {
         let rows = read(Some(after));
-        async move { batch(rows.await?) }
+        async move { to_batch(rows.await?, most, frame) }
     }))
+}
+
+fn to_batch<T: Serialize>(
+    rows: Vec<T>,
+    most: u32,
+    frame: fn(&T) -> Option<u64>,
+) -> Result<Batch<u64>, Problem> {
+    let has_more = rows.len() == most as usize;
+    let next = rows.last().filter(|_| has_more).and_then(frame);
+    let bytes = json_lines(rows)?;
+    Ok(Batch { bytes, next })
 }
 
 /// Values as lines of JSON.
@@ -77,7 +81,7 @@ pub(crate) fn json_lines<T: Serialize>(values: impl IntoIterator<Item = T>) -> R
     Ok(bytes)
 }
 
-/// The error that cuts a response short.
+/// The error that truncates a response.
 pub(crate) fn cut_short(problem: Problem) -> io::Error {
     tracing::warn!(%problem, "a response was cut short");
     io::Error::other(problem.to_string())

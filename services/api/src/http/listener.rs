@@ -1,5 +1,5 @@
-//! The accept loop: HTTP/1 with limits on how long a request's head may take and a response may lie unread, and an
-//! orderly end.
+//! The accept loop: HTTP/1 with limits on the time to send a request head and to read a response, and graceful
+//! shutdown.
 
 use std::io;
 use std::sync::Arc;
@@ -23,7 +23,7 @@ use crate::limits::{self, Limits};
 /// Pause when out of file descriptors: closing connections free some within this time.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 
-/// Serves connections until the token is cancelled, then lets open requests finish for a while.
+/// Serves connections until the token is cancelled, then lets open requests finish within a limit.
 pub(crate) async fn serve(listener: TcpListener, app: Router, limits: Limits, stop: CancellationToken) {
     let mut http = http1::Builder::new();
     http.timer(TokioTimer::new())
@@ -48,7 +48,7 @@ pub(crate) async fn serve(listener: TcpListener, app: Router, limits: Limits, st
                 continue;
             }
         };
-        let Ok(share) = peers.take(&peer.0.to_string()).await else {
+        let Ok(share) = peers.acquire(&peer.0.to_string()).await else {
             continue;
         };
         let app = TowerToHyperService::new(app.clone());
@@ -59,7 +59,7 @@ pub(crate) async fn serve(listener: TcpListener, app: Router, limits: Limits, st
         let connection =
             graceful.watch(http.serve_connection(TokioIo::new(Patient::new(stream, limits.unread)), service));
         tokio::spawn(async move {
-            // Broken connections are the client's affair; what the service did is logged with the request.
+            // Broken connections are not logged; the request was.
             let _ = connection.await;
             drop((place, share));
         });

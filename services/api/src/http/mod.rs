@@ -1,4 +1,4 @@
-//! What every topic needs of HTTP: extractors, problems, layers, the accept loop.
+//! HTTP infrastructure of all topics: extractors, problems, layers, the accept loop.
 
 pub(crate) mod auth;
 pub(crate) mod bounds;
@@ -13,6 +13,7 @@ pub(crate) mod layers;
 pub(crate) mod lines;
 pub(crate) mod listener;
 pub(crate) mod located;
+pub(crate) mod observe;
 pub(crate) mod page;
 pub(crate) mod paging;
 mod patient;

@@ -1,5 +1,5 @@
-//! The page at `/`: files of this binary that a browser loads as they are. They show and send only what the API has, so they
-//! need no token; what they ask for does.
+//! The web page at `/`: static files embedded in this binary. They contain only public data and need no token; the
+//! API calls that they make do.
 
 use axum::Router;
 use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
@@ -9,7 +9,7 @@ use sha2::{Digest, Sha256};
 
 use crate::http::stored;
 
-/// Everything comes from here, and nothing that a label or a name holds can become a script.
+/// Only files from this origin are loaded, and text in labels or names cannot become a script.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; connect-src 'self'; \
                       base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
@@ -63,20 +63,20 @@ const ASSETS: [Asset; 24] = assets! {
     "page.css": "text/css; charset=utf-8",
     "icon.svg": "image/svg+xml",
 };
-/// The figures of the laboratory that docs/charts.md draws.
+/// The benchmark figures shown in docs/charts.md.
 const FIGURES: Asset = Asset {
     path: "/assets/chart.csv",
     media_type: "text/csv; charset=utf-8",
     bytes: include_bytes!("../../../../docs/charts/chart.csv"),
 };
-/// The machine that they were measured on.
+/// The machine that produced the figures.
 const MACHINE: Asset = Asset {
     path: "/assets/machine.json",
     media_type: "application/json",
     bytes: include_bytes!("../../../../docs/charts/machine.json"),
 };
 
-/// Where enhancements fail, from the laboratory's stability.csv, to the digits that a map shows.
+/// Enhancement failures from the lab's stability.csv, rounded to the precision of a map.
 const STABILITY: Asset = Asset {
     path: "/assets/stability.csv",
     media_type: "text/csv; charset=utf-8",
@@ -88,13 +88,15 @@ pub(crate) fn router() -> Router {
     assets.fold(Router::new(), |router, asset| {
         let tag = spec::hex(&Sha256::digest(asset.bytes));
         let path = asset.path;
-        let response = move |headers: HeaderMap| async move { asset.response(&headers, &tag) };
-        router.route(path, get(response))
+        router.route(
+            path,
+            get(move |headers: HeaderMap| async move { asset.response(&headers, &tag) }),
+        )
     })
 }
 
 impl Asset {
-    /// The file, or that the copy at hand is right: a new binary is seen at the next look.
+    /// The file, or 304 if the client's copy is current. Copies are revalidated, so that a new binary takes effect.
     fn response(&self, headers: &HeaderMap, tag: &str) -> Response {
         let text = HeaderValue::from_static;
         let common: [(HeaderName, HeaderValue); 4] = [
@@ -104,7 +106,7 @@ impl Asset {
             (header::REFERRER_POLICY, text("no-referrer")),
         ];
         let common = (common, [(header::ETAG, format!("\"{tag}\""))]);
-        if stored::is_at_hand(headers, tag) {
+        if stored::has_current_copy(headers, tag) {
             return (StatusCode::NOT_MODIFIED, common).into_response();
         }
         let media_type = [(header::CONTENT_TYPE, self.media_type)];
@@ -128,10 +130,10 @@ mod tests {
             let named =
                 words.filter_map(|word| word.strip_prefix("./").or_else(|| word.strip_prefix("/assets/")));
             for name in named {
-                let is_there = |asset: &Asset| asset.path == format!("/assets/{name}");
                 let all = [FIGURES, MACHINE, STABILITY].into_iter().chain(ASSETS);
                 assert!(
-                    all.into_iter().any(|asset| is_there(&asset)),
+                    all.into_iter()
+                        .any(|asset| asset.path == format!("/assets/{name}")),
                     "{} names {name}",
                     asset.path
                 );

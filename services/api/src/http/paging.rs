@@ -1,9 +1,9 @@
-//! Which page of a list is asked for, where nothing else can be.
+//! Paging parameters of simple lists.
 
 use serde::Deserialize;
 use utoipa::IntoParams;
 
-/// Which page.
+/// Page selection.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
@@ -11,6 +11,6 @@ pub(crate) struct Paging {
     /// Rows of the page, 1..=1000.
     #[param(default = 100, minimum = 1, maximum = 1000)]
     pub(crate) limit: Option<u32>,
-    /// `next_cursor` of the page before.
+    /// `next_cursor` of the previous page.
     pub(crate) cursor: Option<String>,
 }

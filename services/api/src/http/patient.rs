@@ -1,4 +1,4 @@
-//! A connection whose client may be slow, but not for ever.
+//! A connection with a limit on how slowly the client may read.
 
 use std::future::Future;
 use std::io;
@@ -9,7 +9,7 @@ use std::time::Duration;
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 use tokio::time::{Sleep, sleep};
 
-/// A stream that fails when nothing can be written for a while: the client has stopped reading, and the pending data
+/// A stream that fails if no write succeeds within the limit: the client has stopped reading, and the pending data
 /// takes memory.
 pub(crate) struct Patient<S> {
     stream: S,
@@ -26,8 +26,12 @@ impl<S> Patient<S> {
         }
     }
 
-    /// Fails once writing has been impossible for the limit.
-    fn watched<T>(&mut self, context: &mut Context<'_>, done: Poll<io::Result<T>>) -> Poll<io::Result<T>> {
+    /// Fails once writing has been blocked for the limit.
+    fn check_progress<T>(
+        &mut self,
+        context: &mut Context<'_>,
+        done: Poll<io::Result<T>>,
+    ) -> Poll<io::Result<T>> {
         if done.is_ready() {
             self.stalled = None;
             return done;
@@ -60,7 +64,7 @@ impl<S: AsyncWrite + Unpin> AsyncWrite for Patient<S> {
         bytes: &[u8],
     ) -> Poll<io::Result<usize>> {
         let done = Pin::new(&mut self.stream).poll_write(context, bytes);
-        self.watched(context, done)
+        self.check_progress(context, done)
     }
 
     fn poll_write_vectored(
@@ -69,7 +73,7 @@ impl<S: AsyncWrite + Unpin> AsyncWrite for Patient<S> {
         slices: &[io::IoSlice<'_>],
     ) -> Poll<io::Result<usize>> {
         let done = Pin::new(&mut self.stream).poll_write_vectored(context, slices);
-        self.watched(context, done)
+        self.check_progress(context, done)
     }
 
     fn is_write_vectored(&self) -> bool {
@@ -78,12 +82,12 @@ impl<S: AsyncWrite + Unpin> AsyncWrite for Patient<S> {
 
     fn poll_flush(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<io::Result<()>> {
         let done = Pin::new(&mut self.stream).poll_flush(context);
-        self.watched(context, done)
+        self.check_progress(context, done)
     }
 
     fn poll_shutdown(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<io::Result<()>> {
         let done = Pin::new(&mut self.stream).poll_shutdown(context);
-        self.watched(context, done)
+        self.check_progress(context, done)
     }
 }
 

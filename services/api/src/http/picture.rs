@@ -1,15 +1,15 @@
-//! The form of a picture in a response.
+//! Image format of a response.
 
 use serde::Deserialize;
 use utoipa::ToSchema;
 
-/// The form of an answer.
+/// Image format of a response.
 #[derive(Debug, Clone, Copy, Default, Deserialize, ToSchema)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum PictureFormat {
     /// PNG.
     #[default]
     Png,
-    /// WebP without loss.
+    /// Lossless WebP.
     Webp,
 }

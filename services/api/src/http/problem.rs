@@ -1,4 +1,4 @@
-//! RFC 9457 problems: every refusal of the service, and the only list of their types.
+//! RFC 9457 problems: every error response of the service, and the list of their types.
 
 use std::fmt;
 
@@ -32,7 +32,7 @@ macro_rules! slugs {
                 match self { $(Self::$variant => $title,)+ }
             }
 
-            /// What the kind means.
+            /// Meaning of the kind.
             #[must_use]
             pub fn meaning(self) -> &'static str {
                 match self { $(Self::$variant => concat!($($doc),+).trim_ascii(),)+ }
@@ -48,75 +48,76 @@ macro_rules! slugs {
 }
 
 slugs! {
-    /// The description of a job or scene breaks rules; `errors` lists all of them with JSON pointers.
+    /// The description of a job or scene is invalid; `errors` lists all errors with JSON pointers.
     Validation = "validation", UNPROCESSABLE_ENTITY, "The description is not valid";
     /// A query parameter is unknown, missing or of the wrong type.
     InvalidQuery = "invalid-query", BAD_REQUEST, "A query parameter is not valid";
     /// The filter does not parse or names an unknown column; `position` counts characters from 0.
     InvalidFilter = "invalid-filter", BAD_REQUEST, "The filter is not valid";
-    /// The cursor was not made by this list.
+    /// The cursor is not from this list.
     InvalidCursor = "invalid-cursor", BAD_REQUEST, "The cursor is not valid";
-    /// A part of the path cannot be what it stands for.
+    /// A part of the path is malformed.
     InvalidPath = "invalid-path", BAD_REQUEST, "The path is not valid";
-    /// A request header has a value that cannot be used.
+    /// A request header has an invalid value.
     InvalidHeader = "invalid-header", BAD_REQUEST, "A header is not valid";
-    /// The body ended early or is not what its content type says.
+    /// The body ended early or does not match its content type.
     InvalidBody = "invalid-body", BAD_REQUEST, "The body cannot be read";
-    /// No token, or one that is not known.
+    /// The token is missing or unknown.
     Unauthorized = "unauthorized", UNAUTHORIZED, "A valid token is needed";
-    /// The token lacks the scope that this request needs.
+    /// The token lacks the scope of this request.
     Forbidden = "forbidden", FORBIDDEN, "The token does not allow this";
     /// A browser sent this from a page of another site.
-    CrossOrigin = "cross-origin", FORBIDDEN, "Requests from other sites are refused";
-    /// The `Host` header names another service; without tokens only the names of this machine and those of `--hosts` are known.
+    CrossOrigin = "cross-origin", FORBIDDEN, "Requests from other sites are rejected";
+    /// The `Host` header names another service. Without tokens only this machine's names and those of `--hosts` are
+    /// accepted.
     UnknownHost = "unknown-host", MISDIRECTED_REQUEST, "This service has another name";
     /// No such route, job, image, artifact, dataset or scene.
-    NotFound = "not-found", NOT_FOUND, "There is no such thing";
-    /// The route exists, for other methods.
+    NotFound = "not-found", NOT_FOUND, "Not found";
+    /// The route exists for other methods.
     MethodNotAllowed = "method-not-allowed", METHOD_NOT_ALLOWED, "The method is not allowed here";
     /// The client was too slow to send its request.
     RequestTimeout = "request-timeout", REQUEST_TIMEOUT, "The request took too long";
-    /// The lease ended or was given to another worker; nothing was changed.
+    /// The lease expired or was reassigned; the request had no effect.
     StaleLease = "stale-lease", CONFLICT, "The lease is stale";
-    /// The worker is not registered with this life of the service; register again.
+    /// The worker is not registered since the service started; register again.
     UnknownWorker = "unknown-worker", CONFLICT, "The worker is not registered";
     /// The job uses a style and no worker has an ONNX Runtime.
     RuntimeMissing = "runtime-missing", CONFLICT, "The runtime of the style models is missing";
     /// The frame could not be rendered; `detail` is the last error.
     RenderFailed = "render-failed", UNPROCESSABLE_ENTITY, "The frame cannot be rendered";
-    /// The name belongs to something else, which is never replaced.
+    /// The name is in use; existing items are never replaced.
     NameTaken = "name-taken", CONFLICT, "The name is taken";
-    /// Jobs need what is to be deleted; `detail` names one of them.
+    /// Jobs still need the item; `detail` names one of them.
     InUse = "in-use", CONFLICT, "It is in use";
-    /// The images belong to a sealed version of their dataset, which never changes; unseal it first.
+    /// The images belong to a sealed version of their dataset; unseal it first.
     Sealed = "sealed", CONFLICT, "The images are sealed";
-    /// What was asked for makes no sense for a job in this state, such as resuming one that has ended.
+    /// The job's state does not allow this, such as resuming a job that has ended.
     JobState = "job-state", CONFLICT, "The job is in another state";
-    /// The question needs longer than the limit; narrow it with a filter or a dataset.
-    QueryTooSlow = "query-too-slow", UNPROCESSABLE_ENTITY, "The question takes too long";
+    /// The query exceeds the time limit; narrow it with a filter or a dataset.
+    QueryTooSlow = "query-too-slow", UNPROCESSABLE_ENTITY, "The query takes too long";
     /// The same idempotency key was used with another description.
     IdempotencyKeyReused = "idempotency-key-reused", UNPROCESSABLE_ENTITY, "The idempotency key belongs to another job";
     /// The body is larger than the limit.
     TooLarge = "too-large", PAYLOAD_TOO_LARGE, "The body is too large";
-    /// The body has another content type than this route takes.
+    /// The content type is not supported by this route.
     UnsupportedMediaType = "unsupported-media-type", UNSUPPORTED_MEDIA_TYPE, "The content type is not supported";
-    /// The artifact is shorter than the first byte that was asked for.
+    /// The artifact is shorter than the start of the requested range.
     RangeNotSatisfiable = "range-not-satisfiable", RANGE_NOT_SATISFIABLE, "The range lies outside the artifact";
-    /// Too many requests at once, or the service is stopping; try again after `Retry-After` seconds.
+    /// Too many concurrent requests, or the service is stopping; retry after `Retry-After` seconds.
     Overloaded = "overloaded", SERVICE_UNAVAILABLE, "The service is too busy";
-    /// The disk is full: reading goes on, writing works again when there is space.
+    /// The disk is full. Reads still work; writes work again once there is space.
     StorageFull = "storage-full", INSUFFICIENT_STORAGE, "The disk is full";
     /// Stored bytes do not match their digest; they are not served.
     CorruptArtifact = "corrupt-artifact", INTERNAL_SERVER_ERROR, "The stored bytes are damaged";
-    /// The tar of the set that held the artifact is gone or holds other bytes; they are not served.
+    /// The tar of the artifact's set is missing or has changed; its bytes are not served.
     SetChanged = "set-changed", GONE, "The set has changed";
-    /// The store that holds the set does not respond or refuses access; the same request may succeed later.
+    /// The store of the set does not respond or refuses access; a retry may succeed.
     SetUnreachable = "set-unreachable", BAD_GATEWAY, "The set cannot be read";
-    /// A fault of the service; the log has it under the same request id.
+    /// An internal error; the log has it under the same request id.
     Internal = "internal", INTERNAL_SERVER_ERROR, "The service failed";
 }
 
-/// A problem on its way to the client. The request id is added by the outermost layer.
+/// A problem. The outermost layer adds the request id.
 #[derive(Debug, Clone)]
 pub(crate) struct Problem {
     slug: Slug,
@@ -140,13 +141,13 @@ impl Problem {
         self.slug == slug
     }
 
-    /// What is wrong this time.
+    /// The description of this occurrence.
     pub(crate) fn detail(&self) -> &str {
         &self.detail
     }
 
-    /// Adds a member beside the standard ones.
-    pub(crate) fn with(mut self, name: &str, value: impl Into<Value>) -> Self {
+    /// Adds an extension member.
+    pub(crate) fn with_member(mut self, name: &str, value: impl Into<Value>) -> Self {
         self.more.insert(name.to_owned(), value.into());
         self
     }
@@ -157,19 +158,19 @@ impl Problem {
         self
     }
 
-    /// One invalid field, in the form that a description's errors have.
+    /// One invalid field, in the format of description errors.
     pub(crate) fn field(pointer: &str, message: impl Into<String>) -> Self {
         let message = message.into();
         let errors = json!([{"pointer": pointer, "message": message}]);
-        Self::new(Slug::Validation, message).with("errors", errors)
+        Self::new(Slug::Validation, message).with_member("errors", errors)
     }
 
-    /// A fault that the client cannot fix: logged here with its cause, reported without it.
+    /// An internal error: logged here with its cause, reported without it.
     pub(crate) fn internal(error: &dyn std::fmt::Display) -> Self {
         tracing::error!(%error, "the service failed");
         Self::new(
             Slug::Internal,
-            "an unexpected fault; the service's log has the details",
+            "an internal error; the service's log has the details",
         )
     }
 
@@ -203,7 +204,7 @@ impl Problem {
     }
 }
 
-/// Returns the row, or the problem that names what is missing.
+/// Returns the row, or a not-found problem.
 pub(crate) fn found<T>(row: Option<T>, what: &str, name: impl fmt::Display) -> Result<T, Problem> {
     row.ok_or_else(|| Problem::not_found(format!("no {what} `{name}`")))
 }
@@ -222,7 +223,7 @@ impl IntoResponse for Problem {
     }
 }
 
-/// `GET /problems/{slug}`: what the `type` of a problem means.
+/// `GET /problems/{slug}`: the meaning of a problem type.
 pub(crate) async fn describe(Path(name): Path<String>) -> Result<String, Problem> {
     let slug = Slug::ALL.iter().find(|slug| slug.name() == name);
     let slug = slug.ok_or_else(|| Problem::not_found(format!("no problem type `{name}`")))?;
@@ -241,7 +242,7 @@ impl From<Invalid> for Problem {
             errors => format!("{} errors", errors.len()),
         };
         let errors = serde_json::to_value(&invalid.0).unwrap_or_default();
-        Self::new(Slug::Validation, detail).with("errors", errors)
+        Self::new(Slug::Validation, detail).with_member("errors", errors)
     }
 }
 

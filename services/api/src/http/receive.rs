@@ -1,5 +1,5 @@
-//! Bodies are received before a request takes a place: a client that sends slowly holds a connection and the bytes that it has sent,
-//! and nothing that others wait for.
+//! Receives the body before a request acquires a permit. A slow client occupies a connection and the bytes sent so
+//! far, but no permit.
 
 use std::time::Duration;
 
@@ -12,24 +12,24 @@ use futures::{StreamExt, stream};
 use hyper::body::Body as _;
 use tokio::time::{Instant, timeout_at};
 
-use crate::http::budget::{Budget, Place, caller_of};
+use crate::http::budget::{Budget, Permit, identify_caller};
 use crate::http::problem::{Problem, Slug};
 use crate::limits::BODY_BYTES_PER_S;
 
-/// Bytes of a place in the budget of bodies.
+/// Bytes per permit in the budget of bodies.
 pub(crate) const PLACE_BYTES: usize = 1 << 10;
 
 /// How bodies of a group are received.
 #[derive(Clone)]
 pub(crate) struct Receiving {
     pub(crate) most_bytes: usize,
-    /// How long a body may take beside what its bytes allow.
+    /// Time for a body in addition to the time allowed by its bytes.
     pub(crate) grace: Duration,
-    /// KiB of bodies in memory.
+    /// Budget of bodies in memory, KiB.
     pub(crate) memory: Budget,
 }
 
-/// Receives the body of a request and passes it on whole. Its bytes count until there is a response.
+/// Receives the whole body of a request and passes it on. Its bytes count until the response.
 pub(crate) async fn receive(
     State(receiving): State<Receiving>,
     request: Request,
@@ -41,7 +41,7 @@ pub(crate) async fn receive(
     let length = request.headers().get(header::CONTENT_LENGTH);
     let length = length.and_then(|length| length.to_str().ok()?.parse::<u64>().ok());
     let is_beyond = length.is_some_and(|bytes| bytes > receiving.most_bytes as u64);
-    let caller = caller_of(&request);
+    let caller = identify_caller(&request);
     let (parts, body) = request.into_parts();
     if is_beyond {
         return Err(receiving.discarded(body.into_data_stream()).await);
@@ -55,7 +55,7 @@ pub(crate) async fn receive(
 /// A body in memory.
 struct Received {
     pieces: Vec<Bytes>,
-    _memory: Vec<Place>,
+    _memory: Vec<Permit>,
 }
 
 impl Receiving {
@@ -68,7 +68,7 @@ impl Receiving {
             _memory: Vec::new(),
         };
         loop {
-            // Each byte prolongs the time by what it may take.
+            // Each byte extends the deadline.
             let allowed = self.grace + Duration::from_secs_f64(bytes as f64 / BODY_BYTES_PER_S);
             let Ok(piece) = timeout_at(begun + allowed, coming.next()).await else {
                 return Err(self.too_slow(bytes, begun));
@@ -83,15 +83,17 @@ impl Receiving {
             let more = bytes.div_ceil(PLACE_BYTES) - places;
             if more > 0 {
                 let count = u32::try_from(more).map_err(|_| self.too_large())?;
-                received._memory.push(self.memory.take_many(caller, count).await?);
+                received
+                    ._memory
+                    .push(self.memory.acquire_many(caller, count).await?);
                 places += more;
             }
             received.pieces.push(piece);
         }
     }
 
-    /// Reads on and keeps nothing, up to twice what the route takes: a client that is still sending when the connection ends
-    /// would not hear why.
+    /// Reads and discards up to twice the limit of the route. A client that is still sending when the connection
+    /// closes would not see the response.
     async fn discarded(&self, mut coming: BodyDataStream) -> Problem {
         let (begun, mut bytes) = (Instant::now(), 0);
         while let Ok(Some(Ok(piece))) = timeout_at(begun + self.grace, coming.next()).await {
@@ -105,7 +107,7 @@ impl Receiving {
 
     fn too_large(&self) -> Problem {
         let detail = format!(
-            "the body is larger than the {} bytes that this route takes",
+            "the body is larger than {} bytes, the limit of this route",
             self.most_bytes
         );
         Problem::new(Slug::TooLarge, detail)
@@ -114,7 +116,7 @@ impl Receiving {
     fn too_slow(&self, bytes: usize, begun: Instant) -> Problem {
         let seconds = begun.elapsed().as_secs_f64();
         let detail = format!(
-            "{bytes} bytes of the body came in {seconds:.1} s; after {} s it must have come with {BODY_BYTES_PER_S} bytes a second",
+            "{bytes} bytes of the body arrived in {seconds:.1} s; after {} s it must arrive with {BODY_BYTES_PER_S} bytes per second or more",
             self.grace.as_secs_f64()
         );
         Problem::new(Slug::RequestTimeout, detail)
@@ -136,7 +138,7 @@ mod tests {
         }
     }
 
-    /// A body whose pieces come one by one, each after a pause.
+    /// A body whose pieces arrive after a pause each.
     fn dripping(pieces: usize, bytes: usize, pause: Duration) -> Body {
         let pieces = stream::iter(0..pieces).then(move |_| async move {
             tokio::time::sleep(pause).await;

@@ -9,10 +9,10 @@ use axum::response::{IntoResponse, Response};
 use crate::http::extract::listed;
 use crate::http::problem::{Problem, Slug};
 
-/// Bytes that are named by their digest never change: a copy is good for as long as the standard lets one say.
+/// Bytes named by their digest never change, so copies stay valid for the maximum time of the standard.
 const IMMUTABLE: &str = "private, max-age=31536000, immutable";
 
-/// Stored bytes to be sent.
+/// Stored bytes to send.
 pub(crate) struct Stored {
     pub(crate) digest: String,
     pub(crate) media_type: String,
@@ -36,15 +36,15 @@ impl Stored {
                 ),
             ],
         );
-        match requested(headers, &self.digest, length) {
-            Asked::All => Ok((common, self.bytes).into_response()),
-            Asked::Part(range) => {
+        match parse_range(headers, &self.digest, length) {
+            RequestedRange::All => Ok((common, self.bytes).into_response()),
+            RequestedRange::Part(range) => {
                 let place = format!("bytes {}-{}/{length}", range.start, range.end - 1);
                 let part = Bytes::from(self.bytes).slice(range);
                 let place = [(header::CONTENT_RANGE, place)];
                 Ok((StatusCode::PARTIAL_CONTENT, common, place, Body::from(part)).into_response())
             }
-            Asked::Beyond => {
+            RequestedRange::Unsatisfiable => {
                 let place = HeaderValue::from_str(&format!("bytes */{length}"));
                 let problem = Problem::new(
                     Slug::RangeNotSatisfiable,
@@ -59,17 +59,17 @@ impl Stored {
 }
 
 /// Returns whether the client has a copy with this tag.
-pub(crate) fn is_at_hand(headers: &HeaderMap, tag: &str) -> bool {
+pub(crate) fn has_current_copy(headers: &HeaderMap, tag: &str) -> bool {
     let mut tags = listed(headers, header::IF_NONE_MATCH).map(|one| one.trim_start_matches("W/"));
     tags.any(|one| one == "*" || one.trim_matches('"') == tag)
 }
 
-/// "Your copy is right."
+/// 304: the client's copy is current.
 pub(crate) fn not_modified(tag: &str) -> Response {
     (StatusCode::NOT_MODIFIED, immutable(tag)).into_response()
 }
 
-/// The headers of bytes that never change.
+/// Headers of immutable bytes.
 pub(crate) fn immutable(tag: &str) -> [(HeaderName, String); 2] {
     [
         (header::ETAG, format!("\"{tag}\"")),
@@ -82,41 +82,35 @@ pub(crate) fn octets(bytes: Vec<u8>) -> impl IntoResponse {
     ([(header::CONTENT_TYPE, "application/octet-stream")], bytes)
 }
 
-enum Asked {
+enum RequestedRange {
     All,
     Part(Range<usize>),
-    Beyond,
+    Unsatisfiable,
 }
 
-/// What `Range` asks for. Several ranges, other units and what does not parse count as no range, as the standard
-/// allows.
-fn requested(headers: &HeaderMap, digest: &str, length: usize) -> Asked {
-    let text = |name| {
-        headers
-            .get(name)
-            .and_then(|value: &HeaderValue| value.to_str().ok())
-    };
-    if text(header::IF_RANGE).is_some_and(|tag| tag.trim_matches('"') != digest) {
-        return Asked::All;
+/// Parses `Range`. Several ranges, other units and malformed values count as no range, as the standard allows.
+fn parse_range(headers: &HeaderMap, digest: &str, length: usize) -> RequestedRange {
+    let [tag, range] =
+        [header::IF_RANGE, header::RANGE].map(|name| headers.get(name).and_then(|value| value.to_str().ok()));
+    if tag.is_some_and(|tag| tag.trim_matches('"') != digest) {
+        return RequestedRange::All;
     }
-    let Some((first, last)) =
-        text(header::RANGE).and_then(|range| range.strip_prefix("bytes=")?.split_once('-'))
-    else {
-        return Asked::All;
+    let Some((first, last)) = range.and_then(|range| range.strip_prefix("bytes=")?.split_once('-')) else {
+        return RequestedRange::All;
     };
     let (start, end) = match (first.trim().parse::<usize>(), last.trim().parse::<usize>()) {
         (Ok(first), Ok(last)) if first <= last => (first, last.saturating_add(1).min(length)),
         (Ok(first), Err(_)) if last.trim().is_empty() => (first, length),
         (Err(_), Ok(suffix)) if first.trim().is_empty() => match suffix {
-            0 => return Asked::Beyond,
+            0 => return RequestedRange::Unsatisfiable,
             _ => (length.saturating_sub(suffix), length),
         },
-        _ => return Asked::All,
+        _ => return RequestedRange::All,
     };
     if start < end {
-        Asked::Part(start..end)
+        RequestedRange::Part(start..end)
     } else {
-        Asked::Beyond
+        RequestedRange::Unsatisfiable
     }
 }
 
@@ -143,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn one_range_is_answered_and_anything_stranger_gets_everything() {
+    fn a_single_range_is_honored_and_other_ranges_return_everything() {
         assert_eq!(status("bytes=2-5"), (206, Some("bytes 2-5/10".to_owned())));
         assert_eq!(status("bytes=2-99"), (206, Some("bytes 2-9/10".to_owned())));
         assert_eq!(status("bytes=7-"), (206, Some("bytes 7-9/10".to_owned())));
@@ -166,7 +160,7 @@ mod tests {
     fn a_copy_is_recognized_in_a_list_and_a_weak_tag() {
         let mut headers = HeaderMap::new();
         headers.insert(header::IF_NONE_MATCH, "\"x\", W/\"abc\"".parse().unwrap());
-        assert!(is_at_hand(&headers, "abc"));
-        assert!(!is_at_hand(&headers, "abcd"));
+        assert!(has_current_copy(&headers, "abc"));
+        assert!(!has_current_copy(&headers, "abcd"));
     }
 }

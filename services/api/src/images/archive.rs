@@ -1,4 +1,4 @@
-//! Artifacts of an image, and its record if it is wanted, as one tar, read one after the other while the client reads.
+//! Artifacts of an image, and its record on request, as one tar, read as the client reads.
 
 use std::io;
 use std::sync::Arc;
@@ -21,8 +21,8 @@ const END: [u8; 2 * BLOCK as usize] = [0; 2 * BLOCK as usize];
 /// Name of the record in the tar.
 const RECORD: &str = "record.json";
 
-/// Sends the record, if there is one, and the artifacts. What cannot be read is a problem if it comes first; later it cuts the
-/// response short, so that the client notices.
+/// Sends the requested record and artifacts. An error of the first part is a problem response; a later error
+/// truncates the response, which the client detects.
 pub(crate) async fn response(
     images: Arc<Images>,
     record: Option<Vec<u8>>,
@@ -69,7 +69,7 @@ async fn file(images: &Images, artifact: StoredArtifact) -> Result<Bytes, Proble
     member(&name, &stored)
 }
 
-/// A file with its header and the padding behind it.
+/// A file with its header and padding.
 fn member(name: &str, bytes: &[u8]) -> Result<Bytes, Problem> {
     let length = bytes.len() as u64;
     let mut header = Header::new_ustar();

@@ -22,12 +22,12 @@ pub(crate) struct Images {
     pub(crate) catalogue: Arc<Catalogue>,
     pub(crate) bytes: Arc<Bytes>,
     pub(crate) processes: Arc<Processes>,
-    /// The service's folder.
+    /// The data folder.
     pub(crate) data: PathBuf,
 }
 
 impl Images {
-    /// The record of an image, with its job, its dataset and when it was stored.
+    /// The record of an image, with its job, dataset and storage time.
     pub(crate) async fn get(&self, job: &str, frame: u64) -> Result<Value, Problem> {
         let image = self.catalogue.image(job, frame).await?;
         found(image, "image", format_args!("{job}/{frame}"))
@@ -56,7 +56,7 @@ impl Images {
         entry.ok_or_else(|| Problem::not_found(format!("no artifact `{kind}` of image `{job}/{frame}`")))
     }
 
-    /// The bytes of an artifact, verified.
+    /// Reads and verifies the bytes of an artifact.
     pub(crate) async fn stored(&self, artifact: StoredArtifact) -> Result<Stored, Problem> {
         let bytes = match &artifact.place {
             Some(place) => Some(self.bytes.sets.read(place, &artifact.entry).await?),

@@ -1,5 +1,5 @@
-//! Rendering a stored frame again, in a child process: as a folder it gets the description and the scene's files, and
-//! leaves the artifacts there.
+//! Renders a stored frame again in a child process. A folder passes the description and the scene's files to it, and
+//! the artifacts back.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -16,27 +16,27 @@ use super::Images;
 use crate::http::problem::{Problem, Slug, found};
 use crate::processes::child::{Allowance, Ended};
 
-/// A frame of 64 Mpx by the reference implementation is not rendered within a request.
+/// A 64 Mpx frame of the reference implementation exceeds this.
 const ALLOWANCE: Allowance = Allowance {
     time: Duration::from_secs(120),
     memory_bytes: 8 << 30,
 };
 
-/// A frame that was rendered again.
+/// A frame rendered again.
 pub(crate) struct Again {
     folder: TempDir,
     pub(crate) record: FrameRecord,
 }
 
 impl Again {
-    /// The bytes of an artifact of this kind.
+    /// The bytes of the artifact of this kind.
     pub(crate) fn bytes(&self, kind: &str) -> Option<Vec<u8>> {
-        let at = self
+        let position = self
             .record
             .artifacts
             .iter()
             .position(|artifact| artifact.kind == kind)?;
-        fs::read(self.folder.path().join(format!("artifact-{at}"))).ok()
+        fs::read(self.folder.path().join(format!("artifact-{position}"))).ok()
     }
 }
 
@@ -47,10 +47,10 @@ impl Images {
         if is_of_earlier_version(&spec) {
             return Err(Problem::new(Slug::RenderFailed, EARLIER_VERSION));
         }
-        let resolved = Job::trusted(&spec)?.resolve(frame)?;
+        let resolved = Job::from_canonical(&spec)?.resolve(frame)?;
         if resolved.scene.files().is_some() {
-            // Of an imported set: paths on this machine that whoever made it had no right to read.
-            let detail = "the frame shows files of the machine that rendered it";
+            // For an imported set these are paths on this machine, which the set's author has no permission to read.
+            let detail = "the frame uses local files of the machine that rendered it";
             return Err(Problem::new(Slug::RenderFailed, detail));
         }
         let folder = TempDir::new().map_err(|error| Problem::internal(&error))?;
@@ -66,7 +66,6 @@ impl Images {
             OsStr::new("--data"),
             self.data.as_os_str(),
         ];
-        let failed = |why| Problem::new(Slug::RenderFailed, why);
         match self
             .processes
             .children
@@ -74,9 +73,10 @@ impl Images {
             .await?
         {
             Ended::Well => {}
-            Ended::Refused(why) | Ended::Lacking(why) => return Err(failed(why)),
+            Ended::Refused(why) | Ended::Lacking(why) => return Err(Problem::new(Slug::RenderFailed, why)),
             Ended::Badly(why) => {
-                return Err(failed(format!("the process that rendered the frame: {why}")));
+                let detail = format!("the rendering process failed: {why}");
+                return Err(Problem::new(Slug::RenderFailed, detail));
             }
         }
         let record =
@@ -104,8 +104,8 @@ fn write(folder: &Path, name: &str, bytes: &[u8]) -> Result<(), Problem> {
     fs::write(folder.join(name), bytes).map_err(|error| Problem::internal(&error))
 }
 
-/// The largest difference between two artifacts: in codes of a picture or mask, in its unit of a linear layer. None:
-/// they cannot be compared, such as pictures of different sizes.
+/// The maximum difference between two artifacts: in codes of an image or mask, in the unit of a linear layer. `None`
+/// if they are not comparable, such as images of different sizes.
 pub(crate) fn difference(stored: &[u8], again: &[u8]) -> Option<f64> {
     if stored == again {
         return Some(0.0);
@@ -122,11 +122,11 @@ pub(crate) fn difference(stored: &[u8], again: &[u8]) -> Option<f64> {
             _ => None,
         };
     }
-    let linear = |bytes: &[u8]| match decode_radiance(bytes) {
-        Ok(Radiance::Linear(picture)) => Some(picture),
-        _ => None,
+    let (Ok(Radiance::Linear(a)), Ok(Radiance::Linear(b))) =
+        (decode_radiance(stored), decode_radiance(again))
+    else {
+        return None;
     };
-    let (a, b) = (linear(stored)?, linear(again)?);
     let planes = a.planes().iter().zip(b.planes());
     let pairs = planes.flat_map(|(a, b)| a.data().iter().zip(b.data()));
     (a.size() == b.size()).then_some(())?;

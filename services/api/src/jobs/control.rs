@@ -1,5 +1,5 @@
-//! Changes of a job's state: in the catalogue first, then in the lease table. One change at a time, so that both see
-//! them in the same order; each completes even if the client disconnects.
+//! Changes of a job's state: first in the catalogue, then in the lease table. A lock keeps both in the same order.
+//! Each change completes even if the client disconnects.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use crate::limits;
 use crate::processes::compute::to_the_end;
 
 impl Jobs {
-    /// Stops a job; finished images stay. A job that has ended stays as it is.
+    /// Cancels a job; finished images are kept. A job that has ended is unchanged.
     pub(crate) async fn cancel(self: &Arc<Self>, id: String) -> Result<JobRow, Problem> {
         self.in_turn(|jobs| async move {
             let row = jobs.set_state(&id, SetState::Cancelled).await?;
@@ -26,7 +26,7 @@ impl Jobs {
         .await
     }
 
-    /// Stops offering a job's frames for now; frames that workers hold are finished.
+    /// Stops offering a job's frames; leased frames are finished.
     pub(crate) async fn pause(self: &Arc<Self>, id: String) -> Result<JobRow, Problem> {
         self.in_turn(|jobs| async move {
             let row = jobs.set_state(&id, SetState::Paused).await?;
@@ -37,7 +37,7 @@ impl Jobs {
         .await
     }
 
-    /// Offers a paused job again.
+    /// Offers the frames of a paused job again.
     pub(crate) async fn resume(self: &Arc<Self>, id: String) -> Result<JobRow, Problem> {
         self.in_turn(|jobs| async move {
             jobs.check_version(&id).await?;
@@ -49,7 +49,7 @@ impl Jobs {
         .await
     }
 
-    /// Changes the state in the catalogue; of a job that services share in its set first, which all of them follow.
+    /// Changes the state in the catalogue. For a shared job the set changes first; all services follow it.
     async fn set_state(&self, id: &str, state: SetState) -> Result<JobRow, Problem> {
         let wanted = match state {
             SetState::Running => JobState::Running,
@@ -65,7 +65,7 @@ impl Jobs {
         Ok(self.catalogue.set_shared_state(id, wanted).await?)
     }
 
-    /// A job that services share, and what renders it.
+    /// A shared job and its engine.
     async fn shared(&self, id: &str) -> Result<Option<(&Engine, JobRow)>, Problem> {
         let Some(engine) = &self.engine else {
             return Ok(None);
@@ -87,7 +87,7 @@ impl Jobs {
                 return Ok(row);
             }
             let again = jobs.catalogue.retry_failed(&id).await?;
-            // The table has forgotten a job that had ended.
+            // The lease table has dropped the ended job.
             let dispatch = &jobs.leases.dispatch;
             let known = dispatch.free(|table, _| table.retry(&id, &again.frames));
             if !known && !again.job.state.has_ended() {
@@ -100,7 +100,7 @@ impl Jobs {
         .await
     }
 
-    /// Takes the images of some frames away, which are then rendered again.
+    /// Deletes the images of some frames, which are then rendered again.
     pub(super) async fn reopen(self: &Arc<Self>, id: String, frames: Vec<u64>) -> Result<JobRow, Problem> {
         self.in_turn(|jobs| async move {
             jobs.check_version(&id).await?;
@@ -118,12 +118,12 @@ impl Jobs {
         .await
     }
 
-    /// Deletes a job with its images, whatever it is doing. Their space is reclaimed in the background.
+    /// Deletes a job with its images in any state. Space is reclaimed in the background.
     pub(crate) async fn delete(self: &Arc<Self>, id: String) -> Result<Deleted, Problem> {
         self.in_turn(|jobs| async move {
             let shared = jobs.shared(&id).await?;
             let deleted = jobs.with_reserve(|| jobs.catalogue.delete_job(&id)).await?;
-            // Only now: a deletion that is refused hides nothing.
+            // Only after the deletion succeeded: a rejected deletion must not hide the job.
             if let Some((engine, row)) = shared {
                 engine.retire(&row).await?;
             }
@@ -139,7 +139,7 @@ impl Jobs {
         self.in_turn(|jobs| async move {
             let shared = jobs.shared_in(&name).await?;
             let deleted = jobs.with_reserve(|| jobs.catalogue.delete_dataset(&name)).await?;
-            // Only now: a deletion that is refused hides nothing.
+            // Only after the deletion succeeded: a rejected deletion must not hide the jobs.
             for (engine, row) in shared {
                 engine.retire(&row).await?;
             }
@@ -150,7 +150,7 @@ impl Jobs {
         .await
     }
 
-    /// The jobs of a dataset that services share, each with what renders it.
+    /// The shared jobs of a dataset, each with its engine.
     async fn shared_in(&self, dataset: &str) -> Result<Vec<(&Engine, JobRow)>, Problem> {
         let Some(engine) = &self.engine else {
             return Ok(Vec::new());
@@ -171,7 +171,7 @@ impl Jobs {
         }
     }
 
-    /// Deletes, on a full disk with the help of the reserve, which the reclaiming that follows restores.
+    /// Deletes; on a full disk it uses the reserve, which reclaiming restores.
     async fn with_reserve<F>(&self, delete: impl Fn() -> F) -> Result<Deleted, CatalogueError>
     where
         F: Future<Output = Result<Deleted, CatalogueError>>,

@@ -1,5 +1,5 @@
-//! Following a job: events are made from the catalogue when the client is ready for the next one. Nothing is stored for
-//! a client, so one that reads slowly costs nothing and one that reconnects misses nothing.
+//! Job events, derived from the catalogue when the client is ready for the next one. Clients have no stored state, so
+//! slow ones cost nothing and reconnecting ones miss nothing.
 
 use std::collections::VecDeque;
 use std::convert::Infallible;
@@ -15,7 +15,7 @@ use tokio::time::Instant;
 use super::Jobs;
 use crate::limits::PROGRESS_PAUSE;
 
-/// Frames that a `problem` names; `/errors` has all of them.
+/// Maximum frames listed by a `problem`; `/errors` has all of them.
 const NAMED_FRAMES: u32 = 5;
 
 /// Id of the last event sent to this client.
@@ -43,8 +43,8 @@ impl Seen {
     }
 }
 
-/// What was sent last.
-struct Told {
+/// State sent last.
+struct SentState {
     seen: Seen,
     /// `None`: sent over an earlier connection.
     state: Option<JobState>,
@@ -56,7 +56,7 @@ pub(super) struct Follow {
     jobs: Arc<Jobs>,
     id: String,
     changes: Receiver<()>,
-    told: Option<Told>,
+    sent: Option<SentState>,
     next_progress: Instant,
     ready: VecDeque<Event>,
     ended: bool,
@@ -64,7 +64,7 @@ pub(super) struct Follow {
 
 impl Follow {
     pub(super) fn new(jobs: Arc<Jobs>, id: String, seen: Option<Seen>) -> Self {
-        let told = seen.map(|seen| Told {
+        let sent = seen.map(|seen| SentState {
             seen,
             state: None,
             done: None,
@@ -75,7 +75,7 @@ impl Follow {
             changes,
             jobs,
             id,
-            told,
+            sent,
             next_progress: Instant::now(),
             ready: VecDeque::new(),
             ended: false,
@@ -111,7 +111,7 @@ impl Follow {
         }
     }
 
-    /// Queues the events for what is new.
+    /// Queues the events of new changes.
     async fn look(&mut self) -> Result<(), CatalogueError> {
         let Some(job) = self.jobs.catalogue.job(&self.id).await? else {
             self.ended = true;
@@ -120,32 +120,32 @@ impl Follow {
             return Ok(());
         };
         let seen = Seen::new(&job);
-        if self.told.as_ref().is_some_and(|told| told.seen == seen) {
+        if self.sent.as_ref().is_some_and(|sent| sent.seen == seen) {
             return Ok(());
         }
-        let before = self.told.take();
-        let failed_before = before.as_ref().map_or(0, |told| told.seen.failed);
+        let before = self.sent.take();
+        let failed_before = before.as_ref().map_or(0, |sent| sent.seen.failed);
         if job.failed > failed_before {
             self.problem(&job, failed_before).await?;
         }
         let counts = before
             .as_ref()
-            .and_then(|told| told.done)
+            .and_then(|sent| sent.done)
             .map(|done| (done, failed_before));
         if counts != Some((job.done, job.failed)) {
             let progress = json!({"done": job.done, "failed": job.failed, "frames": job.frames});
             self.push(Event::default().event("progress"), &progress);
         }
         self.ended = job.state.has_ended();
-        self.told = Some(Told {
+        self.sent = Some(SentState {
             seen,
             state: Some(job.state),
             done: Some(job.done),
         });
-        if before.and_then(|told| told.state) != Some(job.state) {
+        if before.and_then(|sent| sent.state) != Some(job.state) {
             self.push(Event::default().event("state"), &job);
         }
-        // Only the last event has an id: a client that loses the others on its way gets all of them again.
+        // Only the last event has an id, so that a client that misses the others receives all of them again.
         if let Some(last) = self.ready.pop_back() {
             self.ready
                 .push_back(last.id(format!("{}.{}", seen.version, seen.failed)));

@@ -1,4 +1,4 @@
-//! Jobs: submitted, followed, controlled.
+//! Jobs: submission, events, control.
 
 pub(crate) mod control;
 mod follow;
@@ -24,12 +24,12 @@ use crate::processes::Processes;
 use crate::styles::Styles;
 use crate::waters::Waters;
 
-/// An id for a new job; later ones are greater.
+/// An id for a new job; ids increase over time.
 pub(crate) fn new_job_id() -> String {
     format!("job_{}", ordered_id().simple())
 }
 
-/// Everything that handles a job from its submission to its end.
+/// State needed from submission to the end of a job.
 pub(crate) struct Jobs {
     pub(crate) catalogue: Arc<Catalogue>,
     pub(crate) leases: Arc<Leases>,
@@ -38,9 +38,9 @@ pub(crate) struct Jobs {
     pub(crate) styles: Arc<Styles>,
     pub(crate) waters: Arc<Waters>,
     pub(crate) processes: Arc<Processes>,
-    /// What renders jobs in place of the workers of this service.
+    /// Renders jobs in place of the workers of this service.
     pub(crate) engine: Option<Engine>,
-    /// Held while a job is paused, cancelled, deleted and so on.
+    /// Serializes state changes of jobs.
     pub(crate) turn: Mutex<()>,
     pub(crate) clock: Clock,
     pub(crate) stop: CancellationToken,
@@ -52,7 +52,7 @@ impl Jobs {
         self.styles.vocabulary(&self.waters)
     }
 
-    /// A stored job, with a warning if it waits for a worker like its first one.
+    /// A stored job, with a warning if it waits for a compatible worker.
     pub(crate) async fn get(&self, id: &str) -> Result<JobRow, Problem> {
         let mut row = found(self.catalogue.job(id).await?, "job", id)?;
         row.warnings.extend(self.leases.dispatch.waits_for(id));
@@ -62,7 +62,7 @@ impl Jobs {
         Ok(row)
     }
 
-    /// Offers the frames that an earlier run of the service left open.
+    /// Offers the frames left open by an earlier run of the service.
     pub(crate) async fn resume_all(&self) -> Result<(), catalogue::CatalogueError> {
         let jobs = self.catalogue.open_jobs().await?;
         if !jobs.is_empty() {
@@ -79,7 +79,7 @@ impl Jobs {
         Ok(())
     }
 
-    /// Refuses to render frames of a job of version 0.1.
+    /// Rejects rendering frames of a job of version 0.1.
     async fn check_version(&self, id: &str) -> Result<(), Problem> {
         let description = found(self.catalogue.description(id).await?, "job", id)?;
         match is_of_earlier_version(&description) {

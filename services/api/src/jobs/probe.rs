@@ -1,12 +1,13 @@
-//! Frames that are rendered a second time, by a process of the service, and compared with what a worker has committed. A worker whose
-//! frame differs is dismissed; its frames since the last that was found good lose their images and are rendered by others.
+//! Spot checks: frames rendered a second time by a process of the service and compared with a worker's commit. A
+//! worker with a different frame is dismissed; its frames since the last good check lose their images and are
+//! rendered by others.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use imaging::Samples;
 use imaging::codec::decode_picture;
-use serde_json::{Value, json};
+use serde_json::json;
 use tokio_util::sync::CancellationToken;
 
 use super::Jobs;
@@ -15,11 +16,12 @@ use crate::images::rerender::Again;
 use crate::leases::probes::Probe;
 use crate::telemetry;
 
-/// How often frames to be checked are looked for.
+/// Interval of looking for frames to check.
 const LOOK: Duration = Duration::from_millis(200);
-/// Of the time of one core, checks take one part in so many at most: small frames come faster than a process starts.
+/// Checks take at most one part in this many of the time of one core, because small frames arrive faster than a
+/// process starts.
 const MOST_PAUSES: u32 = 99;
-/// What of a record is a function of the job alone, on one program and one kind of machine.
+/// Parts of a record that depend only on the job, for one program and kind of machine.
 const FACTS: [&str; 8] = [
     "parameters",
     "optics",
@@ -30,19 +32,19 @@ const FACTS: [&str; 8] = [
     "warnings",
     "scene",
 ];
-/// Mean difference of two pictures, 8-bit codes, that another kind of machine may make: it changes the last place before rounding.
+/// Maximum mean difference of two images on different kinds of machines, 8-bit codes: rounding of the last bit.
 const OTHER_MACHINE_CODES: f64 = 1.0;
 
-/// What a check came to.
+/// Result of a check.
 enum Verdict {
     Good,
-    /// Nothing can be said.
+    /// The check is inconclusive.
     Open(String),
-    /// What differs.
+    /// The frames differ.
     Differs(String),
 }
 
-/// Checks frames until the end.
+/// Checks frames until the service stops.
 pub(crate) async fn run(jobs: Arc<Jobs>, end: CancellationToken) {
     let probes = &jobs.leases.probes;
     let pauses =
@@ -62,7 +64,7 @@ pub(crate) async fn run(jobs: Arc<Jobs>, end: CancellationToken) {
 }
 
 impl Jobs {
-    /// Checks a frame, and draws the consequences.
+    /// Checks a frame and handles the result.
     async fn check(self: &Arc<Self>, probe: &Probe) {
         let Probe {
             worker, job, frame, ..
@@ -75,12 +77,12 @@ impl Jobs {
         match verdict {
             Verdict::Good => {
                 telemetry::checked("good");
-                self.leases.probes.is_good(probe);
+                self.leases.probes.mark_good(probe);
             }
             Verdict::Open(why) => {
                 telemetry::checked("open");
                 tracing::info!(worker, job, frame, why, "a frame could not be checked");
-                self.leases.probes.is_open(probe);
+                self.leases.probes.mark_inconclusive(probe);
             }
             Verdict::Differs(what) => {
                 telemetry::checked("differs");
@@ -92,7 +94,7 @@ impl Jobs {
         }
     }
 
-    /// Has all frames of a worker rendered again that nothing speaks for.
+    /// Renders all unproven frames of a worker again.
     async fn take_back(self: &Arc<Self>, worker: &str) {
         for (job, frames) in self.leases.probes.take(worker) {
             let count = frames.len();
@@ -111,29 +113,29 @@ impl Jobs {
         let image = self.images.get(job, frame).await?;
         let again = self.images.rerender(job, frame).await?;
         let record = json!(again.record);
-        let same = |name: &str| image.pointer(name) == record.pointer(name);
-        if !same("/provenance/code_version") || !same("/provenance/onnx_runtime") {
-            return Ok(Verdict::Open("it was made with another version".to_owned()));
+        let differing: Vec<_> = ["code_version", "onnx_runtime", "inputs", "cpu_features"]
+            .into_iter()
+            .filter(|name| image["provenance"].get(name) != record["provenance"].get(name))
+            .collect();
+        match differing.first() {
+            Some(&("code_version" | "onnx_runtime")) => {
+                Ok(Verdict::Open("the frame is of another version".to_owned()))
+            }
+            Some(&"inputs") => Ok(Verdict::Differs("/provenance/inputs".to_owned())),
+            Some(_) => self.compare_images(job, frame, again).await,
+            None => {
+                let different = FACTS.iter().find(|name| image[**name] != record[**name]);
+                Ok(different.map_or(Verdict::Good, |name| Verdict::Differs((*name).to_owned())))
+            }
         }
-        if !same("/provenance/inputs") {
-            return Ok(Verdict::Differs("/provenance/inputs".to_owned()));
-        }
-        if same("/provenance/cpu_features") {
-            let fact = |record: &Value, name: &str| record.get(name).cloned().unwrap_or_default();
-            let other = FACTS
-                .iter()
-                .find(|name| fact(&image, name) != fact(&record, name));
-            return Ok(other.map_or(Verdict::Good, |name| Verdict::Differs((*name).to_owned())));
-        }
-        self.on_other_machine(job, frame, again).await
     }
 
-    /// Compares the pictures alone, which may differ in their last place.
-    async fn on_other_machine(&self, job: &str, frame: u64, again: Again) -> Result<Verdict, Problem> {
+    /// Compares only the images, which may differ by rounding.
+    async fn compare_images(&self, job: &str, frame: u64, again: Again) -> Result<Verdict, Problem> {
         const PICTURE: &str = "rgb";
         let Some(bytes) = again.bytes(PICTURE) else {
             return Ok(Verdict::Open(
-                "it was made on another kind of machine and has no picture".to_owned(),
+                "the frame is of another kind of machine and has no image".to_owned(),
             ));
         };
         let stored = self.images.artifact(job, frame, PICTURE).await?;
@@ -151,19 +153,18 @@ impl Jobs {
     }
 }
 
-/// Mean difference of two pictures of one size and depth, 8-bit codes.
+/// Mean difference of two images of one size and depth, 8-bit codes.
 fn mean_difference(one: &[u8], other: &[u8]) -> Option<f64> {
     let (one, other) = (decode_picture(one).ok()?, decode_picture(other).ok()?);
-    let sum = |pairs: &mut dyn Iterator<Item = f64>| pairs.sum::<f64>();
-    let (sum, count) = match (one.samples(), other.samples()) {
-        (Samples::U8(a), Samples::U8(b)) if a.len() == b.len() => (
-            sum(&mut a.iter().zip(b).map(|(a, b)| f64::from(a.abs_diff(*b)))),
-            a.len(),
-        ),
-        (Samples::U16(a), Samples::U16(b)) if a.len() == b.len() => (
-            sum(&mut a.iter().zip(b).map(|(a, b)| f64::from(a.abs_diff(*b)) / 257.0)),
-            a.len(),
-        ),
+    let (sum, count): (f64, _) = match (one.samples(), other.samples()) {
+        (Samples::U8(a), Samples::U8(b)) if a.len() == b.len() => {
+            let differences = a.iter().zip(b).map(|(a, b)| f64::from(a.abs_diff(*b)));
+            (differences.sum(), a.len())
+        }
+        (Samples::U16(a), Samples::U16(b)) if a.len() == b.len() => {
+            let differences = a.iter().zip(b).map(|(a, b)| f64::from(a.abs_diff(*b)) / 257.0);
+            (differences.sum(), a.len())
+        }
         _ => return None,
     };
     Some(sum / count.max(1) as f64)

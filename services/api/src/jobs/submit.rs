@@ -1,4 +1,4 @@
-//! Submission of a job: checked, stored, then offered to workers. Shared by jobs and direct renders.
+//! Submission of a job: check, store, offer to workers. Shared by jobs and direct renders.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -13,32 +13,32 @@ use crate::http::extract::Submitter;
 use crate::http::problem::{Problem, Slug};
 use crate::processes::compute::to_the_end;
 
-/// A job of which one state is known.
+/// A job with a known state.
 pub(super) struct Followed {
     pub(super) row: JobRow,
     /// Its changes since `row`.
     pub(super) changes: Receiver<()>,
 }
 
-/// A job that is stored.
+/// A stored job.
 pub(super) struct Submitted {
     pub(super) job: Followed,
-    /// Whether it had every image of the description already, so that nothing was stored.
+    /// Whether all its images already existed, so that nothing was stored.
     pub(super) is_complete: bool,
 }
 
-/// How a description is submitted.
+/// Options of a submission.
 pub(super) struct Submission {
     pub(super) submitter: Submitter,
-    /// Higher goes first.
+    /// Higher values are rendered first.
     pub(super) priority: i32,
-    /// Whether its frames are rendered although the dataset has every image of it.
+    /// Whether to render frames that the dataset already has.
     pub(super) again: bool,
 }
 
 impl Jobs {
-    /// Stores the job and offers it to workers, or finds the one that the same key created before. Completes even if the
-    /// client disconnects: a stored job that is not offered would wait for the next start of the service.
+    /// Stores the job and offers it to workers, or finds the job of the same key. Completes even if the client
+    /// disconnects: a stored job without an offer would wait for the next start of the service.
     pub(super) async fn submit(
         self: &Arc<Self>,
         job: Job,
@@ -50,8 +50,8 @@ impl Jobs {
         to_the_end(async move { jobs.store(&job, submission).await }).await
     }
 
-    /// Has a job rendered by whoever renders jobs here: the workers of the broker, if there is one and they can, else those of
-    /// this service.
+    /// Routes a job to its renderer: the workers of the broker if there is one and they can, else those of this
+    /// service.
     pub(super) async fn accept(
         self: &Arc<Self>,
         job: Job,
@@ -65,7 +65,8 @@ impl Jobs {
         to_the_end(async move { jobs.begin_set(&job, submission).await }).await
     }
 
-    /// Begins the set of a job and shows it. Its store knows the key, so a repeat finds it through every service.
+    /// Creates the set of a job and adds it to the catalogue. The store knows the key, so a repeat finds the job
+    /// through every service.
     async fn begin_set(&self, job: &Job, submission: Submission) -> Result<Submitted, Problem> {
         let engine = self.engine.as_ref();
         let engine = engine.ok_or_else(|| Problem::internal(&"a set is begun without an engine"))?;
@@ -107,7 +108,7 @@ impl Jobs {
         }
     }
 
-    /// Reads a description and checks it, over the scenes that it names as well.
+    /// Parses a description and checks it, including its scenes.
     pub(super) async fn parse(&self, body: &[u8]) -> Result<Job, Problem> {
         let mut vocabulary = self.vocabulary();
         vocabulary.collections = self.collections_for(body).await?;
@@ -117,7 +118,7 @@ impl Jobs {
         Ok(draft.check(&Uploads::Known(parts.collect()))?)
     }
 
-    /// All collections, with the scenes of those that the description names.
+    /// All collections, with scenes only for those that the description names.
     async fn collections_for(&self, body: &[u8]) -> Result<BTreeMap<String, Vec<String>>, Problem> {
         let named = Draft::collections_named(body);
         if named.is_empty() {
@@ -134,7 +135,7 @@ impl Jobs {
         Ok(collections)
     }
 
-    /// The row of a job, yet to be stored.
+    /// The unsaved row of a job.
     fn row_of(&self, job: &Job, submission: Submission) -> NewJob {
         let spec_digest = job.digest();
         let Submitter {
@@ -163,7 +164,7 @@ impl Jobs {
     async fn store(&self, job: &Job, submission: Submission) -> Result<Submitted, Problem> {
         let new = self.row_of(job, submission);
         let id = new.id.clone();
-        // From here to the row that names them, no scene is deleted.
+        // No scene may be deleted until the row that references it is stored.
         let _turn = self.bytes.naming.beside_others().await;
         if let Some(gone) = self.catalogue.missing_scene(&job.uploaded_scene_ids()).await? {
             let message = format!("scene `{gone}` was deleted while the job was submitted");
@@ -204,12 +205,12 @@ impl Jobs {
         }
     }
 
-    /// Refuses a style that only runs on ONNX Runtime when no worker has it.
+    /// Rejects a style that needs ONNX Runtime if no worker has it.
     pub(super) fn check_runtime(&self, job: &Job) -> Result<(), Problem> {
         let known = self.styles.known();
-        let needed = || job.styles().iter().any(|name| known.library.needs_runtime(name));
+        let is_needed = job.styles().iter().any(|name| known.library.needs_runtime(name));
         match &self.styles.runtime {
-            Err(missing) if needed() && !self.leases.dispatch.has_style_runtime() => {
+            Err(missing) if is_needed && !self.leases.dispatch.has_style_runtime() => {
                 let hint = "run scripts/get-onnxruntime.sh and restart, or connect a worker that has it";
                 Err(Problem::new(Slug::RuntimeMissing, format!("{missing}; {hint}")))
             }
@@ -224,82 +225,4 @@ fn key_conflict() -> Problem {
 }
 
 #[cfg(test)]
-mod tests {
-    use std::time::Duration;
-
-    use super::*;
-    use crate::app::App;
-    use crate::config::{Config, Surroundings};
-    use crate::jobs::wait::Until;
-    use crate::limits::Limits;
-
-    async fn app(folder: &std::path::Path) -> App {
-        let config = Config {
-            data: folder.to_owned(),
-            listen: "127.0.0.1:0".parse().unwrap(),
-            workers: 0,
-            slots_per_worker: 1,
-            worker_program: "/bin/false".into(),
-            hosts: Vec::new(),
-            token: None,
-            styles: None,
-            onnxruntime: None,
-            library: style::Library::embedded().unwrap(),
-            cluster_program: "/bin/false".into(),
-            stores: Vec::new(),
-            engine: None,
-            buckets: None,
-            style_trial: Duration::from_secs(1),
-            frame_limit: Duration::from_secs(600),
-            mix_workers: false,
-            spot_check: 0,
-        };
-        let surroundings = Surroundings {
-            clock: crate::clock::Clock::system(),
-            style_runtime: Err("none".to_owned()),
-            limits: Limits {
-                reserve_bytes: 1 << 16,
-                ..Limits::default()
-            },
-        };
-        App::open(&config, &surroundings).await.unwrap().0
-    }
-
-    #[tokio::test]
-    async fn a_job_is_never_read_again_after_it_was_written() {
-        let folder = tempfile::tempdir().unwrap();
-        let jobs = app(folder.path()).await.jobs;
-        let text = r#"{"dataset": "x", "scene": {"kind": "procedural", "family": "structure", "seed": 1},
-                       "camera": {"width": 100, "height": 50, "hfov_deg": 80}}"#;
-        let submit = || {
-            let job = Job::parse(text.as_bytes(), &jobs.vocabulary()).unwrap();
-            let submitter = Submitter {
-                owner: "me".to_owned(),
-                idempotency_key: Some("key".to_owned()),
-            };
-            let submission = Submission {
-                submitter,
-                priority: 0,
-                again: false,
-            };
-            jobs.submit(job, submission)
-        };
-        let reads = jobs.catalogue.reads();
-        let stored = submit().await.unwrap().job.row;
-        let submitted = submit().await.unwrap().job;
-        assert_eq!(submitted.row, stored);
-        let paused = jobs.pause(stored.id.clone()).await.unwrap();
-        jobs.resume(stored.id.clone()).await.unwrap();
-        // Resuming reads the description, which may be of an earlier version.
-        let reads = reads + 1;
-        let cancelled = jobs.cancel(stored.id.clone()).await.unwrap();
-        assert_eq!(jobs.catalogue.reads(), reads, "every change returns its row");
-        assert_eq!((stored.version, paused.version), (1, 2));
-        let seen = jobs
-            .wait_on(submitted, Duration::ZERO, Until::Ended)
-            .await
-            .unwrap();
-        assert_eq!(seen, cancelled, "a change since the submission is noticed");
-        assert_eq!(jobs.catalogue.reads(), reads + 1);
-    }
-}
+mod tests;

@@ -9,7 +9,7 @@ use super::Jobs;
 use super::submit::Followed;
 use crate::http::problem::Problem;
 
-/// What to wait for.
+/// Condition of a wait.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Until {
     /// The job has ended.
@@ -33,7 +33,7 @@ impl Jobs {
         self.wait_on(Followed { row, changes }, limit, until).await
     }
 
-    /// The same for a job of which one state is known.
+    /// Waits on a job with a known state.
     pub(super) async fn wait_on(
         &self,
         job: Followed,

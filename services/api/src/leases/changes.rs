@@ -5,12 +5,12 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use tokio::sync::watch::{Receiver, Sender};
 
-/// A channel for each job that a request waits for.
+/// A channel for each job with waiting requests.
 #[derive(Default)]
 pub(crate) struct Changes(Mutex<HashMap<String, Sender<()>>>);
 
 impl Changes {
-    /// Follows a job. A change between this call and the wait for it is not missed.
+    /// Follows a job. Changes after this call are not missed.
     pub(crate) fn subscribe(&self, job: &str) -> Receiver<()> {
         let mut senders = self.senders();
         // There are never more entries than waiting requests, plus one.
@@ -26,7 +26,7 @@ impl Changes {
     }
 
     fn senders(&self) -> MutexGuard<'_, HashMap<String, Sender<()>>> {
-        // The map stays whole whatever panicked while it was held.
+        // The map stays consistent if a holder panics.
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -36,7 +36,7 @@ mod tests {
     use super::*;
 
     #[tokio::test]
-    async fn only_those_who_wait_for_the_job_are_woken_and_nobody_is_remembered() {
+    async fn only_followers_of_the_job_are_woken_and_none_is_kept() {
         let changes = Changes::default();
         let (mut mine, other) = (changes.subscribe("job_a"), changes.subscribe("job_b"));
         changes.notify("job_a");

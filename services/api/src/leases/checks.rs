@@ -1,26 +1,26 @@
-//! What a worker may say of a frame, held against what the service knows: the description, the files that were put under the same
-//! lease, and the worker's registration. A worker that lies is not the author of a fact.
+//! Checks of a worker's report on a frame against the description, the files stored under the same lease, and the
+//! worker's registration. A misbehaving worker must not be able to store false facts.
 
 use proto::wire::{Artifact, RegisterRequest};
 use serde_json::{Number, Value};
 use spec::{ArtifactKind, Counts, Frame, FrameRecord, Scene};
 
-use super::puts::Put;
+use super::pending::PendingArtifact;
 
-/// Longest time of a stage, ms: a week.
+/// Maximum time of a stage, ms: a week.
 const MOST_MS: f64 = 7.0 * 86_400e3;
-/// Most warnings of a frame, and the longest of them: a handful of sentences.
+/// Maximum number and length of a frame's warnings: a few sentences.
 const WARNINGS: usize = 64;
 const WARNING_BYTES: usize = 4096;
 
-/// Everything wrong with a file of a frame.
+/// Returns all faults of a file of a frame.
 pub(crate) fn check_file(frame: &Frame, file: &Artifact) -> Vec<String> {
-    let Some(kind) = asked(frame, &file.kind) else {
-        let asked: Vec<String> = frame.artifacts.iter().map(ToString::to_string).collect();
+    let Some(kind) = find_requested(frame, &file.kind) else {
+        let requested: Vec<String> = frame.artifacts.iter().map(ToString::to_string).collect();
         return vec![format!(
-            "`{}` was not asked for, but {}",
+            "`{}` was not requested, but {}",
             file.kind,
-            asked.join(", ")
+            requested.join(", ")
         )];
     };
     let media_type = kind.media_type(frame.encode);
@@ -35,21 +35,21 @@ pub(crate) fn check_file(frame: &Frame, file: &Artifact) -> Vec<String> {
         imaging::codec::read_sides(&file.data).is_some()
     };
     if !is_readable {
-        faults.push(format!("the bytes of `{kind}` are no {media_type}"));
+        faults.push(format!("the bytes of `{kind}` are not {media_type}"));
     }
     faults
 }
 
-/// A record, and what is known beside it.
+/// A record and the facts to check it against.
 pub(crate) struct Evidence<'a> {
     pub(crate) frame: &'a Frame,
-    pub(crate) puts: &'a [Put],
+    pub(crate) pending: &'a [PendingArtifact],
     pub(crate) worker: &'a RegisterRequest,
     pub(crate) record: &'a FrameRecord,
 }
 
 impl Evidence<'_> {
-    /// Everything wrong with the record.
+    /// Returns all faults of the record.
     pub(crate) fn faults(&self) -> Vec<String> {
         let checks = [
             self.parameters(),
@@ -63,7 +63,7 @@ impl Evidence<'_> {
         checks.into_iter().flatten().collect()
     }
 
-    /// The parameters are those that the description resolves to. The camera of a scene that is not procedural is its own.
+    /// The parameters must match the resolved description. A non-procedural scene has its camera in the upload.
     fn parameters(&self) -> Vec<String> {
         let ignored = (!self.is_procedural()).then_some("camera");
         let place = difference(&self.frame.parameters, &self.record.parameters, ignored);
@@ -71,7 +71,7 @@ impl Evidence<'_> {
         fault.into_iter().collect()
     }
 
-    /// The files are those that were put, each once, and nothing is missing that every such frame has.
+    /// The files must match the stored ones, each once, and include all mandatory kinds.
     fn artifacts(&self) -> Vec<String> {
         let named = &self.record.artifacts;
         let mut faults = Vec::new();
@@ -80,7 +80,7 @@ impl Evidence<'_> {
             if named[..position].iter().any(|other| other.kind == *kind) {
                 faults.push(format!("`{kind}` is named twice"));
             }
-            if !self.puts.iter().any(|put| put.entry == *entry) {
+            if !self.pending.iter().any(|put| put.entry == *entry) {
                 faults.push(format!(
                     "`{kind}` with the digest {}, {} bytes, {} was not stored under this lease",
                     entry.digest, entry.bytes, entry.media_type
@@ -96,22 +96,23 @@ impl Evidence<'_> {
         faults
     }
 
-    /// Every picture but the thumbnail has the size of the frame.
+    /// Every image except the thumbnail must have the frame's size.
     fn sides(&self) -> Vec<String> {
         let Some(size) = self.size() else {
             return vec!["/parameters/camera has no width and height".to_owned()];
         };
         let preview = ArtifactKind::Preview.to_string();
-        let pictures = self.puts.iter().filter(|put| put.entry.kind != preview);
+        let pictures = self.pending.iter().filter(|put| put.entry.kind != preview);
         let wrong = pictures.filter_map(|put| Some((&put.entry.kind, put.sides?)));
         let wrong = wrong.filter(|(_, sides)| *sides != size);
-        let fault = |(kind, (width, height)): (&String, (usize, usize))| {
-            format!("`{kind}` is {width}×{height}, the frame {}×{}", size.0, size.1)
-        };
-        wrong.map(fault).collect()
+        wrong
+            .map(|(kind, (width, height)): (&String, (usize, usize))| {
+                format!("`{kind}` is {width}×{height}, the frame {}×{}", size.0, size.1)
+            })
+            .collect()
     }
 
-    /// Only what was asked for was measured, of pictures that the frame has.
+    /// Only requested metrics of present images are allowed.
     fn measurements(&self) -> Vec<String> {
         let frame = self.frame;
         let mut faults = Vec::new();
@@ -120,12 +121,12 @@ impl Evidence<'_> {
                 faults.push(format!("/measurements/{subject}: the frame has no such picture"));
             }
             let others = values.keys().filter(|metric| !frame.metrics.contains(metric));
-            faults.extend(others.map(|metric| format!("/measurements/{subject}/{metric} was not asked for")));
+            faults.extend(others.map(|metric| format!("/measurements/{subject}/{metric} was not requested")));
         }
         faults
     }
 
-    /// Counts, times and warnings are no larger than any frame has them, so that sums over many frames stay numbers.
+    /// Counts, times and warnings must be plausible, so that sums over many frames stay finite.
     fn numbers(&self) -> Vec<String> {
         let Counts {
             holes,
@@ -180,7 +181,7 @@ impl Evidence<'_> {
         faults
     }
 
-    /// The frame was made with what its worker registered with.
+    /// The provenance must match the worker's registration.
     fn origin(&self) -> Vec<String> {
         let (made, worker) = (&self.record.provenance, self.worker);
         let runtime = made.onnx_runtime.as_deref();
@@ -206,29 +207,31 @@ impl Evidence<'_> {
         if self.is_procedural() {
             return Some((self.frame.camera.width, self.frame.camera.height));
         }
-        let side = |name: &str| self.record.parameters["camera"][name].as_u64();
-        Some((side("width")? as usize, side("height")? as usize))
+        let camera = &self.record.parameters["camera"];
+        let (width, height) = (camera["width"].as_u64()?, camera["height"].as_u64()?);
+        Some((width as usize, height as usize))
     }
 }
 
-/// The artifact of this name, if the frame asks for it.
-fn asked<'a>(frame: &'a Frame, name: &str) -> Option<&'a ArtifactKind> {
+/// The artifact of this name, if the frame requests it.
+fn find_requested<'a>(frame: &'a Frame, name: &str) -> Option<&'a ArtifactKind> {
     frame.artifacts.iter().find(|kind| kind.to_string() == name)
 }
 
-/// Where two values differ first, as a JSON pointer; a key of theirs may be ignored.
+/// JSON pointer to the first difference of two values; one key may be ignored.
 fn difference(expected: &Value, found: &Value, ignored: Option<&str>) -> Option<String> {
     match (expected, found) {
         (Value::Object(a), Value::Object(b)) => {
-            let counts = |key: &String| Some(key.as_str()) != ignored;
-            let inside = a.iter().filter(|(key, _)| counts(key)).find_map(|(key, value)| {
-                let Some(other) = b.get(key) else {
-                    return Some(format!("/{key}"));
-                };
-                difference(value, other, None).map(|rest| format!("/{key}{rest}"))
-            });
-            let extra = || b.keys().find(|key| counts(key) && !a.contains_key(*key));
-            inside.or_else(|| extra().map(|key| format!("/{key}")))
+            let mut keys = a
+                .keys()
+                .chain(b.keys())
+                .filter(|key| Some(key.as_str()) != ignored);
+            keys.find_map(|key| match (a.get(key), b.get(key)) {
+                (Some(value), Some(other)) => {
+                    difference(value, other, None).map(|rest| format!("/{key}{rest}"))
+                }
+                _ => Some(format!("/{key}")),
+            })
         }
         (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {
             let mut pairs = a.iter().zip(b).enumerate();
@@ -239,7 +242,7 @@ fn difference(expected: &Value, found: &Value, ignored: Option<&str>) -> Option<
     }
 }
 
-/// A number of a record came through a parser, which is off by its last bit now and then: the expected one may go through it as well.
+/// A parser may round a number of a record by its last bit, so the expected number is parsed as well.
 fn is_same_number(expected: &Number, found: &Number) -> bool {
     expected == found
         || serde_json::from_str::<Number>(&expected.to_string()).is_ok_and(|parsed| parsed == *found)

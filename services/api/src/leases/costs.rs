@@ -1,11 +1,12 @@
-//! Cost estimates: from typical figures at first, from the frames rendered here once there are any.
+//! Cost estimates: typical figures at first, then means of the frames rendered here.
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use spec::{Frame, FrameRecord};
 
-/// Nanoseconds a pixel of each stage on one core of a server processor, 768×492, before anything was measured; of lamps, each.
+/// Nanoseconds per pixel of each stage on one core of a server processor, 768×492, before any measurement; per lamp
+/// for lamps.
 const TYPICAL_NS: [(&str, f64); 13] = [
     ("scene", 90.0),
     ("plan", 2.0),
@@ -21,7 +22,7 @@ const TYPICAL_NS: [(&str, f64); 13] = [
     ("metrics", 50.0),
     ("files", 75.0),
 ];
-/// Bytes a pixel of each kind of artifact: PNG of synthetic scenes, float32 NPY of the linear layers.
+/// Bytes per pixel of each artifact kind: PNG of synthetic scenes, float32 NPY of the linear layers.
 const TYPICAL_BYTES: [(&str, f64); 13] = [
     ("range", 0.6),
     ("instances", 0.02),
@@ -37,16 +38,16 @@ const TYPICAL_BYTES: [(&str, f64); 13] = [
     ("truth", 24.0),
     ("clean", 1.0),
 ];
-/// Bytes a pixel of any other kind: pictures.
+/// Bytes per pixel of other kinds: images.
 const PICTURE_BYTES: f64 = 0.5;
 /// Bytes of a frame's rows.
 const ROW_BYTES: f64 = 6000.0;
-/// Share of the newest frame in the running means.
+/// Weight of the newest frame in the running means.
 const NEWEST: f64 = 0.05;
-/// Kinds that are learned; a record that claims more is not worth the memory.
+/// Maximum learned kinds; a record with more is not worth the memory.
 const MOST_KINDS: usize = 64;
 
-/// What was learned from frames.
+/// Costs learned from rendered frames.
 #[derive(Default)]
 pub(crate) struct Costs(Mutex<Learned>);
 
@@ -73,8 +74,8 @@ pub(crate) struct Cost {
 impl Costs {
     /// Learns from a rendered frame.
     pub(crate) fn learn(&self, record: &FrameRecord) {
-        let side = |name: &str| record.parameters.pointer(&format!("/camera/{name}"))?.as_f64();
-        let (Some(width), Some(height)) = (side("width"), side("height")) else {
+        let camera = &record.parameters["camera"];
+        let (Some(width), Some(height)) = (camera["width"].as_f64(), camera["height"].as_f64()) else {
             return;
         };
         let pixels = (width * height).max(1.0);
@@ -88,7 +89,7 @@ impl Costs {
         let mut learned = self.learned();
         for (stage, typical) in TYPICAL_NS {
             let units = if stage == "lamps" { lamps } else { 1.0 };
-            // A skipped stage takes nearly no time, which says nothing about its cost.
+            // A skipped stage takes almost no time, which is not its cost.
             let ms = record.timings_ms.get(stage).copied().unwrap_or(0.0);
             let ns = ms * 1e6 / pixels / units;
             if ns > typical / 100.0 {
@@ -106,11 +107,12 @@ impl Costs {
     /// The mean over these frames.
     pub(crate) fn mean(&self, frames: &[Sized<'_>]) -> Cost {
         let learned = self.learned();
-        let sum =
-            |of: &dyn Fn(&Sized<'_>) -> f64| frames.iter().map(of).sum::<f64>() / frames.len().max(1) as f64;
+        let count = frames.len().max(1) as f64;
+        let seconds: f64 = frames.iter().map(|sized| learned.seconds(sized)).sum();
+        let bytes: f64 = frames.iter().map(|sized| learned.bytes(sized)).sum();
         Cost {
-            seconds: sum(&|sized| learned.seconds(sized)),
-            bytes: sum(&|sized| learned.bytes(sized)),
+            seconds: seconds / count,
+            bytes: bytes / count,
         }
     }
 
@@ -121,25 +123,7 @@ impl Costs {
 
 impl Learned {
     fn seconds(&self, Sized { frame, pixels }: &Sized<'_>) -> f64 {
-        let in_water = frame.water.optics.is_some();
-        let runs = |stage: &str| match stage {
-            "water" => in_water,
-            "lamps" => frame.has_lamps(),
-            "snow" => frame.water.snow.is_some_and(|snow| snow.density_per_m3 > 0.0),
-            "turbidity" => {
-                in_water
-                    && frame
-                        .water
-                        .turbidity
-                        .is_some_and(|patches| patches.contrast > 0.0)
-            }
-            "style" => frame.water.style.is_some() && frame.alpha > 0.0,
-            "haze" => !frame.haze().is_empty(),
-            "enhance" => !frame.enhance.is_empty(),
-            "metrics" => !frame.metrics.is_empty(),
-            _ => true,
-        };
-        let stages = TYPICAL_NS.iter().filter(|(stage, _)| runs(stage));
+        let stages = TYPICAL_NS.iter().filter(|(stage, _)| runs(frame, stage));
         let ns = stages.map(|(stage, typical)| {
             let units = if *stage == "lamps" { frame.lamp_count() } else { 1 };
             self.stage_ns.get(stage).unwrap_or(typical) * units as f64
@@ -148,22 +132,44 @@ impl Learned {
     }
 
     fn bytes(&self, Sized { frame, pixels }: &Sized<'_>) -> f64 {
-        let typical = |kind: &str| {
-            let known = TYPICAL_BYTES.iter().find(|(known, _)| *known == kind);
-            known.map_or(PICTURE_BYTES, |(_, bytes)| *bytes)
-        };
-        let each = |kind: String| {
-            self.kind_bytes
-                .get(&kind)
-                .copied()
-                .unwrap_or_else(|| typical(&kind))
-        };
         let kinds = frame.artifacts.iter().map(ToString::to_string);
-        kinds.map(each).sum::<f64>() * pixels + ROW_BYTES
+        kinds
+            .map(|kind: String| {
+                self.kind_bytes
+                    .get(&kind)
+                    .copied()
+                    .unwrap_or_else(|| typical_bytes(&kind))
+            })
+            .sum::<f64>()
+            * pixels
+            + ROW_BYTES
     }
 }
 
-/// What the paths of a truth take at most by convention; 0 where no artifact asks for it.
+/// Whether the stage runs for this frame.
+fn runs(frame: &Frame, stage: &str) -> bool {
+    let water = &frame.water;
+    match stage {
+        "water" => water.optics.is_some(),
+        "lamps" => frame.has_lamps(),
+        "snow" => water.snow.is_some_and(|snow| snow.density_per_m3 > 0.0),
+        "turbidity" => {
+            water.optics.is_some() && water.turbidity.is_some_and(|patches| patches.contrast > 0.0)
+        }
+        "style" => water.style.is_some() && frame.alpha > 0.0,
+        "haze" => !frame.haze().is_empty(),
+        "enhance" => !frame.enhance.is_empty(),
+        "metrics" => !frame.metrics.is_empty(),
+        _ => true,
+    }
+}
+
+fn typical_bytes(kind: &str) -> f64 {
+    let known = TYPICAL_BYTES.iter().find(|(known, _)| *known == kind);
+    known.map_or(PICTURE_BYTES, |(_, bytes)| *bytes)
+}
+
+/// Maximum nominal time of the Monte Carlo paths; 0 without an artifact that needs them.
 fn traced_seconds(frame: &Frame, pixels: f64) -> f64 {
     let most = frame.truth.unwrap_or_default().most_paths(pixels as u64);
     match most {
@@ -207,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn more_work_costs_more_and_what_was_measured_replaces_what_is_typical() {
+    fn more_work_costs_more_and_measurements_replace_typical_figures() {
         let costs = Costs::default();
         let plain = cost(&costs, &job(json!({})));
         let water = cost(
@@ -216,16 +222,16 @@ mod tests {
         );
         assert!(water.seconds > plain.seconds && water.bytes == plain.bytes);
         let lamp = json!({"kind": "point", "position_m": [0, 0, 0], "intensity": [1, 1, 1]});
-        let of = |water: serde_json::Value, lamps: usize| {
+        let seconds = |water: serde_json::Value, lamps: usize| {
             let lights = vec![lamp.clone(); lamps];
             cost(&costs, &job(json!({"water": water, "lights": lights}))).seconds
         };
         let suspended = [
-            of(json!({"optics": "jerlov-3C"}), 0),
-            of(json!({"optics": "jerlov-3C", "snow": {"density_per_m3": 10}}), 0),
-            of(json!({"optics": "jerlov-3C", "turbidity": {"contrast": 0.5}}), 0),
-            of(json!({"optics": "jerlov-3C"}), 1),
-            of(json!({"optics": "jerlov-3C"}), 4),
+            seconds(json!({"optics": "jerlov-3C"}), 0),
+            seconds(json!({"optics": "jerlov-3C", "snow": {"density_per_m3": 10}}), 0),
+            seconds(json!({"optics": "jerlov-3C", "turbidity": {"contrast": 0.5}}), 0),
+            seconds(json!({"optics": "jerlov-3C"}), 1),
+            seconds(json!({"optics": "jerlov-3C"}), 4),
         ];
         assert!(
             suspended.windows(2).all(|pair| pair[0] < pair[1]),

@@ -1,4 +1,4 @@
-//! The jobs whose frames come in, parsed once rather than for every message.
+//! Parsed descriptions of active jobs.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -7,18 +7,18 @@ use spec::{Job, RecentJobs};
 
 use crate::http::problem::{Problem, found};
 
-/// The jobs that were used last, by id.
+/// The most recently used jobs, by id.
 #[derive(Default)]
 pub(crate) struct Descriptions(Mutex<RecentJobs>);
 
 impl Descriptions {
-    /// The description of a job that is stored.
+    /// Returns the description of a stored job.
     pub(crate) async fn get(&self, catalogue: &Catalogue, id: &str) -> Result<Arc<Job>, Problem> {
         if let Some(job) = self.jobs().get(id) {
             return Ok(job);
         }
         let text = found(catalogue.description(id).await?, "job", id)?;
-        let job = Arc::new(Job::trusted(&text)?);
+        let job = Arc::new(Job::from_canonical(&text)?);
         self.jobs().insert(id, Arc::clone(&job));
         Ok(job)
     }

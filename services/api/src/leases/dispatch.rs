@@ -1,6 +1,8 @@
-//! The lease table and everything that moves it: the clock, the tokens, the workers that wait.
+//! The lease table with its clock, tokens and waiting workers.
 //!
-//! The table itself is a pure state machine. It is held for microseconds at a time and never across an await.
+//! The table itself is a pure state machine. Its lock is held for microseconds and never across an await.
+
+mod report;
 
 use std::collections::{BTreeSet, HashMap};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -12,26 +14,25 @@ use proto::wire::{BeatResponse, RegisterRequest};
 use tokio::sync::Notify;
 use tokio::time::{Instant, timeout_at};
 
-use super::Worker;
 use super::granted::Granted;
-use super::liars::Liars;
-use super::table::{JobEntry, LeaseTable, Making, Millis, Rules, StrikeEvent};
+use super::misbehavior::Misbehavior;
+use super::table::{JobEntry, LeaseTable, Millis, Rules, StrikeEvent, Toolchain};
 use crate::clock::{Clock, ordered_id};
 use crate::telemetry;
 
-/// A waiting worker checks again after this time: frames become free when a pause after a failure ends, which sends no
-/// notification.
+/// Interval at which a waiting worker checks again: frames become available without a notification when their pause
+/// after a failure ends.
 const LOOK_AGAIN: Duration = Duration::from_millis(250);
 
 pub(super) struct State {
     pub(super) table: LeaseTable,
     open: HashMap<String, Open>,
-    pub(super) liars: Liars,
-    /// The workers that the service has started, by id.
+    pub(super) misbehavior: Misbehavior,
+    /// Ids of the workers started by the service.
     own: BTreeSet<String>,
 }
 
-/// What is known of an open job beside its frames.
+/// An open job, except its frames.
 struct Open {
     submitted_at: UnixMs,
     spec_digest: String,
@@ -41,7 +42,7 @@ struct Open {
 pub(crate) struct Dispatch {
     state: Mutex<State>,
     work: Notify,
-    /// Rung when leases were cancelled.
+    /// Notified when leases are cancelled.
     cancelled: Notify,
     next_token: AtomicU64,
     clock: Clock,
@@ -52,11 +53,11 @@ impl Dispatch {
         let state = State {
             table: LeaseTable::with_rules(rules),
             open: HashMap::new(),
-            liars: Liars::default(),
+            misbehavior: Misbehavior::default(),
             own: BTreeSet::new(),
         };
-        // Tokens only grow, also from one life of the service to the next: the high half of a UUIDv7 is the time in
-        // milliseconds and a random part.
+        // Tokens only increase, also over restarts: the high half of a UUIDv7 is the time in milliseconds and a
+        // random part.
         let first_token = ordered_id().as_u64_pair().0;
         Self {
             state: Mutex::new(state),
@@ -90,7 +91,7 @@ impl Dispatch {
             failed,
             strikes,
             paused: row.state == JobState::Paused,
-            made: provenance.as_ref().map(Making::of),
+            made: provenance.as_ref().map(Toolchain::from_provenance),
         });
         drop(state);
         self.work.notify_waiters();
@@ -108,10 +109,10 @@ impl Dispatch {
         freed
     }
 
-    /// Registers a worker and returns its id; none for the name of a worker that was dismissed.
+    /// Registers a worker and returns its id; `None` if a worker of this name was dismissed.
     pub(crate) fn register(&self, about: RegisterRequest, is_own: bool) -> Option<String> {
         let mut state = self.state();
-        if state.liars.has(&about.name) {
+        if state.misbehavior.is_dismissed(&about.name) {
             return None;
         }
         let id = format!("wrk_{}", ordered_id().simple());
@@ -122,7 +123,7 @@ impl Dispatch {
         Some(id)
     }
 
-    /// Waits for frames to render. `None`: none came in time. `Err`: the worker is not registered.
+    /// Waits for frames to render. `None`: none in time. `Err`: the worker is not registered.
     pub(crate) async fn lease(
         &self,
         worker: &str,
@@ -150,18 +151,18 @@ impl Dispatch {
             if now >= deadline {
                 return Ok(None);
             }
-            // Woken or not: the table decides.
+            // The next look at the table decides, woken or not.
             let _ = timeout_at(deadline.min(now + LOOK_AGAIN), bell).await;
         }
     }
 
-    /// Offers nothing more of a job, and tells the workers that hold frames of it.
+    /// Cancels the leases of a job and notifies their workers.
     pub(crate) fn cancel(&self, job: &str) {
         self.table(|table, _| table.cancel(job));
         self.cancelled.notify_waiters();
     }
 
-    /// Prolongs a worker's leases; waits until one of its leases is cancelled, if none is.
+    /// Extends a worker's leases. If none is cancelled, waits until one is.
     pub(crate) async fn beat(
         &self,
         worker: &str,
@@ -184,7 +185,7 @@ impl Dispatch {
             if is_news || timeout_at(deadline, bell).await.is_err() {
                 return Ok(beat);
             }
-            // They were prolonged when the beat came.
+            // They were extended when the heartbeat arrived.
             named = &[];
         }
     }
@@ -197,19 +198,22 @@ impl Dispatch {
         let stalled = state.table.stalled(now);
         let mut events = state.table.expire(now);
         for worker in stalled {
-            events.extend(state.blame(&worker, "it holds frames and hands none in", now));
+            events.extend(state.blame(&worker, "it holds frames without committing any", now));
         }
         let State {
-            table, liars, own, ..
+            table,
+            misbehavior,
+            own,
+            ..
         } = &mut *state;
-        liars.keep(|id| table.has_worker(id));
+        misbehavior.retain_registered(|id| table.has_worker(id));
         own.retain(|id| table.has_worker(id));
         drop(state);
         self.after_loss(events)
     }
 
-    /// Takes back all leases of the workers of this name immediately: their process has ended. Also returns whether one
-    /// was registered.
+    /// Takes back all leases of the workers of this name immediately, because their process has ended. Also returns
+    /// whether one was registered.
     pub(crate) fn drop_workers_named(&self, name: &str) -> (bool, Vec<StrikeEvent>) {
         let mut state = self.state();
         let workers = state.table.workers();
@@ -222,57 +226,6 @@ impl Dispatch {
         }
         drop(state);
         (registered, self.after_loss(events))
-    }
-
-    /// Why a job waits although there are workers.
-    pub(crate) fn waits_for(&self, job: &str) -> Option<String> {
-        self.table(|table, _| {
-            let made = table.waits_for(job)?;
-            Some(format!(
-                "no worker makes the same bytes as this job's images, which were made with {made}: start such a worker, or the \
-                 service with --mix-workers"
-            ))
-        })
-    }
-
-    /// Whether a registered worker has the runtime of the style models.
-    pub(crate) fn has_style_runtime(&self) -> bool {
-        self.table(|table, _| table.workers().any(|(_, about, _)| about.onnx_runtime.is_some()))
-    }
-
-    /// Frames that all registered workers render side by side.
-    pub(crate) fn slots(&self) -> u64 {
-        self.table(|table, _| table.workers().map(|(_, about, _)| u64::from(about.slots)).sum())
-    }
-
-    /// The registered workers.
-    pub(crate) fn workers(&self) -> Vec<Worker> {
-        self.table(|table, now| {
-            let worker = |(id, about, seen): (&str, &RegisterRequest, Millis)| Worker {
-                id: id.to_owned(),
-                name: about.name.clone(),
-                slots: about.slots,
-                leased_frames: table.held_by(id) as u64,
-                silent_ms: now.0.saturating_sub(seen.0),
-                code_version: about.code_version.clone(),
-                onnx_runtime: about.onnx_runtime.clone(),
-                cpu_features: about.cpu_features.clone(),
-            };
-            table.workers().map(worker).collect()
-        })
-    }
-
-    /// Updates the gauges.
-    pub(crate) fn measure(&self) {
-        let mut state = self.state();
-        let totals = state.table.totals();
-        let State { table, open, .. } = &mut *state;
-        open.retain(|job, _| table.has_job(job));
-        let oldest = open.values().map(|open| open.submitted_at).min();
-        drop(state);
-        let now = self.clock.wall().0;
-        let age_ms = oldest.map_or(0, |submitted| now.saturating_sub(submitted.0));
-        telemetry::queue(totals.queued, totals.leased, age_ms);
     }
 
     pub(super) fn after_loss(&self, events: Vec<StrikeEvent>) -> Vec<StrikeEvent> {
@@ -291,14 +244,14 @@ impl Dispatch {
 }
 
 impl State {
-    /// Counts a fault of a worker, which is dismissed with all its leases after a few.
+    /// Counts a fault of a worker. After a few it is dismissed with all its leases.
     pub(super) fn blame(&mut self, id: &str, why: &str, now: Millis) -> Vec<StrikeEvent> {
         let name = self.table.workers().find(|(known, ..)| *known == id);
         let Some(name) = name.map(|(_, about, _)| about.name.clone()) else {
             return Vec::new();
         };
         let is_own = self.own.contains(id);
-        if !self.liars.refused(id, &name, is_own) {
+        if !self.misbehavior.count_rejection(id, &name, is_own) {
             return Vec::new();
         }
         tracing::error!(worker = name, why, "worker dismissed");
@@ -307,7 +260,7 @@ impl State {
 }
 
 impl Dispatch {
-    /// Dismisses a worker whose frame is not what it renders to.
+    /// Dismisses a worker that committed a wrong frame.
     pub(crate) fn dismiss(&self, id: &str) -> Vec<StrikeEvent> {
         let mut state = self.state();
         let now = self.now();
@@ -316,18 +269,15 @@ impl Dispatch {
             return Vec::new();
         };
         let is_own = state.own.contains(id);
-        state.liars.dismiss(id, &name, is_own);
-        tracing::error!(
-            worker = name,
-            "worker dismissed: a frame of it is not what it renders to"
-        );
+        state.misbehavior.dismiss(id, &name, is_own);
+        tracing::error!(worker = name, "worker dismissed for a wrong frame");
         let events = state.table.drop_worker(id, now);
         drop(state);
         self.after_loss(events)
     }
 }
 
-/// The worker is not registered with this life of the service.
+/// The worker is not registered since the service started.
 pub(crate) struct Unknown;
 
 #[cfg(test)]

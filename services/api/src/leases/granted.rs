@@ -1,11 +1,11 @@
-//! A lease between the table and its worker.
+//! A granted lease on its way to the worker.
 
 use proto::wire::{FrameClaim, Lease};
 
 use super::dispatch::Dispatch;
 use super::table::{Grant, TERM_MS};
 
-/// A lease on its way to its worker. If the worker disconnects first, the frames are free again at once, without a
+/// A granted lease. If the worker disconnects before it is sent, the frames become free immediately, without a
 /// strike.
 pub(crate) struct Granted<'d> {
     dispatch: &'d Dispatch,
@@ -31,7 +31,7 @@ impl<'d> Granted<'d> {
         Self { dispatch, lease }
     }
 
-    /// Hands the lease over: from here on only the worker or its expiry ends it.
+    /// Releases the lease to the worker: from now on only the worker or its expiry ends it.
     pub(crate) fn hand_over(mut self) -> Lease {
         self.lease
             .take()

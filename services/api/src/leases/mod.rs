@@ -1,4 +1,4 @@
-//! Which worker renders which frames: the lease table, the workers, and their reports.
+//! The assignment of frames to workers: the lease table, the workers, and their reports.
 
 pub(crate) mod changes;
 mod checks;
@@ -6,9 +6,9 @@ pub(crate) mod costs;
 mod descriptions;
 pub(crate) mod dispatch;
 mod granted;
-mod liars;
+mod misbehavior;
+pub(crate) mod pending;
 pub(crate) mod probes;
-pub(crate) mod puts;
 pub(crate) mod routes;
 mod strikes;
 pub mod table;
@@ -26,8 +26,8 @@ use changes::Changes;
 use costs::Costs;
 use descriptions::Descriptions;
 use dispatch::Dispatch;
+use pending::PendingArtifacts;
 use probes::Probes;
-use puts::Puts;
 use table::Rules;
 
 /// Leased and queued frames, and the costs learned from finished ones.
@@ -36,11 +36,11 @@ pub(crate) struct Leases {
     pub(crate) changes: Changes,
     pub(crate) costs: Costs,
     descriptions: Descriptions,
-    pub(crate) puts: Puts,
+    pub(crate) pending: PendingArtifacts,
     pub(crate) probes: Probes,
     pub(crate) catalogue: Arc<Catalogue>,
     pub(crate) bytes: Arc<Bytes>,
-    /// Workers that render for a broker.
+    /// Workers of a broker.
     elsewhere: Mutex<Vec<Worker>>,
     clock: Clock,
     stop: CancellationToken,
@@ -60,7 +60,7 @@ impl Leases {
             changes: Changes::default(),
             costs: Costs::default(),
             descriptions: Descriptions::default(),
-            puts: Puts::default(),
+            pending: PendingArtifacts::default(),
             probes,
             catalogue,
             bytes,
@@ -72,7 +72,7 @@ impl Leases {
 }
 
 impl Leases {
-    /// All workers: those that are registered here, and those of the broker.
+    /// All workers: registered ones and those of the broker.
     fn workers(&self) -> Vec<Worker> {
         let mut workers = self.dispatch.workers();
         let elsewhere = self.elsewhere.lock().unwrap_or_else(PoisonError::into_inner);
@@ -89,20 +89,20 @@ impl Leases {
 /// A worker process.
 #[derive(Debug, Clone, Serialize, Deserialize, ToSchema)]
 pub struct Worker {
-    /// `wrk_…`, new with every registration; of a worker of the broker, its name.
+    /// `wrk_…`, new with every registration; for a worker of the broker, its name.
     pub id: String,
-    /// The name it gave itself; the service's own are `local-1`, `local-2`, …
+    /// Chosen name; those of the service's workers are `local-1`, `local-2`, …
     pub name: String,
-    /// Frames that it renders side by side.
+    /// Frames rendered in parallel.
     pub slots: u32,
-    /// Frames that it holds.
+    /// Leased frames.
     pub leased_frames: u64,
-    /// Milliseconds since it was last heard of.
+    /// Milliseconds since its last message.
     pub silent_ms: u64,
-    /// Version of its code.
+    /// Version of the software.
     pub code_version: String,
     /// Version of its ONNX Runtime; null: none.
     pub onnx_runtime: Option<String>,
-    /// CPU features that choose its code paths.
+    /// CPU features that select its code paths.
     pub cpu_features: String,
 }

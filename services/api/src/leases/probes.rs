@@ -1,16 +1,16 @@
-//! Which frames are rendered a second time: the first of each worker and then one in so many, drawn so that nobody can foresee it; and
-//! what a worker has committed since its last frame that was found good.
+//! Selects frames for spot checks: the first frame of each worker and then a random one of each `one_in`,
+//! unpredictable for workers. Tracks the commits of each worker since its last good check.
 
 use std::collections::{BTreeMap, HashMap, VecDeque};
 use std::hash::{BuildHasher, RandomState};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// Frames of a worker that are remembered: some megabytes. The oldest are forgotten where checks fall so far behind.
-const MOST_UNPROVEN: usize = 100_000;
+/// Maximum tracked frames of a worker: some megabytes. Older ones are dropped if checks fall behind.
+const MAX_UNPROVEN: usize = 100_000;
 
-/// The frames of all workers that were not compared yet.
+/// The unchecked frames of all workers.
 pub(crate) struct Probes {
-    /// One frame in so many is rendered again; 0: none.
+    /// One frame of this many is rendered again; 0: none.
     pub(crate) one_in: u64,
     draw: RandomState,
     state: Mutex<State>,
@@ -22,7 +22,7 @@ struct State {
     waiting: VecDeque<Probe>,
 }
 
-/// What a worker has committed since its last good check.
+/// Commits of a worker since its last good check.
 #[derive(Default)]
 struct Unproven {
     frames: VecDeque<(Arc<str>, u64)>,
@@ -36,7 +36,7 @@ pub(crate) struct Probe {
     pub(crate) worker: String,
     pub(crate) job: Arc<str>,
     pub(crate) frame: u64,
-    /// Frames of the worker that it speaks for, itself included.
+    /// Number of the worker's frames that it vouches for, including itself.
     covers: usize,
 }
 
@@ -49,8 +49,8 @@ impl Probes {
         }
     }
 
-    /// Notes a frame that a worker has committed.
-    pub(crate) fn committed(&self, worker: &str, job: &str, frame: u64) {
+    /// Records a commit of a worker.
+    pub(crate) fn record_commit(&self, worker: &str, job: &str, frame: u64) {
         if self.one_in == 0 {
             return;
         }
@@ -67,7 +67,7 @@ impl Probes {
             Some((last, _)) if **last == *job => Arc::clone(last),
             _ => Arc::from(job),
         };
-        if unproven.frames.len() == MOST_UNPROVEN {
+        if unproven.frames.len() == MAX_UNPROVEN {
             unproven.frames.pop_front();
         }
         unproven.frames.push_back((Arc::clone(&job), frame));
@@ -82,14 +82,14 @@ impl Probes {
         }
     }
 
-    /// The frame that has waited longest.
+    /// The longest waiting frame.
     pub(crate) fn next(&self) -> Option<Probe> {
         self.state().waiting.pop_front()
     }
 
-    /// A frame was found good, and so are those that its worker had committed before.
-    pub(crate) fn is_good(&self, probe: &Probe) {
-        self.end(probe, |unproven| {
+    /// The frame is good, and so are its worker's earlier commits.
+    pub(crate) fn mark_good(&self, probe: &Probe) {
+        self.finish(probe, |unproven| {
             unproven.has_been_checked = true;
             let known = unproven.frames.iter();
             let place = known
@@ -99,19 +99,19 @@ impl Probes {
         });
     }
 
-    /// Nothing can be said of a frame: another one is taken.
-    pub(crate) fn is_open(&self, probe: &Probe) {
-        self.end(probe, |_| {});
+    /// The check is inconclusive: another frame is selected.
+    pub(crate) fn mark_inconclusive(&self, probe: &Probe) {
+        self.finish(probe, |_| {});
     }
 
-    fn end(&self, probe: &Probe, change: impl FnOnce(&mut Unproven)) {
+    fn finish(&self, probe: &Probe, change: impl FnOnce(&mut Unproven)) {
         if let Some(unproven) = self.state().workers.get_mut(&probe.worker) {
             unproven.is_waiting = false;
             change(unproven);
         }
     }
 
-    /// Takes the frames of a worker that nothing speaks for, by job.
+    /// Removes the unproven frames of a worker and returns them by job.
     pub(crate) fn take(&self, worker: &str) -> BTreeMap<String, Vec<u64>> {
         let mut state = self.state();
         state.waiting.retain(|probe| probe.worker != worker);
@@ -123,8 +123,8 @@ impl Probes {
         by_job
     }
 
-    /// Forgets workers that are gone and were checked.
-    pub(crate) fn keep(&self, is_registered: impl Fn(&str) -> bool) {
+    /// Drops unregistered workers without unchecked frames.
+    pub(crate) fn retain_registered(&self, is_registered: impl Fn(&str) -> bool) {
         self.state()
             .workers
             .retain(|worker, unproven| unproven.is_waiting || is_registered(worker));
@@ -140,11 +140,11 @@ mod tests {
     use super::*;
 
     fn commit(probes: &Probes, worker: &str, frames: std::ops::Range<u64>) {
-        frames.for_each(|frame| probes.committed(worker, "job_a", frame));
+        frames.for_each(|frame| probes.record_commit(worker, "job_a", frame));
     }
 
     #[test]
-    fn the_first_frame_of_each_worker_is_checked_and_then_one_in_so_many() {
+    fn the_first_frame_of_each_worker_is_checked_and_then_a_random_share() {
         let probes = Probes::new(100);
         commit(&probes, "a", 0..1);
         commit(&probes, "b", 1..2);
@@ -154,7 +154,7 @@ mod tests {
         for frame in 0..20_000 {
             commit(&probes, "c", frame..frame + 1);
             if let Some(probe) = probes.next() {
-                probes.is_good(&probe);
+                probes.mark_good(&probe);
                 checked += 1;
             }
         }
@@ -165,16 +165,16 @@ mod tests {
     }
 
     #[test]
-    fn what_came_after_the_last_good_frame_is_not_proven() {
+    fn frames_after_the_last_good_one_are_unproven() {
         let probes = Probes::new(1);
         commit(&probes, "a", 0..5);
         let first = probes.next().unwrap();
         assert_eq!((first.frame, probes.next()), (0, None));
-        probes.is_good(&first);
+        probes.mark_good(&first);
         commit(&probes, "a", 5..7);
         let second = probes.next().unwrap();
         assert_eq!(second.frame, 5);
-        probes.is_open(&second);
+        probes.mark_inconclusive(&second);
         commit(&probes, "b", 100..101);
         assert_eq!(
             probes.take("a"),

@@ -1,4 +1,4 @@
-//! Recording lost and failed attempts, so that a restart of the service forgets none.
+//! Stores lost and failed attempts, so that they survive a restart of the service.
 
 use catalogue::FailureRow;
 
@@ -7,8 +7,8 @@ use super::table::StrikeEvent;
 use crate::telemetry;
 
 impl Leases {
-    /// Records events and notifies followers of the jobs. An error is only logged: the table in memory stays right, and
-    /// after a restart the frame merely gets one more attempt.
+    /// Stores events and notifies followers of the jobs. An error is only logged: the table in memory is still
+    /// correct, and after a restart the frame gets one more attempt.
     pub(crate) async fn record_strikes(&self, events: Vec<StrikeEvent>) {
         for event in events {
             let StrikeEvent {

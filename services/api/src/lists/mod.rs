@@ -1,7 +1,8 @@
-//! Every list of identifiers that a user can send, each read from the place that declares them: for the API, the command
-//! line and the documentation.
+//! Lists of identifiers that a user can send, each read from its declaration, for the API, the command line and the
+//! documentation.
 
 mod declared;
+mod entries;
 pub(crate) mod routes;
 
 use serde::Serialize;
@@ -13,15 +14,15 @@ use declared::LISTS;
 /// A list of identifiers.
 #[derive(Debug, Clone, Copy)]
 pub struct List {
-    /// Its own name, as `fathom list` takes it.
+    /// Name of the list in `fathom list`.
     pub name: &'static str,
-    /// What its entries are.
+    /// Meaning of the entries.
     pub about: &'static str,
-    /// Where a user sends or meets an entry, in Markdown.
+    /// Uses of an entry, in Markdown.
     pub places: &'static [&'static str],
-    /// The endpoint that lists what a service has; absent for what is the same in every service of a version.
+    /// The endpoint with a service's entries; `None` if they are the same in every service of a version.
     pub stored_at: Option<&'static str>,
-    /// What comes with the program; absent where only a service knows.
+    /// The built-in entries; `None` if only a service knows them.
     pub shipped: Option<fn(&Library) -> Vec<Entry>>,
 }
 
@@ -29,10 +30,10 @@ pub struct List {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
 #[schema(as = ListEntry)]
 pub struct Entry {
-    /// What to send.
+    /// The identifier itself.
     #[schema(example = "semantics")]
     pub name: String,
-    /// Its number in masks: of a category the code, of a finding the bit.
+    /// Number in masks: the code of a category, the bit of a finding.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub number: Option<u8>,
@@ -40,7 +41,7 @@ pub struct Entry {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub unit: Option<&'static str>,
-    /// What it means.
+    /// Meaning.
     pub about: String,
 }
 
@@ -57,7 +58,7 @@ impl List {
         LISTS.iter().find(|list| list.name == name)
     }
 
-    /// The path that lists it.
+    /// The path of the list.
     #[must_use]
     pub fn path(&self) -> String {
         self.stored_at
@@ -80,8 +81,7 @@ mod tests {
     /// The table of all lists in Markdown.
     fn markdown() -> String {
         let mut text =
-            "| identifiers | what they are | where | endpoint | command |\n|---|---|---|---|---|\n"
-                .to_owned();
+            "| identifiers | meaning | use | endpoint | command |\n|---|---|---|---|---|\n".to_owned();
         for list in LISTS {
             let (name, about, places) = (list.name, list.about, list.places.join("; "));
             let (path, command) = (list.path(), list.command());
@@ -90,15 +90,24 @@ mod tests {
         text
     }
 
-    /// The documented table is this one. After a change of the lists, copy what the failure prints.
+    /// `FATHOM_WRITE=1 cargo test -p api --lib lists` updates the table.
     #[test]
     fn the_table_of_the_documentation_is_up_to_date() {
-        let written = include_str!("../../../../docs/identifiers.md");
-        assert!(
-            written.contains(&markdown()),
-            "docs/identifiers.md should hold:\n{}",
-            markdown()
-        );
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/identifiers.md");
+        let text = std::fs::read_to_string(path).unwrap();
+        let table = text.find("| identifiers |").unwrap();
+        let end = text[table..]
+            .find("\n\n")
+            .map_or(text.len(), |end| table + end + 1);
+        let updated = format!("{}{}{}", &text[..table], markdown(), &text[end..]);
+        if std::env::var_os("FATHOM_WRITE").is_some() {
+            std::fs::write(path, updated).unwrap();
+        } else {
+            assert!(
+                text == updated,
+                "docs/identifiers.md is out of date: run FATHOM_WRITE=1 cargo test -p api --lib lists"
+            );
+        }
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Responses that the catalogue or a worker wrote as JSON: what stands in them.
+//! Schemas of JSON responses written by the catalogue or a worker.
 
 use std::collections::BTreeMap;
 
@@ -7,7 +7,7 @@ use utoipa::ToSchema;
 
 use super::ArtifactKind;
 
-/// Columns of an image by name: strings, numbers, booleans; null where it has none. `GET /v1/lists/columns` lists those of
+/// Columns of an image by name: strings, numbers, booleans; null if absent. `GET /v1/lists/columns` lists those of
 /// every image.
 #[derive(ToSchema)]
 #[expect(dead_code, reason = "describes the body; the catalogue writes it")]
@@ -22,7 +22,7 @@ pub(crate) struct ImageRow {
     columns: BTreeMap<String, Value>,
 }
 
-/// Everything that is known of an image.
+/// The record of an image.
 #[derive(ToSchema)]
 #[expect(dead_code, reason = "describes the body; `spec` writes it")]
 pub(crate) struct ImageRecord {
@@ -30,34 +30,34 @@ pub(crate) struct ImageRecord {
     job: String,
     /// The dataset.
     dataset: String,
-    /// When it was stored, RFC 3339 in UTC.
+    /// Storage time, RFC 3339 in UTC.
     #[schema(format = DateTime)]
     created_at: String,
     /// Position in the job, from 0.
     frame: u64,
-    /// Its description with every law replaced by its value.
+    /// Its description with all distributions drawn.
     parameters: BTreeMap<String, Value>,
-    /// The numbers that the water ran with.
+    /// Numbers of the water stage.
     optics: BTreeMap<String, Value>,
     /// For each stage its variant, share of the tolerance, bound, gain and cost.
     plan: Value,
-    /// The error bound of the exposed light; missing without a tolerance.
+    /// The error bound of the exposed light; absent without a tolerance.
     #[schema(nullable = false)]
     promise: Option<PromisedError>,
-    /// Metrics by picture (`rgb`, an enhancement) and name.
+    /// Metrics by image (`rgb`, an enhancement) and name.
     measurements: BTreeMap<String, BTreeMap<String, f64>>,
     /// The stored files.
     artifacts: Vec<StoredArtifact>,
-    /// What was counted on the way.
+    /// Counters of the rendering.
     counts: FrameCounts,
     /// Milliseconds of each stage.
     timings_ms: BTreeMap<String, f64>,
-    /// What the user should know about it.
+    /// Warnings about the image.
     warnings: Vec<String>,
-    /// Where the camera was and what could be seen, where the scene is known.
+    /// Camera pose and visible objects, if the scene is known.
     #[schema(nullable = false)]
     scene: Option<SceneInView>,
-    /// With what it was made.
+    /// Software and inputs.
     provenance: Provenance,
 }
 
@@ -65,17 +65,17 @@ pub(crate) struct ImageRecord {
 #[derive(ToSchema)]
 #[expect(dead_code, reason = "describes the body; `spec` writes it")]
 pub(crate) struct PromisedError {
-    /// The largest error of any sample of the exposed light, from black to white, against the exact chain in f64.
+    /// The maximum error of any sample of the exposed light, black to white, against the exact chain in f64.
     bound: f64,
     /// The tolerance of the frame.
     tolerance: f64,
-    /// Stages that run without a bound; missing without any.
+    /// Stages without a bound; absent without any.
     #[schema(nullable = false)]
     unbounded: Option<Vec<String>>,
-    /// Why the bound exceeds the tolerance, and what to change; missing if it does not.
+    /// Why the bound exceeds the tolerance, and the remedy; absent if it does not.
     #[schema(nullable = false)]
     exceeds: Option<String>,
-    /// All of it in one sentence.
+    /// The promise as one sentence.
     text: String,
 }
 
@@ -83,7 +83,7 @@ pub(crate) struct PromisedError {
 #[derive(ToSchema)]
 #[expect(dead_code, reason = "describes the body; `spec` writes it")]
 pub(crate) struct StoredArtifact {
-    /// What it holds.
+    /// Artifact kind.
     kind: ArtifactKind,
     /// SHA-256 of the bytes, lower-case hex.
     digest: String,
@@ -93,17 +93,17 @@ pub(crate) struct StoredArtifact {
     media_type: String,
 }
 
-/// What was counted while rendering.
+/// Counters of the rendering.
 #[derive(ToSchema)]
 #[expect(dead_code, reason = "describes the body; `spec` writes it")]
 pub(crate) struct FrameCounts {
     /// Pixels without a valid range.
     holes: u64,
-    /// Samples of negative radiance that were set to 0.
+    /// Samples of negative radiance set to 0.
     negative_radiance: u64,
-    /// Samples outside 0..=1 that the encoder clamped.
+    /// Samples outside 0..=1, clamped by the encoder.
     clamped: u64,
-    /// Range pixels beyond what 16-bit millimeters hold.
+    /// Range pixels beyond the maximum of 16-bit millimeters.
     range_saturated: u64,
 }
 
@@ -111,24 +111,24 @@ pub(crate) struct FrameCounts {
 #[derive(ToSchema)]
 #[expect(dead_code, reason = "describes the body; `spec` writes it")]
 pub(crate) struct SceneInView {
-    /// Rows of the matrix that takes camera axes (right, down, ahead, 1) to the world of a procedural scene, m.
+    /// Rows of the matrix from camera axes (right, down, ahead, 1) to the world of a procedural scene, m.
     #[schema(nullable = false)]
     world_from_camera: Option<Vec<Vec<f64>>>,
-    /// The classes of an uploaded scene; those of procedural scenes are always the same.
+    /// The classes of an uploaded scene; those of procedural scenes are fixed.
     #[schema(nullable = false, value_type = Option<Vec<Value>>)]
     categories: Option<Vec<Value>>,
     /// The pinhole camera.
     intrinsics: CameraIntrinsics,
-    /// The objects in view; absent unless an artifact with labels was asked for.
+    /// Objects in view; absent without an artifact that needs labels.
     #[schema(nullable = false)]
     instances: Option<Vec<ObjectInView>>,
-    /// How many of them have a contrast that can be seen.
+    /// Number of objects with visible contrast.
     #[schema(nullable = false)]
     visible: Option<u64>,
-    /// The least visibility of those that have one.
+    /// Minimum visibility of the objects that have one.
     #[schema(nullable = false)]
     least_visibility: Option<f64>,
-    /// Their mean visibility.
+    /// Mean visibility.
     #[schema(nullable = false)]
     mean_visibility: Option<f64>,
 }
@@ -149,99 +149,99 @@ pub(crate) struct CameraIntrinsics {
 #[derive(ToSchema)]
 #[expect(dead_code, reason = "describes the body; `spec` writes it")]
 pub(crate) struct ObjectInView {
-    /// Its number in the instance mask.
+    /// Number in the instance mask.
     number: u16,
-    /// What it is; `GET /v1/lists/categories` lists them.
+    /// Category; `GET /v1/lists/categories` lists them.
     category: String,
-    /// What is seen of it, px: left, top, and the first column and row beyond.
+    /// Bounding box of the visible part, px: left, top, and the first column and row beyond.
     #[schema(min_items = 4, max_items = 4)]
     r#box: Vec<u64>,
-    /// How many pixels show it.
+    /// Visible pixels.
     pixels: u64,
-    /// Its median range, m.
+    /// Median range, m.
     range_m: Option<f64>,
     /// Transmittance of the water at that range, R, G, B.
     transmittance: Option<Vec<f64>>,
-    /// Its contrast against its surround after the water.
+    /// Contrast against its surround after the water.
     contrast: Option<f64>,
-    /// That contrast over the one before the water, at most 1.
+    /// Contrast after the water over contrast before it, at most 1.
     visibility: Option<f64>,
     /// Whether the contrast after the water reaches 0.02.
     visible: bool,
 }
 
-/// With what an image was made.
+/// Software and inputs of an image.
 #[derive(ToSchema)]
 #[expect(dead_code, reason = "describes the body; `spec` writes it")]
 pub(crate) struct Provenance {
-    /// Version of the code.
+    /// Version of the software.
     code_version: String,
-    /// Version of ONNX Runtime, if a style network ran on it.
+    /// Version of ONNX Runtime, if a style network used it.
     onnx_runtime: Option<String>,
-    /// CPU features that choose code paths.
+    /// CPU features that select code paths.
     cpu_features: String,
-    /// SHA-256 of every model and uploaded file that went in, by name.
+    /// SHA-256 of every model and uploaded file used, by name.
     inputs: BTreeMap<String, String>,
 }
 
-/// What is known of a style model.
+/// Metadata of a style model.
 #[derive(ToSchema)]
 #[expect(dead_code, reason = "describes the body; `style` writes it")]
 pub(crate) struct StyleCard {
-    /// Name by which jobs ask for it.
+    /// Name of the style in jobs.
     name: String,
     /// Name of the ONNX file.
     file: String,
     /// SHA-256 of the ONNX file, lower-case hex.
     sha256: String,
-    /// What kind of network it is.
+    /// Kind of network.
     architecture: String,
-    /// How many numbers were trained.
+    /// Number of trained parameters.
     parameters: Option<u64>,
-    /// What it was trained on.
+    /// Training data.
     source: String,
-    /// Under what terms it may be used.
+    /// License of the model.
     licence: String,
     /// Its inputs.
     inputs: Vec<String>,
     /// Its outputs.
     outputs: Vec<String>,
-    /// Whether it takes noise of the job's seed and the frame.
+    /// Whether it has a noise input, seeded by job and frame.
     takes_noise: bool,
-    /// Whether it takes the range of each pixel: it cannot repaint a scene without one.
+    /// Whether it has a range input: it then needs scenes with a range.
     takes_range: bool,
-    /// What the style weight does with its output.
+    /// Effect of the style weight on its output.
     alpha: String,
-    /// What a user should know.
+    /// Caveats for users.
     caveats: Vec<String>,
-    /// How it was trained, if it was trained from a photo.
+    /// Training record, for a style trained from a photo.
     #[schema(nullable = false)]
     training: Option<TrainingRecord>,
-    /// How far its color table is from the network, if that was measured.
+    /// Measured distance of its color table from the network.
     #[schema(nullable = false)]
     table: Option<TableDistance>,
 }
 
-/// How a style came about.
+/// Training record of a style.
 #[derive(ToSchema)]
 #[expect(dead_code, reason = "describes the body; `style` writes it")]
 pub(crate) struct TrainingRecord {
     /// SHA-256 of each photo's file.
     photos: Vec<String>,
-    /// Seed of all chance.
+    /// Random seed.
     seed: u64,
-    /// Steps asked for.
+    /// Requested steps.
     steps: u64,
-    /// The step whose weights were kept; 0: the color transfer alone.
+    /// The step with the selected weights; 0: only the color transfer.
     kept_step: u64,
-    /// Mean losses of the steps that led to it.
+    /// Mean losses of the steps leading to it.
     losses: Losses,
     /// Losses on new scenes.
     held_out: Losses,
-    /// The same for the color transfer alone.
+    /// Losses of the color transfer alone on new scenes.
     #[schema(rename = "held_out_colour_transfer")]
     held_out_color_transfer: Losses,
-    /// What the network does beyond its color map on new scenes: root mean square, of 255.
+    /// Contribution of the network beyond its color map on new scenes: root mean square, of 255.
     branch_rms_255: f64,
     /// Version of the trainer.
     code_version: String,
@@ -256,7 +256,7 @@ pub(crate) struct Losses {
     /// Distance of the colors from the photo's.
     #[schema(rename = "colour")]
     color: f64,
-    /// Share of the content that is lost.
+    /// Lost share of the content.
     content: f64,
 }
 
@@ -268,7 +268,7 @@ pub(crate) struct TableDistance {
     mean_255: f64,
     /// 99.9th percentile of the absolute difference, of 255.
     high_255: f64,
-    /// Greatest absolute difference, of 255.
+    /// Maximum absolute difference, of 255.
     max_255: f64,
     /// Mean structural similarity of the brightness.
     ssim: f64,

@@ -1,11 +1,12 @@
-//! Schemas of descriptions, written from the table of accepted fields: a named component for each group, list of words
-//! and law.
+//! Schemas of descriptions, generated from the field schema: a named component for each group, list of words and
+//! distribution.
 
 use serde_json::{Map, Value, json};
-use spec::schema::{Field, MAX_LABEL_TEXT, MAX_LABELS, Names, Presence, Range, Shape, Variant};
+use spec::schema::{Field, MAX_LABEL_TEXT, MAX_LABELS, Names, Presence, Shape, Variant};
 use spec::{OwnWater, Vocabulary};
 
 use super::laws;
+use super::leaf::{camel, integer, listed_at, number, reference};
 
 /// The documented example of a job.
 const EXAMPLE: &str = r#"{
@@ -25,10 +26,10 @@ const EXAMPLE: &str = r#"{
 /// Components by name.
 pub(crate) type Components = Map<String, Value>;
 
-/// What may stand in a place, without a law.
+/// The schema of a value without distributions.
 struct Plain {
     schema: Value,
-    /// What its law is called, without `Law`.
+    /// Name of its distribution, without the suffix `Law`.
     base: String,
     /// Whether `schema` refers to a component of that name.
     is_named: bool,
@@ -40,7 +41,7 @@ struct Writer<'v> {
     found: Components,
 }
 
-/// Every component that a job or a water of a user's own needs: `JobDescription`, `NewWater` and what they are made of.
+/// All components of jobs and user-defined waters: `JobDescription`, `NewWater` and their parts.
 pub(crate) fn components(vocabulary: &Vocabulary) -> Components {
     let mut writer = Writer {
         vocabulary,
@@ -57,7 +58,7 @@ pub(crate) fn components(vocabulary: &Vocabulary) -> Components {
         writer.found.insert("JobDescription".to_owned(), job);
     }
     let mut water = writer.object(OwnWater::FIELDS);
-    water["description"] = "A water of your own. Arrays are R, G, B; what is absent is unknown.".into();
+    water["description"] = "A user-defined water. Arrays are R, G, B; an absent value is unknown.".into();
     water["examples"] = json!([{
         "name": "quay-7", "source": "our transmissometer, May", "licence": "CC-BY-4.0", "wavelength_nm": [650, 532, 450],
         "absorption_per_m": [0.42, 0.2, 0.5], "scattering_per_m": [1.0, 1.1, 1.3], "diffuse_attenuation_per_m": [0.6, 0.4, 0.8]
@@ -88,7 +89,7 @@ impl Writer<'_> {
         object
     }
 
-    /// The field's own schema or a law, with meaning, unit and default beside it.
+    /// The field's schema or a distribution, with meaning, unit and default.
     fn field(&mut self, field: &Field) -> Value {
         let plain = match field.shape {
             Shape::Text(names) => self.text(names, field.type_name.or(Some(field.name))),
@@ -114,7 +115,7 @@ impl Writer<'_> {
         schema
     }
 
-    /// What stands in a place where a law may stand, too.
+    /// The schema of a value or its distribution.
     fn varied(&mut self, plain: Plain) -> Value {
         let Plain {
             schema,
@@ -194,10 +195,10 @@ impl Writer<'_> {
         }
     }
 
-    /// A component, written once.
+    /// Adds a component once.
     fn named(&mut self, name: &str, write: impl FnOnce(&mut Self) -> Value) -> Plain {
         if !self.found.contains_key(name) {
-            // Whatever it is made of may come back to it.
+            // Reserve the name first, because schemas may be recursive.
             self.found.insert(name.to_owned(), Value::Null);
             let schema = write(self);
             self.found.insert(name.to_owned(), schema);
@@ -209,7 +210,7 @@ impl Writer<'_> {
         }
     }
 
-    /// A group of fields. `Description` keeps its name apart from what the service stores under the same word.
+    /// A group of fields. The suffix `Description` avoids clashes with stored types.
     fn group(&mut self, type_name: &str, write: impl FnOnce(&mut Self) -> Value) -> Plain {
         Plain {
             base: type_name.to_owned(),
@@ -223,16 +224,18 @@ impl Writer<'_> {
 
     /// An object of one field for each of these.
     fn options(&mut self, fields: &[Field], type_name: &str) -> Vec<Value> {
-        let option = |field: &Field| {
-            let name = format!("{}{type_name}", camel(field.name));
-            let only = |writer: &mut Self| {
-                let mut object = writer.object(std::slice::from_ref(field));
-                object["required"] = json!([field.name]);
-                object
-            };
-            self.group(&name, only).schema
-        };
-        fields.iter().map(option).collect()
+        fields
+            .iter()
+            .map(|field: &Field| {
+                let name = format!("{}{type_name}", camel(field.name));
+                self.group(&name, |writer: &mut Self| {
+                    let mut object = writer.object(std::slice::from_ref(field));
+                    object["required"] = json!([field.name]);
+                    object
+                })
+                .schema
+            })
+            .collect()
     }
 
     fn tagged(&mut self, tag: &str, presence: Presence, options: &[Variant]) -> Value {
@@ -240,17 +243,18 @@ impl Writer<'_> {
         for option in options {
             let is_usual =
                 matches!(presence, Presence::Default(text) if text.trim_matches('"') == option.name);
-            let write = |writer: &mut Self| {
-                let mut object = writer.object(option.fields);
-                object["properties"][tag] = json!({"type": "string", "const": option.name});
-                let mut required = object["required"].as_array().cloned().unwrap_or_default();
-                if !is_usual {
-                    required.push(tag.into());
-                    object["required"] = required.into();
-                }
-                object
-            };
-            let kind = self.group(option.type_name, write).schema;
+            let kind = self
+                .group(option.type_name, |writer: &mut Self| {
+                    let mut object = writer.object(option.fields);
+                    object["properties"][tag] = json!({"type": "string", "const": option.name});
+                    let mut required = object["required"].as_array().cloned().unwrap_or_default();
+                    if !is_usual {
+                        required.push(tag.into());
+                        object["required"] = required.into();
+                    }
+                    object
+                })
+                .schema;
             kinds.insert(option.name.to_owned(), kind["$ref"].clone());
         }
         let references: Vec<_> = kinds.values().map(|path| json!({"$ref": path})).collect();
@@ -261,7 +265,7 @@ impl Writer<'_> {
         union
     }
 
-    /// A string stands for the object of its one field.
+    /// A string as a shorthand for the object with its one field.
     fn short(&mut self, name: &str, fields: &[Field], type_name: &str) -> Value {
         let text = fields
             .iter()
@@ -274,7 +278,7 @@ impl Writer<'_> {
         json!({"oneOf": [text, object.schema]})
     }
 
-    /// A string. Those of a list that no user adds to are a component with all of them.
+    /// A string. A fixed list of words becomes a component.
     fn text(&mut self, names: Names, type_name: Option<&str>) -> Plain {
         let name = match names {
             Names::Fixed(_) => type_name.map(camel),
@@ -313,52 +317,4 @@ fn bare(schema: Value, base: &str) -> Plain {
         base: base.to_owned(),
         is_named: false,
     }
-}
-
-pub(super) fn reference(name: &str) -> Value {
-    json!({"$ref": format!("#/components/schemas/{name}")})
-}
-
-/// Where names of this kind are listed.
-fn listed_at(names: Names) -> &'static str {
-    match names {
-        Names::Preset => ", or a water of your own; `GET /v1/waters` lists both",
-        Names::Style => "; `GET /v1/styles` lists them",
-        Names::Camera => "; `GET /v1/lists/cameras` says what they are",
-        Names::Sensor => "; `GET /v1/lists/sensors` says what they are",
-        Names::SceneId => "; `GET /v1/scenes` lists them",
-        Names::Dataset => "; `GET /v1/datasets` lists those that exist",
-        Names::Collection => "; `GET /v1/collections` lists them",
-        Names::Family => "; `GET /v1/lists/families` says what they show",
-        Names::Enhancement => "; `GET /v1/lists/enhancements` says what they do",
-        Names::Metric => "; `GET /v1/lists/metrics` says what they measure",
-        Names::Artifact => "; `GET /v1/lists/artifacts` says what they hold",
-        Names::Fixed(_) | Names::WaterName | Names::Words | Names::Path => "",
-    }
-}
-
-fn number(range: &Range) -> Value {
-    let mut number = json!({"type": "number"});
-    if *range != Range::FINITE {
-        let least = if range.above {
-            "exclusiveMinimum"
-        } else {
-            "minimum"
-        };
-        number[least] = range.min.into();
-        number["maximum"] = range.max.into();
-    }
-    number
-}
-
-fn integer(low: i128, high: i128) -> Value {
-    let end = |end| serde_json::Number::from_i128(end).map(Value::Number);
-    json!({"type": "integer", "minimum": end(low), "maximum": end(high)})
-}
-
-/// `range_m` as a part of a type's name: `RangeM`.
-fn camel(name: &str) -> String {
-    name.split('_')
-        .map(|part| part[..1].to_uppercase() + &part[1..])
-        .collect()
 }

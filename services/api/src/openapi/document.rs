@@ -1,11 +1,11 @@
-//! The document put together: what the routes declare, the components that the lists and fields of the program write, and
-//! what holds for every operation.
+//! Assembles the document: the declarations of the routes, the generated components of lists and fields, and common
+//! responses.
 
 use serde_json::{Map, Value, json};
 use spec::Vocabulary;
 use utoipa::openapi::OpenApi;
 
-use super::{description, problems};
+use super::{description, leaf, problems};
 use crate::http::problem::Slug;
 
 /// The document of these routes and of the lists with these names.
@@ -34,18 +34,19 @@ pub(crate) fn document(mut routes: OpenApi, vocabulary: &Vocabulary, list_names:
     document
 }
 
-/// Components that are lists of this crate.
+/// Components of built-in lists.
 fn lists(names: &[&str]) -> Map<String, Value> {
-    let slugs = || Slug::ALL.iter().map(|slug| slug.name());
-    let types: Vec<_> = slugs().map(|slug| format!("/problems/{slug}")).collect();
-    // What generators call the words, which begin with a slash.
-    let words: Vec<_> = slugs()
+    let slugs: Vec<_> = Slug::ALL.iter().map(|slug| slug.name()).collect();
+    let types: Vec<_> = slugs.iter().map(|slug| format!("/problems/{slug}")).collect();
+    // Names for code generators, because the words begin with a slash.
+    let words: Vec<_> = slugs
+        .iter()
         .map(|slug| slug.replace('-', "_").to_uppercase())
         .collect();
     let lists = json!({
-        "ListName": {"type": "string", "enum": names, "description": "A list that comes with the program."},
+        "ListName": {"type": "string", "enum": names, "description": "A built-in list."},
         "ProblemType": {"type": "string", "enum": types, "x-enum-varnames": words,
-                        "description": "A kind of problem; `GET /v1/lists/problems` says what it means."},
+                        "description": "A kind of problem; `GET /v1/lists/problems` explains it."},
     });
     match lists {
         Value::Object(lists) => lists,
@@ -53,16 +54,16 @@ fn lists(names: &[&str]) -> Map<String, Value> {
     }
 }
 
-/// The rows of a page are components: a page does not repeat what stands in them.
+/// Makes the rows of pages components, so that a page refers to them.
 fn refer_to_rows(components: &mut Map<String, Value>) {
     for (name, page) in components.iter_mut() {
         if let Some(row) = name.strip_prefix("Page_") {
-            page["properties"]["items"]["items"] = description::reference(row);
+            page["properties"]["items"]["items"] = leaf::reference(row);
         }
     }
 }
 
-/// Bodies that are no JSON are text or bytes.
+/// Non-JSON bodies are text or bytes.
 fn set_media_types(operation: &mut Value) {
     let responses = operation.get_mut("responses").and_then(Value::as_object_mut);
     for (_, response) in responses.into_iter().flatten() {
@@ -81,19 +82,21 @@ fn set_media_types(operation: &mut Value) {
     }
 }
 
-/// A parameter is there or not: it cannot be null.
+/// A parameter may be absent, but not null.
 fn leave_out_null(schema: &mut Map<String, Value>) {
-    let only = |name: &str| {
-        let options = schema.get(name)?.as_array()?;
-        let mut kept = options
-            .iter()
-            .filter(|option| **option != "null" && option["type"] != "null");
-        kept.next().filter(|_| kept.next().is_none()).cloned()
-    };
-    if let Some(only) = only("type") {
+    if let Some(only) = find_only_option(schema.get("type")) {
         schema.insert("type".to_owned(), only);
-    } else if let Some(Value::Object(only)) = only("oneOf") {
+    } else if let Some(Value::Object(only)) = find_only_option(schema.get("oneOf")) {
         schema.remove("oneOf");
         schema.extend(only);
     }
+}
+
+/// The only option of a list other than null.
+fn find_only_option(options: Option<&Value>) -> Option<Value> {
+    let mut kept = options?
+        .as_array()?
+        .iter()
+        .filter(|option| **option != "null" && option["type"] != "null");
+    kept.next().filter(|_| kept.next().is_none()).cloned()
 }

@@ -1,41 +1,53 @@
-//! Schemas of laws. Those that yield numbers are the same everywhere; a choice and a grid hold values of their place, so
-//! each type of value has its own.
+//! Schemas of distributions. Numeric ones are common to all fields; choices and grids contain values of their field,
+//! so each type of value has its own schema.
 
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
-use super::description::{Components, reference};
+use super::description::Components;
+use super::leaf::reference;
 
-/// What every law has in common.
-const ABOUT: &str = "A law: the value of each frame is a pure function of seed, place and frame.";
+/// Common description of all distributions.
+const ABOUT: &str =
+    "A distribution: the value of each frame is a pure function of seed, JSON pointer and frame.";
 
-/// The laws that yield numbers.
+/// The numeric distributions.
 pub(super) fn components() -> Components {
-    let pair = |about: &str| json!({"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2, "description": about});
     let whole = json!({"type": "array", "items": {"type": "integer"}, "minItems": 2, "maxItems": 2,
                        "description": "first and last number, both included"});
-    let ends = || pair("ends of what it yields");
-    let mut found = Map::new();
-    let mut add = |name: &str, law: Value| found.insert(name.to_owned(), law);
-    add(
-        "UniformLaw",
-        object("uniform", ends(), None, json!({"uniform": [0.5, 2.0]})),
-    );
-    add(
-        "LogUniformLaw",
-        object("log_uniform", ends(), None, json!({"log_uniform": [0.01, 1.0]})),
-    );
-    add("IntLaw", object("int", whole, None, json!({"int": [0, 9]})));
-    let clip = ("clip", pair("ends of what it may yield"), true);
-    let example = json!({"normal": [0.8, 0.1], "clip": [0, 1]});
-    add(
-        "NormalLaw",
-        object("normal", pair("mean and standard deviation"), Some(clip), example),
-    );
-    found
+    let ends = two_numbers("ends of its values");
+    let clip = ("clip", two_numbers("limits of its values"), true);
+    let mean = two_numbers("mean and standard deviation");
+    let laws = [
+        (
+            "UniformLaw",
+            object("uniform", ends.clone(), None, json!({"uniform": [0.5, 2.0]})),
+        ),
+        (
+            "LogUniformLaw",
+            object("log_uniform", ends, None, json!({"log_uniform": [0.01, 1.0]})),
+        ),
+        ("IntLaw", object("int", whole, None, json!({"int": [0, 9]}))),
+        (
+            "NormalLaw",
+            object(
+                "normal",
+                mean,
+                Some(clip),
+                json!({"normal": [0.8, 0.1], "clip": [0, 1]}),
+            ),
+        ),
+    ];
+    laws.into_iter()
+        .map(|(name, law)| (name.to_owned(), law))
+        .collect()
 }
 
-/// Adds `{base}Law` and `{base}OrLaw` with the choice and the grid of such values. `value`: what stands without a law;
-/// absent for values that have no component of their own, since their limits differ from field to field.
+fn two_numbers(about: &str) -> Value {
+    json!({"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2, "description": about})
+}
+
+/// Adds `{base}Law` and `{base}OrLaw` with the choice and the grid of such values. `value` is the schema without
+/// distributions; absent for numbers, whose limits differ from field to field.
 pub(super) fn add(found: &mut Components, base: &str, value: Option<Value>) {
     let (law, place) = (format!("{base}Law"), format!("{base}OrLaw"));
     let (choice, grid) = (format!("{base}Choice"), format!("{base}Grid"));
@@ -48,16 +60,22 @@ pub(super) fn add(found: &mut Components, base: &str, value: Option<Value>) {
     let laws: Vec<_> = names.map(reference).collect();
     found.insert(law.clone(), json!({"oneOf": laws, "description": ABOUT}));
     let value = value.unwrap_or_else(|| without_limits(base));
-    let either = json!({"oneOf": [value, reference(&law)], "description": "A value or a law."});
+    let either = json!({"oneOf": [value, reference(&law)], "description": "A value or a distribution."});
     found.insert(place.clone(), either);
-    let values = |about: &str| json!({"type": "array", "items": reference(&place), "minItems": 1, "description": about});
     let weights = json!({"type": "array", "items": {"type": "number", "minimum": 0}, "minItems": 1,
-                         "description": "one for each value; absent: all the same"});
-    let of = values("one of these values, drawn for each frame");
-    let choice_law = law_object("choice", of, Some(("weights", weights, false)));
-    let axis = values("an axis: every value in turn, combined with those of the other axes");
+                         "description": "one per value; absent: all equal"});
+    let drawn = value_list(&place, "one of these values, drawn for each frame");
+    let choice_law = law_object("choice", drawn, Some(("weights", weights, false)));
+    let axis = value_list(
+        &place,
+        "an axis: every value in turn, combined with those of the other axes",
+    );
     found.insert(choice, choice_law);
     found.insert(grid, law_object("grid", axis, None));
+}
+
+fn value_list(element: &str, about: &str) -> Value {
+    json!({"type": "array", "items": reference(element), "minItems": 1, "description": about})
 }
 
 fn without_limits(base: &str) -> Value {
@@ -76,7 +94,7 @@ fn object(key: &str, argument: Value, companion: Option<(&str, Value, bool)>, ex
     law
 }
 
-/// An object of the law's key and what may or must stand beside it.
+/// An object with the distribution's key and its companion.
 fn law_object(key: &str, argument: Value, companion: Option<(&str, Value, bool)>) -> Value {
     let mut law = json!({"type": "object", "properties": {key: argument}, "required": [key],
                          "additionalProperties": false, "description": ABOUT});

@@ -1,9 +1,10 @@
-//! The OpenAPI document: what does not stand beside the handlers.
+//! The parts of the OpenAPI document without a handler.
 
 mod bodies;
 mod description;
 mod document;
 mod laws;
+mod leaf;
 mod problems;
 
 use utoipa::openapi::OpenApi;
@@ -18,7 +19,7 @@ use crate::http::problem::Slug;
 pub(crate) use bodies::{ImageRecord, ImageRow, Losses, StyleCard};
 pub(crate) use document::document;
 
-/// Declares components whose schemas are written from the lists and fields of the program when the document is put together.
+/// Declares components whose schemas are generated when the document is assembled.
 macro_rules! written {
     ($($(#[doc = $about:literal])+ $Name:ident;)*) => {$(
         $(#[doc = $about])+
@@ -35,9 +36,9 @@ macro_rules! written {
 }
 
 written! {
-    /// The body of a job: a frame description with laws in place of values.
+    /// The body of a job: a frame description with distributions in place of values.
     JobDescription;
-    /// A water of a user's own.
+    /// A user-defined water.
     NewWater;
     /// The kind of an artifact.
     ArtifactKind;
@@ -45,7 +46,7 @@ written! {
     Enhancement;
     /// The type of a problem.
     ProblemType;
-    /// The name of a list that comes with the program.
+    /// The name of a built-in list.
     ListName;
     /// The bytes of a file.
     Bytes;
@@ -54,7 +55,7 @@ written! {
 /// A problem (RFC 9457).
 #[derive(ToResponse, ToSchema)]
 #[response(
-    description = "A problem. `type` says which.",
+    description = "A problem; `type` is its kind.",
     content_type = "application/problem+json"
 )]
 #[expect(dead_code, reason = "describes the body, which is built member by member")]
@@ -68,7 +69,7 @@ pub(crate) struct Problem {
     /// The HTTP status.
     #[schema(example = 422)]
     status: u16,
-    /// What is wrong this time.
+    /// Description of this occurrence.
     #[schema(example = "alpha is 1.2 but must be in 0..=1")]
     detail: String,
     /// The request id, as in the header `X-Request-Id` and in the log.
@@ -76,7 +77,7 @@ pub(crate) struct Problem {
     instance: String,
     /// All errors of a description.
     errors: Option<Vec<FieldError>>,
-    /// Where a filter stops making sense, in characters from 0.
+    /// Position of the error in a filter, in characters from 0.
     position: Option<usize>,
 }
 
@@ -84,18 +85,18 @@ pub(crate) struct Problem {
 #[derive(ToSchema)]
 #[expect(dead_code, reason = "describes the body; `spec` writes it")]
 pub(crate) struct FieldError {
-    /// JSON pointer to the place.
+    /// JSON pointer to the value.
     #[schema(example = "/alpha")]
     pointer: String,
-    /// Names the field, its value and the limit.
+    /// Message with the field, its value and the limit.
     #[schema(example = "alpha is 1.2 but must be in 0..=1")]
     message: String,
-    /// The refused value.
+    /// The rejected value.
     value: Option<serde_json::Value>,
-    /// The limit that it breaks.
+    /// The limit.
     #[schema(example = "0..=1")]
     limit: Option<String>,
-    /// What may stand there.
+    /// The allowed names.
     allowed: Option<Vec<String>>,
     /// The nearest allowed name.
     did_you_mean: Option<String>,
@@ -108,15 +109,15 @@ pub(crate) struct FieldError {
     modifiers(&Bearer, &ProblemTypes),
     security(("token" = [])),
     tags((name = "jobs", description = "Submitting descriptions and following them"),
-         (name = "images", description = "What was rendered"),
+         (name = "images", description = "Rendered images"),
          (name = "datasets", description = "Collections of images"),
          (name = "sets", description = "Datasets in a folder or a bucket, made without this service"),
-         (name = "scenes", description = "Pictures and ranges of your own"),
-         (name = "pictures", description = "Enhancing and measuring pictures of your own"),
+         (name = "scenes", description = "Your images and ranges"),
+         (name = "pictures", description = "Enhancing and measuring your images"),
          (name = "waters", description = "Optical waters"),
          (name = "styles", description = "Style waters: networks that repaint a frame"),
-         (name = "lists", description = "Every identifier that a request may hold"),
-         (name = "operations", description = "For those who run the service"))
+         (name = "lists", description = "Identifiers accepted in requests"),
+         (name = "operations", description = "Operation of the service"))
 )]
 struct Frame;
 

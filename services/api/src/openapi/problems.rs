@@ -1,22 +1,22 @@
-//! Problems that every operation of a kind can end with, added in one place so that no route forgets one.
+//! Problems common to a kind of operation, added here so that no route misses one.
 
-use utoipa::openapi::path::{Operation, Parameter, ParameterIn, PathItem};
+use utoipa::openapi::path::{Operation, ParameterIn, PathItem};
 use utoipa::openapi::{OpenApi, Ref, RefOr};
 
-/// Of every operation: the service's own faults, and too slow a client.
+/// For every operation: internal errors, and slow clients.
 const ALL: &[u16] = &[408, 500, 503];
-/// Of operations that need a token: none, or one that may not; pages of other sites count as the latter.
+/// For operations with a token: missing or insufficient; cross-site requests count as the latter.
 const GUARDED: &[u16] = &[401, 403];
-/// Of operations with parameters that can be wrong.
+/// For operations with parameters.
 const WITH_PARAMETERS: &[u16] = &[400];
-/// Of operations on something that the path names.
+/// For operations on an item in the path.
 const WITH_PATH: &[u16] = &[404];
-/// Of operations with a body.
+/// For operations with a body.
 const WITH_BODY: &[u16] = &[400, 413, 415, 422];
-/// Of operations that write: the disk is full.
+/// For operations that write: the disk is full.
 const WRITING: &[u16] = &[507];
 
-/// Adds the problems that follow from an operation's form.
+/// Adds the problems implied by the form of an operation.
 pub(super) fn add(document: &mut OpenApi) {
     for item in document.paths.paths.values_mut() {
         let PathItem {
@@ -32,21 +32,26 @@ pub(super) fn add(document: &mut OpenApi) {
 }
 
 fn add_problems(operation: &mut Operation, writing: &[u16]) {
-    let when = |holds: bool, statuses: &'static [u16]| if holds { statuses } else { &[] };
     let parameters = operation.parameters.as_deref().unwrap_or_default();
-    let is_path = |parameter: &RefOr<Parameter>| match parameter {
+    let has_path = parameters.iter().any(|parameter| match parameter {
         RefOr::T(parameter) => matches!(parameter.parameter_in, ParameterIn::Path),
         RefOr::Ref(_) => false,
-    };
-    let statuses = [
-        ALL,
-        when(operation.security.is_none(), GUARDED),
-        when(!parameters.is_empty(), WITH_PARAMETERS),
-        when(parameters.iter().any(is_path), WITH_PATH),
-        when(operation.request_body.is_some(), WITH_BODY),
-        writing,
+    });
+    let conditional = [
+        (operation.security.is_none(), GUARDED),
+        (!parameters.is_empty(), WITH_PARAMETERS),
+        (has_path, WITH_PATH),
+        (operation.request_body.is_some(), WITH_BODY),
     ];
-    for status in statuses.concat() {
+    let mut statuses = ALL.to_vec();
+    statuses.extend(
+        conditional
+            .iter()
+            .filter(|(holds, _)| *holds)
+            .flat_map(|(_, group)| *group),
+    );
+    statuses.extend(writing);
+    for status in statuses {
         let problem = RefOr::Ref(Ref::from_response_name("Problem"));
         operation
             .responses

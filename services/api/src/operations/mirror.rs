@@ -1,4 +1,4 @@
-//! The mirror of the catalogue, written while the service runs.
+//! Writes the columnar replica of the catalogue while the service runs.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -6,12 +6,12 @@ use std::time::Duration;
 use catalogue::{Catalogue, MIRROR_ROWS};
 use tokio_util::sync::CancellationToken;
 
-/// How often to look whether there are images enough for another file.
+/// Interval of checking for enough images for another file.
 const INTERVAL: Duration = Duration::from_secs(1);
-/// How long to wait after a failure, such as that of a full disk.
+/// Pause after a failure, such as a full disk.
 const PAUSE: Duration = Duration::from_secs(60);
 
-/// Writes files as images come. Until then, and whenever that fails, what they would hold is counted from the tables.
+/// Writes files as images arrive. Images without a file are counted from the tables.
 pub(crate) async fn run(catalogue: Arc<Catalogue>, end: CancellationToken) {
     let mut wait = INTERVAL;
     while end.run_until_cancelled(tokio::time::sleep(wait)).await.is_some() {

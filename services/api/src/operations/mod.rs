@@ -1,4 +1,4 @@
-//! What those who run the service ask: whether it lives, what it counts, a copy of everything.
+//! Operation of the service: health, metrics, backups.
 
 pub(crate) mod mirror;
 pub(crate) mod routes;
@@ -14,9 +14,9 @@ use crate::leases::Leases;
 use crate::processes::Processes;
 use crate::styles::Styles;
 
-/// The service as its operator sees it.
+/// State of the operator's endpoints.
 pub(crate) struct Operations {
-    /// The service's folder.
+    /// The data folder.
     pub(crate) data: PathBuf,
     pub(crate) catalogue: Arc<Catalogue>,
     pub(crate) bytes: Arc<Bytes>,

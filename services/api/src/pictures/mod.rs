@@ -1,4 +1,4 @@
-//! Pictures that a user sends to have something done with them now; nothing of them is stored.
+//! Synchronous operations on user images, which are not stored.
 
 pub(crate) mod routes;
 
@@ -12,14 +12,14 @@ use crate::http::problem::Problem;
 use crate::processes::Processes;
 use crate::processes::decoding::{Decoded, Files};
 
-/// A method holds up to 200 bytes a pixel, beside the picture and its result.
+/// A method needs up to 200 bytes per pixel, plus the image and its result.
 const PIXEL_BYTES: usize = 220;
 
-/// Where pictures are decoded and worked on.
+/// Enhances and measures images in separate processes.
 pub(crate) struct Pictures(pub(crate) Arc<Processes>);
 
 impl Pictures {
-    /// Has a process do what a request says with the pictures of a form, which have the names of their fields.
+    /// Executes a request in a process with the images of a form, named by their fields.
     async fn run<R: DeserializeOwned>(
         &self,
         request: &Request,

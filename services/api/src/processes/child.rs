@@ -1,4 +1,4 @@
-//! Work that may hang, eat memory or abort, in a process of its own.
+//! Work that may hang, exhaust memory or abort, in a separate process.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -11,16 +11,16 @@ use tokio::sync::Semaphore;
 
 use crate::http::problem::Problem;
 
-/// How often the memory of a child is measured.
+/// Interval of measuring a child's memory.
 const LOOK: Duration = Duration::from_millis(50);
-/// What is kept of what a child prints to standard error.
+/// Maximum kept bytes of a child's standard error.
 const TAIL_BYTES: usize = 4096;
-/// The exit status that means: what it was given cannot be used.
+/// Exit status for unusable input.
 const BAD_INPUT: i32 = 2;
-/// The exit status that means: a runtime that it needs is not there.
+/// Exit status for a missing runtime.
 const RUNTIME_MISSING: i32 = 4;
 
-/// What a child may take.
+/// Resource limits of a child.
 #[derive(Clone, Copy)]
 pub(crate) struct Allowance {
     pub(crate) time: Duration,
@@ -30,18 +30,18 @@ pub(crate) struct Allowance {
 /// How a child ended.
 pub(crate) enum Ended {
     Well,
-    /// It refused what it was given, and said why.
+    /// It rejected its input, with this message.
     Refused(String),
-    /// A runtime that it needs is not there; how to get it.
+    /// A runtime is missing; how to install it.
     Lacking(String),
-    /// It was ended for what it took, or died; what is known of it.
+    /// It was killed for exceeding its limits, or died; description.
     Badly(String),
 }
 
 /// Starts children, a few at a time.
 pub(crate) struct Children {
     program: PathBuf,
-    /// Where they find ONNX Runtime and more styles.
+    /// Options for ONNX Runtime and styles.
     options: Vec<(&'static str, PathBuf)>,
     places: Semaphore,
 }
@@ -107,7 +107,7 @@ async fn watched(mut child: Child, allowance: Allowance) -> Ended {
     }
 }
 
-/// Waits until a child exceeds its allowance; returns what it exceeded.
+/// Waits until a child exceeds its limits; returns which one.
 pub(crate) async fn exceeded(id: Option<u32>, allowance: Allowance) -> String {
     let looking = async {
         loop {
@@ -118,10 +118,9 @@ pub(crate) async fn exceeded(id: Option<u32>, allowance: Allowance) -> String {
             }
         }
     };
-    let late = |_| format!("it took longer than {} s", allowance.time.as_secs());
     tokio::time::timeout(allowance.time, looking)
         .await
-        .unwrap_or_else(late)
+        .unwrap_or_else(|_| format!("it took longer than {} s", allowance.time.as_secs()))
 }
 
 fn resident_bytes(id: u32) -> Option<u64> {
@@ -131,7 +130,7 @@ fn resident_bytes(id: u32) -> Option<u64> {
     Some(kib << 10)
 }
 
-/// The beginning of what a pipe carries; the rest is read and dropped, so that the child never blocks on it.
+/// The beginning of a pipe's data. The rest is read and dropped, so that the child never blocks on it.
 pub(crate) async fn beginning(pipe: Option<impl AsyncRead + Unpin>) -> String {
     let Some(mut pipe) = pipe else {
         return String::new();

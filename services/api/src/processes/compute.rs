@@ -1,4 +1,4 @@
-//! The pool for whatever computes: decoding, hashing, thumbnails.
+//! The pool for computations: decoding, hashing, thumbnails.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ pub(crate) async fn to_the_end<T: Send + 'static>(
         .map_err(|error| Problem::internal(&error))?
 }
 
-/// Runs closures on threads of their own, a bounded number at a time.
+/// Runs closures on separate threads, a bounded number at a time.
 pub(crate) struct Compute(Arc<Semaphore>);
 
 impl Compute {
@@ -23,7 +23,7 @@ impl Compute {
         Self(Arc::new(Semaphore::new(threads)))
     }
 
-    /// Runs a computation. It completes, and keeps its place, even if the caller is dropped.
+    /// Runs a computation. It completes, and keeps its permit, even if the caller is dropped.
     pub(crate) async fn run<T: Send + 'static>(
         &self,
         computation: impl FnOnce() -> T + Send + 'static,

@@ -1,4 +1,4 @@
-//! Processes that decode what users send: each within its own memory and time, all together within a budget.
+//! Processes that decode user files, each with limited memory and time, all within a memory budget.
 
 use std::ffi::OsStr;
 use std::path::Path;
@@ -15,24 +15,24 @@ use crate::http::failure::writing;
 use crate::http::problem::Problem;
 use crate::processes::child::{Allowance, Children, Ended};
 
-/// What a process may take whatever it decodes.
+/// Minimum memory of a process.
 const LEAST_MIB: usize = 256;
-/// What it takes beside its files and pixels.
+/// Memory in addition to files and pixels.
 const BESIDE_MIB: usize = 64;
-/// The slowest method takes a second for a million pixels.
+/// The slowest method needs a second per million pixels.
 const TIME: Duration = Duration::from_secs(120);
 
 /// Starts the processes.
 pub(crate) struct Decoding {
     children: Children,
-    /// MiB that they may take together.
+    /// Budget of their total memory, MiB.
     memory: Semaphore,
     most_mib: usize,
 }
 
-/// Files to be decoded, and what their pixels may take.
+/// Files to decode, and their memory per pixel.
 pub(crate) struct Files<'a> {
-    /// The field of the form whose file decides about memory.
+    /// The form field of the file that determines the memory.
     pub(crate) field: &'static str,
     /// By the names that the request uses.
     pub(crate) named: Vec<(&'static str, &'a Bytes)>,
@@ -50,14 +50,14 @@ impl Files<'_> {
     }
 }
 
-/// What a process has left.
+/// Output of a process.
 pub(crate) struct Decoded<R> {
     pub(crate) reply: R,
     folder: TempDir,
 }
 
 impl<R> Decoded<R> {
-    /// The picture that was made.
+    /// The output image.
     pub(crate) async fn result(&self) -> Result<Vec<u8>, Problem> {
         let read = tokio::fs::read(self.folder.path().join(RESULT)).await;
         read.map_err(|error| Problem::internal(&error))
@@ -73,7 +73,7 @@ impl Decoding {
         }
     }
 
-    /// Has files decoded as a request says.
+    /// Decodes files as requested.
     pub(crate) async fn run<R: DeserializeOwned>(
         &self,
         request: &Request,
@@ -94,14 +94,13 @@ impl Decoding {
             memory_bytes: (mib as u64) << 20,
         };
         let arguments = [OsStr::new("--folder"), folder.path().as_os_str()];
-        let refuse = |why: String| Problem::field(&format!("/{}", files.field), why);
+        let pointer = format!("/{}", files.field);
         match self.children.run("decode", &arguments, allowance).await? {
             Ended::Well => {}
-            Ended::Refused(why) | Ended::Lacking(why) => return Err(refuse(why)),
+            Ended::Refused(why) | Ended::Lacking(why) => return Err(Problem::field(&pointer, why)),
             Ended::Badly(why) => {
-                return Err(refuse(format!(
-                    "it cannot be decoded; of the process that tried it: {why}"
-                )));
+                let message = format!("it cannot be decoded: {why}");
+                return Err(Problem::field(&pointer, message));
             }
         }
         let reply = tokio::fs::read(folder.path().join(REPLY)).await;

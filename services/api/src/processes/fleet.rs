@@ -1,7 +1,7 @@
-//! The service's own workers: child processes that are started again when they end.
+//! The service's worker processes, restarted when they end.
 //!
-//! A child is a worker like any other, over loopback. It stops when its standard input closes: when the service asks it
-//! to, and also when the service is killed, since the kernel then closes the other end. No process is left behind.
+//! A child is an ordinary worker over loopback. It stops when its standard input closes: on request of the service,
+//! and also if the service is killed, because the kernel then closes the pipe. No process is left behind.
 
 use std::collections::VecDeque;
 use std::path::PathBuf;
@@ -17,20 +17,20 @@ use tokio_util::sync::CancellationToken;
 
 use crate::limits;
 
-/// The first pause before a child is started again; it doubles while children end before they can register.
+/// First pause before a child is restarted; it doubles while children end before they register.
 const FIRST_PAUSE: Duration = Duration::from_millis(200);
-/// The longest pause: a program that cannot start is tried a few times a minute.
+/// Maximum pause: a program that cannot start is tried a few times a minute.
 const LONGEST_PAUSE: Duration = Duration::from_secs(10);
 
-/// How long the last lines of a child that has ended are waited for.
+/// Time to wait for the last lines of an ended child.
 const LAST_LINES: Duration = Duration::from_millis(500);
-/// Lines kept of what a child printed last.
+/// Maximum kept lines of a child's output.
 const TAIL_LINES: usize = 12;
 
-/// What the names of the service's own workers begin with, before a number.
+/// Prefix of the names of the service's workers, before a number.
 pub(crate) const OWN_WORKER: &str = "local-";
 
-/// How the children are started.
+/// How to start the children.
 pub(crate) struct Recipe {
     /// The program.
     pub(crate) program: PathBuf,
@@ -40,8 +40,8 @@ pub(crate) struct Recipe {
     pub(crate) token: Option<String>,
 }
 
-/// Told the name of a worker whose process has ended and the last lines that it printed, before the next one starts under
-/// that name. Returns whether it had registered: then it may start again at once.
+/// Called with the name of an ended worker and its last output, before the next one starts under that name. Returns
+/// whether it had registered, so that it may restart immediately.
 pub(crate) type OnExit = Arc<dyn Fn(String, String) -> BoxFuture<'static, bool> + Send + Sync>;
 
 /// Running children.
@@ -54,17 +54,18 @@ impl Fleet {
     /// Starts this many children, named `local-1`, `local-2`, …
     pub(crate) fn start(recipe: Recipe, workers: usize, on_exit: &OnExit) -> Self {
         let (recipe, stop) = (Arc::new(recipe), CancellationToken::new());
-        let keeper = |number: usize| {
-            let name = format!("{OWN_WORKER}{number}");
-            tokio::spawn(keep(Arc::clone(&recipe), name, Arc::clone(on_exit), stop.clone()))
-        };
         Self {
-            keepers: (1..=workers).map(keeper).collect(),
+            keepers: (1..=workers)
+                .map(|number: usize| {
+                    let name = format!("{OWN_WORKER}{number}");
+                    tokio::spawn(keep(Arc::clone(&recipe), name, Arc::clone(on_exit), stop.clone()))
+                })
+                .collect(),
             stop,
         }
     }
 
-    /// Asks all children to stop, and kills those that have not after a while.
+    /// Stops all children, and kills those that do not stop in time.
     pub(crate) async fn stop(self) {
         self.stop.cancel();
         for keeper in self.keepers {
@@ -82,11 +83,7 @@ async fn keep(recipe: Arc<Recipe>, name: String, on_exit: OnExit, stop: Cancella
             Ok(child) => {
                 let (status, tail) = live(child, &name, &stop).await;
                 if !stop.is_cancelled() {
-                    tracing::warn!(
-                        worker = name,
-                        ?status,
-                        "a worker process ended and is started again"
-                    );
+                    tracing::warn!(worker = name, ?status, "a worker process ended and is restarted");
                 }
                 if on_exit(name.clone(), tail).await {
                     pause = FIRST_PAUSE;
@@ -122,7 +119,7 @@ fn spawn(recipe: &Recipe, name: &str) -> std::io::Result<Child> {
         .spawn()
 }
 
-/// Waits for the end of a child; returns how it ended and what it printed last.
+/// Waits for the end of a child; returns its status and its last output.
 async fn live(mut child: Child, name: &str, stop: &CancellationToken) -> (Option<ExitStatus>, String) {
     let printed = child
         .stderr
@@ -156,7 +153,7 @@ async fn ended(child: &mut Child, name: &str, stop: &CancellationToken) -> Optio
     None
 }
 
-/// Logs what a child prints; returns its last lines.
+/// Logs a child's output; returns its last lines.
 async fn pass_on(stderr: ChildStderr, worker: String) -> String {
     let mut lines = BufReader::new(stderr).split(b'\n');
     let mut tail = VecDeque::new();

@@ -1,8 +1,8 @@
 //! Preview frames while a value is dragged: rendered without a job, by a process that keeps running.
 //!
-//! A job of one frame is stored, leased, uploaded, committed and deleted, each step flushed to the disk; that took longer than the
-//! rendering. The process reads a description a line and replies with a line of JSON and the bytes of the picture. Whatever it cannot
-//! do is left to a job, which says why.
+//! A job of one frame is stored, leased, uploaded, committed and deleted, each step flushed to disk, which took
+//! longer than the rendering. The process reads one description per line and replies with a line of JSON and the
+//! bytes of the image. If it fails, a job renders the frame and reports the error.
 
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
@@ -18,20 +18,20 @@ use tokio::sync::{Mutex, OwnedMutexGuard, Semaphore};
 
 use super::child::{Allowance, exceeded};
 
-/// What a frame may take.
+/// Limits of a frame.
 const ALLOWANCE: Allowance = Allowance {
     time: Duration::from_secs(10),
     memory_bytes: 2 << 30,
 };
-/// The size of a frame: larger ones are not looked at while they change.
+/// Maximum pixels of a preview frame.
 const MOST_PIXELS: usize = 1 << 20;
-/// Frames in the process or waiting for it: two of a person who drags, and of one beside.
+/// Concurrent and waiting frames: two of the dragging user, and two of others.
 const PLACES: usize = 4;
-/// A process that was not asked for so long ends.
+/// The process ends after this time without requests.
 const IDLE: Duration = Duration::from_secs(60);
-/// The line before the picture.
+/// Maximum length of the line before the image.
 const MOST_HEAD_BYTES: u64 = 4096;
-/// The picture: all pixels with 16 bits and without compression are less.
+/// Maximum length of the image: an uncompressed 16-bit one is shorter.
 const MOST_PICTURE_BYTES: u64 = 8 << 20;
 
 /// The process, started with the first frame.
@@ -42,7 +42,7 @@ pub(crate) struct Live {
     running: Arc<Mutex<Option<Running>>>,
 }
 
-/// A picture that is not stored.
+/// An image that is not stored.
 pub(crate) struct Drawn {
     pub(crate) media_type: &'static str,
     pub(crate) bytes: Vec<u8>,
@@ -56,7 +56,7 @@ struct Running {
     drawn: u64,
 }
 
-/// The line before a picture.
+/// The line before an image.
 #[derive(Deserialize)]
 struct Head {
     media_type: String,
@@ -64,7 +64,7 @@ struct Head {
 }
 
 impl Live {
-    /// A process of this program over this data folder, with options for styles.
+    /// A process of this program on this data folder, with options for styles.
     pub(crate) fn new(program: &Path, data: &Path, options: Vec<(&'static str, PathBuf)>) -> Self {
         let given = options
             .into_iter()
@@ -80,10 +80,10 @@ impl Live {
         }
     }
 
-    /// The time after which a frame is given up.
+    /// Time limit of a frame.
     pub(crate) const LIMIT: Duration = ALLOWANCE.time;
 
-    /// The picture of a job's only frame. `None`: a job has to be made of it.
+    /// Renders the only frame of a job. `None`: use a job instead.
     pub(crate) async fn draw(&self, job: &Job) -> Option<Drawn> {
         if !is_small(&job.resolve(0).ok()?) {
             return None;
@@ -93,7 +93,7 @@ impl Live {
         request.push('\n');
         let held = Arc::clone(&self.running).lock_owned().await;
         let (program, arguments) = (self.program.clone(), self.arguments.clone());
-        // To its end even if nobody waits any more: the next reply would be that of this frame.
+        // Completes even if the caller is dropped: otherwise the next reply would belong to this frame.
         let drawing = tokio::spawn(async move { draw(held, &program, &arguments, request.as_bytes()).await });
         let (drawn, number) = drawing.await.ok().flatten()?;
         self.end_if_idle(number);
@@ -112,14 +112,14 @@ impl Live {
     }
 }
 
-/// Whether a frame needs nothing but its description and is small.
+/// Whether a frame depends only on its description and is small.
 fn is_small(frame: &Frame) -> bool {
     let scene = &frame.scene;
     let pixels = frame.camera.width * frame.camera.height;
     scene.uploaded_id().is_none() && scene.files().is_none() && pixels <= MOST_PIXELS
 }
 
-/// Draws, and puts the process back if it has replied as it should.
+/// Renders a frame, and keeps the process after a valid reply.
 async fn draw(
     mut held: OwnedMutexGuard<Option<Running>>,
     program: &Path,
@@ -184,7 +184,7 @@ impl Running {
 mod tests {
     use super::*;
 
-    /// A stand-in for the program, which replies as a script says.
+    /// A stand-in for the program, which replies as scripted.
     async fn drawn(script: &str) -> Option<Vec<u8>> {
         let arguments = ["-c".into(), PathBuf::from(script)];
         let held: Arc<Mutex<Option<Running>>> = Arc::default();
@@ -201,7 +201,7 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn a_reply_is_believed_as_far_as_it_is_one() {
+    async fn malformed_replies_are_rejected() {
         let good = r#"read line; printf '{"media_type":"image/png","bytes":3}\nabc'; read line"#;
         assert_eq!(drawn(good).await.as_deref(), Some(&b"abc"[..]));
         for bad in [

@@ -1,4 +1,4 @@
-//! Work outside of the request threads: child processes, and the pool for what computes.
+//! Work outside the request threads: child processes, and the computation pool.
 
 pub(crate) mod child;
 pub(crate) mod compute;
@@ -6,11 +6,11 @@ pub(crate) mod decoding;
 pub(crate) mod fleet;
 pub(crate) mod live;
 
-/// Where handlers send what takes long.
+/// Executors for long work.
 pub(crate) struct Processes {
     pub(crate) compute: compute::Compute,
     pub(crate) children: child::Children,
     pub(crate) decoding: decoding::Decoding,
-    /// Absent where only others render.
+    /// Absent if only others render.
     pub(crate) live: Option<live::Live>,
 }

@@ -1,4 +1,4 @@
-//! Keeping a scene: decoded first, then its bytes, then the row that names them; and deleting it.
+//! Storing a scene: decode, store its bytes, then the row that references them; and deleting it.
 
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -16,12 +16,12 @@ use crate::http::problem::Problem;
 use crate::processes::compute::to_the_end;
 use crate::processes::decoding::Files;
 
-/// Memory of a pixel while a scene is decoded: codes of 16 bits with alpha, linear light, range and instances.
+/// Memory per pixel while decoding a scene: 16-bit codes with alpha, linear light, range and instances.
 const PIXEL_BYTES: usize = 40;
 
 impl Scenes {
-    /// Stores a scene, unless one with the same content is stored; returns its row and whether it is new. Goes on to
-    /// its end when the client goes away.
+    /// Stores a scene, unless one with the same content exists; returns its row and whether it is new. Completes even
+    /// if the client disconnects.
     pub(super) async fn keep(self: &Arc<Self>, form: SceneForm) -> Result<(SceneRow, bool), Problem> {
         self.bytes.space.room().await?;
         let created_at = self.clock.wall();
@@ -42,11 +42,11 @@ impl Scenes {
         .await
     }
 
-    /// Deletes a scene that no job uses; its space is reclaimed in the background.
+    /// Deletes an unused scene; its space is reclaimed in the background.
     pub(super) async fn delete(self: &Arc<Self>, id: String) -> Result<(), Problem> {
         let scenes = Arc::clone(self);
         to_the_end(async move {
-            // No job that names the scene is stored meanwhile.
+            // No job that references the scene may be stored meanwhile.
             let _alone = scenes.bytes.naming.alone().await;
             scenes.catalogue.delete_scene(&id).await?;
             scenes.bytes.reclaim.notify_one();
@@ -56,21 +56,21 @@ impl Scenes {
         .await
     }
 
-    /// Puts a stored scene into a collection.
+    /// Adds a stored scene to a collection.
     async fn collect(&self, collection: &str, name: &str, id: &str) -> Result<(), Problem> {
         let most = spec::MAX_COLLECTION;
         if self.catalogue.collect_scene(collection, name, id, most).await? {
             return Ok(());
         }
         let message = format!(
-            "the collection `{collection}` has {most} scenes, the limit; scene `{id}` is stored without it"
+            "the collection `{collection}` has {most} scenes, the limit; scene `{id}` is stored, but not in it"
         );
         Err(Problem::field("/collection", message))
     }
 }
 
 impl Scenes {
-    /// Has everything decoded once, so that no worker meets a scene that cannot be read.
+    /// Decodes all files once, so that workers only receive readable scenes.
     async fn checked(&self, form: SceneForm, created_at: UnixMs) -> Result<(SceneRow, Vec<Blob>), Problem> {
         let camera = form.camera();
         let mut files = form.files();
@@ -94,8 +94,7 @@ impl Scenes {
             camera,
         } = decoded.reply;
         files.intrinsics = camera;
-        let hashed = move || hashed(&files);
-        let (files, blobs) = self.processes.compute.run(hashed).await?;
+        let (files, blobs) = self.processes.compute.run(move || hashed(&files)).await?;
         let row = SceneRow {
             id: format!("scn_{}", ordered_id().simple()),
             content_digest: content_digest(&files),
@@ -108,7 +107,7 @@ impl Scenes {
     }
 }
 
-/// The files by the names under which they are decoded.
+/// The files by the names used for decoding.
 fn named(files: &SceneFiles<Bytes>) -> SceneFiles<String> {
     let mut names = files.named().map(|(name, _)| name.to_owned());
     let Ok(named) = files.try_map(|_| Ok::<_, Infallible>(names.next().unwrap_or_default()));
@@ -129,7 +128,8 @@ fn hashed(files: &SceneFiles<Bytes>) -> (SceneFiles<String>, Vec<Blob>) {
     (files, blobs)
 }
 
-/// SHA-256 over everything that a render of the scene depends on. Without classes and a pose it is what it was before there were any.
+/// SHA-256 over everything that affects a render of the scene. Scenes without classes and pose keep the digest of
+/// versions without them.
 fn content_digest(files: &SceneFiles<String>) -> String {
     let (range, camera) = (files.range.as_ref(), files.intrinsics.as_ref());
     let mut content = serde_json::json!([

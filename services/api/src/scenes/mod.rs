@@ -13,7 +13,7 @@ use crate::bytes::Bytes;
 use crate::clock::Clock;
 use crate::processes::Processes;
 
-/// What it takes to store a scene.
+/// State for storing scenes.
 pub(crate) struct Scenes {
     pub(crate) catalogue: Arc<Catalogue>,
     pub(crate) bytes: Arc<Bytes>,

@@ -1,4 +1,4 @@
-//! A scene upload on its way from a form to a checked value.
+//! Parses a scene upload.
 
 use axum::body::Bytes;
 use axum::extract::Multipart;
@@ -26,7 +26,7 @@ const FIELDS: [(&str, Kind); 15] = [
     ("name", Kind::Text),
 ];
 
-/// Longest name of a scene in a collection, in characters: that of a file.
+/// Maximum length of a scene's name in a collection, characters: that of a file name.
 const MAX_NAME: usize = 255;
 
 /// The fields of a scene upload.
@@ -43,47 +43,30 @@ pub(super) struct SceneForm {
     cx: Option<f64>,
     cy: Option<f64>,
     hfov_deg: Option<f64>,
-    /// The collection that it joins.
+    /// The collection to add it to.
     pub(super) collection: Option<String>,
-    /// Its name there.
+    /// Its name in the collection.
     pub(super) name: Option<String>,
 }
 
 impl SceneForm {
-    /// Reads all fields; what is wrong with them is reported together.
+    /// Reads all fields and reports all errors together.
     pub(super) async fn read(body: Multipart) -> Result<Self, Problem> {
         let mut form = Form::read(body, &FIELDS).await?;
         if form.get("fx").is_some() && form.get("focal_px").is_some() {
-            form.refuse("fx", "`fx` and `focal_px` are the same; give one".to_owned());
+            form.refuse(
+                "fx",
+                "`fx` is an alias of `focal_px`; send one of them".to_owned(),
+            );
         }
-        let above_0 = |value: &f64| *value > 0.0 && value.is_finite();
-        let finite = |value: &f64| value.is_finite();
-        let angle = |degrees: &f64| *degrees > 0.0 && *degrees < 180.0;
-        let focal_px = form.parsed("focal_px", "a number above 0", above_0);
-        let fx = form.parsed("fx", "a number above 0", above_0);
+        let focal_px = form.parsed("focal_px", "a number above 0", is_positive);
+        let fx = form.parsed("fx", "a number above 0", is_positive);
         let classes = form.get("classes").map(|text| scenes::classes::read(text));
         let classes =
             classes.and_then(|read| read.map_err(|wrong| form.refuse_inside("classes", wrong)).ok());
         let pose = form.get("pose").map(|text| scenes::pose::read(text));
         let pose = pose.and_then(|read| read.map_err(|wrong| form.refuse_inside("pose", wrong)).ok());
-        let collection = form.texts("collection").next();
-        if let Some(name) = collection.as_deref().filter(|name| !spec::is_collection(name)) {
-            let limit = spec::schema::Names::Collection.describe();
-            form.refuse(
-                "collection",
-                format!("collection is `{name}` but must be {limit}"),
-            );
-        }
-        let name = form.texts("name").next();
-        if collection.is_none() && name.is_some() {
-            form.refuse("name", "a `name` goes with a `collection`".to_owned());
-        }
-        if name.as_deref().is_some_and(|name| !is_name(name)) {
-            form.refuse(
-                "name",
-                format!("name must be 1 to {MAX_NAME} printable characters"),
-            );
-        }
+        let (collection, name) = read_collection(&mut form);
         let scene = Self {
             rgb: form.get("rgb").cloned().unwrap_or_default(),
             range: form.get("range").cloned(),
@@ -91,35 +74,45 @@ impl SceneForm {
             instances: form.get("instances").cloned(),
             classes,
             pose,
-            unit_m: form.parsed("unit_m", "a number above 0", above_0),
+            unit_m: form.parsed("unit_m", "a number above 0", is_positive),
             invalid_code: form.parsed("invalid_code", "a whole number in 0..=65535", |_| true),
             focal_px: focal_px.or(fx),
-            cx: form.parsed("cx", "a finite number", finite),
-            cy: form.parsed("cy", "a finite number", finite),
-            hfov_deg: form.parsed("hfov_deg", "a number above 0 and below 180", angle),
+            cx: form.parsed("cx", "a finite number", |value: &f64| value.is_finite()),
+            cy: form.parsed("cy", "a finite number", |value: &f64| value.is_finite()),
+            hfov_deg: form.parsed("hfov_deg", "a number above 0 and below 180", |degrees: &f64| {
+                *degrees > 0.0 && *degrees < 180.0
+            }),
             collection,
             name,
         };
-        if form.get("rgb").is_none() {
-            form.refuse("rgb", "`rgb` is missing: the picture".to_owned());
+        scene.refuse_conflicts(&mut form);
+        form.check()?;
+        Ok(scene)
+    }
+
+    fn refuse_conflicts(&self, form: &mut Form) {
+        form.require("rgb");
+        if self.range.is_some() && self.z_depth.is_some() {
+            form.refuse(
+                "z_depth",
+                "`range` and `z_depth` exclude each other; send one".to_owned(),
+            );
         }
-        if scene.range.is_some() && scene.z_depth.is_some() {
-            form.refuse("z_depth", "give `range` or `z_depth`, not both".to_owned());
+        if self.focal_px.is_some() && self.hfov_deg.is_some() {
+            form.refuse(
+                "hfov_deg",
+                "`focal_px` and `hfov_deg` exclude each other; send one".to_owned(),
+            );
         }
-        if scene.focal_px.is_some() && scene.hfov_deg.is_some() {
-            form.refuse("hfov_deg", "give `focal_px` or `hfov_deg`, not both".to_owned());
-        }
-        if scene.camera().is_none() && (scene.cx.is_some() || scene.cy.is_some()) {
+        if self.camera().is_none() && (self.cx.is_some() || self.cy.is_some()) {
             form.refuse(
                 "cx",
                 "a principal point needs `focal_px` or `hfov_deg`".to_owned(),
             );
         }
-        form.check()?;
-        Ok(scene)
     }
 
-    /// What is said about the camera.
+    /// The camera, if given.
     pub(super) fn camera(&self) -> Option<GivenCamera> {
         let Self {
             focal_px,
@@ -155,6 +148,29 @@ impl SceneForm {
             world_from_camera: self.pose,
         }
     }
+}
+
+fn read_collection(form: &mut Form) -> (Option<String>, Option<String>) {
+    let collection = form.texts("collection").next();
+    if let Some(name) = collection.as_deref().filter(|name| !spec::is_collection(name)) {
+        let limit = spec::schema::Names::Collection.describe();
+        form.refuse("collection", format!("collection is `{name}`; must be {limit}"));
+    }
+    let name = form.texts("name").next();
+    if collection.is_none() && name.is_some() {
+        form.refuse("name", "`name` needs `collection`".to_owned());
+    }
+    if name.as_deref().is_some_and(|name| !is_name(name)) {
+        form.refuse(
+            "name",
+            format!("name must be 1 to {MAX_NAME} printable characters"),
+        );
+    }
+    (collection, name)
+}
+
+fn is_positive(value: &f64) -> bool {
+    *value > 0.0 && value.is_finite()
 }
 
 fn is_name(text: &str) -> bool {

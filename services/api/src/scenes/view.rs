@@ -1,4 +1,4 @@
-//! A scene as clients see it.
+//! A scene as shown to clients.
 
 use catalogue::SceneRow;
 use serde::Serialize;
@@ -12,27 +12,27 @@ pub(crate) struct SceneView {
     /// `scn_` and a UUID.
     #[schema(example = "scn_0198c0ffee007000800000000000000a")]
     id: String,
-    /// Columns.
+    /// Image columns.
     width: u32,
-    /// Rows.
+    /// Image rows.
     height: u32,
-    /// SHA-256 of the picture.
+    /// SHA-256 of the image.
     rgb_digest: String,
     /// SHA-256 of the range file; null: no range, and no job with water over this scene.
     range_digest: Option<String>,
     /// `range` (along the line of sight) or `z_depth` (along the optical axis).
     range_kind: Option<&'static str>,
-    /// Meters of one unit of the range file.
+    /// Meters per unit of the range file.
     unit_m: Option<f64>,
-    /// The code that means "no return".
+    /// The code of a missing return.
     invalid_code: Option<u16>,
     /// SHA-256 of the instance mask.
     instances_digest: Option<String>,
-    /// What its objects are: `categories` with `id` and `name`, and `segments_info` with the class of each object by its
-    /// number in the mask.
+    /// Classes of its objects: `categories` with `id` and `name`, and `segments_info` with the class of each object
+    /// by its number in the mask.
     #[schema(value_type = Option<Object>)]
     classes: Option<Classes>,
-    /// Where the camera was: the rows of the matrix from camera axes (right, down, ahead) to the world, in meters.
+    /// Camera pose: rows of the matrix from camera axes (right, down, ahead) to the world, in meters.
     #[schema(value_type = Option<Vec<Vec<f64>>>)]
     world_from_camera: Option<[[f64; 4]; 4]>,
     /// Focal length in pixels.
@@ -41,7 +41,7 @@ pub(crate) struct SceneView {
     cx: Option<f64>,
     /// Row of the principal point in pixels.
     cy: Option<f64>,
-    /// When it was uploaded, RFC 3339 in UTC.
+    /// Upload time, RFC 3339 in UTC.
     #[schema(format = DateTime)]
     created_at: String,
 }

@@ -1,9 +1,9 @@
-//! What a reader of a set tells, a line of JSON each. The reader is a process of its own: a service has no code for Parquet
-//! and S3, and the reader none for the catalogue.
+//! Messages of a set reader, one line of JSON each. The reader is a separate process: the service has no code for
+//! Parquet and S3, and the reader none for the catalogue.
 //!
-//! The reader writes [`Line::Set`] and waits for a line of [`Known`]. Then it writes [`Line::Part`] for each shard that is
-//! not known or has changed, those of one shard in order, and ends. Its exit status says why it ended earlier: 2 for a set that
-//! cannot be shown, 5 for a store that does not respond, 1 for a set that contradicts itself.
+//! The reader writes [`Line::Set`] and waits for a line of [`Known`]. Then it writes [`Line::Part`] for each new or
+//! changed shard, those of one shard in order, and exits. Exit status on failure: 2 for a set that cannot be shown, 5
+//! for a store that does not respond, 1 for an inconsistent set.
 
 use std::collections::BTreeMap;
 
@@ -15,16 +15,16 @@ use spec::RecordText;
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Line {
-    /// What the set is of.
+    /// The head of the set.
     Set(SetHead),
     /// Images of a shard.
     Part(SetPart),
 }
 
-/// What a set is of.
+/// The head of a set.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SetHead {
-    /// Where it lies, in the one form by which it is found again.
+    /// Location in canonical form.
     pub location: String,
     /// Canonical text of its job.
     pub job: String,
@@ -34,7 +34,7 @@ pub struct SetHead {
     pub frames: u64,
 }
 
-/// Images of a shard that are stored together.
+/// Images of a shard to be stored together.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct SetPart {
     /// The images.
@@ -46,15 +46,15 @@ pub struct SetPart {
 /// An image of a set.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct SetImage {
-    /// Everything known about it.
+    /// The record.
     pub record: RecordText,
-    /// When it was rendered, by the clock of its machine.
+    /// Rendering time by the clock of its machine.
     pub created_ms: u64,
-    /// Where its artifacts begin in the tar of its shard, by kind.
+    /// Offsets of its artifacts in the tar of its shard, by kind.
     pub offsets: BTreeMap<String, u64>,
 }
 
-/// Shards that are imported, by their first frame, with the time of their markers.
+/// Imported shards by first frame, with the time of their markers.
 pub type Known = BTreeMap<u64, i64>;
 
 #[cfg(test)]
@@ -62,7 +62,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lines_are_what_the_reader_of_another_build_would_write() {
+    fn lines_of_other_builds_can_be_read() {
         let part = r#"{"part":{"images":[],"shard":{"frame":500,"tar":"shards/000001-ab.tar","end":{"digest":"d","changed_ms":7,
             "failed":[{"frame":501,"strikes":3,"given_up":true,"error":"e"}]}}}}"#;
         let Line::Part(part) = serde_json::from_str(part).unwrap() else {

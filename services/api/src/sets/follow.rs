@@ -1,4 +1,4 @@
-//! Following a set: looks at it until every frame of its job has ended.
+//! Follows a set: polls it until every frame of its job has ended.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -10,24 +10,24 @@ use super::Sets;
 use super::reader::Reader;
 use crate::http::problem::Problem;
 
-/// The shortest pause between two looks.
+/// Minimum pause between two polls.
 const PAUSE: Duration = Duration::from_secs(2);
-/// The same where every change of the set is told of.
-const PAUSE_TOLD: Duration = Duration::from_secs(30);
-/// A look at a large set takes longer: the pause is so many times as long.
+/// Minimum pause if changes of the set are announced.
+const PAUSE_ANNOUNCED: Duration = Duration::from_secs(30);
+/// The pause is at least this many times the duration of a poll, which is longer for a large set.
 const PAUSE_SHARE: u32 = 10;
 
-/// A set that is followed, or was.
+/// A followed set.
 #[derive(Default)]
 pub(crate) struct Followed {
     last: Mutex<Last>,
     wake: Notify,
 }
 
-/// What the last look found.
+/// Result of the last poll.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Last {
-    /// Whether there will be another.
+    /// Whether another poll will follow.
     pub(crate) goes_on: bool,
     pub(crate) at: Option<UnixMs>,
     pub(crate) error: Option<String>,
@@ -40,7 +40,7 @@ impl Followed {
 }
 
 impl Sets {
-    /// Imports the set at a URL, and follows it while it grows. Goes on to its end when the client goes away.
+    /// Imports the set at a URL, and follows it while it grows. Completes even if the client disconnects.
     pub(super) async fn import(self: &Arc<Self>, url: String) -> Result<JobRow, Problem> {
         let reader = self.reader()?;
         self.jobs.bytes.space.room().await?;
@@ -49,18 +49,18 @@ impl Sets {
         Ok(row)
     }
 
-    /// Takes up the sets that an earlier run of the service followed.
+    /// Resumes the sets followed by an earlier run of the service.
     pub(crate) async fn resume_all(self: &Arc<Self>) -> Result<(), CatalogueError> {
         if self.reader.is_some() {
             let jobs = self.jobs.catalogue.imported_jobs().await?;
             let open = jobs.iter().filter(|job| !job.state.has_ended());
-            let told = |job: &JobRow| self.jobs.engine.is_some() && job.is_shared();
-            open.for_each(|job| self.follow(job, told(job)));
+            let has_engine = self.jobs.engine.is_some();
+            open.for_each(|job| self.follow(job, has_engine && job.is_shared()));
         }
         Ok(())
     }
 
-    /// Deletes the job of a set with its images; the set itself stays.
+    /// Deletes the job of a set with its images; the set itself is kept.
     pub(super) async fn delete(&self, job: &str) -> Result<Deleted, Problem> {
         self.get(job).await?;
         let deleted = self.jobs.delete(job.to_owned()).await?;
@@ -70,9 +70,8 @@ impl Sets {
         Ok(deleted)
     }
 
-    /// Looks at a set now and then again until it is complete. `told`: each of its changes is announced, so that looking rarely
-    /// is enough.
-    pub(super) fn follow(self: &Arc<Self>, row: &JobRow, told: bool) {
+    /// Polls a set until it is complete. `is_announced`: its changes are announced, so that rare polls are enough.
+    pub(super) fn follow(self: &Arc<Self>, row: &JobRow, is_announced: bool) {
         let Some(location) = row.set.clone() else { return };
         let followed = Arc::clone(self.followed().entry(row.id.clone()).or_default());
         if std::mem::replace(&mut followed.last().goes_on, true) {
@@ -80,7 +79,7 @@ impl Sets {
             return;
         }
         let (sets, job) = (Arc::clone(self), row.id.clone());
-        let least = if told { PAUSE_TOLD } else { PAUSE };
+        let least = if is_announced { PAUSE_ANNOUNCED } else { PAUSE };
         tokio::spawn(async move {
             let stop = sets.jobs.stop.clone();
             stop.run_until_cancelled(sets.follow_to_the_end(&location, &job, &followed, least))
@@ -100,7 +99,7 @@ impl Sets {
         }
     }
 
-    /// Returns whether to look again.
+    /// Returns whether to poll again.
     async fn look_once(&self, reader: &Reader, location: &str, job: &str, followed: &Followed) -> bool {
         let found = self.look(reader, location, job).await;
         let mut last = followed.last();

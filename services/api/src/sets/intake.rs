@@ -1,4 +1,4 @@
-//! From what was read of a set into the catalogue.
+//! Stores the data read from a set in the catalogue.
 
 use std::collections::BTreeMap;
 use std::pin::Pin;
@@ -14,28 +14,28 @@ use crate::jobs::new_job_id;
 /// Why a set is not imported.
 #[derive(Debug, thiserror::Error)]
 pub enum IntakeError {
-    /// The catalogue.
+    /// Catalogue error.
     #[error(transparent)]
     Catalogue(#[from] CatalogueError),
-    /// The images that were imported from this place are of another job.
-    #[error("{location} was imported as {job}, and holds another job now; delete {job} first")]
+    /// The images imported from this location belong to another job.
+    #[error("{location} was imported as {job}, but now contains another job; delete {job} first")]
     AnotherJob {
-        /// Where the set lies.
+        /// Location of the set.
         location: String,
-        /// The job that is there.
+        /// The existing job.
         job: String,
     },
-    /// Its job cannot be read here.
+    /// The set's job cannot be read here.
     #[error("the job of {location}: {invalid}")]
     Job {
-        /// Where the set lies.
+        /// Location of the set.
         location: String,
-        /// What is wrong with it.
+        /// The errors.
         invalid: Invalid,
     },
 }
 
-/// A set on its way into a catalogue.
+/// Import of a set into a catalogue.
 pub struct Intake<'c> {
     catalogue: &'c Catalogue,
     head: SetHead,
@@ -44,7 +44,7 @@ pub struct Intake<'c> {
 }
 
 impl<'c> Intake<'c> {
-    /// Compares a set with what the catalogue has of it. Nothing is stored yet.
+    /// Compares a set with the catalogue. Nothing is stored yet.
     ///
     /// # Errors
     /// [`IntakeError`].
@@ -80,7 +80,7 @@ impl<'c> Intake<'c> {
         &self.id
     }
 
-    /// Names the job that is not stored yet.
+    /// Sets the id of a job that is not stored yet.
     pub(crate) fn set_id(&mut self, id: &str) {
         id.clone_into(&mut self.id);
     }
@@ -91,7 +91,7 @@ impl<'c> Intake<'c> {
         self.is_there
     }
 
-    /// What need not be read again.
+    /// The shards that need not be read again.
     ///
     /// # Errors
     /// [`CatalogueError`].
@@ -103,7 +103,7 @@ impl<'c> Intake<'c> {
             .collect())
     }
 
-    /// Stores the job unless it is there.
+    /// Stores the job unless it exists.
     ///
     /// # Errors
     /// [`CatalogueError`].
@@ -118,7 +118,7 @@ impl<'c> Intake<'c> {
             created_at: now,
             idempotency: None,
             set: Some(self.head.location.clone()),
-            // Of another set, which may be taken away.
+            // Equal images of another set do not count: that set may be removed.
             again: true,
         };
         match self.catalogue.insert_job(new).await? {
@@ -133,7 +133,7 @@ impl<'c> Intake<'c> {
         }
     }
 
-    /// Begins to store images of the job, which is there.
+    /// Begins to store images of the existing job.
     #[must_use]
     pub fn storing(&self) -> Storing<'c> {
         Storing {
@@ -146,30 +146,30 @@ impl<'c> Intake<'c> {
     }
 }
 
-/// How many parts are on their way into the catalogue at the same time. They share a transaction, which writes pages once that
-/// each of them changes; others who change the catalogue wait as long, some tenths of a second.
+/// Maximum parts stored concurrently. They share a transaction, which writes each changed page once; other writers
+/// wait for it, some tenths of a second.
 const TOGETHER: usize = 4;
 
-/// A part on its way; returns how many of its images are new.
+/// A part being stored; returns its number of new images.
 type Stored<'c> = Pin<Box<dyn Future<Output = Result<u64, CatalogueError>> + Send + 'c>>;
 
-/// Images of shards on their way into the catalogue, several parts at a time.
+/// Storage of shard images, several parts at a time.
 pub struct Storing<'c> {
     catalogue: &'c Catalogue,
     job: String,
     running: FuturesUnordered<Stored<'c>>,
-    /// The first frame of the shard of the last part.
+    /// First frame of the last part's shard.
     shard: Option<u64>,
-    /// Those that are new.
+    /// New images so far.
     images: u64,
 }
 
 impl Storing<'_> {
-    /// Takes on a part; waits while too many are on their way, and for those of the same shard: its end must not be stored without
-    /// them.
+    /// Accepts a part; waits while too many are being stored, and for those of the same shard, whose end must be
+    /// stored last.
     ///
     /// # Errors
-    /// [`CatalogueError`] of this part or of one before.
+    /// [`CatalogueError`] of this part or of an earlier one.
     pub async fn store(&mut self, images: Vec<NewImage>, shard: NewShard) -> Result<(), CatalogueError> {
         let goes_on = self.shard.replace(shard.frame) == Some(shard.frame);
         let most = if goes_on { 0 } else { TOGETHER - 1 };
@@ -178,14 +178,14 @@ impl Storing<'_> {
         self.running.push(Box::pin(
             async move { catalogue.import(&job, images, shard).await },
         ));
-        // Only now it is sent to the writer.
+        // Only polling sends it to the writer.
         if let Some(Some(stored)) = poll_immediate(self.running.next()).await {
             self.images += stored?;
         }
         Ok(())
     }
 
-    /// Waits for all parts; returns how many images were new.
+    /// Waits for all parts; returns the number of new images.
     ///
     /// # Errors
     /// [`CatalogueError`] of one of them.
@@ -207,26 +207,27 @@ impl Storing<'_> {
 /// Prepares images for [`Storing::store`], on any thread.
 ///
 /// # Errors
-/// [`CatalogueError::Failed`] for a record that is none.
+/// [`CatalogueError::Failed`] for a malformed record.
 pub fn prepare(
     catalogue: &Catalogue,
     job: &str,
     images: Vec<SetImage>,
 ) -> Result<Vec<NewImage>, CatalogueError> {
-    let prepare =
-        |image: SetImage| catalogue.imported_image(job, &image.record, image.created_ms, &image.offsets);
-    images.into_iter().map(prepare).collect()
+    images
+        .into_iter()
+        .map(|image: SetImage| catalogue.imported_image(job, &image.record, image.created_ms, &image.offsets))
+        .collect()
 }
 
-/// Checks the job of a set. Its frames are rendered: neither styles nor files of scenes need be here. A job of version 0.1 has been
-/// checked by the program that rendered it.
+/// Checks the job of a set. Its frames are rendered, so styles and scene files need not be available. The program
+/// that rendered a job of version 0.1 has checked it.
 fn check(head: &SetHead, vocabulary: &Vocabulary) -> Result<(), Invalid> {
     if is_of_earlier_version(&head.job) {
         return Ok(());
     }
     let mut vocabulary = vocabulary.clone();
     vocabulary.local = true;
-    vocabulary.styles.extend(Job::trusted(&head.job)?.styles());
+    vocabulary.styles.extend(Job::from_canonical(&head.job)?.styles());
     let draft = Draft::read(head.job.as_bytes(), &vocabulary)?;
     draft.check(&Uploads::Known(BTreeMap::new())).map(drop)
 }

@@ -1,4 +1,4 @@
-//! One look at a set: what is new of it is imported.
+//! One poll of a set: imports its new images.
 
 use catalogue::{CatalogueError, JobRow, UnixMs};
 use futures::StreamExt;
@@ -9,28 +9,28 @@ use super::intake::{Intake, IntakeError};
 use super::reader::Reader;
 use crate::http::problem::{Problem, Slug};
 
-/// Why a look ends early. What was stored stays, and the next look goes on from there.
+/// Why a poll ends early. Stored data is kept, and the next poll continues from there.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum LookError {
-    /// The set cannot be shown; looking again changes nothing.
+    /// The set cannot be shown; polling again is useless.
     #[error("{0}")]
     Refused(String),
-    /// The store does not respond; another look may succeed.
+    /// The store does not respond; another poll may succeed.
     #[error("{0}")]
     Later(String),
-    /// The set contradicts itself; it may be repaired.
+    /// The set is inconsistent; it may be repaired.
     #[error("{0}")]
     Damaged(String),
-    /// What is there does not fit what the catalogue has.
+    /// The set contradicts the catalogue.
     #[error(transparent)]
     Intake(#[from] IntakeError),
-    /// The catalogue.
+    /// Catalogue error.
     #[error(transparent)]
     Catalogue(#[from] CatalogueError),
 }
 
 impl LookError {
-    /// Whether another look is in vain.
+    /// Whether another poll is useless.
     pub(crate) fn is_final(&self) -> bool {
         match self {
             Self::Refused(_) | Self::Intake(IntakeError::AnotherJob { .. } | IntakeError::Job { .. }) => true,
@@ -58,7 +58,7 @@ impl From<LookError> for Problem {
 }
 
 impl Sets {
-    /// Opens a set and stores its job, unless it is there; under this id, if services share it.
+    /// Opens a set and stores its job unless it exists; with this id, if services share it.
     pub(super) async fn begin(
         &self,
         reader: &Reader,
@@ -80,7 +80,7 @@ impl Sets {
         Ok(row)
     }
 
-    /// Imports what is new of a set; returns its job, or nothing if that is gone.
+    /// Imports the new images of a set; returns its job, or `None` if that was deleted.
     pub(super) async fn look(
         &self,
         reader: &Reader,
@@ -110,7 +110,7 @@ impl Sets {
     }
 }
 
-/// When the service that accepted a job made its id.
+/// The time at which the accepting service created the id.
 fn accepted_at(id: &str) -> Option<UnixMs> {
     let id = Uuid::parse_str(id.strip_prefix("job_")?).ok()?;
     let (seconds, nanoseconds) = id.get_timestamp()?.to_unix();
@@ -123,10 +123,10 @@ mod tests {
     use crate::jobs::new_job_id;
 
     #[test]
-    fn an_id_says_when_its_job_was_accepted() {
+    fn an_id_contains_the_time_of_acceptance() {
         let now = std::time::SystemTime::UNIX_EPOCH.elapsed().unwrap().as_millis() as u64;
-        let at = accepted_at(&new_job_id()).unwrap();
-        assert!(at.0.abs_diff(now) < 60_000, "{at} is not now");
+        let accepted = accepted_at(&new_job_id()).unwrap();
+        assert!(accepted.0.abs_diff(now) < 60_000, "{accepted} is not now");
         assert_eq!(accepted_at("job_a"), None);
     }
 }

@@ -1,4 +1,4 @@
-//! Sets that were made outside of this service: their images are imported as they are rendered, their bytes stay where they are.
+//! Sets made outside this service: their images are imported as they are rendered, their bytes stay in place.
 
 pub(crate) mod feed;
 mod follow;
@@ -21,14 +21,14 @@ use reader::Reader;
 /// The sets that a service follows.
 pub(crate) struct Sets {
     jobs: Arc<Jobs>,
-    /// Absent where the service may read no sets.
+    /// Absent if imports are disabled.
     reader: Option<Reader>,
-    /// By the id of their job.
+    /// By job id.
     followed: Mutex<BTreeMap<String, Arc<Followed>>>,
 }
 
 impl Sets {
-    /// `stores`: where sets may lie.
+    /// `stores`: permitted locations of sets.
     pub(crate) fn new(jobs: Arc<Jobs>, program: &Path, stores: &[String]) -> Self {
         Self {
             jobs,
@@ -39,7 +39,7 @@ impl Sets {
 
     fn reader(&self) -> Result<&Reader, Problem> {
         self.reader.as_ref().ok_or_else(|| {
-            let reason = "this service reads no sets: it was started without `--store`";
+            let reason = "imports are disabled; start the service with `--store`";
             Problem::field("/url", reason)
         })
     }

@@ -18,22 +18,22 @@ use crate::processes::child::beginning;
 
 /// The command of `fathom-cluster`.
 const COMMAND: &str = "shards";
-/// Sets that are read at the same time: each takes the cores of the machine and a few hundred megabytes.
+/// Maximum sets read concurrently: each uses all cores of the machine and a few hundred megabytes.
 const READERS: usize = 2;
-/// Longest line: some hundred images with records of a few tens of kilobytes.
+/// Maximum length of a line: some hundred images with records of some tens of kilobytes.
 const LINE_BYTES: u64 = 64 << 20;
-/// Lines that are prepared side by side while one is stored.
+/// Lines prepared in parallel while one is stored.
 const PREPARED: usize = 2;
 
 /// Starts processes that read sets.
 pub(crate) struct Reader {
     program: PathBuf,
-    /// A set that lies in none of these is not read.
+    /// Sets outside these locations are rejected.
     stores: Vec<String>,
     places: Semaphore,
 }
 
-/// A set that is being read. The process is killed when this is dropped.
+/// A set being read. The process is killed when this is dropped.
 pub(crate) struct Reading<'r> {
     child: Child,
     lines: BufReader<ChildStdout>,
@@ -41,7 +41,7 @@ pub(crate) struct Reading<'r> {
     _place: SemaphorePermit<'r>,
 }
 
-/// Images that can be stored.
+/// Images ready to store.
 pub(crate) struct Prepared {
     pub(crate) images: Vec<NewImage>,
     pub(crate) shard: NewShard,
@@ -56,7 +56,7 @@ impl Reader {
         }
     }
 
-    /// Opens a set and reads what it is of.
+    /// Opens a set and reads its head.
     pub(crate) async fn open(&self, set: &str) -> Result<(SetHead, Reading<'_>), LookError> {
         let place = self.places.acquire().await;
         let place = place.map_err(|error| LookError::Later(error.to_string()))?;
@@ -89,14 +89,14 @@ impl Reader {
         match serde_json::from_slice(&first) {
             Ok(Line::Set(head)) => Ok((head, reading)),
             _ => Err(LookError::Damaged(
-                "the reader does not say what the set is of".to_owned(),
+                "the reader sent no head of the set".to_owned(),
             )),
         }
     }
 }
 
 impl Reading<'_> {
-    /// Asks for what is not known; returns it in order.
+    /// Requests the unknown shards; returns them in order.
     pub(crate) async fn ask(
         &mut self,
         known: &Known,
@@ -106,7 +106,7 @@ impl Reading<'_> {
         let mut line = serde_json::to_vec(known).map_err(|error| LookError::Damaged(error.to_string()))?;
         line.push(b'\n');
         if let Some(mut stdin) = self.child.stdin.take() {
-            // A reader that has ended says why in its exit status.
+            // The exit status of an ended reader reports the reason.
             let _ = stdin.write_all(&line).await;
         }
         let lines = stream::unfold(Some(self), async |reading| {
@@ -131,7 +131,7 @@ impl Reading<'_> {
         Ok(prepared.buffered(PREPARED))
     }
 
-    /// The next line; none when the reader has ended well.
+    /// The next line; `None` when the reader has ended successfully.
     async fn line(&mut self) -> Result<Option<Vec<u8>>, LookError> {
         let mut line = Vec::new();
         let mut limited = (&mut self.lines).take(LINE_BYTES);
@@ -174,7 +174,7 @@ fn part(catalogue: &Catalogue, job: &str, line: &[u8]) -> Result<Prepared, LookE
             shard,
         }),
         Ok(Line::Set(_)) => Err(LookError::Damaged(
-            "the reader says twice what the set is of".to_owned(),
+            "the reader sent two heads of the set".to_owned(),
         )),
         Err(error) => Err(LookError::Damaged(format!("a line of the reader: {error}"))),
     }

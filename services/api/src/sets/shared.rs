@@ -1,4 +1,4 @@
-//! Jobs of a store that services share: each service shows all of them, whoever accepted them.
+//! Shared jobs: all services of a store show the same jobs.
 
 use std::sync::Arc;
 
@@ -11,11 +11,11 @@ use super::look::LookError;
 use super::reader::Reader;
 use crate::engine::orders::{Event, SeenSet};
 
-/// Events that wait for the ones before.
+/// Maximum queued events.
 const SEEN: usize = 64;
 
 impl Sets {
-    /// Shows what the engine sees until the service stops.
+    /// Applies the engine's events until the service stops.
     pub(crate) async fn show_shared(self: Arc<Self>) {
         let (Some(engine), Some(reader)) = (&self.jobs.engine, &self.reader) else {
             return;
@@ -39,7 +39,7 @@ impl Sets {
         self.jobs.stop.run_until_cancelled(both).await;
     }
 
-    /// Brings the job of a set in line with it.
+    /// Updates the job of a set.
     async fn show(self: &Arc<Self>, reader: &Reader, set: &SeenSet) -> Result<(), LookError> {
         let catalogue = &self.jobs.catalogue;
         let row = match catalogue.job(&set.id).await? {

@@ -1,4 +1,4 @@
-//! A set as clients see it.
+//! A set as shown to clients.
 
 use catalogue::{JobRow, JobState, UnixMs};
 use serde::Serialize;
@@ -8,35 +8,35 @@ use super::Sets;
 use super::follow::Last;
 use crate::http::problem::{Problem, found};
 
-/// A set whose images are imported into a job of their own.
+/// A set whose images are imported into a separate job.
 #[derive(Debug, Serialize, ToSchema)]
 #[schema(as = Set)]
 pub(crate) struct SetView {
-    /// The job that its images belong to. It is also what names the set.
+    /// The job of its images, which also identifies the set.
     #[schema(example = "job_0198c0ffee007000800000000000000a")]
     job: String,
-    /// Where it lies.
+    /// Location.
     #[schema(example = "s3://reef/tour")]
     url: String,
-    /// The dataset that its images join.
+    /// The dataset of its images.
     #[schema(example = "shaft-v1")]
     dataset: String,
-    /// How far the job is: frames are counted when their shard is imported.
+    /// State of the job. Frames count when their shard is imported.
     state: JobState,
     /// Number of frames.
     frames: u64,
-    /// Frames whose image is imported.
+    /// Imported images.
     done: u64,
-    /// Frames that have no image.
+    /// Frames without an image.
     failed: u64,
-    /// Shards that are imported.
+    /// Imported shards.
     shards: u64,
-    /// Whether the service looks for further shards. It does until every frame has ended.
+    /// Whether the service polls for further shards, until every frame has ended.
     followed: bool,
-    /// When it looked last; null: not since it was started.
+    /// Time of the last poll; null: none since the start of the service.
     #[schema(value_type = Option<String>, format = DateTime)]
     looked_at: Option<UnixMs>,
-    /// Why that look ended early; null: it did not.
+    /// Why that poll ended early; null: it did not.
     error: Option<String>,
 }
 
@@ -50,7 +50,7 @@ impl Sets {
         Ok(views)
     }
 
-    /// The set that is imported into a job.
+    /// The set of a job.
     pub(super) async fn get(&self, job: &str) -> Result<SetView, Problem> {
         let row = self.jobs.catalogue.job(job).await?;
         let row = found(row.filter(|row| row.set.is_some()), "set with the job", job)?;

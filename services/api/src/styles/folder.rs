@@ -1,5 +1,5 @@
-//! Added styles on the disk: `added-styles/DIGEST.onnx`, and `added-styles/NAME.card.json`, which names the digest and
-//! is written last. A file is written whole under another name, made durable, then renamed.
+//! Added styles on disk: `added-styles/DIGEST.onnx`, and `added-styles/NAME.card.json`, which references the digest
+//! and is written last. Files are written under another name, synced, then renamed.
 
 use std::fs::{self, DirEntry, File};
 use std::io::{self, Write};
@@ -10,27 +10,27 @@ use style::{Library, LibraryError, is_name};
 use crate::http::problem::{Problem, Slug};
 use crate::limits;
 
-/// The folder's name in that of the service.
+/// Name of the folder in the data folder.
 const FOLDER: &str = "added-styles";
-/// End of the name of a card.
+/// Suffix of a card's file name.
 const CARD: &str = ".card.json";
-/// Beginning of the name of a file that is not whole yet.
+/// Prefix of an unfinished file's name.
 const UNFINISHED: &str = ".new-";
 
 /// Why the added styles of a service cannot be loaded.
 #[derive(Debug, thiserror::Error)]
 pub enum AddedStyleError {
-    /// The folder or a file of it.
+    /// The folder or one of its files is unreadable.
     #[error("{}: {source}", path.display())]
     File {
         /// The file or folder.
         path: PathBuf,
-        /// What the file system said.
+        /// Error of the file system.
         source: io::Error,
     },
-    /// A style of the start has the name of one that was added, and is another network.
+    /// A configured style has the name of an added one, and is another network.
     #[error(
-        "{}: there is now another style `{name}`; give that one another name, or take this card away, after which its images can no longer be rendered again",
+        "{}: the configured style `{name}` is another network; rename it, or delete this card, after which its images cannot be rendered again",
         path.display()
     )]
     Taken {
@@ -44,13 +44,13 @@ pub enum AddedStyleError {
 /// The folder of a running service.
 pub(super) struct Folder {
     path: PathBuf,
-    /// Of all models, to hold them within a limit: the service keeps them in memory.
+    /// Total bytes of all models, which the service keeps in memory.
     bytes: u64,
     styles: usize,
 }
 
-/// The library with the styles that were added to a service, from the service's folder. A file that is damaged or gone
-/// is logged and left out: jobs that do not need it go on.
+/// The library with the added styles of a service. A damaged or missing file is logged and skipped, because other
+/// jobs do not need it.
 ///
 /// # Errors
 /// [`AddedStyleError`].
@@ -81,7 +81,7 @@ pub fn added_styles(data: &Path, mut library: Library) -> Result<Library, AddedS
 }
 
 impl Folder {
-    /// Opens the folder of a service, which may not be there yet, and takes away what was not written whole.
+    /// Opens the folder of a service, if it exists, and removes unfinished files.
     pub(super) fn open(data: &Path) -> Result<Self, AddedStyleError> {
         let path = data.join(FOLDER);
         let (mut bytes, mut styles) = (0, 0);
@@ -100,21 +100,20 @@ impl Folder {
 
     /// Whether one more style may be kept.
     pub(super) fn has_room_for(&self, bytes: u64) -> Result<(), Problem> {
-        let full =
-            |what: String| Problem::new(Slug::TooLarge, format!("{what}; all of them are kept in memory"));
-        if self.styles >= limits::ADDED_STYLES {
-            return Err(full(format!("there are {} added styles already", self.styles)));
+        let (count, limit) = (self.styles, limits::ADDED_STYLES);
+        if count >= limit {
+            let detail = format!("the service has {count} added styles, the limit is {limit}");
+            return Err(Problem::new(Slug::TooLarge, detail));
         }
-        if self.bytes + bytes > limits::ADDED_STYLES_BYTES {
-            let (have, limit) = (self.bytes, limits::ADDED_STYLES_BYTES);
-            return Err(full(format!(
-                "the added styles have {have} bytes already, the limit is {limit}"
-            )));
+        let (total, limit) = (self.bytes + bytes, limits::ADDED_STYLES_BYTES);
+        if total > limit {
+            let detail = format!("the added styles would have {total} bytes, the limit is {limit}");
+            return Err(Problem::new(Slug::TooLarge, detail));
         }
         Ok(())
     }
 
-    /// Writes a style; it is there as soon as its card is.
+    /// Writes a style; the card makes it effective.
     pub(super) fn put(&mut self, name: &str, digest: &str, onnx: &[u8], card: &str) -> io::Result<()> {
         fs::create_dir_all(&self.path)?;
         self.write(&format!("{digest}.onnx"), onnx)?;
@@ -133,9 +132,9 @@ impl Folder {
         let copy = data.join(FOLDER);
         fs::create_dir_all(&copy)?;
         for entry in entries(&self.path)? {
-            let to = copy.join(entry.file_name());
-            fs::copy(entry.path(), &to)?;
-            File::open(&to)?.sync_all()?;
+            let target = copy.join(entry.file_name());
+            fs::copy(entry.path(), &target)?;
+            File::open(&target)?.sync_all()?;
         }
         File::open(&copy)?.sync_all()
     }
@@ -152,7 +151,7 @@ impl Folder {
     }
 }
 
-/// What a folder holds, if it is there.
+/// The entries of a folder; empty if it does not exist.
 fn entries(folder: &Path) -> io::Result<Vec<DirEntry>> {
     match fs::read_dir(folder) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Vec::new()),
@@ -160,7 +159,7 @@ fn entries(folder: &Path) -> io::Result<Vec<DirEntry>> {
     }
 }
 
-/// The names of the styles that have a card, in order.
+/// The names of the styles with a card, in order.
 fn cards(folder: &Path) -> io::Result<Vec<String>> {
     let mut names = Vec::new();
     for entry in entries(folder)? {
@@ -172,7 +171,7 @@ fn cards(folder: &Path) -> io::Result<Vec<String>> {
     Ok(names)
 }
 
-/// The digest that a card names; nothing of use if the card is damaged, which reading the model then tells.
+/// The digest in a card; empty if the card is unreadable. Loading the model reports the error.
 fn digest_of(card: &str) -> String {
     let card: serde_json::Value = serde_json::from_str(card).unwrap_or_default();
     let digest = card["sha256"].as_str().unwrap_or_default();

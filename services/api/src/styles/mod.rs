@@ -1,9 +1,8 @@
-//! The styles that jobs may name: those of the start, and those that were added while the service ran.
+//! The styles that jobs may use: configured ones, and those added at run time.
 //!
-//! [`Styles::add`] is the only way in. Whoever has a network, from a request or from a training job, makes a
-//! [`NewStyle`] of it, with as much of its card as is known, and calls `add`: the network is tried in a process of its own, stored, and
-//! known from then on. The next job may name it; a worker that lacks it fetches it. A style is never changed or taken
-//! away, since images name it.
+//! [`Styles::add`] is the only entry point. Uploads and trainings make a [`NewStyle`] with the known parts of its
+//! card and call `add`: the network is tried in a separate process, stored, and available to the next job. Workers
+//! without it fetch it. Styles are never changed or deleted, because images reference them.
 
 mod folder;
 pub(crate) mod routes;
@@ -14,7 +13,7 @@ use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError, RwLock};
 
 use spec::Vocabulary;
-use style::{Library, LibraryError, ModelCard, StyleModel, is_name};
+use style::{ModelCard, Library, LibraryError, StyleModel, is_name};
 use tokio_util::sync::CancellationToken;
 
 use crate::bytes::Bytes;
@@ -29,19 +28,18 @@ use folder::Folder;
 pub use folder::{AddedStyleError, added_styles};
 use trainings::Trainings;
 
-/// Stands on the card of every style that was added.
-const NO_PROMISE: &str =
-    "it was added by a user: nobody has measured how stable it is from frame to frame or across sizes";
+/// Caveat on the card of every added style.
+const NO_PROMISE: &str = "added by a user; its stability over frames and sizes is not measured";
 
-/// A network on its way to become a style.
+/// A network to be added as a style.
 pub(crate) struct NewStyle {
     pub(crate) onnx: Vec<u8>,
-    /// What is known of it; the name, the file and the digest are right already.
+    /// Its card; name, file and digest are already correct.
     pub(crate) card: ModelCard,
 }
 
 impl NewStyle {
-    /// An unverified network, known only by name. The caller adds what it knows beyond that.
+    /// An unverified network with a name. The caller completes the card.
     pub(crate) fn new(name: &str, onnx: Vec<u8>) -> Result<Self, Problem> {
         if !is_name(name) {
             let message = format!("name is `{name}` but must have 1 to 64 characters of a-z, 0-9, _ and -");
@@ -56,7 +54,7 @@ impl NewStyle {
     }
 }
 
-/// The styles at one moment, and the words that follow from them.
+/// The current styles, and the vocabulary derived from them.
 pub(crate) struct Known {
     pub(crate) library: Library,
     pub(crate) vocabulary: Vocabulary,
@@ -69,13 +67,13 @@ impl Known {
     }
 }
 
-/// The styles of a service, and what it takes to add one.
+/// The styles of a service, and the state for adding one.
 pub(crate) struct Styles {
     known: RwLock<Arc<Known>>,
     /// Held while a style is added.
     folder: Mutex<Folder>,
     pub(crate) trainings: Trainings,
-    /// Version of the ONNX Runtime that this machine's workers find, or why there is none.
+    /// Version of the ONNX Runtime available to this machine's workers, or why there is none.
     pub(crate) runtime: Result<String, String>,
     trial: Allowance,
     bytes: Arc<Bytes>,
@@ -84,7 +82,7 @@ pub(crate) struct Styles {
 }
 
 impl Styles {
-    /// The styles of the start and those that the folder of the service has. Reads files.
+    /// Loads the configured styles and those in the data folder. Reads files.
     pub(crate) fn open(
         config: &Config,
         surroundings: &Surroundings,
@@ -108,7 +106,7 @@ impl Styles {
         })
     }
 
-    /// The current vocabulary: these styles, and the users' own waters.
+    /// The current vocabulary: these styles and the user-defined waters.
     pub(crate) fn vocabulary(&self, waters: &Waters) -> Vocabulary {
         Vocabulary {
             waters: waters.words(),
@@ -116,7 +114,7 @@ impl Styles {
         }
     }
 
-    /// The styles now.
+    /// The current styles.
     pub(crate) fn known(&self) -> Arc<Known> {
         Arc::clone(&self.known.read().unwrap_or_else(PoisonError::into_inner))
     }
@@ -127,7 +125,7 @@ impl Styles {
         folder.copy_to(data)
     }
 
-    /// The card of a style that has this name already, if it is the same network.
+    /// The card of an existing style with this name, if it is the same network.
     fn same(&self, new: &NewStyle) -> Result<Option<ModelCard>, Problem> {
         let known = self.known();
         let Some(model) = known.library.get(&new.card.name) else {
@@ -137,13 +135,13 @@ impl Styles {
             return Ok(Some(model.card.clone()));
         }
         let detail = format!(
-            "the style `{}` is another network, with the digest {}; styles are never replaced, since images name them",
+            "the style `{}` exists with another network, digest {}; choose another name",
             model.name, model.card.sha256
         );
         Err(Problem::new(Slug::NameTaken, detail))
     }
 
-    /// Stores a style that was tried, then knows it. Writes files.
+    /// Stores a tried style and adds it to the current ones. Writes files.
     fn keep(&self, new: NewStyle) -> Result<(ModelCard, bool), Problem> {
         let mut folder = self.folder.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(card) = self.same(&new)? {
@@ -167,8 +165,8 @@ impl Styles {
         Ok((new.card, true))
     }
 
-    /// Adds a style: tries it, stores it, knows it. Returns its card, and whether it is new; the same network under the
-    /// same name again changes nothing. Goes on to its end, once it was tried, when the caller goes away.
+    /// Adds a style: tries it, stores it, makes it available. Returns its card, and whether it is new; repeating it
+    /// has no effect. After the trial it completes even if the caller is dropped.
     pub(crate) async fn add(self: &Arc<Self>, new: NewStyle) -> Result<(ModelCard, bool), Problem> {
         if new.onnx.len() > limits::STYLE_BYTES {
             let (bytes, limit) = (new.onnx.len(), limits::STYLE_BYTES);

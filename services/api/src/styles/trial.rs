@@ -1,4 +1,4 @@
-//! Trying an unverified network, in a process that may hang, eat memory or abort.
+//! Tries an unverified network, in a process that may hang, exhaust memory or abort.
 
 use std::ffi::OsStr;
 
@@ -10,7 +10,7 @@ use crate::http::problem::{Problem, Slug};
 use crate::processes::child::Ended;
 
 impl Styles {
-    /// Runs `fathom check-style`; an error names what the network did wrong.
+    /// Runs `fathom check-style`; an error describes the failure.
     pub(super) async fn try_out(&self, new: &NewStyle) -> Result<(), Problem> {
         let folder = TempDir::new().map_err(|error| writing(&error))?;
         let file = folder.path().join("model.onnx");
@@ -31,10 +31,7 @@ impl Styles {
             Ended::Well => Ok(()),
             Ended::Refused(why) => Err(Problem::field("/model", why)),
             Ended::Lacking(what) => Err(Problem::new(Slug::RuntimeMissing, what)),
-            Ended::Badly(why) => Err(Problem::field(
-                "/model",
-                format!("it cannot be used; of the process that tried it: {why}"),
-            )),
+            Ended::Badly(why) => Err(Problem::field("/model", format!("it cannot be used: {why}"))),
         }
     }
 }

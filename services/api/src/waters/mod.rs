@@ -1,4 +1,4 @@
-//! Waters of the users' own, in memory beside the shipped ones; the catalogue keeps them.
+//! User-defined waters, cached in memory; the catalogue stores them.
 
 pub(crate) mod routes;
 pub(crate) mod view;
@@ -18,16 +18,16 @@ use crate::http::problem::{Problem, Slug};
 use crate::processes::compute::to_the_end;
 use view::WaterView;
 
-/// The waters of the users' own.
+/// The user-defined waters.
 pub(crate) struct Waters {
     own: RwLock<Vec<Own>>,
-    /// Held while catalogue and memory change together.
+    /// Held while catalogue and cache change together.
     turn: Mutex<()>,
     catalogue: Arc<Catalogue>,
     clock: Clock,
 }
 
-/// A water of a user's own.
+/// A user-defined water.
 #[derive(Clone)]
 struct Own {
     water: OwnWater,
@@ -46,7 +46,8 @@ impl Own {
 }
 
 impl Waters {
-    /// Reads the waters from the catalogue. One that today's tests refuse stays stored, is logged and left out.
+    /// Reads the waters from the catalogue. A water that fails the current checks stays stored, but is logged and
+    /// skipped.
     pub(crate) async fn open(catalogue: Arc<Catalogue>, clock: Clock) -> Result<Self, CatalogueError> {
         let mut own: Vec<Own> = Vec::new();
         for WaterRow {
@@ -63,7 +64,7 @@ impl Waters {
                 }),
                 Ok(_) => tracing::warn!(
                     water = name,
-                    "a shipped water has this name now: it hides the user's own"
+                    "a built-in water with this name now hides the user-defined one"
                 ),
                 Err(errors) => tracing::warn!(water = name, %errors, "a stored water is left out"),
             }
@@ -76,13 +77,15 @@ impl Waters {
         })
     }
 
-    /// The optics that each name stands for in a job.
+    /// The optics of each name in a job.
     pub(crate) fn words(&self) -> BTreeMap<String, Map<String, Value>> {
-        let words = |own: Own| (own.name().to_owned(), own.water.optics());
-        self.own().into_iter().map(words).collect()
+        self.own()
+            .into_iter()
+            .map(|own: Own| (own.name().to_owned(), own.water.optics()))
+            .collect()
     }
 
-    /// The shipped waters, then the users' own by name.
+    /// The shipped waters, then the user-defined ones by name.
     fn all(&self) -> Vec<WaterView> {
         let shipped = preset::presets()
             .iter()
@@ -99,7 +102,7 @@ impl Waters {
         self.own.read().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Checks and stores a water; jobs may use it at once. Goes on to its end when the client goes away.
+    /// Checks and stores a water, which jobs may then use. Completes even if the client disconnects.
     async fn create(self: &Arc<Self>, body: Vec<u8>) -> Result<WaterView, Problem> {
         let waters = Arc::clone(self);
         to_the_end(async move {
@@ -114,7 +117,7 @@ impl Waters {
                 created_at,
             };
             if preset::find(&name).is_some() || !waters.catalogue.insert_water(row).await? {
-                let detail = format!("there is a water `{name}` already");
+                let detail = format!("the water `{name}` exists; choose another name");
                 return Err(Problem::new(Slug::NameTaken, detail));
             }
             let own = Own {
@@ -132,7 +135,7 @@ impl Waters {
         .await
     }
 
-    /// Deletes a water. Jobs hold its numbers and go on.
+    /// Deletes a water. Jobs are unaffected: they contain its numbers.
     async fn delete(self: &Arc<Self>, name: String) -> Result<(), Problem> {
         let waters = Arc::clone(self);
         to_the_end(async move {
@@ -143,7 +146,7 @@ impl Waters {
             match (deleted, preset::find(&name)) {
                 (true, _) => Ok(()),
                 (false, Some(_)) => Err(Problem::not_found(format!(
-                    "water `{name}` comes with the service and stays"
+                    "water `{name}` is built in and cannot be deleted"
                 ))),
                 (false, None) => Err(Problem::not_found(format!("no water `{name}`"))),
             }

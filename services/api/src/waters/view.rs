@@ -1,4 +1,4 @@
-//! A water as the service and the command line show it.
+//! A water as shown by the service and the command line.
 
 use catalogue::UnixMs;
 use optics::preset::{Channels, Preset};
@@ -10,34 +10,34 @@ use utoipa::ToSchema;
 #[derive(Debug, Serialize, ToSchema)]
 #[schema(as = Water)]
 pub struct WaterView {
-    /// The full name; the part before `/` names the default source's preset.
+    /// The full name; the part before `/` selects the default source's preset.
     #[schema(example = "jerlov-3C/williamson2022")]
     pub(super) name: String,
-    /// Whether it was given through the API, and when. Null: it comes with the service.
+    /// Time at which it was added through the API; null: a shipped water.
     #[schema(format = DateTime)]
     created_at: Option<String>,
     /// Jerlov's type, if it is one.
     #[schema(example = "3C")]
     jerlov_type: Option<String>,
-    /// Where the numbers come from.
+    /// Source of the numbers.
     source: String,
-    /// Under what licence they are published, or `unknown`.
+    /// License of the numbers, or `unknown`.
     licence: String,
-    /// What the user should know.
+    /// Caveats for users.
     caveats: Vec<String>,
-    /// Wavelengths that stand for R, G and B, nm.
+    /// Wavelengths of R, G and B, nm.
     wavelength_nm: Option<[Option<f64>; 3]>,
-    /// a, 1/m.
+    /// Absorption a, 1/m.
     absorption_per_m: Option<[Option<f64>; 3]>,
-    /// b, 1/m.
+    /// Scattering b, 1/m.
     scattering_per_m: Option<[Option<f64>; 3]>,
-    /// c = a + b, 1/m.
+    /// Beam attenuation c = a + b, 1/m.
     beam_attenuation_per_m: Option<[Option<f64>; 3]>,
-    /// K_d, 1/m.
+    /// Diffuse attenuation K_d, 1/m.
     diffuse_attenuation_per_m: Option<[Option<f64>; 3]>,
-    /// Backscatter radiance at infinite range, linear; a derived one is that of a camera 5 m below the surface.
+    /// Backscatter radiance at infinite range, linear; a derived one is for a camera 5 m below the surface.
     veiling_light: Option<[f64; 3]>,
-    /// b_b/b, for the glow of lamps. A water does not determine it: give your own in the job.
+    /// b_b/b, for the airlight of lamps. Waters do not determine it: set it in the job.
     backscatter_fraction: Option<f64>,
     /// G of the forward scatter, 1/m.
     g_per_m: Option<[Option<f64>; 3]>,
@@ -45,22 +45,21 @@ pub struct WaterView {
     spread_offset_rad: Option<f64>,
     /// Growth of that width with range, radians per meter.
     spread_rad_per_m: Option<[Option<f64>; 3]>,
-    /// The fields above that are derived and not the source's own.
+    /// The derived fields among those above.
     derived: Vec<&'static str>,
-    /// What is odd about the numbers.
+    /// Anomalies of the numbers.
     warnings: Vec<String>,
-    /// What the self-tests find: known misprints of the source.
+    /// Findings of the self-tests: known misprints of the source.
     defects: Vec<String>,
     /// Why jobs cannot use it; null: they can.
     unrenderable: Option<String>,
 }
 
 impl WaterView {
-    /// A water with all that follows from it.
+    /// A water with all derived values.
     #[must_use]
     pub fn new(preset: &Preset, created_at: Option<UnixMs>) -> Self {
         let all = properties(preset);
-        let some = |values: Channels| values.iter().any(Option::is_some).then_some(values);
         Self {
             name: preset.name.clone(),
             created_at: created_at.map(|time| time.to_string()),
@@ -68,20 +67,25 @@ impl WaterView {
             source: preset.source.clone(),
             licence: preset.licence.clone(),
             caveats: preset.caveats.clone(),
-            wavelength_nm: some(preset.wavelength_nm),
-            absorption_per_m: some(preset.absorption),
-            scattering_per_m: some(preset.scattering),
-            beam_attenuation_per_m: some(preset.beam_attenuation),
-            diffuse_attenuation_per_m: some(preset.diffuse_attenuation),
+            wavelength_nm: known(preset.wavelength_nm),
+            absorption_per_m: known(preset.absorption),
+            scattering_per_m: known(preset.scattering),
+            beam_attenuation_per_m: known(preset.beam_attenuation),
+            diffuse_attenuation_per_m: known(preset.diffuse_attenuation),
             veiling_light: all.veiling_light,
             backscatter_fraction: all.backscatter_fraction,
-            g_per_m: some(all.g),
+            g_per_m: known(all.g),
             spread_offset_rad: all.spread_offset_rad,
-            spread_rad_per_m: some(all.spread_rad_per_m),
+            spread_rad_per_m: known(all.spread_rad_per_m),
             derived: all.derived,
             warnings: preset.warnings.clone(),
             defects: preset.defects.clone(),
             unrenderable: preset.unrenderable(),
         }
     }
+}
+
+/// `None` if all channels are unknown.
+fn known(values: Channels) -> Option<Channels> {
+    values.iter().any(Option::is_some).then_some(values)
 }

@@ -1,4 +1,4 @@
-//! What pausing, resuming and trying again mean to frames and leases.
+//! Effects of pausing, resuming and retrying on frames and leases.
 
 use super::claim;
 use api::lease_table::{JobEntry, LeaseTable, Millis, Totals};
@@ -22,7 +22,7 @@ fn give_up(table: &mut LeaseTable, token: u64) -> u64 {
 }
 
 #[test]
-fn a_paused_job_offers_nothing_and_its_leases_live_on() {
+fn a_paused_job_offers_no_frames_and_its_leases_continue() {
     let mut table = table(3);
     table.grant("w", Millis(0), 1, 0.0).unwrap();
     table.pause("j");
@@ -38,7 +38,7 @@ fn a_paused_job_offers_nothing_and_its_leases_live_on() {
 }
 
 #[test]
-fn frames_that_come_back_while_a_job_is_paused_wait_for_it() {
+fn frames_returned_to_a_paused_job_wait_for_it() {
     let mut table = table(2);
     table.register("w", crate::about("w", 2), Millis(0));
     for token in [1, 2] {

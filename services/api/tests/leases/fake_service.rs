@@ -1,4 +1,4 @@
-//! A service of a hundred lines: the worker protocol over the real lease table, with faults on demand.
+//! A minimal service: the worker protocol over the real lease table, with faults on demand.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{BufRead, BufReader, Read, Write};
@@ -24,23 +24,23 @@ pub(crate) struct State {
     pub(crate) workers: BTreeSet<String>,
     pub(crate) images: BTreeMap<u64, FrameRecord>,
     pub(crate) commits: u64,
-    /// How often a description was asked for.
+    /// Number of requests for a description.
     pub(crate) fetched: u32,
     pub(crate) failures: Vec<(u64, String, bool)>,
     blobs: BTreeMap<String, Vec<u8>>,
     scene: Option<SceneFiles<String>>,
     tokens: u64,
-    /// Answers to commits that are lost on the way, from now on.
+    /// Number of responses to commits to lose from now on.
     pub(crate) lost_answers: u32,
-    /// Whether every call is answered with 503.
+    /// Whether every call returns 503.
     pub(crate) away: bool,
-    /// Whether every call is answered with 401.
+    /// Whether every call returns 401.
     pub(crate) strict: bool,
-    /// Version of the protocol that it speaks, if not that of the worker.
+    /// Protocol version, if not that of the worker.
     pub(crate) protocol: Option<u32>,
 }
 
-/// What a call is answered with.
+/// Response of a call.
 enum Answer {
     Message(Vec<u8>),
     Problem(u16, &'static str),
@@ -83,7 +83,7 @@ impl FakeService {
         });
     }
 
-    /// An uploaded scene: answered to every id.
+    /// An uploaded scene, returned for every id.
     pub(crate) fn add_scene(&self, rgb: Vec<u8>, range: Vec<u8>) {
         let digest = |bytes: &[u8]| hex(&Sha256::digest(bytes));
         let mut state = self.state();
@@ -103,7 +103,7 @@ impl FakeService {
         state.blobs.extend([(digest(&rgb), rgb), (digest(&range), range)]);
     }
 
-    /// What a restart does: workers and leases are forgotten, images are not.
+    /// Effect of a restart: workers and leases are dropped, images are kept.
     pub(crate) fn restart(&self) {
         let mut state = self.state();
         state.workers.clear();
@@ -128,7 +128,7 @@ impl FakeService {
         }
     }
 
-    /// Waits until something is true of the state.
+    /// Waits until a condition of the state holds.
     pub(crate) fn wait(&self, what: &str, mut until: impl FnMut(&State) -> bool) {
         let limit = Instant::now() + Duration::from_secs(30);
         while !until(&self.state()) {
@@ -155,7 +155,7 @@ fn serve(stream: TcpStream, state: &Mutex<State>, begun: Instant) {
         if (&stream).write_all(&[head.as_bytes(), &body].concat()).is_err() {
             return;
         }
-        // What a long-poll does, without the waiting.
+        // A long poll without the waiting.
         if path.ends_with("/lease") && body.is_empty() {
             thread::sleep(Duration::from_millis(5));
         }

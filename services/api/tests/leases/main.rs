@@ -1,4 +1,4 @@
-//! The lease table in random histories, and the worker against a service that loses answers.
+//! The lease table in random histories, and the worker against a service that loses responses.
 
 #![allow(clippy::unwrap_used)]
 

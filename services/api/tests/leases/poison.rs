@@ -1,8 +1,8 @@
-//! Frames that kill their worker, among frames that do not.
+//! Frames that kill their worker, among healthy ones.
 //!
-//! Failure is: a frame that is given up although it kills nobody; one that kills its worker and is not given up; a
-//! healthy frame without exactly one image; a history that does not end. Workers render several frames at a time, so a
-//! killed worker always takes innocent frames along.
+//! Failures: a healthy frame is quarantined; a frame that kills its worker is not; a healthy frame without exactly
+//! one image; a history without an end. Workers render several frames at a time, so a killed worker always loses
+//! healthy frames as well.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -15,7 +15,7 @@ const STEPS: u64 = 20_000;
 
 struct Worker {
     id: String,
-    /// What each slot has left of its lease.
+    /// Remaining lease of each slot.
     slots: Vec<Option<Grant>>,
 }
 
@@ -28,7 +28,7 @@ struct History {
     token: u64,
     workers: Vec<Worker>,
     lives: u64,
-    /// Whether the service hears of a death at once, or finds out by silence.
+    /// Whether the service is notified of a death, or detects it by silence.
     children: bool,
     poison: BTreeSet<u64>,
     images: BTreeMap<u64, u32>,
@@ -41,20 +41,20 @@ impl History {
         self.chance.bits(self.number, self.drawn) % choices
     }
 
-    /// One slot does one thing.
+    /// One step of one slot.
     fn step(&mut self) {
         self.now += 1 + self.pick(400);
         self.beat();
-        let at = self.pick(self.workers.len() as u64) as usize;
-        let slot = self.pick(self.workers[at].slots.len() as u64) as usize;
-        match self.workers[at].slots[slot].take() {
+        let worker_index = self.pick(self.workers.len() as u64) as usize;
+        let slot = self.pick(self.workers[worker_index].slots.len() as u64) as usize;
+        match self.workers[worker_index].slots[slot].take() {
             None => {
                 self.token += 1;
                 let cost = [0.0, 400.0][self.pick(2) as usize];
-                let worker = &mut self.workers[at];
+                let worker = &mut self.workers[worker_index];
                 worker.slots[slot] = self.table.grant(&worker.id, Millis(self.now), self.token, cost);
             }
-            Some(grant) => self.render(at, slot, grant),
+            Some(grant) => self.render(worker_index, slot, grant),
         }
         let lost = self.table.expire(Millis(self.now));
         self.note(lost);

@@ -1,9 +1,9 @@
-//! What the lease table promises, told in small histories.
+//! Guarantees of the lease table, in short histories.
 
 use std::collections::BTreeMap;
 
 use super::claim;
-use api::lease_table::{Grant, JobEntry, LeaseTable, Making, Millis, Rules, Stale};
+use api::lease_table::{Grant, JobEntry, LeaseTable, Millis, Rules, Stale, Toolchain};
 use proto::wire::{Claim, RegisterRequest};
 
 fn job(id: &str, frames: u64) -> JobEntry {
@@ -23,7 +23,7 @@ fn table(frames: u64) -> LeaseTable {
 const QUICK_MS: f64 = 100.0;
 
 #[test]
-fn an_unknown_cost_gives_one_frame_and_a_known_one_some_seconds_of_work() {
+fn an_unknown_cost_grants_one_frame_and_a_known_one_seconds_of_work() {
     let mut table = table(100);
     assert_eq!(table.grant("w", Millis(0), 1, 0.0).unwrap().frames, [(0, 1)]);
     assert_eq!(table.grant("w", Millis(0), 2, QUICK_MS).unwrap().frames.len(), 30);
@@ -104,7 +104,7 @@ fn three_strikes_and_the_frame_is_given_up_with_growing_pauses_before() {
 }
 
 #[test]
-fn a_failure_that_cannot_pass_is_final_at_once() {
+fn a_permanent_failure_is_final_immediately() {
     let mut table = table(1);
     table.grant("w", Millis(0), 1, 0.0).unwrap();
     let event = table
@@ -123,7 +123,7 @@ fn handing_back_burns_no_attempt_and_keeps_ranges_together() {
 }
 
 #[test]
-fn a_cancelled_job_gives_nothing_and_its_workers_are_told() {
+fn a_cancelled_job_grants_no_frames_and_its_workers_are_notified() {
     let mut table = table(10);
     table.grant("w", Millis(0), 1, QUICK_MS).unwrap();
     table.cancel("j");
@@ -149,7 +149,7 @@ fn priority_goes_first_and_equals_take_turns() {
 }
 
 #[test]
-fn after_a_restart_only_what_is_open_is_offered() {
+fn after_a_restart_only_open_frames_are_offered() {
     let mut table = LeaseTable::new();
     let strikes = BTreeMap::from([(4, 2)]);
     table.add_job(JobEntry {
@@ -176,7 +176,7 @@ fn ten_million_frames_are_taken_up_without_a_list_of_them() {
 }
 
 #[test]
-fn what_is_left_of_a_job_is_shared_among_all_slots() {
+fn the_remainder_of_a_job_is_shared_among_all_slots() {
     let mut table = table(24);
     table.register("w", crate::about("one", 3), Millis(0));
     table.register("v", crate::about("two", 1), Millis(0));
@@ -187,7 +187,7 @@ fn what_is_left_of_a_job_is_shared_among_all_slots() {
 }
 
 #[test]
-fn a_new_job_waits_for_those_that_wait_already_and_starves_nobody() {
+fn a_new_job_queues_behind_waiting_ones_and_starves_none() {
     let mut table = table(1000);
     let mut turns = Vec::new();
     for token in 1..=7 {
@@ -237,7 +237,7 @@ fn one_busy_worker_is_emptied_for_a_suspect_and_the_others_go_on() {
 }
 
 #[test]
-fn a_job_that_comes_back_after_a_cancel_owes_nothing_to_its_old_leases() {
+fn old_leases_do_not_affect_a_job_resubmitted_after_a_cancel() {
     let mut table = table(2);
     table.grant("w", Millis(0), 1, 0.0).unwrap();
     table.begin_commit(&claim("j", 0, 1, 1), Millis(1)).unwrap();
@@ -264,8 +264,8 @@ fn worker(code_version: &str, onnx_runtime: Option<&str>) -> RegisterRequest {
     }
 }
 
-fn making(code_version: &str, onnx_runtime: Option<&str>) -> Making {
-    Making {
+fn toolchain(code_version: &str, onnx_runtime: Option<&str>) -> Toolchain {
+    Toolchain {
         code_version: code_version.to_owned(),
         cpu_features: "avx2".to_owned(),
         onnx_runtime: onnx_runtime.map(str::to_owned),
@@ -294,20 +294,20 @@ fn a_job_stays_with_the_program_and_the_machines_of_its_first_image() {
         table.add_job(job("a", 10));
         let [first, second] =
             [("old", 1), ("new", 2)].map(|(name, token)| table.grant(name, now, token, 0.0).unwrap());
-        // Nothing is there yet that the second could differ from.
+        // There is no frame yet that the second could differ from.
         assert_eq!(table.waits_for("a"), None);
-        assert!(table.made_with("a", &making("1", None)));
+        assert!(table.record_toolchain("a", &toolchain("1", None)));
         table.begin_commit(&first_claim(&first), now).unwrap();
-        assert_eq!(table.made_with("a", &making("2", None)), mixed);
+        assert_eq!(table.record_toolchain("a", &toolchain("2", None)), mixed);
         table.finish_commit(&first_claim(&first));
-        assert_eq!(table.made_with("a", &making("2", None)), mixed);
+        assert_eq!(table.record_toolchain("a", &toolchain("2", None)), mixed);
         table.refuse(&first_claim(&second)).unwrap();
         assert_eq!(table.grant("new", now, 3, 0.0).is_some(), mixed);
         assert!(table.grant("old", now, 4, 0.0).is_some());
         table.drop_worker("old", now);
         assert_eq!(table.waits_for("a").is_some(), !mixed);
         if !mixed {
-            // Another job is nobody's yet.
+            // Another job has no provenance yet.
             table.add_job(job("b", 1));
             assert_eq!(table.grant("new", now, 5, 0.0).unwrap().job_id, "b");
         }
@@ -320,7 +320,7 @@ fn a_runtime_binds_only_jobs_that_have_used_it() {
     let mut table = LeaseTable::new();
     let resumed = |id: &str, onnx_runtime| JobEntry {
         done: std::iter::once(0..1).collect(),
-        made: Some(making("1", onnx_runtime)),
+        made: Some(toolchain("1", onnx_runtime)),
         ..job(id, 2)
     };
     table.add_job(resumed("plain", None));
@@ -328,7 +328,7 @@ fn a_runtime_binds_only_jobs_that_have_used_it() {
     table.register("other", worker("1", Some("1.22")), now);
     assert_eq!(table.grant("other", now, 1, 0.0).unwrap().job_id, "plain");
     assert_eq!(table.grant("other", now, 2, 0.0), None);
-    assert!(!table.made_with("styled", &making("1", Some("1.22"))));
+    assert!(!table.record_toolchain("styled", &toolchain("1", Some("1.22"))));
     table.register("same", worker("1", Some("1.20")), now);
     assert_eq!(table.grant("same", now, 3, 0.0).unwrap().job_id, "styled");
 }

@@ -1,4 +1,4 @@
-//! The worker against a service that restarts, loses answers, cancels and goes away.
+//! The worker against a service that restarts, loses responses, cancels and disappears.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -41,7 +41,7 @@ impl Worker {
         }
     }
 
-    /// Stops the worker; answers how long it took.
+    /// Stops the worker; returns how long it took.
     fn stop(self) -> Duration {
         let begun = Instant::now();
         self.stop.store(true, Ordering::SeqCst);
@@ -51,10 +51,10 @@ impl Worker {
 }
 
 const FRAMES: u64 = 40;
-/// Where no ONNX Runtime lies.
+/// A path without an ONNX Runtime.
 const NO_RUNTIME: &str = "/nowhere/libonnxruntime.so";
 
-/// A picture, and its range: 1 m at the left to 5 m at the right, a hole in the corner.
+/// An image, and its range: 1 m at the left to 5 m at the right, a hole in the corner.
 fn files() -> (Vec<u8>, Vec<u8>) {
     let picture = Rgb8::from_fn(48, 32, |x, y| [5 * x as u8, 7 * y as u8, 90]);
     let range = Plane::from_fn(48, 32, |x, y| match (x, y) {
@@ -67,8 +67,7 @@ fn files() -> (Vec<u8>, Vec<u8>) {
     )
 }
 
-/// The shipped styles and `foreign`: the network of `muddy` under another name of its graph, so that only ONNX Runtime
-/// takes it.
+/// The shipped styles and `foreign`: the network of `muddy` with a renamed graph, which only ONNX Runtime accepts.
 fn library() -> Library {
     let shipped = Library::embedded().unwrap();
     let mut onnx = shipped.get("muddy").unwrap().onnx.to_vec();
@@ -81,7 +80,7 @@ fn library() -> Library {
     shipped.with_model("foreign", onnx, None).unwrap()
 }
 
-/// A job about the uploaded scene of the service.
+/// A job with the uploaded scene of the service.
 fn job(frames: u64, fields: &Value) -> Job {
     let mut description = json!({
         "scene": {"kind": "uploaded", "id": "scn_018f0000000070008000000000000000"},
@@ -171,7 +170,7 @@ fn after_a_restart_of_the_service_the_worker_joins_again_and_finishes() {
 }
 
 #[test]
-fn a_commit_whose_answer_is_lost_costs_nothing() {
+fn a_commit_with_a_lost_response_is_harmless() {
     let (service, job) = service(10);
     service.state().lost_answers = 2;
     let worker = Worker::start(&service, 1);
@@ -200,7 +199,7 @@ fn a_service_that_goes_away_is_waited_for() {
 }
 
 #[test]
-fn a_stopped_worker_gives_everything_back_without_burning_an_attempt() {
+fn a_stopped_worker_returns_its_leases_without_counting_an_attempt() {
     let (service, _) = service(1_000_000);
     let worker = Worker::start(&service, 2);
     service.wait("some frames", |state| state.images.len() > 3);
@@ -275,7 +274,7 @@ fn a_worker_does_not_join_a_service_of_another_version_of_the_protocol() {
     let (theirs, ours) = (proto::VERSION + 1, proto::VERSION);
     assert!(
         said.contains(&format!(
-            "the other side speaks version {theirs} of the worker protocol"
+            "the other side uses version {theirs} of the worker protocol"
         )) && said.contains(&format!("this one version {ours}"))
             && said.contains("use the same version of fathom"),
         "{said}"

@@ -16,7 +16,7 @@ fn status(service: &Running, secret: Option<&str>, post: bool) -> u16 {
 }
 
 #[test]
-fn a_token_may_do_what_its_scopes_say_and_no_more() {
+fn a_token_permits_only_its_scopes() {
     let service = start_with(Setup {
         token: Some("boss,read:eyes,submit:hands"),
         ..Setup::default()
@@ -54,7 +54,7 @@ fn probes_need_no_token_and_unknown_routes_are_not_hidden_behind_one() {
 }
 
 #[test]
-fn the_page_needs_no_token_and_what_it_asks_for_does() {
+fn the_page_needs_no_token_but_its_requests_do() {
     let service = start_with(Setup {
         token: Some("boss"),
         ..Setup::default()

@@ -1,4 +1,4 @@
-//! Bad input is refused with a problem that names field, value and limit; it stores nothing and breaks nothing.
+//! Invalid input is rejected with a problem that names field, value and limit; it has no side effects.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -14,7 +14,7 @@ use sqlx::{AssertSqlSafe, ConnectOptions, Connection};
 use store::Store;
 use tempfile::TempDir;
 
-/// Rows and stored bytes of a directory that no service uses at the moment.
+/// Rows and stored bytes of a folder of a stopped service.
 fn counted(data: &TempDir) -> String {
     let runtime = tokio::runtime::Runtime::new().unwrap();
     runtime.block_on(async {
@@ -26,7 +26,7 @@ fn counted(data: &TempDir) -> String {
     })
 }
 
-/// The number of rows of every table in the file of a catalogue, also of jobs that are being deleted.
+/// The number of rows of every table in a catalogue file, including jobs being deleted.
 async fn counts(file: &Path) -> BTreeMap<String, u64> {
     let mut connection = SqliteConnectOptions::new()
         .filename(file)
@@ -47,8 +47,8 @@ async fn counts(file: &Path) -> BTreeMap<String, u64> {
     counts
 }
 
-/// Runs refusals against a service that already holds a job and a scene; nothing may have changed afterwards, and the
-/// service goes on.
+/// Runs rejections against a service with a job and a scene; afterwards its data must be unchanged and it must still
+/// work.
 pub(crate) fn nothing_changes(refusals: impl FnOnce(&Running)) {
     let service = start();
     service.submit(&job());
@@ -60,14 +60,14 @@ pub(crate) fn nothing_changes(refusals: impl FnOnce(&Running)) {
     refusals(&service);
     assert_eq!(service.get("/readyz").status, 200);
     assert_eq!(service.shown(), shown);
-    // The service goes on: the job that was there is still offered.
+    // The existing job is still offered.
     let worker = Fake::register(&service);
     worker.release(&worker.lease(1000).expect("a frame"));
     assert_eq!(counted(&service.stop()), before);
 }
 
-/// The job with the value at a JSON pointer replaced; parents are made as needed.
-fn with(pointer: &str, value: Value) -> Value {
+/// The job with the value at a JSON pointer replaced; parents are created as needed.
+fn job_with(pointer: &str, value: Value) -> Value {
     let mut changed = job();
     let mut place = &mut changed;
     for key in pointer.split('/').skip(1) {
@@ -97,37 +97,37 @@ fn a_bad_description_is_refused_with_the_place_and_the_limit() {
     let cases: Vec<(&str, Value, &str, &[&str])> = vec![
         (
             "unknown field",
-            with("/alhpa", json!(1)),
+            job_with("/alhpa", json!(1)),
             "/alhpa",
             &["alhpa", "did_you_mean\":\"alpha", "allowed"],
         ),
         (
             "wrong type",
-            with("/camera/width", json!("wide")),
+            job_with("/camera/width", json!("wide")),
             "/camera/width",
             &["camera.width", "wide", "a whole number"],
         ),
         (
             "alpha above 1",
-            with("/alpha", json!(1.2)),
+            job_with("/alpha", json!(1.2)),
             "/alpha",
             &["alpha", "1.2", "0..=1"],
         ),
         (
             "alpha as text",
-            with("/alpha", json!("NaN")),
+            job_with("/alpha", json!("NaN")),
             "/alpha",
             &["NaN", "a number"],
         ),
         (
             "negative attenuation",
-            with(optics, attenuation(json!([0.4, -0.1, 0.1]))),
+            job_with(optics, attenuation(json!([0.4, -0.1, 0.1]))),
             "/water/optics/beam_attenuation_per_m",
             &["beam_attenuation_per_m[1]", "-0.1", "0..=1000"],
         ),
         (
             "G above c",
-            with(
+            job_with(
                 optics,
                 explicit(json!({"forward_scatter": {"model": "jaffe", "g_per_m": [9, 0.1, 0.1]}})),
             ),
@@ -136,25 +136,25 @@ fn a_bad_description_is_refused_with_the_place_and_the_limit() {
         ),
         (
             "law backwards",
-            with("/alpha", json!({"uniform": [0.8, 0.2]})),
+            job_with("/alpha", json!({"uniform": [0.8, 0.2]})),
             "/alpha",
             &["a = 0.8 above b = 0.2"],
         ),
         (
             "empty choice",
-            with("/alpha", json!({"choice": []})),
+            job_with("/alpha", json!({"choice": []})),
             "/alpha",
             &["choice", "at least one value"],
         ),
         (
             "count 0",
-            with("/count", json!(0)),
+            job_with("/count", json!(0)),
             "/count",
             &["`count` is 0", "1..=100000000"],
         ),
         (
             "a light of text",
-            with(
+            job_with(
                 "/lights",
                 json!([{"kind": "haze", "x": 0.5, "y": 0.5, "size": "NaN", "intensity": 1}]),
             ),
@@ -163,25 +163,25 @@ fn a_bad_description_is_refused_with_the_place_and_the_limit() {
         ),
         (
             "count 10^12",
-            with("/count", json!(1_000_000_000_000_u64)),
+            job_with("/count", json!(1_000_000_000_000_u64)),
             "/count",
             &["`count` is 1000000000000", "1..=100000000"],
         ),
         (
             "preset lacks coefficients",
-            with(optics, json!({"preset": "jerlov-5C/solonenko2015"})),
+            job_with(optics, json!({"preset": "jerlov-5C/solonenko2015"})),
             "/water/optics",
             &["jerlov-5C/solonenko2015", "unknown at one of its wavelengths"],
         ),
         (
             "unknown style",
-            with("/water/style", json!("mudy")),
+            job_with("/water/style", json!("mudy")),
             "/water/style",
             &["mudy", "did_you_mean\":\"muddy", "atlantic"],
         ),
         (
             "scene not uploaded",
-            with(
+            job_with(
                 "/scene",
                 json!({"kind": "uploaded", "id": "scn_00000000000000000000000000000000"}),
             ),
@@ -195,14 +195,12 @@ fn a_bad_description_is_refused_with_the_place_and_the_limit() {
             let errors = problem["errors"]
                 .as_array()
                 .unwrap_or_else(|| panic!("{name}: {problem}"));
-            let here = |error: &&Value| {
-                error["pointer"]
-                    .as_str()
-                    .is_some_and(|place| place.starts_with(pointer))
-            };
             let error = errors
                 .iter()
-                .find(here)
+                .find(|error| {
+                    let found = error["pointer"].as_str();
+                    found.is_some_and(|found| found.starts_with(pointer))
+                })
                 .unwrap_or_else(|| panic!("{name}: {problem}"))
                 .to_string();
             for fragment in fragments {
@@ -215,7 +213,7 @@ fn a_bad_description_is_refused_with_the_place_and_the_limit() {
 #[test]
 fn all_errors_of_a_description_come_together_with_the_nearest_name() {
     nothing_changes(|service| {
-        let mut body = with("/alpha", json!(1.2));
+        let mut body = job_with("/alpha", json!(1.2));
         body["metrics"] = json!(["uiqn"]);
         body["count"] = json!(0);
         let problem = service.post("/v1/jobs", &body).problem(422, "validation");
@@ -228,11 +226,11 @@ fn all_errors_of_a_description_come_together_with_the_nearest_name() {
 }
 
 #[test]
-fn what_looks_odd_but_has_a_meaning_is_accepted() {
+fn unusual_but_valid_descriptions_are_accepted() {
     let service = start();
     let light = json!([{"kind": "haze", "x": 0.5, "y": 0.5, "size": 0, "intensity": 1}]);
-    service.submit(&with("/lights", light));
-    service.submit(&with("/seed", json!(0)));
+    service.submit(&job_with("/lights", light));
+    service.submit(&job_with("/seed", json!(0)));
 }
 
 #[test]
@@ -242,7 +240,7 @@ fn a_body_that_is_no_json_of_bearable_size_is_refused() {
         service
             .post_with("/v1/jobs", &json, b"{\"alpha\": NaN}")
             .problem(422, "validation");
-        let mut light = with(
+        let mut light = job_with(
             "/lights",
             json!([{"kind": "haze", "x": 0.5, "y": 0.5, "intensity": 1}]),
         )
@@ -273,7 +271,7 @@ fn a_body_that_is_no_json_of_bearable_size_is_refused() {
 }
 
 #[test]
-fn bad_questions_are_refused_with_what_is_wrong() {
+fn bad_queries_are_rejected_with_the_reason() {
     nothing_changes(|service| {
         let problem = service
             .get("/v1/images?filter=uiqn%20%3E%200.5")

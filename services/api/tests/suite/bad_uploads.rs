@@ -1,10 +1,10 @@
-//! Bad scenes are refused with the field; holes are none.
+//! Invalid scenes are rejected with the field; holes are valid.
 
 use crate::bad_input::nothing_changes;
 use crate::common::bytes::{png, png_head, range_npy, range_png};
 use crate::common::start;
 
-/// A name for the case, the fields, where the error stands, and what it says.
+/// Name of the case, form fields, pointer of the error, parts of its message.
 type Refused<'a> = (&'a str, Vec<(&'a str, &'a [u8])>, &'a str, &'a [&'a str]);
 
 #[test]
@@ -100,7 +100,7 @@ static RANGE_CODES: std::sync::LazyLock<Vec<u8>> = std::sync::LazyLock::new(|| r
 static BOMB: std::sync::LazyLock<Vec<u8>> = std::sync::LazyLock::new(|| png_head(60_000, 60_000));
 
 #[test]
-fn holes_are_no_errors_even_if_there_is_nothing_else() {
+fn a_range_of_only_holes_is_valid() {
     let service = start();
     let picture = png(16, 12);
     let some = range_npy(16, 12, |x, _| if x < 8 { f32::NAN } else { 2.0 });

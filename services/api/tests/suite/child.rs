@@ -1,4 +1,4 @@
-//! What a service under test starts in place of `fathom`: it decodes, and fails at everything else.
+//! Program for a service under test in place of `fathom`: it decodes, and fails at everything else.
 
 use std::path::Path;
 use std::process::ExitCode;

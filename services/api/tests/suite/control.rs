@@ -1,4 +1,4 @@
-//! Pausing, resuming, trying again, deleting.
+//! Pausing, resuming, retrying, deleting.
 
 use crate::common::worker::Fake;
 use crate::common::{Running, job, start, start_on};
@@ -18,7 +18,7 @@ fn state(service: &Running, id: &str) -> String {
 }
 
 #[test]
-fn a_paused_job_offers_nothing_but_finishes_what_is_held_and_stays_paused_over_a_restart() {
+fn a_paused_job_finishes_leased_frames_and_stays_paused_over_a_restart() {
     let service = start();
     let mut three = job();
     three["count"] = json!(3);
@@ -76,7 +76,7 @@ fn frames_that_were_given_up_are_tried_again_on_demand() {
 }
 
 #[test]
-fn a_deleted_job_is_gone_at_once_and_its_worker_is_told() {
+fn a_deleted_job_is_gone_immediately_and_its_worker_is_notified() {
     let service = start();
     let (gone, stays) = (service.submit(&job()), service.submit(&job()));
     let worker = Fake::register(&service);
@@ -114,7 +114,7 @@ fn a_deleted_job_is_gone_at_once_and_its_worker_is_told() {
 }
 
 #[test]
-fn a_dataset_is_deleted_with_its_jobs_unless_one_goes_on() {
+fn a_dataset_is_deleted_with_its_jobs_unless_one_is_running() {
     let service = start();
     let id = service.submit(&job());
     let refused = service.delete("/v1/datasets/tests").problem(409, "job-state");
@@ -134,7 +134,7 @@ fn a_dataset_is_deleted_with_its_jobs_unless_one_goes_on() {
         service.get(left).problem(404, "not-found");
     }
     assert_eq!(service.get("/v1/datasets").json()["items"], json!([]));
-    // The same description may come again under the same name.
+    // The same description is accepted again under the same name.
     service.submit(&job());
 }
 

@@ -1,4 +1,4 @@
-//! The OpenAPI document says what the service does.
+//! The OpenAPI document matches the service.
 
 mod fields;
 
@@ -126,7 +126,7 @@ fn operations(document: &Value) -> Vec<&Value> {
     members.filter(|member| member["responses"].is_object()).collect()
 }
 
-/// The component that a reference leads to, or the schema itself.
+/// The component of a reference, or the schema itself.
 fn followed<'d>(document: &'d Value, schema: &'d Value) -> &'d Value {
     match schema["$ref"].as_str() {
         Some(path) => document.pointer(path.trim_start_matches('#')).unwrap(),
@@ -134,7 +134,7 @@ fn followed<'d>(document: &'d Value, schema: &'d Value) -> &'d Value {
     }
 }
 
-/// The schema without the law that may stand instead.
+/// The schema without its distribution alternative.
 fn without_law<'d>(document: &'d Value, schema: &'d Value) -> &'d Value {
     let schema = followed(document, schema);
     let is_law = |option: &&Value| option["$ref"].as_str().is_some_and(|path| path.ends_with("Law"));
@@ -172,7 +172,7 @@ fn every_operation_has_a_name_of_its_own_made_of_a_verb_and_a_noun() {
     assert_eq!(tags, used);
 }
 
-/// Places inside of a schema where a group or a list of words stands that has no name. The parts of `allOf` are one schema.
+/// Pointers to unnamed groups or word lists inside a schema. The parts of `allOf` are one schema.
 fn anonymous(schema: &Value, place: &str) -> Vec<String> {
     let members = |name: &str| schema[name].as_object().into_iter().flatten();
     let items = |name: &str| schema[name].as_array().into_iter().flatten();
@@ -273,7 +273,7 @@ fn the_words_of_the_document_are_those_of_the_program() {
 }
 
 #[test]
-fn every_list_is_where_the_list_of_lists_says() {
+fn every_list_is_at_its_listed_path() {
     let (service, document) = document();
     let lists = service.get("/v1/lists").json();
     for list in lists["items"].as_array().unwrap() {

@@ -1,4 +1,4 @@
-//! Requests that are made to hurt: floods, dribblers, deep and huge JSON, bombs, tricks with paths.
+//! Hostile requests: floods, slow senders, deep and huge JSON, decompression bombs, path tricks.
 
 use std::io::{Read, Write};
 use std::net::TcpStream;
@@ -87,7 +87,7 @@ fn jobs(service: &Running) -> usize {
 }
 
 #[test]
-fn clients_that_dribble_are_cut_off_and_nobody_else_waits_for_them() {
+fn slow_clients_are_cut_off_without_delaying_others() {
     let limits = Limits {
         head_read: Duration::from_millis(500),
         ..Limits::default()

@@ -64,7 +64,7 @@ fn single_frame() -> Value {
 }
 
 #[test]
-fn a_render_answers_the_picture_or_the_record() {
+fn a_render_returns_the_image_or_the_record() {
     let service = start();
     let worker = Fake::register(&service);
     let json = ("content-type", "application/json");
@@ -107,7 +107,7 @@ fn a_render_answers_the_picture_or_the_record() {
 }
 
 #[test]
-fn a_render_stays_where_a_dataset_or_a_key_asks_for_it() {
+fn a_render_with_a_dataset_or_a_key_is_kept() {
     let service = start();
     let worker = Fake::register(&service);
     let json = ("content-type", "application/json");
@@ -176,8 +176,8 @@ fn artifacts_of_an_image_come_in_one_archive() {
         found.push(kind);
     }
     assert_eq!(found, kinds);
-    let one = service.get(&format!("{image}/artifacts?kinds={}", kinds[0]));
-    assert_eq!(tar::Archive::new(&one.body[..]).entries().unwrap().count(), 1);
+    let single = service.get(&format!("{image}/artifacts?kinds={}", kinds[0]));
+    assert_eq!(tar::Archive::new(&single.body[..]).entries().unwrap().count(), 1);
     let with_record = service.get(&format!("{image}/artifacts?kinds={}&record=true", kinds[0]));
     assert_eq!(
         with_record.header("content-length"),
@@ -199,7 +199,7 @@ fn artifacts_of_an_image_come_in_one_archive() {
 }
 
 #[test]
-fn a_render_that_takes_longer_than_one_wants_to_wait_becomes_a_job() {
+fn a_render_that_exceeds_the_wait_becomes_a_job() {
     let service = start();
     let headers = [("content-type", "application/json"), ("prefer", "wait=0")];
     let accepted = service.post_with("/v1/renders", &headers, single_frame().to_string().as_bytes());
@@ -227,7 +227,7 @@ fn a_render_goes_before_a_job_that_was_there_first() {
 }
 
 #[test]
-fn a_render_that_fails_says_why() {
+fn a_failed_render_reports_the_reason() {
     let service = start();
     let worker = Fake::register(&service);
     std::thread::scope(|scope| {

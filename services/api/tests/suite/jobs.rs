@@ -1,4 +1,4 @@
-//! The life of a job: submitted, leased, committed, asked for; repeated, cancelled, taken up again.
+//! The life of a job: submission, lease, commit, queries; repetition, cancellation, resumption.
 
 use std::time::{Duration, Instant};
 
@@ -9,7 +9,7 @@ use renderer::worker::client::ClientError;
 use serde_json::json;
 
 #[test]
-fn a_submitted_job_becomes_images_that_can_be_asked_for() {
+fn a_submitted_job_becomes_queryable_images() {
     let service = start();
     let accepted = service.post("/v1/jobs", &job());
     assert_eq!(accepted.status, 202, "{}", accepted.text());
@@ -67,7 +67,7 @@ fn a_submitted_job_becomes_images_that_can_be_asked_for() {
 }
 
 #[test]
-fn the_same_key_answers_the_same_job_and_another_description_is_refused() {
+fn the_same_key_returns_the_same_job_and_rejects_another_description() {
     let service = start();
     let key = [("content-type", "application/json"), ("idempotency-key", "once")];
     let post = |body: &serde_json::Value| service.post_with("/v1/jobs", &key, body.to_string().as_bytes());
@@ -133,7 +133,7 @@ fn a_waiting_worker_gets_a_job_as_soon_as_it_is_submitted() {
 }
 
 #[test]
-fn a_cancelled_job_offers_nothing_more_and_its_worker_is_told() {
+fn a_cancelled_job_offers_no_frames_and_its_worker_is_notified() {
     let service = start();
     let id = service.submit(&job());
     let worker = Fake::register(&service);
@@ -192,7 +192,7 @@ fn a_failure_that_is_final_ends_the_frame_and_the_job() {
 }
 
 #[test]
-fn a_restart_offers_what_was_open_and_knows_no_old_worker_or_token() {
+fn a_restart_offers_open_frames_and_drops_old_workers_and_tokens() {
     let service = start();
     let id = service.submit(&job());
     let worker = Fake::register(&service);
@@ -235,7 +235,7 @@ fn a_job_with_a_style_of_another_form_needs_a_runtime_somewhere() {
 }
 
 #[test]
-fn a_preview_shows_what_a_submission_would_do_and_stores_nothing() {
+fn a_preview_shows_frames_and_cost_and_stores_nothing() {
     let service = start();
     let mut body = job();
     body["count"] = json!(1000);
@@ -272,7 +272,7 @@ fn a_preview_shows_what_a_submission_would_do_and_stores_nothing() {
 }
 
 #[test]
-fn a_job_whose_images_are_there_is_answered_with_them() {
+fn a_job_with_existing_images_returns_the_earlier_job() {
     let service = start();
     let first = service.submit(&job());
     Fake::register(&service).work();
@@ -294,16 +294,16 @@ fn a_job_whose_images_are_there_is_answered_with_them() {
     assert_ne!(wanted.json()["id"], json!(first));
     assert!(wanted.json()["warnings"].is_null());
     let stats = |query: &str| service.get(&format!("/v1/datasets/tests/stats?metrics=uiqm{query}"));
-    let by = stats("&by=dataset,frame:10").json();
+    let grouped = stats("&by=dataset,frame:10").json();
     assert_eq!(
-        by["by"][1],
+        grouped["by"][1],
         json!({"column": "frame", "unit": null, "width": 10.0})
     );
     assert_eq!(
-        by["groups"][0]["group"],
+        grouped["groups"][0]["group"],
         json!({"dataset": "tests", "frame": 0.0})
     );
-    assert_eq!(by["groups"][0]["count"], 2);
+    assert_eq!(grouped["groups"][0]["count"], 2);
     stats("&by=alpha&group_by=alpha").problem(400, "invalid-query");
     stats("&by=alpha:x").problem(400, "invalid-filter");
 }

@@ -1,4 +1,4 @@
-//! Every number of a lamp can be asked for.
+//! Every number of a lamp can be queried.
 
 use serde_json::{Value, json};
 

@@ -1,4 +1,4 @@
-//! Floods, slow clients and other sites' pages.
+//! Floods, slow clients and cross-site requests.
 
 use std::io::{Read, Write};
 use std::net::TcpStream;
@@ -9,7 +9,7 @@ use crate::common::{Running, Setup, job, start, start_with};
 use api::Limits;
 use serde_json::json;
 
-/// Opens a connection that has sent the head of a request with a body and keeps the body back.
+/// Opens a connection that has sent the head of a request but not its body.
 fn half_sent(service: &Running, path: &str, content_type: &str) -> TcpStream {
     let mut stream = connect(service);
     let head = format!(
@@ -19,7 +19,7 @@ fn half_sent(service: &Running, path: &str, content_type: &str) -> TcpStream {
     stream
 }
 
-/// A connection with a request of which nothing is read.
+/// Opens a connection that sends a request and reads nothing.
 fn asked(service: &Running, path: &str) -> TcpStream {
     let mut stream = connect(service);
     let head = format!("GET {path} HTTP/1.1\r\nhost: localhost\r\n\r\n");
@@ -34,7 +34,7 @@ fn limited(limits: Limits) -> Running {
     })
 }
 
-/// What must be possible whatever else is going on: reads of every kind, a submission, an upload, a frame of a worker.
+/// Requests that must always succeed: reads of every kind, a submission, an upload, a frame of a worker.
 fn others_are_served(service: &Running, worker: &Fake) {
     let begun = Instant::now();
     let id = service.submit(&job());
@@ -56,7 +56,7 @@ fn others_are_served(service: &Running, worker: &Fake) {
 }
 
 #[test]
-fn slow_bodies_hold_nothing_that_others_need_and_are_cut() {
+fn slow_bodies_hold_no_permit_and_are_cut() {
     let service = limited(Limits {
         body_grace: Duration::from_secs(4),
         ..Limits::default()
@@ -80,7 +80,7 @@ fn slow_bodies_hold_nothing_that_others_need_and_are_cut() {
 }
 
 #[test]
-fn long_polls_and_event_streams_beyond_their_budget_are_shed_at_once_and_harm_nobody() {
+fn long_polls_and_event_streams_beyond_their_budget_are_shed_immediately() {
     let service = limited(Limits {
         waits: 100,
         streams: 20,
@@ -93,7 +93,7 @@ fn long_polls_and_event_streams_beyond_their_budget_are_shed_at_once_and_harm_no
     let events = format!("/v1/jobs/{held_job}/events");
     let mut held: Vec<TcpStream> = (0..200).map(|_| asked(&service, &polls)).collect();
     held.extend((0..200).map(|_| asked(&service, &events)));
-    // This address has half of the places.
+    // This address has half of the permits.
     let mut shed = 0;
     for stream in &mut held {
         stream.set_read_timeout(Some(Duration::from_millis(20))).unwrap();
@@ -259,7 +259,7 @@ fn two_idempotency_keys_are_refused() {
 }
 
 #[test]
-fn a_head_that_is_too_large_or_no_http_ends_the_connection_and_nothing_else() {
+fn an_oversized_or_malformed_head_ends_only_its_connection() {
     let service = start();
     let large = [b"GET / HTTP/1.1\r\nx: ".to_vec(), vec![b'y'; 200_000]].concat();
     for bytes in [b"hello\r\n\r\n".to_vec(), large] {

@@ -1,4 +1,4 @@
-//! What workers send is checked before anything is done with it.
+//! Messages of workers are checked before they have any effect.
 
 use crate::bad_input::nothing_changes;
 use crate::common::Running;
@@ -49,7 +49,7 @@ fn bytes_that_are_no_message_are_refused() {
 }
 
 #[test]
-fn a_worker_of_another_version_of_the_protocol_is_told_what_to_do() {
+fn a_worker_with_another_protocol_version_gets_instructions() {
     nothing_changes(|service| {
         for protocol in [0, proto::VERSION - 1, proto::VERSION + 1] {
             let about = wire::RegisterRequest {
@@ -60,7 +60,7 @@ fn a_worker_of_another_version_of_the_protocol_is_told_what_to_do() {
             };
             let problem = refused(service, "register", &about);
             let said = format!(
-                "the other side speaks version {protocol} of the worker protocol and this one version {}: use the same \
+                "the other side uses version {protocol} of the worker protocol and this side version {}; run the same \
                  version of fathom for service and workers",
                 proto::VERSION
             );

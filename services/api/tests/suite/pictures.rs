@@ -1,4 +1,4 @@
-//! A user's own pictures: enhanced and measured, never stored.
+//! User images: enhanced and measured, never stored.
 
 use crate::bad_input::nothing_changes;
 use crate::common::bytes::{png, png_head};
@@ -7,7 +7,7 @@ use imaging::codec::decode_picture;
 use serde_json::json;
 
 #[test]
-fn a_picture_comes_back_as_the_library_enhances_it() {
+fn an_enhanced_image_equals_that_of_the_library() {
     let service = start();
     let sent = png(61, 47);
     let picture = decode_picture(&sent).unwrap();
@@ -65,11 +65,11 @@ fn metrics_are_those_of_the_library() {
     assert_eq!(compared["metrics"]["ssim"], json!(1.0), "{compared}");
 }
 
-/// A path, the fields, where the error stands, and what it says.
+/// Path, form fields, pointer of the error, part of its message.
 type Refused<'a> = (&'a str, Vec<(&'a str, &'a [u8])>, &'a str, &'a str);
 
 #[test]
-fn what_cannot_be_enhanced_or_measured_is_refused_with_the_field_and_nothing_is_stored() {
+fn bad_images_are_rejected_with_the_field_and_nothing_is_stored() {
     let (good, other, bomb) = (png(20, 10), png(10, 20), png_head(60_000, 60_000));
     let large = png(4001, 4000);
     let cases: Vec<Refused> = vec![

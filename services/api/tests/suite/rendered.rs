@@ -40,11 +40,12 @@ fn an_uploaded_scene_becomes_an_image_in_water() {
     };
     let original = decode_picture(&picture).unwrap().to_rgb8();
     let (clear, murky) = (rgb(0), rgb(1));
-    // Columns 0 to 2 have no range: what a hole looks like is the renderer's affair.
+    // Columns 0 to 2 have no range: the appearance of a hole is up to the renderer.
     let difference = |picture: &Rgb8| {
         let places = (0..30).flat_map(|y| (3..40).map(move |x| (x, y)));
-        let of = |(x, y)| u32::from(picture.pixel(x, y)[0].abs_diff(original.pixel(x, y)[0]));
-        f64::from(places.map(of).sum::<u32>()) / (37.0 * 30.0)
+        let differences =
+            places.map(|(x, y)| u32::from(picture.pixel(x, y)[0].abs_diff(original.pixel(x, y)[0])));
+        f64::from(differences.sum::<u32>()) / (37.0 * 30.0)
     };
     let (clear, murky) = (difference(&clear), difference(&murky));
     assert!(

@@ -1,4 +1,4 @@
-//! What an uploaded scene has, what it lacks, and what may therefore be asked of it.
+//! Parts of an uploaded scene, and requests that need them.
 
 use imaging::Plane;
 use imaging::codec::encode_png;
@@ -9,7 +9,7 @@ use crate::common::bytes::{png, range_npy};
 use crate::common::worker::Real;
 use crate::common::{Running, start};
 
-/// Objects 1, 2 and 3 side by side, and nothing below them.
+/// Objects 1, 2 and 3 next to each other, and background below them.
 pub(crate) fn mask(width: usize, height: usize) -> Vec<u8> {
     let object = |x: usize, y: usize| {
         if 2 * y < height {
@@ -36,7 +36,7 @@ fn job_over(scene: &Value, fields: Value) -> Value {
 }
 
 #[test]
-fn a_job_that_asks_for_what_its_scene_lacks_is_refused_whatever_it_is_sent_to() {
+fn a_job_that_needs_a_missing_part_of_its_scene_is_rejected_by_every_endpoint() {
     let lamp = json!({"kind": "point", "position_m": [0, 0, 0], "intensity": [1, 1, 1]});
     nothing_changes(|service| {
         let scene = service.get("/v1/scenes").json()["items"][0].clone();
@@ -69,7 +69,7 @@ fn a_job_that_asks_for_what_its_scene_lacks_is_refused_whatever_it_is_sent_to() 
 }
 
 #[test]
-fn a_law_that_asks_in_some_frames_is_accepted_with_a_warning() {
+fn a_distribution_that_needs_a_part_in_some_frames_causes_a_warning() {
     let service = start();
     let scene = uploaded(&service, &[("rgb", &png(16, 12))]);
     let job = job_over(&scene, json!({"water": {"grid": [{}, {"optics": "jerlov-1C"}]}}));
@@ -105,7 +105,7 @@ fn objects_get_their_classes_from_the_upload_to_the_record() {
     );
     assert_eq!(service.get(&format!("/v1/scenes/{id}")).json(), scene);
     service.get("/v1/scenes/scn_gone").problem(404, "not-found");
-    // Other classes make another scene, the same ones in another form do not.
+    // Different classes make another scene; another format of the same classes does not.
     let bare = uploaded(&service, &files[..3]);
     assert_eq!(
         (bare["classes"].is_null(), bare["id"] == scene["id"]),
@@ -207,7 +207,7 @@ fn a_job_over_a_collection_keeps_the_scenes_that_it_had() {
 
     let body = json!({"dataset": "own", "scene": {"kind": "collection", "name": "dock"}, "metrics": []});
     let id = service.submit(&body);
-    // The same name again replaces a scene, another one is one more: the job does not change.
+    // An existing name replaces a scene, a new name adds one: the job does not change.
     add("a", 24);
     add("c", 28);
     assert_eq!(service.get("/v1/collections").json()["items"][0]["scenes"], 3);
@@ -228,7 +228,7 @@ fn a_job_over_a_collection_keeps_the_scenes_that_it_had() {
         .get("/v1/images?filter=scene.name%20%3D%20%22dock%22&fields=scene.id&limit=10")
         .json();
     assert_eq!(rows["items"].as_array().unwrap().len(), 5, "{rows}");
-    // What such a scene lacks is known when the job is submitted.
+    // Missing parts of such a scene are reported at submission.
     let mut wet = body;
     wet["water"] = json!({"optics": "jerlov-1C"});
     let problem = service.post("/v1/jobs", &wet).problem(422, "validation");
@@ -268,8 +268,8 @@ fn a_scene_goes_when_no_job_uses_it_and_leaves_its_collections() {
     let problem = service
         .delete(&format!("/v1/scenes/{first}"))
         .problem(409, "in-use");
-    let told = problem["detail"].as_str().unwrap();
-    assert!(told.contains(&first) && told.contains(&job), "{told}");
+    let sent = problem["detail"].as_str().unwrap();
+    assert!(sent.contains(&first) && sent.contains(&job), "{sent}");
     assert_eq!(service.get("/v1/collections").json()["items"][0]["scenes"], 2);
 
     assert_eq!(service.delete(&format!("/v1/jobs/{job}")).status, 200);
@@ -293,6 +293,6 @@ fn a_scene_goes_when_no_job_uses_it_and_leaves_its_collections() {
     assert_eq!(service.delete("/v1/collections/dock").status, 204);
     service.delete("/v1/collections/dock").problem(404, "not-found");
     assert_eq!(service.get(&format!("/v1/scenes/{second}")).status, 200);
-    // The same picture again is another scene.
+    // The same image with other parts is another scene.
     assert_ne!(add("a", 16), first);
 }

@@ -1,4 +1,4 @@
-//! Space comes back after a deletion, and a full disk is told and survived.
+//! Space is reclaimed after a deletion; a full disk is reported and survived.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -25,7 +25,7 @@ fn on_disk(folder: &Path) -> u64 {
         .sum()
 }
 
-/// Waits for what happens in the background.
+/// Waits for a background effect.
 fn eventually(what: &str, mut holds: impl FnMut() -> bool) {
     let begun = Instant::now();
     while !holds() {
@@ -37,12 +37,12 @@ fn eventually(what: &str, mut holds: impl FnMut() -> bool) {
     }
 }
 
-/// A camera whose pictures have this side.
+/// A camera with square images of this side.
 fn square(side: usize) -> Value {
     json!({"width": side, "height": side, "hfov_deg": 80})
 }
 
-/// A job of one frame whose picture has about this many bytes.
+/// A job of one frame whose image has about this many bytes.
 fn render(service: &Running, worker: &Fake, dataset: &str, seed: u64, side: usize) -> String {
     let mut one = job();
     one["count"] = json!(1);
@@ -56,7 +56,7 @@ fn render(service: &Running, worker: &Fake, dataset: &str, seed: u64, side: usiz
 }
 
 #[test]
-fn the_space_of_deleted_images_comes_back_and_shared_bytes_stay() {
+fn the_space_of_deleted_images_is_reclaimed_and_shared_bytes_are_kept() {
     let service = start();
     let worker = Fake::register(&service);
     let kept = render(&service, &worker, "kept", 1, 64);
@@ -75,12 +75,12 @@ fn the_space_of_deleted_images_comes_back_and_shared_bytes_stay() {
     service
         .get(&format!("/v1/images/{same}/0/artifacts/rgb"))
         .problem(404, "not-found");
-    // The same bytes may come again.
+    // The same bytes are accepted again.
     render(&service, &worker, "again", 2, 600);
 }
 
 #[test]
-fn the_space_of_a_deleted_scene_comes_back_and_bytes_of_others_stay() {
+fn the_space_of_a_deleted_scene_is_reclaimed_and_others_keep_their_bytes() {
     let service = start();
     let upload = |fields: &[(&str, &[u8])]| {
         let answer = service.upload(fields);
@@ -97,7 +97,7 @@ fn the_space_of_a_deleted_scene_comes_back_and_bytes_of_others_stay() {
         assert_eq!(service.delete(&format!("/v1/scenes/{scene}")).status, 204);
     }
     eventually("the space", || on_disk(&packs) < full / 2);
-    // The scene that is left can be rendered: its picture, which another scene had too, is there.
+    // The remaining scene can still be rendered: its image, common to another scene, is kept.
     let job = json!({"dataset": "own", "scene": {"kind": "uploaded", "id": kept}, "artifacts": ["rgb", "instances"], "metrics": []});
     let id = service.submit(&job);
     let _worker = Real::start(&service);
@@ -112,7 +112,7 @@ fn small_disk() -> PathBuf {
 }
 
 #[test]
-fn a_full_disk_is_told_reading_goes_on_and_writing_goes_on_when_there_is_space_again() {
+fn a_full_disk_is_reported_reads_work_and_writes_resume_with_space() {
     small_disk::run("space::writing_on_a_full_disk", "size=24m");
 }
 
@@ -126,7 +126,7 @@ fn writing_on_a_full_disk() {
     let ballast = folder.join("ballast");
     std::fs::write(&ballast, vec![7; 12 << 20]).unwrap();
 
-    // A frame that does not fit: its worker is told to wait, nothing of it is visible.
+    // A frame that does not fit: its worker must wait, and no part of it is visible.
     let mut one = job();
     one["count"] = json!(1);
     one["camera"] = square(2200);
@@ -174,7 +174,7 @@ fn starting_on_a_full_disk() {
         ..Setup::default()
     };
     drop(start_in_folder(&folder, setup()).stop());
-    // Some kilobytes are left, which the catalogue needs to be opened.
+    // Some kilobytes remain for opening the catalogue.
     let ballast = folder.join("ballast");
     let small = folder.join("small");
     std::fs::write(&small, vec![7; 512 << 10]).unwrap();
@@ -214,15 +214,15 @@ fn bytes_of_which_the_commit_never_came_go_after_a_while() {
     );
     assert_eq!(service.delete(&format!("/v1/jobs/{id}")).status, 200);
     let blobs = |count: u64| {
-        let told = service.get("/metrics").text();
-        told.contains(&format!("fathom_store_blobs {count}\n"))
+        let sent = service.get("/metrics").text();
+        sent.contains(&format!("fathom_store_blobs {count}\n"))
     };
     eventually("the end of bytes without a name", || blobs(1));
     let picture = service.get(&format!("/v1/images/{kept}/0/artifacts/rgb"));
     assert_eq!(picture.status, 200);
 }
 
-/// Takes the last byte of the disk.
+/// Fills the disk completely.
 fn fill_up(ballast: &Path) {
     let mut file = std::fs::File::create(ballast).unwrap();
     for size in [1 << 20, 4096, 1] {

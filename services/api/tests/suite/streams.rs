@@ -1,4 +1,4 @@
-//! Responses that go on: events, lines of records, tables.
+//! Streaming responses: events, lines of records, tables.
 
 use std::io::{BufRead, BufReader, Write};
 use std::net::TcpStream;
@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 /// An event: kind, id, data.
 type Event = (String, String, Value);
 
-/// Reads events until the stream ends or this many have come.
+/// Reads events until the stream ends or this many have arrived.
 fn events(service: &Running, job: &str, last: Option<&str>, most: usize) -> Vec<Event> {
     let mut stream = TcpStream::connect(service.url.trim_start_matches("http://")).unwrap();
     let last = last.map_or_else(String::new, |id| format!("last-event-id: {id}\r\n"));
@@ -51,7 +51,7 @@ fn events_tell_the_life_of_a_job_and_end_with_it() {
     let mut many = job();
     many["count"] = json!(6);
     let id = service.submit(&many);
-    let told = std::thread::scope(|scope| {
+    let sent = std::thread::scope(|scope| {
         let following = scope.spawn(|| events(&service, &id, None, usize::MAX));
         let worker = Fake::register(&service);
         for _ in 0..2 {
@@ -64,32 +64,32 @@ fn events_tell_the_life_of_a_job_and_end_with_it() {
         worker.work();
         following.join().unwrap()
     });
-    assert_eq!(kinds(&told[..2]), ["progress", "state"]);
-    assert_eq!(told[1].2["state"], "queued");
-    let states: Vec<_> = told.iter().filter(|(kind, ..)| kind == "state").collect();
+    assert_eq!(kinds(&sent[..2]), ["progress", "state"]);
+    assert_eq!(sent[1].2["state"], "queued");
+    let states: Vec<_> = sent.iter().filter(|(kind, ..)| kind == "state").collect();
     assert_eq!(
         states.last().unwrap().2["state"],
         "done_with_failures",
-        "{told:?}"
+        "{sent:?}"
     );
-    let problem = &told
+    let problem = &sent
         .iter()
         .find(|(kind, ..)| kind == "problem")
         .expect("a problem")
         .2;
     assert_eq!(problem["frames"][0]["error"], "the lens is fogged", "{problem}");
-    let progress: Vec<_> = told.iter().filter(|(kind, ..)| kind == "progress").collect();
-    assert!(progress.len() >= 3, "{told:?}");
+    let progress: Vec<_> = sent.iter().filter(|(kind, ..)| kind == "progress").collect();
+    assert!(progress.len() >= 3, "{sent:?}");
     assert_eq!(
         progress.last().unwrap().2,
         json!({"done": 5, "failed": 1, "frames": 6})
     );
 
-    // Whoever saw all of it is told that there is no more; whoever saw less is told how it ended.
-    let end = &told.last().unwrap().1;
+    // A client that saw the end gets 204; one that saw less gets the end.
+    let end = &sent.last().unwrap().1;
     let path = format!("/v1/jobs/{id}/events");
     assert_eq!(service.get_with(&path, &[("last-event-id", end)]).status, 204);
-    let rest = events(&service, &id, Some(&told[1].1), usize::MAX);
+    let rest = events(&service, &id, Some(&sent[1].1), usize::MAX);
     assert_eq!(kinds(&rest), ["problem", "progress", "state"], "{rest:?}");
     assert_eq!(rest[2].1, *end);
     service
@@ -105,27 +105,27 @@ fn progress_comes_twice_a_second_at_most() {
     many["count"] = json!(40);
     let id = service.submit(&many);
     let begun = Instant::now();
-    let told = std::thread::scope(|scope| {
+    let sent = std::thread::scope(|scope| {
         let following = scope.spawn(|| events(&service, &id, None, usize::MAX));
         Fake::register(&service).work();
         following.join().unwrap()
     });
-    let progress = told.iter().filter(|(kind, ..)| kind == "progress").count();
+    let progress = sent.iter().filter(|(kind, ..)| kind == "progress").count();
     let most = begun.elapsed().as_millis() / 500 + 2;
     assert!(progress as u128 <= most, "{progress} in {:?}", begun.elapsed());
 }
 
 #[test]
-fn a_deleted_job_says_so_to_those_who_follow_it() {
+fn followers_of_a_deleted_job_are_notified() {
     let service = start();
     let id = service.submit(&job());
-    let told = std::thread::scope(|scope| {
+    let sent = std::thread::scope(|scope| {
         let following = scope.spawn(|| events(&service, &id, None, usize::MAX));
         std::thread::sleep(Duration::from_millis(300));
         assert_eq!(service.delete(&format!("/v1/jobs/{id}")).status, 200);
         following.join().unwrap()
     });
-    assert_eq!(told.last().unwrap().2["state"], "deleted", "{told:?}");
+    assert_eq!(sent.last().unwrap().2["state"], "deleted", "{sent:?}");
 }
 
 #[test]
@@ -165,7 +165,7 @@ fn readers_that_never_read_are_few_and_are_cut_off() {
         Some(id.clone())
     );
     drop(held);
-    // A place is free again when the service next writes to it, or the connection is seen to be closed.
+    // A permit is free when the service next writes to the connection, or detects that it is closed.
     while service.get(&format!("/v1/jobs/{id}/results")).status == 503 {
         std::thread::sleep(Duration::from_millis(50));
     }

@@ -1,4 +1,4 @@
-//! Styles that the service has and a worker does not.
+//! Styles that the service has and a worker lacks.
 
 use crate::common::worker::Real;
 use crate::common::{Running, Setup, job, start, start_on, start_with};
@@ -17,7 +17,7 @@ fn a_worker_fetches_a_style_that_it_lacks() {
     let mut styled = job();
     styled["water"]["style"] = json!({"grid": ["harbour", "muddy"]});
     styled["count"] = json!(1);
-    // Started before the job is there, with the shipped styles alone.
+    // Started before the job exists, with only the shipped styles.
     let _worker = Real::start(&service);
     let id = service.submit(&styled);
     let ended = service.get(&format!("/v1/jobs/{id}?wait=60")).json();
@@ -32,7 +32,7 @@ fn a_worker_fetches_a_style_that_it_lacks() {
     service.get("/v1/worker/styles/nowhere").problem(404, "not-found");
 }
 
-/// A service whose trial takes every network.
+/// A service whose trial accepts every network.
 fn trusting() -> Setup {
     Setup {
         program: "/bin/true",
@@ -53,9 +53,9 @@ fn names(service: &Running) -> Vec<String> {
 }
 
 #[test]
-fn an_added_style_is_listed_and_rendered_at_once_and_after_a_restart() {
+fn an_added_style_is_available_immediately_and_after_a_restart() {
     let service = start_with(trusting());
-    // With the shipped styles alone.
+    // With only the shipped styles.
     let worker = Real::start(&service);
     let mut styled = job();
     styled["water"]["style"] = json!("harbour");
@@ -127,11 +127,11 @@ fn a_name_belongs_to_one_network() {
     );
 }
 
-/// The fields, where the error stands, and what it says.
+/// Form fields, pointer of the error, part of its message.
 type Refused<'a> = (&'a [(&'a str, &'a [u8])], &'a str, &'a str);
 
 #[test]
-fn a_style_that_cannot_be_taken_leaves_nothing_behind() {
+fn a_rejected_style_leaves_no_files() {
     let service = start();
     let before = names(&service);
     let onnx = muddy();
@@ -270,9 +270,9 @@ fn a_training_that_cannot_be_taken_is_refused_by_field() {
     assert!(!service.folder().join("added-styles").exists());
 }
 
-/// A process that ends well and leaves nothing.
+/// A process that succeeds without output.
 #[test]
-fn a_training_without_a_result_has_failed_and_says_so() {
+fn a_training_without_a_result_fails_with_a_reason() {
     let service = start_with(trusting());
     let taken = service.form("/v1/styles/train", &[("name", b"harbour"), ("photo", b"p")]);
     assert_eq!(taken.status, 202, "{}", taken.text());

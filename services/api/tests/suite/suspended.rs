@@ -1,4 +1,4 @@
-//! What is asked of snow and turbidity, and what came of it, can be asked for.
+//! Snow and turbidity, requested and resulting, can be queried.
 
 use serde_json::json;
 

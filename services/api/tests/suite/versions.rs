@@ -7,7 +7,7 @@ use sqlx::{ConnectOptions, Connection, Executor};
 use crate::common::worker::Fake;
 use crate::common::{Running, job, start};
 
-/// Changes the catalogue behind the back of the service.
+/// Changes the catalogue without the service.
 fn sabotage(service: &Running, sql: &'static str) {
     let file = service.folder().join("catalogue.sqlite");
     tokio::runtime::Runtime::new().unwrap().block_on(async {
@@ -32,12 +32,12 @@ fn seal(service: &Running) -> crate::common::Answer {
 }
 
 #[test]
-fn a_dataset_is_sealed_asked_for_and_unsealed() {
+fn a_dataset_is_sealed_queried_and_unsealed() {
     let service = start();
     seal(&service).problem(404, "not-found");
     let id = service.submit(&job());
-    let told = seal(&service).problem(409, "job-state");
-    assert!(told["detail"].as_str().unwrap().contains(&id), "{told}");
+    let sent = seal(&service).problem(409, "job-state");
+    assert!(sent["detail"].as_str().unwrap().contains(&id), "{sent}");
     Fake::register(&service).work();
     let sealed = seal(&service);
     assert_eq!(sealed.status, 201, "{}", sealed.text());
@@ -93,10 +93,10 @@ fn a_dataset_is_sealed_asked_for_and_unsealed() {
         .problem(400, "invalid-path");
 
     for path in [format!("/v1/jobs/{id}"), "/v1/datasets/tests".to_owned()] {
-        let told = service.delete(&path).problem(409, "sealed");
+        let sent = service.delete(&path).problem(409, "sealed");
         assert!(
-            told["detail"].as_str().unwrap().contains("fathom rm tests@"),
-            "{told}"
+            sent["detail"].as_str().unwrap().contains("fathom rm tests@"),
+            "{sent}"
         );
     }
     for number in [1, 2] {
@@ -108,7 +108,7 @@ fn a_dataset_is_sealed_asked_for_and_unsealed() {
 }
 
 #[test]
-fn what_is_not_as_it_was_sealed_is_found_and_named() {
+fn changes_since_sealing_are_found_and_named() {
     let service = start();
     let id = service.submit(&job());
     Fake::register(&service).work();
@@ -135,10 +135,10 @@ fn what_is_not_as_it_was_sealed_is_found_and_named() {
         (&json!(false), &json!(2)),
         "{found}"
     );
-    let named = json!({"job": id, "frame": 1, "reason": "its record has another digest than its row"});
+    let named = json!({"job": id, "frame": 1, "reason": "the digest of its record differs from its row"});
     assert_eq!(found["damaged"][0], named);
     assert_ne!(found["computed"], root);
-    // A record and its row together: only the root tells.
+    // A record and its row together: only the root reveals it.
     sabotage(
         &service,
         "UPDATE records SET record = json_remove(record, '$.frame')",

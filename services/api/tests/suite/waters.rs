@@ -1,4 +1,4 @@
-//! Waters of the users' own: checked, kept, used by name, deleted.
+//! User-defined waters: checked, stored, used by name, deleted.
 
 use serde_json::{Value, json};
 
@@ -18,7 +18,7 @@ fn in_quay() -> Value {
 }
 
 #[test]
-fn a_water_is_listed_with_what_follows_from_it() {
+fn a_water_is_listed_with_its_derived_values() {
     let service = start();
     let made = service.post("/v1/waters", &quay());
     assert_eq!(made.status, 201, "{}", made.text());
@@ -47,7 +47,7 @@ fn a_water_is_listed_with_what_follows_from_it() {
 fn every_preset_is_listed_and_unknown_numbers_are_null() {
     let service = start();
     let list = service.get("/v1/waters").json();
-    let of = |name: &str| {
+    let find_water = |name: &str| {
         let items = list["items"].as_array().unwrap();
         items
             .iter()
@@ -59,18 +59,30 @@ fn every_preset_is_listed_and_unknown_numbers_are_null() {
         list["items"].as_array().unwrap().len(),
         optics::preset::presets().len()
     );
-    let partly = of("jerlov-5C/solonenko2015");
+    let partly = find_water("jerlov-5C/solonenko2015");
     assert_eq!(partly["absorption_per_m"], json!([null, 0.117, 0.297]));
     assert!(partly["unrenderable"].is_string() && partly["g_per_m"].is_null());
-    let kd = of("kd-I/uwcnn-printed");
+    let kd = find_water("kd-I/uwcnn-printed");
     assert_eq!(
         (&kd["beam_attenuation_per_m"], &kd["derived"]),
         (&Value::Null, &json!(["diffuse_attenuation_per_m"]))
     );
-    assert_eq!(of("kd-IB/uwcnn-printed")["defects"].as_array().unwrap().len(), 2);
-    assert_eq!(of("kd-I/jerlov1976")["warnings"].as_array().unwrap().len(), 1);
-    assert_eq!(of("autec-8/petzold1972")["backscatter_fraction"], 0.044);
-    assert_eq!(of("jerlov-1C/williamson2022")["spread_offset_rad"], 0.009);
+    assert_eq!(
+        find_water("kd-IB/uwcnn-printed")["defects"]
+            .as_array()
+            .unwrap()
+            .len(),
+        2
+    );
+    assert_eq!(
+        find_water("kd-I/jerlov1976")["warnings"]
+            .as_array()
+            .unwrap()
+            .len(),
+        1
+    );
+    assert_eq!(find_water("autec-8/petzold1972")["backscatter_fraction"], 0.044);
+    assert_eq!(find_water("jerlov-1C/williamson2022")["spread_offset_rad"], 0.009);
 }
 
 #[test]
@@ -122,7 +134,7 @@ fn a_name_is_taken_once() {
 }
 
 #[test]
-fn everything_wrong_with_a_water_is_said_at_once_and_nothing_is_stored() {
+fn all_errors_of_a_water_are_reported_together_and_nothing_is_stored() {
     let service = start();
     let before = service.get("/v1/waters").text();
     let wrong = json!({"name": "a/b", "wavelength_nm": [450, 550, 650], "color": "green",

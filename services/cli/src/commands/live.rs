@@ -50,7 +50,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 
 fn picture(slot: &mut Slot, line: &str) -> Result<(&'static str, Vec<u8>), Failure> {
     let request: Request = serde_json::from_str(line).context("the request cannot be read")?;
-    let job = Job::trusted(&request.spec).map_err(Failure::input)?;
+    let job = Job::from_canonical(&request.spec).map_err(Failure::input)?;
     let frame = job.resolve(0).map_err(Failure::input)?;
     let rendered = slot
         .attempt(&frame, &SceneSource::Local)

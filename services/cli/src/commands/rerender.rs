@@ -38,7 +38,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let request: Request = serde_json::from_slice(&files::read(&folder.join("request.json"))?)
         .context("request.json cannot be read")?;
     let library = arguments.style.library_of_service(&arguments.data)?;
-    let job = Job::trusted(&request.spec).map_err(Failure::input)?;
+    let job = Job::from_canonical(&request.spec).map_err(Failure::input)?;
     let frame = job.resolve(request.frame).map_err(Failure::input)?;
     let source = match &request.scene {
         Some(scene) => SceneSource::Uploaded(Arc::new(uploaded(folder, scene)?)),

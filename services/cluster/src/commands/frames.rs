@@ -30,7 +30,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         .next()
         .context("the supervisor sends no job")?
         .context("cannot read the job")?;
-    let job = Arc::new(Job::trusted(&text).map_err(Failure::input)?);
+    let job = Arc::new(Job::from_canonical(&text).map_err(Failure::input)?);
     let library = arguments.style.library()?;
     let engine = Arc::new(Engine::new(library, arguments.style.onnxruntime.as_deref()));
     let (send, frames) = mpsc::channel::<u64>();

@@ -1,4 +1,4 @@
-//! Reading the attributes.
+//! Parsing of the derive's attributes.
 
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use quote::quote;
@@ -6,18 +6,18 @@ use syn::meta::ParseNestedMeta;
 use syn::punctuated::Punctuated;
 use syn::{Attribute, Expr, Ident, LitInt, LitStr, Token, parenthesized};
 
-/// What stands on a type.
+/// Attributes of a type.
 #[derive(Default)]
 pub(crate) struct Container {
-    /// The field that a string is short for.
+    /// The only field of an object that may be written as a string.
     pub(crate) short: Option<LitStr>,
-    /// What the type is called where its module cannot be seen.
+    /// Name of the type where its module is not visible.
     pub(crate) name: Option<LitStr>,
-    /// The tag of an object that has none.
+    /// Tag of an object without one.
     pub(crate) default: Option<LitStr>,
-    /// The field that decides which others there are, from serde.
+    /// The field that selects the variant, from serde.
     pub(crate) tag: Option<LitStr>,
-    /// Whether it is a word or an object, from serde.
+    /// Whether the type is a word or an object, from serde.
     pub(crate) untagged: bool,
 }
 
@@ -52,20 +52,20 @@ impl Container {
         Ok(container)
     }
 
-    /// The name of the type outside of its module.
-    pub(crate) fn name_of(&self, ident: &Ident) -> String {
+    /// The name of the type outside its module.
+    pub(crate) fn type_name(&self, ident: &Ident) -> String {
         self.name
             .as_ref()
             .map_or_else(|| ident.to_string(), LitStr::value)
     }
 }
 
-/// What stands on a field, or on a variant that is one.
+/// Attributes of a field, or of a variant with a value.
 #[derive(Default)]
 pub(crate) struct FieldAttributes {
-    /// Its doc comment as one line.
+    /// The doc comment as one line.
     pub(crate) doc: String,
-    /// Whether it is no part of the description.
+    /// Excluded from the description.
     pub(crate) skipped: bool,
     pub(crate) limits: Option<Limits>,
     pub(crate) default: Option<String>,
@@ -73,15 +73,14 @@ pub(crate) struct FieldAttributes {
     pub(crate) unit: Option<LitStr>,
     pub(crate) fixed: bool,
     pub(crate) vector: bool,
-    /// What strings may stand there, as `Names`.
+    /// Allowed strings, as `Names`.
     pub(crate) names: Option<TokenStream>,
     pub(crate) max: Option<LitInt>,
     pub(crate) distinct: bool,
-    /// What it must fit together with, each a `Rule`.
+    /// Constraints across fields, each a `Rule`.
     pub(crate) rules: Vec<TokenStream>,
 }
 
-/// The limits of a number.
 pub(crate) enum Limits {
     Within(Expr, Expr),
     Above(Expr, Expr),
@@ -91,12 +90,12 @@ pub(crate) enum Limits {
 impl FieldAttributes {
     pub(crate) fn read(attributes: &[Attribute]) -> syn::Result<Self> {
         let mut field = Self {
-            doc: doc(attributes),
+            doc: read_doc(attributes),
             ..Self::default()
         };
         for attribute in attributes {
             if attribute.path().is_ident("field") {
-                attribute.parse_nested_meta(|meta| field.take(&meta))?;
+                attribute.parse_nested_meta(|meta| field.parse(&meta))?;
             } else if attribute.path().is_ident("serde") {
                 attribute.parse_nested_meta(|meta| {
                     field.skipped |= meta.path.is_ident("skip");
@@ -110,19 +109,19 @@ impl FieldAttributes {
         Ok(field)
     }
 
-    fn take(&mut self, meta: &ParseNestedMeta<'_>) -> syn::Result<()> {
+    fn parse(&mut self, meta: &ParseNestedMeta<'_>) -> syn::Result<()> {
         let word = meta.path.require_ident()?.to_string();
         match word.as_str() {
             "within" => {
-                let (low, high) = pair(meta)?;
+                let (low, high) = parse_pair(meta)?;
                 self.limits = Some(Limits::Within(low, high));
             }
             "above" => {
-                let (low, high) = pair(meta)?;
+                let (low, high) = parse_pair(meta)?;
                 self.limits = Some(Limits::Above(low, high));
             }
             "finite" => self.limits = Some(Limits::Finite),
-            "default" => self.default = Some(json(meta.value()?.parse()?)),
+            "default" => self.default = Some(token_to_json(meta.value()?.parse()?)),
             "optional" => self.optional = true,
             "unit" => self.unit = Some(meta.value()?.parse()?),
             "fixed" => self.fixed = true,
@@ -143,7 +142,7 @@ impl FieldAttributes {
                 self.rules.push(quote!(crate::schema::Rule::Untraced(#reason)));
             }
             "needs" | "needs_always" | "excludes" | "below" | "differs" => {
-                self.rules.push(rule(&word, meta)?)
+                self.rules.push(parse_rule(&word, meta)?)
             }
             _ => return Err(meta.error("no attribute of a field")),
         }
@@ -151,8 +150,8 @@ impl FieldAttributes {
     }
 }
 
-/// A rule that names other fields: `needs("range", "z_depth")`.
-fn rule(word: &str, meta: &ParseNestedMeta<'_>) -> syn::Result<TokenStream> {
+/// Parses a rule with field names: `needs("range", "z_depth")`.
+fn parse_rule(word: &str, meta: &ParseNestedMeta<'_>) -> syn::Result<TokenStream> {
     let content;
     parenthesized!(content in meta.input);
     let paths: Vec<_> = Punctuated::<LitStr, Token![,]>::parse_terminated(&content)?
@@ -168,7 +167,7 @@ fn rule(word: &str, meta: &ParseNestedMeta<'_>) -> syn::Result<TokenStream> {
     })
 }
 
-fn pair(meta: &ParseNestedMeta<'_>) -> syn::Result<(Expr, Expr)> {
+fn parse_pair(meta: &ParseNestedMeta<'_>) -> syn::Result<(Expr, Expr)> {
     let content;
     parenthesized!(content in meta.input);
     let ends = Punctuated::<Expr, Token![,]>::parse_terminated(&content)?;
@@ -180,7 +179,7 @@ fn pair(meta: &ParseNestedMeta<'_>) -> syn::Result<(Expr, Expr)> {
 }
 
 /// The tokens of a JSON value as JSON text.
-fn json(value: TokenTree) -> String {
+fn token_to_json(value: TokenTree) -> String {
     let TokenTree::Group(group) = value else {
         return value.to_string();
     };
@@ -189,7 +188,7 @@ fn json(value: TokenTree) -> String {
         .into_iter()
         .map(|token| match &token {
             TokenTree::Punct(sign) if matches!(sign.as_char(), ',' | ':') => format!("{sign} "),
-            _ => json(token),
+            _ => token_to_json(token),
         })
         .collect();
     match group.delimiter() {
@@ -198,8 +197,7 @@ fn json(value: TokenTree) -> String {
     }
 }
 
-/// The doc comment as one line.
-fn doc(attributes: &[Attribute]) -> String {
+fn read_doc(attributes: &[Attribute]) -> String {
     let lines = attributes.iter().filter_map(|attribute| {
         let value = &attribute.meta.require_name_value().ok()?.value;
         match value {

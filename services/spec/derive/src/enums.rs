@@ -1,4 +1,4 @@
-//! Enums: words, objects with a tag, objects of one field.
+//! Enums: words, tagged objects, objects with one field.
 
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
@@ -13,18 +13,21 @@ pub(crate) fn derive(
     data: &DataEnum,
 ) -> syn::Result<TokenStream> {
     if let Some(tag) = &container.tag {
-        return tagged(input, container, &tag.value(), data);
+        return derive_tagged(input, container, &tag.value(), data);
     }
     if container.untagged {
-        return untagged(input, container, data);
+        return derive_untagged(input, container, data);
     }
-    let is_word = |variant: &&Variant| matches!(variant.fields, Fields::Unit);
-    let words: Vec<_> = data.variants.iter().filter(is_word).map(name_of).collect();
+    let (words, others): (Vec<_>, Vec<_>) = data
+        .variants
+        .iter()
+        .partition(|variant| matches!(variant.fields, Fields::Unit));
+    let words: Vec<_> = words.into_iter().map(variant_name).collect();
     let (mut fields, mut numbers) = (Vec::new(), Vec::new());
-    for variant in data.variants.iter().filter(|variant| !is_word(variant)) {
+    for variant in others {
         let member = Member::new(
-            format_ident!("{}", name_of(variant)),
-            value_of(variant)?,
+            format_ident!("{}", variant_name(variant)),
+            value_type(variant)?,
             FieldAttributes::read(&variant.attrs)?,
         );
         if member.is_float() {
@@ -35,28 +38,17 @@ pub(crate) fn derive(
         }
         fields.push(member.field());
     }
-    let (name, type_name) = (&input.ident, container.name_of(&input.ident));
-    let shape = match (words.is_empty(), fields.is_empty()) {
-        (false, true) => quote!(crate::schema::Shape::Text(crate::schema::Names::Fixed(
-            Self::WORDS
-        ))),
-        (true, false) => quote!(crate::schema::Shape::OneOf(Self::FIELDS)),
-        _ => quote! {
-            crate::schema::Shape::Either(
-                crate::schema::Names::Fixed(Self::WORDS),
-                &crate::schema::Shape::OneOf(Self::FIELDS),
-            )
-        },
-    };
+    let (name, type_name) = (&input.ident, container.type_name(&input.ident));
+    let shape = shape(!words.is_empty(), !fields.is_empty());
     let words = (!words.is_empty()).then(|| {
         quote! {
-            /// The names of the variants that are words.
+            /// The names of the word variants.
             pub const WORDS: &'static [&'static str] = &[#(#words),*];
         }
     });
     let fields = (!fields.is_empty()).then(|| {
         quote! {
-            /// The variants that hold a value, as fields of which an object has one.
+            /// The variants with a value, as the fields of a one-field object.
             pub const FIELDS: &'static [crate::schema::Field] = &[#(#fields),*];
         }
     });
@@ -75,7 +67,22 @@ pub(crate) fn derive(
     })
 }
 
-fn tagged(
+fn shape(has_words: bool, has_fields: bool) -> TokenStream {
+    match (has_words, has_fields) {
+        (true, false) => quote!(crate::schema::Shape::Text(crate::schema::Names::Fixed(
+            Self::WORDS
+        ))),
+        (false, true) => quote!(crate::schema::Shape::OneOf(Self::FIELDS)),
+        _ => quote! {
+            crate::schema::Shape::Either(
+                crate::schema::Names::Fixed(Self::WORDS),
+                &crate::schema::Shape::OneOf(Self::FIELDS),
+            )
+        },
+    }
+}
+
+fn derive_tagged(
     input: &DeriveInput,
     container: &Container,
     tag: &str,
@@ -90,10 +97,10 @@ fn tagged(
     };
     let mut options = Vec::new();
     for variant in &data.variants {
-        let name = name_of(variant);
+        let name = variant_name(variant);
         let (fields, type_name) = match &variant.fields {
             Fields::Unnamed(_) => {
-                let inside = value_of(variant)?;
+                let inside = value_type(variant)?;
                 let type_name = quote!(<#inside as crate::described::Described>::NAME);
                 (quote!(#inside::FIELDS), type_name)
             }
@@ -105,7 +112,7 @@ fn tagged(
         };
         options.push(quote!(crate::schema::Variant { name: #name, fields: #fields, type_name: #type_name }));
     }
-    let (name, type_name) = (&input.ident, container.name_of(&input.ident));
+    let (name, type_name) = (&input.ident, container.type_name(&input.ident));
     Ok(quote! {
         impl crate::described::Described for #name {
             const NAME: &'static str = #type_name;
@@ -118,15 +125,15 @@ fn tagged(
     })
 }
 
-/// An enum of words beside an object.
-fn untagged(input: &DeriveInput, container: &Container, data: &DataEnum) -> syn::Result<TokenStream> {
-    let mut types = data.variants.iter().map(value_of);
+/// An enum of words and one object.
+fn derive_untagged(input: &DeriveInput, container: &Container, data: &DataEnum) -> syn::Result<TokenStream> {
+    let mut types = data.variants.iter().map(value_type);
     let (Some(words), Some(object), None) = (types.next(), types.next(), types.next()) else {
         let message = "words and an object were expected";
         return Err(syn::Error::new_spanned(&input.ident, message));
     };
     let (words, object) = (words?, object?);
-    let (name, type_name) = (&input.ident, container.name_of(&input.ident));
+    let (name, type_name) = (&input.ident, container.type_name(&input.ident));
     Ok(quote! {
         impl crate::described::Described for #name {
             const NAME: &'static str = #type_name;
@@ -138,8 +145,8 @@ fn untagged(input: &DeriveInput, container: &Container, data: &DataEnum) -> syn:
     })
 }
 
-/// The type of the one value of a variant.
-fn value_of(variant: &Variant) -> syn::Result<&Type> {
+/// The type of a variant's only value.
+fn value_type(variant: &Variant) -> syn::Result<&Type> {
     let mut fields = variant.fields.iter();
     match (fields.next(), fields.next()) {
         (Some(field), None) => Ok(&field.ty),
@@ -147,8 +154,8 @@ fn value_of(variant: &Variant) -> syn::Result<&Type> {
     }
 }
 
-/// `ZDepth` as a description writes it: `z_depth`.
-fn name_of(variant: &Variant) -> String {
+/// `ZDepth` as written in JSON: `z_depth`.
+fn variant_name(variant: &Variant) -> String {
     let mut name = String::new();
     for letter in variant.ident.to_string().chars() {
         if letter.is_uppercase() && !name.is_empty() {

@@ -1,4 +1,4 @@
-//! The fields of a struct or of a variant.
+//! The fields of a struct or variant.
 
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -6,14 +6,14 @@ use syn::{Fields, GenericArgument, Ident, PathArguments, Type};
 
 use crate::attributes::{FieldAttributes, Limits};
 
-/// The fields that a description has.
+/// The fields of a description.
 pub(crate) struct Members(Vec<Member>);
 
-/// One field: its name, what follows from its type, and what its attributes say.
+/// One field with its name, type and attributes.
 pub(crate) struct Member {
     name: Ident,
     is_option: bool,
-    /// Without the `Option`.
+    /// The field's type without `Option`.
     ty: Type,
     attributes: FieldAttributes,
 }
@@ -31,20 +31,23 @@ impl Members {
         Ok(Self(members))
     }
 
-    /// A `Field` for each.
+    /// Generates one `Field` per member.
     pub(crate) fn fields(&self) -> Vec<TokenStream> {
         self.0.iter().map(Member::field).collect()
     }
 
-    /// For each that holds numbers, a statement that hands them out with their field.
+    /// Generates statements that pass each numeric field to `found`.
     pub(crate) fn numbers(&self) -> Vec<TokenStream> {
-        let number = |(position, member): (usize, &Member)| {
-            let name = &member.name;
-            member.is_float().then(
+        self.0
+            .iter()
+            .enumerate()
+            .filter_map(|(position, member): (usize, &Member)| {
+                let name = &member.name;
+                member.is_float().then(
                 || quote!(found(&Self::FIELDS[#position], crate::described::Floats::floats(&self.#name));),
             )
-        };
-        self.0.iter().enumerate().filter_map(number).collect()
+            })
+            .collect()
     }
 }
 
@@ -59,7 +62,7 @@ impl Member {
         }
     }
 
-    /// A float, or three.
+    /// Whether the field holds one float or three.
     pub(crate) fn is_float(&self) -> bool {
         is_named(&self.ty, "f64") || matches!(self.ty, Type::Array(_))
     }
@@ -94,10 +97,9 @@ impl Member {
     }
 }
 
-/// Whole numbers.
 const INTEGERS: [&str; 5] = ["u8", "u16", "u32", "u64", "usize"];
 
-/// The name of the described type of a value, or of the elements of a list; none of plain values.
+/// The name of the described type of a value or list element; `None` for plain values.
 fn type_name(ty: &Type, attributes: &FieldAttributes) -> TokenStream {
     let element = generic(ty, "Vec").unwrap_or(ty);
     let plain = ["bool", "f64", "BTreeMap"].iter().chain(&INTEGERS);
@@ -109,7 +111,7 @@ fn type_name(ty: &Type, attributes: &FieldAttributes) -> TokenStream {
     }
 }
 
-/// What may stand for a value of this type.
+/// Generates the shape of a value of this type.
 fn shape(ty: &Type, attributes: &FieldAttributes) -> TokenStream {
     if let Some(element) = generic(ty, "Vec") {
         let element = shape(element, attributes);

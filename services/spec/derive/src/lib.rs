@@ -1,7 +1,7 @@
-//! `#[derive(Described)]`: a type of the description tells what may stand for it.
+//! `#[derive(Described)]` generates the schema of a description type.
 //!
-//! The declaration of a field is the field itself: its name and type, its doc comment, and `#[field(…)]` for what a type
-//! cannot say:
+//! A field is declared once: name and type, doc comment, and `#[field(…)]` for constraints that the type cannot
+//! express:
 //!
 //! ```text
 //! /// Marine snow.
@@ -19,28 +19,28 @@
 //! | attribute | meaning |
 //! |---|---|
 //! | `within(a, b)`, `above(a, b)`, `finite` | limits of each number; `above` excludes a |
-//! | `default = JSON` | what stands for an absent field; without it the field is required, or optional if it is an `Option` |
-//! | `optional` | may be absent although it is no `Option`: filled in before the frame is read |
+//! | `default = JSON` | value of an absent field; without it the field is required, or optional if it is an `Option` |
+//! | `optional` | may be absent although it is not an `Option`; filled in before the frame is read |
 //! | `unit = "m"` | unit of its numbers |
-//! | `fixed` | no law may stand there |
-//! | `vector` | its three numbers are x, y, z, not R, G, B |
-//! | `names = Style`, `words = LIST` | what strings may stand there |
-//! | `max = 64`, `distinct` | length of a list, and whether its elements differ |
-//! | `needs("a", "b")` | one of these must be given as well |
-//! | `needs_always("a")` | this must be given in every frame |
-//! | `excludes("a", "b")` | none of these may be given as well |
-//! | `below("a")`, `differs("a")` | how it compares with that field |
+//! | `fixed` | cannot be a distribution |
+//! | `vector` | its three numbers are x, y, z instead of R, G, B |
+//! | `names = Style`, `words = LIST` | allowed strings |
+//! | `max = 64`, `distinct` | maximum length of a list, and whether its elements must differ |
+//! | `needs("a", "b")` | requires one of these fields |
+//! | `needs_always("a")` | requires this field in every frame |
+//! | `excludes("a", "b")` | rejects these fields |
+//! | `below("a")`, `differs("a")` | comparison with another field |
 //! | `nonzero` | its three numbers are not all 0 |
 //! | `untraced = "why"` | the Monte Carlo truth does not model it |
 //!
-//! A name without a dot is a field of the same object; a path with dots starts at the description, as in `water.optics`,
-//! or names a word of a list, as in `artifacts.truth`.
+//! A name without a dot is a field of the same object. A path with dots starts at the description, as in
+//! `water.optics`, or names a word of a list, as in `artifacts.truth`.
 //!
-//! An enum of words is one of their names in snake case. An enum with `#[serde(tag = "kind")]` is an object whose field
-//! `kind` names the variant. In any other enum each variant with a value is an object of one field, and those without are
-//! words. `#[described(short = "preset")]` lets a string stand for the object of that one field;
-//! `#[described(default = "png")]` is the tag of an object that has none; `#[described(name = "FidelityVariant")]` names a
-//! type whose own name says too little outside of its module.
+//! An enum of words is written as a name in snake case. An enum with `#[serde(tag = "kind")]` is an object whose
+//! field `kind` names the variant. In any other enum each variant with a value is an object of one field, and the
+//! others are words. `#[described(short = "preset")]` accepts a string for an object with that one field.
+//! `#[described(default = "png")]` is the tag of an object without one. `#[described(name = "FidelityVariant")]`
+//! renames a type for use outside its module.
 
 mod attributes;
 mod enums;
@@ -53,7 +53,7 @@ use syn::{Data, DeriveInput, parse_macro_input};
 use attributes::Container;
 use field::Members;
 
-/// See the documentation of the crate.
+/// Derives `Described`; see the documentation of the crate.
 #[proc_macro_derive(Described, attributes(field, described, serde))]
 pub fn described(input: proc_macro::TokenStream) -> proc_macro::TokenStream {
     let input = parse_macro_input!(input as DeriveInput);
@@ -82,14 +82,14 @@ fn derive_struct(
     let name = &input.ident;
     let members = Members::read(&data.fields)?;
     let (fields, numbers) = (members.fields(), members.numbers());
-    let type_name = container.name_of(name);
+    let type_name = container.type_name(name);
     let shape = match &container.short {
         Some(field) => quote!(crate::schema::Shape::Short(#field, Self::FIELDS)),
         None => quote!(crate::schema::Shape::Object(Self::FIELDS)),
     };
     Ok(quote! {
         impl #name {
-            /// Its fields as a description has them.
+            /// The fields of the description.
             pub const FIELDS: &'static [crate::schema::Field] = &[#(#fields),*];
         }
 

@@ -1,30 +1,30 @@
-//! From light to codes: exposure, sensor, white balance, tone and compression.
+//! From light to codes: exposure, sensor, white balance, tone curve and compression.
 
 use serde::{Deserialize, Serialize};
 use spec_derive::Described;
 
-/// How bright the picture is taken.
+/// Exposure of the image.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, Described)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Exposure {
-    /// factor of the light
+    /// factor applied to the light
     #[field(above(0.0, 1e4))]
     Fixed(f64),
     /// metered in each frame
     Auto(Metering),
 }
 
-/// Metering: the factor that brings a percentile of the luminance to a target, within 1/64..=64.
+/// Metering: scales a percentile of the luminance to a target, by a factor within 1/64..=64.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, Described)]
 #[serde(deny_unknown_fields)]
 pub struct Metering {
-    /// what the percentile is brought to, white = 1
+    /// target of the percentile, white = 1
     #[field(above(0.0, 4.0), default = 0.5)]
     pub target: f64,
-    /// share of pixels that are darker
+    /// share of darker pixels
     #[field(within(0.0, 1.0), default = 0.95)]
     pub percentile: f64,
-    /// frames in which the factor follows; 0: at once
+    /// time constant of the metering in frames; 0 adapts immediately
     #[field(within(0.0, 1000.0), default = 0, needs("camera.path"))]
     pub lag_frames: f64,
 }
@@ -39,32 +39,32 @@ impl Default for Metering {
     }
 }
 
-/// A sensor after the linear model of EMVA 1288; absent fields come from its preset.
+/// A sensor after the linear model of EMVA 1288. Absent fields come from its preset.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, Described)]
 #[serde(deny_unknown_fields, default)]
 #[described(short = "preset")]
 pub struct Sensor {
-    /// the sensor whose fields the others replace; `machine-vision-1/1.8` by default
+    /// sensor preset whose fields the others replace; `machine-vision-1/1.8` by default
     #[field(names = Sensor)]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub preset: Option<String>,
-    /// electrons that a pixel holds
+    /// electrons a pixel can hold
     #[field(within(100.0, 1e7), unit = "e-")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub full_well_e: Option<f64>,
-    /// light of the scene as a share of the light that the sensor is exposed for; the less, the more noise
+    /// scene light as a share of the full exposure; lower is noisier
     #[field(above(0.0, 1.0))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub light_level: Option<f64>,
-    /// spread of the sensitivity of pixels
+    /// standard deviation of pixel sensitivity, as a share
     #[field(within(0.0, 0.5))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub prnu: Option<f64>,
-    /// spread of the dark current of pixels
+    /// standard deviation of pixel dark current, as a share
     #[field(within(0.0, 10.0))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dcnu: Option<f64>,
-    /// spread of the offset of pixels
+    /// standard deviation of pixel offsets
     #[field(within(0.0, 1000.0), unit = "e-")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dsnu_e: Option<f64>,
@@ -72,31 +72,31 @@ pub struct Sensor {
     #[field(within(0.0, 1e6), unit = "e-/s")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dark_e_per_s: Option<f64>,
-    /// share of pixels with a thousand times the dark current
+    /// share of hot pixels, with a thousand times the dark current
     #[field(within(0.0, 0.1))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hot_share: Option<f64>,
-    /// noise of reading a pixel
+    /// read noise of a pixel
     #[field(within(0.0, 1000.0), unit = "e-")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub read_noise_e: Option<f64>,
-    /// noise that a row shares
+    /// noise common to a row
     #[field(within(0.0, 1000.0), unit = "e-")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub row_noise_e: Option<f64>,
-    /// bits of the converter
+    /// bit depth of the converter
     #[field(within(8, 16))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bits: Option<u8>,
-    /// code of no light
+    /// black level
     #[field(within(0, 4096))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub black_dn: Option<u16>,
-    /// analog gain; the sensor saturates at the full well over it
+    /// analog gain; the sensor saturates at the full well divided by it
     #[field(within(1.0, 1000.0))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gain: Option<f64>,
-    /// colors of pixels, or three sensors
+    /// color filter array; `none` is a sensor per channel
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cfa: Option<Cfa>,
 }
@@ -113,24 +113,24 @@ pub enum Cfa {
     Grbg,
     /// Green, then blue.
     Gbrg,
-    /// No filters: a sensor for each channel.
+    /// No filters: one sensor per channel.
     None,
 }
 
-/// What makes white white.
+/// White balance.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, Described)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum WhiteBalance {
-    /// Nothing.
+    /// No correction.
     Off,
-    /// Factors that make the means of the channels equal.
+    /// Factors that equalize the channel means.
     GrayWorld,
     /// factors of R, G, B
     #[field(within(0.01, 100.0))]
     Fixed([f64; 3]),
 }
 
-/// The curve from light to codes.
+/// Tone curve from light to codes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, Described)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Tone {
@@ -138,29 +138,29 @@ pub enum Tone {
     Srgb,
     /// Codes proportional to light.
     Linear,
-    /// codes of light to the power of 1 over this
+    /// exponent of the curve: code = light^(1 / exponent)
     #[field(within(0.2, 5.0))]
     Gamma(f64),
 }
 
-/// What compression leaves of the picture: it is encoded and decoded again, before metrics and enhancements.
+/// JPEG compression of the image, encoded and decoded again before metrics and enhancements.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, Described)]
 #[serde(deny_unknown_fields)]
 pub struct Jpeg {
     /// JPEG quality
     #[field(within(1, 100), default = 90)]
     pub quality: u8,
-    /// resolution of the color
+    /// chroma subsampling
     #[field(default = "full")]
     pub chroma: Chroma,
 }
 
-/// Resolution of the color in a JPEG file.
+/// Chroma subsampling of a JPEG file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, Described)]
 #[serde(rename_all = "snake_case")]
 pub enum Chroma {
-    /// Every pixel, 4:4:4.
+    /// No subsampling, 4:4:4.
     Full,
-    /// Two by two pixels share theirs, 4:2:0.
+    /// Two by two pixels share their chroma, 4:2:0.
     Half,
 }

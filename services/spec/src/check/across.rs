@@ -1,41 +1,41 @@
-//! What must fit together across fields, apart from the water.
+//! Checks across fields, except for the water.
 
 use std::collections::BTreeSet;
 
 use serde_json::Value;
 
 use super::Checker;
-use super::places::places;
 use super::present::Contents;
+use super::values::find_values;
 use crate::invalid::FieldError;
 use crate::node::Node;
 use crate::schema::describe;
 
-/// What the picture of an artifact is made of.
+/// The light that each artifact is derived from.
 const NEEDS: [(&str, [&str; 2]); 2] = [
     ("snow_mask", ["water.snow", "water.sediment"]),
     ("raw", ["camera.sensor", "camera.preset"]),
 ];
 
 impl Checker<'_> {
-    /// Checks a description whose fields are right by themselves; those that are not are missing here.
-    pub(crate) fn across(&mut self, document: &Node) {
+    /// Checks a description without its invalid fields.
+    pub(crate) fn check_across(&mut self, document: &Node) {
         let contents = Contents::read(document);
-        self.rules(&contents);
-        self.camera(document);
-        self.haze_spaces(document);
-        self.daylight(document, &contents);
-        self.artifacts(document, &contents);
-        self.truth_work(document, &contents);
+        self.check_rules(&contents);
+        self.check_image(document);
+        self.check_haze(document);
+        self.check_daylight(document, &contents);
+        self.check_artifacts(document, &contents);
+        self.check_truth_work(document, &contents);
     }
 
-    /// Artifacts that show what a frame must have.
-    fn artifacts(&mut self, document: &Node, contents: &Contents<'_>) {
+    /// Artifacts that need another part of the frame.
+    fn check_artifacts(&mut self, document: &Node, contents: &Contents<'_>) {
         for (artifact, paths) in NEEDS {
             if paths.iter().any(|path| contents.has_given(path, None)) {
                 continue;
             }
-            for (pointer, list) in places(document, "artifacts") {
+            for (pointer, list) in find_values(document, "artifacts") {
                 let Node::List(items) = list else { continue };
                 let kinds = items.iter().enumerate();
                 for (pointer, kind) in kinds.flat_map(|(i, item)| item.strings(&format!("{pointer}/{i}"))) {
@@ -52,11 +52,11 @@ impl Checker<'_> {
         if document.get("enhance").is_none() {
             return;
         }
-        let runs: Vec<_> = places(document, "enhance")
+        let runs: Vec<_> = find_values(document, "enhance")
             .iter()
-            .map(|(_, list)| certain(list))
+            .map(|(_, list)| certain_names(list))
             .collect();
-        for (pointer, list) in places(document, "artifacts") {
+        for (pointer, list) in find_values(document, "artifacts") {
             let Node::List(items) = list else { continue };
             for (position, item) in items.iter().enumerate() {
                 for (pointer, kind) in item.strings(&format!("{pointer}/{position}")) {
@@ -76,21 +76,23 @@ impl Checker<'_> {
     }
 }
 
-/// The names that a list holds in every frame.
-fn certain(list: &Node) -> BTreeSet<&str> {
+/// The names that a list contains in every frame.
+fn certain_names(list: &Node) -> BTreeSet<&str> {
     let Node::List(items) = list else {
         return BTreeSet::new();
     };
-    let only = |item| {
-        let names: BTreeSet<_> = Node::strings(item, "")
-            .into_iter()
-            .map(|(_, name)| name)
-            .collect();
-        if names.len() == 1 {
-            names.into_iter().next()
-        } else {
-            None
-        }
-    };
-    items.iter().filter_map(only).collect()
+    items
+        .iter()
+        .filter_map(|item| {
+            let names: BTreeSet<_> = Node::strings(item, "")
+                .into_iter()
+                .map(|(_, name)| name)
+                .collect();
+            if names.len() == 1 {
+                names.into_iter().next()
+            } else {
+                None
+            }
+        })
+        .collect()
 }

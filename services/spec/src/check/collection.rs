@@ -1,41 +1,33 @@
-//! Collections of uploaded scenes: a description holds the ids of their scenes, so that a job stays what it was when a
-//! collection grows.
+//! Collections of uploaded scenes. A description contains the ids of their scenes, so that a job does not change when
+//! a collection grows.
 
 use std::collections::BTreeSet;
 
 use serde_json::{Map, Value, json};
 
-use super::{Checker, Place};
-use crate::invalid::{FieldError, quote};
+use super::{Checker, Location};
+use crate::invalid::quote;
 
-/// The kind of scene that is a collection.
 pub(super) const KIND: &str = "collection";
 
 impl Checker<'_> {
-    /// The object of a collection with the ids of its scenes: `{"grid": […]}` of them with `each`, else a choice. None of other
-    /// objects, and where the ids are there already.
-    pub(super) fn with_scenes(
+    /// Returns the object of a collection with the ids of its scenes: `{"grid": […]}` with `each`, else a choice.
+    /// `None` for other objects and if the ids are present.
+    pub(super) fn expand_collection(
         &mut self,
-        at: &Place,
+        location: &Location,
         kind: &str,
         map: &Map<String, Value>,
     ) -> Option<Map<String, Value>> {
         let name = map.get("name")?.as_str()?;
-        if kind != KIND || self.trusting || map.contains_key("id") {
+        if kind != KIND || map.contains_key("id") {
             return None;
         }
         let Some(ids) = self.vocabulary.collections.get(name) else {
             let known: Vec<String> = self.vocabulary.collections.keys().cloned().collect();
-            let (at, value) = (at.field("name"), Value::from(name));
-            let message = format!(
-                "{at} {} is not a collection of uploaded scenes here",
-                quote(&value)
-            );
-            self.refuse(|| {
-                FieldError::new(&at.pointer, message)
-                    .value(&value)
-                    .allowed(known, name)
-            });
+            let (location, value) = (location.field("name"), Value::from(name));
+            let message = format!("{location} {} is not a collection of this service", quote(&value));
+            self.refuse(|| location.error(message).value(&value).allowed(known, name));
             return None;
         };
         let law = if map.get("each") == Some(&Value::Bool(false)) {
@@ -49,7 +41,7 @@ impl Checker<'_> {
     }
 }
 
-/// The names of all collections that a description may mean, without a check of anything else.
+/// The names of all collections that a description may mention, without further checks.
 pub(crate) fn named(description: &Value) -> BTreeSet<String> {
     match description {
         Value::Array(items) => items.iter().flat_map(named).collect(),

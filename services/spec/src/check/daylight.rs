@@ -1,7 +1,7 @@
-//! Daylight, the water that it shines into, and the scene that it lights.
+//! Daylight, water and scene lighting.
 
 use super::present::Contents;
-use super::{Checker, has_lamps, places};
+use super::{Checker, find_values, has_lamps};
 use crate::invalid::FieldError;
 use crate::node::Node;
 
@@ -9,25 +9,29 @@ use crate::node::Node;
 const LIGHTING: [&str; 3] = ["/daylight", "/lights", "/scene"];
 
 impl Checker<'_> {
-    /// A sky needs water, and reflectance needs light.
-    pub(super) fn daylight(&mut self, document: &Node, contents: &Contents<'_>) {
+    /// A sky needs water, and a reflectance scene needs light.
+    pub(super) fn check_daylight(&mut self, document: &Node, contents: &Contents<'_>) {
         let has_sky = contents.has("daylight.sun_elevation_deg", None);
         if has_sky && !contents.has("water.optics", None) {
-            let message = "`daylight` is a sky, but needs `water.optics`: there is no water for it to light";
+            let message =
+                "`daylight` is a sky, but needs `water.optics`; add it, or set `daylight` to \"none\"";
             self.refuse(|| FieldError::new("/daylight", message));
         }
-        let is_wrong = |pointer: &&str| {
-            self.errors
-                .iter()
-                .any(|error| error.pointer.starts_with(*pointer))
-        };
         let daylight = document.get("daylight");
         let is_night =
             daylight.is_some_and(|daylight| daylight.strings("").iter().all(|(_, word)| *word == "none"));
-        if has_sky || !is_night || has_lamps(document) || LIGHTING.iter().any(is_wrong) {
+        if has_sky
+            || !is_night
+            || has_lamps(document)
+            || LIGHTING.iter().any(|pointer: &&str| {
+                self.errors
+                    .iter()
+                    .any(|error| error.pointer.starts_with(*pointer))
+            })
+        {
             return;
         }
-        for (pointer, scene) in places(document, "scene") {
+        for (pointer, scene) in find_values(document, "scene") {
             let lighting = scene.get("lighting").map(|lighting| lighting.strings(""));
             if lighting.into_iter().flatten().any(|(_, word)| word == "water") {
                 let message = "`scene.lighting` is \"water\", but `daylight` is \"none\" and there are no lamps: the scene is \

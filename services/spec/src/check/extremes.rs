@@ -1,4 +1,4 @@
-//! The values that the laws of a part of the description can yield, as far as they are tried.
+//! The values that the distributions of a part can yield, as far as they are tried.
 
 use std::collections::BTreeSet;
 
@@ -9,19 +9,19 @@ use crate::invalid::FieldError;
 use crate::node::{Drawn, LawNode, Node};
 use crate::rules::Fault;
 
-/// This many frames from the first on are tried as they are.
+/// Number of frames tried as drawn.
 const FRAMES_TRIED: u64 = 64;
 
-/// At most this many combinations of extremes are tried: 12 intervals, or 100 presets by 5 intervals. Beyond it each
-/// law's extremes are tried alone, against all others at their lower and at their upper end.
+/// Maximum number of tried combinations: 12 intervals, or 100 presets by 5 intervals. Above it, the extremes of each
+/// distribution are tried separately, against the lower and the upper ends of all others.
 const EXTREMES_TRIED: usize = 4096;
 
-/// Which extreme each law takes.
+/// The extreme of each distribution.
 #[derive(Default)]
 struct Extremes<'a> {
-    /// What those take that are not named below: their last extreme or their first.
+    /// Extreme of the distributions not in `named`: the last or the first.
     last: bool,
-    /// By the law's pointer.
+    /// By pointer.
     named: Vec<(&'a str, usize)>,
 }
 
@@ -37,8 +37,8 @@ impl Extremes<'_> {
 }
 
 impl Checker<'_> {
-    /// Tries a top-level field at the extremes of its distributions and in the first of `frames` frames, unless it has errors
-    /// already. Adds the first fault of each place and field.
+    /// Tries a top-level field without errors at the extremes of its distributions and in the first of `frames`
+    /// frames. Adds the first fault of each location and field.
     pub(super) fn try_values<T: DeserializeOwned>(
         &mut self,
         name: &str,
@@ -53,10 +53,10 @@ impl Checker<'_> {
         let varied = if node.laws().is_empty() {
             String::new()
         } else {
-            format!("a {name} that the distributions can yield: ")
+            format!("a possible {name} of the distributions: ")
         };
         let mut found = BTreeSet::new();
-        each_draw(node, frames, &mut |draw| {
+        try_draws(node, frames, &mut |draw| {
             let Ok(values) = T::deserialize(node.value(&draw)) else {
                 return;
             };
@@ -70,12 +70,12 @@ impl Checker<'_> {
     }
 }
 
-/// A way to draw laws.
+/// A drawing function.
 type Draw<'d> = dyn Fn(&LawNode) -> Drawn + 'd;
 
-/// Hands out ways to draw the laws of a part: at their extremes, then as the first of `frames` frames draw them.
-fn each_draw(node: &Node, frames: u64, found: &mut dyn FnMut(&Draw<'_>)) {
-    for extremes in extremes(node) {
+/// Calls `found` with drawing functions for a part: at the extremes, then for the first of `frames` frames.
+fn try_draws(node: &Node, frames: u64, found: &mut dyn FnMut(&Draw<'_>)) {
+    for extremes in combine_extremes(node) {
         found(&|law: &LawNode| extremes.draw(law));
     }
     let tried = if node.laws().is_empty() {
@@ -88,15 +88,15 @@ fn each_draw(node: &Node, frames: u64, found: &mut dyn FnMut(&Draw<'_>)) {
     }
 }
 
-/// Combinations of the laws' extremes; one if there is no law.
-fn extremes(node: &Node) -> Vec<Extremes<'_>> {
+/// Combinations of extremes; one without distributions.
+fn combine_extremes(node: &Node) -> Vec<Extremes<'_>> {
     let mut laws = node.laws();
     laws.retain(|law| law.extreme_count() > 1);
     let product = laws
         .iter()
         .try_fold(1_usize, |product, law| product.checked_mul(law.extreme_count()));
     if product.is_none_or(|product| product > EXTREMES_TRIED) {
-        return one_at_a_time(&laws);
+        return vary_one_by_one(&laws);
     }
     laws.iter().fold(vec![Extremes::default()], |combinations, law| {
         let mut wider = Vec::with_capacity(combinations.len() * law.extreme_count());
@@ -117,17 +117,17 @@ fn extremes(node: &Node) -> Vec<Extremes<'_>> {
     })
 }
 
-fn one_at_a_time<'a>(laws: &[&'a LawNode]) -> Vec<Extremes<'a>> {
+fn vary_one_by_one<'a>(laws: &[&'a LawNode]) -> Vec<Extremes<'a>> {
     let mut combinations = Vec::new();
     for law in laws {
-        let way = way_to(&law.pointer, laws);
+        let enclosing = enclosing_choices(&law.pointer, laws);
         for (last, position) in
             (0..law.extreme_count()).flat_map(|position| [(false, position), (true, position)])
         {
             if combinations.len() == EXTREMES_TRIED {
                 return combinations;
             }
-            let named = way
+            let named = enclosing
                 .iter()
                 .copied()
                 .chain([(law.pointer.as_str(), position)])
@@ -138,17 +138,18 @@ fn one_at_a_time<'a>(laws: &[&'a LawNode]) -> Vec<Extremes<'a>> {
     combinations
 }
 
-/// What the choices and grids around a law must choose for it to come into play.
-fn way_to<'a>(pointer: &str, laws: &[&'a LawNode]) -> Vec<(&'a str, usize)> {
-    let chosen = |outer: &&'a LawNode| {
-        let inside = pointer.strip_prefix(outer.pointer.as_str())?.strip_prefix('/')?;
-        let position = inside
-            .strip_prefix(outer.key())?
-            .split('/')
-            .nth(1)?
-            .parse()
-            .ok()?;
-        Some((outer.pointer.as_str(), position))
-    };
-    laws.iter().filter_map(chosen).collect()
+/// The selections of the enclosing choices and grids that activate a distribution.
+fn enclosing_choices<'a>(pointer: &str, laws: &[&'a LawNode]) -> Vec<(&'a str, usize)> {
+    laws.iter()
+        .filter_map(|outer: &&'a LawNode| {
+            let inside = pointer.strip_prefix(outer.pointer.as_str())?.strip_prefix('/')?;
+            let position = inside
+                .strip_prefix(outer.key())?
+                .split('/')
+                .nth(1)?
+                .parse()
+                .ok()?;
+            Some((outer.pointer.as_str(), position))
+        })
+        .collect()
 }

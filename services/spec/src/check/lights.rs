@@ -1,21 +1,20 @@
-//! The lamps and the haze of a description.
-
 use super::Checker;
-use super::places::lists;
+use super::values::find_lists;
 use crate::invalid::FieldError;
 use crate::node::Node;
 
 impl Checker<'_> {
-    /// All haze shares one space.
-    pub(super) fn haze_spaces(&mut self, document: &Node) {
+    /// All haze must use the same color space.
+    pub(super) fn check_haze(&mut self, document: &Node) {
         let mut first: Option<String> = None;
-        for (pointer, space) in spaces(document) {
+        for (pointer, space) in list_spaces(document) {
             match &first {
                 None => first = Some(space.to_owned()),
                 Some(first) if first == space => {}
                 Some(first) => {
-                    let message =
-                        format!("this light's `space` is \"{space}\", but another's is \"{first}\"");
+                    let message = format!(
+                        "a haze has `space` \"{space}\", but another \"{first}\"; all must have the same"
+                    );
                     self.refuse(|| {
                         FieldError::new(&pointer, message)
                             .value(&space.into())
@@ -29,25 +28,25 @@ impl Checker<'_> {
 
 /// Whether a frame can have lamps.
 pub(crate) fn has_lamps(document: &Node) -> bool {
-    lights(document)
+    list_lights(document)
         .iter()
         .any(|(_, light)| light.get("position_m").is_some())
 }
 
-/// Every light that can be, with its pointer.
-fn lights(document: &Node) -> Vec<(String, &Node)> {
+/// Every possible light, with its pointer.
+fn list_lights(document: &Node) -> Vec<(String, &Node)> {
     let mut lights = Vec::new();
-    for (at, items) in lists(document, "lights") {
+    for (location, items) in find_lists(document, "lights") {
         for (position, item) in items.iter().enumerate() {
-            lights.extend(item.alternatives(&at.item(position).pointer));
+            lights.extend(item.alternatives(&location.item(position).pointer));
         }
     }
     lights
 }
 
-/// The space of all haze that can be, with its pointer.
-fn spaces(document: &Node) -> Vec<(String, &str)> {
-    let all = lights(document).into_iter();
+/// The color space of each possible haze, with its pointer.
+fn list_spaces(document: &Node) -> Vec<(String, &str)> {
+    let all = list_lights(document).into_iter();
     let nodes = all.filter_map(|(pointer, light)| Some((pointer, light.get("space")?)));
     nodes
         .flat_map(|(pointer, node)| node.strings(&format!("{pointer}/space")))

@@ -1,30 +1,29 @@
-//! Strings: names of the vocabulary, fixed words, ids and paths.
+//! Strings: vocabulary names, fixed words, ids and paths.
 
 use serde_json::Value;
 
-use super::{Checker, Place};
+use super::{Checker, Location};
 use crate::invalid::{FieldError, quote};
 use crate::migration;
 use crate::node::Node;
 use crate::schema::Names;
 
-/// Longest path in bytes, that of common systems.
+/// Maximum path length of common systems, bytes.
 const MAX_PATH_BYTES: usize = 4096;
 
-/// Longest name of a dataset and longest id of a scene.
+/// Maximum length of a dataset name or scene id.
 const MAX_NAME: usize = 100;
 
-/// Longest free text in characters.
+/// Maximum length of free text, characters.
 const MAX_WORDS: usize = 1000;
 
-/// Longest name of a water, as for the waters themselves.
+/// Maximum length of a water's name.
 const MAX_WATER_NAME: usize = 64;
 
 impl Checker<'_> {
-    /// The string in its canonical form: presets by their full name, the others as written.
-    pub(super) fn text(&mut self, at: &Place, names: Names, text: &str) -> Option<Node> {
+    /// The string in canonical form: presets by full name, all others unchanged.
+    pub(super) fn check_text(&mut self, location: &Location, names: Names, text: &str) -> Option<Node> {
         let canonical = match names {
-            _ if self.trusting => Some(text.to_owned()),
             Names::Preset => self.vocabulary.preset(text).map(str::to_owned),
             Names::Words => is_words(text).then(|| text.to_owned()),
             Names::WaterName => is_water_name(text).then(|| text.to_owned()),
@@ -41,22 +40,22 @@ impl Checker<'_> {
         if let Some(name) = canonical {
             return Some(Node::Constant(name.into()));
         }
-        self.refuse_text(at, names, text);
+        self.refuse_text(location, names, text);
         None
     }
 
-    fn refuse_text(&mut self, at: &Place, names: Names, text: &str) {
+    fn refuse_text(&mut self, location: &Location, names: Names, text: &str) {
         let allowed = self.vocabulary.listed(names);
-        let removed = migration::find_value(&at.path(""), text);
+        let removed = migration::find_value(&location.path(""), text);
         self.refuse(|| {
             let value = Value::from(text);
             if let Some(removed) = removed {
-                let message = format!("{at} {} was removed in 0.2: write {}", quote(&value), removed.now);
-                return FieldError::new(&at.pointer, message).value(&value);
+                let message = format!("{location} {} was removed in 0.2; {}", quote(&value), removed.instruction());
+                return location.error(message).value(&value);
             }
             let problem = match names {
                 Names::Preset if self.vocabulary.waters.contains_key(text) => {
-                    "is a water of your own: choose among whole waters, as in {\"optics\": {\"choice\": […]}}"
+                    "is a user-defined water and cannot be in a choice of presets; use a choice of optics, {\"optics\": {\"choice\": […]}}"
                         .to_owned()
                 }
                 Names::Words
@@ -67,10 +66,11 @@ impl Checker<'_> {
                 | Names::Path => {
                     format!("must be {}", names.describe())
                 }
+                Names::Fixed(_) => format!("is not one of {}", names.limit()),
                 _ => format!("is not {}", names.describe()),
             };
             let error =
-                FieldError::new(&at.pointer, format!("{at} {} {problem}", quote(&value))).value(&value);
+                location.error(format!("{location} {} {problem}", quote(&value))).value(&value);
             if allowed.is_empty() {
                 error.limit(names.describe())
             } else {
@@ -79,8 +79,8 @@ impl Checker<'_> {
         });
     }
 
-    /// Refuses presets that lack what rendering needs. With coefficients beside them the optics decide.
-    pub(super) fn refuse_unrenderable(&mut self, at: &Place, optics: &Node, is_object: bool) {
+    /// Rejects presets that lack data for rendering. If coefficients are given, the optics decide.
+    pub(super) fn refuse_unrenderable(&mut self, location: &Location, optics: &Node, is_object: bool) {
         let Node::Object(fields) = optics else { return };
         let harmless = ["preset", "veil_gain", "phase", "forward_scatter"];
         if !fields.iter().all(|(name, _)| harmless.contains(&name.as_str())) {
@@ -90,27 +90,27 @@ impl Checker<'_> {
             return;
         };
         let pointer = if is_object {
-            at.field("preset").pointer
+            location.field("preset").pointer
         } else {
-            at.pointer.clone()
+            location.pointer.clone()
         };
         for (pointer, name) in preset.strings(&pointer) {
             let Some(why) = self.vocabulary.why_unrenderable(name) else {
                 continue;
             };
-            let message = format!("{at}: the preset \"{name}\" cannot be rendered: {why}");
+            let message = format!("{location}: the preset \"{name}\" cannot be rendered: {why}");
             self.refuse(|| FieldError::new(&pointer, message).value(&Value::from(name)));
         }
     }
 }
 
 pub(crate) fn is_dataset(text: &str) -> bool {
-    let letter = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit();
-    let starts = text.starts_with(letter);
-    starts
-        && text.len() <= MAX_NAME
+    !text.starts_with(['.', '_', '-'])
+        && (1..=MAX_NAME).contains(&text.len())
         && !text.contains("..")
-        && text.chars().all(|c| letter(c) || "._-".contains(c))
+        && text
+            .bytes()
+            .all(|byte| matches!(byte, b'a'..=b'z' | b'0'..=b'9' | b'.' | b'_' | b'-'))
 }
 
 fn is_words(text: &str) -> bool {
@@ -118,15 +118,21 @@ fn is_words(text: &str) -> bool {
 }
 
 fn is_water_name(text: &str) -> bool {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "._-".contains(c);
     let starts = text.starts_with(|c: char| c.is_ascii_alphanumeric());
-    starts && text.len() <= MAX_WATER_NAME && text.chars().all(plain)
+    starts
+        && text.len() <= MAX_WATER_NAME
+        && text
+            .chars()
+            .all(|c: char| c.is_ascii_alphanumeric() || "._-".contains(c))
 }
 
 fn is_scene_id(text: &str) -> bool {
     let tail = text.strip_prefix("scn_").unwrap_or_default();
-    let plain = |c: char| c.is_ascii_alphanumeric() || "_-".contains(c);
-    !tail.is_empty() && text.len() <= MAX_NAME && tail.chars().all(plain)
+    !tail.is_empty()
+        && text.len() <= MAX_NAME
+        && tail
+            .chars()
+            .all(|c: char| c.is_ascii_alphanumeric() || "_-".contains(c))
 }
 
 fn is_path(text: &str) -> bool {

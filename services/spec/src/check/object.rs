@@ -1,35 +1,46 @@
-//! Objects: known and unknown fields, defaults, kinds, labels.
+//! Objects: known and unknown fields, defaults.
 
 use serde_json::{Map, Value};
 
-use super::{Checker, Place, collection};
-use crate::invalid::FieldError;
-use crate::json::describe;
+use super::{Checker, Location};
 use crate::migration;
-use crate::node::{Node, float};
-use crate::schema::{Field, MAX_LABEL_KEY, MAX_LABEL_TEXT, MAX_LABELS, Presence, Shape, Variant};
+use crate::node::Node;
+use crate::schema::{Field, Presence, Shape};
 
 impl Checker<'_> {
-    pub(super) fn object(&mut self, at: &Place, fields: &[Field], map: &Map<String, Value>) -> Node {
+    pub(super) fn check_object(
+        &mut self,
+        location: &Location,
+        fields: &[Field],
+        map: &Map<String, Value>,
+    ) -> Node {
         let names: Vec<_> = fields.iter().map(|field| field.name).collect();
-        self.refuse_unknown(at, &names, map, |_| None);
-        Node::Object(self.fields(at, fields, map))
+        self.refuse_unknown(location, &names, map, |_| None);
+        Node::Object(self.check_fields(location, fields, map))
     }
 
-    pub(super) fn one_of(&mut self, at: &Place, fields: &[Field], map: &Map<String, Value>) -> Option<Node> {
+    pub(super) fn check_one_of(
+        &mut self,
+        location: &Location,
+        fields: &[Field],
+        map: &Map<String, Value>,
+    ) -> Option<Node> {
         let names: Vec<_> = fields.iter().map(|field| field.name).collect();
         let present: Vec<_> = fields
             .iter()
             .filter(|field| map.contains_key(field.name))
             .copied()
             .collect();
-        let is_removed = |key: &String| migration::find_field(&at.field(key).path("[]"), None).is_some();
-        if present.len() == 1 || map.keys().any(is_removed) {
-            self.refuse_unknown(at, &names, map, |_| None);
-            return Some(Node::Object(self.fields(at, &present, map)));
+        if present.len() == 1
+            || map
+                .keys()
+                .any(|key: &String| migration::find_field(&location.field(key).path("[]"), None).is_some())
+        {
+            self.refuse_unknown(location, &names, map, |_| None);
+            return Some(Node::Object(self.check_fields(location, &present, map)));
         }
         let message = format!(
-            "{at} must hold exactly one of {}, but holds {}",
+            "{location} must have exactly one of {}, but has {}",
             names.join(", "),
             present.len()
         );
@@ -38,223 +49,108 @@ impl Checker<'_> {
             .find(|key| !names.contains(&key.as_str()))
             .map_or("", String::as_str);
         self.refuse(|| {
-            FieldError::new(&at.pointer, message)
+            location
+                .error(message)
                 .limit("exactly one")
                 .allowed(names, written)
         });
         None
     }
 
-    pub(super) fn tagged(
+    /// Checks an object, or a string in place of its field `field`.
+    pub(super) fn check_short(
         &mut self,
-        at: &Place,
-        tag: &'static str,
-        presence: Presence,
-        options: &[Variant],
-        map: &Map<String, Value>,
+        location: &Location,
+        field: &str,
+        fields: &[Field],
+        value: &Value,
     ) -> Option<Node> {
-        let written = match (map.get(tag), presence) {
-            (None, Presence::Default(text)) => default(text),
-            (Some(value), _) => value.clone(),
-            (None, _) => return self.refuse_tag(&at.field(tag), options, None),
-        };
-        let Value::String(written) = &written else {
-            return self.refuse_tag(&at.field(tag), options, Some(&written));
-        };
-        let Some(option) = options
-            .iter()
-            .find(|option| option.name == *written && self.offers(option))
-        else {
-            return self.refuse_tag(&at.field(tag), options, Some(&written.as_str().into()));
-        };
-        let names: Vec<_> = option
-            .fields
-            .iter()
-            .map(|field| field.name)
-            .chain([tag])
-            .collect();
-        self.refuse_unknown(at, &names, map, |key| {
-            let has = |other: &&Variant| other.fields.iter().any(|field| field.name == key);
-            let owner = options.iter().find(has)?.name;
-            Some(format!(
-                "`{key}` goes with {tag} \"{owner}\", not with \"{written}\""
-            ))
-        });
-        let with_scenes = self.with_scenes(at, written, map);
-        let mut fields = self.fields(at, option.fields, with_scenes.as_ref().unwrap_or(map));
-        fields.push((tag.to_owned(), Node::Constant(written.as_str().into())));
-        Some(Node::Object(fields))
-    }
-
-    fn refuse_tag(&mut self, at: &Place, options: &[Variant], value: Option<&Value>) -> Option<Node> {
-        let allowed: Vec<_> = options
-            .iter()
-            .filter(|option| self.offers(option))
-            .map(|option| option.name)
-            .collect();
-        self.refuse(|| match value {
-            None => FieldError::new(&at.pointer, format!("{at} is missing"))
-                .limit("required")
-                .allowed(allowed, ""),
-            Some(Value::String(name)) => {
-                let known = options.iter().any(|option| option.name == name);
-                let why = match known {
-                    true if self.vocabulary.local => {
-                        "needs a service: upload its scenes there and submit the job with `fathom submit`"
-                    }
-                    true => "works only with `fathom render`",
-                    false => "is not known",
-                };
-                let message = format!("{at} {} {why}", crate::invalid::quote(&name.as_str().into()));
-                FieldError::new(&at.pointer, message)
-                    .value(&name.as_str().into())
-                    .allowed(allowed, name)
-            }
-            Some(other) => {
-                let message = format!(
-                    "{at} decides which fields there are: it must be a string, but is {}; \
-                    a choice of whole objects can vary it",
-                    describe(other)
-                );
-                FieldError::new(&at.pointer, message)
-                    .value(other)
-                    .allowed(allowed, "")
-            }
-        });
-        None
-    }
-
-    /// Whether this kind of object can be had here: files only on the machine that renders, collections only in a service.
-    fn offers(&self, option: &Variant) -> bool {
-        match option.name {
-            "files" => self.vocabulary.local || self.trusting,
-            collection::KIND => !self.vocabulary.local || self.trusting,
-            _ => true,
-        }
-    }
-
-    /// An object, or a string in place of its field `field`.
-    pub(super) fn short(&mut self, at: &Place, field: &str, fields: &[Field], value: &Value) -> Option<Node> {
-        let numbers = self.own_water(value);
+        let numbers = self.expand_own_water(value);
         let checked = match numbers.as_ref().unwrap_or(value) {
-            Value::Object(map) => self.object(at, fields, map),
+            Value::Object(map) => self.check_object(location, fields, map),
             Value::String(_) => {
                 let (own, others): (Vec<Field>, Vec<Field>) = fields
                     .iter()
                     .copied()
                     .partition(|candidate| candidate.name == field);
-                let node = self.node(at, &own.first()?.shape, false, value)?;
-                let mut nodes = self.fields(at, &others, &Map::new());
+                let node = self.check(location, &own.first()?.shape, false, value)?;
+                let mut nodes = self.check_fields(location, &others, &Map::new());
                 nodes.push((field.to_owned(), node));
                 Node::Object(nodes)
             }
-            _ => return self.wrong_kind(at, &Shape::Short("", &[]), true, value),
+            _ => return self.refuse_kind(location, &Shape::Short("", &[]), true, value),
         };
-        self.refuse_unrenderable(at, &checked, value.is_object());
+        self.refuse_unrenderable(location, &checked, value.is_object());
         Some(checked)
     }
 
-    pub(super) fn labels(&mut self, at: &Place, map: &Map<String, Value>) -> Option<Node> {
-        if map.len() > MAX_LABELS {
-            let message = format!("{at} has {} entries, the limit is {MAX_LABELS}", map.len());
-            self.refuse(|| {
-                FieldError::new(&at.pointer, message).limit(format!("at most {MAX_LABELS} entries"))
-            });
-            return None;
-        }
-        let mut labels = Vec::new();
-        for (key, value) in map {
-            let at = at.field(key);
-            let plain = |letter: char| letter.is_ascii_alphanumeric() || "_.-".contains(letter);
-            if key.is_empty() || key.len() > MAX_LABEL_KEY || !key.chars().all(plain) {
-                let limit = format!("1 to {MAX_LABEL_KEY} of A-Z a-z 0-9 _ . -");
-                self.refuse(|| {
-                    FieldError::new(&at.pointer, format!("{at}: the name must be {limit}")).limit(limit)
-                });
-            }
-            if let Some(node) = self.node(&at, &Shape::Scalar, true, value) {
-                labels.push((key.clone(), node));
-            }
-        }
-        Some(Node::Object(labels))
-    }
-
-    /// A label's value. A whole number keeps its form, whether it was written 2 or 2.0.
-    pub(super) fn scalar(&mut self, at: &Place, value: &Value) -> Option<Node> {
-        match value {
-            Value::Bool(_) => Some(Node::Constant(value.clone())),
-            Value::Number(number) => Some(
-                match (super::whole(value).and_then(super::constant), number.as_f64()) {
-                    (Some(whole), _) => whole,
-                    (None, float_value) => Node::Constant(float(float_value?)),
-                },
-            ),
-            Value::String(text) if text.chars().count() <= MAX_LABEL_TEXT => {
-                Some(Node::Constant(value.clone()))
-            }
-            Value::String(_) => self.out_of_range(at, value, &format!("at most {MAX_LABEL_TEXT} characters")),
-            _ => self.wrong_kind(at, &Shape::Scalar, true, value),
-        }
-    }
-
-    fn refuse_unknown(
+    pub(super) fn refuse_unknown(
         &mut self,
-        at: &Place,
+        location: &Location,
         names: &[&str],
         map: &Map<String, Value>,
         note: impl Fn(&str) -> Option<String>,
     ) {
         for (key, value) in map.iter().filter(|(key, _)| !names.contains(&key.as_str())) {
-            if self.refuse_removed(&at.field(key), value) {
+            if self.refuse_removed(&location.field(key), value) {
                 continue;
             }
             self.refuse(|| {
-                let message = note(key).unwrap_or_else(|| format!("{at} has no field `{key}`"));
-                FieldError::new(&at.field(key).pointer, message)
+                let message = note(key).unwrap_or_else(|| format!("{location} has no field `{key}`"));
+                location
+                    .field(key)
+                    .error(message)
                     .value(value)
                     .allowed(names, key)
             });
         }
     }
 
-    /// Whether a field is one of 0.1: refused with what to write now, if possible for each field inside.
-    fn refuse_removed(&mut self, at: &Place, value: &Value) -> bool {
-        let Some(removed) = migration::find_field(&at.path("[]"), value.as_str()) else {
+    /// Rejects a field of version 0.1 and suggests its replacement, if possible for each field inside.
+    fn refuse_removed(&mut self, location: &Location, value: &Value) -> bool {
+        let Some(removed) = migration::find_field(&location.path("[]"), value.as_str()) else {
             return false;
         };
         let mut found_inside = false;
         for (key, value) in value.as_object().into_iter().flatten() {
-            found_inside |= self.refuse_removed(&at.field(key), value);
+            found_inside |= self.refuse_removed(&location.field(key), value);
         }
         if !found_inside {
-            let message = format!("{at} was removed in 0.2: {}", removed.now);
-            self.refuse(|| FieldError::new(&at.pointer, message).value(value));
+            let message = format!("{location} was removed in 0.2; {}", removed.instruction());
+            self.refuse(|| location.error(message).value(value));
         }
         true
     }
 
-    fn fields(&mut self, at: &Place, fields: &[Field], map: &Map<String, Value>) -> Vec<(String, Node)> {
+    pub(super) fn check_fields(
+        &mut self,
+        location: &Location,
+        fields: &[Field],
+        map: &Map<String, Value>,
+    ) -> Vec<(String, Node)> {
         let checked = fields.iter().filter_map(|field| {
-            let node = self.field(&at.field(field.name), field, map.get(field.name))?;
+            let node = self.check_field(&location.field(field.name), field, map.get(field.name))?;
             Some((field.name.to_owned(), node))
         });
         checked.collect()
     }
 
-    fn field(&mut self, at: &Place, field: &Field, value: Option<&Value>) -> Option<Node> {
+    fn check_field(&mut self, location: &Location, field: &Field, value: Option<&Value>) -> Option<Node> {
         match (value, field.presence) {
-            (Some(value), _) => self.node(at, &field.shape, field.laws, value),
+            (Some(value), _) => self.check(location, &field.shape, field.laws, value),
             (None, Presence::Optional) => None,
-            (None, Presence::Default(text)) => self.node(at, &field.shape, field.laws, &default(text)),
+            (None, Presence::Default(text)) => {
+                self.check(location, &field.shape, field.laws, &parse_default(text))
+            }
             (None, Presence::Required) => {
-                let message = format!("{at} is missing: {}", field.doc);
-                self.refuse(|| FieldError::new(&at.pointer, message).limit("required"));
+                let message = format!("{location} is missing: {}", field.doc);
+                self.refuse(|| location.error(message).limit("required"));
                 None
             }
         }
     }
 }
 
-fn default(text: &str) -> Value {
+pub(crate) fn parse_default(text: &str) -> Value {
     serde_json::from_str(text).expect("the defaults of the table are JSON, a test reads them all")
 }

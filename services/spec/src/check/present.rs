@@ -1,27 +1,26 @@
-//! The fields that a checked description holds, by their paths.
+//! The fields of a checked description, by path.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::Value;
 
-use super::Place;
+use super::Location;
 use crate::fields::DOCUMENT;
 use crate::node::Node;
 use crate::schema::{Field, Presence, Shape};
 
-/// A field of a checked description.
 pub(super) struct Present<'a> {
     pub(super) field: &'static Field,
-    pub(super) at: Place,
-    /// The object that holds it.
+    pub(super) location: Location,
+    /// The object with this field.
     pub(super) object: &'a Node,
     pub(super) node: &'a Node,
-    /// The alternative of its top-level field that it belongs to.
+    /// The alternative of its top-level field.
     pub(super) branch: usize,
 }
 
 impl Present<'_> {
-    /// Whether it has another value than its default.
+    /// Whether its value differs from the default.
     pub(super) fn is_given(&self) -> bool {
         match self.field.presence {
             Presence::Default(text) => {
@@ -33,15 +32,15 @@ impl Present<'_> {
     }
 }
 
-/// The fields of a description and their paths, such as `water.optics`, apart for each alternative of a top-level field.
+/// The fields of a description by path, such as `water.optics`, separately for each alternative of a top-level field.
 #[derive(Default)]
 pub(super) struct Contents<'a> {
     pub(super) fields: Vec<Present<'a>>,
-    /// Fields that are there, by default or not.
+    /// Present fields, including defaults.
     present: BTreeSet<(String, usize)>,
-    /// Fields with another value than their default, and the words of lists, as in `artifacts.raw`.
+    /// Fields with a value other than the default, and words of lists, as in `artifacts.raw`.
     given: BTreeSet<(String, usize)>,
-    /// Alternatives of each top-level field.
+    /// Number of alternatives of each top-level field.
     branches: BTreeMap<&'static str, usize>,
 }
 
@@ -49,17 +48,17 @@ impl<'a> Contents<'a> {
     pub(super) fn read(document: &'a Node) -> Self {
         let mut contents = Self::default();
         if let Shape::Object(fields) = DOCUMENT {
-            contents.add_fields(fields, document, &Place::default(), None);
+            contents.add_fields(fields, document, &Location::default(), None);
         }
         contents
     }
 
-    /// Whether a frame can have this path, given or by default. `own` is the branch of a top-level field that the frame has.
+    /// Whether a frame can have this path, given or by default. `own` is the frame's branch of a top-level field.
     pub(super) fn has(&self, path: &str, own: Option<(&str, usize)>) -> bool {
         self.holds(&self.present, path, own)
     }
 
-    /// Whether a frame can have this path with another value than its default.
+    /// Whether a frame can have this path with a value other than the default.
     pub(super) fn has_given(&self, path: &str, own: Option<(&str, usize)>) -> bool {
         self.holds(&self.given, path, own)
     }
@@ -85,26 +84,32 @@ impl<'a> Contents<'a> {
     }
 
     /// `branch` is `None` at the top level.
-    fn add_fields(&mut self, fields: &'static [Field], object: &'a Node, at: &Place, branch: Option<usize>) {
+    fn add_fields(
+        &mut self,
+        fields: &'static [Field],
+        object: &'a Node,
+        location: &Location,
+        branch: Option<usize>,
+    ) {
         for field in fields {
             let Some(node) = object.get(field.name) else {
                 continue;
             };
-            let at = at.field(field.name);
-            let values = node.alternatives(&at.pointer);
+            let location = location.field(field.name);
+            let values = node.alternatives(&location.pointer);
             if branch.is_none() {
                 self.branches.insert(field.name, values.len());
             }
             for (position, (pointer, value)) in values.into_iter().enumerate() {
-                let at = Place {
+                let location = Location {
                     pointer,
-                    name: at.name.clone(),
+                    name: location.name.clone(),
                 };
-                self.add_inside(&field.shape, value, &at, branch.unwrap_or(position));
+                self.add_inside(&field.shape, value, &location, branch.unwrap_or(position));
             }
             self.add(Present {
                 field,
-                at,
+                location,
                 object,
                 node,
                 branch: branch.unwrap_or_default(),
@@ -113,7 +118,7 @@ impl<'a> Contents<'a> {
     }
 
     fn add(&mut self, present: Present<'a>) {
-        let key = (present.at.path(""), present.branch);
+        let key = (present.location.path(""), present.branch);
         if present.is_given() {
             self.given.insert(key.clone());
         }
@@ -121,42 +126,45 @@ impl<'a> Contents<'a> {
         self.fields.push(present);
     }
 
-    /// What a value holds.
-    fn add_inside(&mut self, shape: &'static Shape, value: &'a Node, at: &Place, branch: usize) {
+    /// Adds the contents of a value.
+    fn add_inside(&mut self, shape: &'static Shape, value: &'a Node, location: &Location, branch: usize) {
         match (shape, value) {
             (Shape::Object(fields) | Shape::Short(_, fields) | Shape::OneOf(fields), Node::Object(_)) => {
-                self.add_fields(fields, value, at, Some(branch));
+                self.add_fields(fields, value, location, Some(branch));
             }
             (Shape::Tagged { tag, options, .. }, Node::Object(_)) => {
                 let written = value.get(tag).map(|tag| tag.strings("")).unwrap_or_default();
-                let is_meant = |name: &str| written.iter().any(|(_, written)| *written == name);
-                if let Some(option) = options.iter().find(|option| is_meant(option.name)) {
-                    self.add_fields(option.fields, value, at, Some(branch));
+                let option = options
+                    .iter()
+                    .find(|option| written.iter().any(|(_, name)| *name == option.name));
+                if let Some(option) = option {
+                    self.add_fields(option.fields, value, location, Some(branch));
                 }
             }
-            (Shape::Either(_, object), Node::Object(_)) => self.add_inside(object, value, at, branch),
+            (Shape::Either(_, object), Node::Object(_)) => self.add_inside(object, value, location, branch),
             (Shape::List { element, .. }, Node::List(items)) => {
                 for (position, item) in items.iter().enumerate() {
-                    let at = at.item(position);
-                    for (pointer, value) in item.alternatives(&at.pointer) {
-                        let at = Place {
+                    let location = location.item(position);
+                    for (pointer, value) in item.alternatives(&location.pointer) {
+                        let location = Location {
                             pointer,
-                            name: at.name.clone(),
+                            name: location.name.clone(),
                         };
-                        self.add_inside(element, value, &at, branch);
+                        self.add_inside(element, value, &location, branch);
                     }
                 }
             }
-            (Shape::Text(_), Node::Constant(word)) if at.name.ends_with(']') => {
+            (Shape::Text(_), Node::Constant(word)) if location.name.ends_with(']') => {
                 let word = word.as_str().unwrap_or_default();
-                self.given.insert((format!("{}.{word}", at.path("")), branch));
+                self.given
+                    .insert((format!("{}.{word}", location.path("")), branch));
             }
             _ => {}
         }
     }
 }
 
-/// Whether two values are the same, whether whole numbers are written 2 or 2.0.
+/// Compares values; 2 and 2.0 are equal.
 fn is_same(left: &Value, right: &Value) -> bool {
     match (left, right) {
         (Value::Number(left), Value::Number(right)) => left.as_f64() == right.as_f64(),
@@ -167,7 +175,6 @@ fn is_same(left: &Value, right: &Value) -> bool {
     }
 }
 
-/// The top-level field of a path.
 pub(super) fn top_of(path: &str) -> &str {
     path.split(['.', '[']).next().unwrap_or_default()
 }

@@ -1,4 +1,4 @@
-//! The rules across fields that the table declares, see [`Rule`].
+//! Rules across fields, as declared in the schema; see [`Rule`].
 
 use super::Checker;
 use super::present::{Contents, Present, top_of};
@@ -7,9 +7,8 @@ use crate::node::Node;
 use crate::schema::{Rule, TRACED, describe};
 
 impl Checker<'_> {
-    /// Checks the rules of every field that is given. Fields with errors of their own are missing from the contents: a rule that
-    /// would need one is not checked.
-    pub(super) fn rules(&mut self, contents: &Contents<'_>) {
+    /// Checks the rules of every given field. Rules that involve an invalid field are skipped.
+    pub(super) fn check_rules(&mut self, contents: &Contents<'_>) {
         let wrong: Vec<_> = self.errors.iter().map(|error| error.pointer.clone()).collect();
         for present in contents.fields.iter().filter(|present| present.is_given()) {
             let situation = Situation {
@@ -20,7 +19,7 @@ impl Checker<'_> {
             for rule in present.field.rules {
                 if let Some(message) = situation.find_problem(rule) {
                     self.refuse(|| {
-                        FieldError::new(&present.at.pointer, message)
+                        FieldError::new(&present.location.pointer, message)
                             .value(&present.node.canonical())
                             .limit(rule.to_string())
                     });
@@ -30,7 +29,7 @@ impl Checker<'_> {
     }
 }
 
-/// A field and what it must fit together with.
+/// A field under check.
 struct Situation<'a> {
     present: &'a Present<'a>,
     contents: &'a Contents<'a>,
@@ -39,23 +38,28 @@ struct Situation<'a> {
 }
 
 impl Situation<'_> {
-    /// What breaks this rule.
+    /// Describes how the field breaks this rule.
     fn find_problem(&self, rule: &Rule) -> Option<String> {
-        let Present { at, object, node, .. } = self.present;
+        let Present {
+            location,
+            object,
+            node,
+            ..
+        } = self.present;
         let subject = match node {
-            Node::Constant(value) => format!("{at} is {}", quote(value)),
-            _ => format!("{at} is given"),
+            Node::Constant(value) => format!("{location} is {}", quote(value)),
+            _ => format!("{location} is given"),
         };
         match rule {
             Rule::Needs(paths) => (!paths.iter().any(|path| self.is_given(path))).then(|| {
                 let remedy = if paths.len() == 1 { "it" } else { "one of them" };
                 format!(
-                    "{subject}, but needs {}: add {remedy}, or remove {at}",
+                    "{subject}, but needs {}: add {remedy}, or remove {location}",
                     self.name(paths)
                 )
             }),
             Rule::NeedsAlways(path) => (!self.is_wrong(path) && !self.contents.is_certain(path))
-                .then(|| format!("{subject}, but {rule}: change the others, or remove {at}")),
+                .then(|| format!("{subject}, but {rule}: change the others, or remove {location}")),
             Rule::Excludes(paths) => paths.iter().find(|path| self.has(path)).map(|path| {
                 format!(
                     "{subject}, which cannot be combined with {}; remove one of them",
@@ -64,7 +68,7 @@ impl Situation<'_> {
             }),
             Rule::Untraced(reason) => TRACED.iter().find(|path| self.is_given(path)).map(|path| {
                 format!(
-                    "{subject}, which does not go with {}: {reason}; remove one of them",
+                    "{subject}, which cannot be combined with {}: {reason}; remove one of them",
                     describe(&[path])
                 )
             }),
@@ -72,19 +76,24 @@ impl Situation<'_> {
                 let (value, limit) = (node.greatest()?, object.get(path)?.least()?);
                 (value >= limit).then(|| {
                     format!(
-                        "{at} is {value}, but must be below {}, which is {limit}",
+                        "{location} is {value}, but must be below {}, which is {limit}",
                         self.name(&[path])
                     )
                 })
             }
-            Rule::Differs(path) => (object.get(path)?.canonical() == node.canonical())
-                .then(|| format!("{at} is the same as {}: change one of them", self.name(&[path]))),
-            Rule::NonZero => is_zero(node)
-                .then(|| format!("{at} is [0, 0, 0], which has no direction: its length must be above 0")),
+            Rule::Differs(path) => (object.get(path)?.canonical() == node.canonical()).then(|| {
+                format!(
+                    "{location} is the same as {}: change one of them",
+                    self.name(&[path])
+                )
+            }),
+            Rule::NonZero => is_zero(node).then(|| {
+                format!("{location} is [0, 0, 0], which has no direction: its length must be above 0")
+            }),
         }
     }
 
-    /// Whether a field of the same object, or a path of the same frame, is given. One that is wrong counts.
+    /// Whether a field of the same object, or a path of the same frame, is given, valid or not.
     fn is_given(&self, path: &str) -> bool {
         self.is_wrong(path)
             || if is_sibling(path) {
@@ -94,7 +103,7 @@ impl Situation<'_> {
             }
     }
 
-    /// Whether it is there, given or by default.
+    /// Whether it is present, given or by default.
     fn has(&self, path: &str) -> bool {
         if is_sibling(path) {
             self.present.object.get(path).is_some()
@@ -103,10 +112,10 @@ impl Situation<'_> {
         }
     }
 
-    /// Whether what a path leads to has errors.
+    /// Whether the field at this path has errors.
     fn is_wrong(&self, path: &str) -> bool {
         let pointer = if is_sibling(path) {
-            let (parent, _) = self.present.at.pointer.rsplit_once('/').unwrap_or_default();
+            let (parent, _) = self.present.location.pointer.rsplit_once('/').unwrap_or_default();
             format!("{parent}/{path}")
         } else {
             format!("/{}", top_of(path))
@@ -114,19 +123,21 @@ impl Situation<'_> {
         self.wrong.iter().any(|error| error.starts_with(&pointer))
     }
 
-    /// These fields as a message names them, those of the same object by their whole paths.
+    /// The names of these fields in messages; siblings by their whole paths.
     fn name(&self, paths: &[&str]) -> String {
-        let parent = self.present.at.name.rsplit_once('.');
-        let name = |path: &&str| match parent {
-            Some((parent, _)) if is_sibling(path) => format!("{parent}.{path}"),
-            _ => (*path).to_owned(),
-        };
-        let names: Vec<_> = paths.iter().map(name).collect();
+        let parent = self.present.location.name.rsplit_once('.');
+        let names: Vec<_> = paths
+            .iter()
+            .map(|path: &&str| match parent {
+                Some((parent, _)) if is_sibling(path) => format!("{parent}.{path}"),
+                _ => (*path).to_owned(),
+            })
+            .collect();
         describe(&names)
     }
 
     fn own_branch(&self) -> Option<(&str, usize)> {
-        Some((top_of(&self.present.at.name), self.present.branch))
+        Some((top_of(&self.present.location.name), self.present.branch))
     }
 }
 
@@ -134,8 +145,7 @@ fn is_sibling(path: &str) -> bool {
     !path.contains('.')
 }
 
-/// Whether a list holds nothing but the constant 0.
+/// Whether a list contains only the constant 0.
 fn is_zero(list: &Node) -> bool {
-    let is_nothing = |node: &Node| matches!(node, Node::Constant(value) if value.as_f64() == Some(0.0));
-    matches!(list, Node::List(axis) if axis.iter().all(is_nothing))
+    matches!(list, Node::List(axis) if axis.iter().all(|node: &Node| matches!(node, Node::Constant(value) if value.as_f64() == Some(0.0))))
 }

@@ -1,28 +1,34 @@
-//! What a description asks of its scenes: refused where no frame can have it, a warning where some frames cannot.
+//! Requirements on scenes: an error if no frame meets them, a warning if some frames do not.
+
+mod requirements;
 
 use std::collections::BTreeSet;
 
 use serde_json::Value;
 
-use super::places::{lists, places};
+use super::Checker;
 use super::present::Contents;
-use super::{Checker, Place};
+use super::values::find_values;
 use crate::artifact::ArtifactKind;
 use crate::invalid::FieldError;
 use crate::node::Node;
 use crate::scene_parts::{ScenePart, SceneParts, Uploads};
 use crate::schema::Names;
 
-/// A scene that a frame can have.
+use self::requirements::{
+    find_artifact_requirements, find_camera_requirements, find_lamp_requirements, find_water_requirements,
+};
+
+/// A possible scene of a frame.
 struct Candidate {
     name: String,
     parts: SceneParts,
-    /// Whether frames surely have it, whatever laws draw: a scene of a collection of which each is taken.
+    /// Whether some frame certainly has it, as with a collection of which each scene is used.
     is_certain: bool,
 }
 
 /// A value that needs a part of the scene.
-struct Ask {
+struct Requirement {
     pointer: String,
     /// For messages.
     name: String,
@@ -30,11 +36,11 @@ struct Ask {
     part: ScenePart,
 }
 
-/// A field or an element of a list.
-struct Element {
-    /// Those of its values that need a part of the scene.
-    asks: Vec<Ask>,
-    /// How many values can stand there.
+/// A field or list element.
+struct Selectable {
+    /// The possible values that need a part of the scene.
+    requirements: Vec<Requirement>,
+    /// Number of possible values.
     values: usize,
 }
 
@@ -42,84 +48,108 @@ struct Element {
 struct Lacking {
     count: usize,
     first: Option<String>,
-    /// Whether some frames surely lack it: no scene has the part, or one that is certain does not.
+    /// Whether some frames certainly lack it: no scene has the part, or a certain one lacks it.
     is_certain: bool,
 }
 
+impl Requirement {
+    fn find_lacking<'l>(&self, lacking: &'l [Lacking]) -> &'l Lacking {
+        &lacking[self.part as usize]
+    }
+}
+
+impl Selectable {
+    /// Whether each of its possible values needs a part that some frames certainly lack.
+    fn fails(&self, lacking: &[Lacking]) -> bool {
+        let failing = self
+            .requirements
+            .iter()
+            .filter(|requirement| requirement.find_lacking(lacking).is_certain);
+        failing.count() == self.values
+    }
+}
+
 impl Checker<'_> {
-    /// Checks what the description asks of its scenes. Returns warnings about what only some frames have.
-    pub(crate) fn scenes(&mut self, document: &Node, uploads: &Uploads) -> Vec<String> {
-        let scenes = self.candidates(document, uploads);
+    /// Checks the requirements on scenes. Returns warnings for those that only some frames meet.
+    pub(crate) fn check_scenes(&mut self, document: &Node, uploads: &Uploads) -> Vec<String> {
+        let scenes = self.find_candidates(document, uploads);
         let mut warnings = Vec::new();
         if scenes.is_empty() {
             return warnings;
         }
-        let brings_camera = scenes.iter().all(|scene| scene.parts.camera);
-        if brings_camera && Contents::read(document).has_given("camera.hfov_deg", None) {
-            let message =
-                "`camera.hfov_deg` is given, but the scene brings its own camera: remove `camera.hfov_deg`";
+        let has_camera = scenes.iter().all(|scene| scene.parts.camera);
+        if has_camera && Contents::read(document).has_given("camera.hfov_deg", None) {
+            let message = "`camera.hfov_deg` is given, but the scene has a camera; remove `camera.hfov_deg`";
             self.refuse(|| FieldError::new("/camera/hfov_deg", message));
         }
-        let lacking = ScenePart::ALL.map(|part| lacking(&scenes, part));
-        let of = |ask: &Ask| &lacking[ask.part as usize];
-        let fails = |element: &&Element| {
-            element.asks.iter().filter(|ask| of(ask).is_certain).count() == element.values
-        };
+        let lacking = ScenePart::ALL.map(|part| find_lacking(&scenes, part));
         for draws in [
-            waters(document),
-            self.styles(document),
-            cameras(document),
-            lamps(document),
-            artifacts(document),
+            find_water_requirements(document),
+            self.find_styles(document),
+            find_camera_requirements(document),
+            find_lamp_requirements(document),
+            find_artifact_requirements(document),
         ] {
             if draws
                 .iter()
-                .all(|draw| draw.iter().any(|element| fails(&element)))
+                .all(|draw| draw.iter().any(|element| element.fails(&lacking)))
             {
-                let failing = draws.iter().flatten().filter(fails);
+                let failing = draws.iter().flatten().filter(|element| element.fails(&lacking));
                 failing
-                    .flat_map(|element| &element.asks)
-                    .for_each(|ask| self.refuse_ask(ask, &lacking));
+                    .flat_map(|element| &element.requirements)
+                    .for_each(|requirement| self.refuse_requirement(requirement, &lacking));
                 continue;
             }
             let mut named = BTreeSet::new();
-            for ask in draws.iter().flatten().flat_map(|element| &element.asks) {
-                if of(ask).count > 0 && named.insert((&ask.name, ask.part)) {
-                    let Ask { pointer, name, .. } = ask;
-                    let needs = needs(ask, of(ask));
-                    warnings.push(format!("{name} at {pointer} {needs}: such frames go without it"));
+            for requirement in draws.iter().flatten().flat_map(|element| &element.requirements) {
+                if requirement.find_lacking(&lacking).count > 0
+                    && named.insert((&requirement.name, requirement.part))
+                {
+                    let Requirement { pointer, name, .. } = requirement;
+                    let needs = needs(requirement, requirement.find_lacking(&lacking));
+                    warnings.push(format!(
+                        "{name} at {pointer} {needs}; those frames are rendered without it"
+                    ));
                 }
             }
         }
         warnings
     }
 
-    fn refuse_ask(&mut self, ask: &Ask, lacking: &[Lacking]) {
-        let message = format!("{} {}", ask.name, needs(ask, &lacking[ask.part as usize]));
-        let error = FieldError::new(&ask.pointer, message)
-            .value(&ask.value)
-            .limit(format!("only over a scene with {}", ask.part.describe()));
-        let possible = |name: &String| {
-            let part = ArtifactKind::parse(name).and_then(|kind| kind.needs());
-            part.is_none_or(|part| !lacking[part as usize].is_certain)
-        };
-        let error = if ask.pointer.starts_with("/artifacts") {
+    fn refuse_requirement(&mut self, requirement: &Requirement, lacking: &[Lacking]) {
+        let message = format!(
+            "{} {}",
+            requirement.name,
+            needs(requirement, requirement.find_lacking(lacking))
+        );
+        let error = FieldError::new(&requirement.pointer, message)
+            .value(&requirement.value)
+            .limit(format!(
+                "only with a scene that has {}",
+                requirement.part.describe()
+            ));
+        let error = if requirement.pointer.starts_with("/artifacts") {
             let kinds = self.vocabulary.listed(Names::Artifact);
-            error.allowed(kinds.into_iter().filter(possible), "")
+            error.allowed(
+                kinds.into_iter().filter(|name: &String| {
+                    let part = ArtifactKind::parse(name).and_then(|kind| kind.needs());
+                    part.is_none_or(|part| !lacking[part as usize].is_certain)
+                }),
+                "",
+            )
         } else {
             error
         };
         self.refuse(|| error);
     }
 
-    /// The scenes that a frame can have. Uploaded ones that do not exist are refused.
-    fn candidates(&mut self, document: &Node, uploads: &Uploads) -> Vec<Candidate> {
+    /// The possible scenes of a frame. Rejects uploaded scenes that do not exist.
+    fn find_candidates(&mut self, document: &Node, uploads: &Uploads) -> Vec<Candidate> {
         let mut scenes = Vec::new();
-        let places = places(document, "scene");
+        let places = find_values(document, "scene");
         let is_only = places.len() == 1;
         for (pointer, scene) in places {
-            let has = |name| scene.get(name).is_some();
-            if has("family") {
+            if scene.get("family").is_some() {
                 scenes.push(Candidate {
                     name: "a procedural scene".to_owned(),
                     parts: SceneParts::PROCEDURAL,
@@ -128,7 +158,7 @@ impl Checker<'_> {
             } else if let Some(id) = scene.get("id") {
                 let takes_each = matches!(scene.get("each"), Some(Node::Constant(Value::Bool(true))));
                 let ids = id.strings(&format!("{pointer}/id")).into_iter();
-                let found = ids.filter_map(|(pointer, id)| self.uploaded(&pointer, id, uploads));
+                let found = ids.filter_map(|(pointer, id)| self.find_uploaded(&pointer, id, uploads));
                 scenes.extend(found.map(|scene| Candidate {
                     is_certain: is_only && takes_each,
                     ..scene
@@ -138,8 +168,8 @@ impl Checker<'_> {
                 scenes.push(Candidate {
                     name: format!("the scene of `{}`", paths.first().map_or("", |(_, path)| path)),
                     parts: SceneParts {
-                        range: has("range") || has("z_depth"),
-                        instances: has("instances"),
+                        range: scene.get("range").or(scene.get("z_depth")).is_some(),
+                        instances: scene.get("instances").is_some(),
                         ..SceneParts::default()
                     },
                     is_certain: false,
@@ -149,43 +179,45 @@ impl Checker<'_> {
         scenes
     }
 
-    /// The styles of each water that take a range.
-    fn styles(&self, document: &Node) -> Vec<Vec<Element>> {
-        let of_water = |(pointer, water): (String, &Node)| {
-            let pointer = format!("{pointer}/style");
-            let style = water.get("style")?;
-            let needs_range =
-                |(_, name): &(String, &str)| self.vocabulary.range_styles.iter().any(|known| known == name);
-            let asks = style.strings(&pointer).into_iter().filter(needs_range);
-            let ask = |(pointer, name): (String, &str)| Ask {
-                pointer,
-                name: format!("the style \"{name}\""),
-                value: name.into(),
-                part: ScenePart::Range,
-            };
-            Some(Element {
-                asks: asks.map(ask).collect(),
-                values: style.alternatives(&pointer).len(),
-            })
-        };
-        let waters = places(document, "water").into_iter();
+    /// The styles of each water that use the range.
+    fn find_styles(&self, document: &Node) -> Vec<Vec<Selectable>> {
+        let waters = find_values(document, "water").into_iter();
         waters
-            .map(|water| of_water(water).into_iter().collect())
+            .map(|(pointer, water)| {
+                let style = water.get("style").into_iter();
+                style
+                    .map(|style| self.find_style_requirements(&format!("{pointer}/style"), style))
+                    .collect()
+            })
             .collect()
     }
 
-    fn uploaded(&mut self, pointer: &str, id: &str, uploads: &Uploads) -> Option<Candidate> {
+    fn find_style_requirements(&self, pointer: &str, style: &Node) -> Selectable {
+        let names = style.strings(pointer).into_iter();
+        let names = names.filter(|(_, name)| self.vocabulary.range_styles.iter().any(|known| known == name));
+        Selectable {
+            requirements: names
+                .map(|(pointer, name)| Requirement {
+                    pointer,
+                    name: format!("the style \"{name}\""),
+                    value: name.into(),
+                    part: ScenePart::Range,
+                })
+                .collect(),
+            values: style.alternatives(pointer).len(),
+        }
+    }
+
+    fn find_uploaded(&mut self, pointer: &str, id: &str, uploads: &Uploads) -> Option<Candidate> {
         let parts = match uploads {
             Uploads::Unknown => Some(SceneParts::PROCEDURAL),
             Uploads::Known(known) => known.get(id).copied(),
         };
         if parts.is_none() {
             let message = if self.vocabulary.local {
-                format!(
-                    "scene `{id}` was uploaded to a service and can only be rendered by one of its workers"
-                )
+                format!("scene `{id}` is stored in a service; submit the job there with `fathom submit`")
             } else {
-                format!("scene `{id}` was not uploaded")
+                format!("scene `{id}` does not exist; upload it first")
             };
             self.refuse(|| FieldError::new(pointer, message).value(&id.into()));
         }
@@ -197,108 +229,23 @@ impl Checker<'_> {
     }
 }
 
-fn lacking(scenes: &[Candidate], part: ScenePart) -> Lacking {
-    let without = || scenes.iter().filter(|scene| !scene.parts.has(part));
-    let certain = without().find(|scene| scene.is_certain);
-    let count = without().count();
+fn find_lacking(scenes: &[Candidate], part: ScenePart) -> Lacking {
+    let without: Vec<_> = scenes.iter().filter(|scene| !scene.parts.has(part)).collect();
+    let certain = without.iter().find(|scene| scene.is_certain);
     Lacking {
-        count,
-        first: certain.or(without().next()).map(|scene| scene.name.clone()),
-        is_certain: certain.is_some() || count == scenes.len(),
+        count: without.len(),
+        first: certain.or(without.first()).map(|scene| scene.name.clone()),
+        is_certain: certain.is_some() || without.len() == scenes.len(),
     }
 }
 
 /// `needs a range, which scene X lacks`.
-fn needs(ask: &Ask, lacking: &Lacking) -> String {
-    let part = ask.part.describe();
+fn needs(requirement: &Requirement, lacking: &Lacking) -> String {
+    let part = requirement.part.describe();
     let first = lacking.first.as_deref().unwrap_or_default();
     match lacking.count {
         0 | 1 => format!("needs {part}, which {first} lacks"),
         2 => format!("needs {part}, which {first} and another scene lack"),
         more => format!("needs {part}, which {first} and {} other scenes lack", more - 1),
     }
-}
-
-/// Everything that each water asks for.
-fn waters(document: &Node) -> Vec<Vec<Element>> {
-    needing_range(document, "water", &["optics", "snow", "sediment"])
-}
-
-/// Everything that each camera asks for.
-fn cameras(document: &Node) -> Vec<Vec<Element>> {
-    needing_range(document, "camera", &["defocus"])
-}
-
-/// Those of these fields of an object that are there: each needs a range.
-fn needing_range(document: &Node, object: &str, fields: &[&str]) -> Vec<Vec<Element>> {
-    let asked = |pointer: &str, node: &Node, name: &str| {
-        let value = node.get(name)?.canonical();
-        let ask = Ask {
-            pointer: format!("{pointer}/{name}"),
-            name: format!("`{object}.{name}`"),
-            value,
-            part: ScenePart::Range,
-        };
-        Some(Element {
-            asks: vec![ask],
-            values: 1,
-        })
-    };
-    let places = places(document, object).into_iter();
-    let of_object = |(pointer, node): (String, &Node)| {
-        let fields = fields.iter();
-        fields.filter_map(|name| asked(&pointer, node, name)).collect()
-    };
-    places.map(of_object).collect()
-}
-
-/// Everything that the lights of each list ask for.
-fn lamps(document: &Node) -> Vec<Vec<Element>> {
-    let of_item = |at: &Place, item: &Node| {
-        let lights = item.alternatives(&at.pointer);
-        let values = lights.len();
-        let lamps = lights
-            .into_iter()
-            .filter(|(_, light)| light.get("position_m").is_some());
-        let ask = |(pointer, light): (String, &Node)| Ask {
-            pointer,
-            name: format!("the lamp {at}"),
-            value: light.canonical(),
-            part: ScenePart::Range,
-        };
-        Element {
-            asks: lamps.map(ask).collect(),
-            values,
-        }
-    };
-    elements(document, "lights", of_item)
-}
-
-/// Everything that the artifacts of each list ask for.
-fn artifacts(document: &Node) -> Vec<Vec<Element>> {
-    let of_item = |at: &Place, item: &Node| {
-        let kinds = item.strings(&at.pointer);
-        let values = kinds.len();
-        let ask = |(pointer, kind): (String, &str)| {
-            Some(Ask {
-                part: ArtifactKind::parse(kind)?.needs()?,
-                pointer,
-                name: format!("the artifact \"{kind}\""),
-                value: kind.into(),
-            })
-        };
-        Element {
-            asks: kinds.into_iter().filter_map(ask).collect(),
-            values,
-        }
-    };
-    elements(document, "artifacts", of_item)
-}
-
-fn elements(document: &Node, name: &str, of_item: impl Fn(&Place, &Node) -> Element) -> Vec<Vec<Element>> {
-    let of_list = |(at, items): (Place, &[Node])| {
-        let items = items.iter().enumerate();
-        items.map(|(i, item)| of_item(&at.item(i), item)).collect()
-    };
-    lists(document, name).into_iter().map(of_list).collect()
 }

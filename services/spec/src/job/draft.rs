@@ -1,10 +1,10 @@
-//! A description on its way to a job: read, but its scenes not looked at yet.
+//! A parsed description whose scenes are not checked yet.
 
 use std::collections::BTreeSet;
 
 use serde_json::Value;
 
-use crate::check::{Checker, Place, collection, places};
+use crate::check::{Checker, Location, collection, find_values};
 use crate::fields::DOCUMENT;
 use crate::invalid::{FieldError, Invalid, MAX_ERRORS};
 use crate::json::{self, MAX_BYTES};
@@ -14,29 +14,28 @@ use crate::site::Sites;
 use crate::vocabulary::Vocabulary;
 use crate::warnings;
 
-use super::grids::{count_frames, lay_out_grids};
-use super::{Document, Job, canonical, seed};
+use super::{Document, Job, seed};
 
-/// A description that has been read; what is wrong with it so far is kept for [`Draft::check`]. It tells which uploaded
-/// scenes to look up, so that what they lack is reported along with everything else.
+/// A parsed description with its errors so far. [`Draft::check`] adds the errors of the uploaded scenes and reports
+/// all together.
 pub struct Draft<'v> {
     job: Job,
     written: Value,
     /// Errors of the job as a whole.
     errors: Vec<FieldError>,
-    /// For each document of the job its checker, with the errors of that document.
+    /// One checker per document of the job, with its errors.
     parts: Vec<Part<'v>>,
 }
 
-/// How a document of the job was read.
+/// A document of the job and its errors.
 struct Part<'v> {
     checker: Checker<'v>,
-    /// JSON pointer to the fields that only this document has; empty for the job itself.
+    /// JSON pointer to the fields specific to this document; empty for the job itself.
     pointer: String,
 }
 
 impl Part<'_> {
-    /// The errors of the document, with their pointers into what was written.
+    /// The errors of the document, with pointers into the submitted text.
     fn take_errors(&mut self, written: &Value) -> Vec<FieldError> {
         let mut errors = std::mem::take(&mut self.checker.errors);
         for error in &mut errors {
@@ -49,19 +48,19 @@ impl Part<'_> {
 }
 
 impl<'v> Draft<'v> {
-    /// Reads a description.
+    /// Parses a description.
     ///
     /// # Errors
-    /// A text that is not JSON, no object, or a site that cannot be read.
+    /// Not a JSON object, or an invalid site.
     pub fn read(json: &[u8], vocabulary: &'v Vocabulary) -> Result<Self, Invalid> {
-        let mut draft = Self::start(json::read(json)?, vocabulary, false)?;
+        let mut draft = Self::start(json::read(json)?, vocabulary)?;
         let frames = draft.job.frames();
         for (document, part) in draft.job.documents.iter().zip(&mut draft.parts) {
-            part.checker.across(&document.node);
-            part.checker.water(&document.node, frames);
-            part.checker.cameras(&document.node, frames);
+            part.checker.check_across(&document.node);
+            part.checker.try_waters(&document.node, frames);
+            part.checker.try_cameras(&document.node, frames);
         }
-        draft.refuse_path_through_sites();
+        draft.refuse_path_with_drawn_site();
         let length = draft.job.canonical.len();
         if length > MAX_BYTES {
             let message =
@@ -72,34 +71,23 @@ impl<'v> Draft<'v> {
         } else if draft.job.site.is_some()
             && let Err(Invalid(errors)) = json::read(draft.job.canonical.as_bytes())
         {
-            // The descriptions of sites are nested deeper than what was written.
+            // The descriptions of sites are nested deeper than the submitted text.
             draft.errors.extend(errors);
         }
         Ok(draft)
     }
 
-    /// Reads the form of a description; its errors are kept. In a description that is trusted, names and limits are
-    /// believed.
-    pub(super) fn start(written: Value, vocabulary: &'v Vocabulary, trusting: bool) -> Result<Self, Invalid> {
+    /// Checks each document of a description without its scenes; the errors are kept.
+    fn start(written: Value, vocabulary: &'v Vocabulary) -> Result<Self, Invalid> {
         let seed = seed(&written);
-        let new_checker = || Checker {
-            vocabulary,
-            trusting,
-            seed,
-            errors: Vec::new(),
-        };
-        let mut checker = new_checker();
-        let Some(Sites {
-            name: mut site,
-            descriptions,
-        }) = Sites::expand(&written, &mut checker)
-        else {
+        let mut checker = Checker::new(vocabulary, seed);
+        let Some(sites) = Sites::expand(&written, &mut checker) else {
             return Err(Invalid(checker.errors));
         };
         let (mut documents, mut parts) = (Vec::new(), Vec::new());
-        for description in descriptions {
-            let mut checker = new_checker();
-            let Some(node) = checker.node(&Place::default(), &DOCUMENT, false, &description.value) else {
+        for description in sites.descriptions {
+            let mut checker = Checker::new(vocabulary, seed);
+            let Some(node) = checker.check(&Location::default(), &DOCUMENT, false, &description.value) else {
                 return Err(Invalid(checker.errors));
             };
             checker.require_scene(&node);
@@ -110,22 +98,8 @@ impl<'v> Draft<'v> {
             let pointer = description.pointer;
             parts.push(Part { checker, pointer });
         }
-        let trees = documents.iter_mut().map(|document| &mut document.node);
-        let cells = lay_out_grids(trees.chain(site.as_mut()));
         let mut errors = Vec::new();
-        let frames = count_frames(&documents[0].node, cells, &mut errors);
-        let dataset = documents[0].node.get("dataset").map(|node| node.strings(""));
-        let dataset = dataset.into_iter().flatten().map(|(_, name)| name.to_owned());
-        let job = Job {
-            dataset: dataset.collect(),
-            warnings: Vec::new(),
-            canonical: canonical(site.as_ref(), &documents).to_string(),
-            frames,
-            cells: cells.unwrap_or(1),
-            seed,
-            site,
-            documents,
-        };
+        let job = Job::assemble(seed, sites.name, documents, &mut errors);
         Ok(Self {
             job,
             written,
@@ -134,7 +108,7 @@ impl<'v> Draft<'v> {
         })
     }
 
-    /// Names of all collections that a description may mean: the vocabulary that it is read with has to know their scenes.
+    /// Names of all collections that a description may mention. The vocabulary must know their scenes.
     #[must_use]
     pub fn collections_named(json: &[u8]) -> BTreeSet<String> {
         json::read(json)
@@ -142,37 +116,37 @@ impl<'v> Draft<'v> {
             .unwrap_or_default()
     }
 
-    /// Ids of all uploaded scenes that a frame can ask for, sorted.
+    /// Ids of all uploaded scenes that a frame can use, sorted.
     #[must_use]
     pub fn uploaded_scene_ids(&self) -> Vec<String> {
         self.job.uploaded_scene_ids()
     }
 
-    /// The job, if nothing is wrong with it over its scenes.
+    /// Completes the job with the known uploads.
     ///
     /// # Errors
-    /// Every error of the description together, at most [`crate::MAX_ERRORS`].
+    /// All errors of the description, at most [`crate::MAX_ERRORS`].
     pub fn check(mut self, uploads: &Uploads) -> Result<Job, Invalid> {
         let mut found = Vec::new();
         for (document, part) in self.job.documents.iter().zip(&mut self.parts) {
-            let of_scenes = part.checker.scenes(&document.node, uploads);
+            let scene_warnings = part.checker.check_scenes(&document.node, uploads);
             let mut warnings = warnings::find(&document.node, part.checker.vocabulary);
-            warnings.extend(of_scenes);
+            warnings.extend(scene_warnings);
             found.push(warnings);
         }
         self.job.warnings = self.join(&found, |site, warning| format!("site `{site}`: {warning}"));
         self.finish()
     }
 
-    /// The job, if nothing is wrong with it so far.
-    pub(super) fn finish(mut self) -> Result<Job, Invalid> {
+    /// Completes the job if it has no errors so far.
+    fn finish(mut self) -> Result<Job, Invalid> {
         let parts = self.parts.iter_mut();
         let found: Vec<_> = parts.map(|part| part.take_errors(&self.written)).collect();
-        let of_sites = self.join(&found, |site, error| FieldError {
+        let site_errors = self.join(&found, |site, error| FieldError {
             message: format!("site `{site}`: {}", error.message),
             ..error.clone()
         });
-        self.errors.extend(of_sites);
+        self.errors.extend(site_errors);
         if self.errors.len() > MAX_ERRORS {
             self.errors.truncate(MAX_ERRORS);
             self.errors.push(FieldError::too_many());
@@ -184,7 +158,7 @@ impl<'v> Draft<'v> {
         }
     }
 
-    /// Joins what was found in each document: once if it was found in all, else labeled with the site's name.
+    /// Joins the findings of all documents: once if all have it, else labeled with the site's name.
     fn join<T: Clone + PartialEq>(&self, found: &[Vec<T>], label: impl Fn(&str, &T) -> T) -> Vec<T> {
         let mut joined = Vec::new();
         for (position, (items, document)) in found.iter().zip(&self.job.documents).enumerate() {
@@ -199,25 +173,30 @@ impl<'v> Draft<'v> {
         joined
     }
 
-    /// A path goes through one world.
-    fn refuse_path_through_sites(&mut self) {
+    /// A path has one world.
+    fn refuse_path_with_drawn_site(&mut self) {
         let mut laws = self.job.site.iter().flat_map(Node::laws);
         let documents = self.job.documents.iter();
-        let mut cameras = documents.flat_map(|document| places(&document.node, "camera"));
+        let mut cameras = documents.flat_map(|document| find_values(&document.node, "camera"));
         if laws.any(|law| law.key() != "grid") && cameras.any(|(_, camera)| camera.get("path").is_some()) {
-            let message = "`camera.path` goes through one world, but `site` is drawn for each frame";
+            let message =
+                "`camera.path` needs one site, but `site` is drawn for each frame; use one site, or a `grid`";
             self.errors
-                .push(FieldError::new("/site", message).limit("no law but `grid`"));
+                .push(FieldError::new("/site", message).limit("one site, or a `grid` of sites"));
         }
     }
 }
 
 impl Checker<'_> {
-    /// Without a site a description has a scene of its own.
+    /// Without a site a description needs a scene.
     fn require_scene(&mut self, document: &Node) {
-        let is_wrong = |error: &FieldError| error.pointer.starts_with("/scene");
-        if document.get("scene").is_none() && !self.errors.iter().any(is_wrong) {
-            let message = "`scene` is missing: what the camera would see in air, or name a `site`";
+        if document.get("scene").is_none()
+            && !self
+                .errors
+                .iter()
+                .any(|error: &FieldError| error.pointer.starts_with("/scene"))
+        {
+            let message = "`scene` is missing; add it, or name a `site`";
             self.refuse(|| FieldError::new("/scene", message).limit("required"));
         }
     }

@@ -1,4 +1,4 @@
-//! Grids span the frames of a job: strides of their axes, and the number of frames.
+//! Grid layout: strides of the axes, and the number of frames.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +6,7 @@ use crate::fields::MAX_FRAMES;
 use crate::invalid::FieldError;
 use crate::node::{Law, Node};
 
-/// Gives every grid axis its stride; returns the product of their lengths, or `None` beyond u64.
+/// Sets the stride of every grid axis; returns the product of their lengths, or `None` on overflow of u64.
 pub(super) fn lay_out_grids<'a>(trees: impl Iterator<Item = &'a mut Node>) -> Option<u64> {
     let mut trees: Vec<_> = trees.collect();
     let mut lengths = BTreeMap::new();
@@ -32,7 +32,7 @@ pub(super) fn lay_out_grids<'a>(trees: impl Iterator<Item = &'a mut Node>) -> Op
     product
 }
 
-/// The number of frames; 0 if there are too many, with the error added.
+/// The number of frames; 0 with an error added if there are too many.
 pub(super) fn count_frames(document: &Node, cells: Option<u64>, errors: &mut Vec<FieldError>) -> u64 {
     let Some(count) = document.get("count").and_then(Node::greatest) else {
         return 0;
@@ -43,7 +43,9 @@ pub(super) fn count_frames(document: &Node, cells: Option<u64>, errors: &mut Vec
         return frames;
     }
     let cells = cells.map_or("more than 2^64".to_owned(), |cells| cells.to_string());
-    let message = format!("`count` {count} × {cells} grid cells is more than {MAX_FRAMES} frames");
+    let message = format!(
+        "`count` is {count} and the grid has {cells} cells, the limit is {MAX_FRAMES} frames in total"
+    );
     let error = FieldError::new("/count", message).value(&count.into());
     errors.push(error.limit(format!("{MAX_FRAMES} frames")));
     0

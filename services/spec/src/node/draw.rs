@@ -1,4 +1,4 @@
-//! A law in its place: what it yields for a frame, and the ends of what it can yield.
+//! A distribution in a description: its values and its extremes.
 
 use imaging::random::Stream;
 use serde_json::{Value, json};
@@ -6,22 +6,22 @@ use serde_json::{Value, json};
 use super::{Node, float};
 use crate::law;
 
-/// A law with the place where it stands.
+/// A distribution with its location.
 #[derive(Debug, Clone)]
 pub(crate) struct LawNode {
-    /// JSON pointer of the law.
+    /// JSON pointer of the distribution.
     pub(crate) pointer: String,
     /// Its random numbers.
     pub(crate) stream: Stream,
-    /// What it does with them.
+    /// The distribution itself.
     pub(crate) law: Law,
 }
 
-/// What can stand in place of a value. The checker guarantees: ends in order and within the field's range, lists not
-/// empty, as many weights as values, none negative, one positive.
+/// A distribution. The checker guarantees: ends in order and within the field's range, lists not empty, as many
+/// weights as values, none negative, one positive.
 #[derive(Debug, Clone)]
 pub(crate) enum Law {
-    /// One of the values. `weighted`: the weights were written, not all 1 by default.
+    /// One of the values. `weighted`: the weights were given explicitly.
     Choice {
         values: Vec<Node>,
         weights: Vec<f64>,
@@ -31,7 +31,7 @@ pub(crate) enum Law {
     Grid { values: Vec<Node>, stride: u64 },
     /// Between two ends.
     Uniform(f64, f64),
-    /// Between two ends, in the logarithm.
+    /// Log-uniform between two ends.
     LogUniform(f64, f64),
     /// Whole numbers; `as_float` in a number field.
     Int { a: i64, b: i64, as_float: bool },
@@ -39,38 +39,38 @@ pub(crate) enum Law {
     Normal { mean: f64, sd: f64, clip: (f64, f64) },
 }
 
-/// What a law yields.
+/// A drawn value.
 pub(crate) enum Drawn {
-    /// The value at this position of [`LawNode::values`], which may hold laws of its own.
+    /// The value at this position of [`LawNode::values`], which may contain distributions.
     One(usize),
     /// A number.
     Number(Value),
 }
 
 impl LawNode {
-    /// What this law yields for a frame.
+    /// Draws the value for a frame.
     pub(crate) fn draw(&self, index: u64) -> Drawn {
-        let unit = || self.stream.unit(index, 0);
+        let unit = self.stream.unit(index, 0);
         match &self.law {
-            Law::Choice { weights, .. } => Drawn::One(law::choice(unit(), weights)),
+            Law::Choice { weights, .. } => Drawn::One(law::choice(unit, weights)),
             Law::Grid { values, stride } => Drawn::One((index / stride % values.len() as u64) as usize),
-            Law::Uniform(a, b) => Drawn::Number(float(law::uniform(unit(), *a, *b))),
-            Law::LogUniform(a, b) => Drawn::Number(float(law::log_uniform(unit(), *a, *b))),
-            Law::Int { a, b, as_float } => Drawn::Number(whole(law::int(unit(), *a, *b), *as_float)),
+            Law::Uniform(a, b) => Drawn::Number(float(law::uniform(unit, *a, *b))),
+            Law::LogUniform(a, b) => Drawn::Number(float(law::log_uniform(unit, *a, *b))),
+            Law::Int { a, b, as_float } => Drawn::Number(whole(law::int(unit, *a, *b), *as_float)),
             Law::Normal {
                 mean,
                 sd,
                 clip: (low, high),
-            } => Drawn::Number(float(law::normal(unit(), *mean, *sd, *low, *high))),
+            } => Drawn::Number(float(law::normal(unit, *mean, *sd, *low, *high))),
         }
     }
 
-    /// How many extremes this law has: the values of a choice or grid, the two ends of an interval.
+    /// The number of extremes: the values of a choice or grid, the two ends of an interval.
     pub(crate) fn extreme_count(&self) -> usize {
         self.ends().map_or(self.values().len(), |ends| ends.len())
     }
 
-    /// The extreme of this number, from 0 to [`Self::extreme_count`] exclusive.
+    /// The extreme with this number, below [`Self::extreme_count`].
     pub(crate) fn extreme(&self, position: usize) -> Drawn {
         match self.ends() {
             Some(ends) => Drawn::Number(ends[position].clone()),
@@ -89,7 +89,7 @@ impl LawNode {
         }
     }
 
-    /// The values of a choice or grid; empty for the other laws.
+    /// The values of a choice or grid; empty for other distributions.
     pub(crate) fn values(&self) -> &[Node] {
         match &self.law {
             Law::Choice { values, .. } | Law::Grid { values, .. } => values,
@@ -97,7 +97,7 @@ impl LawNode {
         }
     }
 
-    /// The values of a choice or grid; empty for the other laws.
+    /// The values of a choice or grid; empty for other distributions.
     pub(crate) fn values_mut(&mut self) -> &mut [Node] {
         match &mut self.law {
             Law::Choice { values, .. } | Law::Grid { values, .. } => values,
@@ -105,7 +105,7 @@ impl LawNode {
         }
     }
 
-    /// The key that marks the law.
+    /// The key that marks the distribution.
     pub(crate) fn key(&self) -> &'static str {
         match self.law {
             Law::Choice { .. } => "choice",
@@ -117,17 +117,17 @@ impl LawNode {
         }
     }
 
-    /// The law as it is written.
+    /// The distribution as written.
     pub(crate) fn canonical(&self) -> Value {
         let key = self.key();
-        let list = |values: &[Node]| values.iter().map(Node::canonical).collect::<Value>();
+        let list = self.values().iter().map(Node::canonical).collect::<Value>();
         match &self.law {
             Law::Choice {
-                values,
                 weights,
                 weighted: true,
-            } => json!({key: list(values), "weights": floats(weights)}),
-            Law::Choice { values, .. } | Law::Grid { values, .. } => json!({key: list(values)}),
+                ..
+            } => json!({key: list, "weights": floats(weights)}),
+            Law::Choice { .. } | Law::Grid { .. } => json!({key: list}),
             Law::Uniform(a, b) | Law::LogUniform(a, b) => json!({key: floats(&[*a, *b])}),
             Law::Int { a, b, .. } => json!({key: [a, b]}),
             Law::Normal {

@@ -1,6 +1,6 @@
-//! What strings may stand in a place.
+//! Allowed strings.
 
-/// What strings may stand in a place.
+/// Allowed strings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Names {
     /// One of these.
@@ -9,7 +9,7 @@ pub enum Names {
     Family,
     /// A water preset.
     Preset,
-    /// What a user calls a water.
+    /// A user's name for a water.
     WaterName,
     /// Free text.
     Words,
@@ -31,12 +31,12 @@ pub enum Names {
     SceneId,
     /// A collection of uploaded scenes.
     Collection,
-    /// A path of this machine.
+    /// A path on this machine.
     Path,
 }
 
 impl Names {
-    /// The words themselves if they are fixed, else what must stand here.
+    /// The allowed words if fixed, else a description of the string.
     #[must_use]
     pub fn limit(&self) -> String {
         match self {
@@ -49,7 +49,7 @@ impl Names {
         }
     }
 
-    /// What must stand here, for messages: `a known style model`.
+    /// The expected string in messages: `a known style model`.
     #[must_use]
     pub fn describe(&self) -> &'static str {
         match self {

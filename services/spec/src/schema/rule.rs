@@ -1,22 +1,22 @@
-//! What a field must fit together with.
+//! Rules across fields.
 
-/// A rule across fields. It applies to a field that is given, with another value than its default.
+/// A rule across fields. It applies to a field whose value differs from its default.
 ///
-/// A name without a dot is a field of the same object. A path with dots starts at the description, as in `water.optics`, or names
-/// a word of a list, as in `artifacts.truth`.
+/// A name without a dot is a field of the same object. A path with dots starts at the description, as in
+/// `water.optics`, or names a word of a list, as in `artifacts.truth`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Rule {
-    /// One of these must be given as well.
+    /// Requires one of these fields.
     Needs(&'static [&'static str]),
-    /// This must be given in every frame.
+    /// Requires this field in every frame.
     NeedsAlways(&'static str),
-    /// None of these may be given as well.
+    /// Rejects these fields.
     Excludes(&'static [&'static str]),
     /// The number must be below that of this field.
     Below(&'static str),
-    /// The value must not be that of this field.
+    /// The value must differ from that of this field.
     Differs(&'static str),
-    /// Its three numbers must not all be 0.
+    /// The three numbers must not all be 0.
     NonZero,
     /// The Monte Carlo truth does not model it, for this reason.
     Untraced(&'static str),
@@ -39,7 +39,7 @@ impl std::fmt::Display for Rule {
     }
 }
 
-/// Fields as a sentence names them: `` `range` or `z_depth` ``.
+/// Field names joined for a sentence: `` `range` or `z_depth` ``.
 pub(crate) fn describe<S: AsRef<str>>(paths: &[S]) -> String {
     paths
         .iter()

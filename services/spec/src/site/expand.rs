@@ -1,4 +1,4 @@
-//! Expands the sites that a job names into complete descriptions.
+//! Expands the sites of a job into complete descriptions.
 
 use std::collections::BTreeMap;
 
@@ -6,55 +6,54 @@ use serde_json::{Map, Value, json};
 
 use super::SitePreset;
 use super::merge::merge;
-use crate::check::{Checker, Place};
+use crate::check::{Checker, Location};
 use crate::fields::JOB;
 use crate::invalid::FieldError;
 use crate::node::Node;
 use crate::schema::{Names, Shape};
 
-/// Fields that all sites of a job share. They are given beside `site`, never within it.
+/// Fields that all sites of a job share. They are given next to `site`, never within it.
 pub(crate) const OF_THE_JOB: [&str; 4] = ["count", "dataset", "seed", "site"];
 
-/// Greatest number of sites that a job can name: each is a whole description in its canonical text.
+/// Maximum sites of a job: each adds a whole description to its canonical text.
 const MAX_SITES: usize = 16;
 
 /// The descriptions of a job.
 pub(crate) struct Sites {
-    /// The name of a frame's site, or how it is drawn. `None` for a job without a site.
+    /// Name of a frame's site, or its distribution. `None` for a job without sites.
     pub(crate) name: Option<Node>,
-    /// One for each site, or that of the job without a site. Never empty.
+    /// One per site, or a single one without sites. Never empty.
     pub(crate) descriptions: Vec<SiteDescription>,
 }
 
-/// A complete description.
 pub(crate) struct SiteDescription {
     /// Name of the site; empty without one.
     pub(crate) name: String,
-    /// JSON pointer to the fields that the job gives for this site alone; empty for a preset.
+    /// JSON pointer to the fields that the job sets for this site only; empty for a preset.
     pub(crate) pointer: String,
     pub(crate) value: Value,
 }
 
-/// A site as the job names it.
-struct NamedSite {
-    name: String,
-    pointer: String,
-    /// Its own fields in place of those of a preset.
-    fields: Option<Map<String, Value>>,
+/// A site named by the job.
+pub(crate) struct NamedSite {
+    pub(crate) name: String,
+    pub(crate) pointer: String,
+    /// Overrides of the preset's fields.
+    pub(crate) fields: Option<Map<String, Value>>,
 }
 
-/// The fields of a site before those of the job are laid over them.
+/// The fields of a site before the overrides of the job.
 struct SiteFields {
     pointer: String,
     fields: Map<String, Value>,
 }
 
 impl Sites {
-    /// Lays the fields of the job over those of each site that it names.
+    /// Merges the fields of the job into each of its sites.
     ///
-    /// Returns `None` if `site` itself is refused, with its errors added.
+    /// Returns `None` if `site` itself is rejected, with its errors added.
     pub(crate) fn expand(written: &Value, checker: &mut Checker<'_>) -> Option<Self> {
-        let Some((site, fields)) = split(written) else {
+        let Some((site, fields)) = split_site(written) else {
             return Some(Self {
                 name: None,
                 descriptions: vec![SiteDescription {
@@ -71,8 +70,8 @@ impl Sites {
             checker.refuse(|| FieldError::new("/site", message).limit(format!("at most {MAX_SITES} sites")));
             return None;
         }
-        let at = Place::default().field("site");
-        let name = checker.node(&at, &Shape::Text(Names::WaterName), true, &names)?;
+        let location = Location::default().field("site");
+        let name = checker.check(&location, &Shape::Text(Names::WaterName), true, &names)?;
         let mut sites = BTreeMap::new();
         for site in named {
             checker.add_site(site, &mut sites);
@@ -97,7 +96,7 @@ impl Sites {
 }
 
 impl Checker<'_> {
-    /// Adds a site, or the errors of its name and of fields that belong beside `site`.
+    /// Adds a site, or the errors of its name and of fields that belong next to `site`.
     fn add_site(&mut self, site: NamedSite, sites: &mut BTreeMap<String, SiteFields>) {
         let NamedSite {
             name,
@@ -120,11 +119,11 @@ impl Checker<'_> {
             .filter(|field| site.fields.contains_key(*field))
         {
             let message =
-                format!("site `{name}` cannot have `{field}`: give it beside `site`, for all frames");
+                format!("site `{name}` cannot have `{field}`; set it next to `site`, for all frames");
             self.refuse(|| FieldError::new(&format!("{pointer}/{field}"), message));
         }
         if sites.get(&name).is_some_and(|known| known.fields != site.fields) {
-            let message = format!("`site` has two different sites named `{name}`: rename one of them");
+            let message = format!("`site` has two different sites named `{name}`; rename one of them");
             self.refuse(|| FieldError::new(&pointer, message).value(&name.as_str().into()));
         }
         sites.insert(name, site);
@@ -141,14 +140,14 @@ impl Checker<'_> {
     }
 }
 
-/// The field `site` of a job, and the fields beside it.
-fn split(written: &Value) -> Option<(Value, Map<String, Value>)> {
+/// Splits a job into `site` and the other fields.
+pub(crate) fn split_site(written: &Value) -> Option<(Value, Map<String, Value>)> {
     let mut fields = written.as_object()?.clone();
     Some((fields.remove("site")?, fields))
 }
 
-/// Returns `site` with a name in place of each object that has one, and adds the sites in their order.
-fn take_names(site: &Value, pointer: String, named: &mut Vec<NamedSite>) -> Value {
+/// Returns `site` with each named object replaced by its name, and adds the sites in order.
+pub(crate) fn take_names(site: &Value, pointer: String, named: &mut Vec<NamedSite>) -> Value {
     if let Value::String(name) = site {
         named.push(NamedSite {
             name: name.clone(),
@@ -181,7 +180,7 @@ fn take_names(site: &Value, pointer: String, named: &mut Vec<NamedSite>) -> Valu
     names.into()
 }
 
-/// Returns `site` with the description in place of each name: the inverse of [`take_names`].
+/// Returns `site` with each name replaced by its description: the inverse of [`take_names`].
 pub(crate) fn insert_descriptions(site: &Value, descriptions: &BTreeMap<&str, Value>) -> Value {
     match site {
         Value::String(name) => {

@@ -1,13 +1,13 @@
-//! Lays the fields of a job over those of its site.
+//! Merges the fields of a job into those of its site.
 
 use serde_json::{Map, Value};
 
 use crate::law::is_law;
 use crate::schema::{Field, Shape, Variant};
 
-/// Returns the site's fields with the job's in their place: objects are merged field by field; lists, scalars and
-/// distributions are replaced; `null` removes the site's field. An object of another kind replaces the site's, and so
-/// does a scene of another family.
+/// Overrides the site's fields with the job's: objects merge field by field; lists, scalars and distributions are
+/// replaced; `null` removes the site's field. An object of another kind replaces the site's, and so does a scene of
+/// another family.
 pub(super) fn merge(
     fields: &[Field],
     mut site: Map<String, Value>,
@@ -61,8 +61,10 @@ fn merge_tagged(
     let Some(option) = option else {
         return job.clone();
     };
-    let is_changed = |name| job.get(name).is_some_and(|value| site.get(name) != Some(value));
-    if is_changed(tag) || is_changed("family") {
+    if [tag, "family"]
+        .iter()
+        .any(|name| job.get(*name).is_some_and(|value| site.get(*name) != Some(value)))
+    {
         site.retain(|name, _| name == tag);
         return merge(&[], site, job);
     }

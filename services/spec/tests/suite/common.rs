@@ -1,9 +1,7 @@
-//! What the tests of this crate share.
-
 use serde_json::{Value, json};
 use spec::{FieldError, Job, Vocabulary};
 
-/// Names to test with; `local` allows files.
+/// Test names; `local` allows files.
 pub(crate) fn vocabulary(local: bool) -> Vocabulary {
     let names = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect();
     let water = json!({
@@ -48,8 +46,8 @@ pub(crate) fn vocabulary(local: bool) -> Vocabulary {
     }
 }
 
-/// The least that a description must have, with these fields; a style if `alpha` needs one.
-pub(crate) fn with(fields: Value) -> Value {
+/// The minimal description with these fields; adds a style if `alpha` needs one.
+pub(crate) fn document_with(fields: Value) -> Value {
     let mut document = json!({"scene": {"kind": "procedural", "family": "structure"}});
     let Value::Object(fields) = fields else {
         return fields;
@@ -63,18 +61,16 @@ pub(crate) fn with(fields: Value) -> Value {
     document
 }
 
-/// The job of this description.
 pub(crate) fn job(document: &Value) -> Job {
     let text = document.to_string();
     Job::parse(text.as_bytes(), &vocabulary(false)).unwrap_or_else(|errors| panic!("{text}\n{errors}"))
 }
 
-/// The job of the least description with these fields beside it.
+/// The job of the minimal description with these fields.
 pub(crate) fn job_with(fields: Value) -> Job {
-    job(&with(fields))
+    job(&document_with(fields))
 }
 
-/// All errors of this description.
 pub(crate) fn errors(document: &Value) -> Vec<FieldError> {
     match Job::parse(document.to_string().as_bytes(), &vocabulary(false)) {
         Ok(_) => panic!("accepted: {document}"),
@@ -82,14 +78,13 @@ pub(crate) fn errors(document: &Value) -> Vec<FieldError> {
     }
 }
 
-/// The only error of the least description with these fields beside it.
+/// The only error of the minimal description with these fields.
 pub(crate) fn only_error(fields: Value) -> FieldError {
-    let mut found = errors(&with(fields.clone()));
+    let mut found = errors(&document_with(fields.clone()));
     assert_eq!(found.len(), 1, "{fields}: {found:#?}");
     found.remove(0)
 }
 
-/// The parameters of a frame.
 pub(crate) fn parameters(job: &Job, index: u64) -> Value {
     job.resolve(index).unwrap().parameters
 }

@@ -1,4 +1,4 @@
-//! Daylight, the water below it and the scene that it lights.
+//! Daylight, water and scene lighting.
 
 use serde_json::{Value, json};
 use spec::{Daylight, SceneLighting, Sky};
@@ -55,7 +55,7 @@ fn a_dark_night_is_refused_unless_the_picture_contains_its_light() {
         .unwrap();
     assert_eq!(frame.scene.lighting(), SceneLighting::InAir);
     job_with(json!({"daylight": {"choice": ["auto", "none"]}}));
-    // A lamp that is wrong may still light the scene.
+    // An invalid lamp may still light the scene.
     let mut dim = lamp();
     dim[0]["radius_m"] = json!(7);
     let found = only_error(json!({"daylight": "none", "lights": {"choice": [dim]}}));

@@ -1,9 +1,7 @@
-//! Valid descriptions: defaults, canonical form, frames.
-
 use serde_json::{Value, json};
 use spec::{ArtifactKind, Camera, Encode, Fidelity, HazeBlend, HoleRule, Job, RangeKind, Scene};
 
-use crate::common::{errors, job, job_with, parameters, vocabulary, with};
+use crate::common::{document_with, errors, job, job_with, parameters, vocabulary};
 
 const LEAST: &str = concat!(
     r#"{"alpha":1.0,"artifacts":["rgb"],"camera":{"bits":8,"frames_per_s":25.0,"height":492,"hfov_deg":80.0,"supersample":1,"tone":"srgb","width":768},"count":1,"#,
@@ -36,12 +34,12 @@ fn everything() -> Value {
 
 #[test]
 fn the_least_description_gets_every_default() {
-    assert_eq!(job(&with(json!({}))).canonical(), LEAST);
+    assert_eq!(job(&document_with(json!({}))).canonical(), LEAST);
 }
 
 #[test]
 fn the_canonical_form_is_a_fixed_point() {
-    for document in [with(json!({})), everything()] {
+    for document in [document_with(json!({})), everything()] {
         let first = job(&document);
         let second = Job::parse(first.canonical().as_bytes(), &vocabulary(false)).unwrap();
         assert_eq!(first.canonical(), second.canonical());
@@ -54,10 +52,10 @@ fn the_canonical_form_is_a_fixed_point() {
 
 #[test]
 fn order_spacing_and_the_form_of_numbers_do_not_change_the_digest() {
-    let one = br#"{"scene":{"kind":"procedural","family":"structure","seed":7},"alpha":0.50,"count":10,"water":{"style":"muddy"}}"#;
+    let submitted = br#"{"scene":{"kind":"procedural","family":"structure","seed":7},"alpha":0.50,"count":10,"water":{"style":"muddy"}}"#;
     let other = br#"{ "count": 1e1, "alpha": 5e-1, "scene": {"seed": 7.0, "family": "structure", "kind": "procedural"},
         "water": {"range_scale": 1, "style": "muddy"}, "labels": {} }"#;
-    let [one, other] = [&one[..], &other[..]].map(|text| Job::parse(text, &vocabulary(false)).unwrap());
+    let [one, other] = [&submitted[..], &other[..]].map(|text| Job::parse(text, &vocabulary(false)).unwrap());
     assert_eq!(one.canonical(), other.canonical());
     assert_eq!(one.digest(), other.digest());
     assert_eq!(one.digest().len(), 64);
@@ -80,7 +78,7 @@ fn minus_zero_is_zero_and_a_large_seed_is_kept_exactly() {
 fn parameters_are_the_resolved_description_without_count() {
     let mut expected: Value = serde_json::from_str(LEAST).unwrap();
     expected.as_object_mut().unwrap().remove("count");
-    assert_eq!(parameters(&job(&with(json!({}))), 0), expected);
+    assert_eq!(parameters(&job(&document_with(json!({}))), 0), expected);
 }
 
 #[test]
@@ -121,7 +119,7 @@ fn a_frame_has_the_values_of_its_parameters() {
 }
 
 #[test]
-fn presets_are_stored_by_their_full_name_whatever_their_form() {
+fn presets_are_stored_by_their_full_name() {
     for optics in [
         json!("jerlov-3C"),
         json!("jerlov-3C/williamson2022"),
@@ -162,7 +160,7 @@ fn uploaded_scenes_are_listed_whether_chosen_or_not() {
 }
 
 #[test]
-fn files_are_read_only_where_the_vocabulary_says_local() {
+fn files_are_accepted_only_with_a_local_vocabulary() {
     let text = json!({"scene": {"kind": "files", "rgb": "a.png", "z_depth": "d.png", "unit_m": 0.001,
         "invalid_code": 0}});
     let frame = Job::parse(text.to_string().as_bytes(), &vocabulary(true))
@@ -187,7 +185,7 @@ fn files_are_read_only_where_the_vocabulary_says_local() {
 }
 
 #[test]
-fn what_has_no_effect_is_refused() {
+fn fields_without_effect_are_rejected() {
     let refused = |document: Value| {
         let found = errors(&document);
         assert_eq!(found.len(), 1, "{document}: {found:#?}");
@@ -223,9 +221,9 @@ fn the_focal_length_follows_from_the_field_of_view() {
 }
 
 #[test]
-fn a_stored_job_means_what_it_meant_whatever_names_there_are_by_now() {
+fn a_stored_job_keeps_its_meaning_when_names_change() {
     let accepted = job(&everything());
-    let stored = Job::trusted(accepted.canonical()).unwrap();
+    let stored = Job::from_canonical(accepted.canonical()).unwrap();
     assert_eq!(stored.canonical(), accepted.canonical());
     assert_eq!(
         (stored.frames(), stored.dataset(), stored.seed(), stored.styles()),
@@ -239,18 +237,18 @@ fn a_stored_job_means_what_it_meant_whatever_names_there_are_by_now() {
     for index in [0, 1, 7, 1999] {
         assert_eq!(stored.resolve(index).unwrap(), accepted.resolve(index).unwrap());
     }
-    let of_old = accepted
+    let earlier = accepted
         .canonical()
         .replace("\"muddy\"", "\"a-style-that-is-gone\"")
         .replace("williamson2022", "a-source-that-is-gone");
-    assert_ne!(of_old, accepted.canonical());
-    assert!(Job::parse(of_old.as_bytes(), &vocabulary(false)).is_err());
-    let old = Job::trusted(&of_old).unwrap();
-    assert_eq!(old.canonical(), of_old);
+    assert_ne!(earlier, accepted.canonical());
+    assert!(Job::parse(earlier.as_bytes(), &vocabulary(false)).is_err());
+    let old = Job::from_canonical(&earlier).unwrap();
+    assert_eq!(old.canonical(), earlier);
     assert!((0..old.frames().min(50)).all(|index| old.resolve(index).is_ok()));
     let wide = job_with(json!({"alpha": 0.5})).canonical().replace("0.5", "7.5");
     assert_eq!(
-        Job::trusted(&wide).unwrap().resolve(0).unwrap().alpha,
+        Job::from_canonical(&wide).unwrap().resolve(0).unwrap().alpha,
         7.5,
         "a limit of then may have been wider"
     );
@@ -263,11 +261,11 @@ fn a_damaged_job_is_an_error_and_no_panic() {
         .step_by(3)
         .filter(|at| canonical.is_char_boundary(*at))
     {
-        assert!(Job::trusted(&canonical[..at]).is_err());
+        assert!(Job::from_canonical(&canonical[..at]).is_err());
         for byte in ["\"", "{", "9", "-", "null"] {
             let mut damaged = canonical.clone();
             damaged.replace_range(at..=at, byte);
-            if let Ok(job) = Job::trusted(&damaged) {
+            if let Ok(job) = Job::from_canonical(&damaged) {
                 let _ = job.resolve(0);
             }
         }

@@ -1,9 +1,9 @@
-//! Refused descriptions: every error at once, each with its place and what would be right.
+//! Rejected descriptions: all errors together, each with its location and limit.
 
 use serde_json::{Value, json};
 use spec::{FieldError, Job, MAX_ERRORS};
 
-use crate::common::{errors, only_error, vocabulary, with};
+use crate::common::{document_with, errors, only_error, vocabulary};
 
 fn pointers(errors: &[FieldError]) -> Vec<&str> {
     errors.iter().map(|error| error.pointer.as_str()).collect()
@@ -49,7 +49,7 @@ fn an_error_names_field_value_and_limit() {
 }
 
 #[test]
-fn errors_serialize_without_what_is_empty() {
+fn errors_serialize_without_empty_members() {
     let error = only_error(json!({"alpha": 1.5}));
     let text = json!({"pointer": "/alpha", "message": error.message, "value": 1.5, "limit": "0..=1"});
     assert_eq!(serde_json::to_value(&error).unwrap(), text);
@@ -104,7 +104,7 @@ fn numbers_outside_their_limits_are_refused() {
         (
             json!({"labels": {"a": "x".repeat(257)}}),
             "/labels/a",
-            "at most 256 characters",
+            "256 characters",
         ),
     ];
     for (fields, pointer, limit) in refused {
@@ -118,7 +118,7 @@ fn numbers_outside_their_limits_are_refused() {
 }
 
 #[test]
-fn values_of_the_wrong_kind_say_what_was_expected() {
+fn values_of_the_wrong_kind_report_the_expected_one() {
     let refused = [
         (
             json!({"alpha": "NaN"}),
@@ -126,7 +126,7 @@ fn values_of_the_wrong_kind_say_what_was_expected() {
         ),
         (
             json!({"alpha": null}),
-            "`alpha` must be a number or a distribution, but is null; leave the field out instead",
+            "`alpha` must be a number or a distribution, but is null; omit the field instead",
         ),
         (
             json!({"count": "3"}),
@@ -138,7 +138,7 @@ fn values_of_the_wrong_kind_say_what_was_expected() {
         ),
         (
             json!({"water": []}),
-            "`water` must be an object or a distribution, but is a list of 0",
+            "`water` must be an object or a distribution, but is an empty list",
         ),
         (
             json!({"water": {"optics": 3}}),
@@ -150,7 +150,7 @@ fn values_of_the_wrong_kind_say_what_was_expected() {
         ),
         (
             json!({"water": {"optics": {"preset": "jerlov-1C", "veiling_light": [1, 2]}}}),
-            "`water.optics.veiling_light` must be a list of three numbers, R, G, B or a distribution, but is a list of 2",
+            "`water.optics.veiling_light` must be a list of three numbers (R, G, B) or a distribution, but is a list of 2",
         ),
     ];
     for (fields, message) in refused {
@@ -158,7 +158,7 @@ fn values_of_the_wrong_kind_say_what_was_expected() {
     }
     assert_eq!(
         errors(&json!([]))[0].message,
-        "the description must be an object, but is a list of 0"
+        "the description must be an object, but is an empty list"
     );
 }
 
@@ -211,7 +211,7 @@ fn unknown_names_suggest_the_nearest() {
 }
 
 #[test]
-fn what_decides_the_shape_must_be_there_and_constant() {
+fn tags_must_be_present_and_constant() {
     let scene = |scene: Value| errors(&json!({"scene": scene})).remove(0);
     assert_eq!(scene(json!({})).message, "`scene.kind` is missing");
     assert_eq!(scene(json!({})).allowed, ["procedural", "uploaded", "collection"]);
@@ -234,7 +234,7 @@ fn what_decides_the_shape_must_be_there_and_constant() {
     let quality = only_error(json!({"encode": {"quality": 3}}));
     assert_eq!(
         quality.message,
-        "`quality` goes with format \"jpeg\", not with \"png\""
+        "`quality` belongs to format \"jpeg\", not to \"png\""
     );
     for field in ["count", "seed", "dataset"] {
         let error = only_error(json!({field: {"choice": [1, 2]}}));
@@ -254,7 +254,7 @@ fn fidelity_is_exactly_one_of_three() {
 
 #[test]
 fn a_removed_field_names_the_new_one() {
-    let found = errors(&with(json!({
+    let found = errors(&document_with(json!({
         "scene": {"kind": "procedural", "family": "structure", "light": "albedo"},
         "water": {"ambient": "exposed", "from_above": {"sun_share": 0.5, "sun": {"elevation_deg": 30}, "caustics": {}}},
         "lights": [{"kind": "point", "position_m": [0, 0, 0], "intensity": [1, 1, 1], "shadow": "soft"}],
@@ -371,7 +371,7 @@ fn duplicate_keys_and_broken_text_are_refused() {
 #[test]
 fn the_list_of_errors_is_limited() {
     let names: serde_json::Map<_, _> = (0..5000).map(|i| (format!("unknown{i}"), json!(i))).collect();
-    let found = errors(&with(Value::Object(names)));
+    let found = errors(&document_with(Value::Object(names)));
     assert_eq!(found.len(), MAX_ERRORS + 1);
     assert!(found[MAX_ERRORS].message.contains("more than 100 errors"));
 }

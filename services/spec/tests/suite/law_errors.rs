@@ -1,8 +1,8 @@
-//! Refused laws.
+//! Rejected distributions.
 
 use serde_json::{Value, json};
 
-use crate::common::{errors, only_error, with};
+use crate::common::{document_with, errors, only_error};
 
 fn alpha(law: Value) -> spec::FieldError {
     only_error(json!({"alpha": law, "water": {"style": "muddy"}}))
@@ -29,7 +29,7 @@ fn a_law_of_the_wrong_form_is_refused_at_its_place() {
         ),
         (
             json!({"log_uniform": [0, 1]}),
-            "`alpha`: `log_uniform` has a = 0, it must be above 0",
+            "`alpha`: `log_uniform` has a = 0; must be above 0",
         ),
         (
             json!({"int": [0, 0.5]}),
@@ -38,11 +38,11 @@ fn a_law_of_the_wrong_form_is_refused_at_its_place() {
         (json!({"int": [1, 0]}), "`alpha`: `int` has a = 1 above b = 0"),
         (
             json!({"normal": [0.5, -1], "clip": [0, 1]}),
-            "`alpha`: `normal` has sd = -1, the limit is 0 or more",
+            "`alpha`: `normal` has sd = -1; must be 0 or more",
         ),
         (
             json!({"normal": [0.5, 1]}),
-            "`alpha`: `normal` needs `clip`: [a, b], the ends of what it may yield",
+            "`alpha`: `normal` needs `clip`: [a, b], the limits of its values",
         ),
         (
             json!({"normal": [0.5, 1], "clip": [1, 0]}),
@@ -58,7 +58,7 @@ fn a_law_of_the_wrong_form_is_refused_at_its_place() {
         ),
         (
             json!({"choice": []}),
-            "`alpha`: `choice` is empty, it needs at least one value",
+            "`alpha`: `choice` is empty; must have at least one value",
         ),
         (
             json!({"choice": 1}),
@@ -66,23 +66,23 @@ fn a_law_of_the_wrong_form_is_refused_at_its_place() {
         ),
         (
             json!({"grid": []}),
-            "`alpha`: `grid` is empty, it needs at least one value",
+            "`alpha`: `grid` is empty; must have at least one value",
         ),
         (
             json!({"choice": [0, 1], "weights": [1]}),
-            "`alpha`: 1 weights for 2 values",
+            "`alpha`: `weights` has 1 numbers; must have 2, one per value",
         ),
         (
             json!({"choice": [0, 1], "weights": [1, -1]}),
-            "`alpha`: a weight is negative, the limit is 0",
+            "`alpha`: `weights` has a negative number; must be 0 or more",
         ),
         (
             json!({"choice": [0, 1], "weights": [0, 0]}),
-            "`alpha`: all weights are 0",
+            "`alpha`: `weights` are all 0; at least one must be above 0",
         ),
         (
             json!({"choice": [0, 1], "weights": [1e308, 1e308]}),
-            "`alpha`: the sum of the weights is not finite",
+            "`alpha`: `weights` have an infinite sum; use smaller numbers",
         ),
         (
             json!({"choice": [0, 1], "weights": ["1", 1]}),
@@ -100,7 +100,7 @@ fn a_law_of_the_wrong_form_is_refused_at_its_place() {
 }
 
 #[test]
-fn keys_beside_a_law_are_refused() {
+fn keys_next_to_a_distribution_are_rejected() {
     let error = alpha(json!({"uniform": [0, 1], "clip": [0, 1]}));
     assert_eq!(
         (error.pointer.as_str(), error.allowed.as_slice()),
@@ -109,7 +109,7 @@ fn keys_beside_a_law_are_refused() {
     assert!(
         alpha(json!({"uniform": [0, 1], "int": [0, 1]}))
             .message
-            .contains("holds two distributions")
+            .contains("has two distributions")
     );
     let error = alpha(json!({"choice": [0, 1], "weigths": [1, 1]}));
     assert_eq!(error.did_you_mean.as_deref(), Some("weights"));
@@ -154,15 +154,15 @@ fn all_that_a_law_can_yield_must_be_within_the_limits() {
 }
 
 #[test]
-fn numbers_do_not_stand_in_for_strings_nor_fractions_for_whole_numbers() {
+fn numbers_are_no_strings_and_fractions_no_whole_numbers() {
     let style = only_error(json!({"water": {"style": {"uniform": [0, 1]}}}));
     assert_eq!(
         style.message,
-        "`water.style`: `uniform` yields a number, but this must be a string"
+        "`water.style`: `uniform` yields a number, but the field must be a string"
     );
     let width = only_error(json!({"camera": {"width": {"uniform": [100, 200]}}}));
     assert!(
-        width.message.contains("use int, choice or grid"),
+        width.message.contains("use `int`, `choice` or `grid`"),
         "{}",
         width.message
     );
@@ -176,7 +176,7 @@ fn intervals_wider_than_doubles_are_refused() {
     assert!(
         only_error(light(json!({"uniform": [-1.7e308, 1.7e308]})))
             .message
-            .contains("wider than doubles reach")
+            .contains("infinite width")
     );
     let wide = json!({"labels": {"n": {"int": [-9_007_199_254_740_992_i64, 9_007_199_254_740_992_i64]}}});
     assert!(only_error(wide).message.contains("2^53"));
@@ -188,13 +188,13 @@ fn grids_with_count_stay_within_the_limit_of_frames() {
     let error = only_error(json!({"count": 1000, "labels": {"a": axis, "b": axis}}));
     assert_eq!(
         error.message,
-        "`count` 1000 × 1000000 grid cells is more than 100000000 frames"
+        "`count` is 1000 and the grid has 1000000 cells, the limit is 100000000 frames in total"
     );
     let axes: serde_json::Map<_, _> = (0..32).map(|i| (format!("l{i}"), axis.clone())).collect();
     assert!(
         only_error(json!({"labels": axes}))
             .message
-            .contains("more than 2^64 grid cells")
+            .contains("more than 2^64 cells")
     );
 }
 
@@ -211,7 +211,7 @@ fn laws_of_camera_sides_are_judged_by_their_greatest_product() {
 
 #[test]
 fn every_bad_value_of_a_choice_is_reported() {
-    let found = errors(&with(
+    let found = errors(&document_with(
         json!({"water": {"style": {"choice": ["a", "muddy", "b"]}}}),
     ));
     let pointers: Vec<_> = found.iter().map(|error| error.pointer.as_str()).collect();

@@ -1,11 +1,11 @@
-//! The laws: published answers, independence of one another, grids.
+//! Distributions: known results, independence of one another, grids.
 
-use crate::common::{job, job_with, parameters, with};
+use crate::common::{document_with, job, job_with, parameters};
 use imaging::random::Stream;
 use serde_json::{Value, json};
 use spec::{Encode, Fidelity, law};
 
-/// log and exp of another library than `libm` may differ by some units in the last place.
+/// log and exp of other libraries may differ from `libm` by some units in the last place.
 const OTHER_LIBRARY: f64 = 1e-14;
 
 struct Vector {
@@ -51,7 +51,7 @@ fn same(ours: &Value, published: &Value, exact: bool) -> bool {
 }
 
 #[test]
-fn the_functions_give_the_published_answers() {
+fn the_functions_yield_the_published_results() {
     for Vector {
         seed,
         pointer,
@@ -88,9 +88,9 @@ fn the_functions_give_the_published_answers() {
     }
 }
 
-/// The same answers through a whole job: every label can hold every law.
+/// The same results through a whole job: every label can be any distribution.
 #[test]
-fn a_job_gives_the_published_answers() {
+fn a_job_yields_the_published_results() {
     let mut labels = 0;
     for Vector {
         seed,
@@ -107,7 +107,7 @@ fn a_job_gives_the_published_answers() {
         else {
             continue;
         };
-        let document = with(json!({"seed": seed, "count": 100_000_000, "labels": {name: law}}));
+        let document = document_with(json!({"seed": seed, "count": 100_000_000, "labels": {name: law}}));
         let exact = law.get("log_uniform").or(law.get("normal")).is_none();
         let ours = &parameters(&job(&document), index)["labels"][name];
         assert!(
@@ -163,7 +163,7 @@ fn raising_the_count_keeps_the_frames_there_were() {
 }
 
 #[test]
-fn the_last_axis_of_a_grid_runs_fastest_and_the_axes_stand_in_the_order_of_their_pointers() {
+fn the_last_axis_of_a_grid_is_fastest_and_axes_are_sorted_by_pointer() {
     let job = job_with(json!({
         "count": 2,
         "labels": {"b": {"grid": ["x", "y"]}, "a": {"grid": [10, 20, 30]}},

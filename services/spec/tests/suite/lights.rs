@@ -1,11 +1,8 @@
-//! Lamps and haze.
-
 use serde_json::{Value, json};
 use spec::{Light, RaySource};
 
 use crate::common::{job_with, only_error};
 
-/// A lamp with these fields.
 fn lamp(fields: Value) -> Value {
     let mut lamp = json!({"kind": "spot", "position_m": [0.3, 0, 0], "intensity": [4, 4, 4]});
     if let Value::Object(fields) = fields {

@@ -4,6 +4,7 @@
 mod common;
 mod daylight;
 mod documents;
+mod error_page;
 mod errors;
 mod law_errors;
 mod laws;

@@ -1,4 +1,4 @@
-//! Views and paths of procedural scenes: what is shared by the frames of a pass, and what is refused.
+//! Views and paths of procedural scenes: values shared by the frames of a pass, and rejected inputs.
 
 use serde_json::{Value, json};
 use spec::{Frame, Scene};

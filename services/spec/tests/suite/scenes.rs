@@ -1,11 +1,11 @@
-//! What a description asks of scenes that cannot give it.
+//! Requirements on scenes that lack a part.
 
 use serde_json::{Value, json};
 use spec::{Draft, FieldError, Job, SceneParts, Uploads};
 
 use crate::common::vocabulary;
 
-/// `scn_flat` is a picture alone; `scn_deep` has a range, `scn_shot` a camera, too.
+/// `scn_flat` is only an image; `scn_deep` has a range, `scn_shot` also a camera.
 fn check(document: &Value) -> Result<Job, Vec<FieldError>> {
     let flat = SceneParts::default();
     let deep = SceneParts { range: true, ..flat };
@@ -45,7 +45,7 @@ fn lamp() -> Value {
 }
 
 #[test]
-fn everything_that_needs_a_range_is_refused_at_once_and_with_the_other_errors() {
+fn all_missing_ranges_are_reported_with_the_other_errors() {
     let found = errors(&over(
         json!("scn_flat"),
         json!({
@@ -70,7 +70,10 @@ fn everything_that_needs_a_range_is_refused_at_once_and_with_the_other_errors() 
         found[1].message,
         "`water.optics` needs a range, which scene `scn_flat` lacks"
     );
-    assert_eq!(found[1].limit.as_deref(), Some("only over a scene with a range"));
+    assert_eq!(
+        found[1].limit.as_deref(),
+        Some("only with a scene that has a range")
+    );
     let possible = &found[5].allowed;
     assert!(possible.contains(&"rgb".to_owned()) && possible.contains(&"transmittance".to_owned()));
     assert!(
@@ -82,7 +85,7 @@ fn everything_that_needs_a_range_is_refused_at_once_and_with_the_other_errors() 
 }
 
 #[test]
-fn a_style_that_takes_a_range_needs_a_scene_with_one() {
+fn a_style_with_a_range_input_needs_a_scene_with_a_range() {
     let styled = |scene: &str, style: Value| over(json!(scene), json!({"water": {"style": style}}));
     let found = errors(&styled("scn_flat", json!("ranged")));
     assert_eq!(found.len(), 1, "{found:#?}");
@@ -92,20 +95,23 @@ fn a_style_that_takes_a_range_needs_a_scene_with_one() {
         "the style \"ranged\" needs a range, which scene `scn_flat` lacks"
     );
     assert_eq!(found[0].value, Some(json!("ranged")));
-    assert_eq!(found[0].limit.as_deref(), Some("only over a scene with a range"));
-    // Over a scene with a range, and of a style that takes none, nothing is said.
+    assert_eq!(
+        found[0].limit.as_deref(),
+        Some("only with a scene that has a range")
+    );
+    // A scene with a range, or a style without one: no warning.
     assert_eq!(warnings(&styled("scn_deep", json!("ranged"))), [""; 0]);
     assert_eq!(warnings(&styled("scn_flat", json!("muddy"))), [""; 0]);
     assert_eq!(
         warnings(&styled("scn_flat", json!({"choice": ["muddy", "ranged"]}))),
         [
-            "the style \"ranged\" at /water/style/choice/1 needs a range, which scene `scn_flat` lacks: such frames go without it"
+            "the style \"ranged\" at /water/style/choice/1 needs a range, which scene `scn_flat` lacks; those frames are rendered without it"
         ]
     );
 }
 
 #[test]
-fn what_a_scene_has_may_be_asked_for() {
+fn the_parts_of_a_scene_can_be_requested() {
     let water = json!({"optics": {"preset": "jerlov-1C", "veil_gain": 0.3}});
     let fields = json!({"water": water, "lights": [lamp()], "artifacts": ["rgb", "range"]});
     assert_eq!(warnings(&over(json!("scn_deep"), fields.clone())), [""; 0]);
@@ -115,7 +121,7 @@ fn what_a_scene_has_may_be_asked_for() {
 }
 
 #[test]
-fn a_law_that_always_asks_is_refused_and_one_that_may_is_warned_of() {
+fn a_distribution_that_always_needs_a_part_is_rejected_and_one_that_may_causes_a_warning() {
     let waters = |choice: Value| over(json!("scn_flat"), json!({"water": {"choice": choice}}));
     let always = errors(&waters(json!([{"optics": "jerlov-1C"}, {"optics": "jerlov-3C"}])));
     let pointers: Vec<_> = always.iter().map(|error| error.pointer.as_str()).collect();
@@ -123,10 +129,10 @@ fn a_law_that_always_asks_is_refused_and_one_that_may_is_warned_of() {
     assert_eq!(
         warnings(&waters(json!([{"style": "muddy"}, {"optics": "jerlov-3C"}]))),
         [
-            "`water.optics` at /water/choice/1/optics needs a range, which scene `scn_flat` lacks: such frames go without it"
+            "`water.optics` at /water/choice/1/optics needs a range, which scene `scn_flat` lacks; those frames are rendered without it"
         ]
     );
-    // Whatever is drawn, an artifact is missing.
+    // An artifact is missing whichever scene is drawn.
     let either = over(
         json!("scn_flat"),
         json!({"artifacts": ["rgb", {"choice": ["range", "boxes"]}]}),
@@ -159,18 +165,18 @@ fn a_scene_by_chance_is_warned_of_unless_no_scene_will_do() {
 }
 
 #[test]
-fn scenes_that_do_not_exist_are_refused_where_they_stand() {
+fn missing_scenes_are_reported_at_their_pointer() {
     let found = errors(&over(
         json!({"choice": ["scn_deep", "scn_gone"]}),
         json!({"alpha": -1}),
     ));
     let pointers: Vec<_> = found.iter().map(|error| error.pointer.as_str()).collect();
     assert_eq!(pointers, ["/alpha", "/scene/id/choice/1"]);
-    assert!(found[1].message.contains("`scn_gone` was not uploaded"));
+    assert!(found[1].message.contains("`scn_gone` does not exist"));
 }
 
 #[test]
-fn a_field_of_view_beside_a_camera_has_no_effect() {
+fn a_field_of_view_next_to_a_camera_has_no_effect() {
     let seen = json!({"camera": {"hfov_deg": 60}});
     let found = errors(&over(json!("scn_shot"), seen.clone()));
     assert_eq!((found.len(), found[0].pointer.as_str()), (1, "/camera/hfov_deg"));
@@ -178,7 +184,7 @@ fn a_field_of_view_beside_a_camera_has_no_effect() {
 }
 
 #[test]
-fn files_have_what_is_named_beside_them() {
+fn files_have_the_named_parts() {
     let job = |scene: Value| {
         let document =
             json!({"scene": scene, "water": {"optics": "jerlov-1C"}, "artifacts": ["rgb", "range"]});
@@ -204,14 +210,15 @@ fn a_collection_becomes_the_scenes_that_it_has_now() {
         json!({"scene": scene, "count": 2})
     };
     let parse = |document: &Value| Job::parse(document.to_string().as_bytes(), &vocabulary(false));
-    let each = parse(&document(json!({}))).unwrap();
-    assert_eq!(each.frames(), 6);
-    assert!(each.canonical().contains(
+    let collection = parse(&document(json!({}))).unwrap();
+    assert_eq!(collection.frames(), 6);
+    assert!(collection.canonical().contains(
         r#""scene":{"each":true,"id":{"grid":["scn_a","scn_b","scn_c"]},"kind":"collection","lighting":"in_air","name":"dock"}"#
     ));
     let ids: Vec<String> = (0..6)
         .map(|index| {
-            each.resolve(index)
+            collection
+                .resolve(index)
                 .unwrap()
                 .scene
                 .uploaded_id()
@@ -220,15 +227,15 @@ fn a_collection_becomes_the_scenes_that_it_has_now() {
         })
         .collect();
     assert_eq!(ids, ["scn_a", "scn_b", "scn_c", "scn_a", "scn_b", "scn_c"]);
-    assert_eq!(each.uploaded_scene_ids(), ["scn_a", "scn_b", "scn_c"]);
-    // Accepted once, a job no longer depends on what the collection has become.
+    assert_eq!(collection.uploaded_scene_ids(), ["scn_a", "scn_b", "scn_c"]);
+    // An accepted job does not depend on later changes of the collection.
     let mut grown = vocabulary(false);
     grown.collections.clear();
-    let again = Job::parse(each.canonical().as_bytes(), &grown).unwrap();
-    assert_eq!(again.canonical(), each.canonical());
+    let again = Job::parse(collection.canonical().as_bytes(), &grown).unwrap();
+    assert_eq!(again.canonical(), collection.canonical());
     assert_eq!(
-        Job::trusted(each.canonical()).unwrap().canonical(),
-        each.canonical()
+        Job::from_canonical(collection.canonical()).unwrap().canonical(),
+        collection.canonical()
     );
 
     let drawn = parse(&document(json!({"each": false}))).unwrap();
@@ -250,7 +257,7 @@ fn a_collection_becomes_the_scenes_that_it_has_now() {
 }
 
 #[test]
-fn a_collection_is_refused_where_one_of_its_scenes_cannot_give_what_every_frame_asks() {
+fn a_collection_is_rejected_if_one_of_its_scenes_lacks_a_required_part() {
     let over = |scene: Value, fields: Value| {
         let mut document = fields;
         document["scene"] = scene;
@@ -271,8 +278,8 @@ fn a_collection_is_refused_where_one_of_its_scenes_cannot_give_what_every_frame_
         draft.check(&uploads).map_err(|invalid| invalid.0)
     };
     let asked = json!({"water": {"optics": "jerlov-1C"}, "artifacts": ["rgb", "range", "boxes"]});
-    let each = json!({"kind": "collection", "name": "dock"});
-    let refused = check(&over(each.clone(), asked.clone())).err().unwrap();
+    let collection = json!({"kind": "collection", "name": "dock"});
+    let refused = check(&over(collection.clone(), asked.clone())).err().unwrap();
     let found: Vec<_> = refused
         .iter()
         .map(|error| (error.pointer.as_str(), error.message.as_str()))
@@ -294,11 +301,11 @@ fn a_collection_is_refused_where_one_of_its_scenes_cannot_give_what_every_frame_
             ),
         ]
     );
-    // Where chance decides what a frame asks or which scene it has, some frames go without.
+    // If chance decides the artifacts or the scene, some frames miss the part.
     let water = json!({"water": {"optics": "jerlov-1C"}});
     let by_chance = json!({"water": {"choice": [{}, {"optics": "jerlov-1C"}]}});
     let drawn = json!({"kind": "collection", "name": "dock", "each": false});
-    for document in [over(each.clone(), by_chance), over(drawn, water.clone())] {
+    for document in [over(collection.clone(), by_chance), over(drawn, water.clone())] {
         let accepted = check(&document).unwrap();
         assert!(
             accepted.warnings()[0].contains("which scene `scn_b` lacks"),
@@ -306,7 +313,7 @@ fn a_collection_is_refused_where_one_of_its_scenes_cannot_give_what_every_frame_
             accepted.warnings()
         );
     }
-    let one_of = json!({"choice": [each, {"kind": "uploaded", "id": "scn_a"}]});
+    let one_of = json!({"choice": [collection, {"kind": "uploaded", "id": "scn_a"}]});
     let accepted = check(&over(one_of, water)).unwrap();
     assert!(
         accepted
@@ -319,7 +326,7 @@ fn a_collection_is_refused_where_one_of_its_scenes_cannot_give_what_every_frame_
 }
 
 #[test]
-fn without_a_service_a_collection_says_that_it_needs_one() {
+fn without_a_service_a_collection_is_rejected() {
     let scene = json!({"kind": "collection", "name": "dock", "id": {"grid": ["scn_a", "scn_b"]}});
     let found = Job::parse(json!({"scene": scene}).to_string().as_bytes(), &vocabulary(true));
     let found = found.unwrap_err().0;

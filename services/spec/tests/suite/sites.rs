@@ -5,7 +5,6 @@ use spec::{FieldError, Job, MAX_ERRORS, SITES, SitePreset, Vocabulary};
 
 use crate::common;
 
-/// The names that the shipped sites use.
 fn vocabulary() -> Vocabulary {
     let names = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect();
     Vocabulary {
@@ -83,27 +82,30 @@ fn objects_are_merged_and_everything_else_is_replaced() {
         "fidelity": {"tolerance": 0.01},
     }));
     let parameters = parameters(&job, 0);
-    let at = |pointer: &str| parameters.pointer(pointer).unwrap_or(&Value::Null).clone();
-    assert_eq!(at("/scene/seed"), 12);
+    let value_at = |pointer: &str| parameters.pointer(pointer).unwrap_or(&Value::Null).clone();
+    assert_eq!(value_at("/scene/seed"), 12);
     assert_eq!(
-        (at("/scene/lighting"), at("/scene/ground/scour")),
+        (value_at("/scene/lighting"), value_at("/scene/ground/scour")),
         (json!("water"), json!(0.5))
     );
     assert_eq!(
-        (at("/camera/width"), at("/camera/height")),
+        (value_at("/camera/width"), value_at("/camera/height")),
         (json!(320), json!(492))
     );
     // An object with exactly one field is replaced.
-    assert_eq!(at("/camera/exposure"), json!({"fixed": 2.0}));
-    assert_eq!(at("/fidelity"), json!({"tolerance": 0.01}));
+    assert_eq!(value_at("/camera/exposure"), json!({"fixed": 2.0}));
+    assert_eq!(value_at("/fidelity"), json!({"tolerance": 0.01}));
     // The site's short form is completed.
     assert_eq!(
-        at("/water/optics"),
+        value_at("/water/optics"),
         json!({"preset": "jerlov-1C/williamson2022", "backscatter_fraction": 0.02, "phase": "ff"})
     );
-    assert_eq!(at("/water/depth_m"), 9.0);
-    assert_eq!((at("/water/snow"), at("/lights")), (Value::Null, json!([])));
-    assert!(at("/water/sediment").is_object());
+    assert_eq!(value_at("/water/depth_m"), 9.0);
+    assert_eq!(
+        (value_at("/water/snow"), value_at("/lights")),
+        (Value::Null, json!([]))
+    );
+    assert!(value_at("/water/sediment").is_object());
 }
 
 #[test]
@@ -187,7 +189,7 @@ fn the_canonical_form_holds_every_description_and_is_a_fixed_point() {
     ] {
         let first = job(&document);
         let again = job(&serde_json::from_str(first.canonical()).unwrap());
-        let trusted = Job::trusted(first.canonical()).unwrap();
+        let trusted = Job::from_canonical(first.canonical()).unwrap();
         for other in [again, trusted] {
             assert_eq!(first.canonical(), other.canonical());
             assert_eq!(first.digest(), other.digest());
@@ -214,7 +216,7 @@ fn the_canonical_form_holds_every_description_and_is_a_fixed_point() {
 }
 
 #[test]
-fn a_grid_of_sites_takes_each_in_turn_and_shares_the_axes_of_all() {
+fn a_grid_of_sites_enumerates_them_and_shares_their_axes() {
     let job = job(&json!({
         "site": {"grid": ["tank", "shaft", "pipeline"]}, "count": 2, "alpha": {"grid": [0.5, 1]},
         "water": {"style": "muddy"}, "labels": {"run": "a"},
@@ -261,7 +263,7 @@ fn an_unknown_site_comes_with_the_known_ones() {
 }
 
 #[test]
-fn what_is_no_site_is_refused_at_its_place() {
+fn bad_sites_are_rejected_at_their_pointer() {
     let cases = [
         (json!(7), "/site", "must be a string or a distribution"),
         (
@@ -273,11 +275,11 @@ fn what_is_no_site_is_refused_at_its_place() {
         (
             json!({"choice": ["shaft"], "weights": [1, 2]}),
             "/site",
-            "2 weights for 1 values",
+            "`weights` has 2 numbers; must have 1, one per value",
         ),
         (json!({"uniform": [0, 1]}), "/site", "yields a number"),
         (json!({"name": "a b"}), "/site", "must be 1 to 64"),
-        (json!({"name": "x", "seed": 4}), "/site/seed", "beside `site`"),
+        (json!({"name": "x", "seed": 4}), "/site/seed", "next to `site`"),
         (
             json!({"grid": ["tank", {"name": "tank", "alpha": 1}]}),
             "/site/grid/1",
@@ -306,7 +308,7 @@ fn errors_of_a_mix_name_the_field_and_the_site_if_it_is_not_every_site() {
     assert_eq!(places[0].0, "/scene/cracks");
     assert!(places[1].1.starts_with("`water.depth_m` is -2"), "{places:#?}");
 
-    // The wall has neither lamps nor a fixed scene; the shaft is not given by the job.
+    // The wall has neither lamps nor a fixed scene; the job does not name the shaft.
     let error = errors(&json!({
         "site": {"choice": ["paper", "tank"]}, "water": {"snow": null}, "artifacts": ["raw"],
     }));
@@ -368,10 +370,11 @@ fn a_damaged_canonical_text_is_refused_without_a_panic() {
     let canonical = job(&mixed()).canonical().to_owned();
     for at in 0..canonical.len() {
         if canonical.is_char_boundary(at) {
-            assert!(Job::trusted(&canonical[..at]).is_err());
+            assert!(Job::from_canonical(&canonical[..at]).is_err());
         }
     }
     for name in ["scene", "site", "choice", "name", "water"] {
-        let _ = Job::trusted(&canonical.replace(&format!("\"{name}\""), "\"x\"")).map(|job| job.resolve(0));
+        let _ = Job::from_canonical(&canonical.replace(&format!("\"{name}\""), "\"x\""))
+            .map(|job| job.resolve(0));
     }
 }

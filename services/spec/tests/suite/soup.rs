@@ -1,12 +1,12 @@
-//! Random input: never a panic, and valid descriptions keep their promises.
+//! Random input: no panics, and valid descriptions keep their guarantees.
 
 use proptest::prelude::*;
 use serde_json::{Value, json};
 use spec::{Job, fields::MAX_FRAMES};
 
-use crate::common::{vocabulary, with};
+use crate::common::{document_with, vocabulary};
 
-/// A number or a law that yields numbers within a..=b.
+/// A number or a distribution within a..=b.
 fn number(a: f64, b: f64) -> BoxedStrategy<Value> {
     let ends = (a..=b, a..=b).prop_map(|(x, y)| (x.min(y), x.max(y)));
     let leaf = prop_oneof![
@@ -38,7 +38,6 @@ fn optics() -> impl Strategy<Value = Value> {
     ]
 }
 
-/// A valid description.
 fn description() -> impl Strategy<Value = Value> {
     let light = (number(-1.0, 2.0), number(0.0, 1.0), any::<bool>()).prop_map(|(x, intensity, add)| {
         let blend = if add { "add" } else { "over" };
@@ -58,14 +57,14 @@ fn description() -> impl Strategy<Value = Value> {
     )
         .prop_map(|(count, seed, alpha, scale, optics, lights, style)| {
             let water = json!({"range_scale": scale, "optics": optics, "style": style});
-            with(
+            document_with(
                 json!({"count": count, "seed": seed, "alpha": alpha, "water": water, "lights": lights,
                 "camera": {"width": {"int": [1, 100]}, "hfov_deg": {"log_uniform": [10, 100]}}}),
             )
         })
 }
 
-/// A valid description, or a job that mixes two of them as sites of its own.
+/// A valid description, or a job that mixes two of them as sites.
 fn description_or_mix() -> impl Strategy<Value = Value> {
     let mix = (description(), description(), any::<bool>()).prop_map(|(first, second, in_turn)| {
         let sites = [("first", &first), ("second", &second)].map(|(name, description)| {
@@ -80,7 +79,7 @@ fn description_or_mix() -> impl Strategy<Value = Value> {
     prop_oneof![2 => description(), 1 => mix]
 }
 
-/// A place anywhere in a document.
+/// Any value of a document.
 fn place(document: &mut Value, mut at: usize) -> Option<&mut Value> {
     if at == 0 {
         return Some(document);
@@ -142,7 +141,7 @@ fn parse(document: &Value) -> Result<Job, spec::Invalid> {
     Job::parse(document.to_string().as_bytes(), &vocabulary(false))
 }
 
-/// Resolves some frames of a job, valid or not, and checks what a frame promises.
+/// Resolves some frames of a job, valid or not, and checks their guarantees.
 fn try_frames(job: &Job) {
     assert!((1..=MAX_FRAMES).contains(&job.frames()));
     for index in [0, 1, job.frames() / 2, job.frames() - 1] {
@@ -169,8 +168,8 @@ fn try_frames(job: &Job) {
             frame.artifacts.len(),
             frame.parameters["artifacts"].as_array().unwrap().len()
         );
-        // A frame's parameters are a job of one frame: the same frame again. Where another frame had what a field needs, this
-        // one may lack it.
+        // The parameters of a frame are a job of one frame that yields the same frame. It is rejected only if a field
+        // needs a value that only another frame had.
         let alone = match parse(&frame.parameters) {
             Ok(alone) => alone,
             Err(invalid) => {

@@ -1,8 +1,8 @@
-//! Snow and turbidity: what is refused.
+//! Rejected snow and turbidity.
 
 use serde_json::json;
 
-use crate::common::{errors, job_with, only_error, with};
+use crate::common::{document_with, errors, job_with, only_error};
 
 #[test]
 fn a_mask_of_snow_needs_snow() {
@@ -19,9 +19,9 @@ fn snow(fields: serde_json::Value) -> serde_json::Value {
 }
 
 #[test]
-fn snow_says_everything_that_is_wrong_with_it() {
+fn all_errors_of_snow_are_reported() {
     let pointers = |more| {
-        errors(&with(more))
+        errors(&document_with(more))
             .into_iter()
             .map(|error| error.pointer)
             .collect::<Vec<_>>()
@@ -61,7 +61,7 @@ fn snow_says_everything_that_is_wrong_with_it() {
 #[test]
 fn aggregates_and_drift_have_limits() {
     let wrong = json!({"density_per_m3": 1, "aggregates": 2, "drift_m_per_s": [9, 0, 0]});
-    let mut found: Vec<_> = errors(&with(snow(wrong)))
+    let mut found: Vec<_> = errors(&document_with(snow(wrong)))
         .into_iter()
         .map(|error| error.pointer)
         .collect();

@@ -1,11 +1,11 @@
-//! The truth of a frame: what is asked of it, and what it does not go with.
+//! Monte Carlo truth: accuracy, and fields that exclude it.
 
 use serde_json::{Value, json};
 use spec::Truth;
 
-use crate::common::{errors, job_with, only_error, with};
+use crate::common::{document_with, errors, job_with, only_error};
 
-/// A job of few pixels that asks for its truth, with these fields beside.
+/// A job of few pixels that requests its truth, with these fields.
 fn traced(beside: Value) -> Value {
     let mut fields = json!({
         "camera": {"width": 64, "height": 48},
@@ -40,7 +40,7 @@ fn more_paths_than_the_limit_need_a_budget_that_pays_for_the_first() {
     let error = only_error(traced(large()));
     assert_eq!(error.pointer, "/camera");
     assert!(
-        error.message.contains("65536 paths of each of 90000 pixels"),
+        error.message.contains("65536 paths for each of 90000 pixels"),
         "{}",
         error.message
     );
@@ -62,7 +62,7 @@ fn more_paths_than_the_limit_need_a_budget_that_pays_for_the_first() {
 }
 
 #[test]
-fn what_is_not_traced_is_refused_all_at_once() {
+fn all_untraced_fields_are_rejected_together() {
     let job = traced(json!({
         "scene": {"kind": "procedural", "family": "structure"},
         "camera": {"width": 64, "height": 48, "distortion": {"k1": -0.1}, "port": {"kind": "flat"}},
@@ -72,7 +72,7 @@ fn what_is_not_traced_is_refused_all_at_once() {
                             "veiling_light": [0, 0, 0]}
         }
     }));
-    let found: Vec<String> = errors(&with(job))
+    let found: Vec<String> = errors(&document_with(job))
         .into_iter()
         .map(|error| error.pointer)
         .collect();

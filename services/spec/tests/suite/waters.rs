@@ -1,4 +1,4 @@
-//! Waters: what must fit together, and what the optics are asked for.
+//! Waters: consistency, and requirements on the optics.
 
 use optics::own_water::parse_own;
 use serde_json::{Value, json};
@@ -6,7 +6,7 @@ use spec::{
     ForwardScatter, Haze, HazeBlend, HazeSpace, HoleRule, Optics, ScatterModel, ScatterSource, Water,
 };
 
-use crate::common::{errors, job_with, only_error, vocabulary, with};
+use crate::common::{document_with, errors, job_with, only_error, vocabulary};
 
 fn optics(optics: Value) -> Value {
     json!({"water": {"optics": optics}})
@@ -49,7 +49,7 @@ fn every_field_reaches_the_frame() {
 }
 
 #[test]
-fn a_preset_that_cannot_be_rendered_says_why() {
+fn an_unrenderable_preset_reports_the_reason() {
     let error = only_error(optics(json!("clear-kd")));
     assert_eq!(
         (
@@ -92,7 +92,7 @@ fn the_ends_of_laws_are_tried_against_each_other() {
     assert!(
         error
             .message
-            .starts_with("a water that the distributions can yield: "),
+            .starts_with("a possible water of the distributions: "),
         "{}",
         error.message
     );
@@ -116,8 +116,8 @@ fn many_laws_are_tried_one_at_a_time_and_the_pair_that_clashes_is_found() {
 }
 
 #[test]
-fn a_water_that_lacks_numbers_says_which() {
-    let found = errors(&with(optics(json!({}))));
+fn a_water_reports_its_missing_numbers() {
+    let found = errors(&document_with(optics(json!({}))));
     let messages: Vec<_> = found.iter().map(|error| error.message.as_str()).collect();
     assert!(
         messages
@@ -137,7 +137,7 @@ fn laws_of_fields_that_must_agree_are_refused() {
 }
 
 #[test]
-fn lights_stand_in_a_frame_in_their_order() {
+fn lights_keep_their_order() {
     let job = job_with(json!({"lights": [
         {"kind": "haze", "x": 0.1, "y": 0.2, "size": 0.3, "intensity": 0.4, "color": [1, 2, 3], "blend": "add",
             "space": "display"},
@@ -167,7 +167,7 @@ fn lights_stand_in_a_frame_in_their_order() {
 }
 
 #[test]
-fn fields_that_vary_together_stand_in_one_choice() {
+fn fields_that_vary_together_share_one_choice() {
     let coupled = json!({"choice": [
         {"absorption_per_m": [0.1, 0, 0], "scattering_per_m": [0, 0, 0], "beam_attenuation_per_m": [0.1, 0, 0],
             "veiling_light": [0, 0, 0]},
@@ -184,7 +184,7 @@ fn fields_that_vary_together_stand_in_one_choice() {
 }
 
 #[test]
-fn a_water_of_the_users_own_is_written_out_in_numbers() {
+fn a_user_defined_water_is_expanded_to_numbers() {
     let short = job_with(optics(json!("quay")));
     let canonical: Value = serde_json::from_str(short.canonical()).unwrap();
     let written = json!({"name": "quay", "phase": "ff", "absorption_per_m": [0.4, 0.2, 0.5], "scattering_per_m": [1.0, 1.1, 1.3],
@@ -206,15 +206,16 @@ fn a_water_of_the_users_own_is_written_out_in_numbers() {
 }
 
 #[test]
-fn what_stands_beside_a_water_of_the_users_own_replaces_its_numbers() {
-    let of = |fields: Value| job_with(optics(fields)).resolve(0).unwrap().water.optics.unwrap();
-    let veiled = of(json!({"preset": "quay", "veil_gain": 0.5, "absorption_per_m": [0.3, 0.1, 0.2]}));
+fn overrides_replace_the_numbers_of_a_user_defined_water() {
+    let resolve_optics = |fields: Value| job_with(optics(fields)).resolve(0).unwrap().water.optics.unwrap();
+    let veiled =
+        resolve_optics(json!({"preset": "quay", "veil_gain": 0.5, "absorption_per_m": [0.3, 0.1, 0.2]}));
     assert_eq!(
         (veiled.absorption_per_m, veiled.scattering_per_m),
         (Some([0.3, 0.1, 0.2]), Some([1.0, 1.1, 1.3]))
     );
     assert_eq!(veiled.name.as_deref(), Some("quay"));
-    let whole = of(json!({"preset": "quay", "beam_attenuation_per_m": [1, 1, 1]}));
+    let whole = resolve_optics(json!({"preset": "quay", "beam_attenuation_per_m": [1, 1, 1]}));
     assert_eq!(
         (whole.absorption_per_m, whole.beam_attenuation_per_m),
         (None, Some([1.0; 3]))
@@ -222,14 +223,14 @@ fn what_stands_beside_a_water_of_the_users_own_replaces_its_numbers() {
 }
 
 #[test]
-fn a_choice_of_waters_may_hold_the_users_own_but_a_choice_of_presets_may_not() {
+fn a_choice_of_waters_may_contain_user_defined_ones_but_a_choice_of_presets_may_not() {
     let job = job_with(json!({"count": 40, "water": {"optics": {"choice": ["jerlov-1C", "quay"]}}}));
     let named = |i: u64| job.resolve(i).unwrap().water.optics.unwrap().name;
     assert!((0..40).any(|i| named(i).is_some()) && (0..40).any(|i| named(i).is_none()));
     let error = only_error(optics(json!({"preset": {"choice": ["jerlov-1C", "quay"]}})));
     assert_eq!(error.pointer, "/water/optics/preset/choice/1");
     assert!(
-        error.message.contains("choose among whole waters"),
+        error.message.contains("use a choice of optics"),
         "{}",
         error.message
     );

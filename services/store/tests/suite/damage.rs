@@ -1,4 +1,4 @@
-//! Bytes that are not what was written: all found, none served, all replaced by putting them again.
+//! Damaged bytes: all are detected, none served, all replaced by storing them again.
 
 use store::{Blob, Scrubbed, Store, StoreError};
 
@@ -7,7 +7,7 @@ use crate::fixture::{holds_all, numbered, packs, put_one_by_one};
 const PACK_BYTES: u64 = 3_000_000;
 const BLOBS: u64 = 60;
 
-/// A closed store of several packs, and what is in it.
+/// A closed store of several packs, and its blobs.
 async fn filled() -> (tempfile::TempDir, Vec<Blob>) {
     let folder = tempfile::tempdir().unwrap();
     let store = Store::open_with(folder.path(), PACK_BYTES).await.unwrap();
@@ -20,7 +20,7 @@ async fn filled() -> (tempfile::TempDir, Vec<Blob>) {
     (folder, blobs)
 }
 
-/// Opens the damaged store, asks for everything twice, and puts everything again. Returns how many blobs were damaged.
+/// Opens the damaged store, reads everything twice, and stores everything again. Returns the number of damaged blobs.
 async fn found_and_mended(folder: &tempfile::TempDir, blobs: &[Blob]) -> usize {
     let store = Store::open_with(folder.path(), PACK_BYTES).await.unwrap();
     let mut bad = 0;
@@ -41,8 +41,8 @@ async fn found_and_mended(folder: &tempfile::TempDir, blobs: &[Blob]) -> usize {
     bad
 }
 
-/// The file where a blob lies, and everywhere in it where 64 bytes from its middle are. SQLite leaves old copies behind
-/// when it moves a row to another page.
+/// The file of a blob, and every offset of 64 bytes from its middle. SQLite keeps old copies when it moves a row to
+/// another page.
 fn places(folder: &tempfile::TempDir, blob: &Blob) -> (std::path::PathBuf, Vec<usize>) {
     let middle = blob.bytes.len() / 2;
     let needle = &blob.bytes[middle..middle + 64];
@@ -89,7 +89,7 @@ async fn swapped_bytes_of_two_blobs_are_found() {
 
 #[tokio::test]
 async fn a_flipped_bit_anywhere_in_a_file_is_never_served_and_never_keeps_the_store_closed() {
-    // Places spread over the whole first pack, and every one of its first bytes but the few that say what it is.
+    // Offsets spread over the whole first pack, and every one of its first bytes except the format fields.
     let (folder, blobs) = filled().await;
     let pack = packs(folder.path())[0].clone();
     let whole = std::fs::read(&pack).unwrap();
@@ -101,11 +101,11 @@ async fn a_flipped_bit_anywhere_in_a_file_is_never_served_and_never_keeps_the_st
         let copy = tempfile::tempdir().unwrap();
         std::fs::create_dir(copy.path().join("packs")).unwrap();
         for path in packs(folder.path()) {
-            let to = copy.path().join("packs").join(path.file_name().unwrap());
+            let target = copy.path().join("packs").join(path.file_name().unwrap());
             if path == pack {
-                std::fs::write(to, &bytes).unwrap();
+                std::fs::write(target, &bytes).unwrap();
             } else {
-                std::fs::hard_link(&path, to).unwrap();
+                std::fs::hard_link(&path, target).unwrap();
             }
         }
         found_and_mended(&copy, &blobs[..30]).await;

@@ -1,7 +1,7 @@
-//! Deleting and compacting.
+//! Deletion and compaction.
 //!
-//! Failure is: a live blob that a reader cannot find at any moment; a deleted one that comes back; space that stays
-//! taken.
+//! Failures: a live blob that a reader cannot find at any moment; a deleted blob that reappears; space that is not
+//! reclaimed.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -18,7 +18,7 @@ fn some(blobs: std::ops::Range<u64>) -> Vec<Blob> {
 }
 
 #[tokio::test]
-async fn what_is_deleted_is_gone_now_and_after_a_restart_and_can_be_stored_again() {
+async fn deleted_blobs_are_gone_also_after_a_restart_and_can_be_stored_again() {
     let folder = tempfile::tempdir().unwrap();
     let (store, blobs) = (Store::open(folder.path()).await.unwrap(), some(0..4));
     store.put_all(blobs.clone()).await.unwrap();
@@ -39,13 +39,13 @@ async fn what_is_deleted_is_gone_now_and_after_a_restart_and_can_be_stored_again
 }
 
 #[tokio::test]
-async fn compacting_frees_the_space_of_what_is_deleted_and_nothing_else() {
+async fn compaction_frees_only_deleted_blobs() {
     let folder = tempfile::tempdir().unwrap();
     let store = Store::open_with(folder.path(), PACK_BYTES).await.unwrap();
     let blobs = some(0..100);
     put_one_by_one(&store, &blobs).await;
     assert_eq!(store.compact().await.unwrap().packs, 0, "nothing is deleted");
-    // Of the first packs everything, of later ones two thirds, of the last ones nothing.
+    // All blobs of the first packs, two thirds of later ones, none of the last.
     let (gone, live): (Vec<Blob>, Vec<Blob>) = blobs
         .into_iter()
         .enumerate()
@@ -130,7 +130,7 @@ async fn readers_and_writers_never_miss_a_live_blob_while_packs_are_rewritten() 
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn a_compaction_that_is_cut_off_anywhere_loses_nothing_and_can_be_begun_again() {
+async fn an_interrupted_compaction_loses_no_blob_and_can_be_repeated() {
     for cut_us in [0, 200, 1_000, 3_000, 6_000, 10_000, 15_000, 25_000, 40_000] {
         let folder = tempfile::tempdir().unwrap();
         let store = Store::open_with(folder.path(), PACK_BYTES).await.unwrap();
@@ -138,7 +138,7 @@ async fn a_compaction_that_is_cut_off_anywhere_loses_nothing_and_can_be_begun_ag
         put_one_by_one(&store, &blobs).await;
         store.delete(&digests(&blobs[..45])).await.unwrap();
         let _ = tokio::time::timeout(Duration::from_micros(cut_us), store.compact()).await;
-        // The writer may still be at the step it was given; a folder has one store at a time.
+        // The writer may still be busy with its last step; a folder has one store at a time.
         store.close().await;
         let store = Store::open_with(folder.path(), PACK_BYTES).await.unwrap();
         holds_all(&store, &blobs[45..]).await;
@@ -156,12 +156,12 @@ async fn a_copy_opens_and_has_everything_that_was_stored_before() {
     let store = Store::open_with(folder.path(), PACK_BYTES).await.unwrap();
     let blobs = some(0..50);
     put_one_by_one(&store, &blobs).await;
-    let to = folder.path().join("copy");
+    let target = folder.path().join("copy");
     let more = some(50..60);
-    let (copied, ()) = tokio::join!(store.backup(&to), put_one_by_one(&store, &more));
+    let (copied, ()) = tokio::join!(store.backup(&target), put_one_by_one(&store, &more));
     copied.unwrap();
-    let copy = Store::open_with(&to, PACK_BYTES).await.unwrap();
+    let copy = Store::open_with(&target, PACK_BYTES).await.unwrap();
     holds_all(&copy, &blobs).await;
     copy.put_all(vec![blob(b"one more")]).await.unwrap();
-    assert!(store.backup(&to).await.is_err(), "a copy that is there stays");
+    assert!(store.backup(&target).await.is_err(), "a copy that is there stays");
 }

@@ -1,5 +1,3 @@
-//! Blobs and folders.
-
 use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
@@ -16,7 +14,6 @@ pub(crate) fn blob(bytes: &[u8]) -> Blob {
     }
 }
 
-/// Blob number `number`, of `length` bytes that do not repeat.
 pub(crate) fn numbered(number: u64, length: usize) -> Blob {
     let mut bytes = Vec::with_capacity(length + 32);
     let mut part = 0u64;
@@ -47,7 +44,6 @@ pub(crate) fn digests(blobs: &[Blob]) -> Vec<String> {
     blobs.iter().map(|blob| blob.digest.clone()).collect()
 }
 
-/// The packs of a folder, in order.
 pub(crate) fn packs(folder: &Path) -> Vec<PathBuf> {
     let files = std::fs::read_dir(folder.join("packs")).unwrap();
     let mut packs: Vec<PathBuf> = files
@@ -58,7 +54,6 @@ pub(crate) fn packs(folder: &Path) -> Vec<PathBuf> {
     packs
 }
 
-/// Bytes of a folder of packs on the disk.
 pub(crate) fn size(folder: &Path) -> u64 {
     let files = std::fs::read_dir(folder.join("packs")).unwrap();
     files.map(|file| file.unwrap().metadata().unwrap().len()).sum()

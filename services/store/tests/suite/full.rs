@@ -1,6 +1,6 @@
-//! A disk that is full: the call says so, what is there can be read, and writing goes on when there is space.
+//! A full disk: the call reports it, stored blobs stay readable, and writing works again once there is space.
 //!
-//! The disk is a small file system in memory: [`on_a_small_disk`] runs on it. Where none can be mounted the test fails.
+//! The disk is a small file system in memory, see [`on_a_small_disk`]. Where it cannot be mounted the test fails.
 
 use std::path::Path;
 
@@ -16,7 +16,7 @@ const BALLAST_BYTES: usize = 6 << 20;
 const PACK_BYTES: u64 = 4_000_000;
 
 #[test]
-fn a_full_disk_stops_writing_and_nothing_else() {
+fn a_full_disk_stops_only_writes() {
     small_disk::run("full::on_a_small_disk", DISK);
 }
 
@@ -31,7 +31,7 @@ async fn on_a_small_disk() {
     let store = Store::open_with(folder, PACK_BYTES).await.unwrap();
     let mut stored = fill(&store, 0).await;
     assert!(stored.len() > 10, "{}", stored.len());
-    // Again and again, and nothing of it is half there.
+    // Repeated attempts leave no partial data.
     for number in 5000..5010 {
         let late = numbered(number, 500_000);
         let refused = store
@@ -42,13 +42,13 @@ async fn on_a_small_disk() {
         assert!(!store.contains(&late.digest).await.unwrap());
         holds_all(&store, &stored).await;
     }
-    // Space comes back: the same store writes on.
+    // With space available again, the same store continues.
     std::fs::remove_file(folder.join("one")).unwrap();
     let more = fill(&store, 1000).await;
     assert!(more.len() > 3, "{}", more.len());
     stored.extend(more);
     holds_all(&store, &stored).await;
-    // Deleting needs a little room for its log. With it, it makes more.
+    // Deleting needs a little space for its log before it frees any.
     let refused = store.delete(&digests(&stored[..4])).await;
     assert!(matches!(refused, Err(StoreError::Full { .. })), "{refused:?}");
     holds_all(&store, &stored).await;
@@ -60,14 +60,13 @@ async fn on_a_small_disk() {
     holds_all(&store, &live).await;
     let after = fill(&store, 2000).await;
     assert!(after.len() > 10, "{}", after.len());
-    // A start on the full disk finds everything.
     store.close().await;
     let store = Store::open_with(folder, PACK_BYTES).await.unwrap();
     holds_all(&store, &live).await;
     holds_all(&store, &after).await;
 }
 
-/// Stores until the disk is full; answers what was stored.
+/// Stores until the disk is full; returns the stored blobs.
 async fn fill(store: &Store, from: u64) -> Vec<Blob> {
     let mut stored = Vec::new();
     for number in from..from + 500 {

@@ -1,7 +1,8 @@
-//! A process that stores, deletes and compacts, and is killed at random times and at the worst ones.
+//! A process that stores, deletes and compacts, and is killed at random and at critical moments.
 //!
-//! Failure is: a blob whose storing was acknowledged and that cannot be read; one whose deletion was acknowledged and that
-//! is there; a store that does not open. The process is this very test program, which runs [`child`] alone.
+//! Failures: an acknowledged blob that cannot be read; a deleted blob that is still there; a store that does not
+//! open.
+//! The process is this test program, running only [`child`].
 
 use std::collections::BTreeSet;
 use std::io::{BufRead, BufReader, Write};
@@ -13,7 +14,7 @@ use store::Store;
 
 use crate::fixture::{digests, numbered};
 
-/// Says to [`child`] where the store is and with which number to begin.
+/// Environment variable with the store's folder and the first number of [`child`].
 const PLACE: &str = "STORE_OF_THE_CHILD";
 const PACK_BYTES: u64 = 1_500_000;
 const BLOB_BYTES: usize = 50_000;
@@ -93,13 +94,13 @@ fn run_and_kill(heard: &mut Heard, path: &Path, first: u64, faults: Option<&str>
         heard.note(&line);
     }
     child.kill().unwrap();
-    // What it had written into the pipe before counts as well.
+    // Lines already in the pipe count as well.
     lines.for_each(|line| heard.note(&line));
     assert!(!child.wait().unwrap().success());
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn what_was_acknowledged_holds_after_every_kill() {
+async fn acknowledged_writes_survive_every_kill() {
     let folder = tempfile::tempdir().unwrap();
     let mut heard = Heard::default();
     let rounds = [
@@ -120,11 +121,11 @@ async fn what_was_acknowledged_holds_after_every_kill() {
         let store = Store::open_with(folder.path(), PACK_BYTES).await.unwrap();
         for &number in &heard.put {
             let blob = numbered(number, BLOB_BYTES);
-            let there = store.get(&blob.digest).await.unwrap();
+            let stored = store.get(&blob.digest).await.unwrap();
             if heard.deleted.contains(&number) {
-                assert!(there.is_none(), "round {round}: {number} was deleted");
+                assert!(stored.is_none(), "round {round}: {number} was deleted");
             } else if !heard.deleting.contains(&number) {
-                assert!(there == Some(blob.bytes), "round {round}: {number} was stored");
+                assert!(stored == Some(blob.bytes), "round {round}: {number} was stored");
             }
         }
         store.close().await;

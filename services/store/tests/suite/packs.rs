@@ -1,23 +1,21 @@
-//! What goes in comes out, or an error does.
-
 use store::{Blob, Store, StoreError};
 
 use crate::fixture::blob;
 
 #[tokio::test]
-async fn bytes_come_back_after_a_restart_and_repeats_are_not_stored_twice() {
+async fn bytes_survive_a_restart_and_repeats_are_not_stored_twice() {
     let folder = tempfile::tempdir().unwrap();
-    let one = blob(b"one");
+    let first = blob(b"one");
     {
         let store = Store::open(folder.path()).await.unwrap();
         store
-            .put_all(vec![one.clone(), one.clone(), blob(b"two")])
+            .put_all(vec![first.clone(), first.clone(), blob(b"two")])
             .await
             .unwrap();
-        store.put_all(vec![one.clone()]).await.unwrap();
+        store.put_all(vec![first.clone()]).await.unwrap();
         let stats = store.stats();
         assert_eq!((stats.packs, stats.blobs, stats.bytes), (1, 2, 6));
-        // No close: as if the process had been killed.
+        // No close, as if the process had been killed.
     }
     let store = Store::open(folder.path()).await.unwrap();
     assert_eq!(
@@ -30,7 +28,7 @@ async fn bytes_come_back_after_a_restart_and_repeats_are_not_stored_twice() {
 }
 
 #[tokio::test]
-async fn a_wrong_digest_stores_nothing_of_the_call() {
+async fn a_wrong_digest_rejects_the_whole_call() {
     let folder = tempfile::tempdir().unwrap();
     let store = Store::open(folder.path()).await.unwrap();
     let wrong = Blob {
@@ -63,7 +61,7 @@ async fn a_full_pack_is_followed_by_the_next() {
 }
 
 #[tokio::test]
-async fn many_callers_at_once_all_find_their_bytes() {
+async fn concurrent_callers_all_find_their_bytes() {
     let folder = tempfile::tempdir().unwrap();
     let store = std::sync::Arc::new(Store::open(folder.path()).await.unwrap());
     let tasks: Vec<_> = (0..64u32)
@@ -91,8 +89,8 @@ async fn damaged_bytes_are_never_served_and_can_be_put_again() {
     store.close().await;
     let pack = folder.path().join("packs/pack-000001.sqlite");
     let mut bytes = std::fs::read(&pack).unwrap();
-    let at = bytes.windows(64).rposition(|window| window == [7u8; 64]).unwrap();
-    bytes[at] ^= 1;
+    let position = bytes.windows(64).rposition(|window| window == [7u8; 64]).unwrap();
+    bytes[position] ^= 1;
     std::fs::write(&pack, bytes).unwrap();
     let store = Store::open(folder.path()).await.unwrap();
     assert!(matches!(

@@ -8,7 +8,7 @@ const SNOW: Snow = Snow {
     far_m: 3.0,
     radius_m: 0.0014,
     albedo: [0.8; 3],
-    ..Snow::of(0.0)
+    ..Snow::with_density(0.0)
 };
 const WORLD: World = World { seed: 7, index: 0 };
 const SIZE: (usize, usize) = (96, 64);
@@ -189,7 +189,7 @@ fn everything_wrong_is_said_at_once() {
         radius_m: f64::NAN,
         spectrum: 7.0,
         albedo: [1.5, 0.5, -0.1],
-        ..Snow::of(0.0)
+        ..Snow::with_density(0.0)
     };
     let errors = validate(&snow);
     let fields: Vec<_> = errors.iter().map(|error| error.field).collect();

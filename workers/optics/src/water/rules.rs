@@ -1,6 +1,6 @@
 //! The rules of waters as a description's check asks for them.
 
-use spec::{Fault, Optics, Sight, WaterRules};
+use spec::{Fault, Optics, WaterConditions, WaterRules};
 
 use super::{Water, WaterError};
 use crate::medium::{Medium, Surroundings};
@@ -13,24 +13,24 @@ pub const RULES: WaterRules = WaterRules { faults, warning };
 /// No camera changes what is looked at here.
 const ANY_FOCAL_PX: f64 = 500.0;
 
-fn faults(water: &spec::Water, sight: Sight) -> Vec<Fault> {
+fn faults(water: &spec::Water, conditions: WaterConditions) -> Vec<Fault> {
     let mut faults = Vec::new();
     let surroundings = Surroundings {
-        daylight: sight.daylight,
-        has_lamps: sight.lamps,
+        daylight: conditions.daylight,
+        has_lamps: conditions.lamps,
         is_reflectance: true,
         frames_per_s: None,
     };
     let medium = Medium::choose(water, &surroundings);
     if let Some(medium) = &medium {
-        faults.extend(Water::validate(medium, sight.lamps).iter().map(fault));
-        if sight.traced && faults.is_empty() {
+        faults.extend(Water::validate(medium, conditions.lamps).iter().map(fault));
+        if conditions.traced && faults.is_empty() {
             faults.extend(untraceable(medium));
         }
     }
     if let Some(snow) = &water.snow {
         let mut errors = snow::validate(snow);
-        if let (true, Some(solid)) = (errors.is_empty(), sight.solid) {
+        if let (true, Some(solid)) = (errors.is_empty(), conditions.solid) {
             errors.extend(snow::check_count(snow, solid).err());
         }
         faults.extend(errors.iter().map(|error| Fault {

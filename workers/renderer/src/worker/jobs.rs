@@ -34,7 +34,7 @@ fn fetch(shared: &Shared, hold: &Hold, lease: &Lease) -> Result<Job, RenderError
     let what = format!("the description of {}", lease.job_id);
     let description = || shared.client.description(&lease.job_id);
     let text = fetch_bytes(shared, hold, &what, &lease.spec_digest, description)?;
-    let job = Job::trusted(&String::from_utf8_lossy(&text)).map_err(RenderError::Resolve)?;
+    let job = Job::from_canonical(&String::from_utf8_lossy(&text)).map_err(RenderError::Resolve)?;
     let library = shared.engine.library();
     if job.styles().iter().any(|name| library.get(name).is_none()) {
         styles::learn(shared).map_err(|error| RenderError::Fetch {

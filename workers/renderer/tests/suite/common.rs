@@ -48,7 +48,7 @@ impl Files {
     pub(crate) fn stored_job(&self, fields: &Value) -> Job {
         let mut description = self.description(fields);
         description["daylight"] = json!("auto");
-        Job::trusted(&description.to_string()).unwrap()
+        Job::from_canonical(&description.to_string()).unwrap()
     }
 
     pub(crate) fn description(&self, fields: &Value) -> Value {

@@ -1,5 +1,3 @@
-//! `GET /v1/datasets`; `GET` and `DELETE /v1/datasets/{name}`.
-
 use catalogue::{Catalogue, ColumnInfo, DatasetRow, Deleted, Page};
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -13,10 +11,10 @@ use crate::jobs::Jobs;
     responses((status = 200, description = "A page of datasets.", body = Page<DatasetRow>)))]
 pub(crate) async fn list(
     State(catalogue): Topic<Catalogue>,
-    Query(asked): Query<Paging>,
+    Query(query): Query<Paging>,
 ) -> Result<Json<Page<DatasetRow>>, Problem> {
-    let limit = bounds::rows(asked.limit)?;
-    Ok(Json(catalogue.datasets(limit, asked.cursor).await?))
+    let limit = bounds::check_rows(query.limit)?;
+    Ok(Json(catalogue.datasets(limit, query.cursor).await?))
 }
 
 /// A dataset with its columns.
@@ -24,11 +22,11 @@ pub(crate) async fn list(
 pub(crate) struct DatasetDetail {
     #[serde(flatten)]
     dataset: DatasetRow,
-    /// What is known of its images.
+    /// Columns of its images.
     columns: Vec<ColumnInfo>,
 }
 
-/// See a dataset, or a sealed version such as `tour@1`: its counts, bytes and columns.
+/// Get a dataset, or a sealed version such as `tour@1`: its counts, bytes and columns.
 #[utoipa::path(get, path = "/v1/datasets/{name}", tag = "datasets", operation_id = "get_dataset",
     params(("name" = String, Path, description = "Name of the dataset")),
     responses((status = 200, description = "The dataset.", body = DatasetDetail)))]
@@ -41,17 +39,18 @@ pub(crate) async fn get(
     Ok(Json(DatasetDetail { dataset, columns }))
 }
 
-/// A dataset that exists.
+/// Returns an existing dataset.
 pub(super) async fn row(catalogue: &Catalogue, name: &str) -> Result<DatasetRow, Problem> {
     found(catalogue.dataset(name).await?, "dataset", name)
 }
 
 /// Delete a dataset with all its jobs and images.
 ///
-/// Jobs that have not ended keep it: cancel them first. Sealed versions keep it: unseal them first. The space comes back in the background. Scenes stay.
+/// Running jobs and sealed versions prevent this: cancel the jobs and unseal the versions first. Space is reclaimed
+/// in the background. Scenes are kept.
 #[utoipa::path(delete, path = "/v1/datasets/{name}", tag = "datasets", operation_id = "delete_dataset",
     params(("name" = String, Path, description = "Name of the dataset")),
-    responses((status = 200, description = "It is gone.", body = Deleted),
+    responses((status = 200, description = "Deleted.", body = Deleted),
               (status = 409, response = crate::openapi::Problem)))]
 pub(crate) async fn delete(
     State(jobs): Topic<Jobs>,

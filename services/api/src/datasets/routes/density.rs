@@ -1,33 +1,31 @@
-//! `GET /v1/datasets/{name}/density`.
-
 use crate::http::{Json, Path, Problem, Query, State, Topic, bounds};
 
 use catalogue::{Catalogue, Density, DensityColumns};
 use serde::Deserialize;
 use utoipa::IntoParams;
 
-/// Which two columns, in how many cells.
+/// Columns and number of cells.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub(crate) struct Parameters {
-    /// A column of numbers, of those that `GET /v1/datasets/{name}` lists.
+    /// A numeric column listed by `GET /v1/datasets/{name}`.
     #[param(example = "alpha")]
     x: String,
-    /// Another one.
+    /// Another numeric column.
     #[param(example = "uiqm")]
     y: String,
-    /// A third one, whose mean is given for each cell.
+    /// A third numeric column, averaged per cell.
     #[param(example = "water.range_scale")]
     mean_of: Option<String>,
     /// Cells along each axis, 1..=400.
     #[param(default = 64, minimum = 1, maximum = 400)]
     bins: Option<u32>,
-    /// Only images that fulfill this.
+    /// Only images that match this filter.
     filter: Option<String>,
 }
 
-/// Count the pairs of two columns in cells.
+/// Get a 2-D histogram of two columns.
 #[utoipa::path(get, path = "/v1/datasets/{name}/density", tag = "datasets", operation_id = "get_density",
     params(("name" = String, Path, description = "Name of the dataset"), Parameters),
     responses((status = 200, description = "The cells.", body = Density),
@@ -35,14 +33,14 @@ pub(crate) struct Parameters {
 pub(crate) async fn density(
     State(catalogue): Topic<Catalogue>,
     Path(name): Path<String>,
-    Query(asked): Query<Parameters>,
+    Query(query): Query<Parameters>,
 ) -> Result<Json<Density>, Problem> {
-    let filter = bounds::filter(asked.filter)?;
+    let filter = bounds::check_filter(query.filter)?;
     let columns = DensityColumns {
-        x: &asked.x,
-        y: &asked.y,
-        mean_of: asked.mean_of.as_deref(),
+        x: &query.x,
+        y: &query.y,
+        mean_of: query.mean_of.as_deref(),
     };
-    let density = catalogue.density(&name, filter.as_deref(), columns, asked.bins.unwrap_or(64));
+    let density = catalogue.density(&name, filter.as_deref(), columns, query.bins.unwrap_or(64));
     Ok(Json(density.await?))
 }

@@ -1,31 +1,29 @@
-//! `GET /v1/datasets/{name}/histogram`.
-
 use crate::http::{Json, Path, Problem, Query, Slug, State, Topic, bounds};
 
 use catalogue::{Catalogue, Histogram};
 use serde::Deserialize;
 use utoipa::IntoParams;
 
-/// Which values, in how many bins.
+/// Column and bins.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub(crate) struct Parameters {
-    /// A column of numbers, of those that `GET /v1/datasets/{name}` lists.
+    /// A numeric column listed by `GET /v1/datasets/{name}`.
     #[param(example = "uiqm")]
     column: String,
     /// Bins of equal width, 1..=4096.
     #[param(default = 50, minimum = 1, maximum = 4096)]
     bins: Option<u32>,
-    /// The first edge; together with `max`. Absent: the smallest value.
+    /// Lower edge; requires `max`. Absent: the smallest value.
     min: Option<f64>,
-    /// The last edge.
+    /// Upper edge.
     max: Option<f64>,
-    /// Only images that fulfill this.
+    /// Only images that match this filter.
     filter: Option<String>,
 }
 
-/// Count the values of a column in bins.
+/// Get a histogram of a column.
 #[utoipa::path(get, path = "/v1/datasets/{name}/histogram", tag = "datasets", operation_id = "get_histogram",
     params(("name" = String, Path, description = "Name of the dataset"), Parameters),
     responses((status = 200, description = "The bins.", body = Histogram),
@@ -33,15 +31,15 @@ pub(crate) struct Parameters {
 pub(crate) async fn histogram(
     State(catalogue): Topic<Catalogue>,
     Path(name): Path<String>,
-    Query(asked): Query<Parameters>,
+    Query(query): Query<Parameters>,
 ) -> Result<Json<Histogram>, Problem> {
-    let range = asked.min.zip(asked.max);
-    if range.is_none() && (asked.min.is_some() || asked.max.is_some()) {
+    let range = query.min.zip(query.max);
+    if range.is_none() && (query.min.is_some() || query.max.is_some()) {
         let detail = "give both `min` and `max`, or neither";
         return Err(Problem::new(Slug::InvalidQuery, detail));
     }
-    let filter = bounds::filter(asked.filter)?;
-    let bins = asked.bins.unwrap_or(50);
-    let histogram = catalogue.histogram(&name, filter.as_deref(), &asked.column, bins, range);
+    let filter = bounds::check_filter(query.filter)?;
+    let bins = query.bins.unwrap_or(50);
+    let histogram = catalogue.histogram(&name, filter.as_deref(), &query.column, bins, range);
     Ok(Json(histogram.await?))
 }

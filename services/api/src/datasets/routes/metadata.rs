@@ -1,5 +1,3 @@
-//! `GET /v1/datasets/{name}/metadata.jsonl` and `metadata.csv`.
-
 use std::borrow::Cow;
 use std::sync::Arc;
 
@@ -13,46 +11,46 @@ use crate::http::lines::{self, Batch};
 use crate::http::{Path, Problem, Query, State, Topic, bounds};
 use crate::limits::ROWS_BATCH;
 
-/// Which images.
+/// Selection of images.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub(crate) struct Parameters {
-    /// Only images that fulfill this.
+    /// Only images that match this filter.
     #[param(example = "uiqm > 0.8")]
     filter: Option<String>,
 }
 
-/// Read everything that is known of a dataset's images, one JSON object a line.
+/// Export the metadata of a dataset's images, one JSON object per line.
 ///
 /// Parameters, labels, metrics, counts, digests of the artifacts. Every row has the same members.
 #[utoipa::path(get, path = "/v1/datasets/{name}/metadata.jsonl", tag = "datasets", operation_id = "export_metadata_jsonl",
     params(("name" = String, Path, description = "Name of the dataset"), Parameters),
-    responses((status = 200, description = "One object a line.", content_type = "application/x-ndjson", body = String)))]
+    responses((status = 200, description = "One object per line.", content_type = "application/x-ndjson", body = String)))]
 pub(crate) async fn jsonl(
     State(catalogue): Topic<Catalogue>,
     Path(name): Path<String>,
-    Query(asked): Query<Parameters>,
+    Query(query): Query<Parameters>,
 ) -> Result<Response, Problem> {
-    let table = Table::open(catalogue, name, asked).await?;
+    let table = Table::open(catalogue, name, query).await?;
     table
         .stream(lines::NDJSON, Vec::new(), |_, rows| lines::json_lines(rows))
         .await
 }
 
-/// Read everything that is known of a dataset's images as a table.
+/// Export the metadata of a dataset's images as CSV.
 ///
-/// The first line names the columns; what is absent is empty. Texts that a spreadsheet would take for a formula begin with an
-/// apostrophe.
+/// The first line has the column names; absent values are empty. Text that a spreadsheet would read as a formula is
+/// prefixed with an apostrophe.
 #[utoipa::path(get, path = "/v1/datasets/{name}/metadata.csv", tag = "datasets", operation_id = "export_metadata_csv",
     params(("name" = String, Path, description = "Name of the dataset"), Parameters),
     responses((status = 200, description = "RFC 4180.", content_type = "text/csv", body = String)))]
 pub(crate) async fn csv(
     State(catalogue): Topic<Catalogue>,
     Path(name): Path<String>,
-    Query(asked): Query<Parameters>,
+    Query(query): Query<Parameters>,
 ) -> Result<Response, Problem> {
-    let table = Table::open(catalogue, name, asked).await?;
+    let table = Table::open(catalogue, name, query).await?;
     let head = record(table.columns.iter().map(|name| quoted(name)));
     let media_type = "text/csv; charset=utf-8; header=present";
     table
@@ -62,7 +60,7 @@ pub(crate) async fn csv(
         .await
 }
 
-/// A question about all rows of a dataset.
+/// A query for all rows of a dataset.
 struct Table {
     catalogue: Arc<Catalogue>,
     dataset: String,
@@ -70,15 +68,15 @@ struct Table {
     columns: Vec<String>,
 }
 
-/// How rows become bytes, with the names of the columns.
+/// Converts rows to bytes; receives the column names.
 type Write = fn(&[String], Vec<Value>) -> Result<Vec<u8>, Problem>;
 
 impl Table {
-    async fn open(catalogue: Arc<Catalogue>, dataset: String, asked: Parameters) -> Result<Self, Problem> {
+    async fn open(catalogue: Arc<Catalogue>, dataset: String, query: Parameters) -> Result<Self, Problem> {
         super::dataset::row(&catalogue, &dataset).await?;
         let columns = catalogue.columns(&dataset).await?.into_iter();
         Ok(Self {
-            filter: bounds::filter(asked.filter)?,
+            filter: bounds::check_filter(query.filter)?,
             columns: columns.map(|column| column.name).collect(),
             dataset,
             catalogue,
@@ -120,8 +118,10 @@ impl Table {
 }
 
 fn records(columns: &[String], rows: &[Value]) -> Vec<u8> {
-    let line = |row: &Value| record(columns.iter().map(|name| cell(row.get(name))));
-    rows.iter().map(line).collect::<String>().into_bytes()
+    rows.iter()
+        .map(|row: &Value| record(columns.iter().map(|name| cell(row.get(name)))))
+        .collect::<String>()
+        .into_bytes()
 }
 
 fn record(cells: impl Iterator<Item = String>) -> String {
@@ -136,7 +136,7 @@ fn cell(value: Option<&Value>) -> String {
     }
 }
 
-/// A text that no spreadsheet takes for a formula: one that begins like it gets an apostrophe in front.
+/// Prefixes text that a spreadsheet would read as a formula with an apostrophe.
 fn plain(text: &str) -> Cow<'_, str> {
     if text.starts_with(['=', '+', '-', '@', '\t', '\r']) {
         format!("'{text}").into()
@@ -170,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn cells_are_quoted_where_they_must_be_and_empty_where_nothing_is() {
+    fn cells_are_quoted_if_necessary_and_empty_if_absent() {
         let columns = ["a", "b", "c", "d"].map(str::to_owned);
         let rows = [
             json!({"a": "x, \"y\"\n", "b": 1.5, "c": null}),

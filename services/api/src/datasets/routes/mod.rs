@@ -1,5 +1,3 @@
-//! Datasets.
-
 pub(crate) mod dataset;
 pub(crate) mod density;
 pub(crate) mod histogram;

@@ -1,57 +1,56 @@
-//! `GET /v1/datasets/{name}/stats`.
-
 use crate::http::{Json, Path, Problem, Query, Slug, State, Topic, bounds};
 
 use catalogue::{Catalogue, GroupColumn, GroupStats, GroupedStats, Source};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
-/// Which metrics, over which images, grouped how.
+/// Metrics, filter and grouping.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub(crate) struct Parameters {
-    /// Metrics, separated by commas; `GET /v1/lists/metrics` lists them. Those of an enhanced picture begin with its method.
+    /// Metrics, separated by commas; `GET /v1/lists/metrics` lists them. Names of enhanced images begin with the
+    /// method.
     #[param(example = "uiqm,hscm.uiqm")]
     metrics: String,
-    /// A column of `GET /v1/datasets/{name}`; images with the same value form a group.
+    /// A column listed by `GET /v1/datasets/{name}`; images with the same value form a group.
     #[param(example = "water.style")]
     group_by: Option<String>,
-    /// Instead of `group_by` up to 8 columns, separated by commas, of numbers with the width of bins behind a colon: images
-    /// with the same value of each column, or in the same bin, form a group. A bin begins at each multiple of the width. At
-    /// most 1000 groups, in the order of their values.
+    /// Instead of `group_by`: up to 8 columns, separated by commas, numeric ones as `COLUMN:WIDTH`. Images with the
+    /// same value of each column, or in the same bin, form a group. Bins begin at multiples of the width. At most
+    /// 1000 groups, ordered by their values.
     #[param(example = "water.optics,alpha:0.1")]
     by: Option<String>,
-    /// Only images that fulfill this.
+    /// Only images that match this filter.
     filter: Option<String>,
 }
 
-/// All groups.
+/// Statistics of all groups.
 #[derive(Debug, Serialize, ToSchema)]
 pub(crate) struct Statistics {
     /// The columns of `by`; absent without it.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     by: Option<Vec<GroupColumn>>,
-    /// One entry for each group and metric.
+    /// One entry per group and metric.
     groups: Vec<GroupStats>,
-    /// Where the images were read.
+    /// Storage that the query read.
     source: Source,
 }
 
-/// Statistics of metrics over a dataset, per group.
+/// Get statistics of metrics over a dataset, per group.
 #[utoipa::path(get, path = "/v1/datasets/{name}/stats", tag = "datasets", operation_id = "get_statistics",
     params(("name" = String, Path, description = "Name of the dataset"), Parameters),
     responses((status = 200, description = "Statistics per group and metric.", body = Statistics)))]
 pub(crate) async fn stats(
     State(catalogue): Topic<Catalogue>,
     Path(name): Path<String>,
-    Query(asked): Query<Parameters>,
+    Query(query): Query<Parameters>,
 ) -> Result<Json<Statistics>, Problem> {
-    let metrics = bounds::names(&asked.metrics);
-    let filter = bounds::filter(asked.filter)?;
-    let Some(by) = asked.by else {
-        let groups = catalogue.stats(&name, &metrics, asked.group_by.as_deref(), filter.as_deref());
+    let metrics = bounds::split_names(&query.metrics);
+    let filter = bounds::check_filter(query.filter)?;
+    let Some(by) = query.by else {
+        let groups = catalogue.stats(&name, &metrics, query.group_by.as_deref(), filter.as_deref());
         let GroupedStats { groups, source, .. } = groups.await?;
         return Ok(Json(Statistics {
             by: None,
@@ -59,7 +58,7 @@ pub(crate) async fn stats(
             source,
         }));
     };
-    if asked.group_by.is_some() {
+    if query.group_by.is_some() {
         let detail = "give `by` or `group_by`, not both";
         return Err(Problem::new(Slug::InvalidQuery, detail));
     }

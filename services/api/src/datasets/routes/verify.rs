@@ -1,5 +1,3 @@
-//! `POST /v1/datasets/{name}/versions/{version}/verify`.
-
 use catalogue::{SealedImage, VersionJob};
 use serde::{Deserialize, Serialize};
 use spec::{FrameRecord, MerkleTree};
@@ -10,58 +8,58 @@ use crate::http::{Json, JsonBytes, Path, Problem, Slug, State, Topic};
 use crate::images::routes::verify::{StoredBytes, condition};
 use crate::limits::RECORDS_BATCH;
 
-/// Most damaged images that an answer names.
+/// Maximum number of damaged images in a response.
 const MOST_NAMED: usize = 100;
 
-/// What to verify.
+/// Options of a verification.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 #[schema(as = VersionWish)]
 pub(crate) struct Wish {
-    /// Also read the bytes of every artifact and hash them.
+    /// Also read and hash the bytes of every artifact.
     #[serde(default)]
     #[schema(default = false)]
     bytes: bool,
 }
 
-/// Something about an image that is not as it was sealed.
+/// A difference between an image and its sealed state.
 #[derive(Debug, Serialize, ToSchema)]
 pub(crate) struct DamagedImage {
     /// Its job.
     job: String,
-    /// Its frame; null: the images of the job as a whole.
+    /// Its frame; null: all images of the job.
     frame: Option<u64>,
-    /// What is wrong.
+    /// Description of the difference.
     reason: String,
 }
 
-/// What was found.
+/// Result of a verification.
 #[derive(Debug, Serialize, ToSchema)]
 pub(crate) struct VerifiedVersion {
-    /// Whether everything is as it was sealed.
+    /// Whether the version is unchanged since it was sealed.
     intact: bool,
-    /// The root that was sealed.
+    /// Root stored in the seal.
     root: String,
-    /// The root that follows from the records of the images now.
+    /// Root computed from the present records.
     computed: String,
-    /// Images whose records were read.
+    /// Images with a verified record.
     images: u64,
-    /// Artifacts whose bytes were read.
+    /// Artifacts with verified bytes.
     artifacts: u64,
-    /// Number of findings.
+    /// Number of differences.
     damages: u64,
-    /// The first 100 of them.
+    /// The first 100 differences.
     damaged: Vec<DamagedImage>,
 }
 
 /// Verify a sealed version: compute its root again from the records of its images.
 ///
-/// Each record is compared with the digest and the list of artifacts that the catalogue has beside it, and with `bytes` every artifact with its
-/// digest, which takes as long as reading all of them: at most five minutes.
+/// Each record is compared with its digest and list of artifacts in the catalogue. With `bytes`, every artifact is
+/// read and compared with its digest, for at most five minutes.
 #[utoipa::path(post, path = "/v1/datasets/{name}/versions/{version}/verify", tag = "datasets", operation_id = "verify_sealed_version",
     params(("name" = String, Path, description = "Name of the dataset"), ("version" = u64, Path, description = "From 1")),
     request_body(content = Wish, content_type = "application/json"),
-    responses((status = 200, description = "What was found.", body = VerifiedVersion)))]
+    responses((status = 200, description = "The result.", body = VerifiedVersion)))]
 pub(crate) async fn verify(
     State(datasets): Topic<Datasets>,
     Path((name, version)): Path<(String, u64)>,
@@ -86,7 +84,7 @@ pub(crate) async fn verify(
             found.add(
                 &job,
                 None,
-                "its images have another root than was sealed".to_owned(),
+                "the root of its images differs from the sealed one".to_owned(),
             );
         }
         tree.push(computed);
@@ -107,8 +105,12 @@ impl VerifiedVersion {
                 .await?;
             let Some(last) = images.last() else { break };
             after = Some(last.frame);
-            let check = move || images.iter().map(Checked::new).collect::<Vec<_>>();
-            for image in datasets.processes.compute.run(check).await? {
+            for image in datasets
+                .processes
+                .compute
+                .run(move || images.iter().map(Checked::new).collect::<Vec<_>>())
+                .await?
+            {
                 self.images += 1;
                 tree.push(&image.digest);
                 for reason in image.wrong {
@@ -149,12 +151,12 @@ impl VerifiedVersion {
     }
 }
 
-/// An image, with what its record says.
+/// An image with data from its record.
 struct Checked {
     frame: u64,
-    /// As the record has it.
+    /// Digest computed from the record.
     digest: String,
-    /// Its artifacts.
+    /// Its artifact kinds.
     kinds: Vec<String>,
     wrong: Vec<String>,
 }
@@ -173,7 +175,7 @@ impl Checked {
                 artifacts.sort_unstable();
                 let stored = image.artifacts.iter().map(|(kind, digest)| (kind, digest));
                 if !stored.eq(artifacts) {
-                    wrong.push("its artifacts are not those of its record".to_owned());
+                    wrong.push("its artifacts differ from those in its record".to_owned());
                 }
                 record.digest()
             }
@@ -183,7 +185,7 @@ impl Checked {
             }
         };
         if digest != image.digest && wrong.is_empty() {
-            wrong.push("its record has another digest than its row".to_owned());
+            wrong.push("the digest of its record differs from its row".to_owned());
         }
         Self {
             frame: image.frame,

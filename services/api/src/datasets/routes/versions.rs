@@ -1,5 +1,3 @@
-//! `GET` and `POST /v1/datasets/{name}/versions`; `GET` and `DELETE /v1/datasets/{name}/versions/{version}`.
-
 use axum::http::StatusCode;
 use catalogue::{Page, VersionJob, VersionRow};
 use serde::Serialize;
@@ -9,10 +7,10 @@ use crate::datasets::Datasets;
 use crate::http::located::{Located, created, located};
 use crate::http::{Json, Path, Problem, State, Topic};
 
-/// List the sealed versions of a dataset, all on one page, the oldest first.
+/// List the sealed versions of a dataset on one page, oldest first.
 #[utoipa::path(get, path = "/v1/datasets/{name}/versions", tag = "datasets", operation_id = "list_sealed_versions",
     params(("name" = String, Path, description = "Name of the dataset")),
-    responses((status = 200, description = "Its versions.", body = Page<VersionRow>)))]
+    responses((status = 200, description = "The versions.", body = Page<VersionRow>)))]
 pub(crate) async fn list(
     State(datasets): Topic<Datasets>,
     Path(name): Path<String>,
@@ -21,15 +19,15 @@ pub(crate) async fn list(
     Ok(Json(Page::whole(datasets.catalogue.versions(&name).await?)))
 }
 
-/// Seal a dataset: what it has now becomes its next version, `NAME@1`, `NAME@2` and so on.
+/// Seal a dataset: its present content becomes its next version, `NAME@1`, `NAME@2` and so on.
 ///
-/// All of its jobs must have ended. The version can be named wherever a dataset is asked for. Its images can be neither deleted nor
-/// added to until it is unsealed; the dataset itself may grow. A dataset that has not changed since it was sealed keeps
-/// its version.
+/// All of its jobs must have ended. A version can be used in place of a dataset name in queries. Its images can be
+/// neither deleted nor extended until it is unsealed; the dataset itself may grow. Sealing an unchanged dataset
+/// returns its existing version.
 #[utoipa::path(post, path = "/v1/datasets/{name}/versions", tag = "datasets", operation_id = "seal_dataset",
     params(("name" = String, Path, description = "Name of the dataset")),
     responses((status = 201, description = "Sealed; `Location` is the version.", body = VersionRow),
-              (status = 200, description = "It was sealed before and has not changed since.", body = VersionRow),
+              (status = 200, description = "Unchanged since it was sealed.", body = VersionRow),
               (status = 409, response = crate::openapi::Problem)))]
 pub(crate) async fn seal(
     State(datasets): Topic<Datasets>,
@@ -45,11 +43,11 @@ pub(crate) async fn seal(
 pub(crate) struct VersionDetail {
     #[serde(flatten)]
     version: VersionRow,
-    /// Its jobs in the order of the root: by the digests of their descriptions.
+    /// Its jobs in the order of the root: by description digest.
     parts: Vec<VersionJob>,
 }
 
-/// See a sealed version: its root, and the descriptions from which its images follow.
+/// Get a sealed version: its root, and the descriptions that reproduce its images.
 #[utoipa::path(get, path = "/v1/datasets/{name}/versions/{version}", tag = "datasets", operation_id = "get_sealed_version",
     params(("name" = String, Path, description = "Name of the dataset"), ("version" = u64, Path, description = "From 1")),
     responses((status = 200, description = "The version.", body = VersionDetail)))]
@@ -63,10 +61,10 @@ pub(crate) async fn get(
     }))
 }
 
-/// Unseal a version. Its images stay, but may change and go from now on; its number is not used again.
+/// Unseal a version. Its images are kept but no longer protected; its number is not reused.
 #[utoipa::path(delete, path = "/v1/datasets/{name}/versions/{version}", tag = "datasets", operation_id = "unseal_version",
     params(("name" = String, Path, description = "Name of the dataset"), ("version" = u64, Path, description = "From 1")),
-    responses((status = 204, description = "It is unsealed.")))]
+    responses((status = 204, description = "Unsealed.")))]
 pub(crate) async fn delete(
     State(datasets): Topic<Datasets>,
     Path((name, version)): Path<(String, u64)>,

@@ -1,5 +1,3 @@
-//! `GET /v1/images/{job}/{frame}`, its artifacts and its preview.
-
 use axum::http::{HeaderMap, HeaderValue, header};
 use axum::response::{IntoResponse, Response};
 use imaging::codec;
@@ -12,7 +10,7 @@ use crate::images::{Images, archive};
 use crate::limits;
 use crate::openapi::{ArtifactKind, Bytes, ImageRecord};
 
-/// The record of an image: resolved parameters, optics, plan, metrics, artifacts, timings, provenance.
+/// Get the record of an image: resolved parameters, optics, plan, metrics, artifacts, timings, provenance.
 #[utoipa::path(get, path = "/v1/images/{job}/{frame}", tag = "images", operation_id = "get_image",
     params(("job" = String, Path, description = "`job_…`"), ("frame" = u64, Path, description = "From 0")),
     responses((status = 200, description = "The record.", body = ImageRecord)))]
@@ -23,19 +21,19 @@ pub(crate) async fn get(
     Ok(Json(images.get(&job, frame).await?))
 }
 
-/// The bytes of an artifact.
+/// Get the bytes of an artifact.
 ///
-/// The entity tag is the SHA-256 of the bytes, so a copy never goes stale. Single ranges are answered.
+/// The entity tag is the SHA-256 of the bytes, so copies never become stale. Single ranges are supported.
 #[utoipa::path(get, path = "/v1/images/{job}/{frame}/artifacts/{kind}", tag = "images", operation_id = "get_artifact",
     params(("job" = String, Path, description = "`job_…`"), ("frame" = u64, Path, description = "From 0"),
            ("kind" = ArtifactKind, Path, description = "Such as `rgb`, `range`, `enhanced.hscm`"),
-           ("If-None-Match" = Option<String>, Header, description = "Entity tags of copies at hand"),
+           ("If-None-Match" = Option<String>, Header, description = "Entity tags of the client's copies"),
            ("Range" = Option<String>, Header, description = "One range of bytes")),
     responses((status = 200, description = "The bytes, verified against their digest. NPY is `application/x-npy`, JSON `application/json`.",
                content((Bytes = "application/*"), (Bytes = "image/jpeg"), (Bytes = "image/png"), (Bytes = "image/webp"))),
               (status = 206, description = "A range of the bytes.",
                content((Bytes = "application/*"), (Bytes = "image/jpeg"), (Bytes = "image/png"), (Bytes = "image/webp"))),
-              (status = 304, description = "The copy at hand is right."),
+              (status = 304, description = "The client's copy is current."),
               (status = 416, response = crate::openapi::Problem)))]
 pub(crate) async fn artifact(
     State(images): Topic<Images>,
@@ -44,30 +42,30 @@ pub(crate) async fn artifact(
 ) -> Result<Response, Problem> {
     let artifact = images.artifact(&job, frame, &kind).await?;
     let digest = &artifact.entry.digest;
-    if stored::is_at_hand(&headers, digest) {
+    if stored::has_current_copy(&headers, digest) {
         return Ok(stored::not_modified(digest));
     }
     images.stored(artifact).await?.response(&headers)
 }
 
-/// Which artifacts.
+/// Selection of artifacts.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub(crate) struct Parameters {
-    /// Kinds of artifacts, separated by commas; absent: all.
+    /// Artifact kinds, separated by commas; absent: all.
     #[param(example = "rgb,range")]
     kinds: Option<String>,
-    /// Whether the record of the image comes first, as `record.json`.
+    /// Whether to include the record of the image as the first file, `record.json`.
     #[serde(default)]
     #[param(default = false)]
     record: bool,
 }
 
-/// Several artifacts of an image as one tar.
+/// Get several artifacts of an image as one tar.
 ///
-/// Its files are named `KIND.EXTENSION` and stand in the order of `kinds`, after the record if that is asked for. The length is known
-/// from the start; bytes are verified against their digests while they are sent, and the response is cut short where they differ.
+/// Its files are named `KIND.EXTENSION`, in the order of `kinds`, after the record if requested. The length is known
+/// in advance. Bytes are verified against their digests while they are sent; a mismatch truncates the response.
 #[utoipa::path(get, path = "/v1/images/{job}/{frame}/artifacts", tag = "images",
     operation_id = "get_artifacts",
     params(("job" = String, Path, description = "`job_…`"), ("frame" = u64, Path, description = "From 0"), Parameters),
@@ -75,13 +73,13 @@ pub(crate) struct Parameters {
 pub(crate) async fn artifacts(
     State(images): Topic<Images>,
     Path((job, frame)): Path<(String, u64)>,
-    Query(asked): Query<Parameters>,
+    Query(query): Query<Parameters>,
 ) -> Result<Response, Problem> {
     let mut artifacts = images.artifacts(&job, frame).await?;
-    if let Some(kinds) = &asked.kinds {
+    if let Some(kinds) = &query.kinds {
         let known: Vec<_> = artifacts.iter().map(|found| found.entry.kind.as_str()).collect();
         let known = known.join(", ");
-        let named = bounds::names(kinds).into_iter().map(|kind| {
+        let named = bounds::split_names(kinds).into_iter().map(|kind| {
             let artifact = artifacts.iter().find(|found| found.entry.kind == kind).cloned();
             artifact.ok_or_else(|| {
                 Problem::not_found(format!(
@@ -91,18 +89,18 @@ pub(crate) async fn artifacts(
         });
         artifacts = named.collect::<Result<_, _>>()?;
     }
-    let record = match asked.record {
+    let record = match query.record {
         true => Some(images.get(&job, frame).await?.to_string().into_bytes()),
         false => None,
     };
     archive::response(images, record, artifacts).await
 }
 
-/// A thumbnail of the result: a PNG of at most 256 px a side.
+/// Get a thumbnail of the result: a PNG of at most 256 px a side.
 #[utoipa::path(get, path = "/v1/images/{job}/{frame}/preview", tag = "images", operation_id = "get_preview",
     params(("job" = String, Path, description = "`job_…`"), ("frame" = u64, Path, description = "From 0")),
     responses((status = 200, description = "The thumbnail.", content((Bytes = "image/png"))),
-              (status = 304, description = "The copy at hand is right.")))]
+              (status = 304, description = "The client's copy is current.")))]
 pub(crate) async fn preview(
     State(images): Topic<Images>,
     Path((job, frame)): Path<(String, u64)>,
@@ -110,7 +108,7 @@ pub(crate) async fn preview(
 ) -> Result<Response, Problem> {
     let artifact = images.artifact(&job, frame, "rgb").await?;
     let tag = format!("{}-{}", artifact.entry.digest, limits::PREVIEW_PX);
-    if stored::is_at_hand(&headers, &tag) {
+    if stored::has_current_copy(&headers, &tag) {
         return Ok(stored::not_modified(&tag));
     }
     let bytes = images.stored(artifact).await?.bytes;

@@ -1,5 +1,3 @@
-//! `GET /v1/images`.
-
 use crate::http::{Json, Problem, Query, State, Topic, bounds};
 
 use catalogue::{Catalogue, ImageQuery, Page};
@@ -9,7 +7,7 @@ use utoipa::IntoParams;
 
 use crate::openapi::ImageRow;
 
-/// Which images, which columns, in which order.
+/// Selection, columns and order of images.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
@@ -19,18 +17,18 @@ pub(crate) struct Parameters {
     /// A condition over columns; `GET /v1/lists/columns` and `GET /v1/datasets/{name}` list them.
     #[param(example = r#"uiqm > 0.8 and water.style in ("muddy") and alpha between 0.2 and 0.6"#)]
     filter: Option<String>,
-    /// A column of those lists; with `-` before it the largest comes first.
+    /// A column to sort by; prefix `-` for descending order.
     #[param(example = "-uiqm")]
     order_by: Option<String>,
     /// Rows of the page, 1..=1000; a page of large rows ends before 8 MiB.
     #[param(default = 100, minimum = 1, maximum = 1000)]
     limit: Option<u32>,
-    /// `next_cursor` of the page before; the other parameters must be the same.
+    /// `next_cursor` of the previous page; the other parameters must be the same.
     cursor: Option<String>,
-    /// Rows before the page, in place of a cursor: a jump to any of them.
+    /// Rows to skip, instead of a cursor.
     #[param(default = 0)]
     offset: Option<u64>,
-    /// Columns of the answer, separated by commas; absent: all that have a value.
+    /// Columns of the response, separated by commas; absent: all with a value.
     #[param(example = "job,frame,alpha,uiqm")]
     fields: Option<String>,
 }
@@ -40,16 +38,20 @@ pub(crate) struct Parameters {
     responses((status = 200, description = "A page of rows.", body = Page<ImageRow>)))]
 pub(crate) async fn list(
     State(catalogue): Topic<Catalogue>,
-    Query(asked): Query<Parameters>,
+    Query(query): Query<Parameters>,
 ) -> Result<Json<Page<Value>>, Problem> {
     let query = ImageQuery {
-        dataset: asked.dataset,
-        filter: bounds::filter(asked.filter)?,
-        order_by: asked.order_by,
-        limit: bounds::rows(asked.limit)?,
-        cursor: asked.cursor,
-        offset: asked.offset.unwrap_or_default(),
-        fields: asked.fields.as_deref().map(bounds::names).unwrap_or_default(),
+        dataset: query.dataset,
+        filter: bounds::check_filter(query.filter)?,
+        order_by: query.order_by,
+        limit: bounds::check_rows(query.limit)?,
+        cursor: query.cursor,
+        offset: query.offset.unwrap_or_default(),
+        fields: query
+            .fields
+            .as_deref()
+            .map(bounds::split_names)
+            .unwrap_or_default(),
     };
     Ok(Json(catalogue.images(query).await?))
 }

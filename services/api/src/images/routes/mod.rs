@@ -1,5 +1,3 @@
-//! `/v1/images`.
-
 pub(crate) mod image;
 pub(crate) mod list;
 pub(crate) mod verify;

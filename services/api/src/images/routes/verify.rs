@@ -1,5 +1,3 @@
-//! `POST /v1/images/{job}/{frame}/verify`.
-
 use std::sync::Arc;
 
 use catalogue::StoredArtifact;
@@ -13,7 +11,7 @@ use crate::http::{Json, JsonBytes, Path, Problem, Slug, State, Topic};
 use crate::images::Images;
 use crate::images::rerender::{Again, difference};
 
-/// What to verify.
+/// Options of a verification.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Wish {
@@ -23,54 +21,54 @@ pub(crate) struct Wish {
     rerender: bool,
 }
 
-/// What became of stored bytes.
+/// Condition of stored bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum StoredBytes {
-    /// They are as they were stored.
+    /// Unchanged.
     Good,
-    /// They are others.
+    /// Changed.
     Corrupt,
-    /// They are gone.
+    /// Missing.
     Missing,
 }
 
-/// An artifact and what was found.
+/// Result for one artifact.
 #[derive(Debug, Serialize, ToSchema)]
 pub(crate) struct VerifiedArtifact {
     /// Such as `rgb`.
     kind: String,
-    /// SHA-256 that its record names.
+    /// SHA-256 in the image's record.
     digest: String,
-    /// What became of its bytes.
+    /// Condition of its bytes.
     stored: StoredBytes,
-    /// SHA-256 of what the frame renders to now; null: it was not rendered, or has no such artifact any more.
+    /// SHA-256 of the artifact rendered again; null: not rendered, or the frame no longer has it.
     rerendered_digest: Option<String>,
-    /// Largest difference of the two in codes of a picture, or in the unit of a linear layer; null: not compared.
+    /// Maximum difference of the two, in codes of an image or in the unit of a linear layer; null: not compared.
     largest_difference: Option<f64>,
 }
 
-/// What was found.
+/// Result of a verification.
 #[derive(Debug, Serialize, ToSchema)]
 pub(crate) struct Verified {
-    /// Whether every artifact is stored as it was.
+    /// Whether every artifact is unchanged.
     intact: bool,
-    /// Whether the frame renders to the same bytes now; null: it was not rendered.
+    /// Whether the frame renders to the same bytes now; null: not rendered.
     reproduced: Option<bool>,
-    /// One entry for each artifact.
+    /// One entry per artifact.
     artifacts: Vec<VerifiedArtifact>,
-    /// What is different about this program, machine or models, where the bytes are; a reason, not a fault.
+    /// Differences of program, machine or models that explain different bytes; these are not errors.
     differences: Vec<String>,
 }
 
-/// Verify an image: hash its stored bytes, and render it again if wished.
+/// Verify an image: hash its stored bytes, and optionally render it again.
 ///
-/// It is rendered by a process of its own, which may take two minutes. Bytes are the same on one build, one ONNX Runtime
-/// and one CPU feature set; elsewhere `largest_difference` says how far they are apart.
+/// A separate process renders it, for at most two minutes. Bytes are reproducible on one build, one ONNX Runtime and
+/// one CPU feature set; otherwise `largest_difference` is the deviation.
 #[utoipa::path(post, path = "/v1/images/{job}/{frame}/verify", tag = "images", operation_id = "verify_image",
     params(("job" = String, Path, description = "`job_…`"), ("frame" = u64, Path, description = "From 0")),
     request_body(content = Wish, content_type = "application/json"),
-    responses((status = 200, description = "What was found.", body = Verified)))]
+    responses((status = 200, description = "The result.", body = Verified)))]
 pub(crate) async fn verify(
     State(images): Topic<Images>,
     Path((job, frame)): Path<(String, u64)>,
@@ -90,12 +88,15 @@ pub(crate) async fn verify(
         let artifact = images.artifact(&job, frame, &entry.kind).await?;
         artifacts.push(compared(&images, artifact, again.clone()).await?);
     }
-    let same = |artifact: &VerifiedArtifact| artifact.rerendered_digest.as_ref() == Some(&artifact.digest);
     Ok(Json(Verified {
         intact: artifacts
             .iter()
             .all(|artifact| artifact.stored == StoredBytes::Good),
-        reproduced: again.as_ref().map(|_| artifacts.iter().all(same)),
+        reproduced: again.as_ref().map(|_| {
+            artifacts.iter().all(|artifact: &VerifiedArtifact| {
+                artifact.rerendered_digest.as_ref() == Some(&artifact.digest)
+            })
+        }),
         differences: again.map_or_else(Vec::new, |again| differences(&image, &again)),
         artifacts,
     }))
@@ -118,8 +119,11 @@ async fn compared(
     let largest_difference = match (again, bytes) {
         (Some(again), Some(bytes)) => {
             let kind = entry.kind.clone();
-            let compare = move || again.bytes(&kind).and_then(|again| difference(&bytes, &again));
-            images.processes.compute.run(compare).await?
+            images
+                .processes
+                .compute
+                .run(move || again.bytes(&kind).and_then(|again| difference(&bytes, &again)))
+                .await?
         }
         _ => None,
     };
@@ -132,7 +136,7 @@ async fn compared(
     })
 }
 
-/// Whether the bytes of an artifact are what was stored, and the bytes if they are.
+/// Whether the bytes of an artifact are unchanged, and the bytes if so.
 pub(crate) async fn condition(
     images: &Images,
     artifact: &StoredArtifact,
@@ -153,7 +157,7 @@ pub(crate) async fn condition(
     }
 }
 
-/// Where the circumstances differ from those of the record.
+/// Differences in provenance from the record.
 fn differences(record: &serde_json::Value, again: &Again) -> Vec<String> {
     let now = serde_json::to_value(&again.record.provenance).unwrap_or_default();
     let names = ["code_version", "onnx_runtime", "cpu_features", "inputs"];

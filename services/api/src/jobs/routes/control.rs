@@ -1,5 +1,3 @@
-//! `POST /v1/jobs/{id}/cancel`, `pause`, `resume` and `retry-failed`; `DELETE /v1/jobs/{id}`.
-
 use catalogue::{Deleted, JobRow};
 
 use crate::http::{Json, Path, Problem, State, Topic};
@@ -7,11 +5,11 @@ use crate::jobs::Jobs;
 
 /// Cancel a job.
 ///
-/// Its finished images stay. Workers drop what they are rendering of it with their next beat. Cancelling a job that
-/// has ended changes nothing.
+/// Its finished images are kept. Workers drop its frames with their next heartbeat. Cancelling a job that has ended
+/// has no effect.
 #[utoipa::path(post, path = "/v1/jobs/{id}/cancel", tag = "jobs", operation_id = "cancel_job",
     params(("id" = String, Path, description = "`job_…`")),
-    responses((status = 200, description = "The job as it is now.", body = JobRow)))]
+    responses((status = 200, description = "The present state of the job.", body = JobRow)))]
 pub(crate) async fn cancel(
     State(jobs): Topic<Jobs>,
     Path(id): Path<String>,
@@ -21,11 +19,10 @@ pub(crate) async fn cancel(
 
 /// Pause a job.
 ///
-/// Workers get none of its frames until it is resumed; what they hold they finish. Pausing a paused job changes
-/// nothing.
+/// Workers finish their leased frames and receive no more until it is resumed. Pausing a paused job has no effect.
 #[utoipa::path(post, path = "/v1/jobs/{id}/pause", tag = "jobs", operation_id = "pause_job",
     params(("id" = String, Path, description = "`job_…`")),
-    responses((status = 200, description = "The job as it is now.", body = JobRow),
+    responses((status = 200, description = "The present state of the job.", body = JobRow),
               (status = 409, response = crate::openapi::Problem)))]
 pub(crate) async fn pause(State(jobs): Topic<Jobs>, Path(id): Path<String>) -> Result<Json<JobRow>, Problem> {
     Ok(Json(jobs.pause(id).await?))
@@ -33,10 +30,10 @@ pub(crate) async fn pause(State(jobs): Topic<Jobs>, Path(id): Path<String>) -> R
 
 /// Resume a paused job.
 ///
-/// Resuming a job that is not paused but goes on changes nothing.
+/// Resuming a job that is not paused has no effect.
 #[utoipa::path(post, path = "/v1/jobs/{id}/resume", tag = "jobs", operation_id = "resume_job",
     params(("id" = String, Path, description = "`job_…`")),
-    responses((status = 200, description = "The job as it is now.", body = JobRow),
+    responses((status = 200, description = "The present state of the job.", body = JobRow),
               (status = 409, response = crate::openapi::Problem)))]
 pub(crate) async fn resume(
     State(jobs): Topic<Jobs>,
@@ -45,12 +42,12 @@ pub(crate) async fn resume(
     Ok(Json(jobs.resume(id).await?))
 }
 
-/// Try the failed frames of a job again.
+/// Retry the failed frames of a job.
 ///
-/// Their failures are forgotten. A job that had ended with failures goes on.
+/// Their failures are discarded. A job that ended with failures resumes.
 #[utoipa::path(post, path = "/v1/jobs/{id}/retry-failed", tag = "jobs", operation_id = "retry_job",
     params(("id" = String, Path, description = "`job_…`")),
-    responses((status = 200, description = "The job as it is now.", body = JobRow),
+    responses((status = 200, description = "The present state of the job.", body = JobRow),
               (status = 409, response = crate::openapi::Problem)))]
 pub(crate) async fn retry_failed(
     State(jobs): Topic<Jobs>,
@@ -59,12 +56,12 @@ pub(crate) async fn retry_failed(
     Ok(Json(jobs.retry_failed(id).await?))
 }
 
-/// Delete a job with its images, whatever it is doing.
+/// Delete a job with its images in any state.
 ///
-/// It is gone at once and for good; the space comes back in the background. Scenes stay.
+/// Deletion is immediate and permanent; space is reclaimed in the background. Scenes are kept.
 #[utoipa::path(delete, path = "/v1/jobs/{id}", tag = "jobs", operation_id = "delete_job",
     params(("id" = String, Path, description = "`job_…`")),
-    responses((status = 200, description = "It is gone.", body = Deleted)))]
+    responses((status = 200, description = "Deleted.", body = Deleted)))]
 pub(crate) async fn delete(
     State(jobs): Topic<Jobs>,
     Path(id): Path<String>,

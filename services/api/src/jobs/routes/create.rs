@@ -1,5 +1,3 @@
-//! `POST /v1/jobs`.
-
 use axum::http::StatusCode;
 use catalogue::JobRow;
 use serde::Deserialize;
@@ -13,12 +11,12 @@ use crate::jobs::submit::Submission;
 use crate::limits;
 use crate::openapi::JobDescription;
 
-/// What to do with a description that was rendered before.
+/// Handling of a repeated description.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub(crate) struct Parameters {
-    /// Render it although its dataset has every image of it: the dataset then has them twice.
+    /// Render it although its dataset has every image of it; the dataset then has them twice.
     #[serde(default)]
     #[param(required = false, default = false)]
     again: bool,
@@ -26,9 +24,9 @@ pub(crate) struct Parameters {
 
 /// Submit a job.
 ///
-/// Everything is checked at once and all errors come together. The answer is given when the job is durable; its
-/// frames are rendered afterwards. Repeating a submission with the same `Idempotency-Key` answers the same job. When the
-/// dataset has every image of the same description, the answer is the job that made them, with a warning.
+/// All errors of the description are reported together. The response is sent when the job is durable; its frames are
+/// rendered afterwards. Repeating a submission with the same `Idempotency-Key` returns the same job. If the dataset
+/// already has every image of the same description, the response is the existing job with a warning.
 #[utoipa::path(post, path = "/v1/jobs", tag = "jobs", operation_id = "submit_job",
     params(("Idempotency-Key" = Option<String>, Header, description = "1..=255 characters, kept per token"), Parameters),
     request_body(content = JobDescription, content_type = "application/json"),
@@ -41,7 +39,7 @@ pub(crate) struct Parameters {
 pub(crate) async fn create(
     State(jobs): Topic<Jobs>,
     submitter: Submitter,
-    Query(asked): Query<Parameters>,
+    Query(query): Query<Parameters>,
     JsonBytes(body): JsonBytes,
 ) -> Result<Located<JobRow>, Problem> {
     let job = jobs.parse(&body).await?;
@@ -49,7 +47,7 @@ pub(crate) async fn create(
     let submission = Submission {
         submitter,
         priority: limits::JOB_PRIORITY,
-        again: asked.again,
+        again: query.again,
     };
     let submitted = jobs.accept(job, submission).await?;
     let mut row = submitted.job.row;

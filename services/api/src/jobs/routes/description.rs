@@ -1,5 +1,3 @@
-//! `GET /v1/jobs/{id}/description` and `GET /v1/worker/jobs/{id}`.
-
 use axum::response::IntoResponse;
 use serde_json::Value;
 
@@ -7,7 +5,7 @@ use crate::http::stored::octets;
 use crate::http::{Json, Path, Problem, State, Topic, found};
 use crate::jobs::Jobs;
 
-/// See the description of a job: defaults are filled in, laws are kept.
+/// Get the description of a job, with defaults filled in and distributions kept.
 #[utoipa::path(get, path = "/v1/jobs/{id}/description", tag = "jobs", operation_id = "get_job_description",
     params(("id" = String, Path, description = "`job_…`")),
     responses((status = 200, description = "The description.", body = Value)))]
@@ -17,7 +15,7 @@ pub(crate) async fn get(State(jobs): Topic<Jobs>, Path(id): Path<String>) -> Res
     Ok(Json(value))
 }
 
-/// The canonical description of a job, which a lease names by its digest.
+/// Returns the canonical description of a job, which a lease identifies by its digest.
 pub(crate) async fn description(
     State(jobs): Topic<Jobs>,
     Path(id): Path<String>,

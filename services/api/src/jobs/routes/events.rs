@@ -1,5 +1,3 @@
-//! `GET /v1/jobs/{id}/events`.
-
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::sse::{KeepAlive, Sse};
 use axum::response::{IntoResponse, Response};
@@ -11,16 +9,16 @@ use crate::limits;
 
 /// Follow a job as server-sent events.
 ///
-/// `state` carries the job, whenever its state changes and at the beginning. `progress` carries `done`, `failed` and
-/// `frames`, twice a second at most. `problem` says that more frames were given up: how many, and some of them with
-/// their errors. Where nothing happens for 15 s a comment comes. The stream ends with the job; asked again after its
-/// end, the answer is 204. `Last-Event-ID` goes on where the last event ended; nothing is lost, since every event tells
-/// how things are, not how they changed.
+/// `state` contains the job and is sent first and at each change of state. `progress` contains `done`, `failed` and
+/// `frames`, at most twice a second. `problem` reports newly failed frames: their number, and the errors of some.
+/// After 15 s without events a comment is sent. The stream ends with the job; after its end the response is 204.
+/// `Last-Event-ID` resumes after the last event. Events describe the present state rather than changes, so a client
+/// that reconnects misses nothing.
 #[utoipa::path(get, path = "/v1/jobs/{id}/events", tag = "jobs", operation_id = "follow_job",
     params(("id" = String, Path, description = "`job_…`"),
            ("Last-Event-ID" = Option<String>, Header, description = "Id of the last event that was received")),
     responses((status = 200, description = "The events.", content_type = "text/event-stream", body = String),
-              (status = 204, description = "The job has ended and all of it was told.")))]
+              (status = 204, description = "The job has ended and all events were sent.")))]
 pub(crate) async fn events(
     State(jobs): Topic<Jobs>,
     Path(id): Path<String>,

@@ -1,5 +1,3 @@
-//! `GET /v1/jobs/{id}`, with long-poll.
-
 use catalogue::JobRow;
 use serde::Deserialize;
 use utoipa::IntoParams;
@@ -8,30 +6,30 @@ use crate::http::{Json, Path, Problem, Query, State, Topic, bounds};
 use crate::jobs::Jobs;
 use crate::jobs::wait::Until;
 
-/// How long to wait, and for what.
+/// Long-poll parameters.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub(crate) struct Parameters {
-    /// Seconds to wait at most, 0..=60.
+    /// Maximum wait in seconds, 0..=60.
     #[param(default = 0, maximum = 60)]
     wait: Option<u64>,
-    /// Answer as soon as the job's version is larger than this. Without it, wait until the job has ended.
+    /// Return as soon as the job's version is larger than this. Without it, wait until the job has ended.
     since: Option<u64>,
 }
 
-/// See a job, or wait for it to change.
+/// Get a job, or wait for it to change.
 ///
-/// A job that has ended is always answered at once.
+/// A job that has ended is returned immediately.
 #[utoipa::path(get, path = "/v1/jobs/{id}", tag = "jobs", operation_id = "get_job",
     params(("id" = String, Path, description = "`job_…`"), Parameters),
-    responses((status = 200, description = "The job as it is now.", body = JobRow)))]
+    responses((status = 200, description = "The present state of the job.", body = JobRow)))]
 pub(crate) async fn get(
     State(jobs): Topic<Jobs>,
     Path(id): Path<String>,
-    Query(asked): Query<Parameters>,
+    Query(query): Query<Parameters>,
 ) -> Result<Json<JobRow>, Problem> {
-    let limit = bounds::wait(asked.wait)?;
-    let until = asked.since.map_or(Until::Ended, Until::After);
+    let limit = bounds::check_wait(query.wait)?;
+    let until = query.since.map_or(Until::Ended, Until::After);
     Ok(Json(jobs.wait(&id, limit, until).await?))
 }

@@ -1,43 +1,49 @@
-//! `GET /v1/jobs/{id}/results` and `errors`: one row a line, in frame order.
-
 use std::sync::Arc;
 
 use axum::response::Response;
 use catalogue::FailureRow;
 use serde_json::Value;
 
-use crate::http::lines::by_frame;
+use crate::http::lines::stream_frames;
 use crate::http::{Path, Problem, State, Topic};
 use crate::jobs::Jobs;
 use crate::limits::{RECORDS_BATCH, ROWS_BATCH};
 
-/// Read the records of a job's images, in frame order.
+/// Get the records of a job's images, in frame order.
 ///
-/// Works in every state of the job: it answers what is there.
+/// Available in every state of the job; returns the records so far.
 #[utoipa::path(get, path = "/v1/jobs/{id}/results", tag = "jobs", operation_id = "list_job_results",
     params(("id" = String, Path, description = "`job_…`")),
-    responses((status = 200, description = "One record a line, as `/v1/images/{job}/{frame}` answers it.",
+    responses((status = 200, description = "One record per line, as from `/v1/images/{job}/{frame}`.",
                content_type = "application/x-ndjson", body = String)))]
 pub(crate) async fn results(State(jobs): Topic<Jobs>, Path(id): Path<String>) -> Result<Response, Problem> {
     jobs.get(&id).await?;
-    let read = move |after| {
-        let (catalogue, id) = (Arc::clone(&jobs.catalogue), id.clone());
-        async move { catalogue.results(&id, after, RECORDS_BATCH).await }
-    };
-    by_frame(RECORDS_BATCH, read, |image: &Value| image["frame"].as_u64()).await
+    stream_frames(
+        RECORDS_BATCH,
+        move |after| {
+            let (catalogue, id) = (Arc::clone(&jobs.catalogue), id.clone());
+            async move { catalogue.results(&id, after, RECORDS_BATCH).await }
+        },
+        |image: &Value| image["frame"].as_u64(),
+    )
+    .await
 }
 
-/// Read the failures of a job, in frame order.
+/// Get the failures of a job, in frame order.
 ///
-/// Works in every state of the job: it answers what is there.
+/// Available in every state of the job; returns the failures so far.
 #[utoipa::path(get, path = "/v1/jobs/{id}/errors", tag = "jobs", operation_id = "list_job_errors",
     params(("id" = String, Path, description = "`job_…`")),
-    responses((status = 200, description = "One `Failure` a line.", content_type = "application/x-ndjson", body = String)))]
+    responses((status = 200, description = "One `Failure` per line.", content_type = "application/x-ndjson", body = String)))]
 pub(crate) async fn errors(State(jobs): Topic<Jobs>, Path(id): Path<String>) -> Result<Response, Problem> {
     jobs.get(&id).await?;
-    let read = move |after| {
-        let (catalogue, id) = (Arc::clone(&jobs.catalogue), id.clone());
-        async move { catalogue.failures(&id, after, ROWS_BATCH).await }
-    };
-    by_frame(ROWS_BATCH, read, |failure: &FailureRow| Some(failure.frame)).await
+    stream_frames(
+        ROWS_BATCH,
+        move |after| {
+            let (catalogue, id) = (Arc::clone(&jobs.catalogue), id.clone());
+            async move { catalogue.failures(&id, after, ROWS_BATCH).await }
+        },
+        |failure: &FailureRow| Some(failure.frame),
+    )
+    .await
 }

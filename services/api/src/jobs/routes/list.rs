@@ -1,12 +1,10 @@
-//! `GET /v1/jobs`.
-
 use crate::http::{Json, Problem, Query, State, Topic, bounds};
 
 use catalogue::{Catalogue, JobRow, JobState, Page};
 use serde::Deserialize;
 use utoipa::IntoParams;
 
-/// Which jobs.
+/// Selection of jobs.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
@@ -19,7 +17,7 @@ pub(crate) struct Parameters {
     /// Rows of the page, 1..=1000.
     #[param(default = 100, minimum = 1, maximum = 1000)]
     limit: Option<u32>,
-    /// `next_cursor` of the page before.
+    /// `next_cursor` of the previous page.
     cursor: Option<String>,
 }
 
@@ -28,9 +26,9 @@ pub(crate) struct Parameters {
     responses((status = 200, description = "A page of jobs.", body = Page<JobRow>)))]
 pub(crate) async fn list(
     State(catalogue): Topic<Catalogue>,
-    Query(asked): Query<Parameters>,
+    Query(query): Query<Parameters>,
 ) -> Result<Json<Page<JobRow>>, Problem> {
-    let limit = bounds::rows(asked.limit)?;
-    let page = catalogue.jobs(asked.dataset, asked.state, limit, asked.cursor);
+    let limit = bounds::check_rows(query.limit)?;
+    let page = catalogue.jobs(query.dataset, query.state, limit, query.cursor);
     Ok(Json(page.await?))
 }

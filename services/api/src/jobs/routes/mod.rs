@@ -1,5 +1,3 @@
-//! Jobs.
-
 pub(crate) mod control;
 pub(crate) mod create;
 pub(crate) mod description;

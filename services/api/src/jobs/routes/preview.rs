@@ -1,5 +1,3 @@
-//! `POST /v1/jobs/preview`.
-
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
@@ -7,79 +5,79 @@ use serde_json::Value;
 use spec::{Frame, Job};
 use utoipa::{IntoParams, ToSchema};
 
-use crate::http::bounds::beyond;
+use crate::http::bounds::out_of_range;
 use crate::http::{Json, JsonBytes, Problem, Query, State, Topic};
 use crate::jobs::Jobs;
 use crate::leases::costs::Sized;
 use crate::openapi::JobDescription;
 
-/// Frames whose cost is looked at, spread over the job.
+/// Frames sampled for the estimate, spread over the job.
 const SAMPLE: u64 = 64;
-/// Frames that are shown unless the request says otherwise.
+/// Default number of frames in a preview.
 const SHOWN: u64 = 5;
-/// Most frames that are shown.
+/// Maximum number of frames in a preview.
 const MOST_SHOWN: u64 = 100;
 
-/// How much to show.
+/// Size of the preview.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub(crate) struct Parameters {
-    /// Frames to show, 0..=100.
+    /// Frames to return, 0..=100.
     #[param(default = 5, minimum = 0, maximum = 100)]
     frames: Option<u64>,
 }
 
-/// A frame with every law replaced by its value.
+/// A frame with all distributions drawn.
 #[derive(Debug, Serialize, ToSchema)]
 pub(crate) struct ResolvedFrame {
-    /// Its number.
+    /// Frame number.
     frame: u64,
     /// Its description.
     #[schema(value_type = Object)]
     parameters: Value,
 }
 
-/// What the job will cost, roughly.
+/// Estimated cost of the job.
 #[derive(Debug, Serialize, ToSchema)]
 pub(crate) struct Estimate {
-    /// From its first frame to its last, with the slots below and nothing else to do.
+    /// Duration on the current slots without other work, s.
     seconds: f64,
     /// Stored bytes.
     bytes: f64,
-    /// Slots of the workers that are here now; at least one is counted.
+    /// Slots of the registered workers; at least 1.
     slots: u64,
 }
 
 /// A job that was not submitted.
 #[derive(Debug, Serialize, ToSchema)]
 pub(crate) struct JobPreview {
-    /// How many frames it has.
+    /// Number of frames.
     frames: u64,
-    /// The first of them.
+    /// The first frames.
     first: Vec<ResolvedFrame>,
-    /// What the user should know, though nothing is wrong.
+    /// Warnings about the valid description.
     warnings: Vec<String>,
-    /// What it will cost.
+    /// Estimated cost.
     estimate: Estimate,
 }
 
-/// See what a job would do and cost. Nothing is stored.
+/// Preview a job: frames and estimated cost. Nothing is stored.
 ///
-/// It refuses whatever a submission would refuse. The estimate rests on frames that were rendered here before, or on
-/// typical figures where there are none.
+/// Rejects the same descriptions as a submission. The estimate uses frames rendered by this service, or typical
+/// figures without any.
 #[utoipa::path(post, path = "/v1/jobs/preview", tag = "jobs", operation_id = "preview_job", params(Parameters),
     request_body(content = JobDescription, content_type = "application/json"),
     responses((status = 200, description = "The first frames and the cost.", body = JobPreview),
               (status = 409, response = crate::openapi::Problem)))]
 pub(crate) async fn preview(
     State(jobs): Topic<Jobs>,
-    Query(asked): Query<Parameters>,
+    Query(query): Query<Parameters>,
     JsonBytes(body): JsonBytes,
 ) -> Result<Json<JobPreview>, Problem> {
-    let shown = asked.frames.unwrap_or(SHOWN);
+    let shown = query.frames.unwrap_or(SHOWN);
     if shown > MOST_SHOWN {
-        return Err(beyond("frames", shown, 0, MOST_SHOWN));
+        return Err(out_of_range("frames", shown, 0, MOST_SHOWN));
     }
     let job = jobs.parse(&body).await?;
     jobs.check_runtime(&job)?;
@@ -90,19 +88,21 @@ pub(crate) async fn preview(
         .run(move || resolved(&job, shown))
         .await??;
     let estimate = estimate(&jobs, &sample, frames).await?;
-    let view = |frame: Frame| ResolvedFrame {
-        frame: frame.index,
-        parameters: frame.parameters,
-    };
     Ok(Json(JobPreview {
         frames,
-        first: first.into_iter().map(view).collect(),
+        first: first
+            .into_iter()
+            .map(|frame: Frame| ResolvedFrame {
+                frame: frame.index,
+                parameters: frame.parameters,
+            })
+            .collect(),
         warnings,
         estimate,
     }))
 }
 
-/// The first frames, and some of the whole job at equal distances.
+/// The first frames, and a sample of the whole job at equal distances.
 fn resolved(job: &Job, shown: u64) -> Result<(Vec<Frame>, Vec<Frame>), Problem> {
     let step = job.frames().div_ceil(SAMPLE) as usize;
     let first = (0..shown.min(job.frames())).map(|index| job.resolve(index));

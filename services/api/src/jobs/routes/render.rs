@@ -1,5 +1,3 @@
-//! `POST /v1/renders`.
-
 use axum::http::{HeaderMap, HeaderName, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use catalogue::{JobRow, JobState};
@@ -14,23 +12,22 @@ use crate::limits;
 use crate::openapi::{Bytes, ImageRecord, JobDescription};
 use crate::processes::live::Live;
 
-/// Where direct renders go unless they name a dataset.
+/// Dataset of direct renders without one.
 const DATASET: &str = "renders";
 
 /// Render one frame now.
 ///
-/// A job of one frame and high priority, waited for; a small picture of a procedural scene that leaves nothing behind is
-/// rendered without a job. The answer is the picture itself if `Accept` names an image
-/// type, else the image's record. It leaves nothing behind, unless the description names a dataset or the request has an
-/// `Idempotency-Key`; then `Content-Location` says where the image is. A render that is not ready in time stays, as the job that
-/// `Location` names.
+/// Submits a job of one frame with high priority and waits for it. Small images of procedural scenes that are not
+/// stored are rendered without a job. The response is the image if `Accept` names an image type, else its record. The
+/// image is only stored if the description names a dataset or the request has an `Idempotency-Key`;
+/// `Content-Location` is then its location. A render that exceeds the wait becomes the job in `Location`.
 #[utoipa::path(post, path = "/v1/renders", tag = "jobs", operation_id = "render_frame",
     params(("Prefer" = Option<String>, Header, description = "`wait=N`: seconds, default 30, at most 60"),
-           ("Accept" = Option<String>, Header, description = "`image/*` for the picture"),
+           ("Accept" = Option<String>, Header, description = "`image/*` for the image"),
            ("Idempotency-Key" = Option<String>, Header, description = "1..=255 characters, kept per token")),
     request_body(content = JobDescription, content_type = "application/json"),
     responses(
-        (status = 200, description = "The picture, or the record of the image.",
+        (status = 200, description = "The image, or its record.",
          content((ImageRecord = "application/json"), (Bytes = "image/jpeg"), (Bytes = "image/png"), (Bytes = "image/webp"))),
         (status = 202, description = "Not ready in time; `Location` is the job.", body = JobRow),
         (status = 409, response = crate::openapi::Problem)))]
@@ -43,7 +40,10 @@ pub(crate) async fn create(
 ) -> Result<Response, Problem> {
     let job = jobs.parse(&in_dataset(&body)).await?;
     if job.frames() != 1 {
-        let message = format!("a render has one frame, this describes {}", job.frames());
+        let message = format!(
+            "a render has one frame, but the description has {}; submit a job instead",
+            job.frames()
+        );
         return Err(Problem::field("/count", message));
     }
     let is_kept = names_dataset(&body) || submitter.idempotency_key.is_some();
@@ -59,7 +59,7 @@ pub(crate) async fn create(
     let submission = Submission {
         submitter,
         priority: limits::RENDER_PRIORITY,
-        // A render that leaves nothing behind must have a job of its own.
+        // A temporary render needs a separate job.
         again: true,
     };
     let submitted = jobs.submit(job, submission).await?.job;
@@ -70,7 +70,7 @@ pub(crate) async fn create(
         JobState::DoneWithFailures => {
             let problem = why_failed(&jobs, &id).await?;
             match is_kept {
-                true => problem.with("job", id.as_str()).into_response(),
+                true => problem.with_member("job", id.as_str()).into_response(),
                 false => problem.into_response(),
             }
         }
@@ -95,14 +95,14 @@ async fn picture_or_record(jobs: &Jobs, headers: &HeaderMap, job: &str) -> Resul
     }
     let entry = jobs.catalogue.artifact(job, 0, "rgb").await?;
     let entry = entry
-        .ok_or_else(|| Problem::field("/artifacts", "name `rgb` among the artifacts to get the picture"))?;
+        .ok_or_else(|| Problem::field("/artifacts", "`artifacts` lacks `rgb`; add it to get the image"))?;
     let stored = jobs.images.stored(entry).await?;
     Ok((location, stored.response(&HeaderMap::new())?).into_response())
 }
 
 async fn why_failed(jobs: &Jobs, job: &str) -> Result<Problem, Problem> {
     let failure = jobs.catalogue.failures(job, None, 1).await?.pop();
-    let error = failure.map_or_else(|| "no reason is known".to_owned(), |failure| failure.error);
+    let error = failure.map_or_else(|| "no reason was recorded".to_owned(), |failure| failure.error);
     Ok(Problem::new(Slug::RenderFailed, error))
 }
 
@@ -110,14 +110,13 @@ fn wants_picture(headers: &HeaderMap) -> bool {
     listed(headers, header::ACCEPT).any(|kind| kind.starts_with("image/"))
 }
 
-/// Whether a description that can be read names a dataset.
+/// Whether a valid description names a dataset.
 fn names_dataset(body: &[u8]) -> bool {
     let parsed: Result<serde_json::Map<String, serde_json::Value>, _> = serde_json::from_slice(body);
     parsed.is_ok_and(|object| object.contains_key("dataset"))
 }
 
-/// The description with the default dataset, if it names none. Text that is no object is left unchanged: parsing the
-/// description reports what is wrong with it.
+/// The description with the default dataset if it has none. Other text is unchanged; parsing it reports the errors.
 fn in_dataset(body: &[u8]) -> Vec<u8> {
     let parsed: Result<serde_json::Map<_, _>, _> = serde_json::from_slice(body);
     match (parsed, body.iter().position(|byte| *byte == b'{')) {

@@ -30,8 +30,8 @@ fn worker() -> RegisterRequest {
     }
 }
 
-fn put(kind: &str, sides: (usize, usize)) -> Put {
-    Put {
+fn stored_file(kind: &str, sides: (usize, usize)) -> PendingArtifact {
+    PendingArtifact {
         entry: ArtifactEntry {
             kind: kind.to_owned(),
             digest: "ab".repeat(32),
@@ -45,14 +45,14 @@ fn put(kind: &str, sides: (usize, usize)) -> Put {
 /// A change of an honest record.
 type Lie = fn(&mut FrameRecord);
 
-/// What an honest worker says.
-fn record(frame: &Frame, puts: &[Put]) -> FrameRecord {
+/// The record of an honest worker.
+fn record(frame: &Frame, pending: &[PendingArtifact]) -> FrameRecord {
     let text = frame.parameters.to_string();
     FrameRecord {
         frame: 1,
         parameters: serde_json::from_str(&text).unwrap(),
         measurements: [("rgb".to_owned(), [("uiqm".to_owned(), 0.5)].into())].into(),
-        artifacts: puts.iter().map(|put| put.entry.clone()).collect(),
+        artifacts: pending.iter().map(|put| put.entry.clone()).collect(),
         timings_ms: [("water".to_owned(), 3.0)].into(),
         provenance: Provenance {
             code_version: "1".to_owned(),
@@ -74,20 +74,24 @@ fn promise(bound: f64, text: &str) -> Promise {
 }
 
 #[test]
-fn an_honest_record_has_no_fault_and_each_lie_is_named() {
+fn an_honest_record_has_no_fault_and_each_false_one_is_named() {
     let (frame, worker) = (frame(), worker());
-    let puts = [put("rgb", (32, 24)), put("range", (32, 24))];
-    let honest = record(&frame, &puts);
-    let faults = |puts: &[Put], record: &FrameRecord| {
+    let pending = [stored_file("rgb", (32, 24)), stored_file("range", (32, 24))];
+    let honest = record(&frame, &pending);
+    let faults = |pending: &[PendingArtifact], record: &FrameRecord| {
         let evidence = Evidence {
             frame: &frame,
-            puts,
+            pending,
             worker: &worker,
             record,
         };
         evidence.faults()
     };
-    assert!(faults(&puts, &honest).is_empty(), "{:?}", faults(&puts, &honest));
+    assert!(
+        faults(&pending, &honest).is_empty(),
+        "{:?}",
+        faults(&pending, &honest)
+    );
     let changes: [(&str, Lie); 16] = [
         ("/parameters/alpha", |record| {
             record.parameters["alpha"] = json!(0.5)
@@ -134,18 +138,18 @@ fn an_honest_record_has_no_fault_and_each_lie_is_named() {
     for (said, change) in changes {
         let mut lie = honest.clone();
         change(&mut lie);
-        let found = faults(&puts, &lie);
+        let found = faults(&pending, &lie);
         assert!(
             found.iter().any(|fault| fault.contains(said)),
             "{said}: {found:?}"
         );
     }
-    let small = [put("rgb", (32, 24)), put("range", (31, 24))];
+    let small = [stored_file("rgb", (32, 24)), stored_file("range", (31, 24))];
     assert_eq!(faults(&small, &honest), ["`range` is 31×24, the frame 32×24"]);
 }
 
 #[test]
-fn a_file_is_of_a_kind_that_was_asked_for_and_what_its_type_says() {
+fn a_file_has_a_requested_kind_and_matches_its_media_type() {
     let frame = frame();
     let picture = encode_png(&Rgb8::from_fn(32, 24, |_, _| [9; 3]).into()).unwrap();
     let file = |kind: &str, media_type: &str, data: &[u8]| {
@@ -160,15 +164,15 @@ fn a_file_is_of_a_kind_that_was_asked_for_and_what_its_type_says() {
     assert_eq!(file("rgb", "image/png", &picture), "");
     assert_eq!(
         file("direct", "application/x-npy", &picture),
-        "`direct` was not asked for, but rgb, range, enhanced.hscm"
+        "`direct` was not requested, but rgb, range, enhanced.hscm"
     );
     assert_eq!(
         file("range", "text/html", b"<script>"),
-        "`range` is image/png, not text/html; the bytes of `range` are no image/png"
+        "`range` is image/png, not text/html; the bytes of `range` are not image/png"
     );
 }
 
-/// A seeded stream of numbers.
+/// A seeded random stream.
 struct Dice(u64);
 
 impl Dice {
@@ -186,8 +190,8 @@ impl Dice {
 fn records_that_were_changed_at_random_never_panic_and_none_passes_with_other_facts() {
     const ROUNDS: usize = 20_000;
     let (frame, worker) = (frame(), worker());
-    let puts = [put("rgb", (32, 24)), put("range", (32, 24))];
-    let honest = record(&frame, &puts);
+    let pending = [stored_file("rgb", (32, 24)), stored_file("range", (32, 24))];
+    let honest = record(&frame, &pending);
     let text = serde_json::to_vec(&honest).unwrap();
     let mut dice = Dice(7);
     let (mut parsed, mut passed) = (0, 0);
@@ -208,7 +212,7 @@ fn records_that_were_changed_at_random_never_panic_and_none_passes_with_other_fa
         parsed += 1;
         let evidence = Evidence {
             frame: &frame,
-            puts: &puts,
+            pending: &pending,
             worker: &worker,
             record: &changed,
         };
@@ -216,8 +220,12 @@ fn records_that_were_changed_at_random_never_panic_and_none_passes_with_other_fa
             passed += 1;
             assert_eq!(changed.parameters, honest.parameters);
             assert_eq!(changed.provenance.code_version, honest.provenance.code_version);
-            let is_put = |entry: &ArtifactEntry| puts.iter().any(|put| put.entry == *entry);
-            assert!(changed.artifacts.iter().all(is_put));
+            assert!(
+                changed
+                    .artifacts
+                    .iter()
+                    .all(|entry: &ArtifactEntry| pending.iter().any(|put| put.entry == *entry))
+            );
         }
     }
     assert!(

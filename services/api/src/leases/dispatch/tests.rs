@@ -6,7 +6,7 @@ use proto::wire::FrameClaim;
 use super::super::table::TERM_MS;
 use super::*;
 
-/// A dispatch with a job of one frame, the worker's id, and the hand of the clock.
+/// A dispatch with a job of one frame, the worker's id, and its clock.
 fn one_frame() -> (Dispatch, String, Arc<AtomicU64>) {
     let hand = Arc::new(AtomicU64::new(0));
     let read = Arc::clone(&hand);
@@ -52,7 +52,7 @@ async fn token(dispatch: &Dispatch, worker: &str) -> Option<u64> {
 }
 
 #[tokio::test]
-async fn a_lease_that_nobody_received_is_free_again_without_a_strike() {
+async fn an_undelivered_lease_is_freed_without_a_strike() {
     let (dispatch, worker, _) = one_frame();
     drop(
         dispatch
@@ -74,7 +74,7 @@ async fn a_lease_that_nobody_received_is_free_again_without_a_strike() {
 }
 
 #[tokio::test]
-async fn a_silent_workers_frame_comes_back_after_its_term_under_a_larger_token() {
+async fn a_silent_workers_frame_is_offered_after_its_term_with_a_larger_token() {
     let (dispatch, worker, hand) = one_frame();
     let first = token(&dispatch, &worker).await.unwrap();
     hand.store(u64::from(TERM_MS) - 1, Ordering::SeqCst);
@@ -87,7 +87,7 @@ async fn a_silent_workers_frame_comes_back_after_its_term_under_a_larger_token()
 }
 
 #[tokio::test]
-async fn a_dead_childs_frame_comes_back_at_once_and_its_id_is_forgotten() {
+async fn a_dead_childs_frame_is_offered_again_and_its_id_is_dropped() {
     let (dispatch, worker, hand) = one_frame();
     token(&dispatch, &worker).await.unwrap();
     let (registered, events) = dispatch.drop_workers_named("remote");
@@ -102,7 +102,7 @@ async fn a_dead_childs_frame_comes_back_at_once_and_its_id_is_forgotten() {
 }
 
 #[tokio::test(start_paused = true)]
-async fn a_cancel_is_told_at_once_and_nothing_else_ends_a_beat_early() {
+async fn only_a_cancel_ends_a_heartbeat_early() {
     let (dispatch, worker, _) = one_frame();
     let token = token(&dispatch, &worker).await.unwrap();
     let dispatch = Arc::new(dispatch);
@@ -110,7 +110,7 @@ async fn a_cancel_is_told_at_once_and_nothing_else_ends_a_beat_early() {
     let begun = Instant::now();
     let quiet = dispatch.beat(&worker, &[token], wait).await.ok().unwrap();
     assert_eq!((quiet, begun.elapsed()), (BeatResponse::default(), wait));
-    // Also of a lease that the beat does not name.
+    // Also for a lease missing from the heartbeat.
     let beat = {
         let (dispatch, worker) = (Arc::clone(&dispatch), worker.clone());
         tokio::spawn(async move { dispatch.beat(&worker, &[], wait).await.ok() })
@@ -120,13 +120,13 @@ async fn a_cancel_is_told_at_once_and_nothing_else_ends_a_beat_early() {
     dispatch.cancel("job_a");
     assert_eq!(beat.await.unwrap().unwrap().cancelled, [token]);
     assert_eq!(begun.elapsed(), Duration::ZERO);
-    // Once.
+    // Only once.
     let again = dispatch.beat(&worker, &[], Duration::ZERO).await.ok().unwrap();
     assert_eq!(again, BeatResponse::default());
 }
 
 #[tokio::test]
-async fn a_worker_that_holds_frames_and_hands_none_in_is_dismissed_at_the_third() {
+async fn a_worker_that_commits_no_frames_is_dismissed_at_the_third() {
     let hand = Arc::new(AtomicU64::new(0));
     let read = Arc::clone(&hand);
     let clock = Clock::from_functions(move || read.load(Ordering::SeqCst), || 0);

@@ -1,4 +1,4 @@
-//! `POST /v1/worker/artifacts`, `commit` and `fail`: what the holder of a lease reports of a frame.
+//! Reports of the holder of a lease on a frame.
 
 use std::sync::Arc;
 
@@ -12,8 +12,8 @@ use store::Blob;
 use crate::http::{Problem, Protobuf, Slug, State, Topic};
 use crate::leases::Leases;
 use crate::leases::checks::{Evidence, check_file};
-use crate::leases::puts::{Put, Uncommitted};
-use crate::leases::table::{Making, Stale};
+use crate::leases::pending::{PendingArtifact, PendingFrame};
+use crate::leases::table::{Stale, Toolchain};
 use crate::processes::compute::to_the_end;
 use crate::telemetry;
 
@@ -32,7 +32,7 @@ pub(crate) async fn artifacts(
     if !faults.is_empty() {
         return Err(leases.refuse(&claim, &faults).await);
     }
-    let puts = request.artifacts.iter().map(put).collect();
+    let pending = request.artifacts.iter().map(to_pending).collect();
     let blobs = request.artifacts.into_iter().map(|file| Blob {
         digest: file.digest,
         bytes: file.data,
@@ -45,7 +45,7 @@ pub(crate) async fn artifacts(
         .announce(blobs.iter().map(|blob| blob.digest.clone()))
         .await;
     leases.bytes.store.put_all(blobs).await?;
-    leases.puts.add(&claim, frame, puts);
+    leases.pending.add(&claim, frame, pending);
     faults::point("artifacts.stored");
     Ok(())
 }
@@ -61,7 +61,7 @@ pub(crate) async fn commit(
     current.map_err(|_| stale_lease(&claim))?;
     let worker = leases.examine(&claim, &record).await?;
     let begun = leases.dispatch.free(|table, now| {
-        if table.made_with(&claim.job_id, &Making::of(&record.provenance)) {
+        if table.record_toolchain(&claim.job_id, &Toolchain::from_provenance(&record.provenance)) {
             return table.begin_commit(&claim, now);
         }
         // Another worker came first with other versions: nobody is to blame, and the frame is rendered again.
@@ -69,13 +69,13 @@ pub(crate) async fn commit(
     });
     begun.map_err(|_| stale_lease(&claim))?;
     faults::point("commit.begun");
-    // From here on the frame is pinned: the task unpins it even if the worker hangs up.
+    // The frame is pinned now: the task unpins it even if the worker disconnects.
     let stored = to_the_end(async move { leases.commit(&claim, &record, &worker).await }).await?;
     let already_there = stored == InsertImage::AlreadyThere;
     Ok(Protobuf(CommitResponse { already_there }))
 }
 
-/// Reports a failed attempt: the frame is tried again after a pause, or given up.
+/// Reports a failed attempt: the frame is tried again after a pause, or quarantined.
 pub(crate) async fn fail(
     State(leases): Topic<Leases>,
     Protobuf(request): Protobuf<FailRequest>,
@@ -85,13 +85,13 @@ pub(crate) async fn fail(
         .dispatch
         .table(|table, now| table.fail(&claim, request.retryable, &request.error, now));
     let event = event.map_err(|_| stale_lease(&claim))?;
-    leases.puts.remove(&claim);
+    leases.pending.remove(&claim);
     leases.record_strikes(vec![event]).await;
     Ok(())
 }
 
-fn put(file: &Artifact) -> Put {
-    Put {
+fn to_pending(file: &Artifact) -> PendingArtifact {
+    PendingArtifact {
         entry: ArtifactEntry {
             kind: file.kind.clone(),
             digest: file.digest.clone(),
@@ -103,7 +103,7 @@ fn put(file: &Artifact) -> Put {
 }
 
 impl Leases {
-    /// Fails on a full disk, for which no worker is to blame.
+    /// Fails on a full disk without blaming the worker.
     async fn room(&self, claim: &Claim) -> Result<(), Problem> {
         let room = self.bytes.space.room().await;
         if room.is_err() {
@@ -119,20 +119,20 @@ impl Leases {
             .map_err(|error| Problem::internal(&error))
     }
 
-    /// Compares a record with what is known of its frame; returns the worker.
+    /// Compares a record with the known facts of its frame; returns the worker.
     async fn examine(&self, claim: &Claim, record: &FrameRecord) -> Result<String, Problem> {
         let worker = self.dispatch.holder(claim.token);
         let (id, worker) = worker.ok_or_else(|| stale_lease(claim))?;
-        let known = match self.puts.get(claim) {
+        let known = match self.pending.get(claim) {
             Some(known) => known,
-            None => Uncommitted {
+            None => PendingFrame {
                 frame: Arc::new(self.frame(claim).await?),
                 files: vec![],
             },
         };
         let evidence = Evidence {
             frame: &known.frame,
-            puts: &known.files,
+            pending: &known.files,
             worker: &worker,
             record,
         };
@@ -143,9 +143,10 @@ impl Leases {
         Err(self.refuse(claim, &faults).await)
     }
 
-    /// Refuses what a worker says of a frame: the frame is offered again, and the worker is dismissed after a few times.
+    /// Rejects a worker's report on a frame: the frame is offered again, and the worker is dismissed after a few
+    /// rejections.
     async fn refuse(&self, claim: &Claim, faults: &[String]) -> Problem {
-        self.puts.remove(claim);
+        self.pending.remove(claim);
         let detail = shorten(&faults.join("; "));
         let events = self.dispatch.refuse(claim, &detail);
         self.record_strikes(events).await;
@@ -168,7 +169,7 @@ impl Leases {
         if matches!(inserted, Ok(InsertImage::Inserted)) {
             telemetry::committed(record);
             self.costs.learn(record);
-            self.probes.committed(worker, &claim.job_id, claim.frame);
+            self.probes.record_commit(worker, &claim.job_id, claim.frame);
         }
         self.changes.notify(&claim.job_id);
         inserted
@@ -187,7 +188,7 @@ impl Leases {
         let inserted = self.catalogue.insert_image(&claim.job_id, record, now_ms).await?;
         let digests = record.artifacts.iter().map(|artifact| artifact.digest.as_str());
         self.bytes.naming.named(digests);
-        self.puts.remove(claim);
+        self.pending.remove(claim);
         Ok(inserted)
     }
 }
@@ -200,5 +201,5 @@ fn stale_lease(claim: &Claim) -> Problem {
         attempt,
     } = claim;
     let detail = format!("token {token} does not hold attempt {attempt} at frame {frame} of {job_id}");
-    Problem::new(Slug::StaleLease, detail).with("token", *token)
+    Problem::new(Slug::StaleLease, detail).with_member("token", *token)
 }

@@ -1,5 +1,3 @@
-//! `POST /v1/worker/register`, `lease`, `beat` and `release`; `GET /v1/workers`.
-
 use std::time::Duration;
 
 use axum::Extension;
@@ -30,10 +28,10 @@ pub(crate) async fn register(
     } = &about;
     tracing::info!(worker = name, slots, version = code_version, "worker registered");
     if !caller.is_own_worker && is_own_name(name) {
-        let detail = format!("`{name}` is a name of the service's own workers; choose another");
+        let detail = format!("`{name}` is reserved for the service's workers; choose another name");
         return Err(Problem::new(Slug::Forbidden, detail));
     }
-    let detail = format!("worker `{name}` was dismissed: what it said of frames could not be true");
+    let detail = format!("worker `{name}` was dismissed for rejected reports");
     let worker_id = leases.dispatch.register(about, caller.is_own_worker);
     Ok(Protobuf(RegisterResponse {
         worker_id: worker_id.ok_or_else(|| Problem::new(Slug::Forbidden, detail))?,
@@ -43,7 +41,7 @@ pub(crate) async fn register(
     }))
 }
 
-/// Waits for frames to render and leases them. Touches no database.
+/// Waits for frames to render and leases them, without database access.
 pub(crate) async fn lease(
     State(leases): Topic<Leases>,
     Protobuf(request): Protobuf<LeaseRequest>,
@@ -51,7 +49,7 @@ pub(crate) async fn lease(
     let wait = Duration::from_millis(request.wait_ms.into()).min(limits::MAX_WAIT);
     let granted = tokio::select! {
         granted = leases.dispatch.lease(&request.worker_id, wait, request.frame_ms) => granted.map_err(unknown_worker)?,
-        // An empty response would be followed by the next request at once.
+        // An empty response would cause an immediate retry.
         () = leases.stop.cancelled() => return Err(Problem::overloaded("the service is stopping")),
     };
     let lease = granted.map(|granted| {
@@ -62,18 +60,18 @@ pub(crate) async fn lease(
     Ok(Protobuf(LeaseResponse { lease }))
 }
 
-/// Prolongs the worker's leases; names those that were cancelled or lost, and waits for one if the worker wants it. Touches no
-/// database.
+/// Extends the worker's leases. Returns the cancelled and lost ones, and waits for one if requested. No database
+/// access.
 pub(crate) async fn beat(
     State(leases): Topic<Leases>,
     Protobuf(beat): Protobuf<BeatRequest>,
 ) -> Result<Protobuf<BeatResponse>, Problem> {
     let wait = Duration::from_millis(beat.wait_ms.into()).min(limits::MAX_WAIT);
-    let told = tokio::select! {
-        told = leases.dispatch.beat(&beat.worker_id, &beat.tokens, wait) => told,
+    let response = tokio::select! {
+        response = leases.dispatch.beat(&beat.worker_id, &beat.tokens, wait) => response,
         () = leases.stop.cancelled() => Ok(BeatResponse::default()),
     };
-    told.map(Protobuf).map_err(unknown_worker)
+    response.map(Protobuf).map_err(unknown_worker)
 }
 
 /// `local-1`, `local-2`, …
@@ -82,7 +80,7 @@ fn is_own_name(name: &str) -> bool {
     number.is_some_and(|number| !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit()))
 }
 
-/// Takes a lease back. No attempt is burned; a stale token changes nothing.
+/// Takes a lease back without counting an attempt; a stale token has no effect.
 pub(crate) async fn release(
     State(leases): Topic<Leases>,
     Protobuf(ReleaseRequest { token, reason }): Protobuf<ReleaseRequest>,
@@ -92,11 +90,11 @@ pub(crate) async fn release(
 }
 
 fn unknown_worker(_: Unknown) -> Problem {
-    let detail = "this life of the service does not know the worker; register again";
+    let detail = "the worker is not registered since the service started; register again";
     Problem::new(Slug::UnknownWorker, detail)
 }
 
-/// List the workers that are registered and those of the broker, all on one page.
+/// List the registered workers and those of the broker on one page.
 #[utoipa::path(get, path = "/v1/workers", tag = "operations", operation_id = "list_workers",
     responses((status = 200, description = "All workers.", body = Page<Worker>)))]
 pub(crate) async fn list(State(leases): Topic<Leases>) -> Json<Page<Worker>> {

@@ -1,4 +1,4 @@
-//! What the holder of a lease reports of a frame: its image, or a failure. A stale claim changes nothing.
+//! Reports of the holder of a lease: an image or a failure. A stale claim has no effect.
 
 use proto::wire::Claim;
 
@@ -6,7 +6,7 @@ use super::job::Struck;
 use super::types::{Millis, Stale, StrikeEvent};
 use super::{LeaseTable, event};
 
-/// A frame, as the table names one that is pinned.
+/// The frame of a claim, as in the table of pinned frames.
 fn frame_of(claim: &Claim) -> (String, u64) {
     (claim.job_id.clone(), claim.frame)
 }
@@ -26,10 +26,10 @@ impl LeaseTable {
         }
     }
 
-    /// Pins a frame while its image is written: it cannot be lost meanwhile.
+    /// Pins a frame while its image is written, so that it cannot be lost.
     ///
     /// # Errors
-    /// [`Stale`], also when the lease has run out by `now` or the frame is being written already.
+    /// [`Stale`], also if the lease has expired by `now` or the frame is already being written.
     pub fn begin_commit(&mut self, claim: &Claim, now: Millis) -> Result<(), Stale> {
         self.check(claim)?;
         let lease = self.leases.get_mut(claim.token);
@@ -57,7 +57,7 @@ impl LeaseTable {
         }
     }
 
-    /// The image of a pinned frame could not be written; the lease goes on.
+    /// The image of a pinned frame could not be written; the lease continues.
     pub fn abort_commit(&mut self, claim: &Claim) {
         let Some(token) = self.pinned.remove(&frame_of(claim)) else {
             return;
@@ -67,7 +67,7 @@ impl LeaseTable {
         }
     }
 
-    /// The report on a frame was refused: the frame is offered again, without a strike, since the blame is its worker's.
+    /// Rejects the report on a frame: the frame is offered again without a strike, because its worker is to blame.
     ///
     /// # Errors
     /// [`Stale`].

@@ -1,45 +1,45 @@
-//! The open frames of one job. Fresh frames are a cursor, so a job of ten million takes no memory.
+//! The open frames of one job. A cursor represents fresh frames, so that ten million take no memory.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
-use super::types::{JobEntry, Making, Millis};
+use super::types::{JobEntry, Millis, Toolchain};
 
 /// A frame that kills its worker or fails this often is quarantined.
 const STRIKES: u32 = 3;
-/// First pause after a failure; it doubles with each strike, so that a fault which passes has time to pass.
+/// First pause after a failure. It doubles with each strike, which gives transient faults time to pass.
 const PAUSE_MS: u64 = 1000;
 const LONGEST_PAUSE_MS: u64 = 30_000;
 
 pub(crate) struct Job {
     pub(crate) priority: i32,
     pub(crate) held_back: bool,
-    /// When it was served last, counted in grants: the longest waiting goes first.
+    /// Time of the last grant, counted in grants: the job that has waited longest goes first.
     pub(crate) served: u64,
-    /// What its images are made with; none before the first.
-    pub(crate) made: Option<Making>,
+    /// Provenance of its images; `None` before the first.
+    pub(crate) made: Option<Toolchain>,
     frames: u64,
     finished: u64,
     /// Whether any frame has an image.
     has_images: bool,
     leased: u64,
     cursor: u64,
-    /// Ranges ahead of the cursor that it must not offer: start → end.
+    /// Ranges beyond the cursor to skip: start → end.
     skipped: BTreeMap<u64, u64>,
-    /// Ranges that were handed back: start → end.
+    /// Returned ranges: start → end.
     returned: BTreeMap<u64, u64>,
-    /// Frames that are offered one at a time.
+    /// Frames offered one at a time.
     alone: BTreeSet<u64>,
-    /// Frames that pause after a failure, and are then offered one at a time.
+    /// Frames pausing after a failure, then offered one at a time.
     pausing: BTreeSet<(Millis, u64)>,
     strikes: BTreeMap<u64, u32>,
     given_up: BTreeSet<u64>,
 }
 
-/// What a strike means for a frame.
+/// Consequence of a strike.
 pub(crate) struct Struck {
     pub(crate) strikes: u32,
-    /// When to try it again; `None`: it is given up.
+    /// Time of the next attempt; `None`: quarantined.
     pub(crate) again: Option<Millis>,
 }
 
@@ -79,7 +79,7 @@ impl Job {
                 covered = end;
             }
         }
-        // What struck before is tried alone at once, and not met by the cursor again.
+        // Frames with strikes are retried alone and skipped by the cursor.
         for (&frame, &strikes) in &entry.strikes {
             let before = job.skipped.range(..=frame).next_back();
             if frame < entry.frames && before.is_none_or(|(_, &end)| end <= frame) {
@@ -91,12 +91,12 @@ impl Job {
         job
     }
 
-    /// Frames that are neither finished nor held.
+    /// Frames that are neither finished nor leased.
     pub(crate) fn queued(&self) -> u64 {
         self.frames - self.finished - self.leased
     }
 
-    /// Frames that are held.
+    /// Leased frames.
     pub(crate) fn leased(&self) -> u64 {
         self.leased
     }
@@ -110,12 +110,12 @@ impl Job {
         self.finished == self.frames
     }
 
-    /// The attempt that a lease of this frame would be.
+    /// The number of the next attempt of this frame.
     pub(crate) fn attempt(&self, frame: u64) -> u32 {
         self.strikes.get(&frame).copied().unwrap_or(0) + 1
     }
 
-    /// The next frames, at most `most`; frames that were in trouble come one at a time.
+    /// The next frames, at most `most`; frames with earlier trouble come one at a time.
     pub(crate) fn take(&mut self, most: u64, now: Millis) -> Option<Range<u64>> {
         if self.held_back {
             return None;
@@ -177,7 +177,7 @@ impl Job {
         self.strikes.remove(&frame);
     }
 
-    /// Takes a frame back without a strike.
+    /// Returns a frame to the queue without a strike.
     pub(crate) fn give_back(&mut self, frame: u64) {
         self.leased -= 1;
         if self.strikes.contains_key(&frame) {
@@ -193,7 +193,7 @@ impl Job {
         self.returned.insert(start, frame + 1);
     }
 
-    /// Offers a frame alone from now on: a lease of several with it was lost.
+    /// Offers a frame alone from now on, because a larger lease with it was lost.
     pub(crate) fn single_out(&mut self, frame: u64) {
         self.leased -= 1;
         self.alone.insert(frame);
@@ -222,7 +222,7 @@ impl Job {
         }
     }
 
-    /// Offers a frame that was given up again, as if it had never failed. Other frames are left alone.
+    /// Offers a quarantined frame again without its strikes. Other frames are unchanged.
     pub(crate) fn retry(&mut self, frame: u64) {
         if self.given_up.remove(&frame) {
             self.finished -= 1;

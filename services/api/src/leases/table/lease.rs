@@ -1,4 +1,4 @@
-//! The leases, found by token, by worker, and by when they end.
+//! The leases, indexed by token, worker and expiry.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -7,22 +7,21 @@ use super::types::Millis;
 pub(crate) struct Lease {
     pub(crate) worker: String,
     pub(crate) job: String,
-    /// Frames that are still open, with their attempt.
+    /// Open frames with their attempt.
     pub(crate) frames: BTreeMap<u64, u32>,
-    /// Whether it held several frames at first.
+    /// Whether it initially had several frames.
     pub(crate) several: bool,
-    /// Whether its worker must hold nothing beside it.
+    /// Whether its worker must hold no other lease.
     pub(crate) apart: bool,
     /// Whether its job was cancelled; the lease stays until its worker has been notified.
     pub(crate) cancelled: bool,
     /// Whether its worker has been notified.
-    pub(crate) told: bool,
-    /// When it was given, or a frame of it came last.
+    pub(crate) notified: bool,
+    /// Time of the grant, or of its latest frame.
     pub(crate) since: Millis,
     pub(crate) ends: Millis,
 }
 
-/// All leases.
 #[derive(Default)]
 pub(crate) struct Leases {
     by_token: BTreeMap<u64, Lease>,
@@ -48,7 +47,7 @@ impl Leases {
         self.by_token.get(&token)
     }
 
-    /// For everything but the end and the worker, which are also kept elsewhere.
+    /// Must not change expiry or worker, which are indexed.
     pub(crate) fn get_mut(&mut self, token: u64) -> Option<&mut Lease> {
         self.by_token.get_mut(&token)
     }
@@ -61,7 +60,7 @@ impl Leases {
         }
     }
 
-    /// Tokens of the leases that have run out.
+    /// Tokens of the expired leases.
     pub(crate) fn ended(&self, now: Millis) -> Vec<u64> {
         self.by_end
             .iter()
@@ -90,7 +89,7 @@ impl Leases {
             .collect()
     }
 
-    /// Takes a frame out of its lease; a lease without frames is gone.
+    /// Removes a frame from its lease, and the lease with its last frame.
     pub(crate) fn take_out(&mut self, token: u64, frame: u64) {
         if let Some(lease) = self.by_token.get_mut(&token) {
             lease.frames.remove(&frame);
@@ -98,7 +97,7 @@ impl Leases {
         }
     }
 
-    /// Forgets a lease that holds no frame any more.
+    /// Drops a lease without frames.
     pub(crate) fn remove_if_empty(&mut self, token: u64) {
         if self
             .by_token

@@ -1,4 +1,4 @@
-//! Leases that end without an image: they run out, or their worker is gone.
+//! Leases that end without an image: expired, or their worker is gone.
 
 use std::collections::BTreeMap;
 
@@ -7,7 +7,7 @@ use super::types::{Millis, StrikeEvent};
 use super::{FORGET_AFTER_MS, LeaseTable, event};
 
 impl LeaseTable {
-    /// Takes back the leases that have run out, worker by worker.
+    /// Takes back the expired leases, worker by worker.
     pub fn expire(&mut self, now: Millis) -> Vec<StrikeEvent> {
         let mut lost: BTreeMap<String, Vec<u64>> = BTreeMap::new();
         for token in self.leases.ended(now) {
@@ -26,13 +26,13 @@ impl LeaseTable {
         events
     }
 
-    /// Leases that have run out and that [`LeaseTable::expire`] would take back.
+    /// Number of expired leases that [`LeaseTable::expire`] would take back.
     #[must_use]
     pub fn ended(&self, now: Millis) -> usize {
         self.leases.ended(now).len()
     }
 
-    /// A frame has come that the service cannot take for now: its worker is not to blame.
+    /// The service cannot accept an arrived frame now, which must not count against its worker.
     pub fn excuse(&mut self, token: u64, now: Millis) {
         if let Some(lease) = self.leases.get_mut(token) {
             lease.since = now;
@@ -47,7 +47,7 @@ impl LeaseTable {
         events
     }
 
-    /// These leases of a worker are lost; see the top of this file for what that means to their frames.
+    /// Handles lost leases of a worker; the module documentation explains the consequences for their frames.
     fn lose(&mut self, worker: &str, tokens: &[u64], now: Millis) -> Vec<StrikeEvent> {
         let alone = self.held_by(worker) == 1;
         let known = self.workers.get(worker);
@@ -79,7 +79,7 @@ impl LeaseTable {
                             self.rules.frame_limit_ms / 1000
                         ),
                         false => {
-                            format!("worker `{name}` was lost while it rendered this frame and no other")
+                            format!("worker `{name}` was lost while it rendered only this frame")
                         }
                     };
                     events.push(event(&job, frame, strikes, error, again.is_none()));
@@ -91,7 +91,7 @@ impl LeaseTable {
         events
     }
 
-    /// Takes every frame that is not pinned out of a lease and returns them.
+    /// Removes every unpinned frame from a lease and returns them.
     pub(super) fn drop_open(&mut self, token: u64) -> Vec<(String, u64)> {
         let Some(lease) = self.leases.get_mut(token) else {
             return Vec::new();

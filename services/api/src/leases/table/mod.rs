@@ -1,50 +1,46 @@
-//! The lease table: a pure state machine. Time and tokens are arguments, so a test can play any history. Delivery is at
-//! least once; a stale token changes nothing.
+//! The lease table: a pure state machine. Time and tokens are arguments, so a test can play any history. Delivery is
+//! at least once; a stale token has no effect.
 //!
-//! **Who is served.** The highest priority; among equals the job that was served longest ago, where a new job stands
-//! behind those that wait already. So a huge job does not starve a small later one, nor do many small ones starve it.
-//! A lease holds about three seconds of work, and less towards the end of a job, so that all slots finish together.
+//! **Scheduling.** The highest priority goes first; among equals the job with the oldest grant, and a new job queues
+//! behind waiting ones. A huge job does not starve a later small one, nor do many small ones starve it. A lease holds
+//! about three seconds of work, and less towards the end of a job, so that all slots finish together.
 //!
-//! **Who is to blame for a crash.** A worker that vanishes takes all its frames along, and renders several at a time.
-//! Only a frame that was the single one its worker held gets a strike. Frames from leases of several are offered one
-//! at a time from then on. Frames that were alone in their lease but not alone in their worker become suspects: a
-//! suspect is given only to a worker that holds nothing else, and that worker gets nothing beside it. One worker at a
-//! time is kept from new work until it is empty, so that suspects are not waited for for ever.
+//! **Blame for a crash.** A worker that vanishes loses all its frames, and it renders several at a time. Only a frame
+//! that was the worker's single one gets a strike. Frames from leases of several are offered one at a time from then
+//! on. Frames that were alone in their lease but not in their worker become suspects: a suspect is only granted to a
+//! worker without other leases, and that worker gets no others meanwhile. One worker at a time is kept from new work
+//! until it is empty, so that suspects do not wait forever.
 
 mod claims;
+mod grants;
 mod job;
 mod lease;
 mod loss;
-mod making;
 mod suspects;
+mod toolchain;
 mod types;
 mod workers;
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
-use std::ops::Range;
 
 use proto::wire::{BeatResponse, RegisterRequest};
 
 use self::job::Job;
-use self::lease::{Lease, Leases};
-use self::suspects::{Suspect, Suspects};
-pub use self::types::{Grant, JobEntry, Making, Millis, Rules, Stale, StrikeEvent, Totals};
+use self::lease::Leases;
+use self::suspects::Suspects;
+pub use self::types::{Grant, JobEntry, Millis, Rules, Stale, StrikeEvent, Toolchain, Totals};
 
-/// How long a lease lasts without a beat: three of them may be missed.
+/// Duration of a lease without a heartbeat: three may be missed.
 pub const TERM_MS: u32 = 15_000;
-/// Work that one lease should hold: long enough that asking costs nothing, short enough that a lost one costs little.
-const LEASE_WORK_MS: f64 = 3000.0;
-/// Most frames of a lease, however quick they are.
-const MOST_FRAMES: u64 = 256;
-/// A worker that holds nothing and was not heard of for so long is forgotten.
+/// An idle worker without messages for this long is dropped.
 const FORGET_AFTER_MS: u64 = 600_000;
 
 /// All leases of a service.
 #[derive(Default)]
 pub struct LeaseTable {
     pub(crate) jobs: BTreeMap<String, Job>,
-    /// The jobs in the order in which they are served: priority, when served last, id.
+    /// The jobs in scheduling order: priority, last grant, id.
     line: BTreeSet<(Reverse<i32>, u64, String)>,
     suspects: Suspects,
     pub(crate) leases: Leases,
@@ -67,7 +63,7 @@ impl LeaseTable {
         Self::default()
     }
 
-    /// An empty table with rules of its own.
+    /// An empty table with the given rules.
     #[must_use]
     pub fn with_rules(rules: Rules) -> Self {
         Self {
@@ -86,7 +82,7 @@ impl LeaseTable {
         }
     }
 
-    /// Offers nothing more of a job, cancelled or deleted; its leases are void. An image that is being written at the moment still counts.
+    /// Drops a cancelled or deleted job and voids its leases. An image being written still counts.
     pub fn cancel(&mut self, job: &str) {
         self.forget_job(job);
         for token in self.leases.of_job(job) {
@@ -97,7 +93,7 @@ impl LeaseTable {
         }
     }
 
-    /// Offers nothing of a job for now; leases that are out go on and may be prolonged.
+    /// Stops offering a job; its leases continue.
     pub fn pause(&mut self, job: &str) {
         self.hold_back(job, true);
     }
@@ -113,8 +109,8 @@ impl LeaseTable {
         }
     }
 
-    /// Offers those of these frames again that were given up, one at a time and as if they had never failed. Returns
-    /// whether the table has the job: one that has ended must be added again.
+    /// Offers the quarantined ones of these frames again, one at a time and without their strikes. Returns whether
+    /// the table has the job; an ended job must be added again.
     pub fn retry(&mut self, job: &str, frames: &[u64]) -> bool {
         let Some(job) = self.jobs.get_mut(job) else {
             return false;
@@ -132,97 +128,15 @@ impl LeaseTable {
         true
     }
 
-    /// Leases the next frames to a worker. `token` must be new. `frame_ms` is what a frame costs the worker; not positive:
-    /// unknown, and one frame is given.
-    pub fn grant(&mut self, worker: &str, now: Millis, token: u64, frame_ms: f64) -> Option<Grant> {
-        self.saw(worker, now);
-        if self.leases.of_worker(worker).any(|lease| lease.apart) || self.leases.contains(token) {
-            return None;
-        }
-        let about = &self.workers.get(worker)?.about;
-        let offered = |job: &str| {
-            let job = self.jobs.get(job);
-            job.is_some_and(|job| !job.held_back && self.rules.fits(job, about))
-        };
-        if let Some(suspect) = self.suspects.due(now, offered) {
-            if self.leases.of_worker(worker).next().is_none() {
-                return self.grant_suspect(worker, now, token, &suspect);
-            }
-            if self.suspects.empties(worker, now) {
-                return None;
-            }
-        }
-        let most = frames_worth(frame_ms);
-        let alive = self
-            .workers
-            .values()
-            .filter(|worker| worker.seen.plus(TERM_MS.into()) > now);
-        let slots: u64 = alive.map(|worker| u64::from(worker.about.slots)).sum();
-        let about = &self.workers.get(worker)?.about;
-        let found = self.line.iter().find_map(|(_, _, id)| {
-            let job = self.jobs.get_mut(id)?;
-            if !self.rules.fits(job, about) {
-                return None;
-            }
-            // What is left is shared among all slots.
-            let most = most.min(job.queued().div_ceil(slots.max(1))).max(1);
-            Some((id.clone(), job.take(most, now)?))
-        });
-        let (id, frames) = found?;
-        Some(self.lease(worker, now, token, &id, frames, false))
-    }
-
-    fn grant_suspect(&mut self, worker: &str, now: Millis, token: u64, suspect: &Suspect) -> Option<Grant> {
-        self.suspects.take(suspect);
-        let (_, job, frame) = suspect;
-        let frames = self.jobs.get_mut(job)?.take_suspect(*frame);
-        Some(self.lease(worker, now, token, job, frames, true))
-    }
-
-    fn lease(
-        &mut self,
-        worker: &str,
-        now: Millis,
-        token: u64,
-        id: &str,
-        frames: Range<u64>,
-        apart: bool,
-    ) -> Grant {
-        let job = self.jobs.get_mut(id).expect("the frames were taken from it");
-        self.line.remove(&place(id, job));
-        self.grants += 1;
-        job.served = self.grants;
-        self.line.insert(place(id, job));
-        let frames: BTreeMap<u64, u32> = frames.map(|frame| (frame, job.attempt(frame))).collect();
-        let granted = frames.iter().map(|(&frame, &attempt)| (frame, attempt)).collect();
-        let lease = Lease {
-            worker: worker.to_owned(),
-            job: id.to_owned(),
-            several: frames.len() > 1,
-            frames,
-            apart,
-            cancelled: false,
-            told: false,
-            since: now,
-            ends: now.plus(TERM_MS.into()),
-        };
-        self.leases.insert(token, lease);
-        Grant {
-            token,
-            job_id: id.to_owned(),
-            frames: granted,
-        }
-    }
-
-    /// Prolongs a worker's leases, and names those that are cancelled or lost.
+    /// Extends a worker's leases; returns the cancelled and lost ones.
     pub fn beat(&mut self, worker: &str, tokens: &[u64], now: Millis) -> BeatResponse {
-        self.saw(worker, now);
+        self.record_message(worker, now);
         let mut beat = BeatResponse::default();
         for &token in tokens {
             match self.leases.get_mut(token).filter(|lease| lease.worker == worker) {
                 None => beat.lost.push(token),
                 Some(lease) if lease.cancelled => {
-                    lease.told = true;
+                    lease.notified = true;
                     beat.cancelled.push(token);
                     self.leases.remove_if_empty(token);
                 }
@@ -232,10 +146,10 @@ impl LeaseTable {
                 }
             }
         }
-        // Granted while the worker's last beat was on its way.
+        // Granted while the worker's last heartbeat was on its way.
         for token in self.cancelled_of(worker) {
             if let Some(lease) = self.leases.get_mut(token) {
-                lease.told = true;
+                lease.notified = true;
             }
             beat.cancelled.push(token);
             self.leases.remove_if_empty(token);
@@ -243,18 +157,19 @@ impl LeaseTable {
         beat
     }
 
-    /// The cancelled leases of a worker that it was not told of yet.
+    /// The cancelled leases of which a worker has not been notified.
     #[must_use]
     pub fn cancelled_of(&self, worker: &str) -> Vec<u64> {
         let tokens = self.leases.tokens_of(worker).into_iter();
-        let is_news = |token: &u64| {
-            let lease = self.leases.get(*token);
-            lease.is_some_and(|lease| lease.cancelled && !lease.told)
-        };
-        tokens.filter(is_news).collect()
+        tokens
+            .filter(|token: &u64| {
+                let lease = self.leases.get(*token);
+                lease.is_some_and(|lease| lease.cancelled && !lease.notified)
+            })
+            .collect()
     }
 
-    /// Takes the open frames of a lease back; no attempt is burned.
+    /// Takes the open frames of a lease back without counting an attempt.
     pub fn release(&mut self, token: u64, _now: Millis) {
         for (job, frame) in self.drop_open(token) {
             if let Some(job) = self.jobs.get_mut(&job) {
@@ -270,7 +185,7 @@ impl LeaseTable {
         self.jobs.contains_key(job)
     }
 
-    /// Frames that wait and frames that are held.
+    /// Queued and leased frames.
     #[must_use]
     pub fn totals(&self) -> Totals {
         let queued = self.jobs.values().map(Job::queued).sum();
@@ -291,15 +206,6 @@ impl LeaseTable {
             self.line.remove(&place(id, &job));
             self.suspects.forget_job(id);
         }
-    }
-}
-
-/// How many frames of this cost a lease should hold.
-fn frames_worth(frame_ms: f64) -> u64 {
-    if frame_ms > 0.0 {
-        (LEASE_WORK_MS / frame_ms).clamp(1.0, MOST_FRAMES as f64) as u64
-    } else {
-        1
     }
 }
 

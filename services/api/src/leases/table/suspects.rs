@@ -1,11 +1,11 @@
-//! Frames that may have killed their worker, among others that it held.
+//! Suspects: frames that may have killed their worker while it held others.
 
 use std::collections::BTreeSet;
 
 use super::TERM_MS;
 use super::types::Millis;
 
-/// From when on, job, frame.
+/// Earliest time, job, frame.
 pub(crate) type Suspect = (Millis, String, u64);
 
 /// The suspects, and the worker that is emptied for the next one.
@@ -32,8 +32,8 @@ impl Suspects {
         self.emptied = None;
     }
 
-    /// Whether this worker is the one that is kept empty; if there is none, it is from now on, for as long as a lease of
-    /// it can take to end.
+    /// Whether this worker is the one kept empty. If there is none, it becomes the one, for the maximum duration of
+    /// its leases.
     pub(crate) fn empties(&mut self, worker: &str, now: Millis) -> bool {
         match &self.emptied {
             Some((emptied, until)) if *until > now => emptied == worker,

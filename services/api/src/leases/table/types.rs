@@ -3,24 +3,24 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// Milliseconds of a clock that never goes back.
+/// Milliseconds of a monotonic clock.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Millis(pub u64);
 
 impl Millis {
-    /// Later by so many milliseconds.
+    /// Adds milliseconds.
     #[must_use]
     pub fn plus(self, ms: u64) -> Self {
         Self(self.0.saturating_add(ms))
     }
 }
 
-/// What holds for all jobs.
+/// Lease rules of all jobs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Rules {
-    /// How long a worker may hold a frame: longer than it may take to render and to hand in.
+    /// Maximum time a worker may hold a frame: rendering plus upload.
     pub frame_limit_ms: u64,
-    /// Whether frames of one job may be made with different programs and machines.
+    /// Whether frames of one job may come from different programs and machines.
     pub mixed: bool,
 }
 
@@ -33,50 +33,50 @@ impl Default for Rules {
     }
 }
 
-/// What a frame is made with.
+/// Provenance of a frame.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Making {
-    /// Version of the code.
+pub struct Toolchain {
+    /// Version of the software.
     pub code_version: String,
-    /// CPU features that choose its code paths.
+    /// CPU features that select code paths.
     pub cpu_features: String,
-    /// Version of the ONNX Runtime that was used.
+    /// Version of the ONNX Runtime used.
     pub onnx_runtime: Option<String>,
 }
 
-/// A job as the table takes it up, fresh or after a restart.
+/// A job added to the table, new or after a restart.
 #[derive(Debug, Clone, Default)]
 pub struct JobEntry {
     /// The job's id.
     pub id: String,
-    /// How many frames it has.
+    /// Number of frames.
     pub frames: u64,
     /// Higher goes first.
     pub priority: i32,
-    /// Frames that have their image.
+    /// Frames with an image.
     pub done: Vec<Range<u64>>,
-    /// Frames that were given up.
+    /// Quarantined frames.
     pub failed: Vec<u64>,
     /// Strikes of frames that are still tried.
     pub strikes: BTreeMap<u64, u32>,
-    /// Whether to hold its frames back.
+    /// Whether the job is paused.
     pub paused: bool,
-    /// What its images were made with; none before the first.
-    pub made: Option<Making>,
+    /// Provenance of its images; `None` before the first.
+    pub made: Option<Toolchain>,
 }
 
-/// Frames given to a worker.
+/// Frames leased to a worker.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Grant {
     /// The fencing token.
     pub token: u64,
     /// The job.
     pub job_id: String,
-    /// Frames and the number of each one's attempt, from 1.
+    /// Frames with the number of their attempt, from 1.
     pub frames: Vec<(u64, u32)>,
 }
 
-/// The token, frame or attempt of a call is not that of a current lease.
+/// The token, frame or attempt is not that of a current lease.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("the lease is stale")]
 pub struct Stale;
@@ -90,9 +90,9 @@ pub struct StrikeEvent {
     pub frame: u64,
     /// Strikes so far.
     pub strikes: u32,
-    /// What happened.
+    /// Description of the failure.
     pub error: String,
-    /// Whether the frame is given up.
+    /// Whether the frame is quarantined.
     pub quarantined: bool,
 }
 
@@ -101,6 +101,6 @@ pub struct StrikeEvent {
 pub struct Totals {
     /// Frames that are not leased.
     pub queued: u64,
-    /// Frames that are leased.
+    /// Frames under lease.
     pub leased: u64,
 }

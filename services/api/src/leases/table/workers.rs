@@ -1,4 +1,4 @@
-//! The workers that the table knows.
+//! Registered workers of the table.
 
 use std::collections::BTreeSet;
 
@@ -20,7 +20,7 @@ impl LeaseTable {
         self.workers.contains_key(worker)
     }
 
-    /// Workers that hold a lease whose frame has taken longer than any may: [`LeaseTable::expire`] would take it back.
+    /// Workers with a lease that exceeds the time limit; [`LeaseTable::expire`] would take it back.
     #[must_use]
     pub fn stalled(&self, now: Millis) -> BTreeSet<String> {
         let ended = self.leases.ended(now).into_iter();
@@ -29,7 +29,7 @@ impl LeaseTable {
         stalled.map(|lease| lease.worker.clone()).collect()
     }
 
-    /// The registered workers: id, registration, when they were heard of last.
+    /// The registered workers: id, registration, time of the last message.
     pub fn workers(&self) -> impl Iterator<Item = (&str, &RegisterRequest, Millis)> {
         let workers = self.workers.iter();
         workers.map(|(id, worker)| (id.as_str(), &worker.about, worker.seen))
@@ -42,15 +42,15 @@ impl LeaseTable {
         Some((id, &self.workers.get(id)?.about))
     }
 
-    /// Frames that a worker holds.
+    /// Number of frames held by a worker.
     #[must_use]
     pub fn held_by(&self, worker: &str) -> usize {
         let leases = self.leases.of_worker(worker);
         leases.map(|lease| lease.frames.len()).sum()
     }
 
-    /// Notes that a worker was heard of; one that never registered counts as one with a slot.
-    pub(super) fn saw(&mut self, worker: &str, now: Millis) {
+    /// Records a message of a worker; an unregistered one counts as having one slot.
+    pub(super) fn record_message(&mut self, worker: &str, now: Millis) {
         if let Some(known) = self.workers.get_mut(worker) {
             known.seen = now;
         } else {

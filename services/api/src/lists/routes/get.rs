@@ -1,5 +1,3 @@
-//! `GET /v1/lists/{list}`.
-
 use catalogue::Page;
 
 use crate::http::{Json, Path, Problem, State, Topic};
@@ -7,9 +5,9 @@ use crate::lists::{Entry, List};
 use crate::openapi::ListName;
 use crate::styles::Styles;
 
-/// See a list of identifiers that come with the program.
+/// Get a list of built-in identifiers.
 ///
-/// What users add to is listed elsewhere: `/v1/lists` says where.
+/// `GET /v1/lists` names the endpoints of user-defined entries.
 #[utoipa::path(get, path = "/v1/lists/{list}", tag = "lists", operation_id = "get_list",
     params(("list" = ListName, Path, description = "Name of the list")),
     responses((status = 200, description = "All entries, on one page.", body = Page<Entry>)))]

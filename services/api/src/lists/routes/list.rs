@@ -1,5 +1,3 @@
-//! `GET /v1/lists`.
-
 use catalogue::Page;
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -7,35 +5,39 @@ use utoipa::ToSchema;
 use crate::http::Json;
 use crate::lists::List;
 
-/// A list of identifiers, and where each of them is sent.
+/// A list of identifiers and their uses.
 #[derive(Debug, Serialize, ToSchema)]
 #[schema(as = List)]
 pub(crate) struct ListView {
-    /// Its own name.
+    /// Name of the list.
     #[schema(example = "metrics")]
     name: &'static str,
-    /// What its entries are.
+    /// Meaning of the entries.
     about: &'static str,
-    /// Where a user sends or meets an entry, in Markdown.
+    /// Uses of an entry, in Markdown.
     places: &'static [&'static str],
-    /// The path that lists its entries.
+    /// The path of the list.
     #[schema(example = "/v1/lists/metrics")]
     path: String,
-    /// The command that prints them.
+    /// The command that prints it.
     #[schema(example = "fathom list metrics")]
     command: String,
 }
 
-/// List the lists: every kind of identifier that a request may hold, where it is sent, and what lists it.
+/// List all kinds of identifiers in requests, with their uses and endpoints.
 #[utoipa::path(get, path = "/v1/lists", tag = "lists", operation_id = "list_lists",
     responses((status = 200, description = "All lists, on one page.", body = Page<ListView>)))]
 pub(crate) async fn list() -> Json<Page<ListView>> {
-    let view = |list: &List| ListView {
-        name: list.name,
-        about: list.about,
-        places: list.places,
-        path: list.path(),
-        command: list.command(),
-    };
-    Json(Page::whole(List::all().iter().map(view).collect()))
+    Json(Page::whole(
+        List::all()
+            .iter()
+            .map(|list: &List| ListView {
+                name: list.name,
+                about: list.about,
+                places: list.places,
+                path: list.path(),
+                command: list.command(),
+            })
+            .collect(),
+    ))
 }

@@ -1,4 +1,2 @@
-//! The lists of identifiers.
-
 pub(crate) mod get;
 pub(crate) mod list;

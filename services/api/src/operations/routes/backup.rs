@@ -1,5 +1,3 @@
-//! `POST /v1/backups`.
-
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -13,16 +11,16 @@ use crate::http::{Json, Problem, State, Topic};
 use crate::operations::Operations;
 use crate::processes::compute::to_the_end;
 
-/// Beginning of the name of a backup's folder; the rest grows from backup to backup.
+/// Prefix of a backup's folder; the rest increases from backup to backup.
 const PREFIX: &str = "bak_";
-/// The same while it is made.
+/// Prefix while it is unfinished.
 const UNFINISHED: &str = ".bak_";
 
-/// A copy of everything that the service has stored.
+/// A copy of all stored data.
 #[derive(Debug, Serialize, ToSchema)]
 #[schema(as = Backup)]
 pub(crate) struct BackupView {
-    /// Its folder on the service's machine. A service started on it goes on from the moment of the copy.
+    /// Its folder on the service's machine. A service started on it resumes from the time of the copy.
     #[schema(example = "data/backups/bak_0198c0ffee007000800000000000000a")]
     folder: String,
     /// Bytes of all its files.
@@ -31,28 +29,29 @@ pub(crate) struct BackupView {
 
 /// Copy the catalogue and all artifacts while the service runs.
 ///
-/// The copy is a data folder of its own, in `backups` of the service's: move it away, and start a service on it to
-/// restore. One backup is made at a time.
+/// The copy is a complete data folder in `backups` of the service's. Move it away; to restore, start a service on it.
+/// One backup runs at a time.
 #[utoipa::path(post, path = "/v1/backups", tag = "operations", operation_id = "create_backup",
-    responses((status = 201, description = "The copy is whole and on the disk.", body = BackupView),
+    responses((status = 201, description = "The copy is complete and on disk.", body = BackupView),
               (status = 507, response = crate::openapi::Problem)))]
 pub(crate) async fn create(
     State(operations): Topic<Operations>,
 ) -> Result<(StatusCode, Json<BackupView>), Problem> {
-    // It goes on to its end when the client goes away, and leaves nothing half-done behind.
+    // It completes even if the client disconnects, and leaves no partial copy.
     let view = to_the_end(async move { copy(&operations).await }).await?;
     Ok((StatusCode::CREATED, Json(view)))
 }
 
 async fn copy(operations: &Arc<Operations>) -> Result<BackupView, Problem> {
     operations.bytes.space.room().await?;
-    // Nothing that a copied row names may be taken away before its bytes are copied.
+    // No bytes of a copied row may be deleted before they are copied.
     let _alone = operations.bytes.upkeep.lock().await;
     let backups = operations.data.join("backups");
     let name = format!("{PREFIX}{}", ordered_id().simple());
     let (unfinished, folder) = (backups.join(format!(".{name}")), backups.join(&name));
-    let failed = |error: std::io::Error| Problem::internal(&error);
-    tokio::fs::create_dir_all(&unfinished).await.map_err(failed)?;
+    tokio::fs::create_dir_all(&unfinished)
+        .await
+        .map_err(|error| Problem::internal(&error))?;
     let copied = async {
         operations
             .catalogue
@@ -66,18 +65,20 @@ async fn copy(operations: &Arc<Operations>) -> Result<BackupView, Problem> {
             .run(move || styles.copy_to(&copy))
             .await?;
         copied.map_err(|error| writing(&error))?;
-        tokio::fs::rename(&unfinished, &folder).await.map_err(failed)?;
+        tokio::fs::rename(&unfinished, &folder)
+            .await
+            .map_err(|error| Problem::internal(&error))?;
         let counted = folder.clone();
         let counted = tokio::task::spawn_blocking(move || below(&counted)).await;
         counted
             .map_err(|error| Problem::internal(&error))?
-            .map_err(failed)
+            .map_err(|error| Problem::internal(&error))
     };
     let copied: Result<u64, Problem> = copied.await;
     if copied.is_err()
         && let Err(error) = tokio::fs::remove_dir_all(&unfinished).await
     {
-        tracing::warn!(folder = %unfinished.display(), %error, "what a failed backup wrote is left behind");
+        tracing::warn!(folder = %unfinished.display(), %error, "could not remove a failed backup");
     }
     let bytes = copied?;
     tracing::info!(folder = %folder.display(), bytes, "backup made");
@@ -107,7 +108,7 @@ pub(crate) fn newest(data: &Path) -> std::io::Result<Option<PathBuf>> {
     Ok(newest)
 }
 
-/// Removes what killed services have left of their backups; returns the bytes. Nobody else may be making one.
+/// Removes unfinished backups of killed services; returns the freed bytes. No other backup may be running.
 ///
 /// # Errors
 /// The folder cannot be read or changed.

@@ -1,5 +1,3 @@
-//! `GET /livez`, `/readyz`, `/version` and `/metrics`.
-
 use axum::http::header;
 use axum::response::IntoResponse;
 use serde::Serialize;
@@ -9,18 +7,18 @@ use crate::http::{Json, Problem, Slug, State, Topic};
 use crate::operations::Operations;
 use crate::telemetry;
 
-/// Whether the process answers at all.
+/// Check whether the process responds.
 #[utoipa::path(get, path = "/livez", tag = "operations", operation_id = "get_liveness", security(()),
-    responses((status = 200, description = "The process answers.", body = String)))]
+    responses((status = 200, description = "The process responds.", body = String)))]
 pub(crate) async fn livez() -> &'static str {
     "ok\n"
 }
 
-/// Whether requests can be answered: the catalogue is readable, there is space, the service is not stopping, and none of its own
-/// workers was dismissed.
+/// Check whether requests can be served: the catalogue is readable, there is space, the service is not stopping, and
+/// none of its workers was dismissed.
 ///
-/// A full disk is looked at again each time: as soon as there is space the answer is 200. Damage that was found since the start stands
-/// below, a line each: what is damaged is not served, the rest is.
+/// A full disk is checked again each time; the status is 200 as soon as there is space. Damage found since the start
+/// is listed in the body, one item per line; damaged items are not served.
 #[utoipa::path(get, path = "/readyz", tag = "operations", operation_id = "get_readiness", security(()),
     responses((status = 200, description = "Ready.", body = String),
               (status = 507, response = crate::openapi::Problem)))]
@@ -29,13 +27,13 @@ pub(crate) async fn readyz(State(operations): Topic<Operations>) -> Result<Strin
         return Err(Problem::overloaded("the service is stopping"));
     }
     if operations.bytes.space.is_full().await {
-        let detail = "there is no space left for the data directory; reading goes on";
+        let detail = "the data folder has no space left; reads still work";
         return Err(Problem::new(Slug::StorageFull, detail));
     }
     let dismissed = operations.leases.dispatch.dismissed_own();
     if !dismissed.is_empty() {
         let detail = format!(
-            "dismissed for frames that could not be true: {}; have this machine's memory tested, then start the service again",
+            "dismissed for wrong frames: {}; test this machine's memory, then restart the service",
             dismissed.join(", ")
         );
         return Err(Problem::overloaded(detail));
@@ -50,17 +48,17 @@ pub(crate) async fn readyz(State(operations): Topic<Operations>) -> Result<Strin
     Ok(["ready\n".to_owned()].into_iter().chain(lines).collect())
 }
 
-/// What runs here.
+/// Versions of the running software.
 #[derive(Serialize, ToSchema)]
 pub(crate) struct Version {
-    /// Version of the code.
+    /// Version of the service.
     code_version: &'static str,
-    /// Version of the ONNX Runtime that this machine's workers find; null: none, jobs with a style need a worker
+    /// Version of the ONNX Runtime available to this machine's workers; null: none, jobs with a style need a worker
     /// that has one.
     onnx_runtime: Option<String>,
 }
 
-/// Versions of the code and of the style runtime.
+/// Get the versions of the service and the style runtime.
 #[utoipa::path(get, path = "/version", tag = "operations", operation_id = "get_version", security(()),
     responses((status = 200, description = "Versions.", body = Version)))]
 pub(crate) async fn version(State(operations): Topic<Operations>) -> Json<Version> {
@@ -70,7 +68,7 @@ pub(crate) async fn version(State(operations): Topic<Operations>) -> Json<Versio
     })
 }
 
-/// What the service counts, in Prometheus' text form.
+/// Get the service's telemetry in Prometheus' text format.
 #[utoipa::path(get, path = "/metrics", tag = "operations", operation_id = "get_telemetry",
     responses((status = 200, description = "Metrics named `fathom_…`, in base units.", body = String)))]
 pub(crate) async fn metrics(State(operations): Topic<Operations>) -> Result<impl IntoResponse, Problem> {

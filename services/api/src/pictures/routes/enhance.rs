@@ -1,5 +1,3 @@
-//! `POST /v1/enhance`.
-
 use axum::http::{HeaderName, HeaderValue, header};
 use axum::response::{IntoResponse, Response};
 use enhance::Method;
@@ -13,10 +11,10 @@ use crate::http::{MultipartBody, Problem, Query, State, Topic};
 use crate::openapi::{Bytes, Enhancement};
 use crate::pictures::Pictures;
 
-/// Codes of what the method is known to do badly with this picture.
+/// Codes of the method's known failures with this image.
 const WARNINGS: HeaderName = HeaderName::from_static("fathom-warnings");
 
-/// Which method, and what of its result.
+/// Method and output.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
@@ -24,11 +22,11 @@ pub(crate) struct Parameters {
     /// The enhancement method.
     #[param(value_type = Enhancement, example = "hscm")]
     method: String,
-    /// Whether pixels outside of the method's mask are blacked out, if it has one.
+    /// Whether pixels outside the method's mask become black.
     #[serde(default = "yes")]
     #[param(default = true)]
     mask: bool,
-    /// Form of the answer.
+    /// Image format of the response.
     #[serde(default)]
     #[param(default = "png")]
     format: PictureFormat,
@@ -38,7 +36,7 @@ fn yes() -> bool {
     true
 }
 
-/// A picture of one's own.
+/// A user image.
 #[derive(ToSchema)]
 #[expect(dead_code, reason = "describes the body; the handler reads it")]
 pub(crate) struct EnhanceUpload {
@@ -47,37 +45,37 @@ pub(crate) struct EnhanceUpload {
     picture: Vec<u8>,
 }
 
-/// Enhance a picture of your own. Nothing is stored.
+/// Enhance your image. Nothing is stored.
 ///
-/// `Fathom-Warnings` names known failures of the method that the picture shows.
+/// `Fathom-Warnings` lists known failures of the method with this image.
 #[utoipa::path(post, path = "/v1/enhance", tag = "pictures", operation_id = "enhance_picture", params(Parameters),
     request_body(content = EnhanceUpload, content_type = "multipart/form-data"),
-    responses((status = 200, description = "The enhanced picture, 8 bit.",
+    responses((status = 200, description = "The enhanced image, 8 bit.",
                content((Bytes = "image/png"), (Bytes = "image/webp")))))]
 pub(crate) async fn enhance(
     State(pictures): Topic<Pictures>,
-    Query(asked): Query<Parameters>,
+    Query(query): Query<Parameters>,
     MultipartBody(body): MultipartBody,
 ) -> Result<Response, Problem> {
-    let method = Method::parse(&asked.method).ok_or_else(|| {
+    let method = Method::parse(&query.method).ok_or_else(|| {
         let known = enhance::METHODS.join(", ");
         Problem::field(
             "/method",
-            format!("method is `{}`; there are {known}", asked.method),
+            format!("method is `{}`; must be one of {known}", query.method),
         )
     })?;
     let mut form = Form::read(body, &[("picture", Kind::File)]).await?;
     form.require("picture");
     form.check()?;
-    let media_type = match asked.format {
+    let media_type = match query.format {
         PictureFormat::Png => "image/png",
         PictureFormat::Webp => "image/webp",
     };
     let request = Request::Enhance(EnhanceRequest {
         picture: "picture".to_owned(),
         method: method.name().to_owned(),
-        masked: asked.mask,
-        is_webp: matches!(asked.format, PictureFormat::Webp),
+        masked: query.mask,
+        is_webp: matches!(query.format, PictureFormat::Webp),
     });
     let enhanced = pictures.run::<String>(&request, &form, &["picture"]).await?;
     let (bytes, warnings) = (enhanced.result().await?, &enhanced.reply);

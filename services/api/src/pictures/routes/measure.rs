@@ -1,5 +1,3 @@
-//! `POST /v1/measure`.
-
 use quality::MetricId;
 use serde::Deserialize;
 use utoipa::{IntoParams, ToSchema};
@@ -9,10 +7,10 @@ use crate::http::form::{Form, Kind};
 use crate::http::{Json, MultipartBody, Problem, Query, State, Topic};
 use crate::pictures::Pictures;
 
-/// As in a job that names none.
+/// The default metrics of a job.
 const USUAL: &str = "entropy,uicm,uism,uiconm,uiqm,uciqe";
 
-/// Which metrics.
+/// Selection of metrics.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
@@ -22,28 +20,28 @@ pub(crate) struct Parameters {
     metrics: Option<String>,
 }
 
-/// A picture of one's own.
+/// A user image.
 #[derive(ToSchema)]
 #[expect(dead_code, reason = "describes the body; the handler reads it")]
 pub(crate) struct MeasureUpload {
     /// PNG, JPEG or WebP of at most 16 Mpx.
     #[schema(value_type = String, format = Binary)]
     picture: Vec<u8>,
-    /// The clean picture of the same size, for metrics that compare with it.
+    /// The clean image of the same size, for metrics that compare with it.
     #[schema(value_type = Option<String>, format = Binary)]
     clean: Option<Vec<u8>>,
 }
 
-/// Measure a picture of your own. Nothing is stored.
+/// Measure your image. Nothing is stored.
 #[utoipa::path(post, path = "/v1/measure", tag = "pictures", operation_id = "measure_picture", params(Parameters),
     request_body(content = MeasureUpload, content_type = "multipart/form-data"),
     responses((status = 200, description = "The values.", body = Measured)))]
 pub(crate) async fn measure(
     State(pictures): Topic<Pictures>,
-    Query(asked): Query<Parameters>,
+    Query(query): Query<Parameters>,
     MultipartBody(body): MultipartBody,
 ) -> Result<Json<Measured>, Problem> {
-    let metrics = metrics(asked.metrics.as_deref().unwrap_or(USUAL))?;
+    let metrics = metrics(query.metrics.as_deref().unwrap_or(USUAL))?;
     let fields = [("picture", Kind::File), ("clean", Kind::File)];
     let mut form = Form::read(body, &fields).await?;
     form.require("picture");
@@ -58,12 +56,17 @@ pub(crate) async fn measure(
 }
 
 fn metrics(list: &str) -> Result<Vec<MetricId>, Problem> {
-    let parse = |name: &str| {
-        MetricId::parse(name).ok_or_else(|| {
-            let known: Vec<String> = MetricId::all().map(|id| id.to_string()).collect();
-            let message = format!("metric `{name}` does not exist; there are {}", known.join(", "));
-            Problem::field("/metrics", message)
+    list.split(',')
+        .map(str::trim)
+        .map(|name| {
+            MetricId::parse(name).ok_or_else(|| {
+                let known: Vec<String> = MetricId::all().map(|id| id.to_string()).collect();
+                let message = format!(
+                    "metric `{name}` does not exist; must be one of {}",
+                    known.join(", ")
+                );
+                Problem::field("/metrics", message)
+            })
         })
-    };
-    list.split(',').map(|name| parse(name.trim())).collect()
+        .collect()
 }

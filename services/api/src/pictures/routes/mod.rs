@@ -1,4 +1,2 @@
-//! A user's own pictures.
-
 pub(crate) mod enhance;
 pub(crate) mod measure;

@@ -1,21 +1,19 @@
-//! `GET /v1/collections`; `GET` and `DELETE /v1/collections/{name}`.
-
 use axum::http::StatusCode;
 use catalogue::{Catalogue, CollectionRow, CollectionScene, Page};
 
 use crate::http::{Json, Path, Problem, State, Topic};
 
-/// List the collections of uploaded scenes, all on one page.
+/// List the collections of uploaded scenes on one page.
 #[utoipa::path(get, path = "/v1/collections", tag = "scenes", operation_id = "list_collections",
     responses((status = 200, description = "All collections by name.", body = Page<CollectionRow>)))]
 pub(crate) async fn list(State(catalogue): Topic<Catalogue>) -> Result<Json<Page<CollectionRow>>, Problem> {
     Ok(Json(Page::whole(catalogue.collections().await?)))
 }
 
-/// The scenes of a collection in the order in which jobs take them, all on one page.
+/// Get the scenes of a collection in the order used by jobs, on one page.
 #[utoipa::path(get, path = "/v1/collections/{name}", tag = "scenes", operation_id = "get_collection",
-    params(("name" = String, Path, description = "Its name")),
-    responses((status = 200, description = "Its scenes.", body = Page<CollectionScene>)))]
+    params(("name" = String, Path, description = "Name")),
+    responses((status = 200, description = "The scenes.", body = Page<CollectionScene>)))]
 pub(crate) async fn get(
     State(catalogue): Topic<Catalogue>,
     Path(name): Path<String>,
@@ -27,10 +25,10 @@ pub(crate) async fn get(
     Ok(Json(Page::whole(scenes)))
 }
 
-/// Delete a collection. Its scenes stay, and so do the jobs that were made of it.
+/// Delete a collection. Its scenes are kept, and so are jobs that use it.
 #[utoipa::path(delete, path = "/v1/collections/{name}", tag = "scenes", operation_id = "delete_collection",
-    params(("name" = String, Path, description = "Its name")),
-    responses((status = 204, description = "It is gone.")))]
+    params(("name" = String, Path, description = "Name")),
+    responses((status = 204, description = "Deleted.")))]
 pub(crate) async fn delete(
     State(catalogue): Topic<Catalogue>,
     Path(name): Path<String>,

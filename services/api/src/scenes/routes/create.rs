@@ -1,5 +1,3 @@
-//! `POST /v1/scenes`.
-
 use utoipa::ToSchema;
 
 use crate::http::located::{Located, created, located};
@@ -12,52 +10,52 @@ use crate::scenes::view::SceneView;
 #[derive(ToSchema)]
 #[expect(dead_code, reason = "describes the body; `SceneForm` reads it")]
 pub(crate) struct SceneUpload {
-    /// The picture: PNG, JPEG, WebP; with linear radiance NPY `[h, w, 3]`, or EXR with channels R, G and B.
+    /// The image: PNG, JPEG, WebP; for linear radiance NPY `[h, w, 3]`, or EXR with channels R, G and B.
     #[schema(value_type = String, format = Binary)]
     rgb: Vec<u8>,
     /// Distances along the line of sight: 8- or 16-bit PNG, NPY, or EXR with a channel Z.
     #[schema(value_type = Option<String>, format = Binary)]
     range: Option<Vec<u8>>,
-    /// Distances along the optical axis, as depth cameras give them; needs the camera.
+    /// Distances along the optical axis, as from depth cameras; requires the camera.
     #[schema(value_type = Option<String>, format = Binary)]
     z_depth: Option<Vec<u8>>,
-    /// Meters of one unit of the file. Required for integer files.
+    /// Meters per unit of the file. Required for integer files.
     unit_m: Option<f64>,
-    /// The code that means "no return". Required for integer files.
+    /// The code of a missing return. Required for integer files.
     invalid_code: Option<u16>,
-    /// Focal length in pixels; `fx` is the same.
+    /// Focal length in pixels; `fx` is an alias.
     focal_px: Option<f64>,
-    /// Column of the principal point; absent: the middle.
+    /// Column of the principal point; absent: the center.
     cx: Option<f64>,
-    /// Row of the principal point; absent: the middle.
+    /// Row of the principal point; absent: the center.
     cy: Option<f64>,
     /// Horizontal field of view, instead of the focal length.
     hfov_deg: Option<f64>,
     /// Instance of each pixel, 0 = background: 8- or 16-bit PNG.
     #[schema(value_type = Option<String>, format = Binary)]
     instances: Option<Vec<u8>>,
-    /// What the instances are, as JSON: `{"1": "pile", "2": "chain"}` or, with ids of your own, `categories` and
+    /// Classes of the instances as JSON: `{"1": "pile", "2": "chain"}` or, with your ids, `categories` and
     /// `segments_info` as in COCO's panoptic annotations.
     #[schema(value_type = Option<String>, format = Binary)]
     classes: Option<Vec<u8>>,
-    /// Where the camera was, as JSON: `{"world_from_camera": [[…], […], […], [0, 0, 0, 1]]}`, the rows of the matrix from
+    /// Camera pose as JSON: `{"world_from_camera": [[…], […], […], [0, 0, 0, 1]]}`, the rows of the matrix from
     /// camera axes (right, down, ahead) to the world, whose z axis points up, in meters.
     #[schema(value_type = Option<String>, format = Binary)]
     pose: Option<Vec<u8>>,
-    /// The collection that the scene joins, such as `dock`: a job may then name the collection.
+    /// The collection to add the scene to, such as `dock`; jobs may then use the collection.
     collection: Option<String>,
-    /// Its name in the collection, which decides the order; absent: its id. The same name again replaces the scene.
+    /// Its name in the collection, which decides the order; absent: its id. An existing name is replaced.
     name: Option<String>,
 }
 
 /// Upload a scene.
 ///
-/// It is decoded and checked before anything is stored. Scenes are named by their content: the same upload answers
-/// the same scene with 200.
+/// It is decoded and checked before anything is stored. Scenes are identified by their content: repeating an upload
+/// returns the same scene with 200.
 #[utoipa::path(post, path = "/v1/scenes", tag = "scenes", operation_id = "upload_scene",
     request_body(content = SceneUpload, content_type = "multipart/form-data"),
     responses((status = 201, description = "Stored.", body = SceneView),
-              (status = 200, description = "It was there already.", body = SceneView)))]
+              (status = 200, description = "Already stored.", body = SceneView)))]
 pub(crate) async fn create(
     State(scenes): Topic<Scenes>,
     MultipartBody(body): MultipartBody,

@@ -1,10 +1,8 @@
-//! `GET /v1/worker/scenes/{id}`.
-
 use crate::http::{Json, Path, Problem, State, Topic, found};
 use catalogue::Catalogue;
 use spec::SceneFiles;
 
-/// What a worker needs to load an uploaded scene.
+/// Returns the data a worker needs to load an uploaded scene.
 pub(crate) async fn scene(
     State(catalogue): Topic<Catalogue>,
     Path(id): Path<String>,

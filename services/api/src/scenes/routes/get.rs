@@ -1,5 +1,3 @@
-//! `GET` and `DELETE /v1/scenes/{id}`.
-
 use axum::http::StatusCode;
 use catalogue::Catalogue;
 
@@ -7,7 +5,7 @@ use crate::http::{Json, Path, Problem, State, Topic, found};
 use crate::scenes::Scenes;
 use crate::scenes::view::SceneView;
 
-/// See an uploaded scene.
+/// Get an uploaded scene.
 #[utoipa::path(get, path = "/v1/scenes/{id}", tag = "scenes", operation_id = "get_scene",
     params(("id" = String, Path, description = "`scn_…`")),
     responses((status = 200, description = "The scene.", body = SceneView)))]
@@ -20,11 +18,11 @@ pub(crate) async fn get(
 
 /// Delete an uploaded scene that no job uses.
 ///
-/// It leaves its collections, and its space comes back in the background. While jobs have frames of it, it stays: their
-/// images could not be rendered again.
+/// It is removed from its collections, and its space is reclaimed in the background. A scene with frames in jobs
+/// cannot be deleted, because their images could not be rendered again.
 #[utoipa::path(delete, path = "/v1/scenes/{id}", tag = "scenes", operation_id = "delete_scene",
     params(("id" = String, Path, description = "`scn_…`")),
-    responses((status = 204, description = "It is gone."),
+    responses((status = 204, description = "Deleted."),
               (status = 409, response = crate::openapi::Problem)))]
 pub(crate) async fn delete(
     State(scenes): Topic<Scenes>,

@@ -1,5 +1,3 @@
-//! `GET /v1/scenes`.
-
 use catalogue::{Catalogue, Page};
 
 use crate::http::paging::Paging;
@@ -11,10 +9,10 @@ use crate::scenes::view::SceneView;
     responses((status = 200, description = "A page of scenes.", body = Page<SceneView>)))]
 pub(crate) async fn list(
     State(catalogue): Topic<Catalogue>,
-    Query(asked): Query<Paging>,
+    Query(query): Query<Paging>,
 ) -> Result<Json<Page<SceneView>>, Problem> {
-    let limit = bounds::rows(asked.limit)?;
-    let page = catalogue.scenes(limit, asked.cursor).await?;
+    let limit = bounds::check_rows(query.limit)?;
+    let page = catalogue.scenes(limit, query.cursor).await?;
     Ok(Json(Page {
         items: page.items.into_iter().map(SceneView::from).collect(),
         next_cursor: page.next_cursor,

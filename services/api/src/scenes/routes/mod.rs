@@ -1,5 +1,3 @@
-//! Uploaded scenes.
-
 pub(crate) mod collections;
 pub(crate) mod create;
 pub(crate) mod files;

@@ -1,5 +1,3 @@
-//! `POST /v1/sets`.
-
 use axum::http::StatusCode;
 use serde_json::Value;
 use spec::{FieldError, Invalid};
@@ -14,25 +12,25 @@ use crate::sets::view::SetView;
 /// A set to import.
 #[derive(ToSchema)]
 pub(crate) struct NewSet {
-    /// Folder or `s3://BUCKET/PREFIX`, below a store that the service was started with.
+    /// Folder or `s3://BUCKET/PREFIX`, below one of the service's stores.
     #[schema(example = "s3://reef/tour")]
     url: String,
 }
 
 impl NewSet {
-    /// Reads a body; all that is wrong with it is reported together.
+    /// Parses a body and reports all errors together.
     fn parse(body: &[u8]) -> Result<Self, Problem> {
         let value = serde_json::from_slice(body);
         let value: Value = value.map_err(|error| Problem::new(Slug::InvalidBody, error.to_string()))?;
         let Value::Object(fields) = value else {
             return Err(Problem::new(
                 Slug::InvalidBody,
-                "the body is no object; send {\"url\": \"…\"}",
+                "the body must be an object such as {\"url\": \"…\"}",
             ));
         };
         let mut errors = Vec::new();
         for name in fields.keys().filter(|name| *name != "url") {
-            let message = format!("there is no field `{name}`; fields are url");
+            let message = format!("`{name}` is not a field; must be url");
             errors.push(FieldError::new(&format!("/{name}"), message));
         }
         let limit = limits::SET_URL_BYTES;
@@ -43,7 +41,7 @@ impl NewSet {
                 Err(format!("url has {} bytes, the limit is {limit}", url.len()))
             }
             Some(Value::String(url)) => Ok(url.clone()),
-            Some(other) => Err(format!("url is {other} but must be a text")),
+            Some(other) => Err(format!("url is {other}; must be a string")),
         };
         match url {
             Ok(url) if errors.is_empty() => Ok(Self { url }),
@@ -58,11 +56,11 @@ impl NewSet {
 
 /// Import a set, and follow it while it grows.
 ///
-/// The images of its finished shards join a job of their own; their bytes stay in the set. The response comes when the job is
-/// stored. Importing a set again changes nothing but that the service looks at once for what is new.
+/// The images of its finished shards join a separate job; their bytes stay in the set. The response is sent when the
+/// job is stored. Importing a set again only polls it immediately.
 #[utoipa::path(post, path = "/v1/sets", tag = "sets", operation_id = "import_set",
     request_body(content = NewSet, content_type = "application/json"),
-    responses((status = 202, description = "Its images are on their way; `Location` is the set.", body = SetView),
+    responses((status = 202, description = "The import has started; `Location` is the set.", body = SetView),
               (status = 409, response = crate::openapi::Problem),
               (status = 502, response = crate::openapi::Problem)))]
 pub(crate) async fn create(

@@ -1,4 +1,2 @@
-//! Sets: imported, listed, followed.
-
 pub(crate) mod create;
 pub(crate) mod set;

@@ -1,5 +1,3 @@
-//! `POST /v1/styles`.
-
 use axum::extract::Multipart;
 use style::ModelCard;
 use utoipa::ToSchema;
@@ -24,36 +22,36 @@ const FIELDS: [(&str, Kind); 7] = [
 #[derive(ToSchema)]
 #[expect(dead_code, reason = "describes the body; `read` reads it")]
 pub(crate) struct StyleUpload {
-    /// Name by which jobs ask for it: 1 to 64 characters of a-z, 0-9, `_` and `-`.
+    /// Name of the style in jobs: 1 to 64 characters of a-z, 0-9, `_` and `-`.
     #[schema(example = "harbour")]
     name: String,
-    /// The ONNX file, all of its tensors in it: an input `image` and an output `styled`, float32
-    /// `[1, 3, height, width]` of any size, sRGB-encoded in 0..=1; and, if it wants one, an input `noise`
-    /// `[1, 1, height, width]`, standard normal, of the job's seed and the frame.
+    /// The ONNX file with all tensors inside: an input `image` and an output `styled`, float32 `[1, 3, height,
+    /// width]` of any size, sRGB-encoded in 0..=1; optionally an input `noise` `[1, 1, height, width]`, standard
+    /// normal, seeded by job and frame.
     #[schema(value_type = String, format = Binary)]
     model: Vec<u8>,
-    /// What kind of network it is.
+    /// Kind of network.
     architecture: Option<String>,
-    /// What it was trained on.
+    /// Training data.
     source: Option<String>,
-    /// Under what terms it may be used.
+    /// License of the model.
     licence: Option<String>,
-    /// What the style weight does with its output.
+    /// Effect of the style weight on its output.
     alpha: Option<String>,
-    /// What a user should know; may be given several times.
+    /// Caveat for users; repeatable.
     caveat: Option<String>,
 }
 
-/// Add a style of your own.
+/// Add your style.
 ///
-/// The network is tried in a process of its own on frames of 1×1, of odd sides and of 768×492: it must load, answer a
-/// finite picture each time, and the same one to the same frame. Then jobs may name it at once. The same network under
-/// the same name again answers 200. Styles are never replaced or deleted, since images name them. Nobody has measured
-/// how stable a style of your own is; its card says so.
+/// The network is tried in a separate process on frames of 1×1, of odd sides and of 768×492: it must load, return
+/// finite images, and be deterministic. Then jobs may use it. Repeating an upload returns 200. Styles are never
+/// replaced or deleted, because images reference them. The stability of an added style is not measured; its card
+/// contains this caveat.
 #[utoipa::path(post, path = "/v1/styles", tag = "styles", operation_id = "add_style",
     request_body(content = StyleUpload, content_type = "multipart/form-data"),
     responses((status = 201, description = "Added: its card.", body = StyleCard),
-              (status = 200, description = "It was there already.", body = StyleCard),
+              (status = 200, description = "Already stored.", body = StyleCard),
               (status = 409, response = crate::openapi::Problem)))]
 pub(crate) async fn create(
     State(styles): Topic<Styles>,

@@ -1,5 +1,3 @@
-//! `GET /v1/styles`.
-
 use catalogue::Page;
 use serde_json::Value;
 
@@ -7,7 +5,7 @@ use crate::http::{Json, Problem, State, Topic};
 use crate::openapi::StyleCard;
 use crate::styles::Styles;
 
-/// List the style models with their cards, all on one page.
+/// List the style models with their cards on one page.
 #[utoipa::path(get, path = "/v1/styles", tag = "styles", operation_id = "list_styles",
     responses((status = 200, description = "All style models: name, digest, source, licence, caveats, and whether it takes noise (`takes_noise`). The card of one that a user added warns \
                                            that nobody has measured its stability.",

@@ -1,5 +1,3 @@
-//! Style water models.
-
 pub(crate) mod create;
 pub(crate) mod list;
 pub(crate) mod model;

@@ -1,5 +1,3 @@
-//! `GET /v1/worker/styles` and `GET /v1/worker/styles/{name}`.
-
 use axum::response::IntoResponse;
 use proto::wire::{Style, StylesResponse};
 
@@ -7,23 +5,25 @@ use crate::http::stored::octets;
 use crate::http::{Path, Problem, Protobuf, State, Topic, found};
 use crate::styles::Styles;
 
-/// The style models that jobs may name, for workers that do not know one of them.
+/// Lists the style models for workers that lack one of them.
 pub(crate) async fn styles(State(styles): Topic<Styles>) -> Result<Protobuf<StylesResponse>, Problem> {
     let known = styles.known();
     let names = known.library.names();
-    let style = |name: &str| {
-        let model = known.library.get(name)?;
-        let card = serde_json::to_string(&model.card).map_err(|error| Problem::internal(&error));
-        Some(card.map(|card_json| Style {
-            name: name.to_owned(),
-            card_json,
-        }))
-    };
-    let styles = names.into_iter().filter_map(style).collect::<Result<_, _>>()?;
+    let styles = names
+        .into_iter()
+        .filter_map(|name: &str| {
+            let model = known.library.get(name)?;
+            let card = serde_json::to_string(&model.card).map_err(|error| Problem::internal(&error));
+            Some(card.map(|card_json| Style {
+                name: name.to_owned(),
+                card_json,
+            }))
+        })
+        .collect::<Result<_, _>>()?;
     Ok(Protobuf(StylesResponse { styles }))
 }
 
-/// The ONNX file of a style model.
+/// Returns the ONNX file of a style model.
 pub(crate) async fn style(
     State(styles): Topic<Styles>,
     Path(name): Path<String>,

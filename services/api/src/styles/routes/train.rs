@@ -1,5 +1,3 @@
-//! `POST /v1/styles/train`.
-
 use axum::extract::Multipart;
 use axum::http::StatusCode;
 use style::is_name;
@@ -25,38 +23,38 @@ const FIELDS: [(&str, Kind); 7] = [
     ("source", Kind::Text),
 ];
 
-/// The photo and what to make of it.
+/// Photos and options of a training.
 #[derive(ToSchema)]
 #[expect(dead_code, reason = "describes the body; `read` reads it")]
 pub(crate) struct TrainingUpload {
-    /// Name by which jobs will ask for it: 1 to 64 characters of a-z, 0-9, `_` and `-`.
+    /// Name of the new style in jobs: 1 to 64 characters of a-z, 0-9, `_` and `-`.
     #[schema(example = "harbour")]
     name: String,
-    /// PNG, JPEG or WebP of the water; up to eight photos of the same water may be given.
+    /// PNG, JPEG or WebP of the water; up to eight photos of the same water.
     #[schema(value_type = String, format = Binary)]
     photo: Vec<u8>,
-    /// Seed of all chance: the same photos, seed and steps give the same network.
+    /// Random seed: the same photos, seed and steps yield the same network.
     #[schema(default = 1)]
     seed: Option<u64>,
-    /// Steps, 1..=5000; 60 are enough for a first look.
+    /// Steps, 1..=5000; 60 are enough for a preview.
     #[schema(default = 1000, minimum = 1, maximum = 5000)]
     steps: Option<u32>,
-    /// Whether its network takes the range of each pixel as well: contrast falls with it as in the photos. Jobs with such a style
-    /// need scenes with a range.
+    /// Whether the network has a range input, so that contrast falls with range as in the photos. Jobs with such a
+    /// style need scenes with a range.
     #[schema(default = false)]
     range: Option<bool>,
-    /// Terms under which the photo, and so the style, may be used.
+    /// License of the photos, and so of the style.
     #[schema(default = "unknown")]
     licence: Option<String>,
-    /// Where the photo comes from.
+    /// Source of the photos.
     source: Option<String>,
 }
 
-/// Train a style from a photo.
+/// Train a style from photos.
 ///
-/// Photos that cannot be learned from are refused at once. The training runs in a process of its own, one at a time; a
-/// thousand steps take about a minute on four free cores. When it is done jobs may name the style at once. The service
-/// keeps the style, not the training: after a restart, an open training must be asked for again.
+/// Unsuitable photos are rejected immediately. Trainings run in a separate process, one at a time; a thousand steps
+/// take about a minute on four free cores. Jobs may use the style as soon as the training is done. The service stores
+/// the style, not the training: after a restart, submit an open training again.
 #[utoipa::path(post, path = "/v1/styles/train", tag = "styles", operation_id = "train_style",
     request_body(content = TrainingUpload, content_type = "multipart/form-data"),
     responses((status = 202, description = "Accepted; `Location` is the training.", body = TrainingView),
@@ -102,7 +100,7 @@ async fn read(body: Multipart) -> Result<Order, Problem> {
         steps: steps.unwrap_or(1000),
         range: range.unwrap_or(false),
         licence: form.text_or("licence", "unknown"),
-        source: form.text_or("source", "trained from photos given by a user of the service"),
+        source: form.text_or("source", "trained from a user's photos"),
         photos,
         folder,
     })

@@ -1,5 +1,3 @@
-//! `GET /v1/styles/trainings/{id}` and `DELETE` of the same.
-
 use axum::http::header;
 use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
@@ -12,19 +10,19 @@ use crate::openapi::{Bytes, Losses, StyleCard};
 use crate::styles::Styles;
 use crate::styles::trainings::{Progress, Training};
 
-/// How far a training is.
+/// State of a training.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum TrainingState {
-    /// Another one is before it.
+    /// Waiting for another training.
     Queued,
-    /// It takes its steps.
+    /// Running.
     Running,
-    /// There is a style.
+    /// Its style is available.
     Done,
-    /// There is none; `error` says why.
+    /// Failed; see `error`.
     Failed,
-    /// It was stopped by the user.
+    /// Cancelled by the user.
     Cancelled,
 }
 
@@ -36,23 +34,23 @@ pub(crate) struct TrainingView {
     id: String,
     /// The name of the style.
     name: String,
-    /// How far it is.
+    /// State.
     #[schema(example = "running")]
     state: TrainingState,
-    /// Steps to do.
+    /// Total steps.
     steps: u32,
-    /// Seed of all chance.
+    /// Random seed.
     seed: u64,
-    /// Whether its network takes the range of each pixel as well.
+    /// Whether its network has a range input.
     range: bool,
     /// Steps done.
     done: u64,
     /// The losses of the newest steps.
     #[schema(value_type = Option<Losses>)]
     losses: Value,
-    /// When its preview was drawn, Unix time in milliseconds; null: there is none.
+    /// Time of its preview, Unix time in milliseconds; null: none.
     preview_ms: Option<u64>,
-    /// Why there is no style.
+    /// Why it failed.
     error: Option<String>,
     /// The card of the style, as in the list of styles.
     #[schema(value_type = Option<StyleCard>)]
@@ -91,38 +89,38 @@ impl TrainingView {
     }
 }
 
-/// How long to wait.
+/// Long-poll parameters.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub(crate) struct Parameters {
-    /// Seconds to wait at most for its end, 0..=60.
+    /// Maximum seconds to wait for its end, 0..=60.
     #[param(default = 0, maximum = 60)]
     wait: Option<u64>,
 }
 
-/// See a training, or wait for its end.
+/// Get a training, or wait for its end.
 #[utoipa::path(get, path = "/v1/styles/trainings/{id}", tag = "styles", operation_id = "get_training",
     params(("id" = String, Path, description = "`trn_…`"), Parameters),
-    responses((status = 200, description = "The training as it is now.", body = TrainingView)))]
+    responses((status = 200, description = "The present state of the training.", body = TrainingView)))]
 pub(crate) async fn get(
     State(styles): Topic<Styles>,
     Path(id): Path<String>,
-    Query(asked): Query<Parameters>,
+    Query(query): Query<Parameters>,
 ) -> Result<Json<TrainingView>, Problem> {
-    let limit = bounds::wait(asked.wait)?;
+    let limit = bounds::check_wait(query.wait)?;
     let training = styles.trainings.get(&id)?;
     styles.wait(&training, limit).await;
     Ok(Json(TrainingView::new(&training)))
 }
 
-/// See a scene in the style as it is by now.
+/// Get a preview of the style in training: a scene rendered with it.
 ///
-/// It is drawn every few seconds while the training runs; `preview_ms` of the training says when. Only the newest is kept, and none of a
-/// training that has ended.
+/// It is updated every few seconds while the training runs; `preview_ms` of the training is its time. Only the newest
+/// is kept, and only until the training ends.
 #[utoipa::path(get, path = "/v1/styles/trainings/{id}/preview", tag = "styles", operation_id = "get_training_preview",
     params(("id" = String, Path, description = "`trn_…`")),
-    responses((status = 200, description = "The picture.", body = Bytes, content_type = "image/png")))]
+    responses((status = 200, description = "The image.", body = Bytes, content_type = "image/png")))]
 pub(crate) async fn preview(
     State(styles): Topic<Styles>,
     Path(id): Path<String>,
@@ -139,10 +137,10 @@ pub(crate) async fn preview(
 
 /// Cancel a training.
 ///
-/// Nothing of it stays. A training that has ended stays as it is, and so does its style.
+/// Its results are deleted. Cancelling a training that has ended has no effect.
 #[utoipa::path(delete, path = "/v1/styles/trainings/{id}", tag = "styles", operation_id = "cancel_training",
     params(("id" = String, Path, description = "`trn_…`")),
-    responses((status = 200, description = "The training as it is now.", body = TrainingView)))]
+    responses((status = 200, description = "The present state of the training.", body = TrainingView)))]
 pub(crate) async fn delete(
     State(styles): Topic<Styles>,
     Path(id): Path<String>,

@@ -1,8 +1,7 @@
-//! Styles that are trained from photos: one at a time, each in a process of its own.
+//! Trains styles from photos: one at a time, each in a separate process.
 //!
-//! A training is known to the running service alone: what survives is the style that it ends with. The process leaves
-//! all that it makes in a folder for the moment, so a training that fails, is cancelled or dies with the service
-//! leaves nothing behind.
+//! Trainings exist only in the running service; the resulting style is permanent. The process writes to a temporary
+//! folder, so a training that fails, is cancelled or dies with the service leaves nothing behind.
 
 mod process;
 
@@ -27,12 +26,12 @@ use crate::http::problem::{Problem, Slug};
 use crate::limits;
 use crate::processes::child::Children;
 
-/// What a training is asked for; the photos lie in `folder`.
+/// The options of a training; the photos are in `folder`.
 pub(crate) struct Order {
     pub(crate) name: String,
     pub(crate) seed: u64,
     pub(crate) steps: u32,
-    /// Whether its network takes the range of each pixel as well.
+    /// Whether its network has a range input.
     pub(crate) range: bool,
     pub(crate) licence: String,
     pub(crate) source: String,
@@ -40,16 +39,16 @@ pub(crate) struct Order {
     pub(crate) folder: TempDir,
 }
 
-/// How far a training is.
+/// State of a training.
 #[derive(Clone)]
 pub(crate) enum Progress {
-    /// Waiting for others, or running.
+    /// Waiting or running.
     Open,
-    /// Its style can be used.
+    /// Its style is available.
     Done(Box<ModelCard>),
-    /// Why there is no style.
+    /// Reason of the failure.
     Failed(String),
-    /// A user cancelled it, or the service stopped.
+    /// Cancelled by a user or by the end of the service.
     Cancelled,
 }
 
@@ -67,20 +66,20 @@ impl Training {
         self.state.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// The progress that the process reports; `None` while it waits for others.
+    /// The progress reported by the process; `None` while it waits for others.
     pub(crate) fn progress(&self) -> Option<Value> {
         let text = std::fs::read(self.order.folder.path().join(process::PROGRESS)).ok()?;
         serde_json::from_slice(&text).ok()
     }
 
-    /// When the picture changed last, Unix time; `None`: there is none.
+    /// Time of the last preview, Unix time; `None` without one.
     pub(crate) fn previewed_ms(&self) -> Option<u64> {
         let changed = std::fs::metadata(self.preview_path()).ok()?.modified().ok()?;
         let since = changed.duration_since(std::time::UNIX_EPOCH).ok()?;
         u64::try_from(since.as_millis()).ok()
     }
 
-    /// A scene in the style as it is by now, PNG. Nothing but a small picture of this form is shown.
+    /// The current preview, PNG. Only a small valid image is returned.
     pub(crate) fn preview(&self) -> Option<Vec<u8>> {
         let file = std::fs::File::open(self.preview_path()).ok()?;
         let mut bytes = Vec::new();
@@ -98,7 +97,7 @@ impl Training {
 
     fn end(&self, state: Progress) {
         *self.state.lock().unwrap_or_else(PoisonError::into_inner) = state;
-        // The photos and what came of them are needed no more; the folder itself goes with the training.
+        // The photos and intermediate files are deleted now; the folder itself goes with the training.
         for entry in std::fs::read_dir(self.order.folder.path())
             .into_iter()
             .flatten()
@@ -110,12 +109,12 @@ impl Training {
     }
 }
 
-/// Bytes of a preview: its pixels without compression are fewer.
+/// Maximum bytes of a preview: an uncompressed one is shorter.
 const PREVIEW_BYTES: u64 = 512 << 10;
-/// Pixels of a preview: what decoding it may take.
+/// Maximum pixels of a preview, which bounds the decoding.
 const PREVIEW_PIXELS: usize = 512 * 512;
 
-/// Whether bytes are a PNG that can be decoded and shown.
+/// Whether bytes are a valid, small PNG.
 fn is_preview(bytes: &[u8]) -> bool {
     const SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
     bytes.len() as u64 <= PREVIEW_BYTES
@@ -124,7 +123,7 @@ fn is_preview(bytes: &[u8]) -> bool {
         && decode_picture(bytes).is_ok()
 }
 
-/// The trainings of a running service, the oldest first.
+/// The trainings of a running service, oldest first.
 pub(crate) struct Trainings {
     list: Mutex<VecDeque<Arc<Training>>>,
     /// One at a time: each uses half of the cores.
@@ -154,25 +153,23 @@ impl Trainings {
 
     /// Accepts an order, if its name is free and there is room.
     fn take(&self, styles: &Styles, order: Order) -> Result<Arc<Training>, Problem> {
-        let taken = |why: String| Err(Problem::new(Slug::NameTaken, why));
         if styles.known().library.get(&order.name).is_some() {
-            return taken(format!(
-                "there is a style `{}` already; styles are never replaced",
-                order.name
-            ));
+            let detail = format!("the style `{}` exists; choose another name", order.name);
+            return Err(Problem::new(Slug::NameTaken, detail));
         }
         let mut list = self.list();
         if let Some(other) = list
             .iter()
             .find(|other| other.is_open() && other.order.name == order.name)
         {
-            return taken(format!(
-                "a style `{}` is being trained already, by {}",
-                order.name, other.id
-            ));
+            let detail = format!("{} already trains a style `{}`", other.id, order.name);
+            return Err(Problem::new(Slug::NameTaken, detail));
         }
         if list.iter().filter(|training| training.is_open()).count() >= limits::OPEN_TRAININGS {
-            let detail = format!("{} trainings are waiting already", limits::OPEN_TRAININGS);
+            let detail = format!(
+                "{} trainings are waiting, the limit; retry later",
+                limits::OPEN_TRAININGS
+            );
             return Err(Problem::overloaded(detail));
         }
         let training = Arc::new(Training {
@@ -191,7 +188,7 @@ impl Trainings {
 }
 
 impl Styles {
-    /// Validates the photos of an order and accepts it. The training goes on if the caller disconnects.
+    /// Validates the photos of an order and accepts it. The training continues if the caller disconnects.
     pub(super) async fn train(self: &Arc<Self>, order: Order) -> Result<Arc<Training>, Problem> {
         process::validate(&self.trainings.lookers, &order).await?;
         let training = self.trainings.take(self, order)?;
@@ -209,7 +206,7 @@ impl Styles {
         Ok(training)
     }
 
-    /// Waits until a training has ended, at most for so long, or until the service stops.
+    /// Waits until a training has ended, the limit is over, or the service stops.
     pub(super) async fn wait(&self, training: &Training, limit: Duration) {
         let mut ended = std::pin::pin!(training.ended.notified());
         ended.as_mut().enable();
@@ -221,7 +218,7 @@ impl Styles {
         }
     }
 
-    /// Ends a training; nothing of it stays. One that has ended already is left as it is.
+    /// Cancels a training and deletes its results. A training that has ended is unchanged.
     pub(super) async fn cancel(&self, id: &str) -> Result<Arc<Training>, Problem> {
         let training = self.trainings.get(id)?;
         training.stop.cancel();
@@ -238,7 +235,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn nothing_but_a_small_png_is_shown() {
+    fn only_a_small_png_is_a_preview() {
         let png = |side: usize| {
             let picture = Rgb8::from_fn(side, side, |x, y| [x as u8, y as u8, 7]);
             encode_png(&picture.into()).unwrap_or_default()

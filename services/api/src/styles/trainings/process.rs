@@ -1,4 +1,4 @@
-//! The process that trains: `fathom train` over a folder.
+//! The training process: `fathom train` on a folder.
 
 use std::ffi::{OsStr, OsString};
 use std::path::Path;
@@ -12,25 +12,25 @@ use crate::http::problem::Problem;
 use crate::processes::child::{Allowance, Children, Ended};
 use crate::styles::{NewStyle, Styles};
 
-/// Where the process tells its progress, in the folder of the order.
+/// Progress file in the folder of the order.
 pub(super) const PROGRESS: &str = "progress.json";
-/// Where the process shows the style as it is by now.
+/// Preview file in the folder of the order.
 pub(super) const PREVIEW: &str = "preview.png";
 const OUT: &str = "out";
 
-/// A picture of 64 Mpx is decoded in a few seconds and takes 1 GiB.
+/// An image of 64 Mpx is decoded in a few seconds and needs 1 GiB.
 const LOOK: Allowance = Allowance {
     time: Duration::from_secs(60),
     memory_bytes: 3 << 30,
 };
-/// The most steps that may be asked for take a tenth of this on a quiet machine; a training holds about 0.2 GiB beside the
-/// photos.
+/// The maximum number of steps needs a tenth of this on an idle machine. A training needs about 0.2 GiB in addition
+/// to the photos.
 const TRAIN: Allowance = Allowance {
     time: Duration::from_secs(3600),
     memory_bytes: 4 << 30,
 };
 
-/// The name of a photo in the folder of its order; it stands in messages.
+/// The name of a photo in the folder of its order; it appears in messages.
 pub(crate) fn photo_name(index: usize) -> String {
     format!("photo {}", index + 1)
 }
@@ -43,22 +43,20 @@ fn arguments(order: &Order) -> Vec<OsString> {
         .collect()
 }
 
-/// Refuses photos that cannot be learned from.
+/// Rejects unsuitable photos.
 pub(super) async fn validate(children: &Children, order: &Order) -> Result<(), Problem> {
     let mut arguments = arguments(order);
     arguments.push("--check".into());
     let ended = run(children, &arguments, LOOK).await?;
-    let refuse = |why: String| Err(Problem::field("/photo", clean(&why, order.folder.path())));
-    match ended {
-        Ended::Well => Ok(()),
-        Ended::Refused(why) => refuse(why),
-        Ended::Lacking(why) | Ended::Badly(why) => refuse(format!(
-            "it cannot be used; of the process that looked at it: {why}"
-        )),
-    }
+    let message = match ended {
+        Ended::Well => return Ok(()),
+        Ended::Refused(why) => why,
+        Ended::Lacking(why) | Ended::Badly(why) => format!("it cannot be checked: {why}"),
+    };
+    Err(Problem::field("/photo", clean(&message, order.folder.path())))
 }
 
-/// Trains, and adds the style; an error is shown to whoever asks for the training.
+/// Trains and adds the style. The training's view shows an error.
 pub(super) async fn train(styles: &Arc<Styles>, order: &Order) -> Result<ModelCard, String> {
     let folder = order.folder.path();
     let out = folder.join(OUT);
@@ -75,7 +73,7 @@ pub(super) async fn train(styles: &Arc<Styles>, order: &Order) -> Result<ModelCa
         ("--source", order.source.clone().into()),
     ];
     for (name, value) in options {
-        // Joined, so that a text that begins with a dash is no option.
+        // Joined with `=`, so that a text with a leading dash is not an option.
         let mut option = OsString::from(name);
         option.push("=");
         option.push(value);
@@ -89,11 +87,11 @@ pub(super) async fn train(styles: &Arc<Styles>, order: &Order) -> Result<ModelCa
         Ended::Well => {}
         Ended::Refused(why) | Ended::Lacking(why) | Ended::Badly(why) => return Err(clean(&why, folder)),
     }
-    let read = |extension: &str| {
+    let [onnx, card] = ["onnx", "card.json"].map(|extension| {
         let file = out.join(format!("{}.{extension}", order.name));
-        std::fs::read(&file).map_err(|error| format!("the training left no {extension}: {error}"))
-    };
-    let (onnx, card) = (read("onnx")?, read("card.json")?);
+        std::fs::read(&file).map_err(|error| format!("the training wrote no {extension}: {error}"))
+    });
+    let (onnx, card) = (onnx?, card?);
     let card: ModelCard = serde_json::from_slice(&card).map_err(|error| format!("its card: {error}"))?;
     let mut new = NewStyle::new(&order.name, onnx).map_err(|problem| problem.to_string())?;
     new.card = card;
@@ -106,7 +104,7 @@ async fn run(children: &Children, arguments: &[OsString], allowance: Allowance) 
     children.run("train", &arguments, allowance).await
 }
 
-/// Process output with the temporary folder's path removed.
+/// Process output without the temporary folder's path.
 fn clean(said: &str, folder: &Path) -> String {
     said.replace(&format!("{}/", folder.display()), "")
 }

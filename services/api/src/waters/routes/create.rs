@@ -1,5 +1,3 @@
-//! `POST /v1/waters`.
-
 use axum::http::StatusCode;
 
 use crate::http::located::{Located, located};
@@ -8,12 +6,12 @@ use crate::openapi::NewWater;
 use crate::waters::Waters;
 use crate::waters::view::WaterView;
 
-/// Add a water of your own, for jobs to use by name at once.
+/// Add your water, for jobs to use by name.
 ///
-/// It passes the same self-tests as the shipped waters, or all that is wrong with it is listed. A job takes its numbers when
-/// it is accepted, so frames stay what they are when the water is deleted.
+/// It must pass the self-tests of the shipped waters; all failures are listed. An accepted job contains its numbers,
+/// so frames do not change when the water is deleted.
 #[utoipa::path(post, path = "/v1/waters", tag = "waters", operation_id = "add_water", request_body = NewWater,
-    responses((status = 201, description = "Stored; `warnings` says what is odd about it.", body = WaterView),
+    responses((status = 201, description = "Stored; `warnings` lists anomalies.", body = WaterView),
               (status = 409, response = crate::openapi::Problem)))]
 pub(crate) async fn create(
     State(waters): Topic<Waters>,

@@ -1,15 +1,14 @@
 //! A hundred thousand random histories of a service and its workers.
 //!
-//! Messages are delayed, doubled, lost and overtake each other; workers crash, stall past their leases and wake again;
-//! the service crashes between any two steps and starts from what it had written; its clock jumps; jobs are paused,
-//! cancelled and tried again meanwhile.
+//! Messages are delayed, duplicated, lost and reordered; workers crash, stall past their leases and resume; the
+//! service crashes between any two steps and restarts from its disk; its clock jumps; jobs are paused, cancelled and
+//! retried.
 //!
-//! Failure is: a frame with two images, or with none although nobody gave it up; an image that was accepted under a
-//! token that is not the frame's latest, or after the lease had run out, or of a frame that was given up; a frame that
-//! is offered although it has ended; one that is given up before its third strike; a history that does not end.
+//! Failures: a frame with two images, or with none although it was not quarantined; an image accepted under a token
+//! that is not the frame's latest, after the lease had expired, or for a quarantined frame; an ended frame that is
+//! offered; a frame quarantined before its third strike; a history without an end.
 //!
-//! A simulation that finds nothing proves little unless it finds what is there: two services that are broken on
-//! purpose must be caught.
+//! The simulation must also detect known bugs: two deliberately broken services must fail.
 
 mod service;
 mod world;
@@ -21,9 +20,9 @@ use service::{Variant, Violation};
 use world::World;
 
 const HISTORIES: u64 = 100_000;
-/// Set to play more histories, other ones each time the number grows.
+/// Set to play more histories, different ones for each number.
 const MORE: &str = "FATHOM_HISTORIES";
-/// Broken services are caught within so many histories.
+/// Broken services fail within this many histories.
 const CAUGHT_WITHIN: u64 = 1_000;
 
 /// Plays histories on all processors; returns the violations, with the numbers of their histories.
@@ -85,7 +84,7 @@ fn a_service_that_does_not_look_whether_a_frame_is_open_is_caught() {
 }
 
 #[test]
-fn a_service_that_forgets_what_it_wrote_is_caught() {
+fn a_service_that_forgets_its_images_is_detected() {
     let found = play(CAUGHT_WITHIN, Variant::ForgetsImages);
     assert!(
         found

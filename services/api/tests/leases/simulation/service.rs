@@ -1,19 +1,19 @@
-//! The service: the lease table, what is on the disk, and the eye that watches both.
+//! The simulated service: the lease table, its disk, and an observer of both.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use api::lease_table::{Grant, JobEntry, LeaseTable, Millis, StrikeEvent, TERM_MS};
 use proto::wire::BeatResponse;
 
-/// What the service does wrong.
+/// Bug of the service.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Variant {
     Sound,
-    /// It takes an image for a frame without one, whoever brings it.
+    /// Accepts an image for a frame without one from any worker.
     NoFence,
-    /// It takes an image under a frame's latest token, whatever has become of the frame.
+    /// Accepts an image under a frame's latest token in any state of the frame.
     NoStateGuard,
-    /// After a restart it offers frames that have their image.
+    /// Offers frames with an image after a restart.
     ForgetsImages,
 }
 
@@ -32,7 +32,7 @@ pub(crate) enum Violation {
 
 pub(crate) type Frame = (String, u64);
 
-/// What a worker says it holds.
+/// A claim of a worker.
 #[derive(Debug, Clone)]
 pub(crate) struct Claim {
     pub(crate) frame: Frame,
@@ -50,17 +50,17 @@ impl Claim {
 pub(crate) struct Service {
     variant: Variant,
     pub(crate) table: LeaseTable,
-    /// Counts restarts: what was under way in an earlier life is gone.
+    /// Number of restarts: operations of an earlier life are void.
     pub(crate) life: u64,
     token: u64,
     jobs: BTreeMap<String, u64>,
-    // On the disk:
+    // On disk:
     images: BTreeMap<Frame, u32>,
     strikes: BTreeMap<Frame, u32>,
     given_up: BTreeSet<Frame>,
     cancelled: BTreeSet<String>,
     paused: BTreeSet<String>,
-    // What only the eye knows:
+    // Known only to the observer:
     latest: BTreeMap<Frame, u64>,
     ends: BTreeMap<u64, u64>,
 }
@@ -88,7 +88,7 @@ impl Service {
         service
     }
 
-    /// A new life from what is on the disk.
+    /// Restarts from the disk.
     pub(crate) fn restart(&mut self) {
         self.life += 1;
         self.table = LeaseTable::new();
@@ -155,7 +155,7 @@ impl Service {
         beat
     }
 
-    /// Takes an image that arrives; returns whether it is written now.
+    /// Handles an arriving image; returns whether it is being written.
     pub(crate) fn begin_commit(&mut self, claim: &Claim, now: u64) -> Result<bool, Violation> {
         let Claim { frame, token, .. } = claim;
         let sound = self.table.begin_commit(&claim.current(), Millis(now)).is_ok();
@@ -178,7 +178,7 @@ impl Service {
         if accepted { Err(violation) } else { Ok(false) }
     }
 
-    /// The image is on the disk.
+    /// The image is on disk.
     pub(crate) fn write(&mut self, frame: &Frame) -> Result<(), Violation> {
         let images = self.images.entry(frame.clone()).or_default();
         *images += 1;
@@ -253,14 +253,14 @@ impl Service {
         }
     }
 
-    /// Whether every frame has ended. A job that was cancelled has.
+    /// Whether every frame has ended; those of a cancelled job have.
     pub(crate) fn is_done(&self) -> bool {
         let open = self.jobs.iter().filter(|(id, _)| !self.cancelled.contains(*id));
         open.flat_map(|(id, &frames)| (0..frames).map(move |frame| (id.clone(), frame)))
             .all(|frame| self.images.contains_key(&frame) || self.given_up.contains(&frame))
     }
 
-    /// What must hold at the end.
+    /// Checks the final invariants.
     pub(crate) fn check_end(&self) -> Result<(), Violation> {
         if self.given_up.iter().any(|frame| self.images.contains_key(frame)) {
             return Err(Violation::Lost);

@@ -1,4 +1,4 @@
-//! What happens: workers, the wire between them and the service, clocks, and people.
+//! Events of the simulation: workers, network, clocks, users.
 
 use std::collections::BTreeMap;
 
@@ -7,14 +7,14 @@ use imaging::random::Stream;
 
 use super::service::{Claim, Service, Variant, Violation};
 
-/// Events of a history that may go wrong; after them everything goes well and the history must end.
+/// Events of a history with faults; afterwards there are none and the history must end.
 const ROUGH: u32 = 150;
-/// Events after which a history has no end.
+/// Events after which a history counts as endless.
 const MOST: u32 = 20_000;
 
-/// Something that is going to happen.
+/// A future event.
 enum Event {
-    /// A worker does the next thing.
+    /// A worker takes its next step.
     Act(u64),
     /// A message reaches the service.
     Lease(u64),
@@ -25,16 +25,16 @@ enum Event {
     Died(u64),
     /// A grant reaches its worker.
     Granted(u64, Grant),
-    /// The disk has taken an image that arrived in this life of the service.
+    /// The disk has stored an image that arrived in this life of the service.
     Written(Claim, u64),
-    /// The service looks for leases that have run out.
+    /// The service looks for expired leases.
     Expire,
 }
 
 #[derive(Default)]
 struct Worker {
     slots: u64,
-    /// What it believes to hold.
+    /// Its presumed claims.
     held: Vec<Claim>,
 }
 
@@ -44,7 +44,7 @@ pub(crate) struct World {
     drawn: u64,
     service: Service,
     now: u64,
-    /// How far the service's clock is ahead.
+    /// Offset of the service's clock.
     ahead: u64,
     events: BTreeMap<(u64, u64), Event>,
     scheduled: u64,
@@ -96,7 +96,7 @@ impl World {
         Err(Violation::Endless)
     }
 
-    /// From here on nothing goes wrong.
+    /// Ends the faults.
     fn calm(&mut self) {
         self.rough = false;
         for job in ["a", "b"] {
@@ -104,7 +104,7 @@ impl World {
         }
     }
 
-    /// Whether an image is on its way to the disk.
+    /// Whether an image is being written.
     fn is_written(&self) -> bool {
         let life = self.service.life;
         self.events
@@ -112,7 +112,7 @@ impl World {
             .any(|event| matches!(event, Event::Written(_, of) if *of == life))
     }
 
-    /// Things that happen at any time: restarts, clocks, people.
+    /// Events at any time: restarts, clocks, users.
     fn meddle(&mut self) {
         let job = ["a", "b"][self.pick(2) as usize];
         match self.pick(200) {
@@ -203,7 +203,7 @@ impl World {
         self.send(Event::Beat(worker, tokens));
         match self.pick(if self.rough { 24 } else { 10 }) {
             choice if busy == 0 || (busy < slots && choice % 2 == 0) => self.send(Event::Lease(worker)),
-            // It gives a frame up and then brings it after all.
+            // Reports a failure and then commits the frame anyway.
             10 => {
                 let claim = self.take(worker);
                 self.send(Event::Fail(claim.clone(), false));
@@ -218,9 +218,9 @@ impl World {
             14 => last
                 .into_iter()
                 .for_each(|token| self.send(Event::Release(token))),
-            // It stands still and wakes with leases that are long gone.
+            // Stalls and resumes with expired leases.
             15 | 16 => next = [8_000, 16_000, 90_000][self.pick(3) as usize],
-            // It says again what it has said, without beating.
+            // Repeats earlier messages without a heartbeat.
             17 => {
                 let claim = self.take(worker);
                 self.send(Event::Commit(claim.clone()));
@@ -241,7 +241,7 @@ impl World {
         held.remove(choice % held.len())
     }
 
-    /// A worker dies; the service hears of it, or not. Another takes its place.
+    /// A worker dies, with or without notifying the service. Another replaces it.
     fn crash(&mut self, worker: u64) {
         self.workers.remove(&worker);
         if self.pick(2) == 0 {
@@ -267,7 +267,7 @@ impl World {
         self.soon(Event::Act(id), 10);
     }
 
-    /// Over the wire: late, twice, or not at all.
+    /// Over the network: late, twice, or not at all.
     fn send(&mut self, event: Event) {
         let fate = if self.rough { self.pick(20) } else { 19 };
         let copy = match &event {

@@ -1,9 +1,9 @@
-//! Small files made by hand.
+//! Small handmade files.
 
 use imaging::codec::{encode_npy_plane, encode_png};
 use imaging::{Plane, Rgb8};
 
-/// A picture with a gradient.
+/// An image with a gradient.
 pub(crate) fn png(width: usize, height: usize) -> Vec<u8> {
     let picture = Rgb8::from_fn(width, height, |x, y| {
         [(x * 7 % 256) as u8, (y * 5 % 256) as u8, 90]
@@ -11,7 +11,7 @@ pub(crate) fn png(width: usize, height: usize) -> Vec<u8> {
     encode_png(&picture.into()).unwrap()
 }
 
-/// A picture of its own for each number.
+/// A different image for each number.
 pub(crate) fn numbered_png(width: usize, height: usize, number: u64) -> Vec<u8> {
     let picture = Rgb8::from_fn(width, height, |x, y| [x as u8, y as u8, number as u8]);
     encode_png(&picture.into()).unwrap()
@@ -27,7 +27,7 @@ pub(crate) fn range_png(width: usize, height: usize) -> Vec<u8> {
     encode_png(&Plane::filled(width, height, 1000_u16).into()).unwrap()
 }
 
-/// The head of a PNG that claims this size, and the beginning of its pixels.
+/// The header of a PNG of this size, and the beginning of its pixels.
 pub(crate) fn png_head(width: u32, height: u32) -> Vec<u8> {
     let mut chunk = b"IHDR".to_vec();
     chunk.extend_from_slice(&width.to_be_bytes());
@@ -53,7 +53,7 @@ fn crc(bytes: &[u8]) -> u32 {
     })
 }
 
-/// A square picture that does not compress: three bytes a pixel.
+/// An incompressible square image: three bytes per pixel.
 pub(crate) fn noise_png(side: usize, seed: u64) -> Vec<u8> {
     let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
     let mut next = || {

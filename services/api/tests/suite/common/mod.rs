@@ -1,4 +1,4 @@
-//! A service over a fresh data directory on a free port, asked over real HTTP; and a worker that renders nothing.
+//! A service over a fresh data folder on a free port, over real HTTP; and a worker that renders nothing.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -14,14 +14,14 @@ use ureq::http::HeaderMap;
 pub(crate) mod bytes;
 pub(crate) mod worker;
 
-/// What differs from test to test.
+/// Settings of a test.
 pub(crate) struct Setup {
     pub(crate) token: Option<&'static str>,
     pub(crate) limits: Limits,
     pub(crate) clock: Clock,
-    /// Instead of the shipped styles and one of another form.
+    /// Instead of the shipped styles and one that needs ONNX Runtime.
     pub(crate) library: Option<Library>,
-    /// What is started to decode, and to try a style: this takes none.
+    /// Program for decoding and trying styles; the default rejects every style.
     pub(crate) program: &'static str,
 }
 
@@ -50,7 +50,7 @@ pub(crate) struct Running {
     pub(crate) token: Option<&'static str>,
 }
 
-/// An answer.
+/// A response.
 pub(crate) struct Answer {
     pub(crate) status: u16,
     pub(crate) headers: HeaderMap,
@@ -70,7 +70,7 @@ impl Answer {
         self.headers.get(name).map_or("", |value| value.to_str().unwrap())
     }
 
-    /// The problem that this answer must be.
+    /// Checks the status and the problem type.
     pub(crate) fn problem(&self, status: u16, slug: &str) -> Value {
         assert_eq!(self.status, status, "{}", self.text());
         assert_eq!(self.header("content-type"), "application/problem+json");
@@ -99,7 +99,7 @@ pub(crate) fn start_on(data: TempDir, setup: Setup) -> Running {
     start_at(data, folder, setup)
 }
 
-/// A service over a folder that somebody else removes.
+/// A service over a folder that the caller removes.
 pub(crate) fn start_in_folder(folder: &Path, setup: Setup) -> Running {
     start_at(tempfile::tempdir().unwrap(), folder.to_owned(), setup)
 }
@@ -160,7 +160,7 @@ fn library(data: &Path) -> Library {
     Library::embedded().unwrap().with_dir(&folder).unwrap()
 }
 
-/// A client whose errors are answers, with a connection of its own.
+/// A client with a separate connection whose errors are responses.
 pub(crate) fn agent() -> Agent {
     let builder = Agent::config_builder().http_status_as_error(false);
     builder
@@ -246,7 +246,7 @@ impl Running {
         answer.json()["id"].as_str().unwrap().to_owned()
     }
 
-    /// Numbers of rows and stored bytes, as the interface shows them.
+    /// Numbers of rows and stored bytes, as the API shows them.
     pub(crate) fn shown(&self) -> [usize; 3] {
         ["/v1/jobs", "/v1/scenes", "/v1/images"].map(|list| {
             let page = self.get(&format!("{list}?limit=1000")).json();
@@ -254,7 +254,7 @@ impl Running {
         })
     }
 
-    /// Stops the service in order and hands its directory back.
+    /// Stops the service in order and returns its folder.
     pub(crate) fn stop(mut self) -> TempDir {
         let service = self.service.take().expect("it is stopped once");
         self.runtime.block_on(service.stop()).unwrap();

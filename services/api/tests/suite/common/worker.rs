@@ -1,4 +1,4 @@
-//! A worker over the real protocol that stores made-up pictures.
+//! A worker over the real protocol that stores synthetic images.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -28,7 +28,7 @@ impl Fake {
         Self::with_runtime(service, None)
     }
 
-    /// A worker that has, or lacks, the runtime of the style models.
+    /// A worker with or without the runtime of the style models.
     pub(crate) fn with_runtime(service: &Running, onnx_runtime: Option<&str>) -> Self {
         Self::try_named(service, "fake", onnx_runtime).unwrap()
     }
@@ -77,7 +77,7 @@ impl Fake {
         self.client.release(lease.token, "test").unwrap();
     }
 
-    /// Puts and commits the first frame of a lease; says whether it was there already.
+    /// Stores and commits the first frame of a lease; returns whether it already existed.
     pub(crate) fn finish(&self, lease: &Lease) -> Result<bool, ClientError> {
         let frame = self.frame(lease)?;
         let picture = numbered_png(frame.camera.width, frame.camera.height, frame.index);
@@ -87,17 +87,17 @@ impl Fake {
     /// The first frame of a lease, as its description resolves it.
     pub(crate) fn frame(&self, lease: &Lease) -> Result<Frame, ClientError> {
         let description = self.client.description(&lease.job_id)?;
-        let job = Job::trusted(&String::from_utf8(description).unwrap()).unwrap();
+        let job = Job::from_canonical(&String::from_utf8(description).unwrap()).unwrap();
         Ok(job.resolve(lease.frames[0].frame).unwrap())
     }
 
-    /// The same with this picture.
+    /// Finishes with this image.
     pub(crate) fn finish_with(&self, lease: &Lease, picture: Vec<u8>) -> Result<bool, ClientError> {
         let record = self.put(lease, picture)?;
         self.client.commit(&commit(claim(lease), &record))
     }
 
-    /// Stores a picture for the first frame of a lease; returns the record to commit.
+    /// Stores an image for the first frame of a lease; returns the record to commit.
     pub(crate) fn put(&self, lease: &Lease, picture: Vec<u8>) -> Result<FrameRecord, ClientError> {
         let claim = claim(lease);
         let digest = spec::sha256(&picture);
@@ -115,7 +115,7 @@ impl Fake {
         Ok(record)
     }
 
-    /// Gives the first frame of a lease up.
+    /// Reports a failure of the first frame of a lease.
     pub(crate) fn fail(&self, lease: &Lease, error: &str) {
         self.try_fail(lease, error).unwrap();
     }
@@ -130,7 +130,7 @@ impl Fake {
         self.client.fail(&fail)
     }
 
-    /// Takes and finishes frames until there are none. Leases of an unknown cost have one frame.
+    /// Leases and finishes all available frames. Leases of an unknown cost have one frame.
     pub(crate) fn work(&self) {
         while let Some(lease) = self.lease(300) {
             self.finish(&lease).unwrap();
@@ -192,7 +192,7 @@ pub(crate) fn commit(claim: Claim, record: &FrameRecord) -> CommitRequest {
     }
 }
 
-/// What an honest worker says of a frame.
+/// The record of an honest worker.
 pub(crate) fn record(frame: &Frame, digest: &str, bytes: u64) -> FrameRecord {
     let values = [("uiqm", 0.5 + frame.index as f64), ("uciqe", 0.4)].into_iter();
     let measured = values.filter(|(metric, _)| frame.metrics.iter().any(|asked| asked == metric));

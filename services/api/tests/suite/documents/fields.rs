@@ -7,7 +7,7 @@ use spec::schema::{Field, Presence, Range, Shape};
 
 use super::{document, followed, without_law};
 
-/// Compares a declaration with its schema, all the way down; returns how many fields there were.
+/// Compares a declaration with its schema recursively; returns the number of fields.
 fn compare(document: &Value, place: &str, shape: &Shape, schema: &Value) -> usize {
     let schema = without_law(document, schema);
     match shape {
@@ -144,7 +144,8 @@ fn every_field_has_its_meaning_unit_limits_and_default_in_the_document() {
     let (_service, document) = document();
     let job = &document["components"]["schemas"]["JobDescription"];
     let seen = compare(&document, "", &spec::fields::DOCUMENT, job);
-    // The table has a row for each tag too, and one row for a field that several kinds of an object share: `lights[](point, spot)`.
+    // The table has a row for each tag too, and one row for a field common to several kinds of an object:
+    // `lights[](point, spot)`.
     let fields: usize = spec::table::rows()
         .iter()
         .filter(|row| !row.doc.starts_with("decides"))

@@ -73,7 +73,7 @@ impl Repair {
     async fn render(&mut self, data: &Data, job: &str, frame: u64) -> anyhow::Result<Rendered> {
         let spec = data.catalogue.description(job).await?;
         let spec = spec.with_context(|| format!("job {job} is not stored"))?;
-        let described = Job::trusted(&spec)?.resolve(frame)?;
+        let described = Job::from_canonical(&spec)?.resolve(frame)?;
         let source = match described.scene.uploaded_id() {
             Some(id) => SceneSource::Uploaded(Arc::new(uploaded(data, id).await?)),
             None => SceneSource::Local,

@@ -61,7 +61,7 @@ fn submit(store: &str) -> Result<(), Failure> {
         .read_to_string(&mut text)
         .context("cannot read the order")?;
     let order: Order = serde_json::from_str(&text).map_err(Failure::input)?;
-    let job = Job::trusted(&order.job).map_err(Failure::input)?;
+    let job = Job::from_canonical(&order.job).map_err(Failure::input)?;
     let new = NewSet {
         job: &job,
         frames_per_shard: Some((job.frames() / SHARDS).clamp(LEAST_FRAMES, MOST_FRAMES)),

@@ -1,4 +1,4 @@
-//! What frames are made with: those of one job have the bytes of one program on one kind of machine, unless it is allowed otherwise.
+//! Provenance rules: the frames of one job come from one program on one kind of machine, unless mixing is allowed.
 
 use proto::wire::RegisterRequest;
 use spec::Provenance;
@@ -6,11 +6,11 @@ use spec::Provenance;
 use super::LeaseTable;
 use super::job::Job;
 use super::lease::Lease;
-use super::types::{Making, Millis, Rules};
+use super::types::{Millis, Rules, Toolchain};
 
-impl Making {
-    /// As a record tells.
-    pub(crate) fn of(provenance: &Provenance) -> Self {
+impl Toolchain {
+    /// From the provenance of a record.
+    pub(crate) fn from_provenance(provenance: &Provenance) -> Self {
         Self {
             code_version: provenance.code_version.clone(),
             cpu_features: provenance.cpu_features.clone(),
@@ -18,15 +18,15 @@ impl Making {
         }
     }
 
-    /// Whether a worker of this registration makes the same bytes. A job that has used no ONNX Runtime may use any.
-    fn is_of(&self, worker: &RegisterRequest) -> bool {
+    /// Whether a worker of this registration produces the same bytes. A job without ONNX Runtime accepts any version.
+    fn matches(&self, worker: &RegisterRequest) -> bool {
         self.code_version == worker.code_version
             && self.cpu_features == worker.cpu_features
             && (self.onnx_runtime.is_none() || self.onnx_runtime == worker.onnx_runtime)
     }
 
-    /// Takes a further frame in; returns whether it was made with the same.
-    fn takes(&mut self, other: &Self) -> bool {
+    /// Merges the provenance of another frame; returns whether it is compatible.
+    fn merge(&mut self, other: &Self) -> bool {
         let is_same = self.code_version == other.code_version && self.cpu_features == other.cpu_features;
         let runtimes = (&self.onnx_runtime, &other.onnx_runtime);
         let differ = matches!(runtimes, (Some(one), Some(other)) if one != other);
@@ -37,7 +37,7 @@ impl Making {
     }
 }
 
-impl std::fmt::Display for Making {
+impl std::fmt::Display for Toolchain {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(
             f,
@@ -55,38 +55,38 @@ impl Rules {
     /// Whether a worker may render frames of a job.
     pub(super) fn fits(self, job: &Job, worker: &RegisterRequest) -> bool {
         let is_open = self.mixed || job.is_untouched();
-        is_open || job.made.as_ref().is_none_or(|made| made.is_of(worker))
+        is_open || job.made.as_ref().is_none_or(|made| made.matches(worker))
     }
 
-    /// Whether the frame of a lease has taken longer than any may.
+    /// Whether the frame of a lease has exceeded the time limit.
     pub(super) fn is_stalled(self, lease: &Lease, now: Millis) -> bool {
         !lease.cancelled && lease.since.plus(self.frame_limit_ms) <= now
     }
 }
 
 impl LeaseTable {
-    /// Notes what a frame that is about to be written was made with; returns whether the job may have it.
-    pub fn made_with(&mut self, job: &str, making: &Making) -> bool {
+    /// Records the provenance of a frame before it is written; returns whether the job accepts it.
+    pub fn record_toolchain(&mut self, job: &str, toolchain: &Toolchain) -> bool {
         let is_being_written = self.pinned.keys().any(|(other, _)| other == job);
         let Some(job) = self.jobs.get_mut(job) else {
             return true;
         };
         if job.made.is_none() || (job.is_untouched() && !is_being_written) {
-            job.made = Some(making.clone());
+            job.made = Some(toolchain.clone());
             return true;
         }
-        let takes = job.made.as_mut().is_some_and(|made| made.takes(making));
+        let takes = job.made.as_mut().is_some_and(|made| made.merge(toolchain));
         takes || self.rules.mixed
     }
 
-    /// What a job waits for, if there are workers and none of them may render it.
+    /// The provenance that a job waits for, if there are workers but none is compatible.
     #[must_use]
-    pub fn waits_for(&self, job: &str) -> Option<&Making> {
+    pub fn waits_for(&self, job: &str) -> Option<&Toolchain> {
         let job = self.jobs.get(job).filter(|job| !job.is_untouched())?;
         let made = job.made.as_ref()?;
         let mut workers = self.workers.values();
         let is_unfit =
-            !self.rules.mixed && workers.len() > 0 && workers.all(|worker| !made.is_of(&worker.about));
+            !self.rules.mixed && workers.len() > 0 && workers.all(|worker| !made.matches(&worker.about));
         is_unfit.then_some(made)
     }
 }

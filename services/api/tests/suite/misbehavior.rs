@@ -1,4 +1,4 @@
-//! Workers that say what cannot be so.
+//! Workers with impossible reports.
 
 use proto::wire::{Artifact, PutArtifactsRequest};
 use renderer::worker::client::ClientError;
@@ -16,23 +16,23 @@ fn refused(outcome: Result<bool, ClientError>) -> String {
 }
 
 #[test]
-fn a_liar_is_dismissed_after_three_lies_and_others_finish_its_frames() {
+fn a_misbehaving_worker_is_dismissed_after_three_reports_and_others_finish_its_frames() {
     let service = start();
     let id = service.submit(&job());
-    let liar = Fake::register(&service);
+    let worker = Fake::register(&service);
 
-    // A frame without its picture.
-    let lease = liar.lease(1000).unwrap();
-    let frame = liar.frame(&lease).unwrap();
+    // A frame without its image.
+    let lease = worker.lease(1000).unwrap();
+    let frame = worker.frame(&lease).unwrap();
     let mut lie = record(&frame, &"ab".repeat(32), 9);
     lie.artifacts.clear();
-    let said = refused(liar.client.commit(&commit(claim(&lease), &lie)));
+    let said = refused(worker.client.commit(&commit(claim(&lease), &lie)));
     assert!(said.contains("`rgb` is missing"), "{said}");
     // The lease has lost the frame, which is offered again.
-    assert!(matches!(liar.finish(&lease), Err(ClientError::Stale)));
+    assert!(matches!(worker.finish(&lease), Err(ClientError::Stale)));
 
-    // Other parameters than those of the description.
-    let lease = liar.lease(1000).unwrap();
+    // Parameters other than those of the description.
+    let lease = worker.lease(1000).unwrap();
     let picture = numbered_png(32, 24, 0);
     let digest = spec::sha256(&picture);
     let file = |media_type: &str| Artifact {
@@ -42,24 +42,24 @@ fn a_liar_is_dismissed_after_three_lies_and_others_finish_its_frames() {
         digest: digest.clone(),
     };
     let put = |lease, media_type| {
-        liar.client.put_artifacts(&PutArtifactsRequest {
+        worker.client.put_artifacts(&PutArtifactsRequest {
             claim: Some(claim(lease)),
             artifacts: vec![file(media_type)],
         })
     };
     put(&lease, "image/png").unwrap();
-    let mut lie = record(&liar.frame(&lease).unwrap(), &digest, picture.len() as u64);
+    let mut lie = record(&worker.frame(&lease).unwrap(), &digest, picture.len() as u64);
     lie.parameters["alpha"] = json!(0.123);
-    let said = refused(liar.client.commit(&commit(claim(&lease), &lie)));
+    let said = refused(worker.client.commit(&commit(claim(&lease), &lie)));
     assert!(said.contains("/parameters/alpha"), "{said}");
 
-    // A picture that is a page.
-    let lease = liar.lease(1000).unwrap();
+    // An image that is an HTML page.
+    let lease = worker.lease(1000).unwrap();
     let said = refused(put(&lease, "text/html").map(|()| true));
     assert!(said.contains("not text/html"), "{said}");
 
-    // It is gone, and so is its name.
-    assert!(liar.try_lease(0).is_err());
+    // The worker is dismissed, and so is its name.
+    assert!(worker.try_lease(0).is_err());
     assert!(
         service.get("/v1/workers").json()["items"]
             .as_array()

@@ -1,4 +1,4 @@
-//! What was put for frames that are not committed yet: a commit names these files and no others.
+//! Files of uncommitted frames. A commit must name exactly these files.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -8,56 +8,58 @@ use spec::{ArtifactEntry, Frame};
 
 /// A stored file of a frame.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Put {
+pub(crate) struct PendingArtifact {
     pub(crate) entry: ArtifactEntry,
-    /// Columns and rows that its header announces; none of a file that has no sides.
+    /// Columns and rows of its header; `None` for a file that is not an image.
     pub(crate) sides: Option<(usize, usize)>,
 }
 
 /// Token, frame and attempt of a claim.
 type Key = (u64, u64, u32);
 
-/// What is known of a frame before its commit.
+/// A frame before its commit.
 #[derive(Clone)]
-pub(crate) struct Uncommitted {
+pub(crate) struct PendingFrame {
     pub(crate) frame: Arc<Frame>,
-    pub(crate) files: Vec<Put>,
+    pub(crate) files: Vec<PendingArtifact>,
 }
 
-/// What is known of the frame of each claim.
+/// PendingFrame frames by claim.
 #[derive(Default)]
-pub(crate) struct Puts(Mutex<HashMap<Key, Uncommitted>>);
+pub(crate) struct PendingArtifacts(Mutex<HashMap<Key, PendingFrame>>);
 
 fn key(claim: &Claim) -> Key {
     (claim.token, claim.frame, claim.attempt)
 }
 
-impl Puts {
-    /// Adds files. One of a kind that is there replaces it: a worker that missed a response puts its files again.
-    pub(crate) fn add(&self, claim: &Claim, frame: Arc<Frame>, files: Vec<Put>) {
+impl PendingArtifacts {
+    /// Adds files. A file replaces an earlier one of its kind: a worker that missed a response sends its files again.
+    pub(crate) fn add(&self, claim: &Claim, frame: Arc<Frame>, files: Vec<PendingArtifact>) {
         let mut all = self.all();
-        let empty = || Uncommitted { frame, files: vec![] };
-        let known = &mut all.entry(key(claim)).or_insert_with(empty).files;
+        let known = &mut all
+            .entry(key(claim))
+            .or_insert_with(|| PendingFrame { frame, files: vec![] })
+            .files;
         known.retain(|old| files.iter().all(|new| new.entry.kind != old.entry.kind));
         known.extend(files);
     }
 
-    /// The frame and the files of a claim, if any were put.
-    pub(crate) fn get(&self, claim: &Claim) -> Option<Uncommitted> {
+    /// The frame and the files of a claim, if any were stored.
+    pub(crate) fn get(&self, claim: &Claim) -> Option<PendingFrame> {
         self.all().get(&key(claim)).cloned()
     }
 
-    /// Forgets the files of a claim.
+    /// Drops the files of a claim.
     pub(crate) fn remove(&self, claim: &Claim) {
         self.all().remove(&key(claim));
     }
 
-    /// Forgets the files of leases that have ended.
-    pub(crate) fn tidy_up(&self, is_current: impl Fn(u64) -> bool) {
+    /// Drops the files of ended leases.
+    pub(crate) fn drop_ended(&self, is_current: impl Fn(u64) -> bool) {
         self.all().retain(|(token, ..), _| is_current(*token));
     }
 
-    fn all(&self) -> MutexGuard<'_, HashMap<Key, Uncommitted>> {
+    fn all(&self) -> MutexGuard<'_, HashMap<Key, PendingFrame>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -67,8 +69,8 @@ mod tests {
     use super::*;
     use crate::leases::checks::tests::frame;
 
-    fn put(kind: &str, digest: &str) -> Put {
-        Put {
+    fn put(kind: &str, digest: &str) -> PendingArtifact {
+        PendingArtifact {
             entry: ArtifactEntry {
                 kind: kind.to_owned(),
                 digest: digest.to_owned(),
@@ -81,7 +83,7 @@ mod tests {
 
     #[test]
     fn files_belong_to_one_attempt_and_go_with_its_lease() {
-        let puts = Puts::default();
+        let pending = PendingArtifacts::default();
         let first = Claim {
             token: 7,
             job_id: "job_a".to_owned(),
@@ -92,19 +94,19 @@ mod tests {
             attempt: 2,
             ..first.clone()
         };
-        let files = |claim| puts.get(claim).map(|known| known.files);
+        let files = |claim| pending.get(claim).map(|known| known.files);
         let frame = Arc::new(frame());
-        puts.add(
+        pending.add(
             &first,
             Arc::clone(&frame),
             vec![put("rgb", "a"), put("range", "b")],
         );
-        puts.add(&first, frame, vec![put("rgb", "c")]);
+        pending.add(&first, frame, vec![put("rgb", "c")]);
         assert_eq!(files(&first), Some(vec![put("range", "b"), put("rgb", "c")]));
         assert_eq!(files(&second), None);
-        puts.tidy_up(|token| token == 7);
+        pending.drop_ended(|token| token == 7);
         assert!(files(&first).is_some());
-        puts.tidy_up(|_| false);
+        pending.drop_ended(|_| false);
         assert_eq!(files(&first), None);
     }
 }

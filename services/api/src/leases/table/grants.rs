@@ -1,0 +1,107 @@
+//! Granting leases.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use super::lease::Lease;
+use super::suspects::Suspect;
+use super::types::{Grant, Millis};
+use super::{LeaseTable, TERM_MS, place};
+
+/// Target work of one lease: long enough to make the overhead negligible, short enough to limit the cost of a lost
+/// one.
+const LEASE_WORK_MS: f64 = 3000.0;
+/// Maximum frames of a lease.
+const MOST_FRAMES: u64 = 256;
+
+impl LeaseTable {
+    /// Leases the next frames to a worker. `token` must be new. `frame_ms` is the worker's time per frame; if it is
+    /// not positive, one frame is granted.
+    pub fn grant(&mut self, worker: &str, now: Millis, token: u64, frame_ms: f64) -> Option<Grant> {
+        self.record_message(worker, now);
+        if self.leases.of_worker(worker).any(|lease| lease.apart) || self.leases.contains(token) {
+            return None;
+        }
+        let about = &self.workers.get(worker)?.about;
+        if let Some(suspect) = self.suspects.due(now, |job: &str| {
+            let job = self.jobs.get(job);
+            job.is_some_and(|job| !job.held_back && self.rules.fits(job, about))
+        }) {
+            if self.leases.of_worker(worker).next().is_none() {
+                return self.grant_suspect(worker, now, token, &suspect);
+            }
+            if self.suspects.empties(worker, now) {
+                return None;
+            }
+        }
+        let most = frames_worth(frame_ms);
+        let alive = self
+            .workers
+            .values()
+            .filter(|worker| worker.seen.plus(TERM_MS.into()) > now);
+        let slots: u64 = alive.map(|worker| u64::from(worker.about.slots)).sum();
+        let about = &self.workers.get(worker)?.about;
+        let found = self.line.iter().find_map(|(_, _, id)| {
+            let job = self.jobs.get_mut(id)?;
+            if !self.rules.fits(job, about) {
+                return None;
+            }
+            // The remaining frames are shared among all slots.
+            let most = most.min(job.queued().div_ceil(slots.max(1))).max(1);
+            Some((id.clone(), job.take(most, now)?))
+        });
+        let (id, frames) = found?;
+        Some(self.lease(worker, now, token, &id, frames, false))
+    }
+
+    fn grant_suspect(&mut self, worker: &str, now: Millis, token: u64, suspect: &Suspect) -> Option<Grant> {
+        self.suspects.take(suspect);
+        let (_, job, frame) = suspect;
+        let frames = self.jobs.get_mut(job)?.take_suspect(*frame);
+        Some(self.lease(worker, now, token, job, frames, true))
+    }
+
+    fn lease(
+        &mut self,
+        worker: &str,
+        now: Millis,
+        token: u64,
+        id: &str,
+        frames: Range<u64>,
+        apart: bool,
+    ) -> Grant {
+        let job = self.jobs.get_mut(id).expect("the frames were taken from it");
+        self.line.remove(&place(id, job));
+        self.grants += 1;
+        job.served = self.grants;
+        self.line.insert(place(id, job));
+        let frames: BTreeMap<u64, u32> = frames.map(|frame| (frame, job.attempt(frame))).collect();
+        let granted = frames.iter().map(|(&frame, &attempt)| (frame, attempt)).collect();
+        let lease = Lease {
+            worker: worker.to_owned(),
+            job: id.to_owned(),
+            several: frames.len() > 1,
+            frames,
+            apart,
+            cancelled: false,
+            notified: false,
+            since: now,
+            ends: now.plus(TERM_MS.into()),
+        };
+        self.leases.insert(token, lease);
+        Grant {
+            token,
+            job_id: id.to_owned(),
+            frames: granted,
+        }
+    }
+}
+
+/// Number of frames with this cost in a lease.
+fn frames_worth(frame_ms: f64) -> u64 {
+    if frame_ms > 0.0 {
+        (LEASE_WORK_MS / frame_ms).clamp(1.0, MOST_FRAMES as f64) as u64
+    } else {
+        1
+    }
+}

@@ -1,0 +1,104 @@
+//! The requirements of a description on its scenes.
+
+use super::{Requirement, Selectable};
+use crate::artifact::ArtifactKind;
+use crate::check::Location;
+use crate::check::values::{find_lists, find_values};
+use crate::node::Node;
+use crate::scene_parts::ScenePart;
+
+/// The requirements of each water.
+pub(super) fn find_water_requirements(document: &Node) -> Vec<Vec<Selectable>> {
+    find_range_requirements(document, "water", &["optics", "snow", "sediment"])
+}
+
+/// The requirements of each camera.
+pub(super) fn find_camera_requirements(document: &Node) -> Vec<Vec<Selectable>> {
+    find_range_requirements(document, "camera", &["defocus"])
+}
+
+/// Those of `fields` that an object has: each needs a range.
+pub(super) fn find_range_requirements(
+    document: &Node,
+    object: &str,
+    fields: &[&str],
+) -> Vec<Vec<Selectable>> {
+    let places = find_values(document, object).into_iter();
+    places
+        .map(|(pointer, node): (String, &Node)| {
+            let fields = fields.iter();
+            let present = fields.filter_map(|name| Some((name, node.get(name)?)));
+            present
+                .map(|(name, value)| Selectable {
+                    requirements: vec![Requirement {
+                        pointer: format!("{pointer}/{name}"),
+                        name: format!("`{object}.{name}`"),
+                        value: value.canonical(),
+                        part: ScenePart::Range,
+                    }],
+                    values: 1,
+                })
+                .collect()
+        })
+        .collect()
+}
+
+/// The requirements of the lights of each list.
+pub(super) fn find_lamp_requirements(document: &Node) -> Vec<Vec<Selectable>> {
+    find_list_requirements(document, "lights", |location: &Location, item: &Node| {
+        let lights = item.alternatives(&location.pointer);
+        let values = lights.len();
+        let lamps = lights
+            .into_iter()
+            .filter(|(_, light)| light.get("position_m").is_some());
+        Selectable {
+            requirements: lamps
+                .map(|(pointer, light): (String, &Node)| Requirement {
+                    pointer,
+                    name: format!("the lamp {location}"),
+                    value: light.canonical(),
+                    part: ScenePart::Range,
+                })
+                .collect(),
+            values,
+        }
+    })
+}
+
+/// The requirements of the artifacts of each list.
+pub(super) fn find_artifact_requirements(document: &Node) -> Vec<Vec<Selectable>> {
+    find_list_requirements(document, "artifacts", |location: &Location, item: &Node| {
+        let kinds = item.strings(&location.pointer);
+        let values = kinds.len();
+        Selectable {
+            requirements: kinds
+                .into_iter()
+                .filter_map(|(pointer, kind): (String, &str)| {
+                    Some(Requirement {
+                        part: ArtifactKind::parse(kind)?.needs()?,
+                        pointer,
+                        name: format!("the artifact \"{kind}\""),
+                        value: kind.into(),
+                    })
+                })
+                .collect(),
+            values,
+        }
+    })
+}
+
+pub(super) fn find_list_requirements(
+    document: &Node,
+    name: &str,
+    read_item: impl Fn(&Location, &Node) -> Selectable,
+) -> Vec<Vec<Selectable>> {
+    find_lists(document, name)
+        .into_iter()
+        .map(|(location, items): (Location, &[Node])| {
+            let items = items.iter().enumerate();
+            items
+                .map(|(i, item)| read_item(&location.item(i), item))
+                .collect()
+        })
+        .collect()
+}
