@@ -1,5 +1,6 @@
 //! The catalogue: its connections, and how reads and writes reach them. What is read and written stands with each topic.
 
+use client::{DatasetRow, Page};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -17,7 +18,6 @@ use crate::mirror::Mirror;
 use crate::remembered::Remembered;
 use crate::row_digests::Side;
 use crate::tables::DATASETS;
-use crate::types::{DatasetRow, Page};
 use crate::values::Cells;
 use crate::writer::{Running, Writer};
 

@@ -1,45 +1,13 @@
 //! Collections of uploaded scenes.
 
-use serde::Serialize;
+use client::{CollectionRow, CollectionScene};
 use sqlx::Row;
-use utoipa::ToSchema;
 
 use crate::catalogue::Catalogue;
 use crate::error::CatalogueError;
 use crate::row_digests::Side;
 use crate::scenes;
 use crate::tables::COLLECTION_SCENES;
-
-/// A collection of uploaded scenes.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
-#[schema(as = Collection)]
-pub struct CollectionRow {
-    /// Its name.
-    #[schema(example = "dock")]
-    pub name: String,
-    /// How many scenes it has.
-    pub scenes: u64,
-}
-
-/// A scene in a collection.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
-#[schema(as = CollectionScene)]
-pub struct CollectionScene {
-    /// Its name in the collection, which is its place in the order.
-    #[schema(example = "frame-0001")]
-    pub name: String,
-    /// The scene.
-    #[schema(example = "scn_0198c0ffee007000800000000000000a")]
-    pub id: String,
-    /// Columns.
-    pub width: u32,
-    /// Rows.
-    pub height: u32,
-    /// `range`, `z_depth`, or null without a range: no job with water over this scene.
-    pub range_kind: Option<String>,
-    /// Whether it has an instance mask.
-    pub instances: bool,
-}
 
 impl Catalogue {
     /// Puts a scene into a collection under a name, in place of the one that had it. Returns false, and does nothing, if the

@@ -3,6 +3,7 @@
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
+use client::CountedSource;
 use columnar::{ColumnarError, Condition, Part, Question};
 use sqlx::Connection;
 use sqlx::sqlite::SqliteConnection;
@@ -151,6 +152,14 @@ async fn jobs_of(
         jobs.entry(file).or_default().insert(job);
     }
     Ok(jobs)
+}
+
+/// The source of a count, as the API names it.
+pub(crate) fn counted_source(source: columnar::Source) -> CountedSource {
+    CountedSource {
+        mirror: source.files,
+        catalogue: source.memory,
+    }
 }
 
 /// The error for more groups than a table should have.

@@ -3,11 +3,11 @@
 //! A cursor is readable text with a checksum. It is no secret: a forged one could only begin a page elsewhere in what the
 //! caller may read anyway; the checksum keeps mistakes from passing for answers.
 
+use client::Page;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
 use crate::error::CatalogueError;
-use crate::types::Page;
 
 const CHECK_CHARS: usize = 16;
 

@@ -4,13 +4,13 @@
 //! any more; its rows go in small transactions, and the digests they named become orphans; what no other row names
 //! may leave the artifact store, and then the list of orphans.
 
+use client::Deleted;
 use sqlx::sqlite::{SqliteConnection, SqliteQueryResult};
 use sqlx::{AssertSqlSafe, Row};
 
 use crate::catalogue::Catalogue;
 use crate::error::CatalogueError;
 use crate::mirror;
-use crate::types::Deleted;
 use crate::versions::refuse_sealed;
 
 /// Rows of one table that one transaction removes: some 20 ms of the writer's time.

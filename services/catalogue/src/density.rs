@@ -1,5 +1,6 @@
 //! How the pairs of two columns are spread over a dataset.
 
+use client::CountedSource;
 use columnar::Cells;
 use futures::TryStreamExt;
 use serde::Serialize;
@@ -8,11 +9,10 @@ use utoipa::ToSchema;
 
 use crate::catalogue::{Catalogue, within};
 use crate::columns::Columns;
-use crate::counting::{Asked, check_dataset, number_column};
+use crate::counting::{Asked, check_dataset, counted_source, number_column};
 use crate::error::CatalogueError;
 use crate::named::double;
 use crate::select::Select;
-use crate::source::Source;
 
 /// Upper limit for each axis: finer cells cannot be seen.
 const MOST_BINS: u32 = 400;
@@ -51,7 +51,7 @@ pub struct Density {
     /// Images without a finite value in one of the two.
     pub missing: u64,
     /// Where the images were read.
-    pub source: Source,
+    pub source: CountedSource,
 }
 
 /// A column and where its cells begin and end.
@@ -146,6 +146,6 @@ fn shown(asked: DensityColumns<'_>, bins: usize, cells: Cells) -> Density {
         mean_of: asked.mean_of.map(str::to_owned),
         means: cells.means,
         missing: cells.missing,
-        source: cells.source.into(),
+        source: counted_source(cells.source),
     }
 }

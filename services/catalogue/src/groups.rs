@@ -2,11 +2,10 @@
 
 use std::cmp::Ordering;
 
+use client::GroupColumn;
 use columnar::{Bins, Cell};
-use serde::Serialize;
 use serde_json::{Value, json};
 use sqlx::sqlite::SqliteRow;
-use utoipa::ToSchema;
 
 use crate::columns::Columns;
 use crate::error::CatalogueError;
@@ -18,19 +17,6 @@ use crate::named::{column, double, value};
 const MOST_COLUMNS: usize = 8;
 /// Most groups of one question: longer tables are for a query of the images themselves.
 pub(crate) const MOST_GROUPS: usize = 1000;
-
-/// A column by which images are grouped.
-#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
-pub struct GroupColumn {
-    /// The column.
-    #[schema(example = "alpha")]
-    pub column: String,
-    /// Its unit, where it has one.
-    pub unit: Option<&'static str>,
-    /// Width of its bins; null: each value is a group.
-    #[schema(example = 0.1)]
-    pub width: Option<f64>,
-}
 
 /// A column of groups, as it is read from rows.
 pub(crate) struct Key {
@@ -63,7 +49,7 @@ impl Key {
         Ok(Self {
             shown: GroupColumn {
                 column: name.to_owned(),
-                unit: column.unit,
+                unit: column.unit.map(str::to_owned),
                 width: None,
             },
             column,

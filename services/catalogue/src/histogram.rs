@@ -6,7 +6,7 @@ use sqlx::sqlite::SqliteConnection;
 
 use crate::catalogue::{Catalogue, within};
 use crate::columns::Columns;
-use crate::counting::{Asked, check_dataset, number_column};
+use crate::counting::{Asked, check_dataset, counted_source, number_column};
 use crate::error::CatalogueError;
 use crate::named::double;
 use crate::select::Select;
@@ -85,6 +85,6 @@ fn shown(column: &str, counts: Counts) -> Histogram {
         below: counts.below,
         above: counts.above,
         missing: counts.missing,
-        source: counts.source.into(),
+        source: counted_source(counts.source),
     }
 }

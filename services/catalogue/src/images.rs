@@ -1,5 +1,6 @@
 //! Images: stored, and asked for one by one or in frame order.
 
+use client::UnixMs;
 use std::collections::BTreeMap;
 
 use serde::Deserialize;
@@ -11,7 +12,6 @@ use crate::about::About;
 use crate::catalogue::{Catalogue, within};
 use crate::error::CatalogueError;
 use crate::insert::NewImage;
-use crate::time::UnixMs;
 use crate::types::{InsertImage, Place, StoredArtifact};
 use crate::values::Cells;
 

@@ -1,16 +1,16 @@
 //! Jobs: one row each, however many frames.
 
+use client::{JobRow, JobState, Page};
 use sqlx::AssertSqlSafe;
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
 
 use crate::catalogue::{Catalogue, within};
 use crate::cursor;
 use crate::error::CatalogueError;
-use crate::job_state::JobState;
 use crate::recovery;
 use crate::row_digests::{Side, intact};
 use crate::tables::{JOBS, job_columns};
-use crate::types::{InsertJob, JobRow, NewJob, OpenJob, Page, Retried};
+use crate::types::{InsertJob, NewJob, OpenJob, Retried};
 use crate::values::Cells;
 use crate::versions::{Scope, refuse_sealed};
 

@@ -24,7 +24,6 @@ mod histogram;
 mod images;
 mod import;
 mod insert;
-mod job_state;
 mod jobs;
 mod leaf_tree;
 mod metadata;
@@ -43,10 +42,8 @@ mod row_digests;
 mod scenes;
 mod scrub;
 mod select;
-mod source;
 mod stats;
 mod tables;
-mod time;
 mod types;
 mod upkeep;
 mod values;
@@ -55,23 +52,21 @@ mod waters;
 mod writer;
 
 pub use catalogue::Catalogue;
-pub use collections::{CollectionRow, CollectionScene};
+pub use client::{
+    CollectionRow, CollectionScene, ColumnInfo, CountedSource, DatasetRow, Deleted, FailureRow, GroupColumn,
+    GroupStats, JobRow, JobState, Page, Statistics, UnixMs, VersionRow,
+};
 pub use density::{Density, DensityAxis, DensityColumns};
 pub use error::CatalogueError;
 pub use filter::FilterError;
-pub use groups::{GroupColumn, compare_groups};
+pub use groups::compare_groups;
 pub use insert::NewImage;
-pub use job_state::JobState;
 pub use metadata::columns_of_every_image;
 pub use mirroring::MIRROR_ROWS;
 pub use scrub::DamagedRow;
-pub use source::Source;
-pub use stats::GroupedStats;
-pub use time::UnixMs;
 pub use types::{
-    ColumnInfo, DatasetRow, Deleted, FailureRow, GroupStats, Histogram, Idempotency, ImageQuery,
-    ImportedArtifact, ImportedShard, InsertImage, InsertJob, JobRow, NamedDigest, NewJob, NewShard, OpenJob,
-    Page, Place, Retried, SceneRow, ShardEnd, StoredArtifact,
+    Histogram, Idempotency, ImageQuery, ImportedArtifact, ImportedShard, InsertImage, InsertJob, NamedDigest,
+    NewJob, NewShard, OpenJob, Place, Retried, SceneRow, ShardEnd, StoredArtifact,
 };
-pub use versions::{SealedImage, VersionJob, VersionRow};
+pub use versions::{SealedImage, VersionJob};
 pub use waters::WaterRow;

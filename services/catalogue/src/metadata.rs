@@ -1,5 +1,6 @@
 //! The columns of a dataset, for tables of everything that is known about it.
 
+use client::ColumnInfo;
 use std::collections::BTreeSet;
 
 use sqlx::sqlite::SqliteConnection;
@@ -9,7 +10,6 @@ use crate::columns::Columns;
 use crate::error::CatalogueError;
 use crate::filter::Kind;
 use crate::remembered::{Pictures, Remembered};
-use crate::types::ColumnInfo;
 use crate::versions::Scope;
 
 impl Catalogue {
@@ -153,8 +153,8 @@ fn info(columns: &Columns, name: String) -> Option<ColumnInfo> {
         Kind::Bool => "bool",
     };
     Some(ColumnInfo {
-        unit: column.unit,
+        unit: column.unit.map(str::to_owned),
         name,
-        kind,
+        kind: kind.to_owned(),
     })
 }

@@ -2,6 +2,7 @@
 
 mod ranked;
 
+use client::Page;
 use futures::TryStreamExt;
 use serde_json::{Map, Value, json};
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
@@ -15,7 +16,7 @@ use crate::filter::{Bind, Column, Kind};
 use crate::named::{column, stored, value};
 use crate::reading::{Place, Reader, Wanted};
 use crate::select::Select;
-use crate::types::{ImageQuery, Page};
+use crate::types::ImageQuery;
 use ranked::Ranked;
 
 /// Every column of a dataset with ten enhancements are some hundreds; SQLite returns at most 2000.

@@ -1,11 +1,10 @@
 //! How a job's counters and state follow from its images and failures.
 
+use client::{FailureRow, JobState};
 use futures::TryStreamExt;
 use sqlx::sqlite::SqliteConnection;
 
 use crate::error::CatalogueError;
-use crate::job_state::JobState;
-use crate::types::FailureRow;
 
 /// Records a failed attempt, unless the frame was given up before or has its image by now.
 pub(crate) async fn strike(

@@ -1,5 +1,6 @@
 //! What an earlier run of the service left open, and what failed.
 
+use client::{FailureRow, JobRow};
 use std::ops::Range;
 
 use spec::Provenance;
@@ -9,7 +10,7 @@ use crate::catalogue::{Catalogue, within};
 use crate::error::CatalogueError;
 use crate::row_digests::Side;
 use crate::tables::FAILURES;
-use crate::types::{FailureRow, JobRow, OpenJob};
+use crate::types::OpenJob;
 use crate::values::Cells;
 use crate::{images, progress};
 

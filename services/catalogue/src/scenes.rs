@@ -1,5 +1,6 @@
 //! Uploaded scenes, one for each content.
 
+use client::Page;
 use spec::{Intrinsics, RangeFile, RangeKind, SceneFiles};
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
 
@@ -8,7 +9,7 @@ use crate::cursor;
 use crate::error::CatalogueError;
 use crate::row_digests::Side;
 use crate::tables::{SCENES, scene_columns};
-use crate::types::{Page, SceneRow};
+use crate::types::SceneRow;
 use crate::values::Cells;
 
 /// The columns of a row, with the digest over them.

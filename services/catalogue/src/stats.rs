@@ -1,23 +1,20 @@
 //! Statistics of metrics over a dataset, group by group.
 
+use client::{CountedSource, GroupColumn, GroupStats, Statistics};
 use std::collections::HashMap;
 
 use columnar::{ColumnarError, GroupBy, Summary, summary};
 use futures::TryStreamExt;
-use serde::Serialize;
 use serde_json::{Map, Value};
 use sqlx::sqlite::SqliteConnection;
-use utoipa::ToSchema;
 
 use crate::catalogue::{Catalogue, within};
 use crate::columns::Columns;
-use crate::counting::{Asked, check_dataset, number_column, too_many_groups};
+use crate::counting::{Asked, check_dataset, counted_source, number_column, too_many_groups};
 use crate::error::CatalogueError;
-use crate::groups::{GroupColumn, Key, MOST_GROUPS, compare_groups, keys, of_cell};
+use crate::groups::{Key, MOST_GROUPS, compare_groups, keys, of_cell};
 use crate::named::double;
 use crate::select::Select;
-use crate::source::Source;
-use crate::types::GroupStats;
 
 /// What is asked for.
 struct Question<'a> {
@@ -26,17 +23,6 @@ struct Question<'a> {
     keys: &'a [Key],
     filter: Option<&'a str>,
     most_groups: Option<usize>,
-}
-
-/// Statistics of metrics in groups by several columns.
-#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
-pub struct GroupedStats {
-    /// The columns.
-    pub by: Vec<GroupColumn>,
-    /// One entry for each group and metric.
-    pub groups: Vec<GroupStats>,
-    /// Where the images were read.
-    pub source: Source,
 }
 
 impl Catalogue {
@@ -50,7 +36,7 @@ impl Catalogue {
         metrics: &[String],
         group_by: Option<&str>,
         filter: Option<&str>,
-    ) -> Result<GroupedStats, CatalogueError> {
+    ) -> Result<Statistics, CatalogueError> {
         let key = group_by.map(|name| Key::plain(&self.columns, name)).transpose()?;
         let (mut groups, source) = self
             .groups(&Question {
@@ -63,8 +49,8 @@ impl Catalogue {
             .await?;
         // The order of the first version.
         groups.sort_by_cached_key(|group| group.key.iter().map(ToString::to_string).collect::<String>());
-        Ok(GroupedStats {
-            by: Vec::new(),
+        Ok(Statistics {
+            by: None,
             groups: shown(&groups, metrics, |mut key| key.pop().unwrap_or_default()),
             source,
         })
@@ -82,7 +68,7 @@ impl Catalogue {
         metrics: &[String],
         by: &str,
         filter: Option<&str>,
-    ) -> Result<GroupedStats, CatalogueError> {
+    ) -> Result<Statistics, CatalogueError> {
         let keys = keys(&self.columns, by)?;
         let (mut groups, source) = self
             .groups(&Question {
@@ -97,14 +83,14 @@ impl Catalogue {
         let by: Vec<GroupColumn> = keys.into_iter().map(|key| key.shown).collect();
         let names = || by.iter().map(|key| key.column.clone());
         let named = |key: Vec<Value>| Value::Object(names().zip(key).collect::<Map<_, _>>());
-        Ok(GroupedStats {
+        Ok(Statistics {
             groups: shown(&groups, metrics, named),
-            by,
+            by: Some(by),
             source,
         })
     }
 
-    async fn groups(&self, question: &Question<'_>) -> Result<(Vec<Group>, Source), CatalogueError> {
+    async fn groups(&self, question: &Question<'_>) -> Result<(Vec<Group>, CountedSource), CatalogueError> {
         let Question { metrics, keys, .. } = *question;
         check_dataset(&mut *self.reader().await?, question.dataset).await?;
         if metrics.len() > MOST_METRICS {
@@ -139,12 +125,12 @@ impl Catalogue {
                 key: key.iter().map(of_cell).collect(),
                 values,
             };
-            return Ok((groups.into_iter().map(group).collect(), source.into()));
+            return Ok((groups.into_iter().map(group).collect(), counted_source(source)));
         }
         let mut reader = self.reader().await?;
         let read = read(&mut reader, &self.columns, &asked, question);
         let (groups, rows) = within(read).await?;
-        let source = Source {
+        let source = CountedSource {
             mirror: 0,
             catalogue: rows,
         };

@@ -1,12 +1,12 @@
 //! Values on their way into statements and out of rows.
 
+use client::UnixMs;
 use serde::de::DeserializeOwned;
 use sqlx::query::Query;
 use sqlx::sqlite::{Sqlite, SqliteArguments, SqliteRow};
 use sqlx::{Decode, Error, Row, Type};
 
 use crate::filter::Bind;
-use crate::time::UnixMs;
 
 pub(crate) type Statement<'q> = Query<'q, Sqlite, SqliteArguments>;
 

@@ -3,6 +3,7 @@
 mod scope;
 mod seal;
 
+use client::{DatasetRow, VersionRow};
 use serde::Serialize;
 use serde_json::Value;
 use sqlx::Row;
@@ -13,38 +14,9 @@ use crate::catalogue::Catalogue;
 use crate::error::CatalogueError;
 use crate::row_digests::{Side, intact};
 use crate::tables::{JOBS, VERSION_JOBS, VERSIONS, job_columns};
-use crate::time::UnixMs;
-use crate::types::DatasetRow;
 use crate::values::Cells;
 
 pub(crate) use scope::Scope;
-
-/// A sealed version of a dataset.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
-#[schema(as = DatasetVersion)]
-pub struct VersionRow {
-    /// What it is called wherever a dataset is named.
-    #[schema(example = "tour@1")]
-    pub name: String,
-    /// The dataset.
-    #[schema(example = "tour")]
-    pub dataset: String,
-    /// Its number, from 1.
-    pub version: u64,
-    /// Root of the Merkle tree over the roots of its jobs, each that of a tree over the digests of its images.
-    pub root: String,
-    /// Number of images.
-    pub images: u64,
-    /// Bytes of their artifacts, counting shared ones each time.
-    pub bytes: u64,
-    /// Number of jobs.
-    pub jobs: u64,
-    /// Versions of the program that made the images.
-    pub code_versions: Vec<String>,
-    /// When it was sealed, RFC 3339 in UTC.
-    #[schema(value_type = String, format = DateTime)]
-    pub created_at: UnixMs,
-}
 
 /// A job of a sealed version.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]

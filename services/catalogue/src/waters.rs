@@ -4,8 +4,8 @@ use crate::catalogue::Catalogue;
 use crate::error::CatalogueError;
 use crate::row_digests::Side;
 use crate::tables::WATERS;
-use crate::time::UnixMs;
 use crate::values::Cells;
+use client::UnixMs;
 
 /// A water of a user's own.
 #[derive(Debug, Clone, PartialEq, Eq)]

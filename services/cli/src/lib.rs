@@ -15,7 +15,6 @@ mod commands;
 pub mod engine;
 pub mod exit;
 pub mod files;
-pub mod images;
 pub mod import;
 pub mod job;
 pub mod known;

@@ -274,7 +274,7 @@ fn fields(_: &Library) -> Vec<Entry> {
         limit => format!("{}; {limit}", row.doc),
     };
     let field = |row: table::Row| Entry {
-        unit: row.unit,
+        unit: row.unit.map(str::to_owned),
         ..entry(row.path.clone(), about(&row))
     };
     table::rows().into_iter().map(field).collect()

@@ -39,7 +39,7 @@ pub struct Entry {
     /// Unit of its numbers.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
-    pub unit: Option<&'static str>,
+    pub unit: Option<String>,
     /// What it means.
     pub about: String,
 }

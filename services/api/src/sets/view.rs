@@ -1,44 +1,11 @@
 //! A set as clients see it.
 
-use catalogue::{JobRow, JobState, UnixMs};
-use serde::Serialize;
-use utoipa::ToSchema;
+use catalogue::JobRow;
+use client::SetView;
 
 use super::Sets;
 use super::follow::Last;
 use crate::http::problem::{Problem, found};
-
-/// A set whose images are imported into a job of their own.
-#[derive(Debug, Serialize, ToSchema)]
-#[schema(as = Set)]
-pub(crate) struct SetView {
-    /// The job that its images belong to. It is also what names the set.
-    #[schema(example = "job_0198c0ffee007000800000000000000a")]
-    job: String,
-    /// Where it lies.
-    #[schema(example = "s3://reef/tour")]
-    url: String,
-    /// The dataset that its images join.
-    #[schema(example = "shaft-v1")]
-    dataset: String,
-    /// How far the job is: frames are counted when their shard is imported.
-    state: JobState,
-    /// Number of frames.
-    frames: u64,
-    /// Frames whose image is imported.
-    done: u64,
-    /// Frames that have no image.
-    failed: u64,
-    /// Shards that are imported.
-    shards: u64,
-    /// Whether the service looks for further shards. It does until every frame has ended.
-    followed: bool,
-    /// When it looked last; null: not since it was started.
-    #[schema(value_type = Option<String>, format = DateTime)]
-    looked_at: Option<UnixMs>,
-    /// Why that look ended early; null: it did not.
-    error: Option<String>,
-}
 
 impl Sets {
     /// Every set, newest first.

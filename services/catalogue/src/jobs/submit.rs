@@ -1,14 +1,14 @@
 //! A job on its way in, and the jobs that it may repeat.
 
+use client::{JobRow, JobState};
 use sqlx::Row;
 use sqlx::sqlite::SqliteConnection;
 
 use super::{known_job, of_set, row, verified};
 use crate::error::CatalogueError;
-use crate::job_state::JobState;
 use crate::row_digests::Side;
 use crate::tables::{KEYS, job_columns};
-use crate::types::{InsertJob, JobRow, NewJob};
+use crate::types::{InsertJob, NewJob};
 
 /// Stores a job, unless it repeats one.
 pub(super) async fn insert(

@@ -1,5 +1,6 @@
 //! Sealing and unsealing. The root is computed beside the writer; the version is stored only if no job has changed meanwhile.
 
+use client::{JobState, UnixMs};
 use std::collections::BTreeSet;
 
 use futures::TryStreamExt;
@@ -9,9 +10,7 @@ use sqlx::sqlite::SqliteConnection;
 use super::{VersionRow, get};
 use crate::catalogue::Catalogue;
 use crate::error::CatalogueError;
-use crate::job_state::JobState;
 use crate::row_digests::Side;
-use crate::time::UnixMs;
 
 /// A job of a dataset that is to be sealed.
 #[derive(PartialEq, Eq)]

@@ -1,6 +1,6 @@
 //! Answers of the mirror are those of the tables, whatever it holds and whatever became of what it held.
 
-use catalogue::{DensityColumns, ImageQuery, Source};
+use catalogue::{CountedSource, DensityColumns, ImageQuery};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
@@ -141,7 +141,7 @@ impl World {
     }
 
     /// All kinds of answers under a filter, and where the images of each were read.
-    async fn answers(&self, filter: &str) -> (Vec<Value>, Vec<Source>) {
+    async fn answers(&self, filter: &str) -> (Vec<Value>, Vec<CountedSource>) {
         let (catalogue, filter) = (&self.at.catalogue, Some(filter));
         let metrics = ["uiqm", "hscm.uiqm", "frame", "seed", "alpha"].map(str::to_owned);
         let (mut answers, mut sources) = (Vec::new(), Vec::new());

@@ -1,7 +1,8 @@
 //! `fathom backup`: a copy of everything that a running service has stored.
 
 use cli::exit::Failure;
-use cli::remote::{Remote, ServerArguments};
+use cli::remote::ServerArguments;
+use client::BackupView;
 
 /// Options of `fathom backup`.
 #[derive(clap::Args)]
@@ -12,10 +13,7 @@ pub(crate) struct Arguments {
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let remote = Remote::with_patience(&arguments.server);
-    let backup = remote.post("/v1/backups", &[], b"")?;
-    let folder = backup["folder"].as_str().unwrap_or_default();
-    let bytes = backup["bytes"].as_u64().unwrap_or_default();
+    let BackupView { folder, bytes } = arguments.server.patient_client().back_up()?;
     println!("{folder} ({} MB) on the service's machine", bytes / 1_000_000);
     println!("restore it with: fathom serve --data {folder}");
     Ok(())

@@ -1,8 +1,9 @@
-//! `fathom cancel`, `pause`, `resume` and `retry`: change what jobs do.
+//! `fathom cancel`, `pause`, `resume` and `retry`: change the state of jobs.
 
 use cli::exit::Failure;
 use cli::known;
-use cli::remote::{Remote, ServerArguments, encode};
+use cli::remote::ServerArguments;
+use client::JobChange;
 
 use super::submit;
 
@@ -19,27 +20,12 @@ pub(crate) struct Arguments {
     pub(super) server: ServerArguments,
 }
 
-/// What to do with a job.
-pub(crate) enum Change {
-    Cancel,
-    Pause,
-    Resume,
-    Retry,
-}
-
-/// Changes the jobs one after the other, as far as the first that cannot be changed.
-pub(crate) fn run(arguments: &Arguments, change: &Change) -> Result<(), Failure> {
-    let remote = Remote::new(&arguments.server);
-    let route = match change {
-        Change::Cancel => "cancel",
-        Change::Pause => "pause",
-        Change::Resume => "resume",
-        Change::Retry => "retry-failed",
-    };
+/// Changes the jobs one after the other; stops at the first that cannot be changed.
+pub(crate) fn run(arguments: &Arguments, change: JobChange) -> Result<(), Failure> {
+    let client = arguments.server.client();
     for id in &arguments.jobs {
-        known::job(&remote, id)?;
-        let job = remote.post(&format!("/v1/jobs/{}/{route}", encode(id)), &[], b"")?;
-        submit::show(&job, arguments.json);
+        known::job(&client, id)?;
+        submit::show(&client.change_job(id, change)?, arguments.json);
     }
     Ok(())
 }

@@ -1,8 +1,8 @@
 //! `fathom demo`: the main use of the program, end to end on one machine.
 //!
 //! Starts a service with its own workers on a free port, submits a job of 24 frames, waits for it, prints the dataset's
-//! metrics and writes a contact sheet, by way of HTTP, leases and commits as in production. With `--open` the service stays,
-//! and a browser shows its page.
+//! metrics and writes a contact sheet. It uses HTTP, leases and commits as in production. With `--open` the service keeps
+//! running, and a browser opens its page.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -12,11 +12,10 @@ use std::time::Instant;
 use anyhow::Context;
 use cli::engine::EngineArguments;
 use cli::exit::Failure;
-use cli::images::Question;
-use cli::remote::{LOCAL_SERVICE, Remote, ServerArguments, with_query};
+use cli::remote::LOCAL_SERVICE;
 use cli::styles::StyleArguments;
-use cli::table::{cell, table, table_of};
-use serde_json::Value;
+use cli::table::{DASH, cell, image_table, table};
+use client::{Client, GroupStats, ImageQuery, StatisticsQuery};
 
 use super::{serve, sheet, submit};
 
@@ -73,13 +72,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         style: arguments.style.clone(),
     })?;
     let service = runtime.block_on(api::start(config)).map_err(Failure::input)?;
-    let remote = Remote::new(&ServerArguments {
-        server: format!("http://{}", service.address()),
-        token: None,
-    });
-    let shown = show(&remote, &arguments.out);
+    let server = format!("http://{}", service.address());
+    let shown = show(&Client::new(&server, None), &arguments.out);
     if arguments.open && shown.is_ok() {
-        let page = page_of(&format!("http://{}", service.address()));
+        let page = page_address(&server);
         println!("its page       {page}");
         open_browser(&page);
         runtime.block_on(serve::stop_signal())?;
@@ -88,50 +84,49 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     shown
 }
 
-fn show(remote: &Remote, out: &Path) -> Result<(), Failure> {
+fn show(client: &Client, out: &Path) -> Result<(), Failure> {
     let begun = Instant::now();
-    let job = submit::submit(remote, TOUR.as_bytes(), None, false)?;
-    let job = submit::wait(remote, &job)?;
-    let text = |name: &str| cell(&job[name]);
-    let (id, dataset) = (text("id"), text("dataset"));
+    let job = submit::submit(client, TOUR.as_bytes(), None, false)?;
+    let job = submit::wait(client, &job)?;
     println!(
-        "\njob {id}: {} of {} frames in {:.1} s\n",
-        text("done"),
-        text("frames"),
+        "\njob {}: {} of {} frames in {:.1} s\n",
+        job.id,
+        job.done,
+        job.frames,
         begun.elapsed().as_secs_f64()
     );
 
     let fields = ROW_FIELDS.map(str::to_owned);
-    let filter = format!("job == \"{id}\"");
-    let mut question = Question {
-        dataset: Some(&dataset),
+    let filter = format!("job == \"{}\"", job.id);
+    let mut query = ImageQuery {
+        dataset: Some(&job.dataset),
         filter: &filter,
         order_by: Some("frame"),
         fields: &fields,
         limit: 1000,
     };
-    println!("{}\n", table_of(&fields, &question.ask(remote)?));
-    println!("{}\n", by_style(remote, &dataset, &filter)?);
+    println!("{}\n", image_table(&fields, &client.images(query)?));
+    println!("{}\n", style_table(client, &job.dataset, &filter)?);
 
     let picture = out.join("contact-sheet.png");
     let fields = sheet::FIELDS.map(str::to_owned);
-    question.fields = &fields;
-    sheet::draw(remote, &question, "rgb", &picture)?;
+    query.fields = &fields;
+    sheet::draw(client, query, "rgb", &picture)?;
     println!("contact sheet  {}", picture.display());
     println!("catalogue      {}", out.join("catalogue.sqlite").display());
     println!("images         {}", out.join("packs").display());
-    println!("digest         {}", text("digest"));
+    println!("digest         {}", job.digest.as_deref().unwrap_or(DASH));
     println!("serve it again fathom serve --data {}", out.display());
-    println!("and look       {}", page_of(LOCAL_SERVICE));
+    println!("and look       {}", page_address(LOCAL_SERVICE));
     submit::all_rendered(&job)
 }
 
-/// Where the page of a service shows the set of the demonstration.
-fn page_of(server: &str) -> String {
+/// The address of the demonstration on the page of a service.
+fn page_address(server: &str) -> String {
     format!("{server}/#/set/tour")
 }
 
-/// Has the desktop open an address. Where there is no desktop, the address that was printed has to do.
+/// Opens an address in the browser of the desktop, if there is one.
 fn open_browser(address: &str) {
     let opener = if cfg!(target_os = "macos") {
         "open"
@@ -145,35 +140,38 @@ fn open_browser(address: &str) {
         .stderr(Stdio::null())
         .spawn();
     if started.is_err() {
-        println!("there is no `{opener}` here: open it yourself");
+        println!("`{opener}` is not installed: open the address in a browser");
     }
 }
 
 /// Mean and standard deviation of each metric for each style water.
-fn by_style(remote: &Remote, dataset: &str, filter: &str) -> Result<String, Failure> {
-    let metrics = GROUP_METRICS.join(",");
-    let parameters = [
-        ("metrics", Some(metrics.as_str())),
-        ("group_by", Some("water.style")),
-        ("filter", Some(filter)),
-    ];
-    let stats = remote.get(&with_query(&format!("/v1/datasets/{dataset}/stats"), &parameters))?;
-    let groups = stats["groups"].as_array().cloned().unwrap_or_default();
-    let names: BTreeSet<String> = groups.iter().map(|row| cell(&row["group"])).collect();
-    let value = |name: &str, metric: &str| {
-        let is_it = |row: &&Value| cell(&row["group"]) == name && row["metric"] == metric;
-        let row = groups.iter().find(is_it).unwrap_or(&Value::Null);
-        match (row["mean"].as_f64(), row["sd"].as_f64()) {
-            (Some(mean), Some(sd)) => format!("{mean:.3} ({sd:.3})"),
-            (Some(mean), None) => format!("{mean:.3}"),
-            _ => "–".to_owned(),
-        }
+fn style_table(client: &Client, dataset: &str, filter: &str) -> Result<String, Failure> {
+    let query = StatisticsQuery {
+        metrics: &GROUP_METRICS.join(","),
+        group_by: "water.style",
+        filter,
+        ..StatisticsQuery::default()
     };
-    let row = |name: String| {
-        let values = GROUP_METRICS.map(|metric| value(&name, metric));
-        std::iter::once(name).chain(values).collect()
-    };
-    let rows: Vec<Vec<String>> = names.into_iter().map(row).collect();
+    let groups = client.statistics(dataset, query)?.groups;
+    let names: BTreeSet<String> = groups.iter().map(|group| cell(&group.group)).collect();
+    let rows: Vec<Vec<String>> = names
+        .into_iter()
+        .map(|name| {
+            let values = GROUP_METRICS.map(|metric| {
+                let is_cell = |group: &&GroupStats| cell(&group.group) == name && group.metric == metric;
+                mean_and_deviation(groups.iter().find(is_cell))
+            });
+            std::iter::once(name.clone()).chain(values).collect()
+        })
+        .collect();
     let header: Vec<&str> = std::iter::once("style").chain(GROUP_METRICS).collect();
     Ok(table(&header, &rows))
+}
+
+fn mean_and_deviation(group: Option<&GroupStats>) -> String {
+    match group.map(|group| (group.mean, group.sd)) {
+        Some((Some(mean), Some(sd))) => format!("{mean:.3} ({sd:.3})"),
+        Some((Some(mean), None)) => format!("{mean:.3}"),
+        _ => DASH.to_owned(),
+    }
 }

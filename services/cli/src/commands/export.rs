@@ -46,9 +46,9 @@ mod yolo;
 use std::path::PathBuf;
 
 use cli::exit::Failure;
-use cli::images::Question;
 use cli::progress::Progress;
-use cli::remote::{Remote, ServerArguments};
+use cli::remote::ServerArguments;
+use client::ImageQuery;
 use spec::ArtifactKind;
 
 use super::cluster::hand_over;
@@ -107,8 +107,8 @@ pub fn run(arguments: &Arguments, tables: Option<WriteTable>) -> Result<(), Fail
     if format.needs_tables() && tables.is_none() {
         return hand_over();
     }
-    let remote = Remote::new(&arguments.server);
-    let selection = Selection::ask(&remote, arguments)?;
+    let client = arguments.server.client();
+    let selection = Selection::read(&client, arguments)?;
     let split = arguments.split.as_ref();
     let card = format.card(
         &arguments.dataset,
@@ -119,13 +119,13 @@ pub fn run(arguments: &Arguments, tables: Option<WriteTable>) -> Result<(), Fail
     let target = Target::open(&arguments.out, &card)?;
     let columns = selection.column_names();
     let order = Order {
-        remote: &remote,
+        client: &client,
         target: &target,
         kinds: &selection.kinds,
         columns: &columns,
     };
     let mut export = Export::begin(arguments, &selection, order, tables)?;
-    let question = Question {
+    let query = ImageQuery {
         dataset: Some(&arguments.dataset),
         filter: &arguments.filter,
         order_by: None,
@@ -133,11 +133,10 @@ pub fn run(arguments: &Arguments, tables: Option<WriteTable>) -> Result<(), Fail
         limit: usize::MAX,
     };
     let mut progress = Progress::new("export", "images", selection.images);
-    question.pages(&remote, |rows| {
-        export.take(rows)?;
+    for rows in client.image_pages(query) {
+        export.add(rows?)?;
         progress.set(export.images());
-        Ok(())
-    })?;
+    }
     progress.finish();
     export.finish()
 }

@@ -6,43 +6,42 @@ use std::time::Duration;
 use anyhow::Context;
 use cli::exit::Failure;
 use cli::import::Arguments;
+use cli::known;
 use cli::progress::Progress;
-use cli::remote::{Remote, encode};
-use serde_json::{Value, json};
+use client::{Client, JobRow, SetView};
+use serde_json::json;
 
 use super::cluster;
 use super::submit::{all_rendered, show};
 
-/// Between two questions to the service, at least.
+/// Shortest time between two requests for the state of a set.
 const PAUSE: Duration = Duration::from_millis(200);
+/// An error of the set is no change of its job, so that the wait for one is kept short.
+const WAIT_S: u64 = 5;
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let Some(remote) = arguments.server.remote() else {
+    let Some(client) = arguments.server.client() else {
         return cluster::hand_over();
     };
-    let body = json!({"url": url(&arguments.set)?}).to_string();
-    let set = remote.post("/v1/sets", &[], body.as_bytes())?;
-    let job = set["job"].as_str().unwrap_or_default();
-    let (set, job) = if arguments.wait {
-        wait(&remote, &set, job)?
-    } else {
-        let row = remote.get(&format!("/v1/jobs/{}", encode(job)))?;
-        (set, row)
+    let set = client.import_set(&url(&arguments.set)?)?;
+    let set = match arguments.wait {
+        true => wait(&client, &set)?,
+        false => set,
     };
+    let job = known::job(&client, &set.job)?;
     if arguments.json {
-        println!("{set}");
+        println!("{}", json!(set));
     } else {
         show(&job, false);
     }
-    if arguments.wait {
-        all_rendered(&job)
-    } else {
-        Ok(())
+    match arguments.wait {
+        true => all_rendered(&job),
+        false => Ok(()),
     }
 }
 
-/// A folder as the service finds it, too, on this machine at least.
+/// A set in a folder by its absolute path, under which a service on this machine finds it.
 fn url(set: &str) -> Result<String, Failure> {
     if set.contains("://") {
         return Ok(set.to_owned());
@@ -52,34 +51,34 @@ fn url(set: &str) -> Result<String, Failure> {
     text.ok_or_else(|| Failure::input(format!("{} is not UTF-8", path.display())))
 }
 
-/// Waits until the service looks no further; returns the set and its job.
-fn wait(remote: &Remote, set: &Value, job: &str) -> Result<(Value, Value), Failure> {
-    let mut progress = Progress::new("import", "frames", set["frames"].as_u64().unwrap_or_default());
-    let (mut seen, mut said) = (0, None);
+/// Waits until the service no longer looks for shards of a set.
+fn wait(client: &Client, set: &SetView) -> Result<SetView, Failure> {
+    let mut progress = Progress::new("import", "frames", set.frames);
+    let (mut version, mut reported) = (0, None);
     loop {
-        // A job that has ended is shown at once, though the service may still look at its set.
+        // The response for a job that has ended is immediate, though the service may still look at its set.
         std::thread::sleep(PAUSE);
-        // An error of the set is no change of the job: look at it from time to time.
-        let row = remote.get(&format!("/v1/jobs/{}?wait=5&since={seen}", encode(job)))?;
-        seen = row["version"].as_u64().unwrap_or_default();
-        let count = |name: &str| row[name].as_u64().unwrap_or_default();
-        progress.set(count("done") + count("failed"));
-        let set = remote.get(&format!("/v1/sets/{}", encode(job)))?;
-        let error = set["error"].as_str().map(str::to_owned);
-        let goes_on = set["followed"] == json!(true);
-        match error {
-            Some(error) if !goes_on => return Err(Failure::Other(anyhow::Error::msg(error))),
-            Some(error) if said.as_ref() != Some(&error) => {
-                eprintln!("{error}; the service tries again");
-                said = Some(error);
+        let JobRow {
+            version: current,
+            done,
+            failed,
+            ..
+        } = client.await_job(&set.job, version, WAIT_S)?;
+        version = current;
+        progress.set(done + failed);
+        let set = client.set(&set.job)?;
+        if !set.followed {
+            if let Some(error) = set.error {
+                return Err(anyhow::Error::msg(error).into());
             }
-            _ => {}
-        }
-        if !goes_on && !set["looked_at"].is_null() {
-            progress.finish();
-            // The last look may have changed it.
-            let row = remote.get(&format!("/v1/jobs/{}", encode(job)))?;
-            return Ok((set, row));
+            if set.looked_at.is_some() {
+                progress.finish();
+                return Ok(set);
+            }
+        } else if set.error.is_some() && set.error != reported {
+            reported = set.error;
+            let error = reported.as_deref().unwrap_or_default();
+            eprintln!("{error}; the service tries again");
         }
     }
 }

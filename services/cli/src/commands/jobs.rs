@@ -1,12 +1,14 @@
 //! `fathom jobs`: lists the jobs of a service with their progress.
 
-use catalogue::JobState;
-use chrono::{DateTime, Utc};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use anyhow::Context;
 use cli::exit::Failure;
 use cli::known;
-use cli::remote::{Remote, ServerArguments};
-use cli::table::{cell, table};
-use serde_json::Value;
+use cli::remote::ServerArguments;
+use cli::table::{DASH, table};
+use client::{JobRow, JobState, UnixMs};
+use serde_json::json;
 
 /// Options of `fathom jobs`.
 #[derive(clap::Args)]
@@ -31,41 +33,36 @@ const HEADER: [&str; 7] = ["job", "dataset", "state", "frames", "failed", "frame
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let remote = Remote::new(&arguments.server);
-    let parameters = [
-        ("dataset", arguments.dataset.as_deref()),
-        ("state", arguments.state.as_deref()),
-    ];
-    let jobs = remote.rows("/v1/jobs", &parameters, arguments.limit)?;
-    if jobs.is_empty()
-        && let Some(dataset) = &arguments.dataset
-    {
-        known::dataset(&remote, dataset)?;
+    let client = arguments.server.client();
+    let (dataset, state) = (arguments.dataset.as_deref(), arguments.state.as_deref());
+    let jobs = client.jobs(dataset, state, arguments.limit)?;
+    if let (true, Some(dataset)) = (jobs.is_empty(), dataset) {
+        known::dataset(&client, dataset)?;
     }
     if arguments.json {
-        jobs.iter().for_each(|job| println!("{job}"));
+        jobs.iter().for_each(|job| println!("{}", json!(job)));
         return Ok(());
     }
-    let now = DateTime::from(std::time::SystemTime::now());
+    let now = SystemTime::now().duration_since(UNIX_EPOCH);
+    let now = UnixMs(now.context("the clock is before 1970")?.as_millis() as u64);
     let rows: Vec<Vec<String>> = jobs.iter().map(|job| row(job, now)).collect();
     println!("{}", table(&HEADER, &rows));
     println!("{} jobs", jobs.len());
     Ok(())
 }
 
-fn row(job: &Value, now: DateTime<Utc>) -> Vec<String> {
-    let number = |name: &str| job[name].as_u64().unwrap_or_default();
+fn row(job: &JobRow, now: UnixMs) -> Vec<String> {
     let pace = Pace::new(job, now);
-    let dash = || "–".to_owned();
+    let rate = pace.as_ref().map(|pace| format!("{:.2}", pace.frames_per_s));
+    let remaining = pace.and_then(|pace| pace.remaining_s).map(duration);
     vec![
-        cell(&job["id"]),
-        cell(&job["dataset"]),
-        cell(&job["state"]),
-        format!("{}/{}", number("done"), number("frames")),
-        number("failed").to_string(),
-        pace.as_ref()
-            .map_or_else(dash, |pace| format!("{:.2}", pace.frames_per_s)),
-        pace.and_then(|pace| pace.left_s).map_or_else(dash, duration),
+        job.id.clone(),
+        job.dataset.clone(),
+        job.state.to_string(),
+        format!("{}/{}", job.done, job.frames),
+        job.failed.to_string(),
+        rate.unwrap_or_else(|| DASH.to_owned()),
+        remaining.unwrap_or_else(|| DASH.to_owned()),
     ]
 }
 
@@ -74,23 +71,22 @@ fn row(job: &Value, now: DateTime<Utc>) -> Vec<String> {
 struct Pace {
     frames_per_s: f64,
     /// Time to the end at that rate, while the job runs.
-    left_s: Option<f64>,
+    remaining_s: Option<f64>,
 }
 
 impl Pace {
-    /// From the first frame that ended, which stands for the start, to the last or to now. None: too few frames ended.
-    fn new(job: &Value, now: DateTime<Utc>) -> Option<Self> {
-        let number = |name: &str| job[name].as_u64().unwrap_or_default();
-        let time = |name: &str| DateTime::parse_from_rfc3339(job[name].as_str()?).ok();
-        let ended = number("done") + number("failed");
-        let until = time("finished_at").map_or(now, |time| time.to_utc());
-        let seconds = (until - time("started_at")?.to_utc()).as_seconds_f64();
+    /// The rate from the first frame that ended to the last, or to now. `None`: too few frames ended.
+    fn new(job: &JobRow, now: UnixMs) -> Option<Self> {
+        let ended = job.done + job.failed;
+        let UnixMs(end) = job.finished_at.unwrap_or(now);
+        let UnixMs(start) = job.started_at?;
+        let seconds = (end as f64 - start as f64) / 1000.0;
         let frames_per_s = ended.checked_sub(1)? as f64 / seconds;
-        let is_meant = frames_per_s > 0.0 && frames_per_s.is_finite();
-        is_meant.then(|| Self {
+        let is_known = frames_per_s > 0.0 && frames_per_s.is_finite();
+        is_known.then(|| Self {
             frames_per_s,
-            left_s: (job["state"] == "running")
-                .then(|| number("frames").saturating_sub(ended) as f64 / frames_per_s),
+            remaining_s: (job.state == JobState::Running)
+                .then(|| job.frames.saturating_sub(ended) as f64 / frames_per_s),
         })
     }
 }
@@ -107,26 +103,26 @@ fn duration(seconds: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use serde_json::json;
-
     use super::*;
 
     #[test]
     fn the_pace_is_that_of_the_frames_after_the_first() {
-        let now = DateTime::parse_from_rfc3339("2026-01-01T00:00:20Z")
-            .unwrap()
-            .to_utc();
-        let mut job = json!({"state": "running", "frames": 101, "done": 40, "failed": 1,
-            "started_at": "2026-01-01T00:00:00.000Z", "finished_at": null});
+        let now = UnixMs(1_767_225_620_000);
+        let mut job: JobRow = serde_json::from_value(json!({
+            "id": "job_1", "dataset": "bay", "state": "running", "frames": 101, "done": 40, "failed": 1, "bytes": 0,
+            "version": 3, "created_at": "2026-01-01T00:00:00.000Z", "started_at": "2026-01-01T00:00:00.000Z",
+            "finished_at": null, "digest": null
+        }))
+        .unwrap();
         let pace = Pace::new(&job, now).unwrap();
-        assert_eq!((pace.frames_per_s, pace.left_s), (2.0, Some(30.0)));
-        job["state"] = json!("done");
-        job["finished_at"] = json!("2026-01-01T00:00:10.000Z");
+        assert_eq!((pace.frames_per_s, pace.remaining_s), (2.0, Some(30.0)));
+        job.state = JobState::Done;
+        job.finished_at = Some(UnixMs(1_767_225_610_000));
         let pace = Pace::new(&job, now).unwrap();
-        assert_eq!((pace.frames_per_s, pace.left_s), (4.0, None));
-        job["done"] = json!(0);
+        assert_eq!((pace.frames_per_s, pace.remaining_s), (4.0, None));
+        job.done = 0;
         assert_eq!(Pace::new(&job, now), None, "one frame has no pace");
-        job["started_at"] = Value::Null;
+        job.started_at = None;
         assert_eq!(Pace::new(&job, now), None);
     }
 

@@ -1,16 +1,18 @@
-//! `fathom list`: every identifier that a user can send, from the declaration that the API reads too.
+//! `fathom list`: every identifier that a user can send, from the same declarations as the API.
 
 use api::{Entry, List};
 use cli::exit::Failure;
-use cli::remote::{Remote, ServerArguments, encode};
+use cli::remote::ServerArguments;
 use cli::styles::StyleArguments;
 use cli::table::text_table;
+use client::Client;
+use serde::Deserialize;
 use serde_json::{Value, json};
 
 /// Options of `fathom list`.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// Which list; without it: the lists
+    /// The list; without it: the names of the lists
     #[arg(value_parser = known())]
     what: Option<String>,
     /// Print one JSON array
@@ -42,7 +44,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             }
         }
         (None, path) => {
-            let names = stored(&Remote::new(&arguments.server), path.unwrap_or_default())?;
+            let names = stored(&arguments.server.client(), path.unwrap_or_default())?;
             if arguments.json {
                 println!("{}", json!(names));
             } else {
@@ -63,7 +65,7 @@ fn print_lists(as_json: bool) {
     let row = |list: &List| vec![list.name.to_owned(), list.about.to_owned(), list.path()];
     let rows: Vec<_> = List::all().iter().map(row).collect();
     println!("{}", text_table(&["list", "what it names", "endpoint"], &rows));
-    println!("\nfathom list NAME prints one of them; docs/identifiers.md says where each is sent.");
+    println!("\nfathom list NAME prints one of them; docs/identifiers.md describes where each is used.");
 }
 
 /// The entries as a table with the columns that any of them fills.
@@ -74,7 +76,7 @@ fn entries_table(entries: &[Entry]) -> String {
         ("number", |entry| {
             entry.number.map_or_else(String::new, |number| number.to_string())
         }),
-        ("unit", |entry| entry.unit.unwrap_or_default().to_owned()),
+        ("unit", |entry| entry.unit.clone().unwrap_or_default()),
         ("meaning", |entry| entry.about.clone()),
     ];
     let (header, cells): (Vec<&str>, Vec<Cell>) = columns
@@ -86,22 +88,18 @@ fn entries_table(entries: &[Entry]) -> String {
     text_table(&header, &rows)
 }
 
+/// A row of a list that a service stores.
+#[derive(Deserialize)]
+struct StoredEntry {
+    name: Option<String>,
+    id: Option<String>,
+}
+
 /// The names or ids of everything that a service lists at this path.
-fn stored(remote: &Remote, path: &str) -> Result<Vec<String>, Failure> {
-    let mut names = Vec::new();
-    let mut page = remote.get(path)?;
-    loop {
-        let items = page["items"].as_array().cloned().unwrap_or_default();
-        let name = |item: &Value| {
-            item.get("name")
-                .or_else(|| item.get("id"))
-                .and_then(Value::as_str)
-                .map(str::to_owned)
-        };
-        names.extend(items.iter().filter_map(name));
-        match page["next_cursor"].as_str() {
-            Some(cursor) => page = remote.get(&format!("{path}?cursor={}", encode(cursor)))?,
-            None => return Ok(names),
-        }
-    }
+fn stored(client: &Client, path: &str) -> Result<Vec<String>, Failure> {
+    let entries: Vec<StoredEntry> = client.rows(path, &[], usize::MAX)?;
+    Ok(entries
+        .into_iter()
+        .filter_map(|entry| entry.name.or(entry.id))
+        .collect())
 }

@@ -40,7 +40,7 @@ mod worker;
 
 use cli::exit::Failure;
 
-use control::Change;
+use client::JobChange;
 
 /// The commands of `fathom`.
 #[derive(clap::Subcommand)]
@@ -153,10 +153,10 @@ impl Command {
             Self::Jobs(arguments) => jobs::run(&arguments),
             Self::Wait(arguments) => wait::run(&arguments),
             Self::Errors(arguments) => errors::run(&arguments),
-            Self::Retry(arguments) => control::run(&arguments, &Change::Retry),
-            Self::Pause(arguments) => control::run(&arguments, &Change::Pause),
-            Self::Resume(arguments) => control::run(&arguments, &Change::Resume),
-            Self::Cancel(arguments) => control::run(&arguments, &Change::Cancel),
+            Self::Retry(arguments) => control::run(&arguments, JobChange::RetryFailed),
+            Self::Pause(arguments) => control::run(&arguments, JobChange::Pause),
+            Self::Resume(arguments) => control::run(&arguments, JobChange::Resume),
+            Self::Cancel(arguments) => control::run(&arguments, JobChange::Cancel),
             Self::Datasets(arguments) => datasets::run(&arguments),
             Self::Scenes(arguments) => scenes::run(&arguments),
             Self::Rm(arguments) => rm::run(&arguments),

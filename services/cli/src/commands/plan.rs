@@ -6,14 +6,14 @@ use std::sync::Arc;
 use cli::exit::Failure;
 use cli::job;
 use cli::styles::StyleArguments;
-use cli::table::table_of;
+use cli::table::{cell, table};
 use renderer::{Engine, SceneSource, Slot};
-use serde_json::{Value, json};
+use serde_json::json;
 
 /// Options of `fathom plan`.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// The job: a frame description with laws, as JSON
+    /// The job: a frame description as JSON, with random distributions
     spec: PathBuf,
     /// Index of the frame
     #[arg(long, default_value_t = 0)]
@@ -55,8 +55,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let columns = [
         "stage", "variant", "terms", "share", "bound", "gain", "cost_ms", "note",
     ];
-    let lines: Vec<Value> = plan.stages.iter().map(|stage| json!(stage)).collect();
-    println!("{}", table_of(&columns, &lines));
+    let rows = plan.stages.iter().map(|stage| {
+        let stage = json!(stage);
+        columns.map(|column| cell(&stage[column])).to_vec()
+    });
+    println!("{}", table(&columns, &rows.collect::<Vec<_>>()));
     for stage in &plan.stages {
         if let Some(error) = stage.printed_model_error() {
             println!("Model error of {}: {error}", stage.id.name());

@@ -1,10 +1,10 @@
 //! `fathom query`: lists images by their parameters and metrics.
 
 use cli::exit::Failure;
-use cli::images::Question;
 use cli::known;
-use cli::remote::{Remote, ServerArguments};
-use cli::table::table_of;
+use cli::remote::ServerArguments;
+use cli::table::image_table;
+use client::ImageQuery;
 
 /// Options of `fathom query`.
 #[derive(clap::Args)]
@@ -46,29 +46,26 @@ const USUAL_FIELDS: [&str; 9] = [
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let remote = Remote::new(&arguments.server);
+    let client = arguments.server.client();
     let mut fields = arguments.fields.clone();
     if fields.is_empty() {
         fields.extend(USUAL_FIELDS.map(str::to_owned));
     }
-    let question = Question {
+    let rows = client.images(ImageQuery {
         dataset: arguments.dataset.as_deref(),
         filter: &arguments.filter,
         order_by: arguments.order_by.as_deref(),
         fields: &fields,
         limit: arguments.limit,
-    };
-    let rows = question.ask(&remote)?;
-    if rows.is_empty()
-        && let Some(dataset) = &arguments.dataset
-    {
-        known::dataset(&remote, dataset)?;
+    })?;
+    if let (true, Some(dataset)) = (rows.is_empty(), &arguments.dataset) {
+        known::dataset(&client, dataset)?;
     }
     if arguments.json {
         rows.iter().for_each(|row| println!("{row}"));
         return Ok(());
     }
-    println!("{}", table_of(&fields, &rows));
+    println!("{}", image_table(&fields, &rows));
     println!("{} images", rows.len());
     Ok(())
 }

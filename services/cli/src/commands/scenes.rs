@@ -1,10 +1,11 @@
-//! `fathom scenes`: lists the scenes that were uploaded to a service.
+//! `fathom scenes`: lists the uploaded scenes of a service.
 
 use cli::exit::Failure;
 use cli::known;
-use cli::remote::{Remote, ServerArguments};
-use cli::table::{cell, table};
-use serde_json::Value;
+use cli::remote::ServerArguments;
+use cli::table::{DASH, table};
+use client::{CollectionScene, SceneView};
+use serde_json::json;
 
 /// Options of `fathom scenes`.
 #[derive(clap::Args)]
@@ -24,35 +25,51 @@ pub(crate) struct Arguments {
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let remote = Remote::new(&arguments.server);
-    let scenes = match &arguments.collection {
+    let client = arguments.server.client();
+    let (rows, last) = match &arguments.collection {
         Some(name) => {
-            let mut scenes = known::collection(&remote, name)?;
+            let mut scenes = known::collection(&client, name)?;
             scenes.truncate(arguments.limit);
-            scenes
+            if arguments.json {
+                scenes.iter().for_each(|scene| println!("{}", json!(scene)));
+                return Ok(());
+            }
+            (scenes.iter().map(collection_row).collect::<Vec<_>>(), "name")
         }
-        None => remote.rows("/v1/scenes", &[], arguments.limit)?,
+        None => {
+            let scenes = client.scenes(arguments.limit)?;
+            if arguments.json {
+                scenes.iter().for_each(|scene| println!("{}", json!(scene)));
+                return Ok(());
+            }
+            (scenes.iter().map(scene_row).collect(), "uploaded")
+        }
     };
-    if arguments.json {
-        scenes.iter().for_each(|scene| println!("{scene}"));
-        return Ok(());
-    }
-    let (last, member) = match arguments.collection {
-        Some(_) => ("name", "name"),
-        None => ("uploaded", "created_at"),
-    };
-    let row = |scene: &Value| {
-        let has_mask = scene["instances"] == true || scene["instances_digest"].is_string();
-        vec![
-            cell(&scene["id"]),
-            format!("{}×{}", cell(&scene["width"]), cell(&scene["height"])),
-            cell(&scene["range_kind"]),
-            if has_mask { "yes" } else { "–" }.to_owned(),
-            cell(&scene[member]),
-        ]
-    };
-    let rows: Vec<Vec<String>> = scenes.iter().map(row).collect();
     println!("{}", table(&["scene", "size", "range", "instances", last], &rows));
-    println!("{} scenes", scenes.len());
+    println!("{} scenes", rows.len());
     Ok(())
+}
+
+fn scene_row(scene: &SceneView) -> Vec<String> {
+    vec![
+        scene.id.clone(),
+        format!("{}×{}", scene.width, scene.height),
+        scene.range_kind.clone().unwrap_or_else(|| DASH.to_owned()),
+        yes_or_dash(scene.instances_digest.is_some()),
+        scene.created_at.clone(),
+    ]
+}
+
+fn collection_row(scene: &CollectionScene) -> Vec<String> {
+    vec![
+        scene.id.clone(),
+        format!("{}×{}", scene.width, scene.height),
+        scene.range_kind.clone().unwrap_or_else(|| DASH.to_owned()),
+        yes_or_dash(scene.instances),
+        scene.name.clone(),
+    ]
+}
+
+fn yes_or_dash(is_set: bool) -> String {
+    if is_set { "yes" } else { DASH }.to_owned()
 }

@@ -1,10 +1,9 @@
-//! `fathom seal`: makes the next version of a dataset; of a set this command becomes `fathom-cluster`.
+//! `fathom seal`: makes the next version of a dataset; for a set, this command becomes `fathom-cluster`.
 
 use cli::exit::Failure;
 use cli::known;
-use cli::remote::{Remote, encode};
 use cli::seal::{SealArguments, is_set};
-use cli::table::cell;
+use serde_json::json;
 
 use super::cluster;
 
@@ -14,30 +13,25 @@ pub(crate) fn run(arguments: &SealArguments) -> Result<(), Failure> {
     if is_set(name) {
         return cluster::hand_over();
     }
-    let remote = Remote::with_patience(&arguments.server);
+    let client = arguments.server.patient_client();
     if known::version(name).is_some() {
         return Err(Failure::BadInput(format!(
             "`{name}` is the name of a version: seal the dataset itself"
         )));
     }
-    known::dataset(&remote, name)?;
-    let version = remote.post(&format!("/v1/datasets/{}/versions", encode(name)), &[], b"")?;
+    known::dataset(&client, name)?;
+    let version = client.seal(name)?;
     if arguments.json {
-        println!("{version}");
+        println!("{}", json!(version));
         return Ok(());
     }
-    let codes = version["code_versions"]
-        .as_array()
-        .into_iter()
-        .flatten()
-        .map(cell);
     println!(
         "{} · {} images of {} jobs · made by {}",
-        cell(&version["name"]),
-        cell(&version["images"]),
-        cell(&version["jobs"]),
-        codes.collect::<Vec<_>>().join(", ")
+        version.name,
+        version.images,
+        version.jobs,
+        version.code_versions.join(", ")
     );
-    println!("root {}", cell(&version["root"]));
+    println!("root {}", version.root);
     Ok(())
 }

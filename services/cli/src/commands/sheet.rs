@@ -7,12 +7,11 @@ use std::path::{Path, PathBuf};
 use cli::classes::{self, Named, SceneClasses};
 use cli::exit::Failure;
 use cli::files;
-use cli::images::Question;
 use cli::known;
-use cli::remote::{Remote, ServerArguments, encode};
+use cli::remote::ServerArguments;
 use cli::sheet::{Tile, sheet, with_legend};
 use cli::table::cell;
-use serde_json::Value;
+use client::{Client, ImageQuery, ImageRow, encode};
 
 use paint::{Paint, Stored};
 
@@ -57,47 +56,40 @@ pub(crate) const FIELDS: [&str; 10] = [
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let remote = Remote::new(&arguments.server);
-    let question = Question {
+    let query = ImageQuery {
         dataset: Some(&arguments.dataset),
         filter: &arguments.filter,
         order_by: arguments.order_by.as_deref(),
         fields: &FIELDS.map(str::to_owned),
         limit: arguments.limit,
     };
-    draw(&remote, &question, &arguments.kind, &arguments.out)?;
+    draw(&arguments.server.client(), query, &arguments.kind, &arguments.out)?;
     println!("{}", arguments.out.display());
     Ok(())
 }
 
 /// Fetches the images of a query and draws them on one sheet.
-pub(crate) fn draw(remote: &Remote, question: &Question<'_>, kind: &str, out: &Path) -> Result<(), Failure> {
-    let rows = question.ask(remote)?;
+pub(crate) fn draw(client: &Client, query: ImageQuery<'_>, kind: &str, out: &Path) -> Result<(), Failure> {
+    let rows = client.images(query)?;
     if rows.is_empty() {
-        if let Some(dataset) = question.dataset {
-            known::dataset(remote, dataset)?;
+        if let Some(dataset) = query.dataset {
+            known::dataset(client, dataset)?;
         }
         return Err(Failure::input("no image matches: the sheet would be empty"));
     }
-    let fetch = |row: &Value| {
-        let (job, frame) = (cell(&row["job"]), cell(&row["frame"]));
-        let path = format!(
-            "/v1/images/{}/{}/artifacts/{}",
-            encode(&job),
-            encode(&frame),
-            encode(kind)
-        );
-        Stored::read(kind, &remote.get_bytes(&path)?)
-    };
-    let stored = rows.iter().map(fetch).collect::<Result<Vec<_>, Failure>>()?;
+    let stored = rows.iter().map(|row| fetch(client, row, kind));
+    let stored = stored.collect::<Result<Vec<_>, Failure>>()?;
     let paint = Paint::new(stored.iter());
-    let tile = |(row, stored): (&Value, &Stored)| Tile {
-        picture: paint.picture(stored),
-        caption: caption(row),
-    };
-    let tiles: Vec<Tile> = rows.iter().zip(&stored).map(tile).collect();
+    let tiles: Vec<Tile> = rows
+        .iter()
+        .zip(&stored)
+        .map(|(row, stored)| Tile {
+            picture: paint.picture(stored),
+            caption: caption(row),
+        })
+        .collect();
     let mut picture = sheet(&tiles, COLUMNS, TILE_PX);
-    let (mut scenes, mut named) = (SceneClasses::new(remote), Named::new());
+    let (mut scenes, mut named) = (SceneClasses::new(client), Named::new());
     if matches!(kind, "semantics" | "semantics.visible") {
         rows.iter().try_for_each(|row| scenes.add(row, &mut named))?;
     }
@@ -107,34 +99,42 @@ pub(crate) fn draw(remote: &Remote, question: &Question<'_>, kind: &str, out: &P
     files::write_picture(out, &picture.into())
 }
 
-fn caption(row: &Value) -> Vec<String> {
-    let field = |name: &str| cell(&row[name]);
-    let short = |name: &str| {
-        field(name)
-            .split('/')
-            .next()
-            .unwrap_or_default()
-            .replace('–', "-")
-    };
+fn fetch(client: &Client, row: &ImageRow, kind: &str) -> Result<Stored, Failure> {
+    let (job, frame) = (cell(row.value("job")), cell(row.value("frame")));
+    let path = format!(
+        "/v1/images/{}/{}/artifacts/{}",
+        encode(&job),
+        encode(&frame),
+        encode(kind)
+    );
+    Stored::read(kind, &client.get_bytes(&path)?)
+}
+
+fn caption(row: &ImageRow) -> Vec<String> {
     vec![
         format!(
             "#{} {} + {} a={}",
-            field("frame"),
-            short("water.optics"),
-            short("water.style"),
-            two(row, "alpha")
+            cell(row.value("frame")),
+            short_name(row, "water.optics"),
+            short_name(row, "water.style"),
+            two_decimals(row, "alpha")
         ),
         format!(
             "seed {}  uiqm {}  uciqe {}",
-            field("scene.seed"),
-            two(row, "uiqm"),
-            two(row, "uciqe")
+            cell(row.value("scene.seed")),
+            two_decimals(row, "uiqm"),
+            two_decimals(row, "uciqe")
         ),
     ]
 }
 
-fn two(row: &Value, name: &str) -> String {
-    row[name]
-        .as_f64()
-        .map_or_else(|| "-".to_owned(), |value| format!("{value:.2}"))
+/// A name without its source, in the characters of the font.
+fn short_name(row: &ImageRow, column: &str) -> String {
+    let name = cell(row.value(column));
+    name.split('/').next().unwrap_or_default().replace('–', "-")
+}
+
+fn two_decimals(row: &ImageRow, column: &str) -> String {
+    let value = row.number(column);
+    value.map_or_else(|| "-".to_owned(), |value| format!("{value:.2}"))
 }

@@ -3,9 +3,10 @@
 use catalogue::compare_groups;
 use cli::exit::Failure;
 use cli::known;
-use cli::remote::{Remote, ServerArguments, encode, with_query};
-use cli::table::{cell, table};
-use serde_json::Value;
+use cli::remote::ServerArguments;
+use cli::table::{cell, optional_decimal, table};
+use client::{Client, GroupStats, StatisticsQuery};
+use serde_json::{Value, json};
 
 /// Options of `fathom stats`.
 #[derive(clap::Args)]
@@ -29,13 +30,29 @@ pub(crate) struct Arguments {
     server: ServerArguments,
 }
 
-/// What is shown of one dataset, and of each of several.
-const ALONE: [&str; 8] = ["count", "mean", "sd", "min", "q25", "median", "q75", "max"];
-const BESIDE_OTHERS: [&str; 4] = ["count", "mean", "sd", "median"];
+/// A statistic in a column of the table.
+type Statistic = (&'static str, fn(&GroupStats) -> Option<f64>);
+
+const COUNT: Statistic = ("count", |group| Some(group.count as f64));
+const MEAN: Statistic = ("mean", |group| group.mean);
+const SD: Statistic = ("sd", |group| group.sd);
+const MEDIAN: Statistic = ("median", |group| group.median);
+/// The columns of a single dataset, and of each of several.
+const DETAILED: [Statistic; 8] = [
+    COUNT,
+    MEAN,
+    SD,
+    ("min", |group| group.min),
+    ("q25", |group| group.q25),
+    MEDIAN,
+    ("q75", |group| group.q75),
+    ("max", |group| group.max),
+];
+const BRIEF: [Statistic; 4] = [COUNT, MEAN, SD, MEDIAN];
 
 /// A row of the table: a group and a metric.
 #[derive(PartialEq)]
-struct Place {
+struct RowKey {
     group: Vec<Value>,
     /// Position of the metric.
     metric: usize,
@@ -43,104 +60,96 @@ struct Place {
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let remote = Remote::new(&arguments.server);
-    let answers = arguments
+    let client = arguments.server.client();
+    let groups = arguments
         .datasets
         .iter()
-        .map(|name| ask(&remote, arguments, name));
-    let answers = answers.collect::<Result<Vec<_>, Failure>>()?;
-    if arguments.json {
-        for (dataset, mut groups) in arguments.datasets.iter().zip(answers) {
-            for group in &mut groups {
-                group["dataset"] = dataset.as_str().into();
-                println!("{group}");
-            }
-        }
+        .map(|name| statistics(&client, arguments, name));
+    let groups = groups.collect::<Result<Vec<_>, Failure>>()?;
+    if !arguments.json {
+        println!("{}", comparison_table(arguments, &groups));
         return Ok(());
     }
-    println!("{}", side_by_side(arguments, &answers));
+    for (dataset, groups) in arguments.datasets.iter().zip(groups) {
+        for group in groups {
+            let mut line = json!(group);
+            line["dataset"] = dataset.as_str().into();
+            println!("{line}");
+        }
+    }
     Ok(())
 }
 
-/// The statistics of a dataset, one for each group and metric.
-fn ask(remote: &Remote, arguments: &Arguments, dataset: &str) -> Result<Vec<Value>, Failure> {
-    known::dataset(remote, dataset)?;
-    let (metrics, by) = (arguments.metrics.join(","), arguments.by.join(","));
-    let query = [
-        ("metrics", Some(metrics.as_str())),
-        ("by", Some(by.as_str())),
-        ("filter", Some(arguments.filter.as_str())),
-    ];
-    let path = format!("/v1/datasets/{}/stats", encode(dataset));
-    let mut answer = remote.get(&with_query(&path, &query))?;
-    Ok(answer["groups"]
-        .as_array_mut()
-        .map(std::mem::take)
-        .unwrap_or_default())
+/// The statistics of a dataset, one entry for each group and metric.
+fn statistics(client: &Client, arguments: &Arguments, dataset: &str) -> Result<Vec<GroupStats>, Failure> {
+    known::dataset(client, dataset)?;
+    let query = StatisticsQuery {
+        metrics: &arguments.metrics.join(","),
+        by: &arguments.by.join(","),
+        filter: &arguments.filter,
+        ..StatisticsQuery::default()
+    };
+    Ok(client.statistics(dataset, query)?.groups)
 }
 
 /// One line for each group and metric, one group of columns for each dataset.
-fn side_by_side(arguments: &Arguments, answers: &[Vec<Value>]) -> String {
-    let columns: Vec<&str> = arguments
-        .by
-        .iter()
-        .map(|by| by.rsplit_once(':').map_or(by.as_str(), |(name, _)| name))
-        .collect();
-    let place = |statistics: &Value| Place {
-        group: columns
-            .iter()
-            .map(|name| statistics["group"][name].clone())
-            .collect(),
-        metric: arguments
-            .metrics
-            .iter()
-            .position(|metric| statistics["metric"] == **metric)
-            .unwrap_or_default(),
-    };
-    let mut places: Vec<Place> = Vec::new();
-    for statistics in answers.iter().flatten() {
-        let place = place(statistics);
-        if !places.contains(&place) {
-            places.push(place);
+fn comparison_table(arguments: &Arguments, datasets: &[Vec<GroupStats>]) -> String {
+    let mut keys: Vec<RowKey> = Vec::new();
+    for group in datasets.iter().flatten() {
+        let key = RowKey::new(arguments, group);
+        if !keys.contains(&key) {
+            keys.push(key);
         }
     }
-    places.sort_by(|one, other| compare_groups(&one.group, &other.group).then(one.metric.cmp(&other.metric)));
-    let shown = if answers.len() == 1 {
-        &ALONE[..]
-    } else {
-        &BESIDE_OTHERS
+    keys.sort_by(|one, other| compare_groups(&one.group, &other.group).then(one.metric.cmp(&other.metric)));
+    let statistics = match datasets {
+        [_] => &DETAILED[..],
+        _ => &BRIEF,
     };
-    let row = |at: &Place| {
-        let mut row: Vec<String> = at.group.iter().map(cell).collect();
-        row.push(arguments.metrics[at.metric].clone());
-        for groups in answers {
-            let found = groups.iter().find(|statistics| place(statistics) == *at);
-            row.extend(
-                shown
-                    .iter()
-                    .map(|name| cell(found.map_or(&Value::Null, |found| &found[name]))),
-            );
-        }
-        row
-    };
-    let rows: Vec<Vec<String>> = places.iter().map(row).collect();
+    let rows: Vec<Vec<String>> = keys
+        .iter()
+        .map(|key| {
+            let mut cells: Vec<String> = key.group.iter().map(cell).collect();
+            cells.push(arguments.metrics[key.metric].clone());
+            for groups in datasets {
+                let group = groups.iter().find(|group| RowKey::new(arguments, group) == *key);
+                let values = statistics.iter().map(|(_, value)| group.and_then(value));
+                cells.extend(values.map(optional_decimal));
+            }
+            cells
+        })
+        .collect();
     let mut header: Vec<String> = arguments.by.clone();
     header.push("metric".to_owned());
     for dataset in &arguments.datasets {
-        let prefix = if answers.len() == 1 {
-            String::new()
-        } else {
-            format!("{dataset} ")
+        let prefix = match datasets {
+            [_] => String::new(),
+            _ => format!("{dataset} "),
         };
-        header.extend(shown.iter().map(|name| format!("{prefix}{name}")));
+        header.extend(statistics.iter().map(|(name, _)| format!("{prefix}{name}")));
     }
     table(&header.iter().map(String::as_str).collect::<Vec<_>>(), &rows)
 }
 
+impl RowKey {
+    fn new(arguments: &Arguments, group: &GroupStats) -> Self {
+        let columns = arguments
+            .by
+            .iter()
+            .map(|by| by.rsplit_once(':').map_or(by.as_str(), |(name, _)| name));
+        let position = arguments
+            .metrics
+            .iter()
+            .position(|metric| *metric == group.metric);
+        Self {
+            group: columns.map(|name| group.group[name].clone()).collect(),
+            metric: position.unwrap_or_default(),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use serde_json::json;
-
     use super::*;
 
     #[derive(clap::Parser)]
@@ -150,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn datasets_stand_side_by_side_and_what_one_lacks_is_a_dash() {
+    fn datasets_have_columns_side_by_side_with_dashes_for_missing_groups() {
         let line = <Line as clap::Parser>::parse_from([
             "stats",
             "bay",
@@ -160,10 +169,21 @@ mod tests {
             "--metrics",
             "uiqm",
         ]);
-        let group = |alpha: Value, mean: f64| json!({"group": {"alpha": alpha}, "metric": "uiqm", "count": 2, "mean": mean, "sd": null, "median": mean});
+        let group = |alpha: Value, mean: f64| GroupStats {
+            group: json!({"alpha": alpha}),
+            metric: "uiqm".to_owned(),
+            count: 2,
+            mean: Some(mean),
+            sd: None,
+            min: None,
+            q25: None,
+            median: Some(mean),
+            q75: None,
+            max: None,
+        };
         let bay = vec![group(json!(0.5), 2.0), group(Value::Null, 3.0)];
         let cove = vec![group(json!(0.0), 1.25)];
-        let shown = side_by_side(&line.arguments, &[bay, cove]);
+        let shown = comparison_table(&line.arguments, &[bay, cove]);
         let cells: Vec<Vec<&str>> = shown
             .lines()
             .map(|line| line.split_whitespace().collect())
@@ -177,6 +197,6 @@ mod tests {
             ["0", "uiqm", "–", "–", "–", "–", "2", "1.25", "–", "1.25"]
         );
         assert_eq!(cells[3], ["0.5", "uiqm", "2", "2", "–", "2", "–", "–", "–", "–"]);
-        assert_eq!(cells[4][0], "–", "images without a value come last");
+        assert_eq!(cells[4][0], "–", "images without a value are last");
     }
 }

@@ -3,14 +3,13 @@
 mod add;
 
 use cli::exit::Failure;
-use cli::known::items;
 use cli::remote::OtherServer;
 use cli::styles::StyleArguments;
-use cli::table::{cell, table};
-use serde_json::{Value, json};
-use style::Runtime;
+use cli::table::table;
+use serde_json::json;
+use style::{Card, Runtime};
 
-pub(super) use add::{add, card_of};
+pub(super) use add::{add, read_upload_card};
 
 /// Options of `fathom styles`.
 #[derive(clap::Args)]
@@ -38,39 +37,39 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(Action::Add(arguments)) = &arguments.action {
         return add::run(arguments);
     }
-    let remote = arguments.server.remote();
-    let cards = match &remote {
-        Some(remote) => items(&remote.get("/v1/styles")?).to_vec(),
+    let client = arguments.server.client();
+    let cards: Vec<Card> = match &client {
+        Some(client) => client.list("/v1/styles")?,
         None => {
             let library = arguments.style.library()?;
-            library.models().map(|model| json!(model.card)).collect()
+            library.models().map(|model| model.card.clone()).collect()
         }
     };
     if arguments.json {
-        println!("{}", Value::Array(cards));
+        println!("{}", json!(cards));
         return Ok(());
     }
-    let row = |card: &Value| {
-        let takes = |name: &str| if card[name] == true { "yes" } else { "no" };
-        let digest: String = cell(&card["sha256"]).chars().take(16).collect();
-        vec![
-            cell(&card["name"]),
-            cell(&card["licence"]),
-            takes("takes_noise").to_owned(),
-            takes("takes_range").to_owned(),
-            digest,
-        ]
-    };
     let rows: Vec<Vec<String>> = cards.iter().map(row).collect();
     println!(
         "{}",
         table(&["style", "licence", "noise", "range", "sha256"], &rows)
     );
-    if remote.is_none() {
+    if client.is_none() {
         match Runtime::load(arguments.style.onnxruntime.as_deref()) {
             Ok(runtime) => println!("\nONNX Runtime {}", runtime.version()),
             Err(missing) => println!("\n{missing}"),
         }
     }
     Ok(())
+}
+
+fn row(card: &Card) -> Vec<String> {
+    let [noise, range] = [card.takes_noise, card.takes_range].map(|takes| if takes { "yes" } else { "no" });
+    vec![
+        card.name.clone(),
+        card.licence.clone(),
+        noise.to_owned(),
+        range.to_owned(),
+        card.sha256.chars().take(16).collect(),
+    ]
 }

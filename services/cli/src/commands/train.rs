@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use anyhow::Context;
 use cli::exit::Failure;
 use cli::files;
-use cli::remote::{Remote, ServerArguments};
+use cli::remote::ServerArguments;
 use imaging::{Plane, Rgb8};
 use training::{Photo, Trainer};
 
@@ -105,11 +105,15 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     add_to_service(arguments, &model)
 }
 
-/// Adds the style to the service, if there is one. What speaks against it is told, but the training has not failed.
+/// Adds the style to the service, if there is one. A refusal is a warning, since the training has succeeded.
 fn add_to_service(arguments: &Arguments, model: &Path) -> Result<(), Failure> {
-    let remote = Remote::with_patience(&arguments.server);
+    let client = arguments.server.patient_client();
     let (name, server, file) = (&arguments.name, &arguments.server.server, model.display());
-    match styles::add(&remote, &files::read(model)?, &styles::card_of(model, name)?) {
+    match styles::add(
+        &client,
+        &files::read(model)?,
+        &styles::read_upload_card(model, name)?,
+    ) {
         Ok(_) => println!("jobs of {server} may name the style `{name}` now"),
         Err(Failure::NoServer(_)) => println!("add it to a service with `fathom styles add {file}`"),
         Err(refusal) => eprintln!("warning: {server} did not take the style `{name}`: {refusal}"),

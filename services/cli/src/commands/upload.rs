@@ -8,7 +8,8 @@ use std::path::{Path, PathBuf};
 use cli::exit::Failure;
 use cli::files;
 use cli::progress::Progress;
-use cli::remote::{Remote, ServerArguments};
+use cli::remote::ServerArguments;
+use client::{Client, Received, SceneView};
 use imaging::codec::{FilePlane, decode_plane};
 use serde_json::json;
 use ureq::unversioned::multipart::{Form, Part};
@@ -75,7 +76,7 @@ struct Files {
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let remote = Remote::new(&arguments.server);
+    let client = arguments.server.client();
     let named = [&arguments.range, &arguments.z_depth, &arguments.instances];
     let named = COMPANIONS.into_iter().zip(named);
     let companions: Vec<_> = named
@@ -88,7 +89,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
                  NAME.instances.png beside NAME.png",
             ));
         }
-        return folder(&remote, arguments);
+        return upload_folder(&client, arguments);
     }
     let rgb = arguments.rgb.clone();
     let classes = arguments.classes.clone();
@@ -99,9 +100,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         classes,
         pose,
     };
-    let (id, is_new) = upload(&remote, arguments, &files)?;
-    println!("{id}");
-    if !is_new {
+    let scene = upload(&client, arguments, &files)?;
+    println!("{}", scene.value.id);
+    if !scene.is_new {
         eprintln!("this scene was uploaded before");
     }
     Ok(())
@@ -109,7 +110,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 
 /// Uploads every picture of a folder with the files that belong to it. Scenes are found again by their content, so that an
 /// interrupted upload is simply repeated.
-fn folder(remote: &Remote, arguments: &Arguments) -> Result<(), Failure> {
+fn upload_folder(client: &Client, arguments: &Arguments) -> Result<(), Failure> {
     let mut scenes = scenes(&arguments.rgb)?;
     if scenes.is_empty() {
         let message = format!("{} holds no PNG, JPEG, WebP or EXR", arguments.rgb.display());
@@ -127,10 +128,10 @@ fn folder(remote: &Remote, arguments: &Arguments) -> Result<(), Failure> {
     let (mut refused, mut known) = (Vec::new(), 0);
     for (done, files) in scenes.iter().enumerate() {
         let name = files.rgb.file_name().unwrap_or_default().to_string_lossy();
-        match upload(remote, arguments, files) {
-            Ok((id, is_new)) => {
-                known += usize::from(!is_new);
-                println!("{id} {name}");
+        match upload(client, arguments, files) {
+            Ok(scene) => {
+                known += usize::from(!scene.is_new);
+                println!("{} {name}", scene.value.id);
             }
             // The others may be good.
             Err(Failure::BadInput(message)) => refused.push(format!("{name}: {message}")),
@@ -180,8 +181,8 @@ fn scenes(folder: &Path) -> Result<Vec<Files>, Failure> {
         .collect()
 }
 
-/// Uploads one scene; returns its id, and whether it is new to the service.
-fn upload(remote: &Remote, arguments: &Arguments, files: &Files) -> Result<(String, bool), Failure> {
+/// Uploads one scene.
+fn upload(client: &Client, arguments: &Arguments, files: &Files) -> Result<Received<SceneView>, Failure> {
     let companions = files.companions.iter().map(|(role, path)| (*role, path));
     let read = |(role, path): (&'static str, &PathBuf)| Ok((role, files::read(path)?));
     let contents = [("rgb", &files.rgb)].into_iter().chain(companions).map(read);
@@ -218,8 +219,7 @@ fn upload(remote: &Remote, arguments: &Arguments, files: &Files) -> Result<(Stri
     let form = contents.iter().fold(form, |form, (name, bytes)| {
         form.part(name, Part::bytes(bytes).file_name(name))
     });
-    let (scene, is_new) = remote.post_form("/v1/scenes", form)?;
-    Ok((scene["id"].as_str().unwrap_or_default().to_owned(), is_new))
+    Ok(client.post_form("/v1/scenes", form)?)
 }
 
 /// The classes of a picture: its own, or those of its folder as far as its mask shows them.

@@ -1,11 +1,10 @@
-//! `fathom verify`: computes the root of a sealed version again; of a set this command becomes `fathom-cluster`.
+//! `fathom verify`: computes the root of a sealed version again; for a set, this command becomes `fathom-cluster`.
 
 use cli::exit::Failure;
 use cli::known::{self, Version};
-use cli::remote::{Remote, encode};
 use cli::seal::{VerifyArguments, is_set};
-use cli::table::cell;
-use serde_json::{Value, json};
+use client::{DamagedImage, VerifiedVersion};
+use serde_json::json;
 
 use super::cluster;
 
@@ -17,41 +16,37 @@ pub(crate) fn run(arguments: &VerifyArguments) -> Result<(), Failure> {
     }
     let Some(Version { dataset, number }) = known::version(name) else {
         return Err(Failure::BadInput(format!(
-            "`{name}` is no sealed version, such as {name}@1, of which `fathom datasets {name}` lists those there are; a set is \
-             written with a slash, such as ./{name}"
+            "`{name}` is not a sealed version such as {name}@1, which `fathom datasets {name}` lists; a set is written with a \
+             slash, such as ./{name}"
         )));
     };
-    let remote = Remote::with_patience(&arguments.server);
-    let path = format!("/v1/datasets/{}/versions/{number}/verify", encode(dataset));
-    let wish = json!({"bytes": arguments.bytes}).to_string();
-    let found = remote.post(&path, &[], wish.as_bytes())?;
+    let client = arguments.server.patient_client();
+    let found = client.verify(dataset, number, arguments.bytes)?;
     if arguments.json {
-        println!("{found}");
+        println!("{}", json!(found));
     } else {
         show(name, &found, arguments.bytes);
     }
-    match found["intact"] == true {
+    match found.intact {
         true => Ok(()),
         false => Err(anyhow::anyhow!(
-            "{name} is not what was sealed: {} findings",
-            cell(&found["damages"])
+            "{name} has changed since it was sealed: {} findings",
+            found.damages
         )
         .into()),
     }
 }
 
-fn show(name: &str, found: &Value, has_read_bytes: bool) {
-    for damaged in found["damaged"].as_array().into_iter().flatten() {
-        let frame = damaged["frame"]
-            .as_u64()
-            .map_or_else(String::new, |frame| format!("/{frame}"));
-        println!("{}{frame}: {}", cell(&damaged["job"]), cell(&damaged["reason"]));
+fn show(name: &str, found: &VerifiedVersion, has_read_bytes: bool) {
+    for DamagedImage { job, frame, reason } in &found.damaged {
+        let frame = frame.map_or_else(String::new, |frame| format!("/{frame}"));
+        println!("{job}{frame}: {reason}");
     }
     let artifacts = match has_read_bytes {
-        true => format!(" and the bytes of {} artifacts", cell(&found["artifacts"])),
+        true => format!(" and the bytes of {} artifacts", found.artifacts),
         false => String::new(),
     };
-    println!("{name}: {} records{artifacts} read", cell(&found["images"]));
-    println!("sealed root   {}", cell(&found["root"]));
-    println!("computed root {}", cell(&found["computed"]));
+    println!("{name}: {} records{artifacts} read", found.images);
+    println!("sealed root   {}", found.root);
+    println!("computed root {}", found.computed);
 }

@@ -2,19 +2,18 @@
 
 use cli::exit::Failure;
 use cli::known;
-use cli::remote::Remote;
 
 use super::control::Arguments;
 use super::submit;
 
 /// Runs the command; fails if frames of any of the jobs have no image.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let remote = Remote::new(&arguments.server);
-    let jobs = arguments.jobs.iter().map(|id| known::job(&remote, id));
+    let client = arguments.server.client();
+    let jobs = arguments.jobs.iter().map(|id| known::job(&client, id));
     let jobs = jobs.collect::<Result<Vec<_>, Failure>>()?;
     let mut outcome = Ok(());
     for job in jobs {
-        let job = submit::wait(&remote, &job)?;
+        let job = submit::wait(&client, &job)?;
         submit::show(&job, arguments.json);
         outcome = outcome.and(submit::all_rendered(&job));
     }

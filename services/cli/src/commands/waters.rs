@@ -2,13 +2,13 @@
 
 mod add;
 
-use api::WaterView;
+use api::water_view;
 use cli::exit::Failure;
-use cli::known::items;
 use cli::remote::OtherServer;
-use cli::table::{cell, decimal, table};
+use cli::table::{DASH, decimal, table};
+use client::WaterView;
 use optics::preset::presets;
-use serde_json::{Value, json};
+use serde_json::json;
 
 /// Options of `fathom waters`.
 #[derive(clap::Args)]
@@ -46,15 +46,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(Action::Add(arguments)) = &arguments.action {
         return add::run(arguments);
     }
-    let waters: Vec<Value> = match arguments.server.remote() {
-        Some(remote) => items(&remote.get("/v1/waters")?).to_vec(),
-        None => presets()
-            .iter()
-            .map(|preset| json!(WaterView::new(preset, None)))
-            .collect(),
+    let waters: Vec<WaterView> = match arguments.server.client() {
+        Some(client) => client.list("/v1/waters")?,
+        None => presets().iter().map(|preset| water_view(preset, None)).collect(),
     };
     if arguments.json {
-        println!("{}", Value::Array(waters));
+        println!("{}", json!(waters));
         return Ok(());
     }
     let rows: Vec<Vec<String>> = waters.iter().map(row).collect();
@@ -63,41 +60,37 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// A water in the source's own numbers.
-fn row(water: &Value) -> Vec<String> {
-    let rounded = |value: &Value| value.as_f64().map(|x| decimal((x * 1e4).round() / 1e4));
-    let triple = |name: &str| match water[name].as_array() {
-        None => "–".to_owned(),
-        Some(values) => {
-            let values = values
-                .iter()
-                .map(|value| rounded(value).unwrap_or_else(|| "?".to_owned()));
-            values.collect::<Vec<_>>().join(" ")
-        }
-    };
-    let count = |name: &str| water[name].as_array().map_or(0, Vec::len);
-    let derived = water["derived"].as_array().into_iter().flatten();
-    let is_own = !derived.into_iter().any(|name| name == "backscatter_fraction");
-    let backscatter = rounded(&water["backscatter_fraction"]).filter(|_| is_own);
-    let notes = count("warnings") + count("defects");
+/// A water in the numbers of its source.
+fn row(water: &WaterView) -> Vec<String> {
+    let is_derived = water.derived.iter().any(|name| name == "backscatter_fraction");
+    let backscatter = water.backscatter_fraction.filter(|_| !is_derived);
+    let notes = water.warnings.len() + water.defects.len();
     vec![
-        cell(&water["name"]),
-        triple("wavelength_nm"),
-        triple("absorption_per_m"),
-        triple("scattering_per_m"),
-        triple("beam_attenuation_per_m"),
-        triple("diffuse_attenuation_per_m"),
-        backscatter.unwrap_or_else(|| "–".to_owned()),
-        if water["unrenderable"].is_null() {
-            "yes"
-        } else {
-            "no"
-        }
-        .to_owned(),
+        water.name.clone(),
+        channels(water.wavelength_nm),
+        channels(water.absorption_per_m),
+        channels(water.scattering_per_m),
+        channels(water.beam_attenuation_per_m),
+        channels(water.diffuse_attenuation_per_m),
+        backscatter.map_or_else(|| DASH.to_owned(), four_decimals),
+        if water.unrenderable.is_none() { "yes" } else { "no" }.to_owned(),
         if notes > 0 {
             notes.to_string()
         } else {
             String::new()
         },
     ]
+}
+
+fn channels(values: Option<[Option<f64>; 3]>) -> String {
+    let Some(values) = values else {
+        return DASH.to_owned();
+    };
+    values
+        .map(|value| value.map_or_else(|| "?".to_owned(), four_decimals))
+        .join(" ")
+}
+
+fn four_decimals(value: f64) -> String {
+    decimal((value * 1e4).round() / 1e4)
 }

@@ -1,8 +1,7 @@
 //! `GET /v1/datasets`; `GET` and `DELETE /v1/datasets/{name}`.
 
-use catalogue::{Catalogue, ColumnInfo, DatasetRow, Deleted, Page};
-use serde::Serialize;
-use utoipa::ToSchema;
+use catalogue::{Catalogue, DatasetRow, Deleted, Page};
+use client::DatasetDetail;
 
 use crate::http::paging::Paging;
 use crate::http::{Json, Path, Problem, Query, State, Topic, bounds, found};
@@ -17,15 +16,6 @@ pub(crate) async fn list(
 ) -> Result<Json<Page<DatasetRow>>, Problem> {
     let limit = bounds::rows(asked.limit)?;
     Ok(Json(catalogue.datasets(limit, asked.cursor).await?))
-}
-
-/// A dataset with its columns.
-#[derive(Debug, Serialize, ToSchema)]
-pub(crate) struct DatasetDetail {
-    #[serde(flatten)]
-    dataset: DatasetRow,
-    /// What is known of its images.
-    columns: Vec<ColumnInfo>,
 }
 
 /// See a dataset, or a sealed version such as `tour@1`: its counts, bytes and columns.

@@ -2,9 +2,9 @@
 
 use crate::http::{Json, Path, Problem, Query, Slug, State, Topic, bounds};
 
-use catalogue::{Catalogue, GroupColumn, GroupStats, GroupedStats, Source};
-use serde::{Deserialize, Serialize};
-use utoipa::{IntoParams, ToSchema};
+use catalogue::{Catalogue, Statistics};
+use serde::Deserialize;
+use utoipa::IntoParams;
 
 /// Which metrics, over which images, grouped how.
 #[derive(Deserialize, IntoParams)]
@@ -26,19 +26,6 @@ pub(crate) struct Parameters {
     filter: Option<String>,
 }
 
-/// All groups.
-#[derive(Debug, Serialize, ToSchema)]
-pub(crate) struct Statistics {
-    /// The columns of `by`; absent without it.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    by: Option<Vec<GroupColumn>>,
-    /// One entry for each group and metric.
-    groups: Vec<GroupStats>,
-    /// Where the images were read.
-    source: Source,
-}
-
 /// Statistics of metrics over a dataset, per group.
 #[utoipa::path(get, path = "/v1/datasets/{name}/stats", tag = "datasets", operation_id = "get_statistics",
     params(("name" = String, Path, description = "Name of the dataset"), Parameters),
@@ -50,24 +37,23 @@ pub(crate) async fn stats(
 ) -> Result<Json<Statistics>, Problem> {
     let metrics = bounds::names(&asked.metrics);
     let filter = bounds::filter(asked.filter)?;
-    let Some(by) = asked.by else {
-        let groups = catalogue.stats(&name, &metrics, asked.group_by.as_deref(), filter.as_deref());
-        let GroupedStats { groups, source, .. } = groups.await?;
-        return Ok(Json(Statistics {
-            by: None,
-            groups,
-            source,
-        }));
+    let statistics = match (&asked.by, &asked.group_by) {
+        (Some(_), Some(_)) => {
+            return Err(Problem::new(
+                Slug::InvalidQuery,
+                "give `by` or `group_by`, not both",
+            ));
+        }
+        (Some(by), None) => {
+            catalogue
+                .grouped_stats(&name, &metrics, by, filter.as_deref())
+                .await?
+        }
+        (None, group_by) => {
+            catalogue
+                .stats(&name, &metrics, group_by.as_deref(), filter.as_deref())
+                .await?
+        }
     };
-    if asked.group_by.is_some() {
-        let detail = "give `by` or `group_by`, not both";
-        return Err(Problem::new(Slug::InvalidQuery, detail));
-    }
-    let stats = catalogue.grouped_stats(&name, &metrics, &by, filter.as_deref());
-    let GroupedStats { by, groups, source } = stats.await?;
-    Ok(Json(Statistics {
-        by: Some(by),
-        groups,
-        source,
-    }))
+    Ok(Json(statistics))
 }

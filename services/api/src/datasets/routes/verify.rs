@@ -1,7 +1,8 @@
 //! `POST /v1/datasets/{name}/versions/{version}/verify`.
 
 use catalogue::{SealedImage, VersionJob};
-use serde::{Deserialize, Serialize};
+use client::{DamagedImage, VerifiedVersion};
+use serde::Deserialize;
 use spec::{FrameRecord, MerkleTree};
 use utoipa::ToSchema;
 
@@ -24,36 +25,6 @@ pub(crate) struct Wish {
     bytes: bool,
 }
 
-/// Something about an image that is not as it was sealed.
-#[derive(Debug, Serialize, ToSchema)]
-pub(crate) struct DamagedImage {
-    /// Its job.
-    job: String,
-    /// Its frame; null: the images of the job as a whole.
-    frame: Option<u64>,
-    /// What is wrong.
-    reason: String,
-}
-
-/// What was found.
-#[derive(Debug, Serialize, ToSchema)]
-pub(crate) struct VerifiedVersion {
-    /// Whether everything is as it was sealed.
-    intact: bool,
-    /// The root that was sealed.
-    root: String,
-    /// The root that follows from the records of the images now.
-    computed: String,
-    /// Images whose records were read.
-    images: u64,
-    /// Artifacts whose bytes were read.
-    artifacts: u64,
-    /// Number of findings.
-    damages: u64,
-    /// The first 100 of them.
-    damaged: Vec<DamagedImage>,
-}
-
 /// Verify a sealed version: compute its root again from the records of its images.
 ///
 /// Each record is compared with the digest and the list of artifacts that the catalogue has beside it, and with `bytes` every artifact with its
@@ -70,20 +41,12 @@ pub(crate) async fn verify(
     let wish: Wish =
         serde_json::from_slice(&body).map_err(|error| Problem::new(Slug::InvalidBody, error.to_string()))?;
     let row = datasets.version(&name, version).await?;
-    let mut found = VerifiedVersion {
-        intact: true,
-        root: row.root,
-        computed: String::new(),
-        images: 0,
-        artifacts: 0,
-        damages: 0,
-        damaged: Vec::new(),
-    };
+    let mut verification = Verification::default();
     let mut tree = MerkleTree::default();
     for job in datasets.catalogue.version_jobs(&name, version).await? {
-        let computed = found.job(&datasets, &job, wish.bytes).await?;
+        let computed = verification.job(&datasets, &job, wish.bytes).await?;
         if computed != job.root {
-            found.add(
+            verification.add(
                 &job,
                 None,
                 "its images have another root than was sealed".to_owned(),
@@ -91,12 +54,34 @@ pub(crate) async fn verify(
         }
         tree.push(computed);
     }
-    found.computed = tree.root();
-    found.intact = found.damages == 0 && found.computed == found.root;
-    Ok(Json(found))
+    let Verification {
+        images,
+        artifacts,
+        damages,
+        damaged,
+    } = verification;
+    let computed = tree.root();
+    Ok(Json(VerifiedVersion {
+        intact: damages == 0 && computed == row.root,
+        root: row.root,
+        computed,
+        images,
+        artifacts,
+        damages,
+        damaged,
+    }))
 }
 
-impl VerifiedVersion {
+/// The findings so far.
+#[derive(Default)]
+struct Verification {
+    images: u64,
+    artifacts: u64,
+    damages: u64,
+    damaged: Vec<DamagedImage>,
+}
+
+impl Verification {
     /// Verifies the images of a job and returns their root.
     async fn job(&mut self, datasets: &Datasets, job: &VersionJob, bytes: bool) -> Result<String, Problem> {
         let (mut tree, mut after) = (MerkleTree::default(), None);

@@ -4,8 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use axum::http::StatusCode;
-use serde::Serialize;
-use utoipa::ToSchema;
+use client::BackupView;
 
 use crate::clock::ordered_id;
 use crate::http::failure::writing;
@@ -17,17 +16,6 @@ use crate::processes::compute::to_the_end;
 const PREFIX: &str = "bak_";
 /// The same while it is made.
 const UNFINISHED: &str = ".bak_";
-
-/// A copy of everything that the service has stored.
-#[derive(Debug, Serialize, ToSchema)]
-#[schema(as = Backup)]
-pub(crate) struct BackupView {
-    /// Its folder on the service's machine. A service started on it goes on from the moment of the copy.
-    #[schema(example = "data/backups/bak_0198c0ffee007000800000000000000a")]
-    folder: String,
-    /// Bytes of all its files.
-    bytes: u64,
-}
 
 /// Copy the catalogue and all artifacts while the service runs.
 ///

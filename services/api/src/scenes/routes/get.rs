@@ -2,10 +2,11 @@
 
 use axum::http::StatusCode;
 use catalogue::Catalogue;
+use client::SceneView;
 
 use crate::http::{Json, Path, Problem, State, Topic, found};
 use crate::scenes::Scenes;
-use crate::scenes::view::SceneView;
+use crate::scenes::view::view;
 
 /// See an uploaded scene.
 #[utoipa::path(get, path = "/v1/scenes/{id}", tag = "scenes", operation_id = "get_scene",
@@ -15,7 +16,7 @@ pub(crate) async fn get(
     State(catalogue): Topic<Catalogue>,
     Path(id): Path<String>,
 ) -> Result<Json<SceneView>, Problem> {
-    Ok(Json(found(catalogue.scene(&id).await?, "scene", &id)?.into()))
+    Ok(Json(view(found(catalogue.scene(&id).await?, "scene", &id)?)))
 }
 
 /// Delete an uploaded scene that no job uses.

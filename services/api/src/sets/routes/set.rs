@@ -1,10 +1,10 @@
 //! `GET /v1/sets`; `GET` and `DELETE /v1/sets/{job}`.
 
 use catalogue::{Deleted, Page};
+use client::SetView;
 
 use crate::http::{Json, Path, Problem, State, Topic};
 use crate::sets::Sets;
-use crate::sets::view::SetView;
 
 /// List the sets whose images are imported, all on one page, newest first.
 #[utoipa::path(get, path = "/v1/sets", tag = "sets", operation_id = "list_sets",

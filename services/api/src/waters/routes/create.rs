@@ -1,12 +1,12 @@
 //! `POST /v1/waters`.
 
 use axum::http::StatusCode;
+use client::WaterView;
 
 use crate::http::located::{Located, located};
 use crate::http::{JsonBytes, Problem, State, Topic};
 use crate::openapi::NewWater;
 use crate::waters::Waters;
-use crate::waters::view::WaterView;
 
 /// Add a water of your own, for jobs to use by name at once.
 ///

@@ -2,10 +2,10 @@
 
 use axum::http::StatusCode;
 use catalogue::Page;
+use client::WaterView;
 
 use crate::http::{Json, Path, Problem, State, Topic, found};
 use crate::waters::Waters;
-use crate::waters::view::WaterView;
 
 /// List the optical waters, all on one page: the shipped ones, then the users' own.
 #[utoipa::path(get, path = "/v1/waters", tag = "waters", operation_id = "list_waters",

@@ -2,12 +2,12 @@
 
 use std::collections::BTreeSet;
 
+use client::ColumnInfo;
 use serde_json::{Map, Value, json};
 
 use super::card::Card;
 use super::fields::meaning;
 use super::format::Format;
-use super::selection::Column;
 
 /// A list of rows that the file describes.
 pub(super) struct RowFile {
@@ -35,7 +35,7 @@ const CONTEXT: &str = r#"{
 }"#;
 
 /// The file's text.
-pub(super) fn croissant(card: &Card<'_>, columns: &[Column], rows: &[RowFile]) -> String {
+pub(super) fn croissant(card: &Card<'_>, columns: &[ColumnInfo], rows: &[RowFile]) -> String {
     let context: Value = serde_json::from_str(CONTEXT).unwrap_or_default();
     let sources = card.origins.iter().map(|origin| {
         json!({
@@ -93,7 +93,7 @@ fn file_set(format: Format) -> Option<Value> {
 }
 
 /// The rows of a part.
-fn record_set(format: Format, columns: &[Column], rows: &RowFile) -> Value {
+fn record_set(format: Format, columns: &[ColumnInfo], rows: &RowFile) -> Value {
     let id = match rows.name.split_once('/') {
         Some((part, _)) => format!("images-{part}"),
         None => "images".to_owned(),
@@ -103,7 +103,7 @@ fn record_set(format: Format, columns: &[Column], rows: &RowFile) -> Value {
         .filter(|column| rows.columns.contains(&column.name));
     let mut fields: Vec<Value> = there.map(|column| field(&id, rows, column)).collect();
     if !format.is_sharded() {
-        let file = Column {
+        let file = ColumnInfo {
             name: "file_name".to_owned(),
             kind: "text".to_owned(),
             unit: None,
@@ -115,7 +115,7 @@ fn record_set(format: Format, columns: &[Column], rows: &RowFile) -> Value {
     })
 }
 
-fn field(id: &str, rows: &RowFile, column: &Column) -> Value {
+fn field(id: &str, rows: &RowFile, column: &ColumnInfo) -> Value {
     let data_type = match column.kind.as_str() {
         "number" => "sc:Float",
         "bool" => "sc:Boolean",

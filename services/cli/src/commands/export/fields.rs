@@ -1,12 +1,13 @@
 //! `fields.json`: unit and meaning of every array and of every column, from where they are declared.
 
 use cli::classes::Named;
+use client::ColumnInfo;
 use quality::MetricId;
 use serde_json::{Map, Value, json};
 use spec::{ArtifactKind, Leaves};
 
 use super::frame::RECORD;
-use super::selection::{Column, Selection};
+use super::selection::Selection;
 
 /// What every row has beside the scalars of its record.
 const OWN: [(&str, &str); 7] = [
@@ -47,7 +48,7 @@ fn array(kind: &str) -> Value {
 }
 
 /// What a column means.
-pub(super) fn meaning(column: &Column) -> String {
+pub(super) fn meaning(column: &ColumnInfo) -> String {
     let name = column.name.as_str();
     if let Some((_, meaning)) = OWN.iter().find(|(own, _)| *own == name) {
         return (*meaning).to_owned();
@@ -84,8 +85,8 @@ fn older(name: &str) -> String {
 mod tests {
     use super::*;
 
-    fn column(name: &str) -> Column {
-        Column {
+    fn column(name: &str) -> ColumnInfo {
+        ColumnInfo {
             name: name.to_owned(),
             kind: "number".to_owned(),
             unit: None,

@@ -1,18 +1,19 @@
-//! One frame of an export: its files, its place in its job, and what is wanted of it.
+//! A frame of an export: its files and its place in its job.
 
 use cli::exit::Failure;
 use cli::known::is_job_id;
+use client::ImageRow;
 use serde_json::Value;
 use spec::{FrameRecord, sha256};
 
-/// The name of a frame's record among its kinds. No artifact is called so.
+/// The name of a frame's record among its kinds; no artifact has this name.
 pub(super) const RECORD: &str = "record";
 
 /// A frame whose files are in the folder.
 pub(super) struct Frame {
     pub(super) metadata: Value,
     pub(super) files: Vec<ListedFile>,
-    /// Files that came from the service.
+    /// Number of files that were fetched.
     pub(super) fetched: usize,
 }
 
@@ -24,14 +25,14 @@ pub(super) struct ListedFile {
 }
 
 impl Frame {
-    /// The file of a kind that was wanted.
+    /// The path of the file of a kind.
     pub(super) fn file(&self, kind: &str) -> &str {
         let file = self.files.iter().find(|file| file.kind == kind);
         file.map_or("", |file| file.name.as_str())
     }
 }
 
-/// Job and frame of a row, in the form in which they may be names of folders.
+/// Job and frame of a row, checked so that they can be names of folders.
 #[derive(Debug, Clone)]
 pub(super) struct Place {
     pub(super) job: String,
@@ -39,29 +40,30 @@ pub(super) struct Place {
 }
 
 impl Place {
-    pub(super) fn of(row: &Value) -> Result<Self, Failure> {
-        let job = row["job"].as_str().filter(|id| is_job_id(id));
-        match (job, row["frame"].as_u64()) {
+    pub(super) fn read(row: &ImageRow) -> Result<Self, Failure> {
+        let job = row.text("job").filter(|id| is_job_id(id));
+        match (job, row.count("frame")) {
             (Some(job), Some(frame)) => Ok(Self {
                 job: job.to_owned(),
                 frame,
             }),
             _ => Err(untrusted(format!(
                 "an image of job {} and frame {}",
-                row["job"], row["frame"]
+                row.value("job"),
+                row.value("frame")
             ))),
         }
     }
 }
 
-/// Where the files of a frame go: names of folders below the one with the lists, and what their own names begin with.
+/// The place of a frame's files: folders below the one with the lists, and a prefix of the file names.
 pub(super) struct Home {
     pub(super) folders: Vec<String>,
     pub(super) prefix: String,
 }
 
 impl Home {
-    /// As `fathom render` writes a job, below these folders.
+    /// The layout of `fathom render`, below these folders.
     pub(super) fn nested(above: &[&str], place: &Place) -> Self {
         let above = above.iter().map(|name| (*name).to_owned());
         let below = [place.job.clone(), place.frame.to_string()];
@@ -72,16 +74,16 @@ impl Home {
     }
 }
 
-/// A file to fetch or to keep.
+/// A requested file.
 pub(super) struct Wanted<'a> {
     pub(super) kind: &'a str,
-    /// That of its bytes, or of the frame that a record describes.
+    /// SHA-256 of its bytes; of a record, the digest of its frame.
     pub(super) digest: &'a str,
 }
 
 impl<'a> Wanted<'a> {
-    /// What a row says of the file of a kind.
-    pub(super) fn of(row: &'a Value, place: &Place, kind: &'a str) -> Result<Self, Failure> {
+    /// The file of a kind, by the digest in the row.
+    pub(super) fn read(row: &'a ImageRow, place: &Place, kind: &'a str) -> Result<Self, Failure> {
         let Place { job, frame } = place;
         let is_digest =
             |digest: &&str| digest.len() == 64 && digest.bytes().all(|byte| byte.is_ascii_hexdigit());
@@ -89,7 +91,7 @@ impl<'a> Wanted<'a> {
             RECORD => "digest".to_owned(),
             kind => format!("artifacts.{kind}"),
         };
-        match &row[column] {
+        match row.value(&column) {
             Value::Null => Err(Failure::BadInput(format!(
                 "image {job}/{frame} has no artifact `{kind}`; leave it out of --kinds, or such images out with --filter"
             ))),
@@ -102,7 +104,7 @@ impl<'a> Wanted<'a> {
         }
     }
 
-    /// Whether these are its bytes.
+    /// Whether these bytes have its digest.
     pub(super) fn is(&self, bytes: &[u8]) -> bool {
         if self.kind != RECORD {
             return sha256(bytes) == self.digest;
@@ -112,7 +114,7 @@ impl<'a> Wanted<'a> {
     }
 }
 
-/// What a service sends that cannot be true.
+/// The error for a response that contradicts itself or another one.
 pub(super) fn untrusted(what: String) -> Failure {
     anyhow::anyhow!("the service sent {what}; nothing of it was written").into()
 }

@@ -6,10 +6,10 @@ use std::path::Path;
 
 use anyhow::Context;
 use cli::exit::Failure;
+use client::ColumnInfo;
 use serde_json::Value;
 
 use super::lists::Rows;
-use super::selection::Column;
 use super::tables::{TableRow, WriteTable, table_columns, text_column};
 use super::target::{create, draft_of};
 
@@ -24,7 +24,7 @@ pub(super) fn write(
     write: WriteTable,
     folder: &Path,
     rows: Rows,
-    columns: &[Column],
+    columns: &[ColumnInfo],
     kinds: &[String],
 ) -> Result<String, Failure> {
     let path = folder.join(TABLE);

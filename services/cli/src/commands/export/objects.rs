@@ -1,4 +1,4 @@
-//! The objects of a frame: what its boxes say of them, with the runs of each in the instance mask.
+//! The objects of a frame, from its file of boxes, with the runs of each in the instance mask.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -9,21 +9,21 @@ use spec::{InstanceRecord, SceneRecord};
 
 use super::frame::{Frame, untrusted};
 use super::rle::{Runs, runs_of};
-use super::target::read;
+use super::target::read_written;
 
 /// An object with its mask.
 pub(super) struct Object {
     pub(super) record: InstanceRecord,
-    /// Absent where no masks are wanted.
+    /// Absent in formats without masks.
     pub(super) runs: Option<Runs>,
 }
 
 /// The objects of a frame whose files are in a folder; with `masks`, the runs of each.
 pub(super) fn objects(folder: &Path, frame: &Frame, masks: bool) -> Result<Vec<Object>, Failure> {
     let name = frame.file("boxes");
-    let boxes = read(&folder.join(name)).unwrap_or_default();
+    let boxes = read_written(&folder.join(name))?;
     let scene: SceneRecord = serde_json::from_slice(&boxes)
-        .map_err(|error| untrusted(format!("{name}, which holds no boxes: {error}")))?;
+        .map_err(|error| untrusted(format!("{name}, which is not a file of boxes: {error}")))?;
     let mut runs = match masks {
         true => runs_of_file(folder, frame.file("instances"))?,
         false => BTreeMap::new(),
@@ -33,7 +33,7 @@ pub(super) fn objects(folder: &Path, frame: &Frame, masks: bool) -> Result<Vec<O
         if masks && runs.as_ref().is_none_or(|runs| runs.area != record.pixels) {
             let number = record.number;
             return Err(untrusted(format!(
-                "{name}, whose object {number} is not as large as in the mask"
+                "{name}, whose object {number} has another size than in the mask"
             )));
         }
         Ok(Object { record, runs })
@@ -47,10 +47,12 @@ pub(super) fn objects(folder: &Path, frame: &Frame, masks: bool) -> Result<Vec<O
 }
 
 fn runs_of_file(folder: &Path, name: &str) -> Result<BTreeMap<u16, Runs>, Failure> {
-    let file = read(&folder.join(name)).unwrap_or_default();
+    let file = read_written(&folder.join(name))?;
     match decode_plane(&file) {
         Ok(FilePlane::Codes(mask)) => Ok(runs_of(&mask)),
-        Ok(FilePlane::Floats(_)) => Err(untrusted(format!("{name}, which holds no numbers of objects"))),
-        Err(error) => Err(untrusted(format!("{name}, which is no mask: {error}"))),
+        Ok(FilePlane::Floats(_)) => Err(untrusted(format!(
+            "{name}, which has floats instead of numbers of objects"
+        ))),
+        Err(error) => Err(untrusted(format!("{name}, which is not a mask: {error}"))),
     }
 }

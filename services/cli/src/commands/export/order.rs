@@ -1,9 +1,9 @@
-//! Fetches what is wanted of a frame, with one request at most.
+//! Fetches the files of a frame with at most one request.
 
 use std::path::Path;
 
 use cli::exit::Failure;
-use cli::remote::{Remote, encode, with_query};
+use client::{Client, ImageRow, encode, with_query};
 use renderer::EXTENSIONS;
 use serde_json::{Map, Value};
 use spec::sha256;
@@ -12,9 +12,9 @@ use super::archive::{Unpacked, unpacked};
 use super::frame::{Frame, Home, ListedFile, Place, RECORD, Wanted, untrusted};
 use super::target::{Target, read, write};
 
-/// What to fetch of each frame, and where it goes.
+/// The files to fetch of each frame, and where they are written.
 pub(super) struct Order<'a> {
-    pub(super) remote: &'a Remote,
+    pub(super) client: &'a Client,
     pub(super) target: &'a Target,
     pub(super) kinds: &'a [String],
     /// Columns of the metadata.
@@ -29,7 +29,7 @@ struct Kept {
 
 impl Order<'_> {
     /// Fetches a frame into memory: one file for each kind, in their order.
-    pub(super) fn fetch(&self, row: &Value, place: &Place) -> Result<Vec<Unpacked>, Failure> {
+    pub(super) fn fetch(&self, row: &ImageRow, place: &Place) -> Result<Vec<Unpacked>, Failure> {
         let wanted = self.wanted(row, place)?;
         let mut files = self.request(place, &wanted)?;
         files.sort_by_key(|file| file.index);
@@ -44,10 +44,10 @@ impl Order<'_> {
         }
     }
 
-    /// Brings a frame's files into a folder of `part`, or of the root. Files that are there with the right digest are kept.
-    pub(super) fn carry_out(
+    /// Completes a frame's files in a folder of `part`, or of the root. Files with the right digest are kept.
+    pub(super) fn complete(
         &self,
-        row: &Value,
+        row: &ImageRow,
         place: &Place,
         part: Option<&str>,
         home: &Home,
@@ -58,7 +58,8 @@ impl Order<'_> {
             .chain(home.folders.iter().map(String::as_str))
             .collect();
         let folder = self.target.folder(&names)?;
-        let mut found: Vec<Option<Kept>> = wanted.iter().map(|wanted| kept(&folder, home, wanted)).collect();
+        let found = wanted.iter().map(|wanted| kept(&folder, home, wanted));
+        let mut found = found.collect::<Result<Vec<Option<Kept>>, Failure>>()?;
         let missing: Vec<usize> = (0..wanted.len())
             .filter(|&index| found[index].is_none())
             .collect();
@@ -79,15 +80,13 @@ impl Order<'_> {
         self.listed(row, place, home, found, missing.len())
     }
 
-    /// What a row says of the files wanted.
-    fn wanted<'a>(&'a self, row: &'a Value, place: &Place) -> Result<Vec<Wanted<'a>>, Failure> {
+    fn wanted<'a>(&'a self, row: &'a ImageRow, place: &Place) -> Result<Vec<Wanted<'a>>, Failure> {
         self.kinds
             .iter()
-            .map(|kind| Wanted::of(row, place, kind))
+            .map(|kind| Wanted::read(row, place, kind))
             .collect()
     }
 
-    /// Asks for files of a frame, with one request.
     fn request(&self, place: &Place, wanted: &[Wanted<'_>]) -> Result<Vec<Unpacked>, Failure> {
         let image = format!("/v1/images/{}/{}", encode(&place.job), place.frame);
         let kinds: Vec<&str> = wanted
@@ -96,7 +95,7 @@ impl Order<'_> {
             .filter(|kind| *kind != RECORD)
             .collect();
         if let ([only], []) = (wanted, kinds.as_slice()) {
-            let bytes = self.remote.get_bytes(&image)?;
+            let bytes = self.client.get_bytes(&image)?;
             return match only.is(&bytes) {
                 true => Ok(vec![Unpacked {
                     index: 0,
@@ -118,22 +117,22 @@ impl Order<'_> {
             .each_ref()
             .map(|(name, value)| (*name, value.as_deref()));
         let archive = self
-            .remote
+            .client
             .get_bytes(&with_query(&format!("{image}/artifacts"), &parameters))?;
         unpacked(&archive, wanted)
     }
 
     /// The columns of a row that are exported.
-    pub(super) fn values(&self, row: &Value) -> Map<String, Value> {
+    pub(super) fn values(&self, row: &ImageRow) -> Map<String, Value> {
         let columns = self.columns.iter();
         columns
-            .filter_map(|name| Some((name.clone(), row.get(name)?.clone())))
+            .filter_map(|name| Some((name.clone(), row.0.get(name)?.clone())))
             .collect()
     }
 
     fn listed(
         &self,
-        row: &Value,
+        row: &ImageRow,
         place: &Place,
         home: &Home,
         found: Vec<Option<Kept>>,
@@ -150,7 +149,7 @@ impl Order<'_> {
             };
             let name = format!("{}/{}", home.folders.join("/"), kept.name);
             let column = if index == 0 { "file_name" } else { kind };
-            // Ours come last: no column of the service may say where a file is.
+            // Inserted last: a column of the service must not replace the path of a file.
             metadata.insert(column.to_owned(), name.clone().into());
             files.push(ListedFile {
                 kind: kind.clone(),
@@ -166,14 +165,14 @@ impl Order<'_> {
     }
 }
 
-/// The file of an artifact that an earlier export left, if it is whole.
-fn kept(folder: &Path, home: &Home, wanted: &Wanted<'_>) -> Option<Kept> {
-    let mut names = EXTENSIONS
-        .iter()
-        .map(|(_, extension)| format!("{}{}.{extension}", home.prefix, wanted.kind));
-    names.find_map(|name| {
-        let bytes = read(&folder.join(&name)).filter(|bytes| wanted.is(bytes))?;
-        let digest = sha256(&bytes);
-        Some(Kept { name, digest })
-    })
+/// The intact file of an earlier export.
+fn kept(folder: &Path, home: &Home, wanted: &Wanted<'_>) -> Result<Option<Kept>, Failure> {
+    for (_, extension) in EXTENSIONS {
+        let name = format!("{}{}.{extension}", home.prefix, wanted.kind);
+        if let Some(bytes) = read(&folder.join(&name))?.filter(|bytes| wanted.is(bytes)) {
+            let digest = sha256(&bytes);
+            return Ok(Some(Kept { name, digest }));
+        }
+    }
+    Ok(None)
 }

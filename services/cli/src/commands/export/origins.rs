@@ -1,21 +1,20 @@
-//! The waters and styles that images show, with their sources and terms.
+//! The waters and styles of the exported images, with their sources and terms.
 
 use std::collections::BTreeSet;
 
 use cli::exit::Failure;
-use cli::known::items;
-use cli::remote::Remote;
+use client::{Client, ImageRow, WaterView};
 use serde::Serialize;
-use serde_json::Value;
+use style::Card;
 
-/// The names that were met so far.
+/// The names in the exported rows.
 #[derive(Debug, Default)]
-pub(super) struct Met {
+pub(super) struct UsedNames {
     waters: BTreeSet<String>,
     styles: BTreeSet<String>,
 }
 
-/// Something that went into the images.
+/// A water or a style.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct Origin {
     /// Such as `water jerlov-3C/williamson2022`.
@@ -24,66 +23,70 @@ pub(super) struct Origin {
     pub(super) licence: String,
 }
 
-impl Met {
-    pub(super) fn add(&mut self, row: &Value) {
-        let insert = |names: &mut BTreeSet<String>, column: &str| {
-            if let Some(name) = row[column].as_str().filter(|name| !names.contains(*name)) {
+impl UsedNames {
+    pub(super) fn add(&mut self, row: &ImageRow) {
+        for (names, column) in [
+            (&mut self.waters, "water.optics"),
+            (&mut self.styles, "water.style"),
+        ] {
+            if let Some(name) = row.text(column).filter(|name| !names.contains(*name)) {
                 names.insert(name.to_owned());
             }
-        };
-        insert(&mut self.waters, "water.optics");
-        insert(&mut self.styles, "water.style");
+        }
     }
 
-    /// Asks the service for what is known of them.
-    pub(super) fn origins(&self, remote: &Remote) -> Result<Vec<Origin>, Failure> {
+    /// The sources and terms of the waters and styles, from the lists of the service.
+    pub(super) fn origins(&self, client: &Client) -> Result<Vec<Origin>, Failure> {
         let mut origins = Vec::new();
-        for (what, names, path) in [
-            ("water", &self.waters, "/v1/waters"),
-            ("style", &self.styles, "/v1/styles"),
-        ] {
-            if names.is_empty() {
-                continue;
+        if !self.waters.is_empty() {
+            let waters: Vec<WaterView> = client.list("/v1/waters")?;
+            for name in &self.waters {
+                let water = waters.iter().find(|water| water.name == *name);
+                let terms = water.map(|water| (water.source.as_str(), water.licence.as_str()));
+                origins.push(Origin::new(format!("water {name}"), terms));
             }
-            let listed = remote.get(path)?;
-            origins.extend(names.iter().map(|name| origin(what, name, items(&listed))));
+        }
+        if !self.styles.is_empty() {
+            let styles: Vec<Card> = client.list("/v1/styles")?;
+            for name in &self.styles {
+                let style = styles.iter().find(|style| style.name == *name);
+                let terms = style.map(|style| (style.source.as_str(), style.licence.as_str()));
+                origins.push(Origin::new(format!("style {name}"), terms));
+            }
         }
         Ok(origins)
     }
 }
 
-fn origin(what: &str, name: &str, listed: &[Value]) -> Origin {
-    let found = listed.iter().find(|entry| entry["name"] == *name);
-    let text = |member: &str, or: &str| {
-        let text = found.and_then(|entry| entry[member].as_str());
-        text.filter(|text| !text.is_empty()).unwrap_or(or).to_owned()
-    };
-    Origin {
-        name: format!("{what} {name}"),
-        source: text("source", "given by the user in the job"),
-        licence: text("licence", "unknown"),
+impl Origin {
+    /// An origin by its source and licence, which are absent if the service does not list it.
+    fn new(name: String, terms: Option<(&str, &str)>) -> Self {
+        let (source, licence) = terms.unwrap_or_default();
+        Self {
+            name,
+            source: text_or(source, "given by the user in the job"),
+            licence: text_or(licence, "unknown"),
+        }
     }
+}
+
+fn text_or(text: &str, missing: &str) -> String {
+    if text.is_empty() { missing } else { text }.to_owned()
 }
 
 #[cfg(test)]
 mod tests {
-    use serde_json::json;
-
     use super::*;
 
     #[test]
-    fn what_the_service_does_not_list_came_with_the_job() {
-        let listed = [json!({"name": "muddy", "source": "a photo", "licence": "CC-BY-4.0"})];
-        let known = origin("style", "muddy", &listed);
+    fn an_unlisted_water_is_the_users_own() {
+        let listed = Origin::new("style muddy".to_owned(), Some(("a photo", "CC-BY-4.0")));
         assert_eq!(
-            (known.source.as_str(), known.licence.as_str()),
+            (listed.source.as_str(), listed.licence.as_str()),
             ("a photo", "CC-BY-4.0")
         );
-        let own = origin("water", "quay", &listed);
-        assert_eq!(
-            (own.name.as_str(), own.licence.as_str()),
-            ("water quay", "unknown")
-        );
-        assert!(own.source.contains("in the job"));
+        let custom = Origin::new("water quay".to_owned(), None);
+        assert_eq!(custom.licence, "unknown");
+        assert!(custom.source.contains("in the job"));
     }
 }

@@ -3,10 +3,10 @@
 use std::fs::File;
 
 use cli::exit::Failure;
+use client::ColumnInfo;
 use serde_json::{Map, Value};
 
 use super::frame::RECORD;
-use super::selection::Column;
 use super::shards::{Member, Pull};
 use super::tables::{CellKind, TableColumn, TableRow, WriteTable, table_columns, text_column};
 
@@ -17,7 +17,7 @@ pub(super) const FOLDER: &str = "data";
 pub(super) fn write(
     write: WriteTable,
     file: File,
-    columns: &[Column],
+    columns: &[ColumnInfo],
     kinds: &[String],
     pull: &mut Pull<'_>,
 ) -> Result<(), Failure> {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use cli::classes::Named;
 use cli::exit::Failure;
-use serde_json::Value;
+use client::ImageRow;
 
 use super::class_numbers::ClassNumbers;
 use super::coco::{Coco, Picture};
@@ -43,7 +43,7 @@ pub(super) enum Body {
 
 /// A frame that is to be fetched.
 pub(super) struct Task {
-    pub(super) row: Value,
+    pub(super) row: ImageRow,
     pub(super) place: Place,
     pub(super) spot: Option<Spot>,
     /// Position of its part.

@@ -1,24 +1,23 @@
-//! Which uploaded scenes came with the pose of their camera.
+//! Uploaded scenes that have the pose of their camera.
 
 use std::collections::{BTreeSet, HashMap};
 
 use cli::exit::Failure;
-use cli::images::Question;
-use cli::remote::{Remote, encode};
+use client::{Client, ImageQuery};
 
 /// Most scenes that an error names.
 const MAX_NAMED: usize = 3;
 
-/// Whether scenes have a pose; each is asked for once.
+/// Whether scenes have a pose; each scene is requested once.
 pub(super) struct PosedScenes<'a> {
-    remote: &'a Remote,
+    client: &'a Client,
     known: HashMap<String, bool>,
 }
 
 impl<'a> PosedScenes<'a> {
-    pub(super) fn new(remote: &'a Remote) -> Self {
+    pub(super) fn new(client: &'a Client) -> Self {
         Self {
-            remote,
+            client,
             known: HashMap::new(),
         }
     }
@@ -27,16 +26,16 @@ impl<'a> PosedScenes<'a> {
         if let Some(posed) = self.known.get(id) {
             return Ok(*posed);
         }
-        let scene = self.remote.find(&format!("/v1/scenes/{}", encode(id)))?;
-        let posed = scene.is_some_and(|scene| !scene["world_from_camera"].is_null());
+        let scene = self.client.scene(id)?;
+        let posed = scene.is_some_and(|scene| scene.world_from_camera.is_some());
         self.known.insert(id.to_owned(), posed);
         Ok(posed)
     }
 
-    /// The scenes without a pose among those of the images that a filter takes, as a list for people; none if there are none.
-    pub(super) fn without(&mut self, dataset: &str, filter: &str) -> Result<Option<String>, Failure> {
+    /// A list for people of the scenes without a pose among the images that a filter matches; `None` if there are none.
+    pub(super) fn list_unposed(&mut self, dataset: &str, filter: &str) -> Result<Option<String>, Failure> {
         let fields = ["scene.id".to_owned()];
-        let question = Question {
+        let query = ImageQuery {
             dataset: Some(dataset),
             filter,
             order_by: None,
@@ -44,13 +43,13 @@ impl<'a> PosedScenes<'a> {
             limit: usize::MAX,
         };
         let mut ids = BTreeSet::new();
-        question.pages(self.remote, |rows| {
+        for rows in self.client.image_pages(query) {
             ids.extend(
-                rows.iter()
-                    .filter_map(|row| Some(row["scene.id"].as_str()?.to_owned())),
+                rows?
+                    .iter()
+                    .filter_map(|row| row.text("scene.id").map(str::to_owned)),
             );
-            Ok(())
-        })?;
+        }
         let mut lacking = Vec::new();
         for id in ids {
             if !self.contains(&id)? {

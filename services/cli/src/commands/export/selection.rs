@@ -1,46 +1,33 @@
-//! What of a dataset is exported, and what it cannot give, found out before the first file is written.
+//! The exported images and columns. A dataset that lacks what the format needs is refused before the first file is written.
 
 use cli::exit::Failure;
 use cli::known;
-use cli::remote::{Remote, encode, with_query};
-use serde::Deserialize;
-use serde_json::Value;
+use client::{Client, ColumnInfo, StatisticsQuery};
 
 use super::Arguments;
 use super::frame::RECORD;
 use super::posed::PosedScenes;
 
-/// A column of the dataset.
-#[derive(Debug, Clone, Deserialize)]
-pub(super) struct Column {
-    pub(super) name: String,
-    /// `number`, `text` or `bool`.
-    #[serde(default)]
-    pub(super) kind: String,
-    #[serde(default)]
-    pub(super) unit: Option<String>,
-}
-
-/// Images of a dataset with what is wanted of each.
+/// The images and columns of an export.
 pub(super) struct Selection {
     pub(super) images: u64,
-    /// The kinds wanted, the picture first, without repetition.
+    /// The kinds of files, the picture first, without repetition.
     pub(super) kinds: Vec<String>,
-    pub(super) columns: Vec<Column>,
+    pub(super) columns: Vec<ColumnInfo>,
 }
 
-/// What frames must have that may have a pose: a camera path, or an uploaded scene.
+/// Matches frames that may have a pose: those with a camera path or an uploaded scene.
 const MAY_HAVE_POSE: &str = "(camera.path.frames is not null or scene.id is not null)";
-/// Frames whose pose must come from their scene.
+/// Matches frames whose pose must be that of their scene.
 const POSE_OF_SCENE: &str = "camera.path.frames is null and scene.id is not null";
 
 impl Selection {
-    /// Asks the service. Refuses what no image, or not every image, can give.
-    pub(super) fn ask(remote: &Remote, arguments: &Arguments) -> Result<Self, Failure> {
-        let dataset = known::dataset(remote, &arguments.dataset)?;
-        let columns: Vec<Column> = serde_json::from_value(dataset["columns"].clone()).unwrap_or_default();
-        // A column may not pass for the path of a file, which is what readers of image folders take such names for.
-        let columns = columns
+    /// Reads the columns of the dataset, and checks that every image has what the export needs.
+    pub(super) fn read(client: &Client, arguments: &Arguments) -> Result<Self, Failure> {
+        let dataset = known::dataset(client, &arguments.dataset)?;
+        // Readers of image folders take columns of such names for paths of files.
+        let columns = dataset
+            .columns
             .into_iter()
             .filter(|column| !column.name.ends_with("file_name"));
         let mut selection = Self {
@@ -49,8 +36,8 @@ impl Selection {
             columns: columns.collect(),
         };
         selection.check_kinds(arguments)?;
-        selection.images = count(remote, arguments, None)?;
-        selection.check_every_image(remote, arguments)?;
+        selection.images = count(client, arguments, None)?;
+        selection.check_every_image(client, arguments)?;
         Ok(selection)
     }
 
@@ -58,12 +45,10 @@ impl Selection {
         self.columns.iter().map(|column| column.name.clone()).collect()
     }
 
-    /// The kinds that are artifacts.
     fn artifacts(&self) -> impl Iterator<Item = &String> {
         self.kinds.iter().filter(|kind| *kind != RECORD)
     }
 
-    /// Refuses kinds that no image has.
     fn check_kinds(&self, arguments: &Arguments) -> Result<(), Failure> {
         let there = self
             .columns
@@ -93,39 +78,39 @@ impl Selection {
         )))
     }
 
-    /// Refuses what only some of the images can give.
-    fn check_every_image(&self, remote: &Remote, arguments: &Arguments) -> Result<(), Failure> {
+    /// Checks that every image has the artifacts and the pose that the export needs.
+    fn check_every_image(&self, client: &Client, arguments: &Arguments) -> Result<(), Failure> {
         let format = arguments.format.name();
         if arguments.format.needs_poses() {
             let needed = format!(
                 "the format {format} is made of poses: give /camera/path in the job, or upload scenes with their pose"
             );
-            self.check_images(remote, arguments, MAY_HAVE_POSE, &needed)?;
+            self.check_images(client, arguments, MAY_HAVE_POSE, &needed)?;
             let of_scenes = joined(&arguments.filter, Some(POSE_OF_SCENE));
-            let lacking = PosedScenes::new(remote).without(&arguments.dataset, &of_scenes)?;
+            let lacking = PosedScenes::new(client).list_unposed(&arguments.dataset, &of_scenes)?;
             if let Some(scenes) = lacking {
                 return Err(Failure::BadInput(format!(
-                    "the format {format} is made of poses, which the scenes {scenes} came without: upload them with `pose`, or leave \
-                     their images out with --filter"
+                    "the format {format} needs poses, which the scenes {scenes} lack: upload them with `pose`, or leave their \
+                     images out with --filter"
                 )));
             }
         }
         for kind in self.artifacts() {
             let needed = format!("there is no artifact `{kind}` of them; leave it out of --kinds");
             let condition = format!("artifacts.{kind} is not null");
-            self.check_images(remote, arguments, &condition, &needed)?;
+            self.check_images(client, arguments, &condition, &needed)?;
         }
         Ok(())
     }
 
     fn check_images(
         &self,
-        remote: &Remote,
+        client: &Client,
         arguments: &Arguments,
         condition: &str,
         needed: &str,
     ) -> Result<(), Failure> {
-        let there = count(remote, arguments, Some(condition))?;
+        let there = count(client, arguments, Some(condition))?;
         if there >= self.images {
             return Ok(());
         }
@@ -163,12 +148,13 @@ fn joined(filter: &str, condition: Option<&str>) -> String {
     }
 }
 
-/// How many images the filter takes, together with a condition; fails where the filter is wrong.
-fn count(remote: &Remote, arguments: &Arguments, condition: Option<&str>) -> Result<u64, Failure> {
-    let path = format!("/v1/datasets/{}/stats", encode(&arguments.dataset));
-    let filter = joined(&arguments.filter, condition);
-    let parameters = [("metrics", Some("total_ms")), ("filter", Some(filter.as_str()))];
-    let stats: Value = remote.get(&with_query(&path, &parameters))?;
-    let groups = stats["groups"].as_array().into_iter().flatten();
-    Ok(groups.filter_map(|group| group["count"].as_u64()).sum())
+/// The number of images that the filter matches together with a condition.
+fn count(client: &Client, arguments: &Arguments, condition: Option<&str>) -> Result<u64, Failure> {
+    let query = StatisticsQuery {
+        metrics: "total_ms",
+        filter: &joined(&arguments.filter, condition),
+        ..StatisticsQuery::default()
+    };
+    let groups = client.statistics(&arguments.dataset, query)?.groups;
+    Ok(groups.iter().map(|group| group.count).sum())
 }

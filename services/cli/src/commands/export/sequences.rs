@@ -1,10 +1,9 @@
-//! Which frames of a job were taken one after the other on one way of the camera.
+//! Sequences: frames of a job along one camera path.
 
 use std::collections::HashMap;
 
 use cli::exit::Failure;
-use cli::remote::{Remote, with_query};
-use serde_json::Value;
+use client::{Client, ImageQuery, ImageRow};
 
 use super::frame::{Place, untrusted};
 use super::posed::PosedScenes;
@@ -18,9 +17,9 @@ pub(super) struct Spot {
     pub(super) index: u64,
 }
 
-/// The sequences of a dataset; each job is asked for once.
+/// The sequences of a dataset; the grid of each job is requested once.
 pub(super) struct Sequences<'a> {
-    remote: &'a Remote,
+    client: &'a Client,
     dataset: &'a str,
     /// Cells of the grid of each job.
     cells: HashMap<String, u64>,
@@ -53,25 +52,25 @@ impl Uploads {
 }
 
 impl<'a> Sequences<'a> {
-    pub(super) fn new(remote: &'a Remote, dataset: &'a str) -> Self {
+    pub(super) fn new(client: &'a Client, dataset: &'a str) -> Self {
         Self {
-            remote,
+            client,
             dataset,
             cells: HashMap::new(),
-            posed: PosedScenes::new(remote),
+            posed: PosedScenes::new(client),
             uploads: Uploads::default(),
         }
     }
 
     /// Where a frame stands, given in the order of frames; none without a camera path and without a scene that came with a pose.
-    pub(super) fn spot(&mut self, row: &Value, place: &Place) -> Result<Option<Spot>, Failure> {
-        let Some(frames) = row["camera.path.frames"].as_u64() else {
+    pub(super) fn spot(&mut self, row: &ImageRow, place: &Place) -> Result<Option<Spot>, Failure> {
+        let Some(frames) = row.count("camera.path.frames") else {
             return self.uploaded(row, place);
         };
         if frames == 0 {
             return Err(untrusted("a camera path of no frames".to_owned()));
         }
-        let index = row["camera.path.frame"].as_u64().unwrap_or(0);
+        let index = row.count("camera.path.frame").unwrap_or(0);
         let cells = match self.cells.get(&place.job) {
             Some(cells) => *cells,
             None => {
@@ -87,8 +86,8 @@ impl<'a> Sequences<'a> {
         }))
     }
 
-    fn uploaded(&mut self, row: &Value, place: &Place) -> Result<Option<Spot>, Failure> {
-        let Some(id) = row["scene.id"].as_str() else {
+    fn uploaded(&mut self, row: &ImageRow, place: &Place) -> Result<Option<Spot>, Failure> {
+        let Some(id) = row.text("scene.id") else {
             return Ok(None);
         };
         let posed = self.posed.contains(id)?;
@@ -99,15 +98,15 @@ impl<'a> Sequences<'a> {
     /// the path is as far from the start as there are cells.
     fn cells_of(&self, job: &str) -> Result<u64, Failure> {
         let filter = format!("job = \"{job}\" and camera.path.frame = 1");
-        let parameters = [
-            ("dataset", Some(self.dataset)),
-            ("filter", Some(filter.as_str())),
-            ("order_by", Some("frame")),
-            ("fields", Some("frame")),
-            ("limit", Some("1")),
-        ];
-        let page = self.remote.get(&with_query("/v1/images", &parameters))?;
-        Ok(page["items"][0]["frame"].as_u64().unwrap_or(1).max(1))
+        let rows = self.client.images(ImageQuery {
+            dataset: Some(self.dataset),
+            filter: &filter,
+            order_by: Some("frame"),
+            fields: &["frame".to_owned()],
+            limit: 1,
+        })?;
+        let frame = rows.first().and_then(|row| row.count("frame"));
+        Ok(frame.unwrap_or(1).max(1))
     }
 }
 

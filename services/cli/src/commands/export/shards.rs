@@ -8,6 +8,7 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 use cli::exit::Failure;
+use client::{ColumnInfo, ImageRow};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -17,7 +18,6 @@ use super::format::Format;
 use super::frame::Place;
 use super::lists::{Lists, digest_of};
 use super::order::Order;
-use super::selection::Column;
 use super::tables::WriteTable;
 use super::target::{create, draft_of, read, write};
 use super::{parquet, webdataset};
@@ -30,7 +30,7 @@ pub(super) struct Writer<'a> {
     pub(super) order: &'a Order<'a>,
     pub(super) threads: &'a rayon::ThreadPool,
     pub(super) format: Format,
-    pub(super) columns: &'a [Column],
+    pub(super) columns: &'a [ColumnInfo],
     pub(super) tables: Option<WriteTable>,
 }
 
@@ -39,7 +39,7 @@ pub(super) struct Shards {
     folder: PathBuf,
     /// Frames of a shard.
     size: usize,
-    rows: Vec<Value>,
+    rows: Vec<ImageRow>,
     written: u64,
 }
 
@@ -81,7 +81,7 @@ impl Shards {
         &mut self,
         writer: &Writer<'_>,
         lists: &mut Lists,
-        row: Value,
+        row: ImageRow,
     ) -> Result<usize, Failure> {
         self.rows.push(row);
         match self.rows.len() < self.size {
@@ -112,10 +112,14 @@ impl Shards {
         let path = self.folder.join(&name);
         let note_path = path.with_file_name(format!(".{name}.done"));
         let made_of = made_of(&values, writer.order.kinds);
-        let found: Option<Note> = read(&note_path).and_then(|note| serde_json::from_slice(&note).ok());
+        // A note of another version is as good as none: the shard is written again.
+        let found: Option<Note> = read(&note_path)?.and_then(|note| serde_json::from_slice(&note).ok());
         let is_file = fs::symlink_metadata(&path).is_ok_and(|found| found.is_file());
         let found = found.filter(|note| is_file && note.rows == made_of && note.places.len() == rows.len());
-        let kept = found.filter(|note| digest_of(&path).is_ok_and(|digest| digest == note.sha256));
+        let kept = match found {
+            Some(note) if digest_of(&path)? == note.sha256 => Some(note),
+            _ => None,
+        };
         let fetched = if kept.is_some() {
             0
         } else {
@@ -142,7 +146,7 @@ impl Shards {
             }
         };
         for (mut line, place) in values.into_iter().zip(note.places) {
-            // Ours come last: no column of the service may say where a file is.
+            // Inserted last: a column of the service must not replace the place of a file.
             line.extend(place);
             lists.add(&Value::Object(line))?;
         }
@@ -155,19 +159,21 @@ impl Shards {
 
 impl Writer<'_> {
     /// Fetches frames and writes them into a file.
-    fn write(&self, name: &str, file: File, rows: &[Value]) -> Result<Vec<Map<String, Value>>, Failure> {
+    fn write(&self, name: &str, file: File, rows: &[ImageRow]) -> Result<Vec<Map<String, Value>>, Failure> {
         let mut chunks = rows.chunks(FETCHED_FRAMES);
         let mut pull = || {
             let chunk = chunks.next().unwrap_or_default();
-            let fetch = |row: &Value| {
-                let place = Place::of(row)?;
-                Ok(Member {
-                    values: self.order.values(row),
-                    files: self.order.fetch(row, &place)?,
-                    place,
-                })
-            };
-            self.threads.install(|| chunk.par_iter().map(fetch).collect())
+            self.threads.install(|| {
+                let members = chunk.par_iter().map(|row| {
+                    let place = Place::read(row)?;
+                    Ok(Member {
+                        values: self.order.values(row),
+                        files: self.order.fetch(row, &place)?,
+                        place,
+                    })
+                });
+                members.collect()
+            })
         };
         match self.tables {
             Some(write) => {

@@ -4,7 +4,7 @@
 //! scene's identity, over 2^64. The parts lie side by side on that interval, each as wide as its share. So a frame never changes
 //! its part when the dataset grows, and frames of one scene are never in two parts, whatever water they show.
 
-use serde_json::Value;
+use client::ImageRow;
 use spec::sha256;
 
 /// Columns that tell one scene from another.
@@ -46,9 +46,9 @@ impl Splits {
     }
 
     /// Position of the part of an image, from its row of columns.
-    pub(crate) fn part_of(&self, row: &Value) -> usize {
+    pub(crate) fn part_of(&self, row: &ImageRow) -> usize {
         let identity = IDENTITY.iter().filter_map(|column| {
-            let value = row.get(column).filter(|value| !value.is_null())?;
+            let value = Some(row.value(column)).filter(|value| !value.is_null())?;
             // The same scene, whether a job names it or its collection.
             let value = if value == "collection" {
                 UPLOADED
@@ -101,9 +101,13 @@ fn place(identity: &str) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use serde_json::json;
+    use serde_json::{Value, json};
 
     use super::*;
+
+    fn row(columns: Value) -> ImageRow {
+        serde_json::from_value(columns).unwrap()
+    }
 
     fn scene(seed: u64) -> Value {
         json!({"job": "job_1", "frame": seed, "alpha": 0.5, "scene.kind": "procedural", "scene.family": "structure", "scene.seed": seed})
@@ -118,7 +122,7 @@ mod tests {
             other["frame"] = json!(7);
             other["alpha"] = json!(0.1);
             other["water.optics"] = json!("jerlov-3C");
-            assert_eq!(splits.part_of(&other), splits.part_of(&scene(seed)));
+            assert_eq!(splits.part_of(&row(other)), splits.part_of(&row(scene(seed))));
         }
     }
 
@@ -126,7 +130,7 @@ mod tests {
     fn a_scene_stays_in_its_part_when_a_collection_names_it() {
         let splits = Splits::parse("train=.5,test=.5").unwrap();
         for number in 0..50 {
-            let named = |kind: &str| json!({"scene.kind": kind, "scene.id": format!("scn_{number}")});
+            let named = |kind: &str| row(json!({"scene.kind": kind, "scene.id": format!("scn_{number}")}));
             assert_eq!(
                 splits.part_of(&named("collection")),
                 splits.part_of(&named("uploaded"))
@@ -138,7 +142,7 @@ mod tests {
     fn parts_have_their_shares_of_many_scenes() {
         let splits = Splits::parse("train=.8,val=.1,test=.1").unwrap();
         let mut counts = [0; 3];
-        (0..10_000).for_each(|seed| counts[splits.part_of(&scene(seed))] += 1);
+        (0..10_000).for_each(|seed| counts[splits.part_of(&row(scene(seed)))] += 1);
         // Four standard deviations.
         assert!((7840..=8160).contains(&counts[0]), "{counts:?}");
         assert!(

@@ -3,10 +3,9 @@
 use std::fs::File;
 
 use cli::exit::Failure;
+use client::ColumnInfo;
 use serde_json::Value;
 use spec::{LeafKind, Leaves};
-
-use super::selection::Column;
 
 /// A column of a table.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -39,9 +38,9 @@ pub type WriteTable =
 const WHOLE: [&str; 2] = ["frame", "created_ms"];
 
 /// The columns of a dataset as those of a table.
-pub(super) fn table_columns(columns: &[Column]) -> Vec<TableColumn> {
+pub(super) fn table_columns(columns: &[ColumnInfo]) -> Vec<TableColumn> {
     let leaves = Leaves::of_records().scalars;
-    let kind = |column: &Column| match column.kind.as_str() {
+    let kind = |column: &ColumnInfo| match column.kind.as_str() {
         "bool" => CellKind::Flag,
         "number" if WHOLE.contains(&column.name.as_str()) => CellKind::Leaf(LeafKind::Whole),
         "number" => {
@@ -50,7 +49,7 @@ pub(super) fn table_columns(columns: &[Column]) -> Vec<TableColumn> {
         }
         _ => CellKind::Leaf(LeafKind::Text),
     };
-    let column = |column: &Column| TableColumn {
+    let column = |column: &ColumnInfo| TableColumn {
         name: column.name.clone(),
         kind: kind(column),
     };

@@ -1,7 +1,7 @@
-//! The folder of an export: nothing is written outside of it and no link in it is followed, whatever a service sends.
+//! The folder of an export. Nothing is written outside of it, and no link in it is followed.
 //!
-//! Names come from the command line, or have passed [`super::frame::Place`]. A file is written under a temporary name that did
-//! not exist before, then renamed, which replaces a link instead of following it.
+//! Names come from the command line or have been checked by [`super::frame::Place`]. A file is written under a new temporary name,
+//! then renamed, which replaces a link instead of following it.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, ErrorKind, Write};
@@ -11,7 +11,7 @@ use anyhow::Context;
 use cli::exit::Failure;
 use serde_json::Value;
 
-/// What an export is of; stands in the folder.
+/// The file with the card of an export, which tells one export from another.
 const CARD: &str = "export.json";
 
 /// The folder of an export.
@@ -27,7 +27,7 @@ impl Target {
             root: root.to_owned(),
         };
         let path = root.join(CARD);
-        let Some(found) = read(&path) else {
+        let Some(found) = read(&path)? else {
             let mut entries =
                 fs::read_dir(root).with_context(|| format!("cannot read {}", root.display()))?;
             if entries.next().is_some() {
@@ -54,7 +54,7 @@ impl Target {
         &self.root
     }
 
-    /// A folder below the root, created if it is missing. What stands in its way, such as a link, is an error.
+    /// A folder below the root, created if it is missing. A link or a file in its place is an error.
     pub(super) fn folder(&self, names: &[&str]) -> Result<PathBuf, Failure> {
         let mut path = self.root.clone();
         for name in names {
@@ -77,10 +77,20 @@ impl Target {
     }
 }
 
-/// The bytes of a file; none if there is none, or a link.
-pub(super) fn read(path: &Path) -> Option<Vec<u8>> {
-    let is_file = fs::symlink_metadata(path).is_ok_and(|found| found.is_file());
-    is_file.then(|| fs::read(path).ok())?
+/// The bytes of a file; `None` without one, and for a link.
+pub(super) fn read(path: &Path) -> Result<Option<Vec<u8>>, Failure> {
+    let unreadable = || format!("cannot read {}", path.display());
+    match fs::symlink_metadata(path) {
+        Ok(found) if found.is_file() => Ok(Some(fs::read(path).with_context(unreadable)?)),
+        Ok(_) => Ok(None),
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(anyhow::Error::from(error).context(unreadable()).into()),
+    }
+}
+
+/// The bytes of a file that this export wrote.
+pub(super) fn read_written(path: &Path) -> Result<Vec<u8>, Failure> {
+    read(path)?.ok_or_else(|| anyhow::anyhow!("{} was removed during the export", path.display()).into())
 }
 
 /// Writes a file in a folder that [`Target::folder`] returned.
@@ -95,16 +105,19 @@ pub(super) fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     Ok(written.with_context(|| format!("cannot write {}", path.display()))?)
 }
 
-/// A file that did not exist before; what an earlier run left under its name, or a link, is removed.
+/// A new file; a file or link that has its name is removed.
 pub(super) fn create(path: &Path) -> io::Result<File> {
-    let new = || OpenOptions::new().write(true).create_new(true).open(path);
-    match new() {
+    match create_new(path) {
         Err(error) if error.kind() == ErrorKind::AlreadyExists => {
             fs::remove_file(path)?;
-            new()
+            create_new(path)
         }
         created => created,
     }
+}
+
+fn create_new(path: &Path) -> io::Result<File> {
+    OpenOptions::new().write(true).create_new(true).open(path)
 }
 
 /// The temporary name of a file.
@@ -139,12 +152,27 @@ mod tests {
         for name in ["rgb.png", ".rgb.png.part"] {
             symlink(&secret, frame.join(name)).unwrap();
         }
-        assert_eq!(read(&frame.join("rgb.png")), None);
+        assert_eq!(read(&frame.join("rgb.png")).unwrap(), None);
         write(&frame.join("rgb.png"), b"picture").unwrap();
         assert_eq!(fs::read(&secret).unwrap(), b"mine");
-        assert_eq!(read(&frame.join("rgb.png")).as_deref(), Some(&b"picture"[..]));
+        assert_eq!(
+            read(&frame.join("rgb.png")).unwrap().as_deref(),
+            Some(&b"picture"[..])
+        );
         assert_eq!(fs::read_dir(&frame).unwrap().count(), 1, "a draft was left");
         assert_eq!(fs::read_dir(outside.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_file_that_cannot_be_read_is_an_error_of_this_machine() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("rgb.png");
+        fs::write(&file, b"").unwrap();
+        // A file in place of a folder cannot be looked into.
+        let failure = read(&file.join("0")).unwrap_err().to_string();
+        assert!(failure.contains("cannot read"), "{failure}");
+        let failure = read_written(&folder.path().join("gone")).unwrap_err().to_string();
+        assert!(failure.contains("removed during the export"), "{failure}");
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! The camera of a frame: its intrinsics and where it was.
+//! The camera of a frame: intrinsics and pose.
 
 use std::path::Path;
 
@@ -7,16 +7,16 @@ use serde_json::Value;
 use spec::{Distortion, FrameRecord, Intrinsics, LensRecord};
 
 use super::frame::{Frame, RECORD, untrusted};
-use super::target::read;
+use super::target::read_written;
 
 /// A camera in the world.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct View {
     pub(super) width: u64,
     pub(super) height: u64,
-    /// Of a camera behind a flat port that of its rays in the water.
+    /// Behind a flat port, the intrinsics of the rays in the water.
     pub(super) intrinsics: Intrinsics,
-    /// Distortion of those rays after Brown and Conrady; none of a pinhole.
+    /// Distortion of those rays (Brown and Conrady); `None` for a pinhole.
     pub(super) distortion: Option<Distortion>,
     /// Rows of the matrix from camera axes (right, down, ahead, 1) to the world, meters.
     pub(super) world_from_camera: [[f64; 4]; 4],
@@ -26,8 +26,8 @@ impl View {
     /// The camera of a frame whose record is in a folder.
     pub(super) fn read(folder: &Path, frame: &Frame) -> Result<Self, Failure> {
         let name = frame.file(RECORD);
-        let record: FrameRecord = serde_json::from_slice(&read(&folder.join(name)).unwrap_or_default())
-            .map_err(|error| untrusted(format!("{name}, which is no record: {error}")))?;
+        let record: FrameRecord = serde_json::from_slice(&read_written(&folder.join(name))?)
+            .map_err(|error| untrusted(format!("{name}, which is not a record: {error}")))?;
         let side = |name: &str| {
             record
                 .parameters
@@ -58,7 +58,7 @@ impl View {
         [column(0), column(1), column(2)]
     }
 
-    /// Where the camera was, meters.
+    /// Center of the camera, meters.
     pub(super) fn position(&self) -> [f64; 3] {
         [0, 1, 2].map(|row| self.world_from_camera[row][3])
     }

@@ -1,10 +1,10 @@
-//! An export under way: rows come in, files go out, part by part.
+//! A running export: rows are added, files are written, part by part.
 
 use anyhow::Context;
 use cli::classes::{Named, SceneClasses};
 use cli::exit::Failure;
+use client::ImageRow;
 use rayon::prelude::*;
-use serde_json::Value;
 
 use super::Arguments;
 use super::class_numbers::ClassNumbers;
@@ -12,7 +12,7 @@ use super::documents::Documents;
 use super::format::Format;
 use super::frame::{Frame, Place};
 use super::order::Order;
-use super::origins::Met;
+use super::origins::UsedNames;
 use super::part::{Body, Content, Finish, Part, Task};
 use super::selection::Selection;
 use super::sequences::Sequences;
@@ -22,7 +22,7 @@ use super::tables::WriteTable;
 /// Concurrent downloads: enough to keep a local service busy, few enough to leave it room for others.
 const DOWNLOADS: usize = 4;
 
-/// An export under way.
+/// A running export.
 pub(super) struct Export<'a> {
     arguments: &'a Arguments,
     tables: Option<WriteTable>,
@@ -34,7 +34,7 @@ pub(super) struct Export<'a> {
     scenes: SceneClasses<'a>,
     /// Classes under the numbers that they have in all parts.
     classes: ClassNumbers,
-    met: Met,
+    used_names: UsedNames,
     images: u64,
     fetched: usize,
 }
@@ -57,10 +57,10 @@ impl<'a> Export<'a> {
         Ok(Self {
             parts: names.into_iter().map(part).collect::<Result<_, _>>()?,
             threads: threads.context("cannot start threads")?,
-            sequences: Sequences::new(order.remote, &arguments.dataset),
-            scenes: SceneClasses::new(order.remote),
+            sequences: Sequences::new(order.client, &arguments.dataset),
+            scenes: SceneClasses::new(order.client),
             classes: ClassNumbers::default(),
-            met: Met::default(),
+            used_names: UsedNames::default(),
             images: 0,
             fetched: 0,
             arguments,
@@ -75,8 +75,8 @@ impl<'a> Export<'a> {
         self.images
     }
 
-    /// Takes the next rows, in the order of jobs and frames.
-    pub(super) fn take(&mut self, rows: Vec<Value>) -> Result<(), Failure> {
+    /// Adds the next rows, in the order of jobs and frames.
+    pub(super) fn add(&mut self, rows: Vec<ImageRow>) -> Result<(), Failure> {
         self.images += rows.len() as u64;
         let has_classes = self
             .selection
@@ -84,7 +84,7 @@ impl<'a> Export<'a> {
             .iter()
             .any(|kind| matches!(kind.as_str(), "semantics" | "semantics.visible" | "boxes"));
         for row in &rows {
-            self.met.add(row);
+            self.used_names.add(row);
             if has_classes {
                 let mut classes = Named::new();
                 self.scenes.add(row, &mut classes)?;
@@ -99,13 +99,13 @@ impl<'a> Export<'a> {
         }
     }
 
-    fn part_of(&self, row: &Value) -> usize {
+    fn part_of(&self, row: &ImageRow) -> usize {
         let split = self.arguments.split.as_ref();
         split.map_or(0, |split| split.part_of(row))
     }
 
     /// Adds rows to the shards of their parts.
-    fn gather(&mut self, rows: Vec<Value>) -> Result<(), Failure> {
+    fn gather(&mut self, rows: Vec<ImageRow>) -> Result<(), Failure> {
         for row in rows {
             let part = self.part_of(&row);
             let writer = writer(
@@ -124,12 +124,12 @@ impl<'a> Export<'a> {
     }
 
     /// Fetches the files of frames into the folders of their parts.
-    fn fetch(&mut self, rows: Vec<Value>) -> Result<(), Failure> {
+    fn fetch(&mut self, rows: Vec<ImageRow>) -> Result<(), Failure> {
         let format = self.arguments.format;
         let needs_spots = format.needs_poses() || format == Format::Coco;
         let mut tasks = Vec::with_capacity(rows.len());
         for row in rows {
-            let place = Place::of(&row)?;
+            let place = Place::read(&row)?;
             let spot = match needs_spots {
                 true => self.sequences.spot(&row, &place)?,
                 false => None,
@@ -143,14 +143,15 @@ impl<'a> Export<'a> {
             });
         }
         let (parts, order) = (&self.parts, &self.order);
-        let fetch = |task: &Task| {
-            let part = &parts[task.part];
-            let frame = order.carry_out(&task.row, &task.place, part.name.as_deref(), &task.home)?;
-            let content = Content::read(format, &part.folder, &frame)?;
-            Ok((frame, content))
-        };
-        let frames: Result<Vec<(Frame, Content)>, Failure> =
-            self.threads.install(|| tasks.par_iter().map(fetch).collect());
+        let frames: Result<Vec<(Frame, Content)>, Failure> = self.threads.install(|| {
+            let frames = tasks.par_iter().map(|task| {
+                let part = &parts[task.part];
+                let frame = order.complete(&task.row, &task.place, part.name.as_deref(), &task.home)?;
+                let content = Content::read(format, &part.folder, &frame)?;
+                Ok((frame, content))
+            });
+            frames.collect()
+        });
         for (task, (frame, content)) in tasks.iter().zip(frames?) {
             self.fetched += frame.fetched;
             let part = &mut self.parts[task.part];
@@ -189,7 +190,7 @@ impl<'a> Export<'a> {
             selection: self.selection,
             target: self.order.target,
             classes: &self.classes,
-            origins: &self.met.origins(self.order.remote)?,
+            origins: &self.used_names.origins(self.order.client)?,
             rows: &rows,
         };
         documents.write(self.parts)

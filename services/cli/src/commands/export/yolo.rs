@@ -54,7 +54,7 @@ impl Yolo {
         let name = format!("{}.txt", stem.map_or("", |(stem, _)| stem));
         let names: Vec<&str> = part.iter().copied().chain(below.iter().copied()).collect();
         let path = labeled.target.folder(&names)?.join(&name);
-        if read(&path).as_deref() != Some(text.as_bytes()) {
+        if read(&path)?.as_deref() != Some(text.as_bytes()) {
             write(&path, text.as_bytes())?;
         }
         lists.add_sum(

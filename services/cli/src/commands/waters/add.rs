@@ -1,11 +1,11 @@
-//! `fathom waters add`: adds a water of the user's own to a service.
+//! `fathom waters add`: adds a custom water to a service.
 
 use std::path::PathBuf;
 
 use cli::exit::Failure;
 use cli::files;
-use cli::remote::{Remote, ServerArguments};
-use cli::table::cell;
+use cli::remote::ServerArguments;
+use client::WaterView;
 
 /// Options of `fathom waters add`.
 #[derive(clap::Args)]
@@ -19,11 +19,11 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let remote = Remote::new(&arguments.server);
-    let water = remote.post("/v1/waters", &[], &files::read(&arguments.file)?)?;
-    println!("{}", cell(&water["name"]));
-    for warning in water["warnings"].as_array().into_iter().flatten() {
-        eprintln!("warning: {}", cell(warning));
+    let client = arguments.server.client();
+    let water: WaterView = client.post("/v1/waters", &[], &files::read(&arguments.file)?)?;
+    println!("{}", water.name);
+    for warning in &water.warnings {
+        eprintln!("warning: {warning}");
     }
     Ok(())
 }

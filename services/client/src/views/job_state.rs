@@ -3,7 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
-use serde::{Serialize, Serializer};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use utoipa::openapi::RefOr;
 use utoipa::openapi::schema::{ObjectBuilder, Schema, Type};
 use utoipa::{PartialSchema, ToSchema};
@@ -15,9 +16,9 @@ pub enum JobState {
     Queued,
     /// Some frames have ended.
     Running,
-    /// Nothing is offered for now.
+    /// No frame is offered to workers.
     Paused,
-    /// Stopped by the user; what is there stays.
+    /// Stopped by the user; its images stay.
     Cancelled,
     /// Every frame has its image.
     Done,
@@ -66,6 +67,13 @@ impl fmt::Display for JobState {
 impl Serialize for JobState {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_str(self)
+    }
+}
+
+impl<'de> Deserialize<'de> for JobState {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let name = String::deserialize(deserializer)?;
+        name.parse().map_err(D::Error::custom)
     }
 }
 

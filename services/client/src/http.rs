@@ -1,5 +1,6 @@
-//! Blocking HTTP with a service: a bearer token, and problems (RFC 9457) as errors.
+//! Blocking HTTP with a bearer token; problems (RFC 9457) are errors.
 
+use std::io::Read;
 use std::time::Duration;
 
 use serde_json::Value;
@@ -7,7 +8,7 @@ use ureq::http::{Response, StatusCode};
 use ureq::{Agent, AsSendBody, Body, RequestBuilder};
 
 const CONNECT_LIMIT: Duration = Duration::from_secs(5);
-/// The largest file that a service sends: an artifact of the largest picture, or a file of a scene.
+/// The largest body: an artifact of the largest picture, or a file of a scene.
 const MOST_BYTES: u64 = 1 << 30;
 
 /// A connection to a service; cheap to clone, shared by threads.
@@ -26,7 +27,8 @@ pub struct Reply {
     pub bytes: Vec<u8>,
 }
 
-/// Why a request came to nothing.
+/// Why a request failed.
+#[derive(Debug)]
 pub enum HttpError {
     /// No response, or one that broke off.
     Unreachable(ureq::Error),
@@ -34,7 +36,8 @@ pub enum HttpError {
     Problem(Problem),
 }
 
-/// What a service refuses a request with. Text of another form leaves the problem empty.
+/// The problem document of a refused request; empty if the body is not one.
+#[derive(Debug)]
 pub struct Problem {
     /// 400 and above.
     pub status: StatusCode,
@@ -51,6 +54,12 @@ impl Problem {
         }
     }
 
+    /// Whether the service is overloaded, so that the same request may succeed after a pause.
+    #[must_use]
+    pub fn is_temporary(&self) -> bool {
+        matches!(self.status.as_u16(), 429 | 503)
+    }
+
     /// Whether its type is this one.
     #[must_use]
     pub fn is(&self, slug: &str) -> bool {
@@ -63,7 +72,7 @@ impl Problem {
         let mut message = match (self.text("title"), self.text("detail")) {
             (Some(title), Some(detail)) => format!("{title}: {detail}"),
             (Some(text), None) | (None, Some(text)) => text.to_owned(),
-            (None, None) => format!("the service answered {}", self.status.as_u16()),
+            (None, None) => format!("the service responded with status {}", self.status.as_u16()),
         };
         let errors = self.body.get("errors").and_then(Value::as_array);
         for error in errors.into_iter().flatten() {
@@ -98,13 +107,13 @@ impl Http {
         }
     }
 
-    /// Where the service is.
+    /// The URL of the service.
     #[must_use]
     pub fn base(&self) -> &str {
         &self.base
     }
 
-    /// Asks for what stands under a path.
+    /// GET.
     ///
     /// # Errors
     /// [`HttpError`].
@@ -113,7 +122,24 @@ impl Http {
         reply(self.with_headers(request, &[]).call())
     }
 
-    /// Sends a body to a path.
+    /// GET of a body that is read as it arrives.
+    ///
+    /// # Errors
+    /// [`HttpError`].
+    pub fn stream(&self, path: &str) -> Result<impl Read + use<>, HttpError> {
+        let request = self.agent.get(format!("{}{path}", self.base));
+        let response = self.with_headers(request, &[]).call();
+        let response = response.map_err(HttpError::Unreachable)?;
+        if response.status().as_u16() < 400 {
+            return Ok(response.into_body().into_reader());
+        }
+        match reply(Ok(response)) {
+            Ok(reply) => Err(HttpError::Problem(Problem::new(reply.status, &reply.bytes))),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// POST.
     ///
     /// # Errors
     /// [`HttpError`].
@@ -127,7 +153,7 @@ impl Http {
         reply(self.with_headers(request, headers).send(body))
     }
 
-    /// Deletes what stands under a path.
+    /// DELETE.
     ///
     /// # Errors
     /// [`HttpError`].
