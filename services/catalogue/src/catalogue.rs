@@ -11,15 +11,15 @@ use sqlx::pool::PoolConnection;
 use sqlx::sqlite::{Sqlite, SqliteConnection, SqlitePool, SqliteRow};
 use tokio::task::JoinHandle;
 
-use crate::columns::Columns;
-use crate::cursor;
+use crate::commit::writer::{Running, Writer};
+use crate::digests::row_digests::Side;
+use crate::digests::tables::DATASETS;
 use crate::error::CatalogueError;
-use crate::mirror::Mirror;
-use crate::remembered::Remembered;
-use crate::row_digests::Side;
-use crate::tables::DATASETS;
-use crate::values::Cells;
-use crate::writer::{Running, Writer};
+use crate::query::cache::Remembered;
+use crate::query::cells::Cells;
+use crate::query::columns::Columns;
+use crate::query::cursor;
+use crate::replica::files::Replica;
 
 /// Most findings that are kept: beyond it is clear that all has to be read.
 const MOST_DAMAGE: usize = 100;
@@ -30,7 +30,7 @@ const QUESTION_LIMIT: Duration = Duration::from_secs(20);
 pub struct Catalogue {
     pub(crate) path: PathBuf,
     pub(crate) columns: Columns,
-    pub(crate) mirror: Arc<Mirror>,
+    pub(crate) replica: Arc<Replica>,
     /// What jobs have, for lists of columns.
     pub(crate) remembered: Remembered,
     pub(crate) readers: SqlitePool,

@@ -10,14 +10,15 @@ use sqlx::migrate::MigrateError;
 use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions, SqliteSynchronous};
 
 use crate::catalogue::Catalogue;
-use crate::columns::Columns;
+use crate::commit::writer::Writer;
+use crate::digests::row_digests;
 use crate::error::CatalogueError;
-use crate::fill::{add_columns, fill};
-use crate::migrations::migrator;
-use crate::mirror::{self, Mirror};
-use crate::remembered::Remembered;
-use crate::row_digests;
-use crate::writer::Writer;
+use crate::query::cache::Remembered;
+use crate::query::columns::Columns;
+use crate::replica::files as replica_files;
+use crate::replica::files::Replica;
+use crate::schema::backfill::{add_columns, fill};
+use crate::schema::migrations::migrator;
 
 /// Earlier versions can damage the write-ahead log when it is reset.
 const LEAST_SQLITE: &str = "3.51.3";
@@ -81,7 +82,7 @@ impl Catalogue {
         add_columns(&mut connection, &columns).await?;
         row_digests::prepare(&mut connection).await?;
         fill(&mut connection, &columns).await?;
-        mirror::only_of_columns(&mut connection, &columns.mirror_digest()).await?;
+        replica_files::keep_files_with_columns(&mut connection, &columns.replica_digest()).await?;
         let readers = SqlitePoolOptions::new()
             .max_connections(READERS)
             .acquire_timeout(READER_WAIT)
@@ -97,7 +98,7 @@ impl Catalogue {
         Ok(Self {
             path: path.to_owned(),
             columns,
-            mirror: Arc::new(Mirror::beside(path)),
+            replica: Arc::new(Replica::of_catalogue(path)),
             remembered: Remembered::default(),
             readers,
             reads: AtomicU64::new(0),

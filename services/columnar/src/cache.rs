@@ -5,9 +5,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::column::Column;
 use crate::error::ColumnarError;
-use crate::file::MirrorFile;
+use crate::file::ReplicaFile;
 
-/// Columns of files that were read lately. A question that needs more than fits keeps what came first: if it threw out the oldest,
+/// Columns of files that were read lately. A query that needs more than fits keeps what came first: if it threw out the oldest,
 /// the next one like it would find nothing of it.
 #[derive(Debug)]
 pub struct Cache {
@@ -33,13 +33,13 @@ impl Cache {
         }
     }
 
-    /// A new question begins.
+    /// A new query begins.
     pub(crate) fn begin(&self) {
         self.held.lock().unwrap_or_else(PoisonError::into_inner).now += 1;
     }
 
     /// A column of a file.
-    pub(crate) fn read(&self, file: &MirrorFile, name: &str) -> Result<Arc<Column>, ColumnarError> {
+    pub(crate) fn read(&self, file: &ReplicaFile, name: &str) -> Result<Arc<Column>, ColumnarError> {
         let key = (file.id, name.to_owned());
         {
             let mut held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
@@ -67,7 +67,7 @@ impl Held {
             _ => most_bytes / 2,
         };
         if self.bytes + bytes > most_bytes {
-            // What no question of late has asked for.
+            // What no query of late has asked for.
             let old = self.now.saturating_sub(1);
             let mut freed = 0;
             self.columns.retain(|_, (column, used)| {

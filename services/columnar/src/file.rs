@@ -54,7 +54,7 @@ pub struct Named {
 
 /// An open file.
 #[derive(Debug)]
-pub struct MirrorFile {
+pub struct ReplicaFile {
     path: PathBuf,
     about: About,
     rows: usize,
@@ -84,7 +84,7 @@ pub(crate) fn footer(end: &[u8]) -> Option<&[u8]> {
     end.get(trailer.checked_sub(length)?..)
 }
 
-impl MirrorFile {
+impl ReplicaFile {
     /// Opens a file with a footer of this digest.
     ///
     /// # Errors

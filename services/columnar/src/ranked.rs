@@ -8,9 +8,9 @@ use std::sync::Arc;
 
 use crate::column::{Column, NO_TEXT};
 use crate::error::ColumnarError;
-use crate::parts::{Masked, Question, Rows};
+use crate::parts::{Masked, Query, Rows};
 
-/// The columns of the question that give the order, by their places.
+/// The columns of the query that give the order, by their places.
 #[derive(Debug, Clone, Copy)]
 pub struct Order {
     /// The column that comes first, and whether its largest value does; rows without a value come last.
@@ -55,12 +55,12 @@ const FEW: u64 = if cfg!(test) { 4 } else { 1 << 18 };
 /// # Errors
 /// Those of files.
 pub fn ranked(
-    question: &Question<'_>,
+    query: &Query<'_>,
     order: &Order,
     start: &Start,
     most: usize,
 ) -> Result<Vec<(Arc<str>, i64)>, ColumnarError> {
-    let masked = Masked::new(question)?;
+    let masked = Masked::new(query)?;
     let keys = Keys::new(&masked, order)?;
     let first = match start {
         Start::Behind(0) => Some(FIRST),

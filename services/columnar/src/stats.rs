@@ -1,11 +1,12 @@
 //! Count, mean, deviation and quartiles of columns in groups, without holding their values.
 //!
 //! A pass finds the smallest and the largest value of each group, a second one counts values in fine bins and adds them up, and
-//! a third one adds the squares and gathers the values of the bins in which quartiles lie.
+//! a third one adds the squares and collects the values of the bins that contain quartiles. Where bins have no width, or there are
+//! more groups than bins, the values of each group are collected and sorted instead.
 
 use crate::error::ColumnarError;
 use crate::groups::{Cell, GroupBy, Grouped, NO_GROUP, grouped};
-use crate::parts::{Masked, Question, Rows, Source};
+use crate::parts::{Masked, Query, Rows, Source};
 use crate::sum::Sum;
 
 /// Statistics of the values of a group.
@@ -28,6 +29,8 @@ const SHARES: [f64; 3] = [0.25, 0.5, 0.75];
 const MOST_BINS: usize = 4096;
 const ALL_BINS: usize = 1 << 15;
 const LEAST_BINS: usize = 64;
+/// Groups whose values are counted in bins; the values of more groups are sorted.
+const MOST_BINNED_GROUPS: usize = 1000;
 
 /// A group with what is known of its values so far.
 #[derive(Debug, Clone, Copy)]
@@ -57,7 +60,7 @@ struct Gathered {
     values: Vec<f64>,
 }
 
-/// What is asked of a group in the third pass.
+/// What the third pass collects of a group.
 struct Wanted {
     mean: f64,
     /// The bins in which quartiles lie.
@@ -71,19 +74,18 @@ type Summaries = Vec<Summary>;
 /// A group: its key, and one summary for each column.
 pub type Group = (Vec<Cell>, Vec<Summary>);
 
-/// Statistics of the first `metrics` columns of the question for each group: its key, and one summary for each column. Groups are in
+/// Statistics of the first `metrics` columns of the query for each group: its key, and one summary for each column. Groups are in
 /// no order.
 ///
 /// # Errors
-/// [`ColumnarError::TooManyGroups`] for more than `most`; [`ColumnarError::NotFinite`] for values for which there are no bins; those
-/// of files.
+/// [`ColumnarError::TooManyGroups`] for more than `most`; those of files.
 pub fn stats(
-    question: &Question<'_>,
+    query: &Query<'_>,
     metrics: usize,
     by: &[GroupBy],
-    most: usize,
+    most: Option<usize>,
 ) -> Result<(Vec<Group>, Source), ColumnarError> {
-    let masked = Masked::new(question)?;
+    let masked = Masked::new(query)?;
     let grouped = grouped(&masked, by, most)?;
     let columns = (0..metrics).map(|metric| of_column(&masked, &grouped, metric));
     let columns = columns.collect::<Result<Vec<_>, _>>()?;
@@ -94,9 +96,8 @@ pub fn stats(
     Ok((groups.collect(), masked.source))
 }
 
-/// The same of plain values.
-#[must_use]
-pub fn summary(mut values: Vec<f64>) -> Summary {
+/// Statistics of values by sorting them, also of infinite ones.
+fn summary(mut values: Vec<f64>) -> Summary {
     values.sort_by(f64::total_cmp);
     let count = values.len();
     let mean = (count > 0).then(|| Sum::of(values.iter().copied()) / count as f64);
@@ -145,13 +146,13 @@ impl Place {
 
 fn of_column(masked: &Masked<'_>, grouped: &Grouped, metric: usize) -> Result<Summaries, ColumnarError> {
     let groups = grouped.keys.len();
+    if groups > MOST_BINNED_GROUPS {
+        return sorted(masked, grouped, metric);
+    }
     let bins = (ALL_BINS / groups.max(1)).clamp(LEAST_BINS, MOST_BINS);
     let ends = ends(masked, grouped, metric)?;
-    if ends
-        .iter()
-        .any(|ends| ends.count > 0 && !(ends.high - ends.low).is_finite())
-    {
-        return Err(ColumnarError::NotFinite);
+    if ends.iter().any(Ends::have_no_width) {
+        return sorted(masked, grouped, metric);
     }
     let binned = binned(masked, grouped, metric, &ends, bins)?;
     let wanted: Vec<Wanted> = ends
@@ -166,7 +167,20 @@ fn of_column(masked: &Masked<'_>, grouped: &Grouped, metric: usize) -> Result<Su
         .collect())
 }
 
-/// Calls `each` with the group and the value of every row that counts and has one.
+/// The summaries of all groups from their collected values.
+fn sorted(masked: &Masked<'_>, grouped: &Grouped, metric: usize) -> Result<Summaries, ColumnarError> {
+    let groups = grouped.keys.len();
+    let mut all = vec![Vec::new(); groups];
+    let parts = masked.pass(Vec::new, |values, rows| {
+        each_value(rows, grouped, metric, |group, value| values.push((group, value)))
+    })?;
+    for (group, value) in parts.into_iter().flatten() {
+        all[group].push(value);
+    }
+    Ok(all.into_iter().map(summary).collect())
+}
+
+/// Calls `each` with the group and the value of every row of the query that has one.
 #[inline]
 fn each_value(
     rows: &Rows<'_>,
@@ -187,7 +201,7 @@ fn each_value(
     }
     for (group, value) in groups.iter().zip(values.iter()) {
         if *group != NO_GROUP && !value.is_nan() {
-            each(usize::from(*group), *value);
+            each(*group as usize, *value);
         }
     }
     Ok(())
@@ -231,6 +245,11 @@ impl Ends {
         self.count += other.count;
         self.low = self.low.min(other.low);
         self.high = self.high.max(other.high);
+    }
+
+    /// Whether bins between the ends have no width, as between infinite ones.
+    fn have_no_width(&self) -> bool {
+        self.count > 0 && !(self.high - self.low).is_finite()
     }
 
     fn largest(&self) -> f64 {

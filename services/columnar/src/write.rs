@@ -16,7 +16,7 @@ use crate::column::{Column, Kind, NO_TEXT, raised};
 use crate::error::ColumnarError;
 use crate::file::{ABOUT, About, Named, footer, sha256};
 
-/// One page for each column: a question reads all of it anyway.
+/// One page for each column: a query reads all of it anyway.
 const PAGE_BYTES: usize = 4 << 20;
 /// A column of more distinct values than fit is stored as it is: a dictionary would not make it smaller.
 const DICTIONARY_BYTES: usize = 64 << 10;

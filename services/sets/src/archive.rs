@@ -5,9 +5,9 @@ use tar::{Builder, Header};
 use crate::error::SetError;
 use crate::upload::{FileSum, Upload};
 
-/// What stands before the bytes of a member; names are short enough for a single block.
+/// Length of the header of a member; names are short enough for a single block.
 const HEADER_BYTES: u64 = 512;
-/// Name of a member beyond which a tar needs more than one block for it.
+/// Longest name that fits into a single block.
 const MOST_NAME_BYTES: usize = 100;
 
 /// A tar on its way into the store.

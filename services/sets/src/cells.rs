@@ -12,7 +12,7 @@ use parquet::schema::types::Type;
 use serde_json::Value;
 use spec::LeafKind;
 
-/// What a cell holds.
+/// The type of a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// A number.
@@ -80,7 +80,7 @@ pub(crate) fn schema<'a>(columns: impl Iterator<Item = (&'a str, Kind)>) -> Resu
     Type::group_type_builder("rows").with_fields(fields).build()
 }
 
-/// The cells of a column that wait for their group, as the writer takes them: an empty one costs two bytes.
+/// Cells of a column until their group is written; an empty one costs two bytes.
 #[derive(Debug)]
 pub(crate) struct Gathered {
     /// 1 for a cell that is not empty.
@@ -137,7 +137,7 @@ impl Gathered {
         self.bytes += size_of::<i16>() + text + if is_there { self.values.width() } else { 0 };
     }
 
-    /// What the cells take in memory.
+    /// Size in memory.
     pub(crate) fn bytes(&self) -> usize {
         self.bytes
     }
@@ -175,7 +175,7 @@ impl Values {
         }
     }
 
-    /// What a value takes, apart from the bytes of a text.
+    /// Size of a value without the bytes of a text.
     fn width(&self) -> usize {
         match self {
             Self::Numbers(_) => size_of::<f64>(),
@@ -194,7 +194,7 @@ fn add(values: &mut Vec<ByteArray>, text: Vec<u8>) -> usize {
 }
 
 impl Cell {
-    /// What a scalar of a record is in a cell; none where it is of another kind.
+    /// The cell of a scalar of a record; `None` for a value of another kind.
     pub(crate) fn of_leaf(kind: LeafKind, value: &Value) -> Option<Self> {
         match kind {
             LeafKind::Number => value.as_f64().map(Self::Number),

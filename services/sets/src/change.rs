@@ -1,8 +1,8 @@
 //! Changing an object that others may change at the same time: compare and set.
 //!
-//! A bucket compares: the new object is written only over the one that was read, by its ETag (`If-Match`), or only if none is there.
-//! Of a folder nothing can be asked like that, so whoever changes an object there holds the lock of a file beside it
-//! (`flock`, over NFS a lock of the server). The system frees it when the process ends, however it ends.
+//! In a bucket, the new object replaces only the one that was read, by its ETag (`If-Match`), or is created only if absent. Folders
+//! have no such condition, so a process that changes an object there holds the lock of a file next to it (`flock`, over NFS a lock
+//! of the server). The system releases it when the process ends.
 
 use std::fs::{File, TryLockError};
 use std::path::Path;
@@ -21,8 +21,8 @@ const PATIENCE: Duration = Duration::from_secs(15);
 const PAUSE: Duration = Duration::from_millis(20);
 
 impl Store {
-    /// Changes an object to what `change` returns for its content. `None` means that there is no object, and in return that it stays
-    /// as it is. `change` is called again if another process has changed the object meanwhile.
+    /// Replaces an object by the result of `change`, which gets its content. `None` means a missing object, and as a result no change.
+    /// `change` is called again if another process has changed the object meanwhile.
     ///
     /// # Errors
     /// What `change` returns; otherwise [`SetError`] of the store.
@@ -48,7 +48,7 @@ impl Store {
             let Some(bytes) = change(bytes)? else {
                 return Ok(());
             };
-            // A reply that was lost looks like a refusal: then the next round finds what is wanted.
+            // A lost reply looks like a refusal; the next round then finds the new object.
             if self.put_if(name, bytes, mode)? {
                 return Ok(());
             }
@@ -56,7 +56,7 @@ impl Store {
         }
     }
 
-    /// An object with what tells it from every other of its name.
+    /// An object with its version.
     fn versioned(&self, name: &str) -> Result<Option<(Vec<u8>, UpdateVersion)>, SetError> {
         let path = self.path(name);
         self.found(async {

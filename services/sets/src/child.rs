@@ -17,7 +17,7 @@ const LOOK: Duration = Duration::from_millis(100);
 /// Messages read ahead of the supervisor: one holds the pictures of a frame.
 const MESSAGES_AHEAD: usize = 1;
 
-/// How children are started, and what they may take.
+/// Program, arguments and limits of children.
 #[derive(Debug, Clone)]
 pub struct Recipe {
     /// The program that renders.
@@ -32,11 +32,11 @@ pub struct Recipe {
     pub memory_limit_bytes: u64,
 }
 
-/// What a child has brought.
+/// An event of a child.
 pub(crate) enum News {
     /// A message.
     Message(Message),
-    /// Nothing for now.
+    /// No message within the time limit.
     Quiet,
     /// The process has ended or was ended, for this reason.
     Gone(String),
@@ -54,7 +54,7 @@ pub(crate) struct Child {
 }
 
 impl Child {
-    /// Starts a child of so many slots for a job.
+    /// Starts a child for a job.
     pub(crate) fn start(recipe: &Recipe, slots: usize, job: &str) -> Result<Self, SetError> {
         let failed = |error| SetError::Machine(format!("cannot start {}: {error}", recipe.program.display()));
         let mut process = Command::new(&recipe.program)
@@ -123,7 +123,7 @@ impl Child {
         }
     }
 
-    /// Ends the process, which may have ended by itself; returns how.
+    /// Ends the process, if it runs, and describes its exit.
     fn end(&mut self) -> String {
         // A child that closed its output but lives is as good as dead.
         let _ = self
@@ -171,7 +171,7 @@ impl Drop for Child {
     }
 }
 
-/// Resident memory of a process, where the system tells.
+/// Resident memory of a process; `None` if the system does not report it.
 fn resident_bytes(process: u32) -> Option<u64> {
     let status = std::fs::read_to_string(format!("/proc/{process}/status")).ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;

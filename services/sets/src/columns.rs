@@ -1,4 +1,4 @@
-//! The columns of the rows: those of the catalogue under the same names, and where each artifact lies in the tar.
+//! The columns of the rows: those of the catalogue under the same names, and the position of each artifact in the tar.
 
 use std::collections::BTreeMap;
 
@@ -17,7 +17,7 @@ pub(crate) struct Column {
     source: Source,
 }
 
-/// Where a column comes from.
+/// The source of a column's values.
 #[derive(Debug, Clone)]
 enum Source {
     Job,
@@ -36,14 +36,14 @@ enum Source {
     Record,
 }
 
-/// What a row is made of.
+/// The data of a row.
 pub(crate) struct Row<'a> {
     pub(crate) record: &'a FrameRecord,
     /// The same as JSON.
     pub(crate) json: &'a Value,
     pub(crate) digest: &'a str,
     pub(crate) created_ms: u64,
-    /// Where the artifacts lie in the tar, by kind.
+    /// Offsets of the artifacts in the tar, by kind.
     pub(crate) offsets: &'a BTreeMap<String, u64>,
 }
 
@@ -103,7 +103,7 @@ fn column(name: String, kind: Kind, source: Source) -> Column {
 }
 
 impl Column {
-    /// What a row has in this column.
+    /// The value of a row in this column.
     pub(crate) fn cell(&self, row: &Row<'_>, common: &Common) -> Option<Cell> {
         let text = |text: &str| Some(Cell::Text(text.to_owned()));
         let whole = |number: u64| Some(Cell::Whole(number as i64));

@@ -14,14 +14,14 @@ use crate::message::{Message, ParcelFile};
 const TRIES_ALONE: u32 = 3;
 /// Children that end before they begin a frame, one after the other.
 const MOST_DEATHS_AT_START: u32 = 3;
-/// Frames that a child has beside those in its slots, so that no slot waits for the supervisor.
+/// Frames queued for each slot of a child, so that no slot waits for the supervisor.
 const QUEUED_PER_SLOT: usize = 1;
 /// Frames that may be finished before an older one is, for each slot.
 const AHEAD_PER_SLOT: u64 = 4;
-/// Size of finished frames that wait for an older one, beyond which no more are begun.
+/// Memory for finished frames that wait for an earlier one; beyond it no frame is started.
 const MOST_WAITING_BYTES: usize = 128 << 20;
 
-/// A frame that is finished.
+/// A finished frame.
 #[derive(Debug, PartialEq)]
 pub(crate) enum Finished {
     /// It has an image.
@@ -43,7 +43,7 @@ pub struct Crew {
 }
 
 impl Crew {
-    /// Nothing is started before the first frame.
+    /// A crew without children; the first frame starts one.
     #[must_use]
     pub fn new(recipe: Recipe, job: &spec::Job) -> Self {
         Self {
@@ -53,7 +53,7 @@ impl Crew {
         }
     }
 
-    /// Renders frames and hands them on in their order. `check` is asked often whether to go on.
+    /// Renders frames and passes them on in order. `check` is called several times a second and can stop the work.
     pub(crate) fn render(
         &mut self,
         frames: Range<u64>,
@@ -62,7 +62,7 @@ impl Crew {
     ) -> Result<(), SetError> {
         let result = self.work(frames, check, &mut take);
         if result.is_err() {
-            // What it still renders is of no use to the next shard.
+            // Frames in its slots are of no use to the next shard.
             self.child = None;
         }
         result
@@ -119,7 +119,7 @@ impl Crew {
         Ok(())
     }
 
-    /// Tries a frame in children of its own.
+    /// Renders a frame in a separate child, with repeated attempts.
     fn alone(
         &self,
         frame: u64,
@@ -164,9 +164,9 @@ impl From<Message> for Finished {
     }
 }
 
-/// The frames of a shard that are not handed on yet.
+/// The frames of a shard that have not been passed on.
 struct Open {
-    /// Not given to a child.
+    /// Not assigned to a child.
     waiting: BTreeSet<u64>,
     /// Finished before an older one.
     early: BTreeMap<u64, Finished>,

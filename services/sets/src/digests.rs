@@ -1,4 +1,4 @@
-//! Reads the rows of a shard from the store, only the parts that are needed.
+//! Reads the required parts of a shard's rows from the store.
 
 use std::io::Cursor;
 
@@ -12,7 +12,7 @@ use crate::error::SetError;
 use crate::marker::Marker;
 use crate::store::Store;
 
-/// Bytes that are fetched at once where a reader does not say how many it needs.
+/// Bytes per request if the reader does not know the length that it needs.
 const FETCHED_BYTES: u64 = 64 << 10;
 
 /// A file of the store as the Parquet reader sees it.

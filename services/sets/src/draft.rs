@@ -1,4 +1,4 @@
-//! A shard on its way into the store: its tar, its rows and what its marker will say.
+//! A shard that is being written: its tar, its rows and the data of its marker.
 
 use std::collections::BTreeMap;
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -114,7 +114,7 @@ impl Draft {
     }
 }
 
-/// By this machine's clock, for the column `created_ms` alone: nothing else depends on it.
+/// The clock of this machine; only the column `created_ms` depends on it.
 fn now_ms() -> u64 {
     SystemTime::now()
         .duration_since(UNIX_EPOCH)

@@ -1,4 +1,4 @@
-//! What a failure of the store means for the caller.
+//! Errors of the store as errors for the caller.
 
 use std::io::ErrorKind;
 
@@ -8,7 +8,7 @@ use crate::error::SetError;
 use crate::location::Location;
 use crate::transport::io_error;
 
-/// Codes by which S3 servers say that there is no room.
+/// Error codes of S3 servers without free space.
 const FULL: &[&str] = &[
     "InsufficientStorage",
     "QuotaExceeded",
@@ -16,7 +16,7 @@ const FULL: &[&str] = &[
     "XMinioStorageFull",
 ];
 
-/// What an error means. Errors of the S3 client hold no credentials: these travel in headers.
+/// The error for the caller. Errors of the S3 client hold no credentials: these travel in headers.
 pub(crate) fn explain(location: &Location, error: &Error) -> SetError {
     if is_missing_bucket(error) {
         return SetError::Refused(format!("{location}: the bucket does not exist"));
@@ -37,7 +37,7 @@ pub(crate) fn explain(location: &Location, error: &Error) -> SetError {
     }
 }
 
-/// Whether the bucket is missing, which the client does not tell apart from a missing object.
+/// Whether the bucket is missing; the client reports it like a missing object.
 pub(crate) fn is_missing_bucket(error: &Error) -> bool {
     code(&error.to_string()) == Some("NoSuchBucket")
 }

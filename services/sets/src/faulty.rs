@@ -16,17 +16,17 @@ use object_store::{
 use crate::location::Location;
 use crate::store::Store;
 
-/// What is wrong with a store.
+/// The fault of a store.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Fault {
     None,
-    /// It overwrites what was to be created only if absent.
+    /// Overwrites objects that should be created only if absent.
     IgnoresConditions,
-    /// It does what it is asked to and loses the reply, so many times.
+    /// Carries out this many requests and loses their replies.
     LosesReplies(u32),
-    /// It takes nothing more.
+    /// Has no free space.
     IsFull,
-    /// It lets nobody write.
+    /// Refuses every write.
     RefusesAccess,
 }
 

@@ -8,7 +8,7 @@ use parquet::data_type::{ByteArray, DataType};
 use parquet::file::reader::{FileReader, RowGroupReader, SerializedFileReader};
 use parquet::schema::types::{ColumnDescriptor, SchemaDescriptor};
 
-/// A column of whole numbers with what names it.
+/// A column of whole numbers with the variable part of its name.
 pub(crate) type Named = (String, Vec<Option<i64>>);
 
 /// A group of rows.
@@ -46,7 +46,7 @@ impl<'a> Group<'a> {
         }
     }
 
-    /// The columns of whole numbers whose names begin and end like this, by what stands between.
+    /// The columns of whole numbers with this prefix and suffix, by the part of their name in between.
     pub(crate) fn numbers_within(&self, head: &str, tail: &str) -> Result<Vec<Named>, String> {
         let mut found = Vec::new();
         for column in self.schema.columns() {

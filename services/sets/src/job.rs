@@ -1,4 +1,4 @@
-//! `job.json`: what the set is of, written once.
+//! `job.json`: the job of the set, written once.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -12,12 +12,12 @@ use crate::layout;
 
 /// Version of the layout.
 const FORMAT: u32 = 1;
-/// Frames of a shard unless the user says otherwise: about a minute of usual frames.
+/// Default number of frames of a shard: about a minute of usual frames.
 const FRAMES_PER_SHARD: u64 = 500;
 /// More frames would make a shard that an engine cannot afford to lose.
 const MOST_FRAMES_PER_SHARD: u64 = 100_000;
 
-/// What `job.json` says. The same job by the same version gives the same bytes.
+/// The content of `job.json`. The same job and version give the same bytes.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Card {
     format: u32,
@@ -148,7 +148,7 @@ impl Card {
         subjects
     }
 
-    /// The strings below a field of the job, whatever law chooses among them.
+    /// The strings below a field of the job, including all alternatives of random distributions.
     fn words(&self, pointer: &str) -> BTreeSet<String> {
         let job: Value = serde_json::from_str(&self.job).unwrap_or_default();
         let mut words = BTreeSet::new();

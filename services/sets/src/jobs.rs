@@ -17,7 +17,7 @@ use crate::store::Store;
 /// How the name of every set of a job begins.
 const JOB_PREFIX: &str = "job_";
 
-/// A store in which services keep the sets of their jobs.
+/// A store with the sets of the jobs of several services.
 pub struct JobStore {
     location: Location,
     store: Store,
@@ -36,7 +36,7 @@ pub enum Submission {
     KeyConflict,
 }
 
-/// What a key stands for.
+/// The job that a key belongs to.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 struct Keyed {
     job: String,
@@ -55,7 +55,7 @@ impl JobStore {
         })
     }
 
-    /// Where the set of a job lies.
+    /// The location of a job's set.
     #[must_use]
     pub fn location_of(&self, id: &str) -> Location {
         self.location.join(id)
@@ -72,7 +72,7 @@ impl JobStore {
         Ok(names)
     }
 
-    /// Begins the set of a job, or finds the one that a submission with this key began, in whatever service.
+    /// Begins the set of a job, or finds the one of an earlier submission with this key to any service.
     ///
     /// The key is claimed before the set is begun, so a service that dies in between leaves a key whose repetition begins the
     /// set.
@@ -104,7 +104,7 @@ impl JobStore {
         Ok(Submission::Set { id, set })
     }
 
-    /// Writes what a key stands for; returns what it stands for already. A key of a job that was deleted is free again.
+    /// Claims a key; returns the job that has it already. The key of a deleted job is free again.
     fn claim(&self, key: &str, wanted: &Keyed) -> Result<Option<Keyed>, SetError> {
         let name = format!("{}/{key}", layout::KEYS);
         let text = serde_json::to_vec(wanted)

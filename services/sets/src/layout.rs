@@ -8,10 +8,10 @@
 //! failed/000123                  empty: the marker lists failed frames
 //! alarm/000123-ATTEMPT.json      a marker that contradicts the one that is there
 //! state.json                     running, paused or cancelled
-//! state.json.lock                empty, in a folder only: held by whoever changes state.json
+//! state.json.lock                empty, only in folders: the lock for changes of state.json
 //! manifest.json                  the sealed set
-//! deleted.json                   what job.json was, of a job that a service has deleted
-//! probe/RANDOM                   left by a process that was killed while it tried the store
+//! deleted.json                   the former job.json of a job that a service has deleted
+//! probe/RANDOM                   the remains of a killed process that tested the store
 //! ```
 
 use std::fmt;

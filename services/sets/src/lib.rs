@@ -1,8 +1,8 @@
 //! Datasets in a store: a folder that machines share, or a bucket.
 //!
-//! A job is divided into shards. [`run_shard`] renders one and writes it straight into the store; any engine may call it,
-//! as often as it likes. A shard is done when its marker exists, and a marker is created only if absent, so the store is
-//! the only truth: no lease, no queue, no service. `layout` names the objects.
+//! A job is divided into shards. [`run_shard`] renders one and writes it straight into the store; any engine may call it
+//! repeatedly. A shard is done when its marker exists, and a marker is created only if absent, so completion state is only in the
+//! store: there is no lease, queue or service. `layout` names the objects.
 
 mod archive;
 mod cells;

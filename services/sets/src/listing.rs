@@ -1,4 +1,4 @@
-//! What the listings of a set tell: how much is done, what failed, which files belong to no shard.
+//! State of a set from its listings: completed shards, failed frames, unreferenced files.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -13,7 +13,7 @@ use crate::plan::Selection;
 use crate::set::Set;
 use crate::store::Entry;
 
-/// Markers that are fetched side by side.
+/// Markers that are fetched concurrently.
 const FETCHED_MARKERS: usize = 32;
 
 /// How much of a set is done, from its listings alone.
@@ -31,7 +31,7 @@ pub struct Status {
     pub failed: u64,
     /// Files of done shards that another attempt left.
     pub orphans: u64,
-    /// Files of shards that are not done: work in progress, or what a killed process left.
+    /// Files of incomplete shards: work in progress, or remains of killed processes.
     pub unfinished: u64,
     /// Contradictions between attempts; each is a defect, of a machine or of the program.
     pub alarms: u64,
@@ -142,7 +142,7 @@ impl Set {
                 by_shard.entry(shard).or_default().push(entry);
             }
         }
-        // After the files: what was committed in between keeps its files.
+        // Listed after the files, so that shards committed in between keep their files.
         let done: BTreeSet<u64> = self.done()?.into_iter().collect();
         let crowded = |(shard, files): (&u64, &Vec<Entry>)| {
             (done.contains(shard) && files.len() != 2).then_some(*shard)
@@ -176,7 +176,7 @@ impl Set {
         Ok(removed + self.store.sweep_unfinished(newest_ms)?)
     }
 
-    /// The clock that stamps objects, so that a wrong clock here removes nothing too early.
+    /// The clock of the store: a wrong clock of this machine must not remove files too early.
     fn store_time_ms(&self) -> Result<i64, SetError> {
         let name = layout::probe(&Attempt::random()?);
         self.store.replace(&name, b"time")?;
@@ -187,7 +187,7 @@ impl Set {
             .ok_or_else(|| SetError::Damaged(format!("{name} is gone")))
     }
 
-    /// What is in `shards/` and `rows/`.
+    /// The files in `shards/` and `rows/`.
     pub(crate) fn files(&self) -> Result<Vec<Entry>, SetError> {
         let mut files = self.store.list(layout::SHARDS)?;
         files.extend(self.store.list(layout::ROWS)?);

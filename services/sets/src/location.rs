@@ -1,11 +1,11 @@
-//! Where a set lies: a folder or a prefix of a bucket, as a user names it.
+//! Locations of sets: a folder or a prefix of a bucket, as a user writes it.
 
 use std::fmt;
 use std::path::{Component, PathBuf};
 
 use crate::error::SetError;
 
-/// Where a set lies.
+/// The location of a set.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Location {
     /// A folder of a file system that all workers share.
@@ -37,7 +37,7 @@ impl Location {
         }
     }
 
-    /// Whether another location lies in this one or is it. A path with `..` lies nowhere.
+    /// Whether another location is this one or below it; never for a path with `..`.
     #[must_use]
     pub fn contains(&self, other: &Self) -> bool {
         match (self, other) {
@@ -131,8 +131,8 @@ mod tests {
     #[test]
     fn a_location_contains_what_lies_below_it_and_nothing_else() {
         let contains = |outer: &str, inner: &str| {
-            let at = |text: &str| Location::parse(text).unwrap();
-            at(outer).contains(&at(inner))
+            let [outer, inner] = [outer, inner].map(|text| Location::parse(text).unwrap());
+            outer.contains(&inner)
         };
         for (outer, inner) in [
             ("/mnt/sets", "/mnt/sets/a"),

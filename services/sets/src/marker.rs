@@ -1,4 +1,4 @@
-//! The marker of a shard: whoever creates it has made the shard.
+//! The marker of a shard. The process that creates it has completed the shard.
 
 use serde::{Deserialize, Serialize};
 
@@ -16,7 +16,7 @@ pub struct FailedFrame {
     pub error: String,
 }
 
-/// What `done/SHARD.json` says.
+/// The content of `done/SHARD.json`.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Marker {
     /// Number of the shard.
@@ -46,8 +46,8 @@ pub enum Commit {
     Lost,
     /// Another attempt was first, with other content.
     Contradicted {
-        /// Digest of the marker that is there.
-        there: String,
+        /// Digest of the existing marker.
+        existing: String,
     },
 }
 
@@ -73,7 +73,7 @@ impl Marker {
         let text = serde_json::to_vec_pretty(self)
             .map_err(|error| SetError::Machine(format!("the marker cannot be written: {error}")))?;
         if !self.failed.is_empty() {
-            // Before the marker: whoever lists `failed/` misses no shard, and looks into the marker for the rest.
+            // Written before the marker, so that a listing of `failed/` contains every shard with failed frames.
             store.replace(&layout::failed(self.shard), b"")?;
         }
         let name = layout::done(self.shard);
@@ -85,6 +85,8 @@ impl Marker {
             return Ok(Commit::Lost);
         }
         store.replace(&layout::alarm(self.shard, &self.attempt), &text)?;
-        Ok(Commit::Contradicted { there: first.digest })
+        Ok(Commit::Contradicted {
+            existing: first.digest,
+        })
     }
 }

@@ -1,11 +1,11 @@
-//! What a child says to its supervisor over standard output. The supervisor writes the job's canonical text and then one
-//! frame number a line; the child ends when that stream does.
+//! Messages of a child to its supervisor over standard output. The supervisor writes the job's canonical text and then one frame
+//! number per line; the child ends with that stream.
 
 use std::io::{self, BufRead, Read, Write};
 
 use serde::{Deserialize, Serialize};
 
-/// Longest line and largest file that a supervisor takes from a child.
+/// Longest line and largest file that a supervisor accepts from a child.
 const MOST_BYTES: u64 = 1 << 30;
 
 /// A file of a frame.
@@ -19,7 +19,7 @@ pub struct ParcelFile {
     pub bytes: Vec<u8>,
 }
 
-/// What a child says.
+/// A message of a child.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Message {
     /// It begins to render this frame.

@@ -49,7 +49,7 @@ fn parse_frames(text: &str) -> Result<Range<u64>, String> {
     }
 }
 
-/// What a call is asked to do.
+/// The shards that a call should render.
 #[derive(Debug, Clone, Default)]
 pub struct Selection {
     /// Part of the set; all of it without.
@@ -70,7 +70,7 @@ impl Selection {
         })
     }
 
-    /// The shards that are meant, done or not.
+    /// The selected shards, done or not.
     ///
     /// # Errors
     /// [`SetError::Refused`]: the frames are not in the job.

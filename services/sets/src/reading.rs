@@ -1,5 +1,5 @@
-//! Reads the images of a shard that is done, for a catalogue. What the store holds is not believed: marker, rows and tar
-//! must agree with each other and with the job.
+//! Reads the images of a completed shard for a catalogue. The content of the store is not trusted: marker, rows and tar must agree
+//! with each other and with the job.
 
 use std::collections::BTreeMap;
 use std::fmt::Display;
@@ -17,7 +17,7 @@ use crate::set::Set;
 
 /// Longest file of rows: a hundred thousand records, the most that a shard has, are a tenth of it.
 const MOST_ROWS_BYTES: u64 = 4 << 30;
-/// Longest artifact: what a service takes of a frame.
+/// Longest artifact: the limit of the service for a frame.
 const MOST_ARTIFACT_BYTES: u64 = 512 << 20;
 /// Images that stay in memory between the check and the use; those of longer shards are read twice.
 const KEPT_IMAGES: u64 = 5000;
@@ -91,7 +91,7 @@ impl Set {
         self.check_length(&marker.tar_name(), marker.tar.bytes)?;
         let rows = self.rows_file(&marker)?;
         let name = marker.rows_name();
-        // The decoder of Parquet is made for files that are meant well.
+        // The decoder of Parquet panics on some malformed files.
         let checked = catch_unwind(AssertUnwindSafe(|| self.check_rows(&marker, &rows)));
         let kept = checked.unwrap_or_else(|_| Err(SetError::unreadable(&name, "it is no Parquet file")))?;
         Ok(ShardRows {
@@ -109,7 +109,7 @@ impl Set {
         if marker.shard != shard {
             return wrong(format!("it is of shard {}", marker.shard));
         }
-        // It becomes part of names, so nothing but letters and digits may pass.
+        // It becomes part of names, so only letters and digits are accepted.
         if !(1..=64).contains(&attempt.len()) || !attempt.bytes().all(|byte| byte.is_ascii_alphanumeric()) {
             return wrong(format!("`{attempt}` is no attempt"));
         }
@@ -237,7 +237,7 @@ impl ShardRows {
 }
 
 impl ShardImage {
-    /// Finds an artifact that is no artifact, or whose place is not within the tar.
+    /// Rejects malformed artifacts and positions outside of the tar.
     fn check(&self, tar_bytes: u64) -> Result<(), String> {
         let artifacts = &self.record.record().artifacts;
         for artifact in artifacts {

@@ -12,9 +12,9 @@ use crate::error::SetError;
 use crate::job::Card;
 use crate::upload::{FileSum, Upload};
 
-/// A group is written once its rows take so much memory, some thousand of them.
+/// Memory of a group's rows beyond which it is written; some thousand rows.
 const GROUP_BYTES: usize = 4 << 20;
-/// Or are so many.
+/// Rows beyond which a group is written.
 const GROUP_ROWS: usize = 2000;
 /// Version of the columns' meaning, in the file's metadata.
 const SCHEMA_VERSION: &str = "1";

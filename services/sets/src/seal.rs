@@ -1,4 +1,4 @@
-//! The manifest: what a set that is complete consists of, under one digest.
+//! The manifest: the content of a complete set under one digest.
 
 use std::collections::BTreeMap;
 
@@ -21,7 +21,7 @@ pub struct Source {
     pub licence: String,
 }
 
-/// What `manifest.json` says.
+/// The content of `manifest.json`.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Manifest {
     /// Name of the dataset.
@@ -47,11 +47,11 @@ pub struct Manifest {
 }
 
 impl Set {
-    /// Writes the manifest of a set of which every shard is done, and returns it.
+    /// Writes the manifest of a complete set, and returns it.
     ///
     /// # Errors
-    /// [`SetError::Refused`] if shards are missing, [`SetError::Damaged`] if a file that a marker names is gone or cut off,
-    /// or if it was sealed with other content; otherwise [`SetError`] of the store.
+    /// [`SetError::Refused`] if shards are missing; [`SetError::Damaged`] if a file of a marker is missing or truncated, or if contents
+    /// changed since sealing; otherwise [`SetError`] of the store.
     pub fn seal(&self, sources: Vec<Source>) -> Result<Manifest, SetError> {
         let card = self.card();
         let markers = self.markers(self.done()?)?;
@@ -87,7 +87,7 @@ impl Set {
         }
     }
 
-    /// Compares the listing with what markers say. What is in the files is for `verify`.
+    /// Compares the listing with the markers; `verify` reads the files.
     fn check_files(&self, markers: &[Marker]) -> Result<(), SetError> {
         let listed = self.files()?.into_iter();
         let lengths: BTreeMap<String, u64> = listed.map(|entry| (entry.name, entry.bytes)).collect();

@@ -1,4 +1,4 @@
-//! A set that is open: its store, its job, its markers.
+//! An open set: its store, its job, its markers.
 
 use spec::{EARLIER_VERSION, Job, SetState};
 
@@ -20,11 +20,11 @@ pub struct Set {
 }
 
 impl Set {
-    /// Opens the set at a location for rendering this job, and begins it if nothing is there.
+    /// Opens the set at a location to render this job; begins it if the location is empty.
     ///
     /// # Errors
-    /// [`SetError::Refused`]: another job, version or division into shards is there, or the store does not create
-    /// objects only if absent; otherwise [`SetError`] of the store.
+    /// [`SetError::Refused`] for another job, version or division into shards, and for a store that cannot create objects only if
+    /// absent; otherwise [`SetError`] of the store.
     pub fn begin(location: &Location, new: &NewSet<'_>) -> Result<Self, SetError> {
         Self::begin_in(Store::open(location)?, new)
     }
@@ -45,10 +45,10 @@ impl Set {
         Ok(Self { store, card, job })
     }
 
-    /// Opens the set that is at a location.
+    /// Opens the set at a location.
     ///
     /// # Errors
-    /// [`SetError::Refused`] if none is there; otherwise [`SetError`] of the store.
+    /// [`SetError::Refused`] without a set; otherwise [`SetError`] of the store.
     pub fn open(location: &Location) -> Result<Self, SetError> {
         if let Location::Folder(path) = location
             && !path.is_dir()
@@ -65,13 +65,13 @@ impl Set {
         Ok(Self { store, card, job })
     }
 
-    /// Where the set lies.
+    /// The location of the set.
     #[must_use]
     pub fn location(&self) -> &Location {
         self.store.location()
     }
 
-    /// What `job.json` says.
+    /// The content of `job.json`.
     #[must_use]
     pub fn card(&self) -> &Card {
         &self.card
@@ -118,10 +118,10 @@ impl Set {
         state::read(self.store.get(layout::STATE)?.as_deref())
     }
 
-    /// Changes whether the set is to be worked on. What is cancelled stays so, whoever changes it at the same time.
+    /// Changes the state of the set. A cancelled set stays cancelled, even if another process changes it at the same time.
     ///
     /// # Errors
-    /// [`SetError::Refused`] for a set that is cancelled; otherwise [`SetError`] of the store.
+    /// [`SetError::Refused`] for a cancelled set; otherwise [`SetError`] of the store.
     pub fn set_state(&self, state: SetState) -> Result<(), SetError> {
         self.store
             .change(layout::STATE, |found| state::changed(found, state))
@@ -137,7 +137,7 @@ impl Set {
             let Some(shard) = layout::shard_of(&entry.name) else {
                 continue;
             };
-            // The note in `failed/` stays: whoever renders the shard next may be writing one.
+            // The note in `failed/` stays: the next process to render the shard may be writing one.
             if self
                 .marker(shard)?
                 .is_some_and(|marker| !marker.failed.is_empty())

@@ -19,12 +19,12 @@ pub enum Outcome {
 
 /// Renders a shard unless it is done, and commits it. Repeating the call, here or on another machine, is harmless.
 ///
-/// Both files are complete before the marker is created, so a call that ends early, however it ends, leaves nothing that
-/// counts. `check` is asked several times a second whether to go on.
+/// Both files are complete before the marker is created, so a call that ends early leaves no completed shard. `check` is called
+/// several times a second and can stop the work.
 ///
 /// # Errors
 /// [`SetError::Damaged`] if another machine has made other content of the same frames; what `check` returns; otherwise
-/// [`SetError`] of the store or of this machine. Frames that fail are no error: the marker lists them.
+/// [`SetError`] of the store or of this machine. Failed frames are listed in the marker.
 pub fn run_shard(
     set: &Set,
     shard: u64,
@@ -51,8 +51,8 @@ pub fn run_shard(
     match commit? {
         Commit::Won => Ok(Outcome::Committed(marker)),
         Commit::Lost => remove().map(|()| Outcome::Beaten),
-        Commit::Contradicted { there } => Err(SetError::Damaged(format!(
-            "shard {shard} is done with content digest {there}, here it has {} with CPU features {}; \
+        Commit::Contradicted { existing } => Err(SetError::Damaged(format!(
+            "shard {shard} is done with content digest {existing}, here it has {} with CPU features {}; \
              the files of both are kept, see alarm/",
             marker.digest, marker.cpu_features
         ))),

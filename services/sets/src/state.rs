@@ -20,10 +20,10 @@ pub(crate) fn read(text: Option<&[u8]>) -> Result<SetState, SetError> {
     Ok(document.state)
 }
 
-/// What a state is changed to; none where it stays. A cancelled set stays cancelled.
+/// The new content of a state; `None` if it does not change. A cancelled set stays cancelled.
 ///
 /// # Errors
-/// [`SetError::Refused`] for a set that is cancelled.
+/// [`SetError::Refused`] for a cancelled set.
 pub(crate) fn changed(text: Option<&[u8]>, wanted: SetState) -> Result<Option<Vec<u8>>, SetError> {
     match read(text)? {
         before if before == wanted => Ok(None),

@@ -23,13 +23,13 @@ use crate::transport::Connector;
 /// How long a request is repeated before the store counts as unreachable.
 const RETRY_LIMIT: Duration = Duration::from_secs(30);
 const MOST_RETRIES: usize = 8;
-/// Pauses between repeats. They add up to about ten seconds, in which a server restarts; those of the S3 client, to one.
+/// Pauses between attempts: together about ten seconds, enough for a server to restart; those of the S3 client, one second.
 const PAUSES: BackoffConfig = BackoffConfig {
     init_backoff: Duration::from_millis(200),
     max_backoff: Duration::from_secs(3),
     base: 3.0,
 };
-/// How often an object is created anew while nobody knows whether it is there.
+/// Attempts to create an object while its existence is unknown.
 const CREATE_TRIES: usize = 3;
 
 /// A store; clones share the connection.
@@ -53,8 +53,8 @@ pub struct Entry {
 }
 
 impl Store {
-    /// Opens a location. Of a bucket the environment variables that S3 clients share say endpoint, region and
-    /// credentials; nothing is sent yet.
+    /// Opens a location. For a bucket, endpoint, region and credentials come from the usual environment variables of S3 clients. No
+    /// request is sent.
     ///
     /// # Errors
     /// [`SetError`]: the folder cannot be created, or the environment contradicts itself.
@@ -89,7 +89,7 @@ impl Store {
         prefix: &str,
         location: &Location,
     ) -> Result<Self, SetError> {
-        // One thread beside the caller's keeps uploads going while frames are rendered.
+        // A second thread continues uploads while frames are rendered.
         let runtime = Builder::new_multi_thread().worker_threads(1).enable_all().build();
         let runtime =
             runtime.map_err(|error| SetError::Machine(format!("cannot start a thread: {error}")))?;
@@ -101,7 +101,7 @@ impl Store {
         })
     }
 
-    /// Where the set lies.
+    /// The location of the set.
     #[must_use]
     pub fn location(&self) -> &Location {
         &self.location
@@ -111,7 +111,7 @@ impl Store {
         Path::from_iter(self.root.parts().chain(Path::from(name).parts()))
     }
 
-    /// Waits for a call; its failure says what the user can do.
+    /// Waits for a call; its error names the remedy.
     pub(crate) fn wait<T>(&self, call: impl Future<Output = object_store::Result<T>>) -> Result<T, SetError> {
         self.runtime.block_on(call).map_err(|error| self.explain(&error))
     }
@@ -141,10 +141,9 @@ impl Store {
         Ok(found.map(|meta| self.listed(&meta)))
     }
 
-    /// Creates an object unless one of this name is there; returns what is there instead.
+    /// Creates an object only if absent; otherwise returns the existing one.
     ///
-    /// A call of which the reply was lost may have done its work, so what is there is read back before a refusal or a
-    /// failure is believed.
+    /// A call whose reply was lost may have succeeded, so the object is read before a refusal or a failure is reported.
     pub(crate) fn create(&self, name: &str, bytes: &[u8]) -> Result<Option<Vec<u8>>, SetError> {
         let path = self.path(name);
         let mut tries = 0;
@@ -169,7 +168,7 @@ impl Store {
         }
     }
 
-    /// Writes an object, whatever was there.
+    /// Creates or replaces an object.
     pub(crate) fn replace(&self, name: &str, bytes: &[u8]) -> Result<(), SetError> {
         let path = self.path(name);
         self.wait(self.objects.put(&path, bytes.to_vec().into()))
@@ -197,8 +196,8 @@ impl Store {
         Ok(names.map(str::to_owned).collect())
     }
 
-    /// Removes what uploads that were cut off left in a folder; returns how many files. The listing of a folder leaves
-    /// them out, and a bucket shows parts of an upload to nobody: it has a rule of its own for them.
+    /// Removes the remains of interrupted uploads in a folder; returns the number of files. Listings of a folder omit them. A bucket
+    /// hides parts of uploads, and removes them by a lifecycle rule.
     pub(crate) fn sweep_unfinished(&self, newest_ms: i64) -> Result<u64, SetError> {
         let Location::Folder(root) = &self.location else {
             return Ok(0);

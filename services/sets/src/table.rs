@@ -1,4 +1,4 @@
-//! A table in a file of its own, apart from sets.
+//! A table in a single file, independent of sets.
 
 use std::fs::File;
 use std::io::BufWriter;
@@ -55,7 +55,7 @@ impl Table {
 }
 
 impl Cell {
-    /// What a value of a row is in a cell of a kind.
+    /// The cell of a value of a row.
     #[must_use]
     pub fn of_value(kind: Kind, value: &Value) -> Option<Self> {
         match kind {

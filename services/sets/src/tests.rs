@@ -106,10 +106,10 @@ fn a_lost_reply_is_no_refusal() {
 fn the_first_marker_stays_and_a_contradiction_raises_an_alarm() {
     let store = store(Fault::None);
     assert_eq!(marker("a", "x").commit(&store).unwrap(), Commit::Won);
-    let there = "x".to_owned();
+    let existing = "x".to_owned();
     assert_eq!(
         marker("b", "y").commit(&store).unwrap(),
-        Commit::Contradicted { there }
+        Commit::Contradicted { existing }
     );
     let first = Marker::read("", &store.get(&layout::done(3)).unwrap().unwrap()).unwrap();
     assert_eq!(first, marker("a", "x"));
@@ -206,7 +206,7 @@ fn a_cancelled_set_stays_cancelled_whoever_pauses_and_resumes_it() {
         let set = begin(&store, 95).unwrap();
         let begun = Instant::now();
         thread::scope(|scope| {
-            // However fast the machine is, they are still at it when the set is cancelled, and none goes on for ever.
+            // They are still running when the set is cancelled, even on a fast machine, and all end.
             let changes: Vec<_> = (0..3)
                 .map(|_| {
                     scope.spawn(|| {

@@ -20,7 +20,7 @@ use ureq::http::{Method, Request, Response};
 const CONNECT_LIMIT: Duration = Duration::from_secs(5);
 /// Longest time of one request: a part of an upload over a slow line.
 const REQUEST_LIMIT: Duration = Duration::from_secs(60);
-/// Largest response: readers ask for ranges far below this.
+/// Largest response; readers request far smaller ranges.
 const MOST_BYTES: u64 = 256 << 20;
 
 /// Hands the transport to the S3 client.

@@ -13,14 +13,14 @@ use crate::error::SetError;
 use crate::location::Location;
 use crate::store::Store;
 
-/// Part of an upload to a bucket, of which S3 takes 10 000, so that a file may have 78 GiB. One is filled while another is sent.
+/// Part of an upload to a bucket. S3 allows 10 000 parts, so a file may have 78 GiB. One part is filled while another is sent.
 const PART_BYTES: usize = 8 << 20;
-/// The same of a folder, which takes any number of them.
+/// Part of an upload to a folder, without a limit on their number.
 const FOLDER_PART_BYTES: usize = 1 << 20;
 /// Small writes are gathered up to this size.
 const GATHERED_BYTES: usize = 256 << 10;
 
-/// What a file must be found as.
+/// The expected length and digest of a file.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FileSum {
     /// SHA-256, lower-case hex.
@@ -30,7 +30,7 @@ pub struct FileSum {
 }
 
 impl FileSum {
-    /// What a length that was found, or its absence, says against the file; `None` if nothing.
+    /// Describes a wrong or missing length; `None` if it is as expected.
     pub(crate) fn contradiction(&self, name: &str, found: Option<u64>) -> Option<String> {
         match found {
             None => Some(format!("{name} is gone")),
@@ -43,7 +43,7 @@ impl FileSum {
     }
 }
 
-/// A file on its way into the store. Nothing is visible before [`Upload::finish`]; clones write the same file.
+/// A file that is being uploaded, invisible before [`Upload::finish`]; clones write the same file.
 #[derive(Clone)]
 pub(crate) struct Upload {
     store: Store,
@@ -111,7 +111,7 @@ impl Upload {
         })
     }
 
-    /// Gives the file up and removes what is there of it, as far as the store allows; `gc` removes the rest.
+    /// Aborts the upload and removes its parts, if the store allows it; otherwise `gc` removes them.
     pub(crate) fn abandon(&self) {
         let mut state = self.state();
         if std::mem::replace(&mut state.is_open, false) {

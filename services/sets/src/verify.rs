@@ -1,4 +1,4 @@
-//! Reads what a set holds and compares it with its markers.
+//! Compares the files of a set with its markers.
 
 use sha2::{Digest, Sha256};
 
@@ -8,29 +8,29 @@ use crate::marker::Marker;
 use crate::set::Set;
 use crate::upload::FileSum;
 
-/// What is read at once.
+/// Bytes per read.
 const CHUNK_BYTES: u64 = 8 << 20;
 
-/// What a shard was found as.
+/// The findings of a shard.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Report {
     /// Bytes that were read.
     pub bytes: u64,
-    /// What is wrong; empty if nothing is.
+    /// Damage; empty for an intact shard.
     pub damage: Vec<String>,
 }
 
 impl Set {
-    /// Reads both files of a shard that is done and compares them with its marker.
+    /// Reads both files of a completed shard and compares them with its marker.
     ///
     /// # Errors
-    /// [`SetError`] of the store. Damage is no error.
+    /// [`SetError`] of the store; damage is part of the report.
     pub fn verify(&self, shard: u64) -> Result<Report, SetError> {
         let mut report = Report::default();
         let marker = match self.marker(shard) {
             Ok(Some(marker)) => marker,
-            Ok(None) => return Ok(report.with(format!("shard {shard} has no marker"))),
-            Err(SetError::Damaged(reason)) => return Ok(report.with(reason)),
+            Ok(None) => return Ok(report.with_damage(format!("shard {shard} has no marker"))),
+            Err(SetError::Damaged(reason)) => return Ok(report.with_damage(reason)),
             Err(error) => return Err(error),
         };
         for (name, sum) in [
@@ -53,7 +53,7 @@ impl Set {
         Ok(report)
     }
 
-    /// Renders a frame again and compares it with the row that is stored; returns what is wrong.
+    /// Renders a frame again and compares it with its row; returns the difference.
     ///
     /// # Errors
     /// [`SetError`] of the store and of this machine.
@@ -109,7 +109,7 @@ impl Set {
 }
 
 impl Report {
-    fn with(mut self, damage: String) -> Self {
+    fn with_damage(mut self, damage: String) -> Self {
         self.damage.push(damage);
         self
     }

@@ -20,7 +20,7 @@ pub struct Watch {
 }
 
 impl Watch {
-    /// Starts looking. `stop` turns true when the process is asked to end.
+    /// Starts watching the state of a set. `stop` is set when the process should end.
     #[must_use]
     pub fn start(set: &Set, every: Duration, stop: Arc<AtomicBool>) -> Self {
         let (end, ended) = mpsc::channel();
@@ -28,7 +28,7 @@ impl Watch {
         let (set, flag) = (set.clone(), Arc::clone(&is_cancelled));
         thread::spawn(move || {
             while ended.recv_timeout(every) == Err(mpsc::RecvTimeoutError::Timeout) {
-                // A store that does not respond is noticed by whoever writes to it.
+                // Writers report a store that does not respond.
                 if matches!(set.state(), Ok(SetState::Cancelled)) {
                     flag.store(true, Ordering::SeqCst);
                 }
@@ -44,7 +44,7 @@ impl Watch {
     /// Returns an error once the work is to end.
     ///
     /// # Errors
-    /// [`SetError::Refused`] after the set was cancelled, [`SetError::Later`] when this process is asked to end.
+    /// [`SetError::Refused`] after the set was cancelled; [`SetError::Later`] when this process should end.
     pub fn check(&self) -> Result<(), SetError> {
         if self.is_cancelled.load(Ordering::SeqCst) {
             return allow_work(SetState::Cancelled);

@@ -4,13 +4,13 @@ use serde_json::json;
 use sqlx::AssertSqlSafe;
 use sqlx::sqlite::SqliteConnection;
 
-use super::{imported, known_job, row};
+use super::rows::{imported, known_job, row};
 use crate::catalogue::Catalogue;
+use crate::datasets::versions::refuse_sealed;
+use crate::digests::tables::job_columns;
 use crate::error::CatalogueError;
-use crate::mirror;
-use crate::tables::job_columns;
+use crate::replica::files as replica_files;
 use crate::types::Retried;
-use crate::versions::refuse_sealed;
 
 /// Tables whose rows belong to the image of a frame, its own row apart.
 const BESIDE: [&str; 3] = ["artifacts", "measurements", "records"];
@@ -60,7 +60,7 @@ async fn reopen(
         .fetch_all(&mut *connection)
         .await?;
     gone.sort_unstable();
-    mirror::rows_change(connection, id).await?;
+    replica_files::drop_changed_rows(connection, id).await?;
     sqlx::query("UPDATE datasets SET images = images - ?, bytes = bytes - ? WHERE name = ?")
         .bind(gone.len() as i64)
         .bind(bytes)

@@ -96,7 +96,12 @@ async fn groups_by_columns_and_bins_have_the_statistics_of_a_plain_loop() {
         .catalogue
         .grouped_stats("bay", &metrics, "water.optics, alpha:0.1", Some("frame < 250"));
     let got = got.await.unwrap();
-    let widths: Vec<_> = got.by.iter().map(|by| (by.column.as_str(), by.width)).collect();
+    let widths: Vec<_> = got
+        .by
+        .iter()
+        .flatten()
+        .map(|by| (by.column.as_str(), by.width))
+        .collect();
     assert_eq!(widths, [("water.optics", None), ("alpha", Some(0.1))]);
 
     let mut expected = Vec::new();
@@ -225,7 +230,10 @@ async fn whole_rows_have_every_column_of_the_dataset_and_come_page_by_page() {
         .iter()
         .find(|column| column.name == "camera.hfov_deg")
         .unwrap();
-    assert_eq!((scale.kind, scale.unit), ("number", Some("degree")));
+    assert_eq!(
+        (scale.kind.as_str(), scale.unit.as_deref()),
+        ("number", Some("degree"))
+    );
     let mut query = ImageQuery {
         dataset: Some("bay".to_owned()),
         limit: 10,

@@ -8,7 +8,7 @@ use super::*;
 use crate::cache::Cache;
 use crate::column::{ColumnBuilder, Kind};
 use crate::condition::{Condition, Sign, Test, Value};
-use crate::file::{About, MirrorFile};
+use crate::file::{About, ReplicaFile};
 use crate::parts::Part;
 use crate::write::write;
 
@@ -52,7 +52,7 @@ fn file(folder: &std::path::Path, rows: &[(usize, Row)]) -> Part {
         checksums: Vec::new(),
     };
     let named = write(folder, &columns, about).unwrap();
-    let file = MirrorFile::open(&folder.join(&named.name), &named.digest).unwrap();
+    let file = ReplicaFile::open(&folder.join(&named.name), &named.digest).unwrap();
     Part::File {
         file: Arc::new(file),
         jobs: None,
@@ -122,13 +122,13 @@ proptest! {
         parts.extend(stored.chunks(97).map(|some| file(folder.path(), some)));
         let condition = Condition::Test("uiqm".to_owned(), Test::Is(Sign::Below, Value::Number(0.5)));
         let (names, cache) = (NAMES.map(|(name, _)| name.to_owned()), Cache::new(1 << 20));
-        let question = Question { parts: &parts, columns: &names, condition: is_filtered.then_some(&condition), cache: &cache, threads };
+        let query = Query { parts: &parts, columns: &names, condition: is_filtered.then_some(&condition), cache: &cache, threads };
         let order = Order { by, job: 3, frame: 4 };
 
         let mut expected: Vec<_> = rows.iter().filter(counts).copied().collect();
         expected.sort_by(|one, other| compared(one, other, by));
         let shown = |some: &[(usize, Row)]| some.iter().take(most).map(|(frame, row)| (format!("job_{}", row.3), *frame as i64)).collect::<Vec<_>>();
-        let got = |start: &Start| ranked(&question, &order, start, most).unwrap().into_iter().map(|(job, frame)| (job.to_string(), frame)).collect::<Vec<_>>();
+        let got = |start: &Start| ranked(&query, &order, start, most).unwrap().into_iter().map(|(job, frame)| (job.to_string(), frame)).collect::<Vec<_>>();
 
         prop_assert_eq!(got(&Start::Behind(rank as u64)), shown(expected.get(rank..).unwrap_or_default()));
         if let Some((frame, row)) = expected.get(rank) {
@@ -144,7 +144,7 @@ proptest! {
         let rows: Vec<(usize, Row)> = rows.into_iter().enumerate().map(|(at, row)| (2 * at, row)).collect();
         let parts = [Part::Rows(columns(&rows).into_iter().map(Arc::new).collect())];
         let (names, cache) = (NAMES.map(|(name, _)| name.to_owned()), Cache::new(0));
-        let question = Question { parts: &parts, columns: &names, condition: None, cache: &cache, threads: 1 };
+        let query = Query { parts: &parts, columns: &names, condition: None, cache: &cache, threads: 1 };
         for place in 0..3 {
             let by = Some((place, descending));
             let (mut expected, gone) = (rows.clone(), (2 * frame + 1, gone));
@@ -152,7 +152,7 @@ proptest! {
             expected.sort_by(|one, other| compared(one, other, by));
             let expected: Vec<_> = expected.iter().map(|(frame, _)| *frame as i64).collect();
             let start = Start::After(sorted_by(&gone.1, place), format!("job_{}", gone.1.3), gone.0 as i64);
-            let got = ranked(&question, &Order { by, job: 3, frame: 4 }, &start, 100).unwrap();
+            let got = ranked(&query, &Order { by, job: 3, frame: 4 }, &start, 100).unwrap();
             prop_assert_eq!(got.into_iter().map(|(_, frame)| frame).collect::<Vec<_>>(), expected);
         }
     }

@@ -2,7 +2,7 @@
 
 use crate::http::{Json, Path, Problem, Query, State, Topic, bounds};
 
-use catalogue::{Catalogue, Density, DensityColumns};
+use catalogue::{Catalogue, Histogram2d, Histogram2dColumns};
 use serde::Deserialize;
 use utoipa::IntoParams;
 
@@ -30,19 +30,19 @@ pub(crate) struct Parameters {
 /// Count the pairs of two columns in cells.
 #[utoipa::path(get, path = "/v1/datasets/{name}/density", tag = "datasets", operation_id = "get_density",
     params(("name" = String, Path, description = "Name of the dataset"), Parameters),
-    responses((status = 200, description = "The cells.", body = Density),
+    responses((status = 200, description = "The cells.", body = Histogram2d),
               (status = 422, response = crate::openapi::Problem)))]
 pub(crate) async fn density(
     State(catalogue): Topic<Catalogue>,
     Path(name): Path<String>,
     Query(asked): Query<Parameters>,
-) -> Result<Json<Density>, Problem> {
+) -> Result<Json<Histogram2d>, Problem> {
     let filter = bounds::filter(asked.filter)?;
-    let columns = DensityColumns {
+    let columns = Histogram2dColumns {
         x: &asked.x,
         y: &asked.y,
         mean_of: asked.mean_of.as_deref(),
     };
-    let density = catalogue.density(&name, filter.as_deref(), columns, asked.bins.unwrap_or(64));
+    let density = catalogue.histogram_2d(&name, filter.as_deref(), columns, asked.bins.unwrap_or(64));
     Ok(Json(density.await?))
 }

@@ -1,7 +1,7 @@
 //! The mirror, from which images are counted.
 
 use api::Data;
-use catalogue::MIRROR_ROWS;
+use catalogue::REPLICA_ROWS;
 
 use super::Findings;
 
@@ -12,11 +12,11 @@ pub(super) async fn look(
     anew: bool,
     findings: &mut Findings,
 ) -> anyhow::Result<()> {
-    findings.mirror = data.catalogue.check_mirror().await?;
+    findings.mirror = data.catalogue.check_replica().await?;
     if anew {
-        findings.mirror_written = data.catalogue.rebuild_mirror().await?;
+        findings.mirror_written = data.catalogue.rebuild_replica().await?;
     }
-    while repair && data.catalogue.mirror_some(MIRROR_ROWS).await? {
+    while repair && data.catalogue.replicate_some(REPLICA_ROWS).await? {
         findings.mirror_written += 1;
     }
     Ok(())

@@ -1,0 +1,220 @@
+//! Pages of images: filter, order, fields, and cursors that begin the next page where the last one ended.
+
+use client::Page;
+use futures::TryStreamExt;
+use serde_json::{Map, Value, json};
+use sqlx::sqlite::{SqliteConnection, SqliteRow};
+
+use super::order::{Order, identity};
+use super::top_k::Ranked;
+use crate::catalogue::{Catalogue, within};
+use crate::digests::record_row::About;
+use crate::error::CatalogueError;
+use crate::query::column_value::{column, stored, value};
+use crate::query::columns::Columns;
+use crate::query::cursor;
+use crate::query::filter::{Bind, Kind};
+use crate::query::record_reader::{Place, Reader, Wanted};
+use crate::query::select::Select;
+use crate::types::ImageQuery;
+
+/// Every column of a dataset with ten enhancements are some hundreds; SQLite returns at most 2000.
+const MOST_FIELDS: usize = 1000;
+/// A page ends with the row that reaches this size, about that of its JSON: a thousand ordinary rows have 2 MB.
+const PAGE_BYTES: usize = 8 << 20;
+
+impl Catalogue {
+    /// A page of images: as many as are asked for, or fewer if they are large.
+    ///
+    /// # Errors
+    /// [`CatalogueError::Filter`] for filter, order or fields; [`CatalogueError::Cursor`]; [`CatalogueError::Timeout`].
+    pub async fn images(&self, query: ImageQuery) -> Result<Page<Value>, CatalogueError> {
+        if query.cursor.is_some() && query.offset > 0 {
+            let message = "`offset` and `cursor` both say where a page begins: give one of them".to_owned();
+            return Err(CatalogueError::refused(message));
+        }
+        if let Some(found) = self.ranked(&query).await? {
+            let question = Question::of_rows(&self.columns, &query, &found)?;
+            if found.is_empty() {
+                return Ok(Page::whole(Vec::new()));
+            }
+            let (page, rows) = within(images(&mut *self.reader().await?, &question, &query)).await?;
+            // Else some of them have gone since they were found.
+            if rows == found.len() || page.next_cursor.is_some() {
+                return Ok(page);
+            }
+        }
+        let question = Question::new(&self.columns, &query)?;
+        let (page, _) = within(images(&mut *self.reader().await?, &question, &query)).await?;
+        Ok(page)
+    }
+}
+
+/// A page, and how many rows were read for it.
+async fn images(
+    connection: &mut SqliteConnection,
+    question: &Question,
+    query: &ImageQuery,
+) -> Result<(Page<Value>, usize), CatalogueError> {
+    let mut rows = question.sql.statement().fetch(connection);
+    let (mut items, mut bytes, mut read) = (Vec::new(), 0, 0);
+    let mut last = None;
+    let mut next_cursor = None;
+    while let Some(row) = rows.try_next().await? {
+        read += 1;
+        if items.len() == query.limit as usize || bytes >= PAGE_BYTES {
+            let places = last.map(|row| question.place(&row));
+            next_cursor = places
+                .transpose()?
+                .map(|place| cursor::write(&question.identity, &place));
+            break;
+        }
+        let item = question.item(&row)?;
+        bytes += size(&item);
+        items.push(Value::Object(item));
+        last = Some(row);
+    }
+    Ok((Page { items, next_cursor }, read))
+}
+
+/// About the length of an item as JSON.
+fn size(item: &Map<String, Value>) -> usize {
+    /// Quotes, colon, comma and a number of usual length.
+    const BESIDE: usize = 16;
+    let pairs = item.iter();
+    pairs
+        .map(|(name, value)| name.len() + BESIDE + value.as_str().map_or(0, str::len))
+        .sum()
+}
+
+/// A page as a statement, of which the first columns are those of [`Columns::of_record`].
+pub(super) struct Question {
+    pub(super) sql: Select,
+    /// The fields of an item.
+    fields: Vec<(String, Shown)>,
+    /// What filter and order asked: it must be what the record has.
+    compared: Vec<(usize, Kind, Place)>,
+    /// Reads of a record what is needed for both.
+    reader: Reader,
+    /// Where the value of the order's column stands.
+    key: Option<usize>,
+    /// What a cursor belongs to.
+    pub(super) identity: String,
+}
+
+/// Where a field's value comes from.
+enum Shown {
+    Record(Place),
+    Cell(usize, Kind),
+}
+
+impl Question {
+    pub(super) fn new(columns: &Columns, query: &ImageQuery) -> Result<Self, CatalogueError> {
+        let (mut question, order) = Self::unordered(columns, query)?;
+        let sql = &mut question.sql;
+        if let Some(text) = &query.cursor {
+            order.push_start(sql, &cursor::read(&question.identity, text)?)?;
+        }
+        order.push_order(sql);
+        sql.push(" LIMIT ? OFFSET ?");
+        sql.bind(Bind::Whole(i64::from(query.limit) + 1));
+        sql.bind(Bind::Whole(i64::try_from(query.offset).unwrap_or(i64::MAX)));
+        Ok(question)
+    }
+
+    /// The same of images that are known to be its rows, and of one behind them.
+    pub(super) fn of_rows(
+        columns: &Columns,
+        query: &ImageQuery,
+        rows: &[Ranked],
+    ) -> Result<Self, CatalogueError> {
+        let (mut question, order) = Self::unordered(columns, query)?;
+        let places = vec!["(?, ?)"; rows.len()].join(", ");
+        let sql = &mut question.sql;
+        sql.push(&format!(
+            " AND (images.job_id, images.frame) IN (VALUES {places})"
+        ));
+        for (job, frame) in rows {
+            sql.bind(Bind::Text(job.to_string()));
+            sql.bind(Bind::Whole(*frame));
+        }
+        order.push_order(sql);
+        Ok(question)
+    }
+
+    /// All rows of the query, and their order.
+    fn unordered(columns: &Columns, query: &ImageQuery) -> Result<(Self, Order), CatalogueError> {
+        let names = if query.fields.is_empty() {
+            columns.names()
+        } else {
+            query.fields.clone()
+        };
+        if names.len() > MOST_FIELDS {
+            let message = format!("{} fields; there may be {MOST_FIELDS}", names.len());
+            return Err(CatalogueError::refused(message));
+        }
+        let (filter, dataset) = (query.filter.as_deref(), query.dataset.as_deref());
+        let mut selected = columns.of_record();
+        let mut fields = Vec::with_capacity(names.len());
+        let mut wanted = Wanted::default();
+        for name in names {
+            let column = column(columns, &name)?;
+            let shown = match &column.found {
+                Some(found) => Shown::Record(wanted.add(found)),
+                None => {
+                    selected.push(column.clone());
+                    Shown::Cell(selected.len() - 1, column.kind)
+                }
+            };
+            fields.push((name, shown));
+        }
+        let order = Order::parse(columns, query.order_by.as_deref())?;
+        let key = order.column.as_ref().map(|_| selected.len());
+        let asked = Select::filter(columns, filter)?.map_or_else(Vec::new, |filter| filter.asked);
+        let mut compared = Vec::new();
+        for column in order.column.iter().cloned().chain(asked) {
+            if let Some(found) = &column.found {
+                compared.push((selected.len(), column.kind, wanted.add(found)));
+            }
+            selected.push(column);
+        }
+        let question = Self {
+            sql: Select::new(columns, &selected, filter, dataset)?,
+            fields,
+            compared,
+            reader: wanted.reader(),
+            key,
+            identity: identity(query),
+        };
+        Ok((question, order))
+    }
+
+    /// A row as an object; what is missing is left out.
+    fn item(&self, row: &SqliteRow) -> Result<Map<String, Value>, CatalogueError> {
+        let (about, record) = About::verified(row)?;
+        let record = self.reader.read(record)?;
+        for (at, kind, place) in &self.compared {
+            if value(row, *at, *kind)? != record.at(place) {
+                let what = format!("a parameter or metric of {}/{}", about.job, about.frame);
+                return Err(CatalogueError::damaged(what));
+            }
+        }
+        let mut item = Map::new();
+        for (name, shown) in &self.fields {
+            let value = match shown {
+                Shown::Record(place) => record.at(place),
+                Shown::Cell(at, kind) => value(row, *at, *kind)?,
+            };
+            if !value.is_null() {
+                item.insert(name.clone(), value);
+            }
+        }
+        Ok(item)
+    }
+
+    /// Where a row stands: the value of the order column, job, frame.
+    fn place(&self, row: &SqliteRow) -> Result<Value, CatalogueError> {
+        let key = self.key.map(|at| stored(row, at)).transpose()?;
+        Ok(json!([key, stored(row, 0)?, stored(row, 1)?]))
+    }
+}
