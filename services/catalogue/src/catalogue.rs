@@ -1,4 +1,4 @@
-//! The catalogue: its connections, and how reads and writes reach them. What is read and written stands with each topic.
+//! The catalogue's connections, and the paths of reads and writes. The operations are in the folders of their topics.
 
 use client::{DatasetRow, Page};
 use std::collections::BTreeSet;
@@ -21,9 +21,9 @@ use crate::query::columns::Columns;
 use crate::query::cursor;
 use crate::replica::files::Replica;
 
-/// Most findings that are kept: beyond it is clear that all has to be read.
+/// Findings that are kept; more call for a full check anyway.
 const MOST_DAMAGE: usize = 100;
-/// The longest a question may take.
+/// Time limit of a query.
 const QUESTION_LIMIT: Duration = Duration::from_secs(20);
 
 /// A catalogue: one writer, several readers.
@@ -31,7 +31,7 @@ pub struct Catalogue {
     pub(crate) path: PathBuf,
     pub(crate) columns: Columns,
     pub(crate) replica: Arc<Replica>,
-    /// What jobs have, for lists of columns.
+    /// The measured pictures and artifact kinds of large jobs, for lists of columns.
     pub(crate) remembered: Remembered,
     pub(crate) readers: SqlitePool,
     pub(crate) reads: AtomicU64,
@@ -63,7 +63,7 @@ impl Catalogue {
         Ok(cursor::page(&question, rows, limit, |row: &DatasetRow| &row.name))
     }
 
-    /// The dataset of a name that is no sealed version.
+    /// A dataset by its name, but not a sealed version.
     pub(crate) async fn unsealed(&self, name: &str) -> Result<Option<DatasetRow>, CatalogueError> {
         let row = sqlx::query("SELECT name, images, bytes, jobs, row_digest FROM datasets WHERE name = ?")
             .bind(name)
@@ -72,14 +72,14 @@ impl Catalogue {
         row.as_ref().map(dataset).transpose()
     }
 
-    /// What was found to be damaged since the catalogue was opened, here or in the packs.
+    /// Damage that was found since the catalogue was opened, here or in the packs.
     #[must_use]
     pub fn damage(&self) -> Vec<String> {
         let damage = self.damage.lock().unwrap_or_else(PoisonError::into_inner);
         damage.iter().cloned().collect()
     }
 
-    /// Notes damage that was found.
+    /// Records damage.
     pub fn note_damage(&self, what: &str) {
         let mut damage = self.damage.lock().unwrap_or_else(PoisonError::into_inner);
         if damage.len() < MOST_DAMAGE {
@@ -102,7 +102,7 @@ impl Catalogue {
         }
     }
 
-    /// How often this process has read from the catalogue. Reads within a change are part of the change.
+    /// Number of reads by this process, without those that are part of a change.
     #[must_use]
     pub fn reads(&self) -> u64 {
         self.reads.load(Ordering::Relaxed)

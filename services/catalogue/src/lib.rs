@@ -1,8 +1,8 @@
 //! The SQLite catalogue of jobs, scenes, images, measurements and artifacts.
 //!
-//! One process opens it. One task writes: it gathers changes that arrive within a few milliseconds into one transaction
-//! and replies when that is on the disk. Readers have connections of their own that cannot write. Statements stand in
-//! full beside the operation they belong to; values are always bound.
+//! One process opens it. One task writes: it combines changes that arrive within a few milliseconds into one transaction and replies
+//! when that is on the disk. Readers use separate connections that cannot write. Statements are written out next to their operation;
+//! values are always bound.
 
 mod aggregation;
 mod catalogue;

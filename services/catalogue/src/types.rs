@@ -1,4 +1,4 @@
-//! Rows and questions. What clients see of a row is the row itself, serialized.
+//! Rows and queries.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -25,7 +25,7 @@ pub struct NewJob {
     pub priority: i32,
     /// Now.
     pub created_at: UnixMs,
-    /// The key under which a repeat finds this job.
+    /// The key under which a repeated submission returns this job.
     pub idempotency: Option<Idempotency>,
     /// Folder or URL of the set that its images are imported from; a repeat finds this job by it.
     pub set: Option<String>,
@@ -33,7 +33,7 @@ pub struct NewJob {
     pub again: bool,
 }
 
-/// A key under which a repeated submission finds its job.
+/// A key under which a repeated submission returns its job.
 #[derive(Debug, Clone)]
 pub struct Idempotency {
     /// Whose key it is.
@@ -44,7 +44,7 @@ pub struct Idempotency {
     pub body_digest: String,
 }
 
-/// What became of a submission.
+/// The result of a submission.
 #[derive(Debug, Clone, PartialEq)]
 pub enum InsertJob {
     /// It is stored, as this row.
@@ -57,23 +57,23 @@ pub enum InsertJob {
     KeyConflict,
 }
 
-/// A job that has not ended, with what is left of it.
+/// A job that has not ended, with the state of its frames.
 #[derive(Debug, Clone)]
 pub struct OpenJob {
     /// The job.
     pub row: JobRow,
     /// Frames with an image.
     pub done: Vec<Range<u64>>,
-    /// Frames that were given up.
+    /// Abandoned frames.
     pub failed: Vec<u64>,
     /// Strikes of frames that are still tried.
     pub strikes: BTreeMap<u64, u32>,
-    /// What its first image was made with.
+    /// Provenance of its first image.
     pub provenance: Option<Provenance>,
 }
 
 impl From<JobRow> for OpenJob {
-    /// A job of which no frame has ended.
+    /// A job without finished frames.
     fn from(row: JobRow) -> Self {
         Self {
             row,
@@ -114,7 +114,7 @@ pub struct NamedDigest {
 pub struct StoredArtifact {
     /// Kind, digest, length and type.
     pub entry: ArtifactEntry,
-    /// Where the bytes lie in a set; `None`: in the packs.
+    /// The place of the bytes in a set; `None`: in the packs.
     pub place: Option<Place>,
 }
 
@@ -149,11 +149,11 @@ pub struct NewShard {
     pub frame: u64,
     /// Name of its tar below the set.
     pub tar: String,
-    /// What completes it; `None`: more images follow.
+    /// Completes the shard; `None`: more images follow.
     pub end: Option<ShardEnd>,
 }
 
-/// What completes the import of a shard.
+/// The end of a shard's import.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ShardEnd {
     /// Digest over its images.
@@ -164,7 +164,7 @@ pub struct ShardEnd {
     pub failed: Vec<FailureRow>,
 }
 
-/// A shard that is imported as a whole.
+/// A completely imported shard.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ImportedShard {
     /// Its first frame.
@@ -175,16 +175,16 @@ pub struct ImportedShard {
     pub changed_ms: i64,
 }
 
-/// What became of a commit.
+/// The result of a commit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum InsertImage {
     /// The image is stored.
     Inserted,
-    /// The frame has an image already; nothing changed.
+    /// The frame already has an image.
     AlreadyThere,
 }
 
-/// A question for a page of images.
+/// A query for a page of images.
 #[derive(Debug, Clone, Default)]
 pub struct ImageQuery {
     /// Only this dataset.
@@ -229,7 +229,7 @@ pub struct SceneRow {
     pub id: String,
     /// Digest over everything that a render depends on.
     pub content_digest: String,
-    /// Digests of the files, and what they mean.
+    /// Digests and meaning of the files.
     pub files: SceneFiles<String>,
     /// Columns.
     pub width: u32,

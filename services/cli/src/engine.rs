@@ -1,12 +1,12 @@
 //! The options that name a broker, which `fathom render` and `fathom worker` share.
 
-/// Which broker hands shards to workers.
+/// The broker that distributes shards to workers.
 #[derive(Debug, Clone, clap::Args)]
 pub struct EngineArguments {
-    /// Broker that hands shards to workers: nats://HOST, several separated by commas
+    /// Broker that distributes shards to workers: nats://HOST, several separated by commas
     #[arg(long, env = "FATHOM_ENGINE", value_name = "URL", hide_env_values = true)]
     pub engine: Option<String>,
-    /// Token for the broker, if it wants one
+    /// Token for the broker, if it requires one
     #[arg(
         long,
         env = "FATHOM_ENGINE_TOKEN",
@@ -14,7 +14,7 @@ pub struct EngineArguments {
         requires = "engine"
     )]
     pub engine_token: Option<String>,
-    /// How long a worker may be silent before its shard goes to another
+    /// Seconds without a heartbeat before a worker's shard is reassigned
     #[arg(long, default_value_t = 60.0, value_parser = lease_seconds, requires = "engine")]
     pub lease_s: f64,
     /// Servers of the broker that keep a copy of each message

@@ -16,7 +16,7 @@ pub struct Arguments {
     /// With --server: wait until every frame of the set has ended and is imported
     #[arg(long, requires = "server")]
     pub wait: bool,
-    /// Print what was imported as one JSON object
+    /// Print the imported set as one JSON object
     #[arg(long)]
     pub json: bool,
     #[command(flatten)]

@@ -1,9 +1,9 @@
-//! What the commands `fathom` and `fathom-lab` share: exit statuses, files, progress, tables, contact sheets, the client of
-//! a service, and jobs and styles as a user names them; and the commands of `fathom` themselves.
+//! The commands of `fathom`, and the parts that `fathom-lab` and `fathom-cluster` share with them: exit statuses, files, progress,
+//! tables, contact sheets, options of services, jobs and styles.
 
 #![allow(missing_docs, reason = "read by two binaries of ours alone")]
 
-// The commands name what they share as `fathom-lab` does.
+// The commands import the shared parts by the name of the crate, like `fathom-lab`.
 extern crate self as cli;
 
 #[macro_use]
@@ -67,7 +67,7 @@ pub fn run_words<A: FromArgMatches>(
             exit::end("fathom", ready.and_then(|()| run(arguments)))
         }
         Err(error) => {
-            // Nobody is left to be told when even this cannot be printed.
+            // There is no other place to report that standard error cannot be written.
             let _ = error.print();
             u8::try_from(error.exit_code()).unwrap_or(1)
         }

@@ -16,7 +16,7 @@ use crate::styles::StyleArguments;
 /// Options of `fathom render`.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// The job: a frame description with laws, as JSON
+    /// The job: a frame description as JSON, with random distributions
     pub spec: PathBuf,
     /// Folder for the frames and records.jsonl; s3://BUCKET/PREFIX or file:///FOLDER for a set of shards
     #[arg(long, value_name = "DIR|URL")]
@@ -30,7 +30,7 @@ pub struct Arguments {
     pub set: SetArguments,
 }
 
-/// What concerns sets only.
+/// Options of sets only.
 #[derive(clap::Args)]
 pub struct SetArguments {
     /// Write a set, and of it only the shards K with K % N = I
@@ -44,23 +44,23 @@ pub struct SetArguments {
     pub frames_per_shard: Option<u64>,
     #[command(flatten)]
     pub limits: LimitArguments,
-    /// How often to look whether the set was cancelled
+    /// Interval between checks whether the set was cancelled
     #[arg(long, default_value_t = 15.0, value_parser = seconds)]
     pub state_interval_s: f64,
     #[command(flatten)]
     pub engine: EngineArguments,
-    /// With a broker: shards that wait for workers at the same time [default: four for each slot of the fleet]
+    /// With a broker: most shards that wait for workers [default: four for each slot of the fleet]
     #[arg(long, value_name = "SHARDS", requires = "engine", value_parser = clap::value_parser!(u64).range(1..=100_000))]
     pub window: Option<u64>,
 }
 
-/// What a frame may cost before the process that renders it is ended.
+/// Limits of a frame, beyond which the rendering process is ended.
 #[derive(clap::Args)]
 pub struct LimitArguments {
-    /// Longest time of one frame; the process that takes longer is ended, and the frame is tried again
+    /// Longest time of one frame, after which its process is ended and the frame is tried again
     #[arg(long, env = "FATHOM_FRAME_LIMIT_S", default_value_t = 600.0, value_parser = seconds)]
     frame_limit_s: f64,
-    /// Most memory of the process that renders; beyond it the process is ended [default: three quarters of the machine's, or of its container's limit]
+    /// Most memory of the rendering process, beyond which it is ended [default: three quarters of the machine's, or of its container's limit]
     #[arg(long, env = "FATHOM_MEMORY_LIMIT_MIB", value_parser = clap::value_parser!(u64).range(64..))]
     memory_limit_mib: Option<u64>,
 }
@@ -87,7 +87,7 @@ pub fn seconds(text: &str) -> Result<f64, String> {
 }
 
 impl Arguments {
-    /// Whether a set is asked for, which is written by `fathom-cluster`.
+    /// Whether the output is a set, which `fathom-cluster` writes.
     pub fn wants_set(&self) -> bool {
         let SetArguments {
             shard,
@@ -100,7 +100,7 @@ impl Arguments {
         is_url || shard.is_some() || frames.is_some() || frames_per_shard.is_some() || engine.engine.is_some()
     }
 
-    /// Reads the job and checks that what it needs is here.
+    /// Reads the job and checks its requirements.
     pub fn prepare(&self) -> Result<(Job, Arc<Engine>), Failure> {
         let library = self.style.library()?;
         let job = job::read(&self.spec, &library)?;

@@ -29,13 +29,13 @@ pub struct VerifyArguments {
     /// Of a version: also read the bytes of every artifact
     #[arg(long)]
     pub bytes: bool,
-    /// Of a version: print what was found as JSON
+    /// Of a version: print the findings as JSON
     #[arg(long)]
     pub json: bool,
-    /// Of a set: read only so many shards, spread over the set
+    /// Of a set: read only this number of shards, spread over the set
     #[arg(long, value_name = "SHARDS")]
     pub sample: Option<u64>,
-    /// Of a set: render so many frames again, spread over the set, and compare them
+    /// Of a set: render this number of frames again, spread over the set, and compare them
     #[arg(long, value_name = "FRAMES", default_value_t = 0)]
     pub render: u64,
     #[command(flatten)]

@@ -160,7 +160,7 @@ impl Client {
         self.post("/v1/sets", &[], body.as_bytes())
     }
 
-    /// The set that is imported into a job.
+    /// The set of an imported job.
     pub fn set(&self, job: &str) -> Result<SetView, ClientError> {
         self.get(&format!("/v1/sets/{}", encode(job)))
     }

@@ -17,7 +17,7 @@ use crate::views::Page;
 const RESPONSE_LIMIT: Duration = Duration::from_secs(90);
 /// The longest that the service itself works on one request.
 const PATIENT_LIMIT: Duration = Duration::from_secs(3700);
-/// Attempts at a request that changes nothing, while the service is overloaded.
+/// Attempts at a read while the service is overloaded.
 const ATTEMPTS: u32 = 4;
 /// The pause before the second attempt; each further one is twice as long.
 const FIRST_PAUSE: Duration = Duration::from_millis(250);
@@ -62,7 +62,7 @@ impl Client {
         read(path, &self.get_bytes(path)?)
     }
 
-    /// Reads a view; `None` if the service has nothing at the path.
+    /// Reads a view; `None` for an unknown path.
     pub fn find<T: DeserializeOwned>(&self, path: &str) -> Result<Option<T>, ClientError> {
         match self.get(path) {
             Err(error) if error.is_not_found() => Ok(None),
@@ -146,7 +146,7 @@ impl Client {
         })
     }
 
-    /// Deletes what is at a path; `None` if the service has nothing to report about it.
+    /// Deletes the thing at a path; `None` for an empty response.
     pub fn delete<T: DeserializeOwned>(&self, path: &str) -> Result<Option<T>, ClientError> {
         let reply = self.received(self.0.delete(path))?;
         match reply.bytes.as_slice() {

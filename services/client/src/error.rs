@@ -10,7 +10,7 @@ pub enum ClientError {
     Unreachable {
         /// URL of the service.
         base: String,
-        /// What the connection reported.
+        /// The error of the connection.
         source: ureq::Error,
     },
     /// The service refused.
@@ -21,7 +21,7 @@ pub enum ClientError {
     Unreadable {
         /// The path of the request.
         path: String,
-        /// What is wrong with it.
+        /// The error of the parser.
         source: serde_json::Error,
     },
 }
@@ -37,7 +37,7 @@ impl ClientError {
         }
     }
 
-    /// Whether the service has nothing at the path.
+    /// Whether the path is unknown to the service.
     #[must_use]
     pub fn is_not_found(&self) -> bool {
         matches!(self, Self::Refused(problem) if problem.status.as_u16() == 404)

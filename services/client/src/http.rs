@@ -66,7 +66,7 @@ impl Problem {
         self.text("type").is_some_and(|kind| kind.ends_with(slug))
     }
 
-    /// Title and detail, then every field error on a line of its own.
+    /// Title and detail, then every field error on a separate line.
     #[must_use]
     pub fn message(&self) -> String {
         let mut message = match (self.text("title"), self.text("detail")) {
@@ -92,7 +92,7 @@ impl Problem {
 }
 
 impl Http {
-    /// A client of the service at this URL; no request takes longer than `limit`.
+    /// A client of the service at this URL; every request ends within `limit`.
     #[must_use]
     pub fn new(base: &str, token: Option<&str>, limit: Duration) -> Self {
         let config = Agent::config_builder()

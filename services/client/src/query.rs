@@ -15,7 +15,7 @@ pub fn encode(text: &str) -> String {
     utf8_percent_encode(text, RESERVED).to_string()
 }
 
-/// A path with a query; parameters that are absent or blank are left out.
+/// A path with a query; absent and blank parameters are left out.
 #[must_use]
 pub fn with_query(path: &str, parameters: &[(&str, Option<&str>)]) -> String {
     let pairs: Vec<String> = parameters

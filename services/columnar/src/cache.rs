@@ -7,8 +7,8 @@ use crate::column::Column;
 use crate::error::ColumnarError;
 use crate::file::ReplicaFile;
 
-/// Columns of files that were read lately. A query that needs more than fits keeps what came first: if it threw out the oldest,
-/// the next one like it would find nothing of it.
+/// Recently read columns of files. A query that needs more than fits keeps its first columns: evicting the oldest would leave nothing
+/// for the next similar query.
 #[derive(Debug)]
 pub struct Cache {
     most_bytes: usize,
@@ -61,13 +61,13 @@ impl Cache {
 impl Held {
     fn keep(&mut self, key: (u64, String), column: &Arc<Column>, most_bytes: usize) {
         let bytes = column.bytes();
-        // Texts have to be taken apart, numbers are read as they lie: these leave room for those.
+        // Half of the cache is reserved for texts, which are expensive to decode; numbers are read as they are stored.
         let most_bytes = match **column {
             Column::Texts { .. } => most_bytes,
             _ => most_bytes / 2,
         };
         if self.bytes + bytes > most_bytes {
-            // What no query of late has asked for.
+            // Columns that no recent query used.
             let old = self.now.saturating_sub(1);
             let mut freed = 0;
             self.columns.retain(|_, (column, used)| {

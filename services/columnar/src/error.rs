@@ -5,7 +5,7 @@ use std::path::PathBuf;
 /// Why a query failed, or a file was not written.
 #[derive(Debug, thiserror::Error)]
 pub enum ColumnarError {
-    /// A file is not what was written.
+    /// A damaged file.
     #[error("{} is damaged: {what}", path.display())]
     Damaged {
         /// The file.

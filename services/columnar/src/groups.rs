@@ -10,7 +10,7 @@ use crate::error::ColumnarError;
 use crate::parts::Masked;
 use coded::Coded;
 
-/// A column by which rows are grouped, by its place among the columns of the query.
+/// A grouping column, by its position among the columns of the query.
 #[derive(Debug, Clone, Copy)]
 pub struct GroupBy {
     /// The place.
@@ -19,7 +19,7 @@ pub struct GroupBy {
     pub bins: Option<Bins>,
 }
 
-/// What the rows of a group have in common in one column.
+/// The common value of a group's rows in one column.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub enum Cell {
     /// No value, or one that is not finite.
@@ -82,7 +82,7 @@ pub(crate) fn grouped(
         let mut groups = vec![NO_GROUP; length];
         let mut places = Places::new(&coded, length);
         let mut failed = None;
-        rows.each(length, |at| {
+        rows.visit(length, |at| {
             if failed.is_none() {
                 match places.of_row(&coded, at, place) {
                     Ok(group) => groups[at] = group,
@@ -112,7 +112,7 @@ enum Places {
 }
 
 impl Places {
-    /// So many combinations stand in a table; more would take longer to clear than to search.
+    /// Most combinations for a table; clearing a larger one would take longer than a search.
     const FEW: usize = 1 << 16;
 
     fn new(coded: &[Coded], rows: usize) -> Self {

@@ -39,7 +39,7 @@ pub fn histogram(query: &Query<'_>, bins: usize, range: Option<(f64, f64)>) -> R
         |counts, rows| {
             let column = rows.column(0)?;
             let values = column.numbers();
-            rows.each(values.len(), |at| counts.add(values[at]));
+            rows.visit(values.len(), |at| counts.add(values[at]));
             Ok(())
         },
     )? {
@@ -121,7 +121,7 @@ fn ends(masked: &Masked<'_>) -> Result<(f64, f64), ColumnarError> {
             }
             let column = rows.column(0)?;
             let values = column.numbers();
-            rows.each(values.len(), |at| {
+            rows.visit(values.len(), |at| {
                 if values[at].is_finite() {
                     *ends = (ends.0.min(values[at]), ends.1.max(values[at]));
                 }

@@ -69,7 +69,7 @@ pub fn histogram_2d(query: &Query<'_>, bins: usize) -> Result<Histogram2d, Colum
     for part in masked.pass(empty, |grid, rows| {
         let columns = Triple::read(rows, has_third)?;
         let (x, y, third) = columns.numbers();
-        rows.each(x.len(), |at| {
+        rows.visit(x.len(), |at| {
             grid.add(x[at], y[at], third.as_ref().map(|third| third[at]));
         });
         Ok(())
@@ -108,7 +108,7 @@ fn ends(masked: &Masked<'_>, has_third: bool) -> Result<Ends, ColumnarError> {
         }
         let columns = Triple::read(rows, has_third)?;
         let (x, y, third) = columns.numbers();
-        rows.each(x.len(), |at| {
+        rows.visit(x.len(), |at| {
             ends.add(x[at], y[at], third.as_ref().map(|third| third[at]));
         });
         Ok(())
@@ -127,7 +127,7 @@ impl Ends {
         }
     }
 
-    /// From the footer alone, for files of which every row is in the query and has all values.
+    /// The bounds from the footer, for files whose rows are all in the query and have all values.
     fn known(rows: &Rows<'_>, has_third: bool) -> Option<Self> {
         let ends = |place| match rows.range(place).map(|range| (range.low, range.high)) {
             Some((Bound::Number(low), Bound::Number(high))) if low.is_finite() && high.is_finite() => {

@@ -1,4 +1,4 @@
-//! The rows of a query: files and rows from elsewhere, gone through in passes by several threads.
+//! The rows of a query: files and rows in memory, processed in passes by several threads.
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -20,29 +20,29 @@ pub enum Part {
     File {
         /// Which.
         file: Arc<ReplicaFile>,
-        /// The jobs whose rows are asked for; `None`: all.
+        /// The requested jobs; `None`: all.
         jobs: Option<HashSet<String>>,
     },
-    /// Rows that are in memory and fulfill the condition: the columns of the query in their order, of at most 65 535 rows.
+    /// Rows in memory that fulfill the condition: the columns of the query in their order, of at most 65 535 rows.
     Rows(Vec<Arc<Column>>),
 }
 
-/// Rows under a condition, and the columns that are asked for.
+/// Columns of all rows that fulfill a condition.
 #[derive(Debug)]
 pub struct Query<'a> {
     /// All rows, in any order.
     pub parts: &'a [Part],
     /// Columns by name.
     pub columns: &'a [String],
-    /// Which rows of files count.
+    /// Selects rows of files.
     pub condition: Option<&'a Condition>,
     /// Columns that were read before.
     pub cache: &'a Cache,
-    /// Threads to use; they change no bit of the answer.
+    /// Number of threads; it does not affect results.
     pub threads: usize,
 }
 
-/// Where the rows that were counted came from.
+/// The sources of the aggregated rows.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Source {
     /// Rows of files.
@@ -58,7 +58,7 @@ pub(crate) struct Rows<'a> {
     pub(crate) mask: &'a Mask,
 }
 
-/// A query whose condition has been answered.
+/// A query whose condition has been evaluated.
 pub(crate) struct Masked<'a> {
     pub(crate) query: &'a Query<'a>,
     masks: Vec<Mask>,
@@ -87,7 +87,7 @@ impl<'a> Masked<'a> {
         Ok(Self { query, masks, source })
     }
 
-    /// A pass over the parts that have rows: each thread folds some of them into a value of its own.
+    /// A pass over the parts that have rows. Each thread folds some parts into a separate value.
     pub(crate) fn pass<T: Send>(
         &self,
         empty: impl Fn() -> T + Sync,
@@ -114,7 +114,7 @@ impl Rows<'_> {
         }
     }
 
-    /// Where the values of a column lie, if that is known without reading it and every row counts and has one.
+    /// The bounds of a column without reading it, if every row of the part is in the query and has a value.
     pub(crate) fn range(&self, place: usize) -> Option<Range> {
         match &self.query.parts[self.at] {
             Part::File { file, .. } if *self.mask == Mask::All => file
@@ -124,7 +124,7 @@ impl Rows<'_> {
         }
     }
 
-    /// Rows that count.
+    /// Number of rows in the query.
     pub(crate) fn count(&self) -> u64 {
         let rows = match &self.query.parts[self.at] {
             Part::File { file, .. } => file.rows(),
@@ -133,16 +133,16 @@ impl Rows<'_> {
         self.mask.count(rows) as u64
     }
 
-    /// Calls `each` with the places of the rows that count.
+    /// Calls `visit` with the positions of the rows in the query.
     #[inline]
-    pub(crate) fn each(&self, rows: usize, mut each: impl FnMut(usize)) {
+    pub(crate) fn visit(&self, rows: usize, mut visit: impl FnMut(usize)) {
         match self.mask {
             Mask::None => {}
-            Mask::All => (0..rows).for_each(each),
+            Mask::All => (0..rows).for_each(visit),
             Mask::Some(mask) => {
                 for (at, counts) in mask.iter().enumerate() {
                     if *counts {
-                        each(at);
+                        visit(at);
                     }
                 }
             }
@@ -181,7 +181,7 @@ fn of_jobs(column: &Column, jobs: &HashSet<String>) -> Mask {
     };
     let asked: Vec<bool> = texts.iter().map(|text| jobs.contains(&**text)).collect();
     let row = |code: &u16| asked.get(usize::from(*code)).copied().unwrap_or(false);
-    Mask::of(codes.iter().map(row).collect())
+    Mask::from_rows(codes.iter().map(row).collect())
 }
 
 struct OfFile<'a> {
@@ -212,11 +212,11 @@ fn spread<T: Send>(
     let work = || {
         let mut folded = empty();
         loop {
-            let at = next.fetch_add(1, Ordering::Relaxed);
-            if at >= items {
+            let item = next.fetch_add(1, Ordering::Relaxed);
+            if item >= items {
                 return Ok(folded);
             }
-            fold(&mut folded, at)?;
+            fold(&mut folded, item)?;
         }
     };
     let threads = threads.min(items).max(1);

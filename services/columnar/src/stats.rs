@@ -25,14 +25,14 @@ pub struct Summary {
 
 /// The shares below the quartiles.
 const SHARES: [f64; 3] = [0.25, 0.5, 0.75];
-/// Bins of one group at most, and of all groups of a column together: their counts stay in a processor's own cache.
+/// Most bins of one group, and of all groups of a column: their counts fit into a core's cache.
 const MOST_BINS: usize = 4096;
 const ALL_BINS: usize = 1 << 15;
 const LEAST_BINS: usize = 64;
 /// Groups whose values are counted in bins; the values of more groups are sorted.
 const MOST_BINNED_GROUPS: usize = 1000;
 
-/// A group with what is known of its values so far.
+/// Count and bounds of a group's values.
 #[derive(Debug, Clone, Copy)]
 struct Ends {
     count: u64,
@@ -60,10 +60,10 @@ struct Gathered {
     values: Vec<f64>,
 }
 
-/// What the third pass collects of a group.
+/// The input of the third pass for a group.
 struct Wanted {
     mean: f64,
-    /// The bins in which quartiles lie.
+    /// The bins with quartiles.
     bins: Vec<bool>,
     largest_square: f64,
 }
@@ -100,13 +100,13 @@ pub fn stats(
 fn summary(mut values: Vec<f64>) -> Summary {
     values.sort_by(f64::total_cmp);
     let count = values.len();
-    let mean = (count > 0).then(|| Sum::of(values.iter().copied()) / count as f64);
+    let mean = (count > 0).then(|| Sum::exact(values.iter().copied()) / count as f64);
     let sd = mean.filter(|_| count > 1).map(|mean| {
         let squares = values.iter().map(|value| (value - mean) * (value - mean));
-        (Sum::of(squares) / (count - 1) as f64).sqrt()
+        (Sum::exact(squares) / (count - 1) as f64).sqrt()
     });
     let [q25, median, q75] = SHARES.map(|share| {
-        let place = Place::of(share, count as u64)?;
+        let place = Quantile::new(share, count as u64)?;
         Some(place.between(values[place.low as usize], values[place.high as usize]))
     });
     Summary {
@@ -121,15 +121,15 @@ fn summary(mut values: Vec<f64>) -> Summary {
     }
 }
 
-/// Where a quartile lies among sorted values.
-struct Place {
+/// The position of a quartile among sorted values.
+struct Quantile {
     low: u64,
     high: u64,
     share: f64,
 }
 
-impl Place {
-    fn of(share: f64, count: u64) -> Option<Self> {
+impl Quantile {
+    fn new(share: f64, count: u64) -> Option<Self> {
         let place = share * count.checked_sub(1)? as f64;
         Some(Self {
             low: place.floor() as u64,
@@ -138,7 +138,7 @@ impl Place {
         })
     }
 
-    /// Zero has no sign here, so that it does not matter which of equal values stands first.
+    /// Interpolates. The result zero has no sign, so that the order of equal values does not matter.
     fn between(&self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.share + 0.0
     }
@@ -192,7 +192,7 @@ fn each_value(
     let values = column.numbers();
     let groups = &grouped.groups[rows.at];
     if groups.is_empty() {
-        rows.each(values.len(), |at| {
+        rows.visit(values.len(), |at| {
             if !values[at].is_nan() {
                 each(0, values[at]);
             }
@@ -282,11 +282,11 @@ fn binned(
 ) -> Result<Vec<Binned>, ColumnarError> {
     let scales: Vec<f64> = ends.iter().map(|ends| ends.scale(bins)).collect();
     let empty = || -> Vec<Binned> {
-        let one = |ends: &Ends| Binned {
+        let bins_of_group = |ends: &Ends| Binned {
             counts: vec![0; bins],
             sum: Sum::up_to(ends.largest()),
         };
-        ends.iter().map(one).collect()
+        ends.iter().map(bins_of_group).collect()
     };
     let mut all = empty();
     for part in masked.pass(empty, |binned, rows| {
@@ -310,11 +310,13 @@ fn binned(
 impl Wanted {
     fn new(ends: &Ends, binned: &Binned) -> Self {
         let mut bins = vec![false; binned.counts.len()];
-        let places = SHARES.iter().filter_map(|share| Place::of(*share, ends.count));
+        let places = SHARES
+            .iter()
+            .filter_map(|share| Quantile::new(*share, ends.count));
         let mut ranks: Vec<u64> = places.flat_map(|place| [place.low, place.high]).collect();
         ranks.sort_unstable();
         let (mut ranks, mut below) = (ranks.into_iter().peekable(), 0);
-        // Where all values are the same there is nothing to look for.
+        // Equal values need no search.
         if ends.low < ends.high {
             for (bin, count) in binned.counts.iter().enumerate() {
                 below += u64::from(*count);
@@ -351,11 +353,11 @@ fn gathered(
 ) -> Result<Vec<Gathered>, ColumnarError> {
     let scales: Vec<f64> = ends.iter().map(|ends| ends.scale(bins)).collect();
     let empty = || -> Vec<Gathered> {
-        let one = |wanted: &Wanted| Gathered {
+        let values_of_group = |wanted: &Wanted| Gathered {
             squares: Sum::up_to(wanted.largest_square),
             values: Vec::new(),
         };
-        wanted.iter().map(one).collect()
+        wanted.iter().map(values_of_group).collect()
     };
     let mut all = empty();
     for part in masked.pass(empty, |gathered, rows| {
@@ -383,7 +385,7 @@ fn summarized(ends: &Ends, binned: &Binned, wanted: &Wanted, mut gathered: Gathe
         if ends.low == ends.high {
             return ends.low;
         }
-        // The rank among the gathered values: less what is in the bins before that were not.
+        // The rank among the collected values: without those in earlier bins that were not collected.
         let (mut below, mut skipped) = (0, 0);
         for (count, is_wanted) in binned.counts.iter().zip(&wanted.bins) {
             if rank < below + u64::from(*count) {
@@ -395,7 +397,7 @@ fn summarized(ends: &Ends, binned: &Binned, wanted: &Wanted, mut gathered: Gathe
         gathered.values[(rank - skipped) as usize]
     };
     let [q25, median, q75] = SHARES.map(|share| {
-        let place = Place::of(share, ends.count)?;
+        let place = Quantile::new(share, ends.count)?;
         Some(place.between(value(place.low), value(place.high)))
     });
     let some = |value: f64| (ends.count > 0).then_some(value + 0.0);

@@ -168,7 +168,7 @@ impl Catalogue {
         let name = error.file().and_then(|path| path.file_name());
         let name = name.unwrap_or_default().to_string_lossy().into_owned();
         let was_listed = self.forget_file(&name).await?;
-        // A file that was replaced meanwhile is no fault.
+        // A file that was replaced meanwhile needs no warning.
         if was_listed {
             tracing::warn!(%error, "a file of the replica cannot be read and is written again");
         }
@@ -238,7 +238,7 @@ pub(crate) async fn check_dataset(
     name: &str,
 ) -> Result<(), CatalogueError> {
     let scope = Scope::parse(name);
-    let there = match scope.version {
+    let statement = match scope.version {
         None => sqlx::query_scalar("SELECT 1 FROM datasets WHERE name = ?").bind(name),
         Some(version) => sqlx::query_scalar(
             "SELECT 1 FROM versions WHERE dataset = ? AND version = ? AND unsealed_ms IS NULL",
@@ -246,8 +246,8 @@ pub(crate) async fn check_dataset(
         .bind(scope.dataset)
         .bind(version as i64),
     };
-    let there: Option<i64> = there.fetch_optional(connection).await?;
-    there
+    let exists: Option<i64> = statement.fetch_optional(connection).await?;
+    exists
         .map(drop)
         .ok_or_else(|| CatalogueError::not_found("dataset", name))
 }

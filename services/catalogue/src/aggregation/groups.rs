@@ -12,9 +12,9 @@ use crate::query::columns::Columns;
 use crate::query::filter::{Column, raised};
 use crate::query::record_value;
 
-/// Most columns of one question: beyond it, groups have hardly more than one image each.
+/// Most columns of `by`; with more, groups have hardly more than one image each.
 const MOST_COLUMNS: usize = 8;
-/// Most groups of one question: longer tables are for a query of the images themselves.
+/// Most groups of `by`; longer tables are better served by pages of images.
 pub(crate) const MOST_GROUPS: usize = 1000;
 
 /// A column of groups, as it is read from rows.
@@ -95,8 +95,7 @@ pub(crate) fn group_value(cell: &Cell) -> Value {
     }
 }
 
-/// The order of groups, column by column: no before yes, numbers by size, texts by their characters, what is missing
-/// last.
+/// The order of groups, column by column: false before true, numbers by size, texts by their characters, missing values last.
 #[must_use]
 pub fn compare_groups(one: &[Value], other: &[Value]) -> Ordering {
     let pairs = one.iter().zip(other);

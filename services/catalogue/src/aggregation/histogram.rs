@@ -9,8 +9,8 @@ use crate::types::Histogram;
 const MOST_BINS: u32 = 4096;
 
 impl Catalogue {
-    /// Counts the values of a number column in bins of equal width: the first edge belongs to a bin, the last bin has
-    /// both of its own. Without a range the bins go from the smallest value to the largest.
+    /// Counts the values of a number column in bins of equal width: the first edge belongs to a bin, the last bin has both of its
+    /// edges. Without a range, the bins extend from the smallest value to the largest.
     ///
     /// # Errors
     /// [`CatalogueError::NotFound`] for the dataset; [`CatalogueError::Filter`] for column, filter, bins and range.

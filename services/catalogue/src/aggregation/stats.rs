@@ -44,7 +44,7 @@ impl Catalogue {
         groups.sort_by_cached_key(|group| group.key.iter().map(ToString::to_string).collect::<String>());
         Ok(Statistics {
             by: None,
-            groups: shown(&groups, metrics, |mut key| key.pop().unwrap_or_default()),
+            groups: metric_views(&groups, metrics, |mut key| key.pop().unwrap_or_default()),
             source,
         })
     }
@@ -74,10 +74,11 @@ impl Catalogue {
             .await?;
         groups.sort_by(|one, other| compare_groups(&one.key, &other.key));
         let by: Vec<GroupColumn> = keys.into_iter().map(|key| key.shown).collect();
-        let names = || by.iter().map(|key| key.column.clone());
-        let named = |key: Vec<Value>| Value::Object(names().zip(key).collect::<Map<_, _>>());
         Ok(Statistics {
-            groups: shown(&groups, metrics, named),
+            groups: metric_views(&groups, metrics, |key| {
+                let names = by.iter().map(|column| column.column.clone());
+                Value::Object(names.zip(key).collect::<Map<_, _>>())
+            }),
             by: Some(by),
             source,
         })
@@ -127,19 +128,26 @@ struct Group {
     values: Vec<Summary>,
 }
 
-/// Metric by metric, in the order of the groups, whose keys are shown as `named` says.
-fn shown(groups: &[Group], metrics: &[String], named: impl Fn(Vec<Value>) -> Value) -> Vec<GroupStats> {
-    let keys: Vec<Value> = groups.iter().map(|group| named(group.key.clone())).collect();
-    let of_metric = |(at, metric): (usize, &String)| {
-        let groups = groups.iter().zip(&keys);
-        groups
-            .map(|(group, key)| of_group(key.clone(), metric, &group.values[at]))
-            .collect::<Vec<_>>()
-    };
-    metrics.iter().enumerate().flat_map(of_metric).collect()
+/// Views of the groups metric by metric, with keys in the form of `view_of_key`.
+fn metric_views(
+    groups: &[Group],
+    metrics: &[String],
+    view_of_key: impl Fn(Vec<Value>) -> Value,
+) -> Vec<GroupStats> {
+    let keys: Vec<Value> = groups
+        .iter()
+        .map(|group| view_of_key(group.key.clone()))
+        .collect();
+    let mut views = Vec::with_capacity(metrics.len() * groups.len());
+    for (position, metric) in metrics.iter().enumerate() {
+        for (group, key) in groups.iter().zip(&keys) {
+            views.push(group_view(key.clone(), metric, &group.values[position]));
+        }
+    }
+    views
 }
 
-fn of_group(group: Value, metric: &str, summary: &Summary) -> GroupStats {
+fn group_view(group: Value, metric: &str, summary: &Summary) -> GroupStats {
     GroupStats {
         group,
         metric: metric.to_owned(),

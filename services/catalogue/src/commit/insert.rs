@@ -1,7 +1,6 @@
 //! Storing images: rows with wide parameter columns, records, measurements, artifact names and counters, all or nothing.
 //!
-//! Many images share each statement, since handing a statement to SQLite costs more than running it: measured 300 us an
-//! image one by one.
+//! Many images share a statement, since passing a statement to SQLite costs more than running it: 300 us per image one by one.
 
 use std::collections::{BTreeMap, HashSet};
 
@@ -21,11 +20,11 @@ use crate::types::InsertImage;
 
 /// Rows of one statement: few sizes, so that SQLite keeps every statement prepared.
 const ROWS: [usize; 4] = [64, 16, 4, 1];
-/// So many images have the same columns whenever they come, and those without a value in any of them are left out. Fewer come in
-/// many mixtures, of which each would be a statement of its own.
+/// From this number of images on, the columns that none of them has are left out of the statement. Smaller groups would have many
+/// different sets of columns, each with a statement of its own.
 const MANY: usize = 64;
 
-/// An image on its way in: what can be prepared before the writer has its turn.
+/// An image prepared for insertion, before the writer needs it.
 pub struct NewImage {
     pub(crate) job: String,
     pub(crate) frame: i64,
@@ -120,8 +119,8 @@ fn artifacts<V, M>(record: &RecordOf<V, M>, offsets: &BTreeMap<String, u64>) -> 
     artifacts.collect()
 }
 
-/// What the catalogue knows of an image before it is stored: the dataset of its job, whether it is there, whether its frame was
-/// given up, and whether its job is sealed.
+/// The state of a frame before its image is stored: the dataset of its job, and whether it has an image, was abandoned, or belongs
+/// to a sealed job.
 type Known = (Option<String>, bool, bool, bool);
 
 /// Stores images and returns what became of each.
@@ -265,8 +264,8 @@ pub(crate) async fn insert_rows(
     .await
 }
 
-/// Inserts rows of `width` values, some in each statement. While SQLite, on a thread of its own, runs one, the values of the next
-/// are gathered.
+/// Inserts rows of `width` values, several per statement. The values of the next statement are prepared while SQLite runs one in its
+/// thread.
 async fn insert_all<R>(
     connection: &mut SqliteConnection,
     head: &str,

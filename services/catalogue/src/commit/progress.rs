@@ -61,7 +61,7 @@ pub(crate) struct Added {
     pub(crate) last_ms: u64,
 }
 
-/// Counts new images of a job. One that had ended without some of them ends anew.
+/// Counts new images of a job; a job that had ended without some of them gets its new final state.
 pub(crate) async fn count_images(
     connection: &mut SqliteConnection,
     job: &str,

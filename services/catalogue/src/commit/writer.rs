@@ -22,10 +22,10 @@ use crate::types::InsertImage;
 const QUEUE: usize = 1024;
 /// Most operations of one transaction: more would only delay the first of them.
 const GROUP: usize = 512;
-/// Images that are stored together.
+/// Most images of a transaction.
 const IMAGES: usize = 64;
-/// Bytes of the log after which it is folded into the file: twice SQLite's own, since pages that are changed again and
-/// again are written to the file once for each time that the log fills.
+/// Length of the log at which it is checkpointed: twice SQLite's default, since a page that changes repeatedly is written to the file
+/// once per checkpoint.
 const LONG_LOG: u64 = 8 << 20;
 /// From one alone to a full transaction.
 const OPERATIONS_BUCKETS: [f64; 10] = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0, 256.0, 512.0];
@@ -38,11 +38,11 @@ static COMMIT_OPERATIONS: LazyLock<Histogram> = LazyLock::new(|| {
     )
     .expect("the name is valid and nobody else's")
 });
-/// How long a transaction gathers after one with several operations: less than a flush to the disk takes. Whoever writes alone does
-/// not wait for others that do not come; those that come during a flush share the next one in any case.
+/// Time for which a transaction waits for further changes if the previous one had several: less than a flush to the disk. A single
+/// client never waits; changes that arrive during a flush share the next one anyway.
 const GATHER: Duration = Duration::from_millis(2);
 
-/// What a change is doing.
+/// A running change.
 pub(crate) type Running<'c, T> = Pin<Box<dyn Future<Output = T> + Send + 'c>>;
 
 /// A change and the reply to its caller. Without a connection it only replies why.
@@ -64,7 +64,7 @@ type Reply = Box<dyn FnOnce(Option<&CatalogueError>) + Send>;
 /// A change that has run inside a transaction that is still open.
 struct Applied {
     reply: Reply,
-    /// Why the whole transaction cannot go on.
+    /// The error that makes the whole transaction fail.
     fatal: Option<CatalogueError>,
 }
 
@@ -129,8 +129,8 @@ async fn run(
     }
 }
 
-/// Folds a long log into the file. SQLite would do it within a commit, which then seems to fail on a full disk although
-/// it stands; here no caller waits for it.
+/// Checkpoints a long log. SQLite would do it within a commit, which on a full disk then appears to fail although it is durable;
+/// here no caller waits for it.
 async fn fold_in(connection: &mut SqliteConnection, log: &Path) {
     if std::fs::metadata(log).is_ok_and(|log| log.len() > LONG_LOG)
         && let Err(error) = connection.execute("PRAGMA wal_checkpoint(PASSIVE)").await
@@ -139,7 +139,7 @@ async fn fold_in(connection: &mut SqliteConnection, log: &Path) {
     }
 }
 
-/// Carries out a call and those that come with it in one transaction; returns how many.
+/// Runs a change and those that arrive with it in one transaction; returns their number.
 async fn group(
     connection: &mut SqliteConnection,
     columns: &Columns,
@@ -161,7 +161,7 @@ async fn group(
         match call {
             Call::Image(image) => images.push(*image),
             Call::Change(change) => {
-                // In the order in which they came.
+                // Images before this change are stored first, to keep the order.
                 failure = store(connection, columns, &mut images, &mut replies).await;
                 if failure.is_some() {
                     refuse(
@@ -196,7 +196,7 @@ async fn group(
         COMMIT_OPERATIONS.observe(replies.len() as f64);
     }
     if failure.is_some() {
-        // SQLite may have rolled back by itself; then this fails because there is nothing to roll back.
+        // SQLite may have rolled back already; then there is no transaction to roll back.
         let _ = connection.execute("ROLLBACK").await;
     }
     let operations = replies.len();
@@ -212,8 +212,8 @@ async fn refuse(call: Call, failure: &CatalogueError) {
     }
 }
 
-/// Stores the images that have gathered; returns why the whole transaction cannot go on. Images that cannot be stored
-/// together are tried one by one, so that only the one at fault fails.
+/// Stores the collected images; returns an error that makes the whole transaction fail. If they cannot be stored together, they are
+/// stored one by one, so that only the faulty one fails.
 async fn store(
     connection: &mut SqliteConnection,
     columns: &Columns,
@@ -254,13 +254,13 @@ fn reply<T: Send + 'static>(
             Some(failure) => Err(failure.clone()),
             None => result,
         };
-        // The caller may have gone; the change stands all the same.
+        // The caller may have been dropped; the change is stored anyway.
         let _ = caller.send(told);
     })
 }
 
-/// Runs one change within a savepoint: what fails leaves its neighbors in the transaction alone. Only when the
-/// savepoint cannot be kept, as on a full disk, does the whole transaction fail.
+/// Runs one change within a savepoint, so that a failure leaves other changes of the transaction intact. The whole transaction fails
+/// only if the savepoint is lost, as on a full disk.
 async fn enclosed<T: Send + 'static>(
     connection: Result<&mut SqliteConnection, CatalogueError>,
     change: impl for<'c> FnOnce(&'c mut SqliteConnection) -> Running<'c, Result<T, CatalogueError>> + Send,
@@ -284,7 +284,7 @@ async fn enclosed<T: Send + 'static>(
     Applied { reply, fatal }
 }
 
-/// The error comes with whether the transaction stands as it did before the change.
+/// Returns an error together with whether the savepoint was restored.
 async fn within_savepoint<T>(
     connection: &mut SqliteConnection,
     change: impl AsyncFnOnce(&mut SqliteConnection) -> Result<T, CatalogueError>,

@@ -1,4 +1,4 @@
-//! The columns of a dataset, for tables of everything that is known about it.
+//! The columns of a dataset.
 
 use client::ColumnInfo;
 use std::collections::BTreeSet;
@@ -13,9 +13,8 @@ use crate::query::filter::Kind;
 use crate::query::scope::Scope;
 
 impl Catalogue {
-    /// The columns of a dataset: those that every image has, its labels, the metrics of every picture that was
-    /// measured, the digest of every kind of artifact. [`Catalogue::images`] with their names as fields gives whole
-    /// rows, page by page.
+    /// The columns of a dataset: those of every image, its labels, the metrics of every measured picture, and the digest of every kind of
+    /// artifact. [`Catalogue::images`] with these names as fields returns complete rows, page by page.
     ///
     /// # Errors
     /// [`CatalogueError`].
@@ -29,7 +28,7 @@ impl Catalogue {
     }
 }
 
-/// The columns of every image, whatever its dataset; labels, timings and artifacts of a dataset come beside them.
+/// The columns of the images of every dataset; labels, timings and artifacts depend on the dataset.
 #[must_use]
 pub fn columns_of_every_image(metrics: &[String]) -> Vec<ColumnInfo> {
     let columns = Columns::new(metrics);

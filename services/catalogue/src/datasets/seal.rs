@@ -1,4 +1,4 @@
-//! Sealing and unsealing. The root is computed beside the writer; the version is stored only if no job has changed meanwhile.
+//! Sealing and unsealing. The root is computed outside of the writer; the version is stored only if no job has changed meanwhile.
 
 use client::{JobState, UnixMs};
 use std::collections::BTreeSet;
@@ -38,8 +38,8 @@ struct NewVersion {
 }
 
 impl Catalogue {
-    /// Seals what a dataset has now as its next version. Returns the version, and whether it is new: what was sealed and has
-    /// not changed since keeps its version.
+    /// Seals the current images of a dataset as its next version. Returns the version, and whether it is new: a dataset that has not
+    /// changed since the last seal keeps its version.
     ///
     /// # Errors
     /// [`CatalogueError::NotFound`]; [`CatalogueError::Transition`] naming a job that has not ended; [`CatalogueError::Unsealable`] for a

@@ -34,7 +34,7 @@ pub struct VersionJob {
 pub struct SealedImage {
     /// The frame.
     pub frame: u64,
-    /// Its digest, from which the root follows.
+    /// Its digest, a leaf of the Merkle tree.
     pub digest: String,
     /// Its record, JSON.
     pub record: String,
@@ -182,7 +182,7 @@ pub(super) async fn get(
         .transpose()
 }
 
-/// Refuses what would change a job that is sealed.
+/// Refuses to change a sealed job.
 pub(crate) async fn refuse_sealed(
     connection: &mut SqliteConnection,
     job: &str,

@@ -1,4 +1,4 @@
-//! Digests of rows, by which damage is found when a row is read.
+//! Digests of rows, which reveal damage when a row is read.
 
 pub(crate) mod record_row;
 pub(crate) mod row_digests;

@@ -1,4 +1,4 @@
-//! What belongs to a record: the digest beside it is over the record and over what the row of its image says.
+//! Records with the digest that covers the record and the identity of its image.
 
 use sqlx::sqlite::SqliteRow;
 
@@ -6,7 +6,7 @@ use crate::digests::row_digests::RowDigest;
 use crate::error::CatalogueError;
 use crate::query::cells::Cells;
 
-/// What a record's digest is over beside the record.
+/// The fields of a record's digest besides the record.
 pub(crate) struct About<'a> {
     pub(crate) job: &'a str,
     pub(crate) frame: i64,
@@ -29,7 +29,7 @@ impl<'a> About<'a> {
         digest.end()
     }
 
-    /// Reads a row that begins with its values, record and digest, and returns them with the record, JSON, if they are what was stored.
+    /// Reads a row that begins with these fields, record and digest; returns them with the record (JSON) if the digest matches.
     pub(crate) fn verified(row: &'a SqliteRow) -> Result<(Self, &'a str), CatalogueError> {
         let mut cells = Cells::new(row);
         let about = Self {

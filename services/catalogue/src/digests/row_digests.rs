@@ -1,8 +1,8 @@
-//! A digest beside every row that is data: made before the writer commits, compared when the row is read.
+//! A digest of every row with data: computed before the writer commits, verified when the row is read.
 //!
-//! No statement that changes a row knows of it. Triggers of the writer's connection take the digest off a row that changes and
-//! keep the row as it was; before the commit every row without a digest gets one, unless the row was damaged before: then it
-//! keeps the digest that it does not match, and stays damaged.
+//! Statements that change a row do not set it. Triggers of the writer's connection remove the digest of a changed row and keep the
+//! old row; before the commit every row without a digest gets one. A row that was damaged before keeps its old digest, and stays
+//! recognizably damaged.
 
 use sha2::{Digest, Sha256};
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
@@ -139,7 +139,7 @@ impl Table {
         Ok(())
     }
 
-    /// Gives every row without a digest its own.
+    /// Computes the missing digests.
     async fn fill(&self, connection: &mut SqliteConnection) -> Result<(), CatalogueError> {
         let Self { name, columns, .. } = self;
         let changed = format!("DELETE FROM changed_{name} RETURNING {columns}, row_digest");

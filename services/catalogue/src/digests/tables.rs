@@ -1,9 +1,9 @@
-//! The tables whose rows have a digest, and what the digest is over.
+//! The tables whose rows have a digest, and the columns that it covers.
 
 /// A table whose rows have a digest.
 pub(crate) struct Table {
     pub(crate) name: &'static str,
-    /// What the digest is over, with commas. Columns without a value do not count, so that new ones change no digest.
+    /// The columns of the digest, separated by commas. Columns without a value are skipped, so that new columns change no digest.
     pub(crate) columns: &'static str,
     /// How many of them, from the first, are the key.
     pub(crate) keys: usize,

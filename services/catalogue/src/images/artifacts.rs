@@ -20,7 +20,7 @@ impl Catalogue {
         limit: u32,
     ) -> Result<Vec<NamedDigest>, CatalogueError> {
         let mut reader = self.reader().await?;
-        // SQLite takes the other columns from the row that has the minimum.
+        // The other columns are those of the row with the minimum (a guarantee of SQLite).
         let rows = sqlx::query_as(
             "SELECT digest, min(job_id), frame, kind, bytes FROM artifacts
              WHERE digest > ? AND tar_offset IS NULL AND job_id NOT IN (SELECT job_id FROM deletions)

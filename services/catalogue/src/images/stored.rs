@@ -1,4 +1,4 @@
-//! Images: stored, and asked for one by one or in frame order.
+//! Storing images, and reading them one by one or in frame order.
 
 use client::UnixMs;
 use std::collections::BTreeMap;
@@ -19,7 +19,7 @@ impl Catalogue {
     /// Stores an image with its measurements, artifact names and the job's counters, all or nothing.
     ///
     /// # Errors
-    /// [`CatalogueError::NotFound`] when the job is gone.
+    /// [`CatalogueError::NotFound`] for a deleted job.
     pub async fn insert_image(
         &self,
         job: &str,
@@ -107,7 +107,7 @@ impl Catalogue {
         let Some(image) = self.image_row(job, frame).await? else {
             return Ok(None);
         };
-        // Where it lies is only here: its bytes are verified. What it is stands in the record.
+        // Only the place is read from the row, since its bytes are verified anyway; kind and digest are those of the record.
         let (_, record) = About::verified(&image)?;
         let Listed { artifacts } = serde_json::from_str(record)?;
         let entry = artifacts.into_iter().find(|entry| entry.kind == kind);
@@ -119,12 +119,12 @@ impl Catalogue {
     }
 }
 
-/// A frame's number as SQLite has it; beyond its range there is no frame.
+/// A frame's number for SQLite; numbers beyond its range belong to no frame.
 pub(crate) fn number(frame: u64) -> i64 {
     i64::try_from(frame).unwrap_or(i64::MAX)
 }
 
-/// What a record says of the files.
+/// The artifacts of a record.
 #[derive(Deserialize)]
 struct Listed {
     artifacts: Vec<ArtifactEntry>,

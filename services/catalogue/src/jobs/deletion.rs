@@ -1,8 +1,8 @@
 //! Deletion of jobs of any size without blocking the writer.
 //!
-//! Three steps, each durable, each taken up again after a crash: a job is hidden, so that no reader sees it or its images
-//! any more; its rows go in small transactions, and the digests they named become orphans; what no other row names
-//! may leave the artifact store, and then the list of orphans.
+//! There are three durable steps, each continued after a crash. A job is hidden together with its images. Its rows are deleted in
+//! small transactions, and the digests in them become orphans. Orphans without another reference are deleted from the artifact
+//! store, then from the list.
 
 use client::Deleted;
 use sqlx::sqlite::{SqliteConnection, SqliteQueryResult};
@@ -17,8 +17,7 @@ use crate::replica::files as replica_files;
 const SWEEP_ROWS: u32 = 1000;
 
 impl Catalogue {
-    /// Hides a job and its images, whatever its state, and frees its idempotency keys. The rows go with
-    /// [`Catalogue::sweep`].
+    /// Hides a job in any state with its images, and frees its idempotency keys. [`Catalogue::sweep`] deletes the rows.
     ///
     /// # Errors
     /// [`CatalogueError::NotFound`]; [`CatalogueError::Sealed`].
@@ -47,9 +46,8 @@ impl Catalogue {
         self.write(|c| Box::pin(sweep(c))).await
     }
 
-    /// Some digests that rows have named and none names any more. After the artifact store has let go of their bytes,
-    /// [`Catalogue::forget_orphans`] takes them off the list. No image may be stored between the two calls, since it
-    /// might name one of them.
+    /// Digests whose last reference was deleted. After the artifact store has deleted their bytes, [`Catalogue::forget_orphans`] removes
+    /// them from the list. No image may be stored between the two calls, since it might refer to one of them.
     ///
     /// # Errors
     /// [`CatalogueError::Full`].
@@ -124,16 +122,16 @@ async fn hide_dataset(connection: &mut SqliteConnection, name: &str) -> Result<D
     }
     let mut all = Deleted::default();
     for (id, _) in jobs {
-        let one = hide_job(connection, &id).await?;
-        all.jobs += one.jobs;
-        all.images += one.images;
-        all.bytes += one.bytes;
+        let Deleted { jobs, images, bytes } = hide_job(connection, &id).await?;
+        all.jobs += jobs;
+        all.images += images;
+        all.bytes += bytes;
     }
     Ok(all)
 }
 
-/// The tables whose rows belong to frames, in an order in which a crash between two transactions leaves no digest
-/// without a name that is not an orphan.
+/// The tables with rows of frames, in the order of deletion: after a crash between two transactions every unreferenced digest is an
+/// orphan.
 const OF_FRAMES: [&str; 6] = [
     "artifacts",
     "measurements",
@@ -216,7 +214,7 @@ async fn orphans(connection: &mut SqliteConnection, limit: u32) -> Result<Vec<St
             return Ok(Vec::new());
         }
         let (named, orphaned): (Vec<_>, Vec<_>) = rows.into_iter().partition(|(_, named)| *named);
-        // What has a name again is no orphan; when its last row goes, it comes back.
+        // A digest with a new reference is no longer an orphan; it becomes one again with its last row.
         let named: Vec<String> = named.into_iter().map(|(digest, _)| digest).collect();
         forget(connection, &named).await?;
         if !orphaned.is_empty() {

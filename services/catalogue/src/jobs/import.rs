@@ -27,12 +27,11 @@ impl Catalogue {
         NewImage::imported(&self.columns, job, record, created_ms, offsets)
     }
 
-    /// Stores images of a shard, all or nothing; returns how many of them are new. An image that is there has its place
-    /// in the tar brought up to date, since a shard that was damaged may have been rendered again into another tar.
+    /// Stores images of a shard, all or nothing; returns the number of new ones. The place in the tar of an existing image is updated,
+    /// since a damaged shard may have been rendered again into another tar.
     ///
     /// # Errors
-    /// [`CatalogueError::NotFound`] when the job is gone; [`CatalogueError::Contradicted`] for an image that is there with
-    /// other artifacts.
+    /// [`CatalogueError::NotFound`] for a deleted job; [`CatalogueError::Contradicted`] for an existing image with other artifacts.
     pub async fn import(
         &self,
         job: &str,
@@ -44,7 +43,7 @@ impl Catalogue {
             .await
     }
 
-    /// Shards of a job that are imported as a whole, by their first frame.
+    /// The completely imported shards of a job, by their first frame.
     ///
     /// # Errors
     /// [`CatalogueError`].
@@ -113,7 +112,7 @@ async fn import(
     Ok(new)
 }
 
-/// Before the images, so that none is without its tar at any time.
+/// Stored before the images, so that every image has its tar at any time.
 async fn note_tar(
     connection: &mut SqliteConnection,
     job: &str,

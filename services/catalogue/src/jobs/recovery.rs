@@ -1,4 +1,4 @@
-//! What an earlier run of the service left open, and what failed.
+//! Open frames of an earlier run of the service, and failures.
 
 use client::{FailureRow, JobRow};
 use std::ops::Range;
@@ -69,7 +69,7 @@ pub(crate) async fn what_is_left(
     })
 }
 
-/// What the first image of a job was made with. One of an old catalogue may not tell.
+/// The provenance of the first image of a job; some images of old catalogues have none.
 async fn provenance(
     connection: &mut SqliteConnection,
     job: &str,

@@ -1,4 +1,4 @@
-//! Images that cannot be trusted are taken away, and their frames are open again.
+//! Removes untrusted images, so that their frames are rendered again.
 
 use serde_json::json;
 use sqlx::AssertSqlSafe;
@@ -12,13 +12,13 @@ use crate::error::CatalogueError;
 use crate::replica::files as replica_files;
 use crate::types::Retried;
 
-/// Tables whose rows belong to the image of a frame, its own row apart.
+/// Tables with rows of a frame's image, without `images`.
 const BESIDE: [&str; 3] = ["artifacts", "measurements", "records"];
 /// Which rows: of this job and these frames.
 const WHERE: &str = "WHERE job_id = ?1 AND frame IN (SELECT value FROM json_each(?2))";
 
 impl Catalogue {
-    /// Removes the images of some frames of a job, whose bytes lose their names. A job that had ended with them goes on, unless it was
+    /// Removes the images of some frames of a job with the references to their bytes. An ended job is opened again, unless it was
     /// cancelled. Returns the frames that had an image; the caller offers them to workers.
     ///
     /// # Errors

@@ -1,4 +1,4 @@
-//! Jobs: one row each, however many frames.
+//! Jobs, one row each.
 
 use client::{JobRow, JobState, Page};
 use sqlx::AssertSqlSafe;
@@ -16,7 +16,7 @@ use crate::query::scope::Scope;
 use crate::types::{OpenJob, Retried};
 
 impl Catalogue {
-    /// Changes the state of a job and returns its row. Cancelling a job that has ended changes nothing.
+    /// Changes the state of a job and returns its row. Cancelling an ended job has no effect.
     ///
     /// # Errors
     /// [`CatalogueError::NotFound`], [`CatalogueError::Transition`].
@@ -26,7 +26,7 @@ impl Catalogue {
             .await
     }
 
-    /// The same for a job of which the set has changed.
+    /// Changes the state of a shared job to that of its set.
     ///
     /// # Errors
     /// As [`Catalogue::set_state`].
@@ -36,18 +36,18 @@ impl Catalogue {
             .await
     }
 
-    /// Forgets the failures of the frames that were given up, and opens the job again if it had ended with them. The
-    /// caller offers the frames to workers.
+    /// Deletes the failures of abandoned frames, and opens the job again if it had ended with them. The caller offers the frames to
+    /// workers.
     ///
     /// # Errors
-    /// [`CatalogueError::NotFound`]; [`CatalogueError::Transition`] for a job that was cancelled or is done.
+    /// [`CatalogueError::NotFound`]; [`CatalogueError::Transition`] for a cancelled or completed job.
     pub async fn retry_failed(&self, id: &str) -> Result<Retried, CatalogueError> {
         let id = id.to_owned();
         self.write(move |c| Box::pin(async move { retry_failed(c, &id, false).await }))
             .await
     }
 
-    /// The same for a job of which the set renders the failed frames again.
+    /// Does the same for a shared job whose set renders the failed frames again.
     ///
     /// # Errors
     /// As [`Catalogue::retry_failed`].
@@ -97,7 +97,7 @@ impl Catalogue {
         within(list(&mut *self.reader().await?, dataset, state, limit, cursor)).await
     }
 
-    /// Jobs that are imported from sets, newest first. Damaged ones are noted and left out.
+    /// The jobs of imported sets, newest first. Damaged ones are reported and left out.
     ///
     /// # Errors
     /// [`CatalogueError`].
@@ -113,7 +113,7 @@ impl Catalogue {
             .collect()
     }
 
-    /// The job that is imported from a set.
+    /// The job of an imported set.
     ///
     /// # Errors
     /// [`CatalogueError`].
@@ -121,7 +121,7 @@ impl Catalogue {
         of_set(&mut *self.reader().await?, set, Side::Reader).await
     }
 
-    /// Jobs that are to be rendered here and have not ended, with what is left of them. Damaged ones are noted and left out.
+    /// Open jobs that this service renders. Damaged ones are reported and left out.
     ///
     /// # Errors
     /// [`CatalogueError`].
@@ -147,7 +147,7 @@ impl Catalogue {
         Ok(open)
     }
 
-    /// What is left of a job that has not ended.
+    /// The state of the frames of an open job.
     ///
     /// # Errors
     /// [`CatalogueError`].
@@ -203,7 +203,7 @@ async fn list(
 ) -> Result<Page<JobRow>, CatalogueError> {
     let question = cursor::question(&[Some("jobs"), dataset.as_deref(), state.as_deref()]);
     let before = cursor::read_id(&question, cursor.as_deref())?;
-    // Each condition only where it is asked for: an `OR` around it would keep the index from being used.
+    // Conditions are left out if unused: an `OR` would prevent the use of the index.
     let mut sql = concat!(
         "SELECT ",
         digested_job_columns!(),
@@ -255,7 +255,7 @@ async fn set_state(
         (from, Cancelled) if from.has_ended() => return Ok(job),
         _ if job.set.is_some() && !shared => return Err(imported(job)),
         (from, Cancelled | Paused) => (state, !from.has_ended()),
-        // A job goes on as what it is: its frames say whether it has begun.
+        // A resumed job is running if any of its frames has ended.
         (from, Queued | Running) if job.done + job.failed > 0 => (Running, from == Paused),
         (from, Queued | Running) => (Queued, from == Paused),
         (_, Done | DoneWithFailures) => (state, false),

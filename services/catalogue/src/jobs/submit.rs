@@ -12,7 +12,7 @@ use crate::error::CatalogueError;
 use crate::types::{InsertJob, NewJob};
 
 impl Catalogue {
-    /// Stores a job, or finds the one that the same key stored. One row, however many frames.
+    /// Stores a job, or returns the one of an earlier submission with its key.
     ///
     /// # Errors
     /// [`CatalogueError`].
@@ -21,8 +21,8 @@ impl Catalogue {
             .await
     }
 
-    /// A job of the same description and dataset as one to store, which [`Catalogue::insert_job`] would find if it is done,
-    /// with a warning that says so.
+    /// An existing job with the same description and dataset, with a warning about it. [`Catalogue::insert_job`] returns it if it is
+    /// done.
     ///
     /// # Errors
     /// [`CatalogueError`].
@@ -95,7 +95,7 @@ pub(super) async fn insert(
     }))
 }
 
-/// Keeps the key under which a repeat finds the job `id`.
+/// Stores the key under which a repeated submission returns the job `id`.
 async fn keep_key(connection: &mut SqliteConnection, job: &NewJob, id: &str) -> Result<(), CatalogueError> {
     if let Some(key) = &job.idempotency {
         sqlx::query("INSERT INTO idempotency_keys (owner, key, body_digest, job_id) VALUES (?, ?, ?, ?)")
@@ -109,8 +109,8 @@ async fn keep_key(connection: &mut SqliteConnection, job: &NewJob, id: &str) -> 
     Ok(())
 }
 
-/// Another job of the same description and dataset that has images or will have them, one that is done first; none where
-/// the images are wanted again. Its warnings say what that means for a job that repeats it.
+/// Another job with the same description and dataset that has images or will have them, preferably a completed one; `None` if the
+/// submission requests the images again. Its warnings explain what that means for a job that repeats it.
 pub(super) async fn find_duplicate(
     connection: &mut SqliteConnection,
     job: &NewJob,

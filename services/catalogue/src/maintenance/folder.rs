@@ -1,4 +1,4 @@
-//! Which data folder a catalogue belongs to, and whether it names bytes.
+//! The identity of the data folder, and whether its packs are referenced.
 
 use sqlx::Row;
 
@@ -21,7 +21,7 @@ impl Catalogue {
         Ok(row.try_get(0)?)
     }
 
-    /// Whether a row names bytes that lie in the packs.
+    /// Whether any row refers to bytes in the packs.
     ///
     /// # Errors
     /// [`CatalogueError`].

@@ -1,4 +1,4 @@
-//! Writing the mirror, checking it, writing it anew.
+//! Writing, checking and rebuilding the columnar replica.
 
 use std::collections::BTreeMap;
 
@@ -15,26 +15,26 @@ use crate::replica::files as replica_files;
 use crate::replica::files::FileRow;
 use crate::replica::parts::{gather, kind};
 
-/// Images of a file of the mirror. Fewer would make more files than a question should open; more would leave more for the tables until
-/// there are enough.
+/// Images of a file of the replica. Smaller files would be too many to open per query; larger ones would leave more rows to the
+/// tables until they are written.
 pub const REPLICA_ROWS: u16 = 32_768;
-/// Texts are held by their place among at most so many rows.
+/// Most rows of a part: texts are stored as 16-bit positions.
 const MOST_ROWS: usize = u16::MAX as usize;
 
 /// Rows on their way into a file.
 struct Gathered {
     columns: Vec<(String, columnar::Kind, Column)>,
     jobs: BTreeMap<String, u64>,
-    /// What [`replica_files::count_changes`] said when they were read.
+    /// The result of [`replica_files::count_changes`] when they were read.
     changes: i64,
 }
 
 impl Catalogue {
-    /// Writes one file of the mirror if there are images enough for it, [`REPLICA_ROWS`] unless a test wants fewer. Returns whether it
-    /// did: call it until it does not, and again when images came.
+    /// Writes one file of the replica if there are enough images, [`REPLICA_ROWS`] in production. Returns whether it did; call it until it
+    /// does not, and again after new images.
     ///
     /// # Errors
-    /// [`CatalogueError`], also when the folder of the mirror cannot be written.
+    /// [`CatalogueError`], also if the folder of the replica cannot be written.
     pub async fn replicate_some(&self, file_rows: u16) -> Result<bool, CatalogueError> {
         let _alone = self.replica.writing.lock().await;
         self.drop_half_empty().await?;
@@ -63,11 +63,11 @@ impl Catalogue {
         faults::point("mirror.written");
         let changes = gathered.changes;
         let taken = self.write(move |c| Box::pin(async move { take(c, &named, &about, changes).await }));
-        // What was not taken is removed the next time.
+        // A rejected file is removed by the next call.
         taken.await
     }
 
-    /// Writes all of the mirror anew; returns how many files.
+    /// Writes the whole replica again; returns the number of files.
     ///
     /// # Errors
     /// [`CatalogueError`].
@@ -82,8 +82,8 @@ impl Catalogue {
         Ok(files)
     }
 
-    /// What of the mirror is not what the tables say; reads all of it. What is found is taken off the list, so that nothing of it is
-    /// counted and [`Catalogue::replicate_some`] writes it anew.
+    /// Compares the whole replica with the tables and returns the differences. Faulty files are removed from the list, so that they are
+    /// not used, and [`Catalogue::replicate_some`] writes them again.
     ///
     /// # Errors
     /// [`CatalogueError`].
@@ -100,7 +100,7 @@ impl Catalogue {
         Ok(findings)
     }
 
-    /// Takes a file off the list; returns whether it was on it.
+    /// Removes a file from the list; returns whether it was listed.
     pub(crate) async fn forget_file(&self, name: &str) -> Result<bool, CatalogueError> {
         let name = name.to_owned();
         self.write(move |c| {
@@ -155,7 +155,7 @@ impl Catalogue {
         }
     }
 
-    /// Files of which less than half is left are written anew, together with their neighbors' gaps.
+    /// Removes files with less than half of their rows from the list; their rows are written again together with those of neighboring gaps.
     async fn drop_half_empty(&self) -> Result<(), CatalogueError> {
         let sparse: Vec<String> = sqlx::query_scalar(
             "SELECT name FROM mirror_files
@@ -169,7 +169,7 @@ impl Catalogue {
         Ok(())
     }
 
-    /// The images of these rowids with all columns that any of them has. `None`: more pictures were measured than one question joins.
+    /// The images of these rowids with all columns that any of them has. `None`: more pictures were measured than one query joins.
     async fn gather_rows(
         &self,
         state: &mut SqliteConnection,
@@ -212,7 +212,7 @@ impl Catalogue {
         }))
     }
 
-    /// The columns of every image of which any of these rows has a value; the job is the first.
+    /// The columns that have a value in any of these rows; the job is the first.
     async fn used_columns(
         &self,
         state: &mut SqliteConnection,
@@ -277,7 +277,7 @@ fn failed(error: impl std::fmt::Display) -> CatalogueError {
     }
 }
 
-/// The rowids of the next file: those of a gap between files, or enough behind the last one.
+/// The rowids of the next file: a gap between files, or enough rows after the last one.
 async fn next_rows(
     state: &mut SqliteConnection,
     files: &[FileRow],
@@ -301,7 +301,7 @@ async fn next_rows(
     Ok(None)
 }
 
-/// Puts a file on the list, unless images went or changed since its rows were read.
+/// Adds a file to the list, unless images were deleted or changed since its rows were read.
 async fn take(
     connection: &mut SqliteConnection,
     named: &Named,

@@ -1,4 +1,4 @@
-//! Restoring damaged rows from what is still good.
+//! Restoring damaged rows from intact ones.
 
 use std::collections::BTreeMap;
 
@@ -15,7 +15,7 @@ use crate::jobs::rows;
 use crate::query::columns::Columns;
 use crate::replica::files as replica_files;
 
-/// What the rows of an image say, as far as they can be read.
+/// The readable values in the rows of an image.
 struct Stored {
     dataset: String,
     created_ms: u64,
@@ -25,7 +25,7 @@ struct Stored {
 }
 
 impl Catalogue {
-    /// Writes the rows beside the record of an image anew, if the record is good. Returns false if it is not.
+    /// Restores the rows of an image from its record. Returns false if the record is damaged.
     ///
     /// # Errors
     /// [`CatalogueError`].
@@ -38,8 +38,8 @@ impl Catalogue {
         self.restore_image(job, record).await
     }
 
-    /// Writes all rows of an image anew from the record of its frame, rendered again. Returns false, and changes nothing, if its
-    /// artifacts are others than those of the image.
+    /// Restores all rows of an image from the record of its frame, rendered again. Returns false, without a change, if its artifacts
+    /// differ from those of the image.
     ///
     /// # Errors
     /// [`CatalogueError`].
@@ -49,7 +49,7 @@ impl Catalogue {
             .await
     }
 
-    /// Counts jobs, images and bytes of all datasets anew, and writes all indexes anew.
+    /// Recomputes the counts of all datasets, and rebuilds all indexes.
     ///
     /// # Errors
     /// [`CatalogueError`].
@@ -84,7 +84,7 @@ async fn restore(
         .map(|entry| (entry.kind.clone(), entry.digest.clone()))
         .collect();
     artifacts.sort();
-    // One of them may be what is damaged.
+    // Either of them may be damaged.
     if record.digest() != stored.digest && artifacts != stored.artifacts {
         return Ok(false);
     }

@@ -1,4 +1,4 @@
-//! Comparing every row with its digest, and what stands beside a record with the record.
+//! Verifies every row against its digest, and the rows of an image against its record.
 
 use std::collections::BTreeMap;
 
@@ -21,10 +21,10 @@ use crate::query::record_value::Found;
 /// Images that are in memory at one time.
 const BATCH: i64 = 500;
 
-/// A row that is not what was written.
+/// A damaged row.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct DamagedRow {
-    /// Which row, and what of it.
+    /// The row and the damaged part.
     pub what: String,
     /// The image that it belongs to, which has all its rows again once its frame is rendered again.
     #[serde(skip)]
@@ -34,7 +34,7 @@ pub struct DamagedRow {
 /// Job, frame, kind, digest, bytes and media type; texts as bytes, since damaged ones need not be text.
 type Artifact = (String, i64, Vec<u8>, Vec<u8>, i64, Vec<u8>);
 
-/// The rows beside the records of some images, by image.
+/// The rows of some images except their records.
 #[derive(Default)]
 struct Beside {
     measured: BTreeMap<(String, i64), BTreeMap<String, Vec<Value>>>,
@@ -42,7 +42,7 @@ struct Beside {
 }
 
 impl Catalogue {
-    /// Rows that are damaged. Reads everything.
+    /// All damaged rows. Reads the whole catalogue.
     ///
     /// # Errors
     /// [`CatalogueError`] for pages that SQLite cannot read.
@@ -198,7 +198,7 @@ impl Images {
         };
         let name = format!("{}/{}", about.job, about.frame);
         for (at, (column_name, column)) in self.compared.iter().enumerate() {
-            let found = column.found.as_ref().map(|found| found.of(&record));
+            let found = column.found.as_ref().map(|found| found.read(&record));
             if value(row, at + 7, column.kind).ok() != found {
                 return Some(format!("column `{column_name}` of image {name}"));
             }
@@ -210,7 +210,7 @@ impl Images {
         for (subject, values) in measured.into_iter().flatten() {
             let differs = |(metric, value): (&String, &Value)| {
                 let (subject, metric) = (subject.clone(), metric.clone());
-                Found::Metric { subject, metric }.of(&record) != *value
+                Found::Metric { subject, metric }.read(&record) != *value
             };
             let known = subjects.is_some_and(|subjects| subjects.contains_key(subject));
             if !known || self.metrics.iter().zip(values).any(differs) {

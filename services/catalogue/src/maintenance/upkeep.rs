@@ -10,7 +10,7 @@ use crate::catalogue::Catalogue;
 use crate::error::CatalogueError;
 use crate::open::wal_path;
 
-/// Most findings of one kind, as many as SQLite lists of its own; a damaged file may have millions.
+/// Most findings of one kind, the limit of SQLite's list; a damaged file may have millions.
 pub(crate) const MOST_FINDINGS: u32 = 100;
 
 impl Catalogue {
@@ -53,7 +53,7 @@ impl Catalogue {
         settle().map_err(failed)
     }
 
-    /// What is wrong with the file or with the sums in it; nothing, if all is well. Reads everything.
+    /// Damage of the file or of the sums in it. Reads the whole catalogue.
     ///
     /// # Errors
     /// [`CatalogueError`].
@@ -70,7 +70,7 @@ impl Catalogue {
         std::fs::metadata(wal_path(&self.path)).map_or(0, |file| file.len())
     }
 
-    /// A connection for something long: it takes no place among the readers.
+    /// A connection for a long operation, outside of the pool of readers.
     pub(crate) async fn apart(&self) -> Result<SqliteConnection, CatalogueError> {
         let options = SqliteConnectOptions::new().filename(&self.path);
         Ok(options.disable_statement_logging().connect().await?)

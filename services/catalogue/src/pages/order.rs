@@ -10,7 +10,7 @@ use crate::query::filter::{Bind, Column};
 use crate::query::select::Select;
 use crate::types::ImageQuery;
 
-/// What a query's cursors belong to.
+/// The identity of a query in its cursors.
 pub(super) fn identity(query: &ImageQuery) -> String {
     let parts = [&query.dataset, &query.filter, &query.order_by];
     cursor::question(&parts.map(|part| part.as_deref()))
@@ -48,7 +48,7 @@ impl Order {
         sql.push("images.job_id, images.frame");
     }
 
-    /// Only what comes after a place.
+    /// Restricts the statement to the rows after a place.
     pub(super) fn push_start(&self, sql: &mut Select, place: &Value) -> Result<(), CatalogueError> {
         let (Some(job), Some(frame)) = (place[1].as_str(), place[2].as_f64()) else {
             return Err(CatalogueError::Cursor);

@@ -6,7 +6,7 @@ use serde_json::{Map, Value, json};
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
 
 use super::order::{Order, identity};
-use super::top_k::Ranked;
+use super::top_k::ImageKey;
 use crate::catalogue::{Catalogue, within};
 use crate::digests::record_row::About;
 use crate::error::CatalogueError;
@@ -24,7 +24,7 @@ const MOST_FIELDS: usize = 1000;
 const PAGE_BYTES: usize = 8 << 20;
 
 impl Catalogue {
-    /// A page of images: as many as are asked for, or fewer if they are large.
+    /// A page of images with the requested number of rows, or fewer if they are large.
     ///
     /// # Errors
     /// [`CatalogueError::Filter`] for filter, order or fields; [`CatalogueError::Cursor`]; [`CatalogueError::Timeout`].
@@ -33,7 +33,7 @@ impl Catalogue {
             let message = "`offset` and `cursor` both say where a page begins: give one of them".to_owned();
             return Err(CatalogueError::refused(message));
         }
-        if let Some(found) = self.ranked(&query).await? {
+        if let Some(found) = self.top_k(&query).await? {
             let question = Question::of_rows(&self.columns, &query, &found)?;
             if found.is_empty() {
                 return Ok(Page::whole(Vec::new()));
@@ -87,22 +87,22 @@ fn size(item: &Map<String, Value>) -> usize {
         .sum()
 }
 
-/// A page as a statement, of which the first columns are those of [`Columns::of_record`].
+/// The statement of a page; its first columns are those of [`Columns::of_record`].
 pub(super) struct Question {
     pub(super) sql: Select,
     /// The fields of an item.
     fields: Vec<(String, Shown)>,
-    /// What filter and order asked: it must be what the record has.
+    /// Columns of filter and order, whose values must be those of the record.
     compared: Vec<(usize, Kind, Place)>,
-    /// Reads of a record what is needed for both.
+    /// Reads the values of both from a record.
     reader: Reader,
-    /// Where the value of the order's column stands.
+    /// Position of the order's column.
     key: Option<usize>,
-    /// What a cursor belongs to.
+    /// The identity of the query in its cursors.
     pub(super) identity: String,
 }
 
-/// Where a field's value comes from.
+/// The source of a field's value.
 enum Shown {
     Record(Place),
     Cell(usize, Kind),
@@ -122,11 +122,11 @@ impl Question {
         Ok(question)
     }
 
-    /// The same of images that are known to be its rows, and of one behind them.
+    /// A page whose images are known, including the first one of the next page.
     pub(super) fn of_rows(
         columns: &Columns,
         query: &ImageQuery,
-        rows: &[Ranked],
+        rows: &[ImageKey],
     ) -> Result<Self, CatalogueError> {
         let (mut question, order) = Self::unordered(columns, query)?;
         let places = vec!["(?, ?)"; rows.len()].join(", ");
@@ -189,12 +189,12 @@ impl Question {
         Ok((question, order))
     }
 
-    /// A row as an object; what is missing is left out.
+    /// A row as an object without missing values.
     fn item(&self, row: &SqliteRow) -> Result<Map<String, Value>, CatalogueError> {
         let (about, record) = About::verified(row)?;
         let record = self.reader.read(record)?;
         for (at, kind, place) in &self.compared {
-            if value(row, *at, *kind)? != record.at(place) {
+            if value(row, *at, *kind)? != record.value(place) {
                 let what = format!("a parameter or metric of {}/{}", about.job, about.frame);
                 return Err(CatalogueError::damaged(what));
             }
@@ -202,7 +202,7 @@ impl Question {
         let mut item = Map::new();
         for (name, shown) in &self.fields {
             let value = match shown {
-                Shown::Record(place) => record.at(place),
+                Shown::Record(place) => record.value(place),
                 Shown::Cell(at, kind) => value(row, *at, *kind)?,
             };
             if !value.is_null() {
@@ -212,7 +212,7 @@ impl Question {
         Ok(item)
     }
 
-    /// Where a row stands: the value of the order column, job, frame.
+    /// The position of a row: the value of the order column, job, frame.
     fn place(&self, row: &SqliteRow) -> Result<Value, CatalogueError> {
         let key = self.key.map(|at| stored(row, at)).transpose()?;
         Ok(json!([key, stored(row, 0)?, stored(row, 1)?]))

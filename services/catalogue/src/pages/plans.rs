@@ -4,7 +4,7 @@ use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection};
 use sqlx::{AssertSqlSafe, ConnectOptions, Row};
 
 use super::page::Question;
-use super::top_k::Ranked;
+use super::top_k::ImageKey;
 use crate::query::columns::Columns;
 use crate::query::cursor;
 use crate::schema::backfill::add_columns;
@@ -111,7 +111,7 @@ async fn pages_of_everything_follow_the_order_of_jobs_and_frames_without_sorting
 
 #[tokio::test]
 async fn images_found_by_the_replica_are_read_one_by_one() {
-    let rows: Vec<Ranked> = (0..101).map(|frame| ("job_1".into(), frame)).collect();
+    let rows: Vec<ImageKey> = (0..101).map(|frame| ("job_1".into(), frame)).collect();
     for filter in [None, Some("uiqm > 0.8"), Some("water.style = 'muddy'")] {
         for order_by in [None, Some("-alpha".to_owned()), Some("uiqm".to_owned())] {
             let query = ImageQuery {
@@ -168,10 +168,10 @@ async fn every_statement_that_stands_in_the_source_fits_the_schema() {
     }
     for path in files {
         let text = std::fs::read_to_string(&path).unwrap();
-        // Every other piece between quotes is a literal; escaped quotes only stand in statements about columns.
+        // Every other piece between quotes is a literal; escaped quotes occur only in statements about columns.
         let text = text.replace("\\\"", "`");
         for literal in text.split('"').skip(1).step_by(2) {
-            // With braces, or without what makes it whole, it is only a part.
+            // Literals with braces or without a complete statement are only parts.
             let whole = [
                 ("SELECT ", " FROM "),
                 ("INSERT ", " VALUES ("),

@@ -1,4 +1,4 @@
-//! Which images a page has, by the mirror: the tables would go through all images of a dataset to sort or to skip them.
+//! Selects the images of a page with the replica: the tables would read all images of a dataset to sort or to skip them.
 
 use std::sync::Arc;
 
@@ -14,13 +14,13 @@ use crate::query::filter::{Column, Kind};
 use crate::types::ImageQuery;
 
 /// The job and the frame of an image.
-pub(super) type Ranked = (Arc<str>, i64);
+pub(super) type ImageKey = (Arc<str>, i64);
 
 impl Catalogue {
-    /// The images of a page and the one behind them, in their order. `None`: the tables have to be asked, or have the page at once.
-    pub(super) async fn ranked(&self, query: &ImageQuery) -> Result<Option<Vec<Ranked>>, CatalogueError> {
+    /// The images of a page and the first one of the next, in order. `None`: the replica lacks a column, or the tables are faster.
+    pub(super) async fn top_k(&self, query: &ImageQuery) -> Result<Option<Vec<ImageKey>>, CatalogueError> {
         let order = Order::parse(&self.columns, query.order_by.as_deref())?;
-        // Who follows cursors in the order of an index reads it once in all, whatever the filter.
+        // Following cursors in the order of an index reads it once in total, with any filter.
         let is_unfiltered = query.filter.is_none() || query.cursor.is_some();
         let follows_index = order.column.is_none() && query.offset == 0 && is_unfiltered;
         let (Some(dataset), false) = (query.dataset.as_deref(), follows_index) else {
@@ -30,25 +30,29 @@ impl Catalogue {
             return Ok(None);
         };
         let start = start(query, order.column.as_ref())?;
-        let by = order.column.is_some().then_some((2, order.descending));
+        let order_by = order.column.is_some().then_some((2, order.descending));
         let columns: Vec<Column> = [job, frame].into_iter().chain(order.column).collect();
         let images = ImageSet {
             dataset,
             columns: &columns,
             filter: query.filter.as_deref(),
         };
-        let places = columnar::Order { by, job: 0, frame: 1 };
+        let places = columnar::Order {
+            by: order_by,
+            job: 0,
+            frame: 1,
+        };
         let most = query.limit as usize + 1;
         if !self.is_in_replica(&images)? {
             return Ok(None);
         }
-        let ranked = self.aggregate(&images, move |query| {
-            columnar::ranked(query, &places, &start, most)
+        let selected = self.aggregate(&images, move |query| {
+            columnar::top_k(query, &places, &start, most)
         });
-        match ranked.await {
-            // Without the dataset there are no images.
+        match selected.await {
+            // An unknown dataset has an empty page.
             Err(CatalogueError::NotFound { .. }) => Ok(Some(Vec::new())),
-            ranked => ranked.map(Some),
+            selected => selected.map(Some),
         }
     }
 }

@@ -1,20 +1,20 @@
-//! What the rows of large jobs were found to have.
+//! Cached summaries of the rows of large jobs.
 
 use std::collections::{BTreeSet, HashMap};
 use std::sync::{Mutex, PoisonError};
 
-/// Pictures that were measured, and kinds of artifacts.
+/// Measured pictures and kinds of artifacts.
 pub(crate) type Pictures = (BTreeSet<String>, BTreeSet<String>);
 
-/// What jobs of many images were found to have: all of their rows have to be read for it. The version of a job grows with each of its
-/// images that is stored or goes.
+/// The measured pictures and artifact kinds of large jobs, which take a pass over all of their rows. An entry is valid for one
+/// version of the job, which grows with each stored or deleted image.
 #[derive(Default)]
 pub(crate) struct Remembered(Mutex<HashMap<String, (i64, Pictures)>>);
 
 impl Remembered {
-    /// Frames of a job that is remembered; the rows of smaller ones are read in a few milliseconds.
+    /// Frames from which a job is cached; the rows of smaller ones are read in a few milliseconds.
     pub(crate) const LEAST_FRAMES: i64 = 10_000;
-    /// Jobs that are remembered.
+    /// Jobs in the cache.
     const MOST: usize = 1000;
 
     pub(crate) fn get(&self, job: &str, version: i64) -> Option<Pictures> {

@@ -1,4 +1,4 @@
-//! Values on their way into statements and out of rows.
+//! Binding values to statements and reading them from rows.
 
 use client::UnixMs;
 use serde::de::DeserializeOwned;
@@ -45,7 +45,7 @@ impl<'r> Cells<'r> {
         self.count().map(UnixMs)
     }
 
-    /// A value that is stored as JSON.
+    /// A value stored as JSON.
     pub(crate) fn json<T: DeserializeOwned>(&mut self) -> Result<Option<T>, Error> {
         let text = self.take::<Option<&str>>()?;
         let value = text.map(serde_json::from_str).transpose();

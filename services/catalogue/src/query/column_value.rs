@@ -1,4 +1,4 @@
-//! Columns by their names, and their values in the rows of a statement.
+//! Columns by name, and their values in rows.
 
 use serde_json::{Value, json};
 use sqlx::sqlite::SqliteRow;
@@ -45,7 +45,7 @@ pub(crate) fn double(row: &SqliteRow, index: usize, kind: Kind) -> Result<Option
     Ok(number)
 }
 
-/// A value as it is stored, of whatever type it has.
+/// A value in its stored type.
 pub(crate) fn stored(row: &SqliteRow, index: usize) -> Result<Value, CatalogueError> {
     let raw = row.try_get_raw(index)?;
     if raw.is_null() {

@@ -1,5 +1,4 @@
-//! The queryable columns of an image: the leaves of a record, from which the schema, the insert and the filter language all
-//! follow.
+//! The queryable columns of an image: the leaves of a record, from which schema, insert and filter language are derived.
 
 use std::sync::Arc;
 
@@ -10,7 +9,7 @@ use crate::query::filter::{Bind, Column, Join, Kind};
 use crate::query::leaf_tree::LeafTree;
 use crate::query::record_value::Found;
 
-/// Names from before every leaf had a column of its own name.
+/// Former names of columns.
 const ALIASES: &[(&str, &str)] = &[
     ("snow.density_per_m3", "water.snow.density_per_m3"),
     ("snow.radius_m", "water.snow.radius_m"),
@@ -24,8 +23,8 @@ const ALIASES: &[(&str, &str)] = &[
     ("path.frame", "camera.path.frame"),
 ];
 
-/// Columns that every row has: (name in questions, SQL, kind, unit). Frames that failed have no image, so `failed` is false
-/// in every row; it is there because people ask. A bare 0 would be the number of a column after ORDER BY.
+/// Columns of every row: (name in queries, SQL, kind, unit). `failed` is false in every row, since failed frames have no image; it
+/// exists because users expect it. A bare 0 would be the number of a column after ORDER BY.
 const OWN: &[(&str, &str, Kind, Option<&str>)] = &[
     ("job", "images.job_id", Kind::Text, None),
     ("frame", "images.frame", Kind::Whole, None),
@@ -36,7 +35,7 @@ const OWN: &[(&str, &str, Kind, Option<&str>)] = &[
     ("warned", "(images.warnings > 0)", Kind::Bool, None),
 ];
 
-/// The picture whose measurements are meant where a name has no subject.
+/// The picture of metrics without a subject.
 const MAIN_SUBJECT: &str = "rgb";
 
 /// All columns of one catalogue.
@@ -54,7 +53,7 @@ pub(crate) struct Added {
     pub(crate) table: &'static str,
     pub(crate) name: String,
     pub(crate) kind: &'static str,
-    /// What it was called before.
+    /// Its former name.
     pub(crate) before: Option<&'static str>,
 }
 
@@ -103,7 +102,7 @@ impl Columns {
         self.leaves.iter().map(stored_name)
     }
 
-    /// What a record has in these columns, in the order of [`Columns::stored_names`]: JSON, as text or as values.
+    /// The values of a record in the order of [`Columns::stored_names`]: JSON, as text or as values.
     pub(crate) fn stored_values<'de, D: Deserializer<'de>>(
         &self,
         record: D,
@@ -111,7 +110,7 @@ impl Columns {
         self.tree.read(record)
     }
 
-    /// Names that a question may use, apart from the open families `labels.…`, `timings.…`, `LIST.N.…` such as
+    /// Names that a query may use, apart from the open families `labels.…`, `timings.…`, `LIST.N.…` such as
     /// `lights.0.x`, `artifacts.KIND` (its digest) and `SUBJECT.METRIC`.
     pub(crate) fn names(&self) -> Vec<String> {
         let own = OWN.iter().map(|(name, ..)| (*name).to_owned());
@@ -122,7 +121,7 @@ impl Columns {
             .collect()
     }
 
-    /// The columns of the mirror that every image may have; those of measurements come beside them.
+    /// The columns of the replica that every image may have, without measurements.
     pub(crate) fn replicated(&self) -> Vec<Column> {
         let own = OWN.iter().map(|(name, ..)| *name);
         let leaves = self.leaves.iter().map(|leaf| leaf.name.as_str());
@@ -130,7 +129,7 @@ impl Columns {
         all.filter(|column| column.replica_name.is_some()).collect()
     }
 
-    /// Digest of the names of all columns that the mirror may have: files of other columns are written anew.
+    /// Digest of the names of all columns that the replica may have; files with other columns are written again.
     pub(crate) fn replica_digest(&self) -> String {
         let names = self
             .replicated()
@@ -140,7 +139,7 @@ impl Columns {
         spec::sha256(names.join("\n").as_bytes())
     }
 
-    /// A record and its digest, with what the digest is over beside the record, as they are read to be verified.
+    /// A record and its digest with the other fields of the digest, as they are read for verification.
     pub(crate) fn of_record(&self) -> Vec<Column> {
         let beside = ["job", "frame", "dataset", "created_ms", "digest"];
         let own = beside.into_iter().filter_map(|name| self.get(name));
@@ -158,7 +157,7 @@ impl Columns {
                 unit: *unit,
                 always: true,
                 found: (name == "warned").then_some(Found::Warned),
-                // No two images have the same digest: there is nothing to count.
+                // Digests are unique, so they need no aggregation.
                 replica_name: (name != "digest").then(|| name.to_owned()),
                 ..Column::new((*sql).to_owned(), *kind)
             });
@@ -213,7 +212,7 @@ impl Columns {
     }
 }
 
-/// What a metric of a picture is called in the mirror, and in questions.
+/// The name of a picture's metric in the replica and in queries.
 pub(crate) fn measured_name(subject: &str, metric: &str) -> String {
     match subject {
         MAIN_SUBJECT => metric.to_owned(),
@@ -221,7 +220,7 @@ pub(crate) fn measured_name(subject: &str, metric: &str) -> String {
     }
 }
 
-/// The column of a leaf in the schema. A large number is stored as what its column is called, which an INTEGER holds.
+/// The column of a leaf in the schema. The name of a large number contains the offset by which it is stored in an INTEGER.
 fn stored_name(leaf: &Leaf) -> String {
     match leaf.kind {
         LeafKind::Large => format!("{} - 2^63", leaf.name),
@@ -240,7 +239,7 @@ fn kind(leaf: &Leaf) -> Kind {
 
 /// Names that depend on the job: labels and digests of artifacts are compared as text, times in milliseconds as numbers.
 fn open_family(name: &str) -> Option<Column> {
-    // What a description admits as a name: anything else is no label, and could not stand in a JSON path (a NUL ends it).
+    // The names that a description allows; others are not labels, and a NUL would end a JSON path.
     let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '.' | '-');
     let quoted = |key: &str| (!key.is_empty() && key.chars().all(plain)).then(|| format!("\"{key}\""));
     if let Some(kind) = name.strip_prefix("artifacts.") {
@@ -280,7 +279,7 @@ fn json_path(pointer: &str) -> String {
 /// A value at a place of the record.
 fn extracted(path: String, kind: Kind, unit: Option<&'static str>) -> Column {
     let record = Join::Record.alias();
-    // Text is greater than every number in SQLite, and a list is text: the intensity of a lamp is no number.
+    // In SQLite text is greater than every number, and a list is text: such values must not compare as numbers.
     let sql = match kind {
         Kind::Text => format!("CAST(json_extract({record}.record, ?) AS TEXT)"),
         Kind::Number | Kind::Whole | Kind::Large | Kind::Bool => format!(

@@ -1,7 +1,7 @@
-//! Cursors: where a page ended, bound to the question it belongs to.
+//! Cursors: the end of a page, bound to its query.
 //!
-//! A cursor is readable text with a checksum. It is no secret: a forged one could only begin a page elsewhere in what the
-//! caller may read anyway; the checksum keeps mistakes from passing for answers.
+//! A cursor is readable text with a checksum. It is not secret: a forged one could only start a page at another row of the same
+//! query. The checksum detects mistakes.
 
 use client::Page;
 use serde_json::{Value, json};
@@ -42,14 +42,14 @@ pub(crate) fn question(parts: &[Option<&str>]) -> String {
     json!(parts).to_string()
 }
 
-/// The id at which a cursor of a list goes on.
+/// The id after which the next page of a list starts.
 pub(crate) fn read_id(question: &str, cursor: Option<&str>) -> Result<Option<String>, CatalogueError> {
     let Some(cursor) = cursor else { return Ok(None) };
     let id = read(question, cursor)?.as_str().map(str::to_owned);
     id.map(Some).ok_or(CatalogueError::Cursor)
 }
 
-/// A page of a list that is ordered by id, from its rows and, if there are more, one row beyond them.
+/// A page of a list in the order of ids, from its rows and one more if there is a next page.
 pub(crate) fn page<T>(question: &str, mut items: Vec<T>, limit: u32, id: impl Fn(&T) -> &str) -> Page<T> {
     let more = items.len() > limit as usize;
     items.truncate(limit as usize);

@@ -18,7 +18,7 @@ use std::collections::BTreeSet;
 pub(crate) use crate::error::FilterError;
 use crate::query::record_value::Found;
 
-/// What a column holds.
+/// The type of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
     Number,
@@ -30,7 +30,7 @@ pub(crate) enum Kind {
     Bool,
 }
 
-/// What a large number is stored less.
+/// The offset of stored large numbers.
 pub(crate) const OFFSET: i128 = 1 << 63;
 
 /// A number up to 2^64 − 1 less 2^63: in the same order, and within 64 bits with a sign.
@@ -38,7 +38,7 @@ pub(crate) fn lowered(number: u64) -> i64 {
     (i128::from(number) - OFFSET) as i64
 }
 
-/// The number that was lowered.
+/// The inverse of [`lowered`].
 pub(crate) fn raised(lowered: i64) -> u64 {
     (i128::from(lowered) + OFFSET) as u64
 }
@@ -58,7 +58,7 @@ pub(crate) enum Bind {
     Text(String),
 }
 
-/// A column as SQL of our own, with the binds of its places.
+/// A column as SQL with its binds.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Column {
     pub(crate) sql: String,
@@ -67,16 +67,16 @@ pub(crate) struct Column {
     pub(crate) unit: Option<&'static str>,
     /// Whether every row has a value.
     pub(crate) always: bool,
-    /// The row beside that of the image in which it stands.
+    /// The joined row with the value, if it is not in the image's row.
     pub(crate) join: Option<Join>,
     /// Where the record has its value, unless the column is an extract of the record.
     pub(crate) found: Option<Found>,
-    /// What it is called in the mirror, unless it has no such column.
+    /// Its name in the replica, if that has it.
     pub(crate) replica_name: Option<String>,
 }
 
 impl Column {
-    /// A column of the image's own row that may be missing, without a unit.
+    /// An optional column of the image's row, without a unit.
     pub(crate) fn new(sql: String, kind: Kind) -> Self {
         Self {
             sql,
@@ -91,18 +91,17 @@ impl Column {
     }
 }
 
-/// A row beside that of an image, at most one for each.
+/// A row joined to that of an image, at most one for each.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Join {
     /// Everything known about the image.
     Record,
-    /// What was measured of the picture of this name.
+    /// The measurements of the picture of this name.
     Measured(String),
 }
 
 impl Join {
-    /// What the row is called in a statement. The names of pictures are checked where columns are looked up: they have
-    /// no quotes.
+    /// The alias of the row in a statement. Names of pictures contain no quotes, which is checked when columns are looked up.
     pub(crate) fn alias(&self) -> String {
         match self {
             Self::Record => "\"record of\"".to_owned(),
@@ -117,7 +116,7 @@ pub(crate) struct Compiled {
     pub(crate) sql: String,
     pub(crate) binds: Vec<Bind>,
     pub(crate) joins: BTreeSet<Join>,
-    /// What it asks that the record has, too.
+    /// The columns of the filter that are part of the record.
     pub(crate) asked: Vec<Column>,
     /// The same for the mirror, unless it lacks a column.
     pub(crate) condition: Option<columnar::Condition>,

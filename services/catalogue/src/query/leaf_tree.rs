@@ -1,4 +1,4 @@
-//! The columns of a record out of its JSON in one pass: asking a tree of values for each column took a fifth of an import.
+//! Reads the columns of a record from its JSON in one pass: looking up each column in a tree of values took a fifth of an import.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -8,7 +8,7 @@ use spec::{Leaf, LeafKind};
 
 use crate::query::filter::{Bind, lowered};
 
-/// Where the columns stand.
+/// The columns by their position in a record.
 #[derive(Debug, Default)]
 pub(crate) struct LeafTree {
     columns: usize,
@@ -29,7 +29,7 @@ struct Node {
 struct Wanted {
     column: usize,
     kind: LeafKind,
-    /// Whether it only counts where the column's own place is empty.
+    /// Whether it is used only if the primary position of the column is empty.
     is_second: bool,
 }
 
@@ -52,7 +52,7 @@ impl LeafTree {
         }
     }
 
-    /// What a record has in each column.
+    /// The values of a record, column by column.
     pub(crate) fn read<'de, D: Deserializer<'de>>(&self, record: D) -> Result<Vec<Option<Bind>>, D::Error> {
         let mut found = vec![None; self.columns];
         let node = &self.root;
@@ -79,14 +79,14 @@ impl Node {
     }
 }
 
-/// A place and what has been found so far.
+/// A position in the record, and the values so far.
 struct At<'t, 'f> {
     node: &'t Node,
     found: &'f mut [Option<Bind>],
 }
 
 impl At<'_, '_> {
-    /// Notes what a value of the record is in the columns that want it.
+    /// Stores a value of the record in its columns.
     fn note(self, bind: impl Fn(LeafKind) -> Option<Bind>) {
         for wanted in &self.node.wanted {
             let place = &mut self.found[wanted.column];
@@ -215,7 +215,7 @@ mod tests {
 
     use super::*;
 
-    /// What the pointers of the leaves find in a tree of values.
+    /// The reference: looks up each leaf in a tree of values.
     fn pointed(leaves: &[Leaf], record: &Value) -> Vec<Option<Bind>> {
         let bind = |leaf: &Leaf| {
             let value = leaf.find(record)?;
@@ -250,7 +250,7 @@ mod tests {
             json!({"name": "b"}),
             json!({"name": 1, "0": 2}),
         ];
-        // Every value at every place, whatever belongs there.
+        // Every kind of value at every position.
         for leaf in &leaves {
             for value in &values {
                 let mut record = whole.clone();
@@ -267,7 +267,7 @@ mod tests {
         }
     }
 
-    /// Puts a value at a pointer, with objects and triples above it where there is nothing that could hold it.
+    /// Puts a value at a pointer, and creates missing objects and triples above it.
     fn put(record: &mut Value, pointer: &str, value: Value) {
         let place = pointer.split('/').skip(1).fold(record, |place, part| {
             if let Ok(at) = part.parse::<usize>() {

@@ -11,14 +11,14 @@ use crate::query::filter::{Bind, raised};
 use crate::query::leaf_tree::LeafTree;
 use crate::query::record_value::{Found, number};
 
-/// What a page asks of each record.
+/// The values that a page needs from each record.
 #[derive(Default)]
 pub(crate) struct Wanted {
     leaves: Vec<Leaf>,
     members: Members,
 }
 
-/// Where a value is in what was read of a record.
+/// The position of a value in [`Read`].
 pub(crate) enum Place {
     Leaf(usize, LeafKind),
     Member(Found),
@@ -43,14 +43,13 @@ impl Wanted {
     }
 }
 
-/// Reads of records what was asked for and nothing else. A page reads a hundred records; building all of each would be half of its
-/// time.
+/// Reads selected values of records. A page reads a hundred records; parsing them completely would take half of its time.
 pub(crate) struct Reader {
     leaves: LeafTree,
     members: Members,
 }
 
-/// What was read of a record.
+/// The selected values of a record.
 pub(crate) struct Read {
     leaves: Vec<Option<Bind>>,
     members: Value,
@@ -62,16 +61,16 @@ impl Reader {
             leaves: self
                 .leaves
                 .read(&mut serde_json::Deserializer::from_str(record))?,
-            members: self.members.of(record)?,
+            members: self.members.read(record)?,
         })
     }
 }
 
 impl Read {
     /// The value, as pages have it.
-    pub(crate) fn at(&self, place: &Place) -> Value {
+    pub(crate) fn value(&self, place: &Place) -> Value {
         match place {
-            Place::Member(found) => found.of(&self.members),
+            Place::Member(found) => found.read(&self.members),
             Place::Leaf(index, kind) => match &self.leaves[*index] {
                 Some(Bind::Number(value)) => number(*value),
                 Some(Bind::Whole(value)) if *kind == LeafKind::Large => json!(raised(*value)),
@@ -99,7 +98,7 @@ impl Members {
     }
 
     /// A record with these members alone.
-    fn of(&self, record: &str) -> Result<Value, serde_json::Error> {
+    fn read(&self, record: &str) -> Result<Value, serde_json::Error> {
         if self.0.is_empty() {
             return Ok(Value::Null);
         }

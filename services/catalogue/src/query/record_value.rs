@@ -1,10 +1,10 @@
-//! What a record has where a column is stored beside it: values are served from the record, which has a digest. What is stored
-//! beside it is asked by filters and orders.
+//! Values of a record that also have a column. Pages show the values of the record, which has a digest; filters and orders use the
+//! columns.
 
 use serde_json::{Value, json};
 use spec::{Leaf, LeafKind};
 
-/// Where a column's value stands in a record.
+/// The position of a column's value in a record.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Found {
     Leaf(Leaf),
@@ -19,7 +19,7 @@ pub(crate) enum Found {
 
 impl Found {
     /// The value, as pages have it.
-    pub(crate) fn of(&self, record: &Value) -> Value {
+    pub(crate) fn read(&self, record: &Value) -> Value {
         match self {
             Self::Leaf(leaf) => leaf_of(leaf, record).unwrap_or_default(),
             Self::Metric { subject, metric } => {

@@ -1,4 +1,4 @@
-//! What a dataset's name stands for in questions: the dataset as it grows, or a sealed version of it.
+//! The meaning of a dataset's name in queries: the growing dataset, or a sealed version of it.
 
 /// A dataset, or a version of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

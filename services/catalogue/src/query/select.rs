@@ -1,6 +1,6 @@
-//! Statements over images: columns under a filter, with the rows beside the image in which they stand.
+//! Statements over images: filtered columns with joined rows.
 //!
-//! Each such row is joined once for all columns: with a lookup for each column, the lookups were most of a page's time.
+//! Each row is joined once for all of its columns; a lookup per column took most of a page's time.
 
 use std::collections::BTreeSet;
 
@@ -88,8 +88,8 @@ impl Select {
         Ok(filter.transpose()?)
     }
 
-    /// Left joins with conditions that SQLite cannot see through: it goes through the images in the order of their
-    /// index, whatever the filter.
+    /// Left joins with conditions that SQLite cannot optimize, so that it reads the images in the order of their index under every
+    /// filter.
     fn join(&mut self, joins: &BTreeSet<Join>) -> Result<(), CatalogueError> {
         if joins.len() > MOST_JOINS {
             let message =

@@ -1,4 +1,4 @@
-//! The mirror: files that hold rows of images by columns, and what the catalogue knows of them.
+//! The files of the columnar replica, and their list in the catalogue.
 
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -14,13 +14,13 @@ const CACHE_BYTES: usize = 64 << 20;
 /// More threads would take the processors from the workers.
 const MOST_THREADS: usize = 4;
 
-/// The folder of the mirror, and the files of it that are open.
+/// The folder of the replica, and its open files.
 pub(crate) struct Replica {
     pub(crate) folder: PathBuf,
     pub(crate) cache: Cache,
     pub(crate) threads: usize,
     open: Mutex<HashMap<String, Arc<ReplicaFile>>>,
-    /// Held by whoever writes or removes files.
+    /// Held while files are written or removed.
     pub(crate) writing: tokio::sync::Mutex<()>,
 }
 
@@ -34,7 +34,7 @@ pub(crate) struct FileRow {
 }
 
 impl Replica {
-    /// The mirror of the catalogue in this file.
+    /// The replica of the catalogue in this file.
     pub(crate) fn of_catalogue(catalogue: &Path) -> Self {
         let processors = std::thread::available_parallelism().map_or(1, usize::from);
         Self {
@@ -64,7 +64,7 @@ impl Replica {
         Ok(file)
     }
 
-    /// Closes the files that the catalogue no longer names, and removes what lies in the folder beside those that it names.
+    /// Closes files that are not listed, and removes other files from the folder.
     pub(crate) fn keep_only(&self, rows: &[FileRow]) -> std::io::Result<()> {
         let named: HashSet<&str> = rows.iter().map(|row| row.name.as_str()).collect();
         self.open
@@ -83,7 +83,7 @@ impl Replica {
         Ok(())
     }
 
-    /// The parts of a question: each file with those of its jobs that are asked for.
+    /// The parts of a query: each file with its requested jobs.
     pub(crate) fn parts(&self, files: Vec<(FileRow, HashSet<String>)>) -> Result<Vec<Part>, ColumnarError> {
         let part = |(row, jobs): (FileRow, HashSet<String>)| {
             let file = self.open(&row)?;
@@ -112,7 +112,7 @@ pub(crate) async fn list_files(connection: &mut SqliteConnection) -> Result<Vec<
     Ok(rows.into_iter().map(file).collect())
 }
 
-/// The rowids that no file holds, from the first to the last of each stretch.
+/// Ranges of rowids that are in no file.
 pub(crate) fn uncovered_rows(files: &[FileRow]) -> Vec<(i64, i64)> {
     let (mut gaps, mut next) = (Vec::new(), 1);
     for file in files {
@@ -125,7 +125,7 @@ pub(crate) fn uncovered_rows(files: &[FileRow]) -> Vec<(i64, i64)> {
     gaps
 }
 
-/// Notes that rows of images go: they belong to a job that is hidden. Their rowids are used again if they are the last ones.
+/// Records that the rows of a hidden job are deleted. Their rowids are reused if they are the last ones.
 pub(crate) async fn drop_rows(connection: &mut SqliteConnection, job: &str) -> Result<(), CatalogueError> {
     sqlx::query("DELETE FROM mirror_jobs WHERE job_id = ?")
         .bind(job)
@@ -137,7 +137,7 @@ pub(crate) async fn drop_rows(connection: &mut SqliteConnection, job: &str) -> R
     count_change(connection).await
 }
 
-/// Notes that rows of a job that stays go or change: its files hold nothing any more.
+/// Records that rows of a visible job are deleted or changed; its files are removed from the list.
 pub(crate) async fn drop_changed_rows(
     connection: &mut SqliteConnection,
     job: &str,
@@ -156,13 +156,13 @@ async fn count_change(connection: &mut SqliteConnection) -> Result<(), Catalogue
     Ok(())
 }
 
-/// How often stored images went or changed.
+/// Number of deletions and changes of stored images.
 pub(crate) async fn count_changes(connection: &mut SqliteConnection) -> Result<i64, CatalogueError> {
     let changes = sqlx::query_scalar("SELECT changes FROM mirror_changes");
     Ok(changes.fetch_one(connection).await?)
 }
 
-/// Takes files of other columns than these off the list.
+/// Removes files with other columns from the list.
 pub(crate) async fn keep_files_with_columns(
     connection: &mut SqliteConnection,
     digest: &str,

@@ -1,4 +1,4 @@
-//! Wide columns: adding those that the schema lacks, and filling them from the records of images stored before.
+//! Wide columns: adds missing ones to the schema, and backfills them from the records of existing images.
 
 use std::collections::BTreeSet;
 use std::time::Instant;
@@ -12,13 +12,13 @@ use crate::error::CatalogueError;
 use crate::query::cells::bound;
 use crate::query::columns::Columns;
 
-/// Stands among the columns to be filled in a catalogue whose rows have no digests yet.
+/// The marker, among the columns to backfill, of a catalogue whose rows have no digests.
 const ROW_DIGEST: &str = "row_digest";
 /// Images of one transaction: some megabytes of log, and little to repeat after a kill.
 const BATCH: i64 = 2000;
 
-/// Adds the wide columns that are not there yet, all or none, and notes those of images that have to be filled. One that
-/// was called otherwise before is renamed. A metric that is gone from the registry keeps its column.
+/// Adds missing wide columns, all or none, and records the columns of images that need a backfill. A column with a former name is
+/// renamed. The column of a metric that no longer exists is kept.
 pub(crate) async fn add_columns(
     connection: &mut SqliteConnection,
     columns: &Columns,
@@ -27,23 +27,23 @@ pub(crate) async fn add_columns(
     let has_images: bool = sqlx::query_scalar("SELECT EXISTS (SELECT 1 FROM images)")
         .fetch_one(&mut *transaction)
         .await?;
-    let there = sqlx::query(
+    let existing = sqlx::query(
         "SELECT 'images', name FROM pragma_table_info('images')
          UNION ALL SELECT 'measurements', name FROM pragma_table_info('measurements')",
     );
-    let there: BTreeSet<(String, String)> = there
+    let existing: BTreeSet<(String, String)> = existing
         .fetch_all(&mut *transaction)
         .await?
         .iter()
         .map(|row| Ok((row.try_get(0)?, row.try_get(1)?)))
         .collect::<Result<_, sqlx::Error>>()?;
-    let has = |table: &str, name: &str| there.contains(&(table.to_owned(), name.to_owned()));
+    let has = |table: &str, name: &str| existing.contains(&(table.to_owned(), name.to_owned()));
     for column in columns
         .added()
         .iter()
         .filter(|column| !has(column.table, &column.name))
     {
-        // Names come from the registries of the program, never from a request.
+        // Names come from the registries of the program, never from requests.
         let (table, name) = (column.table, column.name.replace('"', ""));
         if let Some(before) = column.before.filter(|before| has(table, before)) {
             let rename = format!("ALTER TABLE {table} RENAME COLUMN \"{before}\" TO \"{name}\"");
@@ -64,8 +64,11 @@ pub(crate) async fn add_columns(
     Ok(transaction.commit().await?)
 }
 
-/// Fills the columns that are noted, batch by batch, each all or nothing.
-pub(crate) async fn fill(connection: &mut SqliteConnection, columns: &Columns) -> Result<(), CatalogueError> {
+/// Backfills the recorded columns in batches.
+pub(crate) async fn backfill(
+    connection: &mut SqliteConnection,
+    columns: &Columns,
+) -> Result<(), CatalogueError> {
     let unfilled: BTreeSet<String> = sqlx::query_scalar("SELECT column_name FROM unfilled")
         .fetch_all(&mut *connection)
         .await?
@@ -118,7 +121,7 @@ async fn digest_records(
     Ok(())
 }
 
-/// Fills one batch; returns its length, or nothing after the last image.
+/// Backfills one batch; returns its length, or `None` after the last image.
 async fn batch(
     connection: &mut SqliteConnection,
     columns: &Columns,

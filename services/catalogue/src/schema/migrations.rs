@@ -1,5 +1,4 @@
-//! The schema of the catalogue, embedded. Listed by hand, because the macro of sqlx that would read the folder needs a
-//! second SQLite for the machine that builds.
+//! The embedded schema of the catalogue. It is listed by hand, because sqlx's macro for a folder needs a second SQLite at build time.
 
 use sqlx::SqlSafeStr;
 use sqlx::migrate::{Migration, MigrationType, Migrator};

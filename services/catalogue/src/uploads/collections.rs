@@ -10,8 +10,8 @@ use crate::error::CatalogueError;
 use crate::uploads::scenes;
 
 impl Catalogue {
-    /// Puts a scene into a collection under a name, in place of the one that had it. Returns false, and does nothing, if the
-    /// collection has `most` scenes under other names.
+    /// Adds a scene to a collection under a name, or replaces the one of this name. Returns false, without a change, if the collection
+    /// has `most` scenes under other names.
     ///
     /// # Errors
     /// [`CatalogueError`].
@@ -66,7 +66,7 @@ impl Catalogue {
         Ok(rows.into_iter().map(row).collect())
     }
 
-    /// The scenes of a collection in their order; none of one that does not exist.
+    /// The scenes of a collection in their order; empty if it does not exist.
     ///
     /// # Errors
     /// [`CatalogueError`].

@@ -1,4 +1,4 @@
-//! The users' own waters, each under its own name.
+//! Custom waters by name.
 
 use crate::catalogue::Catalogue;
 use crate::digests::row_digests::Side;
@@ -7,7 +7,7 @@ use crate::error::CatalogueError;
 use crate::query::cells::Cells;
 use client::UnixMs;
 
-/// A water of a user's own.
+/// A custom water.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct WaterRow {
     /// Its name.
@@ -61,7 +61,7 @@ impl Catalogue {
             .collect()
     }
 
-    /// Deletes a water; returns whether there was one. Jobs hold its numbers and go on.
+    /// Deletes a water; returns whether it existed. Jobs keep its values.
     ///
     /// # Errors
     /// [`CatalogueError`].

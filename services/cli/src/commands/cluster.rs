@@ -1,4 +1,4 @@
-//! Commands of `fathom-cluster`, the program for sets, which lies beside this one.
+//! Commands of `fathom-cluster`, the program for sets, which is next to this one.
 
 use std::ffi::OsString;
 use std::os::unix::process::CommandExt;
@@ -10,7 +10,7 @@ use cli::exit::Failure;
 
 use super::serve::{CLUSTER_PROGRAM, OWN_PROGRAM, own_program};
 
-/// Whatever `fathom-cluster` takes.
+/// Arguments of `fathom-cluster`.
 #[derive(clap::Args)]
 #[command(disable_help_flag = true)]
 pub(crate) struct Arguments {
@@ -18,15 +18,15 @@ pub(crate) struct Arguments {
     _words: Vec<OsString>,
 }
 
-/// The words of this call. They are those of the process only where no other program, such as Python, runs the command.
+/// The arguments of this call, which differ from those of the process if another program such as Python runs the command.
 static WORDS: Mutex<Vec<OsString>> = Mutex::new(Vec::new());
 
-/// Notes the words of this call, from the program's name on.
+/// Stores the arguments of this call, from the program's name on.
 pub(crate) fn note(words: &[OsString]) {
     *WORDS.lock().unwrap_or_else(PoisonError::into_inner) = words.to_vec();
 }
 
-/// Becomes `fathom-cluster` with the words of this call, so that signals and the exit status are its own.
+/// Replaces this process by `fathom-cluster` with the same arguments, so that signals and the exit status are passed through.
 pub(crate) fn hand_over() -> Result<(), Failure> {
     let (own, program) = (own_program()?, program()?);
     let mut command = Command::new(&program);
@@ -36,7 +36,7 @@ pub(crate) fn hand_over() -> Result<(), Failure> {
     Err(anyhow::anyhow!("cannot start {}: {error}", program.display()).into())
 }
 
-/// The file of `fathom-cluster`: beside this program; else, for one that runs inside of another, that of the PATH.
+/// The file of `fathom-cluster`: next to this program, otherwise on the PATH (for a program that embeds these commands).
 pub fn program() -> Result<PathBuf, Failure> {
     let own = own_program()?;
     let path = std::env::var_os("PATH").unwrap_or_default();

@@ -1,4 +1,4 @@
-//! `fathom completions` and `fathom man`: what shells and `man` read.
+//! `fathom completions` and `fathom man`: files for shells and for `man`.
 
 use std::io::Write;
 use std::path::PathBuf;

@@ -1,4 +1,4 @@
-//! `fathom decode`: decodes what was uploaded, for the service.
+//! `fathom decode`: decodes an upload for the service.
 
 use std::path::PathBuf;
 

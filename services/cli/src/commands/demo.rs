@@ -1,6 +1,6 @@
 //! `fathom demo`: the main use of the program, end to end on one machine.
 //!
-//! Starts a service with its own workers on a free port, submits a job of 24 frames, waits for it, prints the dataset's
+//! Starts a service with workers on a free port, submits a job of 24 frames, waits for it, prints the dataset's
 //! metrics and writes a contact sheet. It uses HTTP, leases and commits as in production. With `--open` the service keeps
 //! running, and a browser opens its page.
 

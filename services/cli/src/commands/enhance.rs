@@ -1,4 +1,4 @@
-//! `fathom enhance`: an enhancement on a picture of the user's own.
+//! `fathom enhance`: enhances a picture of the user.
 
 use std::path::PathBuf;
 
@@ -25,7 +25,7 @@ pub(crate) struct Arguments {
     mask_out: Option<PathBuf>,
 }
 
-/// Every method, what it does, and how far it is from its authors' results.
+/// Every method with its description and its distance from published results.
 fn methods() -> String {
     let all = enhance::METHODS.iter().filter_map(|name| Method::parse(name));
     let lines = all.map(|method| {

@@ -1,15 +1,15 @@
-//! `fathom export`: the images of a dataset in a form that training scripts and their libraries read.
+//! `fathom export`: writes the images of a dataset for training scripts and their libraries.
 //!
 //! ```text
 //! OUT/README.md, croissant.json  the card of the export, for people and for catalogs
 //! OUT/fields.json                unit and meaning of every array and column
-//! OUT/metadata.jsonl             one line per image: where its files are, parameters, labels, metrics
+//! OUT/metadata.jsonl             one line per image: paths of its files, parameters, labels, metrics
 //! OUT/categories.json            id and name of every class, where semantics or boxes were exported
 //! OUT/SHA256SUMS                 every file with its digest, as `sha256sum --check` reads it
-//! OUT/JOB/FRAME/KIND.EXTENSION   the files of a job as `fathom render` writes them; other formats have others
+//! OUT/JOB/FRAME/KIND.EXTENSION   the files of a job in the layout of `fathom render`; other formats have other files
 //! ```
 //!
-//! With `--split`, each part is a folder with lists of its own: `OUT/train/metadata.jsonl` and so on.
+//! With `--split`, each part is a folder with separate lists: `OUT/train/metadata.jsonl` and so on.
 
 mod archive;
 mod card;
@@ -65,13 +65,13 @@ use work::Export;
 pub struct Arguments {
     /// The dataset
     dataset: String,
-    /// How the export is laid out
+    /// Layout of the export
     #[arg(long, value_enum, default_value = "folder")]
     format: Format,
     /// Which images, such as 'uiqm > 0.8 and water.style in ("muddy")' [default: all]
     #[arg(long, default_value = "", hide_default_value = true)]
     filter: String,
-    /// Kinds of artifacts, comma-separated; the first one becomes the `file_name` column. Formats add those that they are made of
+    /// Kinds of artifacts, comma-separated; the first one becomes the `file_name` column. Formats add the kinds that they need
     #[arg(long, value_delimiter = ',', default_value = "rgb", value_parser = kind)]
     kinds: Vec<String>,
     /// Parts with their shares, such as train=.8,val=.1,test=.1, each in a folder of its name; images of one scene are never in
@@ -81,10 +81,10 @@ pub struct Arguments {
     /// Frames of each file of the formats webdataset and parquet
     #[arg(long, default_value_t = 1000, value_name = "FRAMES", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     shard_size: u32,
-    /// License that the card states, such as cc-by-4.0; those of waters and styles stand in the card, too
+    /// License for the card, such as cc-by-4.0; the card also lists the licenses of waters and styles
     #[arg(long, default_value = "other", value_name = "LICENSE")]
     license: String,
-    /// The folder to fill; what is already there with the right digest is kept
+    /// The folder to fill; existing files with the right digest are kept
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     #[command(flatten)]
@@ -101,7 +101,7 @@ fn kind(name: &str) -> Result<String, String> {
     Err(format!("the kinds are {} and enhanced.METHOD", known.join(", ")))
 }
 
-/// Runs the command. Without `tables` it becomes `fathom-cluster` for the formats that hold Parquet.
+/// Runs the command. Without `tables`, `fathom-cluster` runs it for formats with Parquet.
 pub fn run(arguments: &Arguments, tables: Option<WriteTable>) -> Result<(), Failure> {
     let format = arguments.format;
     if format.needs_tables() && tables.is_none() {

@@ -16,7 +16,7 @@ use super::submit::{all_rendered, show};
 
 /// Shortest time between two requests for the state of a set.
 const PAUSE: Duration = Duration::from_millis(200);
-/// An error of the set is no change of its job, so that the wait for one is kept short.
+/// Seconds of a long poll; short, since an error of the set does not change its job.
 const WAIT_S: u64 = 5;
 
 /// Runs the command.
@@ -41,7 +41,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
 }
 
-/// A set in a folder by its absolute path, under which a service on this machine finds it.
+/// The URL of a set; a folder is named by its absolute path, which is valid for a service on this machine.
 fn url(set: &str) -> Result<String, Failure> {
     if set.contains("://") {
         return Ok(set.to_owned());

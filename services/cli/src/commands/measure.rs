@@ -1,4 +1,4 @@
-//! `fathom measure`: quality metrics of pictures of the user's own.
+//! `fathom measure`: quality metrics of the user's pictures.
 
 use std::path::PathBuf;
 

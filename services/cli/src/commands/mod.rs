@@ -45,17 +45,17 @@ use client::JobChange;
 /// The commands of `fathom`.
 #[derive(clap::Subcommand)]
 pub(crate) enum Command {
-    /// Start the service with its own workers
+    /// Start the service and its workers
     Serve(serve::Arguments),
     /// Render frames for a service, here or on another machine
     Worker(cli::worker::Arguments),
     /// Render a job without a service
     Render(cli::render::Arguments),
-    /// Show how much of a set is done
+    /// Show the progress of a set
     Status(cluster::Arguments),
-    /// Read a sealed dataset or a set again and compare it with what it was
+    /// Verify that a sealed dataset or a set has not changed
     Verify(cli::seal::VerifyArguments),
-    /// Show the images of a set in a service, whose bytes stay where they are
+    /// Import the images of a set into a service; their bytes stay in the set
     Import(cli::import::Arguments),
     /// Seal a dataset as a version that never changes, or a set with its manifest
     Seal(cli::seal::SealArguments),
@@ -105,7 +105,7 @@ pub(crate) enum Command {
     Enhance(enhance::Arguments),
     /// Measure the quality of pictures
     Measure(measure::Arguments),
-    /// List every name and number that a job, a question or a label may hold
+    /// List every name and number that a job, a query or a label may hold
     List(list::Arguments),
     /// List the optical waters, or add one to a service
     Waters(waters::Arguments),
@@ -119,13 +119,13 @@ pub(crate) enum Command {
     Completions(completions::Arguments),
     /// Write manual pages
     Man(completions::ManArguments),
-    /// Render a stored frame once more, for the service
+    /// Render a stored frame again, for the service
     #[command(hide = true)]
     Rerender(rerender::Arguments),
     /// Render preview frames (used by the service)
     #[command(hide = true)]
     Live(live::Arguments),
-    /// Decode what was uploaded, for the service
+    /// Decode an upload, for the service
     #[command(hide = true)]
     Decode(decode::Arguments),
     /// Try a style network, for the service

@@ -1,4 +1,4 @@
-//! `fathom rerender`: renders a stored frame once more, for the service.
+//! `fathom rerender`: renders a stored frame again, for the service.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

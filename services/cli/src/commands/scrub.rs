@@ -1,8 +1,8 @@
 //! `fathom scrub`: verifies everything that a stopped service has stored, and optionally repairs it.
 
 mod findings;
-mod mirror;
 mod repair;
+mod replica;
 mod space;
 
 use std::path::PathBuf;
@@ -25,13 +25,13 @@ pub struct Arguments {
     /// Data folder of the service, which must be stopped
     #[arg(long, env = "FATHOM_DATA", default_value = "data", value_name = "DIR")]
     data: PathBuf,
-    /// Render damaged images again, store what has the same digest, and free what is in nobody's use
+    /// Render damaged images again, store those with the same digest, and free unreferenced space
     #[arg(long)]
     repair: bool,
     /// Restore a lost catalogue from the newest backup in the folder, or lost packs by rendering every image again; then repair
     #[arg(long)]
     rebuild: bool,
-    /// Write the mirror anew, from which images are counted
+    /// Rebuild the columnar replica (folder mirror), from which images are counted
     #[arg(long)]
     mirror: bool,
     /// Print the findings as one JSON object
@@ -44,7 +44,7 @@ pub struct Arguments {
 /// Rows of one query to the catalogue.
 const BATCH: u32 = 1000;
 
-/// Runs the command. Without `buckets` it becomes `fathom-cluster` if the folder has images of a set in a bucket.
+/// Runs the command. Without `buckets`, `fathom-cluster` runs it if the folder has images of a set in a bucket.
 pub fn run(arguments: &Arguments, buckets: Option<ReadBucket>) -> Result<(), Failure> {
     if arguments.rebuild {
         if let Some(backup) = Data::rebuild(&arguments.data).map_err(Failure::input)? {
@@ -74,7 +74,7 @@ pub fn run(arguments: &Arguments, buckets: Option<ReadBucket>) -> Result<(), Fai
     }
 }
 
-/// Reads everything; returns nothing if there is a set that this program cannot read.
+/// Verifies everything; returns `None` for a set that this program cannot read.
 async fn scrub(arguments: &Arguments, sets: SetFiles) -> Result<Option<Findings>, Failure> {
     let library = arguments.style.library_of_service(&arguments.data)?;
     let vocabulary = renderer::vocabulary(&library, false);
@@ -109,13 +109,13 @@ async fn scrub(arguments: &Arguments, sets: SetFiles) -> Result<Option<Findings>
     for job in jobs {
         imported(&data, &sets, &job, wants_repair, &mut findings).await?;
     }
-    mirror::look(&data, wants_repair, arguments.mirror, &mut findings).await?;
+    replica::verify(&data, wants_repair, arguments.mirror, &mut findings).await?;
     space::look(&data, &arguments.data, wants_repair, &mut findings).await?;
     data.close().await;
     Ok(Some(findings))
 }
 
-/// Rows of the catalogue: what follows from a good record is written anew, other images are rendered again.
+/// Rows of the catalogue: those that follow from an intact record are restored, other images are rendered again.
 async fn rows(data: &Data, mut repair: Option<&mut Repair>, findings: &mut Findings) -> anyhow::Result<()> {
     let mut integrity = whole(data).await?;
     let damaged = match data.catalogue.damaged_rows().await {
@@ -144,7 +144,7 @@ async fn rows(data: &Data, mut repair: Option<&mut Repair>, findings: &mut Findi
         integrity = whole(data).await?;
         let left = data.catalogue.damaged_rows().await?;
         for row in &mut findings.rows {
-            // Sums of datasets are counted anew.
+            // Sums of datasets have been recomputed.
             if left.iter().all(|left| left.what != row.what) {
                 (row.repaired, row.reason) = (Some(true), None);
             }
@@ -154,7 +154,7 @@ async fn rows(data: &Data, mut repair: Option<&mut Repair>, findings: &mut Findi
     Ok(())
 }
 
-/// What is wrong with the file of the catalogue; so much may be that SQLite cannot say.
+/// Damage of the catalogue's file, which may be too large for SQLite's own check.
 async fn whole(data: &Data) -> anyhow::Result<Vec<String>> {
     match data.catalogue.integrity_check().await {
         Err(CatalogueError::Damaged { what }) => Ok(vec![what]),

@@ -1,4 +1,4 @@
-//! `fathom serve`: the service and its own workers.
+//! `fathom serve`: the service and its workers.
 
 use std::io::IsTerminal;
 use std::net::SocketAddr;
@@ -45,16 +45,16 @@ pub struct Arguments {
     pub(crate) hosts: Vec<String>,
     #[command(flatten)]
     pub(crate) style: StyleArguments,
-    /// Longest time to try a style network that somebody adds
+    /// Longest trial of an added style network
     #[arg(long, env = "FATHOM_STYLE_TRIAL_S", default_value_t = 60, value_parser = clap::value_parser!(u64).range(1..=3600))]
     pub(crate) style_trial_s: u64,
-    /// Longest time of one frame: a worker process that takes longer is ended, and one that goes on loses its lease
+    /// Longest time of one frame, after which its worker process is ended and its lease expires
     #[arg(long, env = "FATHOM_FRAME_LIMIT_S", default_value_t = 600.0, value_parser = seconds)]
     pub(crate) frame_limit_s: f64,
     /// Let workers of different versions, CPU features or ONNX Runtimes share a job, whose frames may then differ in their last digits
     #[arg(long, env = "FATHOM_MIX_WORKERS")]
     pub(crate) mix_workers: bool,
-    /// Render one in so many frames of each worker a second time and compare, and the first of each; a worker that differs is dismissed. 0: none
+    /// Render the first frame of each worker and one in this number of frames a second time and compare; a worker that differs is dismissed. 0: none
     #[arg(long, env = "FATHOM_SPOT_CHECK", default_value_t = 200, value_name = "FRAMES")]
     pub(crate) spot_check: u64,
     /// Folder or s3://BUCKET/PREFIX below which clients may have sets imported; may be given several times. With --engine one:
@@ -70,12 +70,12 @@ pub struct Arguments {
     pub(crate) engine: EngineArguments,
 }
 
-/// Names the program of these commands where they run inside of another.
+/// Names the program of these commands if another program embeds them.
 pub(super) const OWN_PROGRAM: &str = "FATHOM_PROGRAM";
-/// The program that can read sets in buckets, too.
+/// The program that can also read sets in buckets.
 pub(super) const CLUSTER_PROGRAM: &str = "fathom-cluster";
 
-/// Runs the command. Without `buckets` it becomes `fathom-cluster` if the folder has images of a set in a bucket, or may get some.
+/// Runs the command. Without `buckets`, `fathom-cluster` runs it if the folder has or may get images of a set in a bucket.
 pub fn run(arguments: Arguments, buckets: Option<ReadBucket>) -> Result<(), Failure> {
     let is_bucket = |store: &String| store.starts_with("s3://");
     if buckets.is_none() && arguments.stores.iter().any(is_bucket) {
@@ -83,7 +83,7 @@ pub fn run(arguments: Arguments, buckets: Option<ReadBucket>) -> Result<(), Fail
     }
     start_log("info");
     let mut config = config(arguments)?;
-    // The clone outlives the runtime: what reads buckets has threads that cannot be ended within it.
+    // The clone outlives the runtime, since readers of buckets have threads that cannot be ended within it.
     config.buckets.clone_from(&buckets);
     let runtime = tokio::runtime::Runtime::new().context("cannot start the asynchronous runtime")?;
     runtime.block_on(async {
@@ -147,12 +147,12 @@ pub(crate) fn config(arguments: Arguments) -> Result<api::Config, Failure> {
     })
 }
 
-/// The program that runs these commands: this one, unless they run inside of another, which then names it.
+/// The program of these commands: this one, unless an embedding program names it.
 pub(super) fn own_program() -> Result<PathBuf, Failure> {
     let named = std::env::var_os(OWN_PROGRAM).map(PathBuf::from);
     let own = named.map_or_else(std::env::current_exe, Ok);
     let own = own.context("cannot find this program's own file")?;
-    // It has some of these commands, and lies beside the one that has all of them.
+    // `fathom-cluster` has only some of these commands; `fathom`, next to it, has all of them.
     if own.file_name().is_some_and(|name| name == CLUSTER_PROGRAM) {
         return Ok(own.with_file_name("fathom"));
     }

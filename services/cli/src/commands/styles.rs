@@ -28,7 +28,7 @@ pub(crate) struct Arguments {
 
 #[derive(clap::Subcommand)]
 enum Action {
-    /// Add a style network to a service, for jobs to name at once
+    /// Add a style network to a service, for immediate use in jobs
     Add(add::Arguments),
 }
 

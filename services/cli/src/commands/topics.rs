@@ -102,7 +102,7 @@ const TOPICS: &[Topic] = &[
     },
 ];
 
-/// Puts the topics in place of the list of commands, and an example below each command's own help.
+/// Replaces the list of commands by topics, and adds an example to the help of each command.
 pub(crate) fn arrange(command: Command) -> Command {
     let header = *command.get_styles().get_header();
     let literal = *command.get_styles().get_literal();
@@ -114,7 +114,7 @@ pub(crate) fn arrange(command: Command) -> Command {
         for (name, _) in *commands {
             let about = command.find_subcommand(name).and_then(Command::get_about);
             let about = about.map_or_else(String::new, ToString::to_string);
-            // A string takes whatever is written.
+            // Writing to a string cannot fail.
             let _ = writeln!(template, "  {literal}{name:width$}{literal:#}  {about}");
         }
     }

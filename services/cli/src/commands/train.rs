@@ -37,23 +37,23 @@ pub(crate) struct Arguments {
     /// Steps; 60 are enough for a first look
     #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     steps: u32,
-    /// Make a network that takes the range of each pixel as well: contrast falls with it as in the photos. Such a style
+    /// Make a network that uses the range of each pixel as well: contrast decreases with it as in the photos. Such a style
     /// needs scenes with a range
     #[arg(long)]
     range: bool,
     /// Folder for NAME.onnx, NAME.card.json and NAME.sheet.png
     #[arg(long, default_value = ".", value_name = "DIR")]
     out: PathBuf,
-    /// Terms under which the photo, and so the model, may be used; it is written on the card
+    /// License of the photo, and so of the model; it is written on the card
     #[arg(long, default_value = "unknown")]
     licence: String,
-    /// Where the photo comes from; it is written on the card
+    /// Source of the photo; it is written on the card
     #[arg(long, default_value = "trained from photos given by the user")]
     source: String,
     /// Threads [default: one for each core]; their number changes no byte
     #[arg(long)]
     threads: Option<NonZeroU16>,
-    /// Only say whether the photos can be learned from
+    /// Only check whether the photos are suitable
     #[arg(long)]
     check: bool,
     /// Do not add the style to the service; without this it is added, if a service runs
@@ -61,10 +61,10 @@ pub(crate) struct Arguments {
     no_add: bool,
     #[command(flatten)]
     server: ServerArguments,
-    /// File that tells the progress as JSON, for the service that asks for the training
+    /// File for the progress as JSON, for the service
     #[arg(long, hide = true)]
     progress: Option<PathBuf>,
-    /// File that shows a scene in the style as it is by now, PNG, for the service that asks for the training
+    /// File for a preview of the style, PNG, for the service
     #[arg(long, hide = true)]
     preview: Option<PathBuf>,
 }
@@ -97,7 +97,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         .context("cannot start threads")?;
     let stop = cli::signals::stop_at_signal()?;
     pool.install(|| train(arguments, &given, &stop))?;
-    // The service adds what it had trained itself.
+    // The service adds the style itself.
     if arguments.no_add || arguments.progress.is_some() {
         return Ok(());
     }
@@ -133,8 +133,8 @@ fn read(path: &Path) -> Result<Given, Failure> {
     })
 }
 
-/// Writes the color transfer first, so that there is something to look at and a folder that cannot be written is known
-/// before the work; then the network.
+/// Writes the color transfer first, so that a preview exists and an unwritable folder is reported before the training; then the
+/// network.
 fn train(arguments: &Arguments, given: &[Given], stop: &AtomicBool) -> Result<(), Failure> {
     let photos: Vec<Photo> = given.iter().map(|given| given.photo.clone()).collect();
     let steps = arguments.steps as usize;

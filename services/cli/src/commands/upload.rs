@@ -1,4 +1,4 @@
-//! `fathom upload`: pictures of the user's own with their range, as scenes of the service.
+//! `fathom upload`: uploads pictures with their range as scenes of the service.
 
 mod poses;
 
@@ -18,7 +18,7 @@ use ureq::unversioned::multipart::{Form, Part};
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     /// The picture (PNG, JPEG, WebP; NPY or EXR with linear radiance), or a folder of pictures: NAME.png with NAME.range.png or
-    /// NAME.z_depth.npy, NAME.instances.png, NAME.classes.json and NAME.pose.json beside it
+    /// NAME.z_depth.npy, NAME.instances.png, NAME.classes.json and NAME.pose.json next to it
     rgb: PathBuf,
     /// Distances along the line of sight (16-bit PNG, NPY, or EXR with a channel Z)
     #[arg(long, value_name = "FILE", conflicts_with = "z_depth")]
@@ -47,7 +47,7 @@ pub(crate) struct Arguments {
     /// Instance mask (8- or 16-bit PNG, 0 = background)
     #[arg(long, value_name = "FILE")]
     instances: Option<PathBuf>,
-    /// What the objects of the mask are: JSON such as {"1": "pile", "2": "chain"}, or categories and segments_info as in COCO's
+    /// Classes of the mask's objects: JSON such as {"1": "pile", "2": "chain"}, or categories and segments_info as in COCO's
     /// panoptic annotations. Of a folder: of all its masks, which need not show every object
     #[arg(long, value_name = "FILE")]
     classes: Option<PathBuf>,
@@ -62,7 +62,7 @@ pub(crate) struct Arguments {
     server: ServerArguments,
 }
 
-/// Files that may lie beside a picture, by the part of the form that they become.
+/// Optional files next to a picture, by their part of the form.
 const COMPANIONS: [&str; 3] = ["range", "z_depth", "instances"];
 
 /// The files of one scene.
@@ -108,8 +108,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Uploads every picture of a folder with the files that belong to it. Scenes are found again by their content, so that an
-/// interrupted upload is simply repeated.
+/// Uploads every picture of a folder with its files. Scenes are identified by their content, so an interrupted upload can be repeated.
 fn upload_folder(client: &Client, arguments: &Arguments) -> Result<(), Failure> {
     let mut scenes = scenes(&arguments.rgb)?;
     if scenes.is_empty() {
@@ -151,7 +150,7 @@ fn upload_folder(client: &Client, arguments: &Arguments) -> Result<(), Failure> 
     }
 }
 
-/// The pictures of a folder, each with the companions that its name says.
+/// The pictures of a folder, each with its companions.
 fn scenes(folder: &Path) -> Result<Vec<Files>, Failure> {
     let is_companion = |path: &PathBuf| {
         let stem = path.file_stem().and_then(|stem| stem.to_str());
@@ -192,7 +191,7 @@ fn upload(client: &Client, arguments: &Arguments, files: &Files) -> Result<Recei
         contents.push(("classes", classes));
     }
     contents.extend(files.pose.clone().map(|pose| ("pose", pose)));
-    // Without a range file the service would refuse what belongs to one.
+    // The service refuses fields of a range without a range file.
     let has_range = files.companions.iter().any(|(role, _)| *role != "instances");
     let stem = files
         .rgb
@@ -222,7 +221,7 @@ fn upload(client: &Client, arguments: &Arguments, files: &Files) -> Result<Recei
     Ok(client.post_form("/v1/scenes", form)?)
 }
 
-/// The classes of a picture: its own, or those of its folder as far as its mask shows them.
+/// The classes of a picture, or those of its folder that its mask shows.
 fn classes(arguments: &Arguments, files: &Files, mask: Option<&[u8]>) -> Result<Option<Vec<u8>>, Failure> {
     if let Some(path) = &files.classes {
         return Ok(Some(files::read(path)?));
@@ -234,7 +233,7 @@ fn classes(arguments: &Arguments, files: &Files, mask: Option<&[u8]>) -> Result<
     let classes = classes.map_err(|wrong| Failure::BadInput(format!("{}:\n{wrong}", path.display())))?;
     let shown: BTreeSet<u16> = match decode_plane(mask) {
         Ok(FilePlane::Codes(codes)) => codes.data().iter().copied().collect(),
-        // The service says what is wrong with it.
+        // The service reports the error.
         _ => return Ok(None),
     };
     let shown = classes.only(|number| shown.contains(&number));

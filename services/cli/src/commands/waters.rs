@@ -25,7 +25,7 @@ pub(crate) struct Arguments {
 
 #[derive(clap::Subcommand)]
 enum Action {
-    /// Add a water of your own to a service, for jobs to name at once
+    /// Add a custom water to a service, for immediate use in jobs
     Add(add::Arguments),
 }
 

@@ -1,4 +1,4 @@
-//! `fathom worker`: renders frames for a service until it is told to stop.
+//! `fathom worker`: renders frames for a service until it is stopped.
 
 use std::io::Read;
 use std::sync::Arc;

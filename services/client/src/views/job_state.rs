@@ -37,7 +37,7 @@ impl JobState {
         (Self::DoneWithFailures, "done_with_failures"),
     ];
 
-    /// What it means.
+    /// Its meaning.
     #[must_use]
     pub fn about(self) -> &'static str {
         match self {
@@ -50,7 +50,7 @@ impl JobState {
         }
     }
 
-    /// Returns whether nothing more will happen to the job.
+    /// Whether the state is final.
     #[must_use]
     pub fn has_ended(self) -> bool {
         matches!(self, Self::Cancelled | Self::Done | Self::DoneWithFailures)

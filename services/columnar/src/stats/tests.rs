@@ -140,16 +140,16 @@ fn more_groups_than_allowed_are_refused() {
         cache: &cache,
         threads: 2,
     };
-    let by = [GroupBy {
+    let grouping = [GroupBy {
         column: 2,
         bins: None,
     }];
     assert!(matches!(
-        stats(&query, 1, &by, Some(49)),
+        stats(&query, 1, &grouping, Some(49)),
         Err(ColumnarError::TooManyGroups(49))
     ));
     for most in [Some(50), None] {
-        assert_eq!(stats(&query, 1, &by, most).unwrap().0.len(), 50);
+        assert_eq!(stats(&query, 1, &grouping, most).unwrap().0.len(), 50);
     }
 }
 
@@ -175,13 +175,16 @@ fn values_without_bins_and_the_values_of_many_groups_are_sorted() {
         };
         stats(&query, 1, by, None).unwrap().0
     };
-    let one = &summaries(&rows, &[])[0].1[0];
-    assert_eq!(format!("{one:?}"), format!("{:?}", summary(infinite.to_vec())));
-    let by = [GroupBy {
+    let summarized = &summaries(&rows, &[])[0].1[0];
+    assert_eq!(
+        format!("{summarized:?}"),
+        format!("{:?}", summary(infinite.to_vec()))
+    );
+    let grouping = [GroupBy {
         column: 2,
         bins: None,
     }];
-    let groups = summaries(&many, &by);
+    let groups = summaries(&many, &grouping);
     assert_eq!(groups.len(), 3 * MOST_BINNED_GROUPS / 2);
     for (key, all) in groups {
         let Cell::Number(bits) = key[0] else {

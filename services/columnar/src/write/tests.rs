@@ -44,7 +44,7 @@ fn about() -> About {
     }
 }
 
-/// NaN, which stands for what is missing, is equal to itself here.
+/// Text of a column, in which missing values (NaN) are equal.
 fn shown(column: &Column) -> String {
     format!("{column:?}")
 }

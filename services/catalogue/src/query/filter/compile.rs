@@ -50,7 +50,7 @@ struct Clause {
 }
 
 impl Clause {
-    fn with(self, word: &str, other: Self, all: impl FnOnce(Vec<Condition>) -> Condition) -> Self {
+    fn combine(self, word: &str, other: Self, all: impl FnOnce(Vec<Condition>) -> Condition) -> Self {
         let pair = self.condition.zip(other.condition);
         Self {
             sql: format!("({} {word} {})", self.sql, other.sql),
@@ -82,7 +82,7 @@ impl Parser<'_> {
     fn either(&mut self) -> Result<Clause, FilterError> {
         let mut clause = self.both()?;
         while self.keyword("or") {
-            clause = clause.with("OR", self.both()?, Condition::Any);
+            clause = clause.combine("OR", self.both()?, Condition::Any);
         }
         Ok(clause)
     }
@@ -90,7 +90,7 @@ impl Parser<'_> {
     fn both(&mut self) -> Result<Clause, FilterError> {
         let mut clause = self.negation()?;
         while self.keyword("and") {
-            clause = clause.with("AND", self.negation()?, Condition::All);
+            clause = clause.combine("AND", self.negation()?, Condition::All);
         }
         Ok(clause)
     }
@@ -294,7 +294,7 @@ impl Parser<'_> {
     }
 }
 
-/// Signs as they are written, in SQL and for the mirror; a longer one stands before its beginning.
+/// Operators as written, in SQL and for the replica; longer ones precede their prefixes.
 const SIGNS: [(&str, &str, Sign); 7] = [
     ("==", "=", Sign::Equal),
     ("=", "=", Sign::Equal),
@@ -305,7 +305,7 @@ const SIGNS: [(&str, &str, Sign); 7] = [
     (">", ">", Sign::Above),
 ];
 
-/// Two-valued: what is missing compares as false. Where nothing is missing an index can be used.
+/// Two-valued logic: a missing value compares as false. Without missing values, an index can be used.
 fn known(column: &Column, condition: String) -> String {
     if column.always {
         format!("({condition})")
@@ -330,7 +330,7 @@ fn of_bind(bind: Bind) -> Value {
     }
 }
 
-/// A number as it compares with a column; none where a column of large numbers cannot be compared with it.
+/// A number in the form of a column; `None` if it is out of range for a column of large numbers.
 fn bound(number: Number, kind: Kind) -> Option<Bind> {
     let whole = |number: i128| i64::try_from(number).ok().map(Bind::Whole);
     match (kind, number.whole) {

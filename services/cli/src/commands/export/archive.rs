@@ -1,4 +1,4 @@
-//! The archive in which a service sends the files of a frame: nothing of it is believed.
+//! The archive with the files of a frame, which is not trusted.
 
 use std::io::{self, Read};
 
@@ -9,13 +9,13 @@ use super::frame::{Wanted, untrusted};
 
 /// A file of an archive.
 pub(super) struct Unpacked {
-    /// Which of those wanted.
+    /// Position among the requested files.
     pub(super) index: usize,
     pub(super) name: String,
     pub(super) bytes: Vec<u8>,
 }
 
-/// The files of an archive, each with a name that was asked for and bytes of its digest.
+/// The files of an archive, with requested names and matching digests only.
 pub(super) fn unpacked(archive: &[u8], wanted: &[Wanted<'_>]) -> Result<Vec<Unpacked>, Failure> {
     let damaged = |error: io::Error| untrusted(format!("a damaged archive: {error}"));
     let mut archive = tar::Archive::new(archive);

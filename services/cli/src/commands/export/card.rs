@@ -8,7 +8,7 @@ use super::class_numbers::ClassNumbers;
 use super::format::Format;
 use super::origins::Origin;
 
-/// What a card tells.
+/// The content of a card.
 pub(super) struct Card<'a> {
     pub(super) dataset: &'a str,
     pub(super) filter: &'a str,
@@ -45,7 +45,7 @@ impl Card<'_> {
             self.dataset,
             self.summary()
         );
-        // A string takes whatever is written, here and below.
+        // Writing to a string cannot fail, here and below.
         if !self.filter.trim().is_empty() {
             let _ = write!(page, " Only those with `{}`.", self.filter);
         }
@@ -88,7 +88,7 @@ impl Card<'_> {
         text
     }
 
-    /// Lines of YAML; what stands behind each name is JSON, which YAML reads too.
+    /// Lines of YAML; the values are JSON, a subset of YAML.
     fn front_matter(&self) -> String {
         let mut tags = vec!["underwater", "synthetic"];
         tags.extend((self.format == Format::WebDataset).then_some("webdataset"));

@@ -1,18 +1,18 @@
-//! The classes of an export under numbers of their own.
+//! Numbers of the classes of an export.
 
 use std::collections::BTreeMap;
 
 use cli::classes::Named;
 
-/// What every mask has under the code 0: no object.
+/// The code of the background in every mask.
 const NO_OBJECT: u8 = 0;
 /// Numbers beyond every code, for classes whose code another class has.
 const BEYOND: u64 = 256;
 
-/// Classes in the order in which their scenes were met, each under one number in all parts of an export.
+/// Classes in the order of their scenes, each with one number in all parts of an export.
 #[derive(Debug, Default)]
 pub(super) struct ClassNumbers {
-    /// Names with their numbers, in the order in which they were met.
+    /// Names with their numbers, in order.
     classes: Vec<(String, u64)>,
     places: BTreeMap<String, usize>,
 }

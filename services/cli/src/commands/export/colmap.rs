@@ -9,7 +9,7 @@ use spec::Distortion;
 
 use super::view::View;
 
-/// What COLMAP adds to index coordinates, in which the center of the first pixel is (0, 0).
+/// Offset of COLMAP's coordinates from indices, in which the center of the first pixel is (0, 0).
 pub(super) const HALF_PIXEL: f64 = 0.5;
 
 /// A frame of the model.
@@ -31,7 +31,7 @@ pub(super) fn model(shots: &[Shot]) -> [(&'static str, String); 3] {
         let camera = known.iter().position(same).unwrap_or_else(|| {
             known.push(view);
             let id = known.len();
-            // A string takes whatever is written, here and below.
+            // Writing to a string cannot fail, here and below.
             let _ = writeln!(cameras, "{id} {}", camera(view));
             id - 1
         });

@@ -18,7 +18,7 @@ pub(super) struct RowFile {
     pub(super) columns: BTreeSet<String>,
 }
 
-/// The vocabulary's own names.
+/// The names of the vocabulary.
 const CONTEXT: &str = r#"{
   "@language": "en", "@vocab": "https://schema.org/", "arrayShape": "cr:arrayShape", "citeAs": "cr:citeAs", "column": "cr:column",
   "conformsTo": "dct:conformsTo", "containedIn": "cr:containedIn", "cr": "http://mlcommons.org/croissant/",
@@ -98,10 +98,10 @@ fn record_set(format: Format, columns: &[ColumnInfo], rows: &RowFile) -> Value {
         Some((part, _)) => format!("images-{part}"),
         None => "images".to_owned(),
     };
-    let there = columns
+    let present = columns
         .iter()
         .filter(|column| rows.columns.contains(&column.name));
-    let mut fields: Vec<Value> = there.map(|column| field(&id, rows, column)).collect();
+    let mut fields: Vec<Value> = present.map(|column| field(&id, rows, column)).collect();
     if !format.is_sharded() {
         let file = ColumnInfo {
             name: "file_name".to_owned(),

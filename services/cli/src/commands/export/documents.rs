@@ -1,4 +1,4 @@
-//! What describes an export as a whole, beside its parts.
+//! The documents that describe a whole export.
 
 use cli::classes::Named;
 use cli::exit::Failure;
@@ -16,7 +16,7 @@ use super::selection::Selection;
 use super::target::{Target, write};
 use super::yolo::data_yaml;
 
-/// What the documents are made of.
+/// The input of the documents.
 pub(super) struct Documents<'a> {
     pub(super) arguments: &'a Arguments,
     pub(super) selection: &'a Selection,
@@ -28,7 +28,7 @@ pub(super) struct Documents<'a> {
 }
 
 impl Documents<'_> {
-    /// Writes them, and completes the parts. A whole export has its documents among its sums, parts have sums of their own.
+    /// Writes them, and completes the parts. The sums of an undivided export include its documents; divided ones have separate sums.
     pub(super) fn write(&self, mut parts: Vec<Part>) -> Result<(), Failure> {
         let names = self.write_files(&parts)?;
         match parts.as_mut_slice() {

@@ -9,7 +9,7 @@ use spec::{ArtifactKind, Leaves};
 use super::frame::RECORD;
 use super::selection::Selection;
 
-/// What every row has beside the scalars of its record.
+/// Columns of every row that are not scalars of its record.
 const OWN: [(&str, &str); 7] = [
     ("job", "the job that rendered it"),
     ("frame", "its place in the job, from 0"),
@@ -47,7 +47,7 @@ fn array(kind: &str) -> Value {
     }
 }
 
-/// What a column means.
+/// The meaning of a column.
 pub(super) fn meaning(column: &ColumnInfo) -> String {
     let name = column.name.as_str();
     if let Some((_, meaning)) = OWN.iter().find(|(own, _)| *own == name) {
@@ -73,7 +73,7 @@ pub(super) fn meaning(column: &ColumnInfo) -> String {
     }
 }
 
-/// Columns that had another name before have it still, without their first word.
+/// Former names of columns remain valid, without their first word.
 fn older(name: &str) -> String {
     let end = format!(".{name}");
     let leaves = Leaves::of_records().scalars;

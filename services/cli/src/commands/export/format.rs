@@ -41,7 +41,7 @@ impl Format {
         }
     }
 
-    /// Kinds of artifacts that it is made of, beside those that the user wants.
+    /// Kinds of artifacts that it needs in addition to the requested ones.
     pub(super) fn kinds(self) -> &'static [&'static str] {
         match self {
             Self::Coco => &["instances", "boxes"],
@@ -66,7 +66,7 @@ impl Format {
         matches!(self, Self::Colmap | Self::Transforms)
     }
 
-    /// What an export must have in common with the one that it continues.
+    /// The settings that must not change when an export is continued.
     pub(super) fn card(
         self,
         dataset: &str,

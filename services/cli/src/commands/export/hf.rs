@@ -1,4 +1,4 @@
-//! `metadata.parquet` of a folder of images, as Hugging Face reads it: pictures stand in columns `file_name` and `KIND_file_name`.
+//! `metadata.parquet` of a folder of images for Hugging Face: columns `file_name` and `KIND_file_name` have the paths of pictures.
 
 use std::fs::{self, File};
 use std::io::{BufRead, BufReader};
@@ -16,7 +16,7 @@ use super::target::{create, draft_of};
 const TABLE: &str = "metadata.parquet";
 /// Rows of a group.
 const GROUP_ROWS: usize = 1000;
-/// Ends of names that the reader takes for pictures.
+/// File extensions of pictures for the reader.
 const PICTURES: [&str; 3] = [".png", ".jpg", ".webp"];
 
 /// Writes the rows as a table in place of their list; returns its name.

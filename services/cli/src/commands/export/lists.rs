@@ -78,7 +78,7 @@ impl Lists {
         Ok(())
     }
 
-    /// Completes the rows; what becomes of them is for the format to say.
+    /// Completes the rows; the format decides whether to keep them.
     pub(super) fn finish_rows(&mut self) -> Result<Rows, Failure> {
         self.metadata.finish()?;
         let path = self.metadata.path.clone();
@@ -88,7 +88,7 @@ impl Lists {
         })
     }
 
-    /// Writes the list of classes, and adds it to the sums. There is none without classes.
+    /// Writes the list of classes if there are any, and adds it to the sums.
     pub(super) fn finish_classes(&mut self) -> Result<(), Failure> {
         let path = self.sums.path.with_file_name(CATEGORIES);
         match write_classes(&path, &self.classes)? {
@@ -111,7 +111,7 @@ impl Rows {
         Ok(fs::rename(&draft, &path).with_context(|| format!("cannot write {}", path.display()))?)
     }
 
-    /// Removes them once they stand elsewhere.
+    /// Removes them after they were written in another form.
     pub(super) fn remove(self) -> Result<(), Failure> {
         let draft = &self.draft;
         Ok(fs::remove_file(draft).with_context(|| format!("cannot remove {}", draft.display()))?)
@@ -150,8 +150,7 @@ pub(super) fn digest_of(path: &Path) -> Result<String, Failure> {
     Ok(digest().with_context(|| format!("cannot read {}", path.display()))?)
 }
 
-/// Writes the classes of all frames, and warns of a code that means different things in different scenes; returns whether there
-/// are any.
+/// Writes the classes of all frames, and warns of a code with different meanings in different scenes; returns whether there are any.
 fn write_classes(path: &Path, classes: &Named) -> Result<bool, Failure> {
     if classes.is_empty() {
         return Ok(false);

@@ -122,7 +122,7 @@ impl Order<'_> {
         unpacked(&archive, wanted)
     }
 
-    /// The columns of a row that are exported.
+    /// The exported columns of a row.
     pub(super) fn values(&self, row: &ImageRow) -> Map<String, Value> {
         let columns = self.columns.iter();
         columns

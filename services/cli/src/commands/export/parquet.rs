@@ -1,4 +1,4 @@
-//! Rows with every column, the record, and the bytes of the files, each kind a column of its own.
+//! Rows with every column, the record, and one column for the bytes of each kind of file.
 
 use std::fs::File;
 
@@ -10,7 +10,7 @@ use super::frame::RECORD;
 use super::shards::{Member, Pull};
 use super::tables::{CellKind, TableColumn, TableRow, WriteTable, table_columns, text_column};
 
-/// Holds nothing but the files, so that readers take the folder as one table.
+/// Contains only the files, so that readers can open the folder as one table.
 pub(super) const FOLDER: &str = "data";
 
 /// Writes a file of rows.
@@ -47,7 +47,7 @@ pub(super) fn write(
     write(file, &all, &mut || Ok(pull()?.into_iter().map(row).collect()))
 }
 
-/// What a line of metadata says of the file.
+/// The place of a frame in its line of metadata.
 pub(super) fn place(name: &str) -> Map<String, Value> {
     Map::from_iter([("parquet".to_owned(), format!("{FOLDER}/{name}").into())])
 }

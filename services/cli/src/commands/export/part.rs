@@ -1,4 +1,4 @@
-//! A part of an export: a folder with lists of its own, or the whole export.
+//! A part of an export: a folder with separate lists, or the whole export.
 
 use std::path::PathBuf;
 
@@ -32,7 +32,7 @@ pub(super) struct Part {
     pub(super) body: Body,
 }
 
-/// What a format makes of the frames of a part.
+/// The format-specific state of a part.
 pub(super) enum Body {
     Files,
     Shards(Shards),
@@ -41,7 +41,7 @@ pub(super) enum Body {
     Poses(Poses),
 }
 
-/// A frame that is to be fetched.
+/// A frame to fetch.
 pub(super) struct Task {
     pub(super) row: ImageRow,
     pub(super) place: Place,
@@ -51,7 +51,7 @@ pub(super) struct Task {
     pub(super) home: Home,
 }
 
-/// What was read of a frame's files for the format.
+/// The format-specific content of a frame's files.
 pub(super) enum Content {
     Files,
     Objects(Vec<Object>),
@@ -70,7 +70,7 @@ impl Task {
 }
 
 impl Content {
-    /// Reads what a format needs of a frame whose files are in a folder.
+    /// Reads the content that a format needs from a frame's files in a folder.
     pub(super) fn read(format: Format, folder: &std::path::Path, frame: &Frame) -> Result<Self, Failure> {
         match format {
             Format::Coco => objects(folder, frame, true).map(Self::Objects),
@@ -161,7 +161,7 @@ impl Part {
         self.lists.classes.extend(classes);
     }
 
-    /// Writes what can only be written once all frames are known; returns the list of rows.
+    /// Writes the files that depend on all frames; returns the list of rows.
     pub(super) fn finish(&mut self, export: &Finish<'_>) -> Result<RowFile, Failure> {
         let body = std::mem::replace(&mut self.body, Body::Files);
         let mut files = match body {
@@ -213,7 +213,7 @@ impl Part {
     }
 }
 
-/// What the end of a part needs to know of the whole export.
+/// Settings of the whole export for the end of a part.
 pub(super) struct Finish<'a> {
     pub(super) dataset: &'a str,
     pub(super) format: Format,

@@ -12,9 +12,9 @@ use super::target::{Target, write};
 use super::transforms::{TRANSFORMS, transforms};
 use super::view::View;
 
-/// Where the pictures of a sequence lie.
+/// The folder of a sequence's pictures.
 const IMAGES: &str = "images";
-/// Where COLMAP's tools look for a model.
+/// The folder of a model for COLMAP's tools.
 const MODEL: [&str; 2] = ["sparse", "0"];
 
 /// The sequences of a part.

@@ -62,7 +62,7 @@ impl Runs {
     }
 }
 
-/// The lowest five bits first, with a sixth where more follow, above the character `0`. The last digit tells the sign.
+/// The lowest five bits first; a sixth bit marks that more digits follow; offset by the character `0`. The last digit has the sign.
 fn push_digits(text: &mut String, mut rest: i64) {
     loop {
         let digit = (rest & 0x1f) as u8;
@@ -79,7 +79,7 @@ fn push_digits(text: &mut String, mut rest: i64) {
 mod tests {
     use super::*;
 
-    /// What the COCO tools make of a compressed form: the counts.
+    /// Decodes a compressed form like the COCO tools.
     fn read(text: &str) -> Vec<u64> {
         let mut counts: Vec<i64> = Vec::new();
         let mut bytes = text.bytes();

@@ -50,17 +50,17 @@ impl Selection {
     }
 
     fn check_kinds(&self, arguments: &Arguments) -> Result<(), Failure> {
-        let there = self
+        let present = self
             .columns
             .iter()
             .filter_map(|column| column.name.strip_prefix("artifacts."));
-        let there: Vec<&str> = there.collect();
+        let present: Vec<&str> = present.collect();
         let missing: Vec<&str> = self
             .artifacts()
             .map(String::as_str)
-            .filter(|kind| !there.contains(kind))
+            .filter(|kind| !present.contains(kind))
             .collect();
-        if there.is_empty() || missing.is_empty() {
+        if present.is_empty() || missing.is_empty() {
             return Ok(());
         }
         let needs = match missing.iter().any(|kind| arguments.format.kinds().contains(kind)) {
@@ -74,7 +74,7 @@ impl Selection {
             "no image of `{}` has an artifact `{}`; there is {}{needs}",
             arguments.dataset,
             missing.join("`, `"),
-            there.join(", ")
+            present.join(", ")
         )))
     }
 
@@ -110,12 +110,12 @@ impl Selection {
         condition: &str,
         needed: &str,
     ) -> Result<(), Failure> {
-        let there = count(client, arguments, Some(condition))?;
-        if there >= self.images {
+        let present = count(client, arguments, Some(condition))?;
+        if present >= self.images {
             return Ok(());
         }
-        let lacking = self.images - there;
-        let or = match there {
+        let lacking = self.images - present;
+        let or = match present {
             0 => String::new(),
             _ => format!(
                 ", or take the others with --filter '{}'",

@@ -13,7 +13,7 @@ use super::posed::PosedScenes;
 pub(super) struct Spot {
     /// `JOB-NUMBER`, which may be the name of a folder.
     pub(super) sequence: String,
-    /// Place on the way of the camera, or among the scenes of the sequence, from 0.
+    /// Position on the camera path, or among the scenes of the sequence, from 0.
     pub(super) index: u64,
 }
 
@@ -37,7 +37,7 @@ struct Uploads {
 }
 
 impl Uploads {
-    /// The next place: a job's first frame of each scene is of its first sequence, the second of its second, and so on.
+    /// The next place: the n-th frame of a scene in a job belongs to its n-th sequence.
     fn next(&mut self, job: &str, scene: &str) -> Spot {
         let visits = self.visits.entry((job.to_owned(), scene.to_owned())).or_default();
         let sequence = format!("{job}-{visits}");
@@ -62,7 +62,7 @@ impl<'a> Sequences<'a> {
         }
     }
 
-    /// Where a frame stands, given in the order of frames; none without a camera path and without a scene that came with a pose.
+    /// The place of a frame, called in the order of frames; `None` without a camera path and without a posed scene.
     pub(super) fn spot(&mut self, row: &ImageRow, place: &Place) -> Result<Option<Spot>, Failure> {
         let Some(frames) = row.count("camera.path.frames") else {
             return self.uploaded(row, place);
@@ -94,8 +94,8 @@ impl<'a> Sequences<'a> {
         Ok(posed.then(|| self.uploads.next(&place.job, id)))
     }
 
-    /// Each cell of a job's grid goes through the whole path, and the cells take turns: the first frame at the second place of
-    /// the path is as far from the start as there are cells.
+    /// The number of cells of a job's grid. Each cell runs through the whole path and the cells alternate, so the index of the first frame
+    /// at the second position of the path is the number of cells.
     fn cells_of(&self, job: &str) -> Result<u64, Failure> {
         let filter = format!("job = \"{job}\" and camera.path.frame = 1");
         let rows = self.client.images(ImageQuery {

@@ -1,7 +1,7 @@
-//! Files that hold many frames each: gathered, fetched and written, or kept if an earlier export left them whole.
+//! Files with many frames: collected, fetched and written, or kept from an earlier export if they are intact.
 //!
-//! Beside each shard lies a note (`.000000.tar.done`) with the digest of the rows that it was made of, that of its bytes, and where its
-//! frames lie in it. So a shard that is there costs no request.
+//! A note next to each shard (`.000000.tar.done`) has the digest of its rows, the digest of its bytes, and the places of its frames, so
+//! that an existing shard needs no request.
 
 use std::fs::{self, File};
 use std::path::PathBuf;
@@ -22,7 +22,7 @@ use super::tables::WriteTable;
 use super::target::{create, draft_of, read, write};
 use super::{parquet, webdataset};
 
-/// Frames that are fetched side by side and in memory at a time.
+/// Frames that are fetched concurrently and kept in memory.
 const FETCHED_FRAMES: usize = 32;
 
 /// How shards are written.
@@ -55,14 +55,14 @@ pub(super) struct Member {
 /// The frames of a shard in their order, some at a time, until there are none.
 pub(super) type Pull<'a> = dyn FnMut() -> Result<Vec<Member>, Failure> + 'a;
 
-/// What is known of a shard that is done.
+/// The note of a completed shard.
 #[derive(Serialize, Deserialize)]
 struct Note {
-    /// Of what it was made.
+    /// Digest of the rows and kinds that it was made from.
     rows: String,
     /// SHA-256 of its bytes.
     sha256: String,
-    /// What its frames have in their lines of metadata beside their columns.
+    /// The places of its frames for their lines of metadata.
     places: Vec<Map<String, Value>>,
 }
 

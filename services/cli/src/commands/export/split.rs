@@ -1,17 +1,17 @@
 //! Splits of a dataset into parts for training and for testing, by the scene of each frame.
 //!
 //! The place of a scene is a number u in 0 ≤ u < 1: the first 64 bits of the SHA-256 of `fathom split`, a line break, and the
-//! scene's identity, over 2^64. The parts lie side by side on that interval, each as wide as its share. So a frame never changes
-//! its part when the dataset grows, and frames of one scene are never in two parts, whatever water they show.
+//! scene's identity, over 2^64. The parts divide that interval by their shares. So a frame never changes its part when the dataset
+//! grows, and frames of one scene are never in two parts, in any water.
 
 use client::ImageRow;
 use spec::sha256;
 
-/// Columns that tell one scene from another.
+/// Columns that identify a scene.
 pub(crate) const IDENTITY: [&str; 4] = ["scene.kind", "scene.family", "scene.seed", "scene.id"];
 /// The kind of an uploaded scene, as JSON.
 const UPLOADED: &str = "\"uploaded\"";
-/// How far the shares may miss 1 together: they are written with a few decimals.
+/// Tolerance of the sum of shares, which are written with a few decimals.
 const TOLERANCE: f64 = 1e-6;
 
 /// The parts in their order.
@@ -91,7 +91,7 @@ fn part(text: &str) -> Result<Part, String> {
     }
 }
 
-/// Where a scene stands in 0..1.
+/// The position of a scene in 0..1.
 fn place(identity: &str) -> f64 {
     let digest = sha256(format!("fathom split{identity}").as_bytes());
     let first = u64::from_str_radix(&digest[..16], 16).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! What writes Parquet. `fathom-cluster` brings it: `fathom` itself does not hold that library.
+//! The interface to the writer of Parquet, which `fathom-cluster` provides; `fathom` is built without that library.
 
 use std::fs::File;
 
@@ -14,7 +14,7 @@ pub struct TableColumn {
     pub kind: CellKind,
 }
 
-/// What the cells of a column hold.
+/// The type of a column's cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CellKind {
     /// A scalar of a record.
@@ -34,7 +34,7 @@ pub struct TableRow {
 pub type WriteTable =
     fn(File, &[TableColumn], &mut dyn FnMut() -> Result<Vec<TableRow>, Failure>) -> Result<(), Failure>;
 
-/// Columns whose numbers are whole though no declaration of a record says so.
+/// Columns of whole numbers that are not declared in records.
 const WHOLE: [&str; 2] = ["frame", "created_ms"];
 
 /// The columns of a dataset as those of a table.

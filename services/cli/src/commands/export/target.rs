@@ -11,7 +11,7 @@ use anyhow::Context;
 use cli::exit::Failure;
 use serde_json::Value;
 
-/// The file with the card of an export, which tells one export from another.
+/// The file with the card of an export, which identifies it.
 const CARD: &str = "export.json";
 
 /// The folder of an export.

@@ -8,7 +8,7 @@ use super::view::View;
 
 pub(super) const TRANSFORMS: &str = "transforms.json";
 
-/// The file of a sequence; pictures are named from its folder. Each frame has its own intrinsics, since a law may vary them.
+/// The file of a sequence, with paths relative to its folder. Each frame has its intrinsics, since they may vary.
 pub(super) fn transforms(shots: &[Shot], folder: &str) -> String {
     let frames = shots.iter().map(|Shot { name, view }| {
         let mut frame = intrinsics(view);

@@ -11,10 +11,10 @@ use tar::{Builder, Header};
 use super::frame::RECORD;
 use super::shards::{Member, Pull};
 
-/// Length of what stands before the bytes of a member, and what members are filled up to.
+/// Length of a member's header, and alignment of members.
 const BLOCK: u64 = 512;
 
-/// Writes a tar; returns, for each frame, in which one it is and where its files begin, under the names that sets have for it.
+/// Writes a tar; returns the tar and the offsets of each frame, under the column names of sets.
 pub(super) fn write(
     name: &str,
     file: File,

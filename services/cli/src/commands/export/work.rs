@@ -160,7 +160,7 @@ impl<'a> Export<'a> {
         Ok(())
     }
 
-    /// Completes all parts, and what describes them.
+    /// Completes all parts and their documents.
     pub(super) fn finish(mut self) -> Result<(), Failure> {
         let format = self.arguments.format;
         let writer = writer(&self.order, &self.threads, format, self.selection, self.tables);

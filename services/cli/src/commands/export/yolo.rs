@@ -1,5 +1,5 @@
-//! Boxes as YOLO reads them: for each picture below `images/` a text file below `labels/`, one line for each object, and a list of
-//! the pictures; beside the parts a `data.yaml` that names classes and lists.
+//! Boxes for YOLO: for each picture below `images/` a text file below `labels/` with one line for each object, and a list of the
+//! pictures; next to the parts a `data.yaml` with classes and lists.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -13,7 +13,7 @@ use super::lists::Lists;
 use super::objects::Object;
 use super::target::{Target, read, write};
 
-/// What a loader replaces in the path of a picture to find its labels.
+/// The folder that a loader replaces in the path of a picture to find its labels.
 pub(super) const IMAGES: &str = "images";
 const LABELS: &str = "labels";
 const LIST: &str = "images.txt";
@@ -61,7 +61,7 @@ impl Yolo {
             &spec::sha256(text.as_bytes()),
             &format!("{}/{name}", below.join("/")),
         )?;
-        // A string takes whatever is written.
+        // Writing to a string cannot fail.
         let _ = writeln!(self.pictures, "./{picture}");
         Ok(())
     }
@@ -95,7 +95,7 @@ fn lines(labeled: &Labeled<'_>, classes: &mut ClassNumbers) -> Result<String, Fa
         let class = classes.place(&object.record.category);
         let (x, y) = ((left + right) / 2.0 / width, (top + bottom) / 2.0 / height);
         let (w, h) = ((right - left) / width, (bottom - top) / height);
-        // A string takes whatever is written.
+        // Writing to a string cannot fail.
         let _ = writeln!(text, "{class} {x:.6} {y:.6} {w:.6} {h:.6}");
     }
     Ok(text)
@@ -114,12 +114,12 @@ pub(super) fn data_yaml(parts: &[Option<String>], classes: &ClassNumbers) -> Str
         }
     };
     for (part, list) in lists {
-        // A string takes whatever is written.
+        // Writing to a string cannot fail.
         let _ = writeln!(text, "{part}: {}", Value::from(list));
     }
     text.push_str("names:\n");
     for (place, (name, _)) in classes.all().iter().enumerate() {
-        // As above.
+        // Writing to a string cannot fail.
         let _ = writeln!(text, "  {place}: {}", json!(name));
     }
     text

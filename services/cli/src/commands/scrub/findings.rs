@@ -1,4 +1,4 @@
-//! What a scrub finds, and how it is shown.
+//! The findings of a scrub.
 
 use serde::Serialize;
 use store::Scrubbed;
@@ -13,13 +13,13 @@ pub(super) struct Findings {
     pub(super) bytes: u64,
     /// Errors in the catalogue itself.
     pub(super) catalogue: Vec<String>,
-    /// Rows of the catalogue that are not what was written.
+    /// Damaged rows of the catalogue.
     pub(super) rows: Vec<Row>,
     /// Packs that cannot be read at all.
     pub(super) packs_set_aside: u64,
-    /// Errors in files of the mirror.
+    /// Errors in files of the replica.
     pub(super) mirror: Vec<String>,
-    /// Files of the mirror that were written.
+    /// Number of written files of the replica.
     pub(super) mirror_written: u64,
     /// Errors in packs, apart from the bytes of blobs.
     pub(super) packs: Vec<String>,
@@ -27,10 +27,10 @@ pub(super) struct Findings {
     pub(super) unnamed: Unnamed,
 }
 
-/// A row of the catalogue that is not what was written.
+/// A damaged row of the catalogue.
 #[derive(Serialize)]
 pub(super) struct Row {
-    /// Which, and what of it.
+    /// The row and the damaged part.
     pub(super) what: String,
     /// None: repair was not requested.
     pub(super) repaired: Option<bool>,
@@ -38,7 +38,7 @@ pub(super) struct Row {
     pub(super) reason: Option<String>,
 }
 
-/// Space in nobody's use: no damage.
+/// Unreferenced space, which is not damage.
 #[derive(Default, Serialize)]
 pub(super) struct Unnamed {
     /// Blobs that no row names.
@@ -87,7 +87,7 @@ impl Findings {
             .damaged
             .iter()
             .filter(|damaged| damaged.repaired != Some(true));
-        // A pack that was set aside is no loss once all its blobs are restored.
+        // A pack that was set aside does not count once all its blobs are restored.
         let rows = self.rows.iter().filter(|row| row.repaired != Some(true));
         let mirror = if self.mirror_written > 0 {
             0

@@ -1,4 +1,4 @@
-//! Rendering a frame again to get its bytes back.
+//! Restores artifacts by rendering their frames again.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -37,7 +37,7 @@ impl Repair {
         }
     }
 
-    /// Puts an artifact back, if the frame still renders to the same digest.
+    /// Restores an artifact, if the frame still renders to the same digest.
     pub(crate) async fn artifact(&mut self, data: &Data, artifact: &NamedDigest) -> anyhow::Result<()> {
         let (job, frame) = (&artifact.job_id, artifact.frame);
         let files = &self.rendered(data, job, frame).await?.files;
@@ -48,7 +48,7 @@ impl Repair {
         Ok(data.store.put_all(vec![file.clone()]).await?)
     }
 
-    /// Puts the rows of an image back: from its record, or by rendering its frame if that is damaged.
+    /// Restores the rows of an image from its record, or by rendering its frame if the record is damaged.
     pub(crate) async fn image(&mut self, data: &Data, job: &str, frame: u64) -> anyhow::Result<()> {
         if data.catalogue.restore_from_record(job, frame).await? {
             return Ok(());

@@ -1,4 +1,4 @@
-//! Space in nobody's use, and packs that are not whole.
+//! Unreferenced space and damaged packs.
 
 use std::path::Path;
 
@@ -6,10 +6,10 @@ use api::{Data, clear_unfinished};
 
 use super::{Findings, Unnamed};
 
-/// Digests of one question.
+/// Digests of one query.
 const BATCH: usize = 1000;
 
-/// Reports packs that are not whole, blobs that no row names, and backups that never finished; `free` rewrites and removes them.
+/// Reports damaged packs, unreferenced blobs and unfinished backups; `free` rewrites and removes them.
 pub(super) async fn look(
     data: &Data,
     folder: &Path,

@@ -12,7 +12,7 @@ use scenes::categories::FINDINGS;
 const RANGE_UNIT_M: f64 = 1e-3;
 /// Numbers below the ramp.
 const TICKS: usize = 5;
-/// Nothing returned.
+/// The color of pixels without a return.
 const HOLE: [u8; 3] = [0, 0, 0];
 
 /// An artifact as it was stored.
@@ -76,7 +76,7 @@ fn linear(kind: &str, bytes: &[u8], paint: impl Fn([f32; 3]) -> [u8; 3]) -> Resu
     }
 }
 
-/// How the artifacts of one sheet are painted: alike, so that they can be compared.
+/// The common scale of a sheet's artifacts, which makes them comparable.
 pub(super) struct Paint {
     /// Nearest and farthest range on the sheet, in meters.
     near_m: f64,
@@ -134,7 +134,7 @@ impl Paint {
         (0..TICKS).map(|step| format!("{:.2} m", range_m(step))).collect()
     }
 
-    /// What the colors of a sheet mean; `classes` are those of its scenes.
+    /// The legend of a sheet; `classes` are those of its scenes.
     pub(super) fn legend(&self, all: &[Stored], classes: &Named) -> Option<Legend> {
         match all.first()? {
             Stored::Picture(_) | Stored::Instances(_) => None,

@@ -20,7 +20,7 @@ pub(super) struct Arguments {
     /// Name for jobs to use [default: that of the file]
     #[arg(long)]
     name: Option<String>,
-    /// Terms under which it may be used
+    /// Its license
     #[arg(long)]
     licence: Option<String>,
     /// The photos that it was trained on
@@ -30,7 +30,7 @@ pub(super) struct Arguments {
     server: ServerArguments,
 }
 
-/// The fields of the card that are uploaded with a network; a card file may have more, and may lack some.
+/// The uploaded fields of a card. A card file may have more or fewer fields.
 #[derive(Default, Deserialize)]
 #[serde(default)]
 pub(crate) struct UploadCard {

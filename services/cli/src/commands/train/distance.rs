@@ -6,7 +6,7 @@ use style::TableDistance;
 use style::net::layer::Weights;
 use style::net::{Network, Scratch, Table, TableScratch};
 
-/// What one scene says.
+/// The measurements of one scene.
 struct Scene {
     /// Differences of samples, of 255.
     differences: Vec<f64>,
@@ -15,7 +15,7 @@ struct Scene {
     color: f64,
 }
 
-/// None for a network that takes a range, which has no table.
+/// The distances on new scenes; `None` for a network with a range input, which has no table.
 pub(super) fn measure(weights: &Weights) -> Option<TableDistance> {
     let network = Network::new(weights);
     let table = Table::new(&network)?;
@@ -38,7 +38,7 @@ pub(super) fn measure(weights: &Weights) -> Option<TableDistance> {
         }
     };
     let scenes: Vec<Scene> = training::new_scenes().par_iter().map(of_scene).collect();
-    // Summed in the order of the scenes, whichever was ready first; all have one size.
+    // Summed in the order of the scenes, for a deterministic result; all scenes have one size.
     let mean = |of: fn(&Scene) -> f64| scenes.iter().map(of).sum::<f64>() / scenes.len() as f64;
     let mut differences: Vec<f64> = scenes
         .iter()

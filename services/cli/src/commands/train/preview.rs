@@ -1,4 +1,4 @@
-//! A scene in the style as it is by now, so that whoever waits sees it learn.
+//! A preview of the style during training.
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -12,7 +12,7 @@ use imaging::{Plane, Rgb, transfer};
 use style::net::layer::Weights;
 use style::net::{Network, Scratch};
 
-/// Shortest time between two pictures; one takes a few hundredths of it.
+/// Shortest time between two pictures; drawing one takes a few percent of it.
 const INTERVAL: Duration = Duration::from_secs(2);
 /// The scene, not used in training.
 const SEED: u64 = 3;
@@ -41,7 +41,7 @@ impl Preview {
         })
     }
 
-    /// Draws if the last picture is old enough. Only weights are read: when it draws changes nothing of the training.
+    /// Draws if the last picture is old enough. The training is not affected.
     pub(super) fn draw_at_times(&mut self, weights: &Weights) -> Result<(), Failure> {
         if self.drawn.elapsed() < INTERVAL {
             return Ok(());

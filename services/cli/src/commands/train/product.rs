@@ -16,7 +16,7 @@ use super::{Arguments, Given, distance, sheet};
 /// A network that changes less than this beyond its color map has learned no texture.
 const LEAST_BRANCH: f64 = 1.0;
 
-/// What the files of a training are made from.
+/// The input of a training's files.
 pub(super) struct Product<'a> {
     pub(super) arguments: &'a Arguments,
     pub(super) given: &'a [Given],

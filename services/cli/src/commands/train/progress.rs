@@ -1,4 +1,4 @@
-//! Progress of a training: the losses beside the bar, and a file for the service.
+//! Progress of a training: a bar with the losses, and a file for the service.
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -11,7 +11,7 @@ use training::loss::Losses;
 
 /// Shortest time between writes of the file.
 const FILE_INTERVAL: Duration = Duration::from_millis(250);
-/// Weight of the newest losses in the running mean that is shown, since single steps vary a lot.
+/// Weight of the newest losses in the displayed running mean; single steps vary strongly.
 const NEWEST: f64 = 0.1;
 
 pub(super) struct TrainingProgress {

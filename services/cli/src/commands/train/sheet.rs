@@ -7,7 +7,7 @@ use imaging::geometry::Intrinsics;
 use imaging::{Rgb8, transfer};
 use style::net::{Network, Scratch};
 
-/// Scenes shown, none of them used in training.
+/// Seeds of the scenes, which are not used in training.
 const SEEDS: [u64; 4] = [3, 8, 14, 21];
 const WIDTH: usize = 480;
 const HEIGHT: usize = 360;

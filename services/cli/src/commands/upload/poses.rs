@@ -9,7 +9,7 @@ use cli::files;
 use serde::Deserialize;
 use serde_json::json;
 
-/// What is read of the file.
+/// The fields of the file that are used.
 #[derive(Deserialize)]
 struct Transforms {
     frames: Vec<Transform>,
@@ -23,7 +23,7 @@ struct Transform {
     transform_matrix: [[f64; 4]; 4],
 }
 
-/// The pose of each picture, as the service takes it, by the name of its file without extension.
+/// The pose of each picture in the format of the service, by the name of its file without extension.
 pub(super) fn read(path: &Path) -> Result<HashMap<OsString, Vec<u8>>, Failure> {
     let transforms: Transforms = serde_json::from_slice(&files::read(path)?).map_err(|error| {
         Failure::BadInput(format!(

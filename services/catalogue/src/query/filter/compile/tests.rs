@@ -1,4 +1,4 @@
-//! What filters become, and which are refused.
+//! Compiled and refused filters.
 
 use super::*;
 use proptest::prelude::*;

@@ -1,19 +1,19 @@
-//! The mirror, from which images are counted.
+//! The columnar replica, from which images are counted.
 
 use api::Data;
 use catalogue::REPLICA_ROWS;
 
 use super::Findings;
 
-/// Compares the mirror with the catalogue; `repair` writes what was found, and `anew` all of it.
-pub(super) async fn look(
+/// Compares the replica with the catalogue. With `rebuild`, writes it again; with `repair`, writes its faulty files again.
+pub(super) async fn verify(
     data: &Data,
     repair: bool,
-    anew: bool,
+    rebuild: bool,
     findings: &mut Findings,
 ) -> anyhow::Result<()> {
     findings.mirror = data.catalogue.check_replica().await?;
-    if anew {
+    if rebuild {
         findings.mirror_written = data.catalogue.rebuild_replica().await?;
     }
     while repair && data.catalogue.replicate_some(REPLICA_ROWS).await? {

@@ -1,7 +1,7 @@
-//! Rows in the order of a column, then of their job and frame, from any rank on: what a page that lies far below shows.
+//! Top-k selection: rows in the order of a column, then of job and frame, from any rank on.
 //!
-//! A row becomes a key of bits in whose order the rows stand. A pass counts the rows by the first bits in which keys differ, another
-//! one those of the chosen ones by the next bits, until few enough are left to be sorted; then one pass gathers what follows.
+//! Each row has a key of bits with the same order. A pass counts the rows by the first bits in which keys differ, further ones count the
+//! chosen rows by the next bits, until few enough remain to be sorted; the last pass collects the rows that follow.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -21,16 +21,16 @@ pub struct Order {
     pub frame: usize,
 }
 
-/// Where the rows that are asked for begin.
+/// The start of the selected rows.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Start {
-    /// Behind so many rows.
+    /// After this many rows.
     Behind(u64),
-    /// Behind a row: its value of the first column, its job and its frame.
+    /// After a row: its value of the first column, its job and its frame.
     After(Option<Sorted>, String, i64),
 }
 
-/// A value by which rows are sorted.
+/// A value of the ordering column.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Sorted {
     /// Of a column of numbers.
@@ -41,20 +41,20 @@ pub enum Sorted {
     Text(String),
 }
 
-/// Whether the value is missing, the value, the job, the frame, each as a number in whose order rows stand.
+/// Whether the value is missing, the value, the job, the frame, each as a number with the same order.
 type Key = [u64; 4];
 
 const FIRST: Key = [0; 4];
-/// Bits by which a pass counts.
+/// Bits per counting pass.
 const DIGIT: u32 = 16;
-/// So many keys are sorted at once, 8 MB of them. In tests few rows need every pass.
+/// Most keys to sort, 8 MB of them. In tests, few rows need every pass.
 const FEW: u64 = if cfg!(test) { 4 } else { 1 << 18 };
 
 /// Jobs and frames of `most` rows.
 ///
 /// # Errors
 /// Those of files.
-pub fn ranked(
+pub fn top_k(
     query: &Query<'_>,
     order: &Order,
     start: &Start,
@@ -75,7 +75,7 @@ pub fn ranked(
     Ok(found.iter().map(row).collect())
 }
 
-/// What makes keys of rows: texts are known by their place among all texts of their column.
+/// Computes keys of rows; texts are ranked among all texts of their column.
 struct Keys {
     order: Order,
     jobs: Vec<Arc<str>>,
@@ -107,8 +107,8 @@ impl Keys {
         })
     }
 
-    /// Calls `each` with the key of every row that counts.
-    fn each(&self, rows: &Rows<'_>, mut each: impl FnMut(Key)) -> Result<(), ColumnarError> {
+    /// Calls `visit` with the key of every row that counts.
+    fn visit(&self, rows: &Rows<'_>, mut visit: impl FnMut(Key)) -> Result<(), ColumnarError> {
         let (jobs, frames) = (rows.column(self.order.job)?, rows.column(self.order.frame)?);
         let (Column::Texts { codes, texts }, Column::Wholes { values: frames, .. }) = (&*jobs, &*frames)
         else {
@@ -118,33 +118,33 @@ impl Keys {
         let job = |at: usize| jobs.get(usize::from(codes[at])).copied().unwrap_or_default();
         let tail = |at: usize| (job(at), unsigned(frames[at]));
         let Some((place, descending)) = self.order.by else {
-            rows.each(frames.len(), |at| each(key(None, false, tail(at))));
+            rows.visit(frames.len(), |at| visit(key(None, false, tail(at))));
             return Ok(());
         };
         let count = frames.len();
         match &*rows.column(place)? {
-            Column::Missing(_) => rows.each(count, |at| each(key(Some(None), descending, tail(at)))),
-            Column::Numbers(values) => rows.each(count, |at| {
+            Column::Missing(_) => rows.visit(count, |at| visit(key(Some(None), descending, tail(at)))),
+            Column::Numbers(values) => rows.visit(count, |at| {
                 let value = (!values[at].is_nan()).then(|| ordered(values[at]));
-                each(key(Some(value), descending, tail(at)));
+                visit(key(Some(value), descending, tail(at)));
             }),
-            Column::Wholes { values, missing, .. } => rows.each(count, |at| {
+            Column::Wholes { values, missing, .. } => rows.visit(count, |at| {
                 let is_missing = missing.get(at).copied().unwrap_or(false);
                 let value = (!is_missing).then(|| unsigned(values[at]));
-                each(key(Some(value), descending, tail(at)));
+                visit(key(Some(value), descending, tail(at)));
             }),
             Column::Texts { codes, texts } => {
                 let places = places(texts, &self.texts);
-                rows.each(count, |at| {
+                rows.visit(count, |at| {
                     let value = (codes[at] != NO_TEXT).then(|| places[usize::from(codes[at])]);
-                    each(key(Some(value), descending, tail(at)));
+                    visit(key(Some(value), descending, tail(at)));
                 });
             }
         }
         Ok(())
     }
 
-    /// The least key that a row behind this one can have. A text that no row has any more stands between its neighbors.
+    /// The smallest key of a row after this one. A text that no row has is ranked between its neighbors.
     fn after(&self, value: Option<&Sorted>, job: &str, frame: i64) -> Key {
         let place = |text: &str, all: &[Arc<str>]| all.partition_point(|one| **one < *text);
         let place_of_job = place(job, &self.jobs);
@@ -172,7 +172,7 @@ impl Keys {
     }
 }
 
-/// A key of a value, if the order asks for one, and of job and frame.
+/// A key of an optional value, job and frame.
 #[inline]
 fn key(value: Option<Option<u64>>, descending: bool, (job, frame): (u64, u64)) -> Key {
     let (missing, value) = match value {
@@ -207,12 +207,12 @@ fn ordered(number: f64) -> u64 {
     if bits >> 63 == 1 { !bits } else { bits | 1 << 63 }
 }
 
-/// The key of the row behind so many others, unless there are no more.
+/// The key of a rank; `None` beyond the last row.
 fn select(masked: &Masked<'_>, keys: &Keys, rank: u64) -> Result<Option<Key>, ColumnarError> {
     let extents = masked.pass(
         || (0, [u64::MAX; 4], FIRST),
         |(count, low, high), rows| {
-            keys.each(rows, |key| {
+            keys.visit(rows, |key| {
                 *count += 1;
                 *low = key.min(*low);
                 *high = key.max(*high);
@@ -228,13 +228,13 @@ fn select(masked: &Masked<'_>, keys: &Keys, rank: u64) -> Result<Option<Key>, Co
     }
     let mut rank = rank;
     while count > FEW && low != high {
-        let at = differ(&low, &high);
+        let bit = highest_difference(&low, &high);
         let counts = masked.pass(
             || vec![0_u64; 1 << DIGIT],
             |counts, rows| {
-                keys.each(rows, |key| {
+                keys.visit(rows, |key| {
                     if low <= key && key <= high {
-                        counts[digit(&key, at)] += 1;
+                        counts[digit(&key, bit)] += 1;
                     }
                 })
             },
@@ -246,10 +246,10 @@ fn select(masked: &Masked<'_>, keys: &Keys, rank: u64) -> Result<Option<Key>, Co
             chosen += 1;
         }
         count = of_digit(chosen);
-        (low, high) = with_digit(&low, at, chosen as u64);
+        (low, high) = with_digit(&low, bit, chosen as u64);
     }
     let gathered = masked.pass(Vec::new, |gathered, rows| {
-        keys.each(rows, |key| {
+        keys.visit(rows, |key| {
             if low <= key && key <= high {
                 gathered.push(key);
             }
@@ -266,7 +266,7 @@ fn smallest(masked: &Masked<'_>, keys: &Keys, first: &Key, most: usize) -> Resul
     let found = masked.pass(
         || (Vec::with_capacity(2 * most), [u64::MAX; 4]),
         |(found, last), rows| {
-            keys.each(rows, |key| {
+            keys.visit(rows, |key| {
                 if key < *first || key > *last {
                     return;
                 }
@@ -284,8 +284,8 @@ fn smallest(masked: &Masked<'_>, keys: &Keys, first: &Key, most: usize) -> Resul
     Ok(found)
 }
 
-/// The first bit in which two keys differ.
-fn differ(one: &Key, other: &Key) -> u32 {
+/// Position of the highest bit in which two keys differ.
+fn highest_difference(one: &Key, other: &Key) -> u32 {
     let word = (0..4).find(|&word| one[word] != other[word]).unwrap_or(3);
     64 * word as u32 + (one[word] ^ other[word]).leading_zeros()
 }

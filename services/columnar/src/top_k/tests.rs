@@ -128,7 +128,7 @@ proptest! {
         let mut expected: Vec<_> = rows.iter().filter(counts).copied().collect();
         expected.sort_by(|one, other| compared(one, other, by));
         let shown = |some: &[(usize, Row)]| some.iter().take(most).map(|(frame, row)| (format!("job_{}", row.3), *frame as i64)).collect::<Vec<_>>();
-        let got = |start: &Start| ranked(&query, &order, start, most).unwrap().into_iter().map(|(job, frame)| (job.to_string(), frame)).collect::<Vec<_>>();
+        let got = |start: &Start| top_k(&query, &order, start, most).unwrap().into_iter().map(|(job, frame)| (job.to_string(), frame)).collect::<Vec<_>>();
 
         prop_assert_eq!(got(&Start::Behind(rank as u64)), shown(expected.get(rank..).unwrap_or_default()));
         if let Some((frame, row)) = expected.get(rank) {
@@ -138,7 +138,7 @@ proptest! {
         }
     }
 
-    /// What a cursor names may be gone.
+    /// The row of a cursor may have been deleted.
     #[test]
     fn a_place_that_no_row_has_lies_between_its_neighbors(rows in prop::collection::vec(row(), 1..60), gone in row(), frame in 0usize..60, descending: bool) {
         let rows: Vec<(usize, Row)> = rows.into_iter().enumerate().map(|(at, row)| (2 * at, row)).collect();
@@ -146,13 +146,13 @@ proptest! {
         let (names, cache) = (NAMES.map(|(name, _)| name.to_owned()), Cache::new(0));
         let query = Query { parts: &parts, columns: &names, condition: None, cache: &cache, threads: 1 };
         for place in 0..3 {
-            let by = Some((place, descending));
+            let order_by = Some((place, descending));
             let (mut expected, gone) = (rows.clone(), (2 * frame + 1, gone));
-            expected.retain(|row| compared(row, &gone, by) == Ordering::Greater);
-            expected.sort_by(|one, other| compared(one, other, by));
+            expected.retain(|row| compared(row, &gone, order_by) == Ordering::Greater);
+            expected.sort_by(|one, other| compared(one, other, order_by));
             let expected: Vec<_> = expected.iter().map(|(frame, _)| *frame as i64).collect();
             let start = Start::After(sorted_by(&gone.1, place), format!("job_{}", gone.1.3), gone.0 as i64);
-            let got = ranked(&query, &Order { by, job: 3, frame: 4 }, &start, 100).unwrap();
+            let got = top_k(&query, &Order { by: order_by, job: 3, frame: 4 }, &start, 100).unwrap();
             prop_assert_eq!(got.into_iter().map(|(_, frame)| frame).collect::<Vec<_>>(), expected);
         }
     }
@@ -162,6 +162,6 @@ proptest! {
         let (low, high) = with_digit(&key, at, digit(&key, at) as u64);
         prop_assert!(low <= key && key <= high);
         prop_assert_eq!((digit(&low, at), digit(&high, at)), (digit(&key, at), digit(&key, at)));
-        prop_assert!(low == high || differ(&low, &high) == at + DIGIT);
+        prop_assert!(low == high || highest_difference(&low, &high) == at + DIGIT);
     }
 }
