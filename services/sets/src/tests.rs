@@ -7,15 +7,15 @@ use serde_json::{Value, json};
 use spec::{Job, SetState, Vocabulary};
 
 use crate::error::SetError;
-use crate::faulty::{Fault, store};
-use crate::job::{Card, NewSet};
-use crate::layout;
-use crate::location::Location;
-use crate::marker::{Commit, FailedFrame, Marker};
-use crate::plan::Selection;
-use crate::set::Set;
-use crate::store::Store;
-use crate::upload::{FileSum, Upload};
+use crate::operations::plan::Selection;
+use crate::set::job::{Card, NewSet};
+use crate::set::marker::{Commit, FailedFrame, Marker};
+use crate::set::opened::Set;
+use crate::storage::faulty::{Fault, store};
+use crate::storage::layout;
+use crate::storage::location::Location;
+use crate::storage::store::Store;
+use crate::storage::upload::{FileSum, Upload};
 
 fn job(count: u64) -> Job {
     let text = format!(

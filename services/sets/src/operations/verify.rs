@@ -2,11 +2,11 @@
 
 use sha2::{Digest, Sha256};
 
-use crate::crew::{Crew, Finished};
 use crate::error::SetError;
-use crate::marker::Marker;
-use crate::set::Set;
-use crate::upload::FileSum;
+use crate::processes::crew::{Crew, Finished};
+use crate::set::marker::Marker;
+use crate::set::opened::Set;
+use crate::storage::upload::FileSum;
 
 /// Bytes per read.
 const CHUNK_BYTES: u64 = 8 << 20;

@@ -13,8 +13,8 @@ use object_store::{
     PutMultipartOptions, PutOptions, PutPayload, PutResult, Result,
 };
 
-use crate::location::Location;
-use crate::store::Store;
+use crate::storage::location::Location;
+use crate::storage::store::Store;
 
 /// The fault of a store.
 #[derive(Debug, Clone, Copy, PartialEq)]

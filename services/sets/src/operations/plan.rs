@@ -5,8 +5,8 @@ use std::ops::Range;
 use std::str::FromStr;
 
 use crate::error::SetError;
-use crate::job::Card;
-use crate::set::Set;
+use crate::set::job::Card;
+use crate::set::opened::Set;
 
 /// One of several parts of a set: every shard k with k ≡ `number` modulo `parts`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

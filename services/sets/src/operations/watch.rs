@@ -8,8 +8,8 @@ use std::time::Duration;
 use spec::SetState;
 
 use crate::error::SetError;
-use crate::set::Set;
-use crate::state::allow_work;
+use crate::set::opened::Set;
+use crate::set::state::allow_work;
 
 /// Looks at the state of a set from time to time while shards are rendered.
 pub struct Watch {

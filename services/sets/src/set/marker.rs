@@ -3,9 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use crate::error::SetError;
-use crate::layout;
-use crate::store::Store;
-use crate::upload::FileSum;
+use crate::storage::layout;
+use crate::storage::store::Store;
+use crate::storage::upload::FileSum;
 
 /// A frame without an image.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]

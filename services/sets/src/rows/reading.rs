@@ -10,10 +10,10 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use spec::{ArtifactEntry, RecordText, sha256};
 
 use crate::error::SetError;
-use crate::group::{Group, Named};
-use crate::layout;
-use crate::marker::Marker;
-use crate::set::Set;
+use crate::rows::group::{Group, Named};
+use crate::set::marker::Marker;
+use crate::set::opened::Set;
+use crate::storage::layout;
 
 /// Longest file of rows: a hundred thousand records, the most that a shard has, are a tenth of it.
 const MOST_ROWS_BYTES: u64 = 4 << 30;

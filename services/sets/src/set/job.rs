@@ -8,7 +8,7 @@ use serde_json::Value;
 use spec::{Job, is_of_earlier_version};
 
 use crate::error::SetError;
-use crate::layout;
+use crate::storage::layout;
 
 /// Version of the layout.
 const FORMAT: u32 = 1;

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use serde_json::Value;
 use spec::{FrameRecord, Leaf, Leaves};
 
-use crate::cells::{Cell, Kind};
-use crate::job::Card;
+use crate::rows::cells::{Cell, Kind};
+use crate::set::job::Card;
 
 /// A column.
 #[derive(Debug, Clone)]

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use spec::SetState;
 
 use crate::error::SetError;
-use crate::layout;
+use crate::storage::layout;
 
 #[derive(Serialize, Deserialize)]
 struct Document {

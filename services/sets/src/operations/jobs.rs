@@ -8,11 +8,11 @@
 use serde::{Deserialize, Serialize};
 
 use crate::error::SetError;
-use crate::job::NewSet;
-use crate::layout;
-use crate::location::Location;
-use crate::set::Set;
-use crate::store::Store;
+use crate::set::job::NewSet;
+use crate::set::opened::Set;
+use crate::storage::layout;
+use crate::storage::location::Location;
+use crate::storage::store::Store;
 
 /// How the name of every set of a job begins.
 const JOB_PREFIX: &str = "job_";

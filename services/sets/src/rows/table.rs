@@ -9,7 +9,7 @@ use parquet::file::writer::SerializedFileWriter;
 use serde_json::Value;
 use spec::LeafKind;
 
-use crate::cells::{Cell, Gathered, Kind, compressed, schema};
+use crate::rows::cells::{Cell, Gathered, Kind, compressed, schema};
 
 /// A Parquet file that is being written.
 pub struct Table {

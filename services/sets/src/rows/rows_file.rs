@@ -6,11 +6,11 @@ use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
 use parquet::file::writer::SerializedFileWriter;
 
-use crate::cells::{Gathered, compressed, schema};
-use crate::columns::{Column, Common, Row, columns};
 use crate::error::SetError;
-use crate::job::Card;
-use crate::upload::{FileSum, Upload};
+use crate::rows::cells::{Gathered, compressed, schema};
+use crate::rows::columns::{Column, Common, Row, columns};
+use crate::set::job::Card;
+use crate::storage::upload::{FileSum, Upload};
 
 /// Memory of a group's rows beyond which it is written; some thousand rows.
 const GROUP_BYTES: usize = 4 << 20;

@@ -6,9 +6,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
-use crate::child::{Child, News, Recipe};
 use crate::error::SetError;
-use crate::message::{Message, ParcelFile};
+use crate::processes::child::{Child, News, Recipe};
+use crate::processes::message::{Message, ParcelFile};
 
 /// How often a frame is tried alone.
 const TRIES_ALONE: u32 = 3;

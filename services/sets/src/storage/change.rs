@@ -12,8 +12,8 @@ use std::time::{Duration, Instant};
 use object_store::{Error, GetResult, ObjectStoreExt, PutMode, PutOptions, UpdateVersion};
 
 use crate::error::SetError;
-use crate::location::Location;
-use crate::store::Store;
+use crate::storage::location::Location;
+use crate::storage::store::Store;
 
 /// How long others may be changing the object.
 const PATIENCE: Duration = Duration::from_secs(15);

@@ -5,8 +5,8 @@ use std::io::ErrorKind;
 use object_store::Error;
 
 use crate::error::SetError;
-use crate::location::Location;
-use crate::transport::io_error;
+use crate::storage::location::Location;
+use crate::storage::transport::io_error;
 
 /// Error codes of S3 servers without free space.
 const FULL: &[&str] = &[

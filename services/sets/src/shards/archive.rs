@@ -3,7 +3,7 @@
 use tar::{Builder, Header};
 
 use crate::error::SetError;
-use crate::upload::{FileSum, Upload};
+use crate::storage::upload::{FileSum, Upload};
 
 /// Length of the header of a member; names are short enough for a single block.
 const HEADER_BYTES: u64 = 512;

@@ -15,10 +15,10 @@ use object_store::{
 use tokio::runtime::{Builder, Runtime};
 
 use crate::error::SetError;
-use crate::failure;
-use crate::layout;
-use crate::location::Location;
-use crate::transport::Connector;
+use crate::storage::failure;
+use crate::storage::layout;
+use crate::storage::location::Location;
+use crate::storage::transport::Connector;
 
 /// How long a request is repeated before the store counts as unreachable.
 const RETRY_LIMIT: Duration = Duration::from_secs(30);

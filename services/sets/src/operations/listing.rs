@@ -7,11 +7,11 @@ use object_store::ObjectStoreExt;
 use serde::Serialize;
 
 use crate::error::SetError;
-use crate::layout::{self, Attempt};
-use crate::marker::{FailedFrame, Marker};
-use crate::plan::Selection;
-use crate::set::Set;
-use crate::store::Entry;
+use crate::operations::plan::Selection;
+use crate::set::marker::{FailedFrame, Marker};
+use crate::set::opened::Set;
+use crate::storage::layout::{self, Attempt};
+use crate::storage::store::Entry;
 
 /// Markers that are fetched concurrently.
 const FETCHED_MARKERS: usize = 32;

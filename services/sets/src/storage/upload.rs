@@ -10,8 +10,8 @@ use sha2::{Digest, Sha256};
 use tokio::io::AsyncWriteExt;
 
 use crate::error::SetError;
-use crate::location::Location;
-use crate::store::Store;
+use crate::storage::location::Location;
+use crate::storage::store::Store;
 
 /// Part of an upload to a bucket. S3 allows 10 000 parts, so a file may have 78 GiB. One part is filled while another is sent.
 const PART_BYTES: usize = 8 << 20;

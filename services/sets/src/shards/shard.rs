@@ -1,10 +1,10 @@
 //! The one function that every engine calls: render a shard of a set, and commit it.
 
-use crate::crew::Crew;
-use crate::draft::Draft;
 use crate::error::SetError;
-use crate::marker::{Commit, Marker};
-use crate::set::Set;
+use crate::processes::crew::Crew;
+use crate::set::marker::{Commit, Marker};
+use crate::set::opened::Set;
+use crate::shards::draft::Draft;
 
 /// What became of a shard.
 #[derive(Debug, Clone, PartialEq, Eq)]

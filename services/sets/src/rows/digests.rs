@@ -9,8 +9,8 @@ use parquet::errors::ParquetError;
 use parquet::file::reader::{ChunkReader, FileReader, Length, SerializedFileReader};
 
 use crate::error::SetError;
-use crate::marker::Marker;
-use crate::store::Store;
+use crate::set::marker::Marker;
+use crate::storage::store::Store;
 
 /// Bytes per request if the reader does not know the length that it needs.
 const FETCHED_BYTES: u64 = 64 << 10;

@@ -7,16 +7,16 @@ use serde::Deserialize;
 use serde_json::Value;
 use spec::FrameRecord;
 
-use crate::archive::Archive;
-use crate::columns::{Common, Row};
-use crate::crew::Finished;
 use crate::error::SetError;
-use crate::layout::{self, Attempt};
-use crate::marker::{FailedFrame, Marker};
-use crate::message::ParcelFile;
-use crate::rows::Rows;
-use crate::set::Set;
-use crate::upload::Upload;
+use crate::processes::crew::Finished;
+use crate::processes::message::ParcelFile;
+use crate::rows::columns::{Common, Row};
+use crate::rows::rows_file::Rows;
+use crate::set::marker::{FailedFrame, Marker};
+use crate::set::opened::Set;
+use crate::shards::archive::Archive;
+use crate::storage::layout::{self, Attempt};
+use crate::storage::upload::Upload;
 
 /// A shard that is being written.
 pub(crate) struct Draft {

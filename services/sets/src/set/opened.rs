@@ -3,12 +3,12 @@
 use spec::{EARLIER_VERSION, Job, SetState};
 
 use crate::error::SetError;
-use crate::job::{Card, NewSet};
-use crate::layout::{self, Attempt};
-use crate::location::Location;
-use crate::marker::Marker;
-use crate::state;
-use crate::store::Store;
+use crate::set::job::{Card, NewSet};
+use crate::set::marker::Marker;
+use crate::set::state;
+use crate::storage::layout::{self, Attempt};
+use crate::storage::location::Location;
+use crate::storage::store::Store;
 
 /// An open set.
 #[derive(Clone)]

@@ -6,9 +6,9 @@ use serde::{Deserialize, Serialize};
 use spec::MerkleTree;
 
 use crate::error::SetError;
-use crate::layout;
-use crate::marker::Marker;
-use crate::set::Set;
+use crate::set::marker::Marker;
+use crate::set::opened::Set;
+use crate::storage::layout;
 
 /// Something that went into the frames, with its terms.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]

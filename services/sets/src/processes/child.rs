@@ -10,7 +10,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use crate::error::SetError;
-use crate::message::Message;
+use crate::processes::message::Message;
 
 /// How often the limits are looked at.
 const LOOK: Duration = Duration::from_millis(100);
