@@ -147,10 +147,9 @@ fn dataset(row: &SqliteRow) -> Result<DatasetRow, CatalogueError> {
 pub(crate) async fn within<T>(
     question: impl Future<Output = Result<T, CatalogueError>>,
 ) -> Result<T, CatalogueError> {
-    let late = |_| CatalogueError::Timeout {
-        seconds: QUESTION_LIMIT.as_secs(),
-    };
     tokio::time::timeout(QUESTION_LIMIT, question)
         .await
-        .map_err(late)?
+        .map_err(|_| CatalogueError::Timeout {
+            seconds: QUESTION_LIMIT.as_secs(),
+        })?
 }

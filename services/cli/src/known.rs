@@ -28,8 +28,9 @@ pub fn dataset(client: &Client, name: &str) -> Result<DatasetDetail, Failure> {
 
 /// The uploaded scene of this id.
 pub fn scene(client: &Client, id: &str) -> Result<SceneView, Failure> {
-    let unknown = || Failure::BadInput(format!("no scene `{id}`; `fathom scenes` lists them"));
-    client.scene(id)?.ok_or_else(unknown)
+    client
+        .scene(id)?
+        .ok_or_else(|| Failure::BadInput(format!("no scene `{id}`; `fathom scenes` lists them")))
 }
 
 /// The scenes of the collection of this name, in their order.

@@ -106,15 +106,18 @@ fn image(image: ShardImage) -> SetImage {
 }
 
 fn end(marker: &Marker, done: DoneShard) -> ShardEnd {
-    let failure = |failed: &FailedFrame| FailureRow {
-        frame: failed.frame,
-        strikes: ATTEMPTS,
-        quarantined: true,
-        error: failed.error[..failed.error.floor_char_boundary(MOST_ERROR_BYTES)].to_owned(),
-    };
     ShardEnd {
         digest: marker.digest.clone(),
         changed_ms: done.changed_ms,
-        failed: marker.failed.iter().map(failure).collect(),
+        failed: marker
+            .failed
+            .iter()
+            .map(|failed: &FailedFrame| FailureRow {
+                frame: failed.frame,
+                strikes: ATTEMPTS,
+                quarantined: true,
+                error: failed.error[..failed.error.floor_char_boundary(MOST_ERROR_BYTES)].to_owned(),
+            })
+            .collect(),
     }
 }

@@ -123,14 +123,15 @@ impl Column {
                 kind,
                 values,
                 missing,
-            } => {
-                let number = |at: usize| match (missing.get(at), kind) {
-                    (Some(true), _) => f64::NAN,
-                    (_, Kind::Large) => raised(values[at]) as f64,
-                    _ => values[at] as f64,
-                };
-                Cow::Owned((0..values.len()).map(number).collect())
-            }
+            } => Cow::Owned(
+                (0..values.len())
+                    .map(|at: usize| match (missing.get(at), kind) {
+                        (Some(true), _) => f64::NAN,
+                        (_, Kind::Large) => raised(values[at]) as f64,
+                        _ => values[at] as f64,
+                    })
+                    .collect(),
+            ),
             Self::Missing(_) | Self::Texts { .. } => Cow::Owned(vec![f64::NAN; self.len()]),
         }
     }

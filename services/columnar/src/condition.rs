@@ -189,11 +189,15 @@ impl Test {
             }
             Column::Texts { codes, texts } => {
                 let holds: Vec<bool> = texts.iter().map(|text| self.of_text(text)).collect();
-                let row = |code: &u16| match *code {
-                    NO_TEXT => *self == Self::IsMissing,
-                    code => holds[usize::from(code)],
-                };
-                Mask::from_rows(codes.iter().map(row).collect())
+                Mask::from_rows(
+                    codes
+                        .iter()
+                        .map(|code: &u16| match *code {
+                            NO_TEXT => *self == Self::IsMissing,
+                            code => holds[usize::from(code)],
+                        })
+                        .collect(),
+                )
             }
         }
     }

@@ -303,25 +303,32 @@ fn decoded(piece: &Piece, chunk: &Chunk, rows: usize) -> Result<Column, ParquetE
                 return Ok(Column::Numbers(values));
             }
             let mut values = values.into_iter();
-            let spread = |level: &i16| {
-                if *level == 1 {
-                    values.next().unwrap_or(f64::NAN)
-                } else {
-                    f64::NAN
-                }
-            };
-            Ok(Column::Numbers(levels.iter().map(spread).collect()))
+            Ok(Column::Numbers(
+                levels
+                    .iter()
+                    .map(|level: &i16| {
+                        if *level == 1 {
+                            values.next().unwrap_or(f64::NAN)
+                        } else {
+                            f64::NAN
+                        }
+                    })
+                    .collect(),
+            ))
         }
         ColumnReader::Int64ColumnReader(reader) => {
             let (levels, values) = all(reader, rows)?;
-            let held = |value: i64| {
-                if chunk.kind == Kind::Large {
-                    value ^ i64::MIN
-                } else {
-                    value
-                }
-            };
-            Ok(wholes(chunk.kind, &levels, values.into_iter().map(held)))
+            Ok(wholes(
+                chunk.kind,
+                &levels,
+                values.into_iter().map(|value: i64| {
+                    if chunk.kind == Kind::Large {
+                        value ^ i64::MIN
+                    } else {
+                        value
+                    }
+                }),
+            ))
         }
         ColumnReader::BoolColumnReader(reader) => {
             let (levels, values) = all(reader, rows)?;
@@ -352,16 +359,18 @@ fn wholes(kind: Kind, levels: &[i16], values: impl Iterator<Item = i64>) -> Colu
             missing: Vec::new(),
         };
     }
-    let spread = |level: &i16| {
-        if *level == 1 {
-            values.next().unwrap_or(0)
-        } else {
-            0
-        }
-    };
     Column::Wholes {
         kind,
-        values: levels.iter().map(spread).collect(),
+        values: levels
+            .iter()
+            .map(|level: &i16| {
+                if *level == 1 {
+                    values.next().unwrap_or(0)
+                } else {
+                    0
+                }
+            })
+            .collect(),
         missing: levels.iter().map(|level| *level == 0).collect(),
     }
 }

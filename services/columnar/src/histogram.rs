@@ -51,14 +51,15 @@ pub fn histogram(query: &Query<'_>, bins: usize, range: Option<(f64, f64)>) -> R
 
 /// The edges of bins of equal width.
 fn edges(low: f64, high: f64, bins: usize) -> Vec<f64> {
-    let edge = |at: usize| {
-        if at == bins {
-            high
-        } else {
-            low + (high - low) * (at as f64 / bins as f64)
-        }
-    };
-    (0..=bins).map(edge).collect()
+    (0..=bins)
+        .map(|at: usize| {
+            if at == bins {
+                high
+            } else {
+                low + (high - low) * (at as f64 / bins as f64)
+            }
+        })
+        .collect()
 }
 
 impl Counts {

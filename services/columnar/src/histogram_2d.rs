@@ -208,12 +208,16 @@ impl Grid {
     }
 
     fn finish(self, rows: u64, source: Source, has_third: bool) -> Histogram2d {
-        let mean = |(sum, count): &(Sum, u64)| (*count > 0).then(|| sum.total() / *count as f64);
         Histogram2d {
             axes: self.axes,
             missing: rows - self.counted,
             counts: self.counts,
-            means: has_third.then(|| self.thirds.iter().map(mean).collect()),
+            means: has_third.then(|| {
+                self.thirds
+                    .iter()
+                    .map(|(sum, count): &(Sum, u64)| (*count > 0).then(|| sum.total() / *count as f64))
+                    .collect()
+            }),
             source,
         }
     }

@@ -180,8 +180,12 @@ fn of_jobs(column: &Column, jobs: &HashSet<String>) -> Mask {
         return Mask::None;
     };
     let asked: Vec<bool> = texts.iter().map(|text| jobs.contains(&**text)).collect();
-    let row = |code: &u16| asked.get(usize::from(*code)).copied().unwrap_or(false);
-    Mask::from_rows(codes.iter().map(row).collect())
+    Mask::from_rows(
+        codes
+            .iter()
+            .map(|code: &u16| asked.get(usize::from(*code)).copied().unwrap_or(false))
+            .collect(),
+    )
 }
 
 struct OfFile<'a> {

@@ -282,11 +282,12 @@ fn binned(
 ) -> Result<Vec<Binned>, ColumnarError> {
     let scales: Vec<f64> = ends.iter().map(|ends| ends.scale(bins)).collect();
     let empty = || -> Vec<Binned> {
-        let bins_of_group = |ends: &Ends| Binned {
-            counts: vec![0; bins],
-            sum: Sum::up_to(ends.largest()),
-        };
-        ends.iter().map(bins_of_group).collect()
+        ends.iter()
+            .map(|ends: &Ends| Binned {
+                counts: vec![0; bins],
+                sum: Sum::up_to(ends.largest()),
+            })
+            .collect()
     };
     let mut all = empty();
     for part in masked.pass(empty, |binned, rows| {
@@ -353,11 +354,13 @@ fn gathered(
 ) -> Result<Vec<Gathered>, ColumnarError> {
     let scales: Vec<f64> = ends.iter().map(|ends| ends.scale(bins)).collect();
     let empty = || -> Vec<Gathered> {
-        let values_of_group = |wanted: &Wanted| Gathered {
-            squares: Sum::up_to(wanted.largest_square),
-            values: Vec::new(),
-        };
-        wanted.iter().map(values_of_group).collect()
+        wanted
+            .iter()
+            .map(|wanted: &Wanted| Gathered {
+                squares: Sum::up_to(wanted.largest_square),
+                values: Vec::new(),
+            })
+            .collect()
     };
     let mut all = empty();
     for part in masked.pass(empty, |gathered, rows| {

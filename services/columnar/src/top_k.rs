@@ -71,8 +71,10 @@ pub fn top_k(
         return Ok(Vec::new());
     };
     let found = smallest(&masked, &keys, &first, most)?;
-    let row = |key: &Key| (Arc::clone(&keys.jobs[key[2] as usize]), signed(key[3]));
-    Ok(found.iter().map(row).collect())
+    Ok(found
+        .iter()
+        .map(|key: &Key| (Arc::clone(&keys.jobs[key[2] as usize]), signed(key[3])))
+        .collect())
 }
 
 /// Computes keys of rows; texts are ranked among all texts of their column.
@@ -186,8 +188,10 @@ fn key(value: Option<Option<u64>>, descending: bool, (job, frame): (u64, u64)) -
 
 /// Places of a part's texts among all.
 fn places(texts: &[Arc<str>], all: &[Arc<str>]) -> Vec<u64> {
-    let place = |text: &Arc<str>| all.binary_search(text).unwrap_or_else(|place| place) as u64;
-    texts.iter().map(place).collect()
+    texts
+        .iter()
+        .map(|text: &Arc<str>| all.binary_search(text).unwrap_or_else(|place| place) as u64)
+        .collect()
 }
 
 /// A whole number with a sign in the order of those without.

@@ -138,8 +138,9 @@ fn write_column<W: Write + Send>(
                     .write_batch(&flags, Some(&levels), None)?;
             } else {
                 let is_large = *kind == Kind::Large;
-                let shown = |value| if is_large { raised(value) as i64 } else { value };
-                let values: Vec<i64> = present.map(shown).collect();
+                let values: Vec<i64> = present
+                    .map(|value| if is_large { raised(value) as i64 } else { value })
+                    .collect();
                 writer
                     .typed::<Int64Type>()
                     .write_batch(&values, Some(&levels), None)?;

@@ -109,23 +109,26 @@ async fn ended(connection: &mut SqliteConnection, dataset: &str) -> Result<Vec<P
     if jobs.is_empty() {
         return Err(CatalogueError::not_found("dataset", dataset));
     }
-    let part = |(id, spec_digest, bytes, version, state): (String, String, i64, i64, String)| {
-        let has_ended = state.parse().is_ok_and(JobState::has_ended);
-        if has_ended {
-            return Ok(Part {
-                id,
-                spec_digest,
-                bytes,
-                version,
-            });
-        }
-        Err(CatalogueError::Transition {
-            id,
-            from: state,
-            to: "sealed with its dataset: wait for it or cancel it".to_owned(),
-        })
-    };
-    jobs.into_iter().map(part).collect()
+    jobs.into_iter()
+        .map(
+            |(id, spec_digest, bytes, version, state): (String, String, i64, i64, String)| {
+                let has_ended = state.parse().is_ok_and(JobState::has_ended);
+                if has_ended {
+                    return Ok(Part {
+                        id,
+                        spec_digest,
+                        bytes,
+                        version,
+                    });
+                }
+                Err(CatalogueError::Transition {
+                    id,
+                    from: state,
+                    to: "sealed with its dataset: wait for it or cancel it".to_owned(),
+                })
+            },
+        )
+        .collect()
 }
 
 async fn store(

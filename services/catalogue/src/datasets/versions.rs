@@ -132,15 +132,18 @@ impl Catalogue {
         .bind(limit)
         .fetch_all(&mut *self.reader().await?)
         .await?;
-        let image = |(frame, digest, record, artifacts): (i64, String, String, String)| {
-            Ok(SealedImage {
-                frame: frame as u64,
-                digest,
-                record,
-                artifacts: serde_json::from_str(&artifacts)?,
-            })
-        };
-        rows.into_iter().map(image).collect()
+        rows.into_iter()
+            .map(
+                |(frame, digest, record, artifacts): (i64, String, String, String)| {
+                    Ok(SealedImage {
+                        frame: frame as u64,
+                        digest,
+                        record,
+                        artifacts: serde_json::from_str(&artifacts)?,
+                    })
+                },
+            )
+            .collect()
     }
 
     /// A dataset, or a sealed version of one, by its name.

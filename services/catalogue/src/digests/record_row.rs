@@ -40,8 +40,9 @@ impl<'a> About<'a> {
             digest: cells.take()?,
         };
         let (record, stored): (Option<&str>, Option<i64>) = (cells.take()?, cells.take()?);
-        let is_good = |record: &&str| stored == Some(about.row_digest(&spec::sha256(record.as_bytes())));
-        let Some(record) = record.filter(is_good) else {
+        let Some(record) =
+            record.filter(|record: &&str| stored == Some(about.row_digest(&spec::sha256(record.as_bytes()))))
+        else {
             return Err(CatalogueError::damaged(format!(
                 "the record of {}/{}",
                 about.job, about.frame

@@ -117,11 +117,12 @@ impl Table {
     }
 
     fn key_of(&self, row: &SqliteRow) -> Result<Vec<Bind>, sqlx::Error> {
-        let value = |at| match row.try_get_raw(at)?.type_info().name() {
-            "INTEGER" => row.try_get_unchecked(at).map(Bind::Whole),
-            _ => row.try_get_unchecked(at).map(Bind::Text),
-        };
-        (0..self.keys).map(value).collect()
+        (0..self.keys)
+            .map(|at| match row.try_get_raw(at)?.type_info().name() {
+                "INTEGER" => row.try_get_unchecked(at).map(Bind::Whole),
+                _ => row.try_get_unchecked(at).map(Bind::Text),
+            })
+            .collect()
     }
 
     async fn set(

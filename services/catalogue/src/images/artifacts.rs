@@ -30,14 +30,16 @@ impl Catalogue {
         .bind(limit)
         .fetch_all(&mut *reader);
         let rows: Vec<(String, String, i64, String, i64)> = within(async { Ok(rows.await?) }).await?;
-        let named = |(digest, job_id, frame, kind, bytes)| NamedDigest {
-            digest,
-            job_id,
-            frame: frame as u64,
-            kind,
-            bytes: bytes as u64,
-        };
-        Ok(rows.into_iter().map(named).collect())
+        Ok(rows
+            .into_iter()
+            .map(|(digest, job_id, frame, kind, bytes)| NamedDigest {
+                digest,
+                job_id,
+                frame: frame as u64,
+                kind,
+                bytes: bytes as u64,
+            })
+            .collect())
     }
     /// Artifacts of an imported job by frame and kind, those after one of them.
     ///

@@ -55,12 +55,14 @@ impl Catalogue {
         .bind(job)
         .fetch_all(&mut *self.reader().await?)
         .await?;
-        let shard = |(frame, digest, changed_ms)| ImportedShard {
-            frame: frame as u64,
-            digest,
-            changed_ms,
-        };
-        Ok(rows.into_iter().map(shard).collect())
+        Ok(rows
+            .into_iter()
+            .map(|(frame, digest, changed_ms)| ImportedShard {
+                frame: frame as u64,
+                digest,
+                changed_ms,
+            })
+            .collect())
     }
 
     /// How many shards of a job are imported as a whole, and when the last of their markers was written; 0 without one.

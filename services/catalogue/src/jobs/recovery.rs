@@ -117,16 +117,17 @@ async fn failures(
     .bind(limit)
     .fetch_all(connection)
     .await?;
-    let failure = |row: &SqliteRow| -> Result<FailureRow, CatalogueError> {
-        FAILURES.verify(row, Side::Reader)?;
-        let mut cells = Cells::new(row);
-        cells.take::<&str>()?;
-        Ok(FailureRow {
-            frame: cells.count()?,
-            strikes: cells.take()?,
-            quarantined: cells.take()?,
-            error: cells.take()?,
+    rows.iter()
+        .map(|row: &SqliteRow| -> Result<FailureRow, CatalogueError> {
+            FAILURES.verify(row, Side::Reader)?;
+            let mut cells = Cells::new(row);
+            cells.take::<&str>()?;
+            Ok(FailureRow {
+                frame: cells.count()?,
+                strikes: cells.take()?,
+                quarantined: cells.take()?,
+                error: cells.take()?,
+            })
         })
-    };
-    rows.iter().map(failure).collect()
+        .collect()
 }

@@ -76,8 +76,9 @@ impl Catalogue {
         .bind(id)
         .fetch_optional(&mut *self.reader().await?)
         .await?;
-        let text = |(spec, digest): (String, String)| intact(id, &spec, &digest).map(str::to_owned);
-        found.map(text).transpose()
+        found
+            .map(|(spec, digest): (String, String)| intact(id, &spec, &digest).map(str::to_owned))
+            .transpose()
     }
 
     /// Jobs, newest first.

@@ -192,8 +192,10 @@ impl Catalogue {
         let sql = Select::of_rows(&self.columns, &columns, None, None, rows)?;
         let lot = gather(state, &sql, &columns, MOST_ROWS).await?;
         let lot = lot.into_iter().next().unwrap_or_else(|| {
-            let void = |column: &filter::Column| columnar::ColumnBuilder::new(kind(column.kind)).build();
-            columns.iter().map(void).collect()
+            columns
+                .iter()
+                .map(|column: &filter::Column| columnar::ColumnBuilder::new(kind(column.kind)).build())
+                .collect()
         });
         let mut jobs = BTreeMap::new();
         if let Some(Column::Texts { codes, texts }) = lot.first() {

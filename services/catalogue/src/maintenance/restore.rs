@@ -123,12 +123,16 @@ async fn stored(connection: &mut SqliteConnection, job: &str, frame: u64) -> Res
     .fetch_all(connection)
     .await?;
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-    let offset = |(kind, _, offset): &(Vec<u8>, Vec<u8>, Option<i64>)| Some((text(kind), (*offset)? as u64));
     Ok(Stored {
         dataset: row.dataset,
         created_ms: created_ms as u64,
         digest: text(&digest),
-        offsets: artifacts.iter().filter_map(offset).collect(),
+        offsets: artifacts
+            .iter()
+            .filter_map(|(kind, _, offset): &(Vec<u8>, Vec<u8>, Option<i64>)| {
+                Some((text(kind), (*offset)? as u64))
+            })
+            .collect(),
         artifacts: artifacts
             .iter()
             .map(|(kind, digest, _)| (text(kind), text(digest)))

@@ -65,8 +65,11 @@ impl Catalogue {
                 .bind(MOST_FINDINGS)
                 .fetch_all(&mut *transaction)
                 .await?;
-            let named = |name| row(format!("{table} of {name}, which has no image"));
-            damaged.extend(alone.into_iter().map(named));
+            damaged.extend(
+                alone
+                    .into_iter()
+                    .map(|name| row(format!("{table} of {name}, which has no image"))),
+            );
         }
         transaction.rollback().await?;
         connection.close().await?;
@@ -208,12 +211,17 @@ impl Images {
         let subjects = record["measurements"].as_object();
         let subjects_match = subjects.map_or(0, serde_json::Map::len) == measured.map_or(0, BTreeMap::len);
         for (subject, values) in measured.into_iter().flatten() {
-            let differs = |(metric, value): (&String, &Value)| {
-                let (subject, metric) = (subject.clone(), metric.clone());
-                Found::Metric { subject, metric }.read(&record) != *value
-            };
             let known = subjects.is_some_and(|subjects| subjects.contains_key(subject));
-            if !known || self.metrics.iter().zip(values).any(differs) {
+            if !known
+                || self
+                    .metrics
+                    .iter()
+                    .zip(values)
+                    .any(|(metric, value): (&String, &Value)| {
+                        let (subject, metric) = (subject.clone(), metric.clone());
+                        Found::Metric { subject, metric }.read(&record) != *value
+                    })
+            {
                 return Some(format!("metrics of `{subject}` of image {name}"));
             }
         }

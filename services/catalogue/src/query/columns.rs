@@ -240,8 +240,13 @@ fn kind(leaf: &Leaf) -> Kind {
 /// Names that depend on the job: labels and digests of artifacts are compared as text, times in milliseconds as numbers.
 fn open_family(name: &str) -> Option<Column> {
     // The names that a description allows; others are not labels, and a NUL would end a JSON path.
-    let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '.' | '-');
-    let quoted = |key: &str| (!key.is_empty() && key.chars().all(plain)).then(|| format!("\"{key}\""));
+    let quoted = |key: &str| {
+        (!key.is_empty()
+            && key
+                .chars()
+                .all(|c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '.' | '-')))
+        .then(|| format!("\"{key}\""))
+    };
     if let Some(kind) = name.strip_prefix("artifacts.") {
         let sql = "(SELECT a.digest FROM artifacts a
                     WHERE a.job_id = images.job_id AND a.frame = images.frame AND a.kind = ?)";
@@ -268,11 +273,14 @@ fn open_family(name: &str) -> Option<Column> {
 
 /// `/parameters/lights/0/color/2` as `$.parameters.lights[0].color[2]`.
 fn json_path(pointer: &str) -> String {
-    let step = |step: &str| match step.parse::<u16>() {
-        Ok(position) => format!("[{position}]"),
-        Err(_) => format!(".{step}"),
-    };
-    let steps: String = pointer.split('/').skip(1).map(step).collect();
+    let steps: String = pointer
+        .split('/')
+        .skip(1)
+        .map(|step: &str| match step.parse::<u16>() {
+            Ok(position) => format!("[{position}]"),
+            Err(_) => format!(".{step}"),
+        })
+        .collect();
     format!("${steps}")
 }
 

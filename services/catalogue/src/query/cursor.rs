@@ -25,10 +25,9 @@ pub(crate) fn read(question: &str, cursor: &str) -> Result<Value, CatalogueError
     if body.len() % 2 != 0 || !body.is_ascii() {
         return Err(wrong());
     }
-    let byte = |at: usize| u8::from_str_radix(&body[at..at + 2], 16).map_err(|_| wrong());
     let bytes = (0..body.len())
         .step_by(2)
-        .map(byte)
+        .map(|at: usize| u8::from_str_radix(&body[at..at + 2], 16).map_err(|_| wrong()))
         .collect::<Result<Vec<u8>, _>>()?;
     let text = String::from_utf8(bytes).map_err(|_| wrong())?;
     if cursor.get(..CHECK_CHARS) != Some(check(question, &text).as_str()) {

@@ -217,17 +217,19 @@ mod tests {
 
     /// The reference: looks up each leaf in a tree of values.
     fn pointed(leaves: &[Leaf], record: &Value) -> Vec<Option<Bind>> {
-        let bind = |leaf: &Leaf| {
-            let value = leaf.find(record)?;
-            match leaf.kind {
-                LeafKind::Number => value.as_f64().map(Bind::Number),
-                LeafKind::Whole => value.as_i64().map(Bind::Whole),
-                LeafKind::Large => value.as_u64().map(|number| Bind::Whole(lowered(number))),
-                LeafKind::Text => value.as_str().map(|text| Bind::Text(text.to_owned())),
-                LeafKind::Length => value.as_array().map(|items| Bind::Whole(items.len() as i64)),
-            }
-        };
-        leaves.iter().map(bind).collect()
+        leaves
+            .iter()
+            .map(|leaf: &Leaf| {
+                let value = leaf.find(record)?;
+                match leaf.kind {
+                    LeafKind::Number => value.as_f64().map(Bind::Number),
+                    LeafKind::Whole => value.as_i64().map(Bind::Whole),
+                    LeafKind::Large => value.as_u64().map(|number| Bind::Whole(lowered(number))),
+                    LeafKind::Text => value.as_str().map(|text| Bind::Text(text.to_owned())),
+                    LeafKind::Length => value.as_array().map(|items| Bind::Whole(items.len() as i64)),
+                }
+            })
+            .collect()
     }
 
     #[test]

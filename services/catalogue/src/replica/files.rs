@@ -85,15 +85,17 @@ impl Replica {
 
     /// The parts of a query: each file with its requested jobs.
     pub(crate) fn parts(&self, files: Vec<(FileRow, HashSet<String>)>) -> Result<Vec<Part>, ColumnarError> {
-        let part = |(row, jobs): (FileRow, HashSet<String>)| {
-            let file = self.open(&row)?;
-            let is_all = jobs.len() == file.about().jobs.len();
-            Ok(Part::File {
-                file,
-                jobs: (!is_all).then_some(jobs),
+        files
+            .into_iter()
+            .map(|(row, jobs): (FileRow, HashSet<String>)| {
+                let file = self.open(&row)?;
+                let is_all = jobs.len() == file.about().jobs.len();
+                Ok(Part::File {
+                    file,
+                    jobs: (!is_all).then_some(jobs),
+                })
             })
-        };
-        files.into_iter().map(part).collect()
+            .collect()
     }
 }
 
@@ -103,13 +105,15 @@ pub(crate) async fn list_files(connection: &mut SqliteConnection) -> Result<Vec<
         sqlx::query_as("SELECT name, first_row, last_row, digest FROM mirror_files ORDER BY first_row")
             .fetch_all(connection)
             .await?;
-    let file = |(name, first_row, last_row, digest)| FileRow {
-        name,
-        first_row,
-        last_row,
-        digest,
-    };
-    Ok(rows.into_iter().map(file).collect())
+    Ok(rows
+        .into_iter()
+        .map(|(name, first_row, last_row, digest)| FileRow {
+            name,
+            first_row,
+            last_row,
+            digest,
+        })
+        .collect())
 }
 
 /// Ranges of rowids that are in no file.

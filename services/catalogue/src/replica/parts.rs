@@ -29,8 +29,10 @@ pub(crate) async fn gather(
     most: usize,
 ) -> Result<Vec<Vec<Column>>, CatalogueError> {
     let empty = || -> Vec<ColumnBuilder> {
-        let new = |column: &filter::Column| ColumnBuilder::new(kind(column.kind));
-        columns.iter().map(new).collect()
+        columns
+            .iter()
+            .map(|column: &filter::Column| ColumnBuilder::new(kind(column.kind)))
+            .collect()
     };
     let mut lots = Vec::new();
     let (mut lot, mut rows_of_lot) = (empty(), 0);
@@ -48,8 +50,10 @@ pub(crate) async fn gather(
     if rows_of_lot > 0 {
         lots.push(lot);
     }
-    let built = |lot: Vec<ColumnBuilder>| lot.into_iter().map(ColumnBuilder::build).collect();
-    Ok(lots.into_iter().map(built).collect())
+    Ok(lots
+        .into_iter()
+        .map(|lot: Vec<ColumnBuilder>| lot.into_iter().map(ColumnBuilder::build).collect())
+        .collect())
 }
 
 fn add(

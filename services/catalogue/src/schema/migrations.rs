@@ -45,11 +45,17 @@ const FILES: [(&str, &str); 15] = [
 
 /// The migrator that brings any older catalogue up to date.
 pub(crate) fn migrator() -> Migrator {
-    let migration = |(version, &(description, sql)): (i64, &(&'static str, &'static str))| {
-        let kind = MigrationType::Simple;
-        Migration::new(version, description.into(), kind, sql.into_sql_str(), false)
-    };
-    Migrator::with_migrations((1..).zip(&FILES).map(migration).collect())
+    Migrator::with_migrations(
+        (1..)
+            .zip(&FILES)
+            .map(
+                |(version, &(description, sql)): (i64, &(&'static str, &'static str))| {
+                    let kind = MigrationType::Simple;
+                    Migration::new(version, description.into(), kind, sql.into_sql_str(), false)
+                },
+            )
+            .collect(),
+    )
 }
 
 #[cfg(test)]
@@ -64,7 +70,12 @@ mod tests {
             .map(|entry| entry.unwrap().file_name().into_string().unwrap())
             .collect();
         found.sort();
-        let names = |m: &Migration| format!("{:04}_{}.sql", m.version, m.description);
-        assert_eq!(migrator().iter().map(names).collect::<Vec<_>>(), found);
+        assert_eq!(
+            migrator()
+                .iter()
+                .map(|m: &Migration| format!("{:04}_{}.sql", m.version, m.description))
+                .collect::<Vec<_>>(),
+            found
+        );
     }
 }

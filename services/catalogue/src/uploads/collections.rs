@@ -59,11 +59,13 @@ impl Catalogue {
         )
         .fetch_all(&mut *self.reader().await?)
         .await?;
-        let row = |(name, scenes)| CollectionRow {
-            name,
-            scenes: scenes as u64,
-        };
-        Ok(rows.into_iter().map(row).collect())
+        Ok(rows
+            .into_iter()
+            .map(|(name, scenes)| CollectionRow {
+                name,
+                scenes: scenes as u64,
+            })
+            .collect())
     }
 
     /// The scenes of a collection in their order; empty if it does not exist.

@@ -158,8 +158,11 @@ fn style_table(client: &Client, dataset: &str, filter: &str) -> Result<String, F
         .into_iter()
         .map(|name| {
             let values = GROUP_METRICS.map(|metric| {
-                let is_cell = |group: &&GroupStats| cell(&group.group) == name && group.metric == metric;
-                mean_and_deviation(groups.iter().find(is_cell))
+                mean_and_deviation(
+                    groups
+                        .iter()
+                        .find(|group: &&GroupStats| cell(&group.group) == name && group.metric == metric),
+                )
             });
             std::iter::once(name.clone()).chain(values).collect()
         })

@@ -93,8 +93,11 @@ pub struct Arguments {
 
 /// A kind of artifact whose name can be that of a file.
 fn kind(name: &str) -> Result<String, String> {
-    let is_plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_' || c == '.';
-    if ArtifactKind::parse(name).is_some() && name.chars().all(is_plain) {
+    if ArtifactKind::parse(name).is_some()
+        && name
+            .chars()
+            .all(|c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_' || c == '.')
+    {
         return Ok(name.to_owned());
     }
     let known: Vec<&str> = ArtifactKind::FIXED.iter().map(|(name, _)| *name).collect();

@@ -57,13 +57,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 
 fn print_lists(as_json: bool) {
     if as_json {
-        let list = |list: &List| json!({"name": list.name, "about": list.about, "places": list.places, "path": list.path(), "command": list.command()});
-        let lists: Vec<Value> = List::all().iter().map(list).collect();
+        let lists: Vec<Value> = List::all().iter().map(|list: &List| json!({"name": list.name, "about": list.about, "places": list.places, "path": list.path(), "command": list.command()})).collect();
         println!("{}", json!(lists));
         return;
     }
-    let row = |list: &List| vec![list.name.to_owned(), list.about.to_owned(), list.path()];
-    let rows: Vec<_> = List::all().iter().map(row).collect();
+    let rows: Vec<_> = List::all()
+        .iter()
+        .map(|list: &List| vec![list.name.to_owned(), list.about.to_owned(), list.path()])
+        .collect();
     println!("{}", text_table(&["list", "what it names", "endpoint"], &rows));
     println!("\nfathom list NAME prints one of them; docs/identifiers.md describes where each is used.");
 }
@@ -83,8 +84,10 @@ fn entries_table(entries: &[Entry]) -> String {
         .into_iter()
         .filter(|(_, cell)| entries.iter().any(|entry| !cell(entry).is_empty()))
         .unzip();
-    let row = |entry: &Entry| cells.iter().map(|cell| cell(entry)).collect();
-    let rows: Vec<Vec<String>> = entries.iter().map(row).collect();
+    let rows: Vec<Vec<String>> = entries
+        .iter()
+        .map(|entry: &Entry| cells.iter().map(|cell| cell(entry)).collect())
+        .collect();
     text_table(&header, &rows)
 }
 

@@ -75,11 +75,12 @@ fn metrics(arguments: &Arguments) -> Vec<MetricId> {
     }
     let known = |name: &&str| MetricId::parse(name);
     let of_profile = |profile: &String| {
-        let belongs = |id: &MetricId| {
-            let info = id.info();
-            !info.needs_reference && info.profile.is_none_or(|its| its.name() == profile)
-        };
-        MetricId::all().filter(belongs).collect()
+        MetricId::all()
+            .filter(|id: &MetricId| {
+                let info = id.info();
+                !info.needs_reference && info.profile.is_none_or(|its| its.name() == profile)
+            })
+            .collect()
     };
     let usual = || USUAL.iter().filter_map(known).collect();
     let mut metrics: Vec<MetricId> = arguments.profile.as_ref().map_or_else(usual, of_profile);

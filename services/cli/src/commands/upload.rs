@@ -157,34 +157,37 @@ fn scenes(folder: &Path) -> Result<Vec<Files>, Failure> {
         let role = stem.and_then(|stem| stem.rsplit_once('.'));
         role.is_some_and(|(_, role)| COMPANIONS.contains(&role))
     };
-    let files_of = |rgb: PathBuf| {
-        let companion = |role: &'static str| {
-            let named =
-                ["png", "npy", "exr"].map(|extension| rgb.with_extension(format!("{role}.{extension}")));
-            Some((role, named.into_iter().find(|path| path.is_file())?))
-        };
-        let companions = COMPANIONS.into_iter().filter_map(companion).collect();
-        let beside = |extension: &str| Some(rgb.with_extension(extension)).filter(|path| path.is_file());
-        let pose = beside("pose.json").as_deref().map(files::read).transpose()?;
-        Ok(Files {
-            classes: beside("classes.json"),
-            rgb,
-            companions,
-            pose,
-        })
-    };
     let pictures = files::with_extensions(folder, &["png", "jpg", "jpeg", "webp", "exr"])?.into_iter();
     pictures
         .filter(|path| !is_companion(path))
-        .map(files_of)
+        .map(|rgb: PathBuf| {
+            let companions = COMPANIONS
+                .into_iter()
+                .filter_map(|role: &'static str| {
+                    let named = ["png", "npy", "exr"]
+                        .map(|extension| rgb.with_extension(format!("{role}.{extension}")));
+                    Some((role, named.into_iter().find(|path| path.is_file())?))
+                })
+                .collect();
+            let beside = |extension: &str| Some(rgb.with_extension(extension)).filter(|path| path.is_file());
+            let pose = beside("pose.json").as_deref().map(files::read).transpose()?;
+            Ok(Files {
+                classes: beside("classes.json"),
+                rgb,
+                companions,
+                pose,
+            })
+        })
         .collect()
 }
 
 /// Uploads one scene.
 fn upload(client: &Client, arguments: &Arguments, files: &Files) -> Result<Received<SceneView>, Failure> {
     let companions = files.companions.iter().map(|(role, path)| (*role, path));
-    let read = |(role, path): (&'static str, &PathBuf)| Ok((role, files::read(path)?));
-    let contents = [("rgb", &files.rgb)].into_iter().chain(companions).map(read);
+    let contents = [("rgb", &files.rgb)]
+        .into_iter()
+        .chain(companions)
+        .map(|(role, path): (&'static str, &PathBuf)| Ok((role, files::read(path)?)));
     let mut contents = contents.collect::<Result<Vec<_>, Failure>>()?;
     let mask = contents.iter().find(|(role, _)| *role == "instances");
     if let Some(classes) = classes(arguments, files, mask.map(|(_, mask)| mask.as_slice()))? {

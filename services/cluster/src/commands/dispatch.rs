@@ -42,8 +42,10 @@ pub(super) fn run(
     let mut patience = Patience::default();
     let stop = stop_at_signal()?;
     let frames_of = |shards: &[u64]| -> u64 {
-        let frames = |&shard: &u64| set.card().frames_of(shard).count() as u64;
-        shards.iter().map(frames).sum()
+        shards
+            .iter()
+            .map(|&shard: &u64| set.card().frames_of(shard).count() as u64)
+            .sum()
     };
     let begun = Instant::now();
     let first = selection.missing(set).map_err(failure)?;

@@ -131,8 +131,7 @@ impl Broker {
         if fetched.is_err() {
             *self.consumer.lock().unwrap_or_else(PoisonError::into_inner) = None;
         }
-        let delivery = |message| Delivery::new(Arc::clone(&self.runtime), message, self.ack_wait);
-        Ok(fetched?.map(delivery))
+        Ok(fetched?.map(|message| Delivery::new(Arc::clone(&self.runtime), message, self.ack_wait)))
     }
 
     async fn fetch(&self, patience: Duration) -> Result<Option<Message>, BrokerError> {

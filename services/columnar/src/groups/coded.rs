@@ -87,8 +87,11 @@ impl Coded {
                     Kind::Large => Cell::Large(values[at]),
                     _ => Cell::Whole(values[at]),
                 };
-                let key = |at: usize| (values[at] as u64, missing.get(at).copied().unwrap_or(false));
-                Self::from_keys((0..values.len()).map(key), cell)
+                Self::from_keys(
+                    (0..values.len())
+                        .map(|at: usize| (values[at] as u64, missing.get(at).copied().unwrap_or(false))),
+                    cell,
+                )
             }
             (_, Some(bins)) => Self::in_bins(&column.numbers(), bins),
             (_, None) => {
@@ -104,8 +107,10 @@ impl Coded {
                     value if value.is_nan() => Cell::Missing,
                     value => Cell::Number(value.to_bits()),
                 };
-                let key = |at: usize| (value(at).to_bits(), value(at).is_nan());
-                Self::from_keys((0..numbers.len()).map(key), cell)
+                Self::from_keys(
+                    (0..numbers.len()).map(|at: usize| (value(at).to_bits(), value(at).is_nan())),
+                    cell,
+                )
             }
         }
     }

@@ -53,8 +53,10 @@ impl Set {
             .iter()
             .filter_map(|entry| layout::shard_of(&entry.name))
             .collect();
-        let frames_of = |shard: &u64| card.frames_of(*shard).count() as u64;
-        let frames_done = done.iter().map(frames_of).sum();
+        let frames_done = done
+            .iter()
+            .map(|shard: &u64| card.frames_of(*shard).count() as u64)
+            .sum();
         let mut unfinished = 0;
         let mut files = 0;
         for entry in self.files()? {
@@ -113,15 +115,16 @@ impl Set {
 
     /// The markers of these shards that are there, in their order.
     pub(crate) fn markers(&self, shards: Vec<u64>) -> Result<Vec<Marker>, SetError> {
-        let fetch = |shard: u64| async move {
-            let name = layout::done(shard);
-            match self.store.objects.get(&self.store.path(&name)).await {
-                Ok(found) => Ok(Some((name, found.bytes().await?))),
-                Err(object_store::Error::NotFound { .. }) => Ok(None),
-                Err(error) => Err(error),
-            }
-        };
-        let fetched = stream::iter(shards).map(fetch).buffered(FETCHED_MARKERS);
+        let fetched = stream::iter(shards)
+            .map(|shard: u64| async move {
+                let name = layout::done(shard);
+                match self.store.objects.get(&self.store.path(&name)).await {
+                    Ok(found) => Ok(Some((name, found.bytes().await?))),
+                    Err(object_store::Error::NotFound { .. }) => Ok(None),
+                    Err(error) => Err(error),
+                }
+            })
+            .buffered(FETCHED_MARKERS);
         let texts: Vec<_> = self.store.wait(fetched.try_collect())?;
         texts
             .into_iter()
@@ -144,10 +147,14 @@ impl Set {
         }
         // Listed after the files, so that shards committed in between keep their files.
         let done: BTreeSet<u64> = self.done()?.into_iter().collect();
-        let crowded = |(shard, files): (&u64, &Vec<Entry>)| {
-            (done.contains(shard) && files.len() != 2).then_some(*shard)
-        };
-        let markers = self.markers(by_shard.iter().filter_map(crowded).collect())?;
+        let markers = self.markers(
+            by_shard
+                .iter()
+                .filter_map(|(shard, files): (&u64, &Vec<Entry>)| {
+                    (done.contains(shard) && files.len() != 2).then_some(*shard)
+                })
+                .collect(),
+        )?;
         let winners: BTreeMap<u64, Marker> =
             markers.into_iter().map(|marker| (marker.shard, marker)).collect();
         let mut removed = 0;

@@ -147,8 +147,12 @@ impl Child {
     /// Why the child must end, if it must.
     fn verdict(&self) -> Option<String> {
         let limit = self.recipe.frame_limit;
-        let is_late = |since: &Instant| since.elapsed() > limit;
-        if self.frames.values().flatten().any(is_late) {
+        if self
+            .frames
+            .values()
+            .flatten()
+            .any(|since: &Instant| since.elapsed() > limit)
+        {
             return Some(format!(
                 "took more than {} s (--frame-limit-s)",
                 limit.as_secs_f64()

@@ -62,21 +62,22 @@ pub(crate) fn compressed() -> WriterPropertiesBuilder {
 
 /// The schema of columns by their names.
 pub(crate) fn schema<'a>(columns: impl Iterator<Item = (&'a str, Kind)>) -> Result<Type, ParquetError> {
-    let field = |(name, kind): (&str, Kind)| {
-        let (physical, logical) = match kind {
-            Kind::Number => (Physical::DOUBLE, None),
-            Kind::Whole => (Physical::INT64, None),
-            Kind::Large => (Physical::INT64, Some(LogicalType::integer(64, false))),
-            Kind::Text => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
-            Kind::Flag => (Physical::BOOLEAN, None),
-            Kind::File => (Physical::BYTE_ARRAY, None),
-        };
-        let builder = Type::primitive_type_builder(name, physical)
-            .with_repetition(Repetition::OPTIONAL)
-            .with_logical_type(logical);
-        builder.build().map(Arc::new)
-    };
-    let fields = columns.map(field).collect::<Result<_, _>>()?;
+    let fields = columns
+        .map(|(name, kind): (&str, Kind)| {
+            let (physical, logical) = match kind {
+                Kind::Number => (Physical::DOUBLE, None),
+                Kind::Whole => (Physical::INT64, None),
+                Kind::Large => (Physical::INT64, Some(LogicalType::integer(64, false))),
+                Kind::Text => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
+                Kind::Flag => (Physical::BOOLEAN, None),
+                Kind::File => (Physical::BYTE_ARRAY, None),
+            };
+            let builder = Type::primitive_type_builder(name, physical)
+                .with_repetition(Repetition::OPTIONAL)
+                .with_logical_type(logical);
+            builder.build().map(Arc::new)
+        })
+        .collect::<Result<_, _>>()?;
     Type::group_type_builder("rows").with_fields(fields).build()
 }
 

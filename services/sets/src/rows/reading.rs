@@ -307,14 +307,16 @@ fn images(
             }
             let created_ms = times[row].filter(|time| (0..=LAST_MS).contains(time));
             let created_ms = created_ms.ok_or_else(|| missing("created_ms that is a time"))? as u64;
-            let place = |(kind, offsets): &Named| {
-                let offset = u64::try_from(offsets[row]?).ok()?;
-                Some((kind.clone(), offset))
-            };
             images.push(ShardImage {
                 record,
                 created_ms,
-                offsets: places.iter().filter_map(place).collect(),
+                offsets: places
+                    .iter()
+                    .filter_map(|(kind, offsets): &Named| {
+                        let offset = u64::try_from(offsets[row]?).ok()?;
+                        Some((kind.clone(), offset))
+                    })
+                    .collect(),
             });
         }
         Ok(images)

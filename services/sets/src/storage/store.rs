@@ -62,8 +62,8 @@ impl Store {
         let refused = |error: Error| SetError::Refused(format!("{location}: {error}"));
         match location {
             Location::Folder(path) => {
-                let failed = |error| SetError::Refused(format!("{location}: {error}"));
-                std::fs::create_dir_all(path).map_err(failed)?;
+                std::fs::create_dir_all(path)
+                    .map_err(|error| SetError::Refused(format!("{location}: {error}")))?;
                 let objects = LocalFileSystem::new_with_prefix(path).map_err(refused)?;
                 Self::new(Arc::new(objects.with_fsync(true)), "", location)
             }

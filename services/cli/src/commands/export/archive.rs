@@ -23,11 +23,10 @@ pub(super) fn unpacked(archive: &[u8], wanted: &[Wanted<'_>]) -> Result<Vec<Unpa
     for entry in archive.entries().map_err(damaged)? {
         let mut entry = entry.map_err(damaged)?;
         let name = String::from_utf8_lossy(&entry.path_bytes()).into_owned();
-        let is_name_of = |wanted: &Wanted<'_>| {
+        let index = wanted.iter().position(|wanted: &Wanted<'_>| {
             let mut extensions = EXTENSIONS.iter();
             extensions.any(|(_, extension)| name == format!("{}.{extension}", wanted.kind))
-        };
-        let index = wanted.iter().position(is_name_of);
+        });
         let Some(index) = index.filter(|_| entry.header().entry_type().is_file()) else {
             return Err(untrusted(format!("a file {name:?} that was not asked for")));
         };

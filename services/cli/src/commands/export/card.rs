@@ -99,15 +99,14 @@ impl Card<'_> {
             format!("tags: {}", json!(tags)),
         ];
         if let Some(pattern) = self.pattern() {
-            let file = |(name, _): &(Option<String>, u64)| {
-                let folder = name.as_ref().map_or_else(String::new, |name| format!("{name}/"));
-                json!({"split": name.as_deref().unwrap_or("train"), "path": format!("{folder}{pattern}")})
-            };
             let files: Vec<Value> = self
                 .parts
                 .iter()
                 .filter(|(_, images)| *images > 0)
-                .map(file)
+                .map(|(name, _): &(Option<String>, u64)| {
+                    let folder = name.as_ref().map_or_else(String::new, |name| format!("{name}/"));
+                    json!({"split": name.as_deref().unwrap_or("train"), "path": format!("{folder}{pattern}")})
+                })
                 .collect();
             lines.push(format!(
                 "configs: {}",

@@ -27,14 +27,16 @@ pub(super) fn model(shots: &[Shot]) -> [(&'static str, String); 3] {
     let mut known: Vec<&View> = Vec::new();
     for (index, Shot { name, view }) in shots.iter().enumerate() {
         let lens = |view: &View| (view.width, view.height, view.intrinsics, view.distortion);
-        let same = |other: &&View| lens(other) == lens(view);
-        let camera = known.iter().position(same).unwrap_or_else(|| {
-            known.push(view);
-            let id = known.len();
-            // Writing to a string cannot fail, here and below.
-            let _ = writeln!(cameras, "{id} {}", camera(view));
-            id - 1
-        });
+        let camera = known
+            .iter()
+            .position(|other: &&View| lens(other) == lens(view))
+            .unwrap_or_else(|| {
+                known.push(view);
+                let id = known.len();
+                // Writing to a string cannot fail, here and below.
+                let _ = writeln!(cameras, "{id} {}", camera(view));
+                id - 1
+            });
         let [w, x, y, z] = quaternion(view);
         let [tx, ty, tz] = translation(view);
         let (id, camera) = (index + 1, camera + 1);

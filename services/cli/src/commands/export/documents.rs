@@ -81,8 +81,10 @@ impl Documents<'_> {
 
     fn write_sums(&self, names: &[String]) -> Result<(), Failure> {
         let root = self.target.root();
-        let line = |name: &String| Ok(format!("{}  {name}\n", digest_of(&root.join(name))?));
-        let lines = names.iter().map(line).collect::<Result<Vec<_>, Failure>>()?;
+        let lines = names
+            .iter()
+            .map(|name: &String| Ok(format!("{}  {name}\n", digest_of(&root.join(name))?)))
+            .collect::<Result<Vec<_>, Failure>>()?;
         write(&root.join(SUMS), lines.concat().as_bytes())
     }
 }

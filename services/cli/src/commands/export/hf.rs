@@ -43,18 +43,21 @@ pub(super) fn write(
     all.push(text_column("file_name"));
     all.extend(names.iter().map(|(_, name)| text_column(name)));
     let mut group = || {
-        let row = |line: std::io::Result<String>| {
-            let line = line.context("cannot read the rows")?;
-            let mut values: Value = serde_json::from_str(&line).context("a row is JSON")?;
-            for (kind, name) in &names {
-                values[name] = values[kind].take();
-            }
-            Ok(TableRow {
-                values,
-                files: Vec::new(),
+        lines
+            .by_ref()
+            .take(GROUP_ROWS)
+            .map(|line: std::io::Result<String>| {
+                let line = line.context("cannot read the rows")?;
+                let mut values: Value = serde_json::from_str(&line).context("a row is JSON")?;
+                for (kind, name) in &names {
+                    values[name] = values[kind].take();
+                }
+                Ok(TableRow {
+                    values,
+                    files: Vec::new(),
+                })
             })
-        };
-        lines.by_ref().take(GROUP_ROWS).map(row).collect()
+            .collect()
     };
     let draft = draft_of(&path);
     let file = create(&draft).with_context(|| format!("cannot write {}", path.display()))?;

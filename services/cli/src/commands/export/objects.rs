@@ -28,21 +28,20 @@ pub(super) fn objects(folder: &Path, frame: &Frame, masks: bool) -> Result<Vec<O
         true => runs_of_file(folder, frame.file("instances"))?,
         false => BTreeMap::new(),
     };
-    let object = |record: InstanceRecord| {
-        let runs = runs.remove(&record.number);
-        if masks && runs.as_ref().is_none_or(|runs| runs.area != record.pixels) {
-            let number = record.number;
-            return Err(untrusted(format!(
-                "{name}, whose object {number} has another size than in the mask"
-            )));
-        }
-        Ok(Object { record, runs })
-    };
     scene
         .instances
         .unwrap_or_default()
         .into_iter()
-        .map(object)
+        .map(|record: InstanceRecord| {
+            let runs = runs.remove(&record.number);
+            if masks && runs.as_ref().is_none_or(|runs| runs.area != record.pixels) {
+                let number = record.number;
+                return Err(untrusted(format!(
+                    "{name}, whose object {number} has another size than in the mask"
+                )));
+            }
+            Ok(Object { record, runs })
+        })
         .collect()
 }
 

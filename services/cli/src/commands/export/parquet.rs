@@ -31,20 +31,24 @@ pub(super) fn write(
             kind: CellKind::File,
         });
     all.extend(files);
-    let row = |member: Member| {
-        let mut row = TableRow {
-            values: Value::Object(member.values),
-            files: Vec::new(),
-        };
-        for (kind, file) in kinds.iter().zip(member.files) {
-            match kind.as_str() {
-                RECORD => row.values[RECORD] = String::from_utf8_lossy(&file.bytes).into(),
-                _ => row.files.push(file.bytes),
-            }
-        }
-        row
-    };
-    write(file, &all, &mut || Ok(pull()?.into_iter().map(row).collect()))
+    write(file, &all, &mut || {
+        Ok(pull()?
+            .into_iter()
+            .map(|member: Member| {
+                let mut row = TableRow {
+                    values: Value::Object(member.values),
+                    files: Vec::new(),
+                };
+                for (kind, file) in kinds.iter().zip(member.files) {
+                    match kind.as_str() {
+                        RECORD => row.values[RECORD] = String::from_utf8_lossy(&file.bytes).into(),
+                        _ => row.files.push(file.bytes),
+                    }
+                }
+                row
+            })
+            .collect())
+    })
 }
 
 /// The place of a frame in its line of metadata.

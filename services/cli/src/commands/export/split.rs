@@ -78,8 +78,12 @@ fn part(text: &str) -> Result<Part, String> {
     let Some((name, share)) = text.split_once('=') else {
         return Err(format!("`{text}` is not NAME=SHARE, such as train=.8"));
     };
-    let is_plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_' || c == '-';
-    if name.is_empty() || name.len() > 32 || !name.chars().all(is_plain) {
+    if name.is_empty()
+        || name.len() > 32
+        || !name
+            .chars()
+            .all(|c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_' || c == '-')
+    {
         return Err(format!("`{name}` is not 1 to 32 of a-z 0-9 _ -"));
     }
     match share.parse::<f64>() {

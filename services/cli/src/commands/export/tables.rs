@@ -49,11 +49,13 @@ pub(super) fn table_columns(columns: &[ColumnInfo]) -> Vec<TableColumn> {
         }
         _ => CellKind::Leaf(LeafKind::Text),
     };
-    let column = |column: &ColumnInfo| TableColumn {
-        name: column.name.clone(),
-        kind: kind(column),
-    };
-    columns.iter().map(column).collect()
+    columns
+        .iter()
+        .map(|column: &ColumnInfo| TableColumn {
+            name: column.name.clone(),
+            kind: kind(column),
+        })
+        .collect()
 }
 
 /// A column of texts.

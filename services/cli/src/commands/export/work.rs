@@ -53,9 +53,11 @@ impl<'a> Export<'a> {
             None => vec![None],
         };
         let shard_size = arguments.shard_size as usize;
-        let part = |name: Option<String>| Part::open(order.target, name, arguments.format, shard_size);
         Ok(Self {
-            parts: names.into_iter().map(part).collect::<Result<_, _>>()?,
+            parts: names
+                .into_iter()
+                .map(|name: Option<String>| Part::open(order.target, name, arguments.format, shard_size))
+                .collect::<Result<_, _>>()?,
             threads: threads.context("cannot start threads")?,
             sequences: Sequences::new(order.client, &arguments.dataset),
             scenes: SceneClasses::new(order.client),

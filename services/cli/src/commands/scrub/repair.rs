@@ -79,15 +79,18 @@ impl Repair {
             None => SceneSource::Local,
         };
         let rendered = tokio::task::block_in_place(|| self.slot.render(&described, &source))?;
-        let blob = |file: File| Blob {
-            digest: file.digest,
-            bytes: file.bytes,
-        };
         Ok(Rendered {
             job: job.to_owned(),
             frame,
             record: rendered.record,
-            files: rendered.files.into_iter().map(blob).collect(),
+            files: rendered
+                .files
+                .into_iter()
+                .map(|file: File| Blob {
+                    digest: file.digest,
+                    bytes: file.bytes,
+                })
+                .collect(),
         })
     }
 }

@@ -53,8 +53,7 @@ impl TrainingProgress {
 
     fn write(&mut self, done: usize) -> Result<(), Failure> {
         let Some(file) = &self.file else { return Ok(()) };
-        let named = |[texture, color, content]: [f64; 3]| json!({"texture": texture, "colour": color, "content": content});
-        let losses = self.shown.map(named);
+        let losses = self.shown.map(|[texture, color, content]: [f64; 3]| json!({"texture": texture, "colour": color, "content": content}));
         self.written = Some(Instant::now());
         files::write(
             file,

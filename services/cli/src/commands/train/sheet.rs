@@ -19,8 +19,12 @@ pub(super) fn draw(photos: &[&Rgb8], network: &Network) -> Result<Rgb8, Failure>
         picture,
         caption: vec![caption],
     };
-    let photo = |(index, photo): (usize, &&Rgb8)| tile((*photo).clone(), format!("photo {}", index + 1));
-    let mut tiles: Vec<Tile> = photos.iter().take(SEEDS.len()).enumerate().map(photo).collect();
+    let mut tiles: Vec<Tile> = photos
+        .iter()
+        .take(SEEDS.len())
+        .enumerate()
+        .map(|(index, photo): (usize, &&Rgb8)| tile((*photo).clone(), format!("photo {}", index + 1)))
+        .collect();
     let (mut before, mut whole, mut part) = (Vec::new(), Vec::new(), Vec::new());
     let mut scratch = Scratch::default();
     for seed in SEEDS {

@@ -239,8 +239,10 @@ mod tests {
     #[test]
     fn what_is_missing_is_what_has_no_marker() {
         let done = |shards: &[u64]| -> Vec<DoneShard> {
-            let done = |&shard| DoneShard { shard, changed_ms: 1 };
-            shards.iter().map(done).collect()
+            shards
+                .iter()
+                .map(|&shard| DoneShard { shard, changed_ms: 1 })
+                .collect()
         };
         assert_eq!(missing(4, &done(&[])), [0, 1, 2, 3]);
         assert_eq!(missing(4, &done(&[1, 2])), [0, 3]);
