@@ -12,24 +12,20 @@ mod print;
 pub mod classes;
 pub mod colors;
 mod commands;
-pub mod engine;
 pub mod exit;
 pub mod files;
-pub mod import;
 pub mod job;
 pub mod known;
+pub mod options;
 pub mod progress;
-pub mod remote;
-pub mod render;
-pub mod seal;
 pub mod sheet;
 pub mod signals;
-pub mod styles;
 pub mod table;
-pub mod worker;
 
-pub use commands::cluster::program as cluster_program;
-pub use commands::{export, scrub, serve};
+pub use commands::dataset::export;
+pub use commands::service::cluster::program as cluster_program;
+pub use commands::service::{scrub, serve};
+pub use options::{engine, import, remote, render, seal, styles, worker};
 
 use std::ffi::OsString;
 
@@ -59,7 +55,7 @@ pub fn run_words<A: FromArgMatches>(
     run: impl FnOnce(A) -> Result<(), Failure>,
 ) -> u8 {
     let words: Vec<OsString> = words.into_iter().collect();
-    commands::cluster::note(&words);
+    commands::service::cluster::note(&words);
     let matches = command.try_get_matches_from(words);
     match matches.and_then(|matches| A::from_arg_matches(&matches)) {
         Ok(arguments) => {
@@ -76,5 +72,5 @@ pub fn run_words<A: FromArgMatches>(
 
 /// All commands, grouped by topic, with an example of each.
 fn command() -> clap::Command {
-    commands::topics::arrange(Arguments::command())
+    commands::help::topics::arrange(Arguments::command())
 }

@@ -1,46 +1,26 @@
 //! One file for each command.
 
-mod backup;
-mod check_style;
-pub(crate) mod cluster;
-mod completions;
-mod control;
-mod datasets;
-mod decode;
-mod demo;
-mod enhance;
-mod errors;
-pub mod export;
-mod import;
-mod jobs;
-mod list;
-mod live;
-mod measure;
-mod new;
-mod plan;
-mod query;
-mod render;
-mod rerender;
-mod rm;
-mod scenes;
-pub mod scrub;
-mod seal;
-pub mod serve;
-mod sheet;
-mod stats;
-mod styles;
-mod submit;
-pub(crate) mod topics;
-mod train;
-mod upload;
-mod verify;
-mod wait;
-mod waters;
-mod worker;
+pub(crate) mod children;
+pub(crate) mod dataset;
+pub(crate) mod help;
+pub(crate) mod job;
+pub(crate) mod picture;
+pub(crate) mod rendering;
+pub(crate) mod service;
+pub(crate) mod style;
 
 use cli::exit::Failure;
 
 use client::JobChange;
+
+use children::{check_style, decode, live, rerender};
+use dataset::{datasets, export, import, query, rm, scenes, seal, sheet, stats, upload, verify};
+use help::{completions, list};
+use job::{control, errors, jobs, submit, wait};
+use picture::{enhance, measure};
+use rendering::{demo, new, plan, render};
+use service::{backup, cluster, scrub, serve, worker};
+use style::{styles, train, waters};
 
 /// The commands of `fathom`.
 #[derive(clap::Subcommand)]
