@@ -110,7 +110,7 @@ pub enum CatalogueError {
     },
     /// Stored data is damaged and not served.
     #[error(
-        "{what} in the catalogue is damaged: `fathom scrub` names all that is, and `--repair` restores images"
+        "{what} in the catalogue is damaged: `fathom scrub` lists all damage, and `--repair` restores images"
     )]
     Damaged {
         /// What, such as `the record of job_…/3`.

@@ -35,7 +35,7 @@ pub(crate) fn keys(columns: &Columns, by: &str) -> Result<Vec<Key>, CatalogueErr
     for (position, key) in keys.iter().enumerate() {
         let name = &key.shown.column;
         if keys[..position].iter().any(|other| other.shown.column == *name) {
-            return Err(CatalogueError::refused(format!("`{name}` stands twice in `by`")));
+            return Err(CatalogueError::refused(format!("`{name}` occurs twice in `by`")));
         }
     }
     Ok(keys)
@@ -63,7 +63,7 @@ impl Key {
         let mut key = Self::plain(columns, name)?;
         if !key.column.kind.is_number() {
             let message =
-                format!("`{name}` is no number, so it has no bins; without `:{width}` each value is a group");
+                format!("`{name}` is not a column of numbers, so it has no bins; without `:{width}` each value is a group");
             return Err(CatalogueError::refused(message));
         }
         let parsed = width
@@ -72,7 +72,7 @@ impl Key {
             .filter(|width: &f64| width.is_normal() && *width > 0.0);
         let Some(parsed) = parsed else {
             let message = format!(
-                "`{width}` is no width for the bins of `{name}`: it must be a number above 0, as in {name}:0.1"
+                "`{width}` is not a width for the bins of `{name}`; must be a number above 0, as in {name}:0.1"
             );
             return Err(CatalogueError::refused(message));
         };

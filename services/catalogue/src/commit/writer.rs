@@ -36,7 +36,7 @@ static COMMIT_OPERATIONS: LazyLock<Histogram> = LazyLock::new(|| {
         "Images, jobs and changes of state that shared a transaction of the catalogue",
         OPERATIONS_BUCKETS.to_vec()
     )
-    .expect("the name is valid and nobody else's")
+    .expect("the name is valid and unique")
 });
 /// Time for which a transaction waits for further changes if the previous one had several: less than a flush to the disk. A single
 /// client never waits; changes that arrive during a flush share the next one anyway.

@@ -122,7 +122,7 @@ pub(super) async fn find_duplicate(
         let warning = match state {
             JobState::Done => format!(
                 "dataset `{dataset}` has every image of this description already, from {id}: nothing is rendered; with `again` \
-                 they are rendered once more"
+                 they are rendered again"
             ),
             _ => format!(
                 "{id} in dataset `{dataset}` has the same description and is {state}: the dataset will have its images twice"

@@ -30,7 +30,7 @@ impl Catalogue {
     /// [`CatalogueError::Filter`] for filter, order or fields; [`CatalogueError::Cursor`]; [`CatalogueError::Timeout`].
     pub async fn images(&self, query: ImageQuery) -> Result<Page<Value>, CatalogueError> {
         if query.cursor.is_some() && query.offset > 0 {
-            let message = "`offset` and `cursor` both say where a page begins: give one of them".to_owned();
+            let message = "`offset` and `cursor` both set the start of a page; use only one of them".to_owned();
             return Err(CatalogueError::refused(message));
         }
         if let Some(found) = self.top_k(&query).await? {

@@ -160,16 +160,16 @@ async fn groups_that_make_no_sense_are_refused_with_what_is_wrong() {
     };
     for (by, said) in [
         ("alpah:0.1", "did you mean `alpha`?"),
-        ("water.optics:2", "`water.optics` is no number, so it has no bins"),
+        ("water.optics:2", "`water.optics` is not a column of numbers, so it has no bins"),
         (
             "alpha:0",
-            "`0` is no width for the bins of `alpha`: it must be a number above 0",
+            "`0` is not a width for the bins of `alpha`; must be a number above 0",
         ),
         ("alpha:-1", "no width"),
         ("alpha:NaN", "no width"),
         ("alpha:inf", "no width"),
         ("alpha:", "no width"),
-        ("alpha,alpha:0.5", "`alpha` stands twice"),
+        ("alpha,alpha:0.5", "`alpha` occurs twice"),
         ("frame", "more than 1000 groups"),
         (
             "seed,frame,alpha,job,dataset,digest,camera.width,camera.height,labels.run",

@@ -96,7 +96,7 @@ impl FromStr for JobState {
         let known = Self::ALL.iter().find(|(_, known)| *known == name);
         known.map(|(state, _)| *state).ok_or_else(|| {
             let names = Self::ALL.map(|(_, name)| name).join(", ");
-            format!("`{name}` is no state; there are {names}")
+            format!("`{name}` is not a state; states are {names}")
         })
     }
 }

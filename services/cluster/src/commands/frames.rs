@@ -50,7 +50,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         let line = line.context("cannot read frame numbers")?;
         let frame = line
             .parse()
-            .with_context(|| format!("`{line}` is no frame number"))?;
+            .with_context(|| format!("`{line}` is not a frame number"))?;
         send.send(frame).context("the slots are gone")?;
     }
     Ok(())

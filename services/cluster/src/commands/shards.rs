@@ -36,12 +36,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     stdin()
         .lock()
         .read_line(&mut known)
-        .context("cannot read what is known")?;
+        .context("cannot read the known shards")?;
     if known.is_empty() {
         // Only the head was wanted.
         return Ok(());
     }
-    let known: Known = serde_json::from_str(&known).context("what is known cannot be read")?;
+    let known: Known = serde_json::from_str(&known).context("the known shards are malformed")?;
     let missing = missing(&set, &known)?;
     read_all(
         &set,

@@ -34,9 +34,9 @@ const RENEWALS: u32 = 4;
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let engine = arguments.engine.engine.as_deref();
     let engine =
-        engine.ok_or_else(|| Failure::input("`--engine` is missing: the broker to ask for shards"))?;
+        engine.ok_or_else(|| Failure::input("`--engine` is missing: the broker of the shards"))?;
     let store = arguments.store.as_deref();
-    let store = store.ok_or_else(|| Failure::input("`--store` is missing: where the sets to render lie"))?;
+    let store = store.ok_or_else(|| Failure::input("`--store` is missing: the store of the sets"))?;
     let store = Location::parse(store)
         .and_then(Location::absolute)
         .map_err(failure)?;
@@ -149,7 +149,7 @@ impl Worker {
     /// Renders the shard of a message and reports the verdict to the broker.
     fn take(&mut self, delivery: Delivery) -> Result<(), Failure> {
         let Some(task) = delivery.task() else {
-            eprintln!("a message that asks for no shard is dropped");
+            eprintln!("a message without a shard is dropped");
             self.patience.judge(delivery.settle(Verdict::Hopeless));
             return Ok(());
         };

@@ -62,13 +62,13 @@ fn read_texts(remote: Remote, column: &str) -> Result<Vec<String>, ParquetError>
     let reader = SerializedFileReader::new(remote)?;
     let schema = reader.metadata().file_metadata().schema_descr_ptr();
     let position = schema.columns().iter().position(|found| found.name() == column);
-    let position = position.ok_or_else(|| ParquetError::General(format!("there is no column {column}")))?;
+    let position = position.ok_or_else(|| ParquetError::General(format!("column {column} is missing")))?;
     let mut texts = Vec::new();
     for number in 0..reader.num_row_groups() {
         let group = reader.get_row_group(number)?;
         let rows = group.metadata().num_rows() as usize;
         let ColumnReader::ByteArrayColumnReader(mut values) = group.get_column_reader(position)? else {
-            return Err(ParquetError::General(format!("{column} is no text")));
+            return Err(ParquetError::General(format!("{column} is not a column of texts")));
         };
         let (mut levels, mut found): (Vec<i16>, Vec<ByteArray>) = (Vec::new(), Vec::new());
         values.read_records(rows, Some(&mut levels), None, &mut found)?;

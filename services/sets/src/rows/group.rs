@@ -61,7 +61,7 @@ impl<'a> Group<'a> {
     fn column(&self, name: &str) -> Result<(ColumnReader, &ColumnDescriptor), String> {
         let columns = self.schema.columns();
         let position = columns.iter().position(|column| column.name() == name);
-        let position = position.ok_or_else(|| format!("there is no column {name}"))?;
+        let position = position.ok_or_else(|| format!("column {name} is missing"))?;
         let column = &columns[position];
         if column.max_rep_level() > 0 {
             return Err(format!("column {name} holds lists"));

@@ -53,7 +53,7 @@ impl Set {
         if let Location::Folder(path) = location
             && !path.is_dir()
         {
-            return Err(SetError::Refused(format!("{location} is no folder")));
+            return Err(SetError::Refused(format!("{location} is not a folder")));
         }
         let store = Store::open(location)?;
         let Some(text) = store.get(layout::JOB)? else {

@@ -39,7 +39,7 @@ impl Attempt {
     pub(crate) fn random() -> Result<Self, SetError> {
         let mut bytes = [0; 8];
         getrandom::fill(&mut bytes)
-            .map_err(|error| SetError::Machine(format!("the system gives no random numbers: {error}")))?;
+            .map_err(|error| SetError::Machine(format!("the system provides no random numbers: {error}")))?;
         Ok(Self(hex::encode(bytes)))
     }
 }

@@ -64,7 +64,7 @@ fn token(rest: &str, place: usize) -> Result<(Token, usize), FilterError> {
             .find(|c: char| !(c.is_ascii_alphanumeric() || matches!(c, '-' | '+' | '.')))
             .unwrap_or(rest.len());
         let number = number(&rest[..length]);
-        let number = number.ok_or_else(|| wrong(place, format!("`{}` is no number", &rest[..length])))?;
+        let number = number.ok_or_else(|| wrong(place, format!("`{}` is not a number", &rest[..length])))?;
         return Ok((Token::Number(number), length));
     }
     if first.is_ascii_alphabetic() || first == '_' {

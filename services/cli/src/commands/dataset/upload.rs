@@ -86,7 +86,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         if !companions.is_empty() {
             return Err(Failure::input(
                 "a folder's range, depth and instance files are found by their names: NAME.range.png, NAME.z_depth.npy, \
-                 NAME.instances.png beside NAME.png",
+                 NAME.instances.png next to NAME.png",
             ));
         }
         return upload_folder(&client, arguments);

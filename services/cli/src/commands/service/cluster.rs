@@ -45,7 +45,7 @@ pub fn program() -> Result<PathBuf, Failure> {
     let program = programs.find(|program| program.is_file());
     program.ok_or_else(|| {
         Failure::BadInput(format!(
-            "sets and Parquet files are written and read by fathom-cluster, which is neither beside {} nor on the PATH; \
+            "sets and Parquet files need fathom-cluster, which is neither next to {} nor on the PATH; \
              build it with `cargo build --release -p cluster`",
             own.display()
         ))

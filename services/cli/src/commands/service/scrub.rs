@@ -52,7 +52,7 @@ pub fn run(arguments: &Arguments, buckets: Option<ReadBucket>) -> Result<(), Fai
         }
     } else if !arguments.data.join("catalogue.sqlite").is_file() {
         let message = format!(
-            "{} holds no catalogue.sqlite; `--rebuild` takes that of the newest backup",
+            "{} has no catalogue.sqlite; `--rebuild` restores it from the newest backup",
             arguments.data.display()
         );
         return Err(Failure::BadInput(message));

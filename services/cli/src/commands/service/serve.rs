@@ -111,7 +111,7 @@ pub(crate) fn config(arguments: Arguments) -> Result<api::Config, Failure> {
         replicas,
     } = arguments.engine;
     if engine.is_some() && arguments.stores.len() != 1 {
-        let message = "`--engine` needs one `--store`: where the sets of the jobs are to lie";
+        let message = "`--engine` needs exactly one `--store` for the sets of the jobs";
         return Err(Failure::input(message));
     }
     let library = arguments.style.library()?;
@@ -151,7 +151,7 @@ pub(crate) fn config(arguments: Arguments) -> Result<api::Config, Failure> {
 pub(crate) fn own_program() -> Result<PathBuf, Failure> {
     let named = std::env::var_os(OWN_PROGRAM).map(PathBuf::from);
     let own = named.map_or_else(std::env::current_exe, Ok);
-    let own = own.context("cannot find this program's own file")?;
+    let own = own.context("cannot find the file of this program")?;
     // `fathom-cluster` has only some of these commands; `fathom`, next to it, has all of them.
     if own.file_name().is_some_and(|name| name == CLUSTER_PROGRAM) {
         return Ok(own.with_file_name("fathom"));

@@ -50,7 +50,7 @@ impl Stored {
             })?),
             "boxes" => {
                 return Err(Failure::input(
-                    "boxes are no picture; `--kind semantics` shows what they enclose",
+                    "boxes are not a picture; use `--kind semantics` to see their objects",
                 ));
             }
             _ => {

@@ -27,7 +27,7 @@ struct Transform {
 pub(super) fn read(path: &Path) -> Result<HashMap<OsString, Vec<u8>>, Failure> {
     let transforms: Transforms = serde_json::from_slice(&files::read(path)?).map_err(|error| {
         Failure::BadInput(format!(
-            "{} is no transforms.json with `frames` of `file_path` and `transform_matrix`: {error}",
+            "{} is not a transforms.json with `frames` of `file_path` and `transform_matrix`: {error}",
             path.display()
         ))
     })?;

@@ -103,7 +103,7 @@ fn lines(labeled: &Labeled<'_>, classes: &mut ClassNumbers) -> Result<String, Fa
 
 /// `data.yaml`: each line is a value of JSON, which YAML reads too.
 pub(crate) fn data_yaml(parts: &[Option<String>], classes: &ClassNumbers) -> String {
-    let mut text = "# The folder of this file is the root: YOLO looks for the lists beside it.\n".to_owned();
+    let mut text = "# The folder of this file is the root: YOLO reads the lists next to it.\n".to_owned();
     let lists: Vec<(&str, String)> = match parts {
         [None] => vec![("train", LIST.to_owned()), ("val", LIST.to_owned())],
         parts => {

@@ -28,7 +28,7 @@ pub(crate) fn unpacked(archive: &[u8], wanted: &[Wanted<'_>]) -> Result<Vec<Unpa
             extensions.any(|(_, extension)| name == format!("{}.{extension}", wanted.kind))
         });
         let Some(index) = index.filter(|_| entry.header().entry_type().is_file()) else {
-            return Err(untrusted(format!("a file {name:?} that was not asked for")));
+            return Err(untrusted(format!("a file {name:?} that was not requested")));
         };
         let mut bytes = Vec::new();
         entry.read_to_end(&mut bytes).map_err(damaged)?;

@@ -116,5 +116,5 @@ impl<'a> Wanted<'a> {
 
 /// The error for a response that contradicts itself or another one.
 pub(crate) fn untrusted(what: String) -> Failure {
-    anyhow::anyhow!("the service sent {what}; nothing of it was written").into()
+    anyhow::anyhow!("the service sent {what}; it was not written").into()
 }

@@ -96,7 +96,7 @@ impl Selection {
             }
         }
         for kind in self.artifacts() {
-            let needed = format!("there is no artifact `{kind}` of them; leave it out of --kinds");
+            let needed = format!("they have no artifact `{kind}`; remove it from --kinds");
             let condition = format!("artifacts.{kind} is not null");
             self.check_images(client, arguments, &condition, &needed)?;
         }

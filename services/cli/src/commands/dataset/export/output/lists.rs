@@ -158,7 +158,7 @@ fn write_classes(path: &Path, classes: &Named) -> Result<bool, Failure> {
     let pairs = classes.iter().zip(classes.iter().skip(1));
     for ((id, name), (_, other)) in pairs.filter(|((id, _), (next, _))| id == next) {
         eprintln!(
-            "warning: code {id} is `{name}` in some scenes and `{other}` in others; give their classes ids of your own"
+            "warning: code {id} is `{name}` in some scenes and `{other}` in others; give their classes distinct ids"
         );
     }
     let list = classes.iter().map(|(id, name)| json!({"id": id, "name": name}));
