@@ -15,7 +15,7 @@ use crate::commit::writer::{Running, Writer};
 use crate::digests::row_digests::Side;
 use crate::digests::tables::DATASETS;
 use crate::error::CatalogueError;
-use crate::query::cache::Remembered;
+use crate::query::cache::JobCache;
 use crate::query::cells::Cells;
 use crate::query::columns::Columns;
 use crate::query::cursor;
@@ -24,7 +24,7 @@ use crate::replica::files::Replica;
 /// Findings that are kept; more call for a full check anyway.
 const MOST_DAMAGE: usize = 100;
 /// Time limit of a query.
-const QUESTION_LIMIT: Duration = Duration::from_secs(20);
+const QUERY_LIMIT: Duration = Duration::from_secs(20);
 
 /// A catalogue: one writer, several readers.
 pub struct Catalogue {
@@ -32,7 +32,7 @@ pub struct Catalogue {
     pub(crate) columns: Columns,
     pub(crate) replica: Arc<Replica>,
     /// The measured pictures and artifact kinds of large jobs, for lists of columns.
-    pub(crate) remembered: Remembered,
+    pub(crate) job_cache: JobCache,
     pub(crate) readers: SqlitePool,
     pub(crate) reads: AtomicU64,
     pub(crate) damage: Mutex<BTreeSet<String>>,
@@ -50,8 +50,8 @@ impl Catalogue {
         limit: u32,
         cursor: Option<String>,
     ) -> Result<Page<DatasetRow>, CatalogueError> {
-        let question = cursor::question(&[Some("datasets")]);
-        let after = cursor::read_id(&question, cursor.as_deref())?;
+        let identity = cursor::query_identity(&[Some("datasets")]);
+        let after = cursor::read_id(&identity, cursor.as_deref())?;
         let rows = sqlx::query(
             "SELECT name, images, bytes, jobs, row_digest FROM datasets WHERE ?1 IS NULL OR name > ?1 ORDER BY name LIMIT ?2",
         )
@@ -60,7 +60,7 @@ impl Catalogue {
         .fetch_all(&mut *self.reader().await?)
         .await?;
         let rows = rows.iter().map(dataset).collect::<Result<_, _>>()?;
-        Ok(cursor::page(&question, rows, limit, |row: &DatasetRow| &row.name))
+        Ok(cursor::page(&identity, rows, limit, |row: &DatasetRow| &row.name))
     }
 
     /// A dataset by its name, but not a sealed version.
@@ -145,11 +145,11 @@ fn dataset(row: &SqliteRow) -> Result<DatasetRow, CatalogueError> {
 }
 
 pub(crate) async fn within<T>(
-    question: impl Future<Output = Result<T, CatalogueError>>,
+    query: impl Future<Output = Result<T, CatalogueError>>,
 ) -> Result<T, CatalogueError> {
-    tokio::time::timeout(QUESTION_LIMIT, question)
+    tokio::time::timeout(QUERY_LIMIT, query)
         .await
         .map_err(|_| CatalogueError::Timeout {
-            seconds: QUESTION_LIMIT.as_secs(),
+            seconds: QUERY_LIMIT.as_secs(),
         })?
 }

@@ -8,8 +8,8 @@ pub enum CatalogueError {
     /// A filter, order or field list that cannot be read.
     #[error(transparent)]
     Filter(#[from] FilterError),
-    /// A cursor that this catalogue did not give for this question.
-    #[error("the cursor does not belong to this question")]
+    /// A cursor of another query or catalogue.
+    #[error("the cursor does not belong to this query")]
     Cursor,
     /// An unknown name.
     #[error("no {what} `{name}`")]
@@ -83,8 +83,8 @@ pub enum CatalogueError {
         /// The message of SQLite.
         message: String,
     },
-    /// A question took too long.
-    #[error("the question took longer than {seconds} s")]
+    /// A query took too long.
+    #[error("the query took longer than {seconds} s")]
     Timeout {
         /// The limit.
         seconds: u64,

@@ -13,7 +13,7 @@ use crate::catalogue::Catalogue;
 use crate::commit::writer::Writer;
 use crate::digests::row_digests;
 use crate::error::CatalogueError;
-use crate::query::cache::Remembered;
+use crate::query::cache::JobCache;
 use crate::query::columns::Columns;
 use crate::replica::files as replica_files;
 use crate::replica::files::Replica;
@@ -30,11 +30,11 @@ const CACHE: &str = "-32768";
 /// Page cache of each reader; smaller, since there are several and the system caches pages, too.
 const READER_CACHE: &str = "-8192";
 /// Rows that a reader's thread may be ahead: each time it stops costs a change of threads, and with 50 that
-/// is most of a question over a million rows.
+/// is most of a query over a million rows.
 const ROWS: usize = 2048;
 /// How long a connection waits for a lock of another process, such as a backup.
 const LOCK_WAIT: Duration = Duration::from_secs(5);
-/// How long a question waits for a reader.
+/// How long a query waits for a reader.
 const READER_WAIT: Duration = Duration::from_secs(10);
 
 impl Catalogue {
@@ -99,7 +99,7 @@ impl Catalogue {
             path: path.to_owned(),
             columns,
             replica: Arc::new(Replica::of_catalogue(path)),
-            remembered: Remembered::default(),
+            job_cache: JobCache::default(),
             readers,
             reads: AtomicU64::new(0),
             damage: Mutex::default(),

@@ -19,7 +19,7 @@ pub struct Cache {
 struct Held {
     columns: HashMap<(u64, String), (Arc<Column>, u64)>,
     bytes: usize,
-    /// Counts the questions.
+    /// Number of queries so far.
     now: u64,
 }
 

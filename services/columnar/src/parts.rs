@@ -179,11 +179,11 @@ fn of_jobs(column: &Column, jobs: &HashSet<String>) -> Mask {
     let Column::Texts { codes, texts } = column else {
         return Mask::None;
     };
-    let asked: Vec<bool> = texts.iter().map(|text| jobs.contains(&**text)).collect();
+    let is_requested: Vec<bool> = texts.iter().map(|text| jobs.contains(&**text)).collect();
     Mask::from_rows(
         codes
             .iter()
-            .map(|code: &u16| asked.get(usize::from(*code)).copied().unwrap_or(false))
+            .map(|code: &u16| is_requested.get(usize::from(*code)).copied().unwrap_or(false))
             .collect(),
     )
 }

@@ -62,8 +62,9 @@ impl Key {
         };
         let mut key = Self::plain(columns, name)?;
         if !key.column.kind.is_number() {
-            let message =
-                format!("`{name}` is not a column of numbers, so it has no bins; without `:{width}` each value is a group");
+            let message = format!(
+                "`{name}` is not a column of numbers, so it has no bins; without `:{width}` each value is a group"
+            );
             return Err(CatalogueError::refused(message));
         }
         let parsed = width

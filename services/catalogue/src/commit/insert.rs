@@ -156,20 +156,23 @@ async fn known(
     connection: &mut SqliteConnection,
     images: &[&NewImage],
 ) -> Result<Vec<Known>, CatalogueError> {
-    let asked: Vec<_> = images
+    let requested: Vec<_> = images
         .iter()
         .map(|image| json!([image.job, image.frame]))
         .collect();
     let known = sqlx::query_as(
         "SELECT jobs.dataset,
-                EXISTS (SELECT 1 FROM images WHERE job_id = jobs.id AND frame = asked.value ->> 1),
-                EXISTS (SELECT 1 FROM failures WHERE job_id = jobs.id AND frame = asked.value ->> 1 AND quarantined = 1),
+                EXISTS (SELECT 1 FROM images WHERE job_id = jobs.id AND frame = requested.value ->> 1),
+                EXISTS (SELECT 1 FROM failures WHERE job_id = jobs.id AND frame = requested.value ->> 1 AND quarantined = 1),
                 EXISTS (SELECT 1 FROM version_jobs WHERE job_id = jobs.id)
-         FROM json_each(?) asked LEFT JOIN jobs
-              ON jobs.id = asked.value ->> 0 AND jobs.id NOT IN (SELECT job_id FROM deletions)
-         ORDER BY asked.key",
+         FROM json_each(?) requested LEFT JOIN jobs
+              ON jobs.id = requested.value ->> 0 AND jobs.id NOT IN (SELECT job_id FROM deletions)
+         ORDER BY requested.key",
     );
-    Ok(known.bind(json!(asked).to_string()).fetch_all(connection).await?)
+    Ok(known
+        .bind(json!(requested).to_string())
+        .fetch_all(connection)
+        .await?)
 }
 
 pub(crate) async fn insert_rows(

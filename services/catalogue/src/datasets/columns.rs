@@ -7,7 +7,7 @@ use sqlx::sqlite::SqliteConnection;
 
 use crate::catalogue::{Catalogue, within};
 use crate::error::CatalogueError;
-use crate::query::cache::{Pictures, Remembered};
+use crate::query::cache::{JobCache, Pictures};
 use crate::query::columns::Columns;
 use crate::query::filter::Kind;
 use crate::query::scope::Scope;
@@ -20,7 +20,7 @@ impl Catalogue {
     /// [`CatalogueError`].
     pub async fn columns(&self, dataset: &str) -> Result<Vec<ColumnInfo>, CatalogueError> {
         let mut reader = self.reader().await?;
-        let names = within(names(&mut reader, &self.columns, &self.remembered, dataset)).await?;
+        let names = within(names(&mut reader, &self.columns, &self.job_cache, dataset)).await?;
         Ok(names
             .into_iter()
             .filter_map(|name| info(&self.columns, name))
@@ -42,7 +42,7 @@ pub fn columns_of_every_image(metrics: &[String]) -> Vec<ColumnInfo> {
 async fn names(
     connection: &mut SqliteConnection,
     columns: &Columns,
-    remembered: &Remembered,
+    job_cache: &JobCache,
     dataset: &str,
 ) -> Result<Vec<String>, CatalogueError> {
     let labels = distinct(
@@ -53,7 +53,7 @@ async fn names(
            AND (?2 IS NULL OR jobs.id IN (SELECT job_id FROM version_jobs WHERE dataset = ?1 AND version = ?2))",
     );
     let labels = labels.await?;
-    let (subjects, kinds) = pictures(connection, remembered, dataset).await?;
+    let (subjects, kinds) = pictures(connection, job_cache, dataset).await?;
     let mut names = columns.names();
     names.extend(labels.into_iter().map(|label| format!("labels.{label}")));
     for subject in subjects.iter().filter(|subject| *subject != "rgb") {
@@ -67,7 +67,7 @@ async fn names(
 /// The pictures and kinds of a dataset or a version of it.
 async fn pictures(
     connection: &mut SqliteConnection,
-    remembered: &Remembered,
+    job_cache: &JobCache,
     dataset: &str,
 ) -> Result<Pictures, CatalogueError> {
     let scope = Scope::parse(dataset);
@@ -79,16 +79,16 @@ async fn pictures(
         .bind(scope.dataset)
         .bind(scope.version.map(|version| version as i64));
     let jobs: Vec<(String, i64)> = jobs
-        .bind(Remembered::LEAST_FRAMES)
+        .bind(JobCache::LEAST_FRAMES)
         .fetch_all(&mut *connection)
         .await?;
     let (mut subjects, mut kinds) = of_small_jobs(connection, dataset).await?;
     for (job, version) in jobs {
-        let found = match remembered.get(&job, version) {
+        let found = match job_cache.get(&job, version) {
             Some(found) => found,
             None => {
                 let found = of_job(connection, &job).await?;
-                remembered.keep(job, version, found.clone());
+                job_cache.keep(job, version, found.clone());
                 found
             }
         };
@@ -139,7 +139,7 @@ async fn distinct(
     let scope = Scope::parse(dataset);
     let names = sqlx::query_scalar(sql).bind(scope.dataset);
     let names = names.bind(scope.version.map(|version| version as i64));
-    let names = names.bind(Remembered::LEAST_FRAMES);
+    let names = names.bind(JobCache::LEAST_FRAMES);
     let names: Vec<String> = names.fetch_all(connection).await?;
     Ok(names.into_iter().collect())
 }

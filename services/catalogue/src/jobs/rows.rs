@@ -202,8 +202,8 @@ async fn list(
     limit: u32,
     cursor: Option<String>,
 ) -> Result<Page<JobRow>, CatalogueError> {
-    let question = cursor::question(&[Some("jobs"), dataset.as_deref(), state.as_deref()]);
-    let before = cursor::read_id(&question, cursor.as_deref())?;
+    let identity = cursor::query_identity(&[Some("jobs"), dataset.as_deref(), state.as_deref()]);
+    let before = cursor::read_id(&identity, cursor.as_deref())?;
     // Conditions are left out if unused: an `OR` would prevent the use of the index.
     let mut sql = concat!(
         "SELECT ",
@@ -239,7 +239,7 @@ async fn list(
         .iter()
         .map(|row| verified(row, Side::Reader))
         .collect::<Result<Vec<_>, _>>()?;
-    Ok(cursor::page(&question, items, limit, |job| &job.id))
+    Ok(cursor::page(&identity, items, limit, |job| &job.id))
 }
 
 async fn set_state(

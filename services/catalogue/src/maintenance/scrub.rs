@@ -16,7 +16,7 @@ use crate::maintenance::upkeep::MOST_FINDINGS;
 use crate::query::column_value::value;
 use crate::query::columns::Columns;
 use crate::query::filter::{Column, Kind};
-use crate::query::record_value::Found;
+use crate::query::record_value::RecordValue;
 
 /// Images that are in memory at one time.
 const BATCH: i64 = 500;
@@ -219,7 +219,7 @@ impl Images {
                     .zip(values)
                     .any(|(metric, value): (&String, &Value)| {
                         let (subject, metric) = (subject.clone(), metric.clone());
-                        Found::Metric { subject, metric }.read(&record) != *value
+                        RecordValue::Metric { subject, metric }.read(&record) != *value
                     })
             {
                 return Some(format!("metrics of `{subject}` of image {name}"));

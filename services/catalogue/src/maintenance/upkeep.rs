@@ -77,7 +77,7 @@ impl Catalogue {
     }
 }
 
-/// The copy has no files of a mirror, and its rows may have other rowids.
+/// The copy has no files of a replica, and its rows may have other rowids.
 async fn without_replica(copy: &Path) -> Result<(), CatalogueError> {
     let options = SqliteConnectOptions::new()
         .filename(copy)

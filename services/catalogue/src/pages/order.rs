@@ -13,7 +13,7 @@ use crate::types::ImageQuery;
 /// The identity of a query in its cursors.
 pub(super) fn identity(query: &ImageQuery) -> String {
     let parts = [&query.dataset, &query.filter, &query.order_by];
-    cursor::question(&parts.map(|part| part.as_deref()))
+    cursor::query_identity(&parts.map(|part| part.as_deref()))
 }
 
 /// The order of a page: a column with missing values last, then job and frame.

@@ -30,22 +30,23 @@ impl Catalogue {
     /// [`CatalogueError::Filter`] for filter, order or fields; [`CatalogueError::Cursor`]; [`CatalogueError::Timeout`].
     pub async fn images(&self, query: ImageQuery) -> Result<Page<Value>, CatalogueError> {
         if query.cursor.is_some() && query.offset > 0 {
-            let message = "`offset` and `cursor` both set the start of a page; use only one of them".to_owned();
+            let message =
+                "`offset` and `cursor` both set the start of a page; use only one of them".to_owned();
             return Err(CatalogueError::refused(message));
         }
         if let Some(found) = self.top_k(&query).await? {
-            let question = Question::of_rows(&self.columns, &query, &found)?;
+            let statement = PageStatement::of_rows(&self.columns, &query, &found)?;
             if found.is_empty() {
                 return Ok(Page::whole(Vec::new()));
             }
-            let (page, rows) = within(images(&mut *self.reader().await?, &question, &query)).await?;
+            let (page, rows) = within(images(&mut *self.reader().await?, &statement, &query)).await?;
             // Else some of them have gone since they were found.
             if rows == found.len() || page.next_cursor.is_some() {
                 return Ok(page);
             }
         }
-        let question = Question::new(&self.columns, &query)?;
-        let (page, _) = within(images(&mut *self.reader().await?, &question, &query)).await?;
+        let statement = PageStatement::new(&self.columns, &query)?;
+        let (page, _) = within(images(&mut *self.reader().await?, &statement, &query)).await?;
         Ok(page)
     }
 }
@@ -53,23 +54,23 @@ impl Catalogue {
 /// A page, and how many rows were read for it.
 async fn images(
     connection: &mut SqliteConnection,
-    question: &Question,
+    statement: &PageStatement,
     query: &ImageQuery,
 ) -> Result<(Page<Value>, usize), CatalogueError> {
-    let mut rows = question.sql.statement().fetch(connection);
+    let mut rows = statement.sql.statement().fetch(connection);
     let (mut items, mut bytes, mut read) = (Vec::new(), 0, 0);
     let mut last = None;
     let mut next_cursor = None;
     while let Some(row) = rows.try_next().await? {
         read += 1;
         if items.len() == query.limit as usize || bytes >= PAGE_BYTES {
-            let places = last.map(|row| question.place(&row));
+            let places = last.map(|row| statement.place(&row));
             next_cursor = places
                 .transpose()?
-                .map(|place| cursor::write(&question.identity, &place));
+                .map(|place| cursor::write(&statement.identity, &place));
             break;
         }
-        let item = question.item(&row)?;
+        let item = statement.item(&row)?;
         bytes += size(&item);
         items.push(Value::Object(item));
         last = Some(row);
@@ -88,7 +89,7 @@ fn size(item: &Map<String, Value>) -> usize {
 }
 
 /// The statement of a page; its first columns are those of [`Columns::of_record`].
-pub(super) struct Question {
+pub(super) struct PageStatement {
     pub(super) sql: Select,
     /// The fields of an item.
     fields: Vec<(String, Shown)>,
@@ -108,18 +109,18 @@ enum Shown {
     Cell(usize, Kind),
 }
 
-impl Question {
+impl PageStatement {
     pub(super) fn new(columns: &Columns, query: &ImageQuery) -> Result<Self, CatalogueError> {
-        let (mut question, order) = Self::unordered(columns, query)?;
-        let sql = &mut question.sql;
+        let (mut statement, order) = Self::unordered(columns, query)?;
+        let sql = &mut statement.sql;
         if let Some(text) = &query.cursor {
-            order.push_start(sql, &cursor::read(&question.identity, text)?)?;
+            order.push_start(sql, &cursor::read(&statement.identity, text)?)?;
         }
         order.push_order(sql);
         sql.push(" LIMIT ? OFFSET ?");
         sql.bind(Bind::Whole(i64::from(query.limit) + 1));
         sql.bind(Bind::Whole(i64::try_from(query.offset).unwrap_or(i64::MAX)));
-        Ok(question)
+        Ok(statement)
     }
 
     /// A page whose images are known, including the first one of the next page.
@@ -128,9 +129,9 @@ impl Question {
         query: &ImageQuery,
         rows: &[ImageKey],
     ) -> Result<Self, CatalogueError> {
-        let (mut question, order) = Self::unordered(columns, query)?;
+        let (mut statement, order) = Self::unordered(columns, query)?;
         let places = vec!["(?, ?)"; rows.len()].join(", ");
-        let sql = &mut question.sql;
+        let sql = &mut statement.sql;
         sql.push(&format!(
             " AND (images.job_id, images.frame) IN (VALUES {places})"
         ));
@@ -139,7 +140,7 @@ impl Question {
             sql.bind(Bind::Whole(*frame));
         }
         order.push_order(sql);
-        Ok(question)
+        Ok(statement)
     }
 
     /// All rows of the query, and their order.
@@ -170,15 +171,15 @@ impl Question {
         }
         let order = Order::parse(columns, query.order_by.as_deref())?;
         let key = order.column.as_ref().map(|_| selected.len());
-        let asked = Select::filter(columns, filter)?.map_or_else(Vec::new, |filter| filter.asked);
+        let recorded = Select::filter(columns, filter)?.map_or_else(Vec::new, |filter| filter.recorded);
         let mut compared = Vec::new();
-        for column in order.column.iter().cloned().chain(asked) {
+        for column in order.column.iter().cloned().chain(recorded) {
             if let Some(found) = &column.found {
                 compared.push((selected.len(), column.kind, wanted.add(found)));
             }
             selected.push(column);
         }
-        let question = Self {
+        let statement = Self {
             sql: Select::new(columns, &selected, filter, dataset)?,
             fields,
             compared,
@@ -186,7 +187,7 @@ impl Question {
             key,
             identity: identity(query),
         };
-        Ok((question, order))
+        Ok((statement, order))
     }
 
     /// A row as an object without missing values.

@@ -3,7 +3,7 @@
 use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection};
 use sqlx::{AssertSqlSafe, ConnectOptions, Row};
 
-use super::page::Question;
+use super::page::PageStatement;
 use super::top_k::ImageKey;
 use crate::query::columns::Columns;
 use crate::query::cursor;
@@ -28,12 +28,12 @@ async fn empty() -> SqliteConnection {
 
 /// The steps of the plan, one a line.
 async fn plan(query: &ImageQuery) -> String {
-    steps(&Question::new(&columns(), query).unwrap()).await
+    steps(&PageStatement::new(&columns(), query).unwrap()).await
 }
 
-async fn steps(question: &Question) -> String {
-    let sql = format!("EXPLAIN QUERY PLAN {}", question.sql.text);
-    let statement = question.sql.bound_to(sqlx::query(AssertSqlSafe(sql)));
+async fn steps(statement: &PageStatement) -> String {
+    let sql = format!("EXPLAIN QUERY PLAN {}", statement.sql.text);
+    let statement = statement.sql.bound_to(sqlx::query(AssertSqlSafe(sql)));
     let steps = statement.fetch_all(&mut empty().await).await.unwrap();
     steps
         .iter()
@@ -51,7 +51,7 @@ fn of_dataset(filter: Option<&str>) -> ImageQuery {
 }
 
 fn behind(query: &ImageQuery) -> ImageQuery {
-    let identity = Question::new(&columns(), query).unwrap().identity;
+    let identity = PageStatement::new(&columns(), query).unwrap().identity;
     let place = serde_json::json!([null, "job_1", 7]);
     ImageQuery {
         cursor: Some(cursor::write(&identity, &place)),
@@ -118,8 +118,8 @@ async fn images_found_by_the_replica_are_read_one_by_one() {
                 order_by,
                 ..of_dataset(filter)
             };
-            let question = Question::of_rows(&columns(), &query, &rows).unwrap();
-            let plan = steps(&question).await;
+            let statement = PageStatement::of_rows(&columns(), &query, &rows).unwrap();
+            let plan = steps(&statement).await;
             assert!(
                 plan.contains("(dataset=? AND job_id=? AND frame=?)")
                     || plan.contains("(job_id=? AND frame=?)"),

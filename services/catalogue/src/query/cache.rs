@@ -9,9 +9,9 @@ pub(crate) type Pictures = (BTreeSet<String>, BTreeSet<String>);
 /// The measured pictures and artifact kinds of large jobs, which take a pass over all of their rows. An entry is valid for one
 /// version of the job, which grows with each stored or deleted image.
 #[derive(Default)]
-pub(crate) struct Remembered(Mutex<HashMap<String, (i64, Pictures)>>);
+pub(crate) struct JobCache(Mutex<HashMap<String, (i64, Pictures)>>);
 
-impl Remembered {
+impl JobCache {
     /// Frames from which a job is cached; the rows of smaller ones are read in a few milliseconds.
     pub(crate) const LEAST_FRAMES: i64 = 10_000;
     /// Jobs in the cache.

@@ -21,7 +21,7 @@ pub(crate) fn column(columns: &Columns, name: &str) -> Result<Column, CatalogueE
     })
 }
 
-/// A value as it is meant: SQLite has no booleans and no numbers from 2^63 on, and keeps whole numbers of old catalogues
+/// A value in its declared type: SQLite has no booleans and no numbers from 2^63 on, and keeps whole numbers of old catalogues
 /// as doubles.
 pub(crate) fn value(row: &SqliteRow, index: usize, kind: Kind) -> Result<Value, CatalogueError> {
     let stored = stored(row, index)?;

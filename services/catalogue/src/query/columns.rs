@@ -7,7 +7,7 @@ use spec::{Leaf, LeafKind, Leaves, List};
 
 use crate::query::filter::{Bind, Column, Join, Kind};
 use crate::query::leaf_tree::LeafTree;
-use crate::query::record_value::Found;
+use crate::query::record_value::RecordValue;
 
 /// Former names of columns.
 const ALIASES: &[(&str, &str)] = &[
@@ -156,7 +156,7 @@ impl Columns {
             return Some(Column {
                 unit: *unit,
                 always: true,
-                found: (name == "warned").then_some(Found::Warned),
+                found: (name == "warned").then_some(RecordValue::Warned),
                 // Digests are unique, so they need no aggregation.
                 replica_name: (name != "digest").then(|| name.to_owned()),
                 ..Column::new((*sql).to_owned(), *kind)
@@ -167,7 +167,7 @@ impl Columns {
         if let Some(leaf) = self.leaves.iter().find(|leaf| leaf.name == name) {
             return Some(Column {
                 unit: leaf.unit,
-                found: Some(Found::Leaf(leaf.clone())),
+                found: Some(RecordValue::Leaf(leaf.clone())),
                 replica_name: Some(leaf.name.clone()),
                 ..Column::new(format!("images.\"{}\"", stored_name(leaf)), kind(leaf))
             });
@@ -194,7 +194,7 @@ impl Columns {
             Column {
                 join: Some(join),
                 replica_name: Some(measured_name(&subject, &metric)),
-                found: Some(Found::Metric { subject, metric }),
+                found: Some(RecordValue::Metric { subject, metric }),
                 ..Column::new(sql, Kind::Number)
             }
         })
@@ -252,7 +252,7 @@ fn open_family(name: &str) -> Option<Column> {
                     WHERE a.job_id = images.job_id AND a.frame = images.frame AND a.kind = ?)";
         return Some(Column {
             binds: vec![Bind::Text(kind.to_owned())],
-            found: Some(Found::Artifact(kind.to_owned())),
+            found: Some(RecordValue::Artifact(kind.to_owned())),
             ..Column::new(sql.to_owned(), Kind::Text)
         });
     }

@@ -16,7 +16,7 @@ pub(crate) use compile::compile;
 use std::collections::BTreeSet;
 
 pub(crate) use crate::error::FilterError;
-use crate::query::record_value::Found;
+use crate::query::record_value::RecordValue;
 
 /// The type of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -70,7 +70,7 @@ pub(crate) struct Column {
     /// The joined row with the value, if it is not in the image's row.
     pub(crate) join: Option<Join>,
     /// Where the record has its value, unless the column is an extract of the record.
-    pub(crate) found: Option<Found>,
+    pub(crate) found: Option<RecordValue>,
     /// Its name in the replica, if that has it.
     pub(crate) replica_name: Option<String>,
 }
@@ -117,7 +117,7 @@ pub(crate) struct Compiled {
     pub(crate) binds: Vec<Bind>,
     pub(crate) joins: BTreeSet<Join>,
     /// The columns of the filter that are part of the record.
-    pub(crate) asked: Vec<Column>,
-    /// The same for the mirror, unless it lacks a column.
+    pub(crate) recorded: Vec<Column>,
+    /// The same for the replica, unless it lacks a column.
     pub(crate) condition: Option<columnar::Condition>,
 }

@@ -9,7 +9,7 @@ use spec::{Leaf, LeafKind};
 
 use crate::query::filter::{Bind, raised};
 use crate::query::leaf_tree::LeafTree;
-use crate::query::record_value::{Found, number};
+use crate::query::record_value::{RecordValue, number};
 
 /// The values that a page needs from each record.
 #[derive(Default)]
@@ -21,13 +21,13 @@ pub(crate) struct Wanted {
 /// The position of a value in [`Read`].
 pub(crate) enum Place {
     Leaf(usize, LeafKind),
-    Member(Found),
+    Member(RecordValue),
 }
 
 impl Wanted {
     /// Adds a value and returns its place.
-    pub(crate) fn add(&mut self, found: &Found) -> Place {
-        if let Found::Leaf(leaf) = found {
+    pub(crate) fn add(&mut self, found: &RecordValue) -> Place {
+        if let RecordValue::Leaf(leaf) = found {
             self.leaves.push(leaf.clone());
             return Place::Leaf(self.leaves.len() - 1, leaf.kind);
         }
@@ -87,12 +87,12 @@ impl Read {
 struct Members(BTreeSet<&'static str>);
 
 impl Members {
-    fn add(&mut self, found: &Found) {
+    fn add(&mut self, found: &RecordValue) {
         let member = match found {
-            Found::Leaf(_) => return,
-            Found::Metric { .. } => "measurements",
-            Found::Warned => "warnings",
-            Found::Artifact(_) => "artifacts",
+            RecordValue::Leaf(_) => return,
+            RecordValue::Metric { .. } => "measurements",
+            RecordValue::Warned => "warnings",
+            RecordValue::Artifact(_) => "artifacts",
         };
         self.0.insert(member);
     }

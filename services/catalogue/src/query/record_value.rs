@@ -6,7 +6,7 @@ use spec::{Leaf, LeafKind};
 
 /// The position of a column's value in a record.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Found {
+pub(crate) enum RecordValue {
     Leaf(Leaf),
     Metric {
         subject: String,
@@ -17,7 +17,7 @@ pub(crate) enum Found {
     Artifact(String),
 }
 
-impl Found {
+impl RecordValue {
     /// The value, as pages have it.
     pub(crate) fn read(&self, record: &Value) -> Value {
         match self {

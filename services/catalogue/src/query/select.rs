@@ -92,8 +92,7 @@ impl Select {
     /// filter.
     fn join(&mut self, joins: &BTreeSet<Join>) -> Result<(), CatalogueError> {
         if joins.len() > MOST_JOINS {
-            let message =
-                format!("a question may be about the measurements of {MOST_JOINS} pictures at most");
+            let message = format!("a query may use the measurements of at most {MOST_JOINS} pictures");
             return Err(CatalogueError::refused(message));
         }
         for join in joins {

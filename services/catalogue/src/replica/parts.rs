@@ -10,7 +10,7 @@ use crate::query::column_value::double;
 use crate::query::filter;
 use crate::query::select::Select;
 
-/// The kind of a column of the mirror.
+/// The kind of a column of the replica.
 pub(crate) fn kind(kind: filter::Kind) -> columnar::Kind {
     match kind {
         filter::Kind::Number => columnar::Kind::Number,

@@ -86,13 +86,13 @@ impl Catalogue {
     /// # Errors
     /// [`CatalogueError::Cursor`].
     pub async fn scenes(&self, limit: u32, cursor: Option<String>) -> Result<Page<SceneRow>, CatalogueError> {
-        let question = cursor::question(&[Some("scenes")]);
+        let identity = cursor::query_identity(&[Some("scenes")]);
         let rows = sqlx::query(concat!(
             "SELECT ",
             digested!(),
             " FROM scenes WHERE ?1 IS NULL OR id < ?1 ORDER BY id DESC LIMIT ?2"
         ))
-        .bind(cursor::read_id(&question, cursor.as_deref())?)
+        .bind(cursor::read_id(&identity, cursor.as_deref())?)
         .bind(i64::from(limit) + 1)
         .fetch_all(&mut *self.reader().await?)
         .await?;
@@ -100,7 +100,7 @@ impl Catalogue {
             .iter()
             .map(|row| verified(row, Side::Reader))
             .collect::<Result<Vec<_>, _>>()?;
-        Ok(cursor::page(&question, items, limit, |scene| &scene.id))
+        Ok(cursor::page(&identity, items, limit, |scene| &scene.id))
     }
 }
 

@@ -160,7 +160,10 @@ async fn groups_that_make_no_sense_are_refused_with_what_is_wrong() {
     };
     for (by, said) in [
         ("alpah:0.1", "did you mean `alpha`?"),
-        ("water.optics:2", "`water.optics` is not a column of numbers, so it has no bins"),
+        (
+            "water.optics:2",
+            "`water.optics` is not a column of numbers, so it has no bins",
+        ),
         (
             "alpha:0",
             "`0` is not a width for the bins of `alpha`; must be a number above 0",

@@ -57,7 +57,9 @@ pub(super) fn run(
             // Remaining messages are harmless: workers check the state themselves.
             let _ = broker.withdraw(&place);
             allow_work(state).map_err(failure)?;
-            return Err(Failure::Later("stopped; run the command again to continue".to_owned()));
+            return Err(Failure::Later(
+                "stopped; run the command again to continue".to_owned(),
+            ));
         }
         if state == SetState::Running {
             patience.judge(window.fill(&broker, &missing));

@@ -33,8 +33,7 @@ const RENEWALS: u32 = 4;
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let engine = arguments.engine.engine.as_deref();
-    let engine =
-        engine.ok_or_else(|| Failure::input("`--engine` is missing: the broker of the shards"))?;
+    let engine = engine.ok_or_else(|| Failure::input("`--engine` is missing: the broker of the shards"))?;
     let store = arguments.store.as_deref();
     let store = store.ok_or_else(|| Failure::input("`--store` is missing: the store of the sets"))?;
     let store = Location::parse(store)

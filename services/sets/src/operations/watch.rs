@@ -50,7 +50,9 @@ impl Watch {
             return allow_work(SetState::Cancelled);
         }
         if self.stop.load(Ordering::SeqCst) {
-            return Err(SetError::Later("stopped; run the command again to continue".to_owned()));
+            return Err(SetError::Later(
+                "stopped; run the command again to continue".to_owned(),
+            ));
         }
         Ok(())
     }

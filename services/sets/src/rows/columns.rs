@@ -11,7 +11,7 @@ use crate::set::job::Card;
 /// A column.
 #[derive(Debug, Clone)]
 pub(crate) struct Column {
-    /// As in questions to the catalogue.
+    /// The same as in queries of the catalogue.
     pub(crate) name: String,
     pub(crate) kind: Kind,
     source: Source,

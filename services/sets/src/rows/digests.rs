@@ -68,7 +68,9 @@ fn read_texts(remote: Remote, column: &str) -> Result<Vec<String>, ParquetError>
         let group = reader.get_row_group(number)?;
         let rows = group.metadata().num_rows() as usize;
         let ColumnReader::ByteArrayColumnReader(mut values) = group.get_column_reader(position)? else {
-            return Err(ParquetError::General(format!("{column} is not a column of texts")));
+            return Err(ParquetError::General(format!(
+                "{column} is not a column of texts"
+            )));
         };
         let (mut levels, mut found): (Vec<i16>, Vec<ByteArray>) = (Vec::new(), Vec::new());
         values.read_records(rows, Some(&mut levels), None, &mut found)?;

@@ -28,7 +28,7 @@ pub(crate) fn compile(
         depth: 0,
         binds: Vec::new(),
         joins: BTreeSet::new(),
-        asked: Vec::new(),
+        recorded: Vec::new(),
     };
     let clause = parser.either()?;
     if parser.next < parser.tokens.len() {
@@ -38,12 +38,12 @@ pub(crate) fn compile(
         sql: clause.sql,
         binds: parser.binds,
         joins: parser.joins,
-        asked: parser.asked,
+        recorded: parser.recorded,
         condition: clause.condition,
     })
 }
 
-/// A condition as SQL and for the mirror.
+/// A condition as SQL and for the replica.
 struct Clause {
     sql: String,
     condition: Option<Condition>,
@@ -75,7 +75,7 @@ struct Parser<'a> {
     depth: usize,
     binds: Vec<Bind>,
     joins: BTreeSet<Join>,
-    asked: Vec<Column>,
+    recorded: Vec<Column>,
 }
 
 impl Parser<'_> {
@@ -126,8 +126,8 @@ impl Parser<'_> {
         })?;
         self.binds.extend(column.binds.iter().cloned());
         self.joins.extend(column.join.clone());
-        if column.found.is_some() && !self.asked.contains(&column) {
-            self.asked.push(column.clone());
+        if column.found.is_some() && !self.recorded.contains(&column) {
+            self.recorded.push(column.clone());
         }
         if self.keyword("is") {
             let negated = self.keyword("not");
