@@ -5,12 +5,11 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use cli::exit::Failure;
 use cli::files;
-use cli::images::Question;
 use cli::progress::Progress;
-use cli::remote::{Remote, ServerArguments};
+use cli::remote::ServerArguments;
+use client::{Client, ImageQuery, ImageRow};
 use imaging::{Raster, codec};
 use lab::table1::{Table, csv, figure, markdown};
-use serde_json::Value;
 
 use crate::{drawing, machine};
 
@@ -60,7 +59,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 /// Pictures to read one after the other.
 enum Pictures {
     Files(Vec<PathBuf>),
-    Images { remote: Box<Remote>, rows: Vec<Value> },
+    Images {
+        client: Box<Client>,
+        rows: Vec<ImageRow>,
+    },
 }
 
 impl Pictures {
@@ -77,15 +79,15 @@ impl Pictures {
             }
             return Ok(Self::Files(files));
         }
-        let remote = Box::new(Remote::new(&arguments.server));
-        let question = Question {
+        let client = Box::new(arguments.server.client());
+        let query = ImageQuery {
             dataset: Some(&arguments.source),
             filter: "",
             order_by: None,
             fields: &["job".to_owned(), "frame".to_owned()],
             limit: arguments.limit,
         };
-        let rows = question.ask(&remote)?;
+        let rows = client.images(query)?;
         if rows.is_empty() {
             let message = format!(
                 "`{}` is neither a folder nor a dataset with images",
@@ -93,7 +95,7 @@ impl Pictures {
             );
             return Err(Failure::BadInput(message));
         }
-        Ok(Self::Images { remote, rows })
+        Ok(Self::Images { client, rows })
     }
 
     fn len(&self) -> usize {
@@ -109,10 +111,10 @@ impl Pictures {
                 files[index].display().to_string(),
                 files::read_picture(&files[index])?,
             )),
-            Self::Images { remote, rows } => {
-                let text = |name: &str| rows[index][name].to_string().trim_matches('"').to_owned();
+            Self::Images { client, rows } => {
+                let text = |name: &str| rows[index].value(name).to_string().trim_matches('"').to_owned();
                 let name = format!("{}/{}", text("job"), text("frame"));
-                let bytes = remote.get_bytes(&format!("/v1/images/{name}/artifacts/rgb"))?;
+                let bytes = client.get_bytes(&format!("/v1/images/{name}/artifacts/rgb"))?;
                 let picture = codec::decode_picture(&bytes);
                 Ok((name, picture.context("the service sent no picture")?))
             }

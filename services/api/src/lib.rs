@@ -51,4 +51,4 @@ pub use service::{Service, start, start_in};
 pub use sets::feed::{Known, Line, SetHead, SetImage, SetPart};
 pub use sets::intake::{Intake, IntakeError, Storing, prepare};
 pub use styles::{AddedStyleError, added_styles};
-pub use waters::view::WaterView;
+pub use waters::view::water_view;

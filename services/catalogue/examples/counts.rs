@@ -7,7 +7,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
-use catalogue::{Catalogue, DensityColumns, MIRROR_ROWS};
+use catalogue::{Catalogue, Histogram2dColumns, REPLICA_ROWS};
 use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection};
 use sqlx::{AssertSqlSafe, ConnectOptions, Connection, Row};
 
@@ -36,7 +36,7 @@ async fn main() -> Result<(), Failure> {
         println!("{images} images in {:.0} s", begun.elapsed().as_secs_f64());
     }
     let (begun, mut files) = (Instant::now(), 0);
-    while catalogue.mirror_some(MIRROR_ROWS).await? {
+    while catalogue.replicate_some(REPLICA_ROWS).await? {
         files += 1;
     }
     println!(
@@ -104,7 +104,7 @@ async fn names(connection: &mut SqliteConnection, table: &str) -> Result<Vec<Str
 async fn questions(catalogue: &Catalogue) -> Result<(), Failure> {
     let filter = Some("alpha > 0.3 and water.style = \"muddy\"");
     let metrics = ["uiqm".to_owned()];
-    let pair = |mean_of| DensityColumns {
+    let pair = |mean_of| Histogram2dColumns {
         x: "alpha",
         y: "uiqm",
         mean_of,
@@ -122,12 +122,15 @@ async fn questions(catalogue: &Catalogue) -> Result<(), Failure> {
     })
     .await;
     measured("density", async |also| {
-        catalogue.density("bay", also, pair(None), 64).await.map(drop)
+        catalogue
+            .histogram_2d("bay", also, pair(None), 64)
+            .await
+            .map(drop)
     })
     .await;
     measured("density with the mean of a third", async |also| {
         let columns = pair(Some("water.range_scale"));
-        catalogue.density("bay", also, columns, 64).await.map(drop)
+        catalogue.histogram_2d("bay", also, columns, 64).await.map(drop)
     })
     .await;
     measured("statistics", async |also| {

@@ -1,5 +1,6 @@
-//! The catalogue: its connections, and how reads and writes reach them. What is read and written stands with each topic.
+//! The catalogue's connections, and the paths of reads and writes. The operations are in the folders of their topics.
 
+use client::{DatasetRow, Page};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -10,29 +11,28 @@ use sqlx::pool::PoolConnection;
 use sqlx::sqlite::{Sqlite, SqliteConnection, SqlitePool, SqliteRow};
 use tokio::task::JoinHandle;
 
-use crate::columns::Columns;
-use crate::cursor;
+use crate::commit::writer::{Running, Writer};
+use crate::digests::row_digests::Side;
+use crate::digests::tables::DATASETS;
 use crate::error::CatalogueError;
-use crate::mirror::Mirror;
-use crate::remembered::Remembered;
-use crate::row_digests::Side;
-use crate::tables::DATASETS;
-use crate::types::{DatasetRow, Page};
-use crate::values::Cells;
-use crate::writer::{Running, Writer};
+use crate::query::cache::JobCache;
+use crate::query::cells::Cells;
+use crate::query::columns::Columns;
+use crate::query::cursor;
+use crate::replica::files::Replica;
 
-/// Most findings that are kept: beyond it is clear that all has to be read.
+/// Findings that are kept; more call for a full check anyway.
 const MOST_DAMAGE: usize = 100;
-/// The longest a question may take.
-const QUESTION_LIMIT: Duration = Duration::from_secs(20);
+/// Time limit of a query.
+const QUERY_LIMIT: Duration = Duration::from_secs(20);
 
 /// A catalogue: one writer, several readers.
 pub struct Catalogue {
     pub(crate) path: PathBuf,
     pub(crate) columns: Columns,
-    pub(crate) mirror: Arc<Mirror>,
-    /// What jobs have, for lists of columns.
-    pub(crate) remembered: Remembered,
+    pub(crate) replica: Arc<Replica>,
+    /// The measured pictures and artifact kinds of large jobs, for lists of columns.
+    pub(crate) job_cache: JobCache,
     pub(crate) readers: SqlitePool,
     pub(crate) reads: AtomicU64,
     pub(crate) damage: Mutex<BTreeSet<String>>,
@@ -50,8 +50,8 @@ impl Catalogue {
         limit: u32,
         cursor: Option<String>,
     ) -> Result<Page<DatasetRow>, CatalogueError> {
-        let question = cursor::question(&[Some("datasets")]);
-        let after = cursor::read_id(&question, cursor.as_deref())?;
+        let identity = cursor::query_identity(&[Some("datasets")]);
+        let after = cursor::read_id(&identity, cursor.as_deref())?;
         let rows = sqlx::query(
             "SELECT name, images, bytes, jobs, row_digest FROM datasets WHERE ?1 IS NULL OR name > ?1 ORDER BY name LIMIT ?2",
         )
@@ -60,10 +60,10 @@ impl Catalogue {
         .fetch_all(&mut *self.reader().await?)
         .await?;
         let rows = rows.iter().map(dataset).collect::<Result<_, _>>()?;
-        Ok(cursor::page(&question, rows, limit, |row: &DatasetRow| &row.name))
+        Ok(cursor::page(&identity, rows, limit, |row: &DatasetRow| &row.name))
     }
 
-    /// The dataset of a name that is no sealed version.
+    /// A dataset by its name, but not a sealed version.
     pub(crate) async fn unsealed(&self, name: &str) -> Result<Option<DatasetRow>, CatalogueError> {
         let row = sqlx::query("SELECT name, images, bytes, jobs, row_digest FROM datasets WHERE name = ?")
             .bind(name)
@@ -72,14 +72,14 @@ impl Catalogue {
         row.as_ref().map(dataset).transpose()
     }
 
-    /// What was found to be damaged since the catalogue was opened, here or in the packs.
+    /// Damage that was found since the catalogue was opened, here or in the packs.
     #[must_use]
     pub fn damage(&self) -> Vec<String> {
         let damage = self.damage.lock().unwrap_or_else(PoisonError::into_inner);
         damage.iter().cloned().collect()
     }
 
-    /// Notes damage that was found.
+    /// Records damage.
     pub fn note_damage(&self, what: &str) {
         let mut damage = self.damage.lock().unwrap_or_else(PoisonError::into_inner);
         if damage.len() < MOST_DAMAGE {
@@ -102,7 +102,7 @@ impl Catalogue {
         }
     }
 
-    /// How often this process has read from the catalogue. Reads within a change are part of the change.
+    /// Number of reads by this process, without those that are part of a change.
     #[must_use]
     pub fn reads(&self) -> u64 {
         self.reads.load(Ordering::Relaxed)
@@ -145,12 +145,11 @@ fn dataset(row: &SqliteRow) -> Result<DatasetRow, CatalogueError> {
 }
 
 pub(crate) async fn within<T>(
-    question: impl Future<Output = Result<T, CatalogueError>>,
+    query: impl Future<Output = Result<T, CatalogueError>>,
 ) -> Result<T, CatalogueError> {
-    let late = |_| CatalogueError::Timeout {
-        seconds: QUESTION_LIMIT.as_secs(),
-    };
-    tokio::time::timeout(QUESTION_LIMIT, question)
+    tokio::time::timeout(QUERY_LIMIT, query)
         .await
-        .map_err(late)?
+        .map_err(|_| CatalogueError::Timeout {
+            seconds: QUERY_LIMIT.as_secs(),
+        })?
 }

@@ -1,4 +1,4 @@
-//! What can go wrong with the catalogue.
+//! Errors of the catalogue.
 
 use std::path::PathBuf;
 
@@ -8,10 +8,10 @@ pub enum CatalogueError {
     /// A filter, order or field list that cannot be read.
     #[error(transparent)]
     Filter(#[from] FilterError),
-    /// A cursor that this catalogue did not give for this question.
-    #[error("the cursor does not belong to this question")]
+    /// A cursor of another query or catalogue.
+    #[error("the cursor does not belong to this query")]
     Cursor,
-    /// What was named is not there.
+    /// An unknown name.
     #[error("no {what} `{name}`")]
     NotFound {
         /// The kind of thing.
@@ -26,7 +26,7 @@ pub enum CatalogueError {
         id: String,
         /// Its state.
         from: String,
-        /// The state that was asked for.
+        /// The requested state.
         to: String,
     },
     /// Something that jobs need is to be deleted.
@@ -66,10 +66,10 @@ pub enum CatalogueError {
     Imported {
         /// The job.
         id: String,
-        /// Where its set lies.
+        /// The location of its set.
         set: String,
     },
-    /// What is to be imported contradicts what was imported before.
+    /// An import contradicts an earlier one.
     #[error("frame {frame} of job {job} was imported with other artifacts")]
     Contradicted {
         /// The job.
@@ -77,14 +77,14 @@ pub enum CatalogueError {
         /// The frame.
         frame: u64,
     },
-    /// The disk is full: nothing of the call is stored, reads go on.
+    /// The disk is full: the change is not stored, reads continue.
     #[error("no space left for the catalogue: {message}")]
     Full {
-        /// What SQLite said.
+        /// The message of SQLite.
         message: String,
     },
-    /// A question took too long.
-    #[error("the question took longer than {seconds} s")]
+    /// A query took too long.
+    #[error("the query took longer than {seconds} s")]
     Timeout {
         /// The limit.
         seconds: u64,
@@ -108,9 +108,9 @@ pub enum CatalogueError {
         /// Why.
         reason: String,
     },
-    /// What is stored is not what was written: it is not served.
+    /// Stored data is damaged and not served.
     #[error(
-        "{what} in the catalogue is damaged: `fathom scrub` names all that is, and `--repair` restores images"
+        "{what} in the catalogue is damaged: `fathom scrub` lists all damage, and `--repair` restores images"
     )]
     Damaged {
         /// What, such as `the record of job_…/3`.
@@ -122,7 +122,7 @@ pub enum CatalogueError {
     /// Anything else that the database reported.
     #[error("catalogue: {message}")]
     Failed {
-        /// What it said.
+        /// Its message.
         message: String,
     },
 }
@@ -133,7 +133,7 @@ pub enum CatalogueError {
 pub struct FilterError {
     /// Characters of the filter before the place.
     pub position: usize,
-    /// What is wrong.
+    /// The error.
     pub message: String,
     /// The nearest name.
     pub did_you_mean: Option<String>,
@@ -157,7 +157,7 @@ impl CatalogueError {
         Self::Damaged { what }
     }
 
-    /// A question that is refused for another reason than its filter.
+    /// An invalid query with a valid filter.
     pub(crate) fn refused(message: String) -> Self {
         FilterError::new(message).into()
     }
@@ -193,7 +193,7 @@ impl From<serde_json::Error> for CatalogueError {
 }
 
 impl FilterError {
-    /// Something wrong at no particular place.
+    /// An error without a position.
     pub(crate) fn new(message: String) -> Self {
         Self {
             position: 0,

@@ -1,77 +1,41 @@
 //! The SQLite catalogue of jobs, scenes, images, measurements and artifacts.
 //!
-//! One process opens it. One task writes: it gathers changes that arrive within a few milliseconds into one transaction
-//! and replies when that is on the disk. Readers have connections of their own that cannot write. Statements stand in
-//! full beside the operation they belong to; values are always bound.
+//! One process opens it. One task writes: it combines changes that arrive within a few milliseconds into one transaction and replies
+//! when that is on the disk. Readers use separate connections that cannot write. Statements are written out next to their operation;
+//! values are always bound.
 
-mod about;
+mod aggregation;
 mod catalogue;
-mod collections;
-mod columns;
-mod counting;
-mod cursor;
-mod deletion;
-mod density;
+mod commit;
+mod datasets;
 mod digests;
 mod error;
-mod fill;
-mod filter;
-mod folder;
-mod found;
-mod gathering;
-mod groups;
-mod histogram;
 mod images;
-mod import;
-mod insert;
-mod job_state;
 mod jobs;
-mod leaf_tree;
-mod metadata;
-mod migrations;
-mod mirror;
-mod mirroring;
-mod named;
+mod maintenance;
 mod open;
-mod page;
-mod progress;
-mod reading;
-mod recovery;
-mod remembered;
-mod restore;
-mod row_digests;
-mod scenes;
-mod scrub;
-mod select;
-mod source;
-mod stats;
-mod tables;
-mod time;
+mod pages;
+mod query;
+mod replica;
+mod schema;
 mod types;
-mod upkeep;
-mod values;
-mod versions;
-mod waters;
-mod writer;
+mod uploads;
 
+pub use aggregation::groups::compare_groups;
+pub use aggregation::histogram_2d::{Histogram2d, Histogram2dAxis, Histogram2dColumns};
 pub use catalogue::Catalogue;
-pub use collections::{CollectionRow, CollectionScene};
-pub use density::{Density, DensityAxis, DensityColumns};
-pub use error::CatalogueError;
-pub use filter::FilterError;
-pub use groups::{GroupColumn, compare_groups};
-pub use insert::NewImage;
-pub use job_state::JobState;
-pub use metadata::columns_of_every_image;
-pub use mirroring::MIRROR_ROWS;
-pub use scrub::DamagedRow;
-pub use source::Source;
-pub use stats::GroupedStats;
-pub use time::UnixMs;
-pub use types::{
-    ColumnInfo, DatasetRow, Deleted, FailureRow, GroupStats, Histogram, Idempotency, ImageQuery,
-    ImportedArtifact, ImportedShard, InsertImage, InsertJob, JobRow, NamedDigest, NewJob, NewShard, OpenJob,
-    Page, Place, Retried, SceneRow, ShardEnd, StoredArtifact,
+pub use client::{
+    CollectionRow, CollectionScene, ColumnInfo, CountedSource, DatasetRow, Deleted, FailureRow, GroupColumn,
+    GroupStats, JobRow, JobState, Page, Statistics, UnixMs, VersionRow,
 };
-pub use versions::{SealedImage, VersionJob, VersionRow};
-pub use waters::WaterRow;
+pub use commit::insert::NewImage;
+pub use datasets::columns::columns_of_every_image;
+pub use datasets::versions::{SealedImage, VersionJob};
+pub use error::{CatalogueError, FilterError};
+pub use maintenance::replica::REPLICA_ROWS;
+pub use maintenance::scrub::DamagedRow;
+pub use types::{
+    Histogram, Idempotency, ImageQuery, ImportedArtifact, ImportedShard, InsertImage, InsertJob, NamedDigest,
+    NewJob, NewShard, OpenJob, Place, Retried, SceneRow, ShardEnd, StoredArtifact,
+};
+pub use uploads::waters::WaterRow;

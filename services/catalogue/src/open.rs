@@ -10,30 +10,31 @@ use sqlx::migrate::MigrateError;
 use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions, SqliteSynchronous};
 
 use crate::catalogue::Catalogue;
-use crate::columns::Columns;
+use crate::commit::writer::Writer;
+use crate::digests::row_digests;
 use crate::error::CatalogueError;
-use crate::fill::{add_columns, fill};
-use crate::migrations::migrator;
-use crate::mirror::{self, Mirror};
-use crate::remembered::Remembered;
-use crate::row_digests;
-use crate::writer::Writer;
+use crate::query::cache::JobCache;
+use crate::query::columns::Columns;
+use crate::replica::files as replica_files;
+use crate::replica::files::Replica;
+use crate::schema::backfill::{add_columns, backfill};
+use crate::schema::migrations::migrator;
 
 /// Earlier versions can damage the write-ahead log when it is reset.
 const LEAST_SQLITE: &str = "3.51.3";
 /// Questions that run side by side; more would only compete for the same cache.
 const READERS: u32 = 8;
-/// Pages that a connection keeps, in KiB with a minus sign as SQLite wants it: digests fall anywhere in their index, and
-/// SQLite's own 2 MB hold too few of its pages.
+/// Page cache of a connection, in KiB with SQLite's minus sign: digests are spread over their index, and the default of 2 MB holds
+/// too few of its pages.
 const CACHE: &str = "-32768";
-/// The same of each reader: what all of them keep counts, and the system keeps pages, too.
+/// Page cache of each reader; smaller, since there are several and the system caches pages, too.
 const READER_CACHE: &str = "-8192";
 /// Rows that a reader's thread may be ahead: each time it stops costs a change of threads, and with 50 that
-/// is most of a question over a million rows.
+/// is most of a query over a million rows.
 const ROWS: usize = 2048;
 /// How long a connection waits for a lock of another process, such as a backup.
 const LOCK_WAIT: Duration = Duration::from_secs(5);
-/// How long a question waits for a reader.
+/// How long a query waits for a reader.
 const READER_WAIT: Duration = Duration::from_secs(10);
 
 impl Catalogue {
@@ -54,7 +55,7 @@ impl Catalogue {
             .foreign_keys(true)
             .busy_timeout(LOCK_WAIT)
             .pragma("cache_size", CACHE)
-            // The writer folds the log in after it has replied; the log then starts anew, and its size is its length.
+            // The writer checkpoints the log after its reply; the log then starts at the beginning, so its size is its length.
             .pragma("wal_autocheckpoint", "0")
             .pragma("journal_size_limit", "0")
             .disable_statement_logging();
@@ -80,8 +81,8 @@ impl Catalogue {
         let columns = Columns::new(metrics);
         add_columns(&mut connection, &columns).await?;
         row_digests::prepare(&mut connection).await?;
-        fill(&mut connection, &columns).await?;
-        mirror::only_of_columns(&mut connection, &columns.mirror_digest()).await?;
+        backfill(&mut connection, &columns).await?;
+        replica_files::keep_files_with_columns(&mut connection, &columns.replica_digest()).await?;
         let readers = SqlitePoolOptions::new()
             .max_connections(READERS)
             .acquire_timeout(READER_WAIT)
@@ -97,8 +98,8 @@ impl Catalogue {
         Ok(Self {
             path: path.to_owned(),
             columns,
-            mirror: Arc::new(Mirror::beside(path)),
-            remembered: Remembered::default(),
+            replica: Arc::new(Replica::of_catalogue(path)),
+            job_cache: JobCache::default(),
             readers,
             reads: AtomicU64::new(0),
             damage: Mutex::default(),
@@ -107,7 +108,7 @@ impl Catalogue {
         })
     }
 
-    /// Ends the writer after what it has taken on, and closes all connections.
+    /// Stops the writer after its accepted changes, and closes all connections.
     pub async fn close(&self) {
         drop(self.writer.lock().unwrap_or_else(PoisonError::into_inner).take());
         let task = self.task.lock().unwrap_or_else(PoisonError::into_inner).take();

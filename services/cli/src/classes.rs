@@ -2,12 +2,10 @@
 
 use std::collections::{BTreeSet, HashMap};
 
+use client::{Client, ImageRow};
 use scenes::categories::CATEGORIES;
-use serde_json::Value;
-use spec::SceneCategory;
 
 use crate::exit::Failure;
-use crate::remote::{Remote, encode};
 
 /// Columns from which the classes of an image follow.
 pub const COLUMNS: [&str; 2] = ["scene.kind", "scene.id"];
@@ -15,23 +13,23 @@ pub const COLUMNS: [&str; 2] = ["scene.kind", "scene.id"];
 /// Codes and names of classes.
 pub type Named = BTreeSet<(u8, String)>;
 
-/// The classes of scenes, each asked for once.
+/// The classes of scenes; each scene is requested once.
 pub struct SceneClasses<'a> {
-    remote: &'a Remote,
+    client: &'a Client,
     known: HashMap<String, Named>,
 }
 
 impl<'a> SceneClasses<'a> {
-    pub fn new(remote: &'a Remote) -> Self {
+    pub fn new(client: &'a Client) -> Self {
         Self {
-            remote,
+            client,
             known: HashMap::new(),
         }
     }
 
     /// Adds the classes of an image, from its row of columns.
-    pub fn add(&mut self, row: &Value, all: &mut Named) -> Result<(), Failure> {
-        let id = row["scene.id"].as_str().unwrap_or_default();
+    pub fn add(&mut self, row: &ImageRow, all: &mut Named) -> Result<(), Failure> {
+        let id = row.text("scene.id").unwrap_or_default();
         if !self.known.contains_key(id) {
             let classes = if id.is_empty() {
                 procedural()
@@ -45,12 +43,9 @@ impl<'a> SceneClasses<'a> {
     }
 
     fn uploaded(&self, id: &str) -> Result<Named, Failure> {
-        let scene = self.remote.find(&format!("/v1/scenes/{}", encode(id)))?;
-        let categories = scene.and_then(|scene| scene.pointer("/classes/categories").cloned());
-        let categories: Option<Vec<SceneCategory>> =
-            serde_json::from_value(categories.unwrap_or_default()).ok();
-        let named = categories.into_iter().flatten();
-        Ok(named.map(|category| (category.id, category.name)).collect())
+        let classes = self.client.scene(id)?.and_then(|scene| scene.classes);
+        let categories = classes.into_iter().flat_map(|classes| classes.categories);
+        Ok(categories.map(|category| (category.id, category.name)).collect())
     }
 }
 

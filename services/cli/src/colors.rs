@@ -1,8 +1,8 @@
-//! Colors for what is not a photograph: classes, instances, findings, and a ramp for lengths.
+//! Colors of classes, instances and findings, and a ramp for lengths.
 
 use scenes::categories::FINDINGS;
 
-/// Colors of the categories by their numbers: the background dark, what inspections are about bright.
+/// Colors of the categories by number: a dark background, bright objects of inspections.
 const CATEGORY_COLORS: [[u8; 3]; 21] = [
     [24, 38, 56],
     [176, 148, 104],
@@ -48,7 +48,7 @@ const RAMP: [[u8; 3]; 9] = [
     [253, 231, 37],
 ];
 
-/// The color of a category; numbers beyond the known ones are told apart like instances.
+/// The color of a category; unknown numbers get colors like instances.
 #[must_use]
 pub fn category(number: u8) -> [u8; 3] {
     let known = CATEGORY_COLORS.get(usize::from(number));
@@ -71,7 +71,7 @@ pub fn instance(number: u16) -> [u8; 3] {
     })
 }
 
-/// The color of the first finding among the bits of a pixel; none where it shows none.
+/// The color of the first finding of a pixel; `None` without findings.
 #[must_use]
 pub fn finding(bits: u8) -> Option<[u8; 3]> {
     let mut known = FINDINGS.iter().zip(FINDING_COLORS);

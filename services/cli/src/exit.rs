@@ -1,5 +1,7 @@
 //! Failures of commands and their exit statuses.
 
+use client::ClientError;
+
 /// Why a command failed. The exit statuses are part of the interface: scripts branch on them.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
@@ -8,7 +10,7 @@ pub enum Failure {
     SomeFrames {
         /// Frames without an image.
         failed: u64,
-        /// Frames asked for.
+        /// Frames of the job.
         frames: u64,
         /// Where to find the reasons, starting with punctuation.
         hint: String,
@@ -22,7 +24,7 @@ pub enum Failure {
     /// A required library is not installed.
     #[error("{0}")]
     RuntimeMissing(String),
-    /// The store does not respond or is not to be worked on now; the same call may succeed later.
+    /// The store does not respond, or the set is paused; the same call may succeed later.
     #[error("{0}")]
     Later(String),
     /// Anything else.
@@ -31,7 +33,7 @@ pub enum Failure {
 }
 
 impl Failure {
-    /// Invalid input, for this reason.
+    /// Invalid input.
     pub fn input(reason: impl std::fmt::Display) -> Self {
         Self::BadInput(reason.to_string())
     }
@@ -49,6 +51,19 @@ impl Failure {
     }
 }
 
+impl From<ClientError> for Failure {
+    fn from(error: ClientError) -> Self {
+        let message = error.to_string();
+        match error {
+            ClientError::Unreachable { .. } => Self::NoServer(message),
+            ClientError::Refused(problem) if problem.is("runtime-missing") => Self::RuntimeMissing(message),
+            ClientError::Refused(problem) if problem.status.is_client_error() => Self::BadInput(message),
+            ClientError::Refused(_) => Self::NoServer(message),
+            ClientError::Unreadable { .. } => Self::Other(error.into()),
+        }
+    }
+}
+
 /// Prints a failure to standard error and returns the exit status.
 pub fn end(program: &str, result: Result<(), Failure>) -> u8 {
     match result {
@@ -57,5 +72,23 @@ pub fn end(program: &str, result: Result<(), Failure>) -> u8 {
             eprintln!("{program}: {failure}");
             failure.code()
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use client::Problem;
+    use ureq::http::StatusCode;
+
+    use super::*;
+
+    #[test]
+    fn a_missing_runtime_has_its_own_exit_status() {
+        let problem = Problem::new(
+            StatusCode::CONFLICT,
+            br#"{"type": "/problems/runtime-missing", "title": "x"}"#,
+        );
+        let failure = Failure::from(ClientError::Refused(problem));
+        assert!(matches!(failure, Failure::RuntimeMissing(_)));
     }
 }

@@ -44,7 +44,7 @@ pub fn with_extensions(folder: &Path, extensions: &[&str]) -> Result<Vec<PathBuf
     Ok(files)
 }
 
-/// Writes a file under a temporary name beside it and renames it into place.
+/// Writes a file under a temporary name next to it and renames it into place.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     write_all(&[(path.to_owned(), bytes)])
 }

@@ -1,9 +1,9 @@
-//! What the commands `fathom` and `fathom-lab` share: exit statuses, files, progress, tables, contact sheets, the client of
-//! a service, and jobs and styles as a user names them; and the commands of `fathom` themselves.
+//! The commands of `fathom`, and the parts that `fathom-lab` and `fathom-cluster` share with them: exit statuses, files, progress,
+//! tables, contact sheets, options of services, jobs and styles.
 
 #![allow(missing_docs, reason = "read by two binaries of ours alone")]
 
-// The commands name what they share as `fathom-lab` does.
+// The commands import the shared parts by the name of the crate, like `fathom-lab`.
 extern crate self as cli;
 
 #[macro_use]
@@ -12,25 +12,20 @@ mod print;
 pub mod classes;
 pub mod colors;
 mod commands;
-pub mod engine;
 pub mod exit;
 pub mod files;
-pub mod images;
-pub mod import;
 pub mod job;
 pub mod known;
+pub mod options;
 pub mod progress;
-pub mod remote;
-pub mod render;
-pub mod seal;
 pub mod sheet;
 pub mod signals;
-pub mod styles;
 pub mod table;
-pub mod worker;
 
-pub use commands::cluster::program as cluster_program;
-pub use commands::{export, scrub, serve};
+pub use commands::dataset::export;
+pub use commands::service::cluster::program as cluster_program;
+pub use commands::service::{scrub, serve};
+pub use options::{engine, import, remote, render, seal, styles, worker};
 
 use std::ffi::OsString;
 
@@ -60,7 +55,7 @@ pub fn run_words<A: FromArgMatches>(
     run: impl FnOnce(A) -> Result<(), Failure>,
 ) -> u8 {
     let words: Vec<OsString> = words.into_iter().collect();
-    commands::cluster::note(&words);
+    commands::service::cluster::note(&words);
     let matches = command.try_get_matches_from(words);
     match matches.and_then(|matches| A::from_arg_matches(&matches)) {
         Ok(arguments) => {
@@ -68,7 +63,7 @@ pub fn run_words<A: FromArgMatches>(
             exit::end("fathom", ready.and_then(|()| run(arguments)))
         }
         Err(error) => {
-            // Nobody is left to be told when even this cannot be printed.
+            // There is no other place to report that standard error cannot be written.
             let _ = error.print();
             u8::try_from(error.exit_code()).unwrap_or(1)
         }
@@ -77,5 +72,5 @@ pub fn run_words<A: FromArgMatches>(
 
 /// All commands, grouped by topic, with an example of each.
 fn command() -> clap::Command {
-    commands::topics::arrange(Arguments::command())
+    commands::help::topics::arrange(Arguments::command())
 }

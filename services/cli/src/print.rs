@@ -1,5 +1,5 @@
-//! Printing that outlives its reader: in `fathom query | head`, what `head` does not read is dropped and the command ends
-//! with its own exit status. The macros stand in place of those of the standard library, which panic there.
+//! Printing to a closed pipe: in `fathom query | head`, the unread rest is dropped and the exit status is that of the command. The
+//! macros replace those of the standard library, which panic.
 
 use std::fmt;
 use std::io::{ErrorKind, Write};

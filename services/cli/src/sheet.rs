@@ -45,7 +45,7 @@ pub fn sheet(tiles: &[Tile], columns: usize, tile_width: usize) -> Rgb8 {
     paper
 }
 
-/// What the colors of a sheet mean.
+/// The legend of a sheet.
 pub enum Legend {
     /// Colors with their names.
     Colors(Vec<([u8; 3], String)>),
@@ -53,9 +53,9 @@ pub enum Legend {
     Ramp {
         /// The color of a share.
         color: fn(f64) -> [u8; 3],
-        /// What stands below it at equal steps, from its one end to its other.
+        /// Labels at equal steps from one end to the other.
         ticks: Vec<String>,
-        /// A color beside the ramp.
+        /// An additional color, outside of the ramp.
         hole: Option<([u8; 3], String)>,
     },
 }
@@ -161,8 +161,8 @@ fn write(paper: &mut Rgb8, text: &str, left: usize, top: usize, right: usize) {
         if let Some(glyph) = get_raster(known, FontWeight::Regular, RasterHeight::Size16) {
             for (row, coverage) in glyph.raster().iter().enumerate() {
                 for (column, &share) in coverage.iter().enumerate() {
-                    let at = 3 * ((top + row) * paper.width() + x + column);
-                    let pixel = &mut paper.data_mut()[at..at + 3];
+                    let first = 3 * ((top + row) * paper.width() + x + column);
+                    let pixel = &mut paper.data_mut()[first..first + 3];
                     for (sample, ink) in pixel.iter_mut().zip(INK) {
                         let mixed =
                             u32::from(*sample) * u32::from(255 - share) + u32::from(ink) * u32::from(share);

@@ -1,6 +1,10 @@
 //! Text tables for people: words left, numbers right.
 
+use client::ImageRow;
 use serde_json::Value;
+
+/// The cell of a missing value.
+pub const DASH: &str = "–";
 
 /// Lays out a header and rows in columns.
 pub fn table(header: &[&str], rows: &[Vec<String>]) -> String {
@@ -46,18 +50,25 @@ fn columns(header: &[&str], rows: &[Vec<String>], is_left: impl Fn(usize) -> boo
     lines.join("\n")
 }
 
-/// JSON objects as rows with these members as columns.
-pub fn table_of(columns: &[impl AsRef<str>], rows: &[Value]) -> String {
+/// Images as rows with these columns.
+pub fn image_table(columns: &[impl AsRef<str>], rows: &[ImageRow]) -> String {
     let header: Vec<&str> = columns.iter().map(AsRef::as_ref).collect();
-    let cells = |row: &Value| header.iter().map(|column| cell(&row[column])).collect();
-    let cells: Vec<Vec<String>> = rows.iter().map(cells).collect();
+    let cells: Vec<Vec<String>> = rows
+        .iter()
+        .map(|row| header.iter().map(|column| cell(row.value(column))).collect())
+        .collect();
     table(&header, &cells)
+}
+
+/// A number with at most four decimals, a dash without one.
+pub fn optional_decimal(number: Option<f64>) -> String {
+    number.map_or_else(|| DASH.to_owned(), decimal)
 }
 
 /// A JSON scalar as a cell: numbers with up to four decimals, null as a dash.
 pub fn cell(value: &Value) -> String {
     match value {
-        Value::Null => "–".to_owned(),
+        Value::Null => DASH.to_owned(),
         Value::String(text) => text.clone(),
         Value::Number(number) if number.is_f64() => decimal(number.as_f64().unwrap_or(f64::NAN)),
         other => other.to_string(),

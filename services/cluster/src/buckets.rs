@@ -8,10 +8,10 @@ use api::{ReadBucket, Unread};
 use catalogue::Place;
 use sets::{Location, SetError, Store};
 
-/// Stores that are open, by the URL of their set.
+/// Open stores by the URL of their set.
 type Stores = Mutex<BTreeMap<String, Store>>;
 
-/// What reads buckets; each is opened once.
+/// A reader of buckets that opens each one once.
 pub(crate) fn reader() -> ReadBucket {
     let stores = Stores::default();
     Arc::new(move |place, range| read(&stores, place, range))
@@ -24,7 +24,7 @@ fn read(stores: &Stores, place: &Place, range: Range<u64>) -> Result<Vec<u8>, Un
         Ok(bytes) => return Ok(bytes.to_vec()),
         Err(error) => error,
     };
-    // A store says in its own words that a range is not within an object.
+    // Stores report a range beyond the end of an object differently.
     match store.entry(&place.tar).map_err(unread)? {
         Some(entry) if entry.bytes >= end => Err(unread(failure)),
         Some(entry) => Err(Unread::Gone(format!(

@@ -1,9 +1,9 @@
-//! What the failure of a set means for a shell.
+//! Errors of sets as exit statuses.
 
 use cli::exit::Failure;
 use sets::SetError;
 
-/// The exit status of an error: whether calling again can help is what engines decide by.
+/// The exit status of an error, by which engines decide whether to call again.
 pub(crate) fn failure(error: SetError) -> Failure {
     match error {
         SetError::Refused(reason) => Failure::BadInput(reason),

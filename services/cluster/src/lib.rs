@@ -1,7 +1,7 @@
-//! The commands of `fathom-cluster`: what `fathom` does with datasets in a store.
+//! The commands of `fathom-cluster`: datasets in a store.
 //!
-//! A program of its own, since what it needs (Parquet, S3) would make every build of `fathom` longer. `fathom` starts it
-//! for the commands below, so that a user need not know it. The Python package carries them as well.
+//! A separate program, since its dependencies (Parquet, S3) would make every build of `fathom` longer. `fathom` starts it for the
+//! commands below, so that users need not know it. The Python package contains them as well.
 
 mod buckets;
 mod commands;

@@ -1,4 +1,4 @@
-//! Reads shards of a set side by side: threads read and check them while one takes what they have read.
+//! Reads shards of a set concurrently: threads read and check them, the caller processes the results.
 
 use std::sync::mpsc::{SyncSender, sync_channel};
 use std::sync::{Mutex, PoisonError};
@@ -11,14 +11,14 @@ use sets::{DoneShard, FailedFrame, Marker, Set, ShardImage};
 
 use crate::failure::failure;
 
-/// Attempts after which a set lists a frame as failed.
+/// Attempts at a frame before a set lists it as failed.
 const ATTEMPTS: u32 = 3;
 /// Longest reason of a failed frame, as that of a worker.
 const MOST_ERROR_BYTES: usize = 4096;
-/// Images that are handed over together: a megabyte or two of records.
+/// Images of one batch: a megabyte or two of records.
 const PART_IMAGES: usize = 500;
 
-/// Shards that are done and not known, or written anew since.
+/// Completed shards that are unknown or were written again since.
 pub(crate) fn missing(set: &Set, known: &Known) -> Result<Vec<DoneShard>, Failure> {
     let card = set.card();
     let mut done = set.done_shards().map_err(failure)?;
@@ -26,7 +26,7 @@ pub(crate) fn missing(set: &Set, known: &Known) -> Result<Vec<DoneShard>, Failur
     Ok(done)
 }
 
-/// Reads shards and hands over what `prepare` makes of their parts, those of one shard in order.
+/// Reads shards, prepares their parts in threads and passes them on, those of one shard in order.
 pub(crate) fn read_all<P: Send>(
     set: &Set,
     shards: &[DoneShard],
@@ -106,15 +106,18 @@ fn image(image: ShardImage) -> SetImage {
 }
 
 fn end(marker: &Marker, done: DoneShard) -> ShardEnd {
-    let failure = |failed: &FailedFrame| FailureRow {
-        frame: failed.frame,
-        strikes: ATTEMPTS,
-        quarantined: true,
-        error: failed.error[..failed.error.floor_char_boundary(MOST_ERROR_BYTES)].to_owned(),
-    };
     ShardEnd {
         digest: marker.digest.clone(),
         changed_ms: done.changed_ms,
-        failed: marker.failed.iter().map(failure).collect(),
+        failed: marker
+            .failed
+            .iter()
+            .map(|failed: &FailedFrame| FailureRow {
+                frame: failed.frame,
+                strikes: ATTEMPTS,
+                quarantined: true,
+                error: failed.error[..failed.error.floor_char_boundary(MOST_ERROR_BYTES)].to_owned(),
+            })
+            .collect(),
     }
 }

@@ -1,7 +1,7 @@
-//! How long questions over many rows take: `cargo run --release -p columnar --example passes -- 10000000 FOLDER`.
+//! Measures aggregation over many rows: `cargo run --release -p columnar --example passes -- 10000000 FOLDER`.
 //!
-//! Writes files of rows that are drawn at random, if the folder has none, asks each question often, and prints the middle and the
-//! longest time, the processor time of one, and the memory of the process. Other programs can read the same files.
+//! Writes files of random rows if the folder has none, runs each query repeatedly, and prints the median and the longest
+//! time, the processor time of one, and the memory of the process. Other programs can read the same files.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -9,15 +9,15 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use columnar::{
-    About, Bins, Cache, Column, ColumnBuilder, ColumnarError, Condition, GroupBy, Kind, MirrorFile, Part,
-    Question, Sign, Test, Value,
+    About, Bins, Cache, Column, ColumnBuilder, ColumnarError, Condition, GroupBy, Kind, Part, Query,
+    ReplicaFile, Sign, Test, Value,
 };
 
-/// Rows of a file, as a service writes them.
+/// Rows of a file, as in a service.
 const ROWS: u64 = 32_768;
-/// Repetitions of each question.
+/// Repetitions of each query.
 const TIMES: usize = 50;
-/// As a service has it.
+/// The cache of a service.
 const CACHE_BYTES: usize = 64 << 20;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -40,7 +40,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .lines()
         .map(|line| {
             let (name, digest) = line.split_once(' ').unwrap_or_default();
-            let file = MirrorFile::open(&Path::new(&folder).join(name), digest)?;
+            let file = ReplicaFile::open(&Path::new(&folder).join(name), digest)?;
             Ok(Part::File {
                 file: Arc::new(file),
                 jobs: None,
@@ -48,7 +48,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         })
         .collect::<Result<Vec<_>, ColumnarError>>()?;
     println!("opened in {:.0} ms", begun.elapsed().as_secs_f64() * 1e3);
-    questions(&parts)?;
+    measure_all(&parts)?;
     let status = std::fs::read_to_string("/proc/self/status")?;
     let lines = status
         .lines()
@@ -57,7 +57,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-fn questions(parts: &[Part]) -> Result<(), ColumnarError> {
+fn measure_all(parts: &[Part]) -> Result<(), ColumnarError> {
     let cache = Cache::new(CACHE_BYTES);
     let above = Condition::Test("alpha".to_owned(), Test::Is(Sign::Above, Value::Number(0.3)));
     let muddy = Test::Is(Sign::Equal, Value::Text("muddy".to_owned()));
@@ -73,9 +73,9 @@ fn questions(parts: &[Part]) -> Result<(), ColumnarError> {
             bins: Some(Bins::new(0.1)),
         },
     ];
-    let ask = |columns: &[&str], condition, kind: &str| {
+    let run = |columns: &[&str], condition, kind: &str| {
         let columns: Vec<String> = columns.iter().map(|name| (*name).to_owned()).collect();
-        let question = Question {
+        let query = Query {
             parts,
             columns: &columns,
             condition,
@@ -83,32 +83,32 @@ fn questions(parts: &[Part]) -> Result<(), ColumnarError> {
             threads: 2,
         };
         match kind {
-            "histogram" => columnar::histogram(&question, 40, None).map(drop),
-            "density" => columnar::density(&question, 64).map(drop),
-            "groups" => columnar::stats(&question, 1, &by, 1000).map(drop),
-            _ => columnar::stats(&question, 1, &[], 1000).map(drop),
+            "histogram" => columnar::histogram(&query, 40, None).map(drop),
+            "2-D histogram" => columnar::histogram_2d(&query, 64).map(drop),
+            "groups" => columnar::stats(&query, 1, &by, Some(1000)).map(drop),
+            _ => columnar::stats(&query, 1, &[], Some(1000)).map(drop),
         }
     };
-    measured("histogram", || ask(&["uiqm"], None, "histogram"))?;
+    measured("histogram", || run(&["uiqm"], None, "histogram"))?;
     measured("histogram under two conditions", || {
-        ask(&["uiqm"], Some(&both), "histogram")
+        run(&["uiqm"], Some(&both), "histogram")
     })?;
-    measured("density", || ask(&["alpha", "uiqm"], None, "density"))?;
-    measured("density with a third column", || {
-        ask(&["alpha", "uiqm", "water.range_scale"], None, "density")
+    measured("2-D histogram", || run(&["alpha", "uiqm"], None, "2-D histogram"))?;
+    measured("2-D histogram with a third column", || {
+        run(&["alpha", "uiqm", "water.range_scale"], None, "2-D histogram")
     })?;
-    measured("statistics", || ask(&["uiqm"], None, "stats"))?;
+    measured("statistics", || run(&["uiqm"], None, "stats"))?;
     measured("statistics by style and bins of alpha", || {
-        ask(&["uiqm", "water.style", "alpha"], None, "groups")
+        run(&["uiqm", "water.style", "alpha"], None, "groups")
     })
 }
 
-fn measured(name: &str, ask: impl Fn() -> Result<(), ColumnarError>) -> Result<(), ColumnarError> {
+fn measured(name: &str, run: impl Fn() -> Result<(), ColumnarError>) -> Result<(), ColumnarError> {
     let mut times = Vec::with_capacity(TIMES);
     let before = processor_ms();
     for _ in 0..TIMES {
         let begun = Instant::now();
-        ask()?;
+        run()?;
         times.push(begun.elapsed().as_secs_f64() * 1e3);
     }
     let processor = (processor_ms() - before) / TIMES as f64;
@@ -121,7 +121,7 @@ fn measured(name: &str, ask: impl Fn() -> Result<(), ColumnarError>) -> Result<(
     Ok(())
 }
 
-/// Processor time of all threads so far: what the question takes whatever else the machine does.
+/// Processor time of all threads so far: independent of other load of the machine.
 fn processor_ms() -> f64 {
     const TICK_MS: f64 = 10.0;
     let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();

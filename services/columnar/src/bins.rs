@@ -1,7 +1,7 @@
 //! Bins of equal width.
 
-/// Bins of equal width, of which one begins at 0. With a width of few decimals the edges are the doubles nearest to the
-/// decimal numbers: 0.3, not 3 · 0.1.
+/// Bins of equal width; one of them begins at 0. If the width has few decimals, the edges are the doubles nearest to the decimal
+/// numbers: 0.3, not 3 · 0.1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bins {
     numerator: f64,
@@ -34,7 +34,7 @@ impl Bins {
         bin * self.numerator / self.denominator + 0.0
     }
 
-    /// About which bin holds a number: one beside it where rounding says so.
+    /// Estimate of the bin that contains a number; rounding may shift it by one.
     pub(crate) fn about(&self, number: f64) -> i64 {
         (number * self.denominator / self.numerator) as i64
     }

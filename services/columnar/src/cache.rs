@@ -5,10 +5,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::column::Column;
 use crate::error::ColumnarError;
-use crate::file::MirrorFile;
+use crate::file::ReplicaFile;
 
-/// Columns of files that were read lately. A question that needs more than fits keeps what came first: if it threw out the oldest,
-/// the next one like it would find nothing of it.
+/// Recently read columns of files. A query that needs more than fits keeps its first columns: evicting the oldest would leave nothing
+/// for the next similar query.
 #[derive(Debug)]
 pub struct Cache {
     most_bytes: usize,
@@ -19,7 +19,7 @@ pub struct Cache {
 struct Held {
     columns: HashMap<(u64, String), (Arc<Column>, u64)>,
     bytes: usize,
-    /// Counts the questions.
+    /// Number of queries so far.
     now: u64,
 }
 
@@ -33,13 +33,13 @@ impl Cache {
         }
     }
 
-    /// A new question begins.
+    /// A new query begins.
     pub(crate) fn begin(&self) {
         self.held.lock().unwrap_or_else(PoisonError::into_inner).now += 1;
     }
 
     /// A column of a file.
-    pub(crate) fn read(&self, file: &MirrorFile, name: &str) -> Result<Arc<Column>, ColumnarError> {
+    pub(crate) fn read(&self, file: &ReplicaFile, name: &str) -> Result<Arc<Column>, ColumnarError> {
         let key = (file.id, name.to_owned());
         {
             let mut held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
@@ -61,13 +61,13 @@ impl Cache {
 impl Held {
     fn keep(&mut self, key: (u64, String), column: &Arc<Column>, most_bytes: usize) {
         let bytes = column.bytes();
-        // Texts have to be taken apart, numbers are read as they lie: these leave room for those.
+        // Half of the cache is reserved for texts, which are expensive to decode; numbers are read as they are stored.
         let most_bytes = match **column {
             Column::Texts { .. } => most_bytes,
             _ => most_bytes / 2,
         };
         if self.bytes + bytes > most_bytes {
-            // What no question of late has asked for.
+            // Columns that no recent query used.
             let old = self.now.saturating_sub(1);
             let mut freed = 0;
             self.columns.retain(|_, (column, used)| {

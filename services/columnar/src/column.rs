@@ -6,10 +6,10 @@ use std::sync::Arc;
 
 /// Stands where a text is missing.
 pub(crate) const NO_TEXT: u16 = u16::MAX;
-/// What a large number is held less.
+/// The offset of stored large numbers.
 const OFFSET: i128 = 1 << 63;
 
-/// What a column holds.
+/// The type of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// A number.
@@ -29,7 +29,7 @@ pub enum Kind {
 pub enum Column {
     /// No row has a value.
     Missing(usize),
-    /// Doubles; NaN stands where one is missing, since no row has it as a value.
+    /// Doubles; NaN is a missing value, since no row has it as a value.
     Numbers(Vec<f64>),
     /// Whole numbers of this kind; `missing` is empty where every row has one.
     Wholes {
@@ -40,7 +40,7 @@ pub enum Column {
         /// Row by row, or empty.
         missing: Vec<bool>,
     },
-    /// Texts by their place in a list; `u16::MAX` stands where one is missing.
+    /// Texts by their position in a list; `u16::MAX` is a missing value.
     Texts {
         /// Row by row.
         codes: Vec<u16>,
@@ -61,13 +61,13 @@ impl Column {
         }
     }
 
-    /// Whether there is no row.
+    /// Whether it has no rows.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Whether any row has another value; the order in which texts are listed does not matter.
+    /// Whether any row has another value; the order of the list of texts does not matter.
     #[must_use]
     pub fn is_other_than(&self, other: &Self) -> bool {
         let numbers = |column: &Self| {
@@ -92,7 +92,7 @@ impl Column {
         }
     }
 
-    /// What it takes in memory, about.
+    /// Approximate size in memory.
     pub(crate) fn bytes(&self) -> usize {
         match self {
             Self::Missing(_) => 0,
@@ -114,7 +114,7 @@ impl Column {
         }
     }
 
-    /// The values as doubles, the nearest where they are large; NaN where one is missing. Texts are no numbers.
+    /// The values as doubles, the nearest ones of large numbers; NaN for missing values and for texts.
     #[must_use]
     pub fn numbers(&self) -> Cow<'_, [f64]> {
         match self {
@@ -123,20 +123,21 @@ impl Column {
                 kind,
                 values,
                 missing,
-            } => {
-                let number = |at: usize| match (missing.get(at), kind) {
-                    (Some(true), _) => f64::NAN,
-                    (_, Kind::Large) => raised(values[at]) as f64,
-                    _ => values[at] as f64,
-                };
-                Cow::Owned((0..values.len()).map(number).collect())
-            }
+            } => Cow::Owned(
+                (0..values.len())
+                    .map(|at: usize| match (missing.get(at), kind) {
+                        (Some(true), _) => f64::NAN,
+                        (_, Kind::Large) => raised(values[at]) as f64,
+                        _ => values[at] as f64,
+                    })
+                    .collect(),
+            ),
             Self::Missing(_) | Self::Texts { .. } => Cow::Owned(vec![f64::NAN; self.len()]),
         }
     }
 }
 
-/// The number that is held less 2^63.
+/// The stored form of a large number.
 #[must_use]
 pub(crate) fn raised(held: i64) -> u64 {
     (i128::from(held) + OFFSET) as u64
@@ -192,7 +193,7 @@ impl ColumnBuilder {
         }
     }
 
-    /// Adds a text that was added before, by its place.
+    /// Adds a known text by its position.
     pub(crate) fn code(&mut self, code: u16) {
         if let Column::Texts { codes, .. } = &mut self.column {
             codes.push(code);

@@ -1,4 +1,4 @@
-//! Conditions over columns, row by row at once.
+//! Vectorized conditions over columns.
 
 use std::cmp::Ordering;
 
@@ -20,13 +20,13 @@ pub enum Condition {
 /// A test of a value.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Test {
-    /// There is no value.
+    /// The value is missing.
     IsMissing,
     /// It compares so.
     Is(Sign, Value),
     /// It is one of these.
     In(Vec<Value>),
-    /// It lies between these, or is one of them.
+    /// The value is between these, both included.
     Between(Value, Value),
 }
 
@@ -42,7 +42,7 @@ pub enum Sign {
     AtLeast,
 }
 
-/// What a column is compared with.
+/// The constant of a comparison.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Value {
     /// A number.
@@ -61,7 +61,7 @@ pub(crate) enum Mask {
     Some(Vec<bool>),
 }
 
-/// What is known of the values of a column without reading them: the smallest and the largest, and whether any is missing.
+/// Bounds of a column from the footer: the smallest and the largest value, and whether any is missing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Range {
     pub(crate) low: Bound,
@@ -77,7 +77,7 @@ pub(crate) enum Bound {
 }
 
 impl Mask {
-    pub(crate) fn of(rows: Vec<bool>) -> Self {
+    pub(crate) fn from_rows(rows: Vec<bool>) -> Self {
         if rows.iter().all(|row| *row) {
             Self::All
         } else if rows.iter().any(|row| *row) {
@@ -93,7 +93,7 @@ impl Mask {
             (Self::All, mask) | (mask, Self::All) => mask,
             (Self::Some(mut one), Self::Some(other)) => {
                 one.iter_mut().zip(other).for_each(|(one, other)| *one &= other);
-                Self::of(one)
+                Self::from_rows(one)
             }
         }
     }
@@ -120,7 +120,7 @@ impl Mask {
     }
 }
 
-/// Where the columns of some rows come from.
+/// The source of the columns of some rows.
 pub(crate) trait Columns {
     type Error;
     fn column(&self, name: &str) -> Result<std::sync::Arc<Column>, Self::Error>;
@@ -179,26 +179,30 @@ impl Test {
         match column {
             Column::Missing(_) if *self == Self::IsMissing => Mask::All,
             Column::Missing(_) => Mask::None,
-            Column::Numbers(values) => Mask::of(self.of_numbers(values)),
+            Column::Numbers(values) => Mask::from_rows(self.of_numbers(values)),
             Column::Wholes { values, missing, .. } => {
                 let mut rows = self.of_wholes(values);
                 for (row, missing) in rows.iter_mut().zip(missing) {
                     *row = if *missing { *self == Self::IsMissing } else { *row };
                 }
-                Mask::of(rows)
+                Mask::from_rows(rows)
             }
             Column::Texts { codes, texts } => {
                 let holds: Vec<bool> = texts.iter().map(|text| self.of_text(text)).collect();
-                let row = |code: &u16| match *code {
-                    NO_TEXT => *self == Self::IsMissing,
-                    code => holds[usize::from(code)],
-                };
-                Mask::of(codes.iter().map(row).collect())
+                Mask::from_rows(
+                    codes
+                        .iter()
+                        .map(|code: &u16| match *code {
+                            NO_TEXT => *self == Self::IsMissing,
+                            code => holds[usize::from(code)],
+                        })
+                        .collect(),
+                )
             }
         }
     }
 
-    /// A loop for each test, so that each can be vectorized; comparisons with NaN, which stands for what is missing, are false.
+    /// A separate loop for each test, so that each is vectorized; comparisons with NaN, a missing value, are false.
     fn of_numbers(&self, values: &[f64]) -> Vec<bool> {
         let rows = |test: &dyn Fn(&f64) -> bool| values.iter().map(test).collect();
         let number = |value: &Value| match value {
@@ -266,7 +270,6 @@ impl Test {
     /// The mask where the ends of the range decide it: a test that holds at both ends of a range holds between them, unless it is
     /// one for single values.
     fn of_range(&self, range: &Range) -> Option<Mask> {
-        let at = |bound: &Bound| self.holds_at(bound);
         let outside = |value: &Value| {
             let holds = |sign: Sign, bound| Self::Is(sign, value.clone()).holds_at(bound);
             holds(Sign::Above, &range.low) || holds(Sign::Below, &range.high)
@@ -280,13 +283,13 @@ impl Test {
             Self::Between(low, high) => {
                 let is_apart = Self::Is(Sign::Below, low.clone()).holds_at(&range.high)
                     || Self::Is(Sign::Above, high.clone()).holds_at(&range.low);
-                match (at(&range.low), at(&range.high)) {
+                match (self.holds_at(&range.low), self.holds_at(&range.high)) {
                     _ if is_apart => Some(Mask::None),
                     (true, true) => all(),
                     _ => None,
                 }
             }
-            Self::Is(..) => match (at(&range.low), at(&range.high)) {
+            Self::Is(..) => match (self.holds_at(&range.low), self.holds_at(&range.high)) {
                 (true, true) => all(),
                 (false, false) => Some(Mask::None),
                 _ => None,

@@ -1,16 +1,16 @@
-//! What can be wrong with a file.
+//! Errors of files and queries.
 
 use std::path::PathBuf;
 
-/// Why a question was not answered, or a file not written.
+/// Why a query failed, or a file was not written.
 #[derive(Debug, thiserror::Error)]
 pub enum ColumnarError {
-    /// A file is not what was written.
+    /// A damaged file.
     #[error("{} is damaged: {what}", path.display())]
     Damaged {
         /// The file.
         path: PathBuf,
-        /// What of it.
+        /// The damaged part.
         what: String,
     },
     /// A file cannot be read or written.
@@ -18,15 +18,12 @@ pub enum ColumnarError {
     Io {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the system.
         source: std::io::Error,
     },
-    /// The question makes more groups than were allowed.
+    /// The query makes more groups than were allowed.
     #[error("more than {0} groups")]
     TooManyGroups(usize),
-    /// A value is not finite, so that bins over all values have no width.
-    #[error("a value is not finite")]
-    NotFinite,
     /// A column cannot be encoded.
     #[error("cannot encode: {0}")]
     Encoding(#[from] parquet::errors::ParquetError),

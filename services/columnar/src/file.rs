@@ -25,7 +25,7 @@ pub(crate) const ABOUT: &str = "fathom";
 /// Length of the footer and the magic number, which end a file.
 const TRAILER: usize = 8;
 
-/// What a file says of itself.
+/// The description of a file in its footer.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct About {
     /// The place of its first row in the catalogue.
@@ -54,7 +54,7 @@ pub struct Named {
 
 /// An open file.
 #[derive(Debug)]
-pub struct MirrorFile {
+pub struct ReplicaFile {
     path: PathBuf,
     about: About,
     rows: usize,
@@ -63,7 +63,7 @@ pub struct MirrorFile {
     pub(crate) id: u64,
 }
 
-/// Where a column stands.
+/// The position of a column.
 #[derive(Debug)]
 struct Chunk {
     kind: Kind,
@@ -84,7 +84,7 @@ pub(crate) fn footer(end: &[u8]) -> Option<&[u8]> {
     end.get(trailer.checked_sub(length)?..)
 }
 
-impl MirrorFile {
+impl ReplicaFile {
     /// Opens a file with a footer of this digest.
     ///
     /// # Errors
@@ -107,10 +107,10 @@ impl MirrorFile {
         let footer_length = u64::from(u32::from_le_bytes([
             trailer[0], trailer[1], trailer[2], trailer[3],
         ]));
-        let from = trailer_at
+        let footer_at = trailer_at
             .checked_sub(footer_length)
             .ok_or_else(|| damaged("its footer"))?;
-        let footer = read(from).map_err(ColumnarError::io(path))?;
+        let footer = read(footer_at).map_err(ColumnarError::io(path))?;
         if sha256(&footer) != digest {
             return Err(damaged("its footer"));
         }
@@ -158,13 +158,13 @@ impl MirrorFile {
         })
     }
 
-    /// What it says of itself.
+    /// Its description.
     #[must_use]
     pub fn about(&self) -> &About {
         &self.about
     }
 
-    /// Where it lies.
+    /// Its path.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
@@ -231,7 +231,7 @@ impl MirrorFile {
     }
 }
 
-/// Where the values of a column lie, unless its kind has none. Zeros are left open: footers do not say which of the two they are.
+/// The bounds of a column's values; `None` for kinds without statistics, and for bounds of zero, whose sign the footer does not show.
 fn range(known: &Statistics, kind: Kind) -> Option<Range> {
     let any_missing = known.null_count_opt() != Some(0);
     let (low, high) = match known {
@@ -264,10 +264,11 @@ impl Length for Piece {
 }
 
 impl Piece {
-    fn from(&self, start: u64) -> Result<Bytes, ParquetError> {
-        let at = start.checked_sub(self.start).map(|at| at as usize);
-        let at = at.filter(|at| *at <= self.bytes.len());
-        at.map(|at| self.bytes.slice(at..))
+    fn tail(&self, start: u64) -> Result<Bytes, ParquetError> {
+        let offset = start.checked_sub(self.start).map(|offset| offset as usize);
+        offset
+            .filter(|offset| *offset <= self.bytes.len())
+            .map(|offset| self.bytes.slice(offset..))
             .ok_or_else(|| ParquetError::EOF("outside of the column".to_owned()))
     }
 }
@@ -276,11 +277,11 @@ impl ChunkReader for Piece {
     type T = bytes::buf::Reader<Bytes>;
 
     fn get_read(&self, start: u64) -> Result<Self::T, ParquetError> {
-        Ok(self.from(start)?.reader())
+        Ok(self.tail(start)?.reader())
     }
 
     fn get_bytes(&self, start: u64, length: usize) -> Result<Bytes, ParquetError> {
-        let mut bytes = self.from(start)?;
+        let mut bytes = self.tail(start)?;
         if bytes.len() < length {
             return Err(ParquetError::EOF("outside of the column".to_owned()));
         }
@@ -302,25 +303,32 @@ fn decoded(piece: &Piece, chunk: &Chunk, rows: usize) -> Result<Column, ParquetE
                 return Ok(Column::Numbers(values));
             }
             let mut values = values.into_iter();
-            let spread = |level: &i16| {
-                if *level == 1 {
-                    values.next().unwrap_or(f64::NAN)
-                } else {
-                    f64::NAN
-                }
-            };
-            Ok(Column::Numbers(levels.iter().map(spread).collect()))
+            Ok(Column::Numbers(
+                levels
+                    .iter()
+                    .map(|level: &i16| {
+                        if *level == 1 {
+                            values.next().unwrap_or(f64::NAN)
+                        } else {
+                            f64::NAN
+                        }
+                    })
+                    .collect(),
+            ))
         }
         ColumnReader::Int64ColumnReader(reader) => {
             let (levels, values) = all(reader, rows)?;
-            let held = |value: i64| {
-                if chunk.kind == Kind::Large {
-                    value ^ i64::MIN
-                } else {
-                    value
-                }
-            };
-            Ok(wholes(chunk.kind, &levels, values.into_iter().map(held)))
+            Ok(wholes(
+                chunk.kind,
+                &levels,
+                values.into_iter().map(|value: i64| {
+                    if chunk.kind == Kind::Large {
+                        value ^ i64::MIN
+                    } else {
+                        value
+                    }
+                }),
+            ))
         }
         ColumnReader::BoolColumnReader(reader) => {
             let (levels, values) = all(reader, rows)?;
@@ -351,23 +359,25 @@ fn wholes(kind: Kind, levels: &[i16], values: impl Iterator<Item = i64>) -> Colu
             missing: Vec::new(),
         };
     }
-    let spread = |level: &i16| {
-        if *level == 1 {
-            values.next().unwrap_or(0)
-        } else {
-            0
-        }
-    };
     Column::Wholes {
         kind,
-        values: levels.iter().map(spread).collect(),
+        values: levels
+            .iter()
+            .map(|level: &i16| {
+                if *level == 1 {
+                    values.next().unwrap_or(0)
+                } else {
+                    0
+                }
+            })
+            .collect(),
         missing: levels.iter().map(|level| *level == 0).collect(),
     }
 }
 
 /// Equal texts of a dictionary share their bytes, so that most are known by their address: to compare them took most of the time.
 fn texts(reader: ColumnReaderImpl<ByteArrayType>, rows: usize) -> Result<Column, ParquetError> {
-    /// Addresses that are remembered, each at a place of its own.
+    /// Slots of the table of recent texts.
     const PLACES: usize = 1024;
     let (levels, values): (_, Vec<ByteArray>) = all(reader, rows)?;
     let mut column = ColumnBuilder::new(Kind::Text);

@@ -10,7 +10,7 @@ use crate::error::ColumnarError;
 use crate::parts::Masked;
 use coded::Coded;
 
-/// A column by which rows are grouped, by its place among the columns of the question.
+/// A grouping column, by its position among the columns of the query.
 #[derive(Debug, Clone, Copy)]
 pub struct GroupBy {
     /// The place.
@@ -19,7 +19,7 @@ pub struct GroupBy {
     pub bins: Option<Bins>,
 }
 
-/// What the rows of a group have in common in one column.
+/// The common value of a group's rows in one column.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub enum Cell {
     /// No value, or one that is not finite.
@@ -38,19 +38,23 @@ pub enum Cell {
     Text(Arc<str>),
 }
 
-/// The group of a row that does not count.
-pub(crate) const NO_GROUP: u16 = u16::MAX;
+/// The group of a row that the query leaves out.
+pub(crate) const NO_GROUP: u32 = u32::MAX;
 
 /// Groups and which rows belong to them.
 pub(crate) struct Grouped {
     pub(crate) keys: Vec<Vec<Cell>>,
     /// Part by part and row by row; empty for a part without rows, and without columns.
-    pub(crate) groups: Vec<Vec<u16>>,
+    pub(crate) groups: Vec<Vec<u32>>,
 }
 
-/// The groups that have rows, in no order.
-pub(crate) fn grouped(masked: &Masked<'_>, by: &[GroupBy], most: usize) -> Result<Grouped, ColumnarError> {
-    let mut groups = vec![Vec::new(); masked.question.parts.len()];
+/// The groups that have rows, in no order; more than `most` are an error.
+pub(crate) fn grouped(
+    masked: &Masked<'_>,
+    by: &[GroupBy],
+    most: Option<usize>,
+) -> Result<Grouped, ColumnarError> {
+    let mut groups = vec![Vec::new(); masked.query.parts.len()];
     if by.is_empty() {
         // Without columns all rows are one group, unless there are none.
         let any = masked.source.files + masked.source.memory > 0;
@@ -59,13 +63,12 @@ pub(crate) fn grouped(masked: &Masked<'_>, by: &[GroupBy], most: usize) -> Resul
             groups,
         });
     }
-    let most = most.min(usize::from(NO_GROUP));
-    let known: Mutex<HashMap<Vec<Cell>, u16>> = Mutex::default();
+    let known: Mutex<HashMap<Vec<Cell>, u32>> = Mutex::default();
     let place = |key: Vec<Cell>| {
         let mut known = known.lock().unwrap_or_else(PoisonError::into_inner);
         let next = known.len();
-        let place = *known.entry(key).or_insert(next as u16);
-        if known.len() > most {
+        let place = *known.entry(key).or_insert(next as u32);
+        if let Some(most) = most.filter(|most| known.len() > *most) {
             return Err(ColumnarError::TooManyGroups(most));
         }
         Ok(place)
@@ -79,7 +82,7 @@ pub(crate) fn grouped(masked: &Masked<'_>, by: &[GroupBy], most: usize) -> Resul
         let mut groups = vec![NO_GROUP; length];
         let mut places = Places::new(&coded, length);
         let mut failed = None;
-        rows.each(length, |at| {
+        rows.visit(length, |at| {
             if failed.is_none() {
                 match places.of_row(&coded, at, place) {
                     Ok(group) => groups[at] = group,
@@ -96,7 +99,7 @@ pub(crate) fn grouped(masked: &Masked<'_>, by: &[GroupBy], most: usize) -> Resul
     let known = known.into_inner().unwrap_or_else(PoisonError::into_inner);
     let mut keys = vec![Vec::new(); known.len()];
     for (key, place) in known {
-        keys[usize::from(place)] = key;
+        keys[place as usize] = key;
     }
     Ok(Grouped { keys, groups })
 }
@@ -104,12 +107,12 @@ pub(crate) fn grouped(masked: &Masked<'_>, by: &[GroupBy], most: usize) -> Resul
 /// The groups of a part by the codes of its rows.
 enum Places {
     /// Of each combination, and the combination of each row.
-    Few(Vec<u16>, Vec<u32>),
-    Many(HashMap<Vec<u32>, u16>),
+    Few(Vec<u32>, Vec<u32>),
+    Many(HashMap<Vec<u32>, u32>),
 }
 
 impl Places {
-    /// So many combinations stand in a table; more would take longer to clear than to search.
+    /// Most combinations for a table; clearing a larger one would take longer than a search.
     const FEW: usize = 1 << 16;
 
     fn new(coded: &[Coded], rows: usize) -> Self {
@@ -131,8 +134,8 @@ impl Places {
         &mut self,
         coded: &[Coded],
         at: usize,
-        place: impl Fn(Vec<Cell>) -> Result<u16, ColumnarError>,
-    ) -> Result<u16, ColumnarError> {
+        place: impl Fn(Vec<Cell>) -> Result<u32, ColumnarError>,
+    ) -> Result<u32, ColumnarError> {
         let key = || {
             let cells = coded
                 .iter()

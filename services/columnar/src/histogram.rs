@@ -2,9 +2,9 @@
 
 use crate::condition::Bound;
 use crate::error::ColumnarError;
-use crate::parts::{Masked, Question, Source};
+use crate::parts::{Masked, Query, Source};
 
-/// How many values are where.
+/// Numbers of values between edges.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Counts {
     /// One more than bins.
@@ -21,17 +21,13 @@ pub struct Counts {
     pub source: Source,
 }
 
-/// Counts the values of the question's column in bins of equal width: the first edge belongs to a bin, the last bin has both of its
-/// own. Without a range the bins go from the smallest finite value to the largest.
+/// Counts the values of the first column in bins of equal width: the first edge belongs to a bin, the last bin has both of its
+/// edges. Without a range, the bins extend from the smallest finite value to the largest.
 ///
 /// # Errors
 /// [`ColumnarError`].
-pub fn histogram(
-    question: &Question<'_>,
-    bins: usize,
-    range: Option<(f64, f64)>,
-) -> Result<Counts, ColumnarError> {
-    let masked = Masked::new(question)?;
+pub fn histogram(query: &Query<'_>, bins: usize, range: Option<(f64, f64)>) -> Result<Counts, ColumnarError> {
+    let masked = Masked::new(query)?;
     let (low, high) = match range {
         Some(range) => range,
         None => widened(ends(&masked)?),
@@ -43,7 +39,7 @@ pub fn histogram(
         |counts, rows| {
             let column = rows.column(0)?;
             let values = column.numbers();
-            rows.each(values.len(), |at| counts.add(values[at]));
+            rows.visit(values.len(), |at| counts.add(values[at]));
             Ok(())
         },
     )? {
@@ -55,29 +51,18 @@ pub fn histogram(
 
 /// The edges of bins of equal width.
 fn edges(low: f64, high: f64, bins: usize) -> Vec<f64> {
-    let edge = |at: usize| {
-        if at == bins {
-            high
-        } else {
-            low + (high - low) * (at as f64 / bins as f64)
-        }
-    };
-    (0..=bins).map(edge).collect()
+    (0..=bins)
+        .map(|at: usize| {
+            if at == bins {
+                high
+            } else {
+                low + (high - low) * (at as f64 / bins as f64)
+            }
+        })
+        .collect()
 }
 
 impl Counts {
-    /// The same of plain values, and of this many rows without one.
-    #[must_use]
-    pub fn of(values: &[f64], missing: u64, bins: usize, range: Option<(f64, f64)>) -> Self {
-        let (low, high) = range.unwrap_or_else(|| extent(values.iter().copied()));
-        let mut counts = Self::empty(edges(low, high, bins));
-        for value in values {
-            counts.add_plainly(*value);
-        }
-        counts.missing = missing;
-        counts
-    }
-
     fn empty(edges: Vec<f64>) -> Self {
         Self {
             counts: vec![0; edges.len() - 1],
@@ -89,20 +74,7 @@ impl Counts {
         }
     }
 
-    /// Compares with the very edges that are returned, so that no rounding puts a value beside its bin.
-    fn add_plainly(&mut self, value: f64) {
-        let bins = self.counts.len();
-        if value < self.edges[0] {
-            self.below += 1;
-        } else if value > self.edges[bins] {
-            self.above += 1;
-        } else {
-            let bin = self.edges.partition_point(|&edge| edge <= value);
-            self.counts[bin.clamp(1, bins) - 1] += 1;
-        }
-    }
-
-    /// The same: a bin is guessed, and moved until its edges enclose the value.
+    /// Estimates the bin, then moves it until its edges enclose the value: no rounding puts a value outside of its bin.
     #[inline]
     fn add(&mut self, value: f64) {
         let bins = self.counts.len();
@@ -150,7 +122,7 @@ fn ends(masked: &Masked<'_>) -> Result<(f64, f64), ColumnarError> {
             }
             let column = rows.column(0)?;
             let values = column.numbers();
-            rows.each(values.len(), |at| {
+            rows.visit(values.len(), |at| {
                 if values[at].is_finite() {
                     *ends = (ends.0.min(values[at]), ends.1.max(values[at]));
                 }
@@ -165,18 +137,7 @@ fn ends(masked: &Masked<'_>) -> Result<(f64, f64), ColumnarError> {
         }))
 }
 
-/// From the smallest finite value to the largest, and never without width.
-#[must_use]
-pub fn extent(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let finite = values.filter(|value| value.is_finite());
-    widened(
-        finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
-            (low.min(value), high.max(value))
-        }),
-    )
-}
-
-/// An extent with some width; zero has no sign in it.
+/// An extent that has a width; zero has no sign in it.
 pub(crate) fn widened((low, high): (f64, f64)) -> (f64, f64) {
     if low > high {
         (0.0, 1.0)
@@ -189,14 +150,49 @@ pub(crate) fn widened((low, high): (f64, f64)) -> (f64, f64) {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use proptest::prelude::*;
 
     use super::*;
+    use crate::cache::Cache;
+    use crate::column::{ColumnBuilder, Kind};
+    use crate::parts::Part;
+
+    /// The counts of values and of this many rows without one.
+    fn counted(values: &[f64], missing: usize, bins: usize, range: Option<(f64, f64)>) -> Counts {
+        let mut column = ColumnBuilder::new(Kind::Number);
+        values.iter().for_each(|value| column.number(Some(*value)));
+        (0..missing).for_each(|_| column.number(None));
+        let query = Query {
+            parts: &[Part::Rows(vec![Arc::new(column.build())])],
+            columns: &["uiqm".to_owned()],
+            condition: None,
+            cache: &Cache::new(0),
+            threads: 1,
+        };
+        histogram(&query, bins, range).unwrap()
+    }
+
+    impl Counts {
+        /// The reference: searches the edges.
+        fn add_by_search(&mut self, value: f64) {
+            let bins = self.counts.len();
+            if value < self.edges[0] {
+                self.below += 1;
+            } else if value > self.edges[bins] {
+                self.above += 1;
+            } else {
+                let bin = self.edges.partition_point(|&edge| edge <= value);
+                self.counts[bin.clamp(1, bins) - 1] += 1;
+            }
+        }
+    }
 
     #[test]
     fn every_value_is_in_one_bin_and_the_last_edge_belongs_to_the_last() {
         let values = [0.0, 0.1, 0.3, 0.3, 0.5, 1.0, -1.0, 7.0, f64::INFINITY];
-        let got = Counts::of(&values, 4, 10, Some((0.0, 1.0)));
+        let got = counted(&values, 4, 10, Some((0.0, 1.0)));
         assert_eq!(got.counts, [1, 1, 0, 2, 0, 1, 0, 0, 0, 1]);
         assert_eq!((got.below, got.above, got.missing), (1, 2, 4));
         assert_eq!((got.edges.len(), got.edges[3], got.edges[10]), (11, 0.3, 1.0));
@@ -204,11 +200,11 @@ mod tests {
 
     #[test]
     fn without_a_range_the_values_give_it_even_if_they_are_all_the_same_or_none() {
-        let got = Counts::of(&[1.0, 2.0, 3.0], 0, 2, None);
+        let got = counted(&[1.0, 2.0, 3.0], 0, 2, None);
         assert_eq!((got.edges, got.counts), (vec![1.0, 2.0, 3.0], vec![1, 2]));
-        let same = Counts::of(&[5.0, 5.0], 0, 2, None);
+        let same = counted(&[5.0, 5.0], 0, 2, None);
         assert_eq!((same.edges, same.counts), (vec![4.5, 5.0, 5.5], vec![0, 2]));
-        let none = Counts::of(&[], 3, 1, None);
+        let none = counted(&[], 3, 1, None);
         assert_eq!(
             (none.edges, none.counts, none.missing),
             (vec![0.0, 1.0], vec![0], 3)
@@ -217,16 +213,16 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_guessed_bin_is_the_searched_one(low in -1e3f64..1e3, width in 1e-9f64..1e6, bins in 1usize..300,
-                                            shares in prop::collection::vec(-0.1f64..1.1, 1..50)) {
-            let mut plain = Counts::empty(edges(low, low + width, bins));
-            let mut fast = plain.clone();
-            let values = shares.iter().map(|share| low + share * width).chain(plain.edges.clone());
+        fn an_estimated_bin_is_the_searched_one(low in -1e3f64..1e3, width in 1e-9f64..1e6, bins in 1usize..300,
+                                               shares in prop::collection::vec(-0.1f64..1.1, 1..50)) {
+            let mut reference = Counts::empty(edges(low, low + width, bins));
+            let mut fast = reference.clone();
+            let values = shares.iter().map(|share| low + share * width).chain(reference.edges.clone());
             for value in values.collect::<Vec<_>>() {
-                plain.add_plainly(value);
+                reference.add_by_search(value);
                 fast.add(value);
             }
-            prop_assert_eq!(plain, fast);
+            prop_assert_eq!(reference, fast);
         }
     }
 }

@@ -1,36 +1,35 @@
-//! Images by columns: Parquet files that are written once, and questions that count their rows.
+//! Images by columns: immutable Parquet files, and aggregation over their rows.
 //!
-//! A file holds some thousand rows as one row group. Its footer has a checksum of each column, and who names the file knows the
-//! digest of the footer, so that no damaged byte is ever counted. Questions go over files and over rows from elsewhere alike, in
-//! passes of which each is spread over threads; every sum is exact, so that neither the order of rows nor the number of threads
-//! changes a bit of an answer.
+//! A file holds some thousand rows as one row group. Its footer has a checksum of each column, and the catalogue has the digest of the
+//! footer, so that no damaged byte is used. A query covers files and rows in memory, in passes over several threads. Sums are exact, so
+//! results do not depend on the order of rows or the number of threads.
 
 mod bins;
 mod cache;
 mod column;
 mod condition;
-mod density;
 mod error;
 mod file;
 mod groups;
 mod histogram;
+mod histogram_2d;
 mod parts;
-mod ranked;
 mod stats;
 mod sum;
+mod top_k;
 mod write;
 
 pub use bins::Bins;
 pub use cache::Cache;
 pub use column::{Column, ColumnBuilder, Kind};
 pub use condition::{Condition, Sign, Test, Value};
-pub use density::{Axes, Cells, density};
 pub use error::ColumnarError;
-pub use file::{About, MirrorFile, Named};
+pub use file::{About, Named, ReplicaFile};
 pub use groups::{Cell, GroupBy};
-pub use histogram::{Counts, extent, histogram};
-pub use parts::{Part, Question, Source};
-pub use ranked::{Order, Sorted, Start, ranked};
-pub use stats::{Group, Summary, stats, summary};
+pub use histogram::{Counts, histogram};
+pub use histogram_2d::{Axes, Histogram2d, histogram_2d};
+pub use parts::{Part, Query, Source};
+pub use stats::{Group, Summary, stats};
 pub use sum::Sum;
+pub use top_k::{Order, Sorted, Start, top_k};
 pub use write::write;

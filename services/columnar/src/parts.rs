@@ -1,4 +1,4 @@
-//! The rows of a question: files and rows from elsewhere, gone through in passes by several threads.
+//! The rows of a query: files and rows in memory, processed in passes by several threads.
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -8,7 +8,7 @@ use crate::cache::Cache;
 use crate::column::Column;
 use crate::condition::{Columns, Condition, Mask, Range};
 use crate::error::ColumnarError;
-use crate::file::MirrorFile;
+use crate::file::ReplicaFile;
 
 /// The column of the job.
 const JOB: &str = "job";
@@ -19,30 +19,30 @@ pub enum Part {
     /// A file.
     File {
         /// Which.
-        file: Arc<MirrorFile>,
-        /// The jobs whose rows are asked for; `None`: all.
+        file: Arc<ReplicaFile>,
+        /// The requested jobs; `None`: all.
         jobs: Option<HashSet<String>>,
     },
-    /// Rows that are in memory and fulfill the condition: the columns of the question in their order, of at most 65 535 rows.
+    /// Rows in memory that fulfill the condition: the columns of the query in their order, of at most 65 535 rows.
     Rows(Vec<Arc<Column>>),
 }
 
-/// Rows under a condition, and the columns that are asked for.
+/// Columns of all rows that fulfill a condition.
 #[derive(Debug)]
-pub struct Question<'a> {
+pub struct Query<'a> {
     /// All rows, in any order.
     pub parts: &'a [Part],
     /// Columns by name.
     pub columns: &'a [String],
-    /// Which rows of files count.
+    /// Selects rows of files.
     pub condition: Option<&'a Condition>,
     /// Columns that were read before.
     pub cache: &'a Cache,
-    /// Threads to use; they change no bit of the answer.
+    /// Number of threads; it does not affect results.
     pub threads: usize,
 }
 
-/// Where the rows that were counted came from.
+/// The sources of the aggregated rows.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Source {
     /// Rows of files.
@@ -53,30 +53,30 @@ pub struct Source {
 
 /// A part as a pass sees it.
 pub(crate) struct Rows<'a> {
-    question: &'a Question<'a>,
+    query: &'a Query<'a>,
     pub(crate) at: usize,
     pub(crate) mask: &'a Mask,
 }
 
-/// A question whose condition has been answered.
+/// A query whose condition has been evaluated.
 pub(crate) struct Masked<'a> {
-    pub(crate) question: &'a Question<'a>,
+    pub(crate) query: &'a Query<'a>,
     masks: Vec<Mask>,
     pub(crate) source: Source,
 }
 
 impl<'a> Masked<'a> {
-    pub(crate) fn new(question: &'a Question<'a>) -> Result<Self, ColumnarError> {
-        question.cache.begin();
-        let mut masks = spread(question.parts.len(), question.threads, Vec::new, |masks, at| {
-            masks.push((at, question.mask(at)?));
+    pub(crate) fn new(query: &'a Query<'a>) -> Result<Self, ColumnarError> {
+        query.cache.begin();
+        let mut masks = spread(query.parts.len(), query.threads, Vec::new, |masks, at| {
+            masks.push((at, query.mask(at)?));
             Ok(())
         })?
         .concat();
         masks.sort_unstable_by_key(|(at, _)| *at);
         let masks: Vec<Mask> = masks.into_iter().map(|(_, mask)| mask).collect();
         let mut source = Source::default();
-        for (part, mask) in question.parts.iter().zip(&masks) {
+        for (part, mask) in query.parts.iter().zip(&masks) {
             match part {
                 Part::File { file, .. } => source.files += mask.count(file.rows()) as u64,
                 Part::Rows(columns) => {
@@ -84,69 +84,65 @@ impl<'a> Masked<'a> {
                 }
             }
         }
-        Ok(Self {
-            question,
-            masks,
-            source,
-        })
+        Ok(Self { query, masks, source })
     }
 
-    /// A pass over the parts that have rows: each thread folds some of them into a value of its own.
+    /// A pass over the parts that have rows. Each thread folds some parts into a separate value.
     pub(crate) fn pass<T: Send>(
         &self,
         empty: impl Fn() -> T + Sync,
         fold: impl Fn(&mut T, &Rows<'_>) -> Result<(), ColumnarError> + Sync,
     ) -> Result<Vec<T>, ColumnarError> {
-        let parts = self.question.parts.len();
-        spread(parts, self.question.threads, empty, |folded, at| {
+        let parts = self.query.parts.len();
+        spread(parts, self.query.threads, empty, |folded, at| {
             let mask = &self.masks[at];
             if *mask == Mask::None {
                 return Ok(());
             }
-            let question = self.question;
-            fold(folded, &Rows { question, at, mask })
+            let query = self.query;
+            fold(folded, &Rows { query, at, mask })
         })
     }
 }
 
 impl Rows<'_> {
-    /// A column of the question by its place.
+    /// A column of the query by its place.
     pub(crate) fn column(&self, place: usize) -> Result<Arc<Column>, ColumnarError> {
-        match &self.question.parts[self.at] {
+        match &self.query.parts[self.at] {
             Part::Rows(columns) => Ok(Arc::clone(&columns[place])),
-            Part::File { file, .. } => self.question.cache.read(file, &self.question.columns[place]),
+            Part::File { file, .. } => self.query.cache.read(file, &self.query.columns[place]),
         }
     }
 
-    /// Where the values of a column lie, if that is known without reading it and every row counts and has one.
+    /// The bounds of a column without reading it, if every row of the part is in the query and has a value.
     pub(crate) fn range(&self, place: usize) -> Option<Range> {
-        match &self.question.parts[self.at] {
+        match &self.query.parts[self.at] {
             Part::File { file, .. } if *self.mask == Mask::All => file
-                .range(&self.question.columns[place])
+                .range(&self.query.columns[place])
                 .filter(|range| !range.any_missing),
             _ => None,
         }
     }
 
-    /// Rows that count.
+    /// Number of rows in the query.
     pub(crate) fn count(&self) -> u64 {
-        let rows = match &self.question.parts[self.at] {
+        let rows = match &self.query.parts[self.at] {
             Part::File { file, .. } => file.rows(),
             Part::Rows(columns) => columns.first().map_or(0, |column| column.len()),
         };
         self.mask.count(rows) as u64
     }
 
-    /// Calls `each` with the places of the rows that count.
+    /// Calls `visit` with the positions of the rows in the query.
     #[inline]
-    pub(crate) fn each(&self, rows: usize, mut each: impl FnMut(usize)) {
+    pub(crate) fn visit(&self, rows: usize, mut visit: impl FnMut(usize)) {
         match self.mask {
             Mask::None => {}
-            Mask::All => (0..rows).for_each(each),
+            Mask::All => (0..rows).for_each(visit),
             Mask::Some(mask) => {
                 for (at, counts) in mask.iter().enumerate() {
                     if *counts {
-                        each(at);
+                        visit(at);
                     }
                 }
             }
@@ -154,7 +150,7 @@ impl Rows<'_> {
     }
 }
 
-impl Question<'_> {
+impl Query<'_> {
     fn mask(&self, at: usize) -> Result<Mask, ColumnarError> {
         match &self.parts[at] {
             Part::Rows(columns) => Ok(match columns.first() {
@@ -183,13 +179,17 @@ fn of_jobs(column: &Column, jobs: &HashSet<String>) -> Mask {
     let Column::Texts { codes, texts } = column else {
         return Mask::None;
     };
-    let asked: Vec<bool> = texts.iter().map(|text| jobs.contains(&**text)).collect();
-    let row = |code: &u16| asked.get(usize::from(*code)).copied().unwrap_or(false);
-    Mask::of(codes.iter().map(row).collect())
+    let is_requested: Vec<bool> = texts.iter().map(|text| jobs.contains(&**text)).collect();
+    Mask::from_rows(
+        codes
+            .iter()
+            .map(|code: &u16| is_requested.get(usize::from(*code)).copied().unwrap_or(false))
+            .collect(),
+    )
 }
 
 struct OfFile<'a> {
-    file: &'a MirrorFile,
+    file: &'a ReplicaFile,
     cache: &'a Cache,
 }
 
@@ -216,11 +216,11 @@ fn spread<T: Send>(
     let work = || {
         let mut folded = empty();
         loop {
-            let at = next.fetch_add(1, Ordering::Relaxed);
-            if at >= items {
+            let item = next.fetch_add(1, Ordering::Relaxed);
+            if item >= items {
                 return Ok(folded);
             }
-            fold(&mut folded, at)?;
+            fold(&mut folded, item)?;
         }
     };
     let threads = threads.min(items).max(1);

@@ -1,11 +1,12 @@
 //! Count, mean, deviation and quartiles of columns in groups, without holding their values.
 //!
 //! A pass finds the smallest and the largest value of each group, a second one counts values in fine bins and adds them up, and
-//! a third one adds the squares and gathers the values of the bins in which quartiles lie.
+//! a third one adds the squares and collects the values of the bins that contain quartiles. Where bins have no width, or there are
+//! more groups than bins, the values of each group are collected and sorted instead.
 
 use crate::error::ColumnarError;
 use crate::groups::{Cell, GroupBy, Grouped, NO_GROUP, grouped};
-use crate::parts::{Masked, Question, Rows, Source};
+use crate::parts::{Masked, Query, Rows, Source};
 use crate::sum::Sum;
 
 /// Statistics of the values of a group.
@@ -24,12 +25,14 @@ pub struct Summary {
 
 /// The shares below the quartiles.
 const SHARES: [f64; 3] = [0.25, 0.5, 0.75];
-/// Bins of one group at most, and of all groups of a column together: their counts stay in a processor's own cache.
+/// Most bins of one group, and of all groups of a column: their counts fit into a core's cache.
 const MOST_BINS: usize = 4096;
 const ALL_BINS: usize = 1 << 15;
 const LEAST_BINS: usize = 64;
+/// Groups whose values are counted in bins; the values of more groups are sorted.
+const MOST_BINNED_GROUPS: usize = 1000;
 
-/// A group with what is known of its values so far.
+/// Count and bounds of a group's values.
 #[derive(Debug, Clone, Copy)]
 struct Ends {
     count: u64,
@@ -57,10 +60,10 @@ struct Gathered {
     values: Vec<f64>,
 }
 
-/// What is asked of a group in the third pass.
+/// The input of the third pass for a group.
 struct Wanted {
     mean: f64,
-    /// The bins in which quartiles lie.
+    /// The bins with quartiles.
     bins: Vec<bool>,
     largest_square: f64,
 }
@@ -71,19 +74,18 @@ type Summaries = Vec<Summary>;
 /// A group: its key, and one summary for each column.
 pub type Group = (Vec<Cell>, Vec<Summary>);
 
-/// Statistics of the first `metrics` columns of the question for each group: its key, and one summary for each column. Groups are in
+/// Statistics of the first `metrics` columns of the query for each group: its key, and one summary for each column. Groups are in
 /// no order.
 ///
 /// # Errors
-/// [`ColumnarError::TooManyGroups`] for more than `most`; [`ColumnarError::NotFinite`] for values for which there are no bins; those
-/// of files.
+/// [`ColumnarError::TooManyGroups`] for more than `most`; those of files.
 pub fn stats(
-    question: &Question<'_>,
+    query: &Query<'_>,
     metrics: usize,
     by: &[GroupBy],
-    most: usize,
+    most: Option<usize>,
 ) -> Result<(Vec<Group>, Source), ColumnarError> {
-    let masked = Masked::new(question)?;
+    let masked = Masked::new(query)?;
     let grouped = grouped(&masked, by, most)?;
     let columns = (0..metrics).map(|metric| of_column(&masked, &grouped, metric));
     let columns = columns.collect::<Result<Vec<_>, _>>()?;
@@ -94,18 +96,17 @@ pub fn stats(
     Ok((groups.collect(), masked.source))
 }
 
-/// The same of plain values.
-#[must_use]
-pub fn summary(mut values: Vec<f64>) -> Summary {
+/// Statistics of values by sorting them, also of infinite ones.
+fn summary(mut values: Vec<f64>) -> Summary {
     values.sort_by(f64::total_cmp);
     let count = values.len();
-    let mean = (count > 0).then(|| Sum::of(values.iter().copied()) / count as f64);
+    let mean = (count > 0).then(|| Sum::exact(values.iter().copied()) / count as f64);
     let sd = mean.filter(|_| count > 1).map(|mean| {
         let squares = values.iter().map(|value| (value - mean) * (value - mean));
-        (Sum::of(squares) / (count - 1) as f64).sqrt()
+        (Sum::exact(squares) / (count - 1) as f64).sqrt()
     });
     let [q25, median, q75] = SHARES.map(|share| {
-        let place = Place::of(share, count as u64)?;
+        let place = Quantile::new(share, count as u64)?;
         Some(place.between(values[place.low as usize], values[place.high as usize]))
     });
     Summary {
@@ -120,15 +121,15 @@ pub fn summary(mut values: Vec<f64>) -> Summary {
     }
 }
 
-/// Where a quartile lies among sorted values.
-struct Place {
+/// The position of a quartile among sorted values.
+struct Quantile {
     low: u64,
     high: u64,
     share: f64,
 }
 
-impl Place {
-    fn of(share: f64, count: u64) -> Option<Self> {
+impl Quantile {
+    fn new(share: f64, count: u64) -> Option<Self> {
         let place = share * count.checked_sub(1)? as f64;
         Some(Self {
             low: place.floor() as u64,
@@ -137,7 +138,7 @@ impl Place {
         })
     }
 
-    /// Zero has no sign here, so that it does not matter which of equal values stands first.
+    /// Interpolates. The result zero has no sign, so that the order of equal values does not matter.
     fn between(&self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.share + 0.0
     }
@@ -145,13 +146,13 @@ impl Place {
 
 fn of_column(masked: &Masked<'_>, grouped: &Grouped, metric: usize) -> Result<Summaries, ColumnarError> {
     let groups = grouped.keys.len();
+    if groups > MOST_BINNED_GROUPS {
+        return sorted(masked, grouped, metric);
+    }
     let bins = (ALL_BINS / groups.max(1)).clamp(LEAST_BINS, MOST_BINS);
     let ends = ends(masked, grouped, metric)?;
-    if ends
-        .iter()
-        .any(|ends| ends.count > 0 && !(ends.high - ends.low).is_finite())
-    {
-        return Err(ColumnarError::NotFinite);
+    if ends.iter().any(Ends::have_no_width) {
+        return sorted(masked, grouped, metric);
     }
     let binned = binned(masked, grouped, metric, &ends, bins)?;
     let wanted: Vec<Wanted> = ends
@@ -166,7 +167,20 @@ fn of_column(masked: &Masked<'_>, grouped: &Grouped, metric: usize) -> Result<Su
         .collect())
 }
 
-/// Calls `each` with the group and the value of every row that counts and has one.
+/// The summaries of all groups from their collected values.
+fn sorted(masked: &Masked<'_>, grouped: &Grouped, metric: usize) -> Result<Summaries, ColumnarError> {
+    let groups = grouped.keys.len();
+    let mut all = vec![Vec::new(); groups];
+    let parts = masked.pass(Vec::new, |values, rows| {
+        each_value(rows, grouped, metric, |group, value| values.push((group, value)))
+    })?;
+    for (group, value) in parts.into_iter().flatten() {
+        all[group].push(value);
+    }
+    Ok(all.into_iter().map(summary).collect())
+}
+
+/// Calls `each` with the group and the value of every row of the query that has one.
 #[inline]
 fn each_value(
     rows: &Rows<'_>,
@@ -178,7 +192,7 @@ fn each_value(
     let values = column.numbers();
     let groups = &grouped.groups[rows.at];
     if groups.is_empty() {
-        rows.each(values.len(), |at| {
+        rows.visit(values.len(), |at| {
             if !values[at].is_nan() {
                 each(0, values[at]);
             }
@@ -187,7 +201,7 @@ fn each_value(
     }
     for (group, value) in groups.iter().zip(values.iter()) {
         if *group != NO_GROUP && !value.is_nan() {
-            each(usize::from(*group), *value);
+            each(*group as usize, *value);
         }
     }
     Ok(())
@@ -233,6 +247,11 @@ impl Ends {
         self.high = self.high.max(other.high);
     }
 
+    /// Whether bins between the ends have no width, as between infinite ones.
+    fn have_no_width(&self) -> bool {
+        self.count > 0 && !(self.high - self.low).is_finite()
+    }
+
     fn largest(&self) -> f64 {
         if self.count == 0 {
             0.0
@@ -263,11 +282,12 @@ fn binned(
 ) -> Result<Vec<Binned>, ColumnarError> {
     let scales: Vec<f64> = ends.iter().map(|ends| ends.scale(bins)).collect();
     let empty = || -> Vec<Binned> {
-        let one = |ends: &Ends| Binned {
-            counts: vec![0; bins],
-            sum: Sum::up_to(ends.largest()),
-        };
-        ends.iter().map(one).collect()
+        ends.iter()
+            .map(|ends: &Ends| Binned {
+                counts: vec![0; bins],
+                sum: Sum::up_to(ends.largest()),
+            })
+            .collect()
     };
     let mut all = empty();
     for part in masked.pass(empty, |binned, rows| {
@@ -291,11 +311,13 @@ fn binned(
 impl Wanted {
     fn new(ends: &Ends, binned: &Binned) -> Self {
         let mut bins = vec![false; binned.counts.len()];
-        let places = SHARES.iter().filter_map(|share| Place::of(*share, ends.count));
+        let places = SHARES
+            .iter()
+            .filter_map(|share| Quantile::new(*share, ends.count));
         let mut ranks: Vec<u64> = places.flat_map(|place| [place.low, place.high]).collect();
         ranks.sort_unstable();
         let (mut ranks, mut below) = (ranks.into_iter().peekable(), 0);
-        // Where all values are the same there is nothing to look for.
+        // Equal values need no search.
         if ends.low < ends.high {
             for (bin, count) in binned.counts.iter().enumerate() {
                 below += u64::from(*count);
@@ -332,11 +354,13 @@ fn gathered(
 ) -> Result<Vec<Gathered>, ColumnarError> {
     let scales: Vec<f64> = ends.iter().map(|ends| ends.scale(bins)).collect();
     let empty = || -> Vec<Gathered> {
-        let one = |wanted: &Wanted| Gathered {
-            squares: Sum::up_to(wanted.largest_square),
-            values: Vec::new(),
-        };
-        wanted.iter().map(one).collect()
+        wanted
+            .iter()
+            .map(|wanted: &Wanted| Gathered {
+                squares: Sum::up_to(wanted.largest_square),
+                values: Vec::new(),
+            })
+            .collect()
     };
     let mut all = empty();
     for part in masked.pass(empty, |gathered, rows| {
@@ -364,7 +388,7 @@ fn summarized(ends: &Ends, binned: &Binned, wanted: &Wanted, mut gathered: Gathe
         if ends.low == ends.high {
             return ends.low;
         }
-        // The rank among the gathered values: less what is in the bins before that were not.
+        // The rank among the collected values: without those in earlier bins that were not collected.
         let (mut below, mut skipped) = (0, 0);
         for (count, is_wanted) in binned.counts.iter().zip(&wanted.bins) {
             if rank < below + u64::from(*count) {
@@ -376,7 +400,7 @@ fn summarized(ends: &Ends, binned: &Binned, wanted: &Wanted, mut gathered: Gathe
         gathered.values[(rank - skipped) as usize]
     };
     let [q25, median, q75] = SHARES.map(|share| {
-        let place = Place::of(share, ends.count)?;
+        let place = Quantile::new(share, ends.count)?;
         Some(place.between(value(place.low), value(place.high)))
     });
     let some = |value: f64| (ends.count > 0).then_some(value + 0.0);

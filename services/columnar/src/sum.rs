@@ -45,7 +45,7 @@ impl Sum {
 
     /// The sum of all terms.
     #[must_use]
-    pub fn of(terms: impl Iterator<Item = f64> + Clone) -> f64 {
+    pub fn exact(terms: impl Iterator<Item = f64> + Clone) -> f64 {
         let mut sum = Self::up_to(terms.clone().fold(0.0, |most: f64, term| most.max(term.abs())));
         terms.for_each(|term| sum.add(term));
         sum.total()
@@ -95,19 +95,19 @@ mod tests {
 
     #[test]
     fn cancellation_loses_nothing_within_the_range() {
-        assert_eq!(Sum::of([1e10, 1.0, -1e10, 1e-3].into_iter()), 1.001);
-        assert_eq!(Sum::of([0.1; 10].into_iter()), 1.0);
-        assert_eq!(Sum::of([0.0, -0.0].into_iter()), 0.0);
-        assert_eq!(Sum::of([f64::MAX, -f64::MAX, f64::MAX].into_iter()), f64::MAX);
+        assert_eq!(Sum::exact([1e10, 1.0, -1e10, 1e-3].into_iter()), 1.001);
+        assert_eq!(Sum::exact([0.1; 10].into_iter()), 1.0);
+        assert_eq!(Sum::exact([0.0, -0.0].into_iter()), 0.0);
+        assert_eq!(Sum::exact([f64::MAX, -f64::MAX, f64::MAX].into_iter()), f64::MAX);
         let tiny = f64::from_bits(1);
-        assert_eq!(Sum::of([tiny, tiny, tiny].into_iter()), 3.0 * tiny);
+        assert_eq!(Sum::exact([tiny, tiny, tiny].into_iter()), 3.0 * tiny);
     }
 
     proptest! {
         #[test]
         fn no_order_and_no_split_changes_a_bit(terms in prop::collection::vec(-1e9f64..1e9, 1..200), split in 0usize..200) {
-            let whole = Sum::of(terms.iter().copied());
-            let backwards = Sum::of(terms.iter().rev().copied());
+            let whole = Sum::exact(terms.iter().copied());
+            let backwards = Sum::exact(terms.iter().rev().copied());
             let largest = terms.iter().fold(0.0, |most: f64, term| most.max(term.abs()));
             let (mut one, mut other) = (Sum::up_to(largest), Sum::up_to(largest));
             for (at, term) in terms.iter().enumerate() {

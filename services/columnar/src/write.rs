@@ -16,17 +16,16 @@ use crate::column::{Column, Kind, NO_TEXT, raised};
 use crate::error::ColumnarError;
 use crate::file::{ABOUT, About, Named, footer, sha256};
 
-/// One page for each column: a question reads all of it anyway.
+/// One page for each column: a query reads all of it anyway.
 const PAGE_BYTES: usize = 4 << 20;
 /// A column of more distinct values than fit is stored as it is: a dictionary would not make it smaller.
 const DICTIONARY_BYTES: usize = 64 << 10;
 
-/// Writes rows by columns of these names and kinds into a folder, and returns how the file is called and its digest. Columns
-/// without a value in any row are left out. The columns are not compressed: what repeats is encoded by its place in a dictionary,
-/// and what does not would hardly become smaller, but slower to read.
+/// Writes columns into a new file of a folder; returns its name and digest. Columns without a value are left out. The columns are not
+/// compressed: repeated values are dictionary-encoded, and compressing the others would save little and slow down reading.
 ///
 /// # Errors
-/// [`ColumnarError`]; then there is no file of the name.
+/// [`ColumnarError`]; then no file is left.
 pub fn write(
     folder: &Path,
     columns: &[(String, Kind, Column)],
@@ -127,18 +126,21 @@ fn write_column<W: Write + Send>(
             values,
             missing,
         } => {
-            let is_there = |at: usize| !missing.get(at).copied().unwrap_or(false);
-            let levels: Vec<i16> = (0..values.len()).map(|at| i16::from(is_there(at))).collect();
-            let there = (0..values.len()).filter(|at| is_there(*at)).map(|at| values[at]);
+            let is_present = |at: usize| !missing.get(at).copied().unwrap_or(false);
+            let levels: Vec<i16> = (0..values.len()).map(|at| i16::from(is_present(at))).collect();
+            let present = (0..values.len())
+                .filter(|at| is_present(*at))
+                .map(|at| values[at]);
             if *kind == Kind::Flag {
-                let flags: Vec<bool> = there.map(|value| value != 0).collect();
+                let flags: Vec<bool> = present.map(|value| value != 0).collect();
                 writer
                     .typed::<BoolType>()
                     .write_batch(&flags, Some(&levels), None)?;
             } else {
                 let is_large = *kind == Kind::Large;
-                let shown = |value| if is_large { raised(value) as i64 } else { value };
-                let values: Vec<i64> = there.map(shown).collect();
+                let values: Vec<i64> = present
+                    .map(|value| if is_large { raised(value) as i64 } else { value })
+                    .collect();
                 writer
                     .typed::<Int64Type>()
                     .write_batch(&values, Some(&levels), None)?;
@@ -147,8 +149,8 @@ fn write_column<W: Write + Send>(
         Column::Texts { codes, texts } => {
             let levels: Vec<i16> = codes.iter().map(|code| i16::from(*code != NO_TEXT)).collect();
             let texts: Vec<ByteArray> = texts.iter().map(|text| ByteArray::from(&**text)).collect();
-            let there = codes.iter().filter(|code| **code != NO_TEXT);
-            let values: Vec<ByteArray> = there.map(|code| texts[usize::from(*code)].clone()).collect();
+            let present = codes.iter().filter(|code| **code != NO_TEXT);
+            let values: Vec<ByteArray> = present.map(|code| texts[usize::from(*code)].clone()).collect();
             writer
                 .typed::<ByteArrayType>()
                 .write_batch(&values, Some(&levels), None)?;

@@ -1,9 +1,9 @@
 //! Why work on a set ends early.
 
-/// Why work on a set ends early. The variants differ in what the caller should do next.
+/// Why work on a set ends early; the variants differ in how the caller should react.
 #[derive(Debug, thiserror::Error)]
 pub enum SetError {
-    /// What was given cannot be used; repeating the call changes nothing.
+    /// Invalid input; repeating the call changes nothing.
     #[error("{0}")]
     Refused(String),
     /// The store does not respond, is full, or is not to be worked on now; the same call may succeed later.
@@ -18,7 +18,7 @@ pub enum SetError {
 }
 
 impl SetError {
-    /// An object of the set that cannot be read as what it should be.
+    /// The error for an object with unreadable content.
     pub(crate) fn unreadable(name: &str, reason: impl std::fmt::Display) -> Self {
         Self::Damaged(format!("{name} cannot be read: {reason}"))
     }

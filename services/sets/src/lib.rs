@@ -1,63 +1,37 @@
 //! Datasets in a store: a folder that machines share, or a bucket.
 //!
-//! A job is divided into shards. [`run_shard`] renders one and writes it straight into the store; any engine may call it,
-//! as often as it likes. A shard is done when its marker exists, and a marker is created only if absent, so the store is
-//! the only truth: no lease, no queue, no service. `layout` names the objects.
+//! A job is divided into shards. [`run_shard`] renders one and writes it straight into the store; any engine may call it
+//! repeatedly. A shard is done when its marker exists, and a marker is created only if absent, so completion state is only in the
+//! store: there is no lease, queue or service. `layout` names the objects.
 
-mod archive;
-mod cells;
-mod change;
-mod child;
-mod columns;
-mod crew;
-mod digests;
-mod draft;
 mod error;
-mod failure;
-#[cfg(test)]
-mod faulty;
-mod group;
-mod job;
-mod jobs;
-mod layout;
-mod listing;
-mod location;
-mod marker;
-mod message;
-mod plan;
-mod reading;
+mod operations;
+mod processes;
 mod rows;
-mod seal;
 mod set;
-mod shard;
-mod state;
-mod store;
-mod table;
+mod shards;
+mod storage;
 #[cfg(test)]
 mod tests;
-mod transport;
-mod upload;
-mod verify;
-mod watch;
 
-pub use cells::{Cell, Kind};
-pub use child::Recipe;
-pub use crew::Crew;
 pub use error::SetError;
-pub use job::{Card, NewSet};
-pub use jobs::{JobStore, Submission};
-pub use listing::Status;
-pub use location::Location;
-pub use marker::{Commit, FailedFrame, Marker};
-pub use message::{Message, ParcelFile};
-pub use plan::{Part, Selection};
-pub use reading::{DoneShard, ShardImage, ShardRows};
-pub use seal::{Manifest, Source};
-pub use set::Set;
-pub use shard::{Outcome, run_shard};
-pub use state::allow_work;
-pub use store::{Entry, Store};
-pub use table::Table;
-pub use upload::FileSum;
-pub use verify::Report;
-pub use watch::Watch;
+pub use operations::jobs::{JobStore, Submission};
+pub use operations::listing::Status;
+pub use operations::plan::{Part, Selection};
+pub use operations::seal::{Manifest, Source};
+pub use operations::verify::Report;
+pub use operations::watch::Watch;
+pub use processes::child::Recipe;
+pub use processes::crew::Crew;
+pub use processes::message::{Message, ParcelFile};
+pub use rows::cells::{Cell, Kind};
+pub use rows::reading::{DoneShard, ShardImage, ShardRows};
+pub use rows::table::Table;
+pub use set::job::{Card, NewSet};
+pub use set::marker::{Commit, FailedFrame, Marker};
+pub use set::opened::Set;
+pub use set::state::allow_work;
+pub use shards::shard::{Outcome, run_shard};
+pub use storage::location::Location;
+pub use storage::store::{Entry, Store};
+pub use storage::upload::FileSum;

@@ -7,15 +7,15 @@ use serde_json::{Value, json};
 use spec::{Job, SetState, Vocabulary};
 
 use crate::error::SetError;
-use crate::faulty::{Fault, store};
-use crate::job::{Card, NewSet};
-use crate::layout;
-use crate::location::Location;
-use crate::marker::{Commit, FailedFrame, Marker};
-use crate::plan::Selection;
-use crate::set::Set;
-use crate::store::Store;
-use crate::upload::{FileSum, Upload};
+use crate::operations::plan::Selection;
+use crate::set::job::{Card, NewSet};
+use crate::set::marker::{Commit, FailedFrame, Marker};
+use crate::set::opened::Set;
+use crate::storage::faulty::{Fault, store};
+use crate::storage::layout;
+use crate::storage::location::Location;
+use crate::storage::store::Store;
+use crate::storage::upload::{FileSum, Upload};
 
 fn job(count: u64) -> Job {
     let text = format!(
@@ -106,10 +106,10 @@ fn a_lost_reply_is_no_refusal() {
 fn the_first_marker_stays_and_a_contradiction_raises_an_alarm() {
     let store = store(Fault::None);
     assert_eq!(marker("a", "x").commit(&store).unwrap(), Commit::Won);
-    let there = "x".to_owned();
+    let existing = "x".to_owned();
     assert_eq!(
         marker("b", "y").commit(&store).unwrap(),
-        Commit::Contradicted { there }
+        Commit::Contradicted { existing }
     );
     let first = Marker::read("", &store.get(&layout::done(3)).unwrap().unwrap()).unwrap();
     assert_eq!(first, marker("a", "x"));
@@ -206,7 +206,7 @@ fn a_cancelled_set_stays_cancelled_whoever_pauses_and_resumes_it() {
         let set = begin(&store, 95).unwrap();
         let begun = Instant::now();
         thread::scope(|scope| {
-            // However fast the machine is, they are still at it when the set is cancelled, and none goes on for ever.
+            // They are still running when the set is cancelled, even on a fast machine, and all end.
             let changes: Vec<_> = (0..3)
                 .map(|_| {
                     scope.spawn(|| {

@@ -11,7 +11,6 @@ mod effects;
 mod engine;
 mod error;
 mod file;
-pub mod http;
 mod inputs;
 mod light;
 pub mod local;

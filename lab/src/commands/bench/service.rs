@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant, SystemTime};
 
+use ::client::{JobRow, Page, encode};
 use anyhow::Context;
 use api::{Data, Service};
 use catalogue::InsertJob;
 use cli::exit::Failure;
 use cli::progress::Progress;
-use cli::remote::{Remote, ServerArguments, encode};
 use proto::wire::{LeaseRequest, RegisterRequest};
 use renderer::worker::client::Client;
 use serde_json::{Value, json};
@@ -53,10 +53,7 @@ fn measure(rows: u64, folder: &Path) -> Result<Vec<String>, Failure> {
     let runtime = Runtime::new().context("cannot start the asynchronous runtime")?;
     let mut lines = vec![runtime.block_on(fill(rows, folder))?];
     let (service, server) = start(&runtime, folder)?;
-    let remote = Remote::new(&ServerArguments {
-        server: server.clone(),
-        token: None,
-    });
+    let remote = ::client::Client::new(&server, None);
     let asked = || -> Result<Vec<String>, Failure> {
         Ok(vec![
             claims(&server)?,
@@ -175,20 +172,20 @@ fn claims(server: &str) -> Result<String, Failure> {
 }
 
 /// One after the other, each on the disk before it is answered.
-fn submissions(remote: &Remote) -> Result<String, Failure> {
+fn submissions(remote: &::client::Client) -> Result<String, Failure> {
     let job = json!({"dataset": "other", "count": 1000, "seed": 1,
         "scene": {"kind": "procedural", "family": "structure", "seed": {"int": [0, 99]}}});
     let job = job.to_string();
     let mut times = Vec::new();
     for _ in 0..TIMES {
         let begun = Instant::now();
-        remote.post("/v1/jobs", &[], job.as_bytes())?;
+        let _: JobRow = remote.post("/v1/jobs", &[], job.as_bytes())?;
         times.push(begun.elapsed());
     }
     Ok(report("submit a job", times))
 }
 
-fn pages(remote: &Remote, what: &str, filter: &str) -> Result<String, Failure> {
+fn pages(remote: &::client::Client, what: &str, filter: &str) -> Result<String, Failure> {
     let mut base = format!("/v1/images?dataset={DATASET}&limit=100");
     if !filter.is_empty() {
         base.push_str(&format!("&filter={}", encode(filter)));
@@ -199,15 +196,16 @@ fn pages(remote: &Remote, what: &str, filter: &str) -> Result<String, Failure> {
         let bytes = remote.get_bytes(&path)?;
         // What the client makes of the response is its own time.
         times.push(begun.elapsed());
-        let page: Value = serde_json::from_slice(&bytes).context("a page is JSON")?;
-        let cursor = page["next_cursor"].as_str();
-        path = cursor.map_or_else(|| base.clone(), |cursor| format!("{base}&cursor={cursor}"));
+        let page: Page<Value> = serde_json::from_slice(&bytes).context("a page is JSON")?;
+        path = page
+            .next_cursor
+            .map_or_else(|| base.clone(), |cursor| format!("{base}&cursor={cursor}"));
     }
     Ok(report(what, times))
 }
 
 /// Statistics of two metrics over every row.
-fn count(remote: &Remote) -> Result<String, Failure> {
+fn count(remote: &::client::Client) -> Result<String, Failure> {
     let mut times = Vec::new();
     for _ in 0..3 {
         let begun = Instant::now();
@@ -215,7 +213,7 @@ fn count(remote: &Remote) -> Result<String, Failure> {
             "/v1/datasets/{DATASET}/histogram?column=uiqm&bins=20&filter={}",
             encode("uiqm > 0.5 and uciqe > 0.3")
         );
-        remote.get(&path)?;
+        let _: Value = remote.get(&path)?;
         times.push(begun.elapsed());
     }
     Ok(report("count over all rows by two metrics", times))

@@ -71,9 +71,9 @@ impl Jobs {
         let engine = self.engine.as_ref();
         let engine = engine.ok_or_else(|| Problem::internal(&"a set is begun without an engine"))?;
         let mut new = self.row_of(job, submission);
-        let twin = self.catalogue.twin(&new).await?;
-        if let Some(twin) = twin.as_ref().filter(|twin| twin.state == JobState::Done) {
-            return Ok(self.submitted(twin.clone(), true));
+        let duplicate = self.catalogue.duplicate(&new).await?;
+        if let Some(duplicate) = duplicate.as_ref().filter(|job| job.state == JobState::Done) {
+            return Ok(self.submitted(duplicate.clone(), true));
         }
         let key = new.idempotency.take();
         let order = Order {
@@ -89,7 +89,7 @@ impl Jobs {
             InsertJob::Created(mut row) => {
                 let (job, set) = (&row.id, &row.set);
                 tracing::info!(job, set, frames = row.frames, "job accepted");
-                row.warnings = twin.map(|twin| twin.warnings).unwrap_or_default();
+                row.warnings = duplicate.map(|job| job.warnings).unwrap_or_default();
                 Ok(self.submitted(row, false))
             }
             InsertJob::Replayed(row) => Ok(self.submitted(row, false)),

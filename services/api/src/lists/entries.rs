@@ -108,7 +108,7 @@ pub(super) fn fields(_: &Library) -> Vec<Entry> {
                 limit => format!("{}; {limit}", row.doc),
             };
             Entry {
-                unit: row.unit,
+                unit: row.unit.map(str::to_owned),
                 ..entry(row.path, about)
             }
         })

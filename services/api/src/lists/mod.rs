@@ -40,7 +40,7 @@ pub struct Entry {
     /// Unit of its numbers.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
-    pub unit: Option<&'static str>,
+    pub unit: Option<String>,
     /// Meaning.
     pub about: String,
 }

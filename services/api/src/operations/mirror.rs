@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use catalogue::{Catalogue, MIRROR_ROWS};
+use catalogue::{Catalogue, REPLICA_ROWS};
 use tokio_util::sync::CancellationToken;
 
 /// Interval of checking for enough images for another file.
@@ -15,7 +15,7 @@ const PAUSE: Duration = Duration::from_secs(60);
 pub(crate) async fn run(catalogue: Arc<Catalogue>, end: CancellationToken) {
     let mut wait = INTERVAL;
     while end.run_until_cancelled(tokio::time::sleep(wait)).await.is_some() {
-        wait = match catalogue.mirror_some(MIRROR_ROWS).await {
+        wait = match catalogue.replicate_some(REPLICA_ROWS).await {
             Ok(true) => Duration::ZERO,
             Ok(false) => INTERVAL,
             Err(error) => {

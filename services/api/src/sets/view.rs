@@ -1,44 +1,11 @@
 //! A set as shown to clients.
 
-use catalogue::{JobRow, JobState, UnixMs};
-use serde::Serialize;
-use utoipa::ToSchema;
+use catalogue::JobRow;
+use client::SetView;
 
 use super::Sets;
 use super::follow::Last;
 use crate::http::problem::{Problem, found};
-
-/// A set whose images are imported into a separate job.
-#[derive(Debug, Serialize, ToSchema)]
-#[schema(as = Set)]
-pub(crate) struct SetView {
-    /// The job of its images, which also identifies the set.
-    #[schema(example = "job_0198c0ffee007000800000000000000a")]
-    job: String,
-    /// Location.
-    #[schema(example = "s3://reef/tour")]
-    url: String,
-    /// The dataset of its images.
-    #[schema(example = "shaft-v1")]
-    dataset: String,
-    /// State of the job. Frames count when their shard is imported.
-    state: JobState,
-    /// Number of frames.
-    frames: u64,
-    /// Imported images.
-    done: u64,
-    /// Frames without an image.
-    failed: u64,
-    /// Imported shards.
-    shards: u64,
-    /// Whether the service polls for further shards, until every frame has ended.
-    followed: bool,
-    /// Time of the last poll; null: none since the start of the service.
-    #[schema(value_type = Option<String>, format = DateTime)]
-    looked_at: Option<UnixMs>,
-    /// Why that poll ended early; null: it did not.
-    error: Option<String>,
-}
 
 impl Sets {
     /// Every set, newest first.

@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, PoisonError, RwLock};
 
 use catalogue::{Catalogue, CatalogueError, UnixMs, WaterRow};
+use client::WaterView;
 use optics::own_water::parse_own;
 use optics::preset::{self, Preset};
 use serde_json::{Map, Value};
@@ -16,7 +17,7 @@ use tokio::sync::Mutex;
 use crate::clock::Clock;
 use crate::http::problem::{Problem, Slug};
 use crate::processes::compute::to_the_end;
-use view::WaterView;
+use view::water_view;
 
 /// The user-defined waters.
 pub(crate) struct Waters {
@@ -41,7 +42,7 @@ impl Own {
     }
 
     fn view(&self) -> WaterView {
-        WaterView::new(&self.preset, Some(self.created_at))
+        water_view(&self.preset, Some(self.created_at))
     }
 }
 
@@ -87,14 +88,12 @@ impl Waters {
 
     /// The shipped waters, then the user-defined ones by name.
     fn all(&self) -> Vec<WaterView> {
-        let shipped = preset::presets()
-            .iter()
-            .map(|preset| WaterView::new(preset, None));
+        let shipped = preset::presets().iter().map(|preset| water_view(preset, None));
         shipped.chain(self.own().iter().map(Own::view)).collect()
     }
 
     fn find(&self, name: &str) -> Option<WaterView> {
-        let shipped = preset::find(name).map(|preset| WaterView::new(preset, None));
+        let shipped = preset::find(name).map(|preset| water_view(preset, None));
         shipped.or_else(|| self.own().iter().find(|own| own.name() == name).map(Own::view))
     }
 

@@ -1,24 +1,24 @@
-//! Images that cannot be trusted are taken away, and their frames are open again.
+//! Removes untrusted images, so that their frames are rendered again.
 
 use serde_json::json;
 use sqlx::AssertSqlSafe;
 use sqlx::sqlite::SqliteConnection;
 
-use super::{imported, known_job, row};
+use super::rows::{imported, known_job, row};
 use crate::catalogue::Catalogue;
+use crate::datasets::versions::refuse_sealed;
+use crate::digests::tables::job_columns;
 use crate::error::CatalogueError;
-use crate::mirror;
-use crate::tables::job_columns;
+use crate::replica::files as replica_files;
 use crate::types::Retried;
-use crate::versions::refuse_sealed;
 
-/// Tables whose rows belong to the image of a frame, its own row apart.
+/// Tables with rows of a frame's image, without `images`.
 const BESIDE: [&str; 3] = ["artifacts", "measurements", "records"];
 /// Which rows: of this job and these frames.
 const WHERE: &str = "WHERE job_id = ?1 AND frame IN (SELECT value FROM json_each(?2))";
 
 impl Catalogue {
-    /// Removes the images of some frames of a job, whose bytes lose their names. A job that had ended with them goes on, unless it was
+    /// Removes the images of some frames of a job with the references to their bytes. An ended job is opened again, unless it was
     /// cancelled. Returns the frames that had an image; the caller offers them to workers.
     ///
     /// # Errors
@@ -60,7 +60,7 @@ async fn reopen(
         .fetch_all(&mut *connection)
         .await?;
     gone.sort_unstable();
-    mirror::rows_change(connection, id).await?;
+    replica_files::drop_changed_rows(connection, id).await?;
     sqlx::query("UPDATE datasets SET images = images - ?, bytes = bytes - ? WHERE name = ?")
         .bind(gone.len() as i64)
         .bind(bytes)

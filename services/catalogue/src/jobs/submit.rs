@@ -1,14 +1,35 @@
 //! A job on its way in, and the jobs that it may repeat.
 
+use client::{JobRow, JobState};
 use sqlx::Row;
 use sqlx::sqlite::SqliteConnection;
 
-use super::{known_job, of_set, row, verified};
+use super::rows::{known_job, of_set, row, verified};
+use crate::catalogue::Catalogue;
+use crate::digests::row_digests::Side;
+use crate::digests::tables::{KEYS, digested_job_columns, job_columns};
 use crate::error::CatalogueError;
-use crate::job_state::JobState;
-use crate::row_digests::Side;
-use crate::tables::{KEYS, job_columns};
-use crate::types::{InsertJob, JobRow, NewJob};
+use crate::types::{InsertJob, NewJob};
+
+impl Catalogue {
+    /// Stores a job, or returns the one of an earlier submission with its key.
+    ///
+    /// # Errors
+    /// [`CatalogueError`].
+    pub async fn insert_job(&self, job: NewJob) -> Result<InsertJob, CatalogueError> {
+        self.write(move |c| Box::pin(async move { insert(c, &job).await }))
+            .await
+    }
+
+    /// An existing job with the same description and dataset, with a warning about it. [`Catalogue::insert_job`] returns it if it is
+    /// done.
+    ///
+    /// # Errors
+    /// [`CatalogueError`].
+    pub async fn duplicate(&self, job: &NewJob) -> Result<Option<JobRow>, CatalogueError> {
+        find_duplicate(&mut *self.reader().await?, job, Side::Reader).await
+    }
+}
 
 /// Stores a job, unless it repeats one.
 pub(super) async fn insert(
@@ -38,12 +59,12 @@ pub(super) async fn insert(
     {
         return Ok(InsertJob::Replayed(known));
     }
-    let warnings = match twin(connection, job, Side::Writer).await? {
-        Some(twin) if twin.state == JobState::Done => {
-            keep_key(connection, job, &twin.id).await?;
-            return Ok(InsertJob::Complete(twin));
+    let warnings = match find_duplicate(connection, job, Side::Writer).await? {
+        Some(duplicate) if duplicate.state == JobState::Done => {
+            keep_key(connection, job, &duplicate.id).await?;
+            return Ok(InsertJob::Complete(duplicate));
         }
-        Some(twin) => twin.warnings,
+        Some(duplicate) => duplicate.warnings,
         None => Vec::new(),
     };
     let stored = sqlx::query(concat!(
@@ -74,7 +95,7 @@ pub(super) async fn insert(
     }))
 }
 
-/// Keeps the key under which a repeat finds the job `id`.
+/// Stores the key under which a repeated submission returns the job `id`.
 async fn keep_key(connection: &mut SqliteConnection, job: &NewJob, id: &str) -> Result<(), CatalogueError> {
     if let Some(key) = &job.idempotency {
         sqlx::query("INSERT INTO idempotency_keys (owner, key, body_digest, job_id) VALUES (?, ?, ?, ?)")
@@ -88,27 +109,27 @@ async fn keep_key(connection: &mut SqliteConnection, job: &NewJob, id: &str) -> 
     Ok(())
 }
 
-/// Another job of the same description and dataset that has images or will have them, one that is done first; none where
-/// the images are wanted again. Its warnings say what that means for a job that repeats it.
-pub(super) async fn twin(
+/// Another job with the same description and dataset that has images or will have them, preferably a completed one; `None` if the
+/// submission requests the images again. Its warnings explain what that means for a job that repeats it.
+pub(super) async fn find_duplicate(
     connection: &mut SqliteConnection,
     job: &NewJob,
     side: Side,
 ) -> Result<Option<JobRow>, CatalogueError> {
     let found = of_description(connection, job, side).await?;
-    Ok(found.map(|mut twin| {
-        let JobRow { id, dataset, state, .. } = &twin;
+    Ok(found.map(|mut duplicate| {
+        let JobRow { id, dataset, state, .. } = &duplicate;
         let warning = match state {
             JobState::Done => format!(
                 "dataset `{dataset}` has every image of this description already, from {id}: nothing is rendered; with `again` \
-                 they are rendered once more"
+                 they are rendered again"
             ),
             _ => format!(
                 "{id} in dataset `{dataset}` has the same description and is {state}: the dataset will have its images twice"
             ),
         };
-        twin.warnings.push(warning);
-        twin
+        duplicate.warnings.push(warning);
+        duplicate
     }))
 }
 
@@ -122,7 +143,7 @@ async fn of_description(
     }
     let found = sqlx::query(concat!(
         "SELECT ",
-        digested!(),
+        digested_job_columns!(),
         " FROM jobs WHERE spec_digest = ? AND dataset = ? AND state != 'cancelled'
            AND id NOT IN (SELECT job_id FROM deletions) ORDER BY state = 'done' DESC, id DESC LIMIT 1",
     ))

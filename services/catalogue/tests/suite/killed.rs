@@ -37,7 +37,7 @@ async fn child() {
     let mirrored = Arc::clone(&catalogue);
     tokio::spawn(async move {
         loop {
-            mirrored.mirror_some(64).await.unwrap();
+            mirrored.replicate_some(64).await.unwrap();
         }
     });
     let start = catalogue.job("job_a").await.unwrap().unwrap().done;
@@ -133,7 +133,7 @@ async fn what_was_acknowledged_is_there_after_every_kill() {
         at = at.reopen().await;
         at.is_sound().await;
         assert_eq!(
-            at.catalogue.check_mirror().await.unwrap(),
+            at.catalogue.check_replica().await.unwrap(),
             [""; 0],
             "round {round}"
         );

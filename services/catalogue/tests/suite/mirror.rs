@@ -1,6 +1,6 @@
 //! Answers of the mirror are those of the tables, whatever it holds and whatever became of what it held.
 
-use catalogue::{DensityColumns, ImageQuery, Source};
+use catalogue::{CountedSource, Histogram2dColumns, ImageQuery};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
@@ -114,7 +114,7 @@ impl World {
         let catalogue = &self.at.catalogue;
         match step {
             Step::Insert(images) => self.insert(*images).await,
-            Step::Mirror => while catalogue.mirror_some(ROWS).await.unwrap() {},
+            Step::Mirror => while catalogue.replicate_some(ROWS).await.unwrap() {},
             Step::Delete => {
                 catalogue.delete_job(&self.name(1)).await.unwrap();
                 self.generation += 1;
@@ -141,7 +141,7 @@ impl World {
     }
 
     /// All kinds of answers under a filter, and where the images of each were read.
-    async fn answers(&self, filter: &str) -> (Vec<Value>, Vec<Source>) {
+    async fn answers(&self, filter: &str) -> (Vec<Value>, Vec<CountedSource>) {
         let (catalogue, filter) = (&self.at.catalogue, Some(filter));
         let metrics = ["uiqm", "hscm.uiqm", "frame", "seed", "alpha"].map(str::to_owned);
         let (mut answers, mut sources) = (Vec::new(), Vec::new());
@@ -159,12 +159,12 @@ impl World {
             answers.push(json!([got.edges, got.counts, got.below, got.above, got.missing]));
         }
         for mean_of in [None, Some("hscm.uiqm"), Some("frame")] {
-            let columns = DensityColumns {
+            let columns = Histogram2dColumns {
                 x: "alpha",
                 y: "uiqm",
                 mean_of,
             };
-            let got = catalogue.density("bay", filter, columns, 5).await.unwrap();
+            let got = catalogue.histogram_2d("bay", filter, columns, 5).await.unwrap();
             sources.push(got.source);
             answers.push(json!([got.x, got.y, got.counts, got.means, got.missing]));
         }
@@ -265,7 +265,7 @@ async fn every_kind_of_filter_is_answered_from_the_mirror() {
         let read = world.agree(filter).await;
         assert!(read > 0 || filter == "uiqm > 7", "{filter}");
     }
-    assert_eq!(world.at.catalogue.check_mirror().await.unwrap(), [""; 0]);
+    assert_eq!(world.at.catalogue.check_replica().await.unwrap(), [""; 0]);
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -275,10 +275,10 @@ async fn a_damaged_or_missing_file_is_found_and_written_anew() {
     for step in [Step::Mirror, Step::Damage, Step::Lose, Step::Restart] {
         world = world.step(&step).await;
     }
-    let findings = world.at.catalogue.check_mirror().await.unwrap();
+    let findings = world.at.catalogue.check_replica().await.unwrap();
     assert_eq!(findings.len(), 2, "{findings:?}");
     world = world.step(&Step::Mirror).await;
-    assert_eq!(world.at.catalogue.check_mirror().await.unwrap(), [""; 0]);
+    assert_eq!(world.at.catalogue.check_replica().await.unwrap(), [""; 0]);
     assert_eq!(world.files().len(), 8);
     assert!(world.agree("alpha > 0.5").await > 0);
 }
@@ -292,13 +292,13 @@ async fn a_file_that_the_tables_do_not_confirm_is_found() {
         .at
         .sabotage("UPDATE images SET alpha = 0.125 WHERE rowid = 7")
         .await;
-    let findings = world.at.catalogue.check_mirror().await.unwrap();
+    let findings = world.at.catalogue.check_replica().await.unwrap();
     assert!(
         matches!(&findings[..], [one] if one.ends_with("alpha differs from the catalogue")),
         "{findings:?}"
     );
     world = world.step(&Step::Mirror).await;
-    assert_eq!(world.at.catalogue.check_mirror().await.unwrap(), [""; 0]);
+    assert_eq!(world.at.catalogue.check_replica().await.unwrap(), [""; 0]);
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -317,7 +317,7 @@ async fn a_backup_has_no_mirror_and_makes_its_own() {
     let count = async || restored.histogram("bay", None, "uiqm", 3, None).await.unwrap();
     let before = count().await;
     assert_eq!(before.source.mirror, 0);
-    while restored.mirror_some(ROWS).await.unwrap() {}
+    while restored.replicate_some(ROWS).await.unwrap() {}
     let after = count().await;
     assert!(after.source.mirror > 0);
     assert_eq!(before.counts, after.counts);

@@ -96,7 +96,12 @@ async fn groups_by_columns_and_bins_have_the_statistics_of_a_plain_loop() {
         .catalogue
         .grouped_stats("bay", &metrics, "water.optics, alpha:0.1", Some("frame < 250"));
     let got = got.await.unwrap();
-    let widths: Vec<_> = got.by.iter().map(|by| (by.column.as_str(), by.width)).collect();
+    let widths: Vec<_> = got
+        .by
+        .iter()
+        .flatten()
+        .map(|by| (by.column.as_str(), by.width))
+        .collect();
     assert_eq!(widths, [("water.optics", None), ("alpha", Some(0.1))]);
 
     let mut expected = Vec::new();
@@ -155,16 +160,19 @@ async fn groups_that_make_no_sense_are_refused_with_what_is_wrong() {
     };
     for (by, said) in [
         ("alpah:0.1", "did you mean `alpha`?"),
-        ("water.optics:2", "`water.optics` is no number, so it has no bins"),
+        (
+            "water.optics:2",
+            "`water.optics` is not a column of numbers, so it has no bins",
+        ),
         (
             "alpha:0",
-            "`0` is no width for the bins of `alpha`: it must be a number above 0",
+            "`0` is not a width for the bins of `alpha`; must be a number above 0",
         ),
         ("alpha:-1", "no width"),
         ("alpha:NaN", "no width"),
         ("alpha:inf", "no width"),
         ("alpha:", "no width"),
-        ("alpha,alpha:0.5", "`alpha` stands twice"),
+        ("alpha,alpha:0.5", "`alpha` occurs twice"),
         ("frame", "more than 1000 groups"),
         (
             "seed,frame,alpha,job,dataset,digest,camera.width,camera.height,labels.run",
@@ -225,7 +233,10 @@ async fn whole_rows_have_every_column_of_the_dataset_and_come_page_by_page() {
         .iter()
         .find(|column| column.name == "camera.hfov_deg")
         .unwrap();
-    assert_eq!((scale.kind, scale.unit), ("number", Some("degree")));
+    assert_eq!(
+        (scale.kind.as_str(), scale.unit.as_deref()),
+        ("number", Some("degree"))
+    );
     let mut query = ImageQuery {
         dataset: Some("bay".to_owned()),
         limit: 10,

@@ -1,61 +1,41 @@
 //! One file for each command.
 
-mod backup;
-mod check_style;
-pub(crate) mod cluster;
-mod completions;
-mod control;
-mod datasets;
-mod decode;
-mod demo;
-mod enhance;
-mod errors;
-pub mod export;
-mod import;
-mod jobs;
-mod list;
-mod live;
-mod measure;
-mod new;
-mod plan;
-mod query;
-mod render;
-mod rerender;
-mod rm;
-mod scenes;
-pub mod scrub;
-mod seal;
-pub mod serve;
-mod sheet;
-mod stats;
-mod styles;
-mod submit;
-pub(crate) mod topics;
-mod train;
-mod upload;
-mod verify;
-mod wait;
-mod waters;
-mod worker;
+pub(crate) mod children;
+pub(crate) mod dataset;
+pub(crate) mod help;
+pub(crate) mod job;
+pub(crate) mod picture;
+pub(crate) mod rendering;
+pub(crate) mod service;
+pub(crate) mod style;
 
 use cli::exit::Failure;
 
-use control::Change;
+use client::JobChange;
+
+use children::{check_style, decode, live, rerender};
+use dataset::{datasets, export, import, query, rm, scenes, seal, sheet, stats, upload, verify};
+use help::{completions, list};
+use job::{control, errors, jobs, submit, wait};
+use picture::{enhance, measure};
+use rendering::{demo, new, plan, render};
+use service::{backup, cluster, scrub, serve, worker};
+use style::{styles, train, waters};
 
 /// The commands of `fathom`.
 #[derive(clap::Subcommand)]
 pub(crate) enum Command {
-    /// Start the service with its own workers
+    /// Start the service and its workers
     Serve(serve::Arguments),
     /// Render frames for a service, here or on another machine
     Worker(cli::worker::Arguments),
     /// Render a job without a service
     Render(cli::render::Arguments),
-    /// Show how much of a set is done
+    /// Show the progress of a set
     Status(cluster::Arguments),
-    /// Read a sealed dataset or a set again and compare it with what it was
+    /// Verify that a sealed dataset or a set has not changed
     Verify(cli::seal::VerifyArguments),
-    /// Show the images of a set in a service, whose bytes stay where they are
+    /// Import the images of a set into a service; their bytes stay in the set
     Import(cli::import::Arguments),
     /// Seal a dataset as a version that never changes, or a set with its manifest
     Seal(cli::seal::SealArguments),
@@ -105,7 +85,7 @@ pub(crate) enum Command {
     Enhance(enhance::Arguments),
     /// Measure the quality of pictures
     Measure(measure::Arguments),
-    /// List every name and number that a job, a question or a label may hold
+    /// List every name and number that a job, a query or a label may hold
     List(list::Arguments),
     /// List the optical waters, or add one to a service
     Waters(waters::Arguments),
@@ -119,13 +99,13 @@ pub(crate) enum Command {
     Completions(completions::Arguments),
     /// Write manual pages
     Man(completions::ManArguments),
-    /// Render a stored frame once more, for the service
+    /// Render a stored frame again, for the service
     #[command(hide = true)]
     Rerender(rerender::Arguments),
     /// Render preview frames (used by the service)
     #[command(hide = true)]
     Live(live::Arguments),
-    /// Decode what was uploaded, for the service
+    /// Decode an upload, for the service
     #[command(hide = true)]
     Decode(decode::Arguments),
     /// Try a style network, for the service
@@ -153,10 +133,10 @@ impl Command {
             Self::Jobs(arguments) => jobs::run(&arguments),
             Self::Wait(arguments) => wait::run(&arguments),
             Self::Errors(arguments) => errors::run(&arguments),
-            Self::Retry(arguments) => control::run(&arguments, &Change::Retry),
-            Self::Pause(arguments) => control::run(&arguments, &Change::Pause),
-            Self::Resume(arguments) => control::run(&arguments, &Change::Resume),
-            Self::Cancel(arguments) => control::run(&arguments, &Change::Cancel),
+            Self::Retry(arguments) => control::run(&arguments, JobChange::RetryFailed),
+            Self::Pause(arguments) => control::run(&arguments, JobChange::Pause),
+            Self::Resume(arguments) => control::run(&arguments, JobChange::Resume),
+            Self::Cancel(arguments) => control::run(&arguments, JobChange::Cancel),
             Self::Datasets(arguments) => datasets::run(&arguments),
             Self::Scenes(arguments) => scenes::run(&arguments),
             Self::Rm(arguments) => rm::run(&arguments),

@@ -1,7 +1,7 @@
-//! `fathom render --engine`: the shards of a set, handed to the workers of a broker.
+//! `fathom render --engine`: distributes the shards of a set to the workers of a broker.
 //!
-//! The broker holds a few shards for each slot of the fleet and never the whole set, so that a pause or a cancellation
-//! takes effect at once. What it should hold is computed from the store again and again.
+//! The broker holds a few shards for each slot of the fleet and never the whole set, so that a pause or a cancellation takes effect
+//! immediately. Its content is computed from the store in every round.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::Ordering;
@@ -29,7 +29,7 @@ const SHARDS_PER_SLOT: u64 = 4;
 /// Shards that wait even if no worker is there yet.
 const LEAST_WINDOW: u64 = 8;
 
-/// Publishes the shards that are missing until none is.
+/// Publishes missing shards until all are done.
 pub(super) fn run(
     arguments: &SetArguments,
     engine: &str,
@@ -42,8 +42,10 @@ pub(super) fn run(
     let mut patience = Patience::default();
     let stop = stop_at_signal()?;
     let frames_of = |shards: &[u64]| -> u64 {
-        let frames = |&shard: &u64| set.card().frames_of(shard).count() as u64;
-        shards.iter().map(frames).sum()
+        shards
+            .iter()
+            .map(|&shard: &u64| set.card().frames_of(shard).count() as u64)
+            .sum()
     };
     let begun = Instant::now();
     let first = selection.missing(set).map_err(failure)?;
@@ -52,10 +54,12 @@ pub(super) fn run(
     while !missing.is_empty() {
         let state = set.state().map_err(failure)?;
         if state == SetState::Cancelled || stop.load(Ordering::SeqCst) {
-            // What is left in the broker would do no harm: workers look at the state themselves.
+            // Remaining messages are harmless: workers check the state themselves.
             let _ = broker.withdraw(&place);
             allow_work(state).map_err(failure)?;
-            return Err(Failure::Later("stopped; run again to go on".to_owned()));
+            return Err(Failure::Later(
+                "stopped; run the command again to continue".to_owned(),
+            ));
         }
         if state == SetState::Running {
             patience.judge(window.fill(&broker, &missing));
@@ -75,9 +79,9 @@ pub(super) fn run(
     })
 }
 
-/// What the broker should hold.
+/// The shards that the broker should hold.
 pub(super) struct Window {
-    /// Shards that wait at the same time, as the user says.
+    /// The user's limit of waiting shards.
     size: Option<u64>,
     set: String,
     published: BTreeMap<u64, Instant>,
@@ -92,7 +96,7 @@ impl Window {
         }
     }
 
-    /// Publishes of what is missing as much as there is room for.
+    /// Publishes missing shards up to the limit.
     pub(super) fn fill(&mut self, broker: &Broker, missing: &[u64]) -> Result<(), BrokerError> {
         let waiting = broker.waiting()?;
         if waiting == 0 {
@@ -154,7 +158,7 @@ impl Patience {
         }
     }
 
-    /// Says why nothing can be done for now, unless that was said.
+    /// Prints why the work cannot continue, unless it is the last printed reason.
     pub(super) fn wait(&mut self, reason: &str) {
         if !std::mem::replace(&mut self.is_away, true) {
             eprintln!("{reason}; going on when it is back");

@@ -4,7 +4,7 @@ use std::fs::File;
 
 use anyhow::Context;
 use cli::exit::Failure;
-use cli::export::tables::{CellKind, TableColumn, TableRow};
+use cli::export::formats::tables::{CellKind, TableColumn, TableRow};
 use sets::{Cell, Kind, Table};
 
 /// Writes a table of an export.

@@ -41,8 +41,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             let mut slot = Slot::new(&engine);
             let next = || frames.lock().unwrap_or_else(PoisonError::into_inner).recv();
             while let Ok(frame) = next() {
-                say(&Message::Begun { frame });
-                say(&render(&job, &mut slot, frame));
+                write_message(&Message::Begun { frame });
+                write_message(&render(&job, &mut slot, frame));
             }
         });
     }
@@ -50,7 +50,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         let line = line.context("cannot read frame numbers")?;
         let frame = line
             .parse()
-            .with_context(|| format!("`{line}` is no frame number"))?;
+            .with_context(|| format!("`{line}` is not a frame number"))?;
         send.send(frame).context("the slots are gone")?;
     }
     Ok(())
@@ -86,8 +86,8 @@ fn render(job: &Job, slot: &mut Slot, index: u64) -> Message {
     }
 }
 
-/// Writes a message whole. Without a supervisor there is nothing left to do.
-fn say(message: &Message) {
+/// Writes a message; exits if the supervisor is gone.
+fn write_message(message: &Message) {
     if message.write(&mut stdout().lock()).is_err() {
         process::exit(0);
     }

@@ -9,7 +9,7 @@ use super::{failure, open};
 pub(crate) struct Arguments {
     /// Folder or s3://BUCKET/PREFIX
     set: String,
-    /// Keep what is younger, such as 90m, 12h or 1d: a shard that is being rendered has files and no marker
+    /// Keep files that are younger, such as 90m, 12h or 1d: a shard that is being rendered has files and no marker
     #[arg(long, default_value = "1d", value_parser = age_ms)]
     older: i64,
 }

@@ -16,7 +16,7 @@ use super::failure;
 use super::shards::resolved;
 use crate::reading::{missing, read_all};
 
-/// What an import did.
+/// The counts of an import.
 #[derive(Debug, Default)]
 struct Tally {
     shards: u64,
@@ -68,7 +68,7 @@ fn import(
             Ok((images, part.shard))
         },
         |(images, shard)| {
-            // With the first shard that is good, so that a set without one leaves nothing behind.
+            // Stored with the first valid shard, so that a set without one leaves no job.
             if !intake.is_there() {
                 runtime.block_on(intake.begin(now())).map_err(stored)?;
             }

@@ -24,7 +24,7 @@ use crate::failure::failure;
 pub(crate) enum Command {
     /// Render a job into a set, or the part of it that is missing
     Render(cli::render::Arguments),
-    /// Render shards that a broker hands out
+    /// Render shards from a broker
     Worker(cli::worker::Arguments),
     /// Show how much of a set is done
     Status(status::Arguments),
@@ -48,7 +48,7 @@ pub(crate) enum Command {
     /// Begin, change and watch the sets of a service's jobs
     #[command(hide = true)]
     Jobs(jobs::Arguments),
-    /// Render frames for the supervisor that asks for them
+    /// Render frames for a supervisor
     #[command(hide = true)]
     Frames(frames::Arguments),
 }

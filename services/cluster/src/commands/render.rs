@@ -1,4 +1,4 @@
-//! `fathom render` into a set: every shard that is meant and not done, one after the other.
+//! `fathom render` into a set: renders the selected shards that are not done, one after the other.
 
 use std::ffi::OsString;
 use std::hash::{BuildHasher, RandomState};
@@ -44,7 +44,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     report(&set, &selection, &tally)
 }
 
-/// What this call did.
+/// The counts of this call.
 pub(super) struct Tally {
     pub(super) begun: Instant,
     pub(super) frames: u64,
@@ -111,7 +111,7 @@ pub(super) fn recipe(
     })
 }
 
-/// Says what is there now: of what was asked for, and of the whole set if that is complete.
+/// Prints the state of the selected shards, and of the whole set if it is complete.
 fn report(set: &Set, selection: &Selection, tally: &Tally) -> Result<(), Failure> {
     let seconds = tally.begun.elapsed().as_secs_f64();
     println!(

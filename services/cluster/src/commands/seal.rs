@@ -27,30 +27,30 @@ fn waters(set: &Set) -> Vec<Source> {
     let named = presets()
         .iter()
         .filter(|preset| job.contains(&format!("\"{}\"", preset.name)));
-    let source = |preset: &optics::preset::Preset| Source {
-        name: format!("water {}", preset.name),
-        source: preset.source.clone(),
-        licence: preset.licence.clone(),
-    };
-    named.map(source).collect()
+    named
+        .map(|preset: &optics::preset::Preset| Source {
+            name: format!("water {}", preset.name),
+            source: preset.source.clone(),
+            licence: preset.licence.clone(),
+        })
+        .collect()
 }
 
 fn styles(set: &Set, arguments: &SealArguments) -> Result<Vec<Source>, Failure> {
     let library = arguments.style.library()?;
-    let source = |name: String| {
-        let card = library.get(&name).map(|model| model.card.clone());
-        let card =
-            card.ok_or_else(|| Failure::BadInput(format!("style `{name}` is not here; see --styles")))?;
-        Ok(Source {
-            name: format!("style {name}"),
-            source: card.source,
-            licence: card.licence,
-        })
-    };
     set.job()
         .map_err(failure)?
         .styles()
         .into_iter()
-        .map(source)
+        .map(|name: String| {
+            let card = library.get(&name).map(|model| model.card.clone());
+            let card =
+                card.ok_or_else(|| Failure::BadInput(format!("style `{name}` is not here; see --styles")))?;
+            Ok(Source {
+                name: format!("style {name}"),
+                source: card.source,
+                licence: card.licence,
+            })
+        })
         .collect()
 }

@@ -1,4 +1,4 @@
-//! `fathom-cluster shards`: reads a set for a service that imports it, as `api`'s feed says.
+//! `fathom-cluster shards`: reads a set for a service that imports it, in the format of `api`'s feed.
 
 use std::io::{BufRead, stdin};
 
@@ -14,9 +14,9 @@ use crate::reading::{missing, read_all};
 /// Options of `fathom-cluster shards`.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// The set; the name comes from a client of the service and is not trusted
+    /// The set, named by a client of the service and not trusted
     set: String,
-    /// Where sets may lie
+    /// Stores that may contain the set
     #[arg(long, value_name = "DIR|URL", required = true)]
     below: Vec<String>,
 }
@@ -36,12 +36,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     stdin()
         .lock()
         .read_line(&mut known)
-        .context("cannot read what is known")?;
+        .context("cannot read the known shards")?;
     if known.is_empty() {
         // Only the head was wanted.
         return Ok(());
     }
-    let known: Known = serde_json::from_str(&known).context("what is known cannot be read")?;
+    let known: Known = serde_json::from_str(&known).context("the known shards are malformed")?;
     let missing = missing(&set, &known)?;
     read_all(
         &set,
@@ -51,7 +51,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     )
 }
 
-/// The set's location, in one form, if it lies in one of the stores. Of others not even whether they exist is said.
+/// The canonical location of the set, if it is in one of the stores. Others are refused without a check whether they exist.
 fn permitted(set: &str, stores: &[String]) -> Result<Location, Failure> {
     let refused = || Failure::input(format!("{set} does not lie in a store of this service"));
     let named = Location::parse(set)
@@ -62,7 +62,7 @@ fn permitted(set: &str, stores: &[String]) -> Result<Location, Failure> {
         let store = Location::parse(store)
             .and_then(Location::absolute)
             .map_err(failure)?;
-        // As it is written first, so that nothing outside is looked at; then as links lead.
+        // The written form is checked first, so that no path outside is touched; then links are resolved.
         if store.contains(&named) {
             found = Some((resolved(&store)?, resolved(&named)?));
             break;

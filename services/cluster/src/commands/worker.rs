@@ -1,4 +1,4 @@
-//! `fathom worker --engine`: renders the shards that a broker hands out, until it is told to stop.
+//! `fathom worker --engine`: renders shards from a broker until it is stopped.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -15,7 +15,7 @@ use super::dispatch::Patience;
 use super::{failure, render};
 use crate::engine::{Broker, Delivery, Fleet, Member, Task, Verdict};
 
-/// How long one question for work waits. So long it takes at most until a signal is noticed.
+/// Length of a poll for work, after which signals are checked.
 const QUESTION: Duration = Duration::from_secs(5);
 /// After a failure of the broker.
 const PAUSE: Duration = Duration::from_secs(1);
@@ -25,7 +25,7 @@ const AGAIN_SOON: Duration = Duration::from_secs(15);
 const AGAIN_LATER: Duration = Duration::from_secs(60);
 /// How often a set's state is looked at.
 const STATE_INTERVAL: Duration = Duration::from_secs(15);
-/// Between two entries of a worker that takes one shard after the other, at least.
+/// Shortest time between two renewals of a worker's entry.
 const LEAST_RENEWAL: Duration = Duration::from_secs(1);
 /// Renewals of an entry in the fleet before it would expire.
 const RENEWALS: u32 = 4;
@@ -33,10 +33,9 @@ const RENEWALS: u32 = 4;
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let engine = arguments.engine.engine.as_deref();
-    let engine =
-        engine.ok_or_else(|| Failure::input("`--engine` is missing: the broker to ask for shards"))?;
+    let engine = engine.ok_or_else(|| Failure::input("`--engine` is missing: the broker of the shards"))?;
     let store = arguments.store.as_deref();
-    let store = store.ok_or_else(|| Failure::input("`--store` is missing: where the sets to render lie"))?;
+    let store = store.ok_or_else(|| Failure::input("`--store` is missing: the store of the sets"))?;
     let store = Location::parse(store)
         .and_then(Location::absolute)
         .map_err(failure)?;
@@ -79,7 +78,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     result
 }
 
-/// What a worker says of itself, and how often.
+/// A worker's entry in the fleet and its renewal interval.
 struct Entry {
     member: Member,
     /// Of the shard that it has.
@@ -103,14 +102,14 @@ fn keep_listed(fleet: Fleet, entry: Entry, ended: &Arc<AtomicBool>) -> thread::J
             let now = frames.load(Ordering::Relaxed);
             if since >= every || (now != member.frames && since >= LEAST_RENEWAL) {
                 member.frames = now;
-                // Without a broker there is no list.
+                // The broker may be away.
                 let _ = fleet.enter(&member);
                 since = Duration::ZERO;
             }
             thread::sleep(STEP);
             since += STEP;
         }
-        // The entry expires by itself if the broker is away.
+        // The entry expires if the broker is away.
         let _ = fleet.leave(&member.name);
     })
 }
@@ -146,10 +145,10 @@ impl Worker {
         Ok(())
     }
 
-    /// Renders what a message asks for and tells the broker what became of it.
+    /// Renders the shard of a message and reports the verdict to the broker.
     fn take(&mut self, delivery: Delivery) -> Result<(), Failure> {
         let Some(task) = delivery.task() else {
-            eprintln!("a message that asks for no shard is dropped");
+            eprintln!("a message without a shard is dropped");
             self.patience.judge(delivery.settle(Verdict::Hopeless));
             return Ok(());
         };

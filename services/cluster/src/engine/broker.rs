@@ -23,7 +23,7 @@ const RESPONSE_LIMIT: Duration = Duration::from_secs(5);
 /// Shards that may be with workers at the same time, over the whole fleet.
 const MOST_IN_FLIGHT: i64 = 1_000_000;
 
-/// Why the broker could not be asked. It may be away for a while or have lost what it held.
+/// A failed request to the broker, which may be temporarily away or have lost its messages.
 #[derive(Debug, thiserror::Error)]
 #[error("the broker does not respond: {0}")]
 pub(crate) struct BrokerError(String);
@@ -34,11 +34,11 @@ impl BrokerError {
     }
 }
 
-/// A connection, which is restored by itself while it is away.
+/// A connection, which reconnects automatically.
 pub(crate) struct Broker {
     runtime: Arc<Runtime>,
     context: Context,
-    /// Where messages come from; none before the first and after a failure, since the broker may have lost it.
+    /// The source of messages; `None` before the first one and after a failure, since the broker may have lost it.
     consumer: Mutex<Option<PullConsumer>>,
     /// Without a sign of life for so long, a worker has lost its shard.
     ack_wait: Duration,
@@ -70,7 +70,7 @@ impl Broker {
             Failure::Later(format!("no broker responds at {}: {error}", without_secret(url)))
         })?;
         let context = {
-            // It starts a task of its own.
+            // The client starts a task.
             let _entered = runtime.enter();
             jetstream::new(client)
         };
@@ -131,8 +131,7 @@ impl Broker {
         if fetched.is_err() {
             *self.consumer.lock().unwrap_or_else(PoisonError::into_inner) = None;
         }
-        let delivery = |message| Delivery::new(Arc::clone(&self.runtime), message, self.ack_wait);
-        Ok(fetched?.map(delivery))
+        Ok(fetched?.map(|message| Delivery::new(Arc::clone(&self.runtime), message, self.ack_wait)))
     }
 
     async fn fetch(&self, patience: Duration) -> Result<Option<Message>, BrokerError> {
@@ -161,7 +160,7 @@ impl Broker {
         )
     }
 
-    /// The stream, made anew if the broker has lost it.
+    /// The stream, created again if the broker has lost it.
     async fn stream(&self) -> Result<Stream, BrokerError> {
         let config = stream::Config {
             name: STREAM.to_owned(),

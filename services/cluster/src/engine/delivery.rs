@@ -1,4 +1,4 @@
-//! A message that a worker has, until it gives its verdict.
+//! A message in the hands of a worker, until its verdict.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -13,10 +13,10 @@ use super::task::Task;
 /// Signs of life within the time that a worker may be silent.
 const BEATS: u32 = 4;
 
-/// What becomes of a task.
+/// The verdict on a task.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Verdict {
-    /// Its shard has a marker, or nobody wants it any more.
+    /// Its shard has a marker or is no longer needed.
     Done,
     /// Another worker, or this one, may try after this time.
     Again(Duration),
@@ -24,7 +24,7 @@ pub(crate) enum Verdict {
     Hopeless,
 }
 
-/// A message that a worker has. It says that the worker is alive until the verdict is given.
+/// A message that a worker processes; it signals progress to the broker until the verdict.
 pub(crate) struct Delivery {
     runtime: Arc<Runtime>,
     message: Arc<Message>,
@@ -49,7 +49,7 @@ impl Delivery {
         }
     }
 
-    /// What the message asks for; `None` if it is not ours.
+    /// The task of the message; `None` for a foreign message.
     pub(crate) fn task(&self) -> Option<Task> {
         serde_json::from_slice(&self.message.payload).ok()
     }

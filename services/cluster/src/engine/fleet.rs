@@ -1,4 +1,4 @@
-//! The workers that are there, as they say themselves.
+//! The workers of a broker, as they announce themselves.
 
 use std::sync::Arc;
 use std::time::{Duration, SystemTime};
@@ -36,7 +36,7 @@ pub(crate) struct Member {
     pub(crate) cpu_features: String,
 }
 
-/// The list of workers, of which each expires unless it is renewed.
+/// The list of workers; entries expire unless they are renewed.
 #[derive(Clone)]
 pub(crate) struct Fleet {
     runtime: Arc<Runtime>,
@@ -95,7 +95,7 @@ impl Fleet {
         Ok(self.entries()?.into_iter().map(worker).collect())
     }
 
-    /// The workers, with the time at which each said last that it is there.
+    /// The workers with the time of their last renewal.
     fn entries(&self) -> Result<Vec<(Member, SystemTime)>, BrokerError> {
         self.runtime.block_on(async {
             let store = self.store().await?;

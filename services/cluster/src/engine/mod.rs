@@ -1,7 +1,7 @@
-//! Shards handed to workers by a broker, NATS JetStream.
+//! Distribution of shards to workers by a broker, NATS JetStream.
 //!
-//! The store is the truth and the broker never: a message that is lost is published again, and one that comes twice finds
-//! the marker of its shard. So whatever the broker forgets costs time and nothing else.
+//! Completion state is only in the store. A lost message is published again, and the worker that gets a repeated one finds the
+//! marker of its shard. Losing messages in the broker therefore costs only time.
 
 mod broker;
 mod delivery;

@@ -1,11 +1,11 @@
-//! What a message asks for.
+//! The task of a message.
 
 use serde::{Deserialize, Serialize};
 
 /// A shard that is to be rendered.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Task {
-    /// Where its set lies, as every worker can reach it.
+    /// The location of its set in a form that every worker can reach.
     pub(crate) set: String,
     /// Its number.
     pub(crate) shard: u64,

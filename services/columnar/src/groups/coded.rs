@@ -1,4 +1,4 @@
-//! The values of a column as small numbers, equal where the values are.
+//! Dictionary encoding of columns: equal values have equal codes.
 
 use std::sync::Arc;
 
@@ -6,15 +6,15 @@ use super::Cell;
 use crate::bins::Bins;
 use crate::column::{Column, Kind};
 
-/// A column as places in a list of what it has.
+/// A column as codes into a list of its values.
 pub(super) struct Coded {
     pub(super) codes: Codes,
     pub(super) cells: Vec<Cell>,
 }
 
-/// The places, row by row.
+/// The codes, row by row.
 pub(super) enum Codes {
-    /// Of a column of texts, whose own codes they are; the last place is that of a missing text.
+    /// The codes of a column of texts; the last one is that of a missing text.
     Texts(Arc<Column>, u32),
     Rows(Vec<u32>),
 }
@@ -38,7 +38,7 @@ impl Codes {
         }
     }
 
-    /// Makes one number of the places so far and these, of which there are `count`.
+    /// Combines earlier codes with these, of which there are `count`.
     pub(super) fn join(&self, joined: &mut [u32], count: u32) {
         match self {
             Self::Rows(codes) => {
@@ -87,8 +87,11 @@ impl Coded {
                     Kind::Large => Cell::Large(values[at]),
                     _ => Cell::Whole(values[at]),
                 };
-                let key = |at: usize| (values[at] as u64, missing.get(at).copied().unwrap_or(false));
-                Self::of((0..values.len()).map(key), cell)
+                Self::from_keys(
+                    (0..values.len())
+                        .map(|at: usize| (values[at] as u64, missing.get(at).copied().unwrap_or(false))),
+                    cell,
+                )
             }
             (_, Some(bins)) => Self::in_bins(&column.numbers(), bins),
             (_, None) => {
@@ -104,14 +107,16 @@ impl Coded {
                     value if value.is_nan() => Cell::Missing,
                     value => Cell::Number(value.to_bits()),
                 };
-                let key = |at: usize| (value(at).to_bits(), value(at).is_nan());
-                Self::of((0..numbers.len()).map(key), cell)
+                Self::from_keys(
+                    (0..numbers.len()).map(|at: usize| (value(at).to_bits(), value(at).is_nan())),
+                    cell,
+                )
             }
         }
     }
 
-    /// Rows by what they have: equal keys have equal cells.
-    fn of(keys: impl Iterator<Item = (u64, bool)>, cell: impl Fn(usize) -> Cell) -> Self {
+    /// Encodes rows by keys: equal keys have equal cells.
+    fn from_keys(keys: impl Iterator<Item = (u64, bool)>, cell: impl Fn(usize) -> Cell) -> Self {
         let (mut codes, mut cells) = (Vec::new(), Vec::new());
         let mut places = Table::default();
         for (at, key) in keys.enumerate() {
@@ -138,7 +143,7 @@ impl Coded {
     }
 }
 
-/// Edges of bins that were found before, and their places: to find an edge takes several divisions, to compare with one none.
+/// A cache of bin edges and their codes: computing an edge takes several divisions, comparing with one takes none.
 struct Edges {
     bins: Bins,
     known: Vec<(f64, f64, u32)>,

@@ -8,7 +8,7 @@ use crate::bins::Bins;
 use crate::cache::Cache;
 use crate::column::{ColumnBuilder, Kind};
 use crate::condition::{Condition, Sign, Test, Value};
-use crate::file::{About, MirrorFile};
+use crate::file::{About, ReplicaFile};
 use crate::parts::Part;
 use crate::write::write;
 
@@ -66,7 +66,7 @@ fn file(folder: &std::path::Path, rows: &[Row], first_row: i64) -> Part {
         checksums: Vec::new(),
     };
     let named = write(folder, &columns, about).unwrap();
-    let file = MirrorFile::open(&folder.join(&named.name), &named.digest).unwrap();
+    let file = ReplicaFile::open(&folder.join(&named.name), &named.digest).unwrap();
     Part::File {
         file: Arc::new(file),
         jobs: None,
@@ -104,7 +104,7 @@ proptest! {
         }
         let condition = Condition::Test("alpha".to_owned(), Test::Is(Sign::Below, Value::Number(0.6)));
         let (names, cache) = (names(), Cache::new(1 << 20));
-        let question = Question { parts: &parts, columns: &names, condition: is_filtered.then_some(&condition), cache: &cache, threads };
+        let query = Query { parts: &parts, columns: &names, condition: is_filtered.then_some(&condition), cache: &cache, threads };
         let bins = Bins::new(0.25);
         let mut by = Vec::new();
         if by_style { by.push(GroupBy { column: 1, bins: None }); }
@@ -118,7 +118,7 @@ proptest! {
             expected.entry(format!("{key:?}")).or_default().extend(value);
         }
         let expected: BTreeMap<String, String> = expected.into_iter().map(|(key, values)| (key, format!("{:?}", summary(values)))).collect();
-        let (got, source) = stats(&question, 1, &by, 1000).unwrap();
+        let (got, source) = stats(&query, 1, &by, Some(1000)).unwrap();
         let got: BTreeMap<String, String> = got.into_iter().map(|(key, all)| (format!("{key:?}"), format!("{:?}", all[0]))).collect();
         prop_assert_eq!(got, expected);
         prop_assert_eq!(source.memory, in_memory.len() as u64);
@@ -133,20 +133,64 @@ fn more_groups_than_allowed_are_refused() {
         .collect();
     let parts = [Part::Rows(columns(&rows).into_iter().map(Arc::new).collect())];
     let (names, cache) = (names(), Cache::new(0));
-    let question = Question {
+    let query = Query {
         parts: &parts,
         columns: &names,
         condition: None,
         cache: &cache,
         threads: 2,
     };
-    let by = [GroupBy {
+    let grouping = [GroupBy {
         column: 2,
         bins: None,
     }];
     assert!(matches!(
-        stats(&question, 1, &by, 49),
+        stats(&query, 1, &grouping, Some(49)),
         Err(ColumnarError::TooManyGroups(49))
     ));
-    assert_eq!(stats(&question, 1, &by, 50).unwrap().0.len(), 50);
+    for most in [Some(50), None] {
+        assert_eq!(stats(&query, 1, &grouping, most).unwrap().0.len(), 50);
+    }
+}
+
+#[test]
+fn values_without_bins_and_the_values_of_many_groups_are_sorted() {
+    let infinite = [4.0, f64::INFINITY, 1.0, -1e308, 1e308];
+    let rows: Vec<Row> = infinite.map(|value| (Some(value), None, None)).to_vec();
+    let many: Vec<Row> = (0..3 * MOST_BINNED_GROUPS)
+        .map(|row| (Some(row as f64), None, Some((row / 2) as f64)))
+        .collect();
+    let summaries = |rows: &[Row], by: &[GroupBy]| {
+        let lots = rows.chunks(999);
+        let parts: Vec<Part> = lots
+            .map(|lot| Part::Rows(columns(lot).into_iter().map(Arc::new).collect()))
+            .collect();
+        let (names, cache) = (names(), Cache::new(0));
+        let query = Query {
+            parts: &parts,
+            columns: &names,
+            condition: None,
+            cache: &cache,
+            threads: 3,
+        };
+        stats(&query, 1, by, None).unwrap().0
+    };
+    let summarized = &summaries(&rows, &[])[0].1[0];
+    assert_eq!(
+        format!("{summarized:?}"),
+        format!("{:?}", summary(infinite.to_vec()))
+    );
+    let grouping = [GroupBy {
+        column: 2,
+        bins: None,
+    }];
+    let groups = summaries(&many, &grouping);
+    assert_eq!(groups.len(), 3 * MOST_BINNED_GROUPS / 2);
+    for (key, all) in groups {
+        let Cell::Number(bits) = key[0] else {
+            panic!("{key:?}")
+        };
+        let first = 2.0 * f64::from_bits(bits);
+        assert_eq!(all[0], summary(vec![first, first + 1.0]));
+    }
 }

@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use super::*;
 use crate::column::ColumnBuilder;
 use crate::condition::Bound;
-use crate::file::MirrorFile;
+use crate::file::ReplicaFile;
 
 fn columns() -> Vec<(String, Kind, Column)> {
     let mut text = ColumnBuilder::new(Kind::Text);
@@ -44,7 +44,7 @@ fn about() -> About {
     }
 }
 
-/// NaN, which stands for what is missing, is equal to itself here.
+/// Text of a column, in which missing values (NaN) are equal.
 fn shown(column: &Column) -> String {
     format!("{column:?}")
 }
@@ -56,7 +56,7 @@ fn what_is_written_is_read() {
     let named = write(folder.path(), &columns, about()).unwrap();
     let path = folder.path().join(&named.name);
     assert_eq!(std::fs::metadata(&path).unwrap().len(), named.bytes);
-    let file = MirrorFile::open(&path, &named.digest).unwrap();
+    let file = ReplicaFile::open(&path, &named.digest).unwrap();
     file.check().unwrap();
     assert_eq!((file.rows(), &file.about().jobs), (5000, &about().jobs));
     for (name, _, column) in &columns[..6] {
@@ -80,12 +80,12 @@ fn no_damaged_byte_is_read() {
         let mut damaged = bytes.clone();
         damaged[at] ^= 0x10;
         std::fs::write(&path, &damaged).unwrap();
-        let found = MirrorFile::open(&path, &named.digest).and_then(|file| file.check());
+        let found = ReplicaFile::open(&path, &named.digest).and_then(|file| file.check());
         assert!(matches!(found, Err(ColumnarError::Damaged { .. })), "byte {at}");
     }
     for length in [0, 3, 11, bytes.len() / 2, bytes.len() - 1] {
         std::fs::write(&path, &bytes[..length]).unwrap();
-        let found = MirrorFile::open(&path, &named.digest).and_then(|file| file.check());
+        let found = ReplicaFile::open(&path, &named.digest).and_then(|file| file.check());
         assert!(found.is_err(), "{length} bytes");
     }
 }

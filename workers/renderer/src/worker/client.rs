@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use client::{Http, HttpError};
 use prost::Message;
 use proto::wire::{
     BeatRequest, BeatResponse, CommitRequest, CommitResponse, FailRequest, Lease, LeaseRequest,
@@ -11,8 +12,6 @@ use proto::wire::{
 use proto::{CONTENT_TYPE, Checked, decode};
 use spec::SceneFiles;
 use ureq::http::StatusCode;
-
-use crate::http::{Http, HttpError};
 
 /// Longer than any long-poll: beyond it the connection is dead.
 const RESPONSE_LIMIT: Duration = Duration::from_secs(120);
@@ -175,7 +174,7 @@ impl From<HttpError> for ClientError {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::http::Problem;
+    use ::client::Problem;
 
     #[test]
     fn a_problem_says_whether_to_drop_to_register_again_to_wait_or_to_stop() {

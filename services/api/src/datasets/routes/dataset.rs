@@ -1,6 +1,7 @@
-use catalogue::{Catalogue, ColumnInfo, DatasetRow, Deleted, Page};
-use serde::Serialize;
-use utoipa::ToSchema;
+//! `GET /v1/datasets`; `GET` and `DELETE /v1/datasets/{name}`.
+
+use catalogue::{Catalogue, DatasetRow, Deleted, Page};
+use client::DatasetDetail;
 
 use crate::http::paging::Paging;
 use crate::http::{Json, Path, Problem, Query, State, Topic, bounds, found};
@@ -17,16 +18,7 @@ pub(crate) async fn list(
     Ok(Json(catalogue.datasets(limit, query.cursor).await?))
 }
 
-/// A dataset with its columns.
-#[derive(Debug, Serialize, ToSchema)]
-pub(crate) struct DatasetDetail {
-    #[serde(flatten)]
-    dataset: DatasetRow,
-    /// Columns of its images.
-    columns: Vec<ColumnInfo>,
-}
-
-/// Get a dataset, or a sealed version such as `tour@1`: its counts, bytes and columns.
+/// See a dataset, or a sealed version such as `tour@1`: its counts, bytes and columns.
 #[utoipa::path(get, path = "/v1/datasets/{name}", tag = "datasets", operation_id = "get_dataset",
     params(("name" = String, Path, description = "Name of the dataset")),
     responses((status = 200, description = "The dataset.", body = DatasetDetail)))]

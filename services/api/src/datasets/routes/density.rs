@@ -1,6 +1,6 @@
 use crate::http::{Json, Path, Problem, Query, State, Topic, bounds};
 
-use catalogue::{Catalogue, Density, DensityColumns};
+use catalogue::{Catalogue, Histogram2d, Histogram2dColumns};
 use serde::Deserialize;
 use utoipa::IntoParams;
 
@@ -28,19 +28,19 @@ pub(crate) struct Parameters {
 /// Get a 2-D histogram of two columns.
 #[utoipa::path(get, path = "/v1/datasets/{name}/density", tag = "datasets", operation_id = "get_density",
     params(("name" = String, Path, description = "Name of the dataset"), Parameters),
-    responses((status = 200, description = "The cells.", body = Density),
+    responses((status = 200, description = "The cells.", body = Histogram2d),
               (status = 422, response = crate::openapi::Problem)))]
 pub(crate) async fn density(
     State(catalogue): Topic<Catalogue>,
     Path(name): Path<String>,
     Query(query): Query<Parameters>,
-) -> Result<Json<Density>, Problem> {
+) -> Result<Json<Histogram2d>, Problem> {
     let filter = bounds::check_filter(query.filter)?;
-    let columns = DensityColumns {
+    let columns = Histogram2dColumns {
         x: &query.x,
         y: &query.y,
         mean_of: query.mean_of.as_deref(),
     };
-    let density = catalogue.density(&name, filter.as_deref(), columns, query.bins.unwrap_or(64));
+    let density = catalogue.histogram_2d(&name, filter.as_deref(), columns, query.bins.unwrap_or(64));
     Ok(Json(density.await?))
 }

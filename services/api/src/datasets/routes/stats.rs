@@ -1,8 +1,8 @@
 use crate::http::{Json, Path, Problem, Query, Slug, State, Topic, bounds};
 
-use catalogue::{Catalogue, GroupColumn, GroupStats, GroupedStats, Source};
-use serde::{Deserialize, Serialize};
-use utoipa::{IntoParams, ToSchema};
+use catalogue::{Catalogue, Statistics};
+use serde::Deserialize;
+use utoipa::IntoParams;
 
 /// Metrics, filter and grouping.
 #[derive(Deserialize, IntoParams)]
@@ -25,20 +25,7 @@ pub(crate) struct Parameters {
     filter: Option<String>,
 }
 
-/// Statistics of all groups.
-#[derive(Debug, Serialize, ToSchema)]
-pub(crate) struct Statistics {
-    /// The columns of `by`; absent without it.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    by: Option<Vec<GroupColumn>>,
-    /// One entry per group and metric.
-    groups: Vec<GroupStats>,
-    /// Storage that the query read.
-    source: Source,
-}
-
-/// Get statistics of metrics over a dataset, per group.
+/// Statistics of metrics over a dataset, per group.
 #[utoipa::path(get, path = "/v1/datasets/{name}/stats", tag = "datasets", operation_id = "get_statistics",
     params(("name" = String, Path, description = "Name of the dataset"), Parameters),
     responses((status = 200, description = "Statistics per group and metric.", body = Statistics)))]
@@ -49,24 +36,23 @@ pub(crate) async fn stats(
 ) -> Result<Json<Statistics>, Problem> {
     let metrics = bounds::split_names(&query.metrics);
     let filter = bounds::check_filter(query.filter)?;
-    let Some(by) = query.by else {
-        let groups = catalogue.stats(&name, &metrics, query.group_by.as_deref(), filter.as_deref());
-        let GroupedStats { groups, source, .. } = groups.await?;
-        return Ok(Json(Statistics {
-            by: None,
-            groups,
-            source,
-        }));
+    let statistics = match (&query.by, &query.group_by) {
+        (Some(_), Some(_)) => {
+            return Err(Problem::new(
+                Slug::InvalidQuery,
+                "give `by` or `group_by`, not both",
+            ));
+        }
+        (Some(by), None) => {
+            catalogue
+                .grouped_stats(&name, &metrics, by, filter.as_deref())
+                .await?
+        }
+        (None, group_by) => {
+            catalogue
+                .stats(&name, &metrics, group_by.as_deref(), filter.as_deref())
+                .await?
+        }
     };
-    if query.group_by.is_some() {
-        let detail = "give `by` or `group_by`, not both";
-        return Err(Problem::new(Slug::InvalidQuery, detail));
-    }
-    let stats = catalogue.grouped_stats(&name, &metrics, &by, filter.as_deref());
-    let GroupedStats { by, groups, source } = stats.await?;
-    Ok(Json(Statistics {
-        by: Some(by),
-        groups,
-        source,
-    }))
+    Ok(Json(statistics))
 }

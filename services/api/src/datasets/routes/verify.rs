@@ -1,5 +1,6 @@
 use catalogue::{SealedImage, VersionJob};
-use serde::{Deserialize, Serialize};
+use client::{DamagedImage, VerifiedVersion};
+use serde::Deserialize;
 use spec::{FrameRecord, MerkleTree};
 use utoipa::ToSchema;
 
@@ -22,36 +23,6 @@ pub(crate) struct Wish {
     bytes: bool,
 }
 
-/// A difference between an image and its sealed state.
-#[derive(Debug, Serialize, ToSchema)]
-pub(crate) struct DamagedImage {
-    /// Its job.
-    job: String,
-    /// Its frame; null: all images of the job.
-    frame: Option<u64>,
-    /// Description of the difference.
-    reason: String,
-}
-
-/// Result of a verification.
-#[derive(Debug, Serialize, ToSchema)]
-pub(crate) struct VerifiedVersion {
-    /// Whether the version is unchanged since it was sealed.
-    intact: bool,
-    /// Root stored in the seal.
-    root: String,
-    /// Root computed from the present records.
-    computed: String,
-    /// Images with a verified record.
-    images: u64,
-    /// Artifacts with verified bytes.
-    artifacts: u64,
-    /// Number of differences.
-    damages: u64,
-    /// The first 100 differences.
-    damaged: Vec<DamagedImage>,
-}
-
 /// Verify a sealed version: compute its root again from the records of its images.
 ///
 /// Each record is compared with its digest and list of artifacts in the catalogue. With `bytes`, every artifact is
@@ -68,20 +39,12 @@ pub(crate) async fn verify(
     let wish: Wish =
         serde_json::from_slice(&body).map_err(|error| Problem::new(Slug::InvalidBody, error.to_string()))?;
     let row = datasets.version(&name, version).await?;
-    let mut found = VerifiedVersion {
-        intact: true,
-        root: row.root,
-        computed: String::new(),
-        images: 0,
-        artifacts: 0,
-        damages: 0,
-        damaged: Vec::new(),
-    };
+    let mut verification = Verification::default();
     let mut tree = MerkleTree::default();
     for job in datasets.catalogue.version_jobs(&name, version).await? {
-        let computed = found.job(&datasets, &job, wish.bytes).await?;
+        let computed = verification.job(&datasets, &job, wish.bytes).await?;
         if computed != job.root {
-            found.add(
+            verification.add(
                 &job,
                 None,
                 "the root of its images differs from the sealed one".to_owned(),
@@ -89,12 +52,34 @@ pub(crate) async fn verify(
         }
         tree.push(computed);
     }
-    found.computed = tree.root();
-    found.intact = found.damages == 0 && found.computed == found.root;
-    Ok(Json(found))
+    let Verification {
+        images,
+        artifacts,
+        damages,
+        damaged,
+    } = verification;
+    let computed = tree.root();
+    Ok(Json(VerifiedVersion {
+        intact: damages == 0 && computed == row.root,
+        root: row.root,
+        computed,
+        images,
+        artifacts,
+        damages,
+        damaged,
+    }))
 }
 
-impl VerifiedVersion {
+/// The findings so far.
+#[derive(Default)]
+struct Verification {
+    images: u64,
+    artifacts: u64,
+    damages: u64,
+    damaged: Vec<DamagedImage>,
+}
+
+impl Verification {
     /// Verifies the images of a job and returns their root.
     async fn job(&mut self, datasets: &Datasets, job: &VersionJob, bytes: bool) -> Result<String, Problem> {
         let (mut tree, mut after) = (MerkleTree::default(), None);

@@ -2,8 +2,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use axum::http::StatusCode;
-use serde::Serialize;
-use utoipa::ToSchema;
+use client::BackupView;
 
 use crate::clock::ordered_id;
 use crate::http::failure::writing;
@@ -15,17 +14,6 @@ use crate::processes::compute::to_the_end;
 const PREFIX: &str = "bak_";
 /// Prefix while it is unfinished.
 const UNFINISHED: &str = ".bak_";
-
-/// A copy of all stored data.
-#[derive(Debug, Serialize, ToSchema)]
-#[schema(as = Backup)]
-pub(crate) struct BackupView {
-    /// Its folder on the service's machine. A service started on it resumes from the time of the copy.
-    #[schema(example = "data/backups/bak_0198c0ffee007000800000000000000a")]
-    folder: String,
-    /// Bytes of all its files.
-    bytes: u64,
-}
 
 /// Copy the catalogue and all artifacts while the service runs.
 ///

@@ -1,10 +1,13 @@
+//! `POST /v1/scenes`.
+
+use client::SceneView;
 use utoipa::ToSchema;
 
 use crate::http::located::{Located, created, located};
 use crate::http::{MultipartBody, Problem, State, Topic};
 use crate::scenes::Scenes;
 use crate::scenes::upload::SceneForm;
-use crate::scenes::view::SceneView;
+use crate::scenes::view::view;
 
 /// The fields of a scene upload.
 #[derive(ToSchema)]
@@ -62,5 +65,5 @@ pub(crate) async fn create(
 ) -> Result<Located<SceneView>, Problem> {
     let (row, new) = scenes.keep(SceneForm::read(body).await?).await?;
     let location = format!("/v1/scenes/{}", row.id);
-    Ok(located(created(new), location, row.into()))
+    Ok(located(created(new), location, view(row)))
 }

@@ -1,9 +1,10 @@
 use axum::http::StatusCode;
 use catalogue::Catalogue;
+use client::SceneView;
 
 use crate::http::{Json, Path, Problem, State, Topic, found};
 use crate::scenes::Scenes;
-use crate::scenes::view::SceneView;
+use crate::scenes::view::view;
 
 /// Get an uploaded scene.
 #[utoipa::path(get, path = "/v1/scenes/{id}", tag = "scenes", operation_id = "get_scene",
@@ -13,7 +14,7 @@ pub(crate) async fn get(
     State(catalogue): Topic<Catalogue>,
     Path(id): Path<String>,
 ) -> Result<Json<SceneView>, Problem> {
-    Ok(Json(found(catalogue.scene(&id).await?, "scene", &id)?.into()))
+    Ok(Json(view(found(catalogue.scene(&id).await?, "scene", &id)?)))
 }
 
 /// Delete an uploaded scene that no job uses.

@@ -1,8 +1,9 @@
 use catalogue::{Catalogue, Page};
+use client::SceneView;
 
 use crate::http::paging::Paging;
 use crate::http::{Json, Problem, Query, State, Topic, bounds};
-use crate::scenes::view::SceneView;
+use crate::scenes::view::view;
 
 /// List uploaded scenes.
 #[utoipa::path(get, path = "/v1/scenes", tag = "scenes", operation_id = "list_scenes", params(Paging),
@@ -14,7 +15,7 @@ pub(crate) async fn list(
     let limit = bounds::check_rows(query.limit)?;
     let page = catalogue.scenes(limit, query.cursor).await?;
     Ok(Json(Page {
-        items: page.items.into_iter().map(SceneView::from).collect(),
+        items: page.items.into_iter().map(view).collect(),
         next_cursor: page.next_cursor,
     }))
 }

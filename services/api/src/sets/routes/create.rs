@@ -1,4 +1,5 @@
 use axum::http::StatusCode;
+use client::SetView;
 use serde_json::Value;
 use spec::{FieldError, Invalid};
 use utoipa::ToSchema;
@@ -7,7 +8,6 @@ use crate::http::located::{Located, located};
 use crate::http::{JsonBytes, Problem, Slug, State, Topic};
 use crate::limits;
 use crate::sets::Sets;
-use crate::sets::view::SetView;
 
 /// A set to import.
 #[derive(ToSchema)]

@@ -1,8 +1,8 @@
 use catalogue::{Deleted, Page};
+use client::SetView;
 
 use crate::http::{Json, Path, Problem, State, Topic};
 use crate::sets::Sets;
-use crate::sets::view::SetView;
 
 /// List the imported sets on one page, newest first.
 #[utoipa::path(get, path = "/v1/sets", tag = "sets", operation_id = "list_sets",

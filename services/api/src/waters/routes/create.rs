@@ -1,10 +1,10 @@
 use axum::http::StatusCode;
+use client::WaterView;
 
 use crate::http::located::{Located, located};
 use crate::http::{JsonBytes, Problem, State, Topic};
 use crate::openapi::NewWater;
 use crate::waters::Waters;
-use crate::waters::view::WaterView;
 
 /// Add your water, for jobs to use by name.
 ///

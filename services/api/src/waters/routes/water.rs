@@ -1,9 +1,9 @@
 use axum::http::StatusCode;
 use catalogue::Page;
+use client::WaterView;
 
 use crate::http::{Json, Path, Problem, State, Topic, found};
 use crate::waters::Waters;
-use crate::waters::view::WaterView;
 
 /// List the optical waters on one page: the shipped ones, then the user-defined ones.
 #[utoipa::path(get, path = "/v1/waters", tag = "waters", operation_id = "list_waters",

@@ -1,4 +1,4 @@
-//! `fathom-cluster jobs`: what a service asks of the store that it shares with others, and of the broker.
+//! `fathom-cluster jobs`: requests of a service to its shared store and to the broker.
 
 mod watch;
 
@@ -15,7 +15,7 @@ use super::shards::resolved;
 use super::{failure, open};
 use crate::lines::{line, write};
 
-/// A job has so many shards, unless they would be smaller or larger than these.
+/// Shards of a job, unless they would be smaller or larger than these limits.
 const SHARDS: u64 = 100;
 const LEAST_FRAMES: u64 = 10;
 const MOST_FRAMES: u64 = 500;
@@ -31,13 +31,13 @@ pub(crate) struct Arguments {
 enum Action {
     /// Begin the set of the job that standard input describes
     Submit { store: String },
-    /// Change whether a set is worked on to what standard input says
+    /// Change the state of a set to the one in standard input
     State { set: String },
     /// Have the shards with failed frames rendered again
     Retry { set: String },
     /// Cancel a set and hide it from services
     Retire { set: String },
-    /// Say how the sets of a store grow, and fill a broker with what is missing
+    /// Print the progress of the sets of a store, and send their missing shards to a broker
     Watch(watch::Arguments),
 }
 
@@ -78,10 +78,10 @@ fn submit(store: &str) -> Result<(), Failure> {
             location: set.location().to_string(),
         },
     };
-    say(&accepted)
+    send(&accepted)
 }
 
-/// Hiding a set that is hidden is no failure: a service may have died before it knew.
+/// Hides a set. A hidden set is no error: the service may have been killed before it recorded it.
 fn retire(set: &str) -> Result<(), Failure> {
     match Set::open(&Location::parse(set).map_err(failure)?) {
         Ok(set) => set.retire().map_err(failure),
@@ -101,6 +101,6 @@ fn shared(store: &str) -> Result<JobStore, Failure> {
 }
 
 /// Writes a message for the service.
-fn say(message: &impl Serialize) -> Result<(), Failure> {
+fn send(message: &impl Serialize) -> Result<(), Failure> {
     write(&line(message)?)
 }

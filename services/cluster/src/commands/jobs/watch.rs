@@ -1,5 +1,5 @@
-//! `fathom-cluster jobs watch`: looks at the sets of a store, tells a service how they grow, and hands what is missing to a
-//! broker. Any number of them may watch the same store: what two of them publish waits once.
+//! `fathom-cluster jobs watch`: reports the progress of the sets of a store to a service, and sends missing shards to a broker. Any
+//! number of processes may watch the same store: the broker drops duplicates.
 
 use std::collections::BTreeMap;
 use std::io::{Read, stdin};
@@ -15,7 +15,7 @@ use sets::{DoneShard, JobStore, Set, SetError};
 use spec::SetState;
 
 use super::super::dispatch::{Patience, Window};
-use super::{say, shared};
+use super::{send, shared};
 use crate::engine::Broker;
 
 /// Between two rounds.
@@ -24,12 +24,12 @@ const ROUND: Duration = Duration::from_millis(500);
 const LOOK: Duration = Duration::from_secs(1);
 /// The share of the time that looking at a set may take.
 const LOOK_SHARE: u32 = 20;
-/// The same for one of which every shard is done, or which is not to be worked on; another service may change that.
+/// The interval for a set that is complete, paused or cancelled; another service may change that.
 const LOOK_DONE: Duration = Duration::from_secs(3);
 /// A set that cannot be read is tried again after this time.
 const LOOK_FAILED: Duration = Duration::from_secs(15);
-/// What has not changed is said again after this time, in case it was not understood.
-const SAY_AGAIN: Duration = Duration::from_secs(60);
+/// Unchanged progress is reported again after this time, in case the service missed it.
+const REPORT_INTERVAL: Duration = Duration::from_secs(60);
 /// Between two lists of workers, and two tries to reach the broker.
 const WORKERS: Duration = Duration::from_secs(2);
 
@@ -70,7 +70,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
 struct Watch {
     store: JobStore,
     sets: BTreeMap<String, Watched>,
-    /// None while it cannot be reached; how the sets grow is said even then.
+    /// `None` while it cannot be reached; progress is reported even then.
     broker: Option<Broker>,
     patience: Patience,
     workers_due: Instant,
@@ -81,7 +81,7 @@ struct Watched {
     set: Option<Set>,
     window: Option<Window>,
     due: Instant,
-    said: Option<(SeenSet, Instant)>,
+    reported: Option<(SeenSet, Instant)>,
     /// Of the last look, so that a failure is printed once.
     failure: Option<String>,
 }
@@ -95,7 +95,7 @@ impl Watch {
         match &self.broker {
             Some(broker) => {
                 if let Some(workers) = self.patience.judge(broker.fleet().workers()) {
-                    say(&Event::Workers(workers))?;
+                    send(&Event::Workers(workers))?;
                 }
             }
             None => match Broker::connect(arguments, url) {
@@ -133,7 +133,7 @@ impl Watch {
                     if let Some(broker) = &self.broker {
                         self.patience.judge(watched.dispatch(broker, &seen, &missing));
                     }
-                    watched.tell(seen)?;
+                    watched.report(seen)?;
                     watched.due = Instant::now() + pause.max(begun.elapsed() * LOOK_SHARE);
                 }
                 Err(error) => watched.fail(id, &error),
@@ -149,7 +149,7 @@ impl Watched {
             set: None,
             window: None,
             due: Instant::now(),
-            said: None,
+            reported: None,
             failure: None,
         }
     }
@@ -189,32 +189,33 @@ impl Watched {
                 .get_or_insert_with(|| Window::new(&seen.location, None));
             return window.fill(broker, missing);
         }
-        // What workers hold they finish or drop, as the state says; what waits need not.
+        // Workers finish or drop their shards, as the state requires; waiting shards are withdrawn.
         match self.window.take() {
             Some(_) => broker.withdraw(&seen.location),
             None => Ok(()),
         }
     }
 
-    fn tell(&mut self, seen: SeenSet) -> Result<(), Failure> {
-        let is_known = |(said, at): &(SeenSet, Instant)| *said == seen && at.elapsed() < SAY_AGAIN;
-        if self.said.as_ref().is_some_and(is_known) {
+    fn report(&mut self, seen: SeenSet) -> Result<(), Failure> {
+        let is_known =
+            |(reported, at): &(SeenSet, Instant)| *reported == seen && at.elapsed() < REPORT_INTERVAL;
+        if self.reported.as_ref().is_some_and(is_known) {
             return Ok(());
         }
-        say(&Event::Set(seen.clone()))?;
-        self.said = Some((seen, Instant::now()));
+        send(&Event::Set(seen.clone()))?;
+        self.reported = Some((seen, Instant::now()));
         Ok(())
     }
 
     fn fail(&mut self, id: &str, error: &SetError) {
         let text = error.to_string();
-        // A folder without a job is that of one that was deleted, or that is being made.
+        // A folder without a job belongs to a deleted one, or to one that is being created.
         let is_hidden = self.set.is_none() && matches!(error, SetError::Refused(_));
         if !is_hidden && self.failure.as_ref() != Some(&text) {
             eprintln!("{id}: {text}");
         }
         self.failure = Some(text);
-        let pause = if self.said.is_none() && is_hidden {
+        let pause = if self.reported.is_none() && is_hidden {
             LOOK_DONE
         } else {
             LOOK_FAILED
@@ -238,8 +239,10 @@ mod tests {
     #[test]
     fn what_is_missing_is_what_has_no_marker() {
         let done = |shards: &[u64]| -> Vec<DoneShard> {
-            let done = |&shard| DoneShard { shard, changed_ms: 1 };
-            shards.iter().map(done).collect()
+            shards
+                .iter()
+                .map(|&shard| DoneShard { shard, changed_ms: 1 })
+                .collect()
         };
         assert_eq!(missing(4, &done(&[])), [0, 1, 2, 3]);
         assert_eq!(missing(4, &done(&[1, 2])), [0, 3]);

@@ -1,0 +1,5 @@
+//! Writing: one task gathers changes into transactions.
+
+pub(crate) mod insert;
+pub(crate) mod progress;
+pub(crate) mod writer;

@@ -1,0 +1,4 @@
+//! Images and their artifacts.
+
+pub(crate) mod artifacts;
+pub(crate) mod stored;

@@ -1,0 +1,8 @@
+//! Jobs from submission to deletion.
+
+pub(crate) mod deletion;
+pub(crate) mod import;
+pub(crate) mod recovery;
+pub(crate) mod reopen;
+pub(crate) mod rows;
+pub(crate) mod submit;

@@ -1,0 +1,67 @@
+//! The interface to the writer of Parquet, which `fathom-cluster` provides; `fathom` is built without that library.
+
+use std::fs::File;
+
+use cli::exit::Failure;
+use client::ColumnInfo;
+use serde_json::Value;
+use spec::{LeafKind, Leaves};
+
+/// A column of a table.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct TableColumn {
+    pub name: String,
+    pub kind: CellKind,
+}
+
+/// The type of a column's cells.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CellKind {
+    /// A scalar of a record.
+    Leaf(LeafKind),
+    Flag,
+    /// The bytes of a file.
+    File,
+}
+
+/// A row: its values by the names of their columns, and the files of the columns of files in their order.
+pub struct TableRow {
+    pub values: Value,
+    pub files: Vec<Vec<u8>>,
+}
+
+/// Writes rows, some at a time, until there are none.
+pub type WriteTable =
+    fn(File, &[TableColumn], &mut dyn FnMut() -> Result<Vec<TableRow>, Failure>) -> Result<(), Failure>;
+
+/// Columns of whole numbers that are not declared in records.
+const WHOLE: [&str; 2] = ["frame", "created_ms"];
+
+/// The columns of a dataset as those of a table.
+pub(crate) fn table_columns(columns: &[ColumnInfo]) -> Vec<TableColumn> {
+    let leaves = Leaves::of_records().scalars;
+    let kind = |column: &ColumnInfo| match column.kind.as_str() {
+        "bool" => CellKind::Flag,
+        "number" if WHOLE.contains(&column.name.as_str()) => CellKind::Leaf(LeafKind::Whole),
+        "number" => {
+            let leaf = leaves.iter().find(|leaf| leaf.name == column.name);
+            CellKind::Leaf(leaf.map_or(LeafKind::Number, |leaf| leaf.kind))
+        }
+        _ => CellKind::Leaf(LeafKind::Text),
+    };
+    columns
+        .iter()
+        .map(|column: &ColumnInfo| TableColumn {
+            name: column.name.clone(),
+            kind: kind(column),
+        })
+        .collect()
+}
+
+/// A column of texts.
+pub(crate) fn text_column(name: &str) -> TableColumn {
+    TableColumn {
+        name: name.to_owned(),
+        kind: CellKind::Leaf(LeafKind::Text),
+    }
+}

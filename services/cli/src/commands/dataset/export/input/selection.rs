@@ -1,0 +1,160 @@
+//! The exported images and columns. A dataset that lacks what the format needs is refused before the first file is written.
+
+use cli::exit::Failure;
+use cli::known;
+use client::{Client, ColumnInfo, StatisticsQuery};
+
+use crate::commands::dataset::export::Arguments;
+use crate::commands::dataset::export::input::frame::RECORD;
+use crate::commands::dataset::export::input::posed::PosedScenes;
+
+/// The images and columns of an export.
+pub(crate) struct Selection {
+    pub(crate) images: u64,
+    /// The kinds of files, the picture first, without repetition.
+    pub(crate) kinds: Vec<String>,
+    pub(crate) columns: Vec<ColumnInfo>,
+}
+
+/// Matches frames that may have a pose: those with a camera path or an uploaded scene.
+const MAY_HAVE_POSE: &str = "(camera.path.frames is not null or scene.id is not null)";
+/// Matches frames whose pose must be that of their scene.
+const POSE_OF_SCENE: &str = "camera.path.frames is null and scene.id is not null";
+
+impl Selection {
+    /// Reads the columns of the dataset, and checks that every image has what the export needs.
+    pub(crate) fn read(client: &Client, arguments: &Arguments) -> Result<Self, Failure> {
+        let dataset = known::dataset(client, &arguments.dataset)?;
+        // Readers of image folders take columns of such names for paths of files.
+        let columns = dataset
+            .columns
+            .into_iter()
+            .filter(|column| !column.name.ends_with("file_name"));
+        let mut selection = Self {
+            images: 0,
+            kinds: kinds(arguments),
+            columns: columns.collect(),
+        };
+        selection.check_kinds(arguments)?;
+        selection.images = count(client, arguments, None)?;
+        selection.check_every_image(client, arguments)?;
+        Ok(selection)
+    }
+
+    pub(crate) fn column_names(&self) -> Vec<String> {
+        self.columns.iter().map(|column| column.name.clone()).collect()
+    }
+
+    fn artifacts(&self) -> impl Iterator<Item = &String> {
+        self.kinds.iter().filter(|kind| *kind != RECORD)
+    }
+
+    fn check_kinds(&self, arguments: &Arguments) -> Result<(), Failure> {
+        let present = self
+            .columns
+            .iter()
+            .filter_map(|column| column.name.strip_prefix("artifacts."));
+        let present: Vec<&str> = present.collect();
+        let missing: Vec<&str> = self
+            .artifacts()
+            .map(String::as_str)
+            .filter(|kind| !present.contains(kind))
+            .collect();
+        if present.is_empty() || missing.is_empty() {
+            return Ok(());
+        }
+        let needs = match missing.iter().any(|kind| arguments.format.kinds().contains(kind)) {
+            true => format!(
+                "; the format {} is made of it: name it in /artifacts of the job",
+                arguments.format.name()
+            ),
+            false => String::new(),
+        };
+        Err(Failure::BadInput(format!(
+            "no image of `{}` has an artifact `{}`; there is {}{needs}",
+            arguments.dataset,
+            missing.join("`, `"),
+            present.join(", ")
+        )))
+    }
+
+    /// Checks that every image has the artifacts and the pose that the export needs.
+    fn check_every_image(&self, client: &Client, arguments: &Arguments) -> Result<(), Failure> {
+        let format = arguments.format.name();
+        if arguments.format.needs_poses() {
+            let needed = format!(
+                "the format {format} is made of poses: give /camera/path in the job, or upload scenes with their pose"
+            );
+            self.check_images(client, arguments, MAY_HAVE_POSE, &needed)?;
+            let of_scenes = joined(&arguments.filter, Some(POSE_OF_SCENE));
+            let lacking = PosedScenes::new(client).list_unposed(&arguments.dataset, &of_scenes)?;
+            if let Some(scenes) = lacking {
+                return Err(Failure::BadInput(format!(
+                    "the format {format} needs poses, which the scenes {scenes} lack: upload them with `pose`, or leave their \
+                     images out with --filter"
+                )));
+            }
+        }
+        for kind in self.artifacts() {
+            let needed = format!("they have no artifact `{kind}`; remove it from --kinds");
+            let condition = format!("artifacts.{kind} is not null");
+            self.check_images(client, arguments, &condition, &needed)?;
+        }
+        Ok(())
+    }
+
+    fn check_images(
+        &self,
+        client: &Client,
+        arguments: &Arguments,
+        condition: &str,
+        needed: &str,
+    ) -> Result<(), Failure> {
+        let present = count(client, arguments, Some(condition))?;
+        if present >= self.images {
+            return Ok(());
+        }
+        let lacking = self.images - present;
+        let or = match present {
+            0 => String::new(),
+            _ => format!(
+                ", or take the others with --filter '{}'",
+                joined(&arguments.filter, Some(condition))
+            ),
+        };
+        Err(Failure::BadInput(format!(
+            "{lacking} of {} images of `{}` cannot be exported: {needed}{or}",
+            self.images, arguments.dataset
+        )))
+    }
+}
+
+fn kinds(arguments: &Arguments) -> Vec<String> {
+    let mut kinds: Vec<String> = Vec::new();
+    let needed = arguments.format.kinds().iter().map(|kind| (*kind).to_owned());
+    for kind in arguments.kinds.iter().cloned().chain(needed) {
+        if !kinds.contains(&kind) {
+            kinds.push(kind);
+        }
+    }
+    kinds
+}
+
+fn joined(filter: &str, condition: Option<&str>) -> String {
+    match condition {
+        None => filter.to_owned(),
+        Some(condition) if filter.trim().is_empty() => condition.to_owned(),
+        Some(condition) => format!("({filter}) and {condition}"),
+    }
+}
+
+/// The number of images that the filter matches together with a condition.
+fn count(client: &Client, arguments: &Arguments, condition: Option<&str>) -> Result<u64, Failure> {
+    let query = StatisticsQuery {
+        metrics: "total_ms",
+        filter: &joined(&arguments.filter, condition),
+        ..StatisticsQuery::default()
+    };
+    let groups = client.statistics(&arguments.dataset, query)?.groups;
+    Ok(groups.iter().map(|group| group.count).sum())
+}

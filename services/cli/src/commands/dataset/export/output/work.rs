@@ -1,0 +1,216 @@
+//! A running export: rows are added, files are written, part by part.
+
+use anyhow::Context;
+use cli::classes::{Named, SceneClasses};
+use cli::exit::Failure;
+use client::ImageRow;
+use rayon::prelude::*;
+
+use crate::commands::dataset::export::Arguments;
+use crate::commands::dataset::export::format::Format;
+use crate::commands::dataset::export::formats::class_numbers::ClassNumbers;
+use crate::commands::dataset::export::formats::tables::WriteTable;
+use crate::commands::dataset::export::input::frame::{Frame, Place};
+use crate::commands::dataset::export::input::order::Order;
+use crate::commands::dataset::export::input::origins::UsedNames;
+use crate::commands::dataset::export::input::selection::Selection;
+use crate::commands::dataset::export::input::sequences::Sequences;
+use crate::commands::dataset::export::output::documents::Documents;
+use crate::commands::dataset::export::output::part::{Body, Content, Finish, Part, Task};
+use crate::commands::dataset::export::output::shards::Writer;
+
+/// Concurrent downloads: enough to keep a local service busy, few enough to leave it room for others.
+const DOWNLOADS: usize = 4;
+
+/// A running export.
+pub(crate) struct Export<'a> {
+    arguments: &'a Arguments,
+    tables: Option<WriteTable>,
+    selection: &'a Selection,
+    order: Order<'a>,
+    threads: rayon::ThreadPool,
+    parts: Vec<Part>,
+    sequences: Sequences<'a>,
+    scenes: SceneClasses<'a>,
+    /// Classes under the numbers that they have in all parts.
+    classes: ClassNumbers,
+    used_names: UsedNames,
+    images: u64,
+    fetched: usize,
+}
+
+impl<'a> Export<'a> {
+    /// Opens the folders of all parts.
+    pub(crate) fn begin(
+        arguments: &'a Arguments,
+        selection: &'a Selection,
+        order: Order<'a>,
+        tables: Option<WriteTable>,
+    ) -> Result<Self, Failure> {
+        let threads = rayon::ThreadPoolBuilder::new().num_threads(DOWNLOADS).build();
+        let names: Vec<Option<String>> = match &arguments.split {
+            Some(split) => split.names().map(|name| Some(name.to_owned())).collect(),
+            None => vec![None],
+        };
+        let shard_size = arguments.shard_size as usize;
+        Ok(Self {
+            parts: names
+                .into_iter()
+                .map(|name: Option<String>| Part::open(order.target, name, arguments.format, shard_size))
+                .collect::<Result<_, _>>()?,
+            threads: threads.context("cannot start threads")?,
+            sequences: Sequences::new(order.client, &arguments.dataset),
+            scenes: SceneClasses::new(order.client),
+            classes: ClassNumbers::default(),
+            used_names: UsedNames::default(),
+            images: 0,
+            fetched: 0,
+            arguments,
+            selection,
+            order,
+            tables,
+        })
+    }
+
+    /// Images so far.
+    pub(crate) fn images(&self) -> u64 {
+        self.images
+    }
+
+    /// Adds the next rows, in the order of jobs and frames.
+    pub(crate) fn add(&mut self, rows: Vec<ImageRow>) -> Result<(), Failure> {
+        self.images += rows.len() as u64;
+        let has_classes = self
+            .selection
+            .kinds
+            .iter()
+            .any(|kind| matches!(kind.as_str(), "semantics" | "semantics.visible" | "boxes"));
+        for row in &rows {
+            self.used_names.add(row);
+            if has_classes {
+                let mut classes = Named::new();
+                self.scenes.add(row, &mut classes)?;
+                self.classes.add(&classes);
+                let part = self.part_of(row);
+                self.parts[part].add_classes(classes);
+            }
+        }
+        match self.arguments.format.is_sharded() {
+            true => self.gather(rows),
+            false => self.fetch(rows),
+        }
+    }
+
+    fn part_of(&self, row: &ImageRow) -> usize {
+        let split = self.arguments.split.as_ref();
+        split.map_or(0, |split| split.part_of(row))
+    }
+
+    /// Adds rows to the shards of their parts.
+    fn gather(&mut self, rows: Vec<ImageRow>) -> Result<(), Failure> {
+        for row in rows {
+            let part = self.part_of(&row);
+            let writer = writer(
+                &self.order,
+                &self.threads,
+                self.arguments.format,
+                self.selection,
+                self.tables,
+            );
+            let Part { body, lists, .. } = &mut self.parts[part];
+            if let Body::Shards(shards) = body {
+                self.fetched += shards.add(&writer, lists, row)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Fetches the files of frames into the folders of their parts.
+    fn fetch(&mut self, rows: Vec<ImageRow>) -> Result<(), Failure> {
+        let format = self.arguments.format;
+        let needs_spots = format.needs_poses() || format == Format::Coco;
+        let mut tasks = Vec::with_capacity(rows.len());
+        for row in rows {
+            let place = Place::read(&row)?;
+            let spot = match needs_spots {
+                true => self.sequences.spot(&row, &place)?,
+                false => None,
+            };
+            tasks.push(Task {
+                part: self.part_of(&row),
+                home: Task::home(format, &place, spot.as_ref()),
+                row,
+                place,
+                spot,
+            });
+        }
+        let (parts, order) = (&self.parts, &self.order);
+        let frames: Result<Vec<(Frame, Content)>, Failure> = self.threads.install(|| {
+            let frames = tasks.par_iter().map(|task| {
+                let part = &parts[task.part];
+                let frame = order.complete(&task.row, &task.place, part.name.as_deref(), &task.home)?;
+                let content = Content::read(format, &part.folder, &frame)?;
+                Ok((frame, content))
+            });
+            frames.collect()
+        });
+        for (task, (frame, content)) in tasks.iter().zip(frames?) {
+            self.fetched += frame.fetched;
+            let part = &mut self.parts[task.part];
+            part.add(self.order.target, task, &frame, content, &mut self.classes)?;
+        }
+        Ok(())
+    }
+
+    /// Completes all parts and their documents.
+    pub(crate) fn finish(mut self) -> Result<(), Failure> {
+        let format = self.arguments.format;
+        let writer = writer(&self.order, &self.threads, format, self.selection, self.tables);
+        for Part { body, lists, .. } in &mut self.parts {
+            if let Body::Shards(shards) = body {
+                self.fetched += shards.finish(&writer, lists)?;
+            }
+        }
+        println!(
+            "{} images in {} ({} files fetched, the others were there)",
+            self.images,
+            self.order.target.root().display(),
+            self.fetched
+        );
+        let whole = Finish {
+            dataset: &self.arguments.dataset,
+            format,
+            target: self.order.target,
+            selection: self.selection,
+            classes: &self.classes,
+            tables: self.tables,
+        };
+        let rows = self.parts.iter_mut().map(|part| part.finish(&whole));
+        let rows = rows.collect::<Result<Vec<_>, _>>()?;
+        let documents = Documents {
+            arguments: self.arguments,
+            selection: self.selection,
+            target: self.order.target,
+            classes: &self.classes,
+            origins: &self.used_names.origins(self.order.client)?,
+            rows: &rows,
+        };
+        documents.write(self.parts)
+    }
+}
+
+fn writer<'a>(
+    order: &'a Order<'a>,
+    threads: &'a rayon::ThreadPool,
+    format: Format,
+    selection: &'a Selection,
+    tables: Option<WriteTable>,
+) -> Writer<'a> {
+    Writer {
+        order,
+        threads,
+        format,
+        columns: &selection.columns,
+        tables,
+    }
+}

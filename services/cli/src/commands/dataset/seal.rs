@@ -1,0 +1,37 @@
+//! `fathom seal`: makes the next version of a dataset; for a set, this command becomes `fathom-cluster`.
+
+use cli::exit::Failure;
+use cli::known;
+use cli::seal::{SealArguments, is_set};
+use serde_json::json;
+
+use crate::commands::service::cluster;
+
+/// Runs the command.
+pub(crate) fn run(arguments: &SealArguments) -> Result<(), Failure> {
+    let name = &arguments.what;
+    if is_set(name) {
+        return cluster::hand_over();
+    }
+    let client = arguments.server.patient_client();
+    if known::version(name).is_some() {
+        return Err(Failure::BadInput(format!(
+            "`{name}` is the name of a version: seal the dataset itself"
+        )));
+    }
+    known::dataset(&client, name)?;
+    let version = client.seal(name)?;
+    if arguments.json {
+        println!("{}", json!(version));
+        return Ok(());
+    }
+    println!(
+        "{} · {} images of {} jobs · made by {}",
+        version.name,
+        version.images,
+        version.jobs,
+        version.code_versions.join(", ")
+    );
+    println!("root {}", version.root);
+    Ok(())
+}

@@ -1,0 +1,140 @@
+//! `fathom sheet`: a contact sheet of a dataset.
+
+mod paint;
+
+use std::path::{Path, PathBuf};
+
+use cli::classes::{self, Named, SceneClasses};
+use cli::exit::Failure;
+use cli::files;
+use cli::known;
+use cli::remote::ServerArguments;
+use cli::sheet::{Tile, sheet, with_legend};
+use cli::table::cell;
+use client::{Client, ImageQuery, ImageRow, encode};
+
+use paint::{Paint, Stored};
+
+/// Options of `fathom sheet`.
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// The dataset
+    dataset: String,
+    /// Where to write the sheet (.png, .jpg or .webp)
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+    /// Which images, such as 'uiqm > 0.8'
+    #[arg(long, default_value = "")]
+    filter: String,
+    /// Order, such as uiqm or -uiqm
+    #[arg(long, value_name = "COLUMN", allow_hyphen_values = true)]
+    order_by: Option<String>,
+    /// Most images on the sheet
+    #[arg(long, default_value_t = 24)]
+    limit: usize,
+    /// Artifact kind to show: masks in the colors of their classes, range as a ramp with a scale
+    #[arg(long, default_value = "rgb")]
+    kind: String,
+    #[command(flatten)]
+    server: ServerArguments,
+}
+
+const COLUMNS: usize = 6;
+const TILE_PX: usize = 320;
+pub(crate) const FIELDS: [&str; 10] = [
+    classes::COLUMNS[0],
+    classes::COLUMNS[1],
+    "job",
+    "frame",
+    "scene.seed",
+    "water.optics",
+    "water.style",
+    "alpha",
+    "uiqm",
+    "uciqe",
+];
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let query = ImageQuery {
+        dataset: Some(&arguments.dataset),
+        filter: &arguments.filter,
+        order_by: arguments.order_by.as_deref(),
+        fields: &FIELDS.map(str::to_owned),
+        limit: arguments.limit,
+    };
+    draw(&arguments.server.client(), query, &arguments.kind, &arguments.out)?;
+    println!("{}", arguments.out.display());
+    Ok(())
+}
+
+/// Fetches the images of a query and draws them on one sheet.
+pub(crate) fn draw(client: &Client, query: ImageQuery<'_>, kind: &str, out: &Path) -> Result<(), Failure> {
+    let rows = client.images(query)?;
+    if rows.is_empty() {
+        if let Some(dataset) = query.dataset {
+            known::dataset(client, dataset)?;
+        }
+        return Err(Failure::input("no image matches: the sheet would be empty"));
+    }
+    let stored = rows.iter().map(|row| fetch(client, row, kind));
+    let stored = stored.collect::<Result<Vec<_>, Failure>>()?;
+    let paint = Paint::new(stored.iter());
+    let tiles: Vec<Tile> = rows
+        .iter()
+        .zip(&stored)
+        .map(|(row, stored)| Tile {
+            picture: paint.picture(stored),
+            caption: caption(row),
+        })
+        .collect();
+    let mut picture = sheet(&tiles, COLUMNS, TILE_PX);
+    let (mut scenes, mut named) = (SceneClasses::new(client), Named::new());
+    if matches!(kind, "semantics" | "semantics.visible") {
+        rows.iter().try_for_each(|row| scenes.add(row, &mut named))?;
+    }
+    if let Some(legend) = paint.legend(&stored, &named) {
+        picture = with_legend(&picture, &legend);
+    }
+    files::write_picture(out, &picture.into())
+}
+
+fn fetch(client: &Client, row: &ImageRow, kind: &str) -> Result<Stored, Failure> {
+    let (job, frame) = (cell(row.value("job")), cell(row.value("frame")));
+    let path = format!(
+        "/v1/images/{}/{}/artifacts/{}",
+        encode(&job),
+        encode(&frame),
+        encode(kind)
+    );
+    Stored::read(kind, &client.get_bytes(&path)?)
+}
+
+fn caption(row: &ImageRow) -> Vec<String> {
+    vec![
+        format!(
+            "#{} {} + {} a={}",
+            cell(row.value("frame")),
+            short_name(row, "water.optics"),
+            short_name(row, "water.style"),
+            two_decimals(row, "alpha")
+        ),
+        format!(
+            "seed {}  uiqm {}  uciqe {}",
+            cell(row.value("scene.seed")),
+            two_decimals(row, "uiqm"),
+            two_decimals(row, "uciqe")
+        ),
+    ]
+}
+
+/// A name without its source, in the characters of the font.
+fn short_name(row: &ImageRow, column: &str) -> String {
+    let name = cell(row.value(column));
+    name.split('/').next().unwrap_or_default().replace('–', "-")
+}
+
+fn two_decimals(row: &ImageRow, column: &str) -> String {
+    let value = row.number(column);
+    value.map_or_else(|| "-".to_owned(), |value| format!("{value:.2}"))
+}

@@ -1,0 +1,128 @@
+//! `fathom submit`: submits a job to a service and optionally waits for it.
+
+use std::path::PathBuf;
+
+use cli::exit::Failure;
+use cli::files;
+use cli::progress::Progress;
+use cli::remote::ServerArguments;
+use client::{Client, JobRow, JobState};
+use serde_json::json;
+
+/// Seconds of a long poll.
+const WAIT_S: u64 = 30;
+
+/// Options of `fathom submit`.
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// The job: a frame description as JSON, with random distributions
+    spec: PathBuf,
+    /// Wait until the job is finished
+    #[arg(long)]
+    wait: bool,
+    /// Key of the submission: submitting again with the same key returns the same job
+    #[arg(long, value_name = "KEY")]
+    idempotency_key: Option<String>,
+    /// Render it even if its dataset already has all of its images
+    #[arg(long)]
+    again: bool,
+    /// Print the job as JSON
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    server: ServerArguments,
+}
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let client = arguments.server.client();
+    let spec = files::read(&arguments.spec)?;
+    let key = arguments.idempotency_key.as_deref();
+    let mut job = submit(&client, &spec, key, arguments.again)?;
+    if arguments.wait {
+        job = wait(&client, &job)?;
+    }
+    show(&job, arguments.json);
+    match arguments.wait {
+        true => all_rendered(&job),
+        false => Ok(()),
+    }
+}
+
+/// Prints a job on a line, and its digest once it has one.
+pub(crate) fn show(job: &JobRow, as_json: bool) {
+    if as_json {
+        println!("{}", json!(job));
+        return;
+    }
+    let JobRow {
+        id,
+        dataset,
+        state,
+        done,
+        frames,
+        ..
+    } = job;
+    println!("job {id} · dataset {dataset} · {state} · {done} of {frames} frames");
+    if let Some(digest) = &job.digest {
+        println!("digest {digest}");
+    }
+}
+
+/// Fails if a job has ended without all of its frames.
+pub(crate) fn all_rendered(job: &JobRow) -> Result<(), Failure> {
+    let JobRow {
+        id,
+        done,
+        failed,
+        frames,
+        ..
+    } = job;
+    match job.state {
+        JobState::DoneWithFailures => Err(Failure::SomeFrames {
+            failed: *failed,
+            frames: *frames,
+            hint: format!("; see `fathom errors {id}`"),
+        }),
+        JobState::Cancelled => {
+            Err(anyhow::anyhow!("job {id} was cancelled with {done} of {frames} frames done").into())
+        }
+        JobState::Queued | JobState::Running | JobState::Paused | JobState::Done => Ok(()),
+    }
+}
+
+/// Submits a job description and prints the warnings about it.
+pub(crate) fn submit(
+    client: &Client,
+    spec: &[u8],
+    key: Option<&str>,
+    again: bool,
+) -> Result<JobRow, Failure> {
+    let job = client.submit_job(spec, key, again)?;
+    for warning in &job.warnings {
+        eprintln!("warning: {warning}");
+    }
+    Ok(job)
+}
+
+/// Waits with long polls until a job is finished.
+pub(crate) fn wait(client: &Client, job: &JobRow) -> Result<JobRow, Failure> {
+    let id = &job.id;
+    let mut progress = Progress::new(&job.dataset, "frames", job.frames);
+    // Below the version of every job, so that the first response is immediate.
+    let (mut version, mut was_paused) = (0, false);
+    loop {
+        let job = client.await_job(id, version, WAIT_S)?;
+        version = job.version;
+        progress.set(job.done + job.failed);
+        let is_paused = job.state == JobState::Paused;
+        if is_paused && !was_paused {
+            eprintln!("job {id} is paused; resume it with `fathom resume {id}`");
+        }
+        was_paused = is_paused;
+        if job.state.has_ended() {
+            progress.finish();
+            return Ok(job);
+        }
+    }
+}

@@ -1,0 +1,4 @@
+//! Single pictures.
+
+pub(crate) mod enhance;
+pub(crate) mod measure;

@@ -1,0 +1,6 @@
+//! Rendering without a service, and the demonstration.
+
+pub(crate) mod demo;
+pub(crate) mod new;
+pub(crate) mod plan;
+pub(crate) mod render;

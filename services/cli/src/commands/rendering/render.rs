@@ -1,0 +1,39 @@
+//! `fathom render`: renders a job without a service, to the same bytes.
+
+use cli::exit::Failure;
+use cli::progress::Progress;
+use cli::render::Arguments;
+
+use crate::commands::service::cluster;
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    if arguments.wants_set() {
+        return cluster::hand_over();
+    }
+    let (job, engine) = arguments.prepare()?;
+    let slots = arguments.slots();
+    let mut progress = Progress::new("render", "frames", job.frames());
+    let summary = renderer::local::render_job(&job, &engine, &arguments.out, slots, |finished| {
+        progress.set(finished)
+    });
+    progress.finish();
+    let summary = summary.map_err(Failure::input)?;
+    println!(
+        "{} frames in {:.1} s ({:.2} frames/s) in {}",
+        summary.frames,
+        summary.elapsed.as_secs_f64(),
+        summary.frames as f64 / summary.elapsed.as_secs_f64().max(1e-9),
+        arguments.out.display()
+    );
+    println!("digest {}", summary.digest);
+    if summary.failed > 0 {
+        let hint = format!("; see {}", arguments.out.join("errors.jsonl").display());
+        return Err(Failure::SomeFrames {
+            failed: summary.failed,
+            frames: summary.frames,
+            hint,
+        });
+    }
+    Ok(())
+}

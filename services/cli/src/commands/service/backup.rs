@@ -1,0 +1,20 @@
+//! `fathom backup`: a copy of everything that a running service has stored.
+
+use cli::exit::Failure;
+use cli::remote::ServerArguments;
+use client::BackupView;
+
+/// Options of `fathom backup`.
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    #[command(flatten)]
+    server: ServerArguments,
+}
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let BackupView { folder, bytes } = arguments.server.patient_client().back_up()?;
+    println!("{folder} ({} MB) on the service's machine", bytes / 1_000_000);
+    println!("restore it with: fathom serve --data {folder}");
+    Ok(())
+}

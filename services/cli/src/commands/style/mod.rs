@@ -1,0 +1,5 @@
+//! Waters and styles.
+
+pub(crate) mod styles;
+pub(crate) mod train;
+pub(crate) mod waters;

@@ -1,0 +1,129 @@
+//! The options of `fathom render`, which two programs read: `fathom` for a plain folder, `fathom-cluster` for a set.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+
+use renderer::Engine;
+use renderer::worker::{Limits, available_bytes};
+use spec::Job;
+
+use crate::engine::EngineArguments;
+use crate::exit::Failure;
+use crate::job;
+use crate::styles::StyleArguments;
+
+/// Options of `fathom render`.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// The job: a frame description as JSON, with random distributions
+    pub spec: PathBuf,
+    /// Folder for the frames and records.jsonl; s3://BUCKET/PREFIX or file:///FOLDER for a set of shards
+    #[arg(long, value_name = "DIR|URL")]
+    pub out: PathBuf,
+    /// Frames rendered in parallel, one thread each [default: the number of cores]
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    slots: Option<u16>,
+    #[command(flatten)]
+    pub style: StyleArguments,
+    #[command(flatten)]
+    pub set: SetArguments,
+}
+
+/// Options of sets only.
+#[derive(clap::Args)]
+pub struct SetArguments {
+    /// Write a set, and of it only the shards K with K % N = I
+    #[arg(long, value_name = "I/N")]
+    pub shard: Option<String>,
+    /// Write a set, and of it only the shards that have one of these frames
+    #[arg(long, value_name = "A..B")]
+    pub frames: Option<String>,
+    /// Write a set of shards of this many frames [default: 500, or as the set was begun]
+    #[arg(long, value_name = "FRAMES")]
+    pub frames_per_shard: Option<u64>,
+    #[command(flatten)]
+    pub limits: LimitArguments,
+    /// Interval between checks whether the set was cancelled
+    #[arg(long, default_value_t = 15.0, value_parser = seconds)]
+    pub state_interval_s: f64,
+    #[command(flatten)]
+    pub engine: EngineArguments,
+    /// With a broker: most shards that wait for workers [default: four for each slot of the fleet]
+    #[arg(long, value_name = "SHARDS", requires = "engine", value_parser = clap::value_parser!(u64).range(1..=100_000))]
+    pub window: Option<u64>,
+}
+
+/// Limits of a frame, beyond which the rendering process is ended.
+#[derive(clap::Args)]
+pub struct LimitArguments {
+    /// Longest time of one frame, after which its process is ended and the frame is tried again
+    #[arg(long, env = "FATHOM_FRAME_LIMIT_S", default_value_t = 600.0, value_parser = seconds)]
+    frame_limit_s: f64,
+    /// Most memory of the rendering process, beyond which it is ended [default: three quarters of the machine's, or of its container's limit]
+    #[arg(long, env = "FATHOM_MEMORY_LIMIT_MIB", value_parser = clap::value_parser!(u64).range(64..))]
+    memory_limit_mib: Option<u64>,
+}
+
+impl LimitArguments {
+    pub fn limits(&self) -> Limits {
+        let usual = || available_bytes().map_or(u64::MAX, |bytes| bytes / 4 * 3);
+        Limits::new(
+            Duration::from_secs_f64(self.frame_limit_s),
+            self.memory_limit_mib.map_or_else(usual, |mib| mib << 20),
+        )
+    }
+}
+
+/// Reads a length of time.
+pub fn seconds(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| format!("`{text}` is not a number"))?;
+    // A year: a duration needs some end.
+    if value > 0.0 && value <= 31_536_000.0 {
+        Ok(value)
+    } else {
+        Err(format!("{value} s is not within 0 < s <= 31536000"))
+    }
+}
+
+impl Arguments {
+    /// Whether the output is a set, which `fathom-cluster` writes.
+    pub fn wants_set(&self) -> bool {
+        let SetArguments {
+            shard,
+            frames,
+            frames_per_shard,
+            engine,
+            ..
+        } = &self.set;
+        let is_url = self.out.to_str().is_some_and(|out| out.contains("://"));
+        is_url || shard.is_some() || frames.is_some() || frames_per_shard.is_some() || engine.engine.is_some()
+    }
+
+    /// Reads the job and checks its requirements.
+    pub fn prepare(&self) -> Result<(Job, Arc<Engine>), Failure> {
+        let library = self.style.library()?;
+        let job = job::read(&self.spec, &library)?;
+        for warning in job.warnings() {
+            eprintln!("warning: {warning}");
+        }
+        let engine = Arc::new(Engine::new(library, self.style.onnxruntime.as_deref()));
+        let styles = job.styles();
+        if styles.iter().any(|name| engine.library().needs_runtime(name))
+            && let Err(missing) = engine.runtime()
+        {
+            return Err(Failure::RuntimeMissing(missing.to_string()));
+        }
+        Ok((job, engine))
+    }
+
+    /// Frames rendered side by side.
+    pub fn slots(&self) -> usize {
+        self.slots.map_or_else(cores, usize::from)
+    }
+}
+
+/// Number of cores.
+pub fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}

@@ -1,0 +1,206 @@
+//! Blocking HTTP with a bearer token; problems (RFC 9457) are errors.
+
+use std::io::Read;
+use std::time::Duration;
+
+use serde_json::Value;
+use ureq::http::{Response, StatusCode};
+use ureq::{Agent, AsSendBody, Body, RequestBuilder};
+
+const CONNECT_LIMIT: Duration = Duration::from_secs(5);
+/// The largest body: an artifact of the largest picture, or a file of a scene.
+const MOST_BYTES: u64 = 1 << 30;
+
+/// A connection to a service; cheap to clone, shared by threads.
+#[derive(Clone)]
+pub struct Http {
+    agent: Agent,
+    base: String,
+    authorization: Option<String>,
+}
+
+/// A response of success.
+pub struct Reply {
+    /// Below 400.
+    pub status: StatusCode,
+    /// The body.
+    pub bytes: Vec<u8>,
+}
+
+/// Why a request failed.
+#[derive(Debug)]
+pub enum HttpError {
+    /// No response, or one that broke off.
+    Unreachable(ureq::Error),
+    /// A response of 400 and above.
+    Problem(Problem),
+}
+
+/// The problem document of a refused request; empty if the body is not one.
+#[derive(Debug)]
+pub struct Problem {
+    /// 400 and above.
+    pub status: StatusCode,
+    body: Value,
+}
+
+impl Problem {
+    /// Reads the body of a response.
+    #[must_use]
+    pub fn new(status: StatusCode, body: &[u8]) -> Self {
+        Self {
+            status,
+            body: serde_json::from_slice(body).unwrap_or_default(),
+        }
+    }
+
+    /// Whether the service is overloaded, so that the same request may succeed after a pause.
+    #[must_use]
+    pub fn is_temporary(&self) -> bool {
+        matches!(self.status.as_u16(), 429 | 503)
+    }
+
+    /// Whether its type is this one.
+    #[must_use]
+    pub fn is(&self, slug: &str) -> bool {
+        self.text("type").is_some_and(|kind| kind.ends_with(slug))
+    }
+
+    /// Title and detail, then every field error on a separate line.
+    #[must_use]
+    pub fn message(&self) -> String {
+        let mut message = match (self.text("title"), self.text("detail")) {
+            (Some(title), Some(detail)) => format!("{title}: {detail}"),
+            (Some(text), None) | (None, Some(text)) => text.to_owned(),
+            (None, None) => format!("the service responded with status {}", self.status.as_u16()),
+        };
+        let errors = self.body.get("errors").and_then(Value::as_array);
+        for error in errors.into_iter().flatten() {
+            let part = |name: &str| error.get(name).and_then(Value::as_str);
+            let place = part("pointer").unwrap_or_default();
+            message.push_str(&format!("\n  {place} {}", part("message").unwrap_or_default()));
+            if let Some(near) = part("did_you_mean") {
+                message.push_str(&format!(" (did you mean `{near}`?)"));
+            }
+        }
+        message
+    }
+
+    fn text(&self, name: &str) -> Option<&str> {
+        self.body.get(name).and_then(Value::as_str)
+    }
+}
+
+impl Http {
+    /// A client of the service at this URL; every request ends within `limit`.
+    #[must_use]
+    pub fn new(base: &str, token: Option<&str>, limit: Duration) -> Self {
+        let config = Agent::config_builder()
+            .http_status_as_error(false)
+            .timeout_connect(Some(CONNECT_LIMIT))
+            .timeout_global(Some(limit))
+            .build();
+        Self {
+            agent: config.into(),
+            base: base.trim_end_matches('/').to_owned(),
+            authorization: token.map(|token| format!("Bearer {token}")),
+        }
+    }
+
+    /// The URL of the service.
+    #[must_use]
+    pub fn base(&self) -> &str {
+        &self.base
+    }
+
+    /// GET.
+    ///
+    /// # Errors
+    /// [`HttpError`].
+    pub fn get(&self, path: &str) -> Result<Reply, HttpError> {
+        let request = self.agent.get(format!("{}{path}", self.base));
+        reply(self.with_headers(request, &[]).call())
+    }
+
+    /// GET of a body that is read as it arrives.
+    ///
+    /// # Errors
+    /// [`HttpError`].
+    pub fn stream(&self, path: &str) -> Result<impl Read + use<>, HttpError> {
+        let request = self.agent.get(format!("{}{path}", self.base));
+        let response = self.with_headers(request, &[]).call();
+        let response = response.map_err(HttpError::Unreachable)?;
+        if response.status().as_u16() < 400 {
+            return Ok(response.into_body().into_reader());
+        }
+        match reply(Ok(response)) {
+            Ok(reply) => Err(HttpError::Problem(Problem::new(reply.status, &reply.bytes))),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// POST.
+    ///
+    /// # Errors
+    /// [`HttpError`].
+    pub fn post(
+        &self,
+        path: &str,
+        headers: &[(&str, &str)],
+        body: impl AsSendBody,
+    ) -> Result<Reply, HttpError> {
+        let request = self.agent.post(format!("{}{path}", self.base));
+        reply(self.with_headers(request, headers).send(body))
+    }
+
+    /// DELETE.
+    ///
+    /// # Errors
+    /// [`HttpError`].
+    pub fn delete(&self, path: &str) -> Result<Reply, HttpError> {
+        let request = self.agent.delete(format!("{}{path}", self.base));
+        reply(self.with_headers(request, &[]).call())
+    }
+
+    fn with_headers<Any>(
+        &self,
+        request: RequestBuilder<Any>,
+        headers: &[(&str, &str)],
+    ) -> RequestBuilder<Any> {
+        let token = self
+            .authorization
+            .as_deref()
+            .map(|token| ("authorization", token));
+        let headers = headers.iter().copied().chain(token);
+        headers.fold(request, |request, (name, value)| request.header(name, value))
+    }
+}
+
+fn reply(response: Result<Response<Body>, ureq::Error>) -> Result<Reply, HttpError> {
+    let mut response = response.map_err(HttpError::Unreachable)?;
+    let status = response.status();
+    let body = response.body_mut().with_config().limit(MOST_BYTES);
+    let bytes = body.read_to_vec().map_err(HttpError::Unreachable)?;
+    match status.as_u16() {
+        ..400 => Ok(Reply { status, bytes }),
+        _ => Err(HttpError::Problem(Problem::new(status, &bytes))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_validation_problem_lists_every_field_error() {
+        let body = br#"{"type": "/problems/validation", "title": "Invalid job", "detail": "2 errors",
+            "errors": [{"pointer": "/alpha", "message": "alpha is 1.2 but at most 1"},
+                       {"pointer": "/water/stile", "message": "unknown field", "did_you_mean": "style"}]}"#;
+        let problem = Problem::new(StatusCode::UNPROCESSABLE_ENTITY, body);
+        assert!(problem.is("validation") && !problem.is("stale-lease"));
+        assert_eq!(
+            problem.message(),
+            "Invalid job: 2 errors\n  /alpha alpha is 1.2 but at most 1\n  /water/stile unknown field (did you mean `style`?)"
+        );
+    }
+}

@@ -1,0 +1,8 @@
+//! Operations on whole sets, and stores with several of them.
+
+pub(crate) mod jobs;
+pub(crate) mod listing;
+pub(crate) mod plan;
+pub(crate) mod seal;
+pub(crate) mod verify;
+pub(crate) mod watch;

@@ -1,0 +1,5 @@
+//! Child processes that render frames, and their supervisor.
+
+pub(crate) mod child;
+pub(crate) mod crew;
+pub(crate) mod message;

@@ -1,0 +1,134 @@
+//! The columns of the rows: those of the catalogue under the same names, and the position of each artifact in the tar.
+
+use std::collections::BTreeMap;
+
+use serde_json::Value;
+use spec::{FrameRecord, Leaf, Leaves};
+
+use crate::rows::cells::{Cell, Kind};
+use crate::set::job::Card;
+
+/// A column.
+#[derive(Debug, Clone)]
+pub(crate) struct Column {
+    /// The same as in queries of the catalogue.
+    pub(crate) name: String,
+    pub(crate) kind: Kind,
+    source: Source,
+}
+
+/// The source of a column's values.
+#[derive(Debug, Clone)]
+enum Source {
+    Job,
+    Frame,
+    Dataset,
+    CreatedMs,
+    Digest,
+    Failed,
+    Warned,
+    Tar,
+    Leaf(Leaf),
+    Metric { subject: String, metric: String },
+    ArtifactDigest(String),
+    ArtifactOffset(String),
+    ArtifactBytes(String),
+    Record,
+}
+
+/// The data of a row.
+pub(crate) struct Row<'a> {
+    pub(crate) record: &'a FrameRecord,
+    /// The same as JSON.
+    pub(crate) json: &'a Value,
+    pub(crate) digest: &'a str,
+    pub(crate) created_ms: u64,
+    /// Offsets of the artifacts in the tar, by kind.
+    pub(crate) offsets: &'a BTreeMap<String, u64>,
+}
+
+/// What all rows of a shard have in common.
+pub(crate) struct Common {
+    pub(crate) job: String,
+    pub(crate) dataset: String,
+    pub(crate) tar: String,
+}
+
+/// The columns of a set, the same in each of its shards.
+pub(crate) fn columns(card: &Card) -> Vec<Column> {
+    let own = [
+        ("job", Kind::Text, Source::Job),
+        ("frame", Kind::Whole, Source::Frame),
+        ("dataset", Kind::Text, Source::Dataset),
+        ("created_ms", Kind::Whole, Source::CreatedMs),
+        ("digest", Kind::Text, Source::Digest),
+        ("failed", Kind::Flag, Source::Failed),
+        ("warned", Kind::Flag, Source::Warned),
+        ("tar", Kind::Text, Source::Tar),
+    ];
+    let own = own.map(|(name, kind, source)| column(name.to_owned(), kind, source));
+    let mut columns = Vec::from(own);
+    let leaves = Leaves::of_records()
+        .scalars
+        .into_iter()
+        .filter(|leaf| leaf.name != "dataset");
+    columns.extend(leaves.map(|leaf| column(leaf.name.clone(), leaf.kind.into(), Source::Leaf(leaf))));
+    for subject in card.subjects() {
+        for metric in &card.metrics {
+            let name = match subject.as_str() {
+                "rgb" => metric.clone(),
+                subject => format!("{subject}.{metric}"),
+            };
+            let (subject, metric) = (subject.clone(), metric.clone());
+            columns.push(column(name, Kind::Number, Source::Metric { subject, metric }));
+        }
+    }
+    for artifact in card.artifact_kinds() {
+        let name = format!("artifacts.{artifact}");
+        let (offset, bytes) = (format!("{name}.offset"), format!("{name}.bytes"));
+        columns.push(column(name, Kind::Text, Source::ArtifactDigest(artifact.clone())));
+        columns.push(column(
+            offset,
+            Kind::Whole,
+            Source::ArtifactOffset(artifact.clone()),
+        ));
+        columns.push(column(bytes, Kind::Whole, Source::ArtifactBytes(artifact)));
+    }
+    columns.push(column("record".to_owned(), Kind::Text, Source::Record));
+    columns
+}
+
+fn column(name: String, kind: Kind, source: Source) -> Column {
+    Column { name, kind, source }
+}
+
+impl Column {
+    /// The value of a row in this column.
+    pub(crate) fn cell(&self, row: &Row<'_>, common: &Common) -> Option<Cell> {
+        let text = |text: &str| Some(Cell::Text(text.to_owned()));
+        let whole = |number: u64| Some(Cell::Whole(number as i64));
+        let artifact = |kind: &str| row.record.artifacts.iter().find(|artifact| artifact.kind == kind);
+        match &self.source {
+            Source::Job => text(&common.job),
+            Source::Frame => whole(row.record.frame),
+            Source::Dataset => text(&common.dataset),
+            Source::CreatedMs => whole(row.created_ms),
+            Source::Digest => text(row.digest),
+            Source::Failed => Some(Cell::Flag(false)),
+            Source::Warned => Some(Cell::Flag(!row.record.warnings.is_empty())),
+            Source::Tar => text(&common.tar),
+            Source::Leaf(leaf) => Cell::of_leaf(leaf.kind, leaf.find(row.json)?),
+            Source::Metric { subject, metric } => row
+                .record
+                .measurements
+                .get(subject)?
+                .get(metric)
+                .copied()
+                .map(Cell::Number),
+            Source::ArtifactDigest(kind) => text(&artifact(kind)?.digest),
+            Source::ArtifactOffset(kind) => whole(*row.offsets.get(kind)?),
+            Source::ArtifactBytes(kind) => whole(artifact(kind)?.bytes),
+            Source::Record => Some(Cell::Text(row.json.to_string())),
+        }
+    }
+}
