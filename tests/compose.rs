@@ -6,7 +6,7 @@ use std::fs;
 use fathom_tests::{root, run};
 use serde_yaml_ng::Value;
 
-/// What a set in a bucket is reached by, as docs/cluster.md lists it.
+/// What a set in a bucket is reached by, as docs/reference/sharded-datasets.md lists it.
 const STORE_VARIABLES: [&str; 4] = [
     "AWS_ENDPOINT_URL",
     "AWS_REGION",

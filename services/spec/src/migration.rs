@@ -240,10 +240,10 @@ mod tests {
     /// After a change of the table, copy what the failure prints.
     #[test]
     fn the_migration_table_of_the_documentation_is_up_to_date() {
-        let written = include_str!("../../../docs/migration.md");
+        let written = include_str!("../../../docs/reference/migration.md");
         assert!(
             written.contains(&markdown()),
-            "docs/migration.md should hold:\n{}",
+            "docs/reference/migration.md should hold:\n{}",
             markdown()
         );
     }

@@ -24,7 +24,7 @@ pub(super) const LISTS: &[List] = &[
     },
     List {
         name: "artifacts",
-        about: "what can be stored of a frame",
+        about: "files that a frame can store",
         places: &[
             "`artifacts` of a job",
             "`kind` of `/v1/images/{job}/{frame}/artifacts/{kind}`",
@@ -95,7 +95,7 @@ pub(super) const LISTS: &[List] = &[
     },
     List {
         name: "columns",
-        about: "what images can be filtered and ordered by; a dataset has more",
+        about: "fields to filter and order images by; a dataset has more",
         places: &[
             "`filter`, `order_by` and `fields` of `/v1/images`, with the labels and artifacts that `/v1/datasets/{name}` lists",
             "`group_by` and `column` of `/v1/datasets/{name}`",
@@ -141,14 +141,14 @@ pub(super) const LISTS: &[List] = &[
     },
     List {
         name: "waters",
-        about: "optical waters: those that come with the program, in a service beside those of its users",
+        about: "optical waters: the shipped ones, and in a service also added ones",
         places: &["`water.optics` of a job", "`/v1/waters/{name}`"],
         stored_at: Some("/v1/waters"),
         shipped: Some(waters),
     },
     List {
         name: "styles",
-        about: "style waters: those that come with the program, in a service beside those of its users",
+        about: "style waters: the shipped ones, and in a service also added ones",
         places: &["`water.style` of a job"],
         stored_at: Some("/v1/styles"),
         shipped: Some(styles),

@@ -80,7 +80,7 @@ mod tests {
     /// The table of all lists in Markdown.
     fn markdown() -> String {
         let mut text =
-            "| identifiers | what they are | where | endpoint | command |\n|---|---|---|---|---|\n"
+            "| identifiers | meaning | where | endpoint | command |\n|---|---|---|---|---|\n"
                 .to_owned();
         for list in LISTS {
             let (name, about, places) = (list.name, list.about, list.places.join("; "));
@@ -93,10 +93,10 @@ mod tests {
     /// The documented table is this one. After a change of the lists, copy what the failure prints.
     #[test]
     fn the_table_of_the_documentation_is_up_to_date() {
-        let written = include_str!("../../../../docs/identifiers.md");
+        let written = include_str!("../../../../docs/reference/identifiers.md");
         assert!(
             written.contains(&markdown()),
-            "docs/identifiers.md should hold:\n{}",
+            "docs/reference/identifiers.md should hold:\n{}",
             markdown()
         );
     }

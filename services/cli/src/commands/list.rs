@@ -63,7 +63,7 @@ fn print_lists(as_json: bool) {
     let row = |list: &List| vec![list.name.to_owned(), list.about.to_owned(), list.path()];
     let rows: Vec<_> = List::all().iter().map(row).collect();
     println!("{}", text_table(&["list", "what it names", "endpoint"], &rows));
-    println!("\nfathom list NAME prints one of them; docs/identifiers.md says where each is sent.");
+    println!("\nfathom list NAME prints one of them; docs/reference/identifiers.md says where each is sent.");
 }
 
 /// The entries as a table with the columns that any of them fills.

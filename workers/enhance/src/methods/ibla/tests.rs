@@ -114,7 +114,7 @@ fn bright_haze_is_not_blackened_and_a_bright_wall_is_named() {
 }
 
 /// The candidates of the hybrid may be off by this in pictures where nothing but noise decides which pixels are the most blurred. Of
-/// rendered frames 97 % keep them within [`LIGHT_TOLERANCE`]: `docs/agreement.md`.
+/// rendered frames 97 % keep them within [`LIGHT_TOLERANCE`]: `docs/science/enhancement.md`.
 const NOISY_LIGHT_TOLERANCE: f64 = 0.05;
 
 /// Water, darker with depth, and things in it that lose contrast with their distance, seen with noise.
