@@ -80,8 +80,7 @@ mod tests {
     /// The table of all lists in Markdown.
     fn markdown() -> String {
         let mut text =
-            "| identifiers | meaning | where | endpoint | command |\n|---|---|---|---|---|\n"
-                .to_owned();
+            "| identifiers | meaning | where | endpoint | command |\n|---|---|---|---|---|\n".to_owned();
         for list in LISTS {
             let (name, about, places) = (list.name, list.about, list.places.join("; "));
             let (path, command) = (list.path(), list.command());
