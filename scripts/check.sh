@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Everything that can be checked without building the project: formatting, spelling, types of the page's scripts, unused dependencies,
-# licenses and sources of dependencies, titles of commits. The tools are installed below target/tools the first time.
+# Everything that can be checked without building the project: formatting, spelling, prose and names, types of the page's scripts, unused
+# dependencies, licenses and sources of dependencies, titles of commits. The tools are installed below target/tools the first time.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 tools=${CARGO_TARGET_DIR:-$PWD/target}/tools
@@ -22,6 +22,8 @@ if [ ! -x "$typos/bin/typos" ]; then
     "$typos/bin/pip" install --quiet --disable-pip-version-check 'typos==1.52.0'
 fi
 "$typos/bin/typos"
+
+python3 scripts/check_prose.py
 
 # The types of the page's scripts, by TypeScript; Node comes from a wheel of Python, so that nothing has to be installed by hand.
 types=$tools/typescript-5.9.3

@@ -1,21 +1,27 @@
 #!/usr/bin/env bash
-# Makes the measured pages and pictures of docs/ again. Times in them are of the machine it runs on: keep it quiet.
+# Measures again the figures of docs/science/table1.md and docs/science/enhancement-stability.md and draws the pictures of the
+# guide, below target/docs. Times are of the machine it runs on: keep it quiet. scripts/write_webp.py converts them.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 cargo build --release --locked --bin fathom --bin fathom-lab
 fathom=target/release/fathom
 lab=target/release/fathom-lab
 work=target/docs
-rm -rf "$work" && mkdir -p "$work/frames" docs/table1 docs/stability
+rm -rf "$work" && mkdir -p "$work/frames"
 
 "$fathom" demo --out "$work/demo"
-cp "$work/demo/contact-sheet.png" docs/pictures/tour.png
 
 "$fathom" render examples/table1.json --out "$work/table1"
 for frame in "$work"/table1/*/; do
     cp "$frame/rgb.png" "$work/frames/$(basename "$frame").png"
 done
-"$lab" table1 "$work/frames" --out docs/table1
+"$lab" table1 "$work/frames" --out "$work/table1"
+cp "$work/table1/table1.svg" docs/science/charts/
 
 "$lab" stability --enhance --scenes 8 --out "$work/stability"
-cp "$work"/stability/*.png "$work"/stability/stability.{md,csv} docs/stability/
+cp "$work/stability/stability.csv" docs/science/data/
+"$lab" stability --style --out "$work/stability"
+cp "$work"/stability/stability/style-*.svg docs/science/charts/
+for pictures in camera suspended waters; do
+    "$lab" "$pictures" --out "$work/pictures"
+done

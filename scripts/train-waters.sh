@@ -7,7 +7,7 @@
 # The first needs a built fathom: cargo build --release.
 set -euo pipefail
 
-# The last version with the photos that the shipped networks were trained on; docs/style.md says why they are kept.
+# The last version with the photos that the shipped networks were trained on; docs/science/style-training.md says why they are kept.
 made_by=242d1e64937b0d965948ce33a28679149af2cd77
 root=$(cd "$(dirname "$0")/.." && pwd)
 work=$(mktemp -d)
@@ -18,7 +18,7 @@ if [ "${1:?a folder, or --shipped}" = --shipped ]; then
     cd "$work/made"
     CARGO_TARGET_DIR=$work/target cargo build --release --bin fathom
     FATHOM=$work/target/release/fathom scripts/train-waters.sh --check
-    diff -r --exclude photos --exclude "atlantic-range.*" models "$root/models"
+    diff -r --exclude photos --exclude sheets --exclude "atlantic-range.*" models "$root/models"
     exit
 fi
 

@@ -6,7 +6,7 @@ use std::fs;
 use fathom_tests::{root, run};
 use serde_yaml_ng::Value;
 
-/// Environment variables of a set in a bucket, as listed in docs/cluster.md.
+/// Environment variables of a set in a bucket, as listed in docs/reference/sharded-datasets.md.
 const STORE_VARIABLES: [&str; 4] = [
     "AWS_ENDPOINT_URL",
     "AWS_REGION",

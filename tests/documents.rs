@@ -1,4 +1,4 @@
-//! Markdown names only what there is: files, commands with their options, packages with their tests and benches.
+//! Markdown refers to existing files, headings, commands, options, packages, tests and benches only.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -7,15 +7,19 @@ use std::process::Command;
 
 use fathom_tests::{fathom, root};
 
-/// Folders that hold no pages of ours.
-const SKIPPED: [&str; 6] = ["target", ".git", "data", "out", ".onnxruntime", ".schemathesis"];
-/// A page and what it says.
+/// Folders without pages of this repository, by their names.
+const SKIPPED: [&str; 5] = ["target", ".git", "out", ".onnxruntime", ".schemathesis"];
+/// Data of a service, below the root.
+const DATA: &str = "data";
+/// Largest picture of the documentation; charts may be larger, as they are text.
+const PICTURE_BYTES: u64 = 150_000;
+
 struct Page {
     path: PathBuf,
     text: String,
 }
 
-/// A piece of code in a page: a span between backticks, or a line of a fenced block.
+/// A span between backticks, or a line of a fenced block.
 struct Code<'a> {
     text: &'a str,
     is_fenced: bool,
@@ -29,7 +33,7 @@ fn files(folder: &Path, found: &mut Vec<PathBuf>) {
             .unwrap_or_default()
             .to_string_lossy()
             .into_owned();
-        if path.is_dir() && !SKIPPED.contains(&name.as_str()) {
+        if path.is_dir() && !SKIPPED.contains(&name.as_str()) && path != root().join(DATA) {
             files(&path, found);
         } else if path.is_file() {
             found.push(path);
@@ -73,31 +77,101 @@ fn code(page: &Page) -> Vec<Code<'_>> {
     found
 }
 
-/// The targets of links that are no addresses of the web.
+/// Targets of links within the repository, with their fragments.
 fn links(page: &Page) -> impl Iterator<Item = &str> {
     let prose = page.text.lines().flat_map(|line| line.split('`').step_by(2));
     let targets = prose
         .flat_map(|text| text.split("](").skip(1))
         .filter_map(|rest| rest.split(')').next());
-    let local = targets.filter(|target| !target.contains("://") && !target.starts_with('#'));
-    local.map(|target| target.split('#').next().unwrap_or_default())
+    targets.filter(|target| !target.contains("://"))
+}
+
+/// Fragments of the headings of a page, as GitHub derives them.
+fn fragments(text: &str) -> BTreeSet<String> {
+    let headings = text.lines().filter(|line| line.starts_with('#'));
+    let derive = |heading: &str| {
+        let heading = heading.trim_start_matches('#').trim().to_lowercase();
+        let kept = heading
+            .chars()
+            .filter(|c| c.is_alphanumeric() || "-_ ".contains(*c));
+        kept.map(|c| if c == ' ' { '-' } else { c }).collect()
+    };
+    headings.map(derive).collect()
+}
+
+/// Whether a link leads to a file and, if it has a fragment, to a heading of it.
+fn leads_somewhere(page: &Page, link: &str) -> bool {
+    let (file, fragment) = link.split_once('#').unwrap_or((link, ""));
+    let folder = page.path.parent().expect("a page has a folder");
+    let target = if file.is_empty() {
+        page.path.clone()
+    } else {
+        folder.join(file)
+    };
+    let has_heading = |fragment: &str| {
+        let text = fs::read_to_string(&target).unwrap_or_default();
+        fragments(&text).contains(fragment)
+    };
+    target.exists() && (fragment.is_empty() || has_heading(fragment))
 }
 
 #[test]
-fn every_link_leads_to_a_file() {
+fn every_link_leads_to_a_file_and_heading() {
     let mut dead = Vec::new();
     let mut seen = 0;
     for page in pages(&all_files()) {
-        let folder = page.path.parent().expect("a page lies in a folder");
         seen += links(&page).count();
-        let gone = links(&page).filter(|target| !folder.join(target).exists());
-        dead.extend(gone.map(|target| format!("{}: {target}", page.path.display())));
+        let broken = links(&page).filter(|link| !leads_somewhere(&page, link));
+        dead.extend(broken.map(|link| format!("{}: {link}", page.path.display())));
     }
     assert!(seen > 20, "only {seen} links were found");
-    assert!(dead.is_empty(), "links to nothing:\n{}", dead.join("\n"));
+    assert!(dead.is_empty(), "dead links:\n{}", dead.join("\n"));
 }
 
-/// Whether a word of code has the form of a path of the repository. Files without a folder are those of other places too.
+#[test]
+fn the_index_of_the_documentation_links_every_page() {
+    let docs = root().join("docs");
+    let index = fs::read_to_string(docs.join("README.md")).expect("an index");
+    let all = all_files();
+    let of_docs = all.iter().filter_map(|path| path.strip_prefix(&docs).ok());
+    let listed: Vec<String> = of_docs
+        .filter(|path| path.extension().is_some_and(|end| end == "md") && *path != Path::new("README.md"))
+        .map(|path| path.display().to_string())
+        .collect();
+    assert!(listed.len() > 20, "only {} pages", listed.len());
+    let missing: Vec<_> = listed
+        .iter()
+        .filter(|path| !index.contains(&format!("({path})")))
+        .collect();
+    assert!(missing.is_empty(), "docs/README.md does not link {missing:?}");
+}
+
+#[test]
+fn pictures_of_the_documentation_are_small_and_shown() {
+    let all = all_files();
+    let text: String = pages(&all).into_iter().map(|page| page.text).collect();
+    let kind = |path: &PathBuf| path.extension().map(|end| end.to_string_lossy().into_owned());
+    let pictures = all
+        .iter()
+        .filter(|path| path.starts_with(root().join("docs")))
+        .filter_map(|path| Some((path, kind(path)?)))
+        .filter(|(_, kind)| ["png", "jpg", "webp", "svg"].contains(&kind.as_str()));
+    let mut seen = 0;
+    for (path, kind) in pictures {
+        seen += 1;
+        let bytes = fs::metadata(path).expect("a readable file").len();
+        let name = path.file_name().expect("a name").to_string_lossy();
+        assert!(
+            kind == "svg" || (kind == "webp" && bytes <= PICTURE_BYTES),
+            "{} has {bytes} bytes; write it with scripts/write_webp.py",
+            path.display()
+        );
+        assert!(text.contains(&*name), "no page shows {}", path.display());
+    }
+    assert!(seen > 20, "only {seen} pictures");
+}
+
+/// Whether a word of code looks like a path of the repository. Names without a folder are ambiguous and pass.
 fn names_a_file(word: &str, top: &BTreeSet<String>) -> bool {
     let is_plain = word
         .chars()
@@ -131,7 +205,7 @@ fn every_path_in_code_is_a_file_of_the_repository() {
             }
         }
     }
-    assert!(missing.is_empty(), "paths to nothing:\n{}", missing.join("\n"));
+    assert!(missing.is_empty(), "missing paths:\n{}", missing.join("\n"));
 }
 
 /// Commands of a binary, such as `bench render`, each with its options.
@@ -191,7 +265,7 @@ fn binaries() -> BTreeMap<&'static str, Commands> {
     found
 }
 
-/// What is wrong with a call of one of our binaries; nothing for any other words.
+/// Describes the mistake in a call of `fathom` or `fathom-lab`; `None` for other words.
 fn wrong_call(words: &[&str], binaries: &BTreeMap<&str, Commands>) -> Option<String> {
     let name = words.first()?.trim_start_matches("target/release/");
     if !matches!(name, "fathom" | "fathom-lab") || words.len() < 2 {
@@ -266,7 +340,7 @@ fn packages(files: &[PathBuf]) -> BTreeMap<String, PathBuf> {
     named.collect()
 }
 
-/// What is wrong with a call of cargo: a package that is not ours, or a test, bench or example that it does not have.
+/// Describes the mistake in a call of cargo: an unknown package, test, bench or example.
 fn wrong_cargo(words: &[&str], packages: &BTreeMap<String, PathBuf>) -> Option<String> {
     let after = |option: &str| {
         words

@@ -1,4 +1,4 @@
-"""What can be wrong with a set, the message and the exit status of each. The table in docs/cluster.md is made of these.
+"""What can be wrong with a set, the message and the exit status of each. The table in docs/reference/sharded-datasets.md is made of these.
 
 Wrong credentials, a store without conditional writes, wrong buckets and servers that are away are in test_s3.py; a full
 store is a unit test of the crate `sets`.

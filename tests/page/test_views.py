@@ -12,6 +12,9 @@ from conftest import AXE, FRAMES, HOSTILE, ROOT, drag, until
 VIEWS = ["", "set/reef", "set/reef?overlay=boxes&order=-uiqm&x=alpha&y=uiqm", "image", "jobs", "job", "compose", "waters", "styles",
          "speed", "compare?a=reef&b=reef"]
 
+# `scripts/write_webp.py` converts them for docs/pictures.
+PICTURES = ROOT / "target/docs"
+
 
 def address(service, view):
     """The address of a view, with the first image or job of the service where it needs one."""
@@ -128,10 +131,10 @@ def test_pictures_of_the_documentation(visit, service):
     service.render({**tour, "count": 80, "camera": {**tour["camera"], "width": 384, "height": 246}})
     page = visit("set/tour?order=-uiqm&x=water.range_scale&y=uiqm", width=1280, height=860)
     settled(page)
-    page.screenshot(path=ROOT / "docs/pictures/page-set.png")
+    page.screenshot(path=PICTURES / "page-dataset.png")
     job = {"scene": {"kind": "procedural", "family": "structure", "seed": 11}, "camera": {"width": 768, "height": 492},
            "water": {"optics": "jerlov-1C", "range_scale": {"log_uniform": [0.15, 0.6]}, "style": "atlantic"}, "alpha": {"uniform": [0.2, 0.8]},
            "lights": [{"kind": "spot", "position_m": [0.4, -0.3, 0.0], "intensity": [6, 6, 6], "cone_deg": 35}], "count": 24}
     page = visit("compose?job=" + urllib.parse.quote(json.dumps(job)), width=1280, height=860)
     until(page, "document.querySelectorAll('.frames canvas:not(.waiting)').length === 12", timeout=60_000)
-    page.screenshot(path=ROOT / "docs/pictures/page-compose.png")
+    page.screenshot(path=PICTURES / "page-compose.png")

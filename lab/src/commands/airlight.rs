@@ -1,5 +1,5 @@
 //! `fathom-lab airlight`: draws the glow before four lamps with 4 to 64 nodes on every ray, and with as many as a tolerance
-//! asks for, and prints the table of docs/lamps.md.
+//! asks for, and prints the table of docs/science/lamps.md.
 
 use std::path::PathBuf;
 use std::time::Instant;

@@ -17,7 +17,7 @@ pub(crate) struct Arguments {
     #[arg(long, default_value_t = 400_000, value_parser = clap::value_parser!(u64).range(1_600..=1_000_000_000))]
     photons: u64,
     /// Folder for lamps.md and lamps.csv
-    #[arg(long, value_name = "DIR", default_value = "docs/truth")]
+    #[arg(long, value_name = "DIR", default_value = "target/docs")]
     out: PathBuf,
 }
 

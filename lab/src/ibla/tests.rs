@@ -71,7 +71,7 @@ fn a_form_that_finds_another_light_is_told_from_the_exact_one() {
 
 #[test]
 fn the_page_has_the_distances_that_methods_are_chosen_by() {
-    let page = include_str!("../../../docs/agreement.md");
+    let page = include_str!("../../../docs/science/enhancement.md");
     for form in [IblaRefinement::Hybrid, IblaRefinement::Guided] {
         let row = format!("| {} |", form.name());
         let of_form = page.lines().filter(|line| line.starts_with(&row));

@@ -248,7 +248,7 @@ mod tests {
     /// `FATHOM_WRITE=1 cargo test -p spec` updates the table.
     #[test]
     fn the_migration_table_of_the_documentation_is_up_to_date() {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/migration.md");
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/reference/migration.md");
         let text = std::fs::read_to_string(path).unwrap();
         let table = text.find("| up to 0.1 |").unwrap();
         let end = text[table..]
@@ -260,7 +260,7 @@ mod tests {
         } else {
             assert!(
                 text == updated,
-                "docs/migration.md is out of date: run FATHOM_WRITE=1 cargo test -p spec"
+                "docs/reference/migration.md is out of date: run FATHOM_WRITE=1 cargo test -p spec"
             );
         }
     }

@@ -63,24 +63,24 @@ const ASSETS: [Asset; 24] = assets! {
     "page.css": "text/css; charset=utf-8",
     "icon.svg": "image/svg+xml",
 };
-/// The benchmark figures shown in docs/charts.md.
+/// The benchmark figures shown in docs/science/accuracy.md.
 const FIGURES: Asset = Asset {
     path: "/assets/chart.csv",
     media_type: "text/csv; charset=utf-8",
-    bytes: include_bytes!("../../../../docs/charts/chart.csv"),
+    bytes: include_bytes!("../../../../docs/science/data/chart.csv"),
 };
 /// The machine that produced the figures.
 const MACHINE: Asset = Asset {
     path: "/assets/machine.json",
     media_type: "application/json",
-    bytes: include_bytes!("../../../../docs/charts/machine.json"),
+    bytes: include_bytes!("../../../../docs/science/data/machine.json"),
 };
 
 /// Enhancement failures from the lab's stability.csv, rounded to the precision of a map.
 const STABILITY: Asset = Asset {
     path: "/assets/stability.csv",
     media_type: "text/csv; charset=utf-8",
-    bytes: include_bytes!("../../../../docs/stability/map.csv"),
+    bytes: include_bytes!("../../../../docs/science/data/stability-map.csv"),
 };
 
 pub(crate) fn router() -> Router {
@@ -163,7 +163,7 @@ mod tests {
 
     #[test]
     fn the_maps_are_the_figures_of_the_laboratory_with_fewer_digits() {
-        let full = include_str!("../../../../docs/stability/stability.csv");
+        let full = include_str!("../../../../docs/science/data/stability.csv");
         // Only names have commas within quotes.
         let cells = |line: &str| -> Vec<String> {
             let parts: Vec<&str> = line.split('"').collect();

@@ -93,7 +93,7 @@ mod tests {
     /// `FATHOM_WRITE=1 cargo test -p api --lib lists` updates the table.
     #[test]
     fn the_table_of_the_documentation_is_up_to_date() {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/identifiers.md");
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/reference/identifiers.md");
         let text = std::fs::read_to_string(path).unwrap();
         let table = text.find("| identifiers |").unwrap();
         let end = text[table..]
@@ -105,7 +105,7 @@ mod tests {
         } else {
             assert!(
                 text == updated,
-                "docs/identifiers.md is out of date: run FATHOM_WRITE=1 cargo test -p api --lib lists"
+                "docs/reference/identifiers.md is out of date: run FATHOM_WRITE=1 cargo test -p api --lib lists"
             );
         }
     }

@@ -232,7 +232,7 @@ fn model_error(lamps: &[Lamp], spot: bool, contrast: f64, scale_m: f64) -> [[f64
     [0, 1].map(|kind| errors[kind].map(|error| error / light[kind]))
 }
 
-/// The figures of docs/suspended.md: one factor for each ray instead of the field along both legs.
+/// The figures of docs/science/suspended-matter.md: one factor for each ray instead of the field along both legs.
 #[test]
 fn one_factor_for_a_ray_comes_much_nearer_than_the_mean_water() {
     // Mean error of the glow and of the light on surfaces: patches of 1.2 and of 4 m.

@@ -114,7 +114,7 @@ fn bright_haze_is_not_blackened_and_a_bright_wall_is_named() {
 }
 
 /// Tolerance of the hybrid's candidates in pictures where noise decides which pixels are the most blurred. 97 % of
-/// rendered frames are within [`LIGHT_TOLERANCE`]: `docs/agreement.md`.
+/// rendered frames are within [`LIGHT_TOLERANCE`]: `docs/science/enhancement.md`.
 const NOISY_LIGHT_TOLERANCE: f64 = 0.05;
 
 /// Water, darker with depth, and objects that lose contrast with distance, with noise.

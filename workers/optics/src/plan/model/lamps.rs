@@ -1,5 +1,5 @@
 //! What the chain has wrong of the light of lamps: measured in six waters, with the phase function of Fournier and Forand and
-//! b_b/b 0.0183, by `fathom-lab truth-lamps` (docs/truth/lamps.md).
+//! b_b/b 0.0183, by `fathom-lab truth-lamps` (docs/science/truth.md).
 
 use super::{Conditions, ModelError};
 use crate::lamp::{Lamp, Lighting};

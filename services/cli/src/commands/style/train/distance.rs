@@ -18,30 +18,7 @@ struct Scene {
 /// The distances on new scenes; `None` for a network with a range input, which has no table.
 pub(super) fn measure(weights: &Weights) -> Option<TableDistance> {
     let network = Network::new(weights);
-<<<<<<< HEAD:services/cli/src/commands/train/distance.rs
     let table = ColorTable::new(&network)?;
-    let of_scene = |scene: &Rgb<f32>| {
-        let exact = network.apply(scene, None, &mut Scratch::default());
-        let near = table.apply(scene, &mut TableScratch::default());
-        let planes = exact.planes().iter().zip(near.planes());
-        let pairs = planes.flat_map(|(a, b)| a.data().iter().zip(b.data()));
-        let places = (0..exact.height()).flat_map(|y| (0..exact.width()).map(move |x| (x, y)));
-        let apart = |(x, y)| {
-            let (one, other) = (lab_of(exact.pixel(x, y)), lab_of(near.pixel(x, y)));
-            let squares = one.iter().zip(other).map(|(a, b)| (a - b) * (a - b));
-            squares.sum::<f64>().sqrt()
-        };
-        let pixels = (exact.width() * exact.height()) as f64;
-        Scene {
-            differences: pairs.map(|(a, b)| f64::from((a - b).abs()) * 255.0).collect(),
-            similarity: quality::ssim_reference(&gray(&exact), &gray(&near)),
-            color: places.map(apart).sum::<f64>() / pixels,
-        }
-    };
-    let scenes: Vec<Scene> = training::new_scenes().par_iter().map(of_scene).collect();
-    // Summed in the order of the scenes, whichever was ready first; all have one size.
-=======
-    let table = Table::new(&network)?;
     let scenes: Vec<Scene> = training::new_scenes()
         .par_iter()
         .map(|scene: &Rgb<f32>| {
@@ -66,7 +43,6 @@ pub(super) fn measure(weights: &Weights) -> Option<TableDistance> {
         })
         .collect();
     // Summed in the order of the scenes, for a deterministic result; all scenes have one size.
->>>>>>> h_a:services/cli/src/commands/style/train/distance.rs
     let mean = |of: fn(&Scene) -> f64| scenes.iter().map(of).sum::<f64>() / scenes.len() as f64;
     let mut differences: Vec<f64> = scenes
         .iter()
