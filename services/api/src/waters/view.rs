@@ -32,8 +32,3 @@ pub fn water_view(preset: &Preset, created_at: Option<UnixMs>) -> WaterView {
         unrenderable: preset.unrenderable(),
     }
 }
-
-/// `None` if all channels are unknown.
-fn known(values: Channels) -> Option<Channels> {
-    values.iter().any(Option::is_some).then_some(values)
-}

@@ -7,7 +7,7 @@ use cli::remote::OtherServer;
 use cli::styles::StyleArguments;
 use cli::table::table;
 use serde_json::json;
-use style::{Card, Runtime};
+use style::{ModelCard, Runtime};
 
 pub(crate) use add::{add, read_upload_card};
 
@@ -38,7 +38,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         return add::run(arguments);
     }
     let client = arguments.server.client();
-    let cards: Vec<Card> = match &client {
+    let cards: Vec<ModelCard> = match &client {
         Some(client) => client.list("/v1/styles")?,
         None => {
             let library = arguments.style.library()?;
@@ -63,7 +63,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-fn row(card: &Card) -> Vec<String> {
+fn row(card: &ModelCard) -> Vec<String> {
     let [noise, range] = [card.takes_noise, card.takes_range].map(|takes| if takes { "yes" } else { "no" });
     vec![
         card.name.clone(),

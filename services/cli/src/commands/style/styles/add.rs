@@ -7,7 +7,7 @@ use cli::files;
 use cli::remote::ServerArguments;
 use client::Client;
 use serde::Deserialize;
-use style::Card;
+use style::ModelCard;
 use ureq::unversioned::multipart::{Form, Part};
 
 /// Options of `fathom styles add`.
@@ -90,5 +90,5 @@ pub(crate) fn add(client: &Client, model: &[u8], card: &UploadCard) -> Result<bo
         .filter(|(_, text)| !text.is_empty())
         .fold(Form::new(), |form, (name, text)| form.text(name, text))
         .part("model", Part::bytes(model).file_name("model.onnx"));
-    Ok(client.post_form::<Card>("/v1/styles", form)?.is_new)
+    Ok(client.post_form::<ModelCard>("/v1/styles", form)?.is_new)
 }

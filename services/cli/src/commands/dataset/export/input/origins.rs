@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use cli::exit::Failure;
 use client::{Client, ImageRow, WaterView};
 use serde::Serialize;
-use style::Card;
+use style::ModelCard;
 
 /// The names in the exported rows.
 #[derive(Debug, Default)]
@@ -47,7 +47,7 @@ impl UsedNames {
             }
         }
         if !self.styles.is_empty() {
-            let styles: Vec<Card> = client.list("/v1/styles")?;
+            let styles: Vec<ModelCard> = client.list("/v1/styles")?;
             for name in &self.styles {
                 let style = styles.iter().find(|style| style.name == *name);
                 let terms = style.map(|style| (style.source.as_str(), style.licence.as_str()));
