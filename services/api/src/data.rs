@@ -109,7 +109,7 @@ impl Data {
         };
         // SQLite syncs the content of a new catalogue, but not its directory entry.
         if let Err(error) = File::open(folder).and_then(|folder| folder.sync_all()) {
-            tracing::warn!(%error, "the names in the data folder may not survive a power cut");
+            tracing::warn!(%error, "cannot sync the data folder");
         }
         match data.belong_together(folder, packs).await {
             Ok(()) => Ok(data),
@@ -126,7 +126,7 @@ impl Data {
         }
         let id = match self.catalogue.folder().await {
             Err(error @ CatalogueError::Damaged { .. }) => {
-                tracing::error!(%error, "whether the packs belong to this catalogue is not known");
+                tracing::error!(%error, "cannot check whether the packs belong to this catalogue");
                 self.catalogue.note_damage(&error.to_string());
                 return Ok(());
             }
@@ -138,7 +138,7 @@ impl Data {
             None => {
                 // Storing it can wait for the next start if the disk is full.
                 if let Err(error) = self.store.set_folder(&id) {
-                    tracing::warn!(%error, "the packs do not name their catalogue yet");
+                    tracing::warn!(%error, "cannot store the id of the catalogue with the packs");
                 }
                 Ok(())
             }

@@ -60,11 +60,11 @@ pub(crate) const WORKER_STOP: Duration = Duration::from_secs(12);
 /// commits, short enough for a client to notice.
 pub(crate) const SHED_AFTER: Duration = Duration::from_millis(500);
 /// The wait of a catalogue query, which takes a tenth of a second.
-pub(crate) const SHED_QUESTION_AFTER: Duration = Duration::from_secs(2);
+pub(crate) const SHED_QUERY_AFTER: Duration = Duration::from_secs(2);
 /// The wait of an upload: its bytes have arrived, and earlier uploads are decoded within seconds.
 pub(crate) const SHED_UPLOAD_AFTER: Duration = Duration::from_secs(15);
 /// No wait for requests with long-lived permits.
-pub(crate) const SHED_AT_ONCE: Duration = Duration::ZERO;
+pub(crate) const SHED_IMMEDIATELY: Duration = Duration::ZERO;
 /// Minimum mean rate of a body: that of an old modem.
 pub(crate) const BODY_BYTES_PER_S: f64 = 1024.0;
 /// Files opened by the service itself: catalogue, packs, children.
@@ -110,7 +110,7 @@ pub struct Limits {
     /// Concurrent public reads; more are shed with 503. Each holds at most an artifact in memory.
     pub requests: usize,
     /// Queries over many images: fewer than the catalogue's readers, so that plain reads find one.
-    pub questions: usize,
+    pub queries: usize,
     /// Submissions and changes.
     pub submissions: usize,
     /// Long polls. They hold a few kilobytes each.
@@ -166,7 +166,7 @@ impl Default for Limits {
         Self {
             caller_percent: 50,
             requests: 256,
-            questions: 6,
+            queries: 6,
             submissions: 256,
             waits: 1024,
             renders: 256,

@@ -23,7 +23,7 @@ use crate::http::observe::observe;
 use crate::http::problem;
 use crate::http::problem::Problem;
 use crate::http::receive::{PLACE_BYTES, Receiving};
-use crate::limits::{self, Limits, SHED_AFTER, SHED_AT_ONCE, SHED_QUESTION_AFTER, SHED_UPLOAD_AFTER};
+use crate::limits::{self, Limits, SHED_AFTER, SHED_IMMEDIATELY, SHED_QUERY_AFTER, SHED_UPLOAD_AFTER};
 use crate::lists::List;
 use crate::{bytes, http, jobs, leases, openapi, scenes, styles};
 
@@ -32,16 +32,16 @@ pub(crate) fn router(app: App, tokens: &Arc<Tokens>, hosts: Hosts, limits: &Limi
     let budgets = Budgets(limits);
     let probing = budgets.new_budget("probes", limits.requests, SHED_AFTER);
     let requests = budgets.new_budget("reads", limits.requests, SHED_AFTER);
-    let questions = budgets.new_budget("questions", limits.questions, SHED_QUESTION_AFTER);
+    let queries = budgets.new_budget("queries", limits.queries, SHED_QUERY_AFTER);
     let submissions = budgets.new_budget("submissions", limits.submissions, SHED_AFTER);
-    let renders = budgets.new_budget("renders", limits.renders, SHED_AT_ONCE);
-    let streams = budgets.new_budget("events", limits.streams, SHED_AT_ONCE);
-    let lines = budgets.new_budget("lines", limits.lines, SHED_AT_ONCE);
+    let renders = budgets.new_budget("renders", limits.renders, SHED_IMMEDIATELY);
+    let streams = budgets.new_budget("events", limits.streams, SHED_IMMEDIATELY);
+    let lines = budgets.new_budget("lines", limits.lines, SHED_IMMEDIATELY);
     let uploads = budgets.new_budget("uploads", limits.uploads, SHED_UPLOAD_AFTER);
     let pictures = budgets.new_budget("pictures", limits.pictures, SHED_UPLOAD_AFTER);
-    let backups = budgets.new_budget("backups", 1, SHED_AT_ONCE);
+    let backups = budgets.new_budget("backups", 1, SHED_IMMEDIATELY);
     let followers = Choice::ByWait {
-        waits: budgets.new_budget("waits", limits.waits, SHED_AT_ONCE),
+        waits: budgets.new_budget("waits", limits.waits, SHED_IMMEDIATELY),
         others: requests.clone(),
     };
     let (read, submit) = (Some(Scope::Read), Some(Scope::Submit));
@@ -49,7 +49,7 @@ pub(crate) fn router(app: App, tokens: &Arc<Tokens>, hosts: Hosts, limits: &Limi
     let groups = [
         RouteGroup::new(probe_routes(), None, &probing),
         RouteGroup::new(read_routes(), read, &requests),
-        RouteGroup::new(query_routes(), read, &questions),
+        RouteGroup::new(query_routes(), read, &queries),
         RouteGroup::new(wait_routes(), read, followers).with_timeout(wait),
         RouteGroup::new(event_routes(), read, &streams),
         RouteGroup::new(line_routes(), read, &lines),
@@ -108,13 +108,13 @@ impl Budgets<'_> {
 
     /// A budget of bodies in memory.
     fn bodies(&self, name: &'static str, bytes: usize) -> Budget {
-        self.new_budget(name, bytes / PLACE_BYTES, SHED_AT_ONCE)
+        self.new_budget(name, bytes / PLACE_BYTES, SHED_IMMEDIATELY)
     }
 
     /// Settings for receiving bodies; by default none is accepted.
     fn receiving(&self, memory: &Budget) -> Receiving {
         Receiving {
-            most_bytes: 0,
+            max_bytes: 0,
             grace: self.0.body_grace,
             memory: memory.clone(),
         }

@@ -19,7 +19,7 @@ use crate::http::hosts::Hosts;
 use crate::http::listener;
 use crate::jobs::probe;
 use crate::leases::Leases;
-use crate::operations::mirror;
+use crate::operations::replica;
 use crate::operations::routes::backup;
 use crate::processes::fleet::{Fleet, OnExit, Recipe};
 use crate::router;
@@ -80,7 +80,7 @@ pub async fn start_in(config: Config, surroundings: Surroundings) -> Result<Serv
         tokio::spawn(tidy_up(app.clone(), end.clone())),
         tokio::spawn(reclaim::run(Arc::clone(&app.bytes), end.clone())),
         tokio::spawn(unnamed::run(Arc::clone(&app.bytes), limits.unnamed, end.clone())),
-        tokio::spawn(mirror::run(Arc::clone(&app.catalogue), end.clone())),
+        tokio::spawn(replica::run(Arc::clone(&app.catalogue), end.clone())),
         tokio::spawn(Arc::clone(&app.sets).show_shared()),
         tokio::spawn(probe::run(Arc::clone(&app.jobs), end.clone())),
     ];

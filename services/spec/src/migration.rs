@@ -244,24 +244,4 @@ mod tests {
             .map(|part| part.split_once(')').map_or(part, |(_, rest)| rest));
         parts.collect()
     }
-
-    /// `FATHOM_WRITE=1 cargo test -p spec` updates the table.
-    #[test]
-    fn the_migration_table_of_the_documentation_is_up_to_date() {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/reference/migration.md");
-        let text = std::fs::read_to_string(path).unwrap();
-        let table = text.find("| up to 0.1 |").unwrap();
-        let end = text[table..]
-            .find("\n\n")
-            .map_or(text.len(), |end| table + end + 1);
-        let updated = format!("{}{}{}", &text[..table], markdown(), &text[end..]);
-        if std::env::var_os("FATHOM_WRITE").is_some() {
-            std::fs::write(path, updated).unwrap();
-        } else {
-            assert!(
-                text == updated,
-                "docs/reference/migration.md is out of date: run FATHOM_WRITE=1 cargo test -p spec"
-            );
-        }
-    }
 }

@@ -20,7 +20,7 @@ pub(crate) async fn run(bytes: Arc<Bytes>, end: CancellationToken) {
             Ok(left) => left,
             Err(problem) if problem.is(Slug::StorageFull) && bytes.space.give_reserve() => continue,
             Err(problem) => {
-                tracing::error!(%problem, "the space of deleted jobs is not reclaimed yet");
+                tracing::error!(%problem, "cannot reclaim the space of deleted jobs yet");
                 true
             }
         };
@@ -55,7 +55,7 @@ async fn reclaim(bytes: &Bytes, end: &CancellationToken) -> Result<bool, Problem
             bytes = deleted,
             packs = freed.packs,
             disk = freed.bytes_freed,
-            "deleted artifacts are gone"
+            "reclaimed deleted artifacts"
         );
     }
     Ok(left)

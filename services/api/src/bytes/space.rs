@@ -44,7 +44,7 @@ impl Space {
             in_use: AtomicBool::new(false),
         };
         if let Err(error) = space.lay_aside() {
-            tracing::warn!(%error, "there is no room for a reserve: on a full disk nothing can be deleted");
+            tracing::warn!(%error, "no space for a reserve; deletions will fail on a full disk");
         }
         space.full.store(space.probe().is_err(), Ordering::SeqCst);
         space
@@ -54,7 +54,7 @@ impl Space {
     pub(crate) fn give_reserve(&self) -> bool {
         let given = std::fs::remove_file(self.folder.join(RESERVE)).is_ok();
         if given {
-            tracing::warn!("the disk is full: the reserve goes to a deletion");
+            tracing::warn!("the disk is full; using the reserve for a deletion");
             self.in_use.store(true, Ordering::SeqCst);
             self.given.store(true, Ordering::SeqCst);
             self.full.store(true, Ordering::SeqCst);

@@ -18,7 +18,7 @@ pub(crate) async fn run(bytes: Arc<Bytes>, interval: Duration, end: Cancellation
     loop {
         match sweep(&bytes, &before, &end).await {
             Ok(left) => before = left,
-            Err(problem) => tracing::error!(%problem, "bytes without a name stay for now"),
+            Err(problem) => tracing::error!(%problem, "cannot reclaim unreferenced bytes yet"),
         }
         tokio::select! {
             () = end.cancelled() => return,
@@ -58,7 +58,7 @@ async fn sweep(
         }
     }
     if orphans > 0 {
-        tracing::info!(orphans, "bytes that no row names are reclaimed");
+        tracing::info!(orphans, "reclaiming unreferenced bytes");
         bytes.reclaim.notify_one();
     }
     Ok(left)

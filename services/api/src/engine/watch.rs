@@ -45,7 +45,9 @@ impl Engine {
                         return;
                     }
                 }
-                Err(error) => tracing::error!(%error, "a line of the process that watches the store"),
+                Err(error) => {
+                    tracing::error!(%error, "unreadable line of the process that watches the store")
+                }
             }
         }
         let _ = seen.send(Event::Workers(Vec::new())).await;

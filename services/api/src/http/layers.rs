@@ -62,7 +62,7 @@ impl Group {
         tokens: &Arc<Tokens>,
     ) -> OpenApiRouter<S> {
         let routes = routes
-            .route_layer(DefaultBodyLimit::max(self.receiving.most_bytes))
+            .route_layer(DefaultBodyLimit::max(self.receiving.max_bytes))
             .route_layer(from_fn_with_state(self.budget, limit_concurrency))
             .route_layer(from_fn_with_state(self.receiving, receive))
             .route_layer(from_fn_with_state(self.timeout, enforce_timeout));

@@ -83,6 +83,6 @@ pub(crate) fn json_lines<T: Serialize>(values: impl IntoIterator<Item = T>) -> R
 
 /// The error that truncates a response.
 pub(crate) fn cut_short(problem: Problem) -> io::Error {
-    tracing::warn!(%problem, "a response was cut short");
+    tracing::warn!(%problem, "a response was truncated");
     io::Error::other(problem.to_string())
 }

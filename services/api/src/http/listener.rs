@@ -69,7 +69,7 @@ pub(crate) async fn serve(listener: TcpListener, app: Router, limits: Limits, st
         .await
         .is_err()
     {
-        tracing::warn!("connections were still open at the end and are cut");
+        tracing::warn!("closed connections that were still open");
     }
 }
 

@@ -22,7 +22,7 @@ pub(crate) const PLACE_BYTES: usize = 1 << 10;
 /// How bodies of a group are received.
 #[derive(Clone)]
 pub(crate) struct Receiving {
-    pub(crate) most_bytes: usize,
+    pub(crate) max_bytes: usize,
     /// Time for a body in addition to the time allowed by its bytes.
     pub(crate) grace: Duration,
     /// Budget of bodies in memory, KiB.
@@ -35,12 +35,12 @@ pub(crate) async fn receive(
     request: Request,
     next: Next,
 ) -> Result<Response, Problem> {
-    if receiving.most_bytes == 0 || request.body().is_end_stream() {
+    if receiving.max_bytes == 0 || request.body().is_end_stream() {
         return Ok(next.run(request).await);
     }
     let length = request.headers().get(header::CONTENT_LENGTH);
     let length = length.and_then(|length| length.to_str().ok()?.parse::<u64>().ok());
-    let is_beyond = length.is_some_and(|bytes| bytes > receiving.most_bytes as u64);
+    let is_beyond = length.is_some_and(|bytes| bytes > receiving.max_bytes as u64);
     let caller = identify_caller(&request);
     let (parts, body) = request.into_parts();
     if is_beyond {
@@ -76,7 +76,7 @@ impl Receiving {
             let Some(piece) = piece else { return Ok(received) };
             let piece = piece.map_err(|error| Problem::new(Slug::InvalidBody, error.to_string()))?;
             bytes += piece.len();
-            if bytes > self.most_bytes {
+            if bytes > self.max_bytes {
                 drop(received);
                 return Err(self.discarded(coming).await);
             }
@@ -98,7 +98,7 @@ impl Receiving {
         let (begun, mut bytes) = (Instant::now(), 0);
         while let Ok(Some(Ok(piece))) = timeout_at(begun + self.grace, coming.next()).await {
             bytes += piece.len();
-            if bytes > 2 * self.most_bytes {
+            if bytes > 2 * self.max_bytes {
                 break;
             }
         }
@@ -108,7 +108,7 @@ impl Receiving {
     fn too_large(&self) -> Problem {
         let detail = format!(
             "the body is larger than {} bytes, the limit of this route",
-            self.most_bytes
+            self.max_bytes
         );
         Problem::new(Slug::TooLarge, detail)
     }
@@ -130,9 +130,9 @@ mod tests {
 
     const GRACE: Duration = Duration::from_secs(10);
 
-    fn receiving(most_bytes: usize, memory_kib: usize) -> Receiving {
+    fn receiving(max_bytes: usize, memory_kib: usize) -> Receiving {
         Receiving {
-            most_bytes,
+            max_bytes,
             grace: GRACE,
             memory: Budget::new("bodies", memory_kib, Share { percent: 100 }, Duration::ZERO),
         }

@@ -66,7 +66,7 @@ impl Jobs {
     pub(crate) async fn resume_all(&self) -> Result<(), catalogue::CatalogueError> {
         let jobs = self.catalogue.open_jobs().await?;
         if !jobs.is_empty() {
-            tracing::info!(jobs = jobs.len(), "unfinished jobs are taken up again");
+            tracing::info!(jobs = jobs.len(), "resuming unfinished jobs");
         }
         for job in jobs {
             let description = self.catalogue.description(&job.row.id).await?;

@@ -20,7 +20,7 @@ use crate::telemetry;
 const LOOK: Duration = Duration::from_millis(200);
 /// Checks take at most one part in this many of the time of one core, because small frames arrive faster than a
 /// process starts.
-const MOST_PAUSES: u32 = 99;
+const MAX_PAUSES: u32 = 99;
 /// Parts of a record that depend only on the job, for one program and kind of machine.
 const FACTS: [&str; 8] = [
     "parameters",
@@ -48,7 +48,7 @@ enum Verdict {
 pub(crate) async fn run(jobs: Arc<Jobs>, end: CancellationToken) {
     let probes = &jobs.leases.probes;
     let pauses =
-        u32::try_from(probes.one_in.saturating_sub(1)).map_or(MOST_PAUSES, |rest| rest.min(MOST_PAUSES));
+        u32::try_from(probes.one_in.saturating_sub(1)).map_or(MAX_PAUSES, |rest| rest.min(MAX_PAUSES));
     let work = async {
         loop {
             let Some(probe) = probes.next() else {
@@ -86,7 +86,7 @@ impl Jobs {
             }
             Verdict::Differs(what) => {
                 telemetry::checked("differs");
-                tracing::error!(worker, job, frame, what, "a frame is not what it renders to");
+                tracing::error!(worker, job, frame, what, "a committed frame is wrong");
                 let events = self.leases.dispatch.dismiss(worker);
                 self.leases.record_strikes(events).await;
                 self.take_back(worker).await;
@@ -100,10 +100,10 @@ impl Jobs {
             let count = frames.len();
             match self.reopen(job.clone(), frames).await {
                 Ok(row) => {
-                    tracing::warn!(job, worker, frames = count, state = %row.state, "images taken back")
+                    tracing::warn!(job, worker, frames = count, state = %row.state, "rendering images again")
                 }
                 Err(problem) => {
-                    tracing::error!(job, worker, frames = count, %problem, "images cannot be taken back")
+                    tracing::error!(job, worker, frames = count, %problem, "cannot render images again")
                 }
             }
         }

@@ -8,7 +8,7 @@ use spec::{ArtifactKind, Counts, Frame, FrameRecord, Scene};
 use super::pending::PendingArtifact;
 
 /// Maximum time of a stage, ms: a week.
-const MOST_MS: f64 = 7.0 * 86_400e3;
+const MAX_MS: f64 = 7.0 * 86_400e3;
 /// Maximum number and length of a frame's warnings: a few sentences.
 const WARNINGS: usize = 64;
 const WARNING_BYTES: usize = 4096;
@@ -148,9 +148,9 @@ impl Evidence<'_> {
             .map(|(name, count, most)| format!("/counts/{name} is {count}, the limit is {most}"))
             .collect();
         let times = &self.record.timings_ms;
-        if times.len() > proto::limits::TIMINGS || times.values().any(|ms| !(0.0..=MOST_MS).contains(ms)) {
+        if times.len() > proto::limits::TIMINGS || times.values().any(|ms| !(0.0..=MAX_MS).contains(ms)) {
             faults.push(format!(
-                "/timings_ms has more than {} stages, or one beyond 0..={MOST_MS}",
+                "/timings_ms has more than {} stages, or one beyond 0..={MAX_MS}",
                 proto::limits::TIMINGS
             ));
         }

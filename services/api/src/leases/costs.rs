@@ -45,7 +45,7 @@ const ROW_BYTES: f64 = 6000.0;
 /// Weight of the newest frame in the running means.
 const NEWEST: f64 = 0.05;
 /// Maximum learned kinds; a record with more is not worth the memory.
-const MOST_KINDS: usize = 64;
+const MAX_KINDS: usize = 64;
 
 /// Costs learned from rendered frames.
 #[derive(Default)]
@@ -97,7 +97,7 @@ impl Costs {
             }
         }
         for artifact in &record.artifacts {
-            if learned.kind_bytes.len() < MOST_KINDS || learned.kind_bytes.contains_key(&artifact.kind) {
+            if learned.kind_bytes.len() < MAX_KINDS || learned.kind_bytes.contains_key(&artifact.kind) {
                 let kind = learned.kind_bytes.entry(artifact.kind.clone());
                 mix(kind, artifact.bytes as f64 / pixels);
             }

@@ -50,8 +50,8 @@ pub(crate) fn components(vocabulary: &Vocabulary) -> Components {
     if let Shape::Object(fields) = spec::fields::DOCUMENT {
         let mut job = writer.object(fields);
         job["description"] =
-            "A frame description. A law may stand in place of any value where the schema says so; \
-                              frames = count × product of the grid axes."
+            "A frame description. Values can be distributions where the schema allows it; frames = count × product of the \
+             grid axes."
                 .into();
         let example: Value = serde_json::from_str(EXAMPLE).unwrap_or_default();
         job["examples"] = json!([example]);
@@ -167,7 +167,7 @@ impl Writer<'_> {
             Shape::Labels => self.labels(),
             Shape::Scalar => self.named("Scalar", |_| {
                 let text = json!({"type": "string", "maxLength": MAX_LABEL_TEXT});
-                json!({"oneOf": [{"type": "number"}, text, {"type": "boolean"}], "description": "A value of the user's own."})
+                json!({"oneOf": [{"type": "number"}, text, {"type": "boolean"}], "description": "A user-defined value."})
             }),
             Shape::Object(fields) => self.group(type_name, |writer| writer.object(fields)),
             Shape::OneOf(fields) => self.group(type_name, |writer| writer.one_of(fields, type_name)),

@@ -138,7 +138,7 @@ struct ProblemTypes;
 impl Modify for ProblemTypes {
     fn modify(&self, document: &mut OpenApi) {
         let mut text = String::from(
-            "Underwater image datasets on demand. Every refusal is a problem (RFC 9457); these are their types.\n\n\
+            "Underwater image datasets on demand. Every error response is a problem (RFC 9457) of one of these types.\n\n\
              | type | status | meaning |\n|---|---|---|\n",
         );
         for slug in Slug::ALL {

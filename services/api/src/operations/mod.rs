@@ -1,6 +1,6 @@
 //! Operation of the service: health, metrics, backups.
 
-pub(crate) mod mirror;
+pub(crate) mod replica;
 pub(crate) mod routes;
 
 use std::path::PathBuf;

@@ -16,9 +16,9 @@ use crate::http::problem::Problem;
 use crate::processes::child::{Allowance, Children, Ended};
 
 /// Minimum memory of a process.
-const LEAST_MIB: usize = 256;
+const MIN_MIB: usize = 256;
 /// Memory in addition to files and pixels.
-const BESIDE_MIB: usize = 64;
+const EXTRA_MIB: usize = 64;
 /// The slowest method needs a second per million pixels.
 const TIME: Duration = Duration::from_secs(120);
 
@@ -46,7 +46,7 @@ impl Files<'_> {
         let pixels = pixels.unwrap_or(0).min(MAX_PIXELS);
         let files: usize = self.named.iter().map(|(_, file)| file.len()).sum();
         let bytes = pixels * self.bytes_per_pixel + 2 * files;
-        ((bytes >> 20) + BESIDE_MIB).max(LEAST_MIB)
+        ((bytes >> 20) + EXTRA_MIB).max(MIN_MIB)
     }
 }
 

@@ -70,7 +70,7 @@ impl Fleet {
         self.stop.cancel();
         for keeper in self.keepers {
             if let Err(error) = keeper.await {
-                tracing::error!(%error, "the keeper of a worker failed");
+                tracing::error!(%error, "the supervisor of a worker failed");
             }
         }
     }

@@ -24,15 +24,15 @@ const ALLOWANCE: Allowance = Allowance {
     memory_bytes: 2 << 30,
 };
 /// Maximum pixels of a preview frame.
-const MOST_PIXELS: usize = 1 << 20;
+const MAX_PIXELS: usize = 1 << 20;
 /// Concurrent and waiting frames: two of the dragging user, and two of others.
 const PLACES: usize = 4;
 /// The process ends after this time without requests.
 const IDLE: Duration = Duration::from_secs(60);
 /// Maximum length of the line before the image.
-const MOST_HEAD_BYTES: u64 = 4096;
+const MAX_HEAD_BYTES: u64 = 4096;
 /// Maximum length of the image: an uncompressed 16-bit one is shorter.
-const MOST_PICTURE_BYTES: u64 = 8 << 20;
+const MAX_PICTURE_BYTES: u64 = 8 << 20;
 
 /// The process, started with the first frame.
 pub(crate) struct Live {
@@ -116,7 +116,7 @@ impl Live {
 fn is_small(frame: &Frame) -> bool {
     let scene = &frame.scene;
     let pixels = frame.camera.width * frame.camera.height;
-    scene.uploaded_id().is_none() && scene.files().is_none() && pixels <= MOST_PIXELS
+    scene.uploaded_id().is_none() && scene.files().is_none() && pixels <= MAX_PIXELS
 }
 
 /// Renders a frame, and keeps the process after a valid reply.
@@ -134,7 +134,7 @@ async fn draw(
     let drawn = tokio::select! {
         drawn = running.exchange(request) => drawn,
         reason = exceeded(id, ALLOWANCE) => {
-            tracing::warn!(reason, "a live frame was given up");
+            tracing::warn!(reason, "a live frame failed");
             None
         }
     }?;
@@ -168,12 +168,12 @@ impl Running {
     async fn exchange(&mut self, request: &[u8]) -> Option<Drawn> {
         self.requests.write_all(request).await.ok()?;
         let mut head = Vec::new();
-        let mut line = (&mut self.replies).take(MOST_HEAD_BYTES);
+        let mut line = (&mut self.replies).take(MAX_HEAD_BYTES);
         line.read_until(b'\n', &mut head).await.ok()?;
         let head: Head = serde_json::from_slice(&head).ok()?;
         let known = ["image/png", "image/jpeg", "image/webp"];
         let media_type = known.into_iter().find(|known| *known == head.media_type)?;
-        let length = (head.bytes <= MOST_PICTURE_BYTES).then_some(head.bytes as usize)?;
+        let length = (head.bytes <= MAX_PICTURE_BYTES).then_some(head.bytes as usize)?;
         let mut bytes = vec![0; length];
         self.replies.read_exact(&mut bytes).await.ok()?;
         Some(Drawn { media_type, bytes })

@@ -16,7 +16,7 @@ pub(super) struct RouteGroup {
     scope: Option<Scope>,
     budget: Choice,
     timeout: Duration,
-    most_bytes: usize,
+    max_bytes: usize,
 }
 
 impl RouteGroup {
@@ -27,7 +27,7 @@ impl RouteGroup {
             scope,
             budget: budget.into(),
             timeout: limits::REQUEST,
-            most_bytes: 0,
+            max_bytes: 0,
         }
     }
 
@@ -35,8 +35,8 @@ impl RouteGroup {
         Self { timeout, ..self }
     }
 
-    pub(super) fn with_body(self, most_bytes: usize) -> Self {
-        Self { most_bytes, ..self }
+    pub(super) fn with_body(self, max_bytes: usize) -> Self {
+        Self { max_bytes, ..self }
     }
 
     pub(super) fn build(self, receiving: Receiving, tokens: &Arc<Tokens>) -> OpenApiRouter<App> {
@@ -45,7 +45,7 @@ impl RouteGroup {
             budget: self.budget,
             timeout: self.timeout,
             receiving: Receiving {
-                most_bytes: self.most_bytes,
+                max_bytes: self.max_bytes,
                 ..receiving
             },
         };

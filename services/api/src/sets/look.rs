@@ -75,7 +75,7 @@ impl Sets {
         let row = intake.begin(accepted_at).await?;
         if is_new {
             let (job, dataset, set) = (&row.id, &row.dataset, &row.set);
-            tracing::info!(job, dataset, set, "a set is followed");
+            tracing::info!(job, dataset, set, "following a set");
         }
         Ok(row)
     }

@@ -31,7 +31,7 @@ impl Sets {
                     }
                 };
                 if let Err(error) = self.show(reader, &set).await {
-                    tracing::warn!(job = set.id, set = set.location, %error, "a job of the store cannot be shown");
+                    tracing::warn!(job = set.id, set = set.location, %error, "cannot update a job of the store");
                 }
             }
         };

@@ -67,7 +67,7 @@ impl Waters {
                     water = name,
                     "a built-in water with this name now hides the user-defined one"
                 ),
-                Err(errors) => tracing::warn!(water = name, %errors, "a stored water is left out"),
+                Err(errors) => tracing::warn!(water = name, %errors, "skipped a stored water"),
             }
         }
         Ok(Self {

@@ -275,8 +275,8 @@ fn a_worker_does_not_join_a_service_of_another_version_of_the_protocol() {
     assert!(
         said.contains(&format!(
             "the other side uses version {theirs} of the worker protocol"
-        )) && said.contains(&format!("this one version {ours}"))
-            && said.contains("use the same version of fathom"),
+        )) && said.contains(&format!("this side version {ours}"))
+            && said.contains("run the same version of fathom"),
         "{said}"
     );
 }

@@ -186,7 +186,7 @@ fn a_bad_description_is_refused_with_the_place_and_the_limit() {
                 json!({"kind": "uploaded", "id": "scn_00000000000000000000000000000000"}),
             ),
             "/scene",
-            &["scn_", "not uploaded"],
+            &["scn_", "does not exist"],
         ),
     ];
     nothing_changes(|service| {
@@ -313,7 +313,7 @@ fn bad_queries_are_rejected_with_the_reason() {
             problem["detail"]
                 .as_str()
                 .unwrap()
-                .contains("wait: is 61 but must be in 0..=60"),
+                .contains("wait is 61; must be in 0..=60"),
             "{problem}"
         );
         service.get("/v1/no-such-route").problem(404, "not-found");

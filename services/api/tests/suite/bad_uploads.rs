@@ -47,7 +47,7 @@ fn a_bad_upload_is_refused_with_the_field() {
             "both ranges",
             vec![("rgb", &whole), ("range", &range), ("z_depth", &range)],
             "/z_depth",
-            &["not both"],
+            &["exclude each other"],
         ),
         (
             "unknown field",

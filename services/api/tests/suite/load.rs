@@ -73,7 +73,7 @@ fn slow_bodies_hold_no_permit_and_are_cut() {
         let mut answer = String::new();
         stream.read_to_string(&mut answer).unwrap();
         assert!(
-            answer.starts_with("HTTP/1.1 408") && answer.contains("bytes a second"),
+            answer.starts_with("HTTP/1.1 408") && answer.contains("bytes per second"),
             "{answer}"
         );
     }
@@ -144,7 +144,7 @@ fn datasets_come_in_pages() {
 fn names_of_the_services_own_workers_are_theirs() {
     let service = start();
     let taken = Fake::try_named(&service, "local-1", None);
-    assert!(taken.is_err_and(|error| error.to_string().contains("own workers")));
+    assert!(taken.is_err_and(|error| error.to_string().contains("reserved for the service")));
     assert!(Fake::try_named(&service, "local-x", None).is_ok());
 }
 

@@ -81,7 +81,7 @@ fn a_field_that_is_missing_too_long_or_out_of_its_range_is_named_with_the_limit(
         };
         let problem = refused(service, "register", &about);
         assert!(
-            detail(&problem).contains("`name` has 257 bytes, the limit is 256"),
+            detail(&problem).contains("`name` has 257 bytes; must be at most 256"),
             "{problem}"
         );
         let about = wire::RegisterRequest {
@@ -126,14 +126,14 @@ fn artifacts_that_are_too_many_or_have_names_like_paths_are_not_stored() {
         let many = vec![wire::Artifact::default(); limits::ARTIFACTS + 1];
         let problem = refused(service, "artifacts", &put(many));
         assert!(
-            detail(&problem).contains("65 artifacts, the limit is 64"),
+            detail(&problem).contains("65 artifacts; must be at most 64"),
             "{problem}"
         );
         // A hundred bytes each in memory, two on the wire.
         let bomb = put(vec![wire::Artifact::default(); 1_000_000]);
         let problem = refused(service, "artifacts", &bomb);
         assert!(
-            detail(&problem).contains("fields, the limit is 8192"),
+            detail(&problem).contains("fields; must be at most 8192"),
             "{problem}"
         );
         let path = wire::Artifact {
@@ -167,7 +167,7 @@ fn a_record_of_another_frame_or_of_files_that_were_not_stored_is_no_image() {
         assert!(detail(&problem).contains("was not stored"), "{problem}");
         commit.claim.as_mut().unwrap().frame += 1;
         let problem = refused(service, "commit", &commit);
-        assert!(detail(&problem).contains("no frame record"), "{problem}");
+        assert!(detail(&problem).contains("not a frame record"), "{problem}");
         worker.release(&lease);
     });
 }

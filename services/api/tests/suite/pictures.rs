@@ -108,7 +108,7 @@ fn bad_images_are_rejected_with_the_field_and_nothing_is_stored() {
             "enhance?method=hscm",
             vec![("clean", &good)],
             "/clean",
-            "fields are picture",
+            "must be one of picture",
         ),
         (
             "enhance?method=hscm",

@@ -75,7 +75,7 @@ fn an_added_style_is_available_immediately_and_after_a_restart() {
     );
     let caveats = card["caveats"].to_string();
     assert!(
-        caveats.contains("how stable") && caveats.contains("made for a test"),
+        caveats.contains("stability") && caveats.contains("made for a test"),
         "{card}"
     );
     assert!(
@@ -281,7 +281,7 @@ fn a_training_without_a_result_fails_with_a_reason() {
         .json();
     assert_eq!(training["state"], "failed", "{training}");
     assert!(
-        training["error"].as_str().unwrap().contains("left no onnx"),
+        training["error"].as_str().unwrap().contains("wrote no onnx"),
         "{training}"
     );
     assert!(!names(&service).contains(&"harbour".to_owned()));

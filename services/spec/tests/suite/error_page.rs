@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 use spec::{Draft, Invalid, Job, OwnWater, SceneParts, Uploads, Vocabulary};
 
 use crate::common::vocabulary;
+use crate::generated::check_page;
 
 /// Complete documents.
 const DOCUMENTS: &[&str] = &[
@@ -20,7 +21,7 @@ const DOCUMENTS: &[&str] = &[
     r#"{"scene": {"kind": "procedural"}}"#,
     r#"{"scene": {"family": "structure"}}"#,
     r#"{"scene": {"kind": 3}}"#,
-    r#"{"scene": {"kind": "procedrual", "family": "structure"}}"#,
+    r#"{"scene": {"kind": "procedura", "family": "structure"}}"#,
     r#"{"scene": {"kind": "procedural", "family": "structur"}}"#,
     r#"{"scene": {"kind": "procedural", "family": "structure", "id": "scn_1"}}"#,
     r#"{"scene": {"kind": "procedural", "family": "structure", "light": "baked"}}"#,
@@ -255,14 +256,5 @@ fn generate() -> String {
 
 #[test]
 fn the_page_of_error_texts_is_up_to_date() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/ERRORS.md");
-    let page = generate();
-    if std::env::var_os("FATHOM_WRITE").is_some() {
-        std::fs::write(path, &page).unwrap();
-    }
-    let written = std::fs::read_to_string(path).unwrap_or_default();
-    assert!(
-        written == page,
-        "ERRORS.md is out of date: run FATHOM_WRITE=1 cargo test -p spec and review the change"
-    );
+    check_page("ERRORS.md", |_| generate());
 }

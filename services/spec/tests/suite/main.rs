@@ -6,6 +6,7 @@ mod daylight;
 mod documents;
 mod error_page;
 mod errors;
+mod generated;
 mod law_errors;
 mod laws;
 mod lights;

@@ -10,7 +10,7 @@ use crate::images::routes::verify::{StoredBytes, condition};
 use crate::limits::RECORDS_BATCH;
 
 /// Maximum number of damaged images in a response.
-const MOST_NAMED: usize = 100;
+const MAX_NAMED: usize = 100;
 
 /// Options of a verification.
 #[derive(Debug, Deserialize, ToSchema)]
@@ -129,7 +129,7 @@ impl Verification {
 
     fn add(&mut self, job: &VersionJob, frame: Option<u64>, reason: String) {
         self.damages += 1;
-        if self.damaged.len() < MOST_NAMED {
+        if self.damaged.len() < MAX_NAMED {
             let job = job.id.clone();
             self.damaged.push(DamagedImage { job, frame, reason });
         }

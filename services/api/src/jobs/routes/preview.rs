@@ -16,7 +16,7 @@ const SAMPLE: u64 = 64;
 /// Default number of frames in a preview.
 const SHOWN: u64 = 5;
 /// Maximum number of frames in a preview.
-const MOST_SHOWN: u64 = 100;
+const MAX_SHOWN: u64 = 100;
 
 /// Size of the preview.
 #[derive(Deserialize, IntoParams)]
@@ -76,8 +76,8 @@ pub(crate) async fn preview(
     JsonBytes(body): JsonBytes,
 ) -> Result<Json<JobPreview>, Problem> {
     let shown = query.frames.unwrap_or(SHOWN);
-    if shown > MOST_SHOWN {
-        return Err(out_of_range("frames", shown, 0, MOST_SHOWN));
+    if shown > MAX_SHOWN {
+        return Err(out_of_range("frames", shown, 0, MAX_SHOWN));
     }
     let job = jobs.parse(&body).await?;
     jobs.check_runtime(&job)?;

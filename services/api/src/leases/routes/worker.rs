@@ -85,7 +85,7 @@ pub(crate) async fn release(
     State(leases): Topic<Leases>,
     Protobuf(ReleaseRequest { token, reason }): Protobuf<ReleaseRequest>,
 ) {
-    tracing::debug!(token, reason, "lease handed back");
+    tracing::debug!(token, reason, "lease returned");
     leases.dispatch.free(|table, now| table.release(token, now));
 }
 

@@ -12,7 +12,7 @@ use super::{LeaseTable, TERM_MS, place};
 /// one.
 const LEASE_WORK_MS: f64 = 3000.0;
 /// Maximum frames of a lease.
-const MOST_FRAMES: u64 = 256;
+const MAX_FRAMES: u64 = 256;
 
 impl LeaseTable {
     /// Leases the next frames to a worker. `token` must be new. `frame_ms` is the worker's time per frame; if it is
@@ -100,7 +100,7 @@ impl LeaseTable {
 /// Number of frames with this cost in a lease.
 fn frames_worth(frame_ms: f64) -> u64 {
     if frame_ms > 0.0 {
-        (LEASE_WORK_MS / frame_ms).clamp(1.0, MOST_FRAMES as f64) as u64
+        (LEASE_WORK_MS / frame_ms).clamp(1.0, MAX_FRAMES as f64) as u64
     } else {
         1
     }

@@ -111,7 +111,7 @@ pub fn clear_unfinished(data: &Path) -> std::io::Result<u64> {
         if entry.file_name().to_string_lossy().starts_with(UNFINISHED) {
             bytes += below(&entry.path())?;
             std::fs::remove_dir_all(entry.path())?;
-            tracing::info!(folder = %entry.path().display(), "a backup that never finished is gone");
+            tracing::info!(folder = %entry.path().display(), "removed an unfinished backup");
         }
     }
     Ok(bytes)

@@ -19,7 +19,7 @@ pub(crate) async fn run(catalogue: Arc<Catalogue>, end: CancellationToken) {
             Ok(true) => Duration::ZERO,
             Ok(false) => INTERVAL,
             Err(error) => {
-                tracing::warn!(%error, "the mirror of the catalogue stays as it is");
+                tracing::warn!(%error, "cannot extend the columnar replica");
                 PAUSE
             }
         };
