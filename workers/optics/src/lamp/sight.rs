@@ -256,7 +256,7 @@ mod tests {
             sight.shares(&starts, middle, (&disc, Radius::Of(&radii)), &mut each);
             assert_eq!(shares, each);
             for (start, share) in places.iter().zip(&shares) {
-                let begin = imaging::rays::Start {
+                let begin = imaging::rays::RayStart {
                     origin: start.map(f64::from),
                     from: 1e-5,
                 };
