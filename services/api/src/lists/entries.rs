@@ -75,7 +75,9 @@ pub(super) fn enhancements(_: &Library) -> Vec<Entry> {
 }
 
 pub(super) fn families(_: &Library) -> Vec<Entry> {
-    let families = scenes::FAMILIES.iter().filter_map(|name| SceneFamily::parse(name));
+    let families = scenes::FAMILIES
+        .iter()
+        .filter_map(|name| SceneFamily::parse(name));
     families.map(|family| entry(family.name, family.about)).collect()
 }
 

@@ -13,7 +13,7 @@ use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError, RwLock};
 
 use spec::Vocabulary;
-use style::{ModelCard, Library, LibraryError, StyleModel, is_name};
+use style::{Library, LibraryError, ModelCard, StyleModel, is_name};
 use tokio_util::sync::CancellationToken;
 
 use crate::bytes::Bytes;

@@ -21,6 +21,12 @@ const STEP: f64 = 6e-8;
 const FARTHEST: f64 = 60.0;
 /// Steps in the cosine from the vertical when a maximum is searched for.
 const SEARCH: usize = 64;
+/// The bound of roundings grows by less than this between two of these steps.
+const BETWEEN_SAMPLES: f64 = 1.5;
+/// Roundings of exponentials, lengths and products, as a share of their result.
+const FACTORS: f64 = 24.0;
+/// Light that has lost this many e-folds is 0 in f32.
+const OPAQUE: f64 = 87.0;
 
 /// The veil of one channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -87,14 +93,14 @@ impl VeilOf {
             return 0.0;
         }
         let step = (rises.1 - rises.0) / SEARCH as f64;
-        let light = (0..=SEARCH).map(|k| self.most(rises.0 + step * k as f64, is_open));
+        let light = sample(rises).map(|rise| self.most(rise, is_open).sum());
         // Between two steps the logarithms rise by no more than their slopes allow.
         let slope = self.field.source.magnitude() + 0.5 * self.field.mirrored.magnitude();
         light.fold(0.0, f64::max) * (0.5 * step * slope.min(40.0)).exp()
     }
 
     /// The greatest veil of a direction around the vertical.
-    fn most(&self, rise: f64, is_open: bool) -> f64 {
+    fn most(&self, rise: f64, is_open: bool) -> VeilParts {
         let length = self.end(rise);
         let sunlit = self.sun.map_or(0.0, |sun| {
             // The azimuth of the sun, as far as the vertical angles allow.
@@ -118,40 +124,71 @@ impl VeilOf {
         } else {
             0.0
         };
-        self.light * (self.field.scattered(rise, length) + sunlit + surface)
+        VeilParts {
+            scattered: self.light * self.field.scattered(rise, length),
+            sunlit: self.light * sunlit,
+            surface: self.light * surface,
+        }
     }
 
-    /// What f32 may lose of the veil: roundings of μ and of the terms of each polynomial, which the exponentials and lengths carry on.
+    /// Bound of the f32 roundings of the veil between two cosines.
     pub(crate) fn rounding(&self, rises: (f64, f64), is_open: bool) -> f64 {
+        let steps = sample(rises).map(|rise| self.rounding_at(rise, is_open));
+        BETWEEN_SAMPLES * steps.fold(0.0, f64::max)
+    }
+
+    fn rounding_at(&self, rise: f64, is_open: bool) -> f64 {
         let field = &self.field;
-        let exponent = 8.0 * (field.source.magnitude() + field.mirrored.magnitude())
-            + self.sun.map_or(0.0, |_| 8.0 * field.sunny.magnitude());
-        let longest = rises_of_interest(rises).fold(0.0, |most: f64, rise| {
+        let parts = self.most(rise, is_open);
+        let size = rise.abs();
+        let lengthening = |rate: f64| {
             let length = self.end(rise);
-            let rate = field.rate(rise);
-            most.max(if rate > 0.0 {
+            if rate > 0.0 {
                 length.min(1.0 / rate)
             } else {
                 length
-            })
-        });
-        let sun = self
-            .sun
-            .map_or(0.0, |sun| field.attenuation * (1.0 + 1.0 / sun.rise));
-        let rates = 8.0 * (field.rate.magnitude() + sun) * longest;
-        let surface = if is_open {
-            let edge = 1.5 / SHARP_EDGE;
-            let lost = (field.attenuation + field.peak) * self.depth / CRITICAL_COSINE;
-            4.0 * (edge + lost)
-        } else {
-            0.0
+            }
         };
-        self.brightest(rises, is_open) * STEP * (40.0 + exponent + rates + surface)
+        let rate = field.rate(rise);
+        let scattered = field.source.roundings(size) + field.rate.roundings(size) * lengthening(rate);
+        let sunlit = self.sun.map_or(0.0, |sun| {
+            let rate = field.attenuation * (1.0 - rise / sun.rise);
+            let rates = 6.0 * field.attenuation * (1.0 + size / sun.rise);
+            field.sunny.roundings(1.0) + rates * lengthening(rate)
+        });
+        // Slopes of the window's edge, and roundings of the exponents of what arrives from the surface.
+        let sharp = if rise > CRITICAL_COSINE - SHARP_EDGE {
+            1.5 / SHARP_EDGE
+        } else {
+            1.5 / BLURRED_EDGE
+        };
+        let lost = (field.attenuation + field.peak) * self.depth / rise.max(LEAST_COSINE);
+        let surface = 8.0 * sharp + 6.0 * lost.min(OPAQUE) + field.mirrored.roundings(size);
+        STEP * (parts.scattered * (FACTORS + scattered)
+            + parts.sunlit * (FACTORS + sunlit)
+            + parts.surface * (FACTORS + surface))
     }
 }
 
-/// Cosines at which the sensitivity of the veil is sampled.
-fn rises_of_interest((low, high): (f64, f64)) -> impl Iterator<Item = f64> {
+/// The veil by its origin.
+#[derive(Debug, Clone, Copy)]
+struct VeilParts {
+    /// Scattered light other than singly scattered sunlight.
+    scattered: f64,
+    /// Singly scattered sunlight.
+    sunlit: f64,
+    /// Light from the surface of the sea.
+    surface: f64,
+}
+
+impl VeilParts {
+    fn sum(self) -> f64 {
+        self.scattered + self.sunlit + self.surface
+    }
+}
+
+/// Cosines at which the veil is sampled.
+fn sample((low, high): (f64, f64)) -> impl Iterator<Item = f64> {
     (0..=SEARCH).map(move |k| low + (high - low) * k as f64 / SEARCH as f64)
 }
 

@@ -55,7 +55,7 @@ fn open_water_brightens_towards_the_surface_and_the_record_says_why() {
         slope(&constant)
     );
     let record = &day.record;
-    for name in ["horizon", "p", "q"] {
+    for name in ["horizon", "diffuse_attenuation_per_m"] {
         assert!(
             record.optics[name]
                 .as_array()

@@ -66,7 +66,9 @@ fn print_lists(as_json: bool) {
         .map(|list: &List| vec![list.name.to_owned(), list.about.to_owned(), list.path()])
         .collect();
     println!("{}", text_table(&["list", "what it names", "endpoint"], &rows));
-    println!("\nfathom list NAME prints one of them; docs/reference/identifiers.md describes where each is used.");
+    println!(
+        "\nfathom list NAME prints one of them; docs/reference/identifiers.md describes where each is used."
+    );
 }
 
 /// The entries as a table with the columns that any of them fills.
