@@ -50,6 +50,16 @@ pub(crate) struct SunnyWater {
     pub(crate) rise: f64,
 }
 
+impl SunnyWater {
+    /// Cosines from the sun of the rays at this cosine from the vertical that are nearest to it and farthest from it.
+    fn cosines(&self, rise: f64) -> [f64; 2] {
+        let across = ((1.0 - rise * rise) * (1.0 - self.rise * self.rise))
+            .max(0.0)
+            .sqrt();
+        [rise * self.rise + across, rise * self.rise - across]
+    }
+}
+
 impl VeilOf {
     /// B along a unit vector in camera axes, with its cosine from the vertical, before a surface at this range or in open water; 0 where
     /// the water attenuates nothing.
@@ -103,21 +113,15 @@ impl VeilOf {
     fn most(&self, rise: f64, is_open: bool) -> VeilParts {
         let length = self.end(rise);
         let sunlit = self.sun.map_or(0.0, |sun| {
-            // The azimuth of the sun, as far as the vertical angles allow.
-            let across = ((1.0 - rise * rise) * (1.0 - sun.rise * sun.rise))
-                .max(0.0)
-                .sqrt();
-            let ray = SunnyRay {
-                rise,
-                length,
-                cosine: rise * sun.rise + across,
-                sun_rise: sun.rise,
-            };
-            let opposite = SunnyRay {
-                cosine: rise * sun.rise - across,
-                ..ray
-            };
-            self.field.sunlit(ray).max(self.field.sunlit(opposite))
+            let lights = sun.cosines(rise).map(|cosine| {
+                self.field.sunlit(SunnyRay {
+                    rise,
+                    length,
+                    cosine,
+                    sun_rise: sun.rise,
+                })
+            });
+            lights[0].max(lights[1])
         });
         let surface = if is_open {
             self.field.surface(rise, self.depth)
@@ -154,16 +158,14 @@ impl VeilOf {
         let sunlit = self.sun.map_or(0.0, |sun| {
             let rate = field.attenuation * (1.0 - rise / sun.rise);
             let rates = 6.0 * field.attenuation * (1.0 + size / sun.rise);
-            field.sunny.roundings(1.0) + rates * lengthening(rate)
+            let [near, far] = sun.cosines(rise).map(|cosine| cosine.abs().min(PEAK_COSINE));
+            field.sunny.roundings(near.max(far)) + rates * lengthening(rate)
         });
         // Slopes of the window's edge, and roundings of the exponents of what arrives from the surface.
-        let sharp = if rise > CRITICAL_COSINE - SHARP_EDGE {
-            1.5 / SHARP_EDGE
-        } else {
-            1.5 / BLURRED_EDGE
-        };
+        let is_edge = (rise - CRITICAL_COSINE).abs() < 3.0 * SHARP_EDGE;
+        let edge = 1.5 / if is_edge { SHARP_EDGE } else { BLURRED_EDGE };
         let lost = (field.attenuation + field.peak) * self.depth / rise.max(LEAST_COSINE);
-        let surface = 8.0 * sharp + 6.0 * lost.min(OPAQUE) + field.mirrored.roundings(size);
+        let surface = 4.0 * edge + 6.0 * lost.min(OPAQUE) + field.mirrored.roundings(size);
         STEP * (parts.scattered * (FACTORS + scattered)
             + parts.sunlit * (FACTORS + sunlit)
             + parts.surface * (FACTORS + surface))
