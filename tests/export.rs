@@ -55,11 +55,15 @@ fn honest() -> Lie {
 /// Serves a dataset `lies` of one image.
 fn serve(lie: Lie) -> String {
     scripted::serve(move |path| {
-        let columns =
-            ["job", "frame", "artifacts.rgb", "alpha", "mask_file_name"].map(|name| json!({"name": name}));
+        let columns = ["job", "frame", "artifacts.rgb", "alpha", "mask_file_name"]
+            .map(|name| json!({"name": name, "kind": "text", "unit": null}));
+        let dataset = json!({"name": "lies", "images": 1, "bytes": 1, "jobs": 1, "columns": columns});
+        let groups = json!([{"group": {}, "metric": "frame", "count": 1}]);
         let body = match path.split('?').next() {
-            Some("/v1/datasets/lies") => json!({"name": "lies", "columns": columns}),
-            Some("/v1/datasets/lies/stats") => json!({"groups": [{"count": 1}]}),
+            Some("/v1/datasets/lies") => dataset,
+            Some("/v1/datasets/lies/stats") => {
+                json!({"groups": groups, "source": {"mirror": 0, "catalogue": 1}})
+            }
             Some("/v1/images") => json!({"items": [lie.row], "next_cursor": null}),
             _ => return (200, lie.archive.clone()),
         };

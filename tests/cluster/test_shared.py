@@ -193,7 +193,7 @@ def test_a_bucket_is_shared_as_a_folder_is(tmp_path, moto, digest):
 def test_what_cannot_work_says_why(fleet, tmp_path):
     """Failure: a service without a store starts, or one whose broker is away shows no jobs."""
     storeless = end(call("serve", "--listen", "127.0.0.1:0", "--data", tmp_path / "x", "--engine", fleet.broker.url))
-    assert storeless.code == 2 and "needs one `--store`" in storeless.err
+    assert storeless.code == 2 and "needs exactly one `--store`" in storeless.err
     fleet.broker.kill()
     one = fleet.serve("one")
     name = submit(one)

@@ -17,7 +17,7 @@ pub enum ClientError {
     #[error("{}", .0.message())]
     Refused(Problem),
     /// A response of success that is not of the expected form.
-    #[error("the response to {path} is not of the expected form: {source}")]
+    #[error("the response to {path} is not of the expected form")]
     Unreadable {
         /// The path of the request.
         path: String,

@@ -4,6 +4,9 @@
 //! a third one adds the squares and collects the values of the bins that contain quartiles. Where bins have no width, or there are
 //! more groups than bins, the values of each group are collected and sorted instead.
 
+mod sorting;
+
+use self::sorting::by_sorting;
 use crate::error::ColumnarError;
 use crate::groups::{Cell, GroupBy, Grouped, NO_GROUP, grouped};
 use crate::parts::{Masked, Query, Rows, Source};
@@ -96,31 +99,6 @@ pub fn stats(
     Ok((groups.collect(), masked.source))
 }
 
-/// Statistics of values by sorting them, also of infinite ones.
-fn summary(mut values: Vec<f64>) -> Summary {
-    values.sort_by(f64::total_cmp);
-    let count = values.len();
-    let mean = (count > 0).then(|| Sum::exact(values.iter().copied()) / count as f64);
-    let sd = mean.filter(|_| count > 1).map(|mean| {
-        let squares = values.iter().map(|value| (value - mean) * (value - mean));
-        (Sum::exact(squares) / (count - 1) as f64).sqrt()
-    });
-    let [q25, median, q75] = SHARES.map(|share| {
-        let place = Quantile::new(share, count as u64)?;
-        Some(place.between(values[place.low as usize], values[place.high as usize]))
-    });
-    Summary {
-        count: count as u64,
-        mean,
-        sd,
-        min: values.first().map(|value| value + 0.0),
-        q25,
-        median,
-        q75,
-        max: values.last().map(|value| value + 0.0),
-    }
-}
-
 /// The position of a quartile among sorted values.
 struct Quantile {
     low: u64,
@@ -147,12 +125,12 @@ impl Quantile {
 fn of_column(masked: &Masked<'_>, grouped: &Grouped, metric: usize) -> Result<Summaries, ColumnarError> {
     let groups = grouped.keys.len();
     if groups > MOST_BINNED_GROUPS {
-        return sorted(masked, grouped, metric);
+        return by_sorting(masked, grouped, metric);
     }
     let bins = (ALL_BINS / groups.max(1)).clamp(LEAST_BINS, MOST_BINS);
     let ends = ends(masked, grouped, metric)?;
     if ends.iter().any(Ends::have_no_width) {
-        return sorted(masked, grouped, metric);
+        return by_sorting(masked, grouped, metric);
     }
     let binned = binned(masked, grouped, metric, &ends, bins)?;
     let wanted: Vec<Wanted> = ends
@@ -165,19 +143,6 @@ fn of_column(masked: &Masked<'_>, grouped: &Grouped, metric: usize) -> Result<Su
     Ok(all
         .map(|(((ends, binned), wanted), gathered)| summarized(ends, binned, wanted, gathered))
         .collect())
-}
-
-/// The summaries of all groups from their collected values.
-fn sorted(masked: &Masked<'_>, grouped: &Grouped, metric: usize) -> Result<Summaries, ColumnarError> {
-    let groups = grouped.keys.len();
-    let mut all = vec![Vec::new(); groups];
-    let parts = masked.pass(Vec::new, |values, rows| {
-        each_value(rows, grouped, metric, |group, value| values.push((group, value)))
-    })?;
-    for (group, value) in parts.into_iter().flatten() {
-        all[group].push(value);
-    }
-    Ok(all.into_iter().map(summary).collect())
 }
 
 /// Calls `each` with the group and the value of every row of the query that has one.

@@ -3,6 +3,7 @@ use std::sync::Arc;
 
 use proptest::prelude::*;
 
+use super::sorting::summary;
 use super::*;
 use crate::bins::Bins;
 use crate::cache::Cache;

@@ -1,5 +1,7 @@
 //! `fathom datasets`: lists the datasets of a service, and the sealed versions of one.
 
+use std::slice;
+
 use cli::exit::Failure;
 use cli::known;
 use cli::remote::ServerArguments;
@@ -41,7 +43,7 @@ fn print_datasets(datasets: &[DatasetRow], as_json: bool) {
         .iter()
         .map(|row| {
             let counts = [row.images, row.bytes, row.jobs].map(|count| count.to_string());
-            [&[row.name.clone()], &counts[..]].concat()
+            [slice::from_ref(&row.name), &counts[..]].concat()
         })
         .collect();
     println!("{}", table(&["name", "images", "bytes", "jobs"], &rows));
@@ -58,7 +60,7 @@ fn print_versions(versions: &[VersionRow], as_json: bool) {
         .map(|row| {
             let counts = [row.images, row.bytes, row.jobs].map(|count| count.to_string());
             let seal = [row.created_at.to_string(), row.root.clone()];
-            [&[row.name.clone()], &counts[..], &seal].concat()
+            [slice::from_ref(&row.name), &counts[..], &seal].concat()
         })
         .collect();
     let header = ["name", "images", "bytes", "jobs", "created_at", "root"];
