@@ -30,8 +30,9 @@ pub(super) const EDGE_INSIDE: f64 = 0.02;
 pub(super) const LEAST_COSINE: f64 = 1e-3;
 /// Irradiance grows toward the surface by e to this power at most.
 pub(super) const MOST_GAIN: f64 = 20.0;
-/// Width of the window's edge in the cosine: of light that kept its direction, and of light from the forward peak.
-pub(super) const SHARP_EDGE: f64 = 0.02;
+/// Width of the window's edge in the cosine: of light that kept its direction, which waves spread by about two degrees, and of light from
+/// the forward peak.
+pub(super) const SHARP_EDGE: f64 = 0.06;
 pub(super) const BLURRED_EDGE: f64 = 0.3;
 /// Darker radiance counts as this.
 const DARKEST: f64 = 1e-12;

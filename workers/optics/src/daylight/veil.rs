@@ -10,6 +10,7 @@ use super::field::{
 use super::gaze::Gaze;
 use super::wide::{PEAK_COSINE, TERMS};
 use crate::attenuation::{exp_negative, masked};
+use crate::error_bound::ErrorBound;
 use crate::polynomial::horner;
 use crate::range::is_hole;
 
@@ -25,6 +26,10 @@ const SEARCH: usize = 64;
 const BETWEEN_SAMPLES: f64 = 1.5;
 /// Roundings of exponentials, lengths and products, as a share of their result.
 const FACTORS: f64 = 24.0;
+/// Roundings of the cosine of a ray from the vertical.
+const DIRECTION: f64 = 4.0;
+/// Darker veils may be lost in f32.
+const UNDERFLOW: f64 = 1e-30;
 /// Light that has lost this many e-folds is 0 in f32.
 const OPAQUE: f64 = 87.0;
 
@@ -135,10 +140,21 @@ impl VeilOf {
         }
     }
 
-    /// Bound of the f32 roundings of the veil between two cosines.
-    pub(crate) fn rounding(&self, rises: (f64, f64), is_open: bool) -> f64 {
+    /// Bound of the f32 roundings of the veil between two cosines, mostly as a share of it: no other light makes a sample darker than its
+    /// veil. Only the edge of Snell's window is so steep that a rounding of the direction is no small share of the light there.
+    pub(crate) fn rounding(&self, rises: (f64, f64), is_open: bool) -> ErrorBound {
         let steps = sample(rises).map(|rise| self.rounding_at(rise, is_open));
-        BETWEEN_SAMPLES * steps.fold(0.0, f64::max)
+        let has_edge = is_open && rises.1 > CRITICAL_COSINE - BLURRED_EDGE;
+        let window = (self.light * self.field.sky).min(self.brightest(rises, is_open));
+        let edge = if has_edge {
+            DIRECTION * STEP * 1.5 / SHARP_EDGE * window
+        } else {
+            0.0
+        };
+        ErrorBound {
+            absolute: UNDERFLOW + edge,
+            relative: BETWEEN_SAMPLES * steps.fold(0.0, f64::max),
+        }
     }
 
     fn rounding_at(&self, rise: f64, is_open: bool) -> f64 {
@@ -161,14 +177,10 @@ impl VeilOf {
             let [near, far] = sun.cosines(rise).map(|cosine| cosine.abs().min(PEAK_COSINE));
             field.sunny.roundings(near.max(far)) + rates * lengthening(rate)
         });
-        // Slopes of the window's edge, and roundings of the exponents of what arrives from the surface.
-        let is_edge = (rise - CRITICAL_COSINE).abs() < 3.0 * SHARP_EDGE;
-        let edge = 1.5 / if is_edge { SHARP_EDGE } else { BLURRED_EDGE };
         let lost = (field.attenuation + field.peak) * self.depth / rise.max(LEAST_COSINE);
-        let surface = 4.0 * edge + 6.0 * lost.min(OPAQUE) + field.mirrored.roundings(size);
-        STEP * (parts.scattered * (FACTORS + scattered)
-            + parts.sunlit * (FACTORS + sunlit)
-            + parts.surface * (FACTORS + surface))
+        let surface = 6.0 * lost.min(OPAQUE) + field.mirrored.roundings(size);
+        let roundings = parts.scattered * scattered + parts.sunlit * sunlit + parts.surface * surface;
+        STEP * (FACTORS + roundings / parts.sum().max(UNDERFLOW))
     }
 }
 

@@ -3,7 +3,7 @@
 use spec::Fidelity;
 
 use super::water::VEIL_NS;
-use super::{ErrorBound, SceneBounds, Stage, StageId, Variant};
+use super::{SceneBounds, Stage, StageId, Variant};
 use crate::water::Water;
 
 /// The veil that depends on the direction.
@@ -19,7 +19,7 @@ pub(super) fn assess(bounds: &SceneBounds, water: &Water, fidelity: Fidelity) ->
     let roundings =
         (0..3).filter_map(|channel| Some(water.varied_veil(channel)?.rounding(rises, bounds.holes)));
     let stage = Stage {
-        bound: Some(ErrorBound::absolute(roundings.fold(0.0, f64::max))),
+        bound: roundings.max_by(|one, other| one.up_to_white().total_cmp(&other.up_to_white())),
         ..Stage::new(StageId::Veil, Variant::Fast(BY_DIRECTION))
     };
     Some(stage.costing(VEIL_NS, bounds.pixels))
