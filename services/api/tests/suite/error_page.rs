@@ -79,11 +79,6 @@ const WRITES: &[Post] = &[
         &[JSON],
         r#"{"count": 2, "scene": {"kind": "procedural", "family": "structure"}}"#,
     ),
-    post(
-        "/v1/renders",
-        &[JSON, ("accept", "image/png")],
-        r#"{"artifacts": ["clean"], "scene": {"kind": "procedural", "family": "structure"}}"#,
-    ),
     post("/v1/scenes", &[JSON], "{}"),
     post("/v1/waters", &[JSON], r#"{"name": "a b"}"#),
     post("/v1/sets", &[JSON], "[]"),
