@@ -96,7 +96,7 @@ const WRITES: &[Post] = &[
 /// Forms: path and text fields.
 const FORMS: &[(&str, Headers)] = &[
     ("/v1/scenes", &[("name", "a")]),
-    ("/v1/scenes", &[("rgb", "no image"), ("colour", "red")]),
+    ("/v1/scenes", &[("rgb", "no image"), ("size_px", "9")]),
     (
         "/v1/scenes",
         &[

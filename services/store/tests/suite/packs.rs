@@ -19,10 +19,10 @@ async fn bytes_survive_a_restart_and_repeats_are_not_stored_twice() {
     }
     let store = Store::open(folder.path()).await.unwrap();
     assert_eq!(
-        store.get(&one.digest).await.unwrap().as_deref(),
+        store.get(&first.digest).await.unwrap().as_deref(),
         Some(&b"one"[..])
     );
-    assert!(store.contains(&one.digest).await.unwrap());
+    assert!(store.contains(&first.digest).await.unwrap());
     assert_eq!(store.get(&blob(b"three").digest).await.unwrap(), None);
     assert_eq!(store.stats().blobs, 2);
 }
