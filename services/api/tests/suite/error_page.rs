@@ -15,7 +15,7 @@ const READS: &[&str] = &[
     "/v1/nothing",
     "/v1/jobs?limit=0",
     "/v1/jobs?limit=x",
-    "/v1/jobs?lmit=1",
+    "/v1/jobs?page=1",
     "/v1/jobs?state=finished",
     "/v1/jobs?cursor=x",
     "/v1/jobs/job_1",
