@@ -15,7 +15,7 @@ const READS: &[&str] = &[
     "/v1/nothing",
     "/v1/jobs?limit=0",
     "/v1/jobs?limit=x",
-    "/v1/jobs?lmit=1",
+    "/v1/jobs?page=1",
     "/v1/jobs?state=finished",
     "/v1/jobs?cursor=x",
     "/v1/jobs/job_1",
@@ -79,11 +79,6 @@ const WRITES: &[Post] = &[
         &[JSON],
         r#"{"count": 2, "scene": {"kind": "procedural", "family": "structure"}}"#,
     ),
-    post(
-        "/v1/renders",
-        &[JSON, ("accept", "image/png")],
-        r#"{"artifacts": ["clean"], "scene": {"kind": "procedural", "family": "structure"}}"#,
-    ),
     post("/v1/scenes", &[JSON], "{}"),
     post("/v1/waters", &[JSON], r#"{"name": "a b"}"#),
     post("/v1/sets", &[JSON], "[]"),
@@ -101,7 +96,7 @@ const WRITES: &[Post] = &[
 /// Forms: path and text fields.
 const FORMS: &[(&str, Headers)] = &[
     ("/v1/scenes", &[("name", "a")]),
-    ("/v1/scenes", &[("rgb", "no image"), ("colour", "red")]),
+    ("/v1/scenes", &[("rgb", "no image"), ("size_px", "9")]),
     (
         "/v1/scenes",
         &[

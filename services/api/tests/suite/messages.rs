@@ -100,7 +100,7 @@ fn a_field_that_is_missing_too_long_or_out_of_its_range_is_named_with_the_limit(
             tokens: vec![1; limits::BEAT_TOKENS + 1],
         };
         let problem = refused(service, "beat", &beat);
-        assert!(detail(&problem).contains("the limit is 4096"), "{problem}");
+        assert!(detail(&problem).contains("must be at most 4096"), "{problem}");
         let want = wire::LeaseRequest {
             worker_id: "wrk_1".to_owned(),
             wait_ms: 0,
@@ -150,7 +150,7 @@ fn artifacts_that_are_too_many_or_have_names_like_paths_are_not_stored() {
             ..path
         };
         let problem = refused(service, "artifacts", &put(vec![wrong_digest]));
-        assert!(detail(&problem).contains("has the digest"), "{problem}");
+        assert!(detail(&problem).contains("its bytes have digest"), "{problem}");
         worker.release(&lease);
     });
 }
