@@ -133,7 +133,7 @@ impl ModelCard {
         let digest = sha256(onnx);
         if card.sha256 != digest {
             return Err(format!(
-                "it gives the SHA-256 {} but the model has {digest}",
+                "its SHA-256 is {} but the model has {digest}",
                 card.sha256
             ));
         }
@@ -184,7 +184,7 @@ mod tests {
         let error = ModelCard::parse(&text("harbour", &digest), "dock", b"model").unwrap_err();
         assert_eq!(error, "it is the card of `harbour`");
         let error = ModelCard::parse(&text("harbour", &digest), "harbour", b"another").unwrap_err();
-        assert!(error.starts_with("it gives the SHA-256 "), "{error}");
+        assert!(error.starts_with("its SHA-256 is "), "{error}");
         let error =
             ModelCard::parse(r#"{"name": "harbour", "license": "MIT"}"#, "harbour", b"model").unwrap_err();
         assert!(error.contains("unknown field `license`"), "{error}");

@@ -38,7 +38,6 @@ pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
 /// Curves of red, green and blue over the codes, in 0..=255.
 type Curves = [[f64; 256]; 3];
 
-/// Curves in linear light.
 fn linear(curves: &Curves) -> Curves {
     curves.map(|curve| curve.map(|value| imaging::transfer::decode(value / 255.0)))
 }
