@@ -71,17 +71,17 @@ impl Warning {
     #[must_use]
     pub fn words(self) -> &'static str {
         match self {
-            Self::Constant => "the picture has one color, so light and scene cannot be separated",
+            Self::Constant => "the picture has one color, nothing tells light from scene",
             Self::FewPixels => "fewer than 1000 pixels, tails and background light rest on a single pixel",
             Self::SmallTiles => "tiles hold fewer than 64 pixels, their histograms are noise",
             Self::Dark => "99 % of the pixels are below luma 16, noise and code steps are made visible",
             Self::Gray => "the picture is gray, distance can only be guessed from brightness",
             Self::ChannelWithoutLight => "a channel is black everywhere and cannot be balanced",
             Self::BlackMode => {
-                "the most frequent code of a channel is 0, so the relative stretch is undefined"
+                "the most frequent code of a channel is 0, the stretch has nothing to be relative to"
             }
             Self::RedCast => {
-                "the result is red where the picture was not: the remaining red was amplified too much"
+                "the result is red where the picture was not, what is left of red was multiplied too far"
             }
             Self::RedAmplified => "red is stretched by more than four, and its noise with it",
             Self::LampAsBackground => {

@@ -22,7 +22,7 @@ pub struct ModelCard {
     /// Number of trained parameters.
     #[serde(default)]
     pub parameters: Option<u64>,
-    /// TrainingRecord data.
+    /// TrainingCard data.
     #[serde(default = "unknown")]
     pub source: String,
     /// License.
@@ -48,18 +48,18 @@ pub struct ModelCard {
     /// Known limitations.
     #[serde(default)]
     pub caveats: Vec<String>,
-    /// TrainingRecord record of `fathom train`.
+    /// TrainingCard record of `fathom train`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub training: Option<TrainingRecord>,
+    pub training: Option<TrainingCard>,
     /// Distance of its color table from the network, if measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub table: Option<TableDistance>,
 }
 
-/// TrainingRecord record of a model, for reproduction, with its results.
+/// TrainingCard record of a model, for reproduction, with its results.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct TrainingRecord {
+pub struct TrainingCard {
     /// SHA-256 of each photo's file.
     pub photos: Vec<String>,
     /// Seed.
