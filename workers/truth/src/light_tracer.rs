@@ -1,4 +1,4 @@
-//! Light tracing from a lamp, for tables: independent of the paths from the camera, and without their heavy tail.
+//! Traces light from a lamp, for tables: independent of the paths from the camera, and without their heavy tail.
 //!
 //! The geometry is symmetric about the axis of the lamp, which is at the origin and shines along z; cameras are in the
 //! plane z = 0 at several distances from it and look in the plane through the axis; black walls are at several z. A
