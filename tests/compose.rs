@@ -73,7 +73,6 @@ fn only<'a>(compose: &'a Value, profile: Option<&str>, word: &str) -> &'a Value 
     service
 }
 
-/// The value of an option in a command.
 fn option(service: &Value, name: &str) -> String {
     let words = strings(&service["command"]);
     let position = words

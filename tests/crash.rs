@@ -10,7 +10,6 @@ use fathom_tests::{
 };
 use serde_json::json;
 
-/// The kill points of a worker.
 const WORKER_POINTS: [&str; 4] = [
     "worker.leased",
     "worker.rendered",

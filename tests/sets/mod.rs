@@ -60,7 +60,6 @@ impl Work {
     }
 }
 
-/// Files of a folder by name.
 pub(crate) fn files(folder: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).into_iter().flatten();
     let mut files: Vec<PathBuf> = entries

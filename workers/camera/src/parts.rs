@@ -55,7 +55,7 @@ pub enum PartsError {
     Fold(#[from] crate::geometry::Fold),
     /// The source picture exceeds the size limits.
     #[error(
-        "the lens sees so much more than the picture's sides that the scene would need over {side} pixels a side or {pixels} in all",
+        "the lens covers a scene of more than {side} pixels a side or {pixels} pixels in all",
         side = imaging::codec::MAX_SIDE_PX, pixels = imaging::codec::MAX_PIXELS
     )]
     TooWide,

@@ -7,7 +7,6 @@ use spec::Tone;
 const STEPS: usize = 4096;
 /// Half step around the end of the linear part of the sRGB curve.
 const SRGB_SEAM: f64 = 1e-7;
-/// Rounding of a curve in codes.
 const CURVE_ROUNDING: f64 = 1e-9;
 
 /// The codes of a picture, and the number of clamped samples.
@@ -190,7 +189,7 @@ mod tests {
             let deep = deep_codes(&light, tone);
             let (codes, _) = codes(&light, tone);
             let Samples::U16(deep) = deep.samples() else {
-                panic!("16 bits were asked for")
+                panic!("16 bits were requested")
             };
             // Within half a code of the coarse one.
             let near = |(&deep, &code): (&u16, &u8)| (i32::from(deep) - 257 * i32::from(code)).abs() <= 129;

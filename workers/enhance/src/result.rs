@@ -30,7 +30,7 @@ pub enum EnhanceError {
         height: usize,
     },
     /// The picture exceeds the method's limit: the method holds many full-size planes.
-    #[error("picture is {width}×{height} = {pixels} pixels but {method} takes at most {limit}")]
+    #[error("picture is {width}×{height} = {pixels} pixels but the limit of {method} is {limit}")]
     TooLarge {
         /// The method's name.
         method: &'static str,

@@ -119,7 +119,7 @@ fn methods_with_a_limit_refuse_a_larger_picture_and_name_the_limit() {
     for method in ["ulap", "suir", "ibla"].map(|name| Method::parse(name).unwrap()) {
         let text = run(&method, &large).unwrap_err().to_string();
         let name = method.name();
-        let expected = format!("picture is 4001×4000 = 16004000 pixels but {name} takes at most 16000000");
+        let expected = format!("picture is 4001×4000 = 16004000 pixels but the limit of {name} is 16000000");
         assert_eq!(text, expected);
     }
 }

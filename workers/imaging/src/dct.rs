@@ -141,15 +141,15 @@ impl LineTransform {
             .forward
             .process_with_scratch(&mut self.buffer, &mut self.scratch);
         for k in 0..self.length {
-            let current = self.buffer[k];
+            let forward = self.buffer[k];
             let mirrored = self.buffer[if k == 0 { 0 } else { self.length - k }].conj();
-            let single = current + mirrored;
-            let two = current - mirrored;
+            let sum = forward + mirrored;
+            let difference = forward - mirrored;
             let twiddle = self.twiddles[k];
-            first[k] = 0.5 * (single.re * twiddle.re - single.im * twiddle.im);
+            first[k] = 0.5 * (sum.re * twiddle.re - sum.im * twiddle.im);
             if let Some(sample) = second.get_mut(k) {
-                // two = 2i V: its real part after division by 2i is im/2, its imaginary part -re/2.
-                *sample = 0.5 * (two.im * twiddle.re + two.re * twiddle.im);
+                // difference = 2i V: its real part after division by 2i is im/2, its imaginary part -re/2.
+                *sample = 0.5 * (difference.im * twiddle.re + difference.re * twiddle.im);
             }
         }
     }
@@ -162,13 +162,13 @@ impl LineTransform {
                 let mirrored = if k == 0 { 0.0 } else { line[self.length - k] };
                 Complex::new(line[k], -mirrored) * back
             };
-            let single = pair(first);
-            let two = if second.is_empty() {
+            let first_pair = pair(first);
+            let second_pair = if second.is_empty() {
                 Complex::default()
             } else {
                 pair(second)
             };
-            self.buffer[k] = Complex::new(single.re - two.im, single.im + two.re);
+            self.buffer[k] = Complex::new(first_pair.re - second_pair.im, first_pair.im + second_pair.re);
         }
         self.ffts
             .inverse

@@ -18,7 +18,7 @@ pub enum SizeError {
         actual: usize,
     },
     /// Two planes of one picture have different sizes.
-    #[error("a plane of {width}×{height} does not fit beside one of {other_width}×{other_height}")]
+    #[error("planes must have one size but are {width}×{height} and {other_width}×{other_height}")]
     Mismatch {
         /// Columns of the first plane.
         width: usize,

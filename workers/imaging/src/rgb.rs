@@ -112,7 +112,7 @@ mod tests {
         let small = Plane::filled(2, 2, 0.0f32);
         let large = Plane::filled(3, 2, 0.0f32);
         let error = Rgb::new([small.clone(), small, large]).unwrap_err();
-        assert_eq!(error.to_string(), "a plane of 2×2 does not fit beside one of 3×2");
+        assert_eq!(error.to_string(), "planes must have one size but are 2×2 and 3×2");
     }
 
     #[test]

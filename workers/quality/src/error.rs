@@ -12,7 +12,7 @@ pub enum QualityError {
         height: usize,
     },
     /// A metric needs a clean picture and there is none.
-    #[error("{metric} compares with a clean picture and none was given")]
+    #[error("{metric} needs a clean picture, which is missing")]
     NoReference {
         /// The metric's name.
         metric: String,

@@ -53,7 +53,7 @@ impl<'a> MetricInput<'a> {
             self.parts.borrow_mut().insert(kind, Rc::clone(&part));
             part
         });
-        part.downcast().expect("a part is kept under its own type")
+        part.downcast().expect("a part is stored by its type")
     }
 }
 

@@ -145,10 +145,7 @@ fn an_empty_picture_a_missing_and_a_misfit_reference_are_errors() {
     assert_eq!(error, QualityError::Empty { width: 0, height: 7 });
     let picture = textured(4, 3);
     let error = measure(&picture, None, &[uiqm, psnr]).unwrap_err();
-    assert_eq!(
-        error.to_string(),
-        "psnr compares with a clean picture and none was given"
-    );
+    assert_eq!(error.to_string(), "psnr needs a clean picture, which is missing");
     let error = measure(&picture, Some(&textured(4, 4)), &[psnr]).unwrap_err();
     assert_eq!(error.to_string(), "picture is 4×3 but the clean one is 4×4");
     // A clean picture of another size does not affect metrics without a reference.

@@ -130,7 +130,7 @@ impl ClassReader {
                     .any(|other| other.id == id || other.name == name)
                 {
                     let message =
-                        format!("class {id}, \"{name}\": its id or its name stands in the list already");
+                        format!("class {id}, \"{name}\": its id or its name is in the list already");
                     self.errors.push(FieldError::new(&pointer, message));
                 }
                 classes.categories.push(SceneCategory { id, name });
@@ -204,7 +204,7 @@ impl ClassReader {
         for key in map.keys().filter(|key| !allowed.contains(&key.as_str())) {
             let error = FieldError::new(
                 &format!("{pointer}/{}", escaped(key)),
-                format!("there is no field `{key}` here"),
+                format!("unknown field `{key}`"),
             );
             self.errors.push(error.allowed(allowed, key));
         }
@@ -233,7 +233,7 @@ impl ClassReader {
         let reserved = [Category::Background.name(), UNLABELED.1];
         match name {
             Some(name) if reserved.contains(&name) => {
-                let message = format!("\"{name}\" is no class of an object: leave the object out instead");
+                let message = format!("\"{name}\" is not a class of an object; omit the object instead");
                 self.refuse(pointer, message, value, &limit);
                 None
             }

@@ -77,7 +77,7 @@ impl CameraPose {
             .chain(lengths)
             .any(|off| off.abs() > ORTHONORMAL_TOLERANCE)
         {
-            return Err("the first three columns must have length 1 and stand at right angles");
+            return Err("the first three columns must have length 1 and be perpendicular");
         }
         if right.cross(down).dot(ahead) < 0.0 {
             return Err("the axes right, down, ahead must be right-handed");

@@ -226,7 +226,7 @@ impl World {
             surfaces: true,
         };
         let mut picture = site::render(&self.site, pose, size, intrinsics, 0..size.1, wanted);
-        let surfaces = picture.labels.take().expect("labels were asked for");
+        let surfaces = picture.labels.take().expect("labels were requested");
         let (scene, shown) = scene(picture, size, intrinsics);
         let instances = scene
             .instances

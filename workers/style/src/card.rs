@@ -22,7 +22,7 @@ pub struct ModelCard {
     /// Number of trained parameters.
     #[serde(default)]
     pub parameters: Option<u64>,
-    /// TrainingRecord data.
+    /// TrainingCard data.
     #[serde(default = "unknown")]
     pub source: String,
     /// License.
@@ -48,18 +48,18 @@ pub struct ModelCard {
     /// Known limitations.
     #[serde(default)]
     pub caveats: Vec<String>,
-    /// TrainingRecord record of `fathom train`.
+    /// TrainingCard record of `fathom train`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub training: Option<TrainingRecord>,
+    pub training: Option<TrainingCard>,
     /// Distance of its color table from the network, if measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub table: Option<TableDistance>,
 }
 
-/// TrainingRecord record of a model, for reproduction, with its results.
+/// TrainingCard record of a model, for reproduction, with its results.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct TrainingRecord {
+pub struct TrainingCard {
     /// SHA-256 of each photo's file.
     pub photos: Vec<String>,
     /// Seed.
@@ -133,7 +133,7 @@ impl ModelCard {
         let digest = sha256(onnx);
         if card.sha256 != digest {
             return Err(format!(
-                "it gives the SHA-256 {} but the model has {digest}",
+                "its SHA-256 is {} but the model has {digest}",
                 card.sha256
             ));
         }
@@ -184,7 +184,7 @@ mod tests {
         let error = ModelCard::parse(&text("harbour", &digest), "dock", b"model").unwrap_err();
         assert_eq!(error, "it is the card of `harbour`");
         let error = ModelCard::parse(&text("harbour", &digest), "harbour", b"another").unwrap_err();
-        assert!(error.starts_with("it gives the SHA-256 "), "{error}");
+        assert!(error.starts_with("its SHA-256 is "), "{error}");
         let error =
             ModelCard::parse(r#"{"name": "harbour", "license": "MIT"}"#, "harbour", b"model").unwrap_err();
         assert!(error.contains("unknown field `license`"), "{error}");

@@ -338,7 +338,7 @@ mod tests {
             .unwrap_err()
             .to_string();
         assert!(
-            error.contains("harbour.card.json cannot be used: it gives the SHA-256 0"),
+            error.contains("harbour.card.json cannot be used: its SHA-256 is 0"),
             "{error}"
         );
     }

@@ -24,7 +24,7 @@ pub fn noise(seed: u64, frame: u64, (width, height): (usize, usize)) -> Plane<f3
         samples.extend([radius * cosine, radius * sine].map(|sample| sample as f32));
     }
     samples.truncate(count);
-    Plane::new(width, height, samples).expect("as many samples as the size says")
+    Plane::new(width, height, samples).expect("one sample for each pixel")
 }
 
 #[cfg(test)]

@@ -130,7 +130,7 @@ impl Session {
             return wrong(format!("the frame is empty: {width}×{height}"));
         }
         if self.takes_range() && beside.range.is_none() {
-            return wrong("it takes the range of each pixel, and the frame has none".to_owned());
+            return wrong("it needs the range of each pixel, but the frame has none".to_owned());
         }
         let noise = beside.noise.filter(|_| self.takes_noise());
         let range = beside.range.filter(|_| self.takes_range());

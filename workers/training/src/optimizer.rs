@@ -53,7 +53,6 @@ impl Adam {
     }
 }
 
-/// The learning rate of a step.
 fn rate(step: usize, steps: usize) -> f64 {
     let position = step as f64 / steps.max(2).saturating_sub(1) as f64;
     let (start, end, share) = if position < WARM_UP {

@@ -95,10 +95,10 @@ impl<T: Real> Tensor<T> {
         let mut out = Self::zeros(self.channels, height + 2, width + 2);
         for channel in 0..self.channels {
             for y in 0..height + 2 {
-                let start = self.row(channel, y.saturating_sub(1).min(height - 1));
-                let end = out.row_mut(channel, y);
-                end[1..=width].copy_from_slice(start);
-                (end[0], end[width + 1]) = (start[0], start[width - 1]);
+                let source = self.row(channel, y.saturating_sub(1).min(height - 1));
+                let target = out.row_mut(channel, y);
+                target[1..=width].copy_from_slice(source);
+                (target[0], target[width + 1]) = (source[0], source[width - 1]);
             }
         }
         out
@@ -111,13 +111,13 @@ impl<T: Real> Tensor<T> {
         let mut out = Self::zeros(self.channels, height, width);
         for channel in 0..self.channels {
             for y in 0..height + 2 {
-                let start = self.row(channel, y);
-                let end = out.row_mut(channel, y.saturating_sub(1).min(height - 1));
-                for (end, &start) in end.iter_mut().zip(&start[1..=width]) {
-                    *end += start;
+                let source = self.row(channel, y);
+                let target = out.row_mut(channel, y.saturating_sub(1).min(height - 1));
+                for (target, &source) in target.iter_mut().zip(&source[1..=width]) {
+                    *target += source;
                 }
-                end[0] += start[0];
-                end[width - 1] += start[width + 1];
+                target[0] += source[0];
+                target[width - 1] += source[width + 1];
             }
         }
         out

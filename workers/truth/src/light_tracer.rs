@@ -1,4 +1,4 @@
-//! Light tracing from a lamp, for tables: independent of the paths from the camera, and without their heavy tail.
+//! Traces light from a lamp, for tables: independent of the paths from the camera, and without their heavy tail.
 //!
 //! The geometry is symmetric about the axis of the lamp, which is at the origin and shines along z; cameras are in the
 //! plane z = 0 at several distances from it and look in the plane through the axis; black walls are at several z. A
@@ -53,17 +53,17 @@ pub struct Bench {
 /// Radiance at cameras and irradiance of walls, for an intensity of 1 on the axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shone {
-    /// Airlight by look, wall and camera.
-    pub airlight: Vec<Vec<Vec<Airlight>>>,
+    /// AirlightLevels by look, wall and camera.
+    pub airlight: Vec<Vec<Vec<AirlightLevels>>>,
     /// Mean irradiance of scattered light by wall and ring.
     pub scattered: Vec<Vec<Level>>,
     /// Number of photons.
     pub photons: u64,
 }
 
-/// Airlight at one camera.
+/// AirlightLevels at one camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Airlight {
+pub struct AirlightLevels {
     /// Single scattering.
     pub single: Level,
     /// Single and multiple scattering.

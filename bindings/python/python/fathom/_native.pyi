@@ -25,13 +25,13 @@ class Job:
 
     @property
     def warnings(self) -> list[str]:
-        """What the user should know, though nothing is wrong."""
+        """Warnings."""
 
     def resolve(self, index: int) -> str:
         """Return the parameters of a frame as JSON."""
 
     def plan(self, index: int) -> str:
-        """Return what a frame would be rendered with, as JSON."""
+        """Return the plan of a frame as JSON."""
 
     def render(
         self, index: int, kinds: list[str] | None, metrics: bool
@@ -51,7 +51,7 @@ def encode_png(image: NDArray[Any]) -> bytes:
     """Return the PNG file of an array."""
 
 def names() -> dict[str, list[str]]:
-    """Return every name by what it names."""
+    """Return all names by kind."""
 
 def run(arguments: list[str]) -> int:
     """Run a command of the `fathom` binary and return its exit status."""

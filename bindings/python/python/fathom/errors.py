@@ -1,4 +1,4 @@
-"""What can go wrong, as exceptions with the fields of the service's problems."""
+"""Exceptions with the fields of the service's problems."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ class FathomError(Exception):
 
 @dataclass(frozen=True)
 class FieldError:
-    """One error of a description: where it stands, what is wrong, what would be right."""
+    """An error of a description: its location, the problem and the allowed values."""
 
     pointer: str
     """JSON pointer (RFC 6901) into the description; empty for the whole of it."""
@@ -25,7 +25,7 @@ class FieldError:
     limit: str | None = None
     """The limit that it breaks, such as `0..=1`."""
     allowed: tuple[str, ...] = field(default=())
-    """What may stand here, if that is a list of names."""
+    """Allowed names, if they are a list."""
     did_you_mean: str | None = None
     """The nearest allowed name."""
 
@@ -62,11 +62,11 @@ class Problem(FathomError):
 
 
 class InvalidJob(Problem, ValueError):
-    """A description with errors, all of them at once in `errors`."""
+    """A description with errors, listed in `errors`."""
 
 
 class RenderError(FathomError, RuntimeError):
-    """A frame that has no image, or lacks an artifact that was asked for."""
+    """A frame without an image, or without a requested artifact."""
 
     def __init__(self, reason: str, frame: int | None = None) -> None:
         super().__init__(reason, frame)

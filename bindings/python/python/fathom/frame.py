@@ -70,7 +70,7 @@ class Frame:
 
     @property
     def range_m(self) -> NDArray[np.float32]:
-        """Range along the ray in meters: float32, (H, W); NaN where nothing is met."""
+        """Range along the ray in meters: float32, (H, W); NaN in open water."""
         return self._array("range")
 
     @property
@@ -90,7 +90,7 @@ class Frame:
 
     @property
     def normals(self) -> NDArray[np.float32]:
-        """Unit normals in camera axes (right, down, ahead): float32, (H, W, 3); 0 where nothing is met."""
+        """Unit normals in camera axes (right, down, ahead): float32, (H, W, 3); 0 in open water."""
         return self._array("normals")
 
     @property

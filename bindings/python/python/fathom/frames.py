@@ -9,7 +9,7 @@ from fathom.frame import Artifact, Frame
 
 
 class Source(Protocol):
-    """Where frames come from: a job that renders them, or what was made before."""
+    """Sources of frames: a job to render, or existing output."""
 
     def __len__(self) -> int:
         """Return the number of frames."""
@@ -25,7 +25,7 @@ class Frames(Sequence[dict[str, Artifact]]):
     """
 
     def __init__(self, source: Source, kinds: Sequence[str] | None = None, *, indices: range | None = None) -> None:
-        """Take the frames of a `Job` or of what `fathom.open` returned; absent `kinds`: all of its own."""
+        """Use the frames of a `Job` or of a result of `fathom.open`; default `kinds`: all."""
         self.source = source
         self.kinds = None if kinds is None else tuple(kinds)
         self.indices = range(len(source)) if indices is None else indices

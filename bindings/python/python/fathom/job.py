@@ -86,7 +86,7 @@ class Job:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What the user should know, though nothing is wrong."""
+        """Warnings."""
         return tuple(self._native.warnings)
 
     def resolve(self, index: int) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Enhancement and measurement of pictures of your own."""
+"""Enhancement and measurement of user pictures."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from fathom import _native
 
 USUAL_METRICS = ("entropy", "uicm", "uism", "uiconm", "uiqm", "uciqe")
-"""What is measured unless other metrics are named."""
+"""Default metrics."""
 
 
 def enhance(image: NDArray[Any], method: str, *, mask: bool = True) -> NDArray[np.uint8]:

@@ -1,4 +1,4 @@
-"""A progress bar on a terminal; nothing elsewhere."""
+"""A progress bar on terminals only."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ WIDTH = 40
 
 
 class Progress:
-    """A bar that is drawn over itself; `shown=False` draws none."""
+    """A bar redrawn in place; `shown=False` hides it."""
 
     def __init__(self, what: str, total: int, shown: bool) -> None:
         self.what, self.total = what, max(total, 1)

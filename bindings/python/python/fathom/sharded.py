@@ -19,7 +19,7 @@ _OFFSET = re.compile(r"artifacts\.(.+)\.offset")
 
 
 class Place(Protocol):
-    """Where the tars lie."""
+    """Location of the tars."""
 
     def read(self, name: str, begin: int, length: int) -> bytes:
         """Return a range of a file."""
@@ -39,7 +39,7 @@ class Local:
 
 
 class Remote:
-    """A folder at a URL such as `s3://bucket/set`; each process that reads it connects by itself."""
+    """A folder at a URL such as `s3://bucket/set`; every reading process opens its connection."""
 
     def __init__(self, url: str) -> None:
         self.url = url.rstrip("/")
@@ -71,7 +71,7 @@ class Remote:
 
 
 class Sharded:
-    """Frames in tars. Each line of the list says in which tar a frame is and where its files begin."""
+    """Frames in tars. Each line of the list holds the tar of a frame and the offsets of its files."""
 
     def __init__(self, place: Place, rows: Lines | list[bytes]) -> None:
         self.place = place
@@ -81,7 +81,7 @@ class Sharded:
         return len(self._rows)
 
     def read(self, index: int, kinds: Sequence[str] | None = None) -> Frame:
-        """Read a frame; absent kinds: all that were exported."""
+        """Read a frame; default kinds: all exported ones."""
         line = self._rows[index]
         row: Mapping[str, Any] = json.loads(line) if isinstance(line, bytes) else line
         number = int(row.get("frame", index))

@@ -84,7 +84,7 @@ class Rendered:
         return len(self._records)
 
     def read(self, index: int, kinds: Sequence[str] | None = None) -> Frame:
-        """Read a frame; absent kinds: all that were stored."""
+        """Read a frame; default kinds: all stored ones."""
         record = self._records[index]
         number = int(record["frame"])
         types = {artifact["kind"]: artifact["media_type"] for artifact in record["artifacts"]}
@@ -111,7 +111,7 @@ class Exported:
         return len(self._rows)
 
     def read(self, index: int, kinds: Sequence[str] | None = None) -> Frame:
-        """Read a frame; absent kinds: all that were exported. Its record is the row."""
+        """Read a frame; default kinds: all exported ones. Its record is the row."""
         row = self._rows[index]
         paths = dict(_files(row))
         number = int(row.get("frame", index))
@@ -125,7 +125,7 @@ class Exported:
 
 
 def _files(row: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """Yield kind and path of each file that a row names; the first stands under `file_name`."""
+    """Yield kind and path of each file of a row; the first is `file_name`."""
     for column, value in row.items():
         if isinstance(value, str) and "/" in value:
             # Files of a sequence begin with the number of their frame.
@@ -135,7 +135,7 @@ def _files(row: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
 
 
 def checked(frame: int, kinds: Sequence[str] | None, there: Mapping[str, Any]) -> Sequence[str]:
-    """Return the kinds wanted, all of which are there."""
+    """Return the requested kinds after checking that all exist."""
     wanted = tuple(there) if kinds is None else kinds
     for kind in wanted:
         if kind not in there or not _KIND.fullmatch(kind):

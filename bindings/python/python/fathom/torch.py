@@ -1,4 +1,4 @@
-"""Endless data for torch, with nothing stored."""
+"""Endless data for torch without storage."""
 
 from __future__ import annotations
 
@@ -37,5 +37,5 @@ class Endless(IterableDataset):
         return {"taken": self.taken}
 
     def load_state_dict(self, state: dict[str, int]) -> None:
-        """Go on behind the frames that were taken."""
+        """Continue after the consumed frames."""
         self.taken = state["taken"]

@@ -35,7 +35,7 @@ class Style:
     """The photos, and four scenes before and after: (H, W, 3)."""
 
     def save(self, folder: str | os.PathLike[str]) -> Path:
-        """Write NAME.onnx and NAME.card.json; the folder is what `Job(…, styles=folder)` takes."""
+        """Write NAME.onnx and NAME.card.json; pass the folder as `Job(…, styles=folder)`."""
         place = Path(folder)
         place.mkdir(parents=True, exist_ok=True)
         (place / f"{self.name}.onnx").write_bytes(self.onnx)

@@ -116,7 +116,6 @@ impl DiscBlock {
         }
     }
 
-    /// Sets the discs by their last rings.
     #[inline(always)]
     fn set(&mut self, counts: &DiscCounts, rings: &[i32; LANES]) {
         let least = rings.iter().copied().fold(i32::MAX, i32::min);

@@ -10,7 +10,6 @@ const LEAST_SLOPE: f64 = 0.05;
 pub(crate) const SEA_WATER: [f64; 3] = [1.3377, 1.3408, 1.3459];
 /// Radius, relative to the farthest corner, up to which a lens must not fold.
 const BEYOND_CORNER: f64 = 1.1;
-/// Steps of the search for folds.
 const FOLD_STEPS: usize = 256;
 /// The inverse has converged after a step below this, in focal lengths.
 pub(crate) const ARRIVED: f64 = 1e-13;

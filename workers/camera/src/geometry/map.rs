@@ -30,8 +30,11 @@ impl SourcePicture {
         let focal_px = supersample as f64 * lens.camera.focal_px * lens.magnification();
         let (mut across, mut down) = (0.0f64, 0.0f64);
         for (x, y) in border(size) {
-            let Intrinsics { focal_px, cx, cy } = lens.camera;
-            let ideal = lens.undistorted((x as f64 - cx) / focal_px, (y as f64 - cy) / focal_px)?;
+            let camera = lens.camera;
+            let ideal = lens.undistorted(
+                (x as f64 - camera.cx) / camera.focal_px,
+                (y as f64 - camera.cy) / camera.focal_px,
+            )?;
             for channel in 0..3 {
                 let (u, v) = lens.in_water(ideal, channel);
                 (across, down) = (across.max((u * focal_px).abs()), down.max((v * focal_px).abs()));
@@ -100,7 +103,6 @@ pub fn coordinates(lens: &Lens, source: &SourcePicture, (width, height): (usize,
     maps
 }
 
-/// Ideal coordinates of a row.
 #[inline(always)]
 fn ideal_row(lens: &Lens, row: usize, xs: &mut [f64], ys: &mut [f64]) {
     let Intrinsics { focal_px, cx, cy } = lens.camera;

@@ -4,6 +4,9 @@ use imaging::Rgb8;
 
 pub(crate) type CodeCounts = [u64; 256];
 
+/// Curves of red, green and blue over the codes, in 0..=255.
+pub(crate) type Curves = [[f64; 256]; 3];
+
 /// The histograms of red, green and blue.
 pub(crate) fn histograms(picture: &Rgb8) -> [CodeCounts; 3] {
     // Two sets, so that equal neighbors do not wait for each other.

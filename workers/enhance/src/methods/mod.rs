@@ -66,7 +66,7 @@ const TABLE: [Method; 10] = [
     )
     .guided()
     .published(
-        "its definition in f64 gives 45 of the 45 results published with the photos of U45 back bit for bit",
+        "its definition in f64 reproduces 45 of the 45 results published with the photos of U45 bit for bit",
     ),
     Method::new(
         "ibla_guided",

@@ -3,7 +3,7 @@
 use super::DecodeError;
 use super::npy::{self, NpyArray, NpyValues};
 use super::openexr;
-use super::picture::PictureFormat;
+use super::picture::FileFormat;
 use crate::{Channels, Plane, Raster, Rgb, Samples};
 
 const PICTURE_FORMATS: &[&str] = &["PNG", "JPEG", "WebP"];
@@ -39,7 +39,7 @@ pub fn decode_picture(bytes: &[u8]) -> Result<Raster, DecodeError> {
 
 /// Decodes a picture. The error for an unknown format lists `expected`.
 fn decode_or(bytes: &[u8], expected: &'static [&'static str]) -> Result<Raster, DecodeError> {
-    let format = PictureFormat::detect(bytes).ok_or(DecodeError::UnknownFormat { expected })?;
+    let format = FileFormat::detect(bytes).ok_or(DecodeError::UnknownFormat { expected })?;
     format.decode(bytes)
 }
 
@@ -55,7 +55,7 @@ pub fn decode_plane(bytes: &[u8]) -> Result<FilePlane, DecodeError> {
     if openexr::is_exr(bytes) {
         return openexr::decode_distances(bytes).map(FilePlane::Floats);
     }
-    if PictureFormat::detect(bytes) != Some(PictureFormat::Png) {
+    if FileFormat::detect(bytes) != Some(FileFormat::Png) {
         return Err(DecodeError::UnknownFormat {
             expected: PLANE_FORMATS,
         });

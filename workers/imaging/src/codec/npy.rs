@@ -91,7 +91,7 @@ impl<'a> Header<'a> {
         }
         let header = bytes[prefix_bytes..].get(..header_bytes);
         let header = header.ok_or_else(|| damaged("its header is cut off"))?;
-        let text = str::from_utf8(header).map_err(|_| damaged("its header is no text"))?;
+        let text = str::from_utf8(header).map_err(|_| damaged("its header is not text"))?;
         // An array of plain numbers needs only a dictionary with one tuple.
         if text.contains('[') || text.matches('(').count() > 1 || text.matches('{').count() > 1 {
             return Err(unsuitable("a structured array", "plain numbers"));

@@ -211,7 +211,7 @@ impl ChannelPixels {
         let start = y * self.width + x;
         let target = self.data.get_mut(start..start + count);
         let Some(target) = target.filter(|_| x + count <= self.width && y < self.height) else {
-            return Err(damaged("a block lies outside of the picture"));
+            return Err(damaged("a block is outside of the picture"));
         };
         target
             .iter_mut()

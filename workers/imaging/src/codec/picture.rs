@@ -11,7 +11,7 @@ use crate::{Channels, Raster, Samples};
 
 /// Picture formats, detected by their first bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum PictureFormat {
+pub(super) enum FileFormat {
     Png,
     Jpeg,
     WebP,
@@ -26,7 +26,7 @@ struct DecodedPixels {
     samples: Samples,
 }
 
-impl PictureFormat {
+impl FileFormat {
     pub(super) fn detect(bytes: &[u8]) -> Option<Self> {
         match bytes {
             [0x89, b'P', b'N', b'G', ..] => Some(Self::Png),
@@ -63,7 +63,7 @@ impl PictureFormat {
 
 fn decode_png(bytes: &[u8]) -> Result<DecodedPixels, DecodeError> {
     use png::{BitDepth, ColorType};
-    let damaged = |error: png::DecodingError| PictureFormat::Png.damaged(error);
+    let damaged = |error: png::DecodingError| FileFormat::Png.damaged(error);
     let limits = png::Limits {
         bytes: MAX_DECODER_BYTES,
     };
@@ -84,7 +84,7 @@ fn decode_png(bytes: &[u8]) -> Result<DecodedPixels, DecodeError> {
         ColorType::GrayscaleAlpha => (Channels::Gray, true),
         ColorType::Rgb => (Channels::Rgb, false),
         ColorType::Rgba => (Channels::Rgb, true),
-        ColorType::Indexed => return Err(PictureFormat::Png.damaged("it has no palette")),
+        ColorType::Indexed => return Err(FileFormat::Png.damaged("it has no palette")),
     };
     let samples = match depth {
         BitDepth::Sixteen => {
@@ -103,7 +103,7 @@ fn decode_png(bytes: &[u8]) -> Result<DecodedPixels, DecodeError> {
 }
 
 fn decode_jpeg(bytes: &[u8]) -> Result<DecodedPixels, DecodeError> {
-    let damaged = |error: zune_jpeg::errors::DecodeErrors| PictureFormat::Jpeg.damaged(error);
+    let damaged = |error: zune_jpeg::errors::DecodeErrors| FileFormat::Jpeg.damaged(error);
     // Sides are checked below instead, so that the error reports them.
     let options = DecoderOptions::default()
         .set_strict_mode(false)
@@ -114,7 +114,7 @@ fn decode_jpeg(bytes: &[u8]) -> Result<DecodedPixels, DecodeError> {
     let (width, height) = decoder.dimensions().unwrap_or_default();
     check_size(width, height)?;
     if !jpeg::is_whole(bytes) {
-        return Err(PictureFormat::Jpeg.damaged("it has no end"));
+        return Err(FileFormat::Jpeg.damaged("it has no end"));
     }
     let (channels, color) = match decoder.input_colorspace() {
         Some(ColorSpace::Luma) => (Channels::Gray, ColorSpace::Luma),
@@ -132,7 +132,7 @@ fn decode_jpeg(bytes: &[u8]) -> Result<DecodedPixels, DecodeError> {
 }
 
 fn decode_webp(bytes: &[u8]) -> Result<DecodedPixels, DecodeError> {
-    let damaged = |error: image_webp::DecodingError| PictureFormat::WebP.damaged(error);
+    let damaged = |error: image_webp::DecodingError| FileFormat::WebP.damaged(error);
     let mut decoder = image_webp::WebPDecoder::new(Cursor::new(bytes)).map_err(damaged)?;
     let (width, height) = decoder.dimensions();
     let (width, height) = (width as usize, height as usize);

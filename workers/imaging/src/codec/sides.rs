@@ -6,7 +6,7 @@ use zune_core::bytestream::ZCursor;
 
 use super::npy::{self, Header};
 use super::openexr;
-use super::picture::PictureFormat;
+use super::picture::FileFormat;
 
 /// Columns and rows from the header of a PNG, JPEG, WebP or NPY file, the latter of shape [height, width] or [height,
 /// width, channels]; `None` for other bytes. Nothing is decoded, and the sides may exceed the limits.
@@ -18,18 +18,18 @@ pub fn read_sides(bytes: &[u8]) -> Option<(usize, usize)> {
             _ => None,
         };
     }
-    match PictureFormat::detect(bytes)? {
-        PictureFormat::Png => {
+    match FileFormat::detect(bytes)? {
+        FileFormat::Png => {
             let mut decoder = png::Decoder::new(Cursor::new(bytes));
             let header = decoder.read_header_info().ok()?;
             Some((header.width as usize, header.height as usize))
         }
-        PictureFormat::Jpeg => {
+        FileFormat::Jpeg => {
             let mut decoder = zune_jpeg::JpegDecoder::new(ZCursor::new(bytes));
             decoder.decode_headers().ok()?;
             decoder.dimensions()
         }
-        PictureFormat::WebP => {
+        FileFormat::WebP => {
             let decoder = image_webp::WebPDecoder::new(Cursor::new(bytes)).ok()?;
             let (width, height) = decoder.dimensions();
             Some((width as usize, height as usize))

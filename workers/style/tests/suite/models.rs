@@ -93,7 +93,7 @@ fn the_range_reaches_a_model_that_asks_for_it_and_is_needed() {
     let error = session.apply(&frame(), ModelInputs::default()).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "style `test`: it takes the range of each pixel, and the frame has none"
+        "style `test`: it needs the range of each pixel, but the frame has none"
     );
     let (range, noise) = (Plane::filled(4, 3, 0.125f32), Plane::filled(4, 3, 0.25f32));
     let ranged = |noise| ModelInputs {

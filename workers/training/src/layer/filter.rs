@@ -54,8 +54,8 @@ fn add_row<T: Real>(out: &mut [T], samples: &[T], [a, b, c]: [T; 3], step: usize
         }
     } else {
         for (x, out) in out.iter_mut().enumerate() {
-            let position = &samples[step * x..step * x + 3];
-            *out += a * position[0] + b * position[1] + c * position[2];
+            let window = &samples[step * x..step * x + 3];
+            *out += a * window[0] + b * window[1] + c * window[2];
         }
     }
 }

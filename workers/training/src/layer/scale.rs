@@ -48,10 +48,10 @@ pub(crate) fn resized<T: Real>(input: &Tensor<T>, height: usize, width: usize) -
     let mut wide = Tensor::zeros(input.channels, input.height, width);
     for channel in 0..input.channels {
         for y in 0..input.height {
-            let start = input.row(channel, y);
-            let end = wide.row_mut(channel, y).iter_mut();
-            for (end, &(low, high, share)) in end.zip(&columns.0) {
-                *end = start[low] + (start[high] - start[low]) * share;
+            let source = input.row(channel, y);
+            let target = wide.row_mut(channel, y).iter_mut();
+            for (target, &(low, high, share)) in target.zip(&columns.0) {
+                *target = source[low] + (source[high] - source[low]) * share;
             }
         }
     }
@@ -59,8 +59,8 @@ pub(crate) fn resized<T: Real>(input: &Tensor<T>, height: usize, width: usize) -
     for channel in 0..input.channels {
         for (y, &(low, high, share)) in rows.0.iter().enumerate() {
             let pairs = wide.row(channel, low).iter().zip(wide.row(channel, high));
-            for (end, (&low, &high)) in out.row_mut(channel, y).iter_mut().zip(pairs) {
-                *end = low + (high - low) * share;
+            for (target, (&low, &high)) in out.row_mut(channel, y).iter_mut().zip(pairs) {
+                *target = low + (high - low) * share;
             }
         }
     }
@@ -73,11 +73,11 @@ pub(crate) fn unresized<T: Real>(gradient: &Tensor<T>, height: usize, width: usi
         Upsampling::<T>::new(height, gradient.height),
         Upsampling::<T>::new(width, gradient.width),
     );
-    let first = T::from_f64(1.0);
+    let unit = T::from_f64(1.0);
     let mut wide: Tensor<T> = Tensor::zeros(gradient.channels, height, gradient.width);
     for channel in 0..gradient.channels {
         for (y, &(low, high, share)) in rows.0.iter().enumerate() {
-            for (row, share) in [(low, first - share), (high, share)] {
+            for (row, share) in [(low, unit - share), (high, share)] {
                 let sums = wide.row_mut(channel, row).iter_mut();
                 for (sum, &value) in sums.zip(gradient.row(channel, y)) {
                     *sum += value * share;
@@ -88,10 +88,10 @@ pub(crate) fn unresized<T: Real>(gradient: &Tensor<T>, height: usize, width: usi
     let mut out = Tensor::zeros(gradient.channels, height, width);
     for channel in 0..gradient.channels {
         for y in 0..height {
-            let end = out.row_mut(channel, y);
+            let target = out.row_mut(channel, y);
             for (&value, &(low, high, share)) in wide.row(channel, y).iter().zip(&columns.0) {
-                end[low] += value * (first - share);
-                end[high] += value * share;
+                target[low] += value * (unit - share);
+                target[high] += value * share;
             }
         }
     }
@@ -119,8 +119,8 @@ pub(crate) fn unhalved<T: Real>(gradient: &Tensor<T>, sums: &mut Tensor<T>) {
     let quarter = T::from_f64(0.25);
     for channel in 0..gradient.channels {
         for y in 0..2 * gradient.height {
-            let start = gradient.row(channel, y / 2);
-            for (pair, &value) in sums.row_mut(channel, y).chunks_exact_mut(2).zip(start) {
+            let source = gradient.row(channel, y / 2);
+            for (pair, &value) in sums.row_mut(channel, y).chunks_exact_mut(2).zip(source) {
                 pair[0] += value * quarter;
                 pair[1] += value * quarter;
             }

@@ -72,7 +72,7 @@ pub(crate) fn content<T: Real>(
     loss
 }
 
-/// A picture project on a color axis.
+/// Projects a picture on a color axis.
 fn project<T: Real>(picture: &Tensor<T>, axis: [f64; 3]) -> Tensor<T> {
     let [r, g, b] = axis.map(T::from_f64);
     let mut out = Tensor::zeros(1, picture.height, picture.width);

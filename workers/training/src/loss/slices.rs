@@ -26,9 +26,9 @@ pub(super) fn projections<T: Real>(
     for places in places.chunks(CHUNK) {
         for (index, place) in places.iter().enumerate() {
             for line in 0..3 * PATCH {
-                let start = &picture.row(line / PATCH, place.y + line % PATCH)[place.x..place.x + PATCH];
-                for (to, &start) in samples[line * PATCH..][..PATCH].iter_mut().zip(start) {
-                    to[index] = start;
+                let source = &picture.row(line / PATCH, place.y + line % PATCH)[place.x..place.x + PATCH];
+                for (to, &source) in samples[line * PATCH..][..PATCH].iter_mut().zip(source) {
+                    to[index] = source;
                 }
             }
         }
@@ -84,10 +84,10 @@ pub(super) fn scatter<T: Real>(
         vectorized!(unproject(&chunk, slices, &mut samples));
         for (index, place) in places.iter().enumerate() {
             for line in 0..3 * PATCH {
-                let origin = &samples[line * PATCH..][..PATCH];
-                let end = gradient.row_mut(line / PATCH, place.y + line % PATCH);
-                for (end, origin) in end[place.x..place.x + PATCH].iter_mut().zip(origin) {
-                    *end += origin[index];
+                let source = &samples[line * PATCH..][..PATCH];
+                let target = gradient.row_mut(line / PATCH, place.y + line % PATCH);
+                for (target, source) in target[place.x..place.x + PATCH].iter_mut().zip(source) {
+                    *target += source[index];
                 }
             }
         }

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::disc::LookDisc;
-use super::{Airlight, Bench, Photon, Shone};
+use super::{AirlightLevels, Bench, Photon, Shone};
 use crate::estimate::{Level, level};
 
 /// Sums of one batch.
@@ -108,9 +108,9 @@ impl PhotonTally {
         let airlight = (0..bench.looks_deg.len() * walls * cameras).map(|place| {
             let [single, all] =
                 [0, 1].map(|order: usize| batch_level(batches, |batch| scale * batch.airlight[place][order]));
-            Airlight { single, all }
+            AirlightLevels { single, all }
         });
-        let airlight: Vec<Airlight> = airlight.collect();
+        let airlight: Vec<AirlightLevels> = airlight.collect();
         let scattered = (0..walls).map(|wall| {
             let rings = (0..rings).map(|ring| {
                 let area = bench.ring_area(wall, ring);
@@ -122,7 +122,7 @@ impl PhotonTally {
             airlight: (0..bench.looks_deg.len())
                 .map(|look| {
                     let rows = airlight[look * walls * cameras..].chunks(cameras.max(1));
-                    rows.take(walls).map(<[Airlight]>::to_vec).collect()
+                    rows.take(walls).map(<[AirlightLevels]>::to_vec).collect()
                 })
                 .collect(),
             scattered: scattered.collect(),

@@ -47,13 +47,13 @@ impl<const N: usize> Walk<'_, N> {
             .max(0.0)
             .sqrt()
             .max(lamp.radius_m);
-        let start = (-nearest / offset).atan();
-        let target = if end.is_finite() {
+        let begin = (-nearest / offset).atan();
+        let finish = if end.is_finite() {
             ((end - nearest) / offset).atan()
         } else {
             FRAC_PI_2
         };
-        let beyond = offset * (start + unit * (target - start)).tan();
+        let beyond = offset * (begin + unit * (finish - begin)).tan();
         let distance = nearest + beyond;
         if !(0.0..=end).contains(&distance) {
             return None;
@@ -70,7 +70,7 @@ impl<const N: usize> Walk<'_, N> {
         let scattered = self.scene.phase.density_toward(versine(toward, direction), cone);
         let turbidity = &self.scene.turbidity;
         let meters = turbidity.meters(origin, direction, distance) + turbidity.meters(place, toward, gap);
-        let stretch = (target - start) * (offset * offset + beyond * beyond) / offset;
+        let stretch = (finish - begin) * (offset * offset + beyond * beyond) / offset;
         let shape = turbidity.factor(place) * scattered * profile * stretch / (gap * gap);
         Some(self.channels.map(|channel| {
             let water = self.scene.water[channel];

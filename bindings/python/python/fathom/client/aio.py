@@ -26,7 +26,7 @@ class AsyncClient:
     """A connection to a service; see `Client`, whose methods it has."""
 
     def __init__(self, server: str | None = None, *, token: str | None = None) -> None:
-        """Absent arguments come from FATHOM_SERVER and FATHOM_TOKEN."""
+        """Defaults: FATHOM_SERVER and FATHOM_TOKEN."""
         self.server = server or os.environ.get("FATHOM_SERVER", SERVER)
         self.token = token or os.environ.get("FATHOM_TOKEN")
         self._http = httpx.AsyncClient(base_url=self.server, headers=calls.headers(self.token), timeout=calls.TIMEOUT)
@@ -178,7 +178,7 @@ class AsyncSubmitted:
     def __init__(self, client: AsyncClient, state: dict[str, Any]) -> None:
         self._client = client
         self.state = state
-        """What the service said last."""
+        """Latest state from the service."""
 
     @property
     def id(self) -> str:

@@ -1,4 +1,4 @@
-"""What a client says to a service, once for both clients: generators that yield requests and are sent responses."""
+"""Protocol shared by both clients: generators that yield requests and receive responses."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ from fathom.training import Photo
 T = TypeVar("T")
 
 PAGE_ROWS = 500
-"""Rows that one request asks for."""
+"""Rows per request."""
 WAIT_S = 30
 """How long the service holds a request back until something changes."""
 TIMEOUT = httpx.Timeout(90, connect=5)
 """Longer than the service holds back: beyond it the connection is dead."""
 PARALLEL = 8
-"""Requests at a time for artifacts, unless said otherwise."""
+"""Default number of parallel artifact requests."""
 
 Description: TypeAlias = "Job | Mapping[str, Any] | str | os.PathLike[str]"
 Picture: TypeAlias = "str | os.PathLike[str] | NDArray[Any]"

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 class Dataset:
-    """Images of a service; each process that reads them connects by itself."""
+    """Images of a service; every reading process opens its connection."""
 
     def __init__(self, server: str, token: str | None, rows: Iterable[Mapping[str, Any]]) -> None:
         self.server, self.token = server, token

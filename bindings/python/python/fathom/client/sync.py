@@ -26,7 +26,7 @@ class Client:
     """A connection to a service. Refused requests raise `fathom.Problem`, refused jobs `fathom.InvalidJob`."""
 
     def __init__(self, server: str | None = None, *, token: str | None = None) -> None:
-        """Absent arguments come from FATHOM_SERVER and FATHOM_TOKEN."""
+        """Defaults: FATHOM_SERVER and FATHOM_TOKEN."""
         self.server = server or os.environ.get("FATHOM_SERVER", SERVER)
         self.token = token or os.environ.get("FATHOM_TOKEN")
         self._http = httpx.Client(base_url=self.server, headers=calls.headers(self.token), timeout=calls.TIMEOUT)
@@ -52,7 +52,7 @@ class Client:
             return value
 
     def submit(self, description: Description, *, key: str | None = None) -> Submitted:
-        """Submit a job: a `Job`, a mapping or the path of a JSON file. The same `key` gives the same job again."""
+        """Submit a job: a `Job`, a mapping or the path of a JSON file. The same `key` returns the same job."""
         return Submitted(self, self._run(calls.submit(description, key)))
 
     def images(
@@ -189,7 +189,7 @@ class Submitted:
     def __init__(self, client: Client, state: dict[str, Any]) -> None:
         self._client = client
         self.state = state
-        """What the service said last: `id`, `state`, `frames`, `done`, `failed`, `digest`."""
+        """Latest state from the service: `id`, `state`, `frames`, `done`, `failed`, `digest`."""
 
     @property
     def id(self) -> str:

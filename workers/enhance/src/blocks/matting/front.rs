@@ -124,10 +124,10 @@ mod tests {
             }
             front.eliminate();
             let (columns, left) = front.into_parts();
-            let at = |i: usize, k: usize| if k <= i { columns[i * own + k] } else { 0.0 };
+            let entry = |i: usize, k: usize| if k <= i { columns[i * own + k] } else { 0.0 };
             for i in 0..size {
                 for j in 0..=i {
-                    let product: f64 = (0..own).map(|k| at(i, k) * at(j, k)).sum();
+                    let product: f64 = (0..own).map(|k| entry(i, k) * entry(j, k)).sum();
                     let rest = match i >= own && j >= own {
                         true => left[(i - own) * around + j - own],
                         false => 0.0,

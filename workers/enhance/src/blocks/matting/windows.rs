@@ -177,11 +177,11 @@ fn add<T: WindowNumber>(
             let i = SIDE * row + column;
             for j in i..PIXELS {
                 let step = step_of((j % SIDE) as isize - column as isize, j / SIDE - row);
-                let end = &mut rows[row][step][x + column + RIM..][..count];
+                let target = &mut rows[row][step][x + column + RIM..][..count];
                 let own = T::from_f64(if i == j { 8.0 / 9.0 } else { -1.0 / 9.0 });
                 let ([a, b, c], [d, e, f]) = (&white[i], &white[j]);
                 for n in 0..count {
-                    end[n] += own + share * (a[n] * d[n] + b[n] * e[n] + c[n] * f[n]);
+                    target[n] += own + share * (a[n] * d[n] + b[n] * e[n] + c[n] * f[n]);
                 }
             }
         }

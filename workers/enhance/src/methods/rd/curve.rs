@@ -2,16 +2,13 @@
 
 use imaging::Rgb8;
 
-use crate::blocks::histogram::{self, CodeCounts, histograms};
+use crate::blocks::histogram::{self, CodeCounts, Curves, histograms};
 use crate::variant::Variant;
 
 /// α of the Rayleigh distribution.
 const ALPHA: f64 = 0.4;
 /// A value this close to an integer or to the mean counts as equal to it: rounding must not move it.
 const EQUAL: f64 = 1e-9;
-
-/// Curves of red, green and blue over the codes, in 0..=255.
-pub(super) type Curves = [[f64; 256]; 3];
 
 pub(super) fn curves(picture: &Rgb8, variant: Variant) -> Curves {
     let counts = histograms(picture);

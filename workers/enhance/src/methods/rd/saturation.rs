@@ -6,7 +6,7 @@
 use imaging::simd::{larger, smaller};
 use imaging::{Rgb8, vectorized};
 
-use super::curve::Curves;
+use crate::blocks::histogram::Curves;
 use crate::blocks::tails;
 use crate::variant::Variant;
 

@@ -2,8 +2,7 @@
 
 use imaging::Rgb8;
 
-use super::Curves;
-use crate::blocks::histogram::{self, CodeCounts, histograms};
+use crate::blocks::histogram::{self, CodeCounts, Curves, histograms};
 use crate::variant::Variant;
 
 /// Cubed residual energy after a unit of distance.

@@ -2,7 +2,8 @@
 
 use imaging::{Plane, Rgb, Rgb8, lab, transfer, vectorized};
 
-use super::{Curves, linear};
+use super::linear;
+use crate::blocks::histogram::Curves;
 use crate::blocks::tails;
 use crate::elementary::exp;
 use crate::variant::Variant;

@@ -16,6 +16,7 @@ mod lightness;
 
 use imaging::Raster;
 
+use crate::blocks::histogram::Curves;
 use crate::result::{Enhanced, OfGray};
 use crate::signs::{self, Signs};
 use crate::variant::Variant;
@@ -35,10 +36,6 @@ pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
     Enhanced::from_colors(picture, &stretched, OfGray::Gray, warnings)
 }
 
-/// Curves of red, green and blue over the codes, in 0..=255.
-type Curves = [[f64; 256]; 3];
-
-/// Curves in linear light.
 fn linear(curves: &Curves) -> Curves {
     curves.map(|curve| curve.map(|value| imaging::transfer::decode(value / 255.0)))
 }

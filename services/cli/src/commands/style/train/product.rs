@@ -7,7 +7,7 @@ use cli::exit::Failure;
 use cli::files;
 use imaging::codec;
 use style::net::{Network, onnx};
-use style::{LossTerms, ModelCard, TrainingRecord};
+use style::{LossTerms, ModelCard, TrainingCard};
 use training::loss::Losses;
 use training::{Best, Score};
 
@@ -88,7 +88,7 @@ impl Product<'_> {
                     its output alone"
                 .to_owned(),
             caveats,
-            training: Some(TrainingRecord {
+            training: Some(TrainingCard {
                 photos: self.given.iter().map(|given| given.sha256.clone()).collect(),
                 seed: *seed,
                 steps: *steps as usize,
