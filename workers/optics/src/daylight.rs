@@ -35,7 +35,7 @@ pub use surface::{Reaching, surfaces, surfaces_reference, with_lamps};
 pub use veil::{VeilOf, veil, veil_reference};
 pub use wide::WideScattering;
 
-use veil::SunnyWater;
+use veil::{SHALLOWEST, SunnyWater};
 
 /// An effect of daylight that a picture can do without.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -196,7 +196,7 @@ impl Daylight {
         VeilOf {
             field: self.fields[channel],
             light: std::f64::consts::PI * self.level[channel],
-            depth: self.depth,
+            depth: self.depth.max(SHALLOWEST),
             below: self.below,
             sun: self.sun.map(|sun| SunnyWater {
                 toward: sun.toward(&self.gaze),

@@ -35,14 +35,14 @@ impl<const N: usize> Polynomial<N> {
         terms.map(|(i, c)| c.abs() * (1.0 + i as f64)).sum()
     }
 
-    /// Roundings of its value in f32 for an argument of at most this size that is off by three of them: two for each multiplication and
+    /// Roundings of its value in f32 for an argument of at most this size that is off by one of them: two for each multiplication and
     /// sum of Horner's scheme, and one for each coefficient.
     #[must_use]
     pub(crate) fn roundings(&self, size: f64) -> f64 {
         let terms = self.0.iter().enumerate().map(|(i, c)| {
             let degree = i as f64;
             let slope = degree * size.powi(i as i32 - 1);
-            c.abs() * ((2.0 * degree + 3.0) * size.powi(i as i32) + if i > 0 { 3.0 * slope } else { 0.0 })
+            c.abs() * ((2.0 * degree + 3.0) * size.powi(i as i32) + if i > 0 { slope } else { 0.0 })
         });
         terms.sum()
     }

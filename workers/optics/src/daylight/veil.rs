@@ -20,14 +20,14 @@ const RUN: usize = 64;
 const STEP: f64 = 6e-8;
 /// Rays that meet no surface are this many attenuation lengths long.
 const FARTHEST: f64 = 60.0;
+/// No camera counts as shallower than this, in lengths of the range: where a ray ends would hang on the last digit of its direction.
+pub(super) const SHALLOWEST: f64 = 0.02;
 /// Steps in the cosine from the vertical when a maximum is searched for.
 const SEARCH: usize = 64;
 /// The bound of roundings grows by less than this between two of these steps.
 const BETWEEN_SAMPLES: f64 = 1.5;
 /// Roundings of exponentials, lengths and products, as a share of their result.
 const FACTORS: f64 = 24.0;
-/// Roundings of the cosine of a ray from the vertical.
-const DIRECTION: f64 = 4.0;
 /// Darker veils may be lost in f32.
 const UNDERFLOW: f64 = 1e-30;
 /// Light that has lost this many e-folds is 0 in f32.
@@ -39,7 +39,7 @@ pub struct VeilOf {
     pub(crate) field: Field,
     /// Factor of the field: π times the light of a white horizontal patch at the camera.
     pub(crate) light: f64,
-    /// h, depth of the camera in lengths of the range.
+    /// h, depth of the camera in lengths of the range, at least [`SHALLOWEST`].
     pub(crate) depth: f64,
     /// How far the bottom is below the camera, in lengths of the range; infinite without one.
     pub(crate) below: f64,
@@ -147,7 +147,7 @@ impl VeilOf {
         let has_edge = is_open && rises.1 > CRITICAL_COSINE - BLURRED_EDGE;
         let window = (self.light * self.field.sky).min(self.brightest(rises, is_open));
         let edge = if has_edge {
-            DIRECTION * STEP * 1.5 / SHARP_EDGE * window
+            STEP * 1.5 / SHARP_EDGE * window
         } else {
             0.0
         };
@@ -266,14 +266,14 @@ pub fn veil(range: &Plane<f32>, of: &VeilOf, gaze: &Gaze, to: &mut [f32]) {
     }
 }
 
-/// The rays of a row against the vertical: `(up_x u + level)/sqrt(u² + square)`.
+/// The rays of a row against a unit vector: `(x u + level)/sqrt(u² + square)`, in f64, since the window of the sky has a steep edge.
 #[derive(Clone, Copy)]
 pub(super) struct Row {
-    inverse_focal: f32,
-    cx: f32,
-    across: f32,
-    level: f32,
-    square: f32,
+    inverse_focal: f64,
+    cx: f64,
+    across: f64,
+    level: f64,
+    square: f64,
 }
 
 impl Row {
@@ -285,11 +285,11 @@ impl Row {
     pub(super) fn toward(gaze: &Gaze, y: usize, [x, down, ahead]: [f64; 3]) -> Self {
         let v = (y as f64 - gaze.camera.cy) / gaze.camera.focal_px;
         Self {
-            inverse_focal: (1.0 / gaze.camera.focal_px) as f32,
-            cx: gaze.camera.cx as f32,
-            across: x as f32,
-            level: (down * v + ahead) as f32,
-            square: (v * v + 1.0) as f32,
+            inverse_focal: 1.0 / gaze.camera.focal_px,
+            cx: gaze.camera.cx,
+            across: x,
+            level: down * v + ahead,
+            square: v * v + 1.0,
         }
     }
 }
@@ -304,8 +304,8 @@ pub(super) fn rises_of(row: Row, rises: &mut [f32]) {
         square,
     } = row;
     for (x, rise) in rises.iter_mut().enumerate() {
-        let u = (x as i32 as f32 - cx) * inverse_focal;
-        *rise = (across * u + level) / (u * u + square).sqrt();
+        let u = (f64::from(x as i32) - cx) * inverse_focal;
+        *rise = ((across * u + level) / (u * u + square).sqrt()) as f32;
     }
 }
 

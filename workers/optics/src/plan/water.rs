@@ -90,7 +90,7 @@ pub fn water_gain(bounds: &SceneBounds, water: &Water) -> Gain {
 
 fn used_by(stage: &Stage, share: Option<f64>) -> f64 {
     match share {
-        Some(_) => stage.bound.unwrap_or_default().absolute,
+        Some(_) => stage.bound.unwrap_or_default().up_to_white(),
         None => 0.0,
     }
 }

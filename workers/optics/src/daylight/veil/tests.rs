@@ -30,7 +30,7 @@ fn coastal(depth: f64, share: f64, gaze: &Gaze) -> VeilOf {
     VeilOf {
         field: fields.channels[0],
         light: 0.7,
-        depth,
+        depth: depth.max(SHALLOWEST),
         below: place.bottom.map_or(f64::INFINITY, |bottom| bottom.below_m),
         sun: sun.map(|sun| SunnyWater {
             toward: sun.toward(gaze),
