@@ -34,6 +34,11 @@ impl Case {
         if picture.is_some() {
             job["scene"]["kind"] = json!("uploaded");
             job["scene"]["id"] = json!("scn_00000000-0000-0000-0000-000000000000");
+            // The picture has its size.
+            if let Some(camera) = job["camera"].as_object_mut() {
+                camera.remove("width");
+                camera.remove("height");
+            }
         }
         job["metrics"] = json!([]);
         job["seed"] = json!(knobs.seed());
@@ -111,8 +116,10 @@ impl Case {
                 _ => part.clone(),
             });
         }
-        let [width, height] = ["width", "height"].map(|side| self.job["camera"][side].clone());
-        words.push(format!("{width}x{height}"));
+        words.push(match &self.picture {
+            Some(picture) => format!("{}x{}", picture.range.width(), picture.range.height()),
+            None => format!("{}x{}", self.job["camera"]["width"], self.job["camera"]["height"]),
+        });
         words.join(", ")
     }
 }

@@ -13,7 +13,7 @@ use super::*;
 const SIZE: (usize, usize) = (547, 353);
 const WATERS: [&str; 3] = ["jerlov-IB", "jerlov-1C", "jerlov-3C"];
 const SEEDS: std::ops::Range<u64> = 0..12;
-const OTHER_LIGHT: u64 = 3;
+const OTHER_LIGHT: u64 = 21;
 
 /// A scene of its family in one of the waters.
 fn frame(seed: u64) -> Rgb8 {
