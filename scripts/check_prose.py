@@ -13,11 +13,11 @@ import sys
 from collections import Counter
 
 # Most phrases per 1 000 comment lines and per 1 000 words of Markdown, most names. The goals are 40, 4 and 0.
-LIMITS = {"comments": 289, "markdown": 2, "names": 304}
+LIMITS = {"comments": 91, "markdown": 2, "names": 152}
 # Most words of a page. Generated pages and the changelog have no limit.
 PAGE_WORDS = {"README.md": 600}
 DEFAULT_PAGE_WORDS = 1500
-UNLIMITED_PAGES = {"CHANGELOG.md", "services/spec/FIELDS.md"}
+UNLIMITED_PAGES = {"CHANGELOG.md", "services/spec/FIELDS.md", "services/spec/ERRORS.md", "services/api/ERRORS.md"}
 
 PHRASES = {
     "noun clause": r"what (?:is|are|was|were|it|they|a|an|the|of|no|may|has|holds|can|needs|must|[a-z]+s)",

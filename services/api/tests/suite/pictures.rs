@@ -132,7 +132,7 @@ fn bad_images_are_rejected_with_the_field_and_nothing_is_stored() {
             "measure?metrics=psnr",
             vec![("picture", &good)],
             "/clean",
-            "none was given",
+            "missing",
         ),
         (
             "measure?metrics=psnr",
