@@ -15,6 +15,9 @@ use crate::sea::fresnel;
 pub const ORDERS: usize = 3;
 /// Longer paths are cut and counted.
 pub const MOST_SEGMENTS: usize = 2000;
+/// Directions are drawn toward sources up to this order of scattering. A draw that could have been aimed weighs up to twice as much, and
+/// many of them in a row would give a few paths all the light.
+const MOST_AIMED: usize = 3;
 /// Paths of smaller weight undergo Russian roulette.
 const LIGHT: f64 = 0.1;
 
@@ -322,7 +325,7 @@ impl<'s, const N: usize> Walk<'s, N> {
     }
 
     fn aims(&self) -> bool {
-        self.sources() > 0 && self.scatters()
+        self.order <= MOST_AIMED && self.sources() > 0 && self.scatters()
     }
 
     fn scatters(&self) -> bool {
