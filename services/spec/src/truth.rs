@@ -102,7 +102,7 @@ pub fn seconds(pixels: u64, paths: u64) -> f64 {
     3.0 * pixels as f64 * paths as f64 / NOMINAL_PATHS_PER_S
 }
 
-/// Result of tracing a frame.
+/// Result of a traced frame.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TruthRecord {
     /// Paths of each pixel and channel.

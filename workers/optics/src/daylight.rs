@@ -9,6 +9,7 @@ mod field;
 mod gaze;
 mod limits;
 mod model;
+mod rises;
 mod seen;
 mod slope;
 mod sun;

@@ -15,8 +15,8 @@ use imaging::vectorized;
 use imaging::{Plane, Rgb};
 
 use super::field::MOST_GAIN;
+use super::rises::{Row, rises_of};
 use super::slope::{SLOPES, between};
-use super::veil::{Row, rises_of};
 use super::{Daylight, SunLight};
 use crate::attenuation::{exp_negative, masked};
 use crate::range::is_hole;

@@ -11,25 +11,16 @@
 //! not scattered. The equation is iterated by order of scattering on 28 Gauss–Legendre directions, whose intervals end at the horizon and
 //! at the critical angle, and on layers between the surface and the bottom, or 5 attenuation lengths below the camera.
 
+mod exchange;
+
 use std::f64::consts::{PI, TAU};
 
 use super::field::{CRITICAL_COSINE, fresnel};
 use super::sun::SunLight;
-use super::wide::WideScattering;
-use crate::legendre::gauss_legendre;
 
-/// Directions between the nadir, the mirrored critical angle, the horizon, the critical angle and the zenith.
-const SPLIT: [(f64, f64, usize); 4] = [
-    (-1.0, -CRITICAL_COSINE, 6),
-    (-CRITICAL_COSINE, 0.0, 6),
-    (0.0, CRITICAL_COSINE, 8),
-    (CRITICAL_COSINE, 1.0, 8),
-];
-/// Number of directions.
-pub(super) const DIRECTIONS: usize = 28;
-/// The first that looks up.
-pub(super) const FIRST_UP: usize = 12;
-const AZIMUTHS: usize = 32;
+use exchange::sky_irradiance;
+pub(super) use exchange::{DIRECTIONS, Exchange, FIRST_UP, azimuth_mean};
+
 /// Layers above and below the camera.
 const ABOVE: usize = 24;
 const BELOW: usize = 24;
@@ -41,22 +32,6 @@ const ENOUGH: f64 = 1e-4;
 const MOST_ORDERS: usize = 200;
 
 type Field = [[f64; DIRECTIONS]; LAYERS];
-
-/// A direction of the quadrature.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Direction {
-    /// Cosine from the vertical.
-    pub(super) rise: f64,
-    pub(super) weight: f64,
-}
-
-/// Scattering between the directions, averaged over the azimuth.
-pub(super) struct Exchange {
-    pub(super) directions: [Direction; DIRECTIONS],
-    /// 2π times the mean phase function from the second direction into the first, times the weight of the second.
-    kernel: [[f64; DIRECTIONS]; DIRECTIONS],
-    pub(super) wide: WideScattering,
-}
 
 /// The sea above the camera.
 #[derive(Debug, Clone, Copy)]
@@ -89,69 +64,6 @@ pub(super) struct Radiance {
     pub(super) path: [f64; DIRECTIONS],
     /// Radiance below the surface in the mirrored direction, for directions that look up.
     pub(super) mirrored: [f64; DIRECTIONS],
-}
-
-impl Exchange {
-    pub(super) fn new(wide: WideScattering) -> Self {
-        let nodes = SPLIT.into_iter().flat_map(|(low, high, count)| {
-            // From the lowest to the highest.
-            gauss_legendre(count)
-                .into_iter()
-                .rev()
-                .map(move |(x, weight)| Direction {
-                    rise: low + 0.5 * (high - low) * (x + 1.0),
-                    weight: 0.5 * (high - low) * weight,
-                })
-        });
-        let mut directions = [Direction {
-            rise: 0.0,
-            weight: 0.0,
-        }; DIRECTIONS];
-        for (to, node) in directions.iter_mut().zip(nodes) {
-            *to = node;
-        }
-        let mut kernel = [[0.0; DIRECTIONS]; DIRECTIONS];
-        for i in 0..DIRECTIONS {
-            for j in 0..=i {
-                let mean = azimuth_mean(directions[i].rise, directions[j].rise, |x| wide.density(x));
-                (kernel[i][j], kernel[j][i]) = (TAU * mean, TAU * mean);
-            }
-        }
-        for row in &mut kernel {
-            for (value, direction) in row.iter_mut().zip(&directions) {
-                *value *= direction.weight;
-            }
-            // The quadrature loses and gains no light.
-            let sum: f64 = row.iter().sum();
-            row.iter_mut().for_each(|value| *value *= wide.share / sum);
-        }
-        Self {
-            directions,
-            kernel,
-            wide,
-        }
-    }
-
-    /// The light at the camera in water of this absorption and scattering.
-    pub(super) fn solve(&self, absorption: f64, scattering: f64, above: Above) -> Radiance {
-        Solver::new(self, absorption, scattering, above).run()
-    }
-}
-
-/// Mean of a function of the angle between two cosines from the vertical over the azimuth.
-pub(super) fn azimuth_mean(first: f64, second: f64, density_at: impl Fn(f64) -> f64) -> f64 {
-    let across = ((1.0 - first * first) * (1.0 - second * second)).max(0.0).sqrt();
-    let density = |k: usize| {
-        let azimuth = PI * (k as f64 + 0.5) / AZIMUTHS as f64;
-        density_at(first * second + across * azimuth.cos())
-    };
-    (0..AZIMUTHS).map(density).sum::<f64>() / AZIMUTHS as f64
-}
-
-/// `2π ∫ (1 − R(μ)) μ dμ`: what an even sky of radiance 1 in the water sends through the surface.
-fn sky_irradiance(directions: &[Direction]) -> f64 {
-    let light = |direction: &Direction| (1.0 - fresnel(direction.rise)) * direction.rise * direction.weight;
-    TAU * directions[FIRST_UP..].iter().map(light).sum::<f64>()
 }
 
 /// `(1 − e^{−k z})/k`, the length of a ray as its light arrives.

@@ -3,7 +3,7 @@
 use imaging::Plane;
 use imaging::vectorized;
 
-use super::super::veil::{Row, rises_of};
+use super::super::rises::{Row, rises_of};
 use super::super::{Daylight, SunLight};
 use super::Waves;
 use super::tile::Tiles;
