@@ -66,6 +66,13 @@ pub(super) struct Radiance {
     pub(super) mirrored: [f64; DIRECTIONS],
 }
 
+impl Exchange {
+    /// The light at the camera in water of this absorption and scattering.
+    pub(super) fn solve(&self, absorption: f64, scattering: f64, above: Above) -> Radiance {
+        Solver::new(self, absorption, scattering, above).run()
+    }
+}
+
 /// `(1 − e^{−k z})/k`, the length of a ray as its light arrives.
 pub(super) fn effective_length(rate: f64, length: f64) -> f64 {
     let x = rate * length;

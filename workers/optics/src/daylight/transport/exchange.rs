@@ -4,7 +4,6 @@ use std::f64::consts::{PI, TAU};
 
 use super::super::field::{CRITICAL_COSINE, fresnel};
 use super::super::wide::WideScattering;
-use super::{Above, Radiance, Solver};
 use crate::legendre::gauss_legendre;
 
 /// Directions between the nadir, the mirrored critical angle, the horizon, the critical angle and the zenith.
@@ -19,6 +18,7 @@ pub(in crate::daylight) const DIRECTIONS: usize = 28;
 /// The first that looks up.
 pub(in crate::daylight) const FIRST_UP: usize = 12;
 const AZIMUTHS: usize = 32;
+
 /// A direction of the quadrature.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::daylight) struct Direction {
@@ -74,11 +74,6 @@ impl Exchange {
             kernel,
             wide,
         }
-    }
-
-    /// The light at the camera in water of this absorption and scattering.
-    pub(in crate::daylight) fn solve(&self, absorption: f64, scattering: f64, above: Above) -> Radiance {
-        Solver::new(self, absorption, scattering, above).run()
     }
 }
 
