@@ -365,6 +365,7 @@ fn wrong_cargo(words: &[&str], packages: &BTreeMap<String, PathBuf>) -> Option<S
                 let manifest = fs::read_to_string(folder.join("Cargo.toml")).unwrap_or_default();
                 manifest.contains(&format!("name = \"{name}\""))
                     || folder.join(place).join(format!("{name}.rs")).is_file()
+                    || folder.join(place).join(name).join("main.rs").is_file()
             };
             if !folders.iter().any(exists) {
                 return Some(format!("there is no {} {name}", &option[2..]));

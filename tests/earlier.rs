@@ -9,7 +9,7 @@ use flate2::read::GzDecoder;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
-const SENTENCE: &str = "described for version 0.1";
+const SENTENCE: &str = "the job is of version 0.1";
 
 fn unpack(folder: &Path) {
     let packed = File::open(root().join("tests/earlier/data.tar.gz")).expect("the packed folder");

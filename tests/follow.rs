@@ -136,7 +136,7 @@ fn only_sets_in_a_store_are_read() {
         "No such file",
     );
     refused(json!({"url": "gs://a/b"}), "/url", "is no store");
-    refused(json!({"url": 7}), "/url", "must be a text");
+    refused(json!({"url": 7}), "/url", "must be a string");
     refused(json!({"url": "x".repeat(5000)}), "/url", "the limit is 4096");
     refused(json!({"link": "x"}), "/link", "there is no field `link`");
     refused(json!({"link": "x"}), "/url", "`url` is missing");

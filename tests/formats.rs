@@ -85,13 +85,18 @@ fn serve(images: Vec<Image>, asked: Asked, end: u64) -> String {
         .collect();
     let columns: Vec<Value> = columns
         .iter()
-        .map(|name| json!({"name": name, "kind": "text"}))
+        .map(|name| json!({"name": name, "kind": "text", "unit": null}))
         .collect();
     scripted::serve(move |path| {
         let (place, query) = path.split_once('?').unwrap_or((path, ""));
         let body = match place {
-            "/v1/datasets/tour" => json!({"name": "tour", "columns": columns}),
-            "/v1/datasets/tour/stats" => json!({"groups": [{"count": images.len()}]}),
+            "/v1/datasets/tour" => {
+                json!({"name": "tour", "images": images.len(), "bytes": 1, "jobs": 1, "columns": columns})
+            }
+            "/v1/datasets/tour/stats" => json!({
+                "groups": [{"group": {}, "metric": "frame", "count": images.len()}],
+                "source": {"mirror": 0, "catalogue": images.len()}
+            }),
             // The first frame is at the second position of the path.
             "/v1/images" if query.contains("camera.path.frame%20%3D%201") => json!({"items": [{"frame": 1}]}),
             "/v1/images" => {

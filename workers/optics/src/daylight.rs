@@ -25,7 +25,7 @@ pub use caustics::{
 pub use field::{CRITICAL_COSINE, Field, REFRACTIVE_INDEX, fresnel};
 pub(crate) use field::{Fields, Place};
 pub use gaze::Gaze;
-pub use model::{Caustics, DaylightModel, Sun, SurfaceLight};
+pub use model::{Bottom, Caustics, DaylightModel, Sun, SurfaceLight};
 pub use seen::{
     Surfaces, access, access_reference, occlude_veil, sunlit, sunlit_reference, veil_access,
     veil_access_reference,

@@ -4,20 +4,11 @@
 use serde::Deserialize;
 use spec::{Daylight, Frame, HoleRule, NamedDaylight, Optics, PhaseFunction, SceneLighting, Sky};
 
-use crate::daylight::DaylightModel;
+use crate::daylight::{Bottom, DaylightModel};
 use crate::preset::{self, all_known};
 
 /// Depth of the camera by day where none is given, m.
 const DAY_DEPTH_M: f64 = 5.0;
-
-/// A level bottom, which sends daylight back up.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-pub struct Bottom {
-    /// How far below the camera, m.
-    pub below_m: f64,
-    /// Its reflectance, 0..=1.
-    pub reflectance: [f64; 3],
-}
 
 /// Water with its models.
 #[derive(Debug, Clone, PartialEq, Deserialize)]

@@ -4,10 +4,11 @@ use imaging::geometry::Intrinsics;
 use imaging::vector::dot;
 use spec::{Beyond, Frame, Scene, SceneLighting, Snow};
 
+use crate::daylight::Bottom;
 use crate::daylight::{DaylightEffect, Gaze, SurfaceLight};
 use crate::eye::Eye;
 use crate::lamp::{GlowPhase, LAMP_RADIUS_M, Lamp, Lighting, Shadow};
-use crate::medium::{Bottom, Medium, Surroundings};
+use crate::medium::{Medium, Surroundings};
 use crate::plan::StageId;
 use crate::sediment::Clouds;
 use crate::snow::{self, World};

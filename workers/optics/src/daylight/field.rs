@@ -13,11 +13,11 @@
 //!
 //! All lengths here are those of the range, and coefficients are per unit of it: a range scale multiplies the ones and divides the depth.
 
+use super::model::Bottom;
 use super::slope::{SLOPES, share_by_slope};
 use super::sun::SunLight;
 use super::transport::{Above, DIRECTIONS, Exchange, FIRST_UP, Radiance, azimuth_mean, effective_length};
 use super::wide::{PEAK_COSINE, Repeated, TERMS, WideScattering};
-use crate::medium::Bottom;
 use crate::polynomial::Polynomial;
 
 /// Refractive index of sea water.

@@ -119,6 +119,15 @@ fn sun_share(sky: &Sky) -> f64 {
     direct / (direct + diffuse)
 }
 
+/// A level bottom, which sends daylight back up.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+pub struct Bottom {
+    /// How far below the camera, m.
+    pub below_m: f64,
+    /// Its reflectance, 0..=1.
+    pub reflectance: [f64; 3],
+}
+
 /// How daylight lights surfaces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]

@@ -8,7 +8,7 @@ use camera::PartsError;
 use camera::geometry::SourcePicture;
 use imaging::codec::{self, Radiance};
 use imaging::geometry::Intrinsics;
-use optics::medium::Bottom;
+use optics::daylight::Bottom;
 use optics::range::is_hole;
 use optics::setting::View;
 use scenes::uploaded;

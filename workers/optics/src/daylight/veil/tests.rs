@@ -2,11 +2,11 @@ use imaging::geometry::Intrinsics;
 use spec::PhaseFunction;
 
 use super::super::field::{Fields, Place};
+use super::super::model::Bottom;
 use super::super::model::Sun;
 use super::super::sun::SunLight;
 use super::super::wide::WideScattering;
 use super::*;
-use crate::medium::Bottom;
 
 fn coastal(depth: f64, share: f64, gaze: &Gaze) -> VeilOf {
     let sun = Sun {
