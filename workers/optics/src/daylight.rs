@@ -48,7 +48,7 @@ pub(crate) enum DaylightEffect {
     Caustics,
     /// The pattern of the waves in the water.
     Shafts,
-    /// Occlusion of the daylight that the veil comes from.
+    /// Occlusion of the daylight that causes the veil.
     VeilOcclusion,
 }
 
@@ -57,14 +57,14 @@ pub(crate) enum DaylightEffect {
 pub struct Daylight {
     pub(crate) surfaces: SurfaceLight,
     pub(crate) sun: Option<SunLight>,
-    /// Rays that tell how much of the light from all around reaches a surface.
+    /// Rays of ambient occlusion for each surface.
     pub(crate) rays: usize,
-    /// The waves, and how the water blurs what they draw.
+    /// The waves, and the blur of their pattern by the water.
     pub(crate) caustics: Option<(Caustics, Blur)>,
     /// Whether the pattern of the waves shows on surfaces.
     pub(crate) draws_caustics: bool,
     pub(crate) has_shafts: bool,
-    /// Whether surfaces occlude the daylight that the veil comes from.
+    /// Whether surfaces occlude the daylight that causes the veil.
     pub(crate) occludes_veil: bool,
     /// True meters of one length of the range.
     pub(crate) scale: f64,
@@ -97,7 +97,7 @@ impl Daylight {
         }
     }
 
-    /// What it does to surfaces.
+    /// Its effect on surfaces.
     #[must_use]
     pub fn surfaces(&self) -> SurfaceLight {
         self.surfaces
@@ -128,7 +128,7 @@ impl Daylight {
         self.caustics.is_some()
     }
 
-    /// The waves of a seed in the frame with this number, and how the water blurs what they draw with the sun.
+    /// The waves of a seed in the frame with this number, and the blur of their pattern by sun and water.
     #[must_use]
     pub fn waves(&self, seed: u64, frame: u64) -> Option<(Waves, Blur)> {
         self.sun?;
@@ -148,7 +148,7 @@ impl Daylight {
         self.draws_caustics
     }
 
-    /// Whether surfaces occlude the daylight that the veil comes from.
+    /// Whether surfaces occlude the daylight that causes the veil.
     #[must_use]
     pub fn occludes_veil(&self) -> bool {
         self.occludes_veil

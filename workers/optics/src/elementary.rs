@@ -55,7 +55,7 @@ pub(crate) const HALVINGS: f32 = std::f32::consts::LOG2_E;
 /// `exp(−c x)`. The polynomial is the best of the fifth degree for the relative error within half a step.
 #[inline(always)]
 pub(crate) fn fade(rate: f32, x: f32) -> f32 {
-    /// Added and taken away again, it rounds a float of this size to an integer, which then stands in its low bits.
+    /// Adding and subtracting it rounds a float of this size to an integer, which ends up in its low bits.
     const ROUND: f32 = 12_582_912.0;
     const MOST: f32 = ROUND + 126.0;
     let rounded = rate.mul_add(x, ROUND);

@@ -1,4 +1,4 @@
-//! A camera at its place in the world: what hangs in the water stays where it is while the camera moves.
+//! Pose of the camera in the world: particles and patches keep their places while the camera moves.
 
 use imaging::geometry::Intrinsics;
 

@@ -54,7 +54,7 @@ impl Gaze {
         }
     }
 
-    /// A level camera of this focal length of which no more is known: rays may go anywhere.
+    /// A level camera of known focal length and unknown direction.
     #[must_use]
     pub(crate) fn unknown(focal_px: f64) -> Self {
         Self {
@@ -77,7 +77,7 @@ impl Gaze {
         (ray.dot(self.up.into()) / ray.length()).clamp(-1.0, 1.0)
     }
 
-    /// On a convex picture the extremes lie on its border, unless it shows the zenith or the nadir.
+    /// On a convex picture the extremes are on its border, unless it shows the zenith or the nadir.
     fn extremes(&self, width: usize, height: usize) -> (f64, f64) {
         let (mut low, mut high) = (1.0f64, -1.0f64);
         let mut take = |x: usize, y: usize| {

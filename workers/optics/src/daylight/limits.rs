@@ -1,4 +1,4 @@
-//! Limits of daylight on surfaces that are known before any of it is computed.
+//! Limits of daylight on surfaces, available before daylight is computed.
 
 use super::{Daylight, SurfaceLight};
 use crate::error_bound::ErrorBound;

@@ -26,7 +26,7 @@ pub(crate) fn scale_at(s: f64) -> f64 {
 /// Kernel scales γ_k in pixels: at least one, ascending, all different.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Nodes {
-    /// The frame's own scales: every pixel has one of them.
+    /// All scales of the frame: every pixel has one of them.
     Exact(Vec<f32>),
     /// Nodes between which to interpolate.
     Chebyshev {
@@ -110,7 +110,7 @@ impl Nodes {
     /// The scale of kernel `k`, pixels.
     ///
     /// # Panics
-    /// When there is no such kernel.
+    /// If kernel `k` does not exist.
     #[must_use]
     pub fn gamma(&self, k: usize) -> f64 {
         match self {
@@ -120,14 +120,14 @@ impl Nodes {
     }
 }
 
-/// Kernels of one layer; none where it has no light that they spread.
+/// Kernels of one layer; `None` if it has no light to spread.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Kernels {
     /// Of the only kernel of a path, or the narrow one.
     pub narrow: Option<Nodes>,
     /// Of the wide one.
     pub wide: Option<Nodes>,
-    /// Rows of the frame to each coarse row on which the wide kernel is computed; 1 or less on all rows.
+    /// Rows of the frame to each coarse row of the wide kernel; 1 or less means all rows.
     pub wide_step: usize,
 }
 

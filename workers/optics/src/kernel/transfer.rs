@@ -10,7 +10,7 @@ use std::sync::LazyLock;
 
 /// Even Chebyshev terms per axis.
 pub(super) const TERMS: usize = 9;
-/// exp(−22) = 3e-10: what the direct sum leaves out.
+/// exp(−22) = 3e-10: the omitted part of the direct sum.
 const EXPONENT_LIMIT: f64 = 22.0;
 /// From here on the folded terms are below exp(−22).
 const NO_FOLDING: f64 = 6.0;
@@ -77,7 +77,7 @@ impl Transfer {
         self.gamma
     }
 
-    /// Coefficients of the folded part along fy, for one fx; none where nothing is folded.
+    /// Coefficients of the folded part along fy, for one fx; `None` without folding.
     pub(super) fn folded_along(&self, fx: f64) -> Option<[f64; TERMS]> {
         let terms = even_chebyshev(fx);
         self.folded
@@ -131,7 +131,7 @@ pub(super) fn even_chebyshev(f: f64) -> [f64; TERMS] {
     terms
 }
 
-/// The terms other than m = n = 0, summed as far as they count.
+/// The terms other than m = n = 0, summed up to `limit`.
 fn folded_sum(fx: f64, fy: f64, gamma: f64, limit: f64) -> f64 {
     let radius = limit / (TAU * gamma);
     let reach = radius.ceil() as i64 + 1;

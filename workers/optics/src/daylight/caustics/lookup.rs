@@ -10,7 +10,7 @@ use super::tile::Tiles;
 use crate::attenuation::masked;
 use crate::range::is_hole;
 
-/// Tiles of one side hold every depth of a cell side by side, at most so many.
+/// Tiles of one side hold every depth of a cell next to each other, up to this number.
 const MOST_SLICES: usize = 8;
 
 /// Where light that falls on a place entered the water: the horizontal axes, and the way that the sun's light goes aside in each
@@ -103,7 +103,7 @@ pub fn caustics_reference(
 }
 
 impl Daylight {
-    /// Least and greatest depth in true meters of the surfaces in a picture; none in a frame of holes.
+    /// Least and greatest depth in true meters of the surfaces in a picture; `None` in a frame of holes.
     #[must_use]
     pub fn depths_m(&self, range: &Plane<f32>) -> Option<(f64, f64)> {
         let mut rises = vec![0.0f32; range.width()];
@@ -242,7 +242,7 @@ pub fn caustics(
     }
 }
 
-/// Between which depths one lies.
+/// The two depths around a given one.
 struct Steps {
     starts: [f32; MOST_SLICES],
     inverse: [f32; MOST_SLICES],

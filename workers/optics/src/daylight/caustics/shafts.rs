@@ -1,4 +1,4 @@
-//! Shafts of light: the pattern in the water before the surfaces. For looks; nothing is promised of how near the truth they are.
+//! Shafts of light: the pattern in the water in front of the surfaces. A visual effect without an error bound.
 
 use imaging::{Plane, Rgb, vectorized};
 
@@ -9,7 +9,7 @@ use crate::range::is_hole;
 
 /// Places along each ray.
 const PLACES: usize = 16;
-/// Every so many pixels has a ray of its own.
+/// Pixels from one ray to the next.
 const STRIDE: usize = 8;
 /// Attenuation lengths of a ray that meets no surface.
 const FARTHEST: f64 = 8.0;

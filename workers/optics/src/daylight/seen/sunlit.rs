@@ -32,7 +32,7 @@ pub fn sunlit_reference(
     })
 }
 
-/// [`sunlit_reference`] with many rays at once.
+/// [`sunlit_reference`] in ray packets.
 #[must_use]
 pub fn sunlit(surfaces: Surfaces<'_>, daylight: &Daylight, sun: &SunLight, rays: &dyn Rays) -> Plane<f32> {
     let (width, height) = surfaces.range.size();

@@ -171,7 +171,7 @@ fn the_veil_of_coarse_grids_agrees_with_that_of_every_pixel() {
     }
 }
 
-/// A wall across the view at this distance; none at an infinite one.
+/// A wall across the view at this distance; an infinite distance means no wall.
 struct Wall(f64);
 
 impl Rays for Wall {

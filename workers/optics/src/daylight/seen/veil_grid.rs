@@ -15,7 +15,7 @@ const SIMILAR: f32 = 0.1;
 /// Values between which it is interpolated differ by no more, else a shadow begins between them.
 const SMOOTH: f32 = 0.1;
 
-/// Every so many pixels of every so many rows, and the last of both.
+/// Every n-th pixel of every n-th row, and the last of both.
 pub(super) struct Grid {
     stride: usize,
     columns: Vec<usize>,
@@ -66,7 +66,7 @@ impl Grid {
             .collect()
     }
 
-    /// Sets every pixel that has no value yet and lies between similar pixels of this grid, which have these values.
+    /// Sets every pixel without a value that has similar pixels of this grid around it, by interpolating their values.
     pub(super) fn interpolate(
         &self,
         pixels: &[[usize; 2]],
