@@ -5,7 +5,7 @@
 pub(super) enum Beam {
     /// In all directions.
     Point,
-    /// About a unit axis, down to nothing at the angle of this cosine.
+    /// About a unit axis, falling to 0 at the angle of this cosine.
     Spot { axis: [f64; 3], cos_cone: f64 },
 }
 

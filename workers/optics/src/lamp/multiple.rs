@@ -1,4 +1,4 @@
-//! Light of lamps that is scattered more than once.
+//! Multiple scattering of lamp light.
 //!
 //! Sea water scatters forward, so that light scattered a little is still in the beam (quasi-single scattering: Gordon 1973; the
 //! idea of delta-Eddington, Joseph, Wiscombe & Weinman 1976). On a way of L meters from a lamp with a profile S, of x = b L mean
@@ -9,15 +9,15 @@
 //! S̄ (e^{−(a + κ b) r} − e^{−c r})  on surfaces, L = r:               κ = min(0.1, 0.016 (a/b)^0.8 (b r)^0.7)
 //! ```
 //!
-//! S̄ is the profile blurred by a Cauchy kernel of 0.037 + 0.018 x rad in the glow, and of 0.015 + 0.0165 x + 0.0011 x² rad, x up to
-//! 8, on surfaces; 1 for a point lamp. c_g may be below 0: light that is spread meets greater values of the phase function. The
-//! constants are fits to Monte Carlo runs; [`ModelError`](super::ModelError) says how well they do.
+//! S̄ is the profile blurred by a Cauchy kernel of 0.037 + 0.018 x rad in the glow, and of 0.015 + 0.0165 x + 0.0011 x² rad, x up
+//! to 8, on surfaces. It is 1 for a point lamp. c_g may be below 0: spread light is scattered with greater values of the phase
+//! function. The constants are fits to Monte Carlo runs; [`ModelError`](super::ModelError) has their error.
 
 use std::f64::consts::PI;
 
 use super::beam::Beam;
 
-/// Places at which the blurred profile is taken: rings about the direction, and azimuths of one half; the other mirrors it.
+/// Samples of the blurred profile: rings about the direction, and azimuths of one half; the other mirrors it.
 pub(super) const RINGS: usize = 6;
 pub(super) const AZIMUTHS: usize = 4;
 /// c_g of the glow: `a − SWELL b/(1 + x/SATURATION)`.

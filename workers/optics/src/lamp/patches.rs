@@ -2,9 +2,9 @@
 
 use crate::turbidity::Field;
 
-/// Where on a ray most of a lamp's glow comes from, m from the camera: from `min(Z, t₀) − 3 D/(1 − g)`, where the light still turns
-/// little toward the camera, to `min(Z, max(t₀, 1.5 D))`, with t₀ along the ray and D across it to the lamp; nothing behind the
-/// camera. Beyond it light comes back from large angles alone. Found by trial against the field along both legs.
+/// The stretch of a ray with most of a lamp's airlight, m from the camera: from `min(Z, t₀) − 3 D/(1 − g)`, where light still needs
+/// little deflection toward the camera, to `min(Z, max(t₀, 1.5 D))`, with t₀ along the ray and D across it to the lamp, clamped to
+/// the front of the camera. Light from beyond it is scattered at large angles. Found by trial against the field along both legs.
 #[must_use]
 pub fn glow_within(range_m: f64, nearest_m: f64, distance_m: f64, asymmetry: f64) -> (f64, f64) {
     let from = range_m.min(nearest_m) - before(asymmetry) * distance_m;

@@ -60,9 +60,9 @@ impl GlowPhase {
         Self { asymmetry, rise: 0.0 }
     }
 
-    /// Nearly that of Fournier and Forand with a backscatter fraction b_b/b within 0.002..=0.5: g and K are those of the fraction. From
-    /// 90° to 180° it is within 12 % of theirs for fractions of 0.005 to 0.03, where that of Henyey and Greenstein is 0.60 to 1.23 times
-    /// as much. At smaller angles it is nearly that of Henyey and Greenstein.
+    /// Approximates Fournier and Forand with a backscatter fraction b_b/b within 0.002..=0.5: g and K are those of the fraction.
+    /// From 90° to 180° it is within 12 % of theirs for fractions of 0.005 to 0.03, compared with 0.60 to 1.23 times theirs for
+    /// Henyey and Greenstein. At smaller angles it is close to Henyey and Greenstein.
     #[must_use]
     pub fn fournier_forand(fraction: f64) -> Self {
         Self {
@@ -113,7 +113,6 @@ mod tests {
         }
     }
 
-    /// Nothing is darker than no light.
     #[test]
     fn with_a_rise_the_phase_function_is_positive_sums_to_one_and_keeps_the_fraction() {
         let rule = gauss_legendre(128);

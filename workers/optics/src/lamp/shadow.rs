@@ -1,15 +1,15 @@
-//! What stands between a lamp and a place.
+//! Occlusion of a lamp.
 //!
-//! A lamp is a point, or a sphere of which N places are seen: those of a disc about its center across the way to it, at the radii
-//! `R sqrt((k + 1/2)/N)` and the angles 2.399963229728653 k, the golden angle, in the frame of Duff et al. (2017) about the way. The
-//! share of them that is seen has steps of 1/N. Nothing is drawn at random, so that a shadow does not flicker.
+//! A lamp is a point, or a sphere with N light samples: those of a disc about its center across the ray to it, at the radii `R
+//! sqrt((k + 1/2)/N)` and the angles 2.399963229728653 k, the golden angle, in the frame of Duff et al. (2017) about the ray. The
+//! visible share has steps of 1/N. The samples are not random, so that a shadow does not flicker.
 
 use imaging::rays::{RayStart, Rays};
 use imaging::vector::dot;
 
 /// The golden angle.
 const TURN: f64 = 2.399_963_229_728_653;
-/// Places of the disc that light scattered on its way comes from.
+/// Samples of the disc of scattered lamp light.
 pub(super) const SPREAD_PLACES: usize = 16;
 /// A straight edge across a disc of N places hides a share of them that differs by up to this times N^(−3/4) from its share of the
 /// area, for N up to 256.
@@ -29,7 +29,7 @@ pub enum Shadow {
     Soft {
         /// Its radius, m.
         radius_m: f64,
-        /// Places of it that are looked for.
+        /// Light samples.
         samples: usize,
     },
 }
@@ -97,7 +97,7 @@ pub(super) fn sees(rays: &dyn Rays, start: RayStart, place: [f64; 3]) -> bool {
     meters <= start.from || !rays.occluded(start.origin, way.map(|v| v / meters), start.from, meters)
 }
 
-/// The share of a disc about `middle` that is seen from the start of a ray.
+/// Visible share of a disc about `middle` from the start of a ray.
 pub(super) fn share_seen(
     rays: &dyn Rays,
     start: RayStart,

@@ -1,15 +1,15 @@
-//! How much of a lamp is seen from many places at once, in f32.
+//! Visible share of a lamp from each point of a batch, in f32.
 
 use imaging::rays::{Rays, ShadowRays};
 use imaging::vectorized;
 
 use super::shadow::on_unit_disc;
 
-/// Places of a disc that are looked for first, on its rim: where all of them are seen, or none, the others are taken to be, too. What
-/// covers a part of a disc but no place of its rim is thinner than the disc.
+/// Rim samples of a disc, traced first: if all or none of them are occluded, the others are assumed equal. An occluder that covers
+/// a part of a disc but no rim sample is thinner than the disc.
 const FIRST: usize = 5;
 
-/// Looks through a scene; keeps what it allocates.
+/// Traces shadow rays through a scene and keeps its allocations.
 pub(super) struct Sight<'a> {
     rays: &'a dyn Rays,
     ways: ShadowRays,
@@ -17,7 +17,7 @@ pub(super) struct Sight<'a> {
     undecided: Vec<usize>,
 }
 
-/// Places that are looked from, off the surfaces there: the coordinates of one axis after the other.
+/// Ray origins, offset from the surfaces there: one coordinate axis after the other.
 #[derive(Default)]
 pub(super) struct Starts {
     axes: [Vec<f32>; 3],
@@ -32,7 +32,7 @@ impl Starts {
         self.axes.iter_mut().zip(place).for_each(|(axis, v)| axis.push(v));
     }
 
-    /// The lanes of so many places, to be written.
+    /// The writable lanes of `count` origins.
     pub(super) fn sized(&mut self, count: usize) -> [&mut [f32]; 3] {
         self.axes.each_mut().map(|axis| {
             axis.resize(count, 0.0);
@@ -62,7 +62,7 @@ pub(super) struct Disc {
 }
 
 impl Disc {
-    /// A disc of so many places; a single one is its middle.
+    /// A disc of `count` samples; a single one is its center.
     pub(super) fn new(count: usize) -> Self {
         let place = |k| on_unit_disc(k, count).map(|v| v as f32);
         let places = match count {
@@ -134,7 +134,7 @@ impl<'a> Sight<'a> {
         self.undecided = undecided;
     }
 
-    /// Begins ways to several places each: `fill` gives where they begin, axis by axis.
+    /// Starts several rays for each origin: `fill` writes the origins, axis by axis.
     fn begin(&mut self, fill: impl Fn(usize, &mut Vec<f32>)) {
         self.ways.clear();
         for (axis, from) in self.ways.from.iter_mut().enumerate() {

@@ -1,9 +1,9 @@
 //! The glow of a lamp with the shadows that things cast into the water.
 //!
-//! Of each ray the share of the glow that is lit is summed up at the middles of equal angles, `Σ V f / Σ f` with f the integrand,
-//! and multiplies the glow without shadows. An edge of a shadow lies in its angle anywhere: a share errs by at most the number of
-//! edges times half the greatest part of an angle in the sum. Rays of every second pixel are looked along; between them shares are
-//! read where the surface is one and the glow hardly changes by it.
+//! The lit share of the airlight of each ray is summed at the middles of equal angles, `Σ V f / Σ f` with f the integrand, and
+//! multiplies the airlight without shadows. An edge of a shadow can be anywhere in its angle: the error of a share is at most the
+//! number of edges times half the greatest part of an angle in the sum. Every second pixel has shadow rays; between them shares are
+//! interpolated on one surface if the airlight hardly changes by it.
 
 use std::f32::consts::FRAC_PI_2;
 
@@ -21,9 +21,10 @@ use crate::lamp::{Lamp, Lighting};
 
 /// Angles of a ray.
 const ANGLES: usize = 32;
-/// The glow is looked along from every so many columns and rows.
+/// Columns and rows from one ray with shadow samples to the next.
 const STEP: usize = 2;
-/// Of a lamp's share of the tolerance: where its whole glow is less, no shadow is looked for; and what is read may change by.
+/// Part of a lamp's share of the tolerance: a lamp with less airlight casts no shadow, and interpolation may change the light by
+/// it.
 const UNSEEN: f64 = 0.25;
 const READ: f64 = 0.5;
 
@@ -116,7 +117,7 @@ fn shares(
 /// The light of a lamp along rays, and where things hide it.
 struct Lights<'a> {
     lamp: &'a Lamp,
-    /// Light that arrives as it left, and of a spot what is spread on its way.
+    /// Unscattered lamp light, and the scattered lamp light of a spot.
     direct: Option<Glow>,
     spread: Option<Glow>,
 }
@@ -146,7 +147,7 @@ impl<'a> Lights<'a> {
             light: [[[0.0; RUN]; 3]; ANGLES],
             along: [[0.0; RUN]; ANGLES],
         });
-        // A spot's own light ends at its cone, but what is spread goes on: both are asked at the same places.
+        // Direct light of a spot ends at its cone, but scattered light does not: both use the same shadow samples.
         let whole = self.spread.is_some();
         match (self.lamp.beam, direct.profile.slope > 0.0) {
             (Beam::Spot { .. }, _) if whole => vectorized!(sum_up::<true, true>(direct, rays, &mut middles)),
@@ -216,7 +217,7 @@ fn sum_up<const SPOT: bool, const WHOLE: bool>(lamp: &Glow, rays: &Rays, middles
                 scattered::<SPOT, false, true>(lamp, at, (sin, cos))
             };
             (red[i], green[i], blue[i]) = (lamp.gain[0] * r, lamp.gain[1] * g, lamp.gain[2] * b);
-            // tan θ with θ = 2 β − π/2; a ray without end is not asked farther than surfaces lie.
+            // tan θ with θ = 2 β − π/2; an infinite ray is limited to the range of surfaces.
             let tangent = sin.mul_add(sin, -(cos * cos)) / (2.0 * sin * cos).max(1e-9);
             along[i] = to.distance[i]
                 .mul_add(tangent, to.nearest[i])

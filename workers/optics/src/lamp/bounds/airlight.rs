@@ -233,7 +233,7 @@ impl<'a> Bounded<'a> {
         let spreads = lighting
             .absorption
             .map(|a| [0, 1, 2].map(|i| self.spread(a[i], i, at)));
-        // Of all channels at once, by the widest of their kernels.
+        // For all channels together, by the widest of their kernels.
         let widest = spreads.map_or(0.0, |spreads| {
             spreads.iter().map(|[scale, _]| *scale).fold(0.0, f64::max)
         });

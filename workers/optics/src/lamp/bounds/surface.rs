@@ -8,7 +8,7 @@ use super::profile::{MARGIN, Profile, largest_sine};
 use super::{FADE, STEP, most_decayed};
 use crate::visible_bounds::{Tile, VisibleBounds};
 
-/// Largest ratio of ranges within a segment of rays, and the largest number of segments; the number takes precedence.
+/// Largest ratio of ranges within a segment of rays, and the largest number of segments; the limit of the number has precedence.
 const GROWTH: f64 = 1.12;
 const SEGMENTS: usize = 8;
 /// The fast form moves surfaces beyond a thousand kilometers to there: light that this changes, as a share of the intensity.
@@ -203,7 +203,7 @@ impl<'a> Bounded<'a> {
                     + all * lost * (0.7 * exponent_error + POWER);
                 light = (direct_profile.max(blur) * all).min(light + blur * joined);
                 error += blur_error * joined + blur * (all_error + FADE * (all + direct));
-                // What arrives as it left is taken from what is spread.
+                // Unscattered light is subtracted from spread light.
                 decaying = direct_profile.max(blur);
             }
             error += decaying * exponent_error * decayed;

@@ -52,7 +52,7 @@ impl<'a> Band<'a> {
         }
     }
 
-    /// What f32 may lose between rays of so many cells.
+    /// Rounding of f32 between rays with this number of cells.
     pub(super) fn rounding(&self, cells: usize) -> f64 {
         PLACE * cells as f64 * f64::from(self.steepest)
     }
@@ -61,7 +61,7 @@ impl<'a> Band<'a> {
 /// A block of pixels between four rays, those above first, of each degree of murkiness.
 pub(super) struct Block<'a> {
     corners: Vec<[Ray<'a>; 4]>,
-    /// How light bends from a cell on; none where it is read from lines.
+    /// Second differences from a cell to the next; empty for linear interpolation.
     first: usize,
     bends: Vec<Bend>,
     /// Its columns.
@@ -85,7 +85,7 @@ impl<'a> Block<'a> {
 }
 
 impl Frame<'_> {
-    /// Reads the light of some blocks of a row, row by row of pixels: these lie one after the other in memory.
+    /// Interpolates the light of some blocks of a row, row by row of pixels, in the order of memory.
     pub(super) fn read(
         &self,
         band: &mut Band<'_>,
@@ -160,7 +160,7 @@ pub(super) fn lanes(row: &[f32], rest: f32) -> Block16 {
     lanes
 }
 
-/// The light of a row of pixels; none of those below 0. All lanes are computed in every cell that a pixel ends in.
+/// The light of a row of pixels; 0 for negative places. All lanes are computed in every end cell of a pixel.
 #[inline(always)]
 fn read_row(
     block: &Block<'_>,
