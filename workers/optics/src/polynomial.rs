@@ -99,7 +99,7 @@ fn to_monomials<const N: usize>(series: [f64; N]) -> [f64; N] {
     sum
 }
 
-/// Gaussian elimination with pivots; a system without a solution gets zeros for what it does not determine.
+/// Gaussian elimination with pivots; undetermined unknowns are 0.
 fn solve<const N: usize>(mut matrix: [[f64; N]; N], mut right: [f64; N]) -> [f64; N] {
     for column in 0..N {
         let pivot = (column..N)

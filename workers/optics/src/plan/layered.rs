@@ -1,6 +1,6 @@
 //! Forward scatter of one channel with two kernels in each path, or behind gates.
 //!
-//! Each layer and each of its kernels has nodes of its own: a wide kernel needs few, and those of low frequencies only.
+//! Each layer and each of its kernels has separate nodes: a wide kernel needs few, and only low frequencies.
 
 mod two;
 
@@ -18,7 +18,7 @@ use crate::layering::Layering;
 use crate::water::Scatter;
 use two::{Behind, Two};
 
-/// Layers between gates have narrow spans, and kernels that follow from the range of the gates: similar frames share none of them.
+/// Layers between gates have narrow spans, and kernels that follow from the range of the gates: similar frames do not share them.
 const GATED_SPAN_STEP: f64 = 1.0 / 256.0;
 /// Coarse rows may use up this share of the error of the kernels.
 const COARSE_SHARE: f64 = 1.0 / 16.0;
@@ -169,7 +169,7 @@ impl<'a> Choice<'a> {
         choice
     }
 
-    /// Takes so many nodes.
+    /// Sets the number of nodes.
     fn take(&mut self, terms: usize) {
         self.terms = terms;
         let nodes = self.ladders.iter().map(|ladder| ladder.nodes(self.part, terms));
@@ -189,7 +189,7 @@ struct Ladder {
 }
 
 impl Ladder {
-    /// So many nodes, and the largest error at the camera.
+    /// `terms` nodes, and the largest error at the camera.
     fn nodes(&self, part: &Part, terms: usize) -> (Nodes, f64) {
         let span = (self.span.0 + self.origin, self.span.1 + self.origin);
         let nodes = part.with_passing(Nodes::chebyshev_from(self.origin, span, terms));
@@ -201,7 +201,7 @@ impl Ladder {
 }
 
 impl Part {
-    /// Nodes of which one is the scale of the light that passes the gate behind.
+    /// Nodes including the scale of the light that passes the gate behind.
     fn with_passing(&self, nodes: Nodes) -> Nodes {
         match self.passing {
             Some(gamma) => nodes.with_node_at(gamma),
@@ -339,7 +339,7 @@ fn parts_of_layers(need: &ScatterNeed<'_>) -> Vec<[Option<Part>; 2]> {
             Some(Passage::Through(behind)) => Some(behind.gate),
             _ => None,
         };
-        // What is hidden takes ranges and light of its layer, in any combination.
+        // Occluded pixels have any combination of the ranges and light of their layer.
         let lit = span.map_or(Vec::new(), |(near, far)| {
             let light = gates::brightest(bounds, water, channel, (near, far));
             let steps = steps((near, far)).map(|step| (step, spread_by(light, step)));

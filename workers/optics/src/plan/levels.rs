@@ -43,7 +43,7 @@ pub fn frame_tolerance(
     }
 }
 
-/// The largest error in linear light that is asked for.
+/// The tolerance in linear light of a fidelity.
 pub(super) fn tolerance(bounds: &SceneBounds, water: &Water, fidelity: Fidelity) -> Option<f64> {
     match fidelity {
         Fidelity::Tolerance(tolerance) => Some(tolerance),
@@ -107,8 +107,8 @@ fn brightest_direct(bounds: &SceneBounds, water: &Water, channel: usize) -> f64 
     direct.fold(0.0, f64::max)
 }
 
-/// The error in linear light that changes no 8-bit code by more than one: `(1/255) / (0.4396 L^{−0.5833})` where no light is
-/// below L > 0.0031, else what the steep foot of the curve allows (12.92).
+/// The error in linear light that changes no 8-bit code by more than one: `(1/255) / (0.4396 L^{−0.5833})` if no light is below L >
+/// 0.0031, else the limit from the steep foot of the curve (12.92).
 #[must_use]
 pub fn display_tolerance(bounds: &SceneBounds, water: &Water) -> f64 {
     const FOOT: f64 = 0.003_130_8;
@@ -172,12 +172,12 @@ pub(super) fn levels(bounds: &SceneBounds, water: &Water, channel: usize) -> (f6
         let (low, high) = (dark - veil, bright - veil);
         return (veil + arriving(low, low < 0.0), veil + arriving(high, high > 0.0));
     }
-    // A hole shows the scene itself where the water attenuates nothing, and the veil where it does.
+    // A hole shows the scene if the water attenuates nothing, otherwise the veil.
     let darkest = dark * (-direct * farthest).exp();
     (if bounds.holes { 0.0 } else { darkest }, bright.max(0.0) + veil)
 }
 
-/// What is lost if the water's attenuation is left out; none where that cannot be bounded.
+/// Error of omitting the water's attenuation; `None` if it has no bound.
 pub(super) fn attenuation_effect(bounds: &SceneBounds, water: &Water, channel: usize) -> f64 {
     let Some((_, farthest)) = bounds.range_m.filter(|_| !bounds.holes) else {
         return f64::INFINITY;
@@ -191,7 +191,7 @@ pub(super) fn attenuation_effect(bounds: &SceneBounds, water: &Water, channel: u
         is_varied,
     } = Channel::of_scene(bounds, water, channel);
     if is_varied {
-        // The veil of daylight is a stage of its own.
+        // The veil of daylight is a separate stage.
         return bright * -(-direct * farthest).exp_m1();
     }
     if direct == back {

@@ -9,7 +9,7 @@ const AIRLIGHT: f64 = 0.25;
 const LAMP_ROUNDING: f64 = 0.125;
 /// Share of clouds of sediment, used only if it leaves them out.
 const SEDIMENT: f64 = 0.125;
-/// Share of the snow: wider discs cost next to nothing.
+/// Share of the snow: wider discs are almost free.
 const SNOW: f64 = 0.04;
 /// Share of light without shadow rays.
 const UNSHADOWED: f64 = 1.0 / 16.0;

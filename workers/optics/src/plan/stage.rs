@@ -32,7 +32,7 @@ pub enum StageId {
     Turbidity,
     /// The veil by direction.
     Veil,
-    /// Occlusion of the daylight that the veil comes from.
+    /// Occlusion of the daylight that causes the veil.
     VeilOcclusion,
     /// Occlusion-aware forward scatter: gates that stop spread light.
     Occlusion,
@@ -247,7 +247,7 @@ impl Stage {
         self
     }
 
-    /// Whether nothing bounds the error of running it, or of leaving it out.
+    /// Whether the error of the stage, or of its omission, is unbounded.
     #[must_use]
     pub fn is_unbounded(&self) -> bool {
         self.bound.is_none() && self.variant != Variant::Reference

@@ -15,7 +15,7 @@ const LEAST_SHARE: f64 = 0.125;
 /// Spread light of several pixels with kernels of different widths may add up in one pixel to this much.
 pub(super) const PILED_UP: f64 = 2.0;
 /// Nanoseconds per pixel, measured at 768×492 on one core of an AMD EPYC with AVX-512: attenuation, a veil by direction of all
-/// channels, each channel that is transformed, each of its kernels, and each gate of a channel.
+/// channels, each transformed channel, each of its kernels, and each gate of a channel.
 const ATTENUATION_NS: f64 = 1.5;
 pub(super) const VEIL_NS: f64 = 10.0;
 const CHANNEL_NS: f64 = 7.8;

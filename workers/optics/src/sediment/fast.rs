@@ -1,4 +1,5 @@
-//! Clouds on few rays: what they let through and add up to each distance, and every pixel between its four rays and two distances.
+//! Clouds on few rays: transmittance and added light up to each distance; pixels are interpolated between four rays and two
+//! distances.
 
 use imaging::{Plane, Rgb, cancel};
 
@@ -9,17 +10,17 @@ const CELL_PX: usize = 6;
 /// Distances of a ray.
 const SLICES: usize = 48;
 
-/// What clouds do up to some distances on some rays.
+/// Transmittance and added light of clouds up to some distances on some rays.
 #[derive(Debug, Clone)]
 pub struct Layers {
     columns: usize,
     /// Length of a slice, m.
     step: f64,
-    /// For each ray and distance, the nearest first: what is let through and what is added, R, G, B.
+    /// For each ray and distance, the nearest first: transmittance and added light, R, G, B.
     nodes: Vec<[f32; 6]>,
     /// Whether any cloud is met.
     is_clear: bool,
-    /// What [`Clouds::most_opacity`] says of them.
+    /// See [`Clouds::most_opacity`].
     most_opacity: f64,
 }
 
@@ -117,7 +118,7 @@ impl Layers {
         mask
     }
 
-    /// What is let through in green on the way to a place in the picture at this range.
+    /// Transmittance in green up to a point of the picture at this range.
     #[must_use]
     pub fn clear_to(&self, [x, y]: [f64; 2], range_m: f64, size: (usize, usize)) -> f64 {
         if self.is_clear {

@@ -1,4 +1,4 @@
-//! Clouds in f64: every pixel's own ray in fine steps.
+//! Clouds in f64: one ray in fine steps for every pixel.
 
 use imaging::{Plane, Rgb};
 
