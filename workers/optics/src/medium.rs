@@ -119,7 +119,7 @@ impl Surroundings {
         }
     }
 
-    /// Whether daylight is absent: darkness is described, or lamps are on and neither daylight nor a depth is given.
+    /// Whether daylight is absent: the description disables it, or lamps are on and neither daylight nor a depth is given.
     #[must_use]
     pub fn is_night(&self, depth_m: Option<f64>) -> bool {
         match self.daylight {

@@ -33,8 +33,8 @@ const SIZES: [(usize, usize); 8] = [
 const FLOAT: f64 = 1e-6;
 
 /// Largest error with a given number of kernels, for light up to 1 and kernel scales within a ratio of 45. Interpolation at
-/// Chebyshev nodes converges geometrically; published trials on smooth scenes report 1.9e-3, 2e-4, 1.1e-5 and 3e-7 for the
-/// first four, and noise, which these scenes are full of, takes up to half as much again with four.
+/// Chebyshev nodes converges geometrically; published trials on smooth scenes report 1.9e-3, 2e-4, 1.1e-5 and 3e-7 for the first
+/// four, and noise, common in these scenes, has up to half more with four.
 const BY_TERMS: [(usize, f64); 5] = [(4, 3.5e-3), (6, 4e-4), (8, 9e-5), (12, 3e-6), (16, FLOAT)];
 
 /// Both forms, and both sources of the first. Spread differs between the channels: pixels to subpixels.
@@ -125,7 +125,7 @@ fn largest_error(fast: &Layers, exact: &Layers<f64>) -> f64 {
         .fold(0.0, |worst, e| if e <= worst { worst } else { e })
 }
 
-/// Runs every scene, form and size, and returns what exceeds its limit.
+/// Runs every scene, form and size, and returns all errors above the limit.
 fn sweep(
     scenes: &[Scene],
     forms: &[(&str, Water)],

@@ -15,7 +15,7 @@ const RUN: usize = 16;
 
 /// The lit bins, nearest first.
 pub(super) fn binned(radiance: &Rgb<f32>, gains: Option<&TileGains>, range: &Plane<f32>) -> Vec<RangeBin> {
-    // Ranges of a hole: dark pixels add to no bin.
+    // Brightness 0 marks an empty bin: a dark pixel spreads no light.
     let mut brightest = vec![[0.0f32; 3]; BINS];
     let planes = radiance.planes();
     match gains {

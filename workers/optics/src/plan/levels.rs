@@ -177,7 +177,7 @@ pub(super) fn levels(bounds: &SceneBounds, water: &Water, channel: usize) -> (f6
     (if bounds.holes { 0.0 } else { darkest }, bright.max(0.0) + veil)
 }
 
-/// Error of omitting the water's attenuation; `None` if it has no bound.
+/// Error of omitting the water's attenuation; infinite if it has no bound.
 pub(super) fn attenuation_effect(bounds: &SceneBounds, water: &Water, channel: usize) -> f64 {
     let Some((_, farthest)) = bounds.range_m.filter(|_| !bounds.holes) else {
         return f64::INFINITY;

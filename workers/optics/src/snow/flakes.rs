@@ -28,7 +28,7 @@ pub struct Flake {
     pub range_m: f64,
     /// Where it is in the picture, pixels.
     pub center: [f64; 2],
-    /// What it looks like there.
+    /// Its disc in the picture.
     pub spot: Spot,
     /// Opacity in the middle of the spot without any water.
     pub opacity: f64,
@@ -132,7 +132,7 @@ impl<'a> Cells<'a> {
     ) -> Self {
         let side = (PER_CELL / snow.density_per_m3).cbrt().min(WIDEST_CELL_M);
         let camera = &eye.camera;
-        // Half a streak on either side, and as much for what moves towards the camera from beside the frame.
+        // Half a streak on either side, and the same for particles that move towards the camera from outside the frame.
         let speed = snow.drift_m_per_s.map_or(0.0, |drift| dot(drift, drift).sqrt());
         let drawn_out = (camera.focal_px * speed * seeing.exposure_s / snow.near_m).min(MOST_STREAK_PX);
         let slopes = [(width, camera.cx), (height, camera.cy)].map(|(pixels, middle)| {
@@ -251,7 +251,7 @@ impl<'a> Cells<'a> {
     }
 }
 
-/// Cells within ±2^17 along each axis have addresses of their own, with room for their particles.
+/// Cells within ±2^17 along each axis have distinct addresses, with room for their particles.
 fn address(cell: [i64; 3]) -> u64 {
     let place = cell.map(|v| v.wrapping_add(1 << 17) as u64 & 0x3_ffff);
     (place[0] << 46) | (place[1] << 28) | (place[2] << 10)

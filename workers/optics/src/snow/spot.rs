@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-/// Nothing is drawn smaller than this, px.
+/// Minimum radius of a disc, px.
 const LEAST_PX: f64 = 0.5;
 
 /// The opacity of a particle about its middle, as a share of that in the middle: 1 up to `radius − edge` from its way, 0 from
@@ -19,8 +19,8 @@ pub struct Spot {
 }
 
 impl Spot {
-    /// The spot of a particle of so many pixels' radius, and its opacity in the middle, so that opacity times area is that of
-    /// the particle itself. `blur` is the radius of the circle of confusion, `streak` the way in the picture.
+    /// The spot of a particle with a radius of `size` pixels, and its opacity in the middle, so that opacity times area equals that
+    /// of the particle. `blur` is the radius of the circle of confusion, `streak` the motion in the picture.
     pub(super) fn of(size: f64, blur: f64, streak: [f64; 2]) -> (Self, f64) {
         let radius = size.max(blur).max(LEAST_PX);
         let edge = size.min(blur).max(LEAST_PX);

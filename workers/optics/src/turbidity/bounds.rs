@@ -1,4 +1,4 @@
-//! Bounds of the mean factor over many stretches of rays at once.
+//! Bounds of the mean factor over many stretches of rays.
 
 use imaging::vector::dot;
 

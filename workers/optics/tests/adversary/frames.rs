@@ -36,12 +36,12 @@ pub(crate) struct Frame {
     pub(crate) radiance: Rgb<f32>,
     /// Meters along the ray.
     pub(crate) range: Plane<f32>,
-    /// Water that attenuates everything at once and absorbs nothing, or nothing at all.
+    /// Water with attenuation and without absorption, or clear water.
     pub(crate) water: Water,
 }
 
 impl Attack {
-    /// The frame; none where the plan interpolates nothing.
+    /// The frame; `None` if the plan does not interpolate.
     ///
     /// # Panics
     /// When the water is refused.
@@ -120,7 +120,7 @@ impl Attack {
         water
     }
 
-    /// What the plan for such ranges interpolates between.
+    /// Interpolation nodes of the plan for such ranges.
     fn nodes(&self, radiance: &Rgb<f32>, range: &Plane<f32>, water: &Water) -> Option<Nodes> {
         let stats = SceneBounds::measure(radiance, range, water);
         let plan = Plan::for_water(&stats, water, Fidelity::Tolerance(self.tolerance));
@@ -130,7 +130,7 @@ impl Attack {
         }
     }
 
-    /// By how much interpolation changes what the target gets of every pixel, were it of this scale.
+    /// Change of the target's light by interpolation, for every pixel as if it had this scale.
     fn errors(&self, gamma: f64, nodes: &Nodes) -> Plane<f64> {
         let place = |gamma: f64| (gamma + 0.3).ln();
         let count = nodes.terms();

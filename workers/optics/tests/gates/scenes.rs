@@ -101,7 +101,7 @@ impl Draw {
     }
 }
 
-/// A frame so wide that what is hidden is filled on coarse rows.
+/// A frame so wide that occluded pixels are filled on coarse rows.
 pub(crate) const WIDE: (usize, usize) = (640, 8);
 
 /// Random scene number `index`, of a small frame if no size is given.
@@ -290,8 +290,8 @@ impl Slant {
     }
 }
 
-/// Plates at close ranges. The gate of the nearer cut is the farther one, so light from the other gate is divided by the response of a
-/// longer path than its own.
+/// Plates at close ranges. The gate of the nearer cut is the farther one, so light from the other gate is divided by the response
+/// of a path longer than its actual one.
 pub(crate) fn gates_in_reverse_order(scattering: f64) -> Scene {
     let water = Gated {
         absorption: 1e-6,

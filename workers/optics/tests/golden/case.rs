@@ -58,7 +58,7 @@ pub(crate) struct Array {
 }
 
 impl Case {
-    /// A case of which every parameter is known.
+    /// A case with only known parameters.
     pub(crate) fn read(folder: &Path) -> Self {
         let case = Self::open(folder);
         for key in case.parameters.keys() {
@@ -110,7 +110,7 @@ impl Case {
         text.unwrap_or_default().to_owned()
     }
 
-    /// Panics where a text is given and says something else than one of `known`.
+    /// Panics if a text is given and is not one of `known`.
     pub(crate) fn expect_text(&self, key: &str, known: &[&str]) {
         let text = self.text(key);
         assert!(
@@ -168,8 +168,8 @@ impl Case {
             .unwrap_or_else(|| panic!("{}: {name}.npy is missing", self.folder.display()))
     }
 
-    /// Linear radiance of the input, whatever its form: the array that `input` names, else `input_linear` or `input_srgb`.
-    /// Integer codes are sRGB and floats linear unless `transfer` says otherwise.
+    /// Linear radiance of the input in any of its forms: the array named by `input`, else `input_linear` or `input_srgb`. Integer
+    /// codes are sRGB and floats linear unless `transfer` overrides it.
     pub(crate) fn radiance(&self) -> Rgb<f64> {
         let named = self.text("input");
         let array = if named.is_empty() {

@@ -35,7 +35,7 @@ const OTF: f64 = 1e-8;
 /// Share of 8-bit codes that may differ by one: rounding alone, and rounding after a tolerance of [`ONE_CODE`].
 const CODES_EXACT: f64 = 1e-3;
 const CODES_SCATTER: f64 = 1e-2;
-/// Light of lamps, as a share of the frame's peak: what the vectors promise, and what the fast form is asked for.
+/// Light of lamps, as a share of the frame's peak: accuracy of the vectors, and tolerance of the fast form.
 const LAMPS: f64 = 1e-5;
 const LAMPS_ASKED: f64 = 5e-6;
 
@@ -101,7 +101,7 @@ fn hole_rule(text: &str) -> HoleRule {
     }
 }
 
-/// None of a frame that is too large for the reference.
+/// `None` for a frame too large for the reference.
 fn exact(case: &Case) -> Option<Layers<f64>> {
     match chain::water_reference(&case.radiance(), &case.range(), &water(case)) {
         Ok(layers) => Some(layers),
@@ -381,7 +381,7 @@ pub(crate) fn airlight(case: &Case) {
         .values
         .into_iter()
         .fold(0.0, f64::max);
-    // What is compared is scaled to a peak of at most 1.
+    // The compared light is scaled to a peak of at most 1.
     let tolerance = LAMPS * peak / peak.max(1.0);
     case.compare("output_linear", &exact, tolerance, "reference");
     let fast = lamp::airlight(&range.map(|&z| z as f32), &lighting, LAMPS_ASKED * peak).light;

@@ -29,7 +29,7 @@ fn points(places: &[[f64; 3]]) -> Vec<Lamp> {
         .collect()
 }
 
-/// Four lamps beside the camera as points and as spots, and four in view.
+/// Four lamps next to the camera as points and as spots, and four in view.
 fn cases() -> [(&'static str, Vec<Lamp>); 3] {
     let beside = corners(|x, y| [0.4 * x, 0.25 * y, 0.0]);
     let spot = |p: &[f64; 3]| Lamp::spot(*p, [1.0; 3], [-0.25 * p[0], 0.0, 1.0], 35.0).unwrap();
@@ -96,7 +96,7 @@ fn the_fast_form_stays_within_its_tolerance_of_the_reference() {
     }
 }
 
-/// Spots beside the camera, whose spread light is read between rays and degrees of murkiness.
+/// Spots next to the camera, whose spread light is interpolated between rays and degrees of turbidity.
 #[test]
 fn light_scattered_more_than_once_stays_within_its_tolerance() {
     let size = (67, 29);
@@ -112,7 +112,7 @@ fn light_scattered_more_than_once_stays_within_its_tolerance() {
         for tolerance in [3e-4, 1e-5] {
             let fast = lamp::airlight(&range, &lighting, tolerance);
             let error = worst(&fast.light, &exact);
-            // Of the smaller one the halvings may leave a little more, and say so.
+            // For the smaller one the halvings may leave a larger error, which the report includes.
             assert!(
                 fast.left <= tolerance.max(2e-5),
                 "{contrast}, {scale_m} m: {:e}",

@@ -61,7 +61,7 @@ impl<'a> Band<'a> {
 /// A block of pixels between four rays, those above first, of each degree of murkiness.
 pub(super) struct Block<'a> {
     corners: Vec<[Ray<'a>; 4]>,
-    /// Second differences from a cell to the next; empty for linear interpolation.
+    /// Cell of the first of `bends`, which is empty for linear interpolation.
     first: usize,
     bends: Vec<Bend>,
     /// Its columns.
