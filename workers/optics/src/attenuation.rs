@@ -45,7 +45,7 @@ pub fn one_minus_exp_negative(x: f32) -> f32 {
 /// The same, given `exp(−x)`.
 #[inline(always)]
 fn one_minus(x: f32, exp: f32) -> f32 {
-    // Both are computed, so that the choice is a selection and no branch.
+    // Both are computed, so that the choice compiles to a selection instead of a branch.
     let small = x
         * (1.0
             - x * (0.5
@@ -68,7 +68,7 @@ pub fn scattered_share(g: f32, excess: f32, z: f32) -> f32 {
     reason = "NaN has to become 0, and stays NaN through clamp"
 )]
 pub(crate) fn masked(z: f32) -> (bool, f32) {
-    // No short circuit and no constant in place of a hole: either would become a branch, and the loop scalar.
+    // A short circuit or a constant for a hole would become a branch and prevent vectorization.
     let (far_enough, finite) = (z >= SHORTEST_M, z <= f32::MAX);
     (far_enough & finite, z.max(0.0).min(f32::MAX))
 }
@@ -86,7 +86,7 @@ pub(crate) struct Channel {
     pub(crate) veil: f32,
 }
 
-/// What attenuation makes of one channel, all of the length of the frame.
+/// Attenuated planes of one channel, each of the length of the frame.
 pub(crate) struct Attenuated<'a> {
     /// D.
     pub(crate) direct: &'a mut [f32],
@@ -96,8 +96,8 @@ pub(crate) struct Attenuated<'a> {
     pub(crate) image: &'a mut [f32],
 }
 
-/// `D = J exp(−β_D Z)` and `B = B∞ (1 − exp(−β_B Z))`. At a hole, where the path has no end: if the water attenuates no D and
-/// all of B∞, otherwise J and no veil.
+/// `D = J exp(−β_D Z)` and `B = B∞ (1 − exp(−β_B Z))`. At a hole the path is infinite: if the water attenuates, D is 0 and B is B∞;
+/// otherwise D is J and B is 0.
 pub(crate) fn attenuate(radiance: &[f32], range: &[f32], channel: Channel, mut to: Attenuated<'_>) {
     let Channel {
         direct, backscatter, ..

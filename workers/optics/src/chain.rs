@@ -26,7 +26,7 @@ pub use reference::water as water_reference;
 pub struct Layers<T = f32> {
     /// D: light of the scene that arrives unscattered.
     pub direct: Rgb<T>,
-    /// F: light that arrives scattered forward. In the simplified form: what gathering changed, which may be negative.
+    /// F: light that arrives scattered forward. In the simplified form: the change by gathering, which may be negative.
     pub forward_scatter: Rgb<T>,
     /// B: the veil.
     pub backscatter: Rgb<T>,

@@ -1,8 +1,8 @@
 //! Daylight: how bright the water is in every direction, the veil that follows, and the light on surfaces.
 //!
-//! Radiance in open water is solved by radiative transfer ([`transport`]) once for each channel of a frame and then kept in a form
-//! that is cheap at every pixel ([`field`]). Irradiance falls with depth as `E(z) = E(0) e^{−K z}`, with K such that E at the camera is
-//! that of the solution.
+//! Radiance in open water is solved by radiative transfer ([`transport`]) once for each channel of a frame and stored in a form
+//! that is cheap to evaluate at every pixel ([`field`]). Irradiance falls with depth as `E(z) = E(0) e^{−K z}`, with K chosen to
+//! match the solution at the camera.
 
 mod caustics;
 mod field;
@@ -52,7 +52,7 @@ pub(crate) enum DaylightEffect {
     VeilOcclusion,
 }
 
-/// Light from above in one water, as one camera meets it.
+/// Daylight in one water, for one camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Daylight {
     pub(crate) surfaces: SurfaceLight,
@@ -82,7 +82,7 @@ pub struct Daylight {
 }
 
 impl Daylight {
-    /// Leaves an effect out.
+    /// Disables an effect.
     pub(crate) fn leave_out(&mut self, effect: DaylightEffect) {
         match effect {
             DaylightEffect::SunShadow => {

@@ -32,7 +32,7 @@ pub fn pixel(i: i64, j: i64, gamma: f64) -> f64 {
     corner(x + 0.5, y + 0.5) - corner(x - 0.5, y + 0.5) - corner(x + 0.5, y - 0.5) + corner(x - 0.5, y - 0.5)
 }
 
-/// Beyond 20 pixels (and 20 γ) the cancellation in the exact form costs more than the series leaves out.
+/// Beyond 20 pixels (and 20 γ) the cancellation in the exact form is worse than the truncation of the series.
 const FAR_R2: f64 = 400.0;
 
 /// Light that stays on its pixel: `k(0,0) = (2/π) atan(1 / (4γ √(γ² + ½)))`.

@@ -1,4 +1,4 @@
-//! Lamps in the water: point and spot lamps, the light they throw on surfaces and the glow of the water before them.
+//! Lamps in the water: point and spot lamps, their light on surfaces and their airlight.
 //!
 //! A lamp of intensity I₀ per steradian at P lights a point X at the distance r = |X − P| with `E = I₀ S e^{−c r} max(n·l, 0) /
 //! r²`. The surface reflects J E / π, which propagates through the water like other light of the scene. Single scattering of lamp
@@ -64,7 +64,7 @@ use beam::Beam;
 
 /// Radius of a lamp in meters. Distances to the lamp are clamped to it, so that its light is bounded.
 pub const LAMP_RADIUS_M: f64 = 0.02;
-/// A shorter axis has no direction.
+/// The direction of a shorter axis is undefined.
 const SHORTEST_AXIS: f64 = 1e-6;
 
 /// A lamp.
@@ -199,7 +199,7 @@ impl Lamp {
         self.shadow
     }
 
-    /// Whether things cast shadows into its glow, too.
+    /// Whether occluders cast shadows into its airlight, too.
     #[must_use]
     pub fn casts_into_water(&self) -> bool {
         self.glow_shadow
@@ -251,9 +251,9 @@ pub struct Lighting {
     pub attenuation: [f64; 3],
     /// Scattering b.
     pub scattering: [f64; 3],
-    /// Absorption a where light that scatters more than once is followed; none: it is lost.
+    /// Absorption a if multiple scattering is modeled; `None`: multiply scattered light is lost.
     pub absorption: Option<[f64; 3]>,
-    /// The phase function of the glow.
+    /// The phase function of the airlight.
     pub phase: GlowPhase,
     /// Patches of turbidity in camera axes; `None` in even water.
     pub patches: Option<Field>,

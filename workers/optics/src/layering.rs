@@ -13,7 +13,7 @@ const BEHIND: f64 = 1.25;
 const NEAR: f64 = 1.5;
 /// Number of candidate ranges for cuts.
 const CANDIDATES: usize = 64;
-/// Edges that no cut has to serve, as a share of all.
+/// Share of edges that cuts need not serve.
 const LEFT: f64 = 0.02;
 
 /// The cuts and gates of a frame, nearest first.
@@ -35,7 +35,7 @@ struct Edge {
 }
 
 impl Edge {
-    /// Whether a cut divides the two near the one that hides.
+    /// Whether a cut divides the two near the occluder.
     fn is_served(self, cut: f64) -> bool {
         self.near <= cut && cut < self.far.min(NEAR * self.near)
     }

@@ -35,7 +35,7 @@ pub struct Medium {
     pub ambient: Ambient,
     /// Kernels of forward scatter by the Jaffe–McGlamery form.
     pub kernels: Kernels,
-    /// Most layers of occlusion-aware forward scatter; `None`: near objects occlude no scattered light.
+    /// Most layers of occlusion-aware forward scatter; `None`: without occlusion.
     pub layers: Option<usize>,
     /// The phase function of the airlight of lamps.
     pub airlight_phase: PhaseFunction,

@@ -13,7 +13,7 @@ pub enum OwnError {
     /// Wavelengths out of order.
     #[error("wavelength_nm is {0:?}: red, green and blue must fall in this order")]
     Order([f64; 3]),
-    /// The numbers contradict each other or leave a gap.
+    /// The numbers contradict each other or are incomplete.
     #[error(transparent)]
     Water(#[from] WaterError),
     /// A self-test fails.

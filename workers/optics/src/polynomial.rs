@@ -28,7 +28,7 @@ impl<const N: usize> Polynomial<N> {
         self.0.iter().rev().fold(0.0, |sum, c| sum * x + c)
     }
 
-    /// `Σ |c_i| (1 + i)`: no value and no slope on −1..=1 is larger.
+    /// `Σ |c_i| (1 + i)`: an upper bound of values and slopes on −1..=1.
     #[must_use]
     pub(crate) fn magnitude(&self) -> f64 {
         let terms = self.0.iter().enumerate();

@@ -57,7 +57,7 @@ pub struct Preset {
     pub veiling_light: Option<[f64; 3]>,
     /// Fields computed from the source's numbers, by the names of the job description.
     pub derived: Vec<&'static str>,
-    /// Below pure sea water and the like: to know, no reason to refuse.
+    /// Below pure sea water and similar: worth knowing, but not a defect.
     pub warnings: Vec<String>,
     /// Defects found by the self-tests.
     pub defects: Vec<String>,

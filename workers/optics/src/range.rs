@@ -8,7 +8,7 @@ use spec::HoleRule;
 /// The shortest range that is one, in meters: below it, and where it is not finite, the pixel is a hole.
 pub const SHORTEST_M: f64 = 1e-3;
 
-/// Whether a pixel's range is none: NaN, infinite, negative, zero or below a millimeter.
+/// Whether a pixel has no range: NaN, infinite, negative, zero or below a millimeter.
 #[inline(always)]
 #[must_use]
 pub fn is_hole(range: impl Into<f64>) -> bool {

@@ -22,12 +22,12 @@ use trail::Trail;
 const EDGE: f64 = 1.25;
 /// Near limit from the plane of the camera, m.
 const NEAR_M: f64 = 0.01;
-/// No ray is followed farther, m.
+/// Rays end here, m.
 const FAR_M: f64 = 1e4;
 /// Steps along a ray for each pixel that it passes.
 const STEPS: f64 = 2.0;
 const BISECTIONS: usize = 8;
-/// A surface is met where a ray is behind it by more than this share of its depth.
+/// A ray intersects a surface if it is behind it by more than this share of its depth.
 const ROUNDING: f64 = 1e-6;
 /// Thickness of a surface: meters, and a share of its range.
 const THICK_M: f64 = 0.05;
@@ -46,7 +46,7 @@ pub struct Screen {
 }
 
 impl Screen {
-    /// The scene of a range image in meters along the ray. It meets what [`Screen::reference`] meets, at the same places.
+    /// The scene of a range image in meters along the ray. It has the same intersections as [`Screen::reference`].
     #[must_use]
     pub fn new(range: &Plane<f32>, camera: Intrinsics) -> Self {
         let plain = Self::reference(range, camera);
@@ -74,7 +74,7 @@ impl Screen {
         }
     }
 
-    /// 1/z at a place of the picture: between four samples, or the nearest at edges and holes.
+    /// 1/z at a point of the picture: interpolated between four samples, or the nearest at edges and holes.
     fn at(&self, [x, y]: [f64; 2]) -> Option<f64> {
         let (width, height) = self.inverse.size();
         let inside = |v: f64, count: usize| v > -0.5 && v < count as f64 - 0.5;
@@ -97,7 +97,7 @@ impl Screen {
         Some((1.0 - v) * ((1.0 - u) * a + u * b) + v * ((1.0 - u) * c + u * d))
     }
 
-    /// The upper left one of the four samples around a place of the picture.
+    /// The upper left one of the four samples around a point of the picture.
     fn cell(&self, [x, y]: [f64; 2]) -> (usize, usize) {
         let (width, height) = self.inverse.size();
         let first = |v: f64, count: usize| (v.max(0.0) as usize).min(count.saturating_sub(2));
@@ -151,7 +151,7 @@ impl Screen {
     /// thickness.
     fn meet(&self, trail: &Trail) -> Option<f64> {
         let march = March::new(trail, self.inverse.size())?;
-        // Levels from 1 on are skipped by; at level 0 the steps themselves are looked at.
+        // Levels from 1 on skip squares; level 0 tests the steps themselves.
         let lowest = self.extent.as_ref().map_or(0, |extent| extent.top().min(1));
         let (mut step, mut level) = (0, 0);
         while step <= march.steps {
@@ -198,7 +198,7 @@ impl Screen {
         (is_before || is_behind).then_some(last)
     }
 
-    /// Whether a place of a trail is behind a surface, by no more than that is thick.
+    /// Whether a point of a trail is behind a surface, within its thickness.
     fn is_met(&self, trail: &Trail, share: f64) -> bool {
         self.behind(trail, share).is_some_and(|depth| {
             let range = trail.range(share);
@@ -208,7 +208,7 @@ impl Screen {
         })
     }
 
-    /// Where between a place before the surface and one behind it the ray meets it.
+    /// The intersection with a surface, between a point before it and one behind it.
     fn refine(&self, trail: &Trail, mut before: f64, mut behind: f64) -> f64 {
         for _ in 0..BISECTIONS {
             let middle = 0.5 * (before + behind);
@@ -287,7 +287,7 @@ impl Rays for Screen {
     fn hit(&self, origin: [f64; 3], direction: [f64; 3], from: f64, to: f64) -> Option<Hit> {
         let (origin, direction) = (Vector::from(origin), Vector::from(direction));
         if origin == Vector::from([0.0; 3]) {
-            // A line of sight is one place of the picture.
+            // A line of sight is one point of the picture.
             let trail = self.trail(origin, direction, NEAR_M / direction.z, f64::INFINITY)?;
             let distance = 1.0 / (self.at(trail.places[0])? * direction.z);
             return (distance >= from && distance <= to).then(|| self.hit_at(&trail, distance));

@@ -37,7 +37,7 @@ const RISE: f64 = 2.2;
 const WIDENING: f64 = 0.2;
 /// Radius of a thruster, m.
 const NOZZLE_M: f64 = 0.05;
-/// Beyond this no cloud is followed, m.
+/// Clouds are rendered up to here, m.
 pub const FAR_M: f64 = 15.0;
 /// Height of a picture's camera above the bottom if it is not given, m.
 const ABOVE_M: f64 = 1.5;
@@ -68,7 +68,7 @@ pub struct Clouds {
 pub struct Murk<'a> {
     /// Beam attenuation c, 1/m.
     pub attenuation: [f64; 3],
-    /// Meters of water of this attenuation on the way to a point in camera axes at this range.
+    /// Meters of water of this attenuation up to a point in camera axes at this range.
     pub path: &'a dyn Fn([f64; 3], f64) -> f64,
     /// Radiance of a white particle at each of some points in camera axes.
     pub light: WhiteLight<'a>,
@@ -119,7 +119,7 @@ impl Clouds {
             return 0.0;
         }
         let world = self.eye.to_world(place).map(|v| v / self.law.scale_m);
-        // Of the banks: what their height leaves of the noise, and whether there is any.
+        // Of the banks: the noise left at their height, and whether there is any.
         let rise = (height.max(0.0) / self.law.height_m).powi(2);
         let lift = if self.law.cover > 0.0 {
             SPREAD * (self.cut() - RISE * rise)
@@ -135,7 +135,7 @@ impl Clouds {
         smooth((noise + lift).max(jet + 1.5 * noise) / self.law.edge)
     }
 
-    /// The light of white clouds at some places times their albedo.
+    /// The light of white clouds at some points times their albedo.
     fn colors(&self, murk: &Murk<'_>, places: impl Iterator<Item = [f64; 3]>) -> Vec<[f64; 3]> {
         let mut colors = (murk.light)(&places.collect::<Vec<_>>());
         for color in &mut colors {
@@ -161,7 +161,7 @@ impl Clouds {
         -(-self.law.extinction_per_m * farthest).exp_m1()
     }
 
-    /// Whether any pixel shows a place that is as low as banks may be high.
+    /// Whether any pixel shows a point below the greatest height of banks.
     fn shows_banks(&self, range: &Plane<f32>) -> bool {
         let (width, height) = range.size();
         let top = self.law.height_m * ((self.cut() + MOST / SPREAD) / RISE).max(0.0).sqrt();
@@ -191,10 +191,10 @@ impl Clouds {
     }
 }
 
-/// No noise is larger.
+/// Upper bound of the noise.
 const MOST: f64 = 1.0;
 
-/// Up to where a pixel shows clouds, m; a hole has no end.
+/// Distance up to which a pixel shows clouds, m; limited at a hole.
 fn end(range: f32) -> f64 {
     if is_hole(range) {
         FAR_M

@@ -35,13 +35,13 @@ pub struct View {
 pub struct Setting {
     /// Columns and rows.
     pub size: (usize, usize),
-    /// The camera at its place.
+    /// The camera and its pose.
     pub eye: Eye,
     /// Against gravity in its axes.
     pub up: [f64; 3],
     /// The water; `None` without optics or without range.
     pub water: Option<Water>,
-    /// The water as the scene meets it once it is lit: its ambient light is applied to a scene that lamps light as well.
+    /// The water for a scene that is already lit: its ambient light is also applied to a scene with lamps.
     pub around: Option<Water>,
     /// Patches of turbidity in the axes of the world; `None` in even water.
     pub patches: Option<Field>,
@@ -155,7 +155,7 @@ impl Setting {
         })
     }
 
-    /// Leaves an effect out of lamps or daylight.
+    /// Disables an effect of lamps or daylight.
     pub fn leave_out(&mut self, effect: StageId) {
         if effect == StageId::LampShadows {
             for lamp in self.lighting.iter_mut().flat_map(|lighting| &mut lighting.lamps) {
@@ -202,7 +202,7 @@ impl Setting {
     }
 }
 
-/// Whether light from above is computed for each surface.
+/// Whether daylight is computed for each surface.
 fn lights_surfaces(water: &Water) -> bool {
     let above = water.daylight();
     above.is_some_and(|daylight| daylight.surfaces() != SurfaceLight::None)

@@ -138,14 +138,14 @@ pub struct World {
     pub index: u64,
 }
 
-/// What camera and current make of particles.
+/// Effect of camera and current on particles.
 #[derive(Clone, Copy)]
 pub struct Seeing<'a> {
     /// Radius of the circle of confusion at a range in meters, in pixels of the picture.
     pub blur_px: &'a dyn Fn(f64) -> f64,
     /// How long the shutter is open, s.
     pub exposure_s: f64,
-    /// For how long the current has carried the particles from their places, s.
+    /// Time that the current has carried the particles, s.
     pub time_s: f64,
 }
 
@@ -175,7 +175,7 @@ pub struct Surround<'a> {
     pub eye: &'a Eye,
     /// Beam attenuation c, 1/m.
     pub attenuation: [f64; 3],
-    /// Meters of water of this attenuation on the way to a point in camera axes at this range.
+    /// Meters of water of this attenuation up to a point in camera axes at this range.
     pub path: &'a dyn Fn([f64; 3], f64) -> f64,
     /// Radiance of a white particle at each of some points in camera axes.
     pub light: WhiteLight<'a>,

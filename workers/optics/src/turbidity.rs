@@ -1,4 +1,4 @@
-//! Patches of murkier and clearer water: a smooth field that multiplies every coefficient along the ray.
+//! Patches of turbid and clear water: a smooth field that multiplies every coefficient along the ray.
 //!
 //! With K waves of random direction and phase, `m(p) = 1 + k (|Σ e^{i(κ_j·p + φ_j)}|²/K − 1)`, k the contrast within 0..=1 and κ_j
 //! of normal components with the standard deviation 1/ℓ, ℓ the scale in meters. It is never negative, its mean is 1, its standard
@@ -30,7 +30,7 @@ use crate::snow::World;
 /// Rounding of f32 in a path over less than a hundred scales, as a share of it: the phases of the fastest cosines lose digits.
 const PATH_ROUNDING: f64 = 2e-6;
 
-/// What f32 may lose of a path up to this range, as a share of it; light errs by at most 1/e of that share.
+/// Rounding of f32 in a path up to this range, as a share of it; light errs by at most 1/e of that share.
 #[must_use]
 pub fn path_rounding(farthest_m: f64, scale_m: f64) -> f64 {
     PATH_ROUNDING * (1.0 + farthest_m / (100.0 * scale_m))
@@ -127,7 +127,7 @@ impl Field {
         self.path_from([0.0; 3], direction, meters)
     }
 
-    /// The same from any place.
+    /// The same from any point.
     #[must_use]
     pub fn path_from(&self, origin: [f64; 3], direction: [f64; 3], meters: f64) -> f64 {
         let sum: f64 = self

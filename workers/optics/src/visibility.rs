@@ -120,7 +120,7 @@ mod tests {
         assert!(scores.windows(2).all(|pair| pair[1] < pair[0]), "{scores:?}");
         assert!(card(2.0, 2.0).after < card(2.0, 1.0).after);
         assert!(card(1.0, 1.0).is_visible() && !card(30.0, 1.0).is_visible());
-        // Computed by hand: contrast 0.4 T / (0.8 T + 0.6 (1 − T)) over 0.4/0.8.
+        // Expected: contrast 0.4 T / (0.8 T + 0.6 (1 − T)) over 0.4/0.8.
         let t = (-0.8f64).exp();
         let expected = 0.8 * t / (0.8 * t + 0.6 * (1.0 - t));
         assert!((scores[3] - expected).abs() < 1e-5, "{} {expected}", scores[3]);

@@ -93,13 +93,13 @@ pub(crate) struct Arrival {
 /// Forward scatter of a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Scatter {
-    /// None.
+    /// No forward scatter.
     None,
     /// The Jaffe–McGlamery form: each point of the scene spreads with the kernel of its range.
     Jaffe {
         /// G in 1/m, 0 ≤ G ≤ c.
         g: [f64; 3],
-        /// What light is spread.
+        /// The spread light.
         source: ScatterSource,
         /// How far, of two kernels the narrow one.
         spread: Spread,
@@ -197,7 +197,7 @@ impl Water {
         Some(self.daylight?.veil_of(channel))
     }
 
-    /// No veil in the picture is brighter in this channel, with open water in view or without.
+    /// Upper bound of the veil in this channel, with or without open water in view.
     pub(crate) fn brightest_veil(&self, channel: usize, is_open: bool) -> f64 {
         match (self.varied_veil(channel), self.daylight) {
             (Some(veil), Some(daylight)) => veil.brightest(daylight.gaze.rises, is_open),
@@ -217,7 +217,7 @@ impl Water {
         self.scattering
     }
 
-    /// Absorption a, 1/m, which multiply scattered light of lamps depends on; c − b where it is not given, `None` without scattering.
+    /// Absorption a, 1/m, for multiple scattering of lamp light; c − b if it is not given, `None` without scattering.
     #[must_use]
     pub fn followed_absorption(&self) -> Option<[f64; 3]> {
         let b = self.scattering?;
@@ -225,7 +225,7 @@ impl Water {
         Some(self.absorption.unwrap_or(rest))
     }
 
-    /// The phase function of the glow of lamps.
+    /// The phase function of the airlight of lamps.
     #[must_use]
     pub fn glow_phase(&self) -> GlowPhase {
         match self.glow_phase {

@@ -1,4 +1,4 @@
-//! No frame exceeds the bound of its plan, not even those that are made to.
+//! All frames stay within the bound of their plan, including adversarial ones.
 #![allow(clippy::unwrap_used)]
 
 #[path = "adversary/frames.rs"]

@@ -195,7 +195,7 @@ fn two_kernels_and_gates_are_the_reference_within_the_tolerance_in_every_scene()
     assert!(failures.is_empty(), "{failures:#?}");
 }
 
-/// Tolerances, each with what rounding of light as bright as this adds.
+/// Tolerances, each with the rounding of light of this brightness.
 fn within(tolerances: &[f64], radiance: &Rgb<f32>) -> Vec<(Fidelity, f64)> {
     let light = radiance.planes().iter().flat_map(Plane::data);
     let float = FLOAT * f64::from(light.copied().fold(1.0, f32::max));

@@ -113,7 +113,7 @@ fn snow_stays_within_its_tolerance_of_the_reference() {
                     let picture = fast.planes().iter().zip(exact.planes());
                     let picture =
                         worst(picture.flat_map(|(fast, exact)| fast.data().iter().zip(exact.data())));
-                    // Green is nowhere below 0.3, so that no more opacity is left out than changes it by the tolerance.
+                    // Green is at least 0.3 everywhere, which limits the omitted opacity.
                     let mask = worst(mask.data().iter().zip(exact_mask.data()));
                     assert!(
                         picture <= tolerance + ROUNDING && mask <= tolerance / 0.3 + ROUNDING,

@@ -106,7 +106,7 @@ pub(super) fn sizes(
     Ok(())
 }
 
-/// Counts the holes, and refuses them where the rule does.
+/// Counts the holes, or rejects them if the rule does.
 pub(super) fn holes<T: Copy + Into<f64>>(range: &Plane<T>, rule: HoleRule) -> Result<u64, ChainError> {
     let holes = vectorized!(range.data().iter().filter(|&&z| is_hole(z)).count());
     if rule == HoleRule::Reject && holes > 0 {

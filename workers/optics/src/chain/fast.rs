@@ -14,7 +14,7 @@ use crate::layering::Layering;
 use crate::plan::Variant;
 use crate::water::{Scatter, Spread, Tail, Water};
 
-/// What all channels of a frame share.
+/// Data shared by all channels of a frame.
 pub(super) struct Frame<'a> {
     pub(super) range: &'a Plane<f32>,
     /// The largest valid range in meters, where holes take their kernel from.
@@ -105,7 +105,7 @@ fn gated(
     }
 }
 
-/// What attenuation leaves, the veil, and the light that is to be spread.
+/// The attenuated light, the veil, and the light to spread.
 fn attenuated(
     frame: &Frame<'_>,
     radiance: &Plane<f32>,
@@ -114,7 +114,7 @@ fn attenuated(
     cache: &mut KernelCache,
 ) -> Band<f32> {
     let Frame { range, water, .. } = frame;
-    // Where the plan leaves attenuation out, the path has no length for it.
+    // If the plan omits attenuation, its path has length 0.
     let clear = frame.clear.then_some(0.0);
     let coefficients = Channel {
         gain: water.radiance_gain[channel] as f32,

@@ -15,7 +15,7 @@ use crate::water::{Arrival, Water};
 struct Shown {
     /// How much of it is at each pixel, 0..=1.
     mask: Plane<f64>,
-    /// Light that leaves it.
+    /// Light emitted by the layer.
     light: Plane<f64>,
     /// Its range, meters.
     range: Plane<f64>,
@@ -65,7 +65,7 @@ impl Gated<'_> {
         Shown {
             mask: zip(&mask, &own, |hidden, own| hidden + own),
             light: fill(self.lit, &own, &own).map(|v| v.max(0.0)),
-            // A layer without a pixel has no range, and no mask either.
+            // An empty layer has neither range nor mask.
             range: fill(&range, &own, &own).map(|z| z.max(near).min(far.max(near))),
         }
     }

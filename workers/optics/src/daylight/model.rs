@@ -30,7 +30,7 @@ pub struct DaylightModel {
     pub sun: Sun,
     /// Rays of ambient occlusion from each surface; 0 disables it.
     pub ambient_rays: usize,
-    /// The waves that draw caustics; `None`: even sunlight.
+    /// The waves that cause caustics; `None`: even sunlight.
     pub caustics: Option<Caustics>,
     /// Whether caustics show in the water before surfaces as well.
     pub shafts: bool,

@@ -43,7 +43,7 @@ impl Surfaces<'_> {
     }
 }
 
-/// How far it is from a place to the surface of the sea along a unit vector that rises by this much.
+/// Distance from a point to the surface of the sea along a unit vector that rises by this much.
 fn to_sea(daylight: &Daylight, place: DVec3, rise: f64) -> f64 {
     let depth = (daylight.depth - place.dot(daylight.gaze.up.into())).max(0.0);
     if rise > 0.0 { depth / rise } else { f64::INFINITY }

@@ -31,7 +31,7 @@ pub struct Reaching<'a> {
 }
 
 impl Daylight {
-    /// h − z: how far a place is above the camera's depth, at most up to the surface of the sea.
+    /// h − z: height of a point above the camera's depth, at most up to the surface of the sea.
     pub(crate) fn height(&self, rise: f64, range: f64) -> f64 {
         (rise * range).min(self.depth)
     }
@@ -176,7 +176,7 @@ impl Channel {
     }
 }
 
-/// The vertical and the way to the sun in f32.
+/// The vertical and the direction to the sun in f32.
 #[derive(Clone, Copy)]
 struct Sight {
     up: [f32; 3],
@@ -198,7 +198,7 @@ impl Sight {
     }
 }
 
-/// What all channels of a row share.
+/// Data shared by all channels of a row.
 struct Places {
     /// How far above the camera.
     above: Vec<f32>,
@@ -244,7 +244,7 @@ fn place_row(sight: Sight, range: &[f32], rises: &[f32], n: [&[f32]; 3], to: &mu
         let place = (facing + 1.0) * 16.0;
         let place = if place > 0.0 { place } else { 0.0 };
         let place = if place < 32.0 { place } else { 32.0 };
-        // Both pieces that meet at a slope agree there.
+        // Both pieces agree at their common slope.
         let middle = place - 0.5;
         let middle = if middle > 0.0 { middle } else { 0.0 };
         let middle = if middle < 31.0 { middle } else { 31.0 };

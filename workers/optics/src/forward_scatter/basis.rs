@@ -72,7 +72,7 @@ impl Basis {
         else {
             return;
         };
-        // Scales outside the span count as its ends, so that γ − origin is negative by rounding at most.
+        // Scales are clamped to the span, so that γ − origin is negative by rounding at most.
         let (origin, shift) = (*origin, SHIFT_PX as f32);
         let (middle, scale) = (*middle as f32, *scale as f32);
         for value in gammas {

@@ -24,7 +24,7 @@ pub struct ScaleLight {
     pub light: f64,
 }
 
-/// The kernels of the scales of a frame at all offsets that count.
+/// The kernels of the scales of a frame at all significant offsets.
 pub struct Bound {
     scales: Vec<ScaleLight>,
     offsets: Vec<Offset>,
@@ -54,7 +54,7 @@ impl Offset {
 /// Errors that interpolation can make.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Errors {
-    /// No scene of this light exceeds it: every offset has its worst scale.
+    /// Upper bound for any scene of this light: every offset has its worst scale.
     pub worst: f64,
     /// Every light at will, but of one scale: `max_γ u(γ) ½ Σ_d |E(d; γ)|`.
     pub even: f64,
@@ -77,7 +77,7 @@ impl Bound {
         }
     }
 
-    /// The most light that can meet in a pixel, `Σ_d max_γ u(γ) k(d; γ)`: a cone-shaped range focuses it.
+    /// The most light that can arrive at a pixel, `Σ_d max_γ u(γ) k(d; γ)`: a cone-shaped range focuses it.
     #[must_use]
     pub fn arriving(&self) -> f64 {
         let kernels = self.kernels.chunks_exact(self.scales.len().max(1));
@@ -127,7 +127,7 @@ impl Bound {
     }
 }
 
-/// Lagrange's weights at one place.
+/// Lagrange's weights at one point.
 fn shares(places: &[f64], at: f64) -> Vec<f64> {
     let share = |k: usize| {
         let others = places.iter().enumerate().filter(|(other, _)| *other != k);

@@ -12,7 +12,7 @@ use super::cache::Grid;
 use super::{KernelCache, Nodes};
 use crate::kernel::GateReach;
 
-/// A channel on its way through the transforms.
+/// A channel during its transforms.
 pub(crate) struct Channel<'a> {
     nodes: &'a Nodes,
     basis: Basis,

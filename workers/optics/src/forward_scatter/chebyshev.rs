@@ -90,7 +90,7 @@ pub(super) fn accumulate(
     }
 }
 
-/// Two terms on their way to their spectra.
+/// Two terms before their transform.
 struct Spread<'a> {
     channels: &'a [Channel<'a>],
     pair: Pair,

@@ -86,7 +86,7 @@ impl Decimation {
         &self.response
     }
 
-    /// Adds the row at a place in folded order to the coarse rows.
+    /// Adds the row at a position in folded order to the coarse rows.
     pub(super) fn add_row(&self, place: usize, row: &[Complex<f32>], coarse: &mut [Complex<f32>]) {
         for Share { place, weight } in &self.rows[place] {
             let to = &mut coarse[line(*place, row.len())];
@@ -95,7 +95,7 @@ impl Decimation {
         }
     }
 
-    /// The row at a place in folded order between the coarse rows.
+    /// The row at a position in folded order, interpolated between the coarse rows.
     pub(super) fn row_between(&self, place: usize, coarse: &[Complex<f32>], row: &mut [Complex<f32>]) {
         row.fill(Complex::default());
         for Share { place, weight } in &self.rows[place] {

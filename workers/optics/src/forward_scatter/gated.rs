@@ -30,7 +30,7 @@ use crate::water::{Scatter, Water};
 /// One gated channel.
 #[derive(Clone, Copy)]
 pub(crate) struct Source<'a> {
-    /// Its place among red, green, blue.
+    /// Its index among red, green, blue.
     pub(crate) channel: usize,
     /// Light of the scene.
     pub(crate) radiance: &'a Plane<f32>,
@@ -42,7 +42,7 @@ pub(crate) struct Source<'a> {
 #[derive(Clone, Copy)]
 struct Behind<'a> {
     source: &'a Source<'a>,
-    /// Its place among the sources.
+    /// Its index among the sources.
     sum: usize,
     /// The gate in front of the layer; `None` for the nearest layer.
     gate: Option<Gate>,
@@ -70,7 +70,7 @@ impl<'a> Behind<'a> {
     }
 }
 
-/// Light that arrives in each channel, except the direct light of the nearest layer, which passes no gate. Never negative.
+/// Arriving light of each channel, except the direct light of the nearest layer, which passes no gate. Never negative.
 pub(crate) fn gated_channels(
     range: &Plane<f32>,
     sources: &[Source<'_>],

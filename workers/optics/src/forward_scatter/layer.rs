@@ -72,7 +72,7 @@ impl Divided {
         }
     }
 
-    /// One layer. It is dark where no pixel is of it.
+    /// One layer. It is dark outside its pixels.
     pub(super) fn layer(&self, layer: usize, cache: &mut KernelCache) -> Layer {
         let (nearest, farthest) = self.spans_m[layer].unwrap_or_default();
         // Ranges are filled from the nearest of the layer on: rounding is that of their differences.
@@ -151,7 +151,7 @@ impl Divided {
     }
 }
 
-/// H over the responses of both ways to and from the coarse rows.
+/// H over the responses of both passes to and from the coarse rows.
 fn coarse_kernel(kernel: &Grid, decimation: &Decimation) -> Vec<f32> {
     let response = decimation.response();
     let mut factors = Vec::with_capacity(kernel.columns() * response.len());

@@ -1,8 +1,8 @@
 //! The kernels that the fast method works with.
 //!
-//! `H(f; γ) ≈ Σ_k l_k(γ) H(f; γ_k)` with Lagrange weights in `s = ln(γ + 0.3)` at Chebyshev nodes; the weights sum to 1, so
-//! no light is lost. In s the kernel changes evenly: over the pixel for small γ, by octaves for large ones. Equal steps in γ
-//! would need many times as many nodes. A frame of few distinct scales needs no interpolation.
+//! `H(f; γ) ≈ Σ_k l_k(γ) H(f; γ_k)` with Lagrange weights in `s = ln(γ + 0.3)` at Chebyshev nodes; the weights sum to 1, which
+//! conserves light. In s the kernel changes evenly: over the pixel for small γ, by octaves for large ones. Equal steps in γ would
+//! need many times as many nodes. A frame with few distinct scales is not interpolated.
 
 use std::f64::consts::PI;
 
@@ -43,7 +43,7 @@ impl Nodes {
     /// The distinct scales themselves.
     ///
     /// # Panics
-    /// When there is none.
+    /// If `gammas` is empty.
     #[must_use]
     pub fn exact(gammas: impl IntoIterator<Item = f64>) -> Self {
         let mut gammas: Vec<f32> = gammas.into_iter().map(|gamma| gamma as f32).collect();
@@ -79,7 +79,7 @@ impl Nodes {
         }
     }
 
-    /// The same nodes with the nearest one moved to `gamma`, a scale of their span: light of that scale needs no interpolation.
+    /// The same nodes with the nearest one moved to `gamma`, a scale of their span: light of that scale is exact.
     #[must_use]
     pub(crate) fn with_node_at(mut self, gamma: f64) -> Self {
         let nearest = self.nearest(gamma);

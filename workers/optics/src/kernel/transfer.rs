@@ -18,7 +18,7 @@ const NO_FOLDING: f64 = 6.0;
 const INTERPOLATED_BELOW: f64 = 0.3;
 const INTERPOLATED_FROM: f64 = 0.05;
 const GAMMA_NODES: usize = 12;
-/// Behind gates H is divided by a response of at least exp(−20), so that folded terms count down to exp(−34).
+/// Behind gates H is divided by a response of at least exp(−20), so that folded terms matter down to exp(−34).
 const GATED_LIMIT: f64 = 34.0;
 /// Narrower kernels have H above 1e-3, so exp(−22) is negligible.
 const GATED_ABOVE: f64 = 2.0;
@@ -247,7 +247,7 @@ impl SmallGamma {
 mod tests {
     use super::*;
 
-    /// The fit and the interpolation in γ each leave less than 1e-8.
+    /// The fit and the interpolation in γ each have an error below 1e-8.
     const FIT: f64 = 2e-8;
 
     #[test]

@@ -35,7 +35,7 @@ use rounding::Rounding;
 
 /// Pixels of a run: short enough that they need about the same number of nodes.
 const RUN: usize = turbidity::RUN;
-/// A range beyond this counts as this many meters.
+/// Larger ranges count as this, m.
 const FARTHEST_M: f32 = 1e6;
 
 type Lanes = [f32; RUN];
@@ -43,15 +43,14 @@ type Lanes = [f32; RUN];
 /// The rules of 0, 2, 4, … nodes.
 static RULES: LazyLock<Vec<Vec<[f32; 2]>>> = LazyLock::new(|| (0..=MOST_NODES / 2).map(half_rule).collect());
 
-/// The glow of the water before the lamps. No sample differs by more than `left + rounding` from
-/// [`airlight_reference`](super::airlight_reference).
+/// Airlight of lamps. All samples are within `left + rounding` of [`airlight_reference`](super::airlight_reference).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Airlight {
     /// Radiance in linear light.
     pub light: Rgb<f32>,
     /// Error bound of the quadrature.
     pub left: f64,
-    /// What f32 may lose.
+    /// Error bound of f32 rounding.
     pub rounding: f64,
 }
 
@@ -63,8 +62,8 @@ impl Airlight {
     }
 }
 
-/// [`airlight_reference`](super::airlight_reference) in f32. The quadrature leaves less than `tolerance` in linear light, as long
-/// as [`MOST_NODES`] suffice for it. `range` in meters along the ray; a hole has no end.
+/// [`airlight_reference`](super::airlight_reference) in f32. The quadrature error is below `tolerance` in linear light if
+/// [`MOST_NODES`] suffice for it. `range` in meters along the ray; a hole is infinite.
 #[must_use]
 pub fn airlight(range: &Plane<f32>, lighting: &Lighting, tolerance: f64) -> Airlight {
     airlight_within(f64::INFINITY, range, lighting, tolerance)
@@ -190,16 +189,16 @@ fn half_rule(half: usize) -> Vec<[f32; 2]> {
 struct Glow {
     place: [f32; 3],
     radius: f32,
-    /// Distances from the ray that its glow begins before it.
+    /// Start of the airlight before the nearest point, in distances of the lamp from the ray.
     before: f32,
     profile: Profile,
     /// (1 − g)² and 4 g, its increase with sin² β.
     denominator: [f32; 2],
     /// 4π K/(1 − g²).
     rise: f32,
-    /// c in halvings per meter; where light that scatters more than once goes along, a.
+    /// c in halvings per meter; a with multiple scattering.
     attenuation: [f32; 3],
-    /// For light that scatters more than once: b, and a in halvings per meter.
+    /// For multiple scattering: b, and a in halvings per meter.
     scattering: [f32; 3],
     absorption: [f32; 3],
     /// 4 b I₀ (1 − g²)/(4π) of each channel: both steps from θ to β and from the interval to −1..=1.

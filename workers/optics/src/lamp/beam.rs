@@ -10,7 +10,7 @@ pub(super) enum Beam {
 }
 
 impl Beam {
-    /// By how much the profile rises with the cosine to the axis.
+    /// Slope of the profile by the cosine to the axis.
     pub(super) fn slope(self) -> f64 {
         match self {
             Self::Point => 0.0,

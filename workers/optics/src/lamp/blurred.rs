@@ -165,7 +165,7 @@ fn add_ring(offset: f32, turned: &Turned, (scale, out): (&Lanes, f32), sum: &mut
         let (sin_ring, cos_ring) = sin_cos_to_pi(ring);
         let middle = turned.along[i].mul_add(cos_ring, offset);
         let reach = turned.across[i] * sin_ring;
-        // Two places in opposite azimuths: max(m + t, 0) + max(m − t, 0) = m + max(|m|, t).
+        // Two samples in opposite azimuths: max(m + t, 0) + max(m − t, 0) = m + max(|m|, t).
         let size = middle.abs();
         let [first, second] = TURN.map(|turn| middle + larger(size, reach * turn));
         sum[i] = (first + second).mul_add(1.0 / (RINGS * AZIMUTHS) as f32, sum[i]);

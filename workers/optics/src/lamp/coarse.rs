@@ -1,11 +1,11 @@
-//! Values of every few pixels, read between them where the picture allows it.
+//! Exact values of every few pixels, with interpolation between them if the picture allows it.
 
 use imaging::Plane;
 
 use super::tiles::{TILE, in_tiles};
 use crate::range::is_hole;
 
-/// Surfaces whose ranges differ by less than this factor are taken to be one.
+/// Surfaces whose ranges differ by less than this factor are treated as one.
 pub(super) const ALIKE: f32 = 1.05;
 
 /// The nodes of a grid over a picture: every `step`-th column and row, and the last ones.

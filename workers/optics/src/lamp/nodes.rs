@@ -2,7 +2,7 @@
 //!
 //! With β = θ/2 + π/4 the phase function has its poles at β = ± i ½ ln(1/g): behind them the error of the quadrature falls as
 //! ρ^{−2n}, ρ the ellipse through the pole about the interval. Toward the open end the light fades over the angle κ = c D, which
-//! is met as an edge as long as nodes are wider apart; that error was measured for κ from 0.003 to 3 and 4 to 48 nodes and stays
+//! acts as an edge while the spacing of nodes is wider; that error was measured for κ from 0.003 to 3 and 4 to 48 nodes and stays
 //! below `min(1, 8 e^{−2 (κ n²)^{1/3}})/(2 n²)` of the light at that end.
 
 use std::f32::consts::FRAC_PI_2;
@@ -87,7 +87,7 @@ impl Left {
     }
 }
 
-/// The least count whose error stays within the tolerance, or the most, and that error.
+/// The least count whose error is within the tolerance, or the largest count, and that error.
 pub(super) fn count(span: Span, source: Source) -> (usize, f64) {
     let Left {
         pole,
@@ -107,7 +107,7 @@ pub(super) fn count(span: Span, source: Source) -> (usize, f64) {
         }
         pole + edge * (8.0 * (-2.0 * (fade * n * n).cbrt()).exp()).min(1.0)
     };
-    // Fewer leave more than the tolerance behind the pole.
+    // Fewer nodes exceed the tolerance behind the pole.
     let least = (pole / source.tolerance).ln() / growth;
     COUNTS
         .into_iter()

@@ -24,7 +24,7 @@ impl FournierForand {
             slope: 3.0 + (index - 1.01) / 0.1542,
         };
         let (mut low, mut high) = INDEX;
-        // Sixty halvings leave less than the spacing of doubles.
+        // The error after sixty halvings is below the spacing of doubles.
         for _ in 0..60 {
             let middle = 0.5 * (low + high);
             if on_line(middle).backscatter_fraction() < fraction {

@@ -1,4 +1,4 @@
-//! How murky the water is that the light of a lamp meets.
+//! Turbidity along the path of lamp light.
 
 use crate::turbidity::Field;
 
@@ -11,7 +11,7 @@ pub fn glow_within(range_m: f64, nearest_m: f64, distance_m: f64, asymmetry: f64
     (from.max(0.0), range_m.min(nearest_m.max(BESIDE * distance_m)))
 }
 
-/// Distances of the lamp from the ray that the glow begins before the nearest point, and that it reaches at least.
+/// Start of the airlight before the nearest point and its least reach behind it, in distances of the lamp from the ray.
 pub(super) fn before(asymmetry: f64) -> f64 {
     3.0 / (1.0 - asymmetry)
 }
@@ -24,7 +24,7 @@ pub(super) fn mean(patches: Option<&Field>, ray: [f64; 3], (from, to): (f64, f64
     })
 }
 
-/// The stretch of a ray of this length before its end that is as long as the way from a lamp, or all of it.
+/// The last stretch of a ray of this length with the length of the path from a lamp, or all of it.
 pub(super) fn last(meters: f64, leg: f64) -> (f64, f64) {
     ((meters - leg).max(0.0), meters)
 }

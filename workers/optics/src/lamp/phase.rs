@@ -29,7 +29,7 @@ pub fn backscatter_fraction(g: f64) -> f64 {
 #[must_use]
 pub fn asymmetry_of(fraction: f64) -> f64 {
     let (mut low, mut high) = (-0.999_999, 0.999_999);
-    // Sixty halvings leave less than the spacing of doubles.
+    // The error after sixty halvings is below the spacing of doubles.
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
         if backscatter_fraction(middle) > fraction {
@@ -41,7 +41,7 @@ pub fn asymmetry_of(fraction: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// The phase function of the glow of lamps: `p = p_HG(g) + K (3 cos² − 1)` in 1/sr, whose integral over the sphere is 1.
+/// The phase function of the airlight of lamps: `p = p_HG(g) + K (3 cos² − 1)` in 1/sr, whose integral over the sphere is 1.
 ///
 /// With K = 0 it is that of Henyey and Greenstein, which falls up to 180°. Sea water rises from 120° on; the term of K is the one that
 /// Fournier and Forand have for that ([`FournierForand::rise`]). It moves light within the backward half, so that b_b/b stays.
@@ -77,7 +77,7 @@ impl GlowPhase {
         henyey_greenstein(self.asymmetry, cos) + self.rise * (3.0 * cos * cos - 1.0)
     }
 
-    /// No less than p, and monotonic: p changes by no more between two angles than this is at both together.
+    /// Monotonic upper bound of p. The change of p between two angles is at most the sum of this at both.
     pub(super) fn most(&self, cos: f64) -> f64 {
         henyey_greenstein(self.asymmetry, cos) + 3.0 * self.rise
     }

@@ -1,4 +1,4 @@
-//! The light of lamps at places in the water, where particles hang.
+//! The light of lamps at points in the water, for particles.
 //!
 //! A particle is lit like a white surface that faces the lamp: by the visible share of the lamp, and by the visible share of the
 //! disc of scattered lamp light.
@@ -14,7 +14,7 @@ use super::shadow::{SPREAD_PLACES, Shadow, share_seen};
 use super::sight::{Disc, Radius, Sight, Starts};
 use super::{Lamp, Lighting};
 
-/// Light of one lamp at a place, of each channel, as the radiance of a white surface that faces the lamp.
+/// Light of one lamp at a point, of each channel, as the radiance of a white surface that faces the lamp.
 pub(super) struct Arriving {
     /// That was not scattered.
     pub(super) direct: [f64; 3],
@@ -29,7 +29,7 @@ impl Arriving {
         Self::on_ray((place.map(|v| v / range), range), place, lamp, lighting)
     }
 
-    /// Light at a place on a ray from the camera, a unit vector and the range there.
+    /// Light at a point on a ray from the camera, a unit vector and the range there.
     pub(super) fn on_ray(
         (ray, range): ([f64; 3], f64),
         place: [f64; 3],
@@ -121,7 +121,7 @@ pub fn white_at_each(
     sums
 }
 
-/// Places that a lamp is looked for from.
+/// Points for shadow rays to a lamp.
 struct Asked<'a> {
     places: &'a [[f64; 3]],
     /// Indices of all points in an order that keeps neighbors in space together, for coherent ray packets.

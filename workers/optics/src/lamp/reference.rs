@@ -96,12 +96,12 @@ struct Rules {
     part: Vec<(f64, f64)>,
 }
 
-/// The glow of one lamp along one ray.
+/// The airlight of one lamp along one ray.
 struct Glow<'a> {
     lamp: &'a Lamp,
     lighting: &'a Lighting,
     ray: [f64; 3],
-    /// t₀, D, and the way from the lamp to the nearest place of the ray.
+    /// t₀, D, and the vector from the lamp to the nearest point of the ray.
     nearest: f64,
     distance: f64,
     offset: [f64; 3],
@@ -120,7 +120,7 @@ impl<'a> Glow<'a> {
         let distance = dot(offset, offset).sqrt().max(lighting.radius_m);
         let mut ends = [(-nearest / distance).atan(), ((z - nearest) / distance).atan()];
         if let (Beam::Spot { axis, cos_cone }, None, false) = (lamp.beam, lighting.absorption, in_parts) {
-            // Within the cone: where M cos(θ − φ) exceeds cos cone. Outside the quadrature would meet an edge.
+            // Within the cone: where M cos(θ − φ) exceeds cos cone. Including the outside would add an edge to the quadrature.
             let (across, along) = (dot(axis, offset) / distance, dot(axis, ray));
             let (most, middle) = (across.hypot(along), along.atan2(across));
             let half = (cos_cone / most).min(1.0).acos();

@@ -56,7 +56,7 @@ pub(super) enum Radius<'a> {
     Of(&'a [f32]),
 }
 
-/// A disc about a lamp, across the way to it: its places in units of its radius, outermost first.
+/// A disc about a lamp, perpendicular to the ray to it: its samples in units of its radius, outermost first.
 pub(super) struct Disc {
     places: Vec<[f32; 2]>,
 }
@@ -144,7 +144,7 @@ impl<'a> Sight<'a> {
         self.ways.to.iter_mut().for_each(|axis| axis.resize(count, 0.0));
     }
 
-    /// Ends all ways at this place of the disc of each, and looks along them.
+    /// Ends all rays at this sample of the disc of each, and traces them.
     fn turn(&mut self, place: [f32; 2], middle: [f32; 3], radius_m: Radius<'_>) {
         let ShadowRays { from, to } = &mut self.ways;
         let from = from.each_ref().map(Vec::as_slice);
@@ -156,7 +156,7 @@ impl<'a> Sight<'a> {
         self.look();
     }
 
-    /// Sets for each way whether it is clear.
+    /// Sets for each ray whether it is clear.
     pub(super) fn look_along(&mut self, fill: impl FnOnce(&mut ShadowRays)) -> &[bool] {
         self.ways.clear();
         fill(&mut self.ways);
@@ -195,13 +195,13 @@ fn ends(
     }
 }
 
-/// A place in units of the radius on a disc about `middle`, across the way to it from `start`: as
+/// A sample in units of the radius on a disc about `middle`, perpendicular to the ray from `start`: as
 /// [`disc_place`](super::shadow::disc_place).
 #[inline(always)]
 pub(super) fn across(start: [f32; 3], middle: [f32; 3], [u, v]: [f32; 2], radius_m: f32) -> [f32; 3] {
     let way = [0, 1, 2].map(|i| middle[i] - start[i]);
     let meters = (way[0] * way[0] + way[1] * way[1] + way[2] * way[2]).sqrt();
-    // At the lamp itself no way leads anywhere: any direction will do.
+    // At the lamp the direction is undefined and any will do.
     let length = if meters == 0.0 { 1.0 } else { meters };
     let radius_m = if meters == 0.0 { 0.0 } else { radius_m };
     let [x, y, z] = way.map(|v| v / length);
@@ -261,7 +261,7 @@ mod tests {
                     from: 1e-5,
                 };
                 let exact = share_seen(&Half, begin, middle.map(f64::from), (radius_m, count));
-                // A cap beyond all places of the rim is not looked for.
+                // A cap beyond all rim samples is not sampled.
                 let cap = if count > FIRST { 2.0 / count as f64 } else { 0.0 };
                 assert!(
                     (exact - f64::from(*share)).abs() < cap + 1e-6,

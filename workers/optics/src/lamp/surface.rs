@@ -29,7 +29,7 @@ const PER_STERADIAN: f32 = std::f32::consts::FRAC_1_PI;
 pub struct Irradiance {
     /// E.
     pub light: Rgb<f32>,
-    /// No sample differs by more from [`irradiance_reference`](super::irradiance_reference).
+    /// Upper bound of the difference from [`irradiance_reference`](super::irradiance_reference).
     pub rounding: f64,
 }
 
@@ -83,7 +83,7 @@ pub fn shaded_irradiance_in_tiles(
     shine_on(range, normals, lighting, options)
 }
 
-/// Tiles in f64, and the rays of shadows with the light that needs none.
+/// Tiles in f64, and the shadow rays with their threshold of light.
 #[derive(Clone, Copy, Default)]
 struct Options<'a> {
     precise: &'a [bool],
@@ -182,7 +182,7 @@ pub fn irradiance_of(brightest: [f32; 3], light: f64) -> f64 {
 /// Rounding of [`lit`], and of irradiance computed in f64, as a share of the light.
 pub const LIT_ROUNDING: f64 = 5.0 * STEP;
 
-/// What [`lit`] may differ by from the same in f64, where the light of the lamps may differ by `rounding`.
+/// Upper bound of the error of [`lit`], for lamp light with an error of at most `rounding`.
 #[must_use]
 pub fn lit_rounding(radiance: &Rgb<f32>, lit: &Rgb<f32>, rounding: f64) -> f64 {
     let most = |light: &Rgb<f32>| f64::from(brightest(light).into_iter().fold(0.0, f32::max));
@@ -192,7 +192,7 @@ pub fn lit_rounding(radiance: &Rgb<f32>, lit: &Rgb<f32>, rounding: f64) -> f64 {
 /// One rounding of f32.
 const STEP: f64 = 6e-8;
 
-/// What f32 may lose of the light of one lamp.
+/// Rounding of f32 in the light of one lamp.
 ///
 /// With q = 1/r and s = Z/r of a pixel, E = I₀ S e^{−c m r} (n·l) q³ loses at most
 ///
@@ -255,7 +255,7 @@ impl Rounding {
             profile += 10.0 * self.slope * way + 8.0 * self.slope * STEP + 1.2e-6;
             exponent *= 3.7;
         }
-        // Beyond a thousand kilometers the fast form looks no farther.
+        // The fast form clamps distances to a thousand kilometers.
         self.intensity * (q * q * (fade * profile + exponent) + 1e-12)
     }
 }

@@ -23,7 +23,7 @@ pub(super) struct Machine {
 pub(super) const OURS: Machine = Machine { pixel, draw };
 
 const SCENE: [f64; 3] = [0.9, 0.4, 0.1];
-/// Beyond any water's sight: c of 0.01/m leaves e^-1000.
+/// Beyond the visibility range of any water: c of 0.01/m attenuates to e^-1000.
 const FAR_M: f64 = 1e5;
 const NEAR_M: f64 = 1e-3;
 const RANGES_M: [f64; 7] = [NEAR_M, 0.1, 1.0, 3.0, 10.0, 100.0, FAR_M];

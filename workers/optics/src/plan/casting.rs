@@ -14,7 +14,7 @@ use crate::visible_bounds::{Region, VisibleBounds};
 pub struct Casting {
     /// For their light on surfaces.
     pub on_surfaces: Lighting,
-    /// For their glow.
+    /// For their airlight.
     pub in_glow: Lighting,
 }
 
@@ -100,7 +100,7 @@ impl Caster<'_> {
         penumbras.fold(0.0, f64::max)
     }
 
-    /// No surface is lit more.
+    /// Upper bound of the light on a surface.
     fn brightest(&self) -> f64 {
         let light = self.view.surfaces().map(|region| {
             let [nearest, _] = region.places.distances(self.lamp.position_m());

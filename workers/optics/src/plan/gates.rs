@@ -7,7 +7,7 @@ use super::{ErrorBound, SceneBounds, Stage, StageId, Variant};
 use crate::layering::Layering;
 use crate::water::{Scatter, Water};
 
-/// Gates are left out where that changes no more than this part of the tolerance.
+/// Gates are omitted if their effect is at most this part of the tolerance.
 const SKIP_SHARE: f64 = 0.25;
 
 /// The gates of a frame that requests them.

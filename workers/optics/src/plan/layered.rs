@@ -22,8 +22,8 @@ use two::{Behind, Two};
 const GATED_SPAN_STEP: f64 = 1.0 / 256.0;
 /// Coarse rows may use up this share of the error of the kernels.
 const COARSE_SHARE: f64 = 1.0 / 16.0;
-/// Sum of the absolute shares of all nodes in a pixel: below 1.5 for the numbers of nodes of wide kernels, with room for one that is not in
-/// its best place.
+/// Sum of the absolute shares of all nodes in a pixel: below 1.5 for the numbers of nodes of wide kernels, with a margin for one
+/// outside its best position.
 const LEBESGUE: f64 = 3.0;
 /// A layer is divided into this many ranges of equal ratio.
 const STEPS: i32 = 16;
@@ -51,7 +51,7 @@ struct Part {
     passing_light: f64,
 }
 
-/// The way of a layer's light through gates.
+/// The path of a layer's light through gates.
 struct Way {
     through: Through,
     /// 0 of the narrow kernel, 1 of the wide one.
@@ -229,7 +229,7 @@ impl Part {
         } else {
             &ORIGINS[..1]
         };
-        // A kernel narrower than the origin has no quotient by it.
+        // A kernel narrower than the origin cannot be divided by it.
         let origin = |share: f64| share * way.through.gate.gammas[way.kernel];
         let fits = |share: f64| share == 0.0 || origin(share) <= self.passing.unwrap_or(f64::INFINITY);
         let fitting = shares.iter().filter(|&&share| fits(share));

@@ -1,4 +1,4 @@
-//! How bright and how dark a frame may be in the water, and what that allows.
+//! Brightness limits of a frame in the water, and the tolerance that follows.
 
 use spec::{Fidelity, Frame};
 
@@ -52,7 +52,7 @@ pub(super) fn tolerance(bounds: &SceneBounds, water: &Water, fidelity: Fidelity)
     }
 }
 
-/// What f32 may lose in the water: a share of all light, and the noise of transforms.
+/// Rounding of f32 in the water: a share of all light, and the noise of transforms.
 pub(super) fn rounding(bounds: &SceneBounds, water: &Water) -> ErrorBound {
     let noise = (0..3).map(|channel| {
         let peak = brightest_spread(bounds, water, channel);
@@ -81,7 +81,7 @@ fn brightest_spread(bounds: &SceneBounds, water: &Water, channel: usize) -> f64 
     }
 }
 
-/// No light behind particles is brighter: direct light, spread light as it may pile up, the veil and the airlight.
+/// Upper bound of the light behind particles: direct light, focused spread light, the veil and the airlight.
 #[must_use]
 pub fn brightest_behind(bounds: &SceneBounds, around: Option<&Water>, airlight: f64) -> f64 {
     let Some(water) = around else {
@@ -123,7 +123,7 @@ pub fn display_tolerance(bounds: &SceneBounds, water: &Water) -> f64 {
     1.0 / 255.0 / (0.4396 * darkest.powf(-0.5833))
 }
 
-/// What one channel of a scene goes through.
+/// Light and attenuation of one channel of a scene.
 struct Channel {
     /// Light of the darkest pixel, as it enters the water.
     dark: f64,
@@ -172,7 +172,7 @@ pub(super) fn levels(bounds: &SceneBounds, water: &Water, channel: usize) -> (f6
         let (low, high) = (dark - veil, bright - veil);
         return (veil + arriving(low, low < 0.0), veil + arriving(high, high > 0.0));
     }
-    // A hole shows the scene if the water attenuates nothing, otherwise the veil.
+    // A hole shows the scene in water without attenuation, otherwise the veil.
     let darkest = dark * (-direct * farthest).exp();
     (if bounds.holes { 0.0 } else { darkest }, bright.max(0.0) + veil)
 }

@@ -1,5 +1,5 @@
-//! Distance of the models themselves from radiative transfer, and in what water it was measured. The bounds of a plan are the
-//! distance of its numbers from the model; this is the distance of the model from the truth.
+//! Distance of the models from radiative transfer, and the water of its measurement. The bounds of a plan are the distance of its
+//! numbers from the model; this is the distance of the model from the truth.
 
 mod lamps;
 
@@ -76,7 +76,7 @@ pub struct Conditions<'a> {
     pub water: &'a Water,
     /// The lamps; `None` without.
     pub lighting: Option<&'a Lighting>,
-    /// Patches of murkier water; `None` in even water.
+    /// Patches of turbidity; `None` in even water.
     pub patches: Option<&'a Field>,
     /// The scene.
     pub bounds: &'a SceneBounds,

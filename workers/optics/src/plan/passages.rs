@@ -106,7 +106,7 @@ impl Through {
         self.onward * self.sharpness * ratio.powf(-share).min(1.0) / self.gate.direct
     }
 
-    /// Bound of the rounding behind the gate, where no channel has light brighter than `light`.
+    /// Bound of the rounding behind the gate, for light up to `light` in all channels.
     pub(super) fn rounding(&self, light: f64) -> f64 {
         ROUNDING * light * self.onward
     }

@@ -18,12 +18,12 @@ pub(super) const WORST_MARGIN: f64 = 1.2;
 const GATHER_MARGIN: f64 = 1.2;
 /// Samples of the kernel scale between the narrowest and the widest.
 const SAMPLES: usize = 41;
-/// No frame needs more kernels.
+/// Limit of the number of kernels.
 pub const MOST_TERMS: usize = 64;
 /// Spans of scales are widened to multiples of this in s, so that similar frames share their kernels.
 pub(super) const SPAN_STEP: f64 = 1.0 / 16.0;
 
-/// One channel of a frame whose form is to be chosen.
+/// One channel of a frame and the inputs for its choice of variant.
 #[derive(Clone, Copy)]
 pub(super) struct ScatterNeed<'a> {
     pub(super) bounds: &'a SceneBounds,
@@ -104,7 +104,7 @@ fn within(light: &SpreadLight, share: f64) -> (Variant, f64) {
     if moved <= share && most < 0.5 {
         return (Variant::Pointwise, moved);
     }
-    // One kernel for all leaves even light as it is.
+    // A single kernel for all leaves even light unchanged.
     let uneven = leaving * light.unevenness;
     if uneven <= share && is_point(least, most) && !light.gathers {
         return (Variant::Pointwise, uneven);
@@ -330,7 +330,7 @@ mod tests {
                 let nodes = Nodes::chebyshev(span.0, span.1, terms);
                 let gammas: Vec<f64> = (0..nodes.terms()).map(|k| nodes.gamma(k)).collect();
                 let (sampled, dense) = (sampled.errors(&gammas), dense.errors(&gammas));
-                // No tolerance is that small.
+                // All tolerances are larger.
                 let least = 1e-8;
                 assert!(
                     dense.worst <= WORST_MARGIN * sampled.worst.max(least),

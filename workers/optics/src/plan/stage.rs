@@ -28,7 +28,7 @@ pub enum StageId {
     LampShadows,
     /// Attenuation, and the rounding of all of the water.
     Attenuation,
-    /// Paths through patches of murkier water, whose errors appear behind it.
+    /// Paths through patches of turbidity, whose errors appear behind it.
     Turbidity,
     /// The veil by direction.
     Veil,
@@ -118,7 +118,7 @@ impl StageId {
         }
     }
 
-    /// Whether the promise of a plan counts its error: up to the exposed light.
+    /// Whether the promise of a plan includes its error: up to the exposed light.
     #[must_use]
     pub fn is_promised(self) -> bool {
         self <= Self::Exposure
@@ -209,12 +209,12 @@ pub struct Stage {
     pub cost_ms: Option<f64>,
     /// Distance of its model from radiative transfer.
     pub model_error: ModelError,
-    /// What to know about it.
+    /// Remark for readers of the plan.
     pub note: Option<String>,
 }
 
 impl Stage {
-    /// A stage without error, at no cost, that passes errors as they are.
+    /// A stage without error and cost that passes errors unchanged.
     #[must_use]
     pub fn new(id: StageId, variant: Variant) -> Self {
         let cost_ms = (variant != Variant::Reference).then_some(0.0);

@@ -8,7 +8,7 @@ use super::{ErrorBound, Gain, SceneBounds, Stage, StageId, Variant, gates, veil}
 use crate::layering::Layering;
 use crate::water::{Scatter, Water};
 
-/// Attenuation is left out if that changes no more than this part of the tolerance.
+/// Attenuation is omitted if its effect is at most this part of the tolerance.
 const SKIP_SHARE: f64 = 0.125;
 /// Minimum share of the tolerance reserved for forward scatter.
 const LEAST_SHARE: f64 = 0.125;
@@ -52,7 +52,7 @@ pub fn assess_water(
         && matches!(gates.variant, Variant::Gated(_))
         && scatter.iter().all(|stage| stage.variant.kernels().is_none())
     {
-        // No light leaves its pixel, and none has to be stopped.
+        // All light stays on its pixel, so gates have no effect.
         gates.variant = Variant::Skip;
         gates.note = Some("no light leaves its pixel".to_owned());
     }
@@ -122,7 +122,7 @@ fn assess_attenuation(bounds: &SceneBounds, water: &Water, fidelity: Fidelity, s
     stage.costing(ATTENUATION_NS, bounds.pixels)
 }
 
-/// What forward scatter may use up.
+/// Error budget of forward scatter.
 struct Shares<'a> {
     gates: Option<&'a Stage>,
     share: Option<f64>,

@@ -1,6 +1,6 @@
 //! Waters with K_d alone: they are listed, but cannot be rendered.
 //!
-//! K_d is what daylight loses with depth. Taken for the beam attenuation it makes every water too clear.
+//! K_d is the decay of daylight with depth. Used as the beam attenuation it makes every water too clear.
 
 use super::Preset;
 use super::jerlov::{NM_TABLE, diffuse_attenuation};

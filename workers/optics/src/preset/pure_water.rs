@@ -1,4 +1,4 @@
-//! Pure sea water: no natural water attenuates less.
+//! Pure sea water: the lower bound of natural attenuation.
 
 use super::{Channels, Preset};
 
@@ -65,7 +65,7 @@ mod tests {
     use super::super::presets;
     use super::*;
 
-    /// Exact both ways: (preset, how many of its numbers).
+    /// Exact both ways: (preset, count of its numbers).
     const BELOW: [(&str, usize); 11] = [
         ("jerlov-I/solonenko2015", 3),
         ("jerlov-IA/solonenko2015", 1),

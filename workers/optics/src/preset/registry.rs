@@ -42,7 +42,7 @@ pub fn find(name: &str) -> Option<&'static Preset> {
         .find(|preset| preset.name == name || bare(preset))
 }
 
-/// What [`self_test`] finds in the presets as they are printed: (preset, defect).
+/// Defects that [`self_test`] finds in the presets as printed: (preset, defect).
 #[must_use]
 pub fn expected_defects() -> &'static [(&'static str, &'static str)] {
     &EXPECTED_DEFECTS

@@ -1,4 +1,4 @@
-//! What every table of waters must satisfy. Published tables have failed each of these.
+//! Requirements for every table of waters. Published tables have failed each of these.
 
 use super::{Preset, all_known};
 
@@ -18,7 +18,7 @@ const ORDERS: [&[&str]; 3] = [
     &["1C", "3C", "5C", "7C", "9C"],
     &["1", "3", "5", "7", "9"],
 ];
-/// No clear ocean attenuates this much in green or blue: a larger value is a transmission taken for a coefficient.
+/// No clear ocean attenuates this much in green or blue: a larger value is a transmission mistaken for a coefficient.
 const CLEAR_LIMIT_PER_M: f64 = 0.5;
 const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 

@@ -40,7 +40,7 @@ impl Square {
 }
 
 impl Extent {
-    /// Of the samples of a picture of 1/z, NaN where there are none.
+    /// Bounds of the samples of a picture of 1/z, NaN at holes.
     pub(super) fn new(inverse: &Plane<f64>) -> Self {
         let (width, height) = inverse.size();
         let (columns, rows) = ((width - 1).max(1), (height - 1).max(1));

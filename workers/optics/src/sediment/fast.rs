@@ -18,7 +18,7 @@ pub struct Layers {
     step: f64,
     /// For each ray and distance, the nearest first: transmittance and added light, R, G, B.
     nodes: Vec<[f32; 6]>,
-    /// Whether any cloud is met.
+    /// Whether all rays are free of clouds.
     is_clear: bool,
     /// See [`Clouds::most_opacity`].
     most_opacity: f64,
@@ -78,7 +78,7 @@ pub fn layers(range: &Plane<f32>, clouds: &Clouds, murk: &Murk<'_>) -> Layers {
 }
 
 impl Layers {
-    /// Those of a picture that shows no clouds.
+    /// Those of a picture without clouds.
     fn clear() -> Self {
         Self {
             columns: 0,
@@ -89,13 +89,13 @@ impl Layers {
         }
     }
 
-    /// No pixel is hidden more, even between the rays.
+    /// Upper bound of the opacity of a pixel, even between the rays.
     #[must_use]
     pub fn most_opacity(&self) -> f64 {
         self.most_opacity
     }
 
-    /// Lays the clouds over a picture in linear light, in place; returns their opacity in green.
+    /// Composites the clouds over a picture in linear light, in place; returns their opacity in green.
     #[must_use]
     pub fn veil(&self, image: &mut Rgb<f32>, range: &Plane<f32>) -> Plane<f32> {
         let (width, height) = range.size();

@@ -1,4 +1,4 @@
-//! Particles in the light that meets them.
+//! Particles in incident light.
 
 use super::{Flake, Surround};
 

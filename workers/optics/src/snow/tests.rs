@@ -97,7 +97,7 @@ fn the_mask_is_where_the_picture_changed_and_a_wall_hides_what_is_behind() {
     let (image, mask) = fall(&eye(), &SNOW, WORLD, 0.1, 0.3);
     assert!(mask.data().iter().all(|&v| v == 0.0));
     assert_eq!(image.pixel(9, 9), [0.05; 3]);
-    // A hole has no end.
+    // A hole is infinite.
     assert!(
         fall(&eye(), &SNOW, WORLD, f32::NAN, 0.3)
             .1

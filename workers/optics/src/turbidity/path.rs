@@ -74,7 +74,7 @@ impl Rays {
         Self { waves, lens }
     }
 
-    /// By how much the mean of the field from the camera to these distances exceeds 1, on the rays of a run of pixels.
+    /// Excess over 1 of the mean of the field from the camera to these distances, on the rays of a run of pixels.
     #[inline(always)]
     pub(crate) fn excess(&self, (x, y): (usize, usize), meters: &[f32; RUN]) -> [f32; RUN] {
         let [inverse_focal, cx, cy] = self.lens;

@@ -289,7 +289,7 @@ impl Checks {
         Some(daylight.map(|e| request.medium.optics.veil_gain.unwrap_or(VEIL_GAIN) * e / brightest))
     }
 
-    /// No part of the beam attenuation exceeds it in any channel.
+    /// Checks that a part of the beam attenuation does not exceed it in any channel.
     fn within_attenuation(&mut self, field: &'static str, part: Option<[f64; 3]>, whole: Option<[f64; 3]>) {
         let Some((part, whole)) = part.zip(whole) else {
             return;

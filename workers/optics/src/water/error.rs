@@ -51,7 +51,7 @@ pub enum WaterError {
     Missing {
         /// The field.
         field: &'static str,
-        /// Why it is needed, and what would do.
+        /// Why it is needed, and how to supply it.
         reason: &'static str,
     },
 }

@@ -54,7 +54,7 @@ fn untraceable(medium: &Medium) -> Option<Fault> {
     })
 }
 
-/// The error with the place of its field below `water`.
+/// The error with the path of its field below `water`.
 fn fault(error: &WaterError) -> Fault {
     let path = match error.field() {
         field @ ("range_scale" | "depth_m" | "holes") => vec![field],

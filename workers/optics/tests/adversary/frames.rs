@@ -1,5 +1,4 @@
-//! Frames that are made against the bound of forward scatter: what interpolation between kernels does worst, all of it in one
-//! pixel.
+//! Adversarial frames for the bound of forward scatter: the worst interpolation error between kernels, concentrated in one pixel.
 
 use imaging::{Plane, Rgb};
 use optics::forward_scatter::{Nodes, gather_reference};
@@ -12,20 +11,20 @@ const CHOICES: usize = 96;
 /// Light of the row that shows all ranges, so that the plan knows of them.
 const DIM: f32 = 1e-6;
 
-/// What to attack.
+/// Parameters of an attack.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Attack {
     /// Scatter (`jaffe`) or gather (`simplified`).
     pub(crate) model: ScatterModel,
     /// Columns and rows.
     pub(crate) size: (usize, usize),
-    /// The pixel whose error is to be large.
+    /// The pixel whose error is maximized.
     pub(crate) target: (usize, usize),
     /// Least and greatest kernel scale, pixels.
     pub(crate) widths_px: (f64, f64),
     /// The error that the plan is made for.
     pub(crate) tolerance: f64,
-    /// Whether the target is to be too bright.
+    /// Whether the target becomes too bright.
     pub(crate) brighter: bool,
 }
 

@@ -1,4 +1,4 @@
-//! Scenes that the water stage meets: smooth and abrupt ranges, few and many, holes, extremes.
+//! Scenes for the water stage: smooth and abrupt ranges, few and many, holes, extremes.
 
 use imaging::random::Stream;
 use imaging::{Plane, Rgb};

@@ -88,7 +88,7 @@ impl Case {
         values.iter().filter_map(Value::as_f64).collect()
     }
 
-    /// An array of 32-bit integers, which no picture has.
+    /// An array of 32-bit integers, unlike a picture.
     pub(crate) fn integers(&self, name: &str) -> Vec<i32> {
         let bytes = std::fs::read(self.folder.join(format!("{name}.npy"))).expect("a readable array");
         let header = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
@@ -102,7 +102,7 @@ impl Case {
         self.parameters.get(key)
     }
 
-    /// A text, empty where there is none.
+    /// A text, empty if it is missing.
     pub(crate) fn text(&self, key: &str) -> String {
         let text = self
             .get(key)

@@ -16,7 +16,7 @@ use crate::cut::forward_of_cut_kernels;
 const REFERENCE: f64 = 1e-7;
 /// The default tolerance, and a smaller one.
 const TOLERANCES: [f64; 2] = [3e-4, 1e-5];
-/// What f32 adds to a tolerance.
+/// Rounding of f32, added to a tolerance.
 const FLOAT: f64 = 5e-6;
 /// Cuts and gates, relative.
 const CUTS: f64 = 1e-9;

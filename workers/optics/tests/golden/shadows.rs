@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use crate::case::Case;
 
-/// Largest differences as a share of the peak: light on surfaces and the glow in f64.
+/// Largest differences as a share of the peak: light on surfaces and airlight in f64.
 const SURFACES: f64 = 1e-10;
 const GLOW: f64 = 1e-7;
 /// The same in f32: rounding, interpolation of discs between pixels, and an edge of a shadow in one of 32 angles.

@@ -1,4 +1,4 @@
-//! What each stage compares.
+//! Comparisons of each stage.
 
 use imaging::Rgb;
 use imaging::geometry::Intrinsics;
@@ -19,11 +19,11 @@ use crate::case::Case;
 
 /// f64 against f64: rounding alone.
 const REFERENCE: f64 = 1e-12;
-/// Transfer functions are fitted to 1e-8; the light of a frame meets that error in many coefficients.
+/// Transfer functions are fitted to 1e-8; that error affects many coefficients of the light of a frame.
 const REFERENCE_SCATTER: f64 = 1e-7;
 /// f32 arithmetic on light up to 1.
 const FLOAT: f64 = 2e-6;
-/// Sixteen kernels leave only the floor of f32.
+/// The error of sixteen kernels is only the floor of f32.
 const SIXTEEN_TERMS: f64 = 1e-6;
 /// A tolerance that guarantees one 8-bit code at the steep foot of the sRGB curve.
 const ONE_CODE: f64 = 3e-4;

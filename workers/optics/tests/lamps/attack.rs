@@ -217,8 +217,8 @@ fn surfaces_in_f64_err_by_no_more_than_a_sample_rounds() {
     }
 }
 
-/// Lamps in frames wide enough for their light to be read between rays of every distance: narrow cones, lamps in view, thin bars that
-/// no ray meets.
+/// Lamps in frames wide enough for interpolating their light between rays of every spacing: narrow cones, lamps in view, thin bars
+/// between the rays.
 pub(crate) fn wide_case(seed: u64) -> Case {
     let stream = Stream::stage(seed, "rays");
     let unit = |what: u64| stream.unit(0, what);

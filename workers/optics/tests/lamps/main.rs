@@ -68,7 +68,7 @@ fn range(width: usize, height: usize) -> Plane<f32> {
     })
 }
 
-/// How the water scatters, and whether light is also followed that scatters more than once.
+/// Phase functions, and whether multiple scattering is modeled.
 fn phases() -> Vec<(GlowPhase, bool)> {
     let even = [
         (-0.3, true),
@@ -137,7 +137,7 @@ fn light_on_surfaces_agrees_with_the_reference() {
     }
 }
 
-/// A wall at 2 m, a lamp next to the camera: 1/r² and the path there and back, computed by hand.
+/// A wall at 2 m, a lamp next to the camera: 1/r² and the path there and back, as a closed formula.
 #[test]
 fn a_wall_is_lit_by_the_square_of_the_distance_and_both_ways_through_the_water() {
     let mut lighting = lighting(

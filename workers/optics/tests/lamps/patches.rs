@@ -152,7 +152,8 @@ fn length(v: [f64; 3]) -> f64 {
     v.iter().map(|v| v * v).sum::<f64>().sqrt()
 }
 
-/// Green glow and light on surfaces with the field at every node and along both legs, of one pixel and one lamp that lights all of it.
+/// Green airlight and light on surfaces with the field at every node and along both legs, of one pixel and one lamp that lights all
+/// of it.
 fn marched(
     field: &Field,
     ray: [f64; 3],
@@ -181,8 +182,8 @@ fn marched(
     [glow, shines(point) * arrives]
 }
 
-/// Mean error of the model as a share of the mean light, over six worlds: of the glow and of the light on surfaces, each with one
-/// factor for a ray and with the mean water.
+/// Mean error of the model as a share of the mean light, over six worlds: of the airlight and of the light on surfaces, each with
+/// one factor for a ray and with the mean water.
 fn model_error(lamps: &[Lamp], spot: bool, contrast: f64, scale_m: f64) -> [[f64; 2]; 2] {
     let size = (12, 8);
     let range = Plane::from_fn(size.0, size.1, |_, y| 1.0 + 5.0 * y as f64 / size.1 as f64);
@@ -218,7 +219,7 @@ fn model_error(lamps: &[Lamp], spot: bool, contrast: f64, scale_m: f64) -> [[f64
                 let both = marched(&field, ray, z, place, &shines);
                 exact = [exact[0] + both[0], exact[1] + both[1]];
             }
-            // Surfaces that face every lamp: only the way to them is compared.
+            // Surfaces that face every lamp: only the path to them is compared.
             let white = models
                 .each_ref()
                 .map(|model| lamp::white_at(ray.map(|v| z * v), model, None)[1] * std::f64::consts::PI);
@@ -235,7 +236,7 @@ fn model_error(lamps: &[Lamp], spot: bool, contrast: f64, scale_m: f64) -> [[f64
 /// The figures of docs/science/suspended-matter.md: one factor for each ray instead of the field along both legs.
 #[test]
 fn one_factor_for_a_ray_comes_much_nearer_than_the_mean_water() {
-    // Mean error of the glow and of the light on surfaces: patches of 1.2 and of 4 m.
+    // Mean error of the airlight and of the light on surfaces: patches of 1.2 and of 4 m.
     let most = [
         ("points", [[0.03, 0.05], [0.01, 0.02]]),
         ("spots", [[0.15, 0.06], [0.07, 0.03]]),

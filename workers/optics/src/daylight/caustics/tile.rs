@@ -10,7 +10,7 @@ use super::{Blur, Waves};
 
 /// Depths between which the pattern is looked up.
 const SLICES: usize = 8;
-/// No caustics nearer to the surface than this, m.
+/// Caustics are limited to depths beyond this, m.
 const SHALLOWEST_M: f64 = 0.2;
 /// Depths of a smaller ratio are one.
 const ALIKE: f64 = 1.0001;
@@ -88,13 +88,13 @@ impl Tiles {
         &self.depths_m
     }
 
-    /// The brightest place.
+    /// The maximum.
     #[must_use]
     pub fn peak(&self) -> f64 {
         f64::from(self.peak)
     }
 
-    /// The root mean square of all places.
+    /// The root mean square.
     #[must_use]
     pub fn root_mean_square(&self) -> f64 {
         let squares = self.values.iter().map(|&v| f64::from(v) * f64::from(v));

@@ -279,7 +279,7 @@ fn at_places(surfaces: Surfaces<'_>, sky: &Sky<'_>, rays: &dyn Rays, places: &[[
 
 type Lane = [f32; BATCH];
 
-/// Some places with their normals and the axes across them, off their surfaces.
+/// Ray origins, offset from their surfaces, with the normals and the axes across them.
 struct Spots {
     from: [Lane; 3],
     normal: [Lane; 3],
@@ -322,7 +322,7 @@ impl Spots {
     }
 }
 
-/// Ends of the ways in one direction about some normals, and the light from there in each channel.
+/// A packet of rays in one direction about some normals, and the light from there in each channel.
 #[derive(Clone)]
 struct Bundle {
     to: [Lane; 3],

@@ -1,8 +1,8 @@
 //! Occlusion of the veil: the share of daylight that reaches the water in front of surfaces.
 //!
-//! Daylight is scattered toward the camera along the whole line of sight. Next to walls and under structures a part of it is occluded.
-//! At places of each ray, equal in `1 − e^{−c t}`, shadow rays are traced in directions ω spread evenly over the sphere, weighted by the
-//! radiance L from there and by the phase function p without its forward peak:
+//! Daylight is scattered toward the camera along the whole line of sight. Next to walls and under structures a part of it is
+//! occluded. At points of each ray, equally spaced in `1 − e^{−c t}`, shadow rays are traced in directions ω spread evenly over the
+//! sphere, weighted by the radiance L from there and by the phase function p without its forward peak:
 //!
 //! ```text
 //! V = Σ L(μ_ω) p(ω·v) s(ω) / Σ L(μ_ω) p(ω·v)
@@ -21,17 +21,17 @@ use super::veil_grid::Grid;
 use super::{single, to_sea};
 use crate::range::is_hole;
 
-/// Places along each line of sight with shadow rays all around.
+/// Points along each line of sight with shadow rays all around.
 const PLACES: usize = 3;
 /// Directions from each of them.
 const DIRECTIONS: usize = 16;
-/// Places along each line of sight with a shadow ray toward the sun.
+/// Points along each line of sight with a shadow ray toward the sun.
 const SUN_PLACES: usize = 12;
 /// Attenuation lengths within which occluders count.
 const REACH: f64 = 1.5;
 /// Light of the water before an occluder: the mean of `1 − e^{−x}` over 0..1.5.
 const BEFORE_OCCLUDER: f64 = 0.482;
-/// Attenuation lengths of a line of sight that meets no surface.
+/// Attenuation lengths of a line of sight without a surface.
 const FARTHEST: f64 = 8.0;
 /// The golden angle.
 const TURN: f64 = 2.399_963_229_728_653;
@@ -104,7 +104,7 @@ struct Line {
     sun_share: f64,
 }
 
-/// A ray from a place of a line of sight.
+/// A ray from a point of a line of sight.
 struct ShadowRay {
     from: DVec3,
     /// Unit vector.

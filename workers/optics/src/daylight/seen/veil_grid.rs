@@ -9,10 +9,10 @@ const MOST_STRIDE: usize = 16;
 const LEAST_ACROSS: usize = 30;
 /// Each finer grid divides the stride by this.
 const FINER: usize = 4;
-/// A line of sight is interpolated between those whose share of lost light `1 − e^{−c z}` differs less: their shadow rays then
-/// begin at similar places.
+/// A line of sight is interpolated between those whose share of lost light `1 − e^{−c z}` differs less, so that their shadow rays
+/// begin at similar points.
 const SIMILAR: f32 = 0.1;
-/// Values between which it is interpolated differ by no more, else a shadow begins between them.
+/// Limit of the difference of interpolated values; a larger one indicates a shadow edge.
 const SMOOTH: f32 = 0.1;
 
 /// Every n-th pixel of every n-th row, and the last of both.

@@ -33,7 +33,7 @@ pub(super) const LEAST: f64 = 1e-30;
 static LEVELS: LazyLock<[Vec<[f32; 2]>; HALVINGS + 1]> =
     LazyLock::new(|| std::array::from_fn(|level| nodes(CELLS << level)));
 
-/// Equal cells in u, with `(1 − cos π u)/2` the place in the interval.
+/// Equal cells in u, with `(1 − cos π u)/2` the position in the interval.
 fn nodes(cells: usize) -> Vec<[f32; 2]> {
     let node = |at: usize| {
         let side = if at.is_multiple_of(2) { -NODE } else { NODE };

@@ -9,7 +9,7 @@ use crate::attenuation::masked;
 use crate::elementary::{angle, full_angle, sin_cos};
 use crate::turbidity;
 
-/// The rays of a run as unit vectors, and how far they go; a hole has no end.
+/// The rays of a run as unit vectors, and their lengths; infinite for a hole.
 pub(super) struct Rays {
     pub(super) right: Lanes,
     pub(super) down: Lanes,
@@ -139,7 +139,7 @@ pub(super) struct Intervals {
     pub(super) from: Lanes,
 }
 
-/// How murky the water is on the rays of a run, see [`glow_within`](super::glow_within).
+/// Turbidity of the water on the rays of a run, see [`glow_within`](super::glow_within).
 pub(super) struct Murk {
     /// The factor of b.
     pub(super) source: Lanes,

@@ -1,4 +1,4 @@
-//! What f32 may lose of the glow of a lamp.
+//! Rounding of f32 in the airlight of a lamp.
 
 use std::f32::consts::FRAC_PI_4;
 
@@ -8,7 +8,7 @@ use crate::turbidity;
 
 /// One rounding of f32.
 const STEP: f64 = 6e-8;
-/// Roundings of the way from the ray to the lamp, as a share of its distance from the camera.
+/// Roundings of the vector from the ray to the lamp, as a share of its distance from the camera.
 const WAY: f64 = 2.0;
 /// Roundings of an angle, of the sine and cosine of one, and of the exponential and all factors of the light.
 const ANGLE: f64 = 6.0;
@@ -108,7 +108,7 @@ impl Rounding {
         unit * (ends + profile * turned) + f64::from(brightest) * shares
     }
 
-    /// No less than the integral of the phase function over all angles of a run.
+    /// Upper bound of the integral of the phase function over all angles of a run.
     fn integral(&self, span: Span) -> f64 {
         let (from, length) = (f64::from(span.from), f64::from(span.to - span.from));
         let part = length / self.parts as f64;

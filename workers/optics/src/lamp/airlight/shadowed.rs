@@ -1,4 +1,4 @@
-//! The glow of a lamp with the shadows that things cast into the water.
+//! Airlight of a lamp with shadows in the water.
 //!
 //! The lit share of the airlight of each ray is summed at the middles of equal angles, `Σ V f / Σ f` with f the integrand, and
 //! multiplies the airlight without shadows. An edge of a shadow can be anywhere in its angle: the error of a share is at most the
@@ -28,7 +28,7 @@ const STEP: usize = 2;
 const UNSEEN: f64 = 0.25;
 const READ: f64 = 0.5;
 
-/// [`shaded_airlight_reference`](crate::lamp::shaded_airlight_reference) in f32. `left` and `rounding` do not count the edges of
+/// [`shaded_airlight_reference`](crate::lamp::shaded_airlight_reference) in f32. `left` and `rounding` do not include the edges of
 /// shadows.
 #[must_use]
 pub fn shaded_airlight(
@@ -66,7 +66,7 @@ pub fn shaded_airlight(
     all
 }
 
-/// The lit share of the glow of the only lamp, of each pixel and channel.
+/// The lit share of the airlight of the only lamp, of each pixel and channel.
 fn shares(
     range: &Plane<f32>,
     lighting: &Lighting,
@@ -114,7 +114,7 @@ fn shares(
     )
 }
 
-/// The light of a lamp along rays, and where things hide it.
+/// The light of a lamp along rays, and its occluders.
 struct Lights<'a> {
     lamp: &'a Lamp,
     /// Unscattered lamp light, and the scattered lamp light of a spot.
@@ -164,7 +164,7 @@ impl<'a> Lights<'a> {
                 let place = on_unit_disc(shared_place(node, places), places).map(|v| v as f32);
                 for (i, &along) in along.iter().enumerate().take(count) {
                     let from = [rays.right[i], rays.down[i], rays.ahead[i]].map(|v| v * along);
-                    // A point has no disc to be found the places of.
+                    // A point lamp has only one sample.
                     let to = if radius_m == 0.0 {
                         middle
                     } else {

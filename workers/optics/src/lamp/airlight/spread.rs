@@ -35,7 +35,7 @@ use read::Band;
 const STEP: usize = 16;
 const FINEST: usize = 2;
 const FINEST_IN_DEGREES: usize = 4;
-/// Rows of rays that are integrated together.
+/// Rows of rays in one integration.
 const LINES: i64 = 5;
 /// How many equal cells a ray may be cut into.
 const CELLS: [usize; 4] = [16, 32, 64, 128];
@@ -52,10 +52,10 @@ const BETWEEN_RAYS: f32 = 0.4;
 const BETWEEN_RAYS_BENT: f32 = 0.3;
 const BETWEEN_CELLS: f32 = 0.2;
 const WITHIN_CELL: f32 = 0.2;
-/// Third differences between degrees of murkiness exceed the error of a parabola, at most 0.064 of them, by this.
+/// Estimated error of a parabola per third difference between degrees of turbidity; the actual one is at most 0.064.
 const BETWEEN_DEGREES: f32 = 0.2;
-/// Between two rays the lamp is seen from directions no farther apart than this share of its cone: a narrow beam might pass between
-/// them and be seen by neither.
+/// Limit of the angle between the directions to the lamp from two rays, as a share of its cone: a narrow beam might pass between
+/// them.
 const SHARE_OF_CONE: f32 = 0.125;
 /// The cone of a point lamp in radians.
 const OPEN: f32 = 1.0;
@@ -105,7 +105,7 @@ pub(super) fn add(
     frame.read_all(&ends, glow)
 }
 
-/// Equal cells of a ray, and which of them some pixel needs: those before are summed up, but not kept.
+/// Equal cells of a ray, and those needed by a pixel: earlier ones are integrated, but not stored.
 #[derive(Clone, Copy)]
 struct Cut {
     cells: usize,
@@ -124,7 +124,7 @@ struct Frame<'a> {
     lens: [f32; 3],
     patches: Option<turbidity::Rays>,
     murkiness: Murkiness,
-    /// Light that is interpolated between rays.
+    /// Light for interpolation between rays.
     lamp: &'a Glow,
     /// Unscattered light; all light of a point lamp.
     direct: &'a Glow,
@@ -200,7 +200,7 @@ impl Frame<'_> {
         worst
     }
 
-    /// What f32 may lose of the light that is read in a band of rows between these lines of rays.
+    /// Rounding of f32 in the interpolated light of a band of rows between these lines of rays.
     fn rounding(&self, band: &Band<'_>, row: usize, lines: &[Line]) -> f64 {
         let murk = self.murkiness.span().unwrap_or_else(|| {
             let mut all = nodes::Span::dark();

@@ -15,7 +15,7 @@ use crate::lamp::shadow::SPREAD_PLACES;
 use crate::lamp::sight::{Disc, Radius, Sight, Starts};
 use crate::lamp::tiles::in_tiles;
 
-/// The most columns and rows of the cells whose corners are looked from first, and the angle that they may span, rad.
+/// The most columns and rows of the cells whose corners are traced first, and the largest angle of a cell, rad.
 const STEP: usize = 8;
 /// `settle` and `is_open` know cells of this side and its halves.
 const _: () = assert!(STEP == 8);
@@ -203,7 +203,7 @@ impl<'a> Search<'a> {
         for cell in cells {
             for at in self.corners(*cell) {
                 if self.shares[at] == UNKNOWN && self.surfaces.facing[at] != AWAY {
-                    // Not to be looked from again for the next cell.
+                    // Prevents another trace for the next cell.
                     self.shares[at] = 0.0;
                     let start = self.start(at);
                     let way = [0, 1, 2].map(|i| start[i] - self.lamp[i]);

@@ -19,7 +19,7 @@ pub(super) struct Row<'a> {
 }
 
 impl<'a> Row<'a> {
-    /// These of some places, with the normals of the frame from a pixel on.
+    /// Those of some points, with the normals of the frame from a pixel on.
     pub(super) fn new(
         (places, own): (&'a [Vec<f32>; 5], Range<usize>),
         (normals, at): (&'a [Plane<f32>; 3], usize),
@@ -35,12 +35,12 @@ impl<'a> Row<'a> {
     }
 }
 
-/// What [`places_of`] needs to know of a camera: 1/f and the principal point, px.
+/// Camera parameters for [`places_of`]: 1/f and the principal point, px.
 pub(super) fn lens(camera: &Intrinsics) -> [f32; 3] {
     [1.0 / camera.focal_px, camera.cx, camera.cy].map(|v| v as f32)
 }
 
-/// Sets where the surfaces of row `y` are: the lanes of [`Row::places`].
+/// Computes the surface points of row `y`: the lanes of [`Row::places`].
 #[inline(always)]
 pub(super) fn places_of([inverse_focal, cx, cy]: [f32; 3], y: f32, range: &[f32], to: &mut [&mut [f32]; 5]) {
     let width = range.len();

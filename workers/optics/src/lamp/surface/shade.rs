@@ -122,7 +122,7 @@ impl<'a> Look<'a> {
             reach,
             disc: Disc::new(count),
             radius_m: radius_m as f32,
-            // Where the lamp is not looked for, it does not matter.
+            // The value does not matter for untraced pixels.
             seen: vec![1.0; width * height],
             facing: Vec::with_capacity(width * height),
             places: [const { Vec::new() }; 5],

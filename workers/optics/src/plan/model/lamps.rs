@@ -118,7 +118,7 @@ pub(super) fn glow(conditions: &Conditions<'_>) -> Option<ModelError> {
     Some(measured.describe("in the water", found?.into_iter(), at))
 }
 
-/// Light of lamps on surfaces where that which scatters more than once is followed.
+/// Light of lamps on surfaces with multiple scattering.
 pub(super) fn followed_surfaces(conditions: &Conditions<'_>) -> Option<ModelError> {
     let lighting = followed(conditions)?;
     let (_, farthest) = conditions.bounds.range_m?;
@@ -131,7 +131,7 @@ pub(super) fn followed_surfaces(conditions: &Conditions<'_>) -> Option<ModelErro
     Some(ModelError::found(ratio, about))
 }
 
-/// Light of lamps in the water where that which scatters more than once is followed.
+/// Airlight of lamps with multiple scattering.
 pub(super) fn followed_glow(conditions: &Conditions<'_>) -> Option<ModelError> {
     let lighting = followed(conditions)?;
     let is_near = |lamp: &Lamp| nearest(&CAMERAS_M, lamp.distance_m()).is_some();

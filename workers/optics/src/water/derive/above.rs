@@ -1,4 +1,4 @@
-//! What light from above needs of a water, and how it follows from the rest.
+//! Inputs of daylight, and their derivation.
 
 use spec::{HoleRule, PhaseFunction};
 
@@ -40,7 +40,7 @@ impl Checks {
             self.missing("absorption_per_m", reason);
         }
         let (depth_m, (absorption, scattering)) = request.medium.depth_m.zip(parts)?;
-        // Numbers beyond their limits are errors by now; the solver need not meet them.
+        // Numbers beyond their limits are errors by now, so the solver can be skipped.
         if !self.errors.is_empty() {
             return None;
         }

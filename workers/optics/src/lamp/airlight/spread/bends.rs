@@ -111,7 +111,7 @@ impl<'a> Place<'a> {
         larger(larger(worst[0], worst[1]), worst[2])
     }
 
-    /// The second differences that light of some cells is read with.
+    /// The second differences for interpolating the light of some cells.
     pub(super) fn bends(&self, (first, last): (usize, usize)) -> Vec<Bend> {
         let [column, row] = self.at;
         (first..=last)

@@ -37,7 +37,7 @@ pub(super) struct Bundle {
     across: Lanes,
     along: Lanes,
     out: Lanes,
-    /// Where it enters the cone of a spot and leaves it, as a share of w at the camera.
+    /// Entry into the cone of a spot and exit, as a share of w at the camera.
     enter: Lanes,
     leave: Lanes,
 }
@@ -167,7 +167,8 @@ impl Direct {
     }
 }
 
-/// A place on a ray: the phase function there by dw, the way of its light in meters of mean water, sine and cosine of θ = 2 β − π/2.
+/// A point on a ray: the phase function there by dw, the path of its light in meters of mean water, sine and cosine of θ = 2 β −
+/// π/2.
 struct At {
     light: f32,
     path: f32,

@@ -1,4 +1,4 @@
-//! Which blocks of pixels are read between which rays.
+//! Chooses the rays that each block of pixels is interpolated between.
 
 use std::ops::Range;
 
@@ -61,7 +61,7 @@ impl Frame<'_> {
         worst
     }
 
-    /// Whether light is read from parabolas between rays, in place of lines: of degrees there are too many.
+    /// Whether interpolation between rays is parabolic instead of linear: degrees make parabolas too expensive.
     fn is_bent(&self) -> bool {
         !matches!(self.murkiness, Murkiness::Degrees(_))
     }
@@ -156,7 +156,7 @@ impl Frame<'_> {
     }
 }
 
-/// The least place of some columns that is not below 0, and the greatest.
+/// The least nonnegative and the greatest place of some columns.
 #[inline(always)]
 fn ends_of(rows: &[f32], width: usize, xs: &Range<usize>, ends: &mut (f32, f32)) {
     let (mut first, mut last) = ([f32::INFINITY; STEP], [BY_ITSELF; STEP]);

@@ -43,7 +43,7 @@ impl<'a> Ray<'a> {
         &self.cells[(cell - self.start) * self.stride].0
     }
 
-    /// The sum up to the end of a cell; the fourth is none.
+    /// The sum up to the end of a cell; the fourth lane is unused.
     #[inline(always)]
     pub(super) fn end(&self, cell: usize) -> [f32; 4] {
         let at = self.at(cell);
@@ -56,7 +56,7 @@ impl<'a> Ray<'a> {
     }
 }
 
-/// The rays of a row, from one before the frame to one behind it, in water of each degree of murkiness.
+/// The rays of a row, from one before the frame to one behind it, in water of each degree of turbidity.
 pub(super) struct Line {
     /// Slot of each ray among the needed ones.
     slots: Vec<usize>,
@@ -65,7 +65,7 @@ pub(super) struct Line {
     /// Cell by cell those of its rays, of each degree.
     degrees: Vec<Vec<Cell>>,
     cut: Cut,
-    /// Of the murkiness of its rays.
+    /// Bounds of the turbidity of its rays.
     pub(super) murk: nodes::Span,
 }
 
@@ -140,7 +140,7 @@ impl Line {
         }
     }
 
-    /// In how many degrees its rays are summed up.
+    /// Number of degrees of turbidity of its rays.
     pub(super) fn count(&self) -> usize {
         self.degrees.len()
     }
@@ -154,7 +154,7 @@ impl Line {
         self.distance[self.slots[ray]]
     }
 
-    /// What these cells of all rays, and those before, may leave.
+    /// Quadrature error of these cells of all rays, and of those before.
     pub(super) fn left_by_cells(&self, cells: (usize, usize)) -> f64 {
         let next = (cells.0, self.next(cells.1));
         let asked = (0..self.slots.len()).filter(|&ray| self.slots[ray] != usize::MAX);
@@ -222,7 +222,7 @@ impl Across {
     }
 }
 
-/// Sums up the first `count` rays of a run, and stores their cells.
+/// Integrates the first `count` rays of a run, and stores their cells.
 fn sum_up(
     lamp: &Glow,
     (rays, source): (&Bundle, &Lanes),

@@ -1,4 +1,4 @@
-//! How murky the water is that the rays of pixels meet.
+//! Turbidity along the rays of pixels.
 //!
 //! In patches the factors of b and c change all paths of a ray, and with them its light. Most of the airlight comes from a stretch
 //! near the lamp. If all surfaces are behind it, the factors change only from ray to ray, and each ray is integrated in its actual
@@ -28,7 +28,7 @@ pub(super) enum Murkiness {
     Degrees(Degrees),
 }
 
-/// The factors of c and b of each pixel of a frame, and how far the latter is from a mean of the ray, see [`Murk`].
+/// The factors of c and b of each pixel of a frame, and the difference of the latter from a mean of the ray, see [`Murk`].
 pub(super) struct Degrees {
     path: Vec<f32>,
     source: Vec<f32>,
@@ -56,7 +56,7 @@ impl Murkiness {
         }
     }
 
-    /// In how many degrees of murkiness each ray is summed up.
+    /// Number of degrees of turbidity for each ray.
     pub(super) fn degrees(&self) -> usize {
         match self {
             Self::Even | Self::Own => 1,
@@ -148,7 +148,7 @@ impl Degrees {
 }
 
 impl nodes::Span {
-    /// Of no ray.
+    /// Empty bounds.
     pub(super) fn dark() -> Self {
         Self {
             from: 0.0,

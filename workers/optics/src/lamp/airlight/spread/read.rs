@@ -1,4 +1,4 @@
-//! Light of pixels, read between the rays about them.
+//! Light of pixels, interpolated between the rays about them.
 
 use std::ops::Range;
 
@@ -11,7 +11,7 @@ use super::line::{INSIDE, Ray, SLOPE};
 use super::murkiness::{Degrees, Murkiness};
 use super::{Frame, RUN, STEP};
 
-/// What f32 may lose of the place in a ray, as a share of it.
+/// Rounding of f32 in the position on a ray, as a share of it.
 const PLACE: f64 = 1e-6;
 
 type Block16 = [f32; STEP];
@@ -22,7 +22,7 @@ pub(super) struct Band<'a> {
     glow: [&'a mut [f32]; 3],
     /// The most light of each run of columns.
     pub(super) most: Vec<f32>,
-    /// The most light in a cell that is read.
+    /// The most light in an interpolated cell.
     steepest: f32,
 }
 
@@ -58,7 +58,7 @@ impl<'a> Band<'a> {
     }
 }
 
-/// A block of pixels between four rays, those above first, of each degree of murkiness.
+/// A block of pixels between four rays, those above first, of each degree of turbidity.
 pub(super) struct Block<'a> {
     corners: Vec<[Ray<'a>; 4]>,
     /// Cell of the first of `bends`, which is empty for linear interpolation.
@@ -268,7 +268,7 @@ fn read_degrees(
     }
 }
 
-/// The sum up to a place in a cell, between the cells of four rays.
+/// The sum up to a position in a cell, interpolated between the cells of four rays.
 #[inline(always)]
 fn between(four: [[f32; 16]; 4], u: f32, [right, down]: [f32; 2]) -> [f32; 4] {
     let [a, b, c, d] = four.map(|cell| {

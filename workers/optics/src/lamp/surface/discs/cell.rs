@@ -6,12 +6,12 @@ use super::UNKNOWN;
 use crate::lamp::coarse::ALIKE;
 use crate::lamp::surface::shade::{IN_BEAM, LIT};
 
-/// Where the corners of a cell see shares of the disc that differ by no more, the others are read between them.
+/// Largest difference of shares at the corners of a cell for interpolating the others.
 const READ_UP_TO: f32 = 0.25;
-/// Where corners see more of the disc, but pixels between them less than half of the lamp itself, something small is in the way.
+/// If corners see more of the disc, but pixels between them less than half of the lamp, a small occluder is likely.
 const OPEN: f32 = 0.9;
 
-/// Pixels whose corners are looked from: `step` columns and rows, fewer at the end of the frame.
+/// Pixels with traced corners: `step` columns and rows, fewer at the end of the frame.
 #[derive(Clone, Copy)]
 pub(super) struct Cell {
     pub(super) x: usize,
