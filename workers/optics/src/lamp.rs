@@ -78,8 +78,8 @@ pub struct Lamp {
 }
 
 impl Lamp {
-    /// A lamp without shadow that shines in all directions. `position_m` in meters (right, down, ahead of the camera), `intensity` in linear
-    /// radiance times m² for red, green and blue.
+    /// A lamp without shadow that shines in all directions. `position_m` in meters (right, down, ahead of the camera), `intensity` in
+    /// linear radiance times m² for red, green and blue.
     ///
     /// # Errors
     /// Every number beyond its limits.

@@ -1,4 +1,4 @@
-//! Marine snow: particles that hang in the water and light up.
+//! Marine snow: illuminated particles in the water.
 //!
 //! The water is cut into cells of the world; each holds a Poisson number of particles, uniform within it, with log-normal radii r.
 //! Every number has an address (seed, world, cell, particle), so the particles are the same for any camera, order and number of

@@ -1,6 +1,6 @@
 //! Rows of a plane on a coarser grid, for kernels that are many rows wide.
 //!
-//! A coarse row is a weighted sum of rows around its place. The weights are a box of `step` rows, convolved with itself [`ORDER`]
+//! A coarse row is a weighted sum of rows around its position. The weights are a box of `step` rows, convolved with itself [`ORDER`]
 //! times: their response `w(f) = (sin(π s f) / (s sin(π f)))^ORDER` is 0 at the multiples of 1/s, which the coarse grid aliases to
 //! f = 0. The cosine transform of the coarse rows, divided by w, equals the transform of the plane, except for aliases of order `(s
 //! f)^ORDER`. A kernel of γ rows suppresses frequencies above 1/γ, so the error is below [`aliasing`] of the light.

@@ -223,7 +223,8 @@ fn product(to: &mut [f32], values: &[f32], from: f32, mask: &[f32]) {
     }
 }
 
-/// The layer's values on its pixels, elsewhere the mean of nearby ones: `from` plus the ratio of `means` to `weights`, at most `from + most`.
+/// The layer's values on its pixels, elsewhere the mean of nearby ones: `from` plus the ratio of `means` to `weights`, at most `from
+/// + most`.
 #[inline(always)]
 fn means(
     means: &mut [f32],

@@ -1,7 +1,7 @@
 //! The transfer function of the pixel-integrated kernel.
 //!
 //! `H(f) = Σ_{m,n} sinc(fx+m) sinc(fy+n) exp(−2πγ |f+(m,n)|)`, sinc(x) = sin(πx)/(πx): the spectrum of the continuous
-//! kernel under the pixel's aperture, folded at the sampling rate. The term m = n = 0 is taken as it is; the rest A is
+//! kernel under the pixel's aperture, folded at the sampling rate. The term m = n = 0 is exact; the rest A is
 //! smooth and even, and nine Chebyshev terms per axis carry it to 1e-8. For γ ≥ 6 A vanishes; below 0.3, where the direct
 //! sum is long, A is interpolated in γ between γ = 0 (where H = 1) and twelve Chebyshev nodes.
 

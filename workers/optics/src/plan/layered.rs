@@ -169,7 +169,7 @@ impl<'a> Choice<'a> {
         choice
     }
 
-    /// Sets the number of nodes.
+    /// Chooses the best nodes with this number of terms.
     fn take(&mut self, terms: usize) {
         self.terms = terms;
         let nodes = self.ladders.iter().map(|ladder| ladder.nodes(self.part, terms));

@@ -118,7 +118,7 @@ pub fn display_tolerance(bounds: &SceneBounds, water: &Water) -> f64 {
     if darkest <= FOOT {
         return DARK;
     }
-    // The slope falls with the light; it is taken where the error may have led.
+    // The slope falls with the light, so it is evaluated at the light less the error.
     let darkest = (darkest - DARK).max(FOOT).min(1.0);
     1.0 / 255.0 / (0.4396 * darkest.powf(-0.5833))
 }
@@ -164,7 +164,7 @@ pub(super) fn levels(bounds: &SceneBounds, water: &Water, channel: usize) -> (f6
     } = Channel::of_scene(bounds, water, channel);
     let (nearest, farthest) = bounds.range_m.unwrap_or((0.0, f64::INFINITY));
     if direct == back && direct > 0.0 && !is_varied {
-        // The veil is between the two where a hole shows it alone.
+        // A hole that shows only the veil is between the two.
         let arriving = |contrast: f64, towards: bool| {
             let farther = if bounds.holes { f64::INFINITY } else { farthest };
             contrast * (-direct * if towards { nearest } else { farther }).exp()

@@ -132,7 +132,7 @@ fn two_kernels(conditions: &Conditions<'_>) -> Option<ModelError> {
     else {
         return None;
     };
-    // How much leaks over near objects without gates was measured of one kernel alone.
+    // The leak over near objects without gates was measured only with one kernel.
     let over = layers.map_or("", |_| ", light over a nearer object 0.92-1.27 of the truth");
     edges_were_measured(conditions).then(|| {
         let about = format!("light beside an edge 0.80-1.18 of the truth{over}");

@@ -183,7 +183,7 @@ impl Trace {
     }
 }
 
-/// Where the pixels of a row are looked up.
+/// Lookup positions of the pixels of a row.
 struct Spots {
     depth: Vec<f32>,
     entry: [Vec<f32>; 2],
@@ -206,7 +206,7 @@ fn trace(of: Trace, range: &[f32], depth: &mut [f32], first: &mut [f32], second:
     }
 }
 
-/// Multiplies the sunlight on the surfaces of a picture by the pattern. Holes are unchanged.
+/// Multiplies the sunlight on the surfaces of a picture by the pattern. Pixels without sunlight are unchanged.
 ///
 /// # Panics
 /// When the planes are of different sizes.

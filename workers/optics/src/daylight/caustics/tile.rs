@@ -8,9 +8,9 @@ use super::super::field::REFRACTIVE_INDEX;
 use super::reference::RAYS_PER_CELL;
 use super::{Blur, Waves};
 
-/// Depths between which the pattern is looked up.
+/// Number of tile depths; the pattern is interpolated between them.
 const SLICES: usize = 8;
-/// Caustics are limited to depths beyond this, m.
+/// Least depth of caustics, m.
 const SHALLOWEST_M: f64 = 0.2;
 /// Depths of a smaller ratio are one.
 const ALIKE: f64 = 1.0001;

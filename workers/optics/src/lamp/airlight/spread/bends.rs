@@ -78,7 +78,7 @@ impl<'a> Place<'a> {
         f64::from(between + own)
     }
 
-    /// The most that may be left at the ends of some cells.
+    /// Largest error estimate at the ends of some cells.
     fn between_rays(&self, (first, last): (usize, usize), degree: usize, is_bent: bool) -> f32 {
         let [column, row] = self.at;
         let lines =

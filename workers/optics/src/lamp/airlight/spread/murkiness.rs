@@ -39,7 +39,7 @@ pub(super) struct Degrees {
 }
 
 impl Murkiness {
-    /// Of the rays of a frame to a lamp.
+    /// Turbidity for the rays of a frame to a lamp.
     pub(super) fn met(frame: &Frame<'_>) -> Self {
         let Some(patches) = &frame.patches else {
             return Self::Even;
@@ -72,7 +72,7 @@ impl Murkiness {
         }
     }
 
-    /// Of all pixels, where it is known.
+    /// Bounds for all pixels, if known.
     pub(super) fn span(&self) -> Option<nodes::Span> {
         match self {
             Self::Even | Self::Own => None,
