@@ -1,4 +1,4 @@
-//! Light from above on a picture of 768×492: surfaces, and caustics with the tiles that they are looked up in.
+//! Daylight on a picture of 768×492: surfaces, and caustics with the tiles for their lookup.
 
 use std::hint::black_box;
 

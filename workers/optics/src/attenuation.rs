@@ -1,9 +1,9 @@
-//! Attenuation along the ray: what arrives of the scene, and the veil that comes instead.
+//! Attenuation along the ray: transmitted scene light and veil.
 //!
 //! `D = J exp(−β_D Z)`, `B = B∞ (1 − exp(−β_B Z))` (Jaffe 1990; with β_B apart from β_D: Akkaynak & Treibitz 2018). The f32
-//! forms below have an absolute error under 3e-7 for light up to 1; 1 − exp is formed without cancellation, since naive
-//! subtraction loses several per cent of the scattered share at centimeters. They are plain additions and multiplications
-//! without fused steps: every CPU gives the same bits.
+//! functions below have an absolute error under 3e-7 for light up to 1; 1 − exp is formed without cancellation, since plain
+//! subtraction loses several per cent of the scattered share at centimeters. They use plain additions and multiplications without
+//! fused steps, so the bits are the same on every CPU.
 
 use imaging::{Plane, vectorized};
 
@@ -17,7 +17,7 @@ const SHORTEST_M: f32 = crate::range::SHORTEST_M as f32;
 #[inline(always)]
 #[must_use]
 pub fn exp_negative(x: f32) -> f32 {
-    /// Added and taken away again, it rounds a float of this size to an integer, which then stands in its low bits.
+    /// Adding and subtracting it rounds a float of this size to an integer, which ends up in its low bits.
     const ROUND: f32 = 12_582_912.0;
     const LN2_HIGH: f32 = 0.693_359_4;
     const LN2_LOW: f32 = -2.121_944_4e-4;
@@ -45,7 +45,7 @@ pub fn one_minus_exp_negative(x: f32) -> f32 {
 /// The same, given `exp(−x)`.
 #[inline(always)]
 fn one_minus(x: f32, exp: f32) -> f32 {
-    // Both are computed, so that the choice is a selection and no branch.
+    // Both are computed, so that the choice compiles to a selection instead of a branch.
     let small = x
         * (1.0
             - x * (0.5
@@ -68,7 +68,7 @@ pub fn scattered_share(g: f32, excess: f32, z: f32) -> f32 {
     reason = "NaN has to become 0, and stays NaN through clamp"
 )]
 pub(crate) fn masked(z: f32) -> (bool, f32) {
-    // No short circuit and no constant in place of a hole: either would become a branch, and the loop scalar.
+    // A short circuit or a constant for a hole would become a branch and prevent vectorization.
     let (far_enough, finite) = (z >= SHORTEST_M, z <= f32::MAX);
     (far_enough & finite, z.max(0.0).min(f32::MAX))
 }
@@ -86,7 +86,7 @@ pub(crate) struct Channel {
     pub(crate) veil: f32,
 }
 
-/// What attenuation makes of one channel, all of the length of the frame.
+/// Attenuated planes of one channel, each of the length of the frame.
 pub(crate) struct Attenuated<'a> {
     /// D.
     pub(crate) direct: &'a mut [f32],
@@ -96,8 +96,8 @@ pub(crate) struct Attenuated<'a> {
     pub(crate) image: &'a mut [f32],
 }
 
-/// `D = J exp(−β_D Z)` and `B = B∞ (1 − exp(−β_B Z))`. At a hole, where the path has no end: if the water attenuates no D and
-/// all of B∞, otherwise J and no veil.
+/// `D = J exp(−β_D Z)` and `B = B∞ (1 − exp(−β_B Z))`. At a hole the path is infinite: if the water attenuates, D is 0 and B is B∞;
+/// otherwise D is J and B is 0.
 pub(crate) fn attenuate(radiance: &[f32], range: &[f32], channel: Channel, mut to: Attenuated<'_>) {
     let Channel {
         direct, backscatter, ..
@@ -147,7 +147,7 @@ fn layers(
     }
 }
 
-/// `U = L w`: the light of `source` that is spread; none at a hole.
+/// `U = L w`: the spread part of the light of `source`; 0 at a hole.
 #[inline(always)]
 pub(crate) fn spread_light(source: &[f32], range: &[f32], [gain, g, excess]: [f32; 3], light: &mut [f32]) {
     for (u, (&l, &z)) in light.iter_mut().zip(source.iter().zip(range)) {
@@ -157,7 +157,7 @@ pub(crate) fn spread_light(source: &[f32], range: &[f32], [gain, g, excess]: [f3
     }
 }
 
-/// `1 − exp(−Z / scale_m)` of each pixel: 0 at the camera, 1 far away and where there is no surface.
+/// `1 − exp(−Z / scale_m)` of each pixel: 0 at the camera, 1 far away and at pixels without a surface.
 #[must_use]
 pub fn faded(range: &Plane<f32>, scale_m: f32) -> Plane<f32> {
     let mut out = range.clone();

@@ -2,9 +2,8 @@
 
 use imaging::{Rgb, transfer};
 
-/// Blends a styled picture (sRGB-encoded, 0..=1) into a linear one and returns linear light. α is clamped to 0..=1; at 0
-/// nothing changes, at 1 the styled picture is all. A styled picture larger than the frame (a network that pads) is cropped
-/// from the top left.
+/// Blends a styled picture (sRGB-encoded, 0..=1) into a linear one and returns linear light. α is clamped to 0..=1: 0 keeps the
+/// linear picture, 1 the styled one. A styled picture larger than the frame (a network that pads) is cropped from the top left.
 ///
 /// # Panics
 /// When the styled picture is smaller than the frame.

@@ -1,9 +1,9 @@
 //! The water stage: `I = D + F + B`, or `F` gathered from `D + B`.
 //!
-//! Jaffe–McGlamery as meant: light from the scene is split, e^{−cZ} arrives unscattered, e^{−GZ} − e^{−cZ} arrives spread,
-//! and the veil of the water lies over both. (The paper's Eq. 3-4 convolve light that is already attenuated with a kernel
-//! that attenuates again; `scatter_source: direct` does that to the letter.) The simplified form, Eq. 8-9, collects the
-//! attenuated image with each pixel's kernel. What is done is in the plan; here is only how.
+//! Jaffe–McGlamery as intended: light of the scene is split, e^{−cZ} arrives unscattered, e^{−GZ} − e^{−cZ} arrives spread, and the
+//! veil of the water is added to both. (The paper's Eq. 3-4 convolve attenuated light with a kernel that attenuates again;
+//! `scatter_source: direct` follows them to the letter.) The simplified form, Eq. 8-9, collects the attenuated image with a kernel
+//! for each pixel. The plan decides on the stages; this module runs them.
 
 mod check;
 mod fast;
@@ -24,9 +24,9 @@ pub use reference::water as water_reference;
 /// The parts of an underwater image in linear light, not clamped.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Layers<T = f32> {
-    /// D: light of the scene that arrives on its own ray.
+    /// D: light of the scene that arrives unscattered.
     pub direct: Rgb<T>,
-    /// F: light that arrives scattered forward. In the simplified form: what gathering changed, which may be negative.
+    /// F: light that arrives scattered forward. In the simplified form: the change by gathering, which may be negative.
     pub forward_scatter: Rgb<T>,
     /// B: the veil.
     pub backscatter: Rgb<T>,
@@ -36,8 +36,8 @@ pub struct Layers<T = f32> {
     pub holes: u64,
 }
 
-/// Takes a scene under water as planned. `radiance` is linear, finite and not negative ([`check_radiance`]); `range` is in
-/// meters along the ray.
+/// Renders a scene under water as planned. `radiance` is linear, finite and not negative ([`check_radiance`]); `range` is in meters
+/// along the ray.
 ///
 /// # Errors
 /// [`ChainError`]: sizes differ, the frame is empty, holes under the rule `reject`, a reference frame too large.
@@ -90,8 +90,7 @@ pub fn water(
 }
 
 impl KernelCache {
-    /// Takes the planes of layers that are no longer needed, for the next frame to be written into. Saves some milliseconds
-    /// a frame; nothing else depends on it.
+    /// Keeps the planes of unused layers for reuse in the next frame. Saves some milliseconds a frame and changes no result.
     pub fn recycle(&mut self, layers: Layers) {
         for layer in [
             layers.direct,

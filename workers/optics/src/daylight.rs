@@ -1,8 +1,8 @@
 //! Daylight: how bright the water is in every direction, the veil that follows, and the light on surfaces.
 //!
-//! Radiance in open water is solved by radiative transfer ([`transport`]) once for each channel of a frame and then kept in a form
-//! that is cheap at every pixel ([`field`]). Irradiance falls with depth as `E(z) = E(0) e^{−K z}`, with K such that E at the camera is
-//! that of the solution.
+//! Radiance in open water is solved by radiative transfer ([`transport`]) once for each channel of a frame and stored in a form
+//! that is cheap to evaluate at every pixel ([`field`]). Irradiance falls with depth as `E(z) = E(0) e^{−K z}`, with K chosen to
+//! match the solution at the camera.
 
 mod caustics;
 mod field;
@@ -49,23 +49,23 @@ pub(crate) enum DaylightEffect {
     Caustics,
     /// The pattern of the waves in the water.
     Shafts,
-    /// Occlusion of the daylight that the veil comes from.
+    /// Occlusion of the daylight that causes the veil.
     VeilOcclusion,
 }
 
-/// Light from above in one water, as one camera meets it.
+/// Daylight in one water, for one camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Daylight {
     pub(crate) surfaces: SurfaceLight,
     pub(crate) sun: Option<SunLight>,
-    /// Rays that tell how much of the light from all around reaches a surface.
+    /// Rays of ambient occlusion for each surface.
     pub(crate) rays: usize,
-    /// The waves, and how the water blurs what they draw.
+    /// The waves, and the blur of their pattern by the water.
     pub(crate) caustics: Option<(Caustics, Blur)>,
     /// Whether the pattern of the waves shows on surfaces.
     pub(crate) draws_caustics: bool,
     pub(crate) has_shafts: bool,
-    /// Whether surfaces occlude the daylight that the veil comes from.
+    /// Whether surfaces occlude the daylight that causes the veil.
     pub(crate) occludes_veil: bool,
     /// True meters of one length of the range.
     pub(crate) scale: f64,
@@ -83,7 +83,7 @@ pub struct Daylight {
 }
 
 impl Daylight {
-    /// Leaves an effect out.
+    /// Disables an effect.
     pub(crate) fn leave_out(&mut self, effect: DaylightEffect) {
         match effect {
             DaylightEffect::SunShadow => {
@@ -98,7 +98,7 @@ impl Daylight {
         }
     }
 
-    /// What it does to surfaces.
+    /// Its effect on surfaces.
     #[must_use]
     pub fn surfaces(&self) -> SurfaceLight {
         self.surfaces
@@ -129,7 +129,7 @@ impl Daylight {
         self.caustics.is_some()
     }
 
-    /// The waves of a seed in the frame with this number, and how the water blurs what they draw with the sun.
+    /// The waves of a seed in the frame with this number, and the blur of their pattern by sun and water.
     #[must_use]
     pub fn waves(&self, seed: u64, frame: u64) -> Option<(Waves, Blur)> {
         self.sun?;
@@ -149,7 +149,7 @@ impl Daylight {
         self.draws_caustics
     }
 
-    /// Whether surfaces occlude the daylight that the veil comes from.
+    /// Whether surfaces occlude the daylight that causes the veil.
     #[must_use]
     pub fn occludes_veil(&self) -> bool {
         self.occludes_veil

@@ -1,11 +1,11 @@
-//! Angles and exponentials in plain f32 arithmetic, so that loops over them vectorize. Products are fused with sums by name:
-//! that rounds once on every CPU, whether it has an instruction for it or not, and so the bits are the same on all.
+//! Angles and exponentials in plain f32 arithmetic, so that loops over them vectorize. Fused multiply-adds are explicit: they round
+//! only one time with or without hardware support, so the bits are the same on every CPU.
 //!
 //! The polynomials are those of Moshier's Cephes library (1989), relative error below 2e-7.
 
 use std::f32::consts::{FRAC_1_SQRT_2, FRAC_PI_2, FRAC_PI_4, PI};
 
-/// tan(π/8) and tan(3π/8), between which the angle is taken from π/4.
+/// tan(π/8) and tan(3π/8), the limits of the reduction by π/4.
 const LOW: f32 = 0.414_213_57;
 const HIGH: f32 = 2.414_213_7;
 
@@ -55,7 +55,7 @@ pub(crate) const HALVINGS: f32 = std::f32::consts::LOG2_E;
 /// `exp(−c x)`. The polynomial is the best of the fifth degree for the relative error within half a step.
 #[inline(always)]
 pub(crate) fn fade(rate: f32, x: f32) -> f32 {
-    /// Added and taken away again, it rounds a float of this size to an integer, which then stands in its low bits.
+    /// Adding and subtracting it rounds a float of this size to an integer, which ends up in its low bits.
     const ROUND: f32 = 12_582_912.0;
     const MOST: f32 = ROUND + 126.0;
     let rounded = rate.mul_add(x, ROUND);

@@ -43,7 +43,7 @@ impl ErrorBound {
         self.absolute + self.relative * exact
     }
 
-    /// The largest error of a sample up to white. Light beyond white counts as white: the picture is cut there.
+    /// The largest error of a sample up to white. Brighter light counts as white, since the picture is clipped there.
     #[must_use]
     pub fn up_to_white(self) -> f64 {
         self.bound_sample(1.0)

@@ -1,4 +1,4 @@
-//! The greatest and the least of many numbers, several at once, so that the loops vectorize.
+//! Maximum and minimum of slices, several lanes at a time, so that the loops vectorize.
 
 use imaging::Rgb;
 use imaging::vectorized;

@@ -1,8 +1,8 @@
-//! A camera at its place in the world: what hangs in the water stays where it is while the camera moves.
+//! Pose of the camera in the world: particles and patches keep their places while the camera moves.
 
 use imaging::geometry::Intrinsics;
 
-/// A camera and its place.
+/// A camera and its pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Eye {
     /// Its lens.
@@ -51,7 +51,7 @@ impl Eye {
         [0, 1, 2].map(|i| self.world_from_camera[i][3])
     }
 
-    /// The unit vector along the ray of a place in the picture, in camera axes.
+    /// The unit vector along the ray of a point of the picture, in camera axes.
     #[must_use]
     pub(crate) fn ray(&self, column: f64, row: f64) -> [f64; 3] {
         let ray = self.camera.ray(column, row);

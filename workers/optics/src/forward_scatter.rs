@@ -1,12 +1,12 @@
-//! Forward scatter: light that leaves its ray by a small angle and arrives beside its own pixel.
+//! Forward scatter: light that leaves its ray by a small angle and arrives at another pixel.
 //!
-//! Scatter (the Jaffe–McGlamery form): every source pixel y spreads its own light, `F(x) = Σ_y U(y) K(x, y; γ(y))`; energy is
-//! kept. Gather (the simplified form): every pixel x collects with its own kernel, `F(x) = Σ_y K(x, y; γ(x)) I(y)`; a
-//! uniform field stays uniform. They are adjoint to each other. The frame is a mirror box, so that K is diagonal under
-//! the cosine transform: `K(γ) = DCT⁻¹ diag(H(γ)) DCT`.
+//! Scatter (the Jaffe–McGlamery form): every source pixel y spreads its light, `F(x) = Σ_y U(y) K(x, y; γ(y))`, which conserves
+//! energy. Gather (the simplified form): every pixel x collects with its kernel, `F(x) = Σ_y K(x, y; γ(x)) I(y)`; a uniform field
+//! stays uniform. They are adjoint to each other. The frame is a mirror box, so that K is diagonal under the cosine transform:
+//! `K(γ) = DCT⁻¹ diag(H(γ)) DCT`.
 //!
-//! Neither form knows occlusion: light of the background that leaks over a near object is about four times too strong. The first
-//! form may be gated: a frame is divided into layers, and what is behind a near object is taken back to it and stopped there.
+//! Neither form includes occlusion: background light that leaks over a near object is about four times too strong. The first form
+//! has an occlusion-aware variant: it divides the frame into layers and stops light from behind a near object at its gate.
 
 mod basis;
 mod bound;

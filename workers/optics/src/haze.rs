@@ -22,7 +22,7 @@ pub fn haze(image: Rgb<f32>, lights: &[Haze]) -> Rgb<f32> {
     }
 }
 
-/// A light weaker than this leaves every f32 of ordinary brightness as it is.
+/// Weaker light does not change an f32 of ordinary brightness.
 const NOTHING: f64 = 1e-9;
 
 fn lay(mut image: Rgb<f32>, light: &Haze) -> Rgb<f32> {

@@ -1,9 +1,9 @@
 //! The point spread of forward scatter: a Cauchy kernel, integrated over pixels.
 //!
-//! Light that is scattered forward over a path of scale `γ` pixels arrives with the density
-//! `γ / (2π (γ² + r²)^{3/2})`, the two-dimensional inverse Fourier transform of `exp(-2π γ |f|)`, f in cycles per pixel.
-//! A pixel receives the integral over its square, so the kernel is positive, sums to 1 at every γ ≥ 0, and becomes a delta
-//! as γ → 0. Its tail falls only as γ/R: it must not be cut off.
+//! Light that is scattered forward over a path of scale `γ` pixels arrives with the density `γ / (2π (γ² + r²)^{3/2})`, the
+//! two-dimensional inverse Fourier transform of `exp(-2π γ |f|)`, f in cycles per pixel. A pixel receives the integral over its
+//! square, so the kernel is positive, sums to 1 at every γ ≥ 0, and becomes a delta as γ → 0. Its tail falls only as γ/R: it must
+//! not be cut off.
 
 mod grid;
 mod transfer;
@@ -32,10 +32,10 @@ pub fn pixel(i: i64, j: i64, gamma: f64) -> f64 {
     corner(x + 0.5, y + 0.5) - corner(x - 0.5, y + 0.5) - corner(x + 0.5, y - 0.5) + corner(x - 0.5, y - 0.5)
 }
 
-/// Beyond 20 pixels (and 20 γ) the cancellation in the exact form costs more than the series leaves out.
+/// Beyond 20 pixels (and 20 γ) the cancellation in the exact form is worse than the truncation of the series.
 const FAR_R2: f64 = 400.0;
 
-/// Light that stays on its own pixel: `k(0,0) = (2/π) atan(1 / (4γ √(γ² + ½)))`.
+/// Light that stays on its pixel: `k(0,0) = (2/π) atan(1 / (4γ √(γ² + ½)))`.
 #[must_use]
 pub fn center(gamma: f64) -> f64 {
     if gamma <= 0.0 {

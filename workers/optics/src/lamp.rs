@@ -1,16 +1,16 @@
-//! Lamps in the water: point and spot lamps, the light they throw on surfaces and the glow of the water before them.
+//! Lamps in the water: point and spot lamps, their light on surfaces and their airlight.
 //!
-//! A lamp of intensity I₀ per steradian at P lights a point X at the distance r = |X − P| with
-//! `E = I₀ S e^{−c r} max(n·l, 0) / r²`; what the surface sends back, J E / π, goes on through the water as any other light of the
-//! scene. On the way a part of it is scattered once into the ray, see [`airlight`] (Jaffe 1990; Sun, Ramamoorthi, Narasimhan,
-//! Nayar 2005). S is 1, or the profile of a spot, `clamp((cos − cos cone)/(1 − cos cone), 0, 1)` about its axis. The camera looks
-//! along z, x is right and y is down. Light that is scattered more than once is joined to it in closed form where the absorption
-//! is known, see `multiple`; without it a lamp on a wall 4 m away is 2 times too dark in coastal water and 12 times in 3C. What
-//! casts a shadow is in the lamp ([`Shadow`]); the scene tells by rays what is in the way.
+//! A lamp of intensity I₀ per steradian at P lights a point X at the distance r = |X − P| with `E = I₀ S e^{−c r} max(n·l, 0) /
+//! r²`. The surface reflects J E / π, which propagates through the water like other light of the scene. Single scattering of lamp
+//! light into the ray is the airlight, see [`airlight`] (Jaffe 1990; Sun, Ramamoorthi, Narasimhan, Nayar 2005). S is 1, or the
+//! profile of a spot, `clamp((cos − cos cone)/(1 − cos cone), 0, 1)` about its axis. The camera looks along z, x is right and y is
+//! down. Multiple scattering is added in closed form if the absorption is known, see `multiple`; without it a lamp on a wall 4 m
+//! away is 2 times too dark in coastal water and 12 times in 3C. A lamp has a shadow mode ([`Shadow`]); occlusion is found by rays
+//! through the scene.
 //!
-//! In patches of turbidity b and c are multiplied by means of the field along the ray: for the glow, b over the stretch of
-//! [`glow_within`], from which most of it comes, and c from the camera to its end; for the way to a surface, c over as many meters
-//! before it. The field along both legs of every node would cost a hundred times as much.
+//! In patches of turbidity b and c are multiplied by means of the field along the ray. For the airlight, b is averaged over the
+//! stretch of [`glow_within`], the source of most of it, and c from the camera to its end. For the path to a surface, c is averaged
+//! over the same length of the camera ray before it. The field along both legs of every node would cost a hundred times more.
 
 mod airlight;
 mod beam;
@@ -62,9 +62,9 @@ use spec::{Beyond, Light, PointLamp, SpotLamp};
 use crate::turbidity::Field;
 use beam::Beam;
 
-/// Radius of a lamp in meters: nothing is nearer to it, or its light had no bound.
+/// Radius of a lamp in meters. Distances to the lamp are clamped to it, so that its light is bounded.
 pub const LAMP_RADIUS_M: f64 = 0.02;
-/// A shorter axis has no direction.
+/// The direction of a shorter axis is undefined.
 const SHORTEST_AXIS: f64 = 1e-6;
 
 /// A lamp.
@@ -78,8 +78,8 @@ pub struct Lamp {
 }
 
 impl Lamp {
-    /// A lamp without shadow that shines in all directions. `position_m` in meters (right, down, ahead of the camera), `intensity` in linear
-    /// radiance times m² for red, green and blue.
+    /// A lamp without shadow that shines in all directions. `position_m` in meters (right, down, ahead of the camera), `intensity` in
+    /// linear radiance times m² for red, green and blue.
     ///
     /// # Errors
     /// Every number beyond its limits.
@@ -156,7 +156,7 @@ impl Lamp {
         })
     }
 
-    /// The same lamp, whose light is cut off in this way on surfaces, and in the water too if `glow` says so.
+    /// The same lamp with this shadow mode on surfaces, and in the water too if `glow` is true.
     #[must_use]
     pub fn with_shadow(self, shadow: Shadow, glow: bool) -> Self {
         Self {
@@ -193,20 +193,20 @@ impl Lamp {
         self.position_m
     }
 
-    /// What its light is cut off by on surfaces.
+    /// Its shadow mode on surfaces.
     #[must_use]
     pub fn shadow(&self) -> Shadow {
         self.shadow
     }
 
-    /// Whether things cast shadows into its glow, too.
+    /// Whether occluders cast shadows into its airlight, too.
     #[must_use]
     pub fn casts_into_water(&self) -> bool {
         self.glow_shadow
     }
 
-    /// The radius of the disc about it that light comes from to places at a distance: its own, and of the light that was scattered on
-    /// its way.
+    /// Radius of the disc about the lamp that lights points at a distance: the lamp's radius, widened by the light scattered on its
+    /// path.
     pub(crate) fn disc_m(&self, lighting: &Lighting, distance_m: f64) -> f64 {
         let (own, _) = self.shadow.disc();
         if lighting.absorption.is_none() {
@@ -217,8 +217,8 @@ impl Lamp {
         own.max(distance_m * multiple::surface_scale(scattering * murkiest * distance_m))
     }
 
-    /// No surface at this distance or farther is lit more: `I₀ e^{−c r}/r²`, with a in place of c where light that was scattered
-    /// is followed.
+    /// Upper bound of the light on surfaces at this distance or farther: `I₀ e^{−c r}/r²`, with a in place of c if multiple
+    /// scattering is modeled.
     pub(crate) fn most_light(&self, lighting: &Lighting, distance_m: f64) -> f64 {
         let distance = distance_m.max(lighting.radius_m);
         let clearest = lighting.patches.as_ref().map_or(1.0, |field| field.extremes().0);
@@ -238,12 +238,12 @@ impl Lamp {
     }
 }
 
-/// Lamps, the camera before which they hang, and the water between. Coefficients in 1/m for red, green and blue.
+/// Lamps, their camera, and the water between. Coefficients in 1/m for red, green and blue.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lighting {
     /// The lamps.
     pub lamps: Vec<Lamp>,
-    /// Nothing is nearer to a lamp than this, m.
+    /// Lower limit of the distance to a lamp, m.
     pub radius_m: f64,
     /// The camera.
     pub camera: Intrinsics,
@@ -251,11 +251,11 @@ pub struct Lighting {
     pub attenuation: [f64; 3],
     /// Scattering b.
     pub scattering: [f64; 3],
-    /// Absorption a where light that scatters more than once is followed; none: it is lost.
+    /// Absorption a if multiple scattering is modeled; `None`: multiply scattered light is lost.
     pub absorption: Option<[f64; 3]>,
-    /// The phase function of the glow.
+    /// The phase function of the airlight.
     pub phase: GlowPhase,
-    /// Patches of murkier water, in the axes of the camera; none in even water.
+    /// Patches of turbidity in camera axes; `None` in even water.
     pub patches: Option<Field>,
 }
 

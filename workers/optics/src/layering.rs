@@ -1,7 +1,7 @@
-//! Layers of a frame: what stands before what.
+//! Layers of a frame, ordered by occlusion.
 //!
-//! Where a neighbor is a quarter farther, something may hide something. A few cuts between the ranges of such edges divide the frame
-//! into layers; each cut has a gate, where the nearer side of its edges stands.
+//! If a neighbor is a quarter farther, occlusion is possible. A few cuts between the ranges of such edges divide the frame into
+//! layers; each cut has a gate at the nearer side of its edges.
 
 use imaging::{Plane, cancel};
 
@@ -9,11 +9,11 @@ use crate::range::is_hole;
 
 /// A neighbor farther by this factor is behind an edge.
 const BEHIND: f64 = 1.25;
-/// A cut is no farther behind what hides than this factor, so that the gate stands near what blocks.
+/// Largest ratio of a cut to the range of its occluder, so that the gate is near the occluder.
 const NEAR: f64 = 1.5;
-/// Ranges that are tried as cuts.
+/// Number of candidate ranges for cuts.
 const CANDIDATES: usize = 64;
-/// Edges that no cut has to serve, as a share of all.
+/// Share of edges that cuts need not serve.
 const LEFT: f64 = 0.02;
 
 /// The cuts and gates of a frame, nearest first.
@@ -23,11 +23,11 @@ pub struct Layering {
     pub cuts_m: Vec<f64>,
     /// Where the light behind each cut is stopped, meters.
     pub gates_m: Vec<f64>,
-    /// Nearest and farthest range of each layer, meters; none where no pixel is of it.
+    /// Nearest and farthest range of each layer, meters; `None` for an empty layer.
     pub spans_m: Vec<Option<(f64, f64)>>,
 }
 
-/// Two neighbors of which one may hide the other, ranges in meters.
+/// Two neighbors with possible occlusion, ranges in meters.
 #[derive(Debug, Clone, Copy)]
 struct Edge {
     near: f64,
@@ -35,14 +35,14 @@ struct Edge {
 }
 
 impl Edge {
-    /// Whether a cut divides the two near the one that hides.
+    /// Whether a cut divides the two near the occluder.
     fn is_served(self, cut: f64) -> bool {
         self.near <= cut && cut < self.far.min(NEAR * self.near)
     }
 }
 
 impl Layering {
-    /// Divides a frame into at most `most` layers; none where nothing hides anything.
+    /// Divides a frame into at most `most` layers; `None` without occlusion.
     #[must_use]
     pub fn find<T: Copy + Into<f64>>(range: &Plane<T>, most: usize) -> Option<Self> {
         let mut edges = edges(range);
@@ -136,7 +136,7 @@ fn candidates<T: Copy + Into<f64>>(range: &Plane<T>) -> Vec<f64> {
         .collect()
 }
 
-/// The candidate that serves the most edges, the nearest of equals; none where none serves any.
+/// The candidate that serves the most edges, the nearest of equals; `None` if all serve 0.
 fn most_served(edges: &[Edge], candidates: &[f64]) -> Option<f64> {
     let mut starts = vec![0i64; candidates.len() + 1];
     for edge in edges {

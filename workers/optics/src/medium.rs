@@ -7,7 +7,7 @@ use spec::{Daylight, Frame, HoleRule, NamedDaylight, Optics, PhaseFunction, Scen
 use crate::daylight::{Bottom, DaylightModel};
 use crate::preset::{self, all_known};
 
-/// Depth of the camera by day where none is given, m.
+/// Depth of the camera by day if it is not given, m.
 const DAY_DEPTH_M: f64 = 5.0;
 
 /// Water with its models.
@@ -22,11 +22,11 @@ pub struct Medium {
     pub depth_m: Option<f64>,
     /// The rule for pixels without a valid range.
     pub holes: HoleRule,
-    /// What the decay of daylight with depth does to the scene where no [`DaylightModel`] lights its surfaces.
+    /// Effect of the decay of daylight with depth on the scene, unless a [`DaylightModel`] lights its surfaces.
     pub ambient: Ambient,
     /// Kernels of forward scatter by the Jaffe–McGlamery form.
     pub kernels: Kernels,
-    /// Most layers of occlusion-aware forward scatter; `None`: near objects occlude no scattered light.
+    /// Most layers of occlusion-aware forward scatter; `None`: without occlusion.
     pub layers: Option<usize>,
     /// The phase function of the airlight of lamps.
     pub airlight_phase: PhaseFunction,
@@ -73,11 +73,11 @@ pub enum Kernels {
     Two,
 }
 
-/// What the decay of daylight with depth does to a scene that contains its illumination.
+/// Effect of the decay of daylight with depth on a scene that contains its illumination.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Ambient {
-    /// Nothing.
+    /// No effect.
     None,
     /// Radiance and a given veiling light are multiplied by exp(−K_d h).
     Absolute,
@@ -110,7 +110,7 @@ impl Surroundings {
         }
     }
 
-    /// Whether there is no daylight: none is described, or lamps shine and neither daylight nor a depth is given.
+    /// Whether daylight is absent: the description disables it, or lamps are on and neither daylight nor a depth is given.
     #[must_use]
     pub fn is_night(&self, depth_m: Option<f64>) -> bool {
         match self.daylight {
@@ -178,7 +178,7 @@ impl Known {
         }
     }
 
-    /// The sky over the water. Daylight that is not described needs a and b, from which its veil follows, and no veil that is given.
+    /// The sky over the water. Default daylight needs a and b, for its veil, and no given veil.
     fn sky(&self, surroundings: &Surroundings, depth_m: Option<f64>) -> Option<Sky> {
         match surroundings.daylight {
             Daylight::Sky(sky) => Some(sky),

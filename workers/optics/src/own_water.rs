@@ -1,4 +1,4 @@
-//! A water of a user's own: the same rules and the same self-tests as for the shipped ones.
+//! Custom waters: the same rules and the same self-tests as for the shipped ones.
 
 mod behavior;
 
@@ -7,13 +7,13 @@ use spec::{Fault, Invalid, Optics, OwnWater};
 use crate::preset::{self, Preset, diffuse_in_disguise, self_test};
 use crate::water::{Water, WaterError};
 
-/// What is wrong with a water of a user's own.
+/// Errors of a custom water.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum OwnError {
     /// Wavelengths out of order.
     #[error("wavelength_nm is {0:?}: red, green and blue must fall in this order")]
     Order([f64; 3]),
-    /// The numbers contradict each other or leave a gap.
+    /// The numbers contradict each other or are incomplete.
     #[error(transparent)]
     Water(#[from] WaterError),
     /// A self-test fails.
@@ -22,7 +22,7 @@ pub enum OwnError {
 }
 
 impl OwnError {
-    /// The field that has to change; none where the water as a whole is wrong.
+    /// The field to change; `None` if the error concerns the water as a whole.
     #[must_use]
     pub fn field(&self) -> Option<&'static str> {
         match self {
@@ -33,10 +33,10 @@ impl OwnError {
     }
 }
 
-/// Reads a user's water and its preset, tested beside `others`, the waters that users have given before.
+/// Reads a custom water and its preset, tested together with `others`, the earlier custom waters.
 ///
 /// # Errors
-/// Every error together: fields, limits, contradictions, and what the self-tests find.
+/// Every error together: fields, limits, contradictions, and failures of the self-tests.
 pub fn parse_own(bytes: &[u8], others: &[Preset]) -> Result<(OwnWater, Preset), Invalid> {
     let fault = |error: OwnError| Fault {
         path: error.field().into_iter().collect(),
@@ -48,7 +48,7 @@ pub fn parse_own(bytes: &[u8], others: &[Preset]) -> Result<(OwnWater, Preset), 
     })
 }
 
-/// The preset of a user's water, tested alone and beside those of the same source.
+/// The preset of a custom water, tested alone and together with those of the same source.
 ///
 /// # Errors
 /// Everything that is wrong with it, together.
@@ -59,7 +59,7 @@ pub fn own(new: &OwnWater, others: &[Preset]) -> Result<Preset, Vec<OwnError>> {
         errors.push(OwnError::Order(new.wavelength_nm));
     }
     let preset = preset_of(new);
-    // Where a, b and c are all given, c has to be their sum: the description takes all three to check it.
+    // If a, b and c are all given, c has to be their sum: the description needs all three for the check.
     let optics = Optics {
         beam_attenuation_per_m: new.beam_attenuation_per_m,
         ..preset.optics()

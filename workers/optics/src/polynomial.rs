@@ -28,7 +28,7 @@ impl<const N: usize> Polynomial<N> {
         self.0.iter().rev().fold(0.0, |sum, c| sum * x + c)
     }
 
-    /// `Σ |c_i| (1 + i)`: no value and no slope on −1..=1 is larger.
+    /// `Σ |c_i| (1 + i)`: an upper bound of values and slopes on −1..=1.
     #[must_use]
     pub(crate) fn magnitude(&self) -> f64 {
         let terms = self.0.iter().enumerate();
@@ -99,7 +99,7 @@ fn to_monomials<const N: usize>(series: [f64; N]) -> [f64; N] {
     sum
 }
 
-/// Gaussian elimination with pivots; a system without a solution gets zeros for what it does not determine.
+/// Gaussian elimination with pivots; undetermined unknowns are 0.
 fn solve<const N: usize>(mut matrix: [[f64; N]; N], mut right: [f64; N]) -> [f64; N] {
     for column in 0..N {
         let pivot = (column..N)

@@ -1,7 +1,7 @@
-//! Optical waters with their numbers, their source and what is wrong with them.
+//! Optical waters with their coefficients, sources and caveats.
 //!
-//! A number that a source does not give is absent, never guessed. Absorption and scattering are stored; beam attenuation is
-//! their sum. K_d, the decay of daylight with depth, stands beside them and never attenuates along a camera ray.
+//! A number missing from a source is absent, never guessed. Absorption and scattering are stored; beam attenuation is their sum.
+//! K_d, the decay of daylight with depth, is stored separately and never attenuates along a camera ray.
 
 mod diffuse;
 mod jerlov;
@@ -28,20 +28,20 @@ pub fn all_known(channels: Channels) -> Option<[f64; 3]> {
     Some([r, g, b])
 }
 
-/// One water. Coefficients in 1/m; what is absent is unknown, never zero.
+/// One water. Coefficients in 1/m; an absent number is unknown, never zero.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Preset {
     /// Full name: water and source, such as `jerlov-3C/williamson2022`.
     pub name: String,
     /// Jerlov's type, such as `3C`, if it is one of them: the self-tests hold it against its neighbors.
     pub jerlov_type: Option<String>,
-    /// Where the numbers come from.
+    /// Publication of the numbers.
     pub source: String,
-    /// Under what terms they may be used, `unknown` if that is not known.
+    /// License terms, `unknown` if not known.
     pub licence: String,
-    /// What a user should know.
+    /// Caveats for users.
     pub caveats: Vec<String>,
-    /// Wavelengths that stand for red, green and blue, nm.
+    /// Wavelengths of red, green and blue, nm.
     pub wavelength_nm: Channels,
     /// Absorption a.
     pub absorption: Channels,
@@ -51,20 +51,20 @@ pub struct Preset {
     pub beam_attenuation: Channels,
     /// Diffuse attenuation K_d.
     pub diffuse_attenuation: Channels,
-    /// Backscatter fraction b_b/b, if the source gives one.
+    /// Backscatter fraction b_b/b, if the source has one.
     pub backscatter_fraction: Option<f64>,
-    /// Veiling light, linear, if the source gives one.
+    /// Veiling light, linear, if the source has one.
     pub veiling_light: Option<[f64; 3]>,
-    /// Which of these fields were computed from the source's own, by the names of the job description.
+    /// Fields computed from the source's numbers, by the names of the job description.
     pub derived: Vec<&'static str>,
-    /// Below pure sea water and the like: to know, no reason to refuse.
+    /// Below pure sea water and similar: worth knowing, but not a defect.
     pub warnings: Vec<String>,
-    /// What the self-tests find in it.
+    /// Defects found by the self-tests.
     pub defects: Vec<String>,
 }
 
 impl Preset {
-    /// A water of which nothing is known yet.
+    /// A water with all numbers unknown.
     #[must_use]
     pub fn unknown(name: &str, source: &str, licence: &str) -> Self {
         Self {

@@ -1,4 +1,4 @@
-//! Range along the ray, and what a pixel without one means.
+//! Range along the ray, and the meaning of a pixel without one.
 
 use std::borrow::Cow;
 
@@ -8,7 +8,7 @@ use spec::HoleRule;
 /// The shortest range that is one, in meters: below it, and where it is not finite, the pixel is a hole.
 pub const SHORTEST_M: f64 = 1e-3;
 
-/// Whether a pixel's range is none: NaN, infinite, negative, zero or below a millimeter.
+/// Whether a pixel has no range: NaN, infinite, negative, zero or below a millimeter.
 #[inline(always)]
 #[must_use]
 pub fn is_hole(range: impl Into<f64>) -> bool {
@@ -26,13 +26,13 @@ pub(crate) fn filled<T: Sample>(range: &Plane<T>, holes: HoleRule) -> Cow<'_, Pl
     }
 }
 
-/// The range that light from above takes surfaces to be at: holes are where the rule puts them.
+/// The range of surfaces for daylight: the rule replaces holes.
 #[must_use]
 pub fn of_surfaces(range: &Plane<f32>, holes: HoleRule) -> Cow<'_, Plane<f32>> {
     filled(range, holes)
 }
 
-/// The farthest range in meters; none in a frame of holes.
+/// The farthest range in meters; `None` in a frame of holes.
 #[must_use]
 pub fn farthest(range: &Plane<f32>) -> Option<f64> {
     let (_, farthest) = bounds(range.data(), range.data(), f32::MAX)?;
@@ -56,10 +56,10 @@ impl Sample for f64 {
     }
 }
 
-/// Several bounds at once, so that the loop vectorizes.
+/// Number of partial bounds, so that the loop vectorizes.
 const LANES: usize = 16;
 
-/// Nearest and farthest range up to `most_m` meters among the pixels that are no holes and have light; none if there are none.
+/// Nearest and farthest range up to `most_m` meters among lit pixels with a range; `None` without such a pixel.
 pub(crate) fn bounds(light: &[f32], range: &[f32], most_m: f32) -> Option<(f32, f32)> {
     let (nearest, farthest) = vectorized!(lane_bounds(light, range, most_m.min(f32::MAX)));
     let nearest = nearest.into_iter().fold(f32::INFINITY, f32::min);

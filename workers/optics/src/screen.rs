@@ -1,7 +1,7 @@
-//! A range image as a scene: a height field over the picture, for scenes of which nothing else is known.
+//! A range image as a scene: a height field over the picture, for scenes without geometry.
 //!
-//! It must fail where the picture shows nothing: surfaces beside it or behind others do not exist, undersides are guesses, and a thing is
-//! as thick as 5 cm and 5 % of its range. A hole is never met.
+//! It is wrong about surfaces outside the picture: those outside the frame or behind others do not exist, undersides are guesses,
+//! and objects have a thickness of 5 cm and 5 % of their range. A hole is never hit.
 
 mod extent;
 #[cfg(test)]
@@ -18,21 +18,21 @@ use crate::range::is_hole;
 use extent::{Extent, Square};
 use trail::Trail;
 
-/// Samples of a cell of which one is farther by more than this factor lie on both sides of an edge.
+/// Samples of a cell whose ranges differ by more than this factor are on both sides of an edge.
 const EDGE: f64 = 1.25;
-/// Nothing is seen nearer to the plane of the camera than this, m.
+/// Near limit from the plane of the camera, m.
 const NEAR_M: f64 = 0.01;
-/// No ray is followed farther, m.
+/// Rays end here, m.
 const FAR_M: f64 = 1e4;
 /// Steps along a ray for each pixel that it passes.
 const STEPS: f64 = 2.0;
 const BISECTIONS: usize = 8;
-/// A surface is met where a ray is behind it by more than this share of its depth.
+/// A ray intersects a surface if it is behind it by more than this share of its depth.
 const ROUNDING: f64 = 1e-6;
-/// As thick as a surface is: so many meters, and this share of its range.
+/// Thickness of a surface: meters, and a share of its range.
 const THICK_M: f64 = 0.05;
 const THICK: f64 = 0.05;
-/// What is behind all surfaces of a part of the picture is so by this share more: places along a ray are known to 1e-8 of their depth.
+/// A ray must be behind all surfaces of a square by this share more: points along a ray are known to 1e-8 of their depth.
 const SURELY: f64 = 1e-6;
 
 /// A range image with its camera.
@@ -41,12 +41,12 @@ pub struct Screen {
     /// 1/z of each pixel, which is linear over a plane; NaN at holes.
     inverse: Plane<f64>,
     normals: [Plane<f32>; 3],
-    /// By which rays skip what they cannot meet; none in the reference.
+    /// Depth bounds for skipping empty squares; `None` in the reference.
     extent: Option<Extent>,
 }
 
 impl Screen {
-    /// The scene of a range image in meters along the ray. It meets what [`Screen::reference`] meets, at the same places.
+    /// The scene of a range image in meters along the ray. It has the same intersections as [`Screen::reference`].
     #[must_use]
     pub fn new(range: &Plane<f32>, camera: Intrinsics) -> Self {
         let plain = Self::reference(range, camera);
@@ -54,7 +54,7 @@ impl Screen {
         Self { extent, ..plain }
     }
 
-    /// The same scene, in which every step of every ray is looked at.
+    /// The same scene, testing every step of every ray.
     #[must_use]
     pub fn reference(range: &Plane<f32>, camera: Intrinsics) -> Self {
         let inverse = Plane::from_fn(range.width(), range.height(), |x, y| {
@@ -74,7 +74,7 @@ impl Screen {
         }
     }
 
-    /// 1/z at a place of the picture: between four samples, or the nearest at edges and holes.
+    /// 1/z at a point of the picture: interpolated between four samples, or the nearest at edges and holes.
     fn at(&self, [x, y]: [f64; 2]) -> Option<f64> {
         let (width, height) = self.inverse.size();
         let inside = |v: f64, count: usize| v > -0.5 && v < count as f64 - 0.5;
@@ -97,7 +97,7 @@ impl Screen {
         Some((1.0 - v) * ((1.0 - u) * a + u * b) + v * ((1.0 - u) * c + u * d))
     }
 
-    /// The upper left one of the four samples around a place of the picture.
+    /// The upper left one of the four samples around a point of the picture.
     fn cell(&self, [x, y]: [f64; 2]) -> (usize, usize) {
         let (width, height) = self.inverse.size();
         let first = |v: f64, count: usize| (v.max(0.0) as usize).min(count.saturating_sub(2));
@@ -141,17 +141,17 @@ impl Screen {
         })
     }
 
-    /// By how much of its depth the ray is behind the surface at a share of its trail; none where nothing is shown.
+    /// Depth of the ray behind the surface at a share of its trail, relative to its depth; `None` without surface.
     fn behind(&self, trail: &Trail, share: f64) -> Option<f64> {
         let surface = self.at(trail.place(share))?;
         Some(surface / trail.inverse_at(share) - 1.0)
     }
 
-    /// The share of a trail at which it meets a surface: within the first of equal steps that ends behind one, by no more than that is
-    /// thick.
+    /// The share of a trail at its intersection with a surface: within the first of equal steps that ends behind one, within its
+    /// thickness.
     fn meet(&self, trail: &Trail) -> Option<f64> {
         let march = March::new(trail, self.inverse.size())?;
-        // Levels from 1 on are skipped by; at level 0 the steps themselves are looked at.
+        // Levels from 1 on skip squares; level 0 tests the steps themselves.
         let lowest = self.extent.as_ref().map_or(0, |extent| extent.top().min(1));
         let (mut step, mut level) = (0, 0);
         while step <= march.steps {
@@ -175,8 +175,8 @@ impl Screen {
         None
     }
 
-    /// The last step up to which a march, from this step on, stays over a square of the picture, if it surely meets nothing there. Places
-    /// and depths grow or fall from step to step, rounded as they are: what holds of both ends holds of all between.
+    /// The last step up to which a march, from this step on, stays over a square of the picture, if it surely has no intersection
+    /// there. Points and depths are monotonic from step to step, including their rounding: bounds at both ends hold between them.
     fn passes(
         &self,
         march: &March<'_>,
@@ -198,17 +198,17 @@ impl Screen {
         (is_before || is_behind).then_some(last)
     }
 
-    /// Whether a place of a trail is behind a surface, by no more than that is thick.
+    /// Whether a point of a trail is behind a surface, within its thickness.
     fn is_met(&self, trail: &Trail, share: f64) -> bool {
         self.behind(trail, share).is_some_and(|depth| {
             let range = trail.range(share);
-            // As far behind it as it is thick, in range: both grow alike along one line of sight.
+            // The thickness behind it, in range: both grow equally along one line of sight.
             let beyond = range * depth / (1.0 + depth);
             depth > ROUNDING && beyond <= THICK_M + THICK * (range - beyond)
         })
     }
 
-    /// Where between a place before the surface and one behind it the ray meets it.
+    /// The intersection with a surface, between a point before it and one behind it.
     fn refine(&self, trail: &Trail, mut before: f64, mut behind: f64) -> f64 {
         for _ in 0..BISECTIONS {
             let middle = 0.5 * (before + behind);
@@ -240,7 +240,7 @@ impl Screen {
 /// A trail in equal steps over the picture.
 struct March<'a> {
     trail: &'a Trail,
-    /// Shares at which it comes into the picture and leaves it.
+    /// Shares at its entry into the picture and its exit.
     enter: f64,
     leave: f64,
     steps: usize,
@@ -275,7 +275,7 @@ impl<'a> March<'a> {
             let slowness = self.slowness[axis];
             let [low, high] = square.edges(axis);
             let edge = if slowness > 0.0 { high } else { low };
-            // Along an axis on which nothing moves this is infinite or not a number, and no minimum.
+            // Along an axis without movement this is infinite or not a number, and never the minimum.
             share.min((edge - self.trail.places[0][axis]) * slowness)
         });
         let steps = (share - self.enter) * self.pace;
@@ -287,7 +287,7 @@ impl Rays for Screen {
     fn hit(&self, origin: [f64; 3], direction: [f64; 3], from: f64, to: f64) -> Option<Hit> {
         let (origin, direction) = (Vector::from(origin), Vector::from(direction));
         if origin == Vector::from([0.0; 3]) {
-            // A line of sight is one place of the picture.
+            // A line of sight is one point of the picture.
             let trail = self.trail(origin, direction, NEAR_M / direction.z, f64::INFINITY)?;
             let distance = 1.0 / (self.at(trail.places[0])? * direction.z);
             return (distance >= from && distance <= to).then(|| self.hit_at(&trail, distance));

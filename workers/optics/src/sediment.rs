@@ -1,14 +1,14 @@
 //! Clouds of stirred sediment with edges: banks above the bottom, and plumes behind thrusters.
 //!
-//! The density ρ of a cloud lies within 0..1 and is smooth noise n cut off with a soft edge: `ρ = s(q/w)`, s the smooth step, w the
-//! width of an edge. Of banks `q = n + σ Φ⁻¹(cover) − 2.2 σ (h/H)²` at the height h above the bottom, σ the standard deviation
-//! of n: the share of the bottom under them is `cover`, and H above it next to nothing is left. A plume is a turbulent jet, a cone
-//! that widens by a fifth of its way (half angle 11.8°; Pope 2000), `q = 1 + 1.5 n − (r/R)² − (s/L)²` at the way s along its axis and
-//! the distance r from it. Noise stands in the world; thrusters ride with the camera.
+//! The density ρ of a cloud is within 0..1 and is smooth noise n cut off with a soft edge: `ρ = s(q/w)`, s the smooth step, w the
+//! width of an edge. For banks `q = n + σ Φ⁻¹(cover) − 2.2 σ (h/H)²` at the height h above the bottom, σ the standard deviation of
+//! n: banks cover the share `cover` of the bottom, and almost vanish above H. A plume is a turbulent jet, a cone that widens by a
+//! fifth of its length (half angle 11.8°; Pope 2000), `q = 1 + 1.5 n − (r/R)² − (s/L)²` at the length s along its axis and the
+//! distance r from it. Noise is fixed in the world; thrusters move with the camera.
 //!
-//! A length dt of a cloud stops the share `ε ρ dt` of the light behind it and sends albedo × light in its place, both seen through the
-//! water before it as particles of [`crate::snow`] are: `I ← I (1 − α) + C α`, `α = (1 − e^{−ε ρ dt}) e^{−c t}`. Light is that of
-//! lamps and from above at its place; light that one part of a cloud takes from another is left out.
+//! A length dt of a cloud absorbs the share `ε ρ dt` of the light behind it and adds albedo × light, both seen through the water
+//! before it like particles of [`crate::snow`]: `I ← I (1 − α) + C α`, `α = (1 − e^{−ε ρ dt}) e^{−c t}`. Light is that of lamps and
+//! daylight at its position; shadows between parts of a cloud are ignored.
 
 mod drift;
 mod fast;
@@ -31,15 +31,15 @@ use noise::Noise;
 
 /// Standard deviation of the noise.
 const SPREAD: f64 = 0.28;
-/// Standard deviations by which banks are thinner at their height.
+/// Thinning of banks at their height, standard deviations.
 const RISE: f64 = 2.2;
 /// How fast a jet widens (Pope 2000, section 5.1).
 const WIDENING: f64 = 0.2;
 /// Radius of a thruster, m.
 const NOZZLE_M: f64 = 0.05;
-/// Beyond this no cloud is followed, m.
+/// Clouds are rendered up to here, m.
 pub const FAR_M: f64 = 15.0;
-/// Height of a picture's camera above the bottom where nothing says it, m.
+/// Height of a picture's camera above the bottom if it is not given, m.
 const ABOVE_M: f64 = 1.5;
 /// Length of a plume, m.
 const PLUME_M: f64 = 1.5;
@@ -63,12 +63,12 @@ pub struct Clouds {
     plumes: Vec<Plume>,
 }
 
-/// What clouds hang in.
+/// The water around clouds.
 #[derive(Clone, Copy)]
 pub struct Murk<'a> {
     /// Beam attenuation c, 1/m.
     pub attenuation: [f64; 3],
-    /// Meters of water of this attenuation on the way to a point in camera axes at this range.
+    /// Meters of water of this attenuation up to a point in camera axes at this range.
     pub path: &'a dyn Fn([f64; 3], f64) -> f64,
     /// Radiance of a white particle at each of some points in camera axes.
     pub light: WhiteLight<'a>,
@@ -87,7 +87,7 @@ impl Clouds {
         };
         let plume = |number: usize| {
             let draw = |choice: u64| dice.unit(world.index, 16 + 8 * number as u64 + choice);
-            // Beside and below the camera, ahead and outwards.
+            // To the side of and below the camera, ahead and outwards.
             let (sin, cos) = (std::f64::consts::PI * (0.08 + 0.84 * draw(0))).sin_cos();
             let aside = 0.3 + 0.5 * draw(1);
             let axis = [
@@ -119,7 +119,7 @@ impl Clouds {
             return 0.0;
         }
         let world = self.eye.to_world(place).map(|v| v / self.law.scale_m);
-        // Of the banks: what their height leaves of the noise, and whether there is any.
+        // Of the banks: the noise left at their height, and whether there is any.
         let rise = (height.max(0.0) / self.law.height_m).powi(2);
         let lift = if self.law.cover > 0.0 {
             SPREAD * (self.cut() - RISE * rise)
@@ -135,7 +135,7 @@ impl Clouds {
         smooth((noise + lift).max(jet + 1.5 * noise) / self.law.edge)
     }
 
-    /// The light of white clouds at some places times their albedo.
+    /// The light of white clouds at some points times their albedo.
     fn colors(&self, murk: &Murk<'_>, places: impl Iterator<Item = [f64; 3]>) -> Vec<[f64; 3]> {
         let mut colors = (murk.light)(&places.collect::<Vec<_>>());
         for color in &mut colors {
@@ -150,7 +150,7 @@ impl Clouds {
         self.law.albedo
     }
 
-    /// No pixel of a picture with these ranges is hidden more: 0 where nothing is stirred up, or banks lie below all that is seen.
+    /// Upper bound of the opacity of pixels with these ranges: 0 without clouds, or if all visible surfaces are above the banks.
     #[must_use]
     pub fn most_opacity(&self, range: &Plane<f32>) -> f64 {
         let is_met = !self.plumes.is_empty() || (self.law.cover > 0.0 && self.shows_banks(range));
@@ -161,7 +161,7 @@ impl Clouds {
         -(-self.law.extinction_per_m * farthest).exp_m1()
     }
 
-    /// Whether any pixel shows a place that is as low as banks may be high.
+    /// Whether any pixel shows a point below the greatest height of banks.
     fn shows_banks(&self, range: &Plane<f32>) -> bool {
         let (width, height) = range.size();
         let top = self.law.height_m * ((self.cut() + MOST / SPREAD) / RISE).max(0.0).sqrt();
@@ -173,7 +173,7 @@ impl Clouds {
         (0..height).rev().any(|y| (0..width).any(|x| lowest(x, y) <= top))
     }
 
-    /// Standard deviations by which the noise is lifted at the bottom, for banks to cover their share of it.
+    /// Standard deviations added to the noise at the bottom, so that banks cover their share of it.
     fn cut(&self) -> f64 {
         normal_quantile(self.law.cover.clamp(1e-4, 1.0 - 1e-4))
     }
@@ -191,10 +191,10 @@ impl Clouds {
     }
 }
 
-/// No noise is larger.
+/// Upper bound of the noise.
 const MOST: f64 = 1.0;
 
-/// Up to where a pixel shows clouds, m; a hole has no end.
+/// Distance up to which a pixel shows clouds, m; limited at a hole.
 fn end(range: f32) -> f64 {
     if is_hole(range) {
         FAR_M

@@ -1,4 +1,5 @@
-//! What a frame is taken in: its water, lamps, patches and snow before its camera, every number known and no light computed yet.
+//! Resolved environment of a frame: water, lamps, patches and snow in front of its camera, with all numbers known and no light
+//! computed yet.
 
 use imaging::geometry::Intrinsics;
 use imaging::vector::dot;
@@ -15,16 +16,16 @@ use crate::snow::{self, World};
 use crate::turbidity::Field;
 use crate::water::{Water, WaterError};
 
-/// A scene as far as its surroundings depend on it.
+/// Properties of a scene that its environment depends on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View {
     /// Columns and rows.
     pub size: (usize, usize),
     /// The camera.
     pub camera: Intrinsics,
-    /// Rows of the matrix from camera axes to the world; none of a scene without a place, whose camera is at the origin.
+    /// Rows of the matrix from camera axes to the world; `None` for a scene without pose, whose camera is at the origin.
     pub world_from_camera: Option<[[f64; 4]; 4]>,
-    /// Whether the scene has a range; without, there is no water before it.
+    /// Whether the scene has a range; otherwise water is not rendered.
     pub has_range: bool,
     /// The bottom below the camera, where it is known.
     pub bottom: Option<Bottom>,
@@ -35,25 +36,25 @@ pub struct View {
 pub struct Setting {
     /// Columns and rows.
     pub size: (usize, usize),
-    /// The camera at its place.
+    /// The camera and its pose.
     pub eye: Eye,
     /// Against gravity in its axes.
     pub up: [f64; 3],
-    /// The water; none without optics or without range.
+    /// The water; `None` without optics or without range.
     pub water: Option<Water>,
-    /// The water as the scene meets it once it is lit: its ambient light is applied to a scene that lamps light as well.
+    /// The water for a scene that is already lit: its ambient light is also applied to a scene with lamps.
     pub around: Option<Water>,
-    /// Patches of murkier water in the axes of the world; none in even water.
+    /// Patches of turbidity in the axes of the world; `None` in even water.
     pub patches: Option<Field>,
-    /// The lamps; none without lamps or without range, where they have nothing to shine on.
+    /// The lamps; `None` without lamps, or without range, since they need surfaces.
     pub lighting: Option<Lighting>,
-    /// The snow; none without range, since it would hang nowhere.
+    /// The snow; `None` without range, since its position would be undefined.
     pub snow: Option<Snow>,
     /// Which particles and patches of their seed.
     pub world: World,
-    /// Clouds of sediment; none without range, since they would hang nowhere.
+    /// Clouds of sediment; `None` without range, since their position would be undefined.
     pub sediment: Option<Clouds>,
-    /// Depth of the camera, m; none where it is not given.
+    /// Depth of the camera, m; `None` if it is not given.
     pub depth_m: Option<f64>,
 }
 
@@ -66,7 +67,7 @@ pub enum SettingError {
     /// A number of lamps, snow or patches is beyond its limits.
     #[error("{field}: {beyond}")]
     Beyond {
-        /// The field of the description that it stands in.
+        /// Its field in the description.
         field: &'static str,
         /// The number.
         beyond: Beyond,
@@ -77,7 +78,7 @@ impl Setting {
     /// The surroundings of a frame whose scene is seen like this.
     ///
     /// # Errors
-    /// Everything that is wrong with water, lamps, patches and snow at once.
+    /// All errors of water, lamps, patches and snow together.
     pub fn resolve(frame: &Frame, view: &View) -> Result<Self, Vec<SettingError>> {
         let mut errors = Vec::new();
         let mut eye = Eye::at_origin(view.camera);
@@ -155,7 +156,7 @@ impl Setting {
         })
     }
 
-    /// Leaves an effect out of lamps or daylight.
+    /// Disables an effect of lamps or daylight.
     pub fn leave_out(&mut self, effect: StageId) {
         if effect == StageId::LampShadows {
             for lamp in self.lighting.iter_mut().flat_map(|lighting| &mut lighting.lamps) {
@@ -183,8 +184,8 @@ impl Setting {
         self.water.as_ref().map_or([0.0; 3], Water::direct_attenuation)
     }
 
-    /// Factor of daylight at a place in camera axes against that at the camera: `e^{−K_d Δh}` of what the place is deeper, but not from
-    /// above the surface; 1 by night and where the decay is not known.
+    /// Factor of daylight at a point in camera axes relative to the camera: `e^{−K_d Δh}` for the additional depth, with points
+    /// above the surface clamped to it; 1 by night and if the decay is unknown.
     #[must_use]
     pub fn daylight_at(&self, place: [f64; 3]) -> [f64; 3] {
         let water = self.water.as_ref().filter(|water| water.daylight().is_some());
@@ -202,13 +203,13 @@ impl Setting {
     }
 }
 
-/// Whether light from above is computed for each surface.
+/// Whether daylight is computed for each surface.
 fn lights_surfaces(water: &Water) -> bool {
     let above = water.daylight();
     above.is_some_and(|daylight| daylight.surfaces() != SurfaceLight::None)
 }
 
-/// Where the camera looks; in a world that is known, azimuths and places are the world's.
+/// The view direction of the camera; in a known world, azimuths and positions are the world's.
 fn gaze_of(frame: &Frame, view: &View, eye: &Eye) -> Gaze {
     let gaze = Gaze::new(view.camera, view.size, up_of(frame, eye));
     match view.world_from_camera {
@@ -217,7 +218,7 @@ fn gaze_of(frame: &Frame, view: &View, eye: &Eye) -> Gaze {
     }
 }
 
-/// Against gravity in camera axes: a procedural world has its z axis up, and a picture says where up is or is level.
+/// Against gravity in camera axes: a procedural world has its z axis up; a picture has a given direction or is level.
 fn up_of(frame: &Frame, eye: &Eye) -> [f64; 3] {
     match frame.scene {
         Scene::Procedural { .. } => eye.turned([0.0, 0.0, 1.0]),

@@ -1,12 +1,12 @@
-//! Marine snow: particles that hang in the water and light up.
+//! Marine snow: illuminated particles in the water.
 //!
-//! The water is cut into cells of the world; each holds a Poisson number of particles, uniform within it, with log-normal radii
-//! r. Every number has an address (seed, world, cell, particle), so the same particles are met from any camera, in any order and
-//! by any number of threads. A particle at the depth z along the axis and the range R along its ray is a Gaussian disc with
-//! `σ = max(f r/z, 1/2)` pixels, of the opacity `(f r/(z σ))² e^{−c R}` in its middle: one smaller than a pixel is dimmed by its
-//! share of the area. Its color is albedo × the light that meets it, and it is laid over what is behind it, the farthest first,
-//! where R is less than the range of the pixel. The attenuation of the opacity stands for the water in front; the sprites of
-//! UWSim fade in the same way (Prats, Pérez, Fernández, Sanz 2012).
+//! The water is cut into cells of the world; each holds a Poisson number of particles, uniform within it, with log-normal radii r.
+//! Every number has an address (seed, world, cell, particle), so the particles are the same for any camera, order and number of
+//! threads. A particle at the depth z along the axis and the range R along its ray is a Gaussian disc with `σ = max(f r/z, 1/2)`
+//! pixels, with the opacity `(f r/(z σ))² e^{−c R}` in its middle: one smaller than a pixel is dimmed by its share of the area. Its
+//! color is albedo × incident light. It is composited over the background, the farthest first, if R is less than the range of the
+//! pixel. The attenuation of the opacity accounts for the water in front; the sprites of UWSim fade in the same way (Prats, Pérez,
+//! Fernández, Sanz 2012).
 
 mod fast;
 mod flakes;
@@ -117,8 +117,8 @@ fn mean_square(snow: &Snow) -> f64 {
     snow.radius_m.powi(2) * (slope - 1.0) * grown / (1.0 - RADII.powf(1.0 - slope))
 }
 
-/// Whether it may be left out: its density is 0, or expected pixels × contrast ≤ tolerance. `pixels` of the frame, the least
-/// attenuation of the three channels in 1/m, and the largest difference between a particle and what is behind it.
+/// Whether it may be omitted: its density is 0, or expected pixels × contrast ≤ tolerance. `pixels` of the frame, the least
+/// attenuation of the three channels in 1/m, and the largest difference between a particle and its background.
 #[must_use]
 pub fn is_needless(snow: &Snow, pixels: usize, attenuation: f64, contrast: f64, tolerance: f64) -> bool {
     snow.density_per_m3 == 0.0 || cover(snow, attenuation) * pixels as f64 * contrast <= tolerance
@@ -138,14 +138,14 @@ pub struct World {
     pub index: u64,
 }
 
-/// What camera and current make of particles.
+/// Effect of camera and current on particles.
 #[derive(Clone, Copy)]
 pub struct Seeing<'a> {
-    /// Radius of the circle of confusion of what is at a range in meters, in pixels of the picture that is drawn.
+    /// Radius of the circle of confusion at a range in meters, in pixels of the picture.
     pub blur_px: &'a dyn Fn(f64) -> f64,
     /// How long the shutter is open, s.
     pub exposure_s: f64,
-    /// For how long the current has carried the particles from their places, s.
+    /// Time that the current has carried the particles, s.
     pub time_s: f64,
 }
 
@@ -166,16 +166,16 @@ impl Seeing<'_> {
 /// Radiance of white particles at some points in camera axes, of each R, G and B.
 pub type WhiteLight<'a> = &'a dyn Fn(&[[f64; 3]]) -> Vec<[f64; 3]>;
 
-/// What the particles hang in.
+/// Surroundings of the particles.
 #[derive(Clone, Copy)]
 pub struct Surround<'a> {
-    /// Meters along the ray, behind which nothing is seen; a hole has no end.
+    /// Meters along the ray to the surface, which occludes farther particles; infinite at a hole.
     pub range: &'a Plane<f32>,
     /// The camera.
     pub eye: &'a Eye,
     /// Beam attenuation c, 1/m.
     pub attenuation: [f64; 3],
-    /// Meters of water of this attenuation on the way to a point in camera axes at this range.
+    /// Meters of water of this attenuation up to a point in camera axes at this range.
     pub path: &'a dyn Fn([f64; 3], f64) -> f64,
     /// Radiance of a white particle at each of some points in camera axes.
     pub light: WhiteLight<'a>,

@@ -1,15 +1,15 @@
-//! Patches of murkier and clearer water: a smooth field that multiplies every coefficient along the ray.
+//! Patches of turbid and clear water: a smooth field that multiplies every coefficient along the ray.
 //!
 //! With K waves of random direction and phase, `m(p) = 1 + k (|Σ e^{i(κ_j·p + φ_j)}|²/K − 1)`, k the contrast within 0..=1 and κ_j
-//! of normal components with the standard deviation 1/ℓ, ℓ the scale in meters. It is never negative, its mean is 1, its
-//! standard deviation `k √(1 − 1/K)`, and the correlation of two places falls as e^{−r²/ℓ²}; most of the water is somewhat
-//! clearer than the mean, some patches are several times as murky (the statistics of speckle: Goodman 1976). The field stands
-//! in the world: a moving camera meets the same patches.
+//! of normal components with the standard deviation 1/ℓ, ℓ the scale in meters. It is never negative, its mean is 1, its standard
+//! deviation `k √(1 − 1/K)`, and the correlation of two points falls as e^{−r²/ℓ²}; most of the water is somewhat clearer than the
+//! mean, some patches are several times as turbid (the statistics of speckle: Goodman 1976). The field is fixed in the world: a
+//! moving camera sees the same patches.
 //!
 //! All coefficients share the factor, so the water of the chain is unchanged once the range Z of each pixel is replaced by the
-//! length of the path `τ = ∫₀^Z m dt` through water of the mean. The field is a sum of K (K − 1)/2 cosines, whose integral along
-//! a ray is known: `∫₀^Z cos(ψ + q t) dt = Z cos(ψ + q Z/2) sin(q Z/2)/(q Z/2)`. The reference integrates m itself, numerically.
-//! For the light of lamps each ray has a mean of the field of its own: see [`crate::lamp`].
+//! length of the path `τ = ∫₀^Z m dt` through water of the mean. The field is a sum of K (K − 1)/2 cosines, whose integral along a
+//! ray is known: `∫₀^Z cos(ψ + q t) dt = Z cos(ψ + q Z/2) sin(q Z/2)/(q Z/2)`. The reference integrates m itself, numerically. For
+//! the light of lamps each ray has a separate mean of the field: see [`crate::lamp`].
 
 mod bounds;
 mod path;
@@ -30,7 +30,7 @@ use crate::snow::World;
 /// Rounding of f32 in a path over less than a hundred scales, as a share of it: the phases of the fastest cosines lose digits.
 const PATH_ROUNDING: f64 = 2e-6;
 
-/// What f32 may lose of a path up to this range, as a share of it; light errs by at most 1/e of that share.
+/// Rounding of f32 in a path up to this range, as a share of it; light errs by at most 1/e of that share.
 #[must_use]
 pub fn path_rounding(farthest_m: f64, scale_m: f64) -> f64 {
     PATH_ROUNDING * (1.0 + farthest_m / (100.0 * scale_m))
@@ -127,7 +127,7 @@ impl Field {
         self.path_from([0.0; 3], direction, meters)
     }
 
-    /// The same from any place.
+    /// The same from any point.
     #[must_use]
     pub fn path_from(&self, origin: [f64; 3], direction: [f64; 3], meters: f64) -> f64 {
         let sum: f64 = self

@@ -1,10 +1,9 @@
-//! How well an object can be told from what is around it, after the water and before.
+//! Contrast of an object against its surround, after the water and before.
 //!
-//! Contrast is `C = Σ |o − s| / Σ (o + s)` over the three channels, o the mean radiance of the object and s that of its
-//! surround: the pixels near its box that are not its own. The visibility is the contrast after the water over the contrast
-//! before it. For one channel, one range Z and a small difference it is Duntley's contrast transmittance,
-//! `s T / (s T + B∞ (1 − T))` with T = e^{−c Z} (Duntley 1963, "Light in the sea", J. Opt. Soc. Am. 53, 214, Eq. 2-6; in air
-//! Koschmieder 1924).
+//! Contrast is `C = Σ |o − s| / Σ (o + s)` over the three channels, o the mean radiance of the object and s that of its surround:
+//! the pixels near its box outside the object. The visibility is the contrast after the water over the contrast before it. For one
+//! channel, one range Z and a small difference it is Duntley's contrast transmittance, `s T / (s T + B∞ (1 − T))` with T = e^{−c Z}
+//! (Duntley 1963, "Light in the sea", J. Opt. Soc. Am. 53, 214, Eq. 2-6; in air Koschmieder 1924).
 
 use imaging::{Plane, Rgb};
 
@@ -23,7 +22,7 @@ pub struct Visibility {
 }
 
 impl Visibility {
-    /// Contrast after over before, at most 1; none of an object that does not differ from its surround before the water either.
+    /// Contrast after over before, at most 1; `None` for an object that already equals its surround before the water.
     #[must_use]
     pub fn score(&self) -> Option<f64> {
         (self.before >= LEAST_CONTRAST).then(|| (self.after / self.before).min(1.0))
@@ -36,8 +35,8 @@ impl Visibility {
     }
 }
 
-/// The contrast of the object with this number in the mask of instances before and after the water, which are all of one size.
-/// `bounds` is the box around it: left, top, and the first column and row beyond. None where the object or its surround is empty.
+/// The contrast of the object with this number in the mask of instances before and after the water, all of one size. `bounds` is
+/// the box around it: left, top, and the first column and row beyond. `None` if the object or its surround is empty.
 #[must_use]
 pub fn visibility(
     before: &Rgb<f32>,
@@ -121,7 +120,7 @@ mod tests {
         assert!(scores.windows(2).all(|pair| pair[1] < pair[0]), "{scores:?}");
         assert!(card(2.0, 2.0).after < card(2.0, 1.0).after);
         assert!(card(1.0, 1.0).is_visible() && !card(30.0, 1.0).is_visible());
-        // By hand: contrast 0.4 T / (0.8 T + 0.6 (1 − T)) over 0.4/0.8.
+        // Expected: contrast 0.4 T / (0.8 T + 0.6 (1 − T)) over 0.4/0.8.
         let t = (-0.8f64).exp();
         let expected = 0.8 * t / (0.8 * t + 0.6 * (1.0 - t));
         assert!((scores[3] - expected).abs() < 1e-5, "{} {expected}", scores[3]);

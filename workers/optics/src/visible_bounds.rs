@@ -11,7 +11,7 @@ use imaging::{Plane, Rgb};
 
 /// Columns and rows of a tile.
 pub const TILE_PX: usize = 32;
-/// Depth up to which water without a surface behind it is considered, m.
+/// Depth limit for water without a surface behind it, m.
 const FAR_M: f64 = 1e3;
 /// First depth of a subdivision of the water, m, and the ratio of one depth to the previous one.
 const FIRST_M: f64 = 0.25;
@@ -112,7 +112,7 @@ impl VisibleBounds {
         ranges.reduce(|[least, most], [near, far]| [least.min(near), most.max(far)])
     }
 
-    /// Bounds of squares of so many tiles a side.
+    /// Bounds of squares of `side` tiles a side.
     pub(crate) fn merged(&self, side: usize) -> Vec<Tile> {
         let columns = self.columns.div_ceil(side).max(1);
         let rows = (self.tiles.len() / self.columns.max(1)).div_ceil(side);

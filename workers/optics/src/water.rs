@@ -1,4 +1,4 @@
-//! The water of one frame: from what is asked for to numbers that the chain can run with.
+//! The water of one frame: from the description to the numbers of the chain.
 
 mod derive;
 mod error;
@@ -27,14 +27,14 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// `min(γ₀ + k Z, widest)` in pixels, in one channel at a range in meters. Planner and executor both take it from here:
-    /// they must agree to the last bit on which scales a frame has.
+    /// `min(γ₀ + k Z, widest)` in pixels, in one channel at a range in meters. Planner and executor share this function: they must
+    /// agree to the last bit on the scales of a frame.
     #[must_use]
     pub fn gamma(&self, channel: usize, range_m: f64, widest_px: f64) -> f64 {
         (self.offset_px[channel] + self.per_m[channel] * range_m).min(widest_px)
     }
 
-    /// The same in f32, for kernels that are interpolated whatever the range.
+    /// The same in f32, for interpolated kernels at any range.
     #[inline(always)]
     pub(crate) fn scales(&self, channel: usize, widest_px: f64, range: &[f32], gammas: &mut [f32]) {
         let (offset, per_m) = (self.offset_px[channel] as f32, self.per_m[channel] as f32);
@@ -46,7 +46,7 @@ impl Spread {
     }
 }
 
-/// The wider of two kernels, and the share of the spread light that it takes, `m(Z) = min(1, m₀ + m₁ Z)`.
+/// The wider of two kernels, and its share of the spread light, `m(Z) = min(1, m₀ + m₁ Z)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tail {
     /// How far it spreads.
@@ -77,12 +77,12 @@ impl Tail {
     }
 }
 
-/// What becomes of the light of a point on its way to the camera.
+/// Transmission of the light of a point to the camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Arrival {
-    /// T = e^{−cZ}, what keeps its ray.
+    /// T = e^{−cZ}, the unscattered share.
     pub(crate) direct: f64,
-    /// w = e^{−GZ} − e^{−cZ}, what arrives spread.
+    /// w = e^{−GZ} − e^{−cZ}, the spread share.
     pub(crate) spread: f64,
     /// γ of the only or the narrow kernel, and of the wide one, pixels.
     pub(crate) gammas: [f64; 2],
@@ -93,22 +93,22 @@ pub(crate) struct Arrival {
 /// Forward scatter of a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Scatter {
-    /// None.
+    /// No forward scatter.
     None,
-    /// The Jaffe–McGlamery form: each point of the scene spreads with its own range.
+    /// The Jaffe–McGlamery form: each point of the scene spreads with the kernel of its range.
     Jaffe {
         /// G in 1/m, 0 ≤ G ≤ c.
         g: [f64; 3],
-        /// What light is spread.
+        /// The spread light.
         source: ScatterSource,
         /// How far, of two kernels the narrow one.
         spread: Spread,
         /// The wide kernel, if there are two.
         tail: Option<Tail>,
-        /// Most layers of a frame whose near objects stop what is spread behind them; none: they stop nothing.
+        /// Most layers of a frame whose near objects occlude spread light from behind; `None` disables occlusion.
         layers: Option<usize>,
     },
-    /// The simplified form: each pixel of the attenuated image gathers with its own range.
+    /// The simplified form: each pixel of the attenuated image gathers with the kernel of its range.
     Simplified {
         /// How far.
         spread: Spread,
@@ -135,15 +135,15 @@ pub struct Water {
 }
 
 impl Water {
-    /// Completes a description for a camera of this focal length in pixels: preset, given fields, what follows from them.
+    /// Completes a description for a camera of this focal length in pixels: preset, given fields, derived fields.
     ///
     /// # Errors
-    /// Every contradiction and every missing number at once, each with its field, value and limit.
+    /// Every contradiction and every missing number together, each with its field, value and limit.
     pub fn resolve(medium: &Medium, focal_px: f64) -> Result<Self, Vec<WaterError>> {
         Self::complete(medium, false, focal_px)
     }
 
-    /// The same for a water that lamps light, which takes scattering.
+    /// The same for a water with lamps, which needs scattering.
     ///
     /// # Errors
     /// As [`Water::resolve`].
@@ -177,13 +177,13 @@ impl Water {
         self.direct_attenuation
     }
 
-    /// Light from above by direction and depth, where it is asked for.
+    /// Daylight by direction and depth, if it is described.
     #[must_use]
     pub fn daylight(&self) -> Option<&Daylight> {
         self.daylight.as_ref()
     }
 
-    /// The same water before a camera with this view, on which light from above depends.
+    /// The same water for a camera with this view, which daylight depends on.
     #[must_use]
     pub fn seen_by(&self, gaze: Gaze) -> Self {
         Self {
@@ -197,7 +197,7 @@ impl Water {
         Some(self.daylight?.veil_of(channel))
     }
 
-    /// No veil in the picture is brighter in this channel, with open water in view or without.
+    /// Upper bound of the veil in this channel, with or without open water in view.
     pub(crate) fn brightest_veil(&self, channel: usize, is_open: bool) -> f64 {
         match (self.varied_veil(channel), self.daylight) {
             (Some(veil), Some(daylight)) => veil.brightest(daylight.gaze.rises, is_open),
@@ -217,7 +217,7 @@ impl Water {
         self.scattering
     }
 
-    /// Absorption a, 1/m, which multiply scattered light of lamps depends on; c − b where it is not given, `None` without scattering.
+    /// Absorption a, 1/m, for multiple scattering of lamp light; c − b if it is not given, `None` without scattering.
     #[must_use]
     pub fn followed_absorption(&self) -> Option<[f64; 3]> {
         let b = self.scattering?;
@@ -225,7 +225,7 @@ impl Water {
         Some(self.absorption.unwrap_or(rest))
     }
 
-    /// The phase function of the glow of lamps.
+    /// The phase function of the airlight of lamps.
     #[must_use]
     pub fn glow_phase(&self) -> GlowPhase {
         match self.glow_phase {
@@ -240,7 +240,7 @@ impl Water {
         self.backscatter_fraction
     }
 
-    /// K_d in 1/m; none where it is not known.
+    /// K_d in 1/m; `None` if it is unknown.
     #[must_use]
     pub fn diffuse_attenuation(&self) -> Option<[f64; 3]> {
         self.diffuse_attenuation
@@ -252,7 +252,7 @@ impl Water {
         self.radiance_gain
     }
 
-    /// The same water around a scene of which the reflectance is known: it has no light but that which falls on it.
+    /// The same water around a scene of known reflectance: all its light is incident light.
     #[must_use]
     pub fn around_reflectance(&self) -> Self {
         let is_lit = self
@@ -273,7 +273,7 @@ impl Water {
         }
     }
 
-    /// What a pixel without a valid range means.
+    /// Meaning of a pixel without a valid range.
     #[must_use]
     pub fn holes(&self) -> HoleRule {
         self.holes
@@ -285,7 +285,7 @@ impl Water {
         &self.scatter
     }
 
-    /// What becomes of the light of a point at a range in meters, where light is spread by the Jaffe–McGlamery form.
+    /// Transmission of the light of a point at a range in meters, in the Jaffe–McGlamery form.
     pub(crate) fn arrival(&self, channel: usize, range_m: f64, widest_px: f64) -> Option<Arrival> {
         let Scatter::Jaffe { g, spread, tail, .. } = self.scatter else {
             return None;
@@ -302,7 +302,7 @@ impl Water {
         })
     }
 
-    /// The fields that were derived and not given by preset or request.
+    /// The derived fields, absent from preset and request.
     #[must_use]
     pub fn derived(&self) -> &[&'static str] {
         &self.derived

@@ -1,4 +1,4 @@
-//! No frame exceeds the bound of its plan, not even those that are made to.
+//! All frames stay within the bound of their plan, including adversarial ones.
 #![allow(clippy::unwrap_used)]
 
 #[path = "adversary/frames.rs"]
@@ -13,7 +13,7 @@ use spec::{Fidelity, ScatterModel};
 /// Side of the frames, pixels.
 const SIDE: usize = 72;
 
-/// A bound that lies this much above the worst frame would waste kernels, or the frames would be no attack.
+/// A bound this far above the worst frame would waste kernels, or the frames would be a weak attack.
 const LOOSEST: f64 = 2.0;
 
 fn attack(model: ScatterModel, cases: &[((f64, f64), f64)]) {
@@ -69,7 +69,7 @@ fn bound_and_error(frame: &Frame, tolerance: f64) -> (f64, f64) {
     (plan.errors()[1].bound_sample(brightest), error)
 }
 
-/// With the bound `min(1.2 worst, 2.6 even)` of old these frames erred by up to 1.29 times as much.
+/// With the previous bound `min(1.2 worst, 2.6 even)` these frames exceeded it by up to 1.29 times.
 #[test]
 fn light_of_the_worst_scale_at_every_offset_stays_within_the_bound() {
     attack(

@@ -33,8 +33,8 @@ const SIZES: [(usize, usize); 8] = [
 const FLOAT: f64 = 1e-6;
 
 /// Largest error with a given number of kernels, for light up to 1 and kernel scales within a ratio of 45. Interpolation at
-/// Chebyshev nodes converges geometrically; published trials on smooth scenes report 1.9e-3, 2e-4, 1.1e-5 and 3e-7 for the
-/// first four, and noise, which these scenes are full of, takes up to half as much again with four.
+/// Chebyshev nodes converges geometrically; published trials on smooth scenes report 1.9e-3, 2e-4, 1.1e-5 and 3e-7 for the first
+/// four, and noise, common in these scenes, has up to half more with four.
 const BY_TERMS: [(usize, f64); 5] = [(4, 3.5e-3), (6, 4e-4), (8, 9e-5), (12, 3e-6), (16, FLOAT)];
 
 /// Both forms, and both sources of the first. Spread differs between the channels: pixels to subpixels.
@@ -125,7 +125,7 @@ fn largest_error(fast: &Layers, exact: &Layers<f64>) -> f64 {
         .fold(0.0, |worst, e| if e <= worst { worst } else { e })
 }
 
-/// Runs every scene, form and size, and returns what exceeds its limit.
+/// Runs every scene, form and size, and returns all errors above the limit.
 fn sweep(
     scenes: &[Scene],
     forms: &[(&str, Water)],
@@ -195,7 +195,7 @@ fn two_kernels_and_gates_are_the_reference_within_the_tolerance_in_every_scene()
     assert!(failures.is_empty(), "{failures:#?}");
 }
 
-/// Tolerances, each with what rounding of light as bright as this adds.
+/// Tolerances, each with the rounding of light of this brightness.
 fn within(tolerances: &[f64], radiance: &Rgb<f32>) -> Vec<(Fidelity, f64)> {
     let light = radiance.planes().iter().flat_map(Plane::data);
     let float = FLOAT * f64::from(light.copied().fold(1.0, f32::max));

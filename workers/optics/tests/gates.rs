@@ -58,7 +58,7 @@ fn outcome(scene: &Scene, cache: &mut KernelCache) -> Outcome {
     channels.max_by(|a, b| a.ratio().total_cmp(&b.ratio())).unwrap()
 }
 
-/// Random scenes of one seed: none exceeds its bound.
+/// Random scenes of one seed: all are within their bounds.
 fn search(seed: u64, count: u64, size: Option<(usize, usize)>) {
     let mut cache = KernelCache::new();
     let (mut ratios, mut exceeding, mut failed) = (Vec::new(), 0, Vec::new());

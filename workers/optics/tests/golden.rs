@@ -1,8 +1,8 @@
 //! Reference vectors: every folder under `tests/vectors/chain`, `tests/vectors/lamps` and `tests/vectors/realism`, and under folders
 //! of the same names in each path in `FATHOM_GOLDEN_EXTRA`.
 //!
-//! A case is `params.json` with a `stage` and arrays in NPY. A stage or parameter that is not known fails, and so does a
-//! place without cases. The cases of realism have a `kind`; those of other kinds are for other tests.
+//! A case is `params.json` with a `stage` and arrays in NPY. An unknown stage or parameter fails, and so does a folder without
+//! cases. The cases of realism have a `kind`; those of other kinds are for other tests.
 
 #[path = "golden/case.rs"]
 mod case;

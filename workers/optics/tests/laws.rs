@@ -1,4 +1,4 @@
-//! What the water stage must obey whatever the method: conservation, symmetry, limits.
+//! Properties of the water stage in any method: conservation, symmetry, limits.
 
 #![allow(clippy::unwrap_used)]
 

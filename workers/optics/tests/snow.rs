@@ -11,7 +11,7 @@ use spec::Snow;
 const ROUNDING: f64 = 1e-5;
 const SIZES: [(usize, usize); 6] = [(1, 1), (1, 9), (7, 1), (13, 17), (31, 8), (48, 29)];
 
-/// What a lens sees, dust, flakes, and a storm of large ones close by.
+/// Typical snow, dust, flakes, and a storm of large ones close by.
 const SNOWS: [(&str, Snow); 4] = [
     (
         "blurred and drawn-out aggregates",
@@ -95,7 +95,7 @@ fn snow_stays_within_its_tolerance_of_the_reference() {
                     eye: &eye,
                     attenuation,
                     path: &|_, range| 1.2 * range,
-                    // A lamp beside the camera.
+                    // A lamp next to the camera.
                     light: &|places| {
                         let light = |[x, y, z]: [f64; 3]| {
                             [0.4 + 0.05 / ((x - 0.2).powi(2) + y * y + z * z).max(0.02); 3]
@@ -113,7 +113,7 @@ fn snow_stays_within_its_tolerance_of_the_reference() {
                     let picture = fast.planes().iter().zip(exact.planes());
                     let picture =
                         worst(picture.flat_map(|(fast, exact)| fast.data().iter().zip(exact.data())));
-                    // Green is nowhere below 0.3, so that no more opacity is left out than changes it by the tolerance.
+                    // Green is at least 0.3 everywhere, which limits the omitted opacity.
                     let mask = worst(mask.data().iter().zip(exact_mask.data()));
                     assert!(
                         picture <= tolerance + ROUNDING && mask <= tolerance / 0.3 + ROUNDING,

@@ -1,4 +1,4 @@
-//! What must hold before any light is computed with.
+//! Preconditions of all computations of light.
 
 use imaging::vectorized;
 use imaging::{Plane, Rgb};
@@ -10,7 +10,7 @@ use crate::range::is_hole;
 /// A frame that cannot go through the chain.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ChainError {
-    /// There is no pixel.
+    /// The frame has zero pixels.
     #[error("the frame is empty: {width}×{height}")]
     Empty {
         /// Columns.
@@ -30,7 +30,7 @@ pub enum ChainError {
         /// Rows of the range map.
         range_height: usize,
     },
-    /// Radiance that is no number.
+    /// Radiance that is not finite.
     #[error("radiance is {value} in channel {channel} of pixel ({x}, {y}) but must be finite")]
     NotFinite {
         /// Column of the first such pixel.
@@ -48,7 +48,7 @@ pub enum ChainError {
         /// How many.
         holes: usize,
     },
-    /// The reference was asked for on a large frame.
+    /// The reference was called on a large frame.
     #[error("the reference takes frames of at most {MAX_REFERENCE_PIXELS} pixels but this one has {pixels}")]
     ReferenceTooLarge {
         /// Pixels of the frame.
@@ -106,7 +106,7 @@ pub(super) fn sizes(
     Ok(())
 }
 
-/// Counts the holes, and refuses them where the rule does.
+/// Counts the holes, or rejects them if the rule does.
 pub(super) fn holes<T: Copy + Into<f64>>(range: &Plane<T>, rule: HoleRule) -> Result<u64, ChainError> {
     let holes = vectorized!(range.data().iter().filter(|&&z| is_hole(z)).count());
     if rule == HoleRule::Reject && holes > 0 {

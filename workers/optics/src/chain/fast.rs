@@ -14,7 +14,7 @@ use crate::layering::Layering;
 use crate::plan::Variant;
 use crate::water::{Scatter, Spread, Tail, Water};
 
-/// What all channels of a frame share.
+/// Data shared by all channels of a frame.
 pub(super) struct Frame<'a> {
     pub(super) range: &'a Plane<f32>,
     /// The largest valid range in meters, where holes take their kernel from.
@@ -24,11 +24,11 @@ pub(super) struct Frame<'a> {
     pub(super) clear: bool,
     /// The veil depends on the direction.
     pub(super) veil: bool,
-    /// Layers whose gates stop spread light; none where nothing is stopped.
+    /// Layers whose gates stop spread light; `None` without gates.
     pub(super) gates: Option<&'a Layering>,
 }
 
-/// All bands at once, so that planes of two of them may share a transform.
+/// All bands together, so that planes of two of them may share a transform.
 pub(super) fn bands(
     frame: &Frame<'_>,
     radiance: &Rgb<f32>,
@@ -72,7 +72,7 @@ pub(super) fn bands(
     bands
 }
 
-/// Forward scatter behind gates, in the channels that are layered.
+/// Occlusion-aware forward scatter in the layered channels.
 fn gated(
     frame: &Frame<'_>,
     layering: &Layering,
@@ -96,7 +96,7 @@ fn gated(
         let Band { direct, forward, .. } = &mut bands[source.channel];
         let light = std::mem::replace(forward, arriving);
         cache.buffers.give([light.into_data()]);
-        // The direct light of the nearest layer was never among what arrives, that of all others is.
+        // `forward` holds all arriving light but the direct light of the nearest layer.
         let pixels = forward.data_mut().iter_mut().zip(direct.data());
         for ((forward, direct), &z) in pixels.zip(frame.range.data()) {
             let is_behind = f64::from(z) > nearest;
@@ -105,7 +105,7 @@ fn gated(
     }
 }
 
-/// What attenuation leaves, the veil, and the light that is to be spread.
+/// The attenuated light, the veil, and the light to spread.
 fn attenuated(
     frame: &Frame<'_>,
     radiance: &Plane<f32>,
@@ -114,7 +114,7 @@ fn attenuated(
     cache: &mut KernelCache,
 ) -> Band<f32> {
     let Frame { range, water, .. } = frame;
-    // Where the plan leaves attenuation out, the path has no length for it.
+    // If the plan omits attenuation, its path has length 0.
     let clear = frame.clear.then_some(0.0);
     let coefficients = Channel {
         gain: water.radiance_gain[channel] as f32,
@@ -122,7 +122,7 @@ fn attenuated(
         backscatter: clear.unwrap_or(water.backscatter_attenuation[channel] as f32),
         veil: water.veiling_light[channel] as f32,
     };
-    // Attenuation leaves a constant veil out where one by direction takes its place.
+    // Attenuation omits a constant veil if a directional veil replaces it.
     let varied = frame.veil.then(|| water.varied_veil(channel)).flatten();
     let coefficients = Channel {
         veil: if varied.is_some() { 0.0 } else { coefficients.veil },
@@ -144,7 +144,7 @@ fn attenuated(
             Scatter::Jaffe { g, source, .. },
             Variant::Pointwise | Variant::Interpolated(_) | Variant::Layered(_),
         ) => {
-            // G may exceed c by the rounding of a derived sum; then nothing is scattered forward.
+            // G may exceed c by the rounding of a derived sum; the forward scatter is 0 then.
             let excess = (water.direct_attenuation[channel] - g[channel]).max(0.0) as f32;
             let (source, gain) = match source {
                 ScatterSource::Radiance => (radiance, coefficients.gain),
@@ -168,7 +168,7 @@ fn attenuated(
     }
 }
 
-/// The channels whose step is interpolated, each with its kernels. None where a frame of holes has no kernel scale at all.
+/// The channels whose step is interpolated, each with its kernels. `None` if a frame of holes has no kernel scale.
 fn channels<'a>(
     frame: &Frame<'_>,
     spread: &Spread,
@@ -233,7 +233,7 @@ fn channels_of_two<'a>(
     (places, channels)
 }
 
-/// The range with 0 at holes, from which no light leaves.
+/// The range with 0 at holes, which send no light.
 fn finite(range: &Plane<f32>, cache: &mut KernelCache) -> Plane<f32> {
     let mut finite = empty(range, cache);
     let to = finite.data_mut();

@@ -1,4 +1,4 @@
-//! Forward scatter behind gates in f64, layer by layer with every pixel's own kernels.
+//! Occlusion-aware forward scatter in f64, layer by layer with the exact kernel of every pixel.
 
 use imaging::Plane;
 use imaging::dct::Dct2;
@@ -11,11 +11,11 @@ use crate::layering::Layering;
 use crate::range::is_hole;
 use crate::water::{Arrival, Water};
 
-/// A layer as if nothing were in front of it.
+/// A layer as if no other occluded it.
 struct Shown {
     /// How much of it is at each pixel, 0..=1.
     mask: Plane<f64>,
-    /// Light that leaves it.
+    /// Light emitted by the layer.
     light: Plane<f64>,
     /// Its range, meters.
     range: Plane<f64>,
@@ -65,12 +65,12 @@ impl Gated<'_> {
         Shown {
             mask: zip(&mask, &own, |hidden, own| hidden + own),
             light: fill(self.lit, &own, &own).map(|v| v.max(0.0)),
-            // A layer without a pixel has no range, and no mask either.
+            // An empty layer has neither range nor mask.
             range: fill(&range, &own, &own).map(|z| z.max(near).min(far.max(near))),
         }
     }
 
-    /// The light of a layer as it would arrive with nothing in the way.
+    /// Arriving light of a layer without occlusion.
     fn spread(&self, shown: &Shown) -> Plane<f64> {
         let lit = zip(&shown.mask, &shown.light, |mask, light| mask * light);
         let arrivals = shown
@@ -86,7 +86,7 @@ impl Gated<'_> {
         zip(&part(|a| a.direct), &spread, |direct, spread| direct + spread)
     }
 
-    /// What a gate lets through: light is taken back to the gate, and goes on where the mask is open.
+    /// Light that passes a gate: it is propagated back to the gate and continues where the mask is open.
     fn pass(&self, arriving: &Plane<f64>, gate_m: f64, mask: &Plane<f64>) -> Plane<f64> {
         let (width, height) = arriving.size();
         if self.water.direct_attenuation[self.channel] * gate_m > OPAQUE_GATE {
@@ -120,11 +120,11 @@ impl Gated<'_> {
     }
 }
 
-/// Values where they are known, and elsewhere their mean under a wide kernel, 0 where nothing is near.
+/// Known values, and elsewhere their mean under a wide kernel, 0 without known values nearby.
 fn fill(values: &Plane<f64>, own: &Plane<f64>, known: &Plane<f64>) -> Plane<f64> {
     let (width, height) = values.size();
     let gamma = Plane::filled(width, height, fill_gamma_px(width));
-    // The values of what is known but not its own are 0 wherever this is called.
+    // Known values of other layers are 0 in all calls.
     let sums = scatter_reference(&zip(values, own, |v, own| v * own), &gamma);
     let weights = scatter_reference(known, &gamma);
     let mean = zip(&sums, &weights, |n, d| if d > FILL_LEAST { n / d } else { 0.0 });

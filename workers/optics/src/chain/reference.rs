@@ -1,4 +1,4 @@
-//! The chain in f64 with every pixel's own kernel. It shares nothing with the fast form but the definitions.
+//! The chain in f64 with the exact kernel of every pixel. It shares only the definitions with the fast variant.
 
 use imaging::{Plane, Rgb};
 use spec::ScatterSource;
@@ -11,7 +11,7 @@ use crate::layering::Layering;
 use crate::range::{filled, is_hole};
 use crate::water::{Scatter, Spread, Water};
 
-/// Takes a scene under water exactly: [`water`](super::water) in f64, without any plan.
+/// Renders a scene under water exactly: [`water`](super::water) in f64, without a plan.
 ///
 /// # Errors
 /// [`ChainError`]: sizes differ, the frame is empty or too large, holes under the rule `reject`.
@@ -137,7 +137,7 @@ fn band(
     }
 }
 
-/// The largest valid range in meters, where holes take their kernel from; none if there is no valid range.
+/// The largest valid range in meters, which sets the kernel of holes; `None` without a valid range.
 fn farthest(range: &Plane<f64>) -> Option<f64> {
     range
         .data()
@@ -147,13 +147,13 @@ fn farthest(range: &Plane<f64>) -> Option<f64> {
         .reduce(f64::max)
 }
 
-/// Each pixel's kernel scale; a hole takes the farthest one's.
+/// Kernel scale of each pixel; a hole gets the scale of the farthest pixel.
 fn gamma(range: &Plane<f64>, spread: &Spread, channel: usize, farthest: f64) -> Plane<f64> {
     let widest = widest_px(range.width(), range.height());
     range.map(|&z| spread.gamma(channel, if is_hole(z) { farthest } else { z }, widest))
 }
 
-/// Maps light together with the range in meters, which is none at a hole.
+/// Maps light together with the range in meters, which is `None` at a hole.
 fn with_range(light: &Plane<f64>, range: &Plane<f64>, map: impl Fn(f64, Option<f64>) -> f64) -> Plane<f64> {
     zipped(light, range, |light, z| map(light, (!is_hole(z)).then_some(z)))
 }

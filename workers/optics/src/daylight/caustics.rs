@@ -1,16 +1,16 @@
 //! Caustics: the pattern that waves on the surface draw with sunlight, on a tile that repeats. Its mean is 1 everywhere.
 //!
-//! The surface is a sum of 24 waves whose lengths lie between 15 cm and half a tile and fit into it. Each place of the surface bends
-//! the light that falls on it by `(1 − 1/n)` times its slope, so that it arrives at the depth z by that times z aside; the light is
-//! collected in the cells of a tile. The disc of the sun and forward scatter blur the tile: its spectrum at f cycles a meter is
-//! multiplied by
+//! The surface is a sum of 24 waves with lengths between 15 cm and half a tile that fit into the tile. Each point of the surface
+//! refracts the incident light by `(1 − 1/n)` times its slope, so that at depth z it arrives shifted sideways by z times that
+//! angle. The light is collected in the cells of a tile. The disc of the sun and forward scatter blur the tile: its spectrum at f
+//! cycles a meter is multiplied by
 //!
 //! ```text
 //! M(f) = e^{−2π² f² (0.0017 z)²} [ e^{−c z} + (e^{−G z} − e^{−c z}) ((1 − m) e^{−2π f z g₁} + m e^{−2π f z g₂}) ] / e^{−G z}
 //! ```
 //!
-//! with the two kernels of the forward scatter at the range z, so that contrast fades in murky water by itself. M is that of the
-//! channel with the median c. The slope of the waves is after Cox and Munk (1954): 0.055 in a calm, 0.2 at a wind of 7 m/s.
+//! with the two kernels of the forward scatter at the range z, so that contrast fades in turbid water. M is taken from the channel
+//! with the median c. The slope of the waves is after Cox and Munk (1954): 0.055 in a calm, 0.2 at a wind of 7 m/s.
 
 mod lookup;
 mod reference;
@@ -38,7 +38,7 @@ const TENSION: f64 = 7.4e-5;
 /// How wide the disc of the sun is in the water as it blurs a pattern, radians.
 const SUN_RAD: f64 = 0.0017;
 
-/// What draws the pattern at one time.
+/// State of the pattern at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Waves {
     /// Side of the tile, m.

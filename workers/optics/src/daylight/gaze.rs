@@ -10,10 +10,10 @@ pub struct Gaze {
     pub camera: Intrinsics,
     /// Unit vector against gravity in camera axes (right, down, ahead).
     pub up: [f64; 3],
-    /// The horizontal directions along which azimuths and places are counted, unit vectors in camera axes: from the first towards
-    /// the second.
+    /// The horizontal directions of azimuths and positions, unit vectors in camera axes: azimuths turn from the first towards the
+    /// second.
     pub(crate) level: [[f64; 3]; 2],
-    /// The camera's place along them, m.
+    /// Position of the camera along them, m.
     pub(crate) place: [f64; 2],
     /// Least and greatest cosine from the vertical of the rays of the picture.
     pub(crate) rises: (f64, f64),
@@ -41,8 +41,8 @@ impl Gaze {
         gaze
     }
 
-    /// The same view of a camera in a world: `east` is the direction of the world's x axis and `place` that of the camera, both in
-    /// camera axes, the latter in meters from the world's origin.
+    /// The same view of a camera in a world: `east` is the direction of the world's x axis and `place` the camera's position in
+    /// meters from the world's origin, both in camera axes.
     #[must_use]
     pub fn in_world(&self, east: [f64; 3], place: [f64; 3]) -> Self {
         let level = level_axes(self.up.into(), [east, [1.0, 0.0, 0.0]]);
@@ -54,7 +54,7 @@ impl Gaze {
         }
     }
 
-    /// A level camera of this focal length of which no more is known: rays may go anywhere.
+    /// A level camera of known focal length and unknown direction.
     #[must_use]
     pub(crate) fn unknown(focal_px: f64) -> Self {
         Self {
@@ -77,7 +77,7 @@ impl Gaze {
         (ray.dot(self.up.into()) / ray.length()).clamp(-1.0, 1.0)
     }
 
-    /// On a convex picture the extremes lie on its border, unless it shows the zenith or the nadir.
+    /// On a convex picture the extremes are on its border, unless it shows the zenith or the nadir.
     fn extremes(&self, width: usize, height: usize) -> (f64, f64) {
         let (mut low, mut high) = (1.0f64, -1.0f64);
         let mut take = |x: usize, y: usize| {
@@ -109,7 +109,7 @@ impl Gaze {
     }
 }
 
-/// Shorter parts have no direction.
+/// Shorter components have an undefined direction.
 const SHORTEST: f64 = 1e-3;
 
 /// The horizontal part of the first of these directions that has one, and the direction at right angles to it and to up.

@@ -1,4 +1,4 @@
-//! Limits of daylight on surfaces that are known before any of it is computed.
+//! Limits of daylight on surfaces, available before daylight is computed.
 
 use super::{Daylight, SurfaceLight};
 use crate::error_bound::ErrorBound;
@@ -19,13 +19,13 @@ impl Daylight {
         self.occludes_veil || self.surfaces == SurfaceLight::Normal && (casts_shadows || self.rays > 0)
     }
 
-    /// Rays of ambient occlusion from each place.
+    /// Rays of ambient occlusion from each point.
     #[must_use]
     pub fn ambient_rays(&self) -> usize {
         self.rays
     }
 
-    /// The highest and the lowest place up to a range, above the camera.
+    /// The highest and the lowest point up to a range, above the camera.
     fn heights(&self, farthest: f64) -> [f64; 2] {
         let (low, high) = self.gaze.rises;
         [
@@ -34,8 +34,8 @@ impl Daylight {
         ]
     }
 
-    /// No surface of reflectance 1 is brighter in a channel, for caustics of at most this peak: `e max(peak/μ_s, D)`, since sun and
-    /// sky share the irradiance.
+    /// Upper bound of the light of a surface of reflectance 1 in a channel, for caustics of at most this peak: `e max(peak/μ_s,
+    /// D)`, since sun and sky share the irradiance.
     #[must_use]
     pub fn most_light(&self, channel: usize, farthest: f64, peak: f64) -> f64 {
         let [highest, lowest] = self.heights(farthest);
@@ -46,7 +46,7 @@ impl Daylight {
         most * self.sun.map_or(around, |sun| around.max(peak / sun.rise))
     }
 
-    /// No surface of reflectance 1 has more light of the sun in a channel, caustics apart.
+    /// Upper bound of the sunlight on a surface of reflectance 1 in a channel, without caustics.
     #[must_use]
     pub fn most_sunlight(&self, channel: usize, farthest: f64) -> f64 {
         let Some(sun) = self.sun else { return 0.0 };
@@ -68,8 +68,8 @@ impl Daylight {
         }
     }
 
-    /// What f32 may lose on surfaces of at most this reflectance up to a range: a share of their light, and the roundings of cosines
-    /// that may cancel.
+    /// Bound of f32 rounding on surfaces of at most this reflectance up to a range: a share of their light, and the roundings of
+    /// cosines that may cancel.
     #[must_use]
     pub fn rounding(&self, reflectance: [f32; 3], farthest: f64, peak: f64) -> ErrorBound {
         let rate = |channel: usize| {

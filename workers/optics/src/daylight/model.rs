@@ -28,13 +28,13 @@ pub struct DaylightModel {
     pub sun_share: f64,
     /// The position of the sun.
     pub sun: Sun,
-    /// Rays of ambient occlusion from each surface; 0: none is occluded.
+    /// Rays of ambient occlusion from each surface; 0 disables it.
     pub ambient_rays: usize,
-    /// The waves that draw caustics; `None`: even sunlight.
+    /// The waves that cause caustics; `None`: even sunlight.
     pub caustics: Option<Caustics>,
     /// Whether caustics show in the water before surfaces as well.
     pub shafts: bool,
-    /// Whether surfaces occlude the daylight that the veil comes from.
+    /// Whether surfaces occlude the daylight that causes the veil.
     pub occludes_veil: bool,
 }
 
@@ -53,8 +53,8 @@ impl Default for DaylightModel {
 }
 
 impl DaylightModel {
-    /// All effects of a sky on a scene of reflectance, or on a picture that contains its illumination. `frames_per_s` is the rate at
-    /// which waves run from frame to frame; `None`: they stand still.
+    /// All effects of a sky on a scene of reflectance, or on a picture that contains its illumination. `frames_per_s` is the rate
+    /// at which waves move from frame to frame; `None`: they do not move.
     #[must_use]
     pub fn from_sky(sky: &Sky, is_reflectance: bool, frames_per_s: Option<f64>) -> Self {
         let sun_share = sun_share(sky);
@@ -172,7 +172,7 @@ pub struct Caustics {
     pub slope: f64,
     /// Direction of the wind, degrees, as the azimuth of the sun.
     pub wind_deg: f64,
-    /// Frames per second; `None`: the waves stand still.
+    /// Frames per second; `None`: the waves do not move.
     pub fps: Option<f64>,
 }
 

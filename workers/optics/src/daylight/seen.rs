@@ -1,7 +1,7 @@
-//! What of the light from above other surfaces hide.
+//! Occlusion of daylight by other surfaces.
 //!
-//! The sun is seen from a place where nothing lies on the way to it up to the sea's surface. Of the light from all around, the share
-//! of n directions about the normal counts that nothing hides within 10/c of the clearest channel: at the azimuths
+//! The sun is visible if its shadow ray reaches the sea's surface without occluder. Ambient occlusion is the visible share of n
+//! directions about the normal, with occluders within 10/c of the clearest channel. The directions have the azimuths
 //! 2.399963229728653 k and the cosines `sqrt(1 − (k + 1/2)/n)`, each weighted by the radiance Φ from there.
 
 mod sky;
@@ -18,7 +18,7 @@ use imaging::vector::DVec3;
 
 use super::Daylight;
 
-/// Pixels are taken by squares of this side: ways that lie beside each other are tested together.
+/// Side of the squares in which pixels are processed, so that neighboring rays share a packet.
 const SQUARE: usize = 8;
 
 /// Surfaces in camera axes.
@@ -28,7 +28,7 @@ pub struct Surfaces<'a> {
     pub range: &'a Plane<f32>,
     /// Unit normals that face the camera.
     pub normals: &'a [Plane<f32>; 3],
-    /// Which object each pixel shows; none where that is not known.
+    /// Object of each pixel; `None` if unknown.
     pub objects: Option<&'a Plane<u16>>,
 }
 
@@ -43,7 +43,7 @@ impl Surfaces<'_> {
     }
 }
 
-/// How far it is from a place to the surface of the sea along a unit vector that rises by this much.
+/// Distance from a point to the surface of the sea along a unit vector that rises by this much.
 fn to_sea(daylight: &Daylight, place: DVec3, rise: f64) -> f64 {
     let depth = (daylight.depth - place.dot(daylight.gaze.up.into())).max(0.0);
     if rise > 0.0 { depth / rise } else { f64::INFINITY }

@@ -12,7 +12,7 @@ pub struct SunLight {
     pub share: f64,
     /// Cosine of its direction from the vertical in the water, `sqrt(1 − (cos(elevation)/n)²)`.
     pub rise: f64,
-    /// Where it stands around the vertical, radians from the first of the level axes to the second.
+    /// Azimuth around the vertical, radians from the first of the level axes to the second.
     pub azimuth: f64,
     /// Whether surfaces cast shadows in it.
     pub casts_shadows: bool,
@@ -40,7 +40,7 @@ impl SunLight {
         (DVec3::from(gaze.up) * self.rise + east * (level * cosine) + north * (level * sine)).into()
     }
 
-    /// The rate at which the sun's share falls with depth in a channel, `c/μ − K`.
+    /// Decay rate of the sun's share with depth in a channel, `c/μ − K`.
     #[must_use]
     pub(super) fn fading(&self, field: &Field) -> f64 {
         field.attenuation / self.rise - field.decay

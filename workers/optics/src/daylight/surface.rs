@@ -7,9 +7,9 @@
 //! e(X) = E(z)/N,   σ = clamp(share e^{−c z/μ_s + K z}, 0, 1)
 //! ```
 //!
-//! with s the direction to the sun and μ_s its cosine from the vertical, V whether the sun is seen, C its caustics, A the share of
-//! the light from all around that nothing hides, and D how much of it falls on a slope ([`super::share_by_slope`]). N is the irradiance of
-//! white: J is in units of the radiance of a white horizontal patch.
+//! with s the direction to the sun and μ_s its cosine from the vertical, V the visibility of the sun, C its caustics, A the ambient
+//! occlusion, and D the share of the ambient light that reaches a slope ([`super::share_by_slope`]). N is the irradiance of white:
+//! J is in units of the radiance of a white horizontal patch.
 
 use imaging::vectorized;
 use imaging::{Plane, Rgb};
@@ -21,7 +21,7 @@ use super::{Daylight, SunLight};
 use crate::attenuation::{exp_negative, masked};
 use crate::range::is_hole;
 
-/// What reaches each pixel's surface of the light from above; all of it where there is none.
+/// Share of daylight that reaches the surface of each pixel; 1 for missing planes.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Reaching<'a> {
     /// V C, of the sun.
@@ -31,7 +31,7 @@ pub struct Reaching<'a> {
 }
 
 impl Daylight {
-    /// h − z: how far a place is above the camera's depth, at most up to the surface of the sea.
+    /// h − z: height of a point above the camera's depth, at most up to the surface of the sea.
     pub(crate) fn height(&self, rise: f64, range: f64) -> f64 {
         (rise * range).min(self.depth)
     }
@@ -176,7 +176,7 @@ impl Channel {
     }
 }
 
-/// The vertical and the way to the sun in f32.
+/// The vertical and the direction to the sun in f32.
 #[derive(Clone, Copy)]
 struct Sight {
     up: [f32; 3],
@@ -198,14 +198,14 @@ impl Sight {
     }
 }
 
-/// What all channels of a row share.
+/// Data shared by all channels of a row.
 struct Places {
     /// How far above the camera.
     above: Vec<f32>,
     /// The piece of the table by slope, and the share of it.
     piece: Vec<u32>,
     part: Vec<f32>,
-    /// max(n·s, 0)/μ of the sun, and what reaches of it.
+    /// max(n·s, 0)/μ of the sun, and its visible share.
     direct: Vec<f32>,
     /// 1, or 0 at holes.
     counts: Vec<f32>,
@@ -226,7 +226,7 @@ impl Places {
 
 #[inline(always)]
 fn place_row(sight: Sight, range: &[f32], rises: &[f32], n: [&[f32]; 3], to: &mut Places) {
-    /// Added, it rounds a float of this size to an integer, which then stands in its low bits.
+    /// Adding it rounds a float of this size to an integer, which ends up in its low bits.
     const ROUND: f32 = 12_582_912.0;
     let Sight { up, toward, depth } = sight;
     let len = range.len();
@@ -244,7 +244,7 @@ fn place_row(sight: Sight, range: &[f32], rises: &[f32], n: [&[f32]; 3], to: &mu
         let place = (facing + 1.0) * 16.0;
         let place = if place > 0.0 { place } else { 0.0 };
         let place = if place < 32.0 { place } else { 32.0 };
-        // Both pieces that meet at a slope agree there.
+        // Both pieces agree at their common slope.
         let middle = place - 0.5;
         let middle = if middle > 0.0 { middle } else { 0.0 };
         let middle = if middle < 31.0 { middle } else { 31.0 };
@@ -254,7 +254,7 @@ fn place_row(sight: Sight, range: &[f32], rises: &[f32], n: [&[f32]; 3], to: &mu
     }
 }
 
-/// D of a row: a loop by itself, since the table is read pixel by pixel.
+/// D of a row. In a separate loop, since the table is read pixel by pixel.
 fn look_up(table: &[[f32; 2]; PIECES], places: &Places, to: &mut [f32]) {
     for ((to, &piece), &part) in to.iter_mut().zip(&places.piece).zip(&places.part) {
         let [begin, rise] = table[piece as usize % PIECES];
@@ -283,7 +283,7 @@ fn grown(x: f32) -> f32 {
     exp_negative(-(if x < MOST { x } else { MOST }))
 }
 
-/// Takes A D in `to`.
+/// Expects A D in `to`.
 #[inline(always)]
 fn overcast(channel: &Channel, places: &Places, albedo: &[f32], to: &mut [f32]) {
     let Channel { level, decay, .. } = *channel;
@@ -294,7 +294,7 @@ fn overcast(channel: &Channel, places: &Places, albedo: &[f32], to: &mut [f32]) 
     }
 }
 
-/// Takes A D in `to`.
+/// Expects A D in `to`.
 #[inline(always)]
 fn sunny(channel: &Channel, places: &Places, albedo: &[f32], to: &mut [f32]) {
     let Channel {

@@ -1,7 +1,7 @@
 //! Daylight in open water by radiative transfer: the radiance in every direction at a depth.
 //!
-//! The sea is flat, its bottom level and Lambertian or infinitely deep, and nothing depends on the azimuth but the sun, whose light is kept apart until it is scattered
-//! once. Radiance L in the direction μ that one looks in (cosine from the vertical, 1 up) obeys
+//! The sea is flat, its bottom level and Lambertian or infinitely deep, and nothing depends on the azimuth but the sun, whose light
+//! is kept apart until it is scattered once. Radiance L in the direction μ that one looks in (cosine from the vertical, 1 up) obeys
 //!
 //! ```text
 //! L(s) along a ray: dL/ds = −c L + S,   c = a + w b,   S(z, μ) = b ∫ p(μ, μ') L(z, μ') dμ'

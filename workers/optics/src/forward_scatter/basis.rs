@@ -1,8 +1,7 @@
 //! The share of each kernel in each pixel, l_k(γ), in f32.
 //!
-//! Lagrange's product form, `l_k(t) = w_k Π_{j≠k} (t − t_j)`: no division, no special case at a node, one rounding for each
-//! factor. t is s scaled to ±2: on an interval of that length the products neither grow nor vanish, whatever the number of
-//! nodes.
+//! Lagrange's product form, `l_k(t) = w_k Π_{j≠k} (t − t_j)`: no division, no special case at a node, one rounding for each factor.
+//! t is s scaled to ±2: on an interval of that length the products neither grow nor vanish for any number of nodes.
 
 use super::nodes::{Nodes, SHIFT_PX, place};
 
@@ -13,7 +12,7 @@ pub(super) const BLOCK: usize = 256;
 
 /// How a pixel's kernel is made up of the nodes.
 pub(super) enum Basis {
-    /// Each pixel has the kernel of its own scale.
+    /// The scale of each pixel is a kernel.
     Exact(Vec<f32>),
     /// Interpolation.
     Lagrange {
@@ -60,8 +59,7 @@ impl Basis {
         }
     }
 
-    /// Replaces kernel scales by what [`Basis::shares`] takes: for interpolation t, scales outside the span counting as its
-    /// ends.
+    /// Replaces kernel scales by the argument of [`Basis::shares`]: for interpolation t, with scales clamped to the span.
     #[inline(always)]
     pub(super) fn locate(&self, gammas: &mut [f32]) {
         let Self::Lagrange {
@@ -74,7 +72,7 @@ impl Basis {
         else {
             return;
         };
-        // Scales outside the span count as its ends, so that γ − origin is negative by rounding at most.
+        // Scales are clamped to the span, so that γ − origin is negative by rounding at most.
         let (origin, shift) = (*origin, SHIFT_PX as f32);
         let (middle, scale) = (*middle as f32, *scale as f32);
         for value in gammas {
@@ -84,7 +82,7 @@ impl Basis {
         }
     }
 
-    /// l_k of pixels; nothing where there is no kernel k.
+    /// l_k of pixels; 0 if kernel k does not exist.
     #[inline(always)]
     pub(super) fn shares(&self, k: usize, located: &[f32], shares: &mut [f32]) {
         match self {
@@ -104,7 +102,7 @@ impl Basis {
         }
     }
 
-    /// l_k and l_{k+1}, both of which there are: they differ in one factor.
+    /// l_k and l_{k+1}, both of which must exist: they differ in one factor.
     #[inline(always)]
     pub(super) fn pair_of_shares(&self, k: usize, located: &[f32], first: &mut [f32], second: &mut [f32]) {
         let Self::Lagrange { nodes, weights, .. } = self else {
@@ -121,7 +119,7 @@ impl Basis {
     }
 }
 
-/// Pixels that are worked on together: their products stay in registers.
+/// Pixels in one chunk, whose products stay in registers.
 const LANES: usize = 32;
 
 /// `Π (t − t_j)` over some nodes, of a few pixels.

@@ -1,9 +1,9 @@
 //! How wrong interpolation between kernels can be, before anything is transformed.
 //!
-//! With `E(d; γ) = k(d; γ) − Σ_k l_k(γ) k(d; γ_k)` the error at a pixel is `Σ_y U(y) E(x − y; γ(y))`. A scene that gives every
-//! offset the worst scale would reach `Σ_d max_γ u(γ) |E(d; γ)|`, u(γ) the largest light of that scale; real scenes, and noise,
-//! stay far below, since neighbors have similar scales and E of one scale sums to 0. Offsets are single pixels up to
-//! eight and rings beyond, for the kernel is round there.
+//! With `E(d; γ) = k(d; γ) − Σ_k l_k(γ) k(d; γ_k)` the error at a pixel is `Σ_y U(y) E(x − y; γ(y))`. A scene with the worst scale
+//! at every offset would reach `Σ_d max_γ u(γ) |E(d; γ)|`, u(γ) the largest light of that scale; real scenes, and noise, stay far
+//! below, since neighbors have similar scales and E of one scale sums to 0. Offsets are single pixels up to eight and rings beyond,
+//! for the kernel is round there.
 
 use super::nodes::place;
 use crate::kernel::pixel;
@@ -12,7 +12,7 @@ use crate::kernel::pixel;
 const NEAR_PX: i64 = 8;
 /// Rings from there outwards, of equal ratio.
 const RINGS: usize = 40;
-/// The outermost ring in units of the widest kernel: 1/400 of the light lies beyond, and hardly any of the difference.
+/// The outermost ring in units of the widest kernel: 1/400 of the light is beyond, and hardly any of the difference.
 const REACH: f64 = 400.0;
 
 /// Light that is spread with a kernel of this scale: at most `light`.
@@ -24,7 +24,7 @@ pub struct ScaleLight {
     pub light: f64,
 }
 
-/// The kernels of the scales of a frame at all offsets that count.
+/// The kernels of the scales of a frame at all significant offsets.
 pub struct Bound {
     scales: Vec<ScaleLight>,
     offsets: Vec<Offset>,
@@ -54,7 +54,7 @@ impl Offset {
 /// Errors that interpolation can make.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Errors {
-    /// No scene of this light exceeds it: every offset has its worst scale.
+    /// Upper bound for any scene of this light: every offset has its worst scale.
     pub worst: f64,
     /// Every light at will, but of one scale: `max_γ u(γ) ½ Σ_d |E(d; γ)|`.
     pub even: f64,
@@ -77,7 +77,7 @@ impl Bound {
         }
     }
 
-    /// The most light that can meet in a pixel, `Σ_d max_γ u(γ) k(d; γ)`: a cone-shaped range focuses it.
+    /// The most light that can arrive at a pixel, `Σ_d max_γ u(γ) k(d; γ)`: a cone-shaped range focuses it.
     #[must_use]
     pub fn arriving(&self) -> f64 {
         let kernels = self.kernels.chunks_exact(self.scales.len().max(1));
@@ -127,7 +127,7 @@ impl Bound {
     }
 }
 
-/// Lagrange's weights at one place.
+/// Lagrange's weights at one point.
 fn shares(places: &[f64], at: f64) -> Vec<f64> {
     let share = |k: usize| {
         let others = places.iter().enumerate().filter(|(other, _)| *other != k);
@@ -198,7 +198,7 @@ mod tests {
         (0..nodes.terms()).map(|k| nodes.gamma(k)).collect()
     }
 
-    /// What a sum over single pixels gives, out to 192.
+    /// Compared with the sum over single pixels, out to 192.
     #[test]
     fn rings_agree_with_the_sum_over_pixels() {
         let (least, most) = (1.0, 10.0);

@@ -1,9 +1,9 @@
-//! Planes that are used again. Fresh memory costs a page fault for each 4 KiB: more than the water computes in that time.
+//! Pool of planes. Fresh memory costs a page fault for each 4 KiB: more than the computation of the water in that time.
 
 /// Memory that unused planes may take: twenty of 1920×1080, the twelve of a frame's layers and those that one channel works
 /// with. Of larger frames fewer are kept.
 pub(super) const MOST_KEPT_BYTES: usize = 160 << 20;
-/// No frame needs more at once.
+/// The most that a frame uses at a time.
 const MOST_KEPT: usize = 20;
 
 /// Unused planes of one length.

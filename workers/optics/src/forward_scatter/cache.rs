@@ -14,7 +14,8 @@ use crate::kernel::{GateReach, Transfer};
 /// least recently used goes.
 const CACHE_BYTES: usize = 64 << 20;
 
-/// Transforms and decimations of so many sizes are kept: of a frame, of its coarse rows for filling, and of those for kernels.
+/// Transforms and decimations are kept for this number of sizes: of a frame, of its coarse rows for filling, and of those for
+/// kernels.
 const MOST_SIZES: usize = 4;
 
 /// Transfer functions by (kernel scale, frame size), least recently used first out, and the transforms of the last sizes with
@@ -48,7 +49,7 @@ struct Entry {
     used: u64,
 }
 
-/// H of a kernel on the grid of a frame's cosine transform, as far as there is any.
+/// H of a kernel on the grid of a frame's cosine transform, without its negligible columns.
 #[derive(Debug, PartialEq)]
 pub(super) struct Grid {
     values: Vec<f32>,
@@ -77,7 +78,7 @@ impl Grid {
         self.values.len() / self.height.max(1)
     }
 
-    /// H along fy at `fx = p/2W`; none where it is 0.
+    /// H along fy at `fx = p/2W`; `None` where it is 0.
     pub(super) fn column(&self, p: usize) -> Option<&[f32]> {
         self.values.chunks_exact(self.height).nth(p)
     }
@@ -178,7 +179,7 @@ impl KernelCache {
         decimation
     }
 
-    /// Lets go of the transform of a very large frame.
+    /// Drops the transform of a very large frame.
     pub(crate) fn trim(&mut self) {
         self.transforms
             .retain(|transform| transform.bytes() <= MOST_KEPT_BYTES);

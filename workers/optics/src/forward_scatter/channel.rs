@@ -1,5 +1,5 @@
-//! What the fast method knows of one channel: light and kernel scales in the order of the transform, and the shares of the
-//! nodes in each pixel.
+//! One channel in the fast method: light and kernel scales in the order of the transform, and the interpolation weights of the
+//! nodes at each pixel.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use super::cache::Grid;
 use super::{KernelCache, Nodes};
 use crate::kernel::GateReach;
 
-/// A channel on its way through the transforms.
+/// A channel during its transforms.
 pub(crate) struct Channel<'a> {
     nodes: &'a Nodes,
     basis: Basis,
@@ -31,7 +31,7 @@ pub(crate) struct Channel<'a> {
     size: (usize, usize),
 }
 
-/// Light that passed a gate and goes on with one of the kernels.
+/// Light that passed a gate and continues with one of the kernels.
 #[derive(Clone, Copy)]
 pub(super) struct Passed<'a> {
     /// Light at the gate, in folded order.
@@ -43,7 +43,7 @@ pub(super) struct Passed<'a> {
 }
 
 impl<'a> Channel<'a> {
-    /// The light of each pixel, and the pixel's own kernel scale `gamma` in pixels, finite.
+    /// `gamma` is the kernel scale of each pixel in pixels, finite.
     ///
     /// # Panics
     /// When the planes differ in size.
@@ -157,8 +157,8 @@ pub(super) struct Pair {
     pub(super) second: Option<Term>,
 }
 
-/// The terms of some channels two by two: neighbors of one channel as far as they go, since most of their shares is common;
-/// then what is left of channels with an odd number.
+/// Pairs the terms of some channels: first neighbors of one channel, since most of their weights are common, then the leftovers of
+/// channels with an odd number.
 pub(super) fn pairs(terms: impl IntoIterator<Item = usize>) -> Vec<Pair> {
     let (mut pairs, mut left) = (Vec::new(), Vec::new());
     for (channel, terms) in terms.into_iter().enumerate() {
@@ -192,7 +192,7 @@ impl Pair {
             .map(|Term { channel, k }| channels[channel].transfer(k, cache))
     }
 
-    /// Light that passed the gate behind and goes on with the kernel of each term.
+    /// Light that passed the gate behind and continues with the kernel of each term.
     pub(super) fn passed<'a>(self, channels: &[Channel<'a>]) -> [Option<Passed<'a>>; 2] {
         let passed = |term: Term| channels[term.channel].passed.filter(|passed| passed.k == term.k);
         [passed(self.first), self.second.and_then(passed)]

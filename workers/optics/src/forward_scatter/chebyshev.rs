@@ -5,10 +5,10 @@
 //! gather:  F = Σ_k l_k(γ) · DCT⁻¹ [ H_k · DCT(I) ]       one forward, K back
 //! ```
 //!
-//! Two planes share a complex transform, of one channel or of two; terms are added up as they come, so that memory does not
-//! grow with K. A kernel some pixels wide has nothing to say about high frequencies: columns where H stays below a step of
-//! f32 are not transformed. The largest error for light up to 1 falls from 2e-3 with four terms to 1e-5 with eight. What a CPU's vector
-//! width changes is the order of sums inside the FFT, in the last place.
+//! Two planes share a complex transform, of one channel or of two; terms are added up in sequence, so that memory does not grow
+//! with K. A kernel some pixels wide has no high frequencies: columns where H is below a step of f32 are not transformed. The
+//! largest error for light up to 1 falls from 2e-3 with four terms to 1e-5 with eight. The vector width of a CPU changes the order
+//! of sums inside the FFT, and so the last digit.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -23,7 +23,7 @@ use super::channel::{Channel, Pair, Passed, pairs};
 use super::spectra::{back, line, unfolded, zeros};
 use super::{KernelCache, Nodes};
 
-/// Spreads the light `source` of each pixel with the pixel's own kernel scale `gamma`, in pixels, finite. Never negative.
+/// Spreads the light `source` of each pixel with the kernel scale `gamma` of that pixel, in pixels, finite. Never negative.
 ///
 /// # Panics
 /// When the planes differ in size.
@@ -38,7 +38,7 @@ pub fn scatter(
     scatter_channels(vec![channel], cache).remove(0)
 }
 
-/// Collects `image` at each pixel with the pixel's own kernel scale `gamma`, in pixels, finite. Never negative.
+/// Collects `image` at each pixel with the kernel scale `gamma` of that pixel, in pixels, finite. Never negative.
 ///
 /// # Panics
 /// When the planes differ in size.
@@ -90,7 +90,7 @@ pub(super) fn accumulate(
     }
 }
 
-/// Two terms on their way to their spectra.
+/// Two terms before their transform.
 struct Spread<'a> {
     channels: &'a [Channel<'a>],
     pair: Pair,
@@ -329,7 +329,7 @@ fn add_product(
     });
 }
 
-/// Two spectra, each under its own transfer function, which is 0 where there is none.
+/// Two spectra, each multiplied by its transfer function; `None` counts as 0.
 #[inline(always)]
 fn multiply([one, other]: [&[f32]; 2], transfers: [Option<&[f32]>; 2], column: &mut [Complex<f32>]) {
     if let [Some(first), Some(second)] = transfers {

@@ -1,9 +1,9 @@
 //! Rows of a plane on a coarser grid, for kernels that are many rows wide.
 //!
-//! A coarse row is a weighted sum of rows around its place. The weights are a box of `step` rows, convolved with itself [`ORDER`] times:
-//! their response `w(f) = (sin(π s f) / (s sin(π f)))^ORDER` is 0 at the multiples of 1/s, which the coarse grid cannot tell from f = 0.
-//! The cosine transform of the coarse rows, divided by w, is that of the plane, except for aliases of order `(s f)^ORDER`. A kernel of
-//! γ rows suppresses frequencies above 1/γ, so the error is below [`aliasing`] of the light.
+//! A coarse row is a weighted sum of rows around its position. The weights are a box of `step` rows, convolved with itself [`ORDER`]
+//! times: their response `w(f) = (sin(π s f) / (s sin(π f)))^ORDER` is 0 at the multiples of 1/s, which the coarse grid aliases to
+//! f = 0. The cosine transform of the coarse rows, divided by w, equals the transform of the plane, except for aliases of order `(s
+//! f)^ORDER`. A kernel of γ rows suppresses frequencies above 1/γ, so the error is below [`aliasing`] of the light.
 
 use std::f64::consts::PI;
 
@@ -13,7 +13,7 @@ use imaging::vectorized;
 
 use super::spectra::line;
 
-/// Boxes that are convolved. The mirror at the sides of the frame needs an odd number.
+/// Number of convolved boxes. The mirror at the sides of the frame needs an odd number.
 const ORDER: usize = 7;
 /// Widest step, rows.
 const MOST_STEP: usize = 8;
@@ -23,7 +23,7 @@ const LEAST_RATIO: f64 = 5.0;
 /// [`ORDER`] of their scale.
 const ALIASING: f64 = 1.5e-6;
 
-/// Steps that divide both sides of a frame, and of which a kernel of `gamma_px` spans enough, the largest first. The last is 1.
+/// Steps that divide both sides of a frame and are small enough for a kernel of `gamma_px`, the largest first. The last is 1.
 pub(crate) fn steps(gamma_px: f64, (width, height): (usize, usize)) -> impl Iterator<Item = usize> {
     let divides = move |step: usize| width.is_multiple_of(step) && height.is_multiple_of(step);
     let fits = move |step: usize| step == 1 || gamma_px >= LEAST_RATIO * step as f64;
@@ -44,7 +44,7 @@ pub(crate) fn aliasing(gamma_px: f64, step: usize) -> f64 {
 pub(super) struct Decimation {
     pub(super) step: usize,
     pub(super) height: usize,
-    /// Coarse rows to which each row adds, by its place in folded order.
+    /// Coarse rows that each row contributes to, by its position in folded order.
     rows: Vec<Vec<Share>>,
     /// w at the frequencies of the coarse rows.
     response: Vec<f32>,
@@ -86,7 +86,7 @@ impl Decimation {
         &self.response
     }
 
-    /// Adds the row at a place in folded order to the coarse rows.
+    /// Adds the row at a position in folded order to the coarse rows.
     pub(super) fn add_row(&self, place: usize, row: &[Complex<f32>], coarse: &mut [Complex<f32>]) {
         for Share { place, weight } in &self.rows[place] {
             let to = &mut coarse[line(*place, row.len())];
@@ -95,7 +95,7 @@ impl Decimation {
         }
     }
 
-    /// The row at a place in folded order between the coarse rows.
+    /// The row at a position in folded order, interpolated between the coarse rows.
     pub(super) fn row_between(&self, place: usize, coarse: &[Complex<f32>], row: &mut [Complex<f32>]) {
         row.fill(Complex::default());
         for Share { place, weight } in &self.rows[place] {

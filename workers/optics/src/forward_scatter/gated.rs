@@ -1,15 +1,15 @@
 //! Forward scatter that near objects stop, in f32.
 //!
 //! ```text
-//! S_l = DCT[ m J T ] + Σ_k H_k · DCT[ l_k m J w ]          a layer's light as it would arrive alone
-//! Y = max(0, DCT⁻¹[ P_{l+1} / A(G_l) ]) (1 − m_l)          taken back to the gate, and what passes it
+//! S_l = DCT[ m J T ] + Σ_k H_k · DCT[ l_k m J w ]          arriving light of a layer without occlusion
+//! Y = max(0, DCT⁻¹[ P_{l+1} / A(G_l) ]) (1 − m_l)          propagated back to the gate, and its passing part
 //! P_l = S_l + A(G_l) · DCT[ Y ]                            from the farthest layer to the nearest
 //! ```
 //!
-//! `A(Z) = T + w ((1−m) H(γ₁) + m H(γ₂))` is the response of a path of Z. The light Y goes on like light of layer l at the range of
-//! its gate, so it shares the transforms of that layer: the kernels of the range are among those of the layer. Behind a gate the spectra
-//! hold P/T(G), and the light of each transform is in units of the [`Gate`]. A/T is at least 1 and all transforms are of light of order
-//! 1, so that the division does not amplify their rounding.
+//! `A(Z) = T + w ((1−m) H(γ₁) + m H(γ₂))` is the response of a path of Z. The light Y propagates like light of layer l at the range
+//! of its gate, so it shares the transforms of that layer: the kernels of the range are among those of the layer. Behind a gate the
+//! spectra hold P/T(G), and the light of each transform is in units of the [`Gate`]. A/T is at least 1 and all transforms are of
+//! light of order 1, so that the division does not amplify their rounding.
 
 use imaging::dct::Folding;
 use imaging::fft::Complex;
@@ -27,10 +27,10 @@ use crate::attenuation::{exp_negative, scattered_share};
 use crate::layering::Layering;
 use crate::water::{Scatter, Water};
 
-/// One channel that is gated.
+/// One gated channel.
 #[derive(Clone, Copy)]
 pub(crate) struct Source<'a> {
-    /// Its place among red, green, blue.
+    /// Its index among red, green, blue.
     pub(crate) channel: usize,
     /// Light of the scene.
     pub(crate) radiance: &'a Plane<f32>,
@@ -42,7 +42,7 @@ pub(crate) struct Source<'a> {
 #[derive(Clone, Copy)]
 struct Behind<'a> {
     source: &'a Source<'a>,
-    /// Its place among the sources.
+    /// Its index among the sources.
     sum: usize,
     /// The gate in front of the layer; `None` for the nearest layer.
     gate: Option<Gate>,
@@ -51,7 +51,7 @@ struct Behind<'a> {
 }
 
 impl<'a> Behind<'a> {
-    /// Light behind the layer that goes on with one of its kernels, 0 the narrow and 1 the wide one.
+    /// Light behind the layer that propagates with one of its kernels, 0 the narrow and 1 the wide one.
     fn passed(&self, kernel: usize, nodes: &Nodes) -> Option<Passed<'a>> {
         let (behind, light) = self.passed?;
         let unit = self.gate.map_or(1.0, |gate| gate.units()[kernel]);
@@ -62,7 +62,7 @@ impl<'a> Behind<'a> {
         })
     }
 
-    /// The same light and its share that goes on unscattered.
+    /// The same light and its unscattered share.
     fn passed_direct(&self) -> Option<(&'a [f32], f32)> {
         let (behind, light) = self.passed?;
         let onward = behind.direct / self.gate.map_or(1.0, |gate| gate.direct);
@@ -70,7 +70,7 @@ impl<'a> Behind<'a> {
     }
 }
 
-/// Light that arrives in each channel, except the direct light of the nearest layer, which passes no gate. Never negative.
+/// Arriving light of each channel, except the direct light of the nearest layer, which passes no gate. Never negative.
 pub(crate) fn gated_channels(
     range: &Plane<f32>,
     sources: &[Source<'_>],

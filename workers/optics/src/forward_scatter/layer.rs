@@ -1,4 +1,4 @@
-//! A layer of a frame as if nothing were in front of it, in f32 and in the order of the transform.
+//! An unoccluded layer of a frame, in f32 and in the order of the transform.
 
 use std::ops::Range;
 
@@ -12,15 +12,15 @@ use super::spectra::line;
 use crate::layering::Layering;
 use crate::range::is_hole;
 
-/// The kernel that fills what is hidden, as a share of the frame's width; at least 1 pixel.
+/// Kernel for filling occluded pixels, as a share of the frame's width; at least 1 pixel.
 const FILL_SHARE: f64 = 1.0 / 40.0;
-/// Coarse rows for filling are narrower than those for other kernels by this factor: what is filled is a quotient, whose divisor may be
-/// small.
+/// Coarse rows for filling are narrower than those for other kernels by this factor: the fill is a quotient with a possibly small
+/// divisor.
 const FILL_RATIO: f64 = 1.25;
-/// Where less than this of the kernel meets anything known, nothing is known.
+/// Below this share of known pixels under the kernel, the fill is 0.
 pub(crate) const FILL_LEAST: f64 = 1e-6;
 
-/// Scale of the kernel that fills what is hidden, pixels.
+/// Scale of the kernel for filling occluded pixels, pixels.
 pub(crate) fn fill_gamma_px(width: usize) -> f64 {
     (FILL_SHARE * width as f64).max(1.0)
 }
@@ -37,7 +37,7 @@ pub(super) struct Divided {
     spans_m: Vec<Option<(f64, f64)>>,
 }
 
-/// One layer with what is behind nearer ones filled in.
+/// One layer, filled behind nearer ones.
 pub(super) struct Layer {
     /// How much of it is at each pixel, 0..=1.
     pub(super) mask: Vec<f32>,
@@ -72,7 +72,7 @@ impl Divided {
         }
     }
 
-    /// One layer. It is dark where no pixel is of it.
+    /// One layer. It is dark outside its pixels.
     pub(super) fn layer(&self, layer: usize, cache: &mut KernelCache) -> Layer {
         let (nearest, farthest) = self.spans_m[layer].unwrap_or_default();
         // Ranges are filled from the nearest of the layer on: rounding is that of their differences.
@@ -151,7 +151,7 @@ impl Divided {
     }
 }
 
-/// H over the responses of both ways to and from the coarse rows.
+/// H over the responses of both passes to and from the coarse rows.
 fn coarse_kernel(kernel: &Grid, decimation: &Decimation) -> Vec<f32> {
     let response = decimation.response();
     let mut factors = Vec::with_capacity(kernel.columns() * response.len());
@@ -208,7 +208,7 @@ fn rounded_down(cut: f64) -> f32 {
     }
 }
 
-/// 1 where a layer is one of those asked for, else 0.
+/// 1 in the chosen layers, else 0.
 #[inline(always)]
 fn choose(chosen: &mut [f32], of: &[u8], is_chosen: impl Fn(u8) -> bool) {
     for (to, &of) in chosen.iter_mut().zip(of) {
@@ -223,7 +223,8 @@ fn product(to: &mut [f32], values: &[f32], from: f32, mask: &[f32]) {
     }
 }
 
-/// The layer's values on its pixels, elsewhere the mean of nearby ones: `from` plus the ratio of `means` to `weights`, at most `from + most`.
+/// The layer's values on its pixels, elsewhere the mean of nearby ones: `from` plus the ratio of `means` to `weights`, at most `from
+/// + most`.
 #[inline(always)]
 fn means(
     means: &mut [f32],
@@ -242,8 +243,7 @@ fn means(
     }
 }
 
-/// How much of a layer is at each pixel: 1 where it is, its share of what is near where something is in front, 0 where it is seen
-/// that it is not there.
+/// Coverage of a layer at each pixel: 1 on it, its share of the surroundings behind a nearer layer, 0 on a farther one.
 #[inline(always)]
 fn cover(mask: &mut [f32], known: &[f32], (of, layer): (&[u8], u8)) {
     for ((mask, &known), &of) in mask.iter_mut().zip(known).zip(of) {

@@ -1,8 +1,8 @@
 //! The kernels that the fast method works with.
 //!
-//! `H(f; γ) ≈ Σ_k l_k(γ) H(f; γ_k)` with Lagrange weights in `s = ln(γ + 0.3)` at Chebyshev nodes; the weights sum to 1, so
-//! no light is lost. In s the kernel changes evenly: over the pixel for small γ, by octaves for large ones. Equal steps in γ
-//! would need many times as many nodes. A frame of few distinct scales needs no interpolation.
+//! `H(f; γ) ≈ Σ_k l_k(γ) H(f; γ_k)` with Lagrange weights in `s = ln(γ + 0.3)` at Chebyshev nodes; the weights sum to 1, which
+//! conserves light. In s the kernel changes evenly: over the pixel for small γ, by octaves for large ones. Equal steps in γ would
+//! need many times as many nodes. A frame with few distinct scales is not interpolated.
 
 use std::f64::consts::PI;
 
@@ -26,7 +26,7 @@ pub(crate) fn scale_at(s: f64) -> f64 {
 /// Kernel scales γ_k in pixels: at least one, ascending, all different.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Nodes {
-    /// The frame's own scales: every pixel has one of them.
+    /// All scales of the frame: every pixel has one of them.
     Exact(Vec<f32>),
     /// Nodes between which to interpolate.
     Chebyshev {
@@ -43,7 +43,7 @@ impl Nodes {
     /// The distinct scales themselves.
     ///
     /// # Panics
-    /// When there is none.
+    /// If `gammas` is empty.
     #[must_use]
     pub fn exact(gammas: impl IntoIterator<Item = f64>) -> Self {
         let mut gammas: Vec<f32> = gammas.into_iter().map(|gamma| gamma as f32).collect();
@@ -79,7 +79,7 @@ impl Nodes {
         }
     }
 
-    /// The same nodes with the nearest one moved to `gamma`, a scale of their span: light of that scale needs no interpolation.
+    /// The same nodes with the nearest one moved to `gamma`, a scale of their span: light of that scale is exact.
     #[must_use]
     pub(crate) fn with_node_at(mut self, gamma: f64) -> Self {
         let nearest = self.nearest(gamma);
@@ -110,7 +110,7 @@ impl Nodes {
     /// The scale of kernel `k`, pixels.
     ///
     /// # Panics
-    /// When there is no such kernel.
+    /// If kernel `k` does not exist.
     #[must_use]
     pub fn gamma(&self, k: usize) -> f64 {
         match self {
@@ -120,14 +120,14 @@ impl Nodes {
     }
 }
 
-/// Kernels of one layer; none where it has no light that they spread.
+/// Kernels of one layer; `None` if it has no light to spread.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Kernels {
     /// Of the only kernel of a path, or the narrow one.
     pub narrow: Option<Nodes>,
     /// Of the wide one.
     pub wide: Option<Nodes>,
-    /// Rows of the frame to each coarse row on which the wide kernel is computed; 1 or less on all rows.
+    /// Rows of the frame to each coarse row of the wide kernel; 1 or less means all rows.
     pub wide_step: usize,
 }
 

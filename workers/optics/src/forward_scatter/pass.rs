@@ -1,5 +1,5 @@
-//! The gate between two layers: light is taken back to it and stopped at covered pixels. What passes goes on as light of the nearer layer
-//! at the range of the gate.
+//! The gate between two layers: light is propagated back to it and stopped at covered pixels. The rest continues as light of the
+//! nearer layer at the range of the gate.
 
 use imaging::dct::PairDct;
 use imaging::fft::Complex;

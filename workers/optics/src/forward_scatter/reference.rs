@@ -1,4 +1,4 @@
-//! The slow method: every pixel's own kernel, in f64, without interpolation.
+//! The slow method in f64: the exact kernel of every pixel, without interpolation.
 //!
 //! Pixels of one kernel scale are transformed together, which is exact, so a frame costs one transform for each distinct
 //! scale. That is minutes for a small frame of continuous range; the size is limited.
@@ -10,7 +10,7 @@ use imaging::dct::Dct2;
 
 use crate::kernel::Transfer;
 
-/// Largest frame that the reference takes: with a different range in every pixel it computes for some minutes.
+/// Largest frame of the reference: with a different range in every pixel it runs for some minutes.
 pub const MAX_REFERENCE_PIXELS: usize = 1 << 16;
 
 /// `F(x) = Σ_y U(y) K(x, y; γ(y))`.
@@ -106,8 +106,8 @@ mod tests {
     use crate::kernel;
     use imaging::random::Stream;
 
-    /// The definition in space: the kernel at every mirror image of the source within a radius. What lies beyond is so far
-    /// away that it falls evenly on the frame.
+    /// The definition in space: the kernel at every mirror image of the source within a radius. Light from beyond it is spread
+    /// evenly over the frame.
     fn direct_sum(source: &Plane<f64>, gamma: &Plane<f64>) -> Plane<f64> {
         let (width, height) = (source.width() as i64, source.height() as i64);
         let images = 40i64;

@@ -61,7 +61,6 @@ pub(super) fn unfolded(
     Plane::new(width, height, data).expect("the size of the image")
 }
 
-/// Planes of nothing.
 pub(super) fn zeros(count: usize, (width, height): (usize, usize), cache: &mut KernelCache) -> Vec<Vec<f32>> {
     let zeros = |_| {
         let mut zeros = cache.buffers.take(width * height);

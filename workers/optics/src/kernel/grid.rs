@@ -1,4 +1,4 @@
-//! The transfer function on the grid of a frame's cosine transform, in f32: what the fast forward scatter multiplies with.
+//! The transfer function on the grid of a frame's cosine transform, in f32, as used by the fast forward scatter.
 
 use std::f64::consts::TAU;
 
@@ -8,11 +8,11 @@ use super::Transfer;
 use super::transfer::{TERMS, even_chebyshev, sinc};
 use crate::attenuation::exp_negative;
 
-/// H below this is left out: one step of f32 beside light of 1.
+/// H below this is omitted: one step of f32 relative to light of 1.
 const NOTHING: f64 = 1e-7;
 /// The same behind gates, relative to the response of the gate.
 const NOTHING_BEHIND_GATES: f64 = 4e-7;
-/// Folded terms add to H, at most as much as three more of the first.
+/// Folded terms add to H, at most three times the first.
 const FOLDED: f64 = 4.0;
 
 /// Highest frequencies of the kernels of light that passes a gate.
@@ -41,7 +41,7 @@ impl GateReach {
 }
 
 impl Transfer {
-    /// How many of the frequencies `p/2W` a kernel this wide has anything to say about: beyond, H stays below 1e-7.
+    /// Number of frequencies `p/2W` at which H of a kernel this wide can reach 1e-7.
     #[must_use]
     pub fn columns(&self, width: usize) -> usize {
         let reach = (FOLDED / NOTHING).ln() / (TAU * self.gamma());

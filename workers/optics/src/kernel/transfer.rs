@@ -1,7 +1,7 @@
 //! The transfer function of the pixel-integrated kernel.
 //!
 //! `H(f) = Σ_{m,n} sinc(fx+m) sinc(fy+n) exp(−2πγ |f+(m,n)|)`, sinc(x) = sin(πx)/(πx): the spectrum of the continuous
-//! kernel under the pixel's aperture, folded at the sampling rate. The term m = n = 0 is taken as it is; the rest A is
+//! kernel under the pixel's aperture, folded at the sampling rate. The term m = n = 0 is exact; the rest A is
 //! smooth and even, and nine Chebyshev terms per axis carry it to 1e-8. For γ ≥ 6 A vanishes; below 0.3, where the direct
 //! sum is long, A is interpolated in γ between γ = 0 (where H = 1) and twelve Chebyshev nodes.
 
@@ -10,7 +10,7 @@ use std::sync::LazyLock;
 
 /// Even Chebyshev terms per axis.
 pub(super) const TERMS: usize = 9;
-/// exp(−22) = 3e-10: what the direct sum leaves out.
+/// exp(−22) = 3e-10: the omitted part of the direct sum.
 const EXPONENT_LIMIT: f64 = 22.0;
 /// From here on the folded terms are below exp(−22).
 const NO_FOLDING: f64 = 6.0;
@@ -18,7 +18,7 @@ const NO_FOLDING: f64 = 6.0;
 const INTERPOLATED_BELOW: f64 = 0.3;
 const INTERPOLATED_FROM: f64 = 0.05;
 const GAMMA_NODES: usize = 12;
-/// Behind gates H is divided by a response of at least exp(−20), so that folded terms count down to exp(−34).
+/// Behind gates H is divided by a response of at least exp(−20), so that folded terms matter down to exp(−34).
 const GATED_LIMIT: f64 = 34.0;
 /// Narrower kernels have H above 1e-3, so exp(−22) is negligible.
 const GATED_ABOVE: f64 = 2.0;
@@ -77,7 +77,7 @@ impl Transfer {
         self.gamma
     }
 
-    /// Coefficients of the folded part along fy, for one fx; none where nothing is folded.
+    /// Coefficients of the folded part along fy, for one fx; `None` without folding.
     pub(super) fn folded_along(&self, fx: f64) -> Option<[f64; TERMS]> {
         let terms = even_chebyshev(fx);
         self.folded
@@ -131,7 +131,7 @@ pub(super) fn even_chebyshev(f: f64) -> [f64; TERMS] {
     terms
 }
 
-/// The terms other than m = n = 0, summed as far as they count.
+/// The terms other than m = n = 0, summed up to `limit`.
 fn folded_sum(fx: f64, fy: f64, gamma: f64, limit: f64) -> f64 {
     let radius = limit / (TAU * gamma);
     let reach = radius.ceil() as i64 + 1;
@@ -247,7 +247,7 @@ impl SmallGamma {
 mod tests {
     use super::*;
 
-    /// The fit and the interpolation in γ each leave less than 1e-8.
+    /// The fit and the interpolation in γ each have an error below 1e-8.
     const FIT: f64 = 2e-8;
 
     #[test]

@@ -1,8 +1,8 @@
-//! The glow of the water before the lamps, in f32 with as many nodes as the tolerance asks for.
+//! Airlight of lamps in f32, with node counts chosen by the tolerance.
 //!
-//! With β = θ/2 + π/4 and u = tan β the integral of the reference needs no angle but β itself: the path to the lamp and back is
-//! t₀ + D u, sin θ is sin² β − cos² β, and the denominator of the phase function is (1 + g)² sin² β + (1 − g)² cos² β, without
-//! cancellation. Rows are cut into runs of pixels; each run and lamp has its own number of nodes.
+//! With β = θ/2 + π/4 and u = tan β the integral of the reference needs no angle but β: the path to the lamp and back is t₀ + D u,
+//! sin θ is sin² β − cos² β, and the denominator of the phase function is (1 + g)² sin² β + (1 − g)² cos² β, without cancellation.
+//! Rows are cut into runs of pixels; each run and lamp has a separate number of nodes.
 
 mod composite;
 mod integrand;
@@ -35,7 +35,7 @@ use rounding::Rounding;
 
 /// Pixels of a run: short enough that they need about the same number of nodes.
 const RUN: usize = turbidity::RUN;
-/// A range beyond this counts as this many meters.
+/// Larger ranges count as this, m.
 const FARTHEST_M: f32 = 1e6;
 
 type Lanes = [f32; RUN];
@@ -43,15 +43,14 @@ type Lanes = [f32; RUN];
 /// The rules of 0, 2, 4, … nodes.
 static RULES: LazyLock<Vec<Vec<[f32; 2]>>> = LazyLock::new(|| (0..=MOST_NODES / 2).map(half_rule).collect());
 
-/// The glow of the water before the lamps. No sample differs by more than `left + rounding` from
-/// [`airlight_reference`](super::airlight_reference).
+/// Airlight of lamps. All samples are within `left + rounding` of [`airlight_reference`](super::airlight_reference).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Airlight {
     /// Radiance in linear light.
     pub light: Rgb<f32>,
-    /// What the quadrature may leave.
+    /// Error bound of the quadrature.
     pub left: f64,
-    /// What f32 may lose.
+    /// Error bound of f32 rounding.
     pub rounding: f64,
 }
 
@@ -63,15 +62,15 @@ impl Airlight {
     }
 }
 
-/// [`airlight_reference`](super::airlight_reference) in f32. The quadrature leaves less than `tolerance` in linear light, as long
-/// as [`MOST_NODES`] suffice for it. `range` in meters along the ray; a hole has no end.
+/// [`airlight_reference`](super::airlight_reference) in f32. The quadrature error is below `tolerance` in linear light if
+/// [`MOST_NODES`] suffice for it. `range` in meters along the ray; a hole is infinite.
 #[must_use]
 pub fn airlight(range: &Plane<f32>, lighting: &Lighting, tolerance: f64) -> Airlight {
     airlight_within(f64::INFINITY, range, lighting, tolerance)
 }
 
-/// [`airlight`] whose rounding is at most `rounding` and one more rounding of the light itself, where light is scattered once. Runs of
-/// pixels on which f32 might err by more are computed in f64. Multiple scattering has no such limit.
+/// [`airlight`] with a rounding error of at most `rounding` and one more rounding of the light, for single scattering. Runs of
+/// pixels with a larger bound in f32 are computed in f64. Multiple scattering has no such limit.
 #[must_use]
 pub fn airlight_within(rounding: f64, range: &Plane<f32>, lighting: &Lighting, tolerance: f64) -> Airlight {
     let share = tolerance / lighting.lamps.len().max(1) as f64;
@@ -86,12 +85,12 @@ pub fn airlight_with_nodes(range: &Plane<f32>, lighting: &Lighting, nodes: usize
     glow(range, lighting, (Order::Fixed(nodes), f64::INFINITY)).light
 }
 
-/// How many nodes a run of pixels takes.
+/// Node count of a run of pixels.
 #[derive(Clone, Copy)]
 enum Order {
-    /// As many as keep the error of one lamp within this.
+    /// The least count that keeps the error of one lamp within this tolerance.
     Within(f64),
-    /// So many.
+    /// A fixed count.
     Fixed(usize),
 }
 
@@ -118,7 +117,7 @@ fn glow(range: &Plane<f32>, lighting: &Lighting, (order, limit): (Order, f64)) -
     }
 }
 
-/// Sets the light that is scattered once, in f64 where its rounding in f32 is above a limit.
+/// Sets the single scattering, in f64 if its rounding in f32 is above a limit.
 fn once(
     range: &Plane<f32>,
     lighting: &Lighting,
@@ -159,7 +158,7 @@ fn once(
     worst
 }
 
-/// What the lamps together may have wrong on a run of pixels.
+/// Error bounds of all lamps together on a run of pixels.
 #[derive(Default)]
 struct Errors {
     left: f64,
@@ -174,7 +173,7 @@ impl Errors {
     }
 }
 
-/// The lamps of a lighting in f32 as far as they shine.
+/// The lamps of nonzero strength in f32.
 fn shining(lighting: &Lighting, single: impl Fn(&Lamp) -> Option<Glow>) -> Vec<Glow> {
     let glows = lighting.lamps.iter().filter_map(single);
     glows.filter(|glow| glow.source.strength > 0.0).collect()
@@ -190,31 +189,31 @@ fn half_rule(half: usize) -> Vec<[f32; 2]> {
 struct Glow {
     place: [f32; 3],
     radius: f32,
-    /// Distances from the ray that its glow begins before it.
+    /// Start of the airlight before the nearest point, in distances of the lamp from the ray.
     before: f32,
     profile: Profile,
-    /// (1 − g)² and 4 g, what it grows by with sin² β.
+    /// (1 − g)² and 4 g, its increase with sin² β.
     denominator: [f32; 2],
     /// 4π K/(1 − g²).
     rise: f32,
-    /// c in halvings per meter; where light that scatters more than once goes along, a.
+    /// c in halvings per meter; a with multiple scattering.
     attenuation: [f32; 3],
-    /// For light that scatters more than once: b, and a in halvings per meter.
+    /// For multiple scattering: b, and a in halvings per meter.
     scattering: [f32; 3],
     absorption: [f32; 3],
     /// 4 b I₀ (1 − g²)/(4π) of each channel: both steps from θ to β and from the interval to −1..=1.
     gain: [f32; 3],
     source: Source,
     rounding: Rounding,
-    /// Nodes of every run; none: as many as the source's tolerance asks for.
+    /// Nodes of every run; `None`: chosen by the source's tolerance.
     fixed: Option<usize>,
 }
 
-/// The most by which light that is spread exceeds what is only absorbed: e to the power of 0.06 · 8.
+/// Upper bound of the ratio of spread light to light that only absorption attenuates: e to the power of 0.06 · 8.
 const MOST_SWELL: f64 = SWELL * SATURATION;
 
 impl Glow {
-    /// A lamp whose light arrives as it left; of a point lamp, together with what scatters more than once.
+    /// Unscattered lamp light; of a point lamp, together with multiple scattering.
     fn new(lamp: &Lamp, lighting: &Lighting, order: Order) -> Self {
         match lighting.absorption {
             Some(a) if lamp.beam == Beam::Point => Self::made(lamp, lighting, (order, a, MOST_SWELL)),
@@ -222,7 +221,7 @@ impl Glow {
         }
     }
 
-    /// What of the light of a spot is spread on its way, where that is followed.
+    /// The scattered lamp light of a spot, if multiple scattering is modeled.
     fn spread(lamp: &Lamp, lighting: &Lighting, order: Order) -> Option<Self> {
         let absorption = lighting.absorption.filter(|_| lamp.beam != Beam::Point)?;
         let mut glow = Self::made(lamp, lighting, (order, absorption, MOST_SWELL));
@@ -231,7 +230,7 @@ impl Glow {
         Some(glow)
     }
 
-    /// What the phase function has beside Henyey and Greenstein where sin² β is `ss`: 4π K/(1 − g²) (3 cos² 2β − 1).
+    /// Addition of the phase function to Henyey and Greenstein for sin² β = `ss`: 4π K/(1 − g²) (3 cos² 2β − 1).
     #[inline(always)]
     fn rise_at(&self, ss: f32) -> f32 {
         ss.mul_add(ss, -ss).mul_add(12.0 * self.rise, 2.0 * self.rise)
@@ -284,10 +283,10 @@ fn greatest(values: [f64; 3]) -> f64 {
     values.into_iter().fold(0.0, f64::max)
 }
 
-/// Rules of the quadrature, and the light and the errors of a run of pixels that are added to.
+/// Rules of the quadrature, and the light and the errors of a run of pixels to add to.
 type Light<'a> = (&'a [Vec<[f32; 2]>], &'a mut [Lanes; 3], &'a mut Errors);
 
-/// [`add`] for light that is scattered once.
+/// [`add`] for single scattering.
 fn add_once(lamp: &Glow, rays: &Rays, murk: &Murk, (rules, sum, errors): Light<'_>) {
     match (lamp.profile.slope > 0.0, lamp.rise > 0.0) {
         (true, true) => vectorized!(add::<true, false, true>(lamp, rays, murk, (rules, sum, errors))),
@@ -313,7 +312,7 @@ fn add<const SPOT: bool, const SPREAD: bool, const RISES: bool>(
         None => nodes::count(span, lamp.source),
     };
     if SPREAD && left > lamp.source.tolerance && lamp.fixed.is_none() {
-        // The bound of the rule is far above what it leaves where light swells late.
+        // The bound of the rule is far above its error if light swells late.
         let own =
             composite::sum_up::<false>(lamp, &intervals, composite::spacing(lamp.source.phase.asymmetry));
         let mut most = [0.0f32; RUN];

@@ -5,12 +5,12 @@
 pub(super) enum Beam {
     /// In all directions.
     Point,
-    /// About a unit axis, down to nothing at the angle of this cosine.
+    /// About a unit axis, falling to 0 at the angle of this cosine.
     Spot { axis: [f64; 3], cos_cone: f64 },
 }
 
 impl Beam {
-    /// By how much the profile rises with the cosine to the axis.
+    /// Slope of the profile by the cosine to the axis.
     pub(super) fn slope(self) -> f64 {
         match self {
             Self::Point => 0.0,

@@ -3,8 +3,8 @@
 use super::Lighting;
 use crate::visible_bounds::VisibleBounds;
 
-/// No white particle in view is brighter, at this range or farther: `I₀ e^{−c r}/(π r²)` at the least distance r of a lamp from the
-/// water in view, the same for R, G and B.
+/// Upper bound of the light of visible white particles at this range or farther: `I₀ e^{−c r}/(π r²)` at the least distance r of a
+/// lamp from the visible water, the same for R, G and B.
 #[must_use]
 pub fn most_white_beyond(lighting: &Lighting, view: &VisibleBounds, near_m: f64) -> [f64; 3] {
     let lamps = lighting.lamps.iter().map(|lamp| {

@@ -1,4 +1,4 @@
-//! The blurred profile of a spot in f32, of a run of places at once.
+//! The blurred profile of a spot in f32, for a run of points.
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
@@ -78,7 +78,7 @@ const COSINES: [[f32; 7]; RINGS] = [
         2.97528511e+03,
     ],
 ];
-/// Rings that lie so much nearer to the edge of the cone are computed place by place, rad.
+/// Rings closer than this to the edge of the cone are computed point by point, rad.
 const CLEAR: f32 = 1e-3;
 
 type Lanes = [f32; RUN];
@@ -100,8 +100,7 @@ impl Turned {
 
 /// [`multiple::blurred`](super::multiple::blurred) of such a profile, at each angle and for the kernel of each scale.
 ///
-/// Rings that lie in the cone at all angles have the mean of the profile at their middle, and of those that lie outside of it there is
-/// nothing.
+/// Rings inside the cone at all angles have the mean of the profile at their middle; rings outside of it add 0.
 pub(super) fn blurred(profile: &Profile, turned: &Turned, scales: &[Lanes; 3], to: &mut [Lanes; 3]) {
     let cone = profile.cone;
     let (mut cosines, mut ends) = ((0.0f32, 0.0f32), [(0.0f32, 0.0f32); 3]);
@@ -145,7 +144,7 @@ fn extremes(lanes: &Lanes) -> (f32, f32) {
     (least[0], most[0])
 }
 
-/// Adds the share of the innermost rings, which lie in the cone: of what their cosines add up to, as a series.
+/// Adds the share of the innermost rings, which are inside the cone: the sum of their cosines, as a series.
 #[inline(always)]
 fn add_inside(offset: f32, turned: &Turned, scale: &Lanes, rings: usize, sum: &mut Lanes) {
     let [c0, c1, c2, c3, c4, c5, c6] = COSINES[rings - 1];
@@ -157,16 +156,16 @@ fn add_inside(offset: f32, turned: &Turned, scale: &Lanes, rings: usize, sum: &m
     }
 }
 
-/// Adds a share of what is met on a ring. Rings are the outer loop: unrolled within a loop over places they keep it scalar.
+/// Adds the share of one ring. Rings are the outer loop: unrolled within a loop over points they keep it scalar.
 #[inline(always)]
 fn add_ring(offset: f32, turned: &Turned, (scale, out): (&Lanes, f32), sum: &mut Lanes) {
     for i in 0..RUN {
-        // As comparisons: `min` and `max` would care for NaN, which takes three instructions in place of one.
+        // As comparisons: `min` and `max` handle NaN, which needs three instructions instead of one.
         let ring = smaller(scale[i] * out, PI);
         let (sin_ring, cos_ring) = sin_cos_to_pi(ring);
         let middle = turned.along[i].mul_add(cos_ring, offset);
         let reach = turned.across[i] * sin_ring;
-        // Two places in opposite azimuths: max(m + t, 0) + max(m − t, 0) = m + max(|m|, t).
+        // Two samples in opposite azimuths: max(m + t, 0) + max(m − t, 0) = m + max(|m|, t).
         let size = middle.abs();
         let [first, second] = TURN.map(|turn| middle + larger(size, reach * turn));
         sum[i] = (first + second).mul_add(1.0 / (RINGS * AZIMUTHS) as f32, sum[i]);

@@ -1,9 +1,9 @@
 //! Bounds of the light of lamps and of its rounding, from the coarse geometry of a view alone.
 //!
-//! Rays of a tile lie in a cone about its center. For each tile and lamp, distances, angles and paths are bounded over that cone and a
-//! segment of its rays; attenuation, beam profile and phase function are taken at the end of these intervals where they are largest.
-//! Surfaces may face any lamp, and nothing casts a shadow. The rounding of f32 follows from the same intervals: every operation of the
-//! fast form errs by at most one [`STEP`] of its result, and the errors are propagated to first order.
+//! Rays of a tile are inside a cone about its center. For each tile and lamp, distances, angles and paths are bounded over that
+//! cone and a segment of its rays; attenuation, beam profile and phase function are evaluated at the end of these intervals with
+//! the largest value. Surfaces may face any lamp, and shadows are ignored. The rounding of f32 follows from the same intervals:
+//! every operation of the fast form errs by at most one [`STEP`] of its result, and the errors are propagated to first order.
 
 mod airlight;
 mod cone;

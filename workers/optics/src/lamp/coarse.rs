@@ -1,11 +1,11 @@
-//! Values of every few pixels, read between them where the picture allows it.
+//! Exact values of every few pixels, with interpolation between them if the picture allows it.
 
 use imaging::Plane;
 
 use super::tiles::{TILE, in_tiles};
 use crate::range::is_hole;
 
-/// Surfaces whose ranges differ by less than this factor are taken to be one.
+/// Surfaces whose ranges differ by less than this factor are treated as one.
 pub(super) const ALIKE: f32 = 1.05;
 
 /// The nodes of a grid over a picture: every `step`-th column and row, and the last ones.
@@ -16,7 +16,7 @@ struct Grid {
     rows: usize,
 }
 
-/// The nodes around a pixel, and where it lies between them.
+/// The nodes around a pixel, and its position between them.
 struct Cell {
     nodes: [usize; 4],
     pixels: [usize; 4],
@@ -67,9 +67,9 @@ impl Grid {
     }
 }
 
-/// The values of all pixels: `exact` gives those of a list of pixels, in its order; the lists go tile by tile. Between the nodes they are
-/// read linearly where the surface is one and `may_read` agrees, given a pixel and the values around it. Pixels that are not `wanted`
-/// are 1.
+/// The values of all pixels. `exact` computes those of a list of pixels, in its order; the lists are ordered tile by tile. Pixels
+/// between the nodes are interpolated linearly on one surface if `may_read` agrees, given a pixel and the values around it. Pixels
+/// that are not `wanted` are 1.
 pub(super) fn fill<const N: usize>(
     range: &Plane<f32>,
     step: usize,

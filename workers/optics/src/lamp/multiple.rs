@@ -1,26 +1,26 @@
-//! Light of lamps that is scattered more than once.
+//! Multiple scattering of lamp light.
 //!
 //! Sea water scatters forward, so that light scattered a little is still in the beam (quasi-single scattering: Gordon 1973; the
-//! idea of delta-Eddington, Joseph, Wiscombe & Weinman 1976). On a way of L meters from a lamp with a profile S, of x = b L mean
-//! free paths, the light `S e^{−c L}` that was never scattered is joined by
+//! idea of delta-Eddington, Joseph, Wiscombe & Weinman 1976). On a path of L meters from a lamp with a profile S, of x = b L mean
+//! free paths, the unscattered light `S e^{−c L}` is supplemented by
 //!
 //! ```text
-//! S̄ (e^{−c_g L} − e^{−c L})        in the glow, L up to the camera:  c_g = a − 0.06 b/(1 + x/8)
+//! S̄ (e^{−c_g L} − e^{−c L})        in the airlight, L up to the camera:  c_g = a − 0.06 b/(1 + x/8)
 //! S̄ (e^{−(a + κ b) r} − e^{−c r})  on surfaces, L = r:               κ = min(0.1, 0.016 (a/b)^0.8 (b r)^0.7)
 //! ```
 //!
-//! S̄ is the profile blurred by a Cauchy kernel of 0.037 + 0.018 x rad in the glow, and of 0.015 + 0.0165 x + 0.0011 x² rad, x up to
-//! 8, on surfaces; 1 for a point lamp. c_g may be below 0: light that is spread meets greater values of the phase function. The
-//! constants are fits to Monte Carlo runs; [`ModelError`](super::ModelError) says how well they do.
+//! S̄ is the profile blurred by a Cauchy kernel of 0.037 + 0.018 x rad in the airlight, and of 0.015 + 0.0165 x + 0.0011 x² rad, x
+//! up to 8, on surfaces. It is 1 for a point lamp. c_g may be below 0: spread light is scattered with greater values of the phase
+//! function. The constants are fits to Monte Carlo runs; [`ModelError`](super::ModelError) has their error.
 
 use std::f64::consts::PI;
 
 use super::beam::Beam;
 
-/// Places at which the blurred profile is taken: rings about the direction, and azimuths of one half; the other mirrors it.
+/// Samples of the blurred profile: rings about the direction, and azimuths of one half; the other mirrors it.
 pub(super) const RINGS: usize = 6;
 pub(super) const AZIMUTHS: usize = 4;
-/// c_g of the glow: `a − SWELL b/(1 + x/SATURATION)`.
+/// c_g of the airlight: `a − SWELL b/(1 + x/SATURATION)`.
 pub(super) const SWELL: f64 = 0.06;
 pub(super) const SATURATION: f64 = 8.0;
 /// κ: the most, the factor, and the powers of a/b and of b r.
@@ -28,10 +28,10 @@ pub(super) const MOST_LOSS: f64 = 0.1;
 const LOSS: f64 = 0.016;
 const RATIO_POWER: f64 = 0.8;
 pub(super) const PATH_POWER: f64 = 0.7;
-/// Mean free paths beyond which the kernel on surfaces grows no more.
+/// Mean free paths beyond which the kernel on surfaces stays constant.
 pub(super) const WIDEST: f64 = 8.0;
 
-/// Scale of the kernel in radians in the glow, at x mean free paths: the coefficients of 1 and x.
+/// Scale of the kernel in radians in the airlight, at x mean free paths: the coefficients of 1 and x.
 pub(super) const GLOW_SCALE: [f64; 2] = [0.037, 0.018];
 /// The same on surfaces: of 1, x and x².
 pub(super) const SURFACE_SCALE: [f64; 3] = [0.015, 0.0165, 0.0011];
@@ -65,7 +65,7 @@ pub(super) fn blurred(beam: Beam, scale: f64, cosine: impl Fn([f64; 3]) -> f64) 
     sum / (RINGS * AZIMUTHS) as f64
 }
 
-/// Scale of the kernel of the glow, rad.
+/// Scale of the kernel of the airlight, rad.
 pub(super) fn glow_scale(x: f64) -> f64 {
     GLOW_SCALE[0] + GLOW_SCALE[1] * x
 }
@@ -76,7 +76,7 @@ pub(super) fn surface_scale(x: f64) -> f64 {
     SURFACE_SCALE[0] + SURFACE_SCALE[1] * x + SURFACE_SCALE[2] * x * x
 }
 
-/// c_g L of the glow.
+/// c_g L of the airlight.
 pub(super) fn glow_depth(a: f64, b: f64, meters: f64) -> f64 {
     if meters.is_infinite() {
         return meters;
@@ -109,7 +109,7 @@ mod tests {
 
     #[test]
     fn a_blurred_profile_is_no_brighter_than_the_lamp_and_reaches_beyond_its_cone() {
-        // Not narrower: of the places that the blur is taken from, the nearest is half a scale away.
+        // Not narrower: the nearest sample of the blur is half a scale away.
         for cone_deg in [15.0, 35.0, 80.0] {
             for scale in [0.015, 0.05, 0.2] {
                 let at = |degrees: f64| blurred(spot(cone_deg), scale, |_| degrees.to_radians().cos());

@@ -2,22 +2,22 @@
 //!
 //! With β = θ/2 + π/4 the phase function has its poles at β = ± i ½ ln(1/g): behind them the error of the quadrature falls as
 //! ρ^{−2n}, ρ the ellipse through the pole about the interval. Toward the open end the light fades over the angle κ = c D, which
-//! is met as an edge as long as nodes are wider apart; that error was measured for κ from 0.003 to 3 and 4 to 48 nodes and stays
+//! acts as an edge while the spacing of nodes is wider; that error was measured for κ from 0.003 to 3 and 4 to 48 nodes and stays
 //! below `min(1, 8 e^{−2 (κ n²)^{1/3}})/(2 n²)` of the light at that end.
 
 use std::f32::consts::FRAC_PI_2;
 
 use super::phase::GlowPhase;
 
-/// Node counts that are tried, all even.
+/// Candidate node counts, all even.
 const COUNTS: [usize; 13] = [4, 6, 8, 10, 12, 14, 16, 20, 24, 28, 32, 40, 64];
-/// The most nodes that are taken.
+/// The largest node count.
 pub const MOST_NODES: usize = COUNTS[COUNTS.len() - 1];
 /// By this the measured error exceeds ρ^{−2n} at most; 4 nodes need most of it.
 const POLE_FACTOR: f64 = 50.0;
-/// The share of the light that swells late, of which half is met as an edge.
+/// The share of the light that swells late, half of it treated as an edge.
 const SWELLING: f64 = 0.31;
-/// What a run of pixels has in common: the widest interval, the nearest approach, the shortest path.
+/// Bounds of a run of pixels: the widest interval, the nearest approach, the shortest path.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Span {
     /// Start and end of the interval in β.
@@ -36,7 +36,7 @@ pub(super) struct Span {
     pub(super) stretch: f32,
 }
 
-/// What the light of one lamp is bounded by.
+/// Bounds of the light of one lamp.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Source {
     /// The largest b I₀ of the three channels, and the least c.
@@ -44,21 +44,21 @@ pub(super) struct Source {
     pub(super) attenuation: f64,
     /// How fast light fades toward the end of a ray, 1/m.
     pub(super) edge: f64,
-    /// How fast light that scatters more than once comes to its most, 1/m; 0 without.
+    /// Rate at which multiple scattering reaches its maximum, 1/m; 0 without.
     pub(super) swelling: f64,
     pub(super) phase: GlowPhase,
     /// The error in linear light that the lamp may have.
     pub(super) tolerance: f64,
 }
 
-/// What the error of the quadrature on a run of pixels is made of.
+/// Parts of the quadrature error on a run of pixels.
 struct Left {
     pole: f64,
     /// By this factor the error of the pole falls with each node, e-folds.
     growth: f64,
     edge: f64,
     fade: f64,
-    /// What falls as 1/n² alone.
+    /// The part that falls only as 1/n².
     swelling: f64,
 }
 
@@ -87,7 +87,7 @@ impl Left {
     }
 }
 
-/// The least count whose error stays within the tolerance, or the most, and that error.
+/// The least count whose error is within the tolerance, or the largest count, and that error.
 pub(super) fn count(span: Span, source: Source) -> (usize, f64) {
     let Left {
         pole,
@@ -107,7 +107,7 @@ pub(super) fn count(span: Span, source: Source) -> (usize, f64) {
         }
         pole + edge * (8.0 * (-2.0 * (fade * n * n).cbrt()).exp()).min(1.0)
     };
-    // Fewer leave more than the tolerance behind the pole.
+    // Fewer nodes exceed the tolerance behind the pole.
     let least = (pole / source.tolerance).ln() / growth;
     COUNTS
         .into_iter()
@@ -119,7 +119,7 @@ pub(super) fn count(span: Span, source: Source) -> (usize, f64) {
 
 /// The sum of the half axes of the ellipse with its foci at the ends of the interval, through the pole of the phase function.
 fn ellipse(g: f64, from: f64, half: f64) -> f64 {
-    // Of a g below 0 the poles lie at the other end, π/2 ± i ½ ln(1/|g|).
+    // For g below 0 the poles are at the other end, π/2 ± i ½ ln(1/|g|).
     let pole = if g < 0.0 { std::f64::consts::FRAC_PI_2 } else { 0.0 };
     let height = 0.5 * (1.0 / g.abs().max(1e-6)).ln() / half.max(1e-6);
     let middle = (from + half - pole) / half.max(1e-6);

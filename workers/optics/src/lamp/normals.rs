@@ -10,9 +10,9 @@ use crate::attenuation::masked;
 const JUMP: f32 = 0.02;
 
 /// Unit normals in camera axes (right, down, ahead) that face the camera, from range in meters along the ray. The slope of the
-/// range is the mean of the differences to both neighbors; at an edge the smaller of the two; where neither neighbor has a
-/// range, or the frame is one pixel wide, none. A hole faces the camera. With `Z` the range, `v` the ray of length 1 along the
-/// optical axis and `R = Z/|v|`, the surface is `R(x, y) v(x, y)` and its normal is across both of its slopes.
+/// range is the mean of the differences to both neighbors; at an edge the smaller of the two; 0 if neither neighbor has a range or
+/// the frame is one pixel wide. A hole faces the camera. With `Z` the range, `v` the ray of length 1 along the optical axis and `R
+/// = Z/|v|`, the surface is `R(x, y) v(x, y)` and its normal is across both of its slopes.
 #[must_use]
 pub fn normals_of(range: &Plane<f32>, camera: &Intrinsics) -> [Plane<f32>; 3] {
     let (width, height) = range.size();

@@ -24,7 +24,7 @@ impl FournierForand {
             slope: 3.0 + (index - 1.01) / 0.1542,
         };
         let (mut low, mut high) = INDEX;
-        // Sixty halvings leave less than the spacing of doubles.
+        // The error after sixty halvings is below the spacing of doubles.
         for _ in 0..60 {
             let middle = 0.5 * (low + high);
             if on_line(middle).backscatter_fraction() < fraction {
@@ -45,7 +45,7 @@ impl FournierForand {
         1.0 - (1.0 - power * d - 0.5 * (1.0 - power)) / ((1.0 - d) * power)
     }
 
-    /// Share of the light that is scattered within an angle of `1 − cos = v`.
+    /// Share of the light scattered within an angle of `1 − cos = v`.
     #[must_use]
     pub fn within(&self, v: f64) -> f64 {
         if v <= 0.0 {
@@ -58,8 +58,8 @@ impl FournierForand {
             + self.tail() * (1.0 - v) * v * (2.0 - v)
     }
 
-    /// K of the term `K (3 cos² − 1)` of the phase function, 1/sr, by which it rises toward 180°: with δ_π = 4/(3 (n − 1)²),
-    /// `K = (1 − δ_π^ν)/(16 π (δ_π − 1) δ_π^ν)`. The integral of the term is 0 over the sphere, and over its backward half.
+    /// K of the term `K (3 cos² − 1)` of the phase function, 1/sr, its rise toward 180°: with δ_π = 4/(3 (n − 1)²), `K = (1 −
+    /// δ_π^ν)/(16 π (δ_π − 1) δ_π^ν)`. The integral of the term is 0 over the sphere, and over its backward half.
     #[must_use]
     pub fn rise(&self) -> f64 {
         self.tail() / (2.0 * PI)

@@ -1,17 +1,17 @@
-//! How murky the water is that the light of a lamp meets.
+//! Turbidity along the path of lamp light.
 
 use crate::turbidity::Field;
 
-/// Where on a ray most of a lamp's glow comes from, m from the camera: from `min(Z, t₀) − 3 D/(1 − g)`, where the light still turns
-/// little toward the camera, to `min(Z, max(t₀, 1.5 D))`, with t₀ along the ray and D across it to the lamp; nothing behind the
-/// camera. Beyond it light comes back from large angles alone. Found by trial against the field along both legs.
+/// The stretch of a ray with most of a lamp's airlight, m from the camera: from `min(Z, t₀) − 3 D/(1 − g)`, where light still needs
+/// little deflection toward the camera, to `min(Z, max(t₀, 1.5 D))`, with t₀ along the ray and D across it to the lamp, clamped to
+/// the front of the camera. Light from beyond it is scattered at large angles. Found by trial against the field along both legs.
 #[must_use]
 pub fn glow_within(range_m: f64, nearest_m: f64, distance_m: f64, asymmetry: f64) -> (f64, f64) {
     let from = range_m.min(nearest_m) - before(asymmetry) * distance_m;
     (from.max(0.0), range_m.min(nearest_m.max(BESIDE * distance_m)))
 }
 
-/// Distances of the lamp from the ray that the glow begins before the nearest point, and that it reaches at least.
+/// Start of the airlight before the nearest point and its least reach behind it, in distances of the lamp from the ray.
 pub(super) fn before(asymmetry: f64) -> f64 {
     3.0 / (1.0 - asymmetry)
 }
@@ -24,7 +24,7 @@ pub(super) fn mean(patches: Option<&Field>, ray: [f64; 3], (from, to): (f64, f64
     })
 }
 
-/// The stretch of a ray of this length before its end that is as long as the way from a lamp, or all of it.
+/// The last stretch of a ray of this length with the length of the path from a lamp, or all of it.
 pub(super) fn last(meters: f64, leg: f64) -> (f64, f64) {
     ((meters - leg).max(0.0), meters)
 }

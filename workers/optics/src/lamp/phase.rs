@@ -29,7 +29,7 @@ pub fn backscatter_fraction(g: f64) -> f64 {
 #[must_use]
 pub fn asymmetry_of(fraction: f64) -> f64 {
     let (mut low, mut high) = (-0.999_999, 0.999_999);
-    // Sixty halvings leave less than the spacing of doubles.
+    // The error after sixty halvings is below the spacing of doubles.
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
         if backscatter_fraction(middle) > fraction {
@@ -41,7 +41,7 @@ pub fn asymmetry_of(fraction: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// The phase function of the glow of lamps: `p = p_HG(g) + K (3 cos² − 1)` in 1/sr, whose integral over the sphere is 1.
+/// The phase function of the airlight of lamps: `p = p_HG(g) + K (3 cos² − 1)` in 1/sr, whose integral over the sphere is 1.
 ///
 /// With K = 0 it is that of Henyey and Greenstein, which falls up to 180°. Sea water rises from 120° on; the term of K is the one that
 /// Fournier and Forand have for that ([`FournierForand::rise`]). It moves light within the backward half, so that b_b/b stays.
@@ -60,9 +60,9 @@ impl GlowPhase {
         Self { asymmetry, rise: 0.0 }
     }
 
-    /// Nearly that of Fournier and Forand with a backscatter fraction b_b/b within 0.002..=0.5: g and K are those of the fraction. From
-    /// 90° to 180° it is within 12 % of theirs for fractions of 0.005 to 0.03, where that of Henyey and Greenstein is 0.60 to 1.23 times
-    /// as much. At smaller angles it is nearly that of Henyey and Greenstein.
+    /// Approximates Fournier and Forand with a backscatter fraction b_b/b within 0.002..=0.5: g and K are those of the fraction.
+    /// From 90° to 180° it is within 12 % of theirs for fractions of 0.005 to 0.03, compared with 0.60 to 1.23 times theirs for
+    /// Henyey and Greenstein. At smaller angles it is close to Henyey and Greenstein.
     #[must_use]
     pub fn fournier_forand(fraction: f64) -> Self {
         Self {
@@ -77,7 +77,7 @@ impl GlowPhase {
         henyey_greenstein(self.asymmetry, cos) + self.rise * (3.0 * cos * cos - 1.0)
     }
 
-    /// No less than p, and monotonic: p changes by no more between two angles than this is at both together.
+    /// Monotonic upper bound of p. The change of p between two angles is at most the sum of this at both.
     pub(super) fn most(&self, cos: f64) -> f64 {
         henyey_greenstein(self.asymmetry, cos) + 3.0 * self.rise
     }
@@ -113,7 +113,6 @@ mod tests {
         }
     }
 
-    /// Nothing is darker than no light.
     #[test]
     fn with_a_rise_the_phase_function_is_positive_sums_to_one_and_keeps_the_fraction() {
         let rule = gauss_legendre(128);

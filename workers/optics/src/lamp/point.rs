@@ -1,7 +1,7 @@
-//! The light of lamps at places in the water, where particles hang.
+//! The light of lamps at points in the water, for particles.
 //!
-//! A particle is lit as a white surface that faces the lamp: by what of the lamp is seen, and by what of the disc is seen that light
-//! scattered on its way comes from.
+//! A particle is lit like a white surface that faces the lamp: by the visible share of the lamp, and by the visible share of the
+//! disc of scattered lamp light.
 
 use std::f64::consts::PI;
 
@@ -14,11 +14,11 @@ use super::shadow::{SPREAD_PLACES, Shadow, share_seen};
 use super::sight::{Disc, Radius, Sight, Starts};
 use super::{Lamp, Lighting};
 
-/// Light of one lamp at a place, of each channel, as the radiance of a white surface that faces the lamp.
+/// Light of one lamp at a point, of each channel, as the radiance of a white surface that faces the lamp.
 pub(super) struct Arriving {
     /// That was not scattered.
     pub(super) direct: [f64; 3],
-    /// That was scattered on its way, and the radius of the disc at the lamp that it comes from, m.
+    /// Scattered lamp light, and the radius of its disc at the lamp, m.
     pub(super) spread: [f64; 3],
     spread_m: [f64; 3],
 }
@@ -29,7 +29,7 @@ impl Arriving {
         Self::on_ray((place.map(|v| v / range), range), place, lamp, lighting)
     }
 
-    /// Light at a place on a ray from the camera, a unit vector and the range there.
+    /// Light at a point on a ray from the camera, a unit vector and the range there.
     pub(super) fn on_ray(
         (ray, range): ([f64; 3], f64),
         place: [f64; 3],
@@ -63,9 +63,9 @@ impl Arriving {
     }
 }
 
-/// Radiance of a white particle that lamps light at a point in camera axes: `I₀ S V e^{−c r}/(π r²)`, as a white surface that faces
-/// the lamp, with what was scattered on the way where that is followed. V is the share of a lamp that casts shadows which is seen by
-/// `rays`, 1 without; of scattered light, of the disc that it comes from.
+/// Radiance of a white particle lit by lamps at a point in camera axes: `I₀ S V e^{−c r}/(π r²)`, like a white surface that faces
+/// the lamp, plus scattered lamp light if it is modeled. V is the share of a shadow-casting lamp visible to `rays`, 1 without rays;
+/// for scattered light, of its disc.
 #[must_use]
 pub fn white_at(place: [f64; 3], lighting: &Lighting, rays: Option<&dyn Rays>) -> [f64; 3] {
     let start = RayStart {
@@ -95,8 +95,8 @@ pub fn white_at(place: [f64; 3], lighting: &Lighting, rays: Option<&dyn Rays>) -
     sum
 }
 
-/// [`white_at`] of many places, with shadows looked for in f32 as by [`shaded_irradiance`](super::shaded_irradiance): light of a
-/// lamp of no more than `unseen` arrives whatever is in the way.
+/// [`white_at`] of many points, with shadows traced in f32 as by [`shaded_irradiance`](super::shaded_irradiance): light of a lamp
+/// up to `unseen` is never occluded.
 #[must_use]
 pub fn white_at_each(
     places: &[[f64; 3]],
@@ -121,12 +121,12 @@ pub fn white_at_each(
     sums
 }
 
-/// Places that a lamp is looked for from.
+/// Points for shadow rays to a lamp.
 struct Asked<'a> {
     places: &'a [[f64; 3]],
-    /// All of them, so that neighbors in space mostly stand beside each other: their ways are looked along together.
+    /// Indices of all points in an order that keeps neighbors in space together, for coherent ray packets.
     order: Vec<usize>,
-    /// Those that are looked from.
+    /// Indices of the ray origins.
     at: Vec<usize>,
     starts: Starts,
 }
@@ -154,7 +154,7 @@ impl<'a> Asked<'a> {
     }
 }
 
-/// Where a place stands on a curve through all cubes about the camera: the bits of its coordinates in turn (Morton 1966).
+/// Position on a space-filling curve about the camera: the interleaved bits of its coordinates (Morton 1966).
 fn curve(place: [f64; 3]) -> u64 {
     const CUBE_M: f64 = 0.05;
     const BITS: u32 = 14;
@@ -166,7 +166,7 @@ fn curve(place: [f64; 3]) -> u64 {
     })
 }
 
-/// Takes from the light of a lamp at places what things cut off.
+/// Subtracts the occluded light of a lamp at points.
 fn cut_off(
     arriving: &mut [Arriving],
     (lamp, asked): (&Lamp, &mut Asked<'_>),
@@ -194,7 +194,7 @@ fn cut_off(
     }
 }
 
-/// No [`white_at`] is greater: every lamp at its own surface.
+/// Upper bound of [`white_at`]: every lamp at its surface.
 #[must_use]
 pub fn most_white(lighting: &Lighting) -> [f64; 3] {
     let nearest = PI * lighting.radius_m * lighting.radius_m;

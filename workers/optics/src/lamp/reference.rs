@@ -1,4 +1,4 @@
-//! Lamps in f64 with many nodes. It shares nothing with the fast form but the definitions.
+//! Lamps in f64 with many nodes. It shares only the definitions with the fast form.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -15,32 +15,32 @@ use super::{Lamp, Lighting};
 use crate::legendre::gauss_legendre;
 use crate::range::is_hole;
 
-/// Nodes with which the reference is exact to 1e-9 of a lamp's peak for g up to 0.98.
+/// Node count that makes the reference exact to 1e-9 of a lamp's peak for g up to 0.98.
 pub const REFERENCE_NODES: usize = 128;
-/// Where the integrand has edges, each stretch between them is cut into so many parts of so many nodes.
+/// Parts between two edges of the integrand, each with the full number of nodes.
 const PARTS: usize = 8;
 const PART_NODES: usize = 16;
-/// Of a ray without shadows so many, the last of them halved so often towards its end: what is spread is blurred the wider, the longer
-/// its way, and has kinks where a part of it leaves the cone.
+/// Parts of a ray without shadows, and halvings of the last one towards its end: the blur of spread light grows with its path, and
+/// it has kinks where a part of it leaves the cone.
 const FINE_PARTS: usize = 32;
 const FINE_HALVINGS: i32 = 6;
 /// Cones below this angle need finer parts, rad: at 10° the edge of the cone within a part cost 2e-4 of the light.
 const NARROW: f64 = 0.26;
-/// Steps in which a ray is searched for the edges of shadows, and how closely they are found.
+/// Steps of the search for shadow edges along a ray, and the precision of an edge.
 const SEARCH_STEPS: usize = 64;
 const EDGE: f64 = 1e-9;
 
-/// The glow of the water before the lamps, radiance in linear light: for a ray along the unit vector d up to the range Z (a hole:
-/// without end), with t₀ = d·P and D the distance of the lamp from the ray,
+/// The glow of the water before the lamps, radiance in linear light: for a ray along the unit vector d up to the range Z (infinite at
+/// a hole), with t₀ = d·P and D the distance of the lamp from the ray,
 /// `L = (b I₀/D) ∫ S p(−sin θ) e^{−c (t₀ + D tan θ + D/cos θ)} dθ` from `atan(−t₀/D)` to `atan((Z − t₀)/D)`,
-/// by Gauss–Legendre quadrature with `nodes` nodes; in patchy water b and c are those of the ray, see [`glow_within`] (single scattering: Sun et al. 2005, Eq. 7-10).
-/// Where the lighting has an absorption, light that scatters more than once is joined to it. Nothing casts a shadow.
+/// by Gauss–Legendre quadrature with `nodes` nodes (single scattering: Sun et al. 2005, Eq. 7-10). In patchy water b and c are those of
+/// the ray, see [`glow_within`]. If the lighting has an absorption, multiple scattering is added. Shadows are ignored.
 #[must_use]
 pub fn airlight_reference(range: &Plane<f64>, lighting: &Lighting, nodes: usize) -> Rgb<f64> {
     airlight(range, lighting, nodes, None)
 }
 
-/// [`airlight_reference`] with the shadows that the lamps cast in the water, as the scene tells by `rays`.
+/// [`airlight_reference`] with shadows of the lamps in the water, traced by `rays`.
 #[must_use]
 pub fn shaded_airlight_reference(
     range: &Plane<f64>,
@@ -69,7 +69,7 @@ fn airlight(range: &Plane<f64>, lighting: &Lighting, nodes: usize, rays: Option<
     })
 }
 
-/// Airlight that is scattered once on the ray of a pixel that ends at this range, without shadows, by one rule over the whole ray.
+/// Single scattering on the ray of a pixel that ends at this range, without shadows, by one rule over the whole ray.
 pub(super) fn light_of_ray(
     (x, y): (usize, usize),
     range_m: f64,
@@ -96,16 +96,16 @@ struct Rules {
     part: Vec<(f64, f64)>,
 }
 
-/// The glow of one lamp along one ray.
+/// The airlight of one lamp along one ray.
 struct Glow<'a> {
     lamp: &'a Lamp,
     lighting: &'a Lighting,
     ray: [f64; 3],
-    /// t₀, D, and the way from the lamp to the nearest place of the ray.
+    /// t₀, D, and the vector from the lamp to the nearest point of the ray.
     nearest: f64,
     distance: f64,
     offset: [f64; 3],
-    /// Angles of the ray's ends, as far as anything is lit between them.
+    /// Angles of the ray's ends, clipped to the lit part.
     ends: [f64; 2],
     /// The factors of b and c.
     source: f64,
@@ -120,7 +120,7 @@ impl<'a> Glow<'a> {
         let distance = dot(offset, offset).sqrt().max(lighting.radius_m);
         let mut ends = [(-nearest / distance).atan(), ((z - nearest) / distance).atan()];
         if let (Beam::Spot { axis, cos_cone }, None, false) = (lamp.beam, lighting.absorption, in_parts) {
-            // Within the cone: where M cos(θ − φ) exceeds cos cone. Outside the quadrature would meet an edge.
+            // Within the cone: where M cos(θ − φ) exceeds cos cone. Including the outside would add an edge to the quadrature.
             let (across, along) = (dot(axis, offset) / distance, dot(axis, ray));
             let (most, middle) = (across.hypot(along), along.atan2(across));
             let half = (cos_cone / most).min(1.0).acos();
@@ -170,7 +170,8 @@ impl<'a> Glow<'a> {
         sum
     }
 
-    /// Whether a place of the lamp is seen from the place of the ray at an angle. The surface that the ray ends on hides nothing.
+    /// Whether a point of the lamp is visible from the point of the ray at an angle. The surface at the end of the ray does not
+    /// occlude.
     fn is_lit(&self, theta: f64, rays: &dyn Rays, radius_m: f64, place: (usize, usize)) -> bool {
         let along = self.nearest + self.distance * theta.tan();
         let origin = self.ray.map(|v| v * along);
@@ -206,7 +207,7 @@ impl<'a> Glow<'a> {
         sum
     }
 
-    /// The angles where the ray enters and leaves a narrow cone, and the factor by which its parts are finer.
+    /// The angles at the entry and exit of a narrow cone, and the factor for finer parts.
     fn narrow_cone(&self) -> Option<([f64; 2], usize)> {
         let Beam::Spot { axis, cos_cone } = self.lamp.beam else {
             return None;
@@ -265,7 +266,7 @@ impl<'a> Glow<'a> {
 
 /// The stretches of an interval that are lit: edges are searched in [`SEARCH_STEPS`] steps and then halved.
 fn lit_pieces([from, to]: [f64; 2], lit: impl Fn(f64) -> bool) -> Vec<[f64; 2]> {
-    // A ray without end is not asked at its end.
+    // An infinite ray is cut before its end.
     let to = to.min(FRAC_PI_2 - 1e-9);
     let at = |step: usize| from + (to - from) * step as f64 / SEARCH_STEPS as f64;
     let mut pieces = Vec::new();
@@ -294,15 +295,15 @@ fn lit_pieces([from, to]: [f64; 2], lit: impl Fn(f64) -> bool) -> Vec<[f64; 2]> 
     pieces
 }
 
-/// The light of the lamps that falls on surfaces: `E = I₀ S e^{−c r} max(n·l, 0) / r²`, none at a hole. `normals` are unit
-/// vectors in camera axes. Where the lighting has an absorption, light scattered on its way is added. Nothing casts a shadow.
+/// The light of the lamps on surfaces: `E = I₀ S e^{−c r} max(n·l, 0) / r²`, 0 at a hole. `normals` are unit vectors in camera
+/// axes. If the lighting has an absorption, scattered lamp light is added. Shadows are ignored.
 #[must_use]
 pub fn irradiance_reference(range: &Plane<f64>, normals: &[Plane<f32>; 3], lighting: &Lighting) -> Rgb<f64> {
     irradiance(range, normals, lighting, None)
 }
 
-/// [`irradiance_reference`] with the shadows that the lamps cast on surfaces, as the scene tells by `rays`. The light that was
-/// scattered on its way comes from a disc as wide as its kernel at the lamp, and is cut off by as much as of that disc is hidden.
+/// [`irradiance_reference`] with shadows of the lamps on surfaces, traced by `rays`. Scattered lamp light comes from a disc as wide
+/// as its kernel at the lamp, and is reduced by the occluded share of that disc.
 #[must_use]
 pub fn shaded_irradiance_reference(
     range: &Plane<f64>,

@@ -1,23 +1,23 @@
-//! What stands between a lamp and a place.
+//! Occlusion of a lamp.
 //!
-//! A lamp is a point, or a sphere of which N places are seen: those of a disc about its center across the way to it, at the radii
-//! `R sqrt((k + 1/2)/N)` and the angles 2.399963229728653 k, the golden angle, in the frame of Duff et al. (2017) about the way. The
-//! share of them that is seen has steps of 1/N. Nothing is drawn at random, so that a shadow does not flicker.
+//! A lamp is a point, or a sphere with N light samples: those of a disc about its center across the ray to it, at the radii `R
+//! sqrt((k + 1/2)/N)` and the angles 2.399963229728653 k, the golden angle, in the frame of Duff et al. (2017) about the ray. The
+//! visible share has steps of 1/N. The samples are not random, so that a shadow does not flicker.
 
 use imaging::rays::{RayStart, Rays};
 use imaging::vector::dot;
 
 /// The golden angle.
 const TURN: f64 = 2.399_963_229_728_653;
-/// Places of the disc that light scattered on its way comes from.
+/// Samples of the disc of scattered lamp light.
 pub(super) const SPREAD_PLACES: usize = 16;
-/// A straight edge across a disc of N places hides a share of them that differs by up to this times N^(−3/4) from its share of the
-/// area, for N up to 256.
+/// For a straight edge across a disc of N samples, the occluded share of samples differs by up to this times N^(−3/4) from the
+/// share of the area, for N up to 256.
 const EDGE_ERROR: f64 = 1.4;
 /// Light samples of a lamp with a radius.
 const SAMPLES: usize = 16;
 
-/// How things cut off the light of a lamp.
+/// Shadow mode of a lamp.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub enum Shadow {
     /// Not at all.
@@ -29,7 +29,7 @@ pub enum Shadow {
     Soft {
         /// Its radius, m.
         radius_m: f64,
-        /// Places of it that are looked for.
+        /// Light samples.
         samples: usize,
     },
 }
@@ -46,7 +46,7 @@ impl Shadow {
         }
     }
 
-    /// Radius and number of the places of a lamp.
+    /// Radius and number of the light samples of a lamp.
     pub(crate) fn disc(self) -> (f64, usize) {
         match self {
             Self::None | Self::Hard => (0.0, 1),
@@ -55,7 +55,7 @@ impl Shadow {
     }
 }
 
-/// Place `k` of `count` on a disc of this radius about `middle`, across the unit vector `toward` that leads to it.
+/// Sample `k` of `count` on a disc of this radius about `middle`, perpendicular to the unit vector `toward` to it.
 pub(super) fn disc_place(
     middle: [f64; 3],
     toward: [f64; 3],
@@ -72,32 +72,32 @@ pub(super) fn disc_place(
     [0, 1, 2].map(|i| middle[i] + radius_m * (u * first[i] + v * second[i]))
 }
 
-/// Place `k` of `count` on a disc of radius 1.
+/// Sample `k` of `count` on a disc of radius 1.
 pub(crate) fn on_unit_disc(k: usize, count: usize) -> [f64; 2] {
     let out = ((k as f64 + 0.5) / count as f64).sqrt();
     let (sin, cos) = (TURN * k as f64).sin_cos();
     [out * cos, out * sin]
 }
 
-/// As many places of a disc as see a share of it past a straight edge that differs by no more than this from what more places see.
+/// Number of samples for an error of at most this in the visible share past a straight edge, relative to more samples.
 pub(crate) fn places_within(error: f64) -> usize {
     (2.0 * EDGE_ERROR / error).powf(4.0 / 3.0).ceil().max(1.0) as usize
 }
 
-/// The place of a disc that node `node` of a ray through the water looks at: neighbors look at others, far apart.
+/// The sample of a disc for node `node` of a ray through the water: neighbors use distant ones.
 pub(super) fn shared_place(node: usize, count: usize) -> usize {
     let stride = if count.is_multiple_of(7) { 5 } else { 7 };
     stride * node % count
 }
 
-/// Whether a place is seen from the start of a ray.
+/// Whether a point is visible from the start of a ray.
 pub(super) fn sees(rays: &dyn Rays, start: RayStart, place: [f64; 3]) -> bool {
     let way = [0, 1, 2].map(|i| place[i] - start.origin[i]);
     let meters = dot(way, way).sqrt();
     meters <= start.from || !rays.occluded(start.origin, way.map(|v| v / meters), start.from, meters)
 }
 
-/// The share of a disc about `middle` that is seen from the start of a ray.
+/// Visible share of a disc about `middle` from the start of a ray.
 pub(super) fn share_seen(
     rays: &dyn Rays,
     start: RayStart,

@@ -1,15 +1,15 @@
-//! How much of a lamp is seen from many places at once, in f32.
+//! Visible share of a lamp from each point of a batch, in f32.
 
 use imaging::rays::{Rays, ShadowRays};
 use imaging::vectorized;
 
 use super::shadow::on_unit_disc;
 
-/// Places of a disc that are looked for first, on its rim: where all of them are seen, or none, the others are taken to be, too. What
-/// covers a part of a disc but no place of its rim is thinner than the disc.
+/// Rim samples of a disc, traced first: if all or none of them are occluded, the others are assumed equal. An occluder that covers
+/// a part of a disc but no rim sample is thinner than the disc.
 const FIRST: usize = 5;
 
-/// Looks through a scene; keeps what it allocates.
+/// Traces shadow rays through a scene and keeps its allocations.
 pub(super) struct Sight<'a> {
     rays: &'a dyn Rays,
     ways: ShadowRays,
@@ -17,7 +17,7 @@ pub(super) struct Sight<'a> {
     undecided: Vec<usize>,
 }
 
-/// Places that are looked from, off the surfaces there: the coordinates of one axis after the other.
+/// Ray origins, offset from the surfaces there: one coordinate axis after the other.
 #[derive(Default)]
 pub(super) struct Starts {
     axes: [Vec<f32>; 3],
@@ -32,7 +32,7 @@ impl Starts {
         self.axes.iter_mut().zip(place).for_each(|(axis, v)| axis.push(v));
     }
 
-    /// The lanes of so many places, to be written.
+    /// The writable lanes of `count` origins.
     pub(super) fn sized(&mut self, count: usize) -> [&mut [f32]; 3] {
         self.axes.each_mut().map(|axis| {
             axis.resize(count, 0.0);
@@ -56,13 +56,13 @@ pub(super) enum Radius<'a> {
     Of(&'a [f32]),
 }
 
-/// A disc about a lamp, across the way to it: its places in units of its radius, outermost first.
+/// A disc about a lamp, perpendicular to the ray to it: its samples in units of its radius, outermost first.
 pub(super) struct Disc {
     places: Vec<[f32; 2]>,
 }
 
 impl Disc {
-    /// A disc of so many places; a single one is its middle.
+    /// A disc of `count` samples; a single one is its center.
     pub(super) fn new(count: usize) -> Self {
         let place = |k| on_unit_disc(k, count).map(|v| v as f32);
         let places = match count {
@@ -134,7 +134,7 @@ impl<'a> Sight<'a> {
         self.undecided = undecided;
     }
 
-    /// Begins ways to several places each: `fill` gives where they begin, axis by axis.
+    /// Starts several rays for each origin: `fill` writes the origins, axis by axis.
     fn begin(&mut self, fill: impl Fn(usize, &mut Vec<f32>)) {
         self.ways.clear();
         for (axis, from) in self.ways.from.iter_mut().enumerate() {
@@ -144,7 +144,7 @@ impl<'a> Sight<'a> {
         self.ways.to.iter_mut().for_each(|axis| axis.resize(count, 0.0));
     }
 
-    /// Ends all ways at this place of the disc of each, and looks along them.
+    /// Ends all rays at this sample of the disc of each, and traces them.
     fn turn(&mut self, place: [f32; 2], middle: [f32; 3], radius_m: Radius<'_>) {
         let ShadowRays { from, to } = &mut self.ways;
         let from = from.each_ref().map(Vec::as_slice);
@@ -156,7 +156,7 @@ impl<'a> Sight<'a> {
         self.look();
     }
 
-    /// Sets for each way whether it is clear.
+    /// Sets for each ray whether it is clear.
     pub(super) fn look_along(&mut self, fill: impl FnOnce(&mut ShadowRays)) -> &[bool] {
         self.ways.clear();
         fill(&mut self.ways);
@@ -195,13 +195,13 @@ fn ends(
     }
 }
 
-/// A place in units of the radius on a disc about `middle`, across the way to it from `start`: as
+/// A sample in units of the radius on a disc about `middle`, perpendicular to the ray from `start`: as
 /// [`disc_place`](super::shadow::disc_place).
 #[inline(always)]
 pub(super) fn across(start: [f32; 3], middle: [f32; 3], [u, v]: [f32; 2], radius_m: f32) -> [f32; 3] {
     let way = [0, 1, 2].map(|i| middle[i] - start[i]);
     let meters = (way[0] * way[0] + way[1] * way[1] + way[2] * way[2]).sqrt();
-    // At the lamp itself no way leads anywhere: any direction will do.
+    // At the lamp the direction is undefined and any will do.
     let length = if meters == 0.0 { 1.0 } else { meters };
     let radius_m = if meters == 0.0 { 0.0 } else { radius_m };
     let [x, y, z] = way.map(|v| v / length);
@@ -261,7 +261,7 @@ mod tests {
                     from: 1e-5,
                 };
                 let exact = share_seen(&Half, begin, middle.map(f64::from), (radius_m, count));
-                // A cap beyond all places of the rim is not looked for.
+                // A cap beyond all rim samples is not sampled.
                 let cap = if count > FIRST { 2.0 / count as f64 } else { 0.0 };
                 assert!(
                     (exact - f64::from(*share)).abs() < cap + 1e-6,

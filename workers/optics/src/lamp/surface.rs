@@ -21,7 +21,7 @@ use joined::{Blur, Joined};
 use row::{Row, places_of};
 use shade::Shade;
 
-/// A Lambertian surface sends back J/π of what falls on it.
+/// A Lambertian surface reflects J/π of its irradiance.
 const PER_STERADIAN: f32 = std::f32::consts::FRAC_1_PI;
 
 /// The light of lamps on surfaces.
@@ -29,11 +29,11 @@ const PER_STERADIAN: f32 = std::f32::consts::FRAC_1_PI;
 pub struct Irradiance {
     /// E.
     pub light: Rgb<f32>,
-    /// No sample differs by more from [`irradiance_reference`](super::irradiance_reference).
+    /// Upper bound of the difference from [`irradiance_reference`](super::irradiance_reference).
     pub rounding: f64,
 }
 
-/// [`irradiance_reference`](super::irradiance_reference) in f32. Nothing casts a shadow.
+/// [`irradiance_reference`](super::irradiance_reference) in f32. Shadows are ignored.
 #[must_use]
 pub fn irradiance(range: &Plane<f32>, normals: &[Plane<f32>; 3], lighting: &Lighting) -> Irradiance {
     shine_on(range, normals, lighting, Options::default())
@@ -54,10 +54,10 @@ pub fn irradiance_in_tiles(
     shine_on(range, normals, lighting, options)
 }
 
-/// [`shaded_irradiance_reference`](super::shaded_irradiance_reference) in f32. A ray that grazes an edge may pass on its other
-/// side; what of a soft lamp is hidden from none of the outermost places of its disc, or from all, is taken to be all of it; and the
-/// discs that light scattered on its way comes from are looked for from a few pixels where they change little; `rounding` does
-/// not count this. A lamp that lights a surface by no more than `unseen` lights it whatever is in the way.
+/// [`shaded_irradiance_reference`](super::shaded_irradiance_reference) in f32. It has three errors that `rounding` does not
+/// include. A ray that grazes an edge may pass on its other side. If all or none of the rim samples of a soft lamp are occluded, it
+/// counts as fully dark or fully lit. The discs of scattered lamp light are sampled at few pixels where they change little. Light
+/// up to `unseen` on a surface is never occluded.
 #[must_use]
 pub fn shaded_irradiance(
     range: &Plane<f32>,
@@ -83,7 +83,7 @@ pub fn shaded_irradiance_in_tiles(
     shine_on(range, normals, lighting, options)
 }
 
-/// Tiles in f64, and the rays of shadows with the light that needs none.
+/// Tiles in f64, and the shadow rays with their threshold of light.
 #[derive(Clone, Copy, Default)]
 struct Options<'a> {
     precise: &'a [bool],
@@ -172,17 +172,17 @@ pub fn lit(radiance: &Rgb<f32>, gain: [f64; 3], irradiance: &Rgb<f32>) -> Rgb<f3
     Rgb::new([band(0), band(1), band(2)]).expect("planes of one frame")
 }
 
-/// The irradiance by which surfaces of at most this radiance in air get `light` brighter at most.
+/// Irradiance that brightens surfaces of at most this radiance in air by at most `light`.
 #[must_use]
 pub fn irradiance_of(brightest: [f32; 3], light: f64) -> f64 {
     let most = f64::from(brightest.into_iter().fold(0.0, f32::max));
     light * std::f64::consts::PI / most.max(1e-30)
 }
 
-/// Rounding of [`lit`], and of irradiance that was computed in f64, as a share of the light.
+/// Rounding of [`lit`], and of irradiance computed in f64, as a share of the light.
 pub const LIT_ROUNDING: f64 = 5.0 * STEP;
 
-/// What [`lit`] may differ by from the same in f64, where the light of the lamps may differ by `rounding`.
+/// Upper bound of the error of [`lit`], for lamp light with an error of at most `rounding`.
 #[must_use]
 pub fn lit_rounding(radiance: &Rgb<f32>, lit: &Rgb<f32>, rounding: f64) -> f64 {
     let most = |light: &Rgb<f32>| f64::from(brightest(light).into_iter().fold(0.0, f32::max));
@@ -192,7 +192,7 @@ pub fn lit_rounding(radiance: &Rgb<f32>, lit: &Rgb<f32>, rounding: f64) -> f64 {
 /// One rounding of f32.
 const STEP: f64 = 6e-8;
 
-/// What f32 may lose of the light of one lamp.
+/// Rounding of f32 in the light of one lamp.
 ///
 /// With q = 1/r and s = Z/r of a pixel, E = I₀ S e^{−c m r} (n·l) q³ loses at most
 ///
@@ -201,12 +201,12 @@ const STEP: f64 = 6e-8;
 /// δ = ε ( (8 + ℓ) s + |P| q + 1 )
 /// ```
 ///
-/// ε is one rounding. δ is the error of the way to the lamp as a share of r: a place is known to 8 roundings of its range Z, and to
-/// those of the principal point, ℓ = (|cx| + |cy|)/f of them; the lamp's own to one of |P|. It enters once by n·l, which may be 0
-/// while its error is not, three times by q³, and by the cosine of a spot, whose profile rises by σ = 1/(1 − cos cone) times as
-/// much. 3e-7 is the error of the exponential. That of its exponent x = c m r counts x e^{−x} ≤ 1/e times; in patches the factor m
-/// errs by μ s more. Both brackets grow with q and s, so that their greatest values of a row bound all of its pixels. Where light
-/// scattered on its way is joined to it, a stands for c, the blurred profile errs by 10 σ δ more, and two more exponentials do, one
+/// ε is one rounding. δ is the error of the vector to the lamp as a share of r. A surface point has 8 roundings of its range Z, and
+/// those of the principal point, ℓ = (|cx| + |cy|)/f of them; the lamp's position has one of |P|. δ enters once by n·l, which may
+/// be 0 while its error is not, three times by q³, and by the cosine of a spot, whose profile rises by σ = 1/(1 − cos cone) times
+/// the change of its cosine. 3e-7 is the error of the exponential. The error of its exponent x = c m r counts x e^{−x} ≤ 1/e times;
+/// in patches the factor m errs by μ s more. Both brackets grow with q and s, so that their greatest values of a row bound all of
+/// its pixels. With scattered lamp light, a replaces c, the blurred profile errs by 10 σ δ more, and two more exponentials do, one
 /// of them with r^1.7 in its exponent.
 struct Rounding {
     is_joined: bool,
@@ -255,7 +255,7 @@ impl Rounding {
             profile += 10.0 * self.slope * way + 8.0 * self.slope * STEP + 1.2e-6;
             exponent *= 3.7;
         }
-        // Beyond a thousand kilometers the fast form looks no farther.
+        // The fast form clamps distances to a thousand kilometers.
         self.intensity * (q * q * (fade * profile + exponent) + 1e-12)
     }
 }
@@ -282,7 +282,7 @@ impl Source {
     }
 }
 
-/// The factor of c on the way from a lamp: the mean of the field over as much of the ray before the surface.
+/// The factor of c on the path from a lamp: the mean of the field over the same length of the ray before the surface.
 #[inline(always)]
 fn murk_of(
     patches: &turbidity::Rays,
@@ -324,7 +324,7 @@ fn reborrow<'a>(lanes: &'a mut [&mut [f32]; 5]) -> [&'a mut [f32]; 5] {
     lanes.each_mut().map(|lane| &mut **lane)
 }
 
-/// Adds the light of a lamp to a row, `SHADED` as far as it is seen.
+/// Adds the light of a lamp to a row, if `SHADED` times its visible share.
 #[inline(always)]
 fn shine<const SHADED: bool>(
     Row {

@@ -1,5 +1,4 @@
-//! The order in which pixels are looked from: those of one tile beside each other, so that ways that are tested together lie close
-//! together in space.
+//! The order of traced pixels: tile by tile, so that the rays of a packet are close together in space.
 
 /// Columns and rows of a tile.
 pub(super) const TILE: usize = 8;

@@ -1,5 +1,5 @@
-//! What a picture in any water must do, tried with every preset: channels that keep to themselves, one meaning of a missing
-//! range, the two ends of the range, and a seed of 0 that is a seed.
+//! Requirements for pictures in any water, tested with every preset: independent channels, one meaning of a missing range, the two
+//! ends of the range, and a seed of 0 that counts as a seed.
 
 use crate::medium::Medium;
 use imaging::random::Stream;
@@ -10,7 +10,7 @@ use crate::chain;
 use crate::preset::{Preset, all_known};
 use crate::water::Water;
 
-/// What is tried: so that a test can try something broken.
+/// The tested function, replaceable by a broken one in a test.
 #[derive(Clone, Copy)]
 pub(super) struct Machine {
     /// The color of one pixel: request, radiance, range in meters.
@@ -23,7 +23,7 @@ pub(super) struct Machine {
 pub(super) const OURS: Machine = Machine { pixel, draw };
 
 const SCENE: [f64; 3] = [0.9, 0.4, 0.1];
-/// Beyond any water's sight: c of 0.01/m leaves e^-1000.
+/// Beyond the visibility range of any water: c of 0.01/m attenuates to e^-1000.
 const FAR_M: f64 = 1e5;
 const NEAR_M: f64 = 1e-3;
 const RANGES_M: [f64; 7] = [NEAR_M, 0.1, 1.0, 3.0, 10.0, 100.0, FAR_M];
@@ -40,7 +40,7 @@ fn draw(seed: u64) -> u64 {
     Stream::stage(seed, "waters").bits(0, 0)
 }
 
-/// What goes wrong in a picture with this preset; nothing of one that cannot be rendered.
+/// Defects of a picture with this preset; empty for a preset that cannot be rendered.
 pub(super) fn test(preset: &Preset, machine: Machine) -> Vec<String> {
     let mut defects = Vec::new();
     let zero = (machine.draw)(0);

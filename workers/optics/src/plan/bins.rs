@@ -10,12 +10,12 @@ use crate::range::{SHORTEST_M, is_hole};
 const BIN_SHIFT: u32 = 20;
 /// Bins of all positive floats.
 const BINS: usize = (f32::INFINITY.to_bits() >> BIN_SHIFT) as usize;
-/// Pixels that are looked at together: most neighbors share a bin.
+/// Pixels in one step: most neighbors share a bin.
 const RUN: usize = 16;
 
 /// The lit bins, nearest first.
 pub(super) fn binned(radiance: &Rgb<f32>, gains: Option<&TileGains>, range: &Plane<f32>) -> Vec<RangeBin> {
-    // None of these is lit; a pixel of no light is none that spreads any.
+    // Brightness 0 marks an empty bin: a dark pixel spreads no light.
     let mut brightest = vec![[0.0f32; 3]; BINS];
     let planes = radiance.planes();
     match gains {
@@ -103,7 +103,7 @@ mod tests {
 
     #[test]
     fn runs_of_one_bin_count_like_their_pixels() {
-        // Slopes, steps and holes, of a length that is no multiple of a run.
+        // Slopes, steps and holes, with a length that is not a multiple of a run.
         let range = Plane::from_fn(101, 7, |x, y| match (x, y) {
             (_, 0) => 1.0 + 0.001 * x as f32,
             (_, 1) => 0.01 * x as f32,

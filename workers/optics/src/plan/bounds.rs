@@ -29,7 +29,7 @@ pub struct RangeBin {
 pub struct SceneBounds {
     /// Nearest and farthest valid range in meters, holes by the water's rule; `None` if every pixel is a hole.
     pub range_m: Option<(f64, f64)>,
-    /// The same of the pixels that spread light in a channel: their radiance is not 0, and it is not all lost on the way.
+    /// The same of the pixels that spread light in a channel: with nonzero radiance that is not lost entirely.
     pub lit_m: [Option<(f64, f64)>; 3],
     /// The distinct ranges, if there are few.
     pub distinct_m: Option<Vec<f32>>,
@@ -51,8 +51,7 @@ pub struct SceneBounds {
     pub pixels: usize,
 }
 
-/// Upper bounds of the light on surfaces, before any is computed: by how much the radiance of a scene is multiplied at most in
-/// each tile.
+/// Upper bounds of the light on surfaces, before any is computed: the largest factor of a scene's radiance in each tile.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TileGains {
     /// Columns and rows of a tile, pixels.

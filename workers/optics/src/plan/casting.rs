@@ -1,8 +1,8 @@
-//! How lamps have to cast shadows in a frame: no more than what is seen can show.
+//! Least shadow quality that the tolerance of a frame requires.
 //!
-//! A lamp casts none where nothing can be in the way: no box of a solid meets the hull of the lamp and what is lit. A soft lamp casts hard
-//! ones on surfaces where its widest penumbra, `2 R (r − d)/d` at the distance r from the lamp with the nearest thing at d, spans
-//! less than a pixel. And of its places as many are looked for as make the steps of a penumbra fit the tolerance.
+//! A lamp has no shadows if no box of a solid meets the hull of the lamp and the lit region. A soft lamp has hard shadows on
+//! surfaces if its widest penumbra, `2 R (r − d)/d` at the distance r from the lamp with the nearest occluder at d, spans less than
+//! a pixel. The number of light samples keeps the steps of a penumbra within the tolerance.
 
 use imaging::rays::{Cuboid, Rays};
 
@@ -14,7 +14,7 @@ use crate::visible_bounds::{Region, VisibleBounds};
 pub struct Casting {
     /// For their light on surfaces.
     pub on_surfaces: Lighting,
-    /// For their glow.
+    /// For their airlight.
     pub in_glow: Lighting,
 }
 
@@ -45,7 +45,7 @@ impl Casting {
     }
 }
 
-/// A lamp before what is seen.
+/// A lamp and the visible regions.
 struct Caster<'a> {
     lamp: &'a Lamp,
     lighting: &'a Lighting,
@@ -80,7 +80,7 @@ impl Caster<'_> {
         asked
     }
 
-    /// Whether anything may be in the way of its light, which comes to places at a distance from a disc of this radius.
+    /// Whether an occluder is possible for light to points at a distance, from a disc of this radius.
     fn may_be_hidden(&self, mut regions: impl Iterator<Item = Region>, disc_m: impl Fn(f64) -> f64) -> bool {
         regions.any(|region| {
             let [_, farthest] = region.places.distances(self.lamp.position_m());
@@ -100,7 +100,7 @@ impl Caster<'_> {
         penumbras.fold(0.0, f64::max)
     }
 
-    /// No surface is lit more.
+    /// Upper bound of the light on a surface.
     fn brightest(&self) -> f64 {
         let light = self.view.surfaces().map(|region| {
             let [nearest, _] = region.places.distances(self.lamp.position_m());

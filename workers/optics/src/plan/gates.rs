@@ -1,4 +1,4 @@
-//! Whether near objects have to stop the spread light of what is behind them.
+//! Whether near objects must occlude spread light from behind.
 
 use spec::Fidelity;
 
@@ -7,10 +7,10 @@ use super::{ErrorBound, SceneBounds, Stage, StageId, Variant};
 use crate::layering::Layering;
 use crate::water::{Scatter, Water};
 
-/// Gates are left out where that changes no more than this part of the tolerance.
+/// Gates are omitted if their effect is at most this part of the tolerance.
 const SKIP_SHARE: f64 = 0.25;
 
-/// The gates of a frame that asks for them.
+/// The gates of a frame that requests them.
 pub(super) fn assess(
     bounds: &SceneBounds,
     water: &Water,
@@ -51,8 +51,8 @@ pub(super) fn assess(
     Some(Stage { share, ..stage })
 }
 
-/// The most light of one channel that gates can move: all that is spread from behind the first. Without gates it falls on what is
-/// before them as if nothing stood there, and what is hidden sends none around it.
+/// Upper bound of the light of one channel that gates can move: all spread light from behind the first gate. Without gates it
+/// reaches the objects in front as if they were absent, and occluded surfaces add none around them.
 fn stopped(bounds: &SceneBounds, water: &Water, channel: usize, layering: &Layering) -> f64 {
     let Scatter::Jaffe { g, .. } = water.scatter else {
         return 0.0;

@@ -1,6 +1,6 @@
 //! Forward scatter of one channel with two kernels in each path, or behind gates.
 //!
-//! Each layer and each of its kernels has nodes of its own: a wide kernel needs few, and those of low frequencies only.
+//! Each layer and each of its kernels has separate nodes: a wide kernel needs few, and only low frequencies.
 
 mod two;
 
@@ -18,12 +18,12 @@ use crate::layering::Layering;
 use crate::water::Scatter;
 use two::{Behind, Two};
 
-/// Layers between gates have narrow spans, and kernels that follow from the range of the gates: similar frames share none of them.
+/// Layers between gates have narrow spans, and kernels that follow from the range of the gates: similar frames do not share them.
 const GATED_SPAN_STEP: f64 = 1.0 / 256.0;
 /// Coarse rows may use up this share of the error of the kernels.
 const COARSE_SHARE: f64 = 1.0 / 16.0;
-/// Sum of the absolute shares of all nodes in a pixel: below 1.5 for the numbers of nodes of wide kernels, with room for one that is not in
-/// its best place.
+/// Sum of the absolute shares of all nodes in a pixel: below 1.5 for the numbers of nodes of wide kernels, with a margin for one
+/// outside its best position.
 const LEBESGUE: f64 = 3.0;
 /// A layer is divided into this many ranges of equal ratio.
 const STEPS: i32 = 16;
@@ -51,7 +51,7 @@ struct Part {
     passing_light: f64,
 }
 
-/// The way of a layer's light through gates.
+/// The path of a layer's light through gates.
 struct Way {
     through: Through,
     /// 0 of the narrow kernel, 1 of the wide one.
@@ -169,7 +169,7 @@ impl<'a> Choice<'a> {
         choice
     }
 
-    /// Takes so many nodes.
+    /// Chooses the best nodes with this number of terms.
     fn take(&mut self, terms: usize) {
         self.terms = terms;
         let nodes = self.ladders.iter().map(|ladder| ladder.nodes(self.part, terms));
@@ -189,7 +189,7 @@ struct Ladder {
 }
 
 impl Ladder {
-    /// So many nodes, and the largest error at the camera.
+    /// `terms` nodes, and the largest error at the camera.
     fn nodes(&self, part: &Part, terms: usize) -> (Nodes, f64) {
         let span = (self.span.0 + self.origin, self.span.1 + self.origin);
         let nodes = part.with_passing(Nodes::chebyshev_from(self.origin, span, terms));
@@ -201,7 +201,7 @@ impl Ladder {
 }
 
 impl Part {
-    /// Nodes of which one is the scale of the light that passes the gate behind.
+    /// Nodes including the scale of the light that passes the gate behind.
     fn with_passing(&self, nodes: Nodes) -> Nodes {
         match self.passing {
             Some(gamma) => nodes.with_node_at(gamma),
@@ -229,7 +229,7 @@ impl Part {
         } else {
             &ORIGINS[..1]
         };
-        // A kernel narrower than the origin has no quotient by it.
+        // A kernel narrower than the origin cannot be divided by it.
         let origin = |share: f64| share * way.through.gate.gammas[way.kernel];
         let fits = |share: f64| share == 0.0 || origin(share) <= self.passing.unwrap_or(f64::INFINITY);
         let fitting = shares.iter().filter(|&&share| fits(share));
@@ -339,7 +339,7 @@ fn parts_of_layers(need: &ScatterNeed<'_>) -> Vec<[Option<Part>; 2]> {
             Some(Passage::Through(behind)) => Some(behind.gate),
             _ => None,
         };
-        // What is hidden takes ranges and light of its layer, in any combination.
+        // Occluded pixels have any combination of the ranges and light of their layer.
         let lit = span.map_or(Vec::new(), |(near, far)| {
             let light = gates::brightest(bounds, water, channel, (near, far));
             let steps = steps((near, far)).map(|step| (step, spread_by(light, step)));

@@ -1,4 +1,4 @@
-//! How bright and how dark a frame may be in the water, and what that allows.
+//! Brightness limits of a frame in the water, and the tolerance that follows.
 
 use spec::{Fidelity, Frame};
 
@@ -43,7 +43,7 @@ pub fn frame_tolerance(
     }
 }
 
-/// The largest error in linear light that is asked for.
+/// The tolerance in linear light of a fidelity.
 pub(super) fn tolerance(bounds: &SceneBounds, water: &Water, fidelity: Fidelity) -> Option<f64> {
     match fidelity {
         Fidelity::Tolerance(tolerance) => Some(tolerance),
@@ -52,7 +52,7 @@ pub(super) fn tolerance(bounds: &SceneBounds, water: &Water, fidelity: Fidelity)
     }
 }
 
-/// What f32 may lose in the water: a share of all light, and the noise of transforms.
+/// Rounding of f32 in the water: a share of all light, and the noise of transforms.
 pub(super) fn rounding(bounds: &SceneBounds, water: &Water) -> ErrorBound {
     let noise = (0..3).map(|channel| {
         let peak = brightest_spread(bounds, water, channel);
@@ -81,7 +81,7 @@ fn brightest_spread(bounds: &SceneBounds, water: &Water, channel: usize) -> f64 
     }
 }
 
-/// No light behind particles is brighter: direct light, spread light as it may pile up, the veil and the airlight.
+/// Upper bound of the light behind particles: direct light, focused spread light, the veil and the airlight.
 #[must_use]
 pub fn brightest_behind(bounds: &SceneBounds, around: Option<&Water>, airlight: f64) -> f64 {
     let Some(water) = around else {
@@ -107,8 +107,8 @@ fn brightest_direct(bounds: &SceneBounds, water: &Water, channel: usize) -> f64 
     direct.fold(0.0, f64::max)
 }
 
-/// The error in linear light that changes no 8-bit code by more than one: `(1/255) / (0.4396 L^{−0.5833})` where no light is
-/// below L > 0.0031, else what the steep foot of the curve allows (12.92).
+/// The error in linear light that changes no 8-bit code by more than one: `(1/255) / (0.4396 L^{−0.5833})` if no light is below L >
+/// 0.0031, else the limit from the steep foot of the curve (12.92).
 #[must_use]
 pub fn display_tolerance(bounds: &SceneBounds, water: &Water) -> f64 {
     const FOOT: f64 = 0.003_130_8;
@@ -118,12 +118,12 @@ pub fn display_tolerance(bounds: &SceneBounds, water: &Water) -> f64 {
     if darkest <= FOOT {
         return DARK;
     }
-    // The slope falls with the light; it is taken where the error may have led.
+    // The slope falls with the light, so it is evaluated at the light less the error.
     let darkest = (darkest - DARK).max(FOOT).min(1.0);
     1.0 / 255.0 / (0.4396 * darkest.powf(-0.5833))
 }
 
-/// What one channel of a scene goes through.
+/// Light and attenuation of one channel of a scene.
 struct Channel {
     /// Light of the darkest pixel, as it enters the water.
     dark: f64,
@@ -164,7 +164,7 @@ pub(super) fn levels(bounds: &SceneBounds, water: &Water, channel: usize) -> (f6
     } = Channel::of_scene(bounds, water, channel);
     let (nearest, farthest) = bounds.range_m.unwrap_or((0.0, f64::INFINITY));
     if direct == back && direct > 0.0 && !is_varied {
-        // The veil is between the two where a hole shows it alone.
+        // A hole that shows only the veil is between the two.
         let arriving = |contrast: f64, towards: bool| {
             let farther = if bounds.holes { f64::INFINITY } else { farthest };
             contrast * (-direct * if towards { nearest } else { farther }).exp()
@@ -172,12 +172,12 @@ pub(super) fn levels(bounds: &SceneBounds, water: &Water, channel: usize) -> (f6
         let (low, high) = (dark - veil, bright - veil);
         return (veil + arriving(low, low < 0.0), veil + arriving(high, high > 0.0));
     }
-    // A hole shows the scene itself where the water attenuates nothing, and the veil where it does.
+    // A hole shows the scene in water without attenuation, otherwise the veil.
     let darkest = dark * (-direct * farthest).exp();
     (if bounds.holes { 0.0 } else { darkest }, bright.max(0.0) + veil)
 }
 
-/// What is lost if the water's attenuation is left out; none where that cannot be bounded.
+/// Error of omitting the water's attenuation; infinite if it has no bound.
 pub(super) fn attenuation_effect(bounds: &SceneBounds, water: &Water, channel: usize) -> f64 {
     let Some((_, farthest)) = bounds.range_m.filter(|_| !bounds.holes) else {
         return f64::INFINITY;
@@ -191,7 +191,7 @@ pub(super) fn attenuation_effect(bounds: &SceneBounds, water: &Water, channel: u
         is_varied,
     } = Channel::of_scene(bounds, water, channel);
     if is_varied {
-        // The veil of daylight is a stage of its own.
+        // The veil of daylight is a separate stage.
         return bright * -(-direct * farthest).exp_m1();
     }
     if direct == back {

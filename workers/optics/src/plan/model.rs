@@ -1,5 +1,5 @@
-//! Distance of the models themselves from radiative transfer, and in what water it was measured. The bounds of a plan are the
-//! distance of its numbers from the model; this is the distance of the model from the truth.
+//! Distance of the models from radiative transfer, and the water of its measurement. The bounds of a plan are the distance of its
+//! numbers from the model; this is the distance of the model from the truth.
 
 mod lamps;
 
@@ -8,7 +8,7 @@ use crate::lamp::Lighting;
 use crate::turbidity::Field;
 use crate::water::{Scatter, Water};
 
-/// b Z up to which the light beside and over edges was measured.
+/// Largest b Z at which light next to and over edges was measured.
 const EDGES_UP_TO: f64 = 4.0;
 
 /// Distance of the model of a stage from radiative transfer.
@@ -21,7 +21,7 @@ pub enum ModelError {
     Measured {
         /// Least and greatest ratio of model to truth.
         ratio: [f64; 2],
-        /// Of which light, and where it was measured.
+        /// The kind of light, and the conditions of the measurement.
         about: String,
     },
     /// Conditions like these were not measured.
@@ -76,13 +76,13 @@ pub struct Conditions<'a> {
     pub water: &'a Water,
     /// The lamps; `None` without.
     pub lighting: Option<&'a Lighting>,
-    /// Patches of murkier water; `None` in even water.
+    /// Patches of turbidity; `None` in even water.
     pub patches: Option<&'a Field>,
     /// The scene.
     pub bounds: &'a SceneBounds,
 }
 
-/// Light that arrives unscattered falls as e^{−cZ} in the truth, too; daylight's veil was compared with nothing.
+/// Unscattered light falls as e^{−cZ} in the truth, too; the veil of daylight has no reference.
 fn unscattered(conditions: &Conditions<'_>) -> Option<ModelError> {
     let is_constant = conditions.water.daylight().is_none();
     let veil = is_constant && conditions.water.veiling_light() != [0.0; 3];
@@ -103,7 +103,7 @@ fn veil_by_direction(conditions: &Conditions<'_>) -> Option<ModelError> {
     })
 }
 
-/// One kernel for each range: too narrow in its tail, and blind to what stands before it.
+/// One kernel for each range: too narrow in its tail, and without occlusion.
 fn one_kernel(conditions: &Conditions<'_>) -> Option<ModelError> {
     let Scatter::Jaffe {
         source: spec::ScatterSource::Radiance,
@@ -121,7 +121,7 @@ fn one_kernel(conditions: &Conditions<'_>) -> Option<ModelError> {
     })
 }
 
-/// Two kernels for each range, blind to what stands before it or stopped by it.
+/// Two kernels for each range, with or without occlusion.
 fn two_kernels(conditions: &Conditions<'_>) -> Option<ModelError> {
     let Scatter::Jaffe {
         source: spec::ScatterSource::Radiance,
@@ -132,7 +132,7 @@ fn two_kernels(conditions: &Conditions<'_>) -> Option<ModelError> {
     else {
         return None;
     };
-    // How much leaks over near objects without gates was measured of one kernel alone.
+    // The leak over near objects without gates was measured only with one kernel.
     let over = layers.map_or("", |_| ", light over a nearer object 0.92-1.27 of the truth");
     edges_were_measured(conditions).then(|| {
         let about = format!("light beside an edge 0.80-1.18 of the truth{over}");
@@ -140,7 +140,7 @@ fn two_kernels(conditions: &Conditions<'_>) -> Option<ModelError> {
     })
 }
 
-/// Whether the farthest surface is no farther than light at edges was measured, in even water.
+/// Whether the farthest surface is within the measured range of light at edges, in even water.
 fn edges_were_measured(conditions: &Conditions<'_>) -> bool {
     let known = conditions.water.scattering().zip(conditions.bounds.range_m);
     known.is_some_and(|(b, (_, farthest))| {

@@ -99,14 +99,14 @@ impl Passages {
 }
 
 impl Through {
-    /// Largest factor of an interpolation error of this layer at the camera. `kernel` is 0 for the narrow and 1 for the wide one, `share` the
-    /// origin in units of the kernel's scale at the gate.
+    /// Largest factor of an interpolation error of this layer at the camera. `kernel` is 0 for the narrow and 1 for the wide one,
+    /// `share` the origin in units of the kernel's scale at the gate.
     pub(super) fn gain(&self, kernel: usize, share: f64) -> f64 {
         let ratio = self.gate.ratios()[kernel];
         self.onward * self.sharpness * ratio.powf(-share).min(1.0) / self.gate.direct
     }
 
-    /// Bound of the rounding behind the gate, where no channel has light brighter than `light`.
+    /// Bound of the rounding behind the gate, for light up to `light` in all channels.
     pub(super) fn rounding(&self, light: f64) -> f64 {
         ROUNDING * light * self.onward
     }

@@ -4,7 +4,7 @@ use spec::Promise;
 
 use super::{MOST_TERMS, Plan, StageId, Variant};
 
-/// White of the exposed light. A picture is cut at black and white, so no sample of it errs by more.
+/// White of the exposed light. A picture is clipped at black and white, which limits the error of a sample.
 const WHITE: f64 = 1.0;
 /// A bound may exceed a tolerance by the rounding of the sum of its parts.
 const SUM_ROUNDING: f64 = 1e-9;
@@ -13,7 +13,7 @@ impl Plan {
     /// The promise; `None` without a tolerance.
     ///
     /// It refers to the exposed light cut at black and white, in the fast chain as in the exact one. Its bound is therefore at most
-    /// [`WHITE`], whatever the stages add up to; [`Plan::errors`] composes their bounds without this limit.
+    /// [`WHITE`] for any sum of the stages; [`Plan::errors`] composes their bounds without this limit.
     #[must_use]
     pub fn promise(&self) -> Option<Promise> {
         let tolerance = self.tolerance?;

@@ -1,4 +1,4 @@
-//! Forward scatter of one channel: the cheapest form whose error stays within what it is given.
+//! Forward scatter of one channel: the cheapest variant within its tolerance.
 
 use spec::ScatterSource;
 
@@ -11,19 +11,19 @@ use crate::water::{Scatter, Spread, Water};
 /// A form and the error that it may make, where it was chosen by one.
 pub(super) type Chosen = (Variant, Option<f64>);
 
-/// The worst case is summed at sampled scales and on rings: room for what lies between the samples. Frames that give every offset
-/// its worst scale, all errors of one sign, come within 7 % of the sum.
+/// The worst case is summed at sampled scales and on rings: a margin for values between the samples. Frames with the worst scale at
+/// every offset, all errors of one sign, come within 7 % of the sum.
 pub(super) const WORST_MARGIN: f64 = 1.2;
 /// Gathering has one scale for each sum; the same room.
 const GATHER_MARGIN: f64 = 1.2;
 /// Samples of the kernel scale between the narrowest and the widest.
 const SAMPLES: usize = 41;
-/// No frame needs more kernels.
+/// Limit of the number of kernels.
 pub const MOST_TERMS: usize = 64;
 /// Spans of scales are widened to multiples of this in s, so that similar frames share their kernels.
 pub(super) const SPAN_STEP: f64 = 1.0 / 16.0;
 
-/// One channel of a frame whose form is to be chosen.
+/// One channel of a frame and the inputs for its choice of variant.
 #[derive(Clone, Copy)]
 pub(super) struct ScatterNeed<'a> {
     pub(super) bounds: &'a SceneBounds,
@@ -60,7 +60,7 @@ pub(super) fn choose(need: &ScatterNeed<'_>, fidelity: Fidelity, share: f64) -> 
     let (least, most) = light.span;
     let one_pixel = bounds.widest_px <= widest_px(1, 1);
     if most == 0.0 || one_pixel {
-        // The kernel is a delta, or the frame a single pixel in which all light stays.
+        // The kernel is a delta, or the frame is a single pixel that keeps all light.
         let step = if light.gathers {
             Variant::Skip
         } else {
@@ -95,7 +95,7 @@ pub(super) fn choose(need: &ScatterNeed<'_>, fidelity: Fidelity, share: f64) -> 
 /// The cheapest form with an error of at most `share`, and its bound.
 fn within(light: &SpreadLight, share: f64) -> (Variant, f64) {
     let (least, most) = light.span;
-    // Light that leaves its own pixel.
+    // Light that leaves its pixel.
     let leaving = 1.0 - kernel::center(most);
     let moved = leaving * light.brightest;
     if moved <= share && light.gathers {
@@ -104,7 +104,7 @@ fn within(light: &SpreadLight, share: f64) -> (Variant, f64) {
     if moved <= share && most < 0.5 {
         return (Variant::Pointwise, moved);
     }
-    // One kernel for all leaves even light as it is.
+    // A single kernel for all leaves even light unchanged.
     let uneven = leaving * light.unevenness;
     if uneven <= share && is_point(least, most) && !light.gathers {
         return (Variant::Pointwise, uneven);
@@ -198,7 +198,7 @@ pub(super) fn widened_to(step: f64, least: f64, most: f64) -> (f64, f64) {
     (scale_at(low).max(0.0), scale_at(high))
 }
 
-/// The light of one channel that is spread or gathered, and from which ranges.
+/// The spread or gathered light of one channel, and its ranges.
 struct SpreadLight {
     /// Its largest value; where it is gathered, the largest difference of two pixels.
     brightest: f64,
@@ -213,7 +213,7 @@ struct SpreadLight {
 }
 
 impl SpreadLight {
-    /// None where there is nothing to spread.
+    /// `None` without light to spread.
     fn measure(bounds: &SceneBounds, water: &Water, channel: usize) -> Option<Self> {
         match water.scatter {
             Scatter::None => None,
@@ -321,7 +321,7 @@ mod tests {
         Bound::new(scales.collect())
     }
 
-    /// The margins have to cover what lies between the samples, for as many kernels as are taken.
+    /// The margins have to cover scales between the samples, for all numbers of kernels.
     #[test]
     fn what_lies_between_the_samples_of_the_scale_is_within_the_margins() {
         for span in [(0.02, 100.0), (0.0, 2000.0), (0.5, 20.0), (5.0, 8.0)] {
@@ -330,7 +330,7 @@ mod tests {
                 let nodes = Nodes::chebyshev(span.0, span.1, terms);
                 let gammas: Vec<f64> = (0..nodes.terms()).map(|k| nodes.gamma(k)).collect();
                 let (sampled, dense) = (sampled.errors(&gammas), dense.errors(&gammas));
-                // No tolerance is that small.
+                // All tolerances are larger.
                 let least = 1e-8;
                 assert!(
                     dense.worst <= WORST_MARGIN * sampled.worst.max(least),

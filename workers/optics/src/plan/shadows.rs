@@ -27,7 +27,7 @@ pub struct Shadows {
     pub hardened: usize,
     /// The most light samples of a lamp; 1 of points.
     pub samples: usize,
-    /// The most that the frame asks for.
+    /// The largest number that the frame allows.
     pub most_samples: usize,
     /// The source of occluders.
     pub rays: RaySource,

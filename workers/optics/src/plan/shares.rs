@@ -7,9 +7,9 @@ use super::{ErrorBound, Gain, Stage, StageId, compose, compose_gain};
 const AIRLIGHT: f64 = 0.25;
 /// Share of rounding of the light of lamps on surfaces. Pixels that would lose more are computed in f64.
 const LAMP_ROUNDING: f64 = 0.125;
-/// Share of clouds of sediment, used only if it leaves them out.
+/// Share of clouds of sediment, used only if they are omitted.
 const SEDIMENT: f64 = 0.125;
-/// Share of the snow: wider discs cost next to nothing.
+/// Share of the snow: wider discs are almost free.
 const SNOW: f64 = 0.04;
 /// Share of light without shadow rays.
 const UNSHADOWED: f64 = 1.0 / 16.0;
@@ -74,7 +74,7 @@ impl Budget {
         SNOW * self.whole
     }
 
-    /// Light of lamps up to this needs no shadow.
+    /// Light of lamps up to this has no shadow.
     #[must_use]
     pub fn unshadowed(&self) -> f64 {
         UNSHADOWED * self.whole

@@ -28,11 +28,11 @@ pub enum StageId {
     LampShadows,
     /// Attenuation, and the rounding of all of the water.
     Attenuation,
-    /// Paths through patches of murkier water, whose errors appear behind it.
+    /// Paths through patches of turbidity, whose errors appear behind it.
     Turbidity,
     /// The veil by direction.
     Veil,
-    /// Occlusion of the daylight that the veil comes from.
+    /// Occlusion of the daylight that causes the veil.
     VeilOcclusion,
     /// Occlusion-aware forward scatter: gates that stop spread light.
     Occlusion,
@@ -118,7 +118,7 @@ impl StageId {
         }
     }
 
-    /// Whether the promise of a plan counts its error: up to the exposed light.
+    /// Whether the promise of a plan includes its error: up to the exposed light.
     #[must_use]
     pub fn is_promised(self) -> bool {
         self <= Self::Exposure
@@ -209,12 +209,12 @@ pub struct Stage {
     pub cost_ms: Option<f64>,
     /// Distance of its model from radiative transfer.
     pub model_error: ModelError,
-    /// What to know about it.
+    /// Remark for readers of the plan.
     pub note: Option<String>,
 }
 
 impl Stage {
-    /// A stage without error, at no cost, that passes errors as they are.
+    /// A stage without error and cost that passes errors unchanged.
     #[must_use]
     pub fn new(id: StageId, variant: Variant) -> Self {
         let cost_ms = (variant != Variant::Reference).then_some(0.0);
@@ -247,7 +247,7 @@ impl Stage {
         self
     }
 
-    /// Whether nothing bounds the error of running it, or of leaving it out.
+    /// Whether the error of the stage, or of its omission, is unbounded.
     #[must_use]
     pub fn is_unbounded(&self) -> bool {
         self.bound.is_none() && self.variant != Variant::Reference

@@ -187,7 +187,7 @@ fn every_physical_stage_that_runs_says_what_its_model_is_wrong_by() {
         Some("unscattered light: none; veil: not measured")
     );
     assert!(clear["forward_scatter.r"].as_deref().unwrap().contains("1.6-5.1"));
-    // Beyond what was measured.
+    // Outside the measured range.
     assert_eq!(
         errors(&water(2.0))["forward_scatter.b"].as_deref(),
         Some("not measured")

@@ -8,14 +8,14 @@ use super::{ErrorBound, Gain, SceneBounds, Stage, StageId, Variant, gates, veil}
 use crate::layering::Layering;
 use crate::water::{Scatter, Water};
 
-/// Attenuation is left out if that changes no more than this part of the tolerance.
+/// Attenuation is omitted if its effect is at most this part of the tolerance.
 const SKIP_SHARE: f64 = 0.125;
 /// Minimum share of the tolerance reserved for forward scatter.
 const LEAST_SHARE: f64 = 0.125;
 /// Spread light of several pixels with kernels of different widths may add up in one pixel to this much.
 pub(super) const PILED_UP: f64 = 2.0;
 /// Nanoseconds per pixel, measured at 768×492 on one core of an AMD EPYC with AVX-512: attenuation, a veil by direction of all
-/// channels, each channel that is transformed, each of its kernels, and each gate of a channel.
+/// channels, each transformed channel, each of its kernels, and each gate of a channel.
 const ATTENUATION_NS: f64 = 1.5;
 pub(super) const VEIL_NS: f64 = 10.0;
 const CHANNEL_NS: f64 = 7.8;
@@ -52,7 +52,7 @@ pub fn assess_water(
         && matches!(gates.variant, Variant::Gated(_))
         && scatter.iter().all(|stage| stage.variant.kernels().is_none())
     {
-        // No light leaves its pixel, and none has to be stopped.
+        // All light stays on its pixel, so gates have no effect.
         gates.variant = Variant::Skip;
         gates.note = Some("no light leaves its pixel".to_owned());
     }
@@ -122,7 +122,7 @@ fn assess_attenuation(bounds: &SceneBounds, water: &Water, fidelity: Fidelity, s
     stage.costing(ATTENUATION_NS, bounds.pixels)
 }
 
-/// What forward scatter may use up.
+/// Error budget of forward scatter.
 struct Shares<'a> {
     gates: Option<&'a Stage>,
     share: Option<f64>,

@@ -1,6 +1,6 @@
-//! Waters of which K_d alone is known: they are listed, and no picture is rendered with them.
+//! Waters with K_d alone: they are listed, but cannot be rendered.
 //!
-//! K_d is what daylight loses with depth. Taken for the beam attenuation it makes every water too clear.
+//! K_d is the decay of daylight with depth. Used as the beam attenuation it makes every water too clear.
 
 use super::Preset;
 use super::jerlov::{NM_TABLE, diffuse_attenuation};
@@ -21,10 +21,10 @@ const TOO_CLEAR: &str =
     "type I lies below pure sea water at 9 of 15 wavelengths; Austin & Petzold 1986 recommend other values";
 
 const JERLOV_TYPES: [&str; 10] = ["I", "IA", "IB", "II", "III", "1C", "3C", "5C", "7C", "9C"];
-/// What the printed transmissions were taken at, nm.
+/// Wavelengths of the printed transmissions, nm.
 const NM_TRANSMISSION: [f64; 3] = [600.0, 525.0, 475.0];
 
-/// (type, N in red, green and blue as printed, Jerlov's own N in red), N in 1/m.
+/// (type, N in red, green and blue as printed, Jerlov's N in red), N in 1/m.
 const TRANSMISSIONS: [(&str, [f64; 3], f64); 10] = [
     ("I", [0.805, 0.961, 0.982], 0.850),
     ("IA", [0.804, 0.955, 0.975], 0.840),

@@ -90,10 +90,10 @@ const JERLOV_KD: [(&str, [f64; 7]); 10] = [
 ];
 const KD_FIRST_NM: f64 = 400.0;
 const KD_STEP_NM: f64 = 50.0;
-/// Tabulated wavelengths that stand for red, green and blue.
+/// Tabulated wavelengths used for red, green and blue.
 pub(super) const NM_TABLE: [f64; 3] = [650.0, 550.0, 450.0];
 
-/// K_d between two tabulated wavelengths; nothing outside the table.
+/// K_d between two tabulated wavelengths; `None` outside the table.
 pub(super) fn diffuse_attenuation(water: &str, wavelength_nm: f64) -> Option<f64> {
     let (_, table) = JERLOV_KD.iter().find(|(name, _)| *name == water)?;
     let place = (wavelength_nm - KD_FIRST_NM) / KD_STEP_NM;
@@ -107,7 +107,7 @@ pub(super) fn diffuse_attenuation(water: &str, wavelength_nm: f64) -> Option<f64
     }
 }
 
-/// What the tables of one source have in common.
+/// Common data of one source.
 struct Source {
     /// The second half of its presets' names.
     name: &'static str,
@@ -137,8 +137,8 @@ fn preset(&(kind, absorption, scattering, caveats): &Row, source: &Source) -> Pr
     }
 }
 
-/// Attenuation only, as the underwater camera plugin of UUV Simulator has it where a robot description sets nothing:
-/// `attenuationR`, `G` and `B` 1/30 per meter, `backgroundR`, `G` and `B` 0.
+/// Attenuation only, the default of the underwater camera plugin of UUV Simulator: `attenuationR`, `G` and `B` 1/30 per meter,
+/// `backgroundR`, `G` and `B` 0.
 fn uuv_simulator() -> Preset {
     let caveats = [
         "a baseline to compare with, not a measured water: grey attenuation and a black background",

@@ -1,10 +1,10 @@
-//! Pure sea water: no natural water attenuates less.
+//! Pure sea water: the lower bound of natural attenuation.
 
 use super::{Channels, Preset};
 
-/// K_w, the diffuse attenuation of the clearest natural waters, in 1/m at each nm (Smith & Baker 1981, Applied Optics 20,
-/// 177, Table 1, from a secondary transcription). K_w = a_w + b_w/2 lies below the beam attenuation a_w + b_w of the same
-/// water, so it bounds both.
+/// K_w, the diffuse attenuation of the clearest natural waters, in 1/m at each nm (Smith & Baker 1981, Applied Optics 20, 177,
+/// Table 1, from a secondary transcription). K_w = a_w + b_w/2 is below the beam attenuation a_w + b_w of the same water, so it
+/// bounds both.
 const CLEAREST: [(f64, f64); 22] = [
     (400.0, 0.0209),
     (410.0, 0.0196),
@@ -33,7 +33,7 @@ const CLEAREST: [(f64, f64); 22] = [
 const PRINT: f64 = 1e-6;
 const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 
-/// K_w in 1/m, between tabulated wavelengths linearly; nothing outside the table.
+/// K_w in 1/m, linear between tabulated wavelengths; `None` outside the table.
 fn clearest(nm: f64) -> Option<f64> {
     let above = CLEAREST.iter().position(|(tabulated, _)| *tabulated >= nm)?;
     let (high_nm, high) = CLEAREST[above];
@@ -44,7 +44,7 @@ fn clearest(nm: f64) -> Option<f64> {
     Some(low + (high - low) * (nm - low_nm) / (high_nm - low_nm))
 }
 
-/// Where K_d or c of this water lies below pure sea water.
+/// Warnings for channels whose K_d or c is below that of pure sea water.
 pub(crate) fn warnings(preset: &Preset) -> Vec<String> {
     let below = |kind: &'static str, values: Channels| {
         let channels = CHANNELS.into_iter().zip(preset.wavelength_nm).zip(values);
@@ -65,7 +65,7 @@ mod tests {
     use super::super::presets;
     use super::*;
 
-    /// Exact both ways: (preset, how many of its numbers).
+    /// Exact both ways: (preset, count of its numbers).
     const BELOW: [(&str, usize); 11] = [
         ("jerlov-I/solonenko2015", 3),
         ("jerlov-IA/solonenko2015", 1),

@@ -1,4 +1,4 @@
-//! The shipped waters, put together and tested once, when they are first asked for.
+//! The shipped waters, built and tested on first use.
 
 use std::sync::LazyLock;
 
@@ -21,7 +21,7 @@ static PRESETS: LazyLock<Vec<Preset>> = LazyLock::new(|| {
     presets
 });
 
-/// What the self-tests must find in the shipped presets, no more and no less: (preset, defect).
+/// Exact list of defects of the shipped presets: (preset, defect).
 const EXPECTED_DEFECTS: [(&str, &str); 2] = [
     ("kd-IB/uwcnn-printed", "less K_d than kd-I/uwcnn-printed in red"),
     ("kd-IB/uwcnn-printed", "less K_d than kd-IA/uwcnn-printed in red"),
@@ -42,7 +42,7 @@ pub fn find(name: &str) -> Option<&'static Preset> {
         .find(|preset| preset.name == name || bare(preset))
 }
 
-/// What [`self_test`] finds in the presets as they are printed: (preset, defect).
+/// Defects that [`self_test`] finds in the presets as printed: (preset, defect).
 #[must_use]
 pub fn expected_defects() -> &'static [(&'static str, &'static str)] {
     &EXPECTED_DEFECTS

@@ -1,4 +1,4 @@
-//! What every table of waters must satisfy. Published tables have failed each of these.
+//! Requirements for every table of waters. Published tables have failed each of these.
 
 use super::{Preset, all_known};
 
@@ -8,7 +8,7 @@ use super::{Preset, all_known};
 pub struct Defect {
     /// The preset's full name.
     pub preset: String,
-    /// What is wrong with it.
+    /// Description of the defect.
     pub what: String,
 }
 
@@ -18,12 +18,12 @@ const ORDERS: [&[&str]; 3] = [
     &["1C", "3C", "5C", "7C", "9C"],
     &["1", "3", "5", "7", "9"],
 ];
-/// No clear ocean attenuates this much in green or blue: a larger value is a transmission taken for a coefficient.
+/// No clear ocean attenuates this much in green or blue: a larger value is a transmission mistaken for a coefficient.
 const CLEAR_LIMIT_PER_M: f64 = 0.5;
 const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 
-/// Checks a set of presets: within one source attenuation and K_d grow with the type in every channel; clear water is clear;
-/// K_d has the color of its type; c = a + b; nothing is negative or not finite. Returns every defect.
+/// Checks a set of presets: within one source attenuation and K_d grow with the type in every channel; clear water is clear; K_d
+/// has the color of its type; c = a + b; all numbers are finite and not negative. Returns every defect.
 #[must_use]
 pub fn self_test(presets: &[Preset]) -> Vec<Defect> {
     let mut defects = Vec::new();
@@ -137,7 +137,7 @@ mod tests {
     use super::super::{Channels, expected_defects, presets};
     use super::*;
 
-    /// What is found beyond the expected.
+    /// Unexpected defects.
     fn found(presets: &[Preset]) -> Vec<Defect> {
         let expected = |d: &Defect| expected_defects().contains(&(d.preset.as_str(), d.what.as_str()));
         self_test(presets).into_iter().filter(|d| !expected(d)).collect()

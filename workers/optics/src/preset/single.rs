@@ -1,4 +1,4 @@
-//! Waters that were measured or are used at one wavelength, in green: for phase functions and Monte Carlo, not for pictures.
+//! Waters measured or used at one wavelength, in green: for phase functions and Monte Carlo, not for pictures.
 
 use super::Preset;
 

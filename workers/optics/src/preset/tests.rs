@@ -49,7 +49,7 @@ fn names_are_used_once() {
 #[test]
 fn diffuse_attenuation_is_interpolated_at_the_wavelengths_of_the_preset() {
     let preset = find("jerlov-3C/williamson2022").unwrap();
-    // 650 is tabulated; 555 lies a tenth of the way from 550 (0.19) to 600 (0.33); 440 between 400 and 450.
+    // 650 is tabulated; 555 is a tenth of the way from 550 (0.19) to 600 (0.33); 440 is between 400 and 450.
     let expected = [0.46, 0.19 + 0.1 * (0.33 - 0.19), 0.78 + 0.8 * (0.39 - 0.78)];
     let known = all_known(preset.diffuse_attenuation).unwrap();
     assert!(

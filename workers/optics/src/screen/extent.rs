@@ -1,7 +1,7 @@
-//! Between which depths the surfaces of parts of a picture lie: of each cell of four samples, and of squares of two by two, four by four
-//! and so on of them.
+//! Depth bounds of the surfaces in parts of a picture: of each cell of four samples, and of squares of two by two, four by four and
+//! so on of them.
 //!
-//! A ray that is before all surfaces of a square, or behind all by more than they are thick, meets nothing on its way over it.
+//! A ray in front of all surfaces of a square, or behind all by more than their thickness, does not intersect any over it.
 
 use imaging::Plane;
 
@@ -23,7 +23,7 @@ pub(super) struct Square {
 }
 
 impl Square {
-    /// That of a level in which a cell lies.
+    /// The square of a level that contains a cell.
     pub(super) fn around((column, row): (usize, usize), level: usize) -> Self {
         Self {
             level,
@@ -32,7 +32,7 @@ impl Square {
         }
     }
 
-    /// The columns, or rows, between which its cells lie.
+    /// Bounds of the columns, or rows, of its cells.
     pub(super) fn edges(self, axis: usize) -> [f64; 2] {
         let at = [self.column, self.row][axis];
         [at << self.level, (at + 1) << self.level].map(|v| v as f64)
@@ -40,7 +40,7 @@ impl Square {
 }
 
 impl Extent {
-    /// Of the samples of a picture of 1/z, NaN where there are none.
+    /// Bounds of the samples of a picture of 1/z, NaN at holes.
     pub(super) fn new(inverse: &Plane<f64>) -> Self {
         let (width, height) = inverse.size();
         let (columns, rows) = ((width - 1).max(1), (height - 1).max(1));

@@ -44,7 +44,7 @@ fn a_lamp_beside_the_camera_sees_the_wall_but_not_behind_the_square() {
         let toward = away.normalized();
         !screen.occluded(start.origin, toward.into(), start.from, away.length())
     };
-    // Beside the square on the lamp's side, above it, and in its shadow on the other side.
+    // Next to the square on the lamp's side, above it, and in its shadow on the other side.
     assert!(lit(10.0, 32.0) && lit(32.0, 4.0) && lit(60.0, 4.0));
     assert!(!lit(44.0, 32.0));
 }

@@ -2,11 +2,11 @@
 
 use imaging::vector::DVec3;
 
-/// A piece of a ray as it lies in the picture.
+/// The projection of a segment of a ray into the picture.
 pub(super) struct Trail {
     pub(super) origin: DVec3,
     pub(super) direction: DVec3,
-    /// Distances along the ray at which it begins and ends.
+    /// Distances along the ray at its start and end.
     pub(super) ends: [f64; 2],
     /// Columns and rows there.
     pub(super) places: [[f64; 2]; 2],
@@ -40,7 +40,7 @@ impl Trail {
         (self.origin + self.direction * self.distance(share)).length()
     }
 
-    /// The shares between which it lies in a frame.
+    /// The interval of shares within a frame.
     pub(super) fn within(&self, (width, height): (usize, usize)) -> Option<[f64; 2]> {
         let mut shares = [0.0f64, 1.0];
         for (i, count) in [width, height].into_iter().enumerate() {

@@ -13,7 +13,7 @@ pub(super) struct Drift {
 }
 
 impl Drift {
-    /// The clouds in the middles of so many slices of a ray, each `step` meters long.
+    /// The clouds in the middles of the slices of a ray, each `step` meters long.
     pub(super) fn along(
         clouds: &Clouds,
         ray: [f64; 3],
@@ -33,7 +33,7 @@ impl Drift {
         })
     }
 
-    /// What the water before it lets through.
+    /// Transmittance of the water before it.
     pub(super) fn through(&self, murk: &Murk<'_>) -> [f64; 3] {
         let path = (murk.path)(self.place, self.range_m);
         murk.attenuation.map(|c| (-c * path).exp())

@@ -1,4 +1,5 @@
-//! Clouds on few rays: what they let through and add up to each distance, and every pixel between its four rays and two distances.
+//! Clouds on few rays: transmittance and added light up to each distance; pixels are interpolated between four rays and two
+//! distances.
 
 use imaging::{Plane, Rgb, cancel};
 
@@ -9,17 +10,17 @@ const CELL_PX: usize = 6;
 /// Distances of a ray.
 const SLICES: usize = 48;
 
-/// What clouds do up to some distances on some rays.
+/// Transmittance and added light of clouds up to some distances on some rays.
 #[derive(Debug, Clone)]
 pub struct Layers {
     columns: usize,
     /// Length of a slice, m.
     step: f64,
-    /// For each ray and distance, the nearest first: what is let through and what is added, R, G, B.
+    /// For each ray and distance, the nearest first: transmittance and added light, R, G, B.
     nodes: Vec<[f32; 6]>,
-    /// Whether any cloud is met.
+    /// Whether all rays are free of clouds.
     is_clear: bool,
-    /// What [`Clouds::most_opacity`] says of them.
+    /// See [`Clouds::most_opacity`].
     most_opacity: f64,
 }
 
@@ -77,7 +78,7 @@ pub fn layers(range: &Plane<f32>, clouds: &Clouds, murk: &Murk<'_>) -> Layers {
 }
 
 impl Layers {
-    /// Those of a picture that shows no clouds.
+    /// Those of a picture without clouds.
     fn clear() -> Self {
         Self {
             columns: 0,
@@ -88,13 +89,13 @@ impl Layers {
         }
     }
 
-    /// No pixel is hidden more, even between the rays.
+    /// Upper bound of the opacity of a pixel, even between the rays.
     #[must_use]
     pub fn most_opacity(&self) -> f64 {
         self.most_opacity
     }
 
-    /// Lays the clouds over a picture in linear light, in place; returns their opacity in green.
+    /// Composites the clouds over a picture in linear light, in place; returns their opacity in green.
     #[must_use]
     pub fn veil(&self, image: &mut Rgb<f32>, range: &Plane<f32>) -> Plane<f32> {
         let (width, height) = range.size();
@@ -117,7 +118,7 @@ impl Layers {
         mask
     }
 
-    /// What is let through in green on the way to a place in the picture at this range.
+    /// Transmittance in green up to a point of the picture at this range.
     #[must_use]
     pub fn clear_to(&self, [x, y]: [f64; 2], range_m: f64, size: (usize, usize)) -> f64 {
         if self.is_clear {

@@ -1,8 +1,8 @@
 //! Smooth noise over space: values at the corners of a lattice, joined smoothly, in three octaves (Perlin 1985).
 
-/// Weights of the octaves; their sum is 1, so that no value is beyond −1..1.
+/// Weights of the octaves; their sum is 1, so that values are within −1..1.
 const WEIGHTS: [f64; 3] = [0.58, 0.28, 0.14];
-/// Cells of an octave over those of the one before; not 2, so that no lattice planes coincide.
+/// Cells of an octave over those of the one before; not 2, to keep lattice planes from coinciding.
 const FINER: f64 = 2.17;
 
 /// Noise of mean 0.

@@ -1,4 +1,4 @@
-//! Clouds in f64: every pixel's own ray in fine steps.
+//! Clouds in f64: one ray in fine steps for every pixel.
 
 use imaging::{Plane, Rgb};
 
@@ -7,7 +7,7 @@ use super::{Clouds, Drift, FAR_M, Murk, end};
 /// Steps of the longest ray.
 const STEPS: f64 = 600.0;
 
-/// Lays the clouds over a picture in linear light; returns it and their opacity in green. A hole has no end.
+/// Composites the clouds over a picture in linear light; returns it and their opacity in green. A hole is infinite.
 #[must_use]
 pub fn veil_reference(
     image: &Rgb<f64>,

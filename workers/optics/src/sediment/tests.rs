@@ -15,8 +15,9 @@ const LAW: Sediment = Sediment {
 };
 const SIZE: (usize, usize) = (150, 98);
 const UP: [f64; 3] = [0.0, -1.0, 0.0];
-/// Edges of clouds fall between the rays of the fast form: in the mean, on all but a hundredth of the pixels, and on the worst, where
-/// a plume begins beside the lens. The frame is small, so that its rays stand five times as far apart as those of a usual one.
+/// Edges of clouds fall between the rays of the fast form: limits of the mean, of all but a hundredth of the pixels, and of the
+/// worst, at the start of a plume next to the lens. The frame is small, so its rays are five times as far apart as those of a usual
+/// one.
 const MEAN_ERROR: f64 = 0.004;
 const COMMON_ERROR: f64 = 0.1;
 const WORST_ERROR: f64 = 0.45;
@@ -125,7 +126,7 @@ fn few_rays_show_what_all_of_them_do() {
         "{mean} {common} {worst}"
     );
     let covered = exact_mask.data().iter().filter(|&&opacity| opacity > 0.2).count();
-    // Errors mean something only where clouds are: 1356 of the 14 700 pixels lie behind them.
+    // Errors mean something only behind clouds: 1356 of the 14 700 pixels.
     assert!(covered > 1_000, "{covered}");
 }
 

@@ -9,9 +9,9 @@ use crate::extremes::brightest;
 use crate::range::is_hole;
 
 /// [`snow_reference`](super::snow_reference) in place with an error below `tolerance` in linear light, rounding of f32 apart;
-/// `range` in meters along the ray, behind which nothing is seen. A hole has no end.
-/// Over-laying only ever shrinks an error from below, so the errors of the particles add at most: each may leave out what it
-/// changes by less than tolerance / number of particles.
+/// `range` in meters along the ray to the surface, which occludes farther particles; infinite at a hole.
+/// Compositing never enlarges an error below it, so the errors of the particles add at most: each may omit
+/// changes below tolerance / number of particles.
 #[must_use]
 pub fn snow(image: &mut Rgb<f32>, flakes: &[LitFlake], range: &Plane<f32>, tolerance: f64) -> Plane<f32> {
     let (width, height) = image.size();

@@ -1,4 +1,4 @@
-//! Which particles a camera meets.
+//! Particles in the view of a camera.
 
 use imaging::cancel;
 use imaging::random::Stream;
@@ -20,7 +20,7 @@ const MOST_IN_CELL: u64 = 200;
 /// A particle in view.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Flake {
-    /// Its place in camera axes, m.
+    /// Its position in camera axes, m.
     pub place: [f64; 3],
     /// Its radius, m.
     pub radius_m: f64,
@@ -28,7 +28,7 @@ pub struct Flake {
     pub range_m: f64,
     /// Where it is in the picture, pixels.
     pub center: [f64; 2],
-    /// What it looks like there.
+    /// Its disc in the picture.
     pub spot: Spot,
     /// Opacity in the middle of the spot without any water.
     pub opacity: f64,
@@ -43,12 +43,12 @@ const MOST_PARTS: u64 = 8;
 pub fn flakes(eye: &Eye, snow: &Snow, world: World, size: (usize, usize), seeing: &Seeing<'_>) -> Vec<Flake> {
     let mut found = Vec::new();
     if snow.density_per_m3 > 0.0 && snow.near_m < snow.far_m {
-        // A camera in a current meets what one that moves against it meets in still water.
+        // A camera in a current sees the same as one moving against it in still water.
         let eye = &carried(eye, snow, seeing.time_s);
         let cells = Cells::new(eye, snow, world, size, seeing);
         cells.each(|place, radius_m| found.extend(seen(eye, snow, place, radius_m, size, seeing)));
     }
-    // No two particles are at one place, so that the order does not depend on how they were found.
+    // All particles have different positions, so that the order does not depend on the search.
     found.sort_by(|a, b| b.range_m.total_cmp(&a.range_m));
     found
 }
@@ -132,7 +132,7 @@ impl<'a> Cells<'a> {
     ) -> Self {
         let side = (PER_CELL / snow.density_per_m3).cbrt().min(WIDEST_CELL_M);
         let camera = &eye.camera;
-        // Half a streak on either side, and as much for what moves towards the camera from beside the frame.
+        // Half a streak on either side, and the same for particles that move towards the camera from outside the frame.
         let speed = snow.drift_m_per_s.map_or(0.0, |drift| dot(drift, drift).sqrt());
         let drawn_out = (camera.focal_px * speed * seeing.exposure_s / snow.near_m).min(MOST_STREAK_PX);
         let slopes = [(width, camera.cx), (height, camera.cy)].map(|(pixels, middle)| {
@@ -204,7 +204,7 @@ impl<'a> Cells<'a> {
         self.snow.radius_m * (1.0 - u * (1.0 - RADII.powf(power))).powf(1.0 / power)
     }
 
-    /// Calls with the place in camera axes and the radius of every particle.
+    /// Calls with the position in camera axes and the radius of every particle.
     fn each(&self, mut take: impl FnMut([f64; 3], f64)) {
         let [low, high] = self.box_of;
         for i in low[0]..=high[0] {
@@ -219,7 +219,7 @@ impl<'a> Cells<'a> {
         }
     }
 
-    /// Whether the ball around a cell meets the view.
+    /// Whether the ball around a cell intersects the view.
     fn in_view(&self, cell: [i64; 3]) -> bool {
         let middle = self.eye.to_camera(cell.map(|v| self.side * (v as f64 + 0.5)));
         let radius = 0.5 * 3.0f64.sqrt() * self.side + self.margin;
@@ -251,7 +251,7 @@ impl<'a> Cells<'a> {
     }
 }
 
-/// Cells within ±2^17 along each axis have addresses of their own, with room for their particles.
+/// Cells within ±2^17 along each axis have distinct addresses, with room for their particles.
 fn address(cell: [i64; 3]) -> u64 {
     let place = cell.map(|v| v.wrapping_add(1 << 17) as u64 & 0x3_ffff);
     (place[0] << 46) | (place[1] << 28) | (place[2] << 10)

@@ -1,4 +1,4 @@
-//! Particles in the light that meets them.
+//! Particles in incident light.
 
 use super::{Flake, Surround};
 
@@ -13,7 +13,7 @@ pub struct LitFlake {
     pub color: [f64; 3],
 }
 
-/// What particles look like in their surroundings, in their order.
+/// Particles lit by their surroundings, in their order.
 #[must_use]
 pub fn lit(flakes: &[Flake], albedo: [f64; 3], surround: &Surround<'_>) -> Vec<LitFlake> {
     let places: Vec<[f64; 3]> = flakes.iter().map(|flake| flake.place).collect();

@@ -2,30 +2,30 @@
 
 use std::f64::consts::PI;
 
-/// Nothing is drawn smaller than this, px.
+/// Minimum radius of a disc, px.
 const LEAST_PX: f64 = 0.5;
 
-/// The opacity of a particle about its middle, as a share of that in the middle: 1 up to `radius − edge` from its way, 0 from
-/// `radius + edge` on, linear between. The disc of a particle of radius a under a blur circle of radius b is about `max(a, b)` wide,
-/// with an edge of `min(a, b)` on either side.
+/// The opacity of a particle about its middle, as a share of that in the middle: 1 up to `radius − edge` from its path, 0 from
+/// `radius + edge` on, linear between. The disc of a particle of radius a under a blur circle of radius b is about `max(a, b)`
+/// wide, with an edge of `min(a, b)` on either side.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spot {
     /// Where half of the opacity is left, pixels.
     pub radius: f64,
     /// Half the width of the edge, pixels.
     pub edge: f64,
-    /// The way from one end to the other while the shutter is open, pixels.
+    /// The motion while the shutter is open, pixels.
     pub streak: [f64; 2],
 }
 
 impl Spot {
-    /// The spot of a particle of so many pixels' radius, and its opacity in the middle, so that opacity times area is that of
-    /// the particle itself. `blur` is the radius of the circle of confusion, `streak` the way in the picture.
+    /// The spot of a particle with a radius of `size` pixels, and its opacity in the middle, so that opacity times area equals that
+    /// of the particle. `blur` is the radius of the circle of confusion, `streak` the motion in the picture.
     pub(super) fn of(size: f64, blur: f64, streak: [f64; 2]) -> (Self, f64) {
         let radius = size.max(blur).max(LEAST_PX);
         let edge = size.min(blur).max(LEAST_PX);
         let length = streak[0].hypot(streak[1]);
-        // Of the profile about a way of this length.
+        // Of the profile about a path of this length.
         let area = PI * (radius * radius + edge * edge / 3.0) + 2.0 * radius * length;
         let opacity = (PI * size * size / area).min(1.0);
         (Self { radius, edge, streak }, opacity)
@@ -36,7 +36,7 @@ impl Spot {
         self.streak.map(|way| self.radius + self.edge + 0.5 * way.abs())
     }
 
-    /// The share of the opacity at a place from the middle.
+    /// The share of the opacity at an offset from the middle.
     pub(super) fn at(&self, dx: f64, dy: f64) -> f64 {
         let Self { radius, edge, streak } = *self;
         let square = streak[0] * streak[0] + streak[1] * streak[1];

@@ -80,7 +80,7 @@ fn radii_follow_junge_and_places_are_even() {
     );
     let within = share(&|flake| (0.999..RADII).contains(&(flake.radius_m / snow.radius_m)));
     assert_eq!(within, 1.0);
-    // Half of a frustum's volume lies beyond this depth.
+    // Half of a frustum's volume is beyond this depth.
     let half = (0.5 * (SNOW.far_m.powi(3) + SNOW.near_m.powi(3))).cbrt();
     let beyond = share(&|flake| flake.place[2] > half);
     assert!((beyond - 0.5).abs() < 0.02, "{beyond}");
@@ -97,7 +97,7 @@ fn the_mask_is_where_the_picture_changed_and_a_wall_hides_what_is_behind() {
     let (image, mask) = fall(&eye(), &SNOW, WORLD, 0.1, 0.3);
     assert!(mask.data().iter().all(|&v| v == 0.0));
     assert_eq!(image.pixel(9, 9), [0.05; 3]);
-    // A hole has no end.
+    // A hole is infinite.
     assert!(
         fall(&eye(), &SNOW, WORLD, f32::NAN, 0.3)
             .1

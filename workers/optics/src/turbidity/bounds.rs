@@ -1,4 +1,4 @@
-//! Bounds of the mean factor over many stretches of rays at once.
+//! Bounds of the mean factor over many stretches of rays.
 
 use imaging::vector::dot;
 
@@ -24,7 +24,7 @@ impl Field {
 
     /// Least and greatest mean of m over any of these stretches.
     ///
-    /// Each cosine is averaged over the central stretch; on another one its phase differs by no more than the wave vector times the
+    /// Each cosine is averaged over the central stretch; on another one its phase differs by at most the wave vector times the
     /// distance, and an end that moves changes a mean by `min(|q|, 2/length)` per meter at most.
     pub(crate) fn bound_mean(&self, stretch: &Stretch) -> [f64; 2] {
         let (least, most) = self.extremes();

@@ -11,13 +11,13 @@ use crate::elementary::small_sin_cos;
 use crate::eye::Eye;
 use crate::range::SHORTEST_M;
 
-/// Pixels that are computed together.
+/// Pixels in one chunk.
 pub(crate) const RUN: usize = 64;
 /// Beyond this range the cosines have long cancelled: their sum no longer grows, m.
 const FARTHEST_M: f32 = 1e5;
 
-/// [`optical_path_reference`](super::optical_path_reference) with an error of at most
-/// [`path_rounding`](super::path_rounding) of the path or of the range, whichever is longer.
+/// [`optical_path_reference`](super::optical_path_reference) with an error of at most [`path_rounding`](super::path_rounding) of
+/// the path or of the range, using the longer one.
 #[must_use]
 pub fn optical_path(range: &Plane<f32>, field: &Field, eye: &Eye, holes: HoleRule) -> Plane<f32> {
     let stand_in = match holes {
@@ -74,7 +74,7 @@ impl Rays {
         Self { waves, lens }
     }
 
-    /// By how much the mean of the field from the camera to these distances exceeds 1, on the rays of a run of pixels.
+    /// Excess over 1 of the mean of the field from the camera to these distances, on the rays of a run of pixels.
     #[inline(always)]
     pub(crate) fn excess(&self, (x, y): (usize, usize), meters: &[f32; RUN]) -> [f32; RUN] {
         let [inverse_focal, cx, cy] = self.lens;
@@ -154,7 +154,7 @@ fn add([qx, qy, qz, cosine, sine]: [f32; 5], lanes: &mut Lanes) {
 /// Sine and cosine of an angle of either sign; of large ones with the error that their f32 form has anyway.
 #[inline(always)]
 fn sin_cos(x: f32) -> (f32, f32) {
-    /// Added and taken away again, it rounds to an integer, which then stands in the low bits.
+    /// Adding and subtracting it rounds to an integer, which ends up in the low bits.
     const ROUND: f32 = 12_582_912.0;
     /// π/2 in three parts (Cody and Waite 1980).
     const PARTS: [f32; 3] = [1.570_312_5, 4.837_513e-4, 7.549_79e-8];

@@ -1,4 +1,4 @@
-//! Paths through the field in f64 by quadrature. It shares nothing with the fast form but the field.
+//! Paths through the field in f64 by quadrature. It shares only the field with the fast form.
 
 use imaging::Plane;
 use spec::{HoleRule, Turbidity};
@@ -16,7 +16,7 @@ const NODES: usize = 12;
 const MOST_PANELS: f64 = 1e5;
 
 /// `τ = ∫₀^Z m dt` of every pixel in meters, at least a millimeter: Gauss–Legendre quadrature with 12 nodes on panels of half a
-/// scale. Holes stay holes, unless the rule gives them a range.
+/// scale. Holes stay holes, unless the rule replaces them by a range.
 #[must_use]
 pub fn optical_path_reference(
     range: &Plane<f64>,

@@ -9,7 +9,7 @@ const PATCHY: Turbidity = Turbidity {
 
 #[test]
 fn the_field_has_mean_one_the_stated_spread_and_correlation_and_is_never_negative() {
-    // Many worlds at one place and at places one scale apart.
+    // Many worlds at one point and at points one scale apart.
     let (mut sum, mut square, mut product) = (0.0, 0.0, 0.0);
     let n = 40_000;
     for index in 0..n {

@@ -1,4 +1,4 @@
-//! What a preset or a request lacks and can be derived, and all the checks.
+//! Derivation of values missing from a preset or request, and all the checks.
 //!
 //! G = a + 0.05 b and γ(Z) = f (0.009 + 0.009 b Z) are fits to Monte Carlo runs in Fournier–Forand and Henyey–Greenstein
 //! waters up to b Z of about 6. A derived veiling light has the color of daylight at the depth, exp(−K_d h), and by
@@ -24,11 +24,11 @@ const VEIL_DEPTH_M: f64 = 5.0;
 const SUM_SLACK_PER_M: f64 = 0.002;
 const CHANNELS: [char; 3] = ['R', 'G', 'B'];
 
-/// What is asked for.
+/// The description of one water.
 #[derive(Clone, Copy)]
 pub(super) struct Request<'a> {
     pub(super) medium: &'a Medium,
-    /// Whether lamps light the water, which takes scattering.
+    /// Whether lamps light the water, which needs scattering.
     pub(super) lamps: bool,
 }
 
@@ -38,7 +38,7 @@ pub(super) fn resolve(request: &Request<'_>, focal_px: f64) -> Result<Water, Vec
     let mut checks = Checks::default();
     checks.limits(request);
     let preset = optics.preset.as_deref().and_then(|name| checks.preset(name));
-    // Of an unknown preset nothing else is known to be missing.
+    // An unknown preset may contain any other number.
     let is_complete = preset.is_some() || optics.preset.is_none();
     // A given beam attenuation replaces the preset's whole decomposition: a and b of another water would contradict it.
     let decomposition = preset.filter(|_| optics.beam_attenuation_per_m.is_none());
@@ -243,7 +243,7 @@ impl Checks {
         }
     }
 
-    /// What the glow of lamps needs.
+    /// Inputs of the airlight of lamps.
     fn lamps(&mut self, request: &Request<'_>, scatters: bool) {
         if !request.lamps {
             return;
@@ -257,7 +257,7 @@ impl Checks {
         }
     }
 
-    /// exp(−K_d h) where depth and K_d are known; an error where ambient light asks for it and they are not.
+    /// exp(−K_d h) if depth and K_d are known; an error if ambient light needs it and they are not.
     fn decay(&mut self, request: &Request<'_>, diffuse_attenuation: Option<[f64; 3]>) -> Option<[f64; 3]> {
         let decay = request
             .medium
@@ -289,7 +289,7 @@ impl Checks {
         Some(daylight.map(|e| request.medium.optics.veil_gain.unwrap_or(VEIL_GAIN) * e / brightest))
     }
 
-    /// No part of the beam attenuation exceeds it in any channel.
+    /// Checks that a part of the beam attenuation does not exceed it in any channel.
     fn within_attenuation(&mut self, field: &'static str, part: Option<[f64; 3]>, whole: Option<[f64; 3]>) {
         let Some((part, whole)) = part.zip(whole) else {
             return;

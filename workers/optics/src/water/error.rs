@@ -1,11 +1,11 @@
-//! What is wrong with the description of a water.
+//! Errors in the description of a water.
 
 use spec::Beyond;
 
 /// One contradiction or gap. [`WaterError::field`] names the field as the job description does.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum WaterError {
-    /// A number lies outside its limits.
+    /// A number is outside its limits.
     #[error(transparent)]
     Beyond(#[from] Beyond),
     /// Absorption, scattering or G alone exceeds the beam attenuation.
@@ -43,15 +43,15 @@ pub enum WaterError {
     Contradiction {
         /// The field.
         field: &'static str,
-        /// What it is, and what it does not go with.
+        /// The contradiction.
         reason: &'static str,
     },
-    /// A number that is needed is neither given nor derivable.
+    /// A required number is neither given nor derivable.
     #[error("{field} is missing: {reason}")]
     Missing {
         /// The field.
         field: &'static str,
-        /// Why it is needed, and what would do.
+        /// Why it is needed, and how to supply it.
         reason: &'static str,
     },
 }

@@ -1,15 +1,15 @@
-//! A preset with all that follows from it, and which of that is derived.
+//! A preset with all derived values, and their names.
 
 use super::{Scatter, Water};
 use crate::lamp::AVERAGE_BACKSCATTER_FRACTION;
 use crate::preset::{Channels, Preset};
 
-/// What a frame of a preset runs with, where the camera and the job say nothing else.
+/// Values of a frame with a preset, unless the camera or the job overrides them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Properties {
-    /// Veiling light, linear; derived for a depth of 5 m where the source gives none.
+    /// Veiling light, linear; derived for a depth of 5 m if the source has none.
     pub veiling_light: Option<[f64; 3]>,
-    /// b_b/b, for the glow of lamps; that of average sea particles where the source gives none. A job may give its own.
+    /// b_b/b, for the airlight of lamps; that of average sea particles if the source has none. A job may override it.
     pub backscatter_fraction: Option<f64>,
     /// G of the forward scatter, 1/m.
     pub g: Channels,
@@ -17,11 +17,11 @@ pub struct Properties {
     pub spread_offset_rad: Option<f64>,
     /// Growth of that width with range, radians per meter.
     pub spread_rad_per_m: Channels,
-    /// Which fields are derived and not the source's own, by the names of the job description.
+    /// Derived fields, by the names of the job description.
     pub derived: Vec<&'static str>,
 }
 
-/// All that follows from a preset. Of one that cannot be rendered only its own numbers.
+/// All values derived from a preset. If it cannot be rendered, only its stored numbers.
 #[must_use]
 pub fn properties(preset: &Preset) -> Properties {
     let own = Properties {

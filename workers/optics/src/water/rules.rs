@@ -1,4 +1,4 @@
-//! The rules of waters as a description's check asks for them.
+//! The rules of waters for checks of a description.
 
 use spec::{Fault, Optics, WaterConditions, WaterRules};
 
@@ -7,10 +7,10 @@ use crate::medium::{Medium, Surroundings};
 use crate::preset::diffuse_in_disguise;
 use crate::snow;
 
-/// What must fit together within the water of a description.
+/// Consistency rules for the water of a description.
 pub const RULES: WaterRules = WaterRules { faults, warning };
 
-/// No camera changes what is looked at here.
+/// The checks do not depend on the camera.
 const ANY_FOCAL_PX: f64 = 500.0;
 
 fn faults(water: &spec::Water, conditions: WaterConditions) -> Vec<Fault> {
@@ -42,7 +42,7 @@ fn faults(water: &spec::Water, conditions: WaterConditions) -> Vec<Fault> {
     faults
 }
 
-/// What the truth needs of a water that is right by itself.
+/// Requirements of the truth for an otherwise valid water.
 fn untraceable(medium: &Medium) -> Option<Fault> {
     let resolved = Water::resolve(medium, ANY_FOCAL_PX).ok()?;
     resolved.scattering().is_none().then(|| Fault {
@@ -54,7 +54,7 @@ fn untraceable(medium: &Medium) -> Option<Fault> {
     })
 }
 
-/// The error with the place of its field below `water`.
+/// The error with the path of its field below `water`.
 fn fault(error: &WaterError) -> Fault {
     let path = match error.field() {
         field @ ("range_scale" | "depth_m" | "holes") => vec![field],
@@ -75,8 +75,8 @@ fn warning(optics: &Optics) -> Option<String> {
     beam.and_then(|beam| diffuse_warning(beam, optics.diffuse_attenuation_per_m))
 }
 
-/// What to say of a beam attenuation that is a K_d, which attenuates daylight and no camera ray: the K_d beside it, or
-/// that of a known water.
+/// Warning for a beam attenuation that is a K_d, which attenuates daylight and not a camera ray: it equals the given K_d, or that
+/// of a known water.
 fn diffuse_warning(beam: [f64; 3], diffuse: Option<[f64; 3]>) -> Option<String> {
     let whose = if diffuse == Some(beam) {
         "the `diffuse_attenuation_per_m` beside it".to_owned()

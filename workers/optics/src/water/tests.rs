@@ -1,4 +1,4 @@
-//! Waters are completed by the book, and contradictions are named all at once.
+//! Completion of waters, and reports of all contradictions together.
 
 use spec::{ForwardScatter, Optics, ScatterModel};
 

@@ -1,4 +1,4 @@
-//! Two kernels in place of one, for a tail that one Cauchy kernel lacks.
+//! Two kernels instead of one, for a tail that one Cauchy kernel lacks.
 //!
 //! Fits to the light of beams in Monte Carlo runs up to b Z of about 8: angles of both kernels and the share of the wide one are
 //! linear in the optical path b Z.

@@ -1,5 +1,4 @@
-//! Frames that are made against the bound of forward scatter: what interpolation between kernels does worst, all of it in one
-//! pixel.
+//! Adversarial frames for the bound of forward scatter: the worst interpolation error between kernels, concentrated in one pixel.
 
 use imaging::{Plane, Rgb};
 use optics::forward_scatter::{Nodes, gather_reference};
@@ -12,20 +11,20 @@ const CHOICES: usize = 96;
 /// Light of the row that shows all ranges, so that the plan knows of them.
 const DIM: f32 = 1e-6;
 
-/// What to attack.
+/// Parameters of an attack.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Attack {
     /// Scatter (`jaffe`) or gather (`simplified`).
     pub(crate) model: ScatterModel,
     /// Columns and rows.
     pub(crate) size: (usize, usize),
-    /// The pixel whose error is to be large.
+    /// The pixel whose error is maximized.
     pub(crate) target: (usize, usize),
     /// Least and greatest kernel scale, pixels.
     pub(crate) widths_px: (f64, f64),
     /// The error that the plan is made for.
     pub(crate) tolerance: f64,
-    /// Whether the target is to be too bright.
+    /// Whether the target becomes too bright.
     pub(crate) brighter: bool,
 }
 
@@ -36,12 +35,12 @@ pub(crate) struct Frame {
     pub(crate) radiance: Rgb<f32>,
     /// Meters along the ray.
     pub(crate) range: Plane<f32>,
-    /// Water that attenuates everything at once and absorbs nothing, or nothing at all.
+    /// Water with attenuation and without absorption, or clear water.
     pub(crate) water: Water,
 }
 
 impl Attack {
-    /// The frame; none where the plan interpolates nothing.
+    /// The frame; `None` if the plan does not interpolate.
     ///
     /// # Panics
     /// When the water is refused.
@@ -120,7 +119,7 @@ impl Attack {
         water
     }
 
-    /// What the plan for such ranges interpolates between.
+    /// Interpolation nodes of the plan for such ranges.
     fn nodes(&self, radiance: &Rgb<f32>, range: &Plane<f32>, water: &Water) -> Option<Nodes> {
         let stats = SceneBounds::measure(radiance, range, water);
         let plan = Plan::for_water(&stats, water, Fidelity::Tolerance(self.tolerance));
@@ -130,7 +129,7 @@ impl Attack {
         }
     }
 
-    /// By how much interpolation changes what the target gets of every pixel, were it of this scale.
+    /// Change of the target's light by interpolation, for every pixel as if it had this scale.
     fn errors(&self, gamma: f64, nodes: &Nodes) -> Plane<f64> {
         let place = |gamma: f64| (gamma + 0.3).ln();
         let count = nodes.terms();

@@ -19,7 +19,7 @@ const UPS: [[f64; 3]; 4] = [
     [0.7, -0.7, 0.2],
 ];
 
-/// The reference of forward scatter takes long.
+/// The reference of forward scatter is slow.
 const FEW_SIZES: [(usize, usize); 4] = [(1, 1), (1, 7), (13, 17), (31, 8)];
 
 struct Place {
@@ -116,7 +116,7 @@ fn a_veil_by_direction_is_the_reference_within_the_bound_of_every_plan() {
     assert!(failures.is_empty(), "{failures:#?}");
 }
 
-/// What a thread does: its own cache, its own frame, all at the same time.
+/// Each thread has a separate cache and frame, all at the same time.
 #[test]
 fn threads_change_no_bit_of_a_veil_by_direction() {
     let (radiance, range) = SCENES[4].sized(72, 41);

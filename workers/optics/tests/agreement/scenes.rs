@@ -1,4 +1,4 @@
-//! Scenes that the water stage meets: smooth and abrupt ranges, few and many, holes, extremes.
+//! Scenes for the water stage: smooth and abrupt ranges, few and many, holes, extremes.
 
 use imaging::random::Stream;
 use imaging::{Plane, Rgb};
@@ -7,7 +7,7 @@ use imaging::{Plane, Rgb};
 #[derive(Clone, Copy)]
 pub(crate) struct Scene {
     pub(crate) name: &'static str,
-    /// Ranges from 1 to 15 m and radiance up to 1: the kernel scales lie within a ratio of 45.
+    /// Ranges from 1 to 15 m and radiance up to 1: the kernel scales are within a ratio of 45.
     pub(crate) is_moderate: bool,
     /// Range in meters from fractions of width and height and a random number.
     range: fn(f32, f32, f32) -> f32,

@@ -14,17 +14,17 @@ use crate::scenes::{Gated, Kernel, Scene};
 const CHOICES: usize = 24;
 /// Farthest over nearest range of the wall: farther neighbors would be behind an edge.
 const DEPTH: f64 = 1.24;
-/// Light of pixels that are not to count, so that the plan knows of their ranges.
+/// Light of negligible pixels that still make the plan include their ranges.
 const DIM: f32 = 1e-6;
 
-/// What to attack.
+/// Parameters of an attack.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Attack {
     pub(crate) water: Gated,
     pub(crate) gate_m: f64,
     pub(crate) wall_m: f64,
     pub(crate) tolerance: f64,
-    /// Whether the target is to be too bright.
+    /// Whether the target becomes too bright.
     pub(crate) is_brighter: bool,
 }
 
@@ -179,7 +179,7 @@ fn grid(gamma: f64) -> Vec<f64> {
     Transfer::new(gamma).grid(SIZE.0, SIZE.1)
 }
 
-/// What interpolation makes of a kernel, less the kernel.
+/// The interpolated kernel, less the kernel.
 fn interpolation_error(nodes: &Nodes, gamma: f64) -> Vec<f64> {
     let origin = match nodes {
         Nodes::Chebyshev { origin, .. } => *origin,

@@ -21,7 +21,7 @@ pub(crate) struct Scene {
 pub(crate) struct Gated {
     pub(crate) absorption: f64,
     pub(crate) scattering: f64,
-    /// G; derived where there is none.
+    /// G; derived if it is missing.
     pub(crate) g: Option<f64>,
     /// Two kernels by a phase function; else one kernel of these pixels per meter and at range 0.
     pub(crate) kernel: Kernel,
@@ -101,7 +101,7 @@ impl Draw {
     }
 }
 
-/// A frame so wide that what is hidden is filled on coarse rows.
+/// A frame so wide that occluded pixels are filled on coarse rows.
 pub(crate) const WIDE: (usize, usize) = (640, 8);
 
 /// Random scene number `index`, of a small frame if no size is given.
@@ -193,7 +193,7 @@ fn picture(draw: &mut Draw, (width, height): (usize, usize), nearest: f64) -> (R
     for plate in (0..plates).rev() {
         let (left, top) = (draw.below(width - 4), draw.below(height - 4));
         let (across, down) = (1 + draw.below(width - left), 1 + draw.below(height - top));
-        // Some plates hide everything but a strip.
+        // Some plates occlude all but a strip.
         let strip = 1 + draw.below(6);
         let (left, top, across, down) = if draw.happens(0.2) {
             (strip, 0, width - strip, height)
@@ -290,8 +290,8 @@ impl Slant {
     }
 }
 
-/// Plates at close ranges. The gate of the nearer cut is the farther one, so light from the other gate is divided by the response of a
-/// longer path than its own.
+/// Plates at close ranges. The gate of the nearer cut is the farther one, so light from the other gate is divided by the response
+/// of a path longer than its actual one.
 pub(crate) fn gates_in_reverse_order(scattering: f64) -> Scene {
     let water = Gated {
         absorption: 1e-6,

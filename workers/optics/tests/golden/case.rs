@@ -58,7 +58,7 @@ pub(crate) struct Array {
 }
 
 impl Case {
-    /// A case of which every parameter is known.
+    /// A case with only known parameters.
     pub(crate) fn read(folder: &Path) -> Self {
         let case = Self::open(folder);
         for key in case.parameters.keys() {
@@ -88,7 +88,7 @@ impl Case {
         values.iter().filter_map(Value::as_f64).collect()
     }
 
-    /// An array of 32-bit integers, which no picture has.
+    /// An array of 32-bit integers, unlike a picture.
     pub(crate) fn integers(&self, name: &str) -> Vec<i32> {
         let bytes = std::fs::read(self.folder.join(format!("{name}.npy"))).expect("a readable array");
         let header = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
@@ -102,7 +102,7 @@ impl Case {
         self.parameters.get(key)
     }
 
-    /// A text, empty where there is none.
+    /// A text, empty if it is missing.
     pub(crate) fn text(&self, key: &str) -> String {
         let text = self
             .get(key)
@@ -110,7 +110,7 @@ impl Case {
         text.unwrap_or_default().to_owned()
     }
 
-    /// Panics where a text is given and says something else than one of `known`.
+    /// Panics if a text is given and is not one of `known`.
     pub(crate) fn expect_text(&self, key: &str, known: &[&str]) {
         let text = self.text(key);
         assert!(
@@ -168,8 +168,8 @@ impl Case {
             .unwrap_or_else(|| panic!("{}: {name}.npy is missing", self.folder.display()))
     }
 
-    /// Linear radiance of the input, whatever its form: the array that `input` names, else `input_linear` or `input_srgb`.
-    /// Integer codes are sRGB and floats linear unless `transfer` says otherwise.
+    /// Linear radiance of the input in any of its forms: the array named by `input`, else `input_linear` or `input_srgb`. Integer
+    /// codes are sRGB and floats linear unless `transfer` overrides it.
     pub(crate) fn radiance(&self) -> Rgb<f64> {
         let named = self.text("input");
         let array = if named.is_empty() {

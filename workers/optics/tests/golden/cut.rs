@@ -1,4 +1,4 @@
-//! Where the stored arrays of two kernels come from.
+//! Truncation of the stored arrays of two kernels.
 
 #[path = "cut/gated.rs"]
 mod gated;
@@ -14,7 +14,7 @@ use crate::case::Case;
 
 /// Kernels that the arrays were made with.
 const NODES: usize = 24;
-/// Narrower ones end so many pixels away; what lies beyond is in their middle.
+/// Narrower kernels are cut at this number of pixels; their remainder is in the middle.
 const NARROW: f64 = 0.3;
 const REACH: i64 = 60;
 /// Added to a scale before its logarithm is taken.

@@ -192,7 +192,7 @@ fn patterns(case: &Case, range: &Plane<f64>, daylight: &Daylight, waves: &Waves,
     for (i, stored) in stored.iter().enumerate() {
         let (exact, fast) = (exact.data()[i], f64::from(fast.data()[i]));
         let is_hole = !range.data()[i].is_finite();
-        // The depths come from ranges in f32.
+        // The depths are computed from ranges in f32.
         assert!((exact - stored).abs() < 1e-6, "pixel {i}: {exact} for {stored}");
         assert!(
             is_hole || (fast - stored).abs() < FAST_TILE * own.peak(),
@@ -232,7 +232,7 @@ fn sun(case: &Case) -> Sun {
     }
 }
 
-/// Radiance in some directions under an even sky. Whatever goes by direction here comes from a, b and b_b/b alone.
+/// Radiance in some directions under an even sky. All directional light of these cases comes from a, b and b_b/b.
 pub(crate) fn by_direction(case: &Case) {
     let (a, b) = (number(case, "absorption"), number(case, "scattering"));
     let depth = number(case, "depth_m");

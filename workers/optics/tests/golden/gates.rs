@@ -12,17 +12,17 @@ use spec::{Fidelity, Optics, PhaseFunction, ScatterModel};
 use crate::case::Case;
 use crate::cut::forward_of_cut_kernels;
 
-/// Stored with 24 kernels, computed with every pixel's own.
+/// Stored with 24 kernels, computed with the exact kernel of every pixel.
 const REFERENCE: f64 = 1e-7;
 /// The default tolerance, and a smaller one.
 const TOLERANCES: [f64; 2] = [3e-4, 1e-5];
-/// What f32 adds to a tolerance.
+/// Rounding of f32, added to a tolerance.
 const FLOAT: f64 = 5e-6;
 /// Cuts and gates, relative.
 const CUTS: f64 = 1e-9;
 /// The light of a wall on a pole before it, as a share of Monte Carlo.
 const LEAK: (f64, f64) = (0.9, 1.15);
-/// The light of the pole itself beside it.
+/// Direct light of the pole next to it, as a share of Monte Carlo.
 const OWN: (f64, f64) = (0.8, 1.18);
 
 /// Layers of gated frames.

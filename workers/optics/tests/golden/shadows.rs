@@ -8,17 +8,16 @@ use serde_json::Value;
 
 use crate::case::Case;
 
-/// Largest differences as a share of the peak: light on surfaces and the glow in f64.
+/// Largest differences as a share of the peak: light on surfaces and airlight in f64.
 const SURFACES: f64 = 1e-10;
 const GLOW: f64 = 1e-7;
-/// The same in f32: rounding; what discs that are read between pixels may lose; and an edge of a shadow in one of 32
-/// angles.
+/// The same in f32: rounding, interpolation of discs between pixels, and an edge of a shadow in one of 32 angles.
 const SURFACES_F32: f64 = 1e-5;
 const READ_F32: f64 = 2e-3;
 const GLOW_F32: f64 = 0.02;
-/// Share of pixels from which something covers a part of a soft lamp but none of its outermost places.
+/// Share of pixels with an occluder that covers a part of a soft lamp but no rim sample.
 const RIM: f64 = 0.02;
-/// Share of pixels in which a ray may graze an edge.
+/// Share of pixels with a ray that may graze an edge.
 const GRAZING: f64 = 0.005;
 
 /// Boxes along the axes, by their lowest and highest corners, before a wall at a depth.
@@ -60,7 +59,7 @@ fn triple(value: &Value) -> [f64; 3] {
     [0, 1, 2].map(|i| value[i].as_f64().expect("a number"))
 }
 
-/// Compares all but the pixels in which a ray grazes an edge.
+/// Compares all pixels except those with a ray that grazes an edge.
 fn compare(case: &Case, name: &str, actual: &Rgb<f64>, tolerance: f64, grazing: f64) {
     let expected = case.needed(name).rgb(|v| v);
     let peak = expected

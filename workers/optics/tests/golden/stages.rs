@@ -1,4 +1,4 @@
-//! What each stage compares.
+//! Comparisons of each stage.
 
 use imaging::Rgb;
 use imaging::geometry::Intrinsics;
@@ -19,11 +19,11 @@ use crate::case::Case;
 
 /// f64 against f64: rounding alone.
 const REFERENCE: f64 = 1e-12;
-/// Transfer functions are fitted to 1e-8; the light of a frame meets that error in many coefficients.
+/// Transfer functions are fitted to 1e-8; that error affects many coefficients of the light of a frame.
 const REFERENCE_SCATTER: f64 = 1e-7;
 /// f32 arithmetic on light up to 1.
 const FLOAT: f64 = 2e-6;
-/// Sixteen kernels leave only the floor of f32.
+/// The error of sixteen kernels is only the floor of f32.
 const SIXTEEN_TERMS: f64 = 1e-6;
 /// A tolerance that guarantees one 8-bit code at the steep foot of the sRGB curve.
 const ONE_CODE: f64 = 3e-4;
@@ -35,7 +35,7 @@ const OTF: f64 = 1e-8;
 /// Share of 8-bit codes that may differ by one: rounding alone, and rounding after a tolerance of [`ONE_CODE`].
 const CODES_EXACT: f64 = 1e-3;
 const CODES_SCATTER: f64 = 1e-2;
-/// Light of lamps, as a share of the frame's peak: what the vectors promise, and what the fast form is asked for.
+/// Light of lamps, as a share of the frame's peak: accuracy of the vectors, and tolerance of the fast form.
 const LAMPS: f64 = 1e-5;
 const LAMPS_ASKED: f64 = 5e-6;
 
@@ -101,7 +101,7 @@ fn hole_rule(text: &str) -> HoleRule {
     }
 }
 
-/// None of a frame that is too large for the reference.
+/// `None` for a frame too large for the reference.
 fn exact(case: &Case) -> Option<Layers<f64>> {
     match chain::water_reference(&case.radiance(), &case.range(), &water(case)) {
         Ok(layers) => Some(layers),
@@ -381,7 +381,7 @@ pub(crate) fn airlight(case: &Case) {
         .values
         .into_iter()
         .fold(0.0, f64::max);
-    // What is compared is scaled to a peak of at most 1.
+    // The compared light is scaled to a peak of at most 1.
     let tolerance = LAMPS * peak / peak.max(1.0);
     case.compare("output_linear", &exact, tolerance, "reference");
     let fast = lamp::airlight(&range.map(|&z| z as f32), &lighting, LAMPS_ASKED * peak).light;

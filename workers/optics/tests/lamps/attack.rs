@@ -1,5 +1,5 @@
-//! Lamps that are placed against the bounds of rounding: all but touching a surface, grazing it, at the edge of their cone, far
-//! away, very bright, seen by a camera that looks far off its axis.
+//! Lamps placed against the bounds of rounding: all but touching a surface, grazing it, at the edge of their cone, far away, very
+//! bright, seen by a camera that looks far off its axis.
 
 use imaging::geometry::Intrinsics;
 use imaging::random::Stream;
@@ -13,7 +13,7 @@ use crate::errors::{peak, worst};
 
 const SIZE: (usize, usize) = (37, 9);
 const FRAMES: u64 = 400;
-/// Of light that scatters more than once, whose reference takes long.
+/// For multiple scattering, whose reference is slow.
 const MULTIPLE_FRAMES: u64 = 120;
 
 /// Frames of several blocks of pixels, and how much of them is compared.
@@ -149,7 +149,7 @@ fn no_light_on_surfaces_errs_by_more_than_its_rounding() {
 
 #[test]
 fn no_glow_errs_by_more_than_its_nodes_and_its_rounding() {
-    // With the smaller one the quadrature leaves little beside the rounding.
+    // With the smaller one the quadrature error is small compared with the rounding.
     for (tolerance, multiple) in [(7.5e-5, false), (1e-12, false), (7.5e-5, true), (1e-12, true)] {
         let frames = if multiple { MULTIPLE_FRAMES } else { FRAMES };
         let frames = (0..frames).map(|seed| {
@@ -166,7 +166,7 @@ fn no_glow_errs_by_more_than_its_nodes_and_its_rounding() {
     }
 }
 
-/// Rounding of light up to this to f32, with room for its own error.
+/// Rounding of light up to this to f32, with a margin for the reference.
 fn sample_rounding(light: f64) -> f64 {
     6.1e-8 * light + 2e-38
 }
@@ -217,8 +217,8 @@ fn surfaces_in_f64_err_by_no_more_than_a_sample_rounds() {
     }
 }
 
-/// Lamps in frames wide enough for their light to be read between rays of every distance: narrow cones, lamps in view, thin bars that
-/// no ray meets.
+/// Lamps in frames wide enough for interpolating their light between rays of every spacing: narrow cones, lamps in view, thin bars
+/// between the rays.
 pub(crate) fn wide_case(seed: u64) -> Case {
     let stream = Stream::stage(seed, "rays");
     let unit = |what: u64| stream.unit(0, what);
@@ -240,7 +240,7 @@ pub(crate) fn wide_case(seed: u64) -> Case {
     let lamps = (0..=u64::from(unit(5) < 0.3)).map(|lamp| {
         let draw = |what: u64| unit(20 + 20 * lamp + what);
         let aside = |what: u64| (2.0 * draw(what) - 1.0) * WIDE.0 as f64 / camera.focal_px;
-        // Before the camera, or beside it.
+        // In front of the camera, or next to it.
         let z = if draw(0) < 0.5 { far * draw(1) } else { 0.0 };
         let place = [aside(2), aside(3), 0.0]
             .map(|v| v * z.max(0.3 * far))
@@ -277,7 +277,7 @@ pub(crate) fn wide_case(seed: u64) -> Case {
     }
 }
 
-/// The reference takes long: some pixels of each frame are compared, each as a frame of its own.
+/// The reference is slow: some pixels of each frame are compared, each as a separate frame.
 #[test]
 fn no_spread_light_between_rays_errs_by_more_than_it_says() {
     let frames = (0..WIDE_FRAMES).map(|seed| {
@@ -303,7 +303,7 @@ fn no_spread_light_between_rays_errs_by_more_than_it_says() {
     assert!(closest > 0.2, "{closest}");
 }
 
-/// Four lamps beside the camera before a slope: what f32 loses is thousands of times below the light, and the bound follows.
+/// Four lamps next to the camera before a slope: the rounding of f32 is thousands of times below the light, and so is the bound.
 #[test]
 fn the_rounding_of_an_ordinary_frame_is_a_millionth_of_its_light() {
     let range = Plane::from_fn(64, 48, |x, y| 2.0 + 0.02 * x as f32 + 0.03 * y as f32);

@@ -8,7 +8,7 @@ pub(crate) fn peak(light: &Rgb<f64>) -> f64 {
     samples.copied().fold(0.0, f64::max)
 }
 
-/// The greatest difference of a sample; NaN counts.
+/// The greatest difference of a sample, including NaN.
 pub(crate) fn worst(fast: &Rgb<f32>, exact: &Rgb<f64>) -> f64 {
     let pairs = fast.planes().iter().zip(exact.planes());
     let errors = pairs.flat_map(|(fast, exact)| {

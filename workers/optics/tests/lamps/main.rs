@@ -1,4 +1,4 @@
-//! Lamps: the fast form against the f64 reference, and what must hold of their light.
+//! Lamps: the fast form against the f64 reference, and properties of their light.
 #![allow(clippy::unwrap_used)]
 
 mod attack;
@@ -16,7 +16,7 @@ use optics::lamp::{self, GlowPhase, LAMP_RADIUS_M, Lamp, Lighting, MOST_NODES, R
 const ROUNDING: f64 = 1e-5;
 const SIZES: [(usize, usize); 5] = [(1, 1), (3, 2), (17, 13), (64, 5), (131, 37)];
 
-/// Beside the camera, behind it, in view, beyond a wall, in the camera, and spots of both kinds.
+/// Next to the camera, behind it, in view, beyond a wall, in the camera, and spots of both kinds.
 fn lamps() -> Vec<(&'static str, Lamp)> {
     let light = [1.0, 0.8, 0.6];
     let spot = |place, direction, cone| Lamp::spot(place, light, direction, cone).unwrap();
@@ -68,7 +68,7 @@ fn range(width: usize, height: usize) -> Plane<f32> {
     })
 }
 
-/// How the water scatters, and whether light is also followed that scatters more than once.
+/// Phase functions, and whether multiple scattering is modeled.
 fn phases() -> Vec<(GlowPhase, bool)> {
     let even = [
         (-0.3, true),
@@ -93,7 +93,7 @@ fn airlight_stays_within_its_tolerance_of_the_reference() {
             let mut cases: Vec<(&str, Vec<Lamp>)> =
                 all.iter().map(|&(name, lamp)| (name, vec![lamp])).collect();
             cases.push(("all", all.into_iter().map(|(_, lamp)| lamp).collect()));
-            // The reference of light that scatters more than once takes long.
+            // The reference of multiple scattering is slow.
             let also_multiple = multiple && size.0 < 100;
             let both = cases.into_iter().flat_map(|case| {
                 let multiple = also_multiple.then(|| (case.clone(), true));
@@ -137,7 +137,7 @@ fn light_on_surfaces_agrees_with_the_reference() {
     }
 }
 
-/// A wall at 2 m, a lamp beside the camera: 1/r² and the way there and back, by hand.
+/// A wall at 2 m, a lamp next to the camera: 1/r² and the path there and back, as a closed formula.
 #[test]
 fn a_wall_is_lit_by_the_square_of_the_distance_and_both_ways_through_the_water() {
     let mut lighting = lighting(
@@ -215,7 +215,7 @@ fn more_range_shows_more_glow_and_more_attenuation_less() {
     assert!(sum(2.0, &murky) < sum(2.0, &near));
 }
 
-/// With the most nodes only the rounding of f32 is left, in view as beside the camera.
+/// With the most nodes only the rounding of f32 remains, in view and next to the camera.
 #[test]
 fn more_nodes_come_nearer_to_the_reference() {
     let size = (33, 21);

@@ -29,7 +29,7 @@ fn points(places: &[[f64; 3]]) -> Vec<Lamp> {
         .collect()
 }
 
-/// Four lamps beside the camera as points and as spots, and four in view.
+/// Four lamps next to the camera as points and as spots, and four in view.
 fn cases() -> [(&'static str, Vec<Lamp>); 3] {
     let beside = corners(|x, y| [0.4 * x, 0.25 * y, 0.0]);
     let spot = |p: &[f64; 3]| Lamp::spot(*p, [1.0; 3], [-0.25 * p[0], 0.0, 1.0], 35.0).unwrap();
@@ -96,7 +96,7 @@ fn the_fast_form_stays_within_its_tolerance_of_the_reference() {
     }
 }
 
-/// Spots beside the camera, whose spread light is read between rays and degrees of murkiness.
+/// Spots next to the camera, whose spread light is interpolated between rays and degrees of turbidity.
 #[test]
 fn light_scattered_more_than_once_stays_within_its_tolerance() {
     let size = (67, 29);
@@ -112,7 +112,7 @@ fn light_scattered_more_than_once_stays_within_its_tolerance() {
         for tolerance in [3e-4, 1e-5] {
             let fast = lamp::airlight(&range, &lighting, tolerance);
             let error = worst(&fast.light, &exact);
-            // Of the smaller one the halvings may leave a little more, and say so.
+            // For the smaller one the halvings may leave a larger error, which the report includes.
             assert!(
                 fast.left <= tolerance.max(2e-5),
                 "{contrast}, {scale_m} m: {:e}",
@@ -152,7 +152,8 @@ fn length(v: [f64; 3]) -> f64 {
     v.iter().map(|v| v * v).sum::<f64>().sqrt()
 }
 
-/// Green glow and light on surfaces with the field at every node and along both legs, of one pixel and one lamp that lights all of it.
+/// Green airlight and light on surfaces with the field at every node and along both legs, of one pixel and one lamp that lights all
+/// of it.
 fn marched(
     field: &Field,
     ray: [f64; 3],
@@ -181,8 +182,8 @@ fn marched(
     [glow, shines(point) * arrives]
 }
 
-/// Mean error of the model as a share of the mean light, over six worlds: of the glow and of the light on surfaces, each with one
-/// factor for a ray and with the mean water.
+/// Mean error of the model as a share of the mean light, over six worlds: of the airlight and of the light on surfaces, each with
+/// one factor for a ray and with the mean water.
 fn model_error(lamps: &[Lamp], spot: bool, contrast: f64, scale_m: f64) -> [[f64; 2]; 2] {
     let size = (12, 8);
     let range = Plane::from_fn(size.0, size.1, |_, y| 1.0 + 5.0 * y as f64 / size.1 as f64);
@@ -218,7 +219,7 @@ fn model_error(lamps: &[Lamp], spot: bool, contrast: f64, scale_m: f64) -> [[f64
                 let both = marched(&field, ray, z, place, &shines);
                 exact = [exact[0] + both[0], exact[1] + both[1]];
             }
-            // Surfaces that face every lamp: only the way to them is compared.
+            // Surfaces that face every lamp: only the path to them is compared.
             let white = models
                 .each_ref()
                 .map(|model| lamp::white_at(ray.map(|v| z * v), model, None)[1] * std::f64::consts::PI);
@@ -235,7 +236,7 @@ fn model_error(lamps: &[Lamp], spot: bool, contrast: f64, scale_m: f64) -> [[f64
 /// The figures of docs/science/suspended-matter.md: one factor for each ray instead of the field along both legs.
 #[test]
 fn one_factor_for_a_ray_comes_much_nearer_than_the_mean_water() {
-    // Mean error of the glow and of the light on surfaces: patches of 1.2 and of 4 m.
+    // Mean error of the airlight and of the light on surfaces: patches of 1.2 and of 4 m.
     let most = [
         ("points", [[0.03, 0.05], [0.01, 0.02]]),
         ("spots", [[0.15, 0.06], [0.07, 0.03]]),

@@ -10,12 +10,12 @@ use optics::visible_bounds::VisibleBounds;
 use crate::errors::peak;
 use crate::{ABSORPTION, FORWARD, lighting};
 
-/// Share of samples whose rays may graze an edge, and by how much the sums of light may differ as a share.
+/// Share of samples whose rays may graze an edge, and the relative difference of the sums of light.
 const GRAZING: f64 = 0.03;
 const SUMS: f64 = 0.01;
-/// An edge in one of 32 angles, as a share of the brightest glow.
+/// An edge in one of 32 angles, as a share of the brightest airlight.
 const ANGLE: f64 = 0.02;
-/// Tolerance of the glow as a share of its peak.
+/// Tolerance of the airlight as a share of its peak.
 const FINE: f64 = 1e-4;
 const WALL_M: f64 = 4.0;
 
@@ -40,7 +40,7 @@ impl Rays for Balls {
         })
     }
 
-    /// By balls about the balls and about the ways.
+    /// Bounding spheres of the cuboids, and of the rays between them.
     fn may_occlude(&self, from: &Cuboid, to: &Cuboid) -> bool {
         let about = |cuboid: &Cuboid| {
             let middle = [0, 1, 2].map(|i| 0.5 * (cuboid.low[i] + cuboid.high[i]));
@@ -96,7 +96,7 @@ fn lit_by(lamp: Lamp, size: (usize, usize), multiple: bool) -> Lighting {
     }
 }
 
-/// The share of samples that differ by more than `limit`, and by how much all of them together, as a share.
+/// The share of samples that differ by more than `limit`, and the relative difference of their sum.
 fn differences(fast: &Rgb<f32>, exact: &Rgb<f64>, limit: f64) -> (f64, f64) {
     let (mut wrong, mut count, mut sums) = (0.0, 0.0, [0.0f64; 2]);
     for (fast, exact) in fast.planes().iter().zip(exact.planes()) {
@@ -135,7 +135,7 @@ fn shadows_on_surfaces_are_those_of_the_reference_but_at_their_edges() {
             let exact_range = range.map(|&z| f64::from(z));
             let exact = lamp::shaded_irradiance_reference(&exact_range, &normals, &lighting, &scene);
             let fast = lamp::shaded_irradiance(&range, &normals, &lighting, (&scene, 0.0));
-            // Discs of spread light are read between places.
+            // Discs of spread light are interpolated between points.
             let limit = if multiple { f64::max(limit, 0.01) } else { limit } * peak(&exact);
             let (wrong, sums) = differences(&fast.light, &exact, limit);
             assert!(
@@ -291,7 +291,7 @@ fn lamps_cast_no_more_shadows_than_can_be_seen() {
         needed(&many, lamp, asked(2e-4), 3e-4, true),
         [Shadow::Hard, asked(2e-4)]
     );
-    // Few places do for much less than the light of a lamp.
+    // Few samples suffice for much less than the light of a lamp.
     let [on_surfaces, _] = needed(&many, lamp, asked(0.1), 0.5, false);
     let Shadow::Soft { samples, .. } = on_surfaces else {
         panic!("{on_surfaces:?}")

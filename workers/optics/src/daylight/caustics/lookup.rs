@@ -10,11 +10,11 @@ use super::tile::Tiles;
 use crate::attenuation::masked;
 use crate::range::is_hole;
 
-/// Tiles of one side hold every depth of a cell side by side, at most so many.
+/// Tiles of one side hold every depth of a cell next to each other, up to this number.
 const MOST_SLICES: usize = 8;
 
-/// Where light that falls on a place entered the water: the horizontal axes, and the way that the sun's light goes aside in each
-/// meter of depth.
+/// Entry point into the water of the light at a point: the horizontal axes, and the sideways shift of sunlight for each meter of
+/// depth.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Footprint {
     axes: [[f64; 3]; 2],
@@ -40,7 +40,7 @@ impl Footprint {
         }
     }
 
-    /// Depth and place of entry in true meters of a place in camera axes.
+    /// Depth and entry point in true meters for a point in camera axes.
     pub(super) fn of(&self, place: [f64; 3]) -> (f64, [f64; 2]) {
         let dot = |a: [f64; 3]| a[0] * place[0] + a[1] * place[1] + a[2] * place[2];
         let depth = self.scale * (self.depth - dot(self.up)).max(0.0);
@@ -49,7 +49,7 @@ impl Footprint {
     }
 }
 
-/// C at a depth and a place of entry, from tiles in f64: bilinear in the tile and linear between depths.
+/// C at a depth and an entry point, from tiles in f64: bilinear in the tile and linear between depths.
 pub(super) fn pattern(
     tiles: &[Plane<f64>],
     depths_m: &[f64],
@@ -103,7 +103,7 @@ pub fn caustics_reference(
 }
 
 impl Daylight {
-    /// Least and greatest depth in true meters of the surfaces in a picture; none in a frame of holes.
+    /// Least and greatest depth in true meters of the surfaces in a picture; `None` in a frame of holes.
     #[must_use]
     pub fn depths_m(&self, range: &Plane<f32>) -> Option<(f64, f64)> {
         let mut rises = vec![0.0f32; range.width()];
@@ -141,7 +141,7 @@ fn heights(range: &[f32], rises: &[f32]) -> (f32, f32) {
     (least, high.into_iter().fold(f32::NEG_INFINITY, f32::max))
 }
 
-/// A row in cells of the tile: `depth`, and the place of entry along both axes, as linear functions of the range.
+/// A row in cells of the tile: `depth`, and the entry point along both axes, as linear functions of the range.
 #[derive(Clone, Copy)]
 struct Trace {
     inverse_focal: f32,
@@ -153,7 +153,7 @@ struct Trace {
     scale: f32,
     /// Cells a true meter.
     per_m: f32,
-    /// Cells of the camera's place.
+    /// Position of the camera in cells.
     place: [f32; 2],
     /// Cells aside in each meter of depth.
     aside: [f32; 2],
@@ -165,7 +165,7 @@ impl Trace {
         let v = (y as f64 - camera.cy) / camera.focal_px;
         let per_m = waves.cells as f64 / waves.tile_m;
         let axes = [footprint.up, footprint.axes[0], footprint.axes[1]];
-        // Whole tiles are left out of the place while it is in f64.
+        // Whole tiles are subtracted from the position while it is in f64.
         let place = footprint
             .place
             .map(|at| (at * footprint.scale).rem_euclid(waves.tile_m) * per_m - 0.5);
@@ -183,7 +183,7 @@ impl Trace {
     }
 }
 
-/// Where the pixels of a row are looked up.
+/// Lookup positions of the pixels of a row.
 struct Spots {
     depth: Vec<f32>,
     entry: [Vec<f32>; 2],
@@ -206,7 +206,7 @@ fn trace(of: Trace, range: &[f32], depth: &mut [f32], first: &mut [f32], second:
     }
 }
 
-/// Multiplies the sunlight on the surfaces of a picture by the pattern. Pixels that have none are left alone.
+/// Multiplies the sunlight on the surfaces of a picture by the pattern. Pixels without sunlight are unchanged.
 ///
 /// # Panics
 /// When the planes are of different sizes.
@@ -242,7 +242,7 @@ pub fn caustics(
     }
 }
 
-/// Between which depths one lies.
+/// The two depths around a given one.
 struct Steps {
     starts: [f32; MOST_SLICES],
     inverse: [f32; MOST_SLICES],
@@ -265,7 +265,7 @@ impl Steps {
         steps
     }
 
-    /// The slice above a depth, and how far below it in shares of the way to the next.
+    /// The slice above a depth, and the interpolation weight of the next.
     #[inline(always)]
     fn find(&self, depth: f32) -> (usize, f32) {
         let k = self.starts[1..].iter().filter(|&&start| start < depth).count();
@@ -295,7 +295,7 @@ fn look_up(tiles: &Tiles, steps: &Steps, depth: f32, [u, v]: [f32; 2]) -> f32 {
     above * (1.0 - t) + under * t
 }
 
-/// C in f32 at single places.
+/// C in f32 at single points.
 pub(super) struct LookUp<'a> {
     tiles: &'a Tiles,
     steps: Steps,
@@ -307,7 +307,7 @@ impl<'a> LookUp<'a> {
         Self { tiles, steps }
     }
 
-    /// At a depth and a place of entry in true meters.
+    /// At a depth and an entry point in true meters.
     pub(super) fn at(&self, depth_m: f64, entry: [f64; 2]) -> f32 {
         let waves = &self.tiles.waves;
         let per_m = waves.cells as f64 / waves.tile_m;

@@ -18,8 +18,8 @@ pub enum Refraction {
     Exact,
 }
 
-/// The tile at a depth in meters, rows along the second level axis: rays from `rays_per_cell` places along each side of a cell, each
-/// shared out between the four cells around its end, blurred, at least 0 and of the mean 1.
+/// The tile at a depth in meters, rows along the second level axis: rays from `rays_per_cell` points along each side of a cell,
+/// each distributed to the four cells around its end, blurred, at least 0 and scaled to a mean of 1.
 #[must_use]
 pub fn tile_reference(
     waves: &Waves,

@@ -1,4 +1,4 @@
-//! Shafts of light: the pattern in the water before the surfaces. For looks; nothing is promised of how near the truth they are.
+//! Shafts of light: the pattern in the water in front of the surfaces. A visual effect without an error bound.
 
 use imaging::{Plane, Rgb, vectorized};
 
@@ -7,15 +7,15 @@ use super::lookup::{Footprint, LookUp};
 use super::tile::Tiles;
 use crate::range::is_hole;
 
-/// Places along each ray.
+/// Samples along each ray.
 const PLACES: usize = 16;
-/// Every so many pixels has a ray of its own.
+/// Pixels from one ray to the next.
 const STRIDE: usize = 8;
-/// Attenuation lengths of a ray that meets no surface.
+/// Attenuation lengths of a ray without a surface.
 const FARTHEST: f64 = 8.0;
 
-/// `Σ w C(x)` of every pixel: the mean of the pattern at 16 places of its ray, equal in `1 − e^{−c t}` up to its surface. It is computed
-/// for every eighth pixel of every eighth row, and between.
+/// `Σ w C(x)` of every pixel: the mean of the pattern at 16 points of its ray, equally spaced in `1 − e^{−c t}` up to its surface.
+/// It is computed for every eighth pixel of every eighth row, and interpolated between.
 #[must_use]
 pub fn shafts(
     range: &Plane<f32>,
@@ -76,8 +76,8 @@ pub fn shafts(
     fine
 }
 
-/// Multiplies the sun's share of the veil by the shafts: adds what that changes to `light` as well. The share is that of the ray in the
-/// middle of the picture, an attenuation length long.
+/// Multiplies the sun's share of the veil by the shafts, and adds the change to `light` as well. The share is that of the ray in
+/// the middle of the picture, an attenuation length long.
 pub fn with_shafts(veil: &mut Rgb<f32>, light: &mut Rgb<f32>, shafts: &Plane<f32>, daylight: &Daylight) {
     let camera = &daylight.gaze.camera;
     let ray = camera.ray(camera.cx, camera.cy).normalized();

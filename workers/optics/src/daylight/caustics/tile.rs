@@ -8,14 +8,14 @@ use super::super::field::REFRACTIVE_INDEX;
 use super::reference::RAYS_PER_CELL;
 use super::{Blur, Waves};
 
-/// Depths between which the pattern is looked up.
+/// Number of tile depths; the pattern is interpolated between them.
 const SLICES: usize = 8;
-/// No caustics nearer to the surface than this, m.
+/// Least depth of caustics, m.
 const SHALLOWEST_M: f64 = 0.2;
 /// Depths of a smaller ratio are one.
 const ALIKE: f64 = 1.0001;
 
-/// The depths in meters at which tiles are made, for surfaces between two: in equal ratios.
+/// Depths in meters of the tiles for surfaces between two depths, in equal ratios.
 #[must_use]
 pub fn slices(shallowest_m: f64, deepest_m: f64) -> Vec<f64> {
     let first = shallowest_m.max(SHALLOWEST_M);
@@ -88,13 +88,13 @@ impl Tiles {
         &self.depths_m
     }
 
-    /// The brightest place.
+    /// The maximum.
     #[must_use]
     pub fn peak(&self) -> f64 {
         f64::from(self.peak)
     }
 
-    /// The root mean square of all places.
+    /// The root mean square.
     #[must_use]
     pub fn root_mean_square(&self) -> f64 {
         let squares = self.values.iter().map(|&v| f64::from(v) * f64::from(v));
@@ -225,7 +225,7 @@ fn gains(waves: &Waves, blur: &Blur, depth_m: f64) -> Vec<f32> {
     gains
 }
 
-/// Clamps, gives the mean 1 and writes a tile among others.
+/// Clamps a tile, scales its mean to 1 and writes it into its slice.
 fn write(own: &[f32], values: &mut [f32], (slice, count): (usize, usize)) {
     let sum: f64 = own.iter().map(|&v| f64::from(v.max(0.0))).sum();
     let scale = (own.len() as f64 / sum) as f32;

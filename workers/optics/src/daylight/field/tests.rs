@@ -111,7 +111,7 @@ fn the_horizon_is_brighter_than_what_is_below_and_darker_than_the_window() {
         field.scattered(rise, end) + field.surface(rise, 7.0)
     };
     assert!(open(-0.9) < open(0.0) && open(1.0) > 20.0 * open(0.0));
-    // The edge of the window is no step.
+    // Radiance is continuous at the edge of the window.
     let radiances: Vec<f64> = (0..400).map(|i| open(0.5 + 1e-3 * f64::from(i))).collect();
     let most = radiances
         .windows(2)

@@ -1,4 +1,4 @@
-//! How much of the light from all around nothing hides.
+//! Ambient occlusion of daylight.
 
 use imaging::rays::{Rays, ShadowRays, leaving, offset};
 use imaging::vector::DVec3;
@@ -13,14 +13,14 @@ use crate::range::is_hole;
 
 /// The golden angle.
 const TURN: f64 = 2.399_963_229_728_653;
-/// Attenuation lengths beyond which nothing hides.
+/// Occluders beyond this number of attenuation lengths are ignored.
 const FARTHEST: f64 = 10.0;
-/// Every so many pixels have rays of their own.
+/// Pixels from one ray origin to the next.
 const STRIDE: usize = 4;
 /// Between them it is as between those of one surface: ranges that differ less, and normals at a smaller angle than this cosine.
 const ONE_RANGE: f32 = 0.05;
 const ONE_NORMAL: f32 = 0.995;
-/// Places whose ways are asked for at once.
+/// Ray origins in one batch.
 const BATCH: usize = 64;
 
 /// The directions about a normal.
@@ -62,7 +62,7 @@ fn across(normal: DVec3) -> [DVec3; 2] {
     ]
 }
 
-/// What a place needs to know of its surroundings.
+/// Surroundings of a ray origin.
 struct Sky<'a> {
     daylight: &'a Daylight,
     directions: Directions,
@@ -129,8 +129,8 @@ pub fn access_reference(
     })
 }
 
-/// [`access_reference`] with many rays at once, at every fourth pixel of every fourth row. Other pixels lie between those of the four
-/// around them that show the same surface; where none does, they have rays of their own.
+/// [`access_reference`] in ray packets, at every fourth pixel of every fourth row. Other pixels are interpolated between those of
+/// the four around them that show the same surface; without such a neighbor, a pixel has its exact rays.
 #[must_use]
 pub fn access(
     surfaces: Surfaces<'_>,
@@ -217,7 +217,7 @@ fn at_knots(
     values
 }
 
-/// Every so many of so many places, and the last.
+/// Every `STRIDE`-th index, and the last.
 fn knots(count: usize) -> Vec<usize> {
     let mut knots: Vec<usize> = (0..count).step_by(STRIDE).collect();
     if knots.last() != Some(&(count - 1)) {
@@ -279,7 +279,7 @@ fn at_places(surfaces: Surfaces<'_>, sky: &Sky<'_>, rays: &dyn Rays, places: &[[
 
 type Lane = [f32; BATCH];
 
-/// Some places with their normals and the axes across them, off their surfaces.
+/// Ray origins, offset from their surfaces, with the normals and the axes across them.
 struct Spots {
     from: [Lane; 3],
     normal: [Lane; 3],
@@ -322,7 +322,7 @@ impl Spots {
     }
 }
 
-/// Ends of the ways in one direction about some normals, and the light from there in each channel.
+/// A packet of rays in one direction about some normals, and the light from there in each channel.
 #[derive(Clone)]
 struct Bundle {
     to: [Lane; 3],

@@ -32,7 +32,7 @@ pub fn sunlit_reference(
     })
 }
 
-/// [`sunlit_reference`] with many rays at once.
+/// [`sunlit_reference`] in ray packets.
 #[must_use]
 pub fn sunlit(surfaces: Surfaces<'_>, daylight: &Daylight, sun: &SunLight, rays: &dyn Rays) -> Plane<f32> {
     let (width, height) = surfaces.range.size();
@@ -78,7 +78,7 @@ pub fn sunlit(surfaces: Surfaces<'_>, daylight: &Daylight, sun: &SunLight, rays:
     lit
 }
 
-/// How the sun is looked for, in f32.
+/// Direction and reach of rays toward the sun, in f32.
 #[derive(Clone, Copy)]
 struct Sight {
     inverse_focal: f32,
@@ -86,7 +86,7 @@ struct Sight {
     up: [f32; 3],
     toward: [f32; 3],
     depth: f32,
-    /// Meters on the way to the sun for each of depth.
+    /// Meters of path toward the sun for each meter of depth.
     slant: f32,
 }
 
@@ -104,7 +104,7 @@ impl Sight {
     }
 }
 
-/// The ways of some rows, row by row.
+/// The shadow rays of some rows, row by row.
 struct Band {
     width: usize,
     from: [Vec<f32>; 3],

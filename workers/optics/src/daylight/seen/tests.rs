@@ -115,7 +115,7 @@ fn less_of_the_sky_reaches_the_floor_under_the_ball_and_both_forms_agree() {
         let pairs = exact.planes()[1].data().iter().zip(fast.planes()[1].data());
         let apart: Vec<f32> = pairs.map(|(a, b)| (a - b).abs()).collect();
         let mean = apart.iter().sum::<f32>() / apart.len() as f32;
-        // Each of 16 rays is clear or not: between two places, one may change.
+        // Each of 16 rays is clear or not: between two points, one may change.
         let most = apart.iter().copied().fold(0.0, f32::max);
         assert!(mean < 0.02 && most < 0.35, "{size:?}: {mean} {most}");
         for (v, z) in exact.planes()[0].data().iter().zip(scene.range.data()) {
@@ -171,7 +171,7 @@ fn the_veil_of_coarse_grids_agrees_with_that_of_every_pixel() {
     }
 }
 
-/// A wall across the view at this distance; none at an infinite one.
+/// A wall across the view at this distance; an infinite distance means no wall.
 struct Wall(f64);
 
 impl Rays for Wall {

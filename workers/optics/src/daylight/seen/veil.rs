@@ -1,16 +1,16 @@
 //! Occlusion of the veil: the share of daylight that reaches the water in front of surfaces.
 //!
-//! Daylight is scattered toward the camera along the whole line of sight. Next to walls and under structures a part of it is occluded.
-//! At places of each ray, equal in `1 − e^{−c t}`, shadow rays are traced in directions ω spread evenly over the sphere, weighted by the
-//! radiance L from there and by the phase function p without its forward peak:
+//! Daylight is scattered toward the camera along the whole line of sight. Next to walls and under structures a part of it is
+//! occluded. At points of each ray, equally spaced in `1 − e^{−c t}`, shadow rays are traced in directions ω spread evenly over the
+//! sphere, weighted by the radiance L from there and by the phase function p without its forward peak:
 //!
 //! ```text
 //! V = Σ L(μ_ω) p(ω·v) s(ω) / Σ L(μ_ω) p(ω·v)
 //! ```
 //!
-//! s is 1 in a direction without occluder within 1.5 attenuation lengths, else the light of the water before it, whose distance is taken
-//! as even in that length: `1 − (1 − e^{−1.5})/1.5`. The sun is occluded by shadow rays of its own from more places: each is in shadow
-//! or not, and few places would draw steps into the veil.
+//! s is 1 in a direction without occluder within 1.5 attenuation lengths, else the share of light of the water before the occluder.
+//! Its distance is assumed uniform in that length: `1 − (1 − e^{−1.5})/1.5`. The sun has separate shadow rays from more points:
+//! each is either lit or in shadow, and few points would leave steps in the veil.
 
 use imaging::rays::{Rays, ShadowRays};
 use imaging::vector::{DVec3, vec3};
@@ -21,21 +21,21 @@ use super::veil_grid::Grid;
 use super::{single, to_sea};
 use crate::range::is_hole;
 
-/// Places along each line of sight with shadow rays all around.
+/// Points along each line of sight with shadow rays all around.
 const PLACES: usize = 3;
 /// Directions from each of them.
 const DIRECTIONS: usize = 16;
-/// Places along each line of sight with a shadow ray toward the sun.
+/// Points along each line of sight with a shadow ray toward the sun.
 const SUN_PLACES: usize = 12;
 /// Attenuation lengths within which occluders count.
 const REACH: f64 = 1.5;
 /// Light of the water before an occluder: the mean of `1 − e^{−x}` over 0..1.5.
 const BEFORE_OCCLUDER: f64 = 0.482;
-/// Attenuation lengths of a line of sight that meets no surface.
+/// Attenuation lengths of a line of sight without a surface.
 const FARTHEST: f64 = 8.0;
 /// The golden angle.
 const TURN: f64 = 2.399_963_229_728_653;
-/// Lines of sight that are traced together.
+/// Lines of sight in one batch.
 const BATCH: usize = 64;
 
 /// The share of the veil that remains at every pixel. `attenuation` is c of the clearest channel. Interpolates between lines of sight of
@@ -78,7 +78,7 @@ pub fn veil_access_reference(
     })
 }
 
-/// Multiplies the veil by what remains of it, and adds the change to the light.
+/// Multiplies the veil by its visible share, and adds the change to the light.
 pub fn occlude_veil(veil: &mut Rgb<f32>, light: &mut Rgb<f32>, access: &Plane<f32>) {
     for (veil, light) in veil.planes_mut().into_iter().zip(light.planes_mut()) {
         vectorized!(change(veil, light, access.data()));
@@ -98,13 +98,13 @@ fn change(veil: &mut [f32], light: &mut [f32], access: &[f32]) {
 struct Line {
     /// Unit vector.
     direction: DVec3,
-    /// The share of light that its length takes away.
+    /// Share of light lost along its length.
     lost: f64,
     /// The share of singly scattered sunlight in its veil.
     sun_share: f64,
 }
 
-/// A ray from a place of a line of sight.
+/// A ray from a point of a line of sight.
 struct ShadowRay {
     from: DVec3,
     /// Unit vector.
@@ -199,7 +199,7 @@ impl<'a> OccludedVeil<'a> {
         }
     }
 
-    /// V of these pixels, many rays at once: those of one kind of neighboring pixels follow each other.
+    /// V of these pixels in ray packets; rays of one kind of neighboring pixels are adjacent.
     fn trace(&self, range: &Plane<f32>, pixels: &[[usize; 2]], rays: &dyn Rays) -> Vec<f32> {
         let mut values = Vec::with_capacity(pixels.len());
         let (mut ways, mut clear) = (ShadowRays::default(), Vec::new());

@@ -9,13 +9,13 @@ const MOST_STRIDE: usize = 16;
 const LEAST_ACROSS: usize = 30;
 /// Each finer grid divides the stride by this.
 const FINER: usize = 4;
-/// A line of sight is interpolated between those whose share of lost light `1 − e^{−c z}` differs less: their shadow rays then
-/// begin at similar places.
+/// A line of sight is interpolated between those whose share of lost light `1 − e^{−c z}` differs less, so that their shadow rays
+/// begin at similar points.
 const SIMILAR: f32 = 0.1;
-/// Values between which it is interpolated differ by no more, else a shadow begins between them.
+/// Limit of the difference of interpolated values; a larger one indicates a shadow edge.
 const SMOOTH: f32 = 0.1;
 
-/// Every so many pixels of every so many rows, and the last of both.
+/// Every n-th pixel of every n-th row, and the last of both.
 pub(super) struct Grid {
     stride: usize,
     columns: Vec<usize>,
@@ -66,7 +66,7 @@ impl Grid {
             .collect()
     }
 
-    /// Sets every pixel that has no value yet and lies between similar pixels of this grid, which have these values.
+    /// Sets every pixel without a value that has similar pixels of this grid around it, by interpolating their values.
     pub(super) fn interpolate(
         &self,
         pixels: &[[usize; 2]],

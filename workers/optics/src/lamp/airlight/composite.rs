@@ -1,9 +1,9 @@
-//! A quadrature for light that is scattered more than once, whose integrand has kinks: cells of two Gauss nodes each, finer toward the
-//! ends of the ray, twice as many until the sums agree.
+//! A quadrature for multiple scattering, whose integrand has kinks: cells of two Gauss nodes each, finer toward the ends of the
+//! ray, doubled until the sums agree.
 //!
-//! A sum of n cells is taken to err by no more than it differs from that of half as many, on the worst pixel of a run: with kinks the error
-//! falls as 1/n² at least, so that the difference is three times what is left. Two sums may agree by chance, but not three: a share of the
-//! difference before is taken where that is more, and all of it where no sums agree within the tolerance.
+//! The error of a sum of n cells is estimated by its difference from the sum of n/2 cells, on the worst pixel of a run. With kinks
+//! the error falls as 1/n² at least, so the difference is three times the error. Two sums may agree by chance, but hardly three: a
+//! share of the previous difference is used if it is larger, and all of it if no sums agree within the tolerance.
 
 use std::f32::consts::FRAC_PI_2;
 use std::f64::consts::PI;
@@ -24,7 +24,7 @@ const NODE: f64 = 0.288_675_134_594_812_9;
 
 /// Of the difference before the last one.
 const AGREED: f64 = 0.3;
-/// Nodes lie at most this many widths of the peak, (1 − g)/√g, apart.
+/// Nodes are at most this many widths of the peak, (1 − g)/√g, apart.
 const NODES_OF_PEAK: f64 = 1.0;
 /// Light of less than this is lost in f32.
 pub(super) const LEAST: f64 = 1e-30;
@@ -33,7 +33,7 @@ pub(super) const LEAST: f64 = 1e-30;
 static LEVELS: LazyLock<[Vec<[f32; 2]>; HALVINGS + 1]> =
     LazyLock::new(|| std::array::from_fn(|level| nodes(CELLS << level)));
 
-/// Equal cells in u, with `(1 − cos π u)/2` the place in the interval.
+/// Equal cells in u, with `(1 − cos π u)/2` the position in the interval.
 fn nodes(cells: usize) -> Vec<[f32; 2]> {
     let node = |at: usize| {
         let side = if at.is_multiple_of(2) { -NODE } else { NODE };
@@ -44,19 +44,19 @@ fn nodes(cells: usize) -> Vec<[f32; 2]> {
     (0..2 * cells).map(node).collect()
 }
 
-/// The light of a lamp on a run of pixels, and what the quadrature may leave of it.
+/// The light of a lamp on a run of pixels, and the error bound of the quadrature.
 pub(super) struct Sum {
     pub(super) light: [Lanes; 3],
     pub(super) left: f64,
 }
 
-/// How far apart nodes in β may lie at most for the peak of the phase function to be found.
+/// Largest spacing of nodes in β that resolves the peak of the phase function.
 pub(super) fn spacing(asymmetry: f64) -> f32 {
     let g = asymmetry.abs().max(1e-3);
     (NODES_OF_PEAK * (1.0 - g) / g.sqrt()) as f32
 }
 
-/// Sums up along the rays of a run. Nodes are at most `spacing` apart in β: what is narrower is not found.
+/// Integrates along the rays of a run. Nodes are at most `spacing` apart in β, so narrower features are missed.
 pub(super) fn sum_up<const SPOT: bool>(lamp: &Glow, to: &Intervals, spacing: f32) -> Sum {
     let widest = 2.0 * extreme(&to.half, f32::max);
     let fits = |level: &usize| FRAC_PI_2.min(1.6 * widest) <= spacing * ((2 * CELLS) << level) as f32;

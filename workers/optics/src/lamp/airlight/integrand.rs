@@ -1,4 +1,4 @@
-//! What the quadratures of the glow sum up.
+//! Integrand of the airlight quadratures.
 
 use imaging::vectorized;
 
@@ -8,8 +8,8 @@ use crate::elementary::{HALVINGS, fade, sin_cos};
 use crate::lamp::blurred::{Turned, blurred};
 use crate::lamp::multiple::{GLOW_SCALE, SATURATION};
 
-/// The integrand at the angle β of this sine and cosine. Where the phase function does not rise toward the back, either value of
-/// `RISES` gives the same bits.
+/// The integrand at the angle β of this sine and cosine. If the phase function does not rise toward the back, both values of
+/// `RISES` have the same bits.
 #[inline(always)]
 pub(super) fn scattered<const SPOT: bool, const SPREAD: bool, const RISES: bool>(
     lamp: &Glow,
@@ -54,7 +54,7 @@ pub(super) fn swollen(lamp: &Glow, path: f32) -> [f32; 3] {
     const LATE: f32 = (MOST_SWELL * SATURATION) as f32 * HALVINGS;
     let ([ar, ag, ab], [br, bg, bb]) = (lamp.absorption, lamp.scattering);
     let scale = SATURATION as f32;
-    // The camera lies before the nearest place of the ray: rounding may carry a path of 0 below it.
+    // The camera is before the nearest point of the ray: rounding may carry a path of 0 below it.
     let path = path.max(0.0);
     let (dr, dg, db) = (
         br.mul_add(path, scale),
@@ -70,8 +70,8 @@ pub(super) fn swollen(lamp: &Glow, path: f32) -> [f32; 3] {
     ]
 }
 
-/// What of the light of a spot was spread on its way, on a run of rays at one node of each. First as if the lamp shone in all
-/// directions, then with its blurred profile: in one loop that is too much for the registers, and takes several times as long.
+/// Scattered lamp light of a spot, on a run of rays at one node of each. First for an isotropic lamp, then with the blurred
+/// profile: a single loop runs out of registers and is several times slower.
 pub(super) struct SpreadNode {
     pub(super) light: [Lanes; 3],
     /// Scale of the kernel of each channel.

@@ -1,4 +1,4 @@
-//! The rays of a run of pixels, the angles at which they see a lamp, and how murky the water there is.
+//! The rays of a run of pixels, their angles to a lamp, and the turbidity there.
 
 use imaging::simd::{larger, smaller};
 
@@ -9,7 +9,7 @@ use crate::attenuation::masked;
 use crate::elementary::{angle, full_angle, sin_cos};
 use crate::turbidity;
 
-/// The rays of a run as unit vectors, and how far they go; a hole has no end.
+/// The rays of a run as unit vectors, and their lengths; infinite for a hole.
 pub(super) struct Rays {
     pub(super) right: Lanes,
     pub(super) down: Lanes,
@@ -64,7 +64,7 @@ pub(super) fn rays_of(
     }
 }
 
-/// Where a lamp P stands beside a ray d.
+/// Position of a lamp P relative to a ray d.
 pub(super) struct Beside {
     /// P × d, whose length is the distance from the ray.
     pub(super) moment: [f32; 3],
@@ -86,7 +86,7 @@ pub(super) fn beside(lamp: &Glow, rays: &Rays, i: usize) -> Beside {
     }
 }
 
-/// How a spot beside a ray is aimed: its axis in the plane of ray and lamp, and where in that plane its cone lies.
+/// Direction of a spot relative to a ray: its axis in the plane of ray and lamp, and the position of its cone in that plane.
 pub(super) struct Aim {
     /// cos of the angle to the axis: `across · cos θ + along · sin θ`.
     pub(super) across: f32,
@@ -107,7 +107,7 @@ pub(super) fn aim(lamp: &Glow, [dx, dy, dz]: [f32; 3], place: &Beside) -> Aim {
     let across = -(nx.mul_add(mx, ny.mul_add(my, nz * mz))) / distance;
     let along = ax.mul_add(dx, ay.mul_add(dy, az * dz));
     let out = ax.mul_add(mx, ay.mul_add(my, az * mz)) / distance;
-    // A ray through the lamp passes it at its radius: what is missing to a unit axis then.
+    // A ray through the lamp passes it at its radius: this is the missing part of a unit axis.
     let share = mx.mul_add(mx, my.mul_add(my, mz * mz)).sqrt() / distance;
     let missing = (1.0 - share * share) * (1.0 - along * along).max(0.0);
     let most = across.mul_add(across, along * along).sqrt();
@@ -121,8 +121,8 @@ pub(super) fn aim(lamp: &Glow, [dx, dy, dz]: [f32; 3], place: &Beside) -> Aim {
     }
 }
 
-/// The intervals of a run: t₀ and D as meters of mean water, middle and half length in β, what the sum over the nodes is
-/// multiplied by, and what a spot needs.
+/// The intervals of a run: t₀ and D as meters of mean water, middle and half length in β, the factor of the sum over the nodes, and
+/// the geometry of a spot.
 pub(super) struct Intervals {
     pub(super) nearest: Lanes,
     pub(super) distance: Lanes,
@@ -139,7 +139,7 @@ pub(super) struct Intervals {
     pub(super) from: Lanes,
 }
 
-/// How murky the water is on the rays of a run, see [`glow_within`](super::glow_within).
+/// Turbidity of the water on the rays of a run, see [`glow_within`](super::glow_within).
 pub(super) struct Murk {
     /// The factor of b.
     pub(super) source: Lanes,
@@ -179,7 +179,7 @@ pub(super) fn murk_of(
     factors_of((&begin, &end), (&to_begin, &to_end), is_long, to);
 }
 
-/// The same of rays that are no pixels of one row.
+/// The same of rays outside a single row.
 #[inline(always)]
 pub(super) fn murk_along(lamp: &Glow, rays: &Rays, patches: &turbidity::Rays, to: &mut Murk) {
     let (begin, end) = stretch_of(lamp, rays);
@@ -304,7 +304,7 @@ pub(super) fn intervals<const SPOT: bool, const WHOLE: bool>(
     (to, span)
 }
 
-/// The least or the greatest, by halves: one after the other is no work for vectors.
+/// The minimum or maximum, by halves: a sequential fold does not vectorize.
 #[inline(always)]
 pub(super) fn extreme(lanes: &Lanes, choose: impl Fn(f32, f32) -> f32) -> f32 {
     let mut best = *lanes;

@@ -1,4 +1,4 @@
-//! Airlight that is scattered once, in f64, for pixels on which f32 might lose too much of it: their rays pass close to a lamp.
+//! Single scattering in f64, for pixels whose rays pass too close to a lamp for f32.
 
 use std::ops::Range;
 use std::sync::LazyLock;
@@ -15,7 +15,7 @@ const STEP: f64 = 6e-8;
 /// Less light than this is lost in f32.
 const DARKEST: f64 = f32::MIN_POSITIVE as f64;
 
-/// The rule with the most nodes of any run: it leaves no more than the rule that the tolerance asks for.
+/// The rule with the most nodes of any run: its error is at most that of the rule for the tolerance.
 static RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss_legendre(MOST_NODES));
 
 /// Sets the light of a run of pixels. Returns its rounding.

@@ -1,4 +1,4 @@
-//! What f32 may lose of the glow of a lamp.
+//! Rounding of f32 in the airlight of a lamp.
 
 use std::f32::consts::FRAC_PI_4;
 
@@ -8,12 +8,12 @@ use crate::turbidity;
 
 /// One rounding of f32.
 const STEP: f64 = 6e-8;
-/// Roundings of the way from the ray to the lamp, as a share of its distance from the camera.
+/// Roundings of the vector from the ray to the lamp, as a share of its distance from the camera.
 const WAY: f64 = 2.0;
 /// Roundings of an angle, of the sine and cosine of one, and of the exponential and all factors of the light.
 const ANGLE: f64 = 6.0;
 const FACTORS: f64 = 12.0;
-/// Parts of the whole way of a ray: light that is scattered on its way comes from all of it.
+/// Parts of the whole path of a ray: scattered lamp light comes from all of it.
 const PARTS: usize = 16;
 
 /// What f32 may lose of the light of one lamp.
@@ -26,11 +26,11 @@ const PARTS: usize = 16;
 /// δ = (2 ε + ℓ) P
 /// ```
 ///
-/// ε is one rounding. δ is the error of the way from the ray to the lamp: of its place and of the direction of the ray, to which
-/// the principal point adds ℓ = (|Δcx| + |Δcy|)/f, what it loses as f32. It moves the ends of the interval and changes D; where
-/// all of the ray lies behind the lamp by more than it lies beside it, light changes by 7/2 δ/r₀ at most. Errors of the angle
-/// at a node move the phase function: summed over the nodes, by its values at the two ends. The profile of a spot rises by
-/// σ = 1/(1 − cos cone) times what its cosine does. μ is the error of the means of patches.
+/// ε is one rounding. δ is the error of the vector from the ray to the lamp: of its position and of the direction of the ray, to
+/// which the principal point adds ℓ = (|Δcx| + |Δcy|)/f, its error as f32. It moves the ends of the interval and changes D; if all
+/// of the ray is farther behind the lamp than its distance from it, light changes by 7/2 δ/r₀ at most. Errors of the angle at a
+/// node move the phase function: summed over the nodes, by its values at the two ends. The profile of a spot rises by σ = 1/(1 −
+/// cos cone) times the change of its cosine. μ is the error of the means of patches.
 pub(super) struct Rounding {
     strength: f64,
     attenuation: [f64; 2],
@@ -38,7 +38,7 @@ pub(super) struct Rounding {
     distance_m: f64,
     way_m: f64,
     slope: f64,
-    /// Into so many parts the integral of the phase function is cut, each as great as at its greater end.
+    /// Number of parts of the integral of the phase function, each bounded by the value at its greater end.
     parts: usize,
     scale_m: Option<f64>,
 }
@@ -65,7 +65,7 @@ impl Rounding {
         }
     }
 
-    /// The bound for a run of pixels on which the lamp adds at most `brightest`.
+    /// The bound for a run of pixels with at most `brightest` from the lamp.
     pub(super) fn within(&self, span: Span, brightest: f32) -> f64 {
         let near = f64::from(span.nearest_m);
         let (clearest, murkiest) = (f64::from(span.clearest), f64::from(span.murkiest));
@@ -108,7 +108,7 @@ impl Rounding {
         unit * (ends + profile * turned) + f64::from(brightest) * shares
     }
 
-    /// No less than the integral of the phase function over all angles of a run.
+    /// Upper bound of the integral of the phase function over all angles of a run.
     fn integral(&self, span: Span) -> f64 {
         let (from, length) = (f64::from(span.from), f64::from(span.to - span.from));
         let part = length / self.parts as f64;

@@ -1,9 +1,9 @@
-//! The glow of a lamp with the shadows that things cast into the water.
+//! Airlight of a lamp with shadows in the water.
 //!
-//! Of each ray the share of the glow that is lit is summed up at the middles of equal angles, `Σ V f / Σ f` with f the integrand,
-//! and multiplies the glow without shadows. An edge of a shadow lies in its angle anywhere: a share errs by at most the number of
-//! edges times half the greatest part of an angle in the sum. Rays of every second pixel are looked along; between them shares are
-//! read where the surface is one and the glow hardly changes by it.
+//! The lit share of the airlight of each ray is summed at the middles of equal angles, `Σ V f / Σ f` with f the integrand, and
+//! multiplies the airlight without shadows. An edge of a shadow can be anywhere in its angle: the error of a share is at most the
+//! number of edges times half the greatest part of an angle in the sum. Every second pixel has shadow rays; between them shares are
+//! interpolated on one surface if the airlight hardly changes by it.
 
 use std::f32::consts::FRAC_PI_2;
 
@@ -21,13 +21,14 @@ use crate::lamp::{Lamp, Lighting};
 
 /// Angles of a ray.
 const ANGLES: usize = 32;
-/// The glow is looked along from every so many columns and rows.
+/// Columns and rows from one ray with shadow samples to the next.
 const STEP: usize = 2;
-/// Of a lamp's share of the tolerance: where its whole glow is less, no shadow is looked for; and what is read may change by.
+/// Part of a lamp's share of the tolerance: a lamp with less airlight casts no shadow, and interpolation may change the light by
+/// it.
 const UNSEEN: f64 = 0.25;
 const READ: f64 = 0.5;
 
-/// [`shaded_airlight_reference`](crate::lamp::shaded_airlight_reference) in f32. `left` and `rounding` do not count the edges of
+/// [`shaded_airlight_reference`](crate::lamp::shaded_airlight_reference) in f32. `left` and `rounding` do not include the edges of
 /// shadows.
 #[must_use]
 pub fn shaded_airlight(
@@ -65,7 +66,7 @@ pub fn shaded_airlight(
     all
 }
 
-/// The lit share of the glow of the only lamp, of each pixel and channel.
+/// The lit share of the airlight of the only lamp, of each pixel and channel.
 fn shares(
     range: &Plane<f32>,
     lighting: &Lighting,
@@ -113,10 +114,10 @@ fn shares(
     )
 }
 
-/// The light of a lamp along rays, and where things hide it.
+/// The light of a lamp along rays, and its occluders.
 struct Lights<'a> {
     lamp: &'a Lamp,
-    /// Light that arrives as it left, and of a spot what is spread on its way.
+    /// Unscattered lamp light, and the scattered lamp light of a spot.
     direct: Option<Glow>,
     spread: Option<Glow>,
 }
@@ -146,7 +147,7 @@ impl<'a> Lights<'a> {
             light: [[[0.0; RUN]; 3]; ANGLES],
             along: [[0.0; RUN]; ANGLES],
         });
-        // A spot's own light ends at its cone, but what is spread goes on: both are asked at the same places.
+        // Direct light of a spot ends at its cone, but scattered light does not: both use the same shadow samples.
         let whole = self.spread.is_some();
         match (self.lamp.beam, direct.profile.slope > 0.0) {
             (Beam::Spot { .. }, _) if whole => vectorized!(sum_up::<true, true>(direct, rays, &mut middles)),
@@ -163,7 +164,7 @@ impl<'a> Lights<'a> {
                 let place = on_unit_disc(shared_place(node, places), places).map(|v| v as f32);
                 for (i, &along) in along.iter().enumerate().take(count) {
                     let from = [rays.right[i], rays.down[i], rays.ahead[i]].map(|v| v * along);
-                    // A point has no disc to be found the places of.
+                    // A point lamp has only one sample.
                     let to = if radius_m == 0.0 {
                         middle
                     } else {
@@ -216,7 +217,7 @@ fn sum_up<const SPOT: bool, const WHOLE: bool>(lamp: &Glow, rays: &Rays, middles
                 scattered::<SPOT, false, true>(lamp, at, (sin, cos))
             };
             (red[i], green[i], blue[i]) = (lamp.gain[0] * r, lamp.gain[1] * g, lamp.gain[2] * b);
-            // tan θ with θ = 2 β − π/2; a ray without end is not asked farther than surfaces lie.
+            // tan θ with θ = 2 β − π/2; an infinite ray is limited to the range of surfaces.
             let tangent = sin.mul_add(sin, -(cos * cos)) / (2.0 * sin * cos).max(1e-9);
             along[i] = to.distance[i]
                 .mul_add(tangent, to.nearest[i])

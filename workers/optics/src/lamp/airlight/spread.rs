@@ -1,9 +1,9 @@
-//! The glow of lamps with light that was scattered on its way: S e^{−c L} + S̄ (e^{−c_g L} − e^{−c L}) along the whole ray.
+//! Airlight of lamps with multiple scattering: S e^{−c L} + S̄ (e^{−c_g L} − e^{−c L}) along the whole ray.
 //!
-//! It changes little from pixel to pixel but with the range, and S̄ costs more than all else of a node. So its sum from the camera up
-//! to the end of each of some cells is taken along the rays of every 16th pixel only, and read between them at the place that a pixel's
-//! own range ends at. What that may leave is seen from the differences between the rays in the cells that pixels end in; where it
-//! is too much, rays lie half as far apart, down to every second pixel, and where they still do, pixels are summed up each by itself.
+//! It changes little from pixel to pixel except with range, and S̄ is the most expensive part of a node. So the sums from the
+//! camera to the end of each cell are computed along the rays of every 16th pixel only, and interpolated between them at the range
+//! of each pixel. The error is estimated from the differences between the rays in the cells of the pixels' ends. If it is too
+//! large, the spacing of rays is halved, down to every second pixel; pixels that still fail are integrated separately.
 
 mod bends;
 mod beside;
@@ -30,38 +30,39 @@ use line::Line;
 use murkiness::Murkiness;
 use read::Band;
 
-/// Every such column and row has a ray at first; the least distance that is tried, and where each ray is summed up in several degrees
-/// of murkiness.
+/// First spacing of rays in columns and rows; the least spacing; and the largest spacing with rays for several degrees of
+/// turbidity.
 const STEP: usize = 16;
 const FINEST: usize = 2;
 const FINEST_IN_DEGREES: usize = 4;
-/// So many rows of rays are summed up together.
+/// Rows of rays in one integration.
 const LINES: i64 = 5;
 /// How many equal cells a ray may be cut into.
 const CELLS: [usize; 4] = [16, 32, 64, 128];
-/// So many are enough if what they leave of the rays of two rows is within this share of the tolerance: on others it may be more.
+/// A number of cells is enough if its error on the rays of two rows is within this share of the tolerance: other rows may have
+/// more.
 const LEFT_BY_CELLS: f64 = 0.6;
-/// So much of the tolerance is for what is read between rays; the rest for what f32 may lose.
+/// Share of the tolerance for interpolation between rays; the rest is for rounding in f32.
 const READ: f64 = 0.8;
-/// By this the second differences between rays or their changes exceed the error, whichever is less, and the bumps of the slope along a
-/// ray, and its changes about the cell that is read. Beside a cone light rises as d^1.5 and errs by 0.24 of such changes, smooth light by
-/// 0.07. Where light itself has a kink it would be 0.5: that is only where a ray passes within the radius of a lamp, whose glow is so steep
-/// there that its rays never agree.
+/// Ratio of the interpolation error to the second differences between rays or their changes, whichever is less, and to the third
+/// differences of the slope along a ray and its changes about the cell. Next to a cone light rises as d^1.5 with an error of 0.24
+/// of such changes, smooth light has 0.07. A kink of the light would have 0.5: that needs a ray within the radius of a lamp, whose
+/// airlight is so steep there that its rays never agree.
 const BETWEEN_RAYS: f32 = 0.4;
 const BETWEEN_RAYS_BENT: f32 = 0.3;
 const BETWEEN_CELLS: f32 = 0.2;
 const WITHIN_CELL: f32 = 0.2;
-/// Third differences between degrees of murkiness exceed the error of a parabola, at most 0.064 of them, by this.
+/// Estimated error of a parabola per third difference between degrees of turbidity; the actual one is at most 0.064.
 const BETWEEN_DEGREES: f32 = 0.2;
-/// Between two rays the lamp is seen from directions no farther apart than this share of its cone: a narrow beam might pass between
-/// them and be seen by neither.
+/// Limit of the angle between the directions to the lamp from two rays, as a share of its cone: a narrow beam might pass between
+/// them.
 const SHARE_OF_CONE: f32 = 0.125;
 /// The cone of a point lamp in radians.
 const OPEN: f32 = 1.0;
-/// Along a ray, nodes lie at most this share of the cone apart, in β.
+/// Largest spacing of nodes along a ray as a share of the cone, in β.
 const NODES_OF_CONE: f32 = 0.35;
 
-/// Adds the light of a lamp of which some was scattered on its way. What `room` holds does not matter.
+/// Adds the light of a lamp with multiple scattering. `room` is scratch memory.
 pub(super) fn add(
     range: &Plane<f32>,
     (lamp, lighting): (&Lamp, &Lighting),
@@ -69,7 +70,7 @@ pub(super) fn add(
     (glow, room): (&mut [Vec<f32>; 3], &mut Vec<f32>),
 ) -> Errors {
     let camera = &lighting.camera;
-    // A pixel that is summed up by itself takes two sums of a spot.
+    // A separately integrated pixel has two sums of a spot.
     let each = match order {
         Order::Within(tolerance) if lamp.is_spot() => Order::Within(0.5 * tolerance),
         order => order,
@@ -104,7 +105,7 @@ pub(super) fn add(
     frame.read_all(&ends, glow)
 }
 
-/// Equal cells of a ray, and which of them some pixel needs: those before are summed up, but not kept.
+/// Equal cells of a ray, and those needed by a pixel: earlier ones are integrated, but not stored.
 #[derive(Clone, Copy)]
 struct Cut {
     cells: usize,
@@ -112,29 +113,29 @@ struct Cut {
     used: usize,
 }
 
-/// How many rays lie across so many blocks, in pairs, with one before and one behind.
+/// Number of rays across these blocks, in pairs, with one before and one behind.
 fn rays_across(blocks: usize) -> usize {
     blocks.next_multiple_of(2) + ACROSS - 2
 }
 
-/// What a lamp is added to.
+/// The frame and lamp of one call of [`add`].
 struct Frame<'a> {
     range: &'a Plane<f32>,
     lens: [f32; 3],
     patches: Option<turbidity::Rays>,
     murkiness: Murkiness,
-    /// What is read between rays.
+    /// Light for interpolation between rays.
     lamp: &'a Glow,
-    /// What arrives as it left; of a point lamp all of its light.
+    /// Unscattered light; all light of a point lamp.
     direct: &'a Glow,
-    /// Of what is read.
+    /// Tolerance of the interpolated light.
     tolerance: f64,
     cut: Cut,
     rules: &'a [Vec<[f32; 2]>],
 }
 
 impl Frame<'_> {
-    /// Chooses the cells of rays; none where they may not be as narrow as the light asks for.
+    /// Chooses the cells of rays; `None` if the light needs narrower ones than allowed.
     fn cut<'e>(&mut self, room: &'e mut Vec<f32>) -> Option<Ends<'e>> {
         // In β, a cell is at most twice as wide as in w.
         let spacing = self.spacing();
@@ -166,7 +167,7 @@ impl Frame<'_> {
         Some(ends)
     }
 
-    /// Reads all pixels between rays, as far as that may be.
+    /// Interpolates all pixels between rays whose error estimate is within the tolerance.
     fn read_all(&self, ends: &Ends<'_>, glow: &mut [Vec<f32>; 3]) -> Errors {
         let (width, height) = self.range.size();
         let columns = width.div_ceil(STEP);
@@ -199,7 +200,7 @@ impl Frame<'_> {
         worst
     }
 
-    /// What f32 may lose of the light that is read in a band of rows between these lines of rays.
+    /// Rounding of f32 in the interpolated light of a band of rows between these lines of rays.
     fn rounding(&self, band: &Band<'_>, row: usize, lines: &[Line]) -> f64 {
         let murk = self.murkiness.span().unwrap_or_else(|| {
             let mut all = nodes::Span::dark();
@@ -231,7 +232,7 @@ impl Frame<'_> {
         worst
     }
 
-    /// By which share of its cone the direction to the lamp turns at most between rays so many pixels apart.
+    /// Upper bound of the turn of the direction to the lamp between rays `step` pixels apart, as a share of its cone.
     fn turn(&self, step: usize, nearest_m: f32) -> f32 {
         let [x, y, z] = self.lamp.place;
         let away = x.mul_add(x, y.mul_add(y, z * z)).sqrt();
@@ -239,7 +240,7 @@ impl Frame<'_> {
         turned / self.cone().unwrap_or(OPEN)
     }
 
-    /// How far apart nodes in β may lie: some in each of the widths that the profile of the lamp changes over.
+    /// Largest spacing of nodes in β: several in each width of the lamp's profile.
     fn spacing(&self) -> f32 {
         let of_cone = NODES_OF_CONE * self.cone().unwrap_or(f32::INFINITY);
         of_cone.min(composite::spacing(self.lamp.source.phase.asymmetry))
@@ -326,7 +327,7 @@ fn whole(lamp: &Glow, rays: &Rays, murk: &Murk) -> (Intervals, nodes::Span) {
     intervals::<true, true>(lamp, rays, murk)
 }
 
-/// So many halves of the intervals from where they begin, in β.
+/// Angle β after `halves` halves of the intervals from their starts.
 #[inline(always)]
 fn angles_of(to: &Intervals, halves: f32, angles: &mut Lanes) {
     for i in 0..RUN {

@@ -12,18 +12,18 @@ use crate::visible_bounds::VisibleBounds;
 const BLOCK: usize = 2;
 /// Segments of a ray, of equal angles about the lamp.
 const SEGMENTS: usize = 14;
-/// Roundings of the way from the ray to the lamp, as a share of its distance from the camera.
+/// Roundings of the vector from the ray to the lamp, as a share of its distance from the camera.
 const WAY: f64 = 2.0;
 /// Roundings of an angle, of the cosine to an axis, and of the exponential and all factors of the light.
 const ANGLE: f64 = 6.0;
 const COSINE: f64 = 5.0;
 const FACTORS: f64 = 12.0;
-/// Roundings of an exponent, and of what light swells by.
+/// Roundings of an exponent, and of the swelling of light.
 const EXPONENT: f64 = 4.0;
 const SWOLLEN: f64 = 6.0;
 /// The most that light swells by: e to the power of 0.06 · 8.
 const MOST_SWELL: f64 = 1.617;
-/// What f32 may lose of the place in a ray whose light is read between others, as a share of the ray.
+/// Rounding of f32 in the position on an interpolated ray, as a share of the ray.
 const PLACE: f64 = 1e-6;
 /// Error of the blurred profile in f32: alone, and by the slope of the profile.
 const BLUR: [f64; 2] = [1e-6, 4e-7];
@@ -31,9 +31,9 @@ const BLUR: [f64; 2] = [1e-6, 4e-7];
 /// Bounds of the airlight of a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AirlightBounds {
-    /// No pixel has more airlight, quadrature aside.
+    /// Upper bound of the airlight of a pixel, without quadrature error.
     pub peak: [f64; 3],
-    /// No pixel differs by more from the reference in any channel, the quadrature and edges of shadows aside.
+    /// Upper bound of the difference from the reference in any channel, without quadrature error and shadow edges.
     pub rounding: f64,
 }
 
@@ -97,7 +97,7 @@ impl Blocks {
     }
 }
 
-/// A lamp, and what f32 changes of it.
+/// A lamp, and its errors in f32.
 struct Bounded<'a> {
     lamp: &'a Lamp,
     lighting: &'a Lighting,
@@ -105,14 +105,14 @@ struct Bounded<'a> {
     /// b I₀ of each channel.
     strength: [f64; 3],
     away_m: f64,
-    /// Error of the way from a ray to the lamp, m.
+    /// Error of the vector from a ray to the lamp, m.
     way_m: f64,
     greatest_attenuation: f64,
 }
 
 /// A segment of rays.
 struct At {
-    /// Least and greatest way of light in meters of mean water.
+    /// Least and greatest path of light in meters of mean water.
     path: [f64; 2],
     /// Most of the phase function, 1/sr.
     phase: f64,
@@ -233,7 +233,7 @@ impl<'a> Bounded<'a> {
         let spreads = lighting
             .absorption
             .map(|a| [0, 1, 2].map(|i| self.spread(a[i], i, at)));
-        // Of all channels at once, by the widest of their kernels.
+        // For all channels together, by the widest of their kernels.
         let widest = spreads.map_or(0.0, |spreads| {
             spreads.iter().map(|[scale, _]| *scale).fold(0.0, f64::max)
         });

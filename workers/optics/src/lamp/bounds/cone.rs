@@ -48,7 +48,7 @@ pub(super) struct Passing {
     /// Cosines and sines of the least and the greatest angle between a ray and the lamp.
     cos: [f64; 2],
     sin: [f64; 2],
-    /// Of the central ray: its direction, the range nearest to the lamp, and the way there from the lamp.
+    /// Of the central ray: its direction, the range nearest to the lamp, and the vector there from the lamp.
     center: [f64; 3],
     central_m: f64,
     offset: [f64; 3],
@@ -62,7 +62,7 @@ pub(super) struct Segment {
     /// Least and greatest distance from the lamp, m.
     pub(super) near_m: f64,
     pub(super) far_m: f64,
-    /// Least and greatest way from the lamp and on to the camera, m.
+    /// Least and greatest path from the lamp and on to the camera, m.
     pub(super) path_m: [f64; 2],
     /// Least and greatest direction from the lamp, as the angle to an axis.
     pub(super) to_axis: [f64; 2],
@@ -120,13 +120,13 @@ impl Passing {
         self.cos[0] < 0.0
     }
 
-    /// Range of the central ray at an angle about the lamp from the place nearest to it.
+    /// Range of the central ray at an angle about the lamp from its nearest point.
     pub(super) fn range_at(&self, angle: f64) -> f64 {
         let beside = dot(self.offset, self.offset).sqrt().max(self.radius_m);
         (self.central_m + beside * angle.tan()).max(0.0)
     }
 
-    /// The angle about the lamp from the place of the central ray that is nearest to it to another one.
+    /// Angle about the lamp from the nearest point of the central ray to another one.
     pub(super) fn angle_at(&self, range_m: f64) -> f64 {
         let beside = dot(self.offset, self.offset).sqrt().max(self.radius_m);
         ((range_m - self.central_m) / beside).atan()
@@ -152,7 +152,7 @@ impl Passing {
         self.distance((self.away_m * self.cos[0]).clamp(from, to), 0)
     }
 
-    /// No less than `∫ dt/r²` of any ray between two ranges, with r the distance from the lamp, 1/m.
+    /// Upper bound of `∫ dt/r²` of any ray between two ranges, with r the distance from the lamp, 1/m.
     pub(super) fn most_turned(&self, [from, to]: [f64; 2]) -> f64 {
         let near = self.least_distance([from, to]);
         let even = (to - from) / (near * near);
@@ -211,7 +211,7 @@ impl Passing {
         ]
     }
 
-    /// Widens an interval of angles to an axis by what their cosines shrink where a ray passes within the radius of the lamp.
+    /// Widens an interval of angles to an axis by the shrinking of cosines for rays within the radius of the lamp.
     fn shrunk(&self, [least, most]: [f64; 2], near_m: f64) -> [f64; 2] {
         if self.beside_m() > self.radius_m {
             return [least, most];
@@ -242,7 +242,7 @@ impl Passing {
         };
         let [first, second] = at_ends(from);
         let mut most = first.max(second);
-        // Behind the lamp the scattering angle is least where the way to the camera is at right angles to that to the lamp.
+        // Behind the lamp the scattering angle is least if the directions to the camera and to the lamp are perpendicular.
         let critical = self.away_m / from.max(1e-300);
         if critical < 1.0 && critical < self.cos[0] && critical > self.cos[1] {
             let beside = self.away_m * (1.0 - critical * critical).sqrt();

@@ -24,14 +24,14 @@ impl Factor {
         lengths: 1.0,
     };
 
-    /// On the way from a lamp to surfaces between two ranges: of as many meters of the ray before them.
+    /// On the path from a lamp to surfaces between two ranges: for the same length of the ray before them.
     pub(super) fn to_surfaces(lighting: &Lighting, cone: Cone, passing: &Passing, range_m: [f64; 2]) -> Self {
         let legs = passing.distances(range_m);
         let from_m = [range_m[0] - legs[1], range_m[1] - legs[0]].map(|from| from.max(0.0));
         Self::new(lighting, cone, [from_m, range_m], legs[0].min(range_m[0]))
     }
 
-    /// On the way of airlight, and of the scattering that it is made of, along rays that end between two ranges.
+    /// On the path of airlight, and at its scattering, along rays that end between two ranges.
     pub(super) fn of_airlight(
         lighting: &Lighting,
         cone: Cone,
@@ -49,7 +49,7 @@ impl Factor {
         ]
     }
 
-    /// Of stretches no shorter than `shortest`, m.
+    /// For stretches of at least `shortest`, m.
     fn new(lighting: &Lighting, cone: Cone, [from_m, to_m]: [[f64; 2]; 2], shortest: f64) -> Self {
         let Some(field) = &lighting.patches else {
             return Self::EVEN;

@@ -12,13 +12,13 @@ const TURN: [f64; AZIMUTHS / 2] = [0.923_879_532_511_286_7, 0.382_683_432_365_08
 #[derive(Clone, Copy)]
 pub(super) struct Profile {
     pub(super) axis: Option<[f64; 3]>,
-    /// By how much the profile rises with the cosine to the axis.
+    /// Slope of the profile by the cosine to the axis.
     pub(super) slope: f64,
     cos_cone: f64,
     /// Angle and sine of the cone.
     pub(super) cone: f64,
     pub(super) sin_cone: f64,
-    /// What f32 changes of its axis, and of the profile by its two coefficients.
+    /// Errors in f32 of its axis, and of the profile by its two coefficients.
     pub(super) axis_error: f64,
     pub(super) line_error: f64,
     rings: [f64; RINGS],
@@ -99,7 +99,7 @@ impl Profile {
             reach += out / RINGS as f64;
             let middle = self.slope * most_product(cos, ring) + offset;
             for turn in TURN {
-                // Two places in opposite azimuths.
+                // Two samples in opposite azimuths.
                 let aside = self.slope * sin * ring[1].min(1.0) * turn;
                 sum += (2.0 * middle).max(middle + aside).clamp(0.0, 2.0);
             }
@@ -112,7 +112,7 @@ impl Profile {
     }
 }
 
-/// No less than the product of a cosine in this interval and the cosine of any angle of a ring.
+/// Upper bound of the product of a cosine in this interval and the cosine of any angle of a ring.
 fn most_product([least, most]: [f64; 2], [from, to]: [f64; 2]) -> f64 {
     if to >= 1.5 {
         let ends = [to.cos(), from.cos()];

@@ -8,7 +8,7 @@ use super::profile::{MARGIN, Profile, largest_sine};
 use super::{FADE, STEP, most_decayed};
 use crate::visible_bounds::{Tile, VisibleBounds};
 
-/// Largest ratio of ranges within a segment of rays, and the largest number of segments; the number takes precedence.
+/// Largest ratio of ranges within a segment of rays, and the largest number of segments; the limit of the number has precedence.
 const GROWTH: f64 = 1.12;
 const SEGMENTS: usize = 8;
 /// The fast form moves surfaces beyond a thousand kilometers to there: light that this changes, as a share of the intensity.
@@ -31,9 +31,9 @@ const BLUR: [f64; 2] = [1e-6, 4e-7];
 /// Bounds of the light of lamps on the surfaces of each tile of a view.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SurfaceBounds {
-    /// No pixel of the tile has more irradiance, in the fast form as in the reference.
+    /// Upper bound of the irradiance of each tile, in the fast form and in the reference.
     pub irradiance: Vec<[f64; 3]>,
-    /// No pixel of the tile differs by more from the reference in any channel, edges of shadows aside.
+    /// Upper bound of the difference from the reference in any channel of each tile, without shadow edges.
     pub rounding: Vec<f64>,
 }
 
@@ -83,21 +83,21 @@ impl Arriving {
     }
 }
 
-/// A lamp, and what f32 changes of it.
+/// A lamp, and its errors in f32.
 struct Bounded<'a> {
     lamp: &'a Lamp,
     lighting: &'a Lighting,
     profile: Profile,
-    /// Errors of its place in meters, and of tangents of rays by that of the principal point.
+    /// Errors of its position in meters, and of tangents of rays by that of the principal point.
     place_error: f64,
     lens_error: f64,
 }
 
 /// A segment of rays to a tile.
 struct At {
-    /// Least and greatest way of light in meters of mean water.
+    /// Least and greatest path of light in meters of mean water.
     meters: [f64; 2],
-    /// Error of the way from the lamp, and of the factor of the water, as shares.
+    /// Error of the vector from the lamp, and of the factor of the water, as shares.
     way_error: f64,
     factor_error: f64,
 }
@@ -145,7 +145,7 @@ impl<'a> Bounded<'a> {
         let segment = passing.segment([from.min(FARTHEST_M), to], self.profile.axis);
         let near = segment.near_m;
         let seen = (to / near).min(1.0 + passing.away_m / near);
-        // A place is known to 4 roundings of its range across the ray at most, and to 4 along it.
+        // A point has at most 4 roundings of its range across the ray, and 4 along it.
         let place_error = STEP * (1.0 + 4.0 * (1.0 + off_axis * off_axis).sqrt() * seen);
         let at = At {
             meters: [factor.bounds[0] * near, factor.bounds[1] * segment.far_m],
@@ -203,7 +203,7 @@ impl<'a> Bounded<'a> {
                     + all * lost * (0.7 * exponent_error + POWER);
                 light = (direct_profile.max(blur) * all).min(light + blur * joined);
                 error += blur_error * joined + blur * (all_error + FADE * (all + direct));
-                // What arrives as it left is taken from what is spread.
+                // Unscattered light is subtracted from spread light.
                 decaying = direct_profile.max(blur);
             }
             error += decaying * exponent_error * decayed;

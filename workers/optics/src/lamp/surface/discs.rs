@@ -1,5 +1,5 @@
-//! How much is seen from surfaces of the disc that scattered light of a lamp comes from. Such shadows are wide: the disc is looked
-//! for from places a degree or two apart first, from more of them where what is seen changes, and from each at the edges of things.
+//! Visible share, from surfaces, of the disc of a lamp's scattered light. Such shadows are wide: the disc is sampled from points a
+//! degree or two apart first, from more of them if its visible share changes, and from each at edges.
 
 mod cell;
 
@@ -15,30 +15,30 @@ use crate::lamp::shadow::SPREAD_PLACES;
 use crate::lamp::sight::{Disc, Radius, Sight, Starts};
 use crate::lamp::tiles::in_tiles;
 
-/// The most columns and rows of the cells whose corners are looked from first, and the angle that they may span, rad.
+/// The most columns and rows of the cells whose corners are traced first, and the largest angle of a cell, rad.
 const STEP: usize = 8;
 /// `settle` and `is_open` know cells of this side and its halves.
 const _: () = assert!(STEP == 8);
 const ANGLE: f64 = 1.0 / 48.0;
-/// Channels that scatter no more than this many times as much as another share a disc. Its radius is within 12 % of theirs then, and
-/// what is seen of it past a straight edge within 0.04: it changes by dR/(π R) at most.
+/// Channels whose scattering differs by no more than this factor share a disc. The radii differ by 12 % at most then, and the
+/// visible share past a straight edge by 0.04: it changes by dR/(π R) at most.
 const SHARED_UP_TO: f64 = 1.2;
-/// Stands for what is seen from where nobody looked yet.
+/// Marks shares that are not traced yet.
 const UNKNOWN: f32 = -1.0;
 
-/// What is seen of the discs of a lamp.
+/// Visible shares of the discs of a lamp.
 pub(super) struct Discs {
     /// Of the pixels of the frame: a share of all channels, or one of each.
     shares: Vec<Vec<f32>>,
     width: usize,
 }
 
-/// What the discs are looked for from.
+/// The surfaces that the discs are traced from.
 #[derive(Clone, Copy)]
 pub(super) struct Surfaces<'a> {
     pub(super) range: &'a Plane<f32>,
     pub(super) normals: &'a [Plane<f32>; 3],
-    /// Of the pixels of the frame: how they stand to the lamp, and how much of the lamp itself is seen.
+    /// For each pixel of the frame: orientation to the lamp, and visible share of the lamp.
     pub(super) facing: &'a [f32],
     pub(super) seen: &'a [f32],
 }
@@ -68,7 +68,7 @@ impl Discs {
         }
     }
 
-    /// What is seen of the disc of each channel from row `y`.
+    /// Visible share of the disc of each channel from row `y`.
     pub(super) fn of_row(&self, y: usize) -> [&[f32]; 3] {
         [0, 1, 2].map(|channel| {
             let of_frame = &self.shares[channel.min(self.shares.len() - 1)];
@@ -140,7 +140,7 @@ impl<'a> Search<'a> {
         self.shares
     }
 
-    /// Whether it is still to be found what is seen from a lit surface of a cell.
+    /// Whether a cell has a lit surface without a known share.
     fn is_open(&self, cell: Cell) -> bool {
         match cell.step {
             8 => self.is_open_of::<8>(cell),
@@ -159,7 +159,7 @@ impl<'a> Search<'a> {
         vectorized!(cell::is_open(&facing, &shares))
     }
 
-    /// Reads the pixels of a cell that its corners tell enough of. Returns whether it has to be divided for the others.
+    /// Interpolates the pixels of a cell whose corners allow it. Returns whether the cell must be divided for the others.
     fn settle<const SIDE: usize>(&mut self, cell: Cell) -> bool {
         let Surfaces {
             range, facing, seen, ..
@@ -203,7 +203,7 @@ impl<'a> Search<'a> {
         for cell in cells {
             for at in self.corners(*cell) {
                 if self.shares[at] == UNKNOWN && self.surfaces.facing[at] != AWAY {
-                    // Not to be looked from again for the next cell.
+                    // Prevents another trace for the next cell.
                     self.shares[at] = 0.0;
                     let start = self.start(at);
                     let way = [0, 1, 2].map(|i| start[i] - self.lamp[i]);

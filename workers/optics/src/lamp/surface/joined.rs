@@ -1,4 +1,4 @@
-//! The light of a lamp on a row of surfaces, joined by what was scattered on its way.
+//! The light of a lamp on a row of surfaces, with scattered lamp light.
 
 use imaging::vectorized;
 
@@ -20,7 +20,7 @@ pub(super) struct Joined {
 }
 
 impl Joined {
-    /// None where light that scatters more than once is not followed.
+    /// `None` if multiple scattering is not modeled.
     pub(super) fn new(lighting: &Lighting) -> Option<Self> {
         let (a, b) = (lighting.absorption?, lighting.scattering);
         let halvings = |rate: f64| rate as f32 * HALVINGS;
@@ -40,11 +40,11 @@ const SCALE: [f32; 3] = [
 ];
 const FARTHEST: f32 = WIDEST as f32;
 
-/// The blurred profile of a spot on the surfaces of a row. Computed by itself: in the loop over all else of a pixel it is too much for
-/// the registers, and takes six times as long.
+/// The blurred profile of a spot on the surfaces of a row. In a separate loop: together with the rest of a pixel it runs out of
+/// registers and is six times slower.
 pub(super) struct Blur([Vec<f32>; 3]);
 
-/// Where the surfaces of a run lie in the beam, the scale of the kernel of each channel, and the profile that it leaves.
+/// Positions of the surfaces of a run in the beam, the scale of the kernel of each channel, and the blurred profile.
 struct InBeam {
     turned: Turned,
     scale: [[f32; RUN]; 3],
@@ -52,7 +52,7 @@ struct InBeam {
 }
 
 impl Blur {
-    /// None of a lamp that shines in all directions, or where light that scatters more than once is not followed.
+    /// `None` for an isotropic lamp, or if multiple scattering is not modeled.
     pub(super) fn new(lamp: &Lamp, lighting: &Lighting, width: usize) -> Option<Self> {
         lighting.absorption?;
         lamp.is_spot().then(|| Self([(); 3].map(|()| vec![0.0; width])))
@@ -75,7 +75,7 @@ impl Blur {
         }
     }
 
-    /// Of the row that was computed last.
+    /// The lanes of the latest row.
     pub(super) fn lanes(&self) -> [&[f32]; 3] {
         self.0.each_ref().map(Vec::as_slice)
     }
@@ -126,7 +126,7 @@ pub(super) fn shine_unshaded(
     }
 }
 
-/// Adds the light of a lamp to a row as far as it is seen.
+/// Adds the visible light of a lamp to a row.
 pub(super) fn shine_shaded(
     row: Row<'_>,
     lamp: Source,
@@ -143,7 +143,7 @@ pub(super) fn shine_shaded(
     }
 }
 
-/// Adds the light of a lamp, a spot or not, to a row, `SHADED` as far as it is seen.
+/// Adds the light of a lamp, a spot or not, to a row, if `SHADED` times its visible share.
 #[inline(always)]
 fn shine<const SPOT: bool, const SHADED: bool>(
     row: Row<'_>,

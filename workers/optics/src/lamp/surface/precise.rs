@@ -1,5 +1,5 @@
-//! The light of lamps on surfaces in f64, for tiles on which f32 might lose too much of it: next to a lamp and far from the camera,
-//! or where the light only grazes.
+//! The light of lamps on surfaces in f64, for tiles with too much rounding in f32: next to a lamp and far from the camera, or at
+//! grazing incidence.
 
 use std::f64::consts::PI;
 

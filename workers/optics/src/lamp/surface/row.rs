@@ -7,7 +7,7 @@ use imaging::geometry::Intrinsics;
 
 use crate::attenuation::masked;
 
-/// What the lamps meet in a row, or in a few rows one after the other.
+/// Surfaces of one row, or of a few rows in sequence.
 #[derive(Clone, Copy)]
 pub(super) struct Row<'a> {
     /// Where the surfaces are in camera axes, how far from the camera, and 1, or 0 at a hole.
@@ -19,7 +19,7 @@ pub(super) struct Row<'a> {
 }
 
 impl<'a> Row<'a> {
-    /// These of some places, with the normals of the frame from a pixel on.
+    /// Those of some points, with the normals of the frame from a pixel on.
     pub(super) fn new(
         (places, own): (&'a [Vec<f32>; 5], Range<usize>),
         (normals, at): (&'a [Plane<f32>; 3], usize),
@@ -35,12 +35,12 @@ impl<'a> Row<'a> {
     }
 }
 
-/// What [`places_of`] needs to know of a camera: 1/f and the principal point, px.
+/// Camera parameters for [`places_of`]: 1/f and the principal point, px.
 pub(super) fn lens(camera: &Intrinsics) -> [f32; 3] {
     [1.0 / camera.focal_px, camera.cx, camera.cy].map(|v| v as f32)
 }
 
-/// Sets where the surfaces of row `y` are: the lanes of [`Row::places`].
+/// Computes the surface points of row `y`: the lanes of [`Row::places`].
 #[inline(always)]
 pub(super) fn places_of([inverse_focal, cx, cy]: [f32; 3], y: f32, range: &[f32], to: &mut [&mut [f32]; 5]) {
     let width = range.len();
@@ -49,7 +49,7 @@ pub(super) fn places_of([inverse_focal, cx, cy]: [f32; 3], y: f32, range: &[f32]
     for i in 0..width {
         let u = (i as f32 - cx) * inverse_focal;
         let (valid, z) = masked(range[i]);
-        // So far away that nothing arrives, and its square is still finite.
+        // At this distance no light arrives, and the square is still finite.
         let z = z.min(1e6);
         let planar = z / u.mul_add(u, v.mul_add(v, 1.0)).sqrt();
         (px[i], py[i], pz[i], meters[i]) = (u * planar, v * planar, planar, z);

@@ -1,5 +1,4 @@
-//! What things leave of the light of a lamp on surfaces: of the lamp itself row by row, and of the discs that light scattered on its
-//! way comes from.
+//! Shadows of a lamp on surfaces: of the lamp row by row, and of the discs of scattered lamp light.
 
 use imaging::rays::{OFFSET, Rays};
 use imaging::{Plane, vectorized};
@@ -14,8 +13,8 @@ use crate::lamp::sight::{Disc, Radius, Sight, Starts};
 use crate::lamp::tiles::{TILE, in_tiles};
 use crate::lamp::{Lamp, Lighting};
 
-/// How a surface stands to a lamp: turned away, or no surface; lit by no more than is not seen; lit from outside the beam, in which
-/// only scattered light arrives; in the beam.
+/// Orientation of a surface to a lamp: turned away or a hole; lit by at most the unseen light; outside the beam, with scattered
+/// light only; in the beam.
 pub(super) const AWAY: f32 = 0.0;
 const DIM: f32 = 1.0;
 pub(super) const LIT: f32 = 2.0;
@@ -25,22 +24,22 @@ pub(super) const IN_BEAM: f32 = 3.0;
 pub(super) struct Shade {
     /// Of the pixels of the frame, how much of the lamp is seen.
     seen: Vec<f32>,
-    /// None where scattered light is not followed.
+    /// `None` if multiple scattering is not modeled.
     discs: Option<Discs>,
     width: usize,
 }
 
-/// What a lamp may light.
+/// Range of a lamp.
 #[derive(Clone, Copy)]
 struct Reach {
     place: [f32; 3],
     profile: Profile,
-    /// What the lamp gives at 1 m over what is not seen, and its least attenuation in halvings per meter.
+    /// Ratio of the lamp's light at 1 m to the unseen light, and its least attenuation in halvings per meter.
     strength: f32,
     fading: f32,
 }
 
-/// What things leave of the light of a lamp in a row.
+/// Shadows of a lamp in a row.
 #[derive(Clone, Copy, Default)]
 pub(super) struct RowShade<'a> {
     pub(super) direct: &'a [f32],
@@ -48,7 +47,7 @@ pub(super) struct RowShade<'a> {
 }
 
 impl Shade {
-    /// None of a lamp whose light nothing cuts off.
+    /// `None` for a lamp without shadows.
     pub(super) fn new(
         lamp: &Lamp,
         lighting: &Lighting,
@@ -84,7 +83,7 @@ impl Shade {
         })
     }
 
-    /// What is left in row `y`.
+    /// Shadows in row `y`.
     pub(super) fn of_row(&self, y: usize) -> RowShade<'_> {
         RowShade {
             direct: &self.seen[y * self.width..(y + 1) * self.width],
@@ -97,16 +96,16 @@ impl Shade {
     }
 }
 
-/// Looks for the lamp itself, a few rows at once.
+/// Traces rays to the lamp, a few rows in one batch.
 struct Look<'a> {
     sight: Sight<'a>,
     reach: Reach,
     disc: Disc,
     radius_m: f32,
-    /// Of the pixels of the frame, as far as it was looked from: how much of the lamp is seen, and how they stand to it.
+    /// For traced pixels of the frame: visible share of the lamp, and orientation to it.
     seen: Vec<f32>,
     facing: Vec<f32>,
-    /// Of the rows: where their surfaces are, where ways to the lamp begin, and how they stand to it.
+    /// For the rows: surface points, ray origins, and orientation to the lamp.
     places: [Vec<f32>; 5],
     lanes: [Vec<f32>; 4],
     starts: Starts,
@@ -123,7 +122,7 @@ impl<'a> Look<'a> {
             reach,
             disc: Disc::new(count),
             radius_m: radius_m as f32,
-            // Where the lamp is not looked for, it does not matter.
+            // The value does not matter for untraced pixels.
             seen: vec![1.0; width * height],
             facing: Vec::with_capacity(width * height),
             places: [const { Vec::new() }; 5],
@@ -147,7 +146,7 @@ impl<'a> Look<'a> {
             let y = top + row;
             vectorized!(places_of(lens(&lighting.camera), y as f32, range.row(y), &mut to));
         }
-        // Nothing is attenuated here.
+        // Attenuation is not needed here.
         let all = Row::new((&self.places, 0..count), (normals, first), ([0.0; 3], 0.0));
         vectorized!(starts_in(
             all,
@@ -164,8 +163,8 @@ impl<'a> Look<'a> {
         }
     }
 
-    /// Lists the pixels of the rows that are looked from, tile by tile. Each is written where the next one of the list stands, which
-    /// moves on only behind those that are looked from: without a branch that cannot be foreseen.
+    /// Lists the traced pixels of the rows, tile by tile. Each is written to the next slot of the list, which advances only after
+    /// traced pixels: this avoids an unpredictable branch.
     fn gather(&mut self, count: usize) {
         let [x_m, y_m, z_m, facing] = self.lanes.each_ref().map(|lane| &lane[..count]);
         self.pixels.resize(count, 0);
@@ -182,7 +181,7 @@ impl<'a> Look<'a> {
     }
 }
 
-/// Where ways to a lamp begin, and how surfaces stand to it.
+/// Ray origins toward a lamp, and orientation of surfaces to it.
 #[inline(always)]
 fn starts_in(
     Row {

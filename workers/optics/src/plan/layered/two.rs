@@ -22,7 +22,7 @@ pub(super) struct Two {
 }
 
 impl Two {
-    /// What the narrow and the wide kernel spread of lit ranges, and of light that passes the gate `behind`.
+    /// Spread of lit ranges by the narrow and the wide kernel, and of light that passes the gate `behind`.
     pub(super) fn parts(
         &self,
         span: (f64, f64),

@@ -1,5 +1,5 @@
-//! What the chain has wrong of the light of lamps: measured in six waters, with the phase function of Fournier and Forand and
-//! b_b/b 0.0183, by `fathom-lab truth-lamps` (docs/science/truth.md).
+//! Model error of lamp light: measured in six waters, with the phase function of Fournier and Forand and b_b/b 0.0183, by
+//! `fathom-lab truth-lamps` (docs/science/truth.md).
 
 use super::{Conditions, ModelError};
 use crate::lamp::{Lamp, Lighting};
@@ -8,7 +8,7 @@ use crate::lamp::{Lamp, Lighting};
 const WALLS_M: [f64; 3] = [1.0, 2.0, 4.0];
 /// Distances of the measured cameras from their lamp, m.
 const CAMERAS_M: [f64; 3] = [0.3, 0.5, 1.0];
-/// A distance between or beside those measured is nearest to one of them up to this factor.
+/// Distances up to this factor from a measured one use its error.
 const NEAR: f64 = 1.5;
 /// A coefficient b, or b/a, within this factor of a measured one is near it.
 const ALIKE: f64 = 1.6;
@@ -118,7 +118,7 @@ pub(super) fn glow(conditions: &Conditions<'_>) -> Option<ModelError> {
     Some(measured.describe("in the water", found?.into_iter(), at))
 }
 
-/// Light of lamps on surfaces where that which scatters more than once is followed.
+/// Light of lamps on surfaces with multiple scattering.
 pub(super) fn followed_surfaces(conditions: &Conditions<'_>) -> Option<ModelError> {
     let lighting = followed(conditions)?;
     let (_, farthest) = conditions.bounds.range_m?;
@@ -131,7 +131,7 @@ pub(super) fn followed_surfaces(conditions: &Conditions<'_>) -> Option<ModelErro
     Some(ModelError::found(ratio, about))
 }
 
-/// Light of lamps in the water where that which scatters more than once is followed.
+/// Airlight of lamps with multiple scattering.
 pub(super) fn followed_glow(conditions: &Conditions<'_>) -> Option<ModelError> {
     let lighting = followed(conditions)?;
     let is_near = |lamp: &Lamp| nearest(&CAMERAS_M, lamp.distance_m()).is_some();

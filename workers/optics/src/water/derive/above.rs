@@ -1,4 +1,4 @@
-//! What light from above needs of a water, and how it follows from the rest.
+//! Inputs of daylight, and their derivation.
 
 use spec::{HoleRule, PhaseFunction};
 
@@ -10,12 +10,12 @@ use crate::daylight::{
 use crate::lamp::AVERAGE_BACKSCATTER_FRACTION;
 use crate::medium::Ambient;
 
-/// What is known of the water.
+/// Known numbers of the water.
 pub(super) struct Known {
     pub(super) absorption: Option<[f64; 3]>,
     pub(super) scattering: Option<[f64; 3]>,
     pub(super) backscatter_fraction: Option<f64>,
-    /// Whether what is missing here is missing, and not of a preset that does not exist.
+    /// Whether an absent number is really missing, not just part of an unknown preset.
     pub(super) is_complete: bool,
     pub(super) focal_px: f64,
 }
@@ -26,7 +26,7 @@ fn sun(above: &DaylightModel) -> Option<SunLight> {
 }
 
 impl Checks {
-    /// Daylight, where it is described and everything that it takes is there.
+    /// Daylight, if it is described and all its inputs are known.
     pub(super) fn daylight(&mut self, request: &Request<'_>, known: &Known) -> Option<Daylight> {
         let above = request.medium.daylight.as_ref()?;
         self.contradictions_above(request, above);
@@ -40,7 +40,7 @@ impl Checks {
             self.missing("absorption_per_m", reason);
         }
         let (depth_m, (absorption, scattering)) = request.medium.depth_m.zip(parts)?;
-        // Numbers beyond their limits are errors by now; the solver need not meet them.
+        // Numbers beyond their limits are errors by now, so the solver can be skipped.
         if !self.errors.is_empty() {
             return None;
         }

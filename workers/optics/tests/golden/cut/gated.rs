@@ -10,7 +10,7 @@ use super::{Prototype, is_seen, transfer, zip};
 /// Least sum of the fill kernel over known pixels; below it the fill is 0.
 const FILL_LEAST: f64 = 1e-6;
 
-/// A layer with its hidden parts filled in. The light is multiplied by the mask.
+/// A layer with its occluded parts filled in. The light is multiplied by the mask.
 struct Shown {
     mask: Plane<f64>,
     light: Plane<f64>,

@@ -1,8 +1,8 @@
-//! How light bends between rays, and what is left where it is read there.
+//! Second and third differences of light between rays, and the interpolation error.
 //!
-//! From one ray to the next light is read from a parabola: from a line, less x (1 − x)/2 times the mean of the second differences at
-//! both rays. The third differences show what that leaves. Those at the two rays alone would miss a kink halfway between them, at which
-//! second differences are equal: those of a pair of blocks are looked at together, of which each has its own kink.
+//! Between two rays light is interpolated by a parabola: a line, less x (1 − x)/2 times the mean of the second differences at both
+//! rays. The third differences show its error. Those at the two rays alone would miss a kink halfway between them, at which second
+//! differences are equal, so a pair of blocks is checked together, each with its possible kink.
 
 use imaging::simd::larger;
 
@@ -55,7 +55,7 @@ impl<'a> Place<'a> {
         self.lines[line].in_degree(self.first + ray, degree)
     }
 
-    /// What may be left in some cells; of light that is read from lines, where these are not `bent`.
+    /// Error estimate in some cells; of linear interpolation if these are not `bent`.
     pub(super) fn left(&self, cells: (usize, usize), is_bent: bool) -> f64 {
         let degrees = self.lines[0].count();
         let between = (0..degrees)
@@ -78,7 +78,7 @@ impl<'a> Place<'a> {
         f64::from(between + own)
     }
 
-    /// The most that may be left at the ends of some cells.
+    /// Largest error estimate at the ends of some cells.
     fn between_rays(&self, (first, last): (usize, usize), degree: usize, is_bent: bool) -> f32 {
         let [column, row] = self.at;
         let lines =
@@ -111,7 +111,7 @@ impl<'a> Place<'a> {
         larger(larger(worst[0], worst[1]), worst[2])
     }
 
-    /// The second differences that light of some cells is read with.
+    /// The second differences for interpolating the light of some cells.
     pub(super) fn bends(&self, (first, last): (usize, usize)) -> Vec<Bend> {
         let [column, row] = self.at;
         (first..=last)
@@ -130,7 +130,7 @@ impl<'a> Place<'a> {
     }
 }
 
-/// The most second differences of five rays at the two beside a block, and of the changes from each to the next.
+/// Largest second differences of five rays at the two next to a block, and largest changes from each to the next.
 #[inline(always)]
 fn look_across(rays: &[Ends; ACROSS], half: usize, bend: &mut Ends, change: &mut Ends) {
     for i in 0..4 {

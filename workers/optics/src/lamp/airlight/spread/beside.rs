@@ -1,7 +1,7 @@
-//! A lamp beside a run of rays, and its light along them.
+//! A lamp near a run of rays, and its light along them.
 //!
-//! Places on a ray are told by w = 1/(1 + tan β) in place of the angle β: it falls from the camera on, to 0 where a ray has no end, and
-//! takes a root and a division. Sine and cosine of β are (1 − w)/√q and w/√q with q = w² + (1 − w)², and dβ = −dw/q.
+//! Points on a ray are given by w = 1/(1 + tan β) instead of the angle β: it falls from the camera to 0 at infinity, and costs a
+//! root and a division. Sine and cosine of β are (1 − w)/√q and w/√q with q = w² + (1 − w)², and dβ = −dw/q.
 
 use std::f32::consts::FRAC_PI_2;
 
@@ -13,7 +13,7 @@ use super::super::{Glow, Lanes, RUN};
 use crate::elementary::{fade, sin_cos};
 use crate::lamp::blurred::{Turned, blurred};
 
-/// w of a place so many meters behind the one nearest to a lamp.
+/// w of a point `behind` meters behind the one nearest to a lamp.
 #[inline(always)]
 pub(super) fn opening(distance: f32, behind: f32) -> f32 {
     let sum = behind.mul_add(behind, distance * distance).sqrt() + behind.abs();
@@ -27,7 +27,7 @@ fn at_angle(beta: f32) -> f32 {
     cos.max(0.0) / (sin + cos)
 }
 
-/// A run of rays: t₀ and D as meters of mean water, w at the camera, D in meters, and what a spot needs, as in
+/// A run of rays: t₀ and D as meters of mean water, w at the camera, D in meters, and the geometry of a spot, as in
 /// [`Intervals`](super::super::intervals::Intervals).
 pub(super) struct Bundle {
     nearest: Lanes,
@@ -37,7 +37,7 @@ pub(super) struct Bundle {
     across: Lanes,
     along: Lanes,
     out: Lanes,
-    /// Where it enters the cone of a spot and leaves it, as a share of w at the camera.
+    /// Entry into the cone of a spot and exit, as a share of w at the camera.
     enter: Lanes,
     leave: Lanes,
 }
@@ -78,7 +78,7 @@ impl Bundle {
     }
 }
 
-/// Light of a lamp on a run of rays at one place of each: of a point lamp all of it, of a spot what was spread on its way.
+/// Light of a lamp on a run of rays at one point of each: of a point lamp all of it, of a spot the scattered lamp light.
 pub(super) struct Node {
     pub(super) light: [Lanes; 3],
     /// Scale of the kernel of each channel.
@@ -113,7 +113,7 @@ impl Node {
         }
     }
 
-    /// Of a spot what is spread as if the lamp shone in all directions.
+    /// Scattered lamp light of a spot as if it were isotropic.
     #[inline(always)]
     fn shine_evenly<const SPOT: bool>(&mut self, lamp: &Glow, rays: &Bundle, share: f32) {
         let slope = lamp.profile.slope;
@@ -139,7 +139,7 @@ impl Node {
     }
 }
 
-/// Of a spot what arrives as it left, at the two nodes of that part of a cell which its cone lights, times the share of this part.
+/// Unscattered light of a spot, at the two nodes of the lit part of a cell, times the share of this part.
 pub(super) struct Direct(pub(super) [[Lanes; 3]; 2]);
 
 impl Direct {
@@ -167,7 +167,8 @@ impl Direct {
     }
 }
 
-/// A place on a ray: the phase function there by dw, the way of its light in meters of mean water, sine and cosine of θ = 2 β − π/2.
+/// A point on a ray: the phase function there by dw, the path of its light in meters of mean water, sine and cosine of θ = 2 β −
+/// π/2.
 struct At {
     light: f32,
     path: f32,

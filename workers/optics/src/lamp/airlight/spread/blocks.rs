@@ -1,4 +1,4 @@
-//! Which blocks of pixels are read between which rays.
+//! Chooses the rays that each block of pixels is interpolated between.
 
 use std::ops::Range;
 
@@ -14,8 +14,8 @@ use super::read::{Band, Block, lanes};
 use super::{FINEST, FINEST_IN_DEGREES, Frame, RUN, SHARE_OF_CONE, STEP};
 
 impl Frame<'_> {
-    /// Fills those blocks of a row that are `asked` for, `step` pixels a side, among the lines of rays of its pair of rows. Returns
-    /// what may be left.
+    /// Fills the blocks of a row selected by `asked`, `step` pixels a side, among the lines of rays of its pair of rows. Returns
+    /// the error bound.
     pub(super) fn fill(
         &self,
         band: &mut Band<'_>,
@@ -61,12 +61,12 @@ impl Frame<'_> {
         worst
     }
 
-    /// Whether light is read from parabolas between rays, in place of lines: of degrees there are too many.
+    /// Whether interpolation between rays is parabolic instead of linear: degrees make parabolas too expensive.
     fn is_bent(&self) -> bool {
         !matches!(self.murkiness, Murkiness::Degrees(_))
     }
 
-    /// What may be left of a block whose rays end in some cells, if that may be.
+    /// Error estimate of a block whose rays end in some cells; `None` if it is above the limit.
     fn left(&self, place: Place<'_>, step: usize, cells: (usize, usize)) -> Option<f64> {
         let [top, bottom] = place.beside();
         let nearest_m = place
@@ -81,7 +81,7 @@ impl Frame<'_> {
         (left <= self.tolerance).then_some(left)
     }
 
-    /// The first and the last cell that rays of a block end in; none where all are summed up by themselves.
+    /// First and last end cell of the rays of a block; `None` if all are integrated separately.
     fn cells_of(&self, band: &Band<'_>, place: (usize, usize), column: usize) -> Option<(usize, usize)> {
         let (xs, ys) = self.pixels(place.0, (column, place.1));
         let width = self.range.width();
@@ -93,7 +93,7 @@ impl Frame<'_> {
         (ends.1 >= 0.0).then(|| (cell(ends.0), cell(ends.1)))
     }
 
-    /// Fills blocks of `2 · step` pixels a side by rays that lie `step` apart.
+    /// Fills blocks of `2 · step` pixels a side by rays that are `step` pixels apart.
     fn fill_finer(&self, band: &mut Band<'_>, (step, row): (usize, usize), blocks: &[bool]) -> Errors {
         let (width, height) = self.range.size();
         let asked: Vec<bool> = (0..width.div_ceil(step))
@@ -146,7 +146,7 @@ impl Frame<'_> {
         worst
     }
 
-    /// The columns and rows of a block, as far as they lie in the frame.
+    /// The columns and rows of a block, clipped to the frame.
     pub(super) fn pixels(&self, step: usize, (column, row): (usize, usize)) -> (Range<usize>, Range<usize>) {
         let (width, height) = self.range.size();
         (
@@ -156,7 +156,7 @@ impl Frame<'_> {
     }
 }
 
-/// The least place of some columns that is not below 0, and the greatest.
+/// The least nonnegative and the greatest place of some columns.
 #[inline(always)]
 fn ends_of(rows: &[f32], width: usize, xs: &Range<usize>, ends: &mut (f32, f32)) {
     let (mut first, mut last) = ([f32::INFINITY; STEP], [BY_ITSELF; STEP]);

@@ -12,12 +12,12 @@ use super::{Frame, STEP, nodes};
 use crate::elementary::angle;
 use crate::lamp::patches::BESIDE;
 
-/// Of a pixel that is summed up by itself.
+/// Marks a separately integrated pixel.
 pub(super) const BY_ITSELF: f32 = -1.0;
 
 /// The ends of all rays of a frame.
 pub(super) struct Ends<'a> {
-    /// 0 at the camera, 1 where a ray has no end; below 0 where it is summed up by itself.
+    /// 0 at the camera, 1 at infinity; negative for separately integrated pixels.
     pub(super) places: &'a [f32],
     /// Of each run of columns, band by band.
     extremes: Vec<Extremes>,
@@ -37,7 +37,7 @@ struct Extremes {
 }
 
 impl<'a> Ends<'a> {
-    /// Written into `room`. If a ray is `alone` that ends before most of the glow comes from it, it is summed up by itself.
+    /// Writes into `room`. If rays are `alone`, a ray that ends before the main part of the airlight is integrated separately.
     pub(super) fn new(frame: &Frame<'_>, alone: bool, room: &'a mut Vec<f32>) -> Self {
         let (width, height) = frame.range.size();
         let runs = width.div_ceil(RUN);
@@ -75,13 +75,13 @@ impl<'a> Ends<'a> {
         ends
     }
 
-    /// The first and the last of so many cells that a ray ends in.
+    /// First and last end cell of rays, with `cells` cells.
     pub(super) fn cells(&self, cells: usize) -> (usize, usize) {
         let cell = |place: f32| ((place * cells as f32) as usize).min(cells - 1);
         (cell(self.first), cell(self.last))
     }
 
-    /// What the rays of a run of columns have in common, in water of this murkiness.
+    /// Bounds that hold for all rays of a run of columns, in water of this turbidity.
     pub(super) fn span(&self, run: usize, murk: &nodes::Span) -> nodes::Span {
         let of = &self.extremes[run];
         let beta = |w: f32| angle(1.0 - w, w).min(FRAC_PI_2);

@@ -1,4 +1,4 @@
-//! Sums of light along rays that lie some pixels apart in a row.
+//! Cumulative sums of light along rays that are some pixels apart in a row.
 
 use std::ops::Range;
 
@@ -12,12 +12,12 @@ use super::{BETWEEN_CELLS, Cut, Frame, WITHIN_CELL, nodes};
 
 /// Where the two Gauss–Legendre nodes of a cell are.
 const NODES: [f32; 2] = [0.211_324_87, 0.788_675_1];
-/// The slope of a line by what it rises between them.
+/// Slope of a line, divided by its rise between them.
 const RISE: f32 = 1.732_050_8;
 
-/// A cell of a ray: of three channels each, in every four lanes, the sum up to it, in it, its slope there, and the sum up to its end. In
-/// the last lane stands the most by which the slope of what is spread bends up to it: by how much its change from one cell to the next
-/// differs from the one before.
+/// A cell of a ray. Every four lanes hold three channels each: the sum up to the cell, in it, the slope there, and the sum up to
+/// its end. The last lane is the largest third difference of the spread light up to the cell: the difference of two successive
+/// changes of its slope.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
 pub(super) struct Cell(pub(super) [f32; 16]);
@@ -43,35 +43,35 @@ impl<'a> Ray<'a> {
         &self.cells[(cell - self.start) * self.stride].0
     }
 
-    /// The sum up to the end of a cell; the fourth is none.
+    /// The sum up to the end of a cell; the fourth lane is unused.
     #[inline(always)]
     pub(super) fn end(&self, cell: usize) -> [f32; 4] {
         let at = self.at(cell);
         [at[END], at[END + 1], at[END + 2], at[BUMPS]]
     }
 
-    /// The most by which its slope bends up to a cell.
+    /// Largest third difference up to a cell.
     pub(super) fn bumps(&self, cell: usize) -> f32 {
         self.at(cell)[BUMPS]
     }
 }
 
-/// The rays of a row, from one before the frame to one behind it, in water of each degree of murkiness.
+/// The rays of a row, from one before the frame to one behind it, in water of each degree of turbidity.
 pub(super) struct Line {
-    /// Where each ray stands among those that were asked for.
+    /// Slot of each ray among the needed ones.
     slots: Vec<usize>,
     /// How far the lamp is from each of these, m.
     distance: Vec<f32>,
     /// Cell by cell those of its rays, of each degree.
     degrees: Vec<Vec<Cell>>,
     cut: Cut,
-    /// Of the murkiness of its rays.
+    /// Bounds of the turbidity of its rays.
     pub(super) murk: nodes::Span,
 }
 
 impl Line {
-    /// The rays of every `step`-th pixel of rows `row · step` that are `needed`, the first of them `step` pixels before the frame. Those
-    /// of all rows are summed up together: what is computed at once would hardly be filled by one.
+    /// The rays of every `step`-th pixel of rows `row · step` that are `needed`, the first of them `step` pixels before the frame.
+    /// All rows are integrated together, since one row would hardly fill the vectors.
     pub(super) fn of_rows(
         frame: &Frame<'_>,
         (step, rows): (usize, Range<i64>),
@@ -140,12 +140,12 @@ impl Line {
         }
     }
 
-    /// In how many degrees its rays are summed up.
+    /// Number of degrees of turbidity of its rays.
     pub(super) fn count(&self) -> usize {
         self.degrees.len()
     }
 
-    /// The cell behind another, as far as there is one.
+    /// The next cell, or the last one.
     pub(super) fn next(&self, cell: usize) -> usize {
         (cell + 1).min(self.cut.used - 1)
     }
@@ -154,7 +154,7 @@ impl Line {
         self.distance[self.slots[ray]]
     }
 
-    /// What these cells of all rays, and those before, may leave.
+    /// Quadrature error of these cells of all rays, and of those before.
     pub(super) fn left_by_cells(&self, cells: (usize, usize)) -> f64 {
         let next = (cells.0, self.next(cells.1));
         let asked = (0..self.slots.len()).filter(|&ray| self.slots[ray] != usize::MAX);
@@ -170,7 +170,7 @@ struct Across {
     sums: [Lanes; 3],
     inside: [Lanes; 3],
     slope: [Lanes; 3],
-    /// Of what is spread.
+    /// Of the spread light.
     spread: [Lanes; 3],
     turn: [Lanes; 3],
     bumps: Lanes,
@@ -189,7 +189,7 @@ impl Across {
         }
     }
 
-    /// Goes on to the next cell, whose nodes have this light.
+    /// Advances to the next cell, whose nodes have this light.
     #[inline(always)]
     fn go_on(
         &mut self,
@@ -222,7 +222,7 @@ impl Across {
     }
 }
 
-/// Sums up the first `count` rays of a run, and stores their cells.
+/// Integrates the first `count` rays of a run, and stores their cells.
 fn sum_up(
     lamp: &Glow,
     (rays, source): (&Bundle, &Lanes),
@@ -269,7 +269,7 @@ fn sum_up(
     }
 }
 
-/// The most by which the slope changes beside or between some cells.
+/// Largest change of the slope next to or between some cells.
 pub(super) fn turns(own: Ray<'_>, (first, last): (usize, usize)) -> f32 {
     let mut worst = 0.0f32;
     for cell in first.max(1)..=last {

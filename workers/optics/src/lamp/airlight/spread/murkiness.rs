@@ -1,9 +1,9 @@
-//! How murky the water is that the rays of pixels meet.
+//! Turbidity along the rays of pixels.
 //!
-//! In patches the factors of b and c change all paths of a ray, and with them its light. Most of the glow comes from a stretch near the
-//! lamp: where all surfaces lie behind it, the factors change from ray to ray alone, and each ray is summed up in its own water. Where
-//! things are nearer, a parabola through the sums of three degrees of murkiness stands for what is between; the factor of b multiplies
-//! the light alone.
+//! In patches the factors of b and c change all paths of a ray, and with them its light. Most of the airlight comes from a stretch
+//! near the lamp. If all surfaces are behind it, the factors change only from ray to ray, and each ray is integrated in its actual
+//! water. If some are nearer, a parabola through the sums of three degrees of turbidity interpolates between them; the factor of b
+//! multiplies only the light.
 
 use imaging::vectorized;
 
@@ -13,22 +13,22 @@ use super::{Frame, nodes};
 use crate::lamp::patches::BESIDE;
 use crate::turbidity;
 
-/// Degrees lie at most this far apart, and how many there are: four show what a parabola leaves.
+/// Largest spacing of degrees, and their number: four reveal the error of a parabola.
 const APART: f32 = 0.125;
 const FEWEST: usize = 4;
 const MOST: usize = 12;
-/// Where no more than one of so many pixels is near the lamp, these are summed up each by itself.
+/// If at most one of this number of pixels is near the lamp, such pixels are integrated separately.
 const FEW: usize = 64;
 
 /// The water of the rays to a lamp.
 pub(super) enum Murkiness {
     Even,
-    /// Of each ray its own, as if it had no end.
+    /// Turbidity of each ray as if it had no end.
     Own,
     Degrees(Degrees),
 }
 
-/// The factors of c and b of each pixel of a frame, and how far the latter is from a mean of the ray, see [`Murk`].
+/// The factors of c and b of each pixel of a frame, and the difference of the latter from a mean of the ray, see [`Murk`].
 pub(super) struct Degrees {
     path: Vec<f32>,
     source: Vec<f32>,
@@ -39,7 +39,7 @@ pub(super) struct Degrees {
 }
 
 impl Murkiness {
-    /// Of the rays of a frame to a lamp.
+    /// Turbidity for the rays of a frame to a lamp.
     pub(super) fn met(frame: &Frame<'_>) -> Self {
         let Some(patches) = &frame.patches else {
             return Self::Even;
@@ -56,7 +56,7 @@ impl Murkiness {
         }
     }
 
-    /// In how many degrees of murkiness each ray is summed up.
+    /// Number of degrees of turbidity for each ray.
     pub(super) fn degrees(&self) -> usize {
         match self {
             Self::Even | Self::Own => 1,
@@ -64,7 +64,7 @@ impl Murkiness {
         }
     }
 
-    /// The greatest factor of b by which sums are multiplied.
+    /// The greatest factor of b that sums are multiplied with.
     pub(super) fn most_source(&self) -> f32 {
         match self {
             Self::Even | Self::Own => 1.0,
@@ -72,7 +72,7 @@ impl Murkiness {
         }
     }
 
-    /// Of all pixels, where it is known.
+    /// Bounds for all pixels, if known.
     pub(super) fn span(&self) -> Option<nodes::Span> {
         match self {
             Self::Even | Self::Own => None,
@@ -82,7 +82,7 @@ impl Murkiness {
 }
 
 impl Frame<'_> {
-    /// The water in which rays without end are summed up for a degree of murkiness.
+    /// The water of infinite rays for a degree of turbidity.
     pub(super) fn murk_of(&self, degree: usize, rays: &Rays) -> Murk {
         match &self.murkiness {
             Murkiness::Even => Murk::default(),
@@ -94,7 +94,7 @@ impl Frame<'_> {
         }
     }
 
-    /// The water along rays as far as they go.
+    /// The water along rays up to their ends.
     pub(super) fn murk_along(&self, rays: &Rays) -> Murk {
         let (mut murk, lamp) = (Murk::default(), self.lamp);
         if let Some(patches) = &self.patches {
@@ -148,7 +148,7 @@ impl Degrees {
 }
 
 impl nodes::Span {
-    /// Of no ray.
+    /// Empty bounds.
     pub(super) fn dark() -> Self {
         Self {
             from: 0.0,
@@ -163,7 +163,7 @@ impl nodes::Span {
         }
     }
 
-    /// Takes the water of the first `count` rays of a run in.
+    /// Includes the water of the first `count` rays of a run.
     pub(super) fn include(&mut self, murk: &Murk, count: usize) {
         let least = |lanes: &Lanes, from: f32| lanes[..count].iter().copied().fold(from, f32::min);
         let most = |lanes: &Lanes, from: f32| lanes[..count].iter().copied().fold(from, f32::max);
@@ -173,7 +173,7 @@ impl nodes::Span {
         self.stretch = most(&murk.stretch, self.stretch);
     }
 
-    /// Takes the water of others in.
+    /// Includes the bounds of another span.
     pub(super) fn join(&mut self, other: &Self) {
         self.clearest = self.clearest.min(other.clearest);
         self.murkiest = self.murkiest.max(other.murkiest);

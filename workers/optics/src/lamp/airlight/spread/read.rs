@@ -1,4 +1,4 @@
-//! Light of pixels, read between the rays about them.
+//! Light of pixels, interpolated between the rays about them.
 
 use std::ops::Range;
 
@@ -11,7 +11,7 @@ use super::line::{INSIDE, Ray, SLOPE};
 use super::murkiness::{Degrees, Murkiness};
 use super::{Frame, RUN, STEP};
 
-/// What f32 may lose of the place in a ray, as a share of it.
+/// Rounding of f32 in the position on a ray, as a share of it.
 const PLACE: f64 = 1e-6;
 
 type Block16 = [f32; STEP];
@@ -22,7 +22,7 @@ pub(super) struct Band<'a> {
     glow: [&'a mut [f32]; 3],
     /// The most light of each run of columns.
     pub(super) most: Vec<f32>,
-    /// The most light in a cell that is read.
+    /// The most light in an interpolated cell.
     steepest: f32,
 }
 
@@ -52,16 +52,16 @@ impl<'a> Band<'a> {
         }
     }
 
-    /// What f32 may lose between rays of so many cells.
+    /// Rounding of f32 between rays with this number of cells.
     pub(super) fn rounding(&self, cells: usize) -> f64 {
         PLACE * cells as f64 * f64::from(self.steepest)
     }
 }
 
-/// A block of pixels between four rays, those above first, of each degree of murkiness.
+/// A block of pixels between four rays, those above first, of each degree of turbidity.
 pub(super) struct Block<'a> {
     corners: Vec<[Ray<'a>; 4]>,
-    /// How light bends from a cell on; none where it is read from lines.
+    /// Cell of the first of `bends`, which is empty for linear interpolation.
     first: usize,
     bends: Vec<Bend>,
     /// Its columns.
@@ -85,7 +85,7 @@ impl<'a> Block<'a> {
 }
 
 impl Frame<'_> {
-    /// Reads the light of some blocks of a row, row by row of pixels: these lie one after the other in memory.
+    /// Interpolates the light of some blocks of a row, row by row of pixels, in the order of memory.
     pub(super) fn read(
         &self,
         band: &mut Band<'_>,
@@ -160,7 +160,7 @@ pub(super) fn lanes(row: &[f32], rest: f32) -> Block16 {
     lanes
 }
 
-/// The light of a row of pixels; none of those below 0. All lanes are computed in every cell that a pixel ends in.
+/// The light of a row of pixels; 0 for negative places. All lanes are computed in every end cell of a pixel.
 #[inline(always)]
 fn read_row(
     block: &Block<'_>,
@@ -268,7 +268,7 @@ fn read_degrees(
     }
 }
 
-/// The sum up to a place in a cell, between the cells of four rays.
+/// The sum up to a position in a cell, interpolated between the cells of four rays.
 #[inline(always)]
 fn between(four: [[f32; 16]; 4], u: f32, [right, down]: [f32; 2]) -> [f32; 4] {
     let [a, b, c, d] = four.map(|cell| {

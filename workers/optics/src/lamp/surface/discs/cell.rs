@@ -1,4 +1,4 @@
-//! Cells of pixels, and which of them are read between the four corners that were looked from.
+//! Cells of pixels, and their interpolation between the four traced corners.
 
 use imaging::simd::{larger, smaller};
 
@@ -6,12 +6,12 @@ use super::UNKNOWN;
 use crate::lamp::coarse::ALIKE;
 use crate::lamp::surface::shade::{IN_BEAM, LIT};
 
-/// Where the corners of a cell see shares of the disc that differ by no more, the others are read between them.
+/// Largest difference of shares at the corners of a cell for interpolating the others.
 const READ_UP_TO: f32 = 0.25;
-/// Where corners see more of the disc, but pixels between them less than half of the lamp itself, something small is in the way.
+/// If corners see more of the disc, but pixels between them less than half of the lamp, a small occluder is likely.
 const OPEN: f32 = 0.9;
 
-/// Pixels whose corners are looked from: `step` columns and rows, fewer at the end of the frame.
+/// Pixels with traced corners: `step` columns and rows, fewer at the end of the frame.
 #[derive(Clone, Copy)]
 pub(super) struct Cell {
     pub(super) x: usize,
@@ -22,21 +22,21 @@ pub(super) struct Cell {
 /// A quantity of the pixels of a cell, row by row.
 pub(super) type Lanes<const SIDE: usize> = [[f32; SIDE]; SIDE];
 
-/// What is known of the pixels of a cell.
+/// State of the pixels of a cell.
 pub(super) struct Pixels<const SIDE: usize> {
     pub(super) meters: Lanes<SIDE>,
-    /// How they stand to the lamp.
+    /// Orientation to the lamp.
     pub(super) facing: Lanes<SIDE>,
     /// How much of the lamp itself is seen from them.
     pub(super) seen: Lanes<SIDE>,
 }
 
-/// What is known of the corners of a cell: of the pixels left and right in its first row, and in the first row below it.
+/// State of the corners of a cell: of the pixels left and right in its first row, and in the first row below it.
 pub(super) struct Corners {
     pub(super) meters: [f32; 4],
     /// How much of the disc is seen from each.
     pub(super) shares: [f32; 4],
-    /// Whether each stands so that it was looked from.
+    /// Whether each corner faces the lamp and was traced.
     pub(super) faces: [bool; 4],
 }
 
@@ -60,7 +60,7 @@ impl Cell {
             .map(move |(x, y)| Self { x, y, step })
     }
 
-    /// Writes what was found of its pixels into those of the frame.
+    /// Writes the shares of its pixels into those of the frame.
     pub(super) fn write<const SIDE: usize>(
         self,
         frame: &mut [f32],
@@ -77,7 +77,7 @@ impl Cell {
     }
 }
 
-/// Takes the pixels of a cell from a quantity of the frame, and `beyond` for those that the frame has not.
+/// Copies the pixels of a cell from a quantity of the frame, and `beyond` for those outside the frame.
 #[inline(always)]
 pub(super) fn take<const SIDE: usize>(
     lanes: &mut Lanes<SIDE>,
@@ -103,7 +103,7 @@ pub(super) fn take<const SIDE: usize>(
     }
 }
 
-/// Whether a pixel is lit of which it is not known what is seen from it.
+/// Whether a lit pixel has an unknown share.
 #[inline(always)]
 pub(super) fn is_open<const SIDE: usize>(facing: &Lanes<SIDE>, shares: &Lanes<SIDE>) -> bool {
     let mut is_open = false;
@@ -116,7 +116,7 @@ pub(super) fn is_open<const SIDE: usize>(facing: &Lanes<SIDE>, shares: &Lanes<SI
 }
 
 impl Corners {
-    /// Whether a cell shows one surface, from whose corners much the same is seen of the disc, and the lamp itself where it is.
+    /// Whether a cell shows one surface whose corners have similar visible shares of the disc, and of the lamp in the beam.
     #[inline(always)]
     pub(super) fn show<const SIDE: usize>(&self, pixels: &Pixels<SIDE>) -> bool {
         let (least, most) = ends(self.shares);

@@ -38,7 +38,7 @@ impl Rays for Posts {
     }
 }
 
-/// What is seen of the discs of all pixels, and what is seen from each by itself.
+/// Interpolated shares of the discs of all pixels, and exact shares of each pixel.
 fn found_and_exact((width, height): (usize, usize), scattering: [f64; 3]) -> [Vec<[f32; 3]>; 2] {
     let camera = Intrinsics::centered(0.8 * width as f64, width, height);
     let range = Plane::from_fn(width, height, |x, y| {
@@ -87,8 +87,8 @@ fn found_and_exact((width, height): (usize, usize), scattering: [f64; 3]) -> [Ve
     [found.collect(), exact.collect()]
 }
 
-/// The mean difference is far below the 0.143 by which sixteen places may miss the share of a disc, and hardly a pixel differs by
-/// more than that.
+/// The mean difference is far below 0.143, the error of sixteen samples for the share of a disc, and hardly a pixel differs by more
+/// than that.
 #[test]
 fn what_is_read_is_nearly_what_each_pixel_sees() {
     for scattering in [[0.41, 0.45, 0.43], [0.1, 0.9, 0.5]] {
