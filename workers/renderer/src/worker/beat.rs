@@ -1,5 +1,5 @@
-//! One beat for all leases of the worker. The service holds its response until the next beat is due or a lease is cancelled, so that
-//! what nobody waits for ends at once.
+//! One heartbeat for all leases of the worker. The service holds its response until the next heartbeat is due or a lease is
+//! cancelled, so cancelled work ends immediately.
 
 use std::time::{Duration, Instant};
 
@@ -8,7 +8,7 @@ use proto::wire::BeatRequest;
 use super::Shared;
 use super::client::ClientError;
 
-/// Shortest time between two beats, however many leases are cancelled one after another.
+/// Shortest time between two heartbeats, even while many leases are cancelled.
 const SHORTEST: Duration = Duration::from_millis(100);
 
 /// Beats until the worker is to stop.
@@ -23,11 +23,10 @@ pub(crate) fn run(shared: &Shared) {
     }
 }
 
-/// What a beat came to.
 enum Beat {
-    /// Leases are cancelled, and others may follow at once.
+    /// Leases were cancelled; send the next heartbeat early.
     Cancelled,
-    /// Nothing, or an error.
+    /// No cancellation, or an error.
     Over,
 }
 

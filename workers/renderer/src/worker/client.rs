@@ -16,7 +16,7 @@ use ureq::http::StatusCode;
 /// Longer than any long-poll: beyond it the connection is dead.
 const RESPONSE_LIMIT: Duration = Duration::from_secs(120);
 
-/// Why a call came to nothing.
+/// Why a call failed.
 #[derive(Debug, thiserror::Error)]
 pub enum ClientError {
     /// The lease is not held any more: drop the frame.
@@ -25,13 +25,13 @@ pub enum ClientError {
     /// The service does not know this worker, for instance after a restart: register again.
     #[error("the service does not know this worker")]
     UnknownWorker,
-    /// No response, or one that asks to come again: try again after a pause.
+    /// No response, or a request to retry: retry after a pause.
     #[error("the service is not available: {reason}")]
     Unavailable {
         /// What happened.
         reason: String,
     },
-    /// The service understood and refused: trying again changes nothing.
+    /// The service understood and refused the request: a retry is useless.
     #[error("the service refused ({status}): {problem}")]
     Refused {
         /// HTTP status.
@@ -41,7 +41,7 @@ pub enum ClientError {
     },
 }
 
-/// What a call came to.
+/// The result of a call.
 pub type Outcome<T> = Result<T, ClientError>;
 
 /// The worker's calls to a service; cheap to clone, shared by threads. Each fails with a [`ClientError`].

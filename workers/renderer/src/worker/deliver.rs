@@ -1,4 +1,4 @@
-//! The delivering thread of a slot: hands in what the rendering thread has finished, in order.
+//! The delivery thread of a slot: submits finished frames in order.
 
 use std::collections::BTreeMap;
 use std::sync::mpsc::Receiver;
@@ -14,7 +14,6 @@ use crate::error::RenderError;
 use crate::file::File;
 use crate::slot::Rendered;
 
-/// What comes from the rendering thread.
 pub(crate) enum Parcel {
     /// A frame, rendered or not.
     Frame {
@@ -22,11 +21,11 @@ pub(crate) enum Parcel {
         outcome: Box<Result<Rendered, Refusal>>,
         hold: Hold,
     },
-    /// Nothing more of this lease. `finished`: all its frames came.
+    /// The end of this lease. `finished`: all its frames were sent.
     End { hold: Hold, finished: bool },
 }
 
-/// Why a frame has no image, as the service is told.
+/// The reported reason for a frame without an image.
 #[derive(Clone)]
 pub(crate) struct Refusal {
     error: String,

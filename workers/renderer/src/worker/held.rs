@@ -12,7 +12,7 @@ pub(crate) struct Held(Mutex<BTreeMap<u64, Hold>>);
 #[derive(Clone)]
 pub(crate) struct Hold {
     pub(crate) token: u64,
-    /// Ends what is computed for it.
+    /// Cancels the computations of this lease when set.
     pub(crate) lost: Arc<AtomicBool>,
 }
 

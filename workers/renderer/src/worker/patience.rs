@@ -24,7 +24,7 @@ pub(crate) struct Persisted<T> {
     pub(crate) repeated: bool,
 }
 
-/// Repeats a call until the service responds or the result is no longer wanted; a few more times once the worker is stopping.
+/// Repeats a call until the service responds or the result is not needed; only a few more times once the worker is stopping.
 pub(crate) fn persist<T>(
     stop: &Stop,
     wanted: impl Fn() -> bool,

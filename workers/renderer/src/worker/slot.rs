@@ -18,7 +18,7 @@ use crate::source::SceneSource;
 
 /// How long the service may hold a request for a lease. Short, so that a stop does not wait for it.
 const LEASE_WAIT_MS: u32 = 2000;
-/// Pause after a refusal, which will not change by itself.
+/// Pause after a refusal, which only a change to the service can lift.
 const AFTER_REFUSAL: Duration = Duration::from_secs(10);
 /// Weight of the newest frame in the running mean of the cost of a frame.
 const NEWEST: f64 = 0.3;

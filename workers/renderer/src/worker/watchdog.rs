@@ -1,5 +1,5 @@
-//! Ends the process when a frame runs without end or eats the machine's memory, or when one that was cancelled does not look at its
-//! flag: nothing inside a process can stop a thread that computes, and the service knows how to go on after a worker that died.
+//! Ends the process when a frame exceeds its time, the worker exceeds its memory, or a cancelled frame ignores its flag. A computing
+//! thread cannot be stopped from inside its process, and the service recovers from a dead worker.
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -11,16 +11,16 @@ use super::memory::resident_bytes;
 
 /// How often the frames and the memory are looked at.
 const LOOK: Duration = Duration::from_millis(100);
-/// How long a frame may go on after its lease is lost. Loops look at their flag every few milliseconds; what takes longer runs in
-/// a library that does not.
+/// How long a frame may run after its lease is lost. Loops check their flag every few milliseconds; longer computations are inside a
+/// library that does not.
 const AFTER_LOSS: Duration = Duration::from_secs(8);
 
-/// What a frame may cost before the worker gives itself up.
+/// Limits that end the worker when exceeded.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
     /// Longest time of one frame.
     pub frame: Duration,
-    /// How long a frame may go on after its lease is lost.
+    /// How long a frame may run after its lease is lost.
     pub lost: Duration,
     /// Most resident memory of the whole worker, bytes.
     pub memory_bytes: u64,
@@ -64,7 +64,7 @@ struct Frame {
 enum Verdict {
     /// One frame or the memory is to blame.
     Guilty(String),
-    /// A frame that nobody waits for: the others go back.
+    /// A cancelled frame does not stop. Leases of other frames are released.
     Idle(String),
 }
 
@@ -134,7 +134,7 @@ pub(crate) fn run(shared: &Shared) {
             Some(Verdict::Idle(message)) => {
                 tracing::warn!("{message}; the worker ends itself");
                 for token in shared.held.tokens() {
-                    // What does not arrive runs out with the worker.
+                    // A lease whose release fails expires after the process ends.
                     let _ = shared
                         .client
                         .release(token, "the worker ends itself for another frame");
