@@ -17,7 +17,7 @@ const DISC_RAYS: f64 = 7.0;
 
 /// Part of the share that the quadrature may use; the remainder is for rounding.
 const QUADRATURE: f64 = 0.5;
-/// Rounding of airlight that was computed in f64, as a share of it.
+/// Relative rounding error of airlight computed in f64.
 const ROUNDING: f64 = 6e-8;
 
 /// Airlight and the shadows in it.

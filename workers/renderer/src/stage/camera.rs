@@ -1,4 +1,4 @@
-//! The camera: before the style what port, lens and exposure make of the light, behind it what the sensor makes of that.
+//! The camera: port, lens and exposure before the style, the sensor after it.
 
 mod assess;
 mod develop;

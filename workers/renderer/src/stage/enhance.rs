@@ -46,8 +46,8 @@ struct IblaVariant {
     distance: f64,
 }
 
-/// The fastest variant whose distance is within the tolerance, the exact one without. The distance is no bound: some frames exceed
-/// it.
+/// The fastest variant whose measured distance is within the tolerance; the exact variant without a tolerance. The distance is not a
+/// bound: some frames exceed it.
 fn choose_ibla(variants: &[IblaVariant], tolerance: Option<f64>) -> Stage {
     let (exact, faster) = (variants[0], &variants[1..]);
     let stage = |variant: IblaVariant, share: Option<f64>, note: String| Stage {
@@ -78,8 +78,8 @@ fn choose_ibla(variants: &[IblaVariant], tolerance: Option<f64>) -> Stage {
     )
 }
 
-/// Runs every method of the frame on the result, independently of each other. Warnings of a method go into the record, such
-/// as `ibla: lamp_as_background: …`.
+/// Runs every method of the frame on the result, independently of each other. Adds their warnings to the record, such as `ibla:
+/// lamp_as_background: …`.
 pub(crate) fn run(
     context: &FrameContext<'_>,
     rgb: &Rgb8,

@@ -26,17 +26,17 @@ const PREVIEW_PX: usize = 256;
 /// The results of the stages.
 pub(crate) struct Pictures<'a> {
     pub(crate) layers: &'a Layers,
-    /// Opacity of the snow; none where nothing was drawn.
+    /// Opacity of the snow; `None` without drawn particles.
     pub(crate) snow: Option<&'a Plane<f32>>,
     /// Linear light after the style.
     pub(crate) styled: &'a Rgb<f32>,
     pub(crate) rgb: &'a Rgb8,
     /// The same in 16 bits, where the camera has them.
     pub(crate) deep: Option<&'a Raster>,
-    /// Codes of the sensor; none without one.
+    /// Raw sensor codes; `None` without a sensor model.
     pub(crate) raw: Option<&'a Raw>,
     pub(crate) enhancements: &'a Enhancements,
-    /// The light by Monte Carlo; none where no artifact asks for it.
+    /// The light by Monte Carlo; `None` unless an artifact needs it.
     pub(crate) traced: Option<&'a Traced>,
 }
 
@@ -93,7 +93,7 @@ fn content_or_warn<'a>(
     content
 }
 
-/// `None`: the frame has nothing of this kind.
+/// The content of an artifact, or `None` if the frame lacks it.
 fn content<'a>(
     context: &'a FrameContext<'_>,
     pictures: &Pictures<'a>,
@@ -192,7 +192,7 @@ where
     plane.map(|plane| Content::Codes(plane.clone().into()))
 }
 
-/// What a PNG file says of itself.
+/// Text chunks of a PNG file.
 fn texts(kind: &ArtifactKind) -> Vec<(&'static str, &'static str)> {
     let unit = kind.unit().map(|unit| ("Unit", unit));
     [("Software", "Fathom"), ("Description", kind.about())]

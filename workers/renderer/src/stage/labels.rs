@@ -26,7 +26,7 @@ pub(crate) fn visible_semantics(semantics: &Plane<u8>, transmittance: &Rgb<f32>)
     visible
 }
 
-/// The record of the scene; none without a camera pose and without labels.
+/// The record of the scene; `None` if it has neither a camera pose nor labels.
 pub(crate) fn describe(context: &FrameContext<'_>, layers: &Layers) -> Option<SceneRecord> {
     let (pose, labels) = (context.prepared.pose, context.labels());
     if pose.is_none() && labels.is_none() {

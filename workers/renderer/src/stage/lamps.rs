@@ -124,7 +124,7 @@ pub(crate) struct LitScene {
     pub(crate) has_lamp_light: bool,
 }
 
-/// Adds the light of lamps on surfaces to daylight on them. The radiance of the scene in air stands for its reflectance.
+/// Adds lamplight to daylight on surfaces. The radiance of the scene in air is used as its reflectance.
 pub(crate) fn run(context: &FrameContext<'_>, daylit: Option<Rgb<f32>>) -> LitScene {
     let setting = &context.setting;
     let (Some(lighting), Some(range)) = (&setting.lighting, &context.prepared.scene.range) else {

@@ -12,7 +12,7 @@ use super::surroundings::Surroundings;
 use crate::assessment::Assessment;
 use crate::context::FrameContext;
 
-/// Nanoseconds per pixel of the rays through clouds without a lamp, of which half are empty in the mean, and of each lamp in them.
+/// Costs of rays through clouds, ns per pixel: without lamps, assuming that half of the rays meet no cloud, and for each lamp.
 const SEDIMENT_NS: f64 = 150.0;
 const LIT_SEDIMENT_NS: f64 = 5.0;
 

@@ -177,7 +177,7 @@ fn fall_reference(
     }
 }
 
-/// The mask as 8-bit codes, 255 = opaque; all 0 where nothing was drawn.
+/// The mask as 8-bit codes, 255 = opaque; all 0 without drawn particles.
 pub(crate) fn codes(mask: Option<&Plane<f32>>, (width, height): (usize, usize)) -> Plane<u8> {
     match mask {
         Some(mask) => mask.map(|&v| (255.0 * v.clamp(0.0, 1.0)).round() as u8),

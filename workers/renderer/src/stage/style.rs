@@ -29,12 +29,12 @@ const MAX_SESSIONS: usize = 8;
 /// The networks of a slot.
 pub(crate) struct Networks {
     pub(crate) engine: Arc<Engine>,
-    /// By name, the color tables apart; prepared when they are first asked for.
+    /// Keyed by name and by whether it is the color table. A session is prepared on first use.
     sessions: BTreeMap<(String, bool), Session>,
 }
 
 impl Networks {
-    /// None is prepared yet.
+    /// Creates the cache without any prepared network.
     pub(crate) fn new(engine: &Arc<Engine>) -> Self {
         Self {
             engine: Arc::clone(engine),
@@ -42,9 +42,9 @@ impl Networks {
         }
     }
 
-    /// Styles a picture as planned: linear light after the blend. A style that takes a range leaves a scene without one as it
-    /// is: jobs that can only have such frames were refused. The record names the model that ran: its name ends in
-    /// `.lut` for the color table, in `.noise` for a network that was fed noise of (job seed, frame).
+    /// Styles a picture as planned: linear light after the blend. A style that needs a range leaves a scene without one unchanged;
+    /// jobs that only have such frames were refused. The record names the model used, with the suffix `.lut` for the color table and
+    /// `.noise` for a network fed noise of (job seed, frame).
     pub(crate) fn run<'a>(
         &mut self,
         context: &FrameContext<'_>,

@@ -53,7 +53,7 @@ impl<'a> Surroundings<'a> {
         })
     }
 
-    /// Hands out what particles hang in.
+    /// Calls `see` with the medium around the particles.
     pub(super) fn show<T>(&self, see: impl FnOnce(&Surround<'_>) -> T) -> T {
         let eye = &self.setting.eye;
         let patches = self.setting.patches.map(|field| field.seen_from(eye));

@@ -1,4 +1,4 @@
-//! The truth of a frame: its light by Monte Carlo, for the artifacts that ask for it.
+//! The Monte Carlo truth of a frame's light, for the artifacts that need it.
 
 use std::ops::Range;
 
@@ -16,7 +16,7 @@ use crate::error::RenderError;
 use crate::inputs::rays;
 use crate::light::Light;
 
-/// What is asked of the truth of a frame.
+/// Options of a Monte Carlo trace.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tracing {
     /// How well the frame must be known.
@@ -27,7 +27,7 @@ pub struct Tracing {
     pub seed: u64,
     /// Whether a path serves all channels.
     pub is_shared: bool,
-    /// What ends it short of the target.
+    /// Name of the limit reported when tracing stops short of the goal.
     pub limit: &'static str,
 }
 
@@ -39,14 +39,14 @@ const BLOCK_PX: usize = 8;
 pub struct Traced {
     /// The paths.
     pub truth: ConvergedTruth,
-    /// What they say.
+    /// The comparison with the chain.
     pub report: TruthReport,
 }
 
-/// One round: some samples of every pixel of a scene, row by row; none where it will not go on.
+/// Traces one round: some samples of every pixel of a scene, row by row. Returns `None` to stop.
 pub type Round<'r> = &'r mut dyn FnMut(&PathBatch, &TracedScene<'_>, &Range<u64>) -> Option<Vec<PixelSums>>;
 
-/// Whether an artifact asks for it and the scene has a range.
+/// Whether an artifact needs the truth and the scene has a range.
 pub(crate) fn is_asked(context: &FrameContext<'_>) -> bool {
     context.frame.is_traced() && context.prepared.scene.range.is_some()
 }
@@ -85,7 +85,7 @@ pub(crate) fn law(context: &FrameContext<'_>) -> PhaseModel {
     PhaseModel::of_water(phase, context.setting.water.as_ref())
 }
 
-/// Traces a frame round by round; none of a scene without a range, and where the first round is not traced.
+/// Traces a frame round by round. Returns `None` if the scene has no range or the first round was not traced.
 pub(crate) fn trace(
     context: &FrameContext<'_>,
     light: &Light,

@@ -9,11 +9,11 @@ use crate::assessment::Assessment;
 /// Nanoseconds per pixel.
 const PATH_NS: f64 = 5.3;
 
-/// Optical depths up to which errors are counted as a share of the light; of light behind more, which is faint, they are absolute.
+/// Largest optical depth with relative errors. Light from behind more water is faint, so its errors are absolute.
 const DEEPEST: f64 = 6.0;
 
 /// An error `e` of an optical depth x changes direct light by `e` times itself, and the veil by `e/x` times itself at most. The
-/// error is a share of the path or of the range, whichever is longer.
+/// error is relative to the longer of path and range.
 pub(crate) fn assess(assessment: &Assessment<'_>) -> Stage {
     let setting = &assessment.context.setting;
     let (Some(patches), Some(water)) = (&setting.patches, &setting.around) else {

@@ -13,7 +13,7 @@ use crate::context::FrameContext;
 const SMALLER: usize = 16;
 /// The tolerance of small pictures.
 const TOLERANCE: f64 = 3e-4;
-/// What was metered this many times the lag before counts for less than a millionth.
+/// Multiple of the lag after which a metered value has a weight below one millionth.
 const LAGS: f64 = 14.0;
 
 /// The frames whose metering a frame depends on, in their order, itself the last.

@@ -15,8 +15,8 @@ use crate::inputs::scene::Prepared;
 const STEP_PX: usize = 16;
 /// Pixels of the thinned picture along its shorter side, where the scene has as many.
 const LEAST_PX: usize = 32;
-/// The factor is expected to be larger than that of the thinned picture by no more than this share, and this over the root of the pixels
-/// that the percentile leaves on its smaller side. A frame that is metered brighter is planned and rendered again.
+/// The factor is expected to exceed that of the thinned picture by at most this share plus `SAMPLING` over the root of the pixels on
+/// the smaller side of the percentile. A frame with a larger factor is planned and rendered again.
 const MARGIN: f64 = 0.04;
 const SAMPLING: f64 = 0.8;
 /// Tolerance of the thinned picture: loose, and yet below the margin of dark scenes.

@@ -1,4 +1,4 @@
-//! The optics of the camera in f64, for frames that ask for the reference.
+//! The optics of the camera in f64, for frames of reference fidelity.
 
 use ::camera::defocus::Focus;
 use ::camera::geometry::{coordinates_reference, resample_reference};
