@@ -143,7 +143,7 @@ impl<'a> FrameContext<'a> {
         }
     }
 
-    /// What bends the rays of that camera; none of a pinhole.
+    /// The refraction of that camera, or `None` for a pinhole.
     pub(crate) fn lens(&self) -> Option<LensRecord> {
         let taking = self.taking.as_ref()?;
         taking.sampling.as_ref()?;

@@ -9,7 +9,7 @@ pub(crate) const LEAST_SHARE: f64 = 1e-3;
 /// Changes of an 8-bit picture up to this many codes are not seen.
 pub(crate) const VISIBLE_CODES: f64 = 2.0;
 
-/// Effects that are estimated, in the order of light.
+/// Effects with an estimated change, in the order of light.
 pub(crate) const ESTIMATED: [StageId; 6] = [
     StageId::SunShadow,
     StageId::AmbientAccess,
@@ -48,7 +48,7 @@ impl Change {
     }
 }
 
-/// The effects of a frame by the stage that computes each: those that were estimated. All others run.
+/// The estimated effects of a frame, by stage. Effects without an estimate always run.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Effects {
     estimated: BTreeMap<StageId, Change>,
@@ -96,7 +96,7 @@ impl Effects {
         least.is_some()
     }
 
-    /// Adds what is known of the effects to the stages of a plan.
+    /// Adds the estimated changes to the stages of a plan.
     pub(crate) fn annotate(&self, stages: &mut Vec<Stage>) {
         for (id, change) in &self.estimated {
             let described = change.describe();
@@ -125,7 +125,7 @@ impl Effects {
     }
 }
 
-/// Nanoseconds per pixel of what an estimate may save.
+/// Costs of the estimated effects, ns per pixel.
 const SUN_SHADOW_NS: f64 = 30.0;
 const AMBIENT_NS: f64 = 160.0;
 const CAUSTICS_NS: f64 = 40.0;

@@ -26,7 +26,7 @@ impl Engine {
     /// ONNX Runtime.
     ///
     /// # Errors
-    /// [`RuntimeMissing`], which says how to get it.
+    /// [`RuntimeMissing`], whose message explains how to install the runtime.
     pub fn runtime(&self) -> Result<&Runtime, &RuntimeMissing> {
         self.runtime
             .get_or_init(|| Runtime::load(self.onnxruntime.as_deref()))

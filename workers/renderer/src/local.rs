@@ -34,7 +34,7 @@ pub struct Summary {
     pub frames: u64,
     /// Frames kept from an earlier run.
     pub kept: u64,
-    /// Frames without an image; `errors.jsonl` says why.
+    /// Frames without an image; `errors.jsonl` lists the reasons.
     pub failed: u64,
     /// Digest over all images: the same for any number of slots, and as a service computes it.
     pub digest: String,
@@ -82,7 +82,7 @@ pub fn render_job(
 
 type Outcome = Result<Result<FrameRecord, Failure>, LocalError>;
 
-/// One slot: renders waiting frames until none are left or the results are no longer received.
+/// Renders frames in one slot until the queue is empty or the receiver is closed.
 fn work(
     job: &Job,
     engine: &Arc<Engine>,

@@ -1,5 +1,5 @@
-//! The picture of a thinned scene, from surface to code, with and without an effect: what an effect changes is measured on it before
-//! the frame is planned.
+//! Renders a thinned scene from radiance to codes, with and without an effect. The difference estimates the effect before the frame
+//! is planned.
 
 use std::borrow::Cow;
 

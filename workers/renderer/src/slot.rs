@@ -42,7 +42,7 @@ pub struct Slot {
 /// A rendered frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rendered {
-    /// The artifacts that the frame asks for.
+    /// The requested artifacts.
     pub files: Vec<File>,
     /// Everything known about the image.
     pub record: FrameRecord,
@@ -53,19 +53,18 @@ pub struct Rendered {
 pub struct LinearPicture {
     /// Linear light, white = 1.
     pub radiance: Rgb<f32>,
-    /// The plan by which it was rendered.
+    /// The plan of the frame.
     pub plan: Plan,
 }
 
-/// What a prepared scene depends on. Scenes from local files are not kept: the files may change.
+/// Everything that a prepared scene depends on. Scenes from local files are not cached because the files may change.
 #[derive(PartialEq)]
 struct SceneKey {
     scene: Scene,
     /// Its sides, field of view, view and path.
     camera: Camera,
-    /// Depth of the camera, up to which piles reach.
+    /// Depth of the camera, m; limits the height of piles.
     depth_m: Option<f64>,
-    /// What its lens looks into.
     view: Option<SourcePicture>,
     labeled: bool,
 }
@@ -83,10 +82,10 @@ impl Slot {
         }
     }
 
-    /// Renders a frame: the same bytes whatever the slot has rendered before.
+    /// Renders a frame. Its bytes do not depend on earlier frames of the slot.
     ///
     /// # Errors
-    /// [`RenderError`], which says whether trying again can help.
+    /// [`RenderError`]; its `retryable` reports whether a retry may succeed.
     pub fn render(&mut self, frame: &Frame, source: &SceneSource) -> Result<Rendered, RenderError> {
         let (files, record) = self.run(frame, source, files::encode)?;
         Ok(Rendered { files, record })

@@ -15,7 +15,7 @@ use crate::error::RenderError;
 /// Most pixels of a map that is kept for the next frame: 50 MB for three channels.
 const MOST_KEPT: usize = 1 << 20;
 
-/// What a slot keeps between frames, for cameras seldom change.
+/// Per-slot cache of cameras. Most frames of a job share one.
 #[derive(Default)]
 pub(crate) struct Cameras {
     map: Option<(Lens, SourcePicture, Arc<Sampling>)>,

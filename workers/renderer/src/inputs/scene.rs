@@ -23,7 +23,7 @@ use crate::source::{SceneBytes, SceneSource};
 pub(crate) struct Prepared {
     /// Radiance is finite and not negative.
     pub(crate) scene: scenes::Scene,
-    /// Of the scene's own camera, else of the frame's.
+    /// Focal length of the scene's camera if it has one, otherwise of the frame's camera, px.
     pub(crate) focal_px: f64,
     /// Samples of negative radiance that were set to 0.
     pub(crate) negative_radiance: u64,
@@ -35,7 +35,7 @@ pub(crate) struct Prepared {
     pub(crate) world: Option<Arc<World>>,
     /// Its labels, where an artifact needs them.
     pub(crate) labels: Option<Labels>,
-    /// What the codes of its labels mean; of procedural scenes they are fixed.
+    /// Meanings of the label codes; fixed for procedural scenes.
     pub(crate) classes: Option<Classes>,
     /// SHA-256 of the input files.
     pub(crate) inputs: BTreeMap<String, String>,
@@ -65,7 +65,7 @@ impl Prepared {
     }
 }
 
-/// Makes the scene of a frame; `view` is the picture that a procedural one is rendered for, where that is not the frame's own.
+/// Prepares the scene of a frame. `view` overrides the frame's view when a procedural scene is rendered.
 pub(crate) fn prepare(
     frame: &Frame,
     source: &SceneSource,

@@ -1,4 +1,4 @@
-//! What the camera's picture shows of a scene: its labels by the map of the lens, or those of several poses in bands of rows.
+//! Labels as the camera sees them: mapped through the lens, or assembled from several poses in bands of rows.
 
 use std::ops::Range;
 

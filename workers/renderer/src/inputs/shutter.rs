@@ -12,14 +12,14 @@ use super::movement::BLUR_SAMPLES;
 /// Through what, when and for how long particles are seen.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Shutter {
-    /// The focus of the lens, and how many pixels of the picture that is drawn are one of the camera's.
+    /// The focus of the lens, and the number of rendered pixels per camera pixel.
     focus: Option<(Focus, f64)>,
     exposure_s: f64,
     time_s: f64,
 }
 
 impl Shutter {
-    /// That of a frame's camera, so many frames after the frame's own time.
+    /// The shutter of a frame's camera, `later` frames after the frame's time.
     pub(crate) fn new(frame: &Frame, parts: Option<&Parts>, later: f64) -> Self {
         let camera = ::camera::preset::complete(&frame.camera);
         // Each picture of a blur is exposed for its share of the time.
