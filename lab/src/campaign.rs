@@ -2,7 +2,7 @@
 //! light of the f64 reference, and water costs little more than by the cheapest sufficient plan.
 //!
 //! Each frame is an ordinary job with a camera, a function of its family and seed. Edges of shadows, caustics and sediment have no
-//! bound; frames in which one of them matters are counted apart.
+//! bound; frames affected by them are counted separately.
 
 mod camera;
 mod case;

@@ -52,7 +52,7 @@ pub struct Point {
     pub ms_min: f64,
     /// The slowest.
     pub ms_max: f64,
-    /// Largest difference to the reference in linear light; none where only time was measured.
+    /// Largest difference to the reference in linear light; `None` if only time was measured.
     pub error_max: Option<f64>,
     /// Root of its mean square.
     pub error_rmse: Option<f64>,
@@ -61,14 +61,14 @@ pub struct Point {
     /// Mean color difference, CIEDE2000; in the table, not in the JSON.
     #[serde(skip)]
     pub delta_e: Option<f64>,
-    /// What a job gets that asks for nothing else.
+    /// The default variant of a job.
     pub default: bool,
-    /// Nothing else on this scene is both faster and more exact.
+    /// No other variant on this scene is both faster and more exact.
     pub pareto: bool,
 }
 
 impl Point {
-    /// A point from what was measured.
+    /// Builds a point from its measurements.
     #[must_use]
     pub fn new(
         stage: &'static str,

@@ -7,7 +7,7 @@ use crate::plot::{Axis, Form, Lines, Mark, Series};
 /// The chart shows smaller errors and bounds here.
 const FLOOR: f64 = 1e-8;
 
-/// Bound against error, and the line at which they are equal.
+/// Bound against error, with the line of equality.
 #[must_use]
 pub fn bound_chart(outcomes: &[Outcome]) -> Lines {
     let mut series: Vec<Series> = Vec::new();

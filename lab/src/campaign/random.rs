@@ -164,7 +164,7 @@ fn fill(knobs: &Knobs, job: &mut Value, range: &Plane<f32>) {
     if has_lamps {
         job["lights"] = json!(draw_lamps(knobs, Surfaces { range, camera }));
     }
-    // Without lamps, a veil that is given is all the light of the water.
+    // Without lamps, an explicit veil is all the light of the water.
     let is_reflectance = (has_lamps || !has_veil) && knobs.chance("scene.is_reflectance", 0.6);
     job["scene"]["lighting"] = json!(if is_reflectance { "water" } else { "in_air" });
     job["water"] = water;

@@ -219,7 +219,7 @@ pub fn threads() -> Finding {
         let images: Vec<(usize, Rgb<f32>)> = std::thread::scope(|scope| {
             let work = |thread: usize| {
                 let mut cache = KernelCache::new();
-                // Each thread meets the frames in another order, with what it did before still in its buffers.
+                // Each thread renders the frames in another order, with the buffers of its previous frame.
                 let mut take = |step: usize| {
                     let index = (step * 3 + thread) % FRAMES;
                     let layers = frame(index).with(ASKED, &mut cache);

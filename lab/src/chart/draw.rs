@@ -8,7 +8,7 @@ use crate::plot::{Axis, Form, Grid, Lines, Mark, Series};
 /// Smaller errors are drawn here: on a logarithmic axis there is no 0.
 const FLOOR: f64 = 1e-8;
 
-/// What is drawn against time.
+/// The quantity plotted against time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Measure {
     /// The largest error.
@@ -78,7 +78,7 @@ pub fn error_chart(title: &str, points: &[Point], measure: Measure) -> Lines {
             }
         })
         .collect();
-    // Of the other measures the same points are joined, so that one sees what the front in the largest error means there.
+    // The other measures join the same points, which shows how the front of the largest error performs there.
     series.push(Series {
         name: "Pareto front".to_owned(),
         marks: front.into_iter().filter_map(|p| mark(p, false)).collect(),
@@ -106,12 +106,12 @@ pub fn error_sheet(title: &str, points: &[Point]) -> Grid {
     }
 }
 
-/// The name of a variant without what stands in brackets behind it: a tolerance, a water.
+/// The name of a variant without its suffix in brackets, such as a tolerance or a water.
 fn family(point: &Point) -> &str {
     point.variant.split(" (").next().unwrap_or(&point.variant)
 }
 
-/// Terms, or else what stands in brackets.
+/// The number of terms, or the suffix in brackets.
 fn label(point: &Point) -> String {
     let inside = || Some(point.variant.split_once(" (")?.1.trim_end_matches(')').to_owned());
     let terms = point.terms.map(|terms| terms.to_string());

@@ -14,7 +14,7 @@ const STAGE: &str = "lamps";
 const FIXED: [usize; 4] = [4, 8, 16, 32];
 const TOLERANCES: [f64; 6] = [1.0 / 255.0, 1e-3, DEFAULT_TOLERANCE, 1e-4, 1e-5, 1e-6];
 
-/// So many lamps in coastal water: one beside the camera, the others in view, ever farther.
+/// `count` lamps in coastal water: the first next to the camera, the others in view at growing distance.
 pub(super) fn lighting(width: usize, height: usize, count: usize) -> Option<Lighting> {
     let water = coastal(width, ScatterModel::Jaffe)?;
     let focal_px = width as f64 / (2.0 * 40f64.to_radians().tan());

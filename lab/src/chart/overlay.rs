@@ -1,4 +1,4 @@
-//! Stages beside the water: haze and the homomorphic filter.
+//! Stages apart from the water: haze and the homomorphic filter.
 
 use enhance::Variant;
 use enhance::hscm::homomorphic::homomorphic as filter;
@@ -58,7 +58,7 @@ pub fn haze(scene: &ChartScene, runs: usize) -> Vec<Point> {
     points
 }
 
-/// `I ← I (1 − α) + color α`, pixel by pixel, nothing beyond `sigmas`.
+/// `I ← I (1 − α) + color α`, pixel by pixel, with α = 0 beyond `sigmas`.
 pub(super) fn overlay<T: Into<f64> + std::marker::Copy + FromDouble>(
     image: &Rgb<T>,
     lights: &[Haze],

@@ -14,8 +14,8 @@ pub struct ChartScene {
     pub range: Plane<f32>,
 }
 
-/// Distinct ranges of a scene. The reference takes one transform for each, so that this many are minutes at full size; no
-/// variant gains by it, since all work with far fewer kernels.
+/// Distinct ranges of a scene. The reference needs one transform for each, which is minutes at full size with this many. No variant
+/// benefits from it, since all use far fewer kernels.
 const LEVELS: f32 = 64.0;
 
 impl ChartScene {

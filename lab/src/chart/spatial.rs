@@ -1,11 +1,11 @@
-//! Variants in space, without any transform: a kernel that is cut off, and Gaussians window by window.
+//! Spatial variants without a transform: a truncated kernel, and Gaussians window by window.
 
 use std::collections::BTreeMap;
 
 use imaging::Plane;
 use optics::kernel;
 
-/// Each pixel's own kernel up to `radius` pixels, scaled so that all light arrives.
+/// The kernel of each pixel up to `radius` pixels, scaled to conserve light.
 pub(super) fn truncated(light: &Plane<f32>, gamma: &Plane<f32>, radius: usize) -> Plane<f32> {
     let (width, height) = light.size();
     let side = 2 * radius + 1;
@@ -27,7 +27,7 @@ pub(super) fn truncated(light: &Plane<f32>, gamma: &Plane<f32>, radius: usize) -
             }
         }
     }
-    // What fell beside the frame comes back from its mirror.
+    // Light outside the frame is mirrored back.
     let mut sum = Plane::filled(width, height, 0.0f32);
     for (row, line) in paper.chunks_exact(wide).enumerate() {
         let y = mirrored(row as i64 - radius as i64, height);

@@ -1,5 +1,5 @@
 //! Variants that spread weighted copies of the light, each with one transfer function: `F = DCT⁻¹ Σ_k H_k DCT(w_k U)`.
-//! They differ from what is shipped only in the weights and the functions.
+//! They differ from the production variant only in the weights and the functions.
 
 use imaging::Plane;
 use imaging::dct::{Folding, PairDct};
