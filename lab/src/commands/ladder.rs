@@ -29,7 +29,7 @@ pub(crate) struct Arguments {
     /// Style water of the upper rungs
     #[arg(long)]
     style_name: Option<String>,
-    /// Where to write the sheet (.png, .jpg or .webp); the figures go beside it as .md
+    /// Where to write the sheet (.png, .jpg or .webp); the figures are written next to it as .md
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     #[command(flatten)]

@@ -45,7 +45,7 @@ pub(crate) enum Command {
     Camera(camera::Arguments),
     /// Draw frames with snow and turbidity
     Suspended(suspended::Arguments),
-    /// Measure how near the frames of jobs are to what photographs under water look like
+    /// Compare the frames of jobs with the look of underwater photographs
     Look(look::Arguments),
     /// Draw many seeds of a scene family, or the labels of every family
     Scenes(scene_sheets::Arguments),
@@ -53,7 +53,7 @@ pub(crate) enum Command {
     TrainingScores(training_scores::Arguments),
     /// Trace a frame of a job by Monte Carlo and hold the chain against it
     Truth(truth::Arguments),
-    /// Measure the light of lamps in six waters by Monte Carlo, beside that of the chain
+    /// Compare the light of lamps in six waters with Monte Carlo
     TruthLamps(truth_lamps::Arguments),
     /// Measure how fast rendering and the service are on this machine
     Bench(bench::Arguments),

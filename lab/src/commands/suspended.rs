@@ -1,4 +1,4 @@
-//! `fathom-lab suspended`: one frame without and with what is suspended in the water, and four frames of a sequence.
+//! `fathom-lab suspended`: one frame with and without suspended matter, and four frames of a sequence.
 
 use std::path::PathBuf;
 

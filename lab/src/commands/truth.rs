@@ -34,7 +34,7 @@ pub(crate) struct Arguments {
     /// Most paths of each pixel and channel
     #[arg(long, default_value_t = 1 << 16, value_parser = clap::value_parser!(u64).range(1 << 4..=1 << 20))]
     paths_max: u64,
-    /// Pixels on a side of the blocks that are compared
+    /// Side of the compared blocks, pixels
     #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u16).range(1..=64))]
     block: u16,
     /// Begin no round of twice the paths that would end after this time; lifts the limit of 65536 pixels times 65536 paths
@@ -128,7 +128,7 @@ fn traced(
     let mut progress = Progress::new("truth", "pixels", pixels);
     let found = studio.trace(frame, tracing, &mut |shutter, scene, samples| {
         progress.set_with(0, format!("pixels, paths {} to {}", samples.start, samples.end));
-        // A round takes as long as all before it together.
+        // The next round costs as much as all earlier rounds together.
         let ends = 2 * start.elapsed();
         let is_in_time = arguments
             .budget_s

@@ -19,12 +19,12 @@ use crate::machine;
 
 const SIZE: (usize, usize) = (768, 492);
 const STAGES: [&str; 6] = ["plan", "water", "haze", "encode", "metrics", "files"];
-/// What the jobs ask for, by name.
+/// Tolerances of the jobs, by name.
 const TOLERANCES: [(&str, f64); 2] = [("3e-4", 3e-4), ("1/255", 1.0 / 255.0)];
 /// Frames until buffers and caches are there.
 const WARM_UP: usize = 8;
 
-/// One job on so many slots.
+/// One job on a number of slots.
 struct Measured {
     frames_per_s: f64,
     /// Median milliseconds by stage; `total` is the frame.
@@ -33,13 +33,13 @@ struct Measured {
     kernels: Vec<usize>,
     /// Milliseconds of processor time a frame, which other programs disturb less than the clock.
     cpu_ms: f64,
-    /// Share of the slots' time in no stage: files written, frames handed out, slots idle at the end.
+    /// Share of the slots' time outside all stages: writing files, distributing frames, idle slots at the end.
     outside: f64,
     faults_per_frame: f64,
     peak_mb: f64,
 }
 
-/// What the system says of this process so far.
+/// Resource usage of this process so far.
 struct Process {
     faults: u64,
     cpu_ms: f64,
@@ -105,7 +105,7 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Milliseconds of each stage on one slot and on all, beside what moving its bytes takes.
+/// Milliseconds of each stage on one slot and on all, with the time needed to move its bytes.
 fn stages_table(name: &str, one: &Measured, all: &Measured, cores: usize) -> String {
     let samples = SIZE.0 * SIZE.1;
     let rates = [1, cores].map(|threads| copy_gb_per_s(samples, threads));
@@ -237,7 +237,7 @@ fn remove(folder: &PathBuf) -> Result<(), Failure> {
     Ok(std::fs::remove_dir_all(folder).with_context(|| format!("cannot remove {}", folder.display()))?)
 }
 
-/// Minor page faults and processor time of this process; 0 where the system does not say.
+/// Minor page faults and processor time of this process; 0 if the system does not report them.
 fn process() -> Process {
     const TICK_MS: f64 = 10.0;
     let text = std::fs::read_to_string(Path::new("/proc/self/stat")).unwrap_or_default();

@@ -20,10 +20,10 @@ use tokio::runtime::Runtime;
 use super::ServiceArguments;
 use crate::machine;
 
-/// Repetitions of what is measured one by one.
+/// Repetitions of single measurements.
 const TIMES: usize = 500;
 const DATASET: &str = "bench";
-/// What the service is built for, on a local solid-state disk.
+/// Design targets of the service on a local solid-state disk.
 const TARGETS: &str = "targets: submit p99 <= 25 ms, claim p99 <= 5 ms, >= 3000 commits/s, page p99 <= 10 ms";
 
 /// Runs the command.
@@ -119,7 +119,6 @@ fn start(runtime: &Runtime, folder: &Path) -> Result<(Service, String), Failure>
         listen: ([127, 0, 0, 1], 0).into(),
         workers: 0,
         slots_per_worker: 1,
-        // None is started.
         worker_program: PathBuf::new(),
         hosts: Vec::new(),
         token: None,
@@ -132,7 +131,7 @@ fn start(runtime: &Runtime, folder: &Path) -> Result<(Service, String), Failure>
         buckets: None,
         style_trial: Duration::from_secs(60),
         frame_limit: Duration::from_secs(600),
-        // The rows that were stored first name a version of their own.
+        // The rows stored first name another version.
         mix_workers: true,
         spot_check: 0,
     };
@@ -143,7 +142,7 @@ fn start(runtime: &Runtime, folder: &Path) -> Result<(Service, String), Failure>
     Ok((service, server))
 }
 
-/// A frame at a time, as a worker that does not know yet what a frame costs.
+/// Claims one frame at a time, like a worker without cost estimates.
 fn claims(server: &str) -> Result<String, Failure> {
     let client = Client::new(server, None);
     let about = RegisterRequest {
@@ -194,7 +193,7 @@ fn pages(remote: &::client::Client, what: &str, filter: &str) -> Result<String, 
     for _ in 0..TIMES {
         let begun = Instant::now();
         let bytes = remote.get_bytes(&path)?;
-        // What the client makes of the response is its own time.
+        // Parsing on the client is not part of the measurement.
         times.push(begun.elapsed());
         let page: Page<Value> = serde_json::from_slice(&bytes).context("a page is JSON")?;
         path = page

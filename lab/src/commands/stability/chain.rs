@@ -9,7 +9,7 @@ use lab::chain_stability::{findings, markdown};
 
 use crate::machine;
 
-/// Folder of the pictures beside the page.
+/// Folder of the pictures, next to the page.
 const PICTURES: &str = "stability-chain";
 
 /// Writes the page: fails if a figure is beyond its limit.

@@ -1,4 +1,4 @@
-//! How steady style models are: what they do to noise, to a shift, to another crop, and at extreme sizes.
+//! Stability of style models under noise, shifts, other crops and extreme sizes.
 
 use std::fmt::Write as _;
 
@@ -29,13 +29,13 @@ const PATCH: usize = 10;
 const AROUND: usize = 40;
 const MOVE: f32 = 0.01;
 const ITERATIONS: usize = 30;
-/// What is promised of our own network: the gain, and the change of a pixel under a move of one, of 255.
+/// Limits for our network: the gain, and the change of a pixel when the scene moves by one pixel, of 255.
 const GAIN_LIMIT: f64 = 0.6;
 const FLICKER_LIMIT: f64 = 0.5;
 /// Pixels at the border that shifted and cropped frames do not share surroundings for.
 const MARGIN: usize = 24;
 
-/// What was found for a model.
+/// Measurements of a model.
 pub(super) struct Steadiness {
     pub(super) name: String,
     /// Root mean square change of the output over that of the input, for noise on flat frames.
@@ -50,10 +50,10 @@ pub(super) struct Steadiness {
     pub(super) gains: Vec<(f64, f64)>,
     /// The change of a pixel over the move, in pixels, of 255.
     pub(super) moves: Vec<(f64, f64)>,
-    /// What becomes of black and of white.
+    /// The outputs for black and for white.
     pub(super) black: [f32; 3],
     pub(super) white: [f32; 3],
-    /// Sizes at which it fails.
+    /// Frame sizes that make the model fail.
     pub(super) failed: Vec<(usize, usize)>,
 }
 
@@ -213,14 +213,14 @@ fn spread(frame: &Rgb<f32>) -> f64 {
     (squares / data.len() as f64).sqrt()
 }
 
-/// The gain over the noise, and the change of a pixel over the move, with what is promised of ours.
+/// The gain over the noise, and the change of a pixel over the move, with the limits for our network.
 pub(super) fn curves(found: &[Steadiness]) -> [(&'static str, Lines); 2] {
     let axis = |title: &str| Axis {
         title: title.to_owned(),
         logarithmic: true,
     };
     let series = |name: &str, points: &[(f64, f64)]| {
-        // A change of nothing has no place on this axis.
+        // A logarithmic axis cannot show zero.
         let points = points.iter().filter(|(_, y)| *y > 0.0);
         let mark = |&(x, y): &(f64, f64)| Mark {
             x,

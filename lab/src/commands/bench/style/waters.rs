@@ -7,7 +7,7 @@ use style::{Library, Session};
 
 use cli::exit::Failure;
 
-/// What is measured of the pictures of a water, all of 255.
+/// Color statistics of the pictures of a water, in 8-bit codes.
 struct Look {
     name: String,
     mean: [f64; 3],
