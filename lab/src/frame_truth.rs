@@ -5,10 +5,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use truth::{PathBatch, PixelSums, TracedScene};
 
-/// Pixels that a thread takes at a time.
+/// Pixels that a thread claims at a time.
 const PIXELS: usize = 16;
 
-/// Traces some samples of the first `count` pixels on so many threads. `watch` hears how many pixels are done.
+/// Traces `samples` of the first `count` pixels on `threads` threads. `watch` receives the number of finished pixels.
 ///
 /// # Panics
 /// If a path does.

@@ -65,7 +65,7 @@ fn apart(got: &[[f64; 3]; 3], expected: &[[f64; 3]; 3]) -> f64 {
     pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-/// The share of the pictures of which a form keeps the candidates; none without a picture.
+/// Share of the pictures whose candidates a variant keeps; `None` without pictures.
 #[must_use]
 pub fn share_kept(outcomes: &[Outcome], form: IblaRefinement) -> Option<f64> {
     let of: Vec<&Outcome> = outcomes.iter().filter(|outcome| outcome.form == form).collect();

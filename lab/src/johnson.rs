@@ -72,7 +72,7 @@ impl Builder {
         positive
     }
 
-    /// A convolution by reflection with random weights; the last one answers around middle gray.
+    /// A convolution with reflected borders and random weights. The last one is centered at middle gray.
     fn convolution(&mut self, input: &str, (from, to): (usize, usize), side: usize, step: i64) -> String {
         let name = format!("layer{}", self.layers);
         let form = ConvolutionShape {

@@ -49,7 +49,7 @@ const fn coefficients(absorption: f64, scattering: f64) -> WaterCoefficients {
 pub enum Law {
     /// As sea water does.
     FournierForand,
-    /// As the chain does: what it then has wrong is not its phase function.
+    /// As the chain does, which excludes the phase function as a source of its error.
     HenyeyGreenstein,
 }
 
@@ -71,7 +71,7 @@ impl Law {
     }
 }
 
-/// What is measured in one go.
+/// One unit of measurement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Task {
     /// Which of [`WATERS`].
@@ -90,7 +90,7 @@ pub enum Place {
         /// Inner and outer angle.
         ring_deg: [f64; 2],
     },
-    /// In the water before a wall, beside the lamp.
+    /// In the water before a wall, seen from next to the lamp.
     Water {
         /// Distance of the camera from the lamp, m.
         camera_m: f64,
@@ -108,11 +108,11 @@ impl Place {
 /// A form of the chain's light.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Form {
-    /// Scattered once, as Henyey and Greenstein say.
+    /// Single scattering with the phase function of Henyey and Greenstein.
     Single,
-    /// With that which scatters more than once.
+    /// With multiple scattering.
     Multiple,
-    /// The same, rising toward the back as Fournier and Forand say.
+    /// The same, with backscatter rising as in the phase function of Fournier and Forand.
     Rising,
 }
 
@@ -138,7 +138,7 @@ pub struct Cell {
 }
 
 impl Cell {
-    /// Chain over truth; none where the truth is not known well enough.
+    /// Chain over truth; `None` if the truth is too uncertain.
     #[must_use]
     pub fn ratio(&self, form: Form) -> Option<f64> {
         let is_known = self.truth.mean > 0.0 && self.truth.error <= KNOWN_TO * self.truth.mean;

@@ -1,5 +1,5 @@
-//! What photographs under water have and renderings often lack, as numbers of a picture: uneven water, light from above, highlights
-//! that clip, coarse variation, grain.
+//! Features of underwater photographs that renderings often lack, as statistics of a picture: uneven water, daylight, clipped
+//! highlights, coarse variation, grain.
 
 use std::f64::consts::{PI, TAU};
 
@@ -9,7 +9,7 @@ use imaging::{Plane, Rgb8};
 const WINDOW_PX: usize = 256;
 /// Frequencies between which a slope is fitted, cycles in a window.
 const FREQUENCIES: std::ops::Range<usize> = 4..64;
-/// Side of the blocks in which grain is looked for, px, and the share of blocks that counts as flat.
+/// Side of the blocks for estimating grain, px, and the share of blocks that counts as flat.
 const BLOCK_PX: usize = 16;
 const FLAT: f64 = 0.2;
 /// Of open water there must be this share of a picture.
@@ -18,7 +18,7 @@ const LEAST_WATER: f64 = 0.02;
 /// Statistics of one picture.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Look {
-    /// Standard deviation of L* within open water; none with too little of it.
+    /// Standard deviation of L* within open water; `None` if there is too little of it.
     pub(crate) spread: Option<f64>,
     /// Mean L* of the uppermost fifth minus that of the lowest.
     pub(crate) fall: f64,
@@ -136,7 +136,7 @@ fn slope(gray: &Plane<f64>) -> f64 {
         .filter(|&f| power[f] > 0.0)
         .map(|f| ((f as f64).ln(), power[f].ln()))
         .collect();
-    // Each octave counts alike.
+    // Each octave has the same weight.
     let weight = |x: f64| (-x).exp();
     let sum = |of: &dyn Fn(f64, f64) -> f64| points.iter().map(|&(x, y)| weight(x) * of(x, y)).sum::<f64>();
     let (one, x, y) = (sum(&|_, _| 1.0), sum(&|x, _| x), sum(&|_, y| y));

@@ -10,7 +10,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
-/// Measures Fathom and draws what its pages show
+/// Measures Fathom and draws the figures of its pages
 #[derive(Parser)]
 #[command(name = "fathom-lab", version, about, max_term_width = 100)]
 struct Arguments {

@@ -34,7 +34,7 @@ pub trait Figure {
     /// Draws on a sheet of that size.
     ///
     /// # Errors
-    /// What the sheet reports.
+    /// The error of the drawing backend.
     fn draw<B: DrawingBackend>(
         &self,
         area: &DrawingArea<B, Shift>,

@@ -21,7 +21,7 @@ pub const METRICS: [&str; 6] = ["entropy", "uicm", "uism", "uiconm", "uiqm", "uc
 /// A scene to degrade.
 #[derive(Debug, Clone)]
 pub struct Specimen {
-    /// The picture in clear air: what a perfect restoration would answer.
+    /// The picture in clear air, which a perfect restoration would return.
     pub clean: Rgb8,
     /// The same under water, before anything else happens to it.
     pub wet: Rgb8,

@@ -1,4 +1,4 @@
-//! What the waters look like: transmittance over range, a grey card at growing range, visibility over range and turbidity.
+//! The look of the waters: transmittance over range, a grey card at growing range, visibility over range and turbidity.
 
 use imaging::{Plane, Rgb, transfer};
 use optics::chain;
@@ -39,7 +39,7 @@ pub fn transmittance() -> Panels {
     }
 }
 
-/// exp(-K_d h) of every water of which K_d is known alone.
+/// exp(-K_d h) of the waters that are defined only by K_d.
 #[must_use]
 pub fn daylight() -> Panels {
     let waters = presets().iter().filter(|preset| preset.name.starts_with("kd-"));

@@ -12,7 +12,7 @@ use super::{FAINT, Figure, INK, ink};
 /// A mean with its spread.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bar {
-    /// What it belongs to.
+    /// Name of the bar.
     pub name: String,
     /// Its height.
     pub mean: f64,
@@ -36,7 +36,7 @@ pub struct Bars {
 const PANEL: (i32, i32) = (330, 270);
 const COLUMNS: usize = 3;
 const HEAD_PX: i32 = 44;
-/// What a value needs above its bar.
+/// Space above a bar for its value.
 const VALUE_PX: i32 = 18;
 
 impl Figure for Bars {

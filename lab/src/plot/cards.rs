@@ -9,7 +9,7 @@ use plotters_backend::DrawingBackend;
 
 use super::{Figure, ink};
 
-/// What is seen in one cell.
+/// One cell of the table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Card {
     /// Around the card.

@@ -20,7 +20,7 @@ pub struct HeatMap {
     pub rows: Vec<(String, Vec<f64>)>,
     /// The value that is neither good nor bad, drawn white.
     pub neutral: f64,
-    /// The distance from it at which colors are full.
+    /// The distance from neutral with fully saturated colors.
     pub span: f64,
     /// Whether values below the neutral one are the bad ones.
     pub low_is_bad: bool,

@@ -12,13 +12,13 @@ use super::{FAINT, Figure, INK, PALETTE, ink};
 /// An axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
-    /// What it measures, with its unit.
+    /// The quantity, with its unit.
     pub title: String,
     /// Powers of ten at equal distances; values must then be above 0.
     pub logarithmic: bool,
 }
 
-/// A point with what it says.
+/// A labeled point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mark {
     /// Along the horizontal axis.
@@ -27,7 +27,7 @@ pub struct Mark {
     pub y: f64,
     /// A thin line to this place along the horizontal axis.
     pub reach: Option<f64>,
-    /// Beside the point, if anything.
+    /// Text next to the point; may be empty.
     pub label: String,
     /// Drawn with a ring.
     pub ringed: bool,
@@ -64,7 +64,7 @@ pub struct Lines {
     pub x: Axis,
     /// Vertical axis.
     pub y: Axis,
-    /// What is drawn, in the order of the legend.
+    /// Curves and dots, in the order of the legend.
     pub series: Vec<Series>,
 }
 

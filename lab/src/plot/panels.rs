@@ -14,7 +14,7 @@ use super::{FAINT, Figure, INK, ink};
 pub struct Panel {
     /// Above it.
     pub title: String,
-    /// What is drawn.
+    /// The curves of the plot.
     pub curves: Vec<(RGBColor, Vec<(f64, f64)>)>,
 }
 
@@ -23,7 +23,7 @@ pub struct Panel {
 pub struct Panels {
     /// Above everything.
     pub title: String,
-    /// Below everything: what the horizontal axes measure.
+    /// Below everything: the quantity of the horizontal axes.
     pub foot: String,
     /// Where the horizontal axes end; they begin at 0.
     pub most: f64,
@@ -31,7 +31,7 @@ pub struct Panels {
     pub ticks: Vec<f64>,
     /// The plots.
     pub panels: Vec<Panel>,
-    /// How many stand in a row.
+    /// Plots per row.
     pub columns: usize,
 }
 

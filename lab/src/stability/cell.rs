@@ -1,4 +1,4 @@
-//! What was measured at one level of one degradation.
+//! Measurements at one level of one degradation.
 
 use super::Degradation;
 
@@ -20,7 +20,7 @@ pub(super) struct Sample {
 pub struct Cell {
     /// The method; none: the picture as it is.
     pub method: Option<&'static str>,
-    /// What was done to the picture.
+    /// The degradation of the picture.
     pub degradation: Degradation,
     /// Which step of it.
     pub level: usize,
@@ -129,5 +129,5 @@ impl Cell {
     }
 }
 
-/// A loss smaller than this is none: SSIM and shares of corners are not told apart more finely by eye.
+/// A smaller loss is not counted: finer differences of SSIM and of shares of corners are invisible.
 const WORSE: f64 = 1e-3;

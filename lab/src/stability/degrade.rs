@@ -1,14 +1,14 @@
-//! Ways in which an underwater picture gets worse.
+//! Degradations of an underwater picture.
 
 use imaging::random::Stream;
 use imaging::{Rgb, Rgb8, transfer};
 
 use super::{Jpeg, Specimen, reduced};
 
-/// Steps of each degradation, the first of which changes nothing.
+/// Steps of each degradation. The first leaves the picture unchanged.
 pub const LEVELS: usize = 8;
 
-/// What happens to the picture.
+/// A degradation of the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Degradation {
     /// Gaussian noise on the codes; the level is its standard deviation.

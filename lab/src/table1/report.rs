@@ -17,8 +17,8 @@ const PUBLISHED: [(&str, [f64; 6]); 6] = [
 const CAVEAT: &str = "The frames behind the published numbers are not public, so order and order of magnitude can be compared, \
                       not digits; the published times are of another machine.";
 
-/// The table in Markdown: the published layout, the published numbers, and the usual profile. `about` says what was
-/// measured and where.
+/// Writes the table in Markdown: the published layout, the published numbers and the usual profile. `about` names the measured
+/// pictures and the machine.
 #[must_use]
 pub fn markdown(table: &Table, about: &str) -> String {
     let mut text = format!("# Enhancement methods compared\n\n{about}\n\n");
