@@ -14,7 +14,7 @@ use crate::error::RenderError;
 /// Results by method name.
 pub(crate) type Enhancements = BTreeMap<String, Enhanced>;
 
-/// The method that has faster variants; the exact one of them has its name.
+/// The method with faster variants; its exact variant has the same name.
 const IBLA: &str = IblaRefinement::ALL[0].name();
 
 /// The methods of a frame, and the variant of `ibla`.
@@ -38,11 +38,11 @@ pub(crate) fn assess(frame: &Frame, tolerance: Option<f64>) -> Vec<Stage> {
     std::iter::once(methods).chain(ibla).collect()
 }
 
-/// A variant of `ibla`, a method itself.
+/// A variant of `ibla`, which is also a method.
 #[derive(Clone, Copy)]
 struct IblaVariant {
     method: &'static str,
-    /// Measured distance of its results from those of the exact variant in linear light; 0 of that itself.
+    /// Measured distance of its results from the exact variant in linear light; 0 for the exact variant.
     distance: f64,
 }
 
@@ -105,7 +105,7 @@ pub(crate) fn run(
     Ok(enhancements)
 }
 
-/// The method that runs under a name: of `ibla` the variant of the plan.
+/// The method to run for a name: for `ibla`, the planned variant.
 fn planned_method<'a>(context: &'a FrameContext<'_>, name: &'a str) -> &'a str {
     match context.plan.stage(StageId::Ibla) {
         Some(stage) if name == IBLA => stage.variant.name(),

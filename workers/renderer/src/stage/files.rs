@@ -1,4 +1,4 @@
-//! The files of a frame: one match from artifact kind to content, one from content to bytes.
+//! The files of a frame: one match from artifact kind to content, and one from content to bytes.
 
 use std::borrow::Cow;
 
@@ -31,7 +31,7 @@ pub(crate) struct Pictures<'a> {
     /// Linear light after the style.
     pub(crate) styled: &'a Rgb<f32>,
     pub(crate) rgb: &'a Rgb8,
-    /// The same in 16 bits, where the camera has them.
+    /// The same in 16 bits, if the camera has them.
     pub(crate) deep: Option<&'a Raster>,
     /// Raw sensor codes; `None` without a sensor model.
     pub(crate) raw: Option<&'a Raw>,
@@ -40,7 +40,7 @@ pub(crate) struct Pictures<'a> {
     pub(crate) traced: Option<&'a Traced>,
 }
 
-/// Encodes the requested artifacts in the order of the frame; each one that does not exist becomes a warning.
+/// Encodes the requested artifacts in the order of the frame. Each missing one adds a warning.
 pub(crate) fn encode(
     context: &FrameContext<'_>,
     pictures: &Pictures<'_>,
@@ -64,7 +64,7 @@ pub(crate) fn encode(
     Ok(files)
 }
 
-/// What those files hold, as [`encode`] would encode it.
+/// The contents of those files, as [`encode`] would encode them.
 pub(crate) fn contents(
     context: &FrameContext<'_>,
     pictures: &Pictures<'_>,
@@ -201,7 +201,7 @@ fn texts(kind: &ArtifactKind) -> Vec<(&'static str, &'static str)> {
         .collect()
 }
 
-/// The bytes of a file; the saturated pixels of a range are counted.
+/// Encodes a file, and counts the saturated pixels of a range.
 fn encode_content(
     content: Content<'_>,
     encode: Encode,

@@ -16,7 +16,7 @@ use crate::inputs::camera::Cameras;
 pub(crate) struct Developed {
     /// The result.
     pub(crate) rgb: Rgb8,
-    /// The same in 16 bits, where the camera has them.
+    /// The same in 16 bits, if the camera has them.
     pub(crate) deep: Option<Raster>,
     /// Number of clamped samples.
     pub(crate) clamped: u64,

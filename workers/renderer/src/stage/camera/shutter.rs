@@ -15,7 +15,7 @@ use super::{haze_before, reference};
 use crate::context::FrameContext;
 use crate::inputs::camera::Taking;
 
-/// The light of a moment behind port and lens: haze in linear light, geometry, defocus and the movement of a picture.
+/// The light of a moment after port and lens: haze in linear light, geometry, defocus and the movement of a picture.
 pub(crate) fn gather(context: &FrameContext<'_>, scattered: &Rgb<f32>) -> Rgb<f32> {
     let haze = haze_before(context.frame);
     let light = if haze.is_empty() {
@@ -160,7 +160,7 @@ fn port_error(context: &FrameContext<'_>) -> Option<f64> {
     .filter(|error| *error > 0.0)
 }
 
-/// The fall-off, where the plan runs it.
+/// The fall-off, if the plan includes it.
 pub(crate) fn falloff<'a>(context: &'a FrameContext<'_>) -> Option<&'a FallOff> {
     let falloff = context.taking.as_ref()?.parts.falloff.as_ref();
     falloff.filter(|_| !context.plan.variant(StageId::Vignette).is_skipped())
