@@ -17,7 +17,7 @@ pub enum Content<'a> {
     Linear(Cow<'a, Rgb<f32>>),
     /// Linear samples and their standard errors, stored as NPY of six planes.
     Pair([Cow<'a, Rgb<f32>>; 2]),
-    /// Range in meters, NaN, infinite or not positive where there is none; stored as PNG in millimeters.
+    /// Range in meters; NaN, infinity and non-positive values mark holes. Stored as PNG in millimeters.
     Range(Cow<'a, Plane<f32>>),
     /// An object, stored as JSON.
     Json(Value),

@@ -34,7 +34,7 @@ pub struct Slot {
     pub(crate) networks: Networks,
     kernels: KernelCache,
     resources: Resources,
-    /// Of thinned pictures that exposures are metered on.
+    /// Caches for the thinned pictures used to meter exposures.
     thin: Thin,
     last_scene: Option<(SceneKey, Arc<Prepared>)>,
 }
@@ -100,7 +100,7 @@ impl Slot {
         Ok(Contents { artifacts, record })
     }
 
-    /// Renders a frame up to its haze, to be compared with another rendering in linear light.
+    /// Renders a frame up to its haze, for comparison with another rendering in linear light.
     ///
     /// # Errors
     /// As [`Slot::render`].
@@ -187,7 +187,7 @@ impl Slot {
         Ok(context.plan)
     }
 
-    /// The scene of a frame; the last one is kept, since a job often shows one scene in many waters.
+    /// The scene of a frame. The last one is cached, since a job often shows one scene in many waters.
     fn scene(&mut self, frame: &Frame, source: &SceneSource) -> Result<Arc<Prepared>, RenderError> {
         let source_view = rendered_parts(frame)?.and_then(|parts| parts.source);
         let Camera {

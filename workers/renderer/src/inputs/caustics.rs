@@ -16,18 +16,18 @@ pub(crate) struct Pattern {
 }
 
 impl Pattern {
-    /// Its brightest place.
+    /// The largest factor of the pattern.
     pub(crate) fn peak(&self) -> f64 {
         self.tiles.peak()
     }
 
-    /// Its root mean square over that.
+    /// Root mean square over peak.
     pub(crate) fn evenness(&self) -> f64 {
         self.tiles.root_mean_square() / self.tiles.peak().max(f64::MIN_POSITIVE)
     }
 }
 
-/// The tiles of the last frame: another one of the same place, time and water has the same.
+/// The tiles of the last frame, reused if place, time and water are the same.
 #[derive(Default)]
 pub(crate) struct LastTiles(Option<Arc<Tiles>>);
 

@@ -75,7 +75,7 @@ impl Slot {
     }
 }
 
-/// Expected milliseconds of the stages that have a figure.
+/// Sum of the expected milliseconds of all stages with a cost estimate.
 fn expect_ms(plan: &Plan) -> f64 {
     plan.stages.iter().filter_map(|stage| stage.cost_ms).sum()
 }
