@@ -47,16 +47,16 @@ use watchdog::Running;
 const STOP_LIMIT: Duration = Duration::from_secs(8);
 /// Finished frames of a slot that may wait for submission. Few, because each holds its pictures.
 const WAITING_FRAMES: usize = 2;
-/// How often the main thread looks whether to stop.
+/// How often the main thread checks whether to stop.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// How a worker is started.
+/// Options of a worker.
 pub struct WorkerOptions {
     /// URL of the service.
     pub server: String,
-    /// Bearer token, if the service wants one.
+    /// Bearer token, if the service requires one.
     pub token: Option<String>,
-    /// Frames rendered side by side.
+    /// Frames rendered concurrently.
     pub slots: usize,
     /// Shown in the list of workers.
     pub name: String,
@@ -129,9 +129,9 @@ pub fn run(options: WorkerOptions, stop: Arc<AtomicBool>) -> anyhow::Result<()> 
 
 /// The threads of a worker.
 struct Threads {
-    /// Rendering and handing in, which end after their frames.
+    /// Rendering and delivery threads, which end after their frames.
     slots: Vec<JoinHandle<()>>,
-    /// The beat, which may wait for the service when the worker stops, and the watchdog.
+    /// The heartbeat thread, which may wait for the service when the worker stops, and the watchdog.
     others: Vec<JoinHandle<()>>,
 }
 
@@ -162,12 +162,12 @@ fn start(shared: &Arc<Shared>, slots: usize) -> anyhow::Result<Threads> {
     Ok(threads)
 }
 
-/// Waits until the worker is to stop or a thread has ended; returns whether it was the latter.
+/// Waits until the worker is stopped or a thread has ended; returns whether a thread ended early.
 fn watch(threads: &Threads, stop: &Stop) -> bool {
     while !stop.is_set() {
         let mut all = threads.slots.iter().chain(&threads.others);
         if all.any(JoinHandle::is_finished) {
-            // Told to stop in between, a thread has every reason to end.
+            // If the stop was set in between, the thread ended as requested.
             return !stop.is_set();
         }
         thread::sleep(LOOK);

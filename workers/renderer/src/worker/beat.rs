@@ -11,7 +11,7 @@ use super::client::ClientError;
 /// Shortest time between two heartbeats, even while many leases are cancelled.
 const SHORTEST: Duration = Duration::from_millis(100);
 
-/// Beats until the worker is to stop.
+/// Sends heartbeats until the worker stops.
 pub(crate) fn run(shared: &Shared) {
     while !shared.stop.is_set() {
         let begun = Instant::now();
@@ -49,7 +49,7 @@ fn beat(shared: &Shared) -> Beat {
             return if is_over { Beat::Over } else { Beat::Cancelled };
         }
         Err(ClientError::UnknownWorker) => {
-            // The service has restarted and offers all our frames again.
+            // The service has restarted and offers all frames again.
             shared.held.lose(&tokens);
             if let Err(error) = shared.membership.rejoin(&shared.client, &worker_id) {
                 tracing::warn!(%error, "cannot join the service again");

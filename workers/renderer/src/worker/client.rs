@@ -19,7 +19,7 @@ const RESPONSE_LIMIT: Duration = Duration::from_secs(120);
 /// Why a call failed.
 #[derive(Debug, thiserror::Error)]
 pub enum ClientError {
-    /// The lease is not held any more: drop the frame.
+    /// The lease is no longer held: drop the frame.
     #[error("the lease is stale")]
     Stale,
     /// The service does not know this worker, for instance after a restart: register again.
@@ -50,13 +50,13 @@ pub struct Client(Http);
 
 #[allow(clippy::missing_errors_doc, reason = "said once, at the type")]
 impl Client {
-    /// A client of the service at this URL, with a bearer token if it wants one.
+    /// A client of the service at this URL, with a bearer token if the service requires one.
     #[must_use]
     pub fn new(server: &str, token: Option<&str>) -> Self {
         Self(Http::new(server, token, RESPONSE_LIMIT))
     }
 
-    /// Introduces the worker.
+    /// Registers the worker.
     pub fn register(&self, about: &RegisterRequest) -> Outcome<RegisterResponse> {
         self.post("register", about)
     }
@@ -67,7 +67,7 @@ impl Client {
         Ok(response.lease)
     }
 
-    /// Prolongs leases.
+    /// Extends leases.
     pub fn beat(&self, beat: &BeatRequest) -> Outcome<BeatResponse> {
         self.post("beat", beat)
     }
@@ -77,7 +77,7 @@ impl Client {
         self.post("artifacts", files)
     }
 
-    /// Makes the image of a frame visible; returns whether it was there already.
+    /// Makes the image of a frame visible; returns whether it already was.
     pub fn commit(&self, commit: &CommitRequest) -> Outcome<bool> {
         let response: CommitResponse = self.post("commit", commit)?;
         Ok(response.already_there)
@@ -88,7 +88,7 @@ impl Client {
         self.post("fail", fail)
     }
 
-    /// Hands a lease back.
+    /// Releases a lease.
     pub fn release(&self, token: u64, reason: &str) -> Outcome<()> {
         let reason = reason.to_owned();
         self.post("release", &ReleaseRequest { token, reason })
@@ -136,7 +136,7 @@ fn decoded<Response: Checked>(bytes: &[u8]) -> Outcome<Response> {
     decode(bytes).map_err(|error| unreadable(&error))
 }
 
-/// A response that makes no sense is as good as a refusal: it would be the same next time.
+/// Treats a malformed response as a refusal, since a retry would return it again.
 fn unreadable(error: &dyn std::error::Error) -> ClientError {
     ClientError::Refused {
         status: 200,
