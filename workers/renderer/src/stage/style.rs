@@ -1,4 +1,4 @@
-//! The style stage: the network repaints the picture after the water, and alpha weighs both.
+//! The style stage: the network restyles the picture after the water, and alpha blends both.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -14,16 +14,16 @@ use crate::context::FrameContext;
 use crate::engine::Engine;
 use crate::error::RenderError;
 
-/// Slope of the decoding of sRGB at white, where it is steepest: the largest difference in linear light over that of encoded values.
+/// Slope of the sRGB decoding at white, its maximum; converts differences of encoded values to linear light.
 const STEEPEST: f64 = 2.4 / 1.055;
 /// Variants of a style: its network and its color table.
 const NETWORK: &str = "network";
 const TABLE: &str = "table";
-/// Nanoseconds per pixel; of a range its fading and the layers that take it.
+/// Costs in ns per pixel: of the network, and the extra cost of a range input.
 const NETWORK_NS: f64 = 10.8;
 const RANGE_NS: f64 = 4.2;
 const TABLE_NS: f64 = 4.2;
-/// Most prepared networks of a slot: each holds a few megabytes, on ONNX Runtime some hundred.
+/// Maximum prepared networks of a slot: each needs a few megabytes, with ONNX Runtime some hundred.
 const MAX_SESSIONS: usize = 8;
 
 /// The networks of a slot.
@@ -102,7 +102,7 @@ impl Networks {
     }
 }
 
-/// The network of a style, or its color table if that is within the tolerance of the network.
+/// Plans the network of a style, or its color table if that is within the tolerance of the network.
 pub(crate) fn assess(assessment: &Assessment<'_>, engine: &Engine) -> Result<Stage, RenderError> {
     let frame = assessment.context.frame;
     let Some(name) = frame.water.style.as_ref().filter(|_| frame.alpha > 0.0) else {

@@ -19,22 +19,22 @@ use crate::light::Light;
 /// Options of a Monte Carlo trace.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tracing {
-    /// How well the frame must be known.
+    /// The accuracy goal.
     pub goal: Goal,
-    /// How its water scatters.
+    /// The phase function of the water.
     pub law: PhaseModel,
     /// Seed of the paths.
     pub seed: u64,
-    /// Whether a path serves all channels.
+    /// Whether one path serves all channels.
     pub is_shared: bool,
     /// Name of the limit reported when tracing stops short of the goal.
     pub limit: &'static str,
 }
 
-/// Pixels on a side of the blocks whose errors count: smaller ones need more paths, larger ones hide edges.
+/// Side of the blocks for measuring errors, px: smaller blocks need more paths, larger ones hide edges.
 const BLOCK_PX: usize = 8;
 
-/// Light of a frame by Monte Carlo, and the chain held against it.
+/// Light of a frame by Monte Carlo, and its comparison with the chain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Traced {
     /// The paths.
@@ -78,7 +78,7 @@ pub(crate) fn run(
     Ok(traced)
 }
 
-/// How the water of a frame scatters in its truth.
+/// The phase function of a frame's water in its truth.
 pub(crate) fn law(context: &FrameContext<'_>) -> PhaseModel {
     let optics = context.frame.water.optics.as_ref();
     let phase = optics.map(|optics| optics.phase).unwrap_or_default();
@@ -135,7 +135,7 @@ pub(crate) fn trace(
     Ok(Some(Traced { truth, report }))
 }
 
-/// The cost of the truth; `None` without an artifact of it.
+/// The cost of the truth; `None` if no artifact needs it.
 pub(crate) fn assess(context: &FrameContext<'_>) -> Option<Stage> {
     let has_range = context.prepared.scene.range.is_some();
     let most = most_paths(context)
@@ -152,7 +152,7 @@ pub(crate) fn assess(context: &FrameContext<'_>) -> Option<Stage> {
     })
 }
 
-/// A limit of paths, and the field that sets it.
+/// A limit on the number of paths, and the field that sets it.
 struct Most {
     paths: u64,
     limit: &'static str,
@@ -170,7 +170,7 @@ fn pixels(context: &FrameContext<'_>) -> u64 {
     width as u64 * height as u64
 }
 
-/// The chain's light that the water scattered: of surfaces and lamps, and the veil if daylight is traced.
+/// The scattered light of the chain: of surfaces and lamps, and the veil if daylight is traced.
 pub(crate) fn scattered(light: &Light, has_sea: bool) -> Rgb<f32> {
     let Light { layers, airlight, .. } = light;
     let added = if has_sea {

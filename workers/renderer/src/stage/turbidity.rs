@@ -1,4 +1,4 @@
-//! Paths through patches of murkier water. They are geometry: closed forms of the range, known before any light is planned.
+//! Paths through turbid patches: closed forms of the range, computed before any light is planned.
 
 use optics::plan::{ErrorBound, Stage, StageId};
 use optics::range::farthest;
@@ -30,7 +30,7 @@ pub(crate) fn assess(assessment: &Assessment<'_>) -> Stage {
     let path_m = assessment.bounds.range_m.map_or(0.0, |(_, farthest)| farthest);
     let share = turbidity::path_rounding(range_m.max(path_m), patches.scale_m());
     let c = water.direct_attenuation().into_iter().fold(0.0, f64::max);
-    // In clear patches a path is shorter than the range that its rounding is a share of.
+    // In clear patches a path is shorter than its range, so its relative rounding error is larger.
     let [_, least, _] = assessment.context.path_factors.unwrap_or([1.0; 3]);
     let stretch = 1.0 / least.clamp(f64::MIN_POSITIVE, 1.0);
     let deepest = ((c * path_m).min(DEEPEST) * stretch).min(c * range_m.max(path_m));
