@@ -1,7 +1,7 @@
 //! Failure modes of the chain: hostile frames, their measured figures, and the consequence for a user.
 //!
-//! Each finding is measured here, checked by a test of the same name and written into the documentation by the command
-//! line, so that no figure on the page is typed.
+//! Each finding is measured here, checked by a test of the same name and written into the documentation by the command line. No
+//! figure on the page is typed by hand.
 
 mod geometry;
 mod numbers;
@@ -70,7 +70,7 @@ pub struct Finding {
     pub test: &'static str,
     /// The experiment.
     pub tried: &'static str,
-    /// What came out.
+    /// The measurements.
     pub figures: Vec<Figure>,
     /// The consequence for a user.
     pub meaning: &'static str,
@@ -99,7 +99,7 @@ impl Finding {
     }
 }
 
-/// Measures everything, in the order of the page.
+/// Measures all findings, in the order of the page.
 #[must_use]
 pub fn findings() -> Vec<Finding> {
     vec![

@@ -31,14 +31,14 @@ pub use summary::summary;
 /// The stages that have a chart.
 pub const STAGES: [&str; 6] = ["forward_scatter", "haze", "homomorphic", "ibla", "lamps", "frame"];
 
-/// What one variant costs and how wrong it is on one scene.
+/// Time and error of one variant on one scene.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Point {
     /// The stage.
     pub stage: &'static str,
-    /// The way it is computed.
+    /// The method.
     pub variant: String,
-    /// Kernels, layers or lights, where there are such.
+    /// Number of kernels, layers or lights, if applicable.
     pub terms: Option<usize>,
     /// The scene.
     pub scene: String,
@@ -46,7 +46,7 @@ pub struct Point {
     pub width: usize,
     /// Rows.
     pub height: usize,
-    /// Half of all runs took no longer.
+    /// Median run.
     pub ms_median: f64,
     /// The fastest run.
     pub ms_min: f64,
@@ -174,7 +174,7 @@ mod tests {
                 .iter()
                 .filter_map(|p| p.error_max)
                 .fold(f64::INFINITY, f64::min);
-            // The glow of a lamp in view reaches 100, which f32 holds to 8e-6.
+            // The airlight of a lamp in view reaches 100, which f32 represents to 8e-6.
             let limit = if stage == "lamps" { 2e-5 } else { 3e-6 };
             assert!(least < limit, "{stage}: {least:e}");
             assert!(

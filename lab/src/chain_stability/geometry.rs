@@ -17,13 +17,13 @@ fn step((width, height): (usize, usize), near: f32, far: f32) -> Plane<f32> {
     Plane::from_fn(width, height, |x, _| if x < width / 2 { near } else { far })
 }
 
-/// A step in range: neighbors of very different kernels.
+/// A step in range, with very different kernels on both sides.
 #[must_use]
 pub fn a_step_in_range() -> Finding {
     let size = (72, 48);
     let trial = |model, size: (usize, usize)| Trial {
         radiance: noise(size, 1.0),
-        // A few ranges on each side, or as many kernels as ranges would be exact.
+        // A few ranges on each side; otherwise one kernel per range would be exact.
         range: Plane::from_fn(size.0, size.1, |x, y| {
             step(size, 2.0, 15.0).pixel(x, y) * (1.0 + 0.01 * (y % 24) as f32)
         }),
@@ -149,7 +149,7 @@ pub fn far_light_over_a_near_object() -> Finding {
     }
 }
 
-/// Share of the light of a Cauchy kernel beyond an angle on both sides.
+/// Share of the light of a Cauchy kernel outside an angle on both sides.
 fn tail(angle: f64, gamma: f64) -> f64 {
     1.0 - FRAC_2_PI * (angle / gamma).atan()
 }
@@ -173,7 +173,7 @@ fn overstated(angle: f64, scale: f64, pole: f64) -> f64 {
     f64::from(without) / f64::from(with.max(1))
 }
 
-/// Light from all sides may meet in one pixel.
+/// Light from all directions can converge on one pixel.
 #[must_use]
 pub fn a_cone_focuses_light() -> Finding {
     let side = 129;

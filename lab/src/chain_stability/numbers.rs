@@ -1,4 +1,4 @@
-//! Numbers at the edge of what f32 holds.
+//! Numbers at the limits of f32.
 
 use imaging::Plane;
 use optics::attenuation::scattered_share;
@@ -210,7 +210,7 @@ pub fn very_short_and_very_long_ranges() -> Finding {
     }
 }
 
-/// What f32 alone costs.
+/// The error of f32 alone.
 #[must_use]
 pub fn f32_against_f64() -> Finding {
     let trial = |model| Trial {

@@ -1,4 +1,4 @@
-//! A frame in a water, by the fast chain and by the reference.
+//! A frame in water, rendered by the fast chain and by the reference.
 
 use imaging::random::Stream;
 use imaging::{Plane, Rgb};
@@ -52,7 +52,7 @@ pub(super) fn noise((width, height): (usize, usize), peak: f32) -> Rgb<f32> {
     })
 }
 
-/// From one range to another, top to bottom, in equal ratios.
+/// Range from top to bottom in a geometric progression.
 pub(super) fn slope((width, height): (usize, usize), nearest: f32, farthest: f32) -> Plane<f32> {
     Plane::from_fn(width, height, |_, y| {
         nearest * (farthest / nearest).powf(y as f32 / (height.max(2) - 1) as f32)

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::Point;
 use crate::plot::{Axis, Form, Grid, Lines, Mark, Series};
 
-/// Smaller errors are drawn here: on a logarithmic axis there is no 0.
+/// Smaller errors are drawn at this value, since a logarithmic axis has no 0.
 const FLOOR: f64 = 1e-8;
 
 /// The quantity plotted against time.
@@ -34,7 +34,7 @@ impl Measure {
         }
     }
 
-    /// On a logarithmic axis there is no 0: smaller values are drawn at the floor.
+    /// The value on a logarithmic axis; smaller values are drawn at the floor.
     fn value(self, point: &Point) -> Option<f64> {
         match self {
             Self::Max => point.error_max.map(|e| e.max(FLOOR)),
@@ -45,10 +45,10 @@ impl Measure {
     }
 }
 
-/// A measure of error against time, with the front and the default, of one stage and scene.
+/// Error against time for one stage and scene, with the Pareto front and the default variant.
 #[must_use]
 pub fn error_chart(title: &str, points: &[Point], measure: Measure) -> Lines {
-    // Other programs on the machine only ever add time: the fastest run disturbs the picture least.
+    // Other programs on the machine can only add time, so the fastest run is the least disturbed.
     let mark = |point: &Point, labeled: bool| {
         Some(Mark {
             x: point.ms_min,

@@ -1,4 +1,4 @@
-//! The glow of the water before lamps: quadratures of fixed length, and the one that the tolerance chooses.
+//! Airlight of lamps: quadratures of fixed length, and the one chosen for the tolerance.
 
 use imaging::Rgb;
 use imaging::geometry::Intrinsics;
@@ -39,7 +39,7 @@ pub(super) fn lighting(width: usize, height: usize, count: usize) -> Option<Ligh
     })
 }
 
-/// The glow of two lamps over one scene.
+/// The airlight of two lamps in one scene.
 #[must_use]
 pub fn glow(scene: &ChartScene, runs: usize) -> Vec<Point> {
     let (width, height) = scene.range.size();

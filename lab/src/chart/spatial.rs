@@ -55,7 +55,7 @@ fn mirrored(at: i64, side: usize) -> usize {
     folded.min(2 * side - 1 - folded) as usize
 }
 
-/// The way of published code: the frame in square windows, each blurred by the Gaussian of its mean scale, `sigma = factor γ`.
+/// The method of published code: the frame in square windows, each blurred by the Gaussian of its mean scale, `sigma = factor γ`.
 pub(super) fn windows(light: &Plane<f32>, gamma: &Plane<f32>, window: usize, factor: f32) -> Plane<f32> {
     let (width, height) = light.size();
     let mut blurred = Plane::filled(width, height, 0.0f32);
@@ -70,7 +70,7 @@ pub(super) fn windows(light: &Plane<f32>, gamma: &Plane<f32>, window: usize, fac
     blurred
 }
 
-/// A separable Gaussian to three sigma, on one window.
+/// A separable Gaussian truncated at three sigma, on one window.
 fn blur(
     light: &Plane<f32>,
     (left, top, right, bottom): (usize, usize, usize, usize),

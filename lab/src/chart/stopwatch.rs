@@ -5,7 +5,7 @@ use std::time::Instant;
 /// Milliseconds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Times {
-    /// Half of all runs took no longer.
+    /// Median run.
     pub median: f64,
     /// The fastest run.
     pub min: f64,

@@ -24,7 +24,7 @@ pub(crate) struct Arguments {
 }
 
 const FRAME: (usize, usize) = (768, 492);
-/// Errors are measured on half the frame, with the same view.
+/// Errors are measured at half the frame size, with the same field of view.
 const HALF: (usize, usize) = (384, 246);
 const NODES: [usize; 9] = [4, 6, 8, 12, 16, 24, 32, 48, 64];
 const TOLERANCES: [f64; 4] = [1e-3, 3e-4, 7.5e-5, 1e-5];

@@ -73,7 +73,7 @@ fn measure(rows: u64, folder: &Path) -> Result<Vec<String>, Failure> {
     Ok(lines)
 }
 
-/// A catalogue with as many images as frames that wait; the rate of the commits, by ten thousands.
+/// Fills a catalogue with images and as many pending frames; returns the commit rates.
 async fn fill(rows: u64, folder: &Path) -> anyhow::Result<String> {
     let data = Data::open(folder, &synthetic::metrics()).await?;
     let now_ms = SystemTime::UNIX_EPOCH
@@ -85,7 +85,7 @@ async fn fill(rows: u64, folder: &Path) -> anyhow::Result<String> {
         "the folder holds a job already"
     );
     let catalogue = Arc::new(data.catalogue);
-    // A pack, without which the service would miss the artifacts.
+    // The service needs a pack for the artifacts.
     let empty = Blob {
         digest: spec::sha256(b""),
         bytes: Vec::new(),
@@ -170,7 +170,7 @@ fn claims(server: &str) -> Result<String, Failure> {
     Ok(report("claim of a frame", times))
 }
 
-/// One after the other, each on the disk before it is answered.
+/// Submissions one after the other. Each is on the disk before its response.
 fn submissions(remote: &::client::Client) -> Result<String, Failure> {
     let job = json!({"dataset": "other", "count": 1000, "seed": 1,
         "scene": {"kind": "procedural", "family": "structure", "seed": {"int": [0, 99]}}});
@@ -229,7 +229,7 @@ fn report(name: &str, mut times: Vec<Duration>) -> String {
     )
 }
 
-/// The file system under a folder that may be gone.
+/// The file system of a folder that may not exist any more.
 fn disk(folder: &Path) -> String {
     let mounts = std::fs::read_to_string("/proc/mounts").unwrap_or_default();
     let parent: PathBuf = folder

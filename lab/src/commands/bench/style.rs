@@ -101,7 +101,7 @@ fn fastest(session: &mut Session, frame: &Rgb<f32>, runs: u32) -> Result<Duratio
         session
             .apply(frame, style::ModelInputs::default())
             .map_err(|error| Failure::Other(error.into()))?;
-        // The first warms up.
+        // The first run is a warm-up.
         let took = start.elapsed();
         if run > 0 {
             best = best.min(took);
