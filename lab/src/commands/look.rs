@@ -32,7 +32,7 @@ pub(crate) struct Arguments {
     tile_width: usize,
 }
 
-/// Pictures of a row of the sheet.
+/// Pictures per row of the sheet.
 const COLUMNS: usize = 3;
 
 /// A statistic, its range in photographs, and the frames it applies to.
@@ -82,7 +82,7 @@ const ROWS: [Row; 6] = [
     },
 ];
 
-/// Whether daylight lights the frames of a job.
+/// Whether a job has daylight.
 fn is_day(job: &Value) -> bool {
     match job.get("daylight") {
         Some(daylight) => daylight.is_object(),

@@ -74,7 +74,7 @@ fn render(water: &Value, lights: &Value, camera: &Value, count: u64) -> Result<V
     (0..count).map(picture).collect()
 }
 
-/// Four pictures, two in a row, with a white line between.
+/// Four pictures, two per row, separated by white lines.
 fn four(pictures: &[Rgb8]) -> Rgb8 {
     let (width, height) = (pictures[0].width(), pictures[0].height());
     Rgb8::from_fn(2 * width + 4, 2 * height + 4, |x, y| {
