@@ -17,12 +17,12 @@ pub(crate) struct Canvas<'a> {
 }
 
 impl<'a> Canvas<'a> {
-    /// Over the interleaved samples of a picture of this size.
+    /// A canvas over the interleaved samples of a picture of this size.
     pub(crate) fn new(width: usize, height: usize, data: &'a mut [u8]) -> Self {
         Self { width, height, data }
     }
 
-    /// Mixes a color into a pixel; does nothing outside the picture.
+    /// Mixes a color into a pixel; ignores pixels outside the picture.
     fn mix(&mut self, (x, y): BackendCoord, (r, g, b): (u8, u8, u8), weight: f64) {
         let inside = |v: i32, n: usize| usize::try_from(v).ok().filter(|&v| v < n);
         if let (Some(x), Some(y)) = (inside(x, self.width), inside(y, self.height)) {

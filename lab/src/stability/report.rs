@@ -1,4 +1,4 @@
-//! The cells as data, as maps and as words.
+//! The cells as CSV, maps and Markdown.
 
 use std::fmt::Write;
 
@@ -62,7 +62,7 @@ pub fn ssim_map(cells: &[Cell]) -> HeatMap {
     map
 }
 
-/// How far one code of noise moves the result, where it is more than four codes outlined.
+/// Change of the result for one code of noise. Cells above four codes are outlined.
 #[must_use]
 pub fn gain_map(cells: &[Cell]) -> HeatMap {
     let mut map = map(cells, |cell| cell.gain.mean);
@@ -130,7 +130,7 @@ fn outlined(cells: &[Cell], fails: impl Fn(&Cell) -> bool) -> Vec<(usize, usize)
         .collect()
 }
 
-/// Where each method fails, in words and figures; `pictures(method)` names the files of its maps.
+/// The failure region of each method as Markdown; `pictures(method)` names the files of its maps.
 #[must_use]
 pub fn markdown(runs: &[Vec<Cell>], about: &str, pictures: impl Fn(&str) -> String) -> String {
     let mut text = format!("# Where enhancements fail\n\n{about}\n\n{INTRODUCTION}\n");
