@@ -1,4 +1,4 @@
-//! One round of a frame's truth on all cores: the pixels are divided among threads, and no bit depends on how.
+//! One round of a frame's truth on all cores. The result does not depend on how the pixels are divided among threads.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -11,7 +11,7 @@ const PIXELS: usize = 16;
 /// Traces `samples` of the first `count` pixels on `threads` threads. `watch` receives the number of finished pixels.
 ///
 /// # Panics
-/// If a path does.
+/// A path panics.
 pub fn round(
     (shutter, scene): (&PathBatch, &TracedScene<'_>),
     count: usize,

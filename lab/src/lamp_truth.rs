@@ -1,4 +1,4 @@
-//! The light of lamps in six waters, followed by Monte Carlo and as the chain has it: on walls and in the water.
+//! The light of lamps in six waters, on walls and in the water: Monte Carlo against the chain.
 
 mod model;
 mod report;
@@ -22,7 +22,7 @@ pub const WATERS: [(&str, WaterCoefficients); 6] = [
     ("5C", coefficients(0.157, 1.267)),
     ("harbor", coefficients(0.366, 1.824)),
 ];
-/// Half angles of the lamps' cones, degrees; none: a lamp that shines in all directions.
+/// Half angles of the lamps' cones, degrees; `None` for a lamp that shines in all directions.
 pub const CONES_DEG: [Option<f64>; 2] = [None, Some(35.0)];
 /// The phase functions of the truth.
 pub const LAWS: [Law; 2] = [Law::FournierForand, Law::HenyeyGreenstein];
@@ -30,11 +30,11 @@ pub const LAWS: [Law; 2] = [Law::FournierForand, Law::HenyeyGreenstein];
 const BACKSCATTER: f64 = 0.0183;
 const WALLS_M: [f64; 3] = [1.0, 2.0, 4.0];
 const CAMERAS_M: [f64; 3] = [0.3, 0.5, 1.0];
-/// A camera sees this much around its place, as a share of its distance.
+/// Width of a camera's view around its position, as a share of its distance.
 const CAMERA_WIDTH: f64 = 0.08;
 const RINGS_DEG: [f64; 4] = [10.0, 20.0, 31.0, 45.0];
 const LOOKS_DEG: [f64; 5] = [-40.0, -20.0, 0.0, 20.0, 40.0];
-/// Cells that are not known to this share are not compared.
+/// Maximum relative standard error of the compared cells.
 const KNOWN_TO: f64 = 0.1;
 
 const fn coefficients(absorption: f64, scattering: f64) -> WaterCoefficients {
@@ -44,12 +44,12 @@ const fn coefficients(absorption: f64, scattering: f64) -> WaterCoefficients {
     }
 }
 
-/// How the truth scatters.
+/// Phase function of the truth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Law {
-    /// As sea water does.
+    /// That of sea water.
     FournierForand,
-    /// As the chain does, which excludes the phase function as a source of its error.
+    /// That of the chain, which excludes the phase function as a source of its error.
     HenyeyGreenstein,
 }
 
@@ -78,7 +78,7 @@ pub struct Task {
     pub water: usize,
     /// The lamp's cone.
     pub cone_deg: Option<f64>,
-    /// How the truth scatters.
+    /// Phase function of the truth.
     pub law: Law,
 }
 
@@ -90,11 +90,11 @@ pub enum Place {
         /// Inner and outer angle.
         ring_deg: [f64; 2],
     },
-    /// In the water before a wall, seen from next to the lamp.
+    /// In the water in front of a wall, seen from next to the lamp.
     Water {
         /// Distance of the camera from the lamp, m.
         camera_m: f64,
-        /// Angle of its look from the lamp's axis, away from it, degrees.
+        /// Angle of its view direction from the lamp's axis, away from it, degrees.
         look_deg: f64,
     },
 }
@@ -105,7 +105,7 @@ impl Place {
     }
 }
 
-/// A form of the chain's light.
+/// A variant of the chain's light.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Form {
     /// Single scattering with the phase function of Henyey and Greenstein.
@@ -119,7 +119,7 @@ pub enum Form {
 /// One measurement.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cell {
-    /// How the truth scatters.
+    /// Phase function of the truth.
     pub law: Law,
     /// Which water.
     pub water: &'static str,
@@ -129,11 +129,11 @@ pub struct Cell {
     pub is_spot: bool,
     /// Distance of the wall, m.
     pub wall_m: f64,
-    /// Where.
+    /// Where the light was measured.
     pub place: Place,
     /// The light, all orders, and its standard error.
     pub truth: truth::Level,
-    /// The chain's light in each [`Form`].
+    /// The light of the chain in each [`Form`].
     pub chain: [f64; 3],
 }
 
@@ -194,7 +194,7 @@ pub fn measure(task: Task, photons: Range<u64>) -> Vec<Cell> {
     cells
 }
 
-/// The rings of a wall: scattered light and that which came straight.
+/// The rings of a wall: scattered and unscattered light.
 fn on_wall<'a>(
     bench: &'a Bench,
     shone: &'a Shone,
@@ -206,7 +206,7 @@ fn on_wall<'a>(
         let scattered = shone.scattered[wall][ring];
         let chain = model.surface(bench.ring_m(wall, ring), WALLS_M[wall]);
         let truth = truth::Level {
-            // Light that came straight is the same in both.
+            // The unscattered light is the same in both.
             mean: scattered.mean + chain[0],
             error: scattered.error,
         };

@@ -1,4 +1,4 @@
-//! The `fathom-lab` command: measures the product and draws the pages that show it.
+//! The `fathom-lab` command: measures the product and draws the figures of its pages.
 
 mod commands;
 mod drawing;

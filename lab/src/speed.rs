@@ -16,8 +16,8 @@ use spec::{Fidelity, Optics};
 
 use crate::chart::{standard_scenes, time, time_once};
 
-/// Copies planes of this many samples on each of some threads, a dozen planes in turn as a frame has them: gigabytes a
-/// second of one thread, read and written.
+/// Copies planes of this many samples on each of several threads, rotating through a dozen planes like a frame. Returns the mean
+/// rate of a thread in GB/s, read and written.
 #[must_use]
 pub fn copy_gb_per_s(samples: usize, threads: usize) -> f64 {
     const PLANES: usize = 12;
@@ -74,20 +74,20 @@ pub mod traffic {
     }
 }
 
-/// How a job uses the cache of kernels.
+/// Usage of the kernel cache by a job.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CacheUse {
-    /// Which job.
+    /// Name of the job.
     pub job: &'static str,
     /// Its frames.
     pub frames: usize,
-    /// Transfer functions that were there.
+    /// Transfer functions found in the cache.
     pub hits: u64,
-    /// Those that were not.
+    /// Transfer functions missing from the cache.
     pub misses: u64,
-    /// Most memory they took, bytes.
+    /// Peak memory of the cache, bytes.
     pub bytes: usize,
-    /// Half of the frames took no longer in the water.
+    /// Median time of the water in a frame, ms.
     pub ms: f64,
 }
 
@@ -164,7 +164,7 @@ fn at_scale(preset: &str, range_scale: f64, width: usize) -> Option<Water> {
     Water::resolve(&request, focal_px).ok()
 }
 
-/// Milliseconds of a kernel that is not in the cache, fastest of `runs`: narrow, middle and wide.
+/// Milliseconds of a kernel missing from the cache, fastest of `runs`: narrow, middle and wide.
 #[must_use]
 pub fn miss_ms((width, height): (usize, usize), runs: usize) -> Vec<(f64, f64)> {
     let one = |gamma| {

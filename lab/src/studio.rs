@@ -1,4 +1,4 @@
-//! Frames rendered as any job renders them.
+//! Renders frames like any job.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -26,13 +26,13 @@ impl Studio {
         }
     }
 
-    /// With the shipped styles.
+    /// Creates a studio with the shipped styles.
     pub(crate) fn with_shipped_styles() -> Result<Self, Failure> {
         let library = Library::embedded().context("the embedded style models")?;
         Ok(Self::new(library, None))
     }
 
-    /// A frame of a job that may name files of this machine.
+    /// A frame of a job that may use local files.
     pub(crate) fn frame(&self, description: &Value, index: u64) -> Result<Frame, Failure> {
         let vocabulary = renderer::vocabulary(&self.library, true);
         let job = Job::parse(description.to_string().as_bytes(), &vocabulary);
@@ -66,7 +66,7 @@ impl Studio {
     }
 }
 
-/// An artifact that may have been made.
+/// An artifact, or `None` if it was not rendered.
 pub(crate) fn artifact<'a>(rendered: &'a Rendered, kind: &str) -> Option<&'a [u8]> {
     let file = rendered.files.iter().find(|file| file.kind == kind)?;
     Some(&file.bytes)

@@ -9,7 +9,7 @@ use spec::Optics;
 
 use super::*;
 
-/// Large enough for the hybrid to solve in full size only a part.
+/// Large enough that the hybrid solves only a part at full size.
 const SIZE: (usize, usize) = (547, 353);
 const WATERS: [&str; 3] = ["jerlov-IB", "jerlov-1C", "jerlov-3C"];
 const SEEDS: std::ops::Range<u64> = 0..12;

@@ -1,4 +1,4 @@
-//! The chain's light at the places of a measurement.
+//! The light of the chain at the positions of a measurement.
 
 use imaging::Plane;
 use imaging::geometry::Intrinsics;
@@ -11,7 +11,7 @@ use truth::light_tracer::Bench;
 /// Circles for averaging the light of a ring.
 const CIRCLES: usize = 16;
 
-/// A lamp in a water, as the chain has it.
+/// A lamp in a water, as modeled by the chain.
 pub(super) struct Model {
     absorption: f64,
     scattering: f64,
@@ -29,7 +29,7 @@ impl Model {
         }
     }
 
-    /// Each form of the light, in the order of [`Form`](super::Form).
+    /// Each variant of the light, in the order of [`Form`](super::Form).
     fn each(&self, lamp_x: f64, ray_slope: f64, light: impl Fn(&Lighting) -> f64) -> [f64; 3] {
         let place = [lamp_x, 0.0, 0.0];
         let lamp = match self.cone_deg {
