@@ -1,5 +1,5 @@
-//! The network of fast neural style (Johnson, Alahi and Fei-Fei 2016, with instance normalization by Ulyanov, Vedaldi and Lempitsky
-//! 2016) with random weights: a control that shows the effect of the architecture alone.
+//! The network of fast neural style (Johnson, Alahi and Fei-Fei 2016, with instance normalization by Ulyanov, Vedaldi and
+//! Lempitsky 2016) with random weights: a control that shows the effect of the architecture alone.
 
 use imaging::random::Stream;
 

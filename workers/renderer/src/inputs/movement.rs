@@ -24,8 +24,8 @@ pub(crate) struct Moment {
 
 /// The moments that make up a frame of `height` rows. A frame without motion has one moment, at its nominal time.
 ///
-/// The exposure of a row is sampled evenly around its readout time, at `(k + 1/2)/n - 1/2` of the exposure. Row j is read `(j +
-/// 1/2)/H - 1/2` of the readout after the frame's time; the rows of a band share the time of its middle.
+/// The exposure of a row is sampled evenly around its readout time, at `(k + 1/2)/n - 1/2` of the exposure. Row j is read
+/// `(j + 1/2)/H - 1/2` of the readout after the frame's time; the rows of a band share the time of its middle.
 pub(crate) fn moments(frame: &Frame, height: usize) -> Vec<Moment> {
     let camera = ::camera::preset::complete(&frame.camera);
     let still = || {

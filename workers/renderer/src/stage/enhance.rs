@@ -78,8 +78,8 @@ fn choose_ibla(variants: &[IblaVariant], tolerance: Option<f64>) -> Stage {
     )
 }
 
-/// Runs every method of the frame on the result, independently of each other. Adds their warnings to the record, such as `ibla:
-/// lamp_as_background: …`.
+/// Runs every method of the frame on the result, independently of each other. Adds their warnings to the record, such as
+/// `ibla: lamp_as_background: …`.
 pub(crate) fn run(
     context: &FrameContext<'_>,
     rgb: &Rgb8,
