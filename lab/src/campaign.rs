@@ -1,8 +1,8 @@
-//! Random and directed frames against the promise of their plans: the exposed light of a frame is within the plan's bound of the
-//! light of the f64 reference, and water costs little more than by the cheapest sufficient plan.
+//! Compares random and directed frames with the bounds of their plans: the exposed light of a frame is within the plan's bound of
+//! the light of the f64 reference, and water costs little more than with the cheapest sufficient plan.
 //!
 //! Each frame is an ordinary job with a camera, a function of its family and seed. Edges of shadows, caustics and sediment have no
-//! bound; frames in which one of them matters are counted apart.
+//! bound; frames affected by them are counted separately.
 
 mod camera;
 mod case;
@@ -34,7 +34,7 @@ pub use studio::{Measured, Promise, Studio};
 
 use knobs::Knobs;
 
-/// Most draws of a seed. Descriptions that contradict themselves are drawn again.
+/// Maximum draws of a seed. Contradictory descriptions are drawn again.
 const MOST_ATTEMPTS: u64 = 40;
 
 impl Origin {
@@ -84,7 +84,7 @@ impl Origin {
         }
     }
 
-    /// Family, seed, and the count of numbers that a search changed.
+    /// Family, seed, and the number of values changed by a search.
     #[must_use]
     pub fn describe(&self) -> String {
         match self.turned.len() {
@@ -93,13 +93,13 @@ impl Origin {
         }
     }
 
-    /// The frame itself.
+    /// The description and picture of the frame.
     #[must_use]
     pub fn case(&self) -> Case {
         self.family.draw(Knobs::new(self)).0
     }
 
-    /// Names of the numbers that the frame uses.
+    /// Names of the random numbers used by the frame.
     fn names(&self) -> Vec<String> {
         self.family.draw(Knobs::new(self)).1.names()
     }
@@ -144,7 +144,7 @@ impl Origin {
     }
 }
 
-/// A frame compared with its promise.
+/// A frame compared with its bound.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
     /// Source of the frame.
@@ -153,7 +153,7 @@ pub struct Outcome {
     pub about: String,
     /// Tolerance of the frame.
     pub tolerance: f64,
-    /// Promise and error.
+    /// Bound and error.
     pub measured: Measured,
     /// Cost of the water; `None` outside of the family `water`.
     pub cost: Option<Cost>,
@@ -175,7 +175,7 @@ impl Outcome {
         !promise.is_open && !is_within
     }
 
-    /// Whether the bound is above the tolerance without a reason in the plan.
+    /// Whether the bound exceeds the tolerance without a reason in the plan.
     #[must_use]
     pub fn is_silent(&self) -> bool {
         let promise = self.measured.promise;
@@ -187,7 +187,7 @@ impl Outcome {
 mod tests {
     use super::*;
 
-    /// Beyond the seeds of the documented campaign.
+    /// Outside the seeds of the documented campaign.
     const SEED: u64 = 1_000_000;
     const RANDOM: u64 = 40;
     const DIRECTED: u64 = 24;
@@ -195,7 +195,7 @@ mod tests {
     const WATER: u64 = 200;
     /// Largest median cost over the cheapest plan.
     const EXCESS_MEDIAN: f64 = 1.5;
-    /// Largest quantile of 95 % of the cost over the cheapest plan. Runs of 500 frames gave 1.8 to 2.5.
+    /// Largest 95 % quantile of the cost over the cheapest plan. Runs of 500 frames gave 1.8 to 2.5.
     const EXCESS_95: f64 = 2.5;
 
     fn outcomes(random: u64, directed: u64, family: Option<Family>) -> Vec<Outcome> {

@@ -1,7 +1,7 @@
-//! Where the chain fails: hostile frames, what comes out of them in figures, and what that means for a user.
+//! Failure modes of the chain: hostile frames, their measured figures, and the consequence for a user.
 //!
-//! Each finding is measured here, checked by a test of the same name and written into the documentation by the command
-//! line, so that no figure on the page is typed.
+//! Each finding is measured here, checked by a test of the same name and written into the documentation by the command line. No
+//! figure on the page is typed by hand.
 
 mod geometry;
 mod numbers;
@@ -22,23 +22,23 @@ pub use shapes::{
     holes_of_every_kind, prime_sizes, radiance_that_is_no_number, single_pixels_and_lines, threads,
 };
 
-/// What a figure must keep to.
+/// The limit of a figure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Limit {
     /// No more than this.
     AtMost(f64),
-    /// No less than this: the page shows a weakness, and must not go on doing so once it is gone.
+    /// At least this: the page shows a weakness and must be revised once it is fixed.
     AtLeast(f64),
 }
 
 /// One measured value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
-    /// What it is, with its unit.
+    /// The measured quantity, with its unit.
     pub what: String,
     /// Its value.
     pub value: f64,
-    /// What it must keep to.
+    /// Its limit.
     pub limit: Limit,
 }
 
@@ -63,18 +63,18 @@ impl Figure {
     }
 }
 
-/// What was tried, what came out, what it means.
+/// One experiment with its figures and their meaning.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Finding {
     /// The test that checks it.
     pub test: &'static str,
-    /// What was tried.
+    /// The experiment.
     pub tried: &'static str,
-    /// What came out.
+    /// The measurements.
     pub figures: Vec<Figure>,
-    /// What it means for a user.
+    /// The consequence for a user.
     pub meaning: &'static str,
-    /// Name, caption and picture, where a picture says more.
+    /// Name, caption and picture, if a picture helps.
     pub picture: Option<(&'static str, &'static str, Rgb8)>,
 }
 
@@ -99,7 +99,7 @@ impl Finding {
     }
 }
 
-/// Measures everything, in the order of the page.
+/// Measures all findings, in the order of the page.
 #[must_use]
 pub fn findings() -> Vec<Finding> {
     vec![
@@ -121,7 +121,7 @@ pub fn findings() -> Vec<Finding> {
     ]
 }
 
-/// The page. `path` answers where the picture of a name lies.
+/// Writes the page in Markdown. `path` maps the name of a picture to its path.
 #[must_use]
 pub fn markdown(findings: &[Finding], about: &str, path: impl Fn(&str) -> String) -> String {
     let held = findings.iter().filter(|f| f.broken().is_empty()).count();

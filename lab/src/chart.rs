@@ -31,14 +31,14 @@ pub use summary::summary;
 /// The stages that have a chart.
 pub const STAGES: [&str; 6] = ["forward_scatter", "haze", "homomorphic", "ibla", "lamps", "frame"];
 
-/// What one variant costs and how wrong it is on one scene.
+/// Time and error of one variant on one scene.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Point {
     /// The stage.
     pub stage: &'static str,
-    /// The way it is computed.
+    /// The method.
     pub variant: String,
-    /// Kernels, layers or lights, where there are such.
+    /// Number of kernels, layers or lights, if applicable.
     pub terms: Option<usize>,
     /// The scene.
     pub scene: String,
@@ -46,13 +46,13 @@ pub struct Point {
     pub width: usize,
     /// Rows.
     pub height: usize,
-    /// Half of all runs took no longer.
+    /// Median run.
     pub ms_median: f64,
     /// The fastest run.
     pub ms_min: f64,
     /// The slowest.
     pub ms_max: f64,
-    /// Largest difference to the reference in linear light; none where only time was measured.
+    /// Largest difference to the reference in linear light; `None` if only time was measured.
     pub error_max: Option<f64>,
     /// Root of its mean square.
     pub error_rmse: Option<f64>,
@@ -61,14 +61,14 @@ pub struct Point {
     /// Mean color difference, CIEDE2000; in the table, not in the JSON.
     #[serde(skip)]
     pub delta_e: Option<f64>,
-    /// What a job gets that asks for nothing else.
+    /// The default variant of a job.
     pub default: bool,
-    /// Nothing else on this scene is both faster and more exact.
+    /// No other variant on this scene is both faster and more exact.
     pub pareto: bool,
 }
 
 impl Point {
-    /// A point from what was measured.
+    /// Builds a point from its measurements.
     #[must_use]
     pub fn new(
         stage: &'static str,
@@ -174,7 +174,7 @@ mod tests {
                 .iter()
                 .filter_map(|p| p.error_max)
                 .fold(f64::INFINITY, f64::min);
-            // The glow of a lamp in view reaches 100, which f32 holds to 8e-6.
+            // The airlight of a lamp in view reaches 100, which f32 represents to 8e-6.
             let limit = if stage == "lamps" { 2e-5 } else { 3e-6 };
             assert!(least < limit, "{stage}: {least:e}");
             assert!(

@@ -1,17 +1,17 @@
-//! One round of a frame's truth on all cores: the pixels are divided among threads, and no bit depends on how.
+//! One round of a frame's truth on all cores. The result does not depend on how the pixels are divided among threads.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use truth::{PathBatch, PixelSums, TracedScene};
 
-/// Pixels that a thread takes at a time.
+/// Pixels that a thread claims at a time.
 const PIXELS: usize = 16;
 
-/// Traces some samples of the first `count` pixels on so many threads. `watch` hears how many pixels are done.
+/// Traces `samples` of the first `count` pixels on `threads` threads. `watch` receives the number of finished pixels.
 ///
 /// # Panics
-/// If a path does.
+/// A path panics.
 pub fn round(
     (shutter, scene): (&PathBatch, &TracedScene<'_>),
     count: usize,

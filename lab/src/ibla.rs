@@ -1,5 +1,5 @@
-//! The faster forms of IBLA against the exact one, picture by picture: whether the background light has the same candidates, and how
-//! far the results are apart.
+//! The faster variants of IBLA against the exact one, picture by picture: agreement of the candidates for background light, and
+//! difference of the results.
 
 use std::fmt::Write;
 
@@ -9,31 +9,31 @@ use imaging::{Raster, Rgb8, transfer};
 
 use crate::chart::{difference, time_once};
 
-/// Candidates are the same where no channel of them differs by more, in 0..=1.
+/// Maximum difference of a channel for candidates to count as equal, in 0..=1.
 const SAME: f64 = 0.01;
 
-/// One form on one picture.
+/// One variant on one picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Outcome {
-    /// The form.
+    /// The variant.
     pub form: IblaRefinement,
-    /// Largest difference of a channel of a candidate to that of the exact form, 0..=1.
+    /// Largest difference of a candidate's channel from the exact variant, 0..=1.
     pub apart: f64,
-    /// Root of the mean square of the difference of the results in linear light, 0..=1.
+    /// Root mean square difference of the results in linear light, 0..=1.
     pub distance: f64,
     /// Milliseconds of the method.
     pub ms: f64,
 }
 
 impl Outcome {
-    /// Whether the candidates are those of the exact form.
+    /// Whether the candidates equal those of the exact variant.
     #[must_use]
     pub fn is_kept(&self) -> bool {
         self.apart <= SAME
     }
 }
 
-/// Runs all forms on a picture, the exact one first.
+/// Runs all variants on a picture, the exact one first.
 ///
 /// # Errors
 /// As [`run`].
@@ -65,7 +65,7 @@ fn apart(got: &[[f64; 3]; 3], expected: &[[f64; 3]; 3]) -> f64 {
     pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-/// The share of the pictures of which a form keeps the candidates; none without a picture.
+/// Share of the pictures whose candidates a variant keeps; `None` without pictures.
 #[must_use]
 pub fn share_kept(outcomes: &[Outcome], form: IblaRefinement) -> Option<f64> {
     let of: Vec<&Outcome> = outcomes.iter().filter(|outcome| outcome.form == form).collect();
@@ -73,7 +73,7 @@ pub fn share_kept(outcomes: &[Outcome], form: IblaRefinement) -> Option<f64> {
     (!of.is_empty()).then(|| kept as f64 / of.len() as f64)
 }
 
-/// A table, a row for each form.
+/// A table with one row per variant.
 #[must_use]
 pub fn markdown(outcomes: &[Outcome]) -> String {
     let mut text = String::from(
@@ -107,7 +107,7 @@ fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
     values
 }
 
-/// The least of sorted values that such a share of them does not exceed.
+/// The smallest of the sorted values that is an upper bound for this share of them.
 fn at(sorted: &[f64], share: f64) -> f64 {
     let place = (share * sorted.len() as f64).ceil() as usize;
     sorted[place.saturating_sub(1)]

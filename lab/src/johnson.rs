@@ -1,5 +1,5 @@
 //! The network of fast neural style (Johnson, Alahi and Fei-Fei 2016, with instance normalization by Ulyanov, Vedaldi and
-//! Lempitsky 2016), with random weights: a control that shows what such a network does to a frame by its form alone.
+//! Lempitsky 2016) with random weights: a control that shows the effect of the architecture alone.
 
 use imaging::random::Stream;
 
@@ -72,7 +72,7 @@ impl Builder {
         positive
     }
 
-    /// A convolution by reflection with random weights; the last one answers around middle gray.
+    /// A convolution with reflected borders and random weights. The last one is centered at middle gray.
     fn convolution(&mut self, input: &str, (from, to): (usize, usize), side: usize, step: i64) -> String {
         let name = format!("layer{}", self.layers);
         let form = ConvolutionShape {
@@ -105,7 +105,7 @@ mod tests {
 
     use super::johnson;
 
-    /// It runs as any other network of a user's.
+    /// The network loads and runs like any user's.
     #[test]
     fn a_network_with_instance_normalization_loads_and_runs() {
         let model = StyleModel::without_card("johnson", johnson(1));

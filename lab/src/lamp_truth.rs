@@ -1,4 +1,4 @@
-//! The light of lamps in six waters, followed by Monte Carlo and as the chain has it: on walls and in the water.
+//! The light of lamps in six waters, on walls and in the water: Monte Carlo against the chain.
 
 mod model;
 mod report;
@@ -22,7 +22,7 @@ pub const WATERS: [(&str, WaterCoefficients); 6] = [
     ("5C", coefficients(0.157, 1.267)),
     ("harbor", coefficients(0.366, 1.824)),
 ];
-/// Half angles of the lamps' cones, degrees; none: a lamp that shines in all directions.
+/// Half angles of the lamps' cones, degrees; `None` for a lamp that shines in all directions.
 pub const CONES_DEG: [Option<f64>; 2] = [None, Some(35.0)];
 /// The phase functions of the truth.
 pub const LAWS: [Law; 2] = [Law::FournierForand, Law::HenyeyGreenstein];
@@ -30,11 +30,11 @@ pub const LAWS: [Law; 2] = [Law::FournierForand, Law::HenyeyGreenstein];
 const BACKSCATTER: f64 = 0.0183;
 const WALLS_M: [f64; 3] = [1.0, 2.0, 4.0];
 const CAMERAS_M: [f64; 3] = [0.3, 0.5, 1.0];
-/// A camera sees this much around its place, as a share of its distance.
+/// Width of a camera's view around its position, as a share of its distance.
 const CAMERA_WIDTH: f64 = 0.08;
 const RINGS_DEG: [f64; 4] = [10.0, 20.0, 31.0, 45.0];
 const LOOKS_DEG: [f64; 5] = [-40.0, -20.0, 0.0, 20.0, 40.0];
-/// Cells that are not known to this share are not compared.
+/// Maximum relative standard error of the compared cells.
 const KNOWN_TO: f64 = 0.1;
 
 const fn coefficients(absorption: f64, scattering: f64) -> WaterCoefficients {
@@ -44,12 +44,12 @@ const fn coefficients(absorption: f64, scattering: f64) -> WaterCoefficients {
     }
 }
 
-/// How the truth scatters.
+/// Phase function of the truth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Law {
-    /// As sea water does.
+    /// That of sea water.
     FournierForand,
-    /// As the chain does: what it then has wrong is not its phase function.
+    /// That of the chain, which excludes the phase function as a source of its error.
     HenyeyGreenstein,
 }
 
@@ -71,14 +71,14 @@ impl Law {
     }
 }
 
-/// What is measured in one go.
+/// One unit of measurement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Task {
     /// Which of [`WATERS`].
     pub water: usize,
     /// The lamp's cone.
     pub cone_deg: Option<f64>,
-    /// How the truth scatters.
+    /// Phase function of the truth.
     pub law: Law,
 }
 
@@ -90,11 +90,11 @@ pub enum Place {
         /// Inner and outer angle.
         ring_deg: [f64; 2],
     },
-    /// In the water before a wall, beside the lamp.
+    /// In the water in front of a wall, seen from next to the lamp.
     Water {
         /// Distance of the camera from the lamp, m.
         camera_m: f64,
-        /// Angle of its look from the lamp's axis, away from it, degrees.
+        /// Angle of its view direction from the lamp's axis, away from it, degrees.
         look_deg: f64,
     },
 }
@@ -105,21 +105,21 @@ impl Place {
     }
 }
 
-/// A form of the chain's light.
+/// A variant of the chain's light.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Form {
-    /// Scattered once, as Henyey and Greenstein say.
+    /// Single scattering with the phase function of Henyey and Greenstein.
     Single,
-    /// With that which scatters more than once.
+    /// With multiple scattering.
     Multiple,
-    /// The same, rising toward the back as Fournier and Forand say.
+    /// The same, with backscatter rising as in the phase function of Fournier and Forand.
     Rising,
 }
 
 /// One measurement.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cell {
-    /// How the truth scatters.
+    /// Phase function of the truth.
     pub law: Law,
     /// Which water.
     pub water: &'static str,
@@ -129,16 +129,16 @@ pub struct Cell {
     pub is_spot: bool,
     /// Distance of the wall, m.
     pub wall_m: f64,
-    /// Where.
+    /// Where the light was measured.
     pub place: Place,
     /// The light, all orders, and its standard error.
     pub truth: truth::Level,
-    /// The chain's light in each [`Form`].
+    /// The light of the chain in each [`Form`].
     pub chain: [f64; 3],
 }
 
 impl Cell {
-    /// Chain over truth; none where the truth is not known well enough.
+    /// Chain over truth; `None` if the truth is too uncertain.
     #[must_use]
     pub fn ratio(&self, form: Form) -> Option<f64> {
         let is_known = self.truth.mean > 0.0 && self.truth.error <= KNOWN_TO * self.truth.mean;
@@ -194,7 +194,7 @@ pub fn measure(task: Task, photons: Range<u64>) -> Vec<Cell> {
     cells
 }
 
-/// The rings of a wall: scattered light and that which came straight.
+/// The rings of a wall: scattered and unscattered light.
 fn on_wall<'a>(
     bench: &'a Bench,
     shone: &'a Shone,
@@ -206,7 +206,7 @@ fn on_wall<'a>(
         let scattered = shone.scattered[wall][ring];
         let chain = model.surface(bench.ring_m(wall, ring), WALLS_M[wall]);
         let truth = truth::Level {
-            // Light that came straight is the same in both.
+            // The unscattered light is the same in both.
             mean: scattered.mean + chain[0],
             error: scattered.error,
         };

@@ -1,8 +1,8 @@
-//! The laboratory: speed against accuracy, stability, and what the waters look like. It makes the pages of `docs/`; the
-//! product does not know it.
+//! The laboratory: speed against accuracy, stability, and the look of the waters. It generates the pages of `docs/`; the product
+//! does not depend on it.
 //!
-//! What is measured comes from the science crates; what is drawn is drawn twice from one description, as SVG and as a
-//! picture. Clocks are read here, files are not: the commands of `fathom-lab` write what this library returns.
+//! The science crates compute the measured values. Each figure is drawn from one description, as SVG and as a picture. This library
+//! reads clocks but no files; the commands of `fathom-lab` write its results.
 
 pub mod campaign;
 pub mod chain_stability;

@@ -1,24 +1,24 @@
-//! What photographs under water have and renderings often lack, as numbers of a picture: uneven water, light from above, highlights
-//! that clip, coarse variation, grain.
+//! Features of underwater photographs that renderings often lack, as statistics of a picture: uneven water, daylight, clipped
+//! highlights, coarse variation, grain.
 
 use std::f64::consts::{PI, TAU};
 
 use imaging::{Plane, Rgb8};
 
-/// Side of the windows that spectra are taken of, px.
+/// Side of the windows for spectra, px.
 const WINDOW_PX: usize = 256;
-/// Frequencies between which a slope is fitted, cycles in a window.
+/// Frequency range for fitting the slope, cycles per window.
 const FREQUENCIES: std::ops::Range<usize> = 4..64;
-/// Side of the blocks in which grain is looked for, px, and the share of blocks that counts as flat.
+/// Side of the blocks for estimating grain, px, and the share of blocks that counts as flat.
 const BLOCK_PX: usize = 16;
 const FLAT: f64 = 0.2;
-/// Of open water there must be this share of a picture.
+/// Minimum share of open water in a picture.
 const LEAST_WATER: f64 = 0.02;
 
 /// Statistics of one picture.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Look {
-    /// Standard deviation of L* within open water; none with too little of it.
+    /// Standard deviation of L* within open water; `None` if there is too little of it.
     pub(crate) spread: Option<f64>,
     /// Mean L* of the uppermost fifth minus that of the lowest.
     pub(crate) fall: f64,
@@ -33,7 +33,7 @@ pub(crate) struct Look {
 }
 
 impl Look {
-    /// Those of a picture whose open water has the code 0.
+    /// Statistics of a picture; code 0 of `semantics` is open water.
     pub(crate) fn of(picture: &Rgb8, semantics: &Plane<u8>) -> Self {
         let (width, height) = (picture.width(), picture.height());
         let gray = Plane::from_fn(width, height, |x, y| {
@@ -96,7 +96,7 @@ fn entropy(gray: &Plane<f64>) -> f64 {
     terms.map(|count| -count / all * (count / all).log2()).sum()
 }
 
-/// Noise of the flattest blocks by the mean of an operator that is blind to planes.
+/// Noise of the flattest blocks, from the mean of an operator that cancels linear gradients.
 fn grain(gray: &Plane<f64>) -> f64 {
     let (width, height) = gray.size();
     let mut blocks = Vec::new();
@@ -136,7 +136,7 @@ fn slope(gray: &Plane<f64>) -> f64 {
         .filter(|&f| power[f] > 0.0)
         .map(|f| ((f as f64).ln(), power[f].ln()))
         .collect();
-    // Each octave counts alike.
+    // Each octave has the same weight.
     let weight = |x: f64| (-x).exp();
     let sum = |of: &dyn Fn(f64, f64) -> f64| points.iter().map(|&(x, y)| weight(x) * of(x, y)).sum::<f64>();
     let (one, x, y) = (sum(&|_, _| 1.0), sum(&|x, _| x), sum(&|_, y| y));
@@ -144,7 +144,7 @@ fn slope(gray: &Plane<f64>) -> f64 {
     (one * xy - x * y) / (one * xx - x * x)
 }
 
-/// Adds the power of a window by the whole number of its radial frequency, as a mean over directions.
+/// Adds the power of a window to bins of its rounded radial frequency, averaged over directions.
 fn add_spectrum(gray: &Plane<f64>, (left, top): (usize, usize), power: &mut [f64]) {
     const N: usize = WINDOW_PX;
     const HALF: usize = 64;
@@ -156,7 +156,7 @@ fn add_spectrum(gray: &Plane<f64>, (left, top): (usize, usize), power: &mut [f64
             .collect::<Vec<_>>(),
     );
     let turn: Vec<(f64, f64)> = (0..N).map(|k| (TAU * k as f64 / N as f64).sin_cos()).collect();
-    // Rows first: frequencies 0 to HALF of each.
+    // Transforms rows first, for frequencies 0 to HALF.
     let mut first = vec![(0.0, 0.0); N * HALF];
     for y in 0..N {
         let row = &gray.row(top + y)[left..left + N];
@@ -204,7 +204,7 @@ mod tests {
         let (width, height) = (256, 256);
         let plane = Plane::from_fn(width, height, |x, y| {
             let at = (y * width + x) as u64;
-            // A sum of twelve is nearly normal, of deviation 1.
+            // A sum of twelve uniform numbers is nearly normal, with standard deviation 1.
             let sum: f64 = (0..12).map(|k| dice.unit(at, k)).sum();
             100.0 + 2.0 * (sum - 6.0)
         });

@@ -1,6 +1,6 @@
-//! What the figures were measured on.
+//! The machine of the measurements.
 
-/// Processor, cores, version: one line to stand under measured figures.
+/// Processor, cores and version in one line, for the footer of measured figures.
 pub(crate) fn describe() -> String {
     let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let model = text

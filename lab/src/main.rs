@@ -1,4 +1,4 @@
-//! The `fathom-lab` command: measures the product and draws the pages that show it.
+//! The `fathom-lab` command: measures the product and draws the figures of its pages.
 
 mod commands;
 mod drawing;
@@ -10,7 +10,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
-/// Measures Fathom and draws what its pages show
+/// Measures Fathom and draws the figures of its pages
 #[derive(Parser)]
 #[command(name = "fathom-lab", version, about, max_term_width = 100)]
 struct Arguments {

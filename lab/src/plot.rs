@@ -1,4 +1,4 @@
-//! Plots, as SVG text and as a picture of the same drawing.
+//! Plots, as SVG text and as a picture of the same figure.
 
 mod bars;
 mod canvas;
@@ -26,7 +26,7 @@ pub use panels::{Panel, Panels};
 
 use canvas::Canvas;
 
-/// Something that can be drawn on a sheet.
+/// A figure that can be drawn on a sheet.
 pub trait Figure {
     /// Columns and rows of the sheet.
     fn size(&self) -> (u32, u32);
@@ -34,7 +34,7 @@ pub trait Figure {
     /// Draws on a sheet of that size.
     ///
     /// # Errors
-    /// What the sheet reports.
+    /// The error of the drawing backend.
     fn draw<B: DrawingBackend>(
         &self,
         area: &DrawingArea<B, Shift>,
@@ -79,7 +79,7 @@ fn paint<B: DrawingBackend>(figure: &impl Figure, area: &DrawingArea<B, Shift>) 
     draw().map_err(|error| PlotError(error.to_string()))
 }
 
-/// Colors that stay apart for people who see fewer of them (Okabe and Ito 2008).
+/// Colors that are distinguishable with color vision deficiency (Okabe and Ito 2008).
 pub const PALETTE: [RGBColor; 8] = [
     RGBColor(0, 114, 178),
     RGBColor(230, 159, 0),
@@ -92,12 +92,12 @@ pub const PALETTE: [RGBColor; 8] = [
 ];
 const INK: RGBColor = RGBColor(30, 34, 38);
 const FAINT: RGBColor = RGBColor(214, 218, 222);
-/// Height of text; the widths of the bitmap font belong to it.
+/// Height of text; the bitmap font's widths depend on it.
 const TEXT_PX: u32 = 16;
 
 fn ink() -> TextStyle<'static> {
     TextStyle::from(("monospace", TEXT_PX)).color(&INK)
 }
 
-/// The error that a canvas never reports.
+/// Error type of a canvas, which never fails.
 type Never = Infallible;

@@ -1,5 +1,5 @@
-//! What a frame could take at best: bytes that must be moved, and how fast this machine moves them; and how often the
-//! kernels of a frame are those of another.
+//! Lower bounds on the time of a frame from the bytes it must move and the memory speed of this machine, and how often frames share
+//! kernels.
 
 use std::hint::black_box;
 
@@ -16,8 +16,8 @@ use spec::{Fidelity, Optics};
 
 use crate::chart::{standard_scenes, time, time_once};
 
-/// Copies planes of this many samples on each of some threads, a dozen planes in turn as a frame has them: gigabytes a
-/// second of one thread, read and written.
+/// Copies planes of this many samples on each of several threads, rotating through a dozen planes like a frame. Returns the mean
+/// rate of a thread in GB/s, read and written.
 #[must_use]
 pub fn copy_gb_per_s(samples: usize, threads: usize) -> f64 {
     const PLANES: usize = 12;
@@ -45,8 +45,8 @@ pub fn copy_gb_per_s(samples: usize, threads: usize) -> f64 {
     rates.iter().sum::<f64>() / rates.len().max(1) as f64
 }
 
-/// Planes of f32 that a stage reads and writes at least, each pass counted where the planes of a frame do not stay in a
-/// core's own cache.
+/// Planes of f32 that a stage reads and writes at least. Each pass counts, assuming that the planes of a frame do not fit into the
+/// cache of a core.
 pub mod traffic {
     /// Radiance and range, read.
     pub const PLAN: f64 = 4.0;
@@ -59,9 +59,9 @@ pub mod traffic {
     /// Three planes of bytes read and about as many written.
     pub const FILES: f64 = 1.5;
 
-    /// Forward scatter of a channel with so many kernels, two in a complex plane: light and place read, the plane written,
-    /// read and written by rows and by columns, then read with both transfer functions and added to the sum. Once more
-    /// back, and before that light and place put into the order of the transform.
+    /// Forward scatter of a channel with `kernels` kernels, two in a complex plane: light and place read, the plane written, read
+    /// and written by rows and by columns, then read with both transfer functions and added to the sum. The inverse transform runs
+    /// once. Before the first transform, light and place are reordered.
     #[must_use]
     pub fn forward_scatter(kernels: usize) -> f64 {
         const PAIR: f64 = 2.0 + 2.0 + 8.0 + 2.0 + 2.0 + 2.0;
@@ -74,20 +74,20 @@ pub mod traffic {
     }
 }
 
-/// How a job uses the cache of kernels.
+/// Usage of the kernel cache by a job.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CacheUse {
-    /// Which job.
+    /// Name of the job.
     pub job: &'static str,
     /// Its frames.
     pub frames: usize,
-    /// Transfer functions that were there.
+    /// Transfer functions found in the cache.
     pub hits: u64,
-    /// Those that were not.
+    /// Transfer functions missing from the cache.
     pub misses: u64,
-    /// Most memory they took, bytes.
+    /// Peak memory of the cache, bytes.
     pub bytes: usize,
-    /// Half of the frames took no longer in the water.
+    /// Median time of the water in a frame, ms.
     pub ms: f64,
 }
 
@@ -164,7 +164,7 @@ fn at_scale(preset: &str, range_scale: f64, width: usize) -> Option<Water> {
     Water::resolve(&request, focal_px).ok()
 }
 
-/// Milliseconds of a kernel that is not in the cache, fastest of `runs`: narrow, middle and wide.
+/// Milliseconds of a kernel missing from the cache, fastest of `runs`: narrow, middle and wide.
 #[must_use]
 pub fn miss_ms((width, height): (usize, usize), runs: usize) -> Vec<(f64, f64)> {
     let one = |gamma| {

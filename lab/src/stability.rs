@@ -1,5 +1,5 @@
-//! Where enhancements and metrics fail: pictures degraded step by step, what each method makes of them, and how far a
-//! small change of the picture moves the result.
+//! Failure regions of enhancements and metrics: pictures degraded step by step, the results of each method, and the sensitivity of
+//! the result to small changes.
 
 mod cell;
 mod degrade;
@@ -15,24 +15,24 @@ pub use report::{csv, gain_map, markdown, metric_map, ssim_map};
 
 use cell::Sample;
 
-/// The metrics whose course is recorded.
+/// The recorded metrics.
 pub const METRICS: [&str; 6] = ["entropy", "uicm", "uism", "uiconm", "uiqm", "uciqe"];
 
 /// A scene to degrade.
 #[derive(Debug, Clone)]
 pub struct Specimen {
-    /// The picture in clear air: what a perfect restoration would answer.
+    /// The picture in clear air, which a perfect restoration would return.
     pub clean: Rgb8,
-    /// The same under water, before anything else happens to it.
+    /// The same under water, before any degradation.
     pub wet: Rgb8,
 }
 
-/// How pictures are coded as JPEG, which is done by the caller: encoded and decoded at a quality.
+/// Encodes and decodes a picture as JPEG of a quality. Provided by the caller.
 pub type Jpeg<'a> = dyn Fn(&Rgb8, u8) -> Rgb8 + Sync + 'a;
 
-/// Runs a method (none: the picture as it is) over every degradation and level of a specimen.
+/// Runs a method, or `None` for the unchanged picture, over every degradation and level of a specimen.
 ///
-/// A method that fails, or a metric that is not finite, is counted, not an error.
+/// Failures of a method and non-finite metrics are counted rather than returned as errors.
 pub fn run(method: Option<&'static str>, specimens: &[Specimen], jpeg: &Jpeg<'_>) -> Vec<Cell> {
     let metrics: Vec<MetricId> = METRICS.iter().filter_map(|name| MetricId::parse(name)).collect();
     let judge: Vec<MetricId> = ["ssim", "corner_repeatability"]
@@ -91,7 +91,7 @@ fn measured(picture: &Rgb8, clean: &Rgb8, metrics: &[MetricId]) -> Vec<f64> {
     metrics.iter().map(value).collect()
 }
 
-/// The picture with noise of one code: each sample one up, one down or as it is.
+/// The picture with noise of one code: each sample up one, down one or unchanged.
 fn nudged(picture: &Rgb8, number: u64) -> Rgb8 {
     let stream = imaging::random::Stream::stage(number, "stability/nudge");
     let data = picture.data().iter().enumerate().map(|(index, &code)| {
@@ -166,7 +166,7 @@ mod tests {
                 .find(|c| c.degradation == degradation && c.level == level);
             cell.unwrap().ssim.0.mean
         };
-        // The degradations really degrade.
+        // The degradations lower the SSIM.
         for degradation in [
             Degradation::Noise,
             Degradation::Turbidity,

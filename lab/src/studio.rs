@@ -1,4 +1,4 @@
-//! Frames rendered as any job renders them.
+//! Renders frames like any job.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -11,7 +11,7 @@ use serde_json::Value;
 use spec::{Frame, Job};
 use style::Library;
 
-/// One slot, and what it knows.
+/// One slot with its style models.
 pub(crate) struct Studio {
     pub(crate) library: Library,
     slot: Slot,
@@ -26,13 +26,13 @@ impl Studio {
         }
     }
 
-    /// With the shipped styles.
+    /// Creates a studio with the shipped styles.
     pub(crate) fn with_shipped_styles() -> Result<Self, Failure> {
         let library = Library::embedded().context("the embedded style models")?;
         Ok(Self::new(library, None))
     }
 
-    /// A frame of a job that may name files of this machine.
+    /// A frame of a job that may use local files.
     pub(crate) fn frame(&self, description: &Value, index: u64) -> Result<Frame, Failure> {
         let vocabulary = renderer::vocabulary(&self.library, true);
         let job = Job::parse(description.to_string().as_bytes(), &vocabulary);
@@ -40,7 +40,7 @@ impl Studio {
         frame.map_err(|invalid| cli::job::refused(Path::new("the description"), &invalid))
     }
 
-    /// The light of a frame in its water as far as a truth has it, with the veil of daylight or without.
+    /// The light of a frame in its water, limited to the effects of the Monte Carlo truth, with or without the veil of daylight.
     pub(crate) fn water_light(&mut self, frame: &Frame, has_daylight: bool) -> Result<WaterLight, Failure> {
         self.slot
             .water_light(frame, &SceneSource::Local, has_daylight)
@@ -66,13 +66,13 @@ impl Studio {
     }
 }
 
-/// An artifact that may have been made.
+/// An artifact, or `None` if it was not rendered.
 pub(crate) fn artifact<'a>(rendered: &'a Rendered, kind: &str) -> Option<&'a [u8]> {
     let file = rendered.files.iter().find(|file| file.kind == kind)?;
     Some(&file.bytes)
 }
 
-/// The codes of an artifact that was asked for.
+/// The codes of a requested artifact.
 pub(crate) fn raster(rendered: &Rendered, kind: &str) -> Result<Raster, Failure> {
     let bytes = artifact(rendered, kind).with_context(|| format!("the frame has no artifact `{kind}`"))?;
     Ok(codec::decode_picture(bytes).map_err(anyhow::Error::from)?)

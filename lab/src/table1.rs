@@ -10,7 +10,7 @@ use quality::{MetricId, QualityError};
 
 pub use report::{csv, figure, markdown};
 
-/// The methods, in the order of the published table, and the picture as it is.
+/// The methods, in the order of the published table, and the unchanged picture.
 pub const METHODS: [&str; 9] = [
     "none",
     "suir",
@@ -23,7 +23,7 @@ pub const METHODS: [&str; 9] = [
     "grey_world",
 ];
 
-/// The columns: the published ones, then those of the usual profile.
+/// The columns: the published metrics, then the additional ones of the usual profile.
 pub const METRICS: [&str; 10] = [
     "entropy_2d",
     "uicm@table1",
@@ -37,31 +37,31 @@ pub const METRICS: [&str; 10] = [
     "uiqm",
 ];
 
-/// A picture cannot be compared on.
+/// Why a picture cannot be compared.
 #[derive(Debug, thiserror::Error)]
 pub enum TableError {
-    /// A method refuses it.
+    /// A method failed.
     #[error(transparent)]
     Enhance(#[from] EnhanceError),
-    /// A metric refuses it.
+    /// A metric failed.
     #[error(transparent)]
     Quality(#[from] QualityError),
 }
 
-/// Values of one method, a row of each picture.
+/// Values of one method, one per picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
-    /// Of [`METHODS`].
+    /// One of [`METHODS`].
     pub method: &'static str,
-    /// Seconds on one thread of each picture.
+    /// Seconds on one thread for each picture.
     pub seconds: Vec<f64>,
-    /// For each of [`METRICS`] the values of all pictures.
+    /// The values of all pictures for each of [`METRICS`].
     pub values: Vec<Vec<f64>>,
-    /// How many pictures the method warned about.
+    /// Number of pictures for which the method returned a warning.
     pub warned: usize,
 }
 
-/// The table while it is filled.
+/// The table, filled picture by picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
     /// A row for each method.
@@ -83,7 +83,7 @@ impl Default for Table {
 }
 
 impl Table {
-    /// Runs every method on a picture and measures the results, masks left aside.
+    /// Runs every method on a picture and measures the results without masks.
     ///
     /// # Errors
     /// [`TableError`].
@@ -111,7 +111,7 @@ impl Table {
         Ok(())
     }
 
-    /// Pictures so far.
+    /// Number of pictures added.
     #[must_use]
     pub fn pictures(&self) -> usize {
         self.rows.first().map_or(0, |row| row.seconds.len())

@@ -1,4 +1,4 @@
-//! What the waters look like: transmittance over range, a grey card at growing range, visibility over range and turbidity.
+//! The look of the waters: transmittance over range, a grey card at growing range, visibility over range and turbidity.
 
 use imaging::{Plane, Rgb, transfer};
 use optics::chain;
@@ -19,10 +19,10 @@ const BLUE: RGBColor = RGBColor(40, 90, 200);
 const FARTHEST_M: f64 = 15.0;
 const DEEPEST_M: f64 = 30.0;
 const POINTS: usize = 60;
-/// Jerlov's types from the clearest ocean to the most turbid coast, each by its default source.
+/// Jerlov's types from the clearest ocean to the most turbid coast, each from its default source.
 pub const TYPES: [&str; 10] = ["I", "IA", "IB", "II", "III", "1C", "3C", "5C", "7C", "9C"];
 
-/// exp(-c Z) of every water that can be rendered.
+/// exp(-c Z) of every renderable water.
 #[must_use]
 pub fn transmittance() -> Panels {
     let waters = presets().iter().filter(|preset| preset.unrenderable().is_none());
@@ -39,7 +39,7 @@ pub fn transmittance() -> Panels {
     }
 }
 
-/// exp(-K_d h) of every water of which K_d is known alone.
+/// exp(-K_d h) of the waters that are defined only by K_d.
 #[must_use]
 pub fn daylight() -> Panels {
     let waters = presets().iter().filter(|preset| preset.name.starts_with("kd-"));
@@ -73,7 +73,7 @@ fn panel(preset: &Preset, coefficient: Channels, most: f64) -> Panel {
     }
 }
 
-/// A white, grey and black card at growing range in every water that can be rendered, lit as in air.
+/// A white, grey and black card at growing range in every renderable water, lit as in air.
 #[must_use]
 pub fn grey_cards() -> Cards {
     const RANGES_M: [f64; 11] = [0.0, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 11.0, 15.0];
@@ -120,7 +120,7 @@ pub fn visibility_over_range() -> Lines {
     const RANGES_M: [f64; 13] = [
         0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 11.0, 15.0,
     ];
-    // As many as there are colors that stay apart.
+    // Limited to the number of distinguishable colors.
     let types = TYPES.into_iter().filter(|kind| !["IA", "7C"].contains(kind));
     let series = types.filter_map(|kind| {
         let name = format!("jerlov-{kind}");
@@ -149,7 +149,7 @@ pub fn visibility_over_range() -> Lines {
     }
 }
 
-/// Visibility of the same card where one water grows more turbid.
+/// Visibility of the same card in one water of growing turbidity.
 #[must_use]
 pub fn visibility_over_turbidity() -> Lines {
     const TURBIDITIES: [f64; 11] = [0.125, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0];
@@ -187,7 +187,7 @@ fn mark(x: f64, y: f64) -> Mark {
     }
 }
 
-/// The score of a card of 0.6 on a wall of 0.2, both at one range, through the whole chain.
+/// The visibility of a card of 0.6 on a wall of 0.2, both at one range, through the whole chain.
 fn score(preset: &str, range_m: f64, turbidity: f64) -> Option<f64> {
     const SIZE: (usize, usize) = (96, 64);
     const CARD: [usize; 4] = [36, 22, 60, 42];

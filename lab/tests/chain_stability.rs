@@ -1,4 +1,5 @@
-//! Where the chain fails: every finding of the page keeps to its limits. The page is written from the same measurements.
+//! Every finding of the page on failure modes of the chain stays within its limits. The page is generated from the same
+//! measurements.
 
 #![allow(clippy::unwrap_used)]
 

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::knobs::Knobs;
 
-/// A pinhole camera of these sides.
+/// A pinhole camera with these sides.
 pub(super) fn draw_pinhole(knobs: &Knobs, (width, height): (usize, usize)) -> Value {
     json!({"width": width, "height": height, "hfov_deg": knobs.log("camera.hfov", 5.0, 150.0)})
 }
@@ -46,7 +46,7 @@ fn draw_exposure(knobs: &Knobs) -> Option<Value> {
     }
 }
 
-/// Metering of any percentile.
+/// Metering at any percentile.
 pub(super) fn draw_metering(knobs: &Knobs) -> Value {
     let percentile = match knobs.unit("metering.kind") {
         kind if kind < 0.1 => 0.01,
@@ -90,7 +90,7 @@ pub(super) fn add_shift(knobs: &Knobs, camera: &mut Value) {
     camera["motion"] = json!({"x_px": x, "y_px": y});
 }
 
-/// Adds a path past a procedural scene, with a few moments for each frame, or a metering that lags behind.
+/// Adds a path past a procedural scene, with a few moments per frame, or lagging metering.
 pub(super) fn add_path(knobs: &Knobs, camera: &mut Value) {
     let frames = knobs.whole("path.frames", 2, 40);
     camera["path"] = json!({

@@ -1,4 +1,4 @@
-//! A frame of the campaign: a description, and the picture that it is about.
+//! A frame of the campaign: a description and its picture.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use super::knobs::Knobs;
 pub struct Case {
     /// The job of this one frame. It names an uploaded scene if there is a picture.
     pub job: Value,
-    /// The uploaded scene; `None` of a procedural one.
+    /// The uploaded scene; `None` for a procedural one.
     pub picture: Option<Picture>,
 }
 
@@ -34,7 +34,7 @@ impl Case {
         if picture.is_some() {
             job["scene"]["kind"] = json!("uploaded");
             job["scene"]["id"] = json!("scn_00000000-0000-0000-0000-000000000000");
-            // The picture has its size.
+            // The picture defines the size.
             if let Some(camera) = job["camera"].as_object_mut() {
                 camera.remove("width");
                 camera.remove("height");
@@ -65,7 +65,7 @@ impl Case {
         }))
     }
 
-    /// Names and contents of the files that reproduce this frame with `fathom render`, the job first, for this folder.
+    /// Names and contents of the files that reproduce this frame with `fathom render` in this folder, the job first.
     #[must_use]
     pub fn files(&self, folder: &str, name: &str) -> Vec<(String, Vec<u8>)> {
         let mut job = self.job.clone();

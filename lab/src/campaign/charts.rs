@@ -4,10 +4,10 @@ use super::report::{kinds, quantile, sorted};
 use super::{Measured, Outcome};
 use crate::plot::{Axis, Form, Lines, Mark, Series};
 
-/// The chart shows smaller errors and bounds here.
+/// Smaller errors and bounds are drawn at this value.
 const FLOOR: f64 = 1e-8;
 
-/// Bound against error, and the line at which they are equal.
+/// Bound against error, with the line of equality.
 #[must_use]
 pub fn bound_chart(outcomes: &[Outcome]) -> Lines {
     let mut series: Vec<Series> = Vec::new();
@@ -33,7 +33,7 @@ pub fn bound_chart(outcomes: &[Outcome]) -> Lines {
     }
 }
 
-/// Cost of the channels of water alone over the cheapest sufficient plan, in ascending order; `None` without such frames.
+/// Cost of the channels in water alone over the cheapest sufficient plan, in ascending order; `None` without such frames.
 #[must_use]
 pub fn cost_chart(outcomes: &[Outcome]) -> Option<Lines> {
     let costs = outcomes.iter().filter_map(|outcome| outcome.cost);

@@ -1,14 +1,14 @@
-//! Hill climbing from the frames that came closest to their bounds: each step changes a few numbers and is kept if its error is a
-//! larger share of the bound.
+//! Hill climbing from the frames closest to their bounds: each step changes a few numbers and is kept if the ratio of error to bound
+//! grows.
 
 use imaging::random::Stream;
 
 use super::knobs::Knobs;
 use super::{Outcome, Studio};
 
-/// Most numbers changed in one step.
+/// Maximum numbers changed in one step.
 const MOST_TURNS: f64 = 4.0;
-/// Half of the changes are at most this large; the others draw the number again.
+/// Half of the changes are at most this large; the others redraw the number.
 const NEAR: f64 = 0.1;
 
 /// A search and its first frame.
@@ -17,7 +17,7 @@ pub struct Climb {
     start: Outcome,
 }
 
-/// Searches from the frames whose errors are the largest shares of their bounds: the first of each kind, then the second.
+/// Starts searches from the frames with the largest ratio of error to bound: the first of each kind, then the second.
 #[must_use]
 pub fn starts(outcomes: &[Outcome], count: usize) -> Vec<Climb> {
     let mut kinds: Vec<&'static str> = outcomes.iter().map(|outcome| outcome.origin.kind()).collect();
@@ -38,7 +38,7 @@ pub fn starts(outcomes: &[Outcome], count: usize) -> Vec<Climb> {
 }
 
 impl Climb {
-    /// Renders this many frames, each one step from the best until then. The result is a function of the start.
+    /// Renders this many frames, each one step from the best so far. The result is a function of the start.
     #[must_use]
     pub fn run(&self, studio: &mut Studio, frames: usize) -> Vec<Outcome> {
         let stream = Stream::stage(self.start.origin.seed, "climb");

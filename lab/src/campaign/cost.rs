@@ -1,4 +1,4 @@
-//! Cost of the plan of water alone, compared with the cheapest plan that keeps the tolerance.
+//! Cost of the plan of water alone, compared with the cheapest plan within the tolerance.
 
 use optics::chain;
 use optics::forward_scatter::KernelCache;
@@ -27,14 +27,14 @@ pub struct Cost {
 }
 
 impl Cost {
-    /// Cost of the plan over that of the cheapest sufficient one for each channel, in transforms: one for each kernel, the inverse, and
-    /// about half of one for all else, as measured by the chart of cost against kernels.
+    /// Cost of the plan over that of the cheapest sufficient one for each channel, in transforms: one for each kernel, the inverse,
+    /// and about half of one for the rest, as measured by the chart of cost against kernels.
     #[must_use]
     pub fn excess(&self) -> [f64; 3] {
         [0, 1, 2].map(|channel| transforms(self.terms[channel]) / transforms(self.fewest[channel]))
     }
 
-    /// The same of the whole frame by the clock.
+    /// The same for the whole frame by wall-clock time.
     #[must_use]
     pub fn excess_ms(&self) -> f64 {
         self.planned_ms / self.cheapest_ms
@@ -52,7 +52,7 @@ struct Trial<'a> {
 }
 
 impl Cost {
-    /// Measures the water of a frame; `None` where it cannot be rendered.
+    /// Measures the water of a frame; `None` if it cannot be rendered.
     pub(super) fn measure(frame: &Frame, picture: &Picture) -> Option<Self> {
         let Fidelity::Tolerance(tolerance) = frame.fidelity else {
             return None;

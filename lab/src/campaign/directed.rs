@@ -1,5 +1,5 @@
-//! Adversaries of single bounds. Most are uploaded pictures with some numbers set where a bound is weakest; one family attacks the
-//! interpolation of forward scatter.
+//! Adversarial frames against single bounds. Most are uploaded pictures with some numbers set for the weakest point of a bound; one
+//! family attacks the interpolation of forward scatter.
 
 #[expect(
     dead_code,
@@ -18,9 +18,9 @@ use super::picture::{COURSES, DIM, LIGHTS, WHITE};
 use super::random::{draw_tolerance, draw_uploaded};
 use frames::{Attack, Frame};
 
-/// The number that makes an exposure fixed.
+/// The random number that selects a fixed exposure.
 const FIXED: f64 = 0.3;
-/// The number that makes it metered.
+/// The random number that selects a metered exposure.
 const METERED: f64 = 0.9;
 
 /// A dark picture, metered at a percentile between two values of its light.
@@ -54,7 +54,7 @@ fn widest_gap(picture: &Picture, away: f64) -> f64 {
     ((position as f64 + away) / values.len() as f64).clamp(0.0, 1.0)
 }
 
-/// One bright pixel, or light and range that alternate from pixel to pixel.
+/// One bright pixel, or alternating light and range.
 pub(super) fn draw_points(mut knobs: Knobs) -> (Case, Knobs) {
     knobs.hold(&[
         ("camera.is_real", FIRST),
@@ -100,7 +100,7 @@ pub(super) fn draw_defocused(mut knobs: Knobs) -> (Case, Knobs) {
     (draw_uploaded(&knobs), knobs)
 }
 
-/// Lamps next to surfaces, with metering of low percentiles.
+/// Lamps close to surfaces, with metering at low percentiles.
 pub(super) fn draw_lit(mut knobs: Knobs) -> (Case, Knobs) {
     knobs.hold(&[
         ("camera.is_real", FIRST),
@@ -122,7 +122,7 @@ pub(super) fn draw_lit(mut knobs: Knobs) -> (Case, Knobs) {
     (draw_uploaded(&knobs), knobs)
 }
 
-/// A lens, a port, a fall-off and movement over light that alternates.
+/// A lens, a port, a fall-off and movement over alternating light.
 pub(super) fn draw_lens(mut knobs: Knobs) -> (Case, Knobs) {
     knobs.hold(&[
         ("camera.is_real", FIRST),
@@ -190,7 +190,7 @@ fn draw_attack(knobs: &Knobs) -> Attack {
     }
 }
 
-/// The water of such a frame: ranges are kernel scales.
+/// The water of such a frame, with kernel scales as ranges.
 fn attacked_optics(model: ScatterModel) -> Value {
     let gathers = model == ScatterModel::Simplified;
     let attenuation = [if gathers { 0.0 } else { 1000.0 }; 3];

@@ -7,7 +7,7 @@ use super::{directed, random};
 /// A kind of frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Family {
-    /// Random pictures in water, without anything else.
+    /// Random pictures in water, without other effects.
     Water,
     /// Random uploaded pictures.
     Pictures,
@@ -30,7 +30,7 @@ pub enum Family {
 }
 
 impl Family {
-    /// Families of random frames; those with more frames appear more often.
+    /// Families of random frames; frequent ones are listed several times.
     pub const RANDOM: [Self; 8] = [
         Self::Pictures,
         Self::Procedural,
@@ -75,7 +75,7 @@ impl Family {
         all.find(|family| family.name() == name)
     }
 
-    /// Draws a frame. The numbers that it used are in the knobs.
+    /// Draws a frame. The returned knobs contain the numbers it used.
     pub(super) fn draw(self, knobs: Knobs) -> (Case, Knobs) {
         match self {
             Self::Water => random::draw_water_alone(knobs),

@@ -1,4 +1,4 @@
-//! Random numbers by name. A frame is drawn from them alone, so that a search can turn some and leave the others.
+//! Named random numbers. A frame is drawn from them alone, so a search can change some and keep the others.
 
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
@@ -7,9 +7,9 @@ use imaging::random::Stream;
 
 use super::Family;
 
-/// The number that picks the first choice and makes every chance true.
+/// The number that selects the first choice and makes every chance true.
 pub(super) const FIRST: f64 = 0.0;
-/// The number that picks the last choice and makes every chance false.
+/// The number that selects the last choice and makes every chance false.
 pub(super) const LAST: f64 = 1.0;
 
 /// Source of the random numbers of a frame. Two families share no numbers.
@@ -17,9 +17,9 @@ pub(super) const LAST: f64 = 1.0;
 pub struct Origin {
     pub(super) family: Family,
     pub(super) seed: u64,
-    /// Earlier draws of this seed whose descriptions contradict themselves.
+    /// Earlier draws of this seed with contradictory descriptions.
     pub(super) attempt: u64,
-    /// Numbers that a search has set.
+    /// Numbers set by a search.
     pub(super) turned: BTreeMap<String, f64>,
 }
 
@@ -45,7 +45,7 @@ impl Knobs {
         }
     }
 
-    /// Sets the number that picks one of `names`, so that it picks one of `choices`.
+    /// Sets the number that selects one of `names`, restricted to `choices`.
     pub(super) fn hold_one(&mut self, held: &str, names: &[&str], choices: &[&str]) {
         let chosen = self.pick(&format!("{held}.choice"), choices);
         let place = names.iter().position(|name| name == chosen).unwrap_or(0);
@@ -77,17 +77,17 @@ impl Knobs {
         }
     }
 
-    /// Evenly between two numbers.
+    /// Uniform between two numbers.
     pub(super) fn within(&self, name: &str, least: f64, most: f64) -> f64 {
         least + (most - least) * self.unit(name)
     }
 
-    /// With an evenly distributed logarithm.
+    /// Log-uniform between two numbers.
     pub(super) fn log(&self, name: &str, least: f64, most: f64) -> f64 {
         least * (most / least).powf(self.unit(name))
     }
 
-    /// A whole number from `least` to `most`.
+    /// A uniform integer from `least` to `most`.
     pub(super) fn whole(&self, name: &str, least: usize, most: usize) -> usize {
         least + (((most - least + 1) as f64 * self.unit(name)) as usize).min(most - least)
     }

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::knobs::Knobs;
 
-/// Most lamps that a description may have.
+/// Maximum lamps of a description.
 const MOST_LAMPS: usize = 64;
 
 /// The visible surfaces of a scene.
@@ -18,7 +18,7 @@ pub(super) struct Surfaces<'a> {
 }
 
 impl Surfaces<'_> {
-    /// The surface point of a pixel, in camera axes; 1 m away in holes.
+    /// The surface point of a pixel, in camera axes; 1 m away for holes.
     fn point(&self, x: usize, y: usize) -> [f64; 3] {
         let seen_m = f64::from(self.range.pixel(x, y));
         let range_m = if seen_m.is_finite() && seen_m > 0.0 {
@@ -52,14 +52,14 @@ fn draw_lamp(knobs: &Knobs, name: &str, surfaces: Surfaces<'_>) -> Value {
         knobs.whole(&format!("{name}.y"), 0, height - 1),
     );
     let surface = surfaces.point(x, y);
-    // Two of three lamps are within 5 cm.
+    // About two of three lamps are within 5 cm.
     let away_m = match knobs.chance(&format!("{name}.is_near"), 0.65) {
         true => knobs.log(&format!("{name}.away"), 1e-3, 0.05),
         false => knobs.log(&format!("{name}.away"), 0.05, 100.0),
     };
     let offset = knobs.within_rgb(&format!("{name}.offset"), -1.0, 1.0);
     let position_m = [0, 1, 2].map(|axis| (surface[axis] + offset[axis] * away_m).clamp(-999.0, 999.0));
-    // Most of these make the surface about as bright as white.
+    // Most levels make the surface about as bright as white.
     let level = match knobs.chance(&format!("{name}.is_wild"), 0.2) {
         true => knobs.log(&format!("{name}.level"), 1e-4, 1e4),
         false => knobs.log(&format!("{name}.level"), 1e-2, 10.0),

@@ -1,4 +1,4 @@
-//! Random pictures: ranges from 5 cm to 200 m along one of several courses, holes, and light from black to bright points.
+//! Random pictures: ranges from 5 cm to 200 m in one of several patterns, holes, and light from black to bright points.
 
 use imaging::{Plane, Rgb};
 
@@ -38,9 +38,9 @@ pub(super) const LIGHTS: [&str; 10] = [
 
 /// Patterns at the start of [`LIGHTS`] with many bright pixels.
 pub(super) const BRIGHT: usize = 6;
-/// The number that makes the brightest pixels of a picture dimmer than white.
+/// The random number for a brightest pixel below white.
 pub(super) const DIM: f64 = 0.2;
-/// The number that makes them white.
+/// The random number for a brightest pixel at white.
 pub(super) const WHITE: f64 = 0.6;
 
 /// Shortest and longest side and the largest area of a picture.
@@ -50,7 +50,7 @@ pub(super) struct Limits {
     pub(super) pixels: usize,
 }
 
-/// Sides of a picture within limits.
+/// Draws the sides of a picture within limits.
 pub(super) fn draw_sides(knobs: &Knobs, limits: Limits) -> (usize, usize) {
     let (least, most) = limits.sides_px;
     let width = knobs.whole("picture.width", least, most);
@@ -96,7 +96,7 @@ pub(super) fn draw_picture(knobs: &Knobs, limits: Limits) -> Picture {
     Picture { radiance, range }
 }
 
-/// Light of the brightest pixels: black, dimmer than white, white or brighter.
+/// Light of the brightest pixels: black, below white, white or above.
 fn draw_peak(knobs: &Knobs) -> f64 {
     match knobs.unit("picture.kind") {
         kind if kind < 0.03 => 0.0,
@@ -134,7 +134,7 @@ fn draw_range(knobs: &Knobs, (width, height): (usize, usize), block: f64) -> Pla
     })
 }
 
-/// Part of the way from the nearest to the farthest range.
+/// Relative position between the nearest and the farthest range.
 fn along(course: &str, (x, y): (f64, f64), noise: f64, block: f64) -> f64 {
     let radius = 2.0 * (x - 0.5).hypot(y - 0.5);
     match course {

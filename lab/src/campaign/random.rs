@@ -42,7 +42,7 @@ pub(super) fn draw_tolerance(knobs: &Knobs) -> Value {
     json!({"tolerance": knobs.log("tolerance", 3e-6, 3e-2)})
 }
 
-/// A bright picture in water alone, with one kernel for each path: the frames whose cheapest sufficient plan is searched.
+/// A bright picture in water alone, with one kernel per path length: the frames whose cheapest sufficient plan is searched.
 pub(super) fn draw_water_alone(mut knobs: Knobs) -> (Case, Knobs) {
     knobs.hold(&[
         ("picture.kind", WHITE),
@@ -106,7 +106,7 @@ pub(super) fn draw_procedural(knobs: &Knobs) -> Case {
     Case::new(knobs, job, None)
 }
 
-/// A frame on a path: moments of a shutter, bands of rows, metering that lags.
+/// A frame on a path: motion blur, rolling readout, lagging metering.
 pub(super) fn draw_sequence(knobs: &Knobs) -> Case {
     let (mut job, range) = draw_place(knobs, SEQUENCES);
     add_parts(knobs, &mut job["camera"]);
@@ -130,7 +130,7 @@ fn draw_place(knobs: &Knobs, limits: Limits) -> (Value, Plane<f32>) {
     (job, range)
 }
 
-/// Whether the description sets the veil, so that daylight does not.
+/// Whether the description sets the veil, which then replaces that of daylight.
 pub(super) fn has_veil(knobs: &Knobs) -> bool {
     knobs.chance("water.has_veil", 0.5)
 }
@@ -164,7 +164,7 @@ fn fill(knobs: &Knobs, job: &mut Value, range: &Plane<f32>) {
     if has_lamps {
         job["lights"] = json!(draw_lamps(knobs, Surfaces { range, camera }));
     }
-    // Without lamps, a veil that is given is all the light of the water.
+    // Without lamps, an explicit veil is all the light of the water.
     let is_reflectance = (has_lamps || !has_veil) && knobs.chance("scene.is_reflectance", 0.6);
     job["scene"]["lighting"] = json!(if is_reflectance { "water" } else { "in_air" });
     job["water"] = water;

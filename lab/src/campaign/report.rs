@@ -6,17 +6,17 @@ use super::{Cost, Outcome};
 
 /// Errors below this are mostly rounding.
 const ROUNDING: f64 = 3e-6;
-/// Failures listed in a report, the worst of each sort.
+/// Maximum failures listed in a report, the worst of each kind.
 const NAMED: usize = 20;
 
-/// Figures of a campaign, or of a part of it.
+/// Figures of a campaign, or of a subset of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Summary {
-    /// Frames with a promise.
+    /// Frames with a bound.
     pub frames: usize,
-    /// Frames with a stage that runs without a bound. The other figures leave them out.
+    /// Frames with an unbounded stage; excluded from the other figures.
     pub open: usize,
-    /// Share of the samples above the bound in 95 % of these frames.
+    /// 95 % quantile, over these frames, of the share of samples above the bound.
     pub open_above: f64,
     /// Errors above their bound.
     pub broken: usize,
@@ -32,18 +32,18 @@ pub struct Summary {
     pub picture_codes: u8,
     /// Median cost of a channel of water over the cheapest sufficient plan.
     pub excess_median: f64,
-    /// Quantile of 95 % of that cost.
+    /// 95 % quantile of that cost.
     pub excess_95: f64,
     /// The largest of these costs.
     pub excess_max: f64,
-    /// Median of the same by the clock, for whole frames.
+    /// Median of the same by wall-clock time, for whole frames.
     pub clock_median: f64,
-    /// Quantile of 95 % by the clock.
+    /// 95 % quantile by wall-clock time.
     pub clock_95: f64,
 }
 
 impl Summary {
-    /// Sums up.
+    /// Computes the figures.
     #[must_use]
     pub fn new(outcomes: &[Outcome]) -> Self {
         let all: Vec<&Outcome> = outcomes.iter().collect();
@@ -88,7 +88,7 @@ pub(super) fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
     values
 }
 
-/// The value at a share of the sorted ones; NaN without any.
+/// A quantile of sorted values; NaN without values.
 pub(super) fn quantile(sorted: &[f64], share: f64) -> f64 {
     let last = sorted.len().saturating_sub(1);
     let place = (share * last as f64).round() as usize;

@@ -1,4 +1,4 @@
-//! Renders frames of the campaign and compares them with their references and the promises of their plans.
+//! Renders frames of the campaign and compares them with their references and the bounds of their plans.
 
 use std::sync::Arc;
 
@@ -19,25 +19,25 @@ pub struct Studio {
     vocabulary: Vocabulary,
 }
 
-/// Promise of a plan for its frame.
+/// The bound of a plan for its frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Promise {
     /// The largest error of the linear light after exposure.
     pub bound: f64,
     /// Whether the plan has a reason for a bound above the tolerance.
     pub exceeds: bool,
-    /// Whether a stage runs without a bound. The promise then is void.
+    /// Whether a stage has no bound, which voids the bound of the frame.
     pub is_open: bool,
 }
 
 /// Comparison of a frame with its reference.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measured {
-    /// Promise of the plan.
+    /// The bound of the plan.
     pub promise: Promise,
     /// The largest error of the linear light after exposure.
     pub error: f64,
-    /// Share of the samples whose error is above the bound: edges, where a stage runs without a bound.
+    /// Share of the samples with an error above the bound, such as edges in a stage without a bound.
     pub above: f64,
     /// Column, row and channel of that error.
     pub place: [usize; 3],
@@ -45,7 +45,7 @@ pub struct Measured {
     pub picture_codes: Option<u8>,
 }
 
-/// The promise of a plan; `None` without a tolerance.
+/// The bound of a plan; `None` without a tolerance.
 fn promise(plan: &Plan) -> Option<Promise> {
     let promise = plan.promise()?;
     Some(Promise {
@@ -56,10 +56,10 @@ fn promise(plan: &Plan) -> Option<Promise> {
 }
 
 impl Studio {
-    /// A studio without style models of the user.
+    /// A studio with the embedded style models only.
     ///
     /// # Panics
-    /// When the embedded style models are damaged.
+    /// The embedded style models are damaged.
     #[must_use]
     pub fn new() -> Self {
         let library = Library::embedded().expect("the embedded style models");
@@ -133,7 +133,7 @@ fn sample_error(fast: f32, exact: f32) -> f64 {
     (f64::from(fast).min(WHITE) - f64::from(exact).min(WHITE)).abs()
 }
 
-/// Share of the samples whose error is above a bound.
+/// Share of the samples with an error above a bound.
 fn share_above(fast: &Rgb<f32>, exact: &Rgb<f32>, bound: f64) -> f64 {
     let planes = fast.planes().iter().zip(exact.planes());
     let pairs = planes.flat_map(|(fast, exact)| fast.data().iter().zip(exact.data()));

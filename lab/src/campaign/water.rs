@@ -9,7 +9,7 @@ use spec::Snow;
 use super::knobs::Knobs;
 use super::random::has_veil;
 
-/// Most particles in view. The reference is slow with more.
+/// Maximum visible particles; more would slow down the reference.
 const MOST_PARTICLES: f64 = 3000.0;
 
 /// Brightness of a derived veil.
@@ -39,7 +39,7 @@ pub(super) fn draw_water(knobs: &Knobs) -> Value {
         }
     }
     let mut water = json!({"optics": optics, "range_scale": knobs.log("water.range_scale", 0.1, 3.0)});
-    // A veil by direction shows open water in holes.
+    // A directional veil shows open water in holes.
     if has_veil && knobs.chance("water.fills_holes", 0.5) {
         water["holes"] = json!({"range_m": knobs.within("water.hole_m", 1.0, 31.0)});
     }
@@ -80,7 +80,7 @@ pub(super) fn draw_patches(knobs: &Knobs) -> Value {
     })
 }
 
-/// Snow from a few particles to the most that a description or the reference can have.
+/// Snow from a few particles to the maximum of a description or of the reference.
 pub(super) fn draw_snow(knobs: &Knobs, camera: &Intrinsics, size: (usize, usize)) -> Value {
     let near_m = knobs.log("snow.near", 0.05, 2.0);
     let mut law = Snow {
@@ -108,7 +108,7 @@ pub(super) fn draw_snow(knobs: &Knobs, camera: &Intrinsics, size: (usize, usize)
     snow
 }
 
-/// Clouds of sediment, whose edges have no bound.
+/// Clouds of sediment. Their edges have no bound.
 pub(super) fn draw_sediment(knobs: &Knobs) -> Value {
     json!({
         "extinction_per_m": knobs.log("sediment.extinction", 0.1, 30.0),
@@ -118,7 +118,7 @@ pub(super) fn draw_sediment(knobs: &Knobs) -> Value {
     })
 }
 
-/// A sky. Two of three are overcast: without a sun there are neither shadows nor caustics, which have no bound.
+/// A sky. Two of three are overcast: without a sun there are no shadows or caustics, which lack a bound.
 pub(super) fn draw_sky(knobs: &Knobs) -> Value {
     let cloud_cover = match knobs.chance("sky.is_overcast", 0.66) {
         true => 1.0,

@@ -1,4 +1,4 @@
-//! Courses of range that the model, or the interpolation, takes badly.
+//! Range profiles that the model or its interpolation handles badly.
 
 use std::f64::consts::FRAC_2_PI;
 
@@ -17,13 +17,13 @@ fn step((width, height): (usize, usize), near: f32, far: f32) -> Plane<f32> {
     Plane::from_fn(width, height, |x, _| if x < width / 2 { near } else { far })
 }
 
-/// A step in range: neighbors of very different kernels.
+/// A step in range, with very different kernels on both sides.
 #[must_use]
 pub fn a_step_in_range() -> Finding {
     let size = (72, 48);
     let trial = |model, size: (usize, usize)| Trial {
         radiance: noise(size, 1.0),
-        // A few ranges on each side, or as many kernels as ranges would be exact.
+        // A few ranges on each side; otherwise one kernel per range would be exact.
         range: Plane::from_fn(size.0, size.1, |x, y| {
             step(size, 2.0, 15.0).pixel(x, y) * (1.0 + 0.01 * (y % 24) as f32)
         }),
@@ -84,7 +84,7 @@ pub fn a_step_in_range() -> Finding {
     }
 }
 
-/// Light of a far wall on a pole before it: by the model, and by where light that is scattered once can come from.
+/// Light of a far wall on a near pole: the model against geometric single scattering.
 #[must_use]
 pub fn far_light_over_a_near_object() -> Finding {
     let half = 5;
@@ -149,14 +149,14 @@ pub fn far_light_over_a_near_object() -> Finding {
     }
 }
 
-/// Share of the light of a Cauchy kernel beyond an angle on both sides.
+/// Share of the light of a Cauchy kernel outside an angle on both sides.
 fn tail(angle: f64, gamma: f64) -> f64 {
     1.0 - FRAC_2_PI * (angle / gamma).atan()
 }
 
-/// How many times too much light of the wall the model puts onto the pole's middle: rays from the eye towards it, each turned
-/// once at some place on its way by a small angle, which meet the wall beside the pole; over those of them that the pole lets
-/// pass. `pole` is its share of the way to the wall.
+/// Factor by which the model overestimates the light of the wall on the pole's middle: rays from the eye that deviate once by a
+/// small angle and meet the wall next to the pole, over those of them that the pole does not block. `pole` is its share of the
+/// distance to the wall.
 fn overstated(angle: f64, scale: f64, pole: f64) -> f64 {
     const RAYS: u64 = 200_000;
     let stream = Stream::stage(1, "chain stability/rays");
@@ -173,7 +173,7 @@ fn overstated(angle: f64, scale: f64, pole: f64) -> f64 {
     f64::from(without) / f64::from(with.max(1))
 }
 
-/// Light from all sides may meet in one pixel.
+/// Light from all directions can converge on one pixel.
 #[must_use]
 pub fn a_cone_focuses_light() -> Finding {
     let side = 129;
@@ -219,7 +219,7 @@ pub fn the_border() -> Finding {
         .iter()
         .flat_map(|plane| plane.data().iter().map(|v| f64::from((v - 0.5).abs())));
     let corner = {
-        // One bright corner: what comes back from the mirror is all that went over the edge.
+        // One bright corner: the mirrored border returns exactly the light that crosses the edge.
         let light = Plane::from_fn(size.0, size.1, |x, y| f32::from(u8::from(x + y == 0)));
         let gamma = Plane::filled(size.0, size.1, 4.0f32);
         scatter(&light, &gamma, &Nodes::exact([4.0]), cache)

@@ -1,4 +1,4 @@
-//! Numbers at the edge of what f32 holds.
+//! Numbers at the limits of f32.
 
 use imaging::Plane;
 use optics::attenuation::scattered_share;
@@ -67,7 +67,7 @@ pub fn tiny_and_huge_spreads() -> Finding {
     }
 }
 
-/// Where next to nothing is scattered forward, a difference of exponentials loses its digits.
+/// With almost no forward scatter, a difference of exponentials loses its digits.
 #[must_use]
 pub fn g_close_to_c() -> Finding {
     let c = 0.12f64;
@@ -210,7 +210,7 @@ pub fn very_short_and_very_long_ranges() -> Finding {
     }
 }
 
-/// What f32 alone costs.
+/// The error of f32 alone.
 #[must_use]
 pub fn f32_against_f64() -> Finding {
     let trial = |model| Trial {
@@ -237,7 +237,7 @@ pub fn f32_against_f64() -> Finding {
     }
 }
 
-/// More is asked for than f32 can give.
+/// The tolerance is below the precision of f32.
 #[must_use]
 pub fn a_tolerance_below_f32() -> Finding {
     let trial = Trial {

@@ -15,7 +15,7 @@ pub(super) fn row(pictures: &[Rgb<f32>]) -> Rgb8 {
     })
 }
 
-/// The difference of two pictures, so many times as bright.
+/// The difference of two pictures, multiplied by `gain`.
 pub(super) fn difference(one: &Rgb<f32>, other: &Rgb<f32>, gain: f32) -> Rgb<f32> {
     Rgb::from_fn(one.width(), one.height(), |x, y| {
         let (a, b) = (one.pixel(x, y), other.pixel(x, y));

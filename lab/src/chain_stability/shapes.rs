@@ -25,7 +25,7 @@ fn worst(sizes: &[(usize, usize)]) -> f64 {
     trials.map(|trial| trial.error(ASKED)).fold(0.0, f64::max)
 }
 
-/// Frames without width or height to speak of.
+/// Frames one or a few pixels wide or high.
 #[must_use]
 pub fn single_pixels_and_lines() -> Finding {
     Finding {
@@ -41,7 +41,7 @@ pub fn single_pixels_and_lines() -> Finding {
     }
 }
 
-/// Sizes that no fast transform likes.
+/// Sizes without a fast transform.
 #[must_use]
 pub fn prime_sizes() -> Finding {
     Finding {
@@ -79,7 +79,7 @@ fn with_holes(rule: HoleRule) -> Water {
     Water::resolve(&request, 500.0).expect("a consistent water")
 }
 
-/// Range that is none.
+/// Invalid ranges.
 #[must_use]
 pub fn holes_of_every_kind() -> Finding {
     let size = (48, 32);
@@ -162,7 +162,7 @@ pub fn holes_of_every_kind() -> Finding {
     }
 }
 
-/// Radiance that no light can have.
+/// Invalid radiance.
 #[must_use]
 pub fn radiance_that_is_no_number() -> Finding {
     let size = (13, 7);
@@ -199,7 +199,7 @@ pub fn radiance_that_is_no_number() -> Finding {
     }
 }
 
-/// The same frames by one thread and by many.
+/// The same frames rendered by one thread and by several.
 #[must_use]
 pub fn threads() -> Finding {
     const FRAMES: usize = 8;
@@ -219,7 +219,7 @@ pub fn threads() -> Finding {
         let images: Vec<(usize, Rgb<f32>)> = std::thread::scope(|scope| {
             let work = |thread: usize| {
                 let mut cache = KernelCache::new();
-                // Each thread meets the frames in another order, with what it did before still in its buffers.
+                // Each thread renders the frames in another order, with the buffers of its previous frame.
                 let mut take = |step: usize| {
                     let index = (step * 3 + thread) % FRAMES;
                     let layers = frame(index).with(ASKED, &mut cache);

@@ -1,4 +1,4 @@
-//! A frame in a water, by the fast chain and by the reference.
+//! A frame in water, rendered by the fast chain and by the reference.
 
 use imaging::random::Stream;
 use imaging::{Plane, Rgb};
@@ -9,11 +9,11 @@ use optics::plan::{Plan, SceneBounds};
 use optics::water::Water;
 use spec::{Fidelity, ForwardScatter, Optics, ScatterModel};
 
-/// What a job gets that asks for nothing else.
+/// The default tolerance of a job.
 pub(super) const TOLERANCE: f64 = 3e-4;
-/// So many kernels leave nothing but the rounding of f32.
+/// Enough kernels to leave only the rounding of f32.
 pub(super) const PLENTY: Fidelity = Fidelity::Terms(24);
-/// Rounding of f32 in the chain, for light up to 1: what the plan reckons with.
+/// Rounding of f32 in the chain for light up to 1, as assumed by the plan.
 pub(super) const ROUNDING: f64 = 2e-6;
 
 /// Light, range and water.
@@ -23,7 +23,7 @@ pub(super) struct Trial {
     pub(super) water: Water,
 }
 
-/// A coastal water with a spread of so many pixels per meter. G and c are given.
+/// A coastal water with a spread of `spread` pixels per meter and fixed G and c.
 pub(super) fn water(model: ScatterModel, spread: f64) -> Water {
     from([0.13, 0.042, 0.0315], model, [spread; 3])
 }
@@ -52,7 +52,7 @@ pub(super) fn noise((width, height): (usize, usize), peak: f32) -> Rgb<f32> {
     })
 }
 
-/// From one range to another, top to bottom, in equal ratios.
+/// Range from top to bottom in a geometric progression.
 pub(super) fn slope((width, height): (usize, usize), nearest: f32, farthest: f32) -> Plane<f32> {
     Plane::from_fn(width, height, |_, y| {
         nearest * (farthest / nearest).powf(y as f32 / (height.max(2) - 1) as f32)
@@ -85,7 +85,7 @@ impl Trial {
     }
 }
 
-/// The largest difference of two pictures; what is no number counts as infinite.
+/// The largest difference of two pictures; NaN counts as infinite.
 pub(super) fn largest(fast: &Rgb<f32>, exact: &Rgb<f64>) -> f64 {
     let planes = fast.planes().iter().zip(exact.planes());
     let samples = planes.flat_map(|(fast, exact)| fast.data().iter().zip(exact.data()));

@@ -13,7 +13,7 @@ use super::overlay::lights;
 use super::stopwatch::time;
 use super::{ChartScene, Point, standard_scenes};
 
-/// From 0.1 to 16 megapixels, three to two.
+/// From 0.1 to 16 megapixels, aspect ratio 3:2.
 const SIZES: [(usize, usize); 7] = [
     (384, 256),
     (768, 492),
@@ -23,10 +23,10 @@ const SIZES: [(usize, usize); 7] = [
     (3456, 2304),
     (4896, 3264),
 ];
-/// Where kernels and lights are varied.
+/// Frame size for varying kernels and lights.
 const USUAL: (usize, usize) = SIZES[1];
 
-/// Measures attenuation, forward scatter, haze and lamps of a slope. Sizes above `most_megapixels` are left out.
+/// Measures attenuation, forward scatter, haze and lamps on a slope. Sizes above `most_megapixels` are skipped.
 #[must_use]
 pub fn cost(runs: usize, most_megapixels: f64) -> Vec<Point> {
     let mut points = Vec::new();

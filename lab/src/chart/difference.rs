@@ -1,4 +1,4 @@
-//! How far a picture is from the reference.
+//! Difference of a picture from its reference.
 
 use imaging::{Rgb, transfer};
 use quality::MetricId;

@@ -5,10 +5,10 @@ use std::fmt::Write;
 use super::Point;
 use crate::plot::{Axis, Form, Grid, Lines, Mark, Series};
 
-/// Smaller errors are drawn here: on a logarithmic axis there is no 0.
+/// Smaller errors are drawn at this value, since a logarithmic axis has no 0.
 const FLOOR: f64 = 1e-8;
 
-/// What is drawn against time.
+/// The quantity plotted against time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Measure {
     /// The largest error.
@@ -34,7 +34,7 @@ impl Measure {
         }
     }
 
-    /// On a logarithmic axis there is no 0: smaller values are drawn at the floor.
+    /// The value on a logarithmic axis; smaller values are drawn at the floor.
     fn value(self, point: &Point) -> Option<f64> {
         match self {
             Self::Max => point.error_max.map(|e| e.max(FLOOR)),
@@ -45,10 +45,10 @@ impl Measure {
     }
 }
 
-/// A measure of error against time, with the front and the default, of one stage and scene.
+/// Error against time for one stage and scene, with the Pareto front and the default variant.
 #[must_use]
 pub fn error_chart(title: &str, points: &[Point], measure: Measure) -> Lines {
-    // Other programs on the machine only ever add time: the fastest run disturbs the picture least.
+    // Other programs on the machine can only add time, so the fastest run is the least disturbed.
     let mark = |point: &Point, labeled: bool| {
         Some(Mark {
             x: point.ms_min,
@@ -78,7 +78,7 @@ pub fn error_chart(title: &str, points: &[Point], measure: Measure) -> Lines {
             }
         })
         .collect();
-    // Of the other measures the same points are joined, so that one sees what the front in the largest error means there.
+    // The other measures join the same points, which shows how the front of the largest error performs there.
     series.push(Series {
         name: "Pareto front".to_owned(),
         marks: front.into_iter().filter_map(|p| mark(p, false)).collect(),
@@ -106,12 +106,12 @@ pub fn error_sheet(title: &str, points: &[Point]) -> Grid {
     }
 }
 
-/// The name of a variant without what stands in brackets behind it: a tolerance, a water.
+/// The name of a variant without its suffix in brackets, such as a tolerance or a water.
 fn family(point: &Point) -> &str {
     point.variant.split(" (").next().unwrap_or(&point.variant)
 }
 
-/// Terms, or else what stands in brackets.
+/// The number of terms, or the suffix in brackets.
 fn label(point: &Point) -> String {
     let inside = || Some(point.variant.split_once(" (")?.1.trim_end_matches(')').to_owned());
     let terms = point.terms.map(|terms| terms.to_string());

@@ -1,4 +1,4 @@
-//! Ways to spread the scattered light of a frame, each pixel by the kernel of its own range.
+//! Methods of spreading the scattered light of a frame, each pixel by the kernel of its range.
 
 use imaging::{Plane, Rgb};
 use optics::attenuation::scattered_share;
@@ -17,11 +17,11 @@ use super::weighted::{Copy, gaussians, hard_layers, linear_layers, spread};
 use super::{ChartScene, Point};
 
 const STAGE: &str = "forward_scatter";
-/// Coastal water, in which forward scatter is strong.
+/// Coastal water with strong forward scatter.
 pub(super) const WATER: &str = "jerlov-1C";
-/// What a job gets that asks for nothing else.
+/// The default tolerance of a job.
 pub(super) const DEFAULT_TOLERANCE: f64 = 3e-4;
-/// Half of a Gaussian's light lies within 1.177 σ, half of the kernel's within √3 γ.
+/// Half of a Gaussian's light is within 1.177 σ, half of the kernel's within √3 γ.
 const SAME_HALF: f32 = 1.471;
 
 /// A coastal water seen by a camera of 80° across.
@@ -36,7 +36,7 @@ pub(super) fn coastal(width: usize, model: ScatterModel) -> Option<Water> {
     Water::resolve(&request, focal_px).ok()
 }
 
-/// What the stage is given: light to spread and kernel scale for each channel, and what it is added to.
+/// Input of the stage: light to spread and kernel scale for each channel, and the image to add it to.
 struct Input {
     light: [Plane<f32>; 3],
     gamma: [Plane<f32>; 3],
@@ -86,7 +86,7 @@ impl Input {
         })
     }
 
-    /// The image with what a variant spreads.
+    /// The image plus the light spread by a variant.
     fn image(&self, mut spread: impl FnMut(usize, &Plane<f32>, &Plane<f32>) -> Plane<f32>) -> Rgb<f32> {
         let channel = |c: usize| {
             let forward = spread(c, &self.light[c], &self.gamma[c]);

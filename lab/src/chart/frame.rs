@@ -15,11 +15,11 @@ use super::{ChartScene, Point};
 
 const STAGE: &str = "frame";
 const TOLERANCES: [f64; 6] = [1.0 / 255.0, 1e-3, DEFAULT_TOLERANCE, 1e-4, 1e-5, 1e-6];
-/// So many kernels leave nothing but the rounding of f32.
+/// Enough kernels to leave only the rounding of f32.
 const PLENTY: usize = 24;
 
-/// Measures all but scene, style and files of one scene, in both forms: `jaffe` and `simplified`. A frame
-/// that is too large for the reference is compared with the same chain of 24 kernels, which is as exact as f32.
+/// Measures everything but scene, style and files for one scene, with both scatter models: `jaffe` and `simplified`. A frame too
+/// large for the reference is compared with the same chain of 24 kernels, which is as exact as f32.
 #[must_use]
 pub fn whole_frame(scene: &ChartScene, runs: usize) -> Vec<Point> {
     let mut points = Vec::new();

@@ -1,4 +1,4 @@
-//! IBLA: refined by matting, by matting for the light alone, by the guided filter, and by matting in f64.
+//! IBLA with matting, with matting for the light alone, with the guided filter, and with matting in f64.
 
 use enhance::{Method, Variant, run_variant};
 use imaging::{Raster, Rgb8, transfer};
@@ -7,8 +7,8 @@ use super::difference::difference;
 use super::stopwatch::time;
 use super::{ChartScene, Point};
 
-/// The forms of IBLA on the scene's picture, against matting in f64. `ibla_guided` may find another background light: its error is
-/// then that of the picture as a whole.
+/// The variants of IBLA on the scene's picture, against matting in f64. `ibla_guided` may estimate another background light; its
+/// error then covers the picture as a whole.
 #[must_use]
 pub fn ibla(scene: &ChartScene, runs: usize) -> Vec<Point> {
     let picture = Raster::from(transfer::encode_rgb8(&scene.radiance).0);

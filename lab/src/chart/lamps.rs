@@ -1,4 +1,4 @@
-//! The glow of the water before lamps: quadratures of fixed length, and the one that the tolerance chooses.
+//! Airlight of lamps: quadratures of fixed length, and the one chosen for the tolerance.
 
 use imaging::Rgb;
 use imaging::geometry::Intrinsics;
@@ -14,7 +14,7 @@ const STAGE: &str = "lamps";
 const FIXED: [usize; 4] = [4, 8, 16, 32];
 const TOLERANCES: [f64; 6] = [1.0 / 255.0, 1e-3, DEFAULT_TOLERANCE, 1e-4, 1e-5, 1e-6];
 
-/// So many lamps in coastal water: one beside the camera, the others in view, ever farther.
+/// `count` lamps in coastal water: the first next to the camera, the others in view at growing distance.
 pub(super) fn lighting(width: usize, height: usize, count: usize) -> Option<Lighting> {
     let water = coastal(width, ScatterModel::Jaffe)?;
     let focal_px = width as f64 / (2.0 * 40f64.to_radians().tan());
@@ -39,7 +39,7 @@ pub(super) fn lighting(width: usize, height: usize, count: usize) -> Option<Ligh
     })
 }
 
-/// The glow of two lamps over one scene.
+/// The airlight of two lamps in one scene.
 #[must_use]
 pub fn glow(scene: &ChartScene, runs: usize) -> Vec<Point> {
     let (width, height) = scene.range.size();

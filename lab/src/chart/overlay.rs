@@ -1,4 +1,4 @@
-//! Stages beside the water: haze and the homomorphic filter.
+//! Stages apart from the water: haze and the homomorphic filter.
 
 use enhance::Variant;
 use enhance::hscm::homomorphic::homomorphic as filter;
@@ -24,7 +24,7 @@ pub(super) fn lights(count: usize) -> Vec<Haze> {
     (0..count).map(light).collect()
 }
 
-/// Haze of four lights, each cut off at some multiples of its sigma.
+/// Haze of four lights, each truncated at some multiples of its sigma.
 #[must_use]
 pub fn haze(scene: &ChartScene, runs: usize) -> Vec<Point> {
     let lights = lights(4);
@@ -58,7 +58,7 @@ pub fn haze(scene: &ChartScene, runs: usize) -> Vec<Point> {
     points
 }
 
-/// `I ← I (1 − α) + color α`, pixel by pixel, nothing beyond `sigmas`.
+/// `I ← I (1 − α) + color α`, pixel by pixel, with α = 0 beyond `sigmas`.
 pub(super) fn overlay<T: Into<f64> + std::marker::Copy + FromDouble>(
     image: &Rgb<T>,
     lights: &[Haze],
@@ -100,7 +100,7 @@ impl FromDouble for f64 {
     }
 }
 
-/// The homomorphic filter of HSCM: fast and by the transform in f64, for narrow and wide cut-offs.
+/// The homomorphic filter of HSCM: the fast variant and the transform in f64, for narrow and wide cut-offs.
 #[must_use]
 pub fn homomorphic(scene: &ChartScene, runs: usize) -> Vec<Point> {
     let picture = Raster::from(transfer::encode_rgb8(&scene.radiance).0);

@@ -1,4 +1,4 @@
-//! Scenes that variants are tried on.
+//! Scenes for measuring variants.
 
 use imaging::random::Stream;
 use imaging::{Plane, Rgb};
@@ -14,12 +14,12 @@ pub struct ChartScene {
     pub range: Plane<f32>,
 }
 
-/// Distinct ranges of a scene. The reference takes one transform for each, so that this many are minutes at full size; no
-/// variant gains by it, since all work with far fewer kernels.
+/// Distinct ranges of a scene. The reference needs one transform for each, which is minutes at full size with this many. No variant
+/// benefits from it, since all use far fewer kernels.
 const LEVELS: f32 = 64.0;
 
 impl ChartScene {
-    /// A scene whose ranges are rounded to 64 steps of equal ratio between the nearest and the farthest. Holes stay holes.
+    /// A scene with ranges rounded to 64 steps in a geometric progression between the nearest and the farthest. Holes are kept.
     #[must_use]
     pub fn new(name: &str, radiance: Rgb<f32>, range: &Plane<f32>) -> Self {
         let valid = |z: f32| !optics::range::is_hole(z);
@@ -47,7 +47,7 @@ impl ChartScene {
     }
 }
 
-/// The standard scenes: a flat wall, a slope, a pole before a far background, and a slope with holes.
+/// The standard scenes: a flat wall, a slope, a pole in front of a far background, and a slope with holes.
 #[must_use]
 pub fn standard_scenes(width: usize, height: usize) -> Vec<ChartScene> {
     let down = |y: usize| y as f32 / height as f32;
@@ -75,7 +75,7 @@ pub fn standard_scenes(width: usize, height: usize) -> Vec<ChartScene> {
     ]
 }
 
-/// Stripes, noise and a few small lights: something at every spatial frequency.
+/// Stripes, noise and a few small lights, for content at every spatial frequency.
 fn pattern(width: usize, height: usize) -> Rgb<f32> {
     let stream = Stream::stage(3, "chart/pattern");
     Rgb::from_fn(width, height, |x, y| {

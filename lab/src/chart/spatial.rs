@@ -1,11 +1,11 @@
-//! Variants in space, without any transform: a kernel that is cut off, and Gaussians window by window.
+//! Spatial variants without a transform: a truncated kernel, and Gaussians window by window.
 
 use std::collections::BTreeMap;
 
 use imaging::Plane;
 use optics::kernel;
 
-/// Each pixel's own kernel up to `radius` pixels, scaled so that all light arrives.
+/// The kernel of each pixel up to `radius` pixels, scaled to conserve light.
 pub(super) fn truncated(light: &Plane<f32>, gamma: &Plane<f32>, radius: usize) -> Plane<f32> {
     let (width, height) = light.size();
     let side = 2 * radius + 1;
@@ -27,7 +27,7 @@ pub(super) fn truncated(light: &Plane<f32>, gamma: &Plane<f32>, radius: usize) -
             }
         }
     }
-    // What fell beside the frame comes back from its mirror.
+    // Light outside the frame is mirrored back.
     let mut sum = Plane::filled(width, height, 0.0f32);
     for (row, line) in paper.chunks_exact(wide).enumerate() {
         let y = mirrored(row as i64 - radius as i64, height);
@@ -55,7 +55,7 @@ fn mirrored(at: i64, side: usize) -> usize {
     folded.min(2 * side - 1 - folded) as usize
 }
 
-/// The way of published code: the frame in square windows, each blurred by the Gaussian of its mean scale, `sigma = factor γ`.
+/// The method of published code: the frame in square windows, each blurred by the Gaussian of its mean scale, `sigma = factor γ`.
 pub(super) fn windows(light: &Plane<f32>, gamma: &Plane<f32>, window: usize, factor: f32) -> Plane<f32> {
     let (width, height) = light.size();
     let mut blurred = Plane::filled(width, height, 0.0f32);
@@ -70,7 +70,7 @@ pub(super) fn windows(light: &Plane<f32>, gamma: &Plane<f32>, window: usize, fac
     blurred
 }
 
-/// A separable Gaussian to three sigma, on one window.
+/// A separable Gaussian truncated at three sigma, on one window.
 fn blur(
     light: &Plane<f32>,
     (left, top, right, bottom): (usize, usize, usize, usize),

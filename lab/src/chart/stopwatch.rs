@@ -5,7 +5,7 @@ use std::time::Instant;
 /// Milliseconds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Times {
-    /// Half of all runs took no longer.
+    /// Median run.
     pub median: f64,
     /// The fastest run.
     pub min: f64,
@@ -13,18 +13,18 @@ pub struct Times {
     pub max: f64,
 }
 
-/// Milliseconds that `work` takes.
+/// Measures the run time of `work`, ms.
 pub fn time_once<R>(work: impl FnOnce() -> R) -> f64 {
     let start = Instant::now();
     std::hint::black_box(work());
     start.elapsed().as_secs_f64() * 1e3
 }
 
-/// What takes longer than this is run only a few times.
+/// Slower work is run only a few times.
 const SLOW_MS: f64 = 400.0;
 const SLOW_RUNS: usize = 3;
 
-/// Runs `work` once to warm up and then `runs` times; what is slow has no need to warm up. Returns the result of the last run.
+/// Runs `work` once to warm up and then `runs` times; slow work is not warmed up. Returns the result of the last run.
 pub fn time<R>(runs: usize, mut work: impl FnMut() -> R) -> (Times, R) {
     let mut timed = || {
         let start = Instant::now();

@@ -1,5 +1,5 @@
 //! Variants that spread weighted copies of the light, each with one transfer function: `F = DCT⁻¹ Σ_k H_k DCT(w_k U)`.
-//! They differ from what is shipped only in the weights and the functions.
+//! They differ from the production variant only in the weights and the functions.
 
 use imaging::Plane;
 use imaging::dct::{Folding, PairDct};
@@ -58,10 +58,10 @@ pub(super) fn spread(light: &Plane<f32>, gamma: &Plane<f32>, copies: &[Copy<'_>]
     Plane::new(width, height, plane).expect("the size of the light")
 }
 
-/// A wall has one kernel scale: layers then span at least this in its logarithm.
+/// Minimum logarithmic span of the layers. A wall has only one kernel scale.
 const FLAT: f64 = 1e-3;
 
-/// Kernel scales at equal ratios between two.
+/// Kernel scales in a geometric progression.
 fn ladder(least: f64, most: f64, steps: usize) -> Vec<f64> {
     let at = |k: usize| (k as f64 + 0.5) / steps as f64;
     (0..steps).map(|k| least * (most / least).powf(at(k))).collect()
@@ -85,7 +85,7 @@ pub(super) fn hard_layers(least: f64, most: f64, steps: usize, size: (usize, usi
         .collect()
 }
 
-/// Each pixel mixes the kernels of the two layers about it.
+/// Each pixel interpolates between the kernels of the two nearest layers.
 pub(super) fn linear_layers(least: f64, most: f64, steps: usize, size: (usize, usize)) -> Vec<Copy<'static>> {
     let span = (most / least).ln().max(FLAT) / (steps - 1) as f64;
     let copy = |k: usize| Copy {

@@ -1,5 +1,5 @@
-//! `fathom-lab airlight`: draws the glow before four lamps with 4 to 64 nodes on every ray, and with as many as a tolerance
-//! asks for, and prints the table of docs/science/lamps.md.
+//! `fathom-lab airlight`: renders the airlight of four lamps with 4 to 64 nodes per ray and with the number chosen for a tolerance,
+//! and prints the table of docs/science/lamps.md.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -24,11 +24,11 @@ pub(crate) struct Arguments {
 }
 
 const FRAME: (usize, usize) = (768, 492);
-/// Errors are measured on half the frame, with the same view.
+/// Errors are measured at half the frame size, with the same field of view.
 const HALF: (usize, usize) = (384, 246);
 const NODES: [usize; 9] = [4, 6, 8, 12, 16, 24, 32, 48, 64];
 const TOLERANCES: [f64; 4] = [1e-3, 3e-4, 7.5e-5, 1e-5];
-/// Frames of each kind, of which the fastest counts.
+/// Frames of each kind; the fastest counts.
 const RUNS: usize = 7;
 
 /// Runs the command.
@@ -94,7 +94,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     drawing::write(&arguments.out, "airlight", &chart)
 }
 
-/// Beside the camera as points and as spots, and in view.
+/// Lamps next to the camera as points and as spots, and lamps in view.
 fn cases() -> Result<Vec<(&'static str, Vec<Lamp>)>, Vec<spec::Beyond>> {
     let corners = [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]];
     let all =

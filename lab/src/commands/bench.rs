@@ -22,7 +22,7 @@ enum What {
     Service(ServiceArguments),
     /// Frames and stages on one slot and on all, memory, kernels: writes speed.md
     Render(RenderArguments),
-    /// The tiers of the style waters beside a usual network, how far they lie apart, and how different the waters are
+    /// Speed of the style tiers and of a usual network, and distances between tiers and between waters
     Style(StyleBench),
 }
 
@@ -53,7 +53,7 @@ pub(crate) struct ServiceArguments {
 pub(crate) struct StyleBench {
     #[command(flatten)]
     style: StyleArguments,
-    /// Runs of each, of which the fastest counts
+    /// Runs of each; the fastest counts
     #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=1000))]
     runs: u32,
     /// Folder for style-bench.md

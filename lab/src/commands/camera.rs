@@ -1,4 +1,4 @@
-//! `fathom-lab camera`: one frame by several cameras.
+//! `fathom-lab camera`: one frame with several cameras.
 
 use std::path::PathBuf;
 
@@ -20,7 +20,7 @@ pub(crate) struct Arguments {
 
 /// Longer side of a picture on the sheet.
 const SIDE: usize = 400;
-/// Pictures in a row.
+/// Pictures per row.
 const COLUMNS: usize = 3;
 
 /// Runs the command.
@@ -54,7 +54,7 @@ fn render(parts: &Value) -> Result<Rgb8, Failure> {
     Ok(downscale(&picture.to_rgb8(), SIDE))
 }
 
-/// Pictures row by row with a white line between.
+/// Arranges pictures row by row, separated by white lines.
 fn sheet(pictures: &[Rgb8]) -> Rgb8 {
     let (width, height) = (pictures[0].width(), pictures[0].height());
     let rows = pictures.len().div_ceil(COLUMNS);

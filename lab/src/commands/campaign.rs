@@ -1,4 +1,4 @@
-//! `fathom-lab campaign`: random and directed frames against the promise of their plans.
+//! `fathom-lab campaign`: compares random and directed frames with the bounds of their plans.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -21,7 +21,7 @@ pub(crate) struct Arguments {
     /// Directed frames, each against one bound
     #[arg(long, default_value_t = 300, value_parser = clap::value_parser!(u64).range(0..=10_000_000))]
     directed: u64,
-    /// Searches from the frames that came closest to their bounds
+    /// Searches from the frames closest to their bounds
     #[arg(long, default_value_t = 20)]
     climbs: usize,
     /// Frames of each search

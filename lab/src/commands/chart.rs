@@ -26,7 +26,7 @@ pub(crate) struct Arguments {
     /// Only this stage
     #[arg(long, value_parser = clap::builder::PossibleValuesParser::new(STAGES.into_iter().chain([style::STAGE, "cost"])))]
     stage: Option<String>,
-    /// A picture of one's own in place of the standard scenes; needs --range
+    /// A picture that replaces the standard scenes; needs --range
     #[arg(long, value_name = "FILE", requires = "range")]
     scene: Option<PathBuf>,
     /// Range of the picture in meters along the ray, a float file (.npy)

@@ -1,7 +1,7 @@
 //! `fathom-lab figure`: the steps of the chain and the style waters for one scene, side by side.
 //!
-//! Draws what Figures 5 and 6 of the paper show: each step from the picture in air to the hazed result, and for every
-//! style water the styled image at full weight, at 0.4, and with two lights.
+//! Reproduces Figures 5 and 6 of the paper: each step from the picture in air to the hazed result, and for every style water the
+//! styled image at full weight, at 0.4, and with two lights.
 
 use std::path::PathBuf;
 
@@ -168,7 +168,7 @@ impl Variations<'_> {
     }
 }
 
-/// The scene part of the description: `FAMILY:SEED`, else a file.
+/// The scene part of the description: `FAMILY:SEED`, or a file.
 fn scene(arguments: &Arguments) -> Result<Value, Failure> {
     if let Some((family, seed)) = arguments.scene.split_once(':')
         && let Ok(seed) = seed.parse::<u64>()
@@ -191,7 +191,7 @@ fn scene(arguments: &Arguments) -> Result<Value, Failure> {
     Ok(scene)
 }
 
-/// An artifact as a person can look at it: linear layers are encoded, range becomes brightness.
+/// An artifact as a viewable picture: linear layers are encoded, range becomes brightness.
 fn picture(rendered: &Rendered, kind: &str) -> Result<Rgb8, Failure> {
     let bytes = artifact(rendered, kind)
         .ok_or_else(|| Failure::Other(anyhow::anyhow!("the frame has no artifact `{kind}`")))?;

@@ -1,4 +1,4 @@
-//! `fathom-lab ibla`: how often the faster forms of IBLA find the light of the exact one, and how far their results are from its.
+//! `fathom-lab ibla`: how often the faster variants of IBLA find the light of the exact one, and how far their results differ.
 
 use std::path::PathBuf;
 
@@ -40,7 +40,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         ] {
             job[key] = value;
         }
-        // The light is sought before a style changes it, which would need ONNX Runtime.
+        // The light is estimated before a style, which would need ONNX Runtime.
         if let Some(water) = job["water"].as_object_mut() {
             water.remove("style");
         }

@@ -1,4 +1,4 @@
-//! `fathom-lab ladder`: what each effect of the published chain changes in a water, from attenuation alone to everything.
+//! `fathom-lab ladder`: the change by each effect of the published chain in a water, from attenuation alone to all effects.
 
 use std::path::PathBuf;
 
@@ -29,7 +29,7 @@ pub(crate) struct Arguments {
     /// Style water of the upper rungs
     #[arg(long)]
     style_name: Option<String>,
-    /// Where to write the sheet (.png, .jpg or .webp); the figures go beside it as .md
+    /// Where to write the sheet (.png, .jpg or .webp); the figures are written next to it as .md
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     #[command(flatten)]
@@ -40,10 +40,10 @@ const TILE_PX: usize = 384;
 const RUNS: usize = 5;
 /// Brightness of the constant veil.
 const VEIL_GAIN: f64 = 0.3;
-/// The stages that a rung can add to.
+/// The stages that rungs add.
 const COUNTED: [&str; 3] = ["water", "style", "haze"];
 
-/// A rung: its name, its forward scatter, whether it is styled and lit.
+/// A rung: its name, its forward scatter, whether it has a style and haze.
 const RUNGS: [(&str, &str, bool, bool); 5] = [
     ("attenuation only", "none", false, false),
     ("+ gathered scatter (Eq. 8-9)", "simplified", false, false),
@@ -126,7 +126,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Name, differences to the rung before and to the last (largest codes, mean ΔE), fastest run.
+/// Name, differences to the previous and to the last rung (largest codes, mean ΔE), fastest run.
 fn rows(rungs: &[Rung]) -> Vec<Vec<String>> {
     let compare = |a: &Rung, b: &Rung| {
         let d = difference(

@@ -1,4 +1,4 @@
-//! `fathom-lab look`: how near the frames of jobs are to what photographs under water look like.
+//! `fathom-lab look`: compares the frames of jobs with the look of underwater photographs.
 
 use std::path::PathBuf;
 
@@ -32,10 +32,10 @@ pub(crate) struct Arguments {
     tile_width: usize,
 }
 
-/// Pictures of a row of the sheet.
+/// Pictures per row of the sheet.
 const COLUMNS: usize = 3;
 
-/// A statistic, what photographs have of it, and for which frames that is said.
+/// A statistic, its range in photographs, and the frames it applies to.
 struct Row {
     name: &'static str,
     of: fn(&Look) -> Option<f64>,
@@ -82,7 +82,7 @@ const ROWS: [Row; 6] = [
     },
 ];
 
-/// Whether daylight lights the frames of a job.
+/// Whether a job has daylight.
 fn is_day(job: &Value) -> bool {
     match job.get("daylight") {
         Some(daylight) => daylight.is_object(),
@@ -136,7 +136,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
 }
 
-/// Median, 10th and 90th percentile, how many are as in photographs, and how many are on which side of that; none without values.
+/// Formats the median, the 10th and 90th percentile, and the counts within, below and above the range of photographs. `None` without
+/// values.
 fn line(row: &Row, values: &[f64]) -> Option<String> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);

@@ -20,40 +20,40 @@ mod waters;
 
 use cli::exit::Failure;
 
-/// What `fathom-lab` can do.
+/// The subcommands of `fathom-lab`.
 #[derive(clap::Subcommand)]
 pub(crate) enum Command {
     /// Draw error against time of the variants of each stage
     Chart(chart::Arguments),
-    /// Try random frames against the promise of the plan
+    /// Compare random frames with the bounds of their plans
     Campaign(campaign::Arguments),
-    /// Show what each published effect changes in a water
+    /// Show the change by each published effect in a water
     Ladder(ladder::Arguments),
     /// Map where methods fail
     Stability(stability::Arguments),
     /// Compare the enhancement methods over a folder of pictures or a dataset
     Table1(table1::Arguments),
-    /// Measure how often the faster forms of IBLA find the light of the exact one, and how far their results are from its
+    /// Measure how often the faster variants of IBLA find the light of the exact one, and how far their results differ
     Ibla(ibla::Arguments),
     /// Draw the steps of the chain and the style waters for one scene
     Figure(figure::Arguments),
     /// Draw the waters: transmittance, grey cards, one wall and every scene family in several waters
     Waters(waters::Arguments),
-    /// Draw the glow before lamps, with few to many nodes on every ray
+    /// Draw the airlight of lamps, with few to many nodes per ray
     Airlight(airlight::Arguments),
-    /// Draw one frame by several cameras
+    /// Draw one frame with several cameras
     Camera(camera::Arguments),
     /// Draw frames with snow and turbidity
     Suspended(suspended::Arguments),
-    /// Measure how near the frames of jobs are to what photographs under water look like
+    /// Compare the frames of jobs with the look of underwater photographs
     Look(look::Arguments),
     /// Draw many seeds of a scene family, or the labels of every family
     Scenes(scene_sheets::Arguments),
     /// Score a trained style over several sets of new scenes
     TrainingScores(training_scores::Arguments),
-    /// Trace a frame of a job by Monte Carlo and hold the chain against it
+    /// Trace a frame of a job by Monte Carlo and compare it with the chain
     Truth(truth::Arguments),
-    /// Measure the light of lamps in six waters by Monte Carlo, beside that of the chain
+    /// Compare the light of lamps in six waters with Monte Carlo
     TruthLamps(truth_lamps::Arguments),
     /// Measure how fast rendering and the service are on this machine
     Bench(bench::Arguments),

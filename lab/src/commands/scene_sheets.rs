@@ -26,7 +26,7 @@ pub(crate) struct Arguments {
     seeds: Vec<u64>,
 }
 
-/// Frames made of each seed; the fastest counts.
+/// Frames rendered for each seed; the fastest counts.
 const REPEATS: usize = 5;
 const COLUMNS: usize = 6;
 const SIZE: (usize, usize) = (768, 492);

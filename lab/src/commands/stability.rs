@@ -1,4 +1,4 @@
-//! `fathom-lab stability`: where methods fail, as maps, data and words.
+//! `fathom-lab stability`: failure regions of methods, as maps, data and text.
 
 mod chain;
 mod styles;
@@ -39,7 +39,7 @@ pub(crate) struct Arguments {
     scenes: u32,
 }
 
-/// Large enough for the windows of every method, small enough to run thousands.
+/// Large enough for the windows of every method, small enough for thousands of runs.
 const SIZE: (usize, usize) = (256, 164);
 
 /// Runs the command.
@@ -124,7 +124,7 @@ fn of_styles(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Scenes in air and in coastal water, rendered as any job renders them.
+/// Scenes in air and in coastal water, rendered like those of any job.
 fn specimens(count: u64) -> Result<Vec<Specimen>, Failure> {
     let mut studio = Studio::with_shipped_styles()?;
     let spec = json!({

@@ -1,4 +1,4 @@
-//! `fathom-lab suspended`: one frame without and with what is suspended in the water, and four frames of a sequence.
+//! `fathom-lab suspended`: one frame with and without suspended matter, and four frames of a sequence.
 
 use std::path::PathBuf;
 
@@ -74,7 +74,7 @@ fn render(water: &Value, lights: &Value, camera: &Value, count: u64) -> Result<V
     (0..count).map(picture).collect()
 }
 
-/// Four pictures, two in a row, with a white line between.
+/// Four pictures, two per row, separated by white lines.
 fn four(pictures: &[Rgb8]) -> Rgb8 {
     let (width, height) = (pictures[0].width(), pictures[0].height());
     Rgb8::from_fn(2 * width + 4, 2 * height + 4, |x, y| {

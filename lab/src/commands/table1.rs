@@ -1,4 +1,4 @@
-//! `fathom-lab table1`: the enhancement methods side by side over a folder of pictures or a dataset.
+//! `fathom-lab table1`: compares the enhancement methods over a folder of pictures or a dataset.
 
 use std::path::{Path, PathBuf};
 
@@ -21,7 +21,7 @@ pub(crate) struct Arguments {
     /// Folder for table1.md, .csv, .svg and .png
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Most pictures
+    /// Maximum number of pictures
     #[arg(long, default_value_t = 200)]
     limit: usize,
     #[command(flatten)]
@@ -56,7 +56,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Pictures to read one after the other.
+/// The source of the pictures, read one after the other.
 enum Pictures {
     Files(Vec<PathBuf>),
     Images {

@@ -1,5 +1,5 @@
-//! `fathom-lab training-scores`: how far the ratios of a trained water to its color transfer move with the scenes they are
-//! taken over, as rows of a Markdown table.
+//! `fathom-lab training-scores`: how much the ratios of a trained water to its color transfer vary with the scenes used, as rows of
+//! a Markdown table.
 
 use std::path::PathBuf;
 
@@ -20,7 +20,7 @@ pub(crate) struct Arguments {
     seed: u64,
 }
 
-/// New scenes, and how often patches are drawn.
+/// Ranges of new scenes, and how often patches are drawn.
 const SETS: [(std::ops::Range<u64>, u64); 6] = [
     (0..64, 3),
     (64..128, 3),

@@ -1,4 +1,4 @@
-//! `fathom-lab truth`: one frame of a job by Monte Carlo, and the chain held against it.
+//! `fathom-lab truth`: traces one frame of a job by Monte Carlo and compares it with the chain.
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -20,7 +20,7 @@ use crate::studio::Studio;
 /// Options of `fathom-lab truth`.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// The job: a frame description with laws, as JSON
+    /// The job: a frame description with distributions, as JSON
     spec: PathBuf,
     /// Index of the frame
     #[arg(long, default_value_t = 0)]
@@ -31,22 +31,22 @@ pub(crate) struct Arguments {
     /// Error of the median block as a share of the frame's mean
     #[arg(long, default_value_t = 0.02, value_parser = target)]
     target: f64,
-    /// Most paths of each pixel and channel
+    /// Maximum paths of each pixel and channel
     #[arg(long, default_value_t = 1 << 16, value_parser = clap::value_parser!(u64).range(1 << 4..=1 << 20))]
     paths_max: u64,
-    /// Pixels on a side of the blocks that are compared
+    /// Side of the compared blocks, pixels
     #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u16).range(1..=64))]
     block: u16,
-    /// Begin no round of twice the paths that would end after this time; lifts the limit of 65536 pixels times 65536 paths
+    /// Stop before a round that would end after this time; lifts the limit of 65536 pixels times 65536 paths
     #[arg(long)]
     budget_s: Option<u64>,
-    /// Seed of the paths; without, the job's
+    /// Seed of the paths [default: the job's]
     #[arg(long)]
     seed: Option<u64>,
-    /// How the water scatters, by its backscatter fraction; without, as the job's `water.optics.phase`
+    /// Phase function, scaled to the backscatter fraction [default: the job's `water.optics.phase`]
     #[arg(long, value_enum)]
     phase: Option<Kind>,
-    /// Trace all channels on one path, for attenuations within a factor of 3 of each other
+    /// Trace all channels on one path, for attenuations within a factor of 3
     #[arg(long)]
     shared: bool,
 }
@@ -60,7 +60,7 @@ enum Kind {
     Hg,
 }
 
-/// Pixels times paths that need no budget.
+/// Maximum of pixels times paths without a budget.
 const MOST_WORK: u64 = 1 << 32;
 
 fn target(text: &str) -> Result<f64, String> {
@@ -115,7 +115,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     write(arguments, &found, start.elapsed())
 }
 
-/// Traces with a bar of the pixels of each round.
+/// Traces a frame with a progress bar for the pixels of each round.
 fn traced(
     arguments: &Arguments,
     frame: &Frame,
@@ -128,7 +128,7 @@ fn traced(
     let mut progress = Progress::new("truth", "pixels", pixels);
     let found = studio.trace(frame, tracing, &mut |shutter, scene, samples| {
         progress.set_with(0, format!("pixels, paths {} to {}", samples.start, samples.end));
-        // A round takes as long as all before it together.
+        // The next round costs as much as all earlier rounds together.
         let ends = 2 * start.elapsed();
         let is_in_time = arguments
             .budget_s

@@ -1,4 +1,4 @@
-//! `fathom-lab truth-lamps`: the light of lamps in six waters by Monte Carlo, beside that of the chain.
+//! `fathom-lab truth-lamps`: compares the light of lamps in six waters with Monte Carlo.
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -13,7 +13,7 @@ use crate::machine;
 /// Options of `fathom-lab truth-lamps`.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// Photons of each lamp in water with b of 0.5 per meter and more; clearer water takes up to ten times as many
+    /// Photons of each lamp in water with b of 0.5 per meter and more; clearer water needs up to ten times as many
     #[arg(long, default_value_t = 400_000, value_parser = clap::value_parser!(u64).range(1_600..=1_000_000_000))]
     photons: u64,
     /// Folder for lamps.md and lamps.csv
@@ -21,12 +21,12 @@ pub(crate) struct Arguments {
     out: PathBuf,
 }
 
-/// Water that scatters less than this takes more photons, 1/m.
+/// Water with a smaller scattering coefficient needs more photons, 1/m.
 const THICK: f64 = 0.5;
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    // Clear water first: it takes longest.
+    // Clear water first, because it is slowest.
     let lamps = (0..WATERS.len()).flat_map(|water| CONES_DEG.map(|cone_deg| (water, cone_deg)));
     let task = |(water, cone_deg)| LAWS.map(|law| Task { water, cone_deg, law });
     let tasks: Vec<Task> = lamps.flat_map(task).collect();

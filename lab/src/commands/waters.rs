@@ -23,7 +23,7 @@ pub(crate) struct Arguments {
     /// Folder for the drawings
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Draw the plots alone, without the sheets of scenes, which take most of the time
+    /// Draw only the plots, without the slow sheets of scenes
     #[arg(long)]
     no_scenes: bool,
     #[command(flatten)]
@@ -56,7 +56,7 @@ fn plots(out: &Path) -> Result<(), Failure> {
     drawing::write(out, "visibility-turbidity", &waters::visibility_over_turbidity())
 }
 
-/// Writes the sheets of scenes into a folder, with the milliseconds that they took.
+/// Writes the sheets of scenes into a folder, with their milliseconds.
 fn sheets(out: &Path, style: &StyleArguments) -> Result<(), Failure> {
     let mut pictures = Pictures {
         studio: Studio::new(style.library()?, style.onnxruntime.as_deref()),
@@ -148,7 +148,7 @@ impl Pictures {
         self.studio.frame(&document, 0)
     }
 
-    /// A frame with the least milliseconds of each stage.
+    /// Renders a frame; returns the least milliseconds of each stage.
     fn render(
         &mut self,
         family: &str,
@@ -161,7 +161,7 @@ impl Pictures {
         let mut least: BTreeMap<String, f64> = BTreeMap::new();
         let mut last = None;
         for _ in 0..RUNS {
-            // A slot keeps its last scene; another in between makes it draw this one again.
+            // A slot caches its last scene; rendering another one in between forces a new measurement.
             self.studio.render(&between)?;
             let rendered = self.studio.render(&frame)?;
             for (stage, &ms) in &rendered.record.timings_ms {
@@ -174,7 +174,7 @@ impl Pictures {
     }
 }
 
-/// The range that half of the pixels are nearer than, in meters.
+/// The median range, m.
 fn middle_range(rendered: &Rendered) -> Result<f64, Failure> {
     let raster = raster(rendered, "range")?;
     let mut codes: Vec<u16> = match raster.samples() {

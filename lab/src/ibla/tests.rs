@@ -9,7 +9,7 @@ use spec::Optics;
 
 use super::*;
 
-/// Large enough for the hybrid to solve in full size only a part.
+/// Large enough that the hybrid solves only a part at full size.
 const SIZE: (usize, usize) = (547, 353);
 const WATERS: [&str; 3] = ["jerlov-IB", "jerlov-1C", "jerlov-3C"];
 const SEEDS: std::ops::Range<u64> = 0..12;
@@ -33,8 +33,8 @@ fn frame(seed: u64) -> Rgb8 {
     transfer::encode_rgb8(&layers.unwrap().scattered).0
 }
 
-/// Share of the frames of [`SEEDS`] of which the hybrid has to keep the candidates: all but one of them. It keeps those of all, the
-/// guided filter of ten.
+/// Minimum share of the frames of [`SEEDS`] whose candidates the hybrid keeps: all but one. It keeps those of all frames, the guided
+/// filter those of ten.
 const KEPT: f64 = 0.9;
 
 #[test]
@@ -53,7 +53,7 @@ fn the_hybrid_keeps_the_candidates_of_the_exact_form() {
 
 #[test]
 fn a_form_that_finds_another_light_is_told_from_the_exact_one() {
-    // One of the frames of which the guided filter does not keep the candidates.
+    // The guided filter does not keep the candidates of this frame.
     let outcomes = compare(&frame(OTHER_LIGHT)).unwrap();
     let [exact, hybrid, guided] = outcomes;
     assert_eq!((exact.apart, exact.distance), (0.0, 0.0));

@@ -1,4 +1,4 @@
-//! The chain's light at the places of a measurement.
+//! The light of the chain at the positions of a measurement.
 
 use imaging::Plane;
 use imaging::geometry::Intrinsics;
@@ -8,10 +8,10 @@ use optics::lamp::{
 };
 use truth::light_tracer::Bench;
 
-/// Circles of a ring over which its light is averaged.
+/// Circles for averaging the light of a ring.
 const CIRCLES: usize = 16;
 
-/// A lamp in a water, as the chain has it.
+/// A lamp in a water, as modeled by the chain.
 pub(super) struct Model {
     absorption: f64,
     scattering: f64,
@@ -29,7 +29,7 @@ impl Model {
         }
     }
 
-    /// Each form of the light, in the order of [`Form`](super::Form).
+    /// Each variant of the light, in the order of [`Form`](super::Form).
     fn each(&self, lamp_x: f64, ray_slope: f64, light: impl Fn(&Lighting) -> f64) -> [f64; 3] {
         let place = [lamp_x, 0.0, 0.0];
         let lamp = match self.cone_deg {
@@ -61,7 +61,7 @@ impl Model {
         [light(&lighting), light(&followed), light(&rising)]
     }
 
-    /// The glow that a camera beside the lamp sees.
+    /// The airlight seen by a camera next to the lamp.
     pub(super) fn glow(&self, camera_m: f64, look_deg: f64, wall_m: f64) -> [f64; 3] {
         let look = look_deg.to_radians();
         let range = Plane::filled(1, 1, wall_m / look.cos());
@@ -75,7 +75,7 @@ impl Model {
         let mut sum = [0.0; 3];
         let normal = [0.0f32, 0.0, -1.0].map(|v| Plane::filled(1, 1, v));
         for circle in 0..CIRCLES {
-            // Circles with as much of the ring on either side.
+            // The circle splits its share of the ring into equal areas.
             let share = (circle as f64 + 0.5) / CIRCLES as f64;
             let radius = (inner * inner + share * (outer * outer - inner * inner)).sqrt();
             let range = Plane::filled(1, 1, wall_m.hypot(radius));

@@ -1,4 +1,4 @@
-//! The table as data and as text.
+//! The table as CSV and as Markdown.
 
 use std::fmt::Write;
 
@@ -140,7 +140,7 @@ fn table(
     text.push('\n');
 }
 
-/// Least and greatest of the ratios of each form.
+/// Smallest and largest ratio of each variant.
 fn entry(cells: &[Cell], forms: &[Form]) -> String {
     if ratios(cells.iter(), Form::Single).next().is_none() {
         return "not measured".to_owned();

@@ -12,7 +12,7 @@ use super::{FAINT, Figure, INK, ink};
 /// A mean with its spread.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bar {
-    /// What it belongs to.
+    /// Name of the bar.
     pub name: String,
     /// Its height.
     pub mean: f64,
@@ -20,10 +20,10 @@ pub struct Bar {
     pub sd: f64,
 }
 
-/// Panels of bars; all panels have the same names in the same order.
+/// Panels of bars. All panels have the same names in the same order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bars {
-    /// Above everything.
+    /// Title of the sheet.
     pub title: String,
     /// The colors of the bars of a panel, from the left.
     pub colors: Vec<RGBColor>,
@@ -36,7 +36,7 @@ pub struct Bars {
 const PANEL: (i32, i32) = (330, 270);
 const COLUMNS: usize = 3;
 const HEAD_PX: i32 = 44;
-/// What a value needs above its bar.
+/// Space above a bar for its value.
 const VALUE_PX: i32 = 18;
 
 impl Figure for Bars {
@@ -109,7 +109,7 @@ fn centered(vertical: VPos) -> TextStyle<'static> {
     ink().pos(Pos::new(HPos::Center, vertical))
 }
 
-/// A bar with its value and error bar between two columns of the sheet.
+/// Draws a bar with its value and error bar between two columns of the sheet.
 fn column<B: DrawingBackend>(
     area: &DrawingArea<B, Shift>,
     (left, right): (i32, i32),
@@ -129,7 +129,7 @@ fn column<B: DrawingBackend>(
         area.draw(&PathElement::new(path, INK.stroke_width(1)))?;
     }
     let top = upper.min(y(bar.mean));
-    // A line through the value would strike it out.
+    // A level line through the value would make it unreadable.
     let struck = line.filter(|&line| line < top && top - line < VALUE_PX);
     area.draw(&Text::new(
         number(bar.mean),
@@ -138,7 +138,7 @@ fn column<B: DrawingBackend>(
     ))
 }
 
-/// Three significant digits, as short as they come.
+/// At most three significant digits.
 fn number(value: f64) -> String {
     let digits = match value.abs() {
         v if v >= 99.95 => 0,

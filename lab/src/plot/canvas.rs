@@ -1,4 +1,4 @@
-//! A picture to draw on. Text comes from a bitmap font, so that no font file is needed on the machine.
+//! A picture to draw on. Text uses an embedded bitmap font, so the machine needs no font file.
 
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 use plotters_backend::text_anchor::{HPos, VPos};
@@ -17,12 +17,12 @@ pub(crate) struct Canvas<'a> {
 }
 
 impl<'a> Canvas<'a> {
-    /// Over the interleaved samples of a picture of this size.
+    /// A canvas over the interleaved samples of a picture of this size.
     pub(crate) fn new(width: usize, height: usize, data: &'a mut [u8]) -> Self {
         Self { width, height, data }
     }
 
-    /// Mixes a color into a pixel; beyond the edge nothing happens.
+    /// Mixes a color into a pixel; ignores pixels outside the picture.
     fn mix(&mut self, (x, y): BackendCoord, (r, g, b): (u8, u8, u8), weight: f64) {
         let inside = |v: i32, n: usize| usize::try_from(v).ok().filter(|&v| v < n);
         if let (Some(x), Some(y)) = (inside(x, self.width), inside(y, self.height)) {
@@ -35,7 +35,7 @@ impl<'a> Canvas<'a> {
     }
 }
 
-/// A character of the font, or what stands for one that it lacks.
+/// The glyph of a character, or a substitute if the font lacks it.
 fn glyph(character: char) -> Option<noto_sans_mono_bitmap::RasterizedChar> {
     let plain = match character {
         '·' | '×' => 'x',

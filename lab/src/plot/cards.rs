@@ -1,4 +1,4 @@
-//! A table of colors: a card seen through something, once for each cell.
+//! A table of colors: one card per cell.
 
 use plotters::coord::Shift;
 use plotters::drawing::{DrawingArea, DrawingAreaErrorKind};
@@ -9,10 +9,10 @@ use plotters_backend::DrawingBackend;
 
 use super::{Figure, ink};
 
-/// What is seen in one cell.
+/// One cell of the table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Card {
-    /// Around the card.
+    /// Color around the card.
     pub around: RGBColor,
     /// The card, in stripes of equal height.
     pub stripes: Vec<RGBColor>,
@@ -21,9 +21,9 @@ pub struct Card {
 /// A table of cards.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cards {
-    /// Above everything.
+    /// Title of the sheet.
     pub title: String,
-    /// Below everything.
+    /// Footer of the sheet.
     pub foot: String,
     /// Names of the columns.
     pub columns: Vec<String>,
@@ -32,7 +32,7 @@ pub struct Cards {
 }
 
 const CELL: (i32, i32) = (84, 62);
-/// From the edge of a cell to the card.
+/// Distance from the edge of a cell to the card.
 const INSET: (i32, i32) = (16, 9);
 const LEFT: i32 = 262;
 const TOP: i32 = 66;

@@ -7,7 +7,7 @@ use plotters_backend::DrawingBackend;
 use super::lines::SIZE;
 use super::{Figure, Lines};
 
-/// Charts two by two, row by row.
+/// Charts in two columns, row by row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grid {
     /// The charts.

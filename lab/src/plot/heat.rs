@@ -1,4 +1,4 @@
-//! A map of numbers over two quantities, with some cells outlined.
+//! A heat map over two quantities, with some cells outlined.
 
 use plotters::coord::Shift;
 use plotters::drawing::{DrawingArea, DrawingAreaErrorKind};
@@ -9,24 +9,24 @@ use plotters_backend::DrawingBackend;
 
 use super::{Figure, ink};
 
-/// A map: rows of cells, each a number.
+/// A heat map: rows of cells, each a number.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeatMap {
-    /// Above everything.
+    /// Title of the sheet.
     pub title: String,
     /// Names of the columns.
     pub columns: Vec<String>,
-    /// Name and cells of each row; a cell without a finite number stays grey.
+    /// Name and cells of each row; a cell without a finite number is grey.
     pub rows: Vec<(String, Vec<f64>)>,
-    /// The value that is neither good nor bad, drawn white.
+    /// The neutral value, drawn white.
     pub neutral: f64,
-    /// The distance from it at which colors are full.
+    /// The distance from neutral with fully saturated colors.
     pub span: f64,
-    /// Whether values below the neutral one are the bad ones.
+    /// Whether values below the neutral one are bad.
     pub low_is_bad: bool,
     /// Cells to outline: column, row.
     pub outlined: Vec<(usize, usize)>,
-    /// Below everything.
+    /// Footer of the sheet.
     pub foot: String,
 }
 
@@ -40,7 +40,7 @@ const NOTHING: RGBColor = RGBColor(190, 190, 190);
 const OUTLINE: RGBColor = RGBColor(0, 0, 0);
 
 impl HeatMap {
-    /// How full the color is: -1 to 1, by the side of the neutral value.
+    /// Saturation of the color from -1 to 1; the sign is the side of the neutral value.
     fn strength(&self, value: f64) -> f64 {
         let t = ((value - self.neutral) / self.span).clamp(-1.0, 1.0);
         if t.is_finite() { t } else { 0.0 }
@@ -106,7 +106,7 @@ impl Figure for HeatMap {
             });
             let (c, r) = (column as i64, row as i64);
             let (x1, y1) = (x + CELL.0 - 1, y + CELL.1 - 1);
-            // Only the border of the region, not of each of its cells.
+            // Outlines only the border of the region, not each of its cells.
             for (outer, path) in [
                 (!marked(c, r - 1), vec![(x, y), (x1, y)]),
                 (!marked(c, r + 1), vec![(x, y1), (x1, y1)]),

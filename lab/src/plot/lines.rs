@@ -12,31 +12,31 @@ use super::{FAINT, Figure, INK, PALETTE, ink};
 /// An axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
-    /// What it measures, with its unit.
+    /// The quantity, with its unit.
     pub title: String,
-    /// Powers of ten at equal distances; values must then be above 0.
+    /// Whether the axis is logarithmic; values must then be positive.
     pub logarithmic: bool,
 }
 
-/// A point with what it says.
+/// A labeled point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mark {
-    /// Along the horizontal axis.
+    /// Horizontal coordinate.
     pub x: f64,
-    /// Along the vertical axis.
+    /// Vertical coordinate.
     pub y: f64,
-    /// A thin line to this place along the horizontal axis.
+    /// End of a thin horizontal line from the point.
     pub reach: Option<f64>,
-    /// Beside the point, if anything.
+    /// Text next to the point; may be empty.
     pub label: String,
-    /// Drawn with a ring.
+    /// Whether the point has a ring.
     pub ringed: bool,
 }
 
 /// Points of one kind.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
-    /// In the legend.
+    /// Name in the legend.
     pub name: String,
     /// The points.
     pub marks: Vec<Mark>,
@@ -47,24 +47,24 @@ pub struct Series {
 /// How points of one kind are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Form {
-    /// Each for itself.
+    /// Separate points.
     Dots,
-    /// Joined by a line.
+    /// Points joined by a line.
     Joined,
-    /// The line alone, in the color of text.
+    /// Only the line, in the color of text.
     Line,
 }
 
 /// Points and lines.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lines {
-    /// Above everything.
+    /// Title of the chart.
     pub title: String,
     /// Horizontal axis.
     pub x: Axis,
     /// Vertical axis.
     pub y: Axis,
-    /// What is drawn, in the order of the legend.
+    /// Curves and dots, in the order of the legend.
     pub series: Vec<Series>,
 }
 
@@ -74,7 +74,7 @@ const RIGHT: i32 = 210;
 const TOP: i32 = 48;
 const BOTTOM: i32 = 64;
 
-/// With more points than this, dots are small.
+/// Number of points above which dots are small.
 const CROWD: usize = 500;
 
 /// Maps values to pixels.
@@ -114,12 +114,12 @@ impl Scale {
             .then(|| self.from + (share * f64::from(self.to - self.from)).round() as i32)
     }
 
-    /// Values for grid lines, with their texts.
+    /// Positions and labels of grid lines.
     fn ticks(&self) -> Vec<(f64, String)> {
         if self.logarithmic {
             let decades = self.low.floor() as i32..=self.high.ceil() as i32;
             let mut ticks = Vec::new();
-            // Powers of ten, or finer where there are hardly any.
+            // Powers of ten, or finer steps on short axes.
             for multiples in [&[1.0][..], &[1.0, 2.0, 5.0], &[1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0]] {
                 let all = decades
                     .clone()

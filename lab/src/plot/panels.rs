@@ -1,4 +1,4 @@
-//! Small plots side by side over the same axes, from 0 to 1 upwards.
+//! Small plots over the same axes, with values from 0 to 1.
 
 use plotters::coord::Shift;
 use plotters::drawing::{DrawingArea, DrawingAreaErrorKind};
@@ -12,26 +12,26 @@ use super::{FAINT, Figure, INK, ink};
 /// One small plot: its name and its curves, each with a color and points (x, 0..=1).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Panel {
-    /// Above it.
+    /// Title of the plot.
     pub title: String,
-    /// What is drawn.
+    /// The curves of the plot.
     pub curves: Vec<(RGBColor, Vec<(f64, f64)>)>,
 }
 
 /// Small plots in rows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Panels {
-    /// Above everything.
+    /// Title of the sheet.
     pub title: String,
-    /// Below everything: what the horizontal axes measure.
+    /// Footer of the sheet: the quantity of the horizontal axes.
     pub foot: String,
-    /// Where the horizontal axes end; they begin at 0.
+    /// End of the horizontal axes; they begin at 0.
     pub most: f64,
     /// Values with a line and a number on the horizontal axes.
     pub ticks: Vec<f64>,
     /// The plots.
     pub panels: Vec<Panel>,
-    /// How many stand in a row.
+    /// Plots per row.
     pub columns: usize,
 }
 

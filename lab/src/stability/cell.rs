@@ -1,4 +1,4 @@
-//! What was measured at one level of one degradation.
+//! Measurements at one level of one degradation.
 
 use super::Degradation;
 
@@ -6,11 +6,11 @@ use super::Degradation;
 pub(super) struct Sample {
     /// SSIM and corner repeatability of the degraded picture.
     pub(super) before: Vec<f64>,
-    /// The same of the result; none: the method failed.
+    /// The same for the result; `None` if the method failed.
     pub(super) after: Option<Vec<f64>>,
     /// The metrics of the result.
     pub(super) values: Option<Vec<f64>>,
-    /// Mean change of the result for a mean change of one of the picture.
+    /// Mean change of the result over that of the picture.
     pub(super) gain: Option<f64>,
     pub(super) warned: bool,
 }
@@ -18,11 +18,11 @@ pub(super) struct Sample {
 /// All specimens at one level of one degradation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cell {
-    /// The method; none: the picture as it is.
+    /// The method; `None` for the unchanged picture.
     pub method: Option<&'static str>,
-    /// What was done to the picture.
+    /// The degradation of the picture.
     pub degradation: Degradation,
-    /// Which step of it.
+    /// The level of the degradation.
     pub level: usize,
     /// SSIM to the clean picture before and after the method.
     pub ssim: (Summary, Summary),
@@ -36,9 +36,9 @@ pub struct Cell {
     pub worse_ssim: f64,
     /// Share with a lower corner repeatability.
     pub worse_repeatability: f64,
-    /// Share of specimens that the method warned about.
+    /// Share of specimens for which the method returned a warning.
     pub warned: f64,
-    /// Runs that ended in an error, and values that were not finite.
+    /// Failed runs and non-finite values.
     pub failures: usize,
 }
 
@@ -129,5 +129,5 @@ impl Cell {
     }
 }
 
-/// A loss smaller than this is none: SSIM and shares of corners are not told apart more finely by eye.
+/// A smaller loss is not counted: finer differences of SSIM and of shares of corners are invisible.
 const WORSE: f64 = 1e-3;

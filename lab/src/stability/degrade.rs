@@ -1,25 +1,25 @@
-//! Ways in which an underwater picture gets worse.
+//! Degradations of an underwater picture.
 
 use imaging::random::Stream;
 use imaging::{Rgb, Rgb8, transfer};
 
 use super::{Jpeg, Specimen, reduced};
 
-/// Steps of each degradation, the first of which changes nothing.
+/// Steps of each degradation. The first leaves the picture unchanged.
 pub const LEVELS: usize = 8;
 
-/// What happens to the picture.
+/// A degradation of the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Degradation {
     /// Gaussian noise on the codes; the level is its standard deviation.
     Noise,
-    /// Veil: the level is the transmittance that is left, J·t + B·(1 − t) in linear light.
+    /// Veil: the level is the transmittance t in J·t + B·(1 − t), in linear light.
     Turbidity,
-    /// Less light: the level multiplies linear light.
+    /// Darkness: the level multiplies linear light.
     Darkness,
-    /// A lamp at the lower edge: the level is the standard deviation of its glow as a share of the height.
+    /// A lamp at the lower edge: the level is the standard deviation of its airlight as a share of the height.
     Lamp,
-    /// Red is absorbed: the level multiplies it in linear light.
+    /// Absorbed red: the level multiplies it in linear light.
     Cast,
     /// A smaller picture: the level is its longer side in pixels.
     Size,
@@ -42,7 +42,7 @@ impl Degradation {
         Self::Saturation,
     ];
 
-    /// As tables write it, with the unit of its levels.
+    /// Its name in tables, with the unit of its levels.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -72,7 +72,7 @@ impl Degradation {
         }
     }
 
-    /// The clean picture and the degraded one, of one size.
+    /// The clean and the degraded picture, in the same size.
     pub(super) fn apply(
         self,
         specimen: &Specimen,
@@ -106,7 +106,7 @@ impl Degradation {
     }
 }
 
-/// Changes linear light sample by sample: column, row, light, channel.
+/// Maps linear light sample by sample: column, row, light, channel.
 fn in_light(picture: &Rgb8, change: impl Fn(usize, usize, f32, usize) -> f32) -> Rgb8 {
     let light = transfer::decode_rgb8(picture);
     let changed = Rgb::from_fn(light.width(), light.height(), |x, y| {

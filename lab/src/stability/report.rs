@@ -1,11 +1,11 @@
-//! The cells as data, as maps and as words.
+//! The cells as CSV, maps and Markdown.
 
 use std::fmt::Write;
 
 use super::{Cell, Degradation, LEVELS, METRICS, Summary};
 use crate::plot::HeatMap;
 
-/// Share of specimens made worse from which a cell belongs to the region where the method fails.
+/// Minimum share of worse specimens for a cell in the failure region of a method.
 const FAILS: f64 = 0.5;
 
 /// One line for each cell.
@@ -50,7 +50,7 @@ fn name(cell: &Cell) -> &'static str {
     cell.method.unwrap_or("none")
 }
 
-/// What a method does to the SSIM to the clean picture, where most pictures get worse outlined.
+/// Change of the SSIM to the clean picture by a method. Cells with more than half of the pictures worse are outlined.
 #[must_use]
 pub fn ssim_map(cells: &[Cell]) -> HeatMap {
     let mut map = map(cells, |cell| cell.ssim.1.mean - cell.ssim.0.mean);
@@ -62,7 +62,7 @@ pub fn ssim_map(cells: &[Cell]) -> HeatMap {
     map
 }
 
-/// How far one code of noise moves the result, where it is more than four codes outlined.
+/// Change of the result for one code of noise. Cells above four codes are outlined.
 #[must_use]
 pub fn gain_map(cells: &[Cell]) -> HeatMap {
     let mut map = map(cells, |cell| cell.gain.mean);
@@ -74,8 +74,8 @@ pub fn gain_map(cells: &[Cell]) -> HeatMap {
     map
 }
 
-/// How a metric of the untouched pictures goes with the degradations, as a multiple of its value at the first level.
-/// Outlined: the metric calls the picture better although its SSIM has fallen by a tenth.
+/// Dependence of a metric of the untouched pictures on the degradations, as a multiple of its value at the first level. Outlined:
+/// the metric rates the picture better although its SSIM has fallen by a tenth.
 #[must_use]
 pub fn metric_map(cells: &[Cell], metric: usize) -> HeatMap {
     let base = |cell: &Cell| {
@@ -130,7 +130,7 @@ fn outlined(cells: &[Cell], fails: impl Fn(&Cell) -> bool) -> Vec<(usize, usize)
         .collect()
 }
 
-/// Where each method fails, in words and figures; `pictures(method)` names the files of its maps.
+/// The failure region of each method as Markdown; `pictures(method)` names the files of its maps.
 #[must_use]
 pub fn markdown(runs: &[Vec<Cell>], about: &str, pictures: impl Fn(&str) -> String) -> String {
     let mut text = format!("# Where enhancements fail\n\n{about}\n\n{INTRODUCTION}\n");
@@ -164,7 +164,7 @@ pub fn markdown(runs: &[Vec<Cell>], about: &str, pictures: impl Fn(&str) -> Stri
     text
 }
 
-/// The levels of a degradation at which a method fails.
+/// The levels of a degradation that make a method fail.
 fn region(cells: &[Cell], degradation: Degradation) -> Option<String> {
     let levels: Vec<String> = cells
         .iter()

@@ -1,11 +1,11 @@
-//! The table as text, as data and as bars.
+//! The table as Markdown, CSV and bars.
 
 use std::fmt::Write;
 
 use super::{METRICS, Row, Table, mean_sd};
 use crate::plot::{Bar, Bars, PALETTE};
 
-/// The published means (standard deviation where it was given): seconds, entropy, UICM, UISM, UIConM, UIQM.
+/// The published means (standard deviation if given): seconds, entropy, UICM, UISM, UIConM, UIQM.
 const PUBLISHED: [(&str, [f64; 6]); 6] = [
     ("suir", [7.08, 10.14, 4.42, 2.45, -0.12, 1.02]),
     ("ibla", [14.0, 4.62, 5.59, 2.24, -0.65, 1.17]),
@@ -17,8 +17,8 @@ const PUBLISHED: [(&str, [f64; 6]); 6] = [
 const CAVEAT: &str = "The frames behind the published numbers are not public, so order and order of magnitude can be compared, \
                       not digits; the published times are of another machine.";
 
-/// The table in Markdown: the published layout, the published numbers, and the usual profile. `about` says what was
-/// measured and where.
+/// Writes the table in Markdown: the published layout, the published numbers and the usual profile. `about` names the measured
+/// pictures and the machine.
 #[must_use]
 pub fn markdown(table: &Table, about: &str) -> String {
     let mut text = format!("# Enhancement methods compared\n\n{about}\n\n");

@@ -3,7 +3,7 @@
 use cli::exit::Failure;
 use sets::SetError;
 
-/// The exit status of an error, by which engines decide whether to call again.
+/// The exit status of an error. Engines decide by it whether to retry.
 pub(crate) fn failure(error: SetError) -> Failure {
     match error {
         SetError::Refused(reason) => Failure::BadInput(reason),

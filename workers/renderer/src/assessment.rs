@@ -6,10 +6,10 @@ use spec::Fidelity;
 
 use crate::context::FrameContext;
 
-/// Everything that stages are assessed from.
+/// Inputs for assessing the stages.
 pub(crate) struct Assessment<'a> {
     pub(crate) context: &'a FrameContext<'a>,
-    /// The scene in the brightest light that it may have.
+    /// The scene in the brightest possible light.
     pub(crate) bounds: SceneBounds,
     /// Light of lamps on surfaces; `None` without lamps.
     pub(crate) surfaces: Option<SurfaceBounds>,
@@ -34,17 +34,17 @@ impl Assessment<'_> {
         self.context.frame.fidelity == Fidelity::Reference
     }
 
-    /// Pixels of the picture that the scene is seen in.
+    /// Number of pixels of the source picture.
     pub(crate) fn pixels(&self) -> usize {
         self.bounds.pixels
     }
 
-    /// No light behind particles is brighter, with airlight up to this.
+    /// Bound on the light behind particles, with airlight up to this.
     pub(crate) fn brightest_behind(&self, airlight: f64) -> f64 {
         brightest_behind(&self.bounds, self.context.setting.around.as_ref(), airlight)
     }
 
-    /// No light of lamps in the water is brighter.
+    /// Bound on the airlight of lamps.
     pub(crate) fn airlight_peak(&self) -> f64 {
         self.airlight.as_ref().map_or(0.0, AirlightBounds::brightest)
     }

@@ -1,4 +1,4 @@
-//! One attempt at a frame that turns a panic into an error, and the end of a cancelled computation into another.
+//! One attempt at a frame: converts panics and cancellations into errors.
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};

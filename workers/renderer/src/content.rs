@@ -1,4 +1,4 @@
-//! What an artifact holds before it becomes a file.
+//! Artifact contents before encoding.
 
 use std::borrow::Cow;
 
@@ -6,18 +6,18 @@ use imaging::{Plane, Raster, Rgb, Rgb8};
 use serde_json::Value;
 use spec::{ArtifactKind, FrameRecord};
 
-/// What an artifact holds before it becomes a file.
+/// The content of an artifact before encoding.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Content<'a> {
-    /// A picture, stored in the format that the frame asks for.
+    /// A picture, encoded in the format of the job.
     Picture(Cow<'a, Rgb8>),
-    /// Codes that must stay what they are, stored as PNG.
+    /// Exact integer codes, stored as PNG.
     Codes(Raster),
     /// Linear samples, stored as NPY.
     Linear(Cow<'a, Rgb<f32>>),
     /// Linear samples and their standard errors, stored as NPY of six planes.
     Pair([Cow<'a, Rgb<f32>>; 2]),
-    /// Range in meters, NaN, infinite or not positive where there is none; stored as PNG in millimeters.
+    /// Range in meters; NaN, infinity and non-positive values mark holes. Stored as PNG in millimeters.
     Range(Cow<'a, Plane<f32>>),
     /// An object, stored as JSON.
     Json(Value),
@@ -26,7 +26,7 @@ pub enum Content<'a> {
 /// A rendered frame whose artifacts are not encoded; its record lists no artifact.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Contents {
-    /// The artifacts that the frame asks for, in its order, those that it has.
+    /// The requested artifacts of this frame, in the order of the job. Unavailable ones are left out.
     pub artifacts: Vec<(ArtifactKind, Content<'static>)>,
     /// Everything known about the image.
     pub record: FrameRecord,

@@ -1,4 +1,4 @@
-//! A frame before its light: description, scene, surroundings, camera and plan.
+//! The context of a frame before rendering: description, scene, surroundings, camera and plan.
 
 use std::borrow::Cow;
 
@@ -26,26 +26,26 @@ pub(crate) struct FrameContext<'a> {
     pub(crate) frame: &'a Frame,
     pub(crate) prepared: &'a Prepared,
     pub(crate) setting: Setting,
-    /// Paths through patches of murkier water; `None` in even water.
+    /// Paths through turbid patches; `None` in uniform water.
     patchy: Option<Plane<f32>>,
-    /// Mean, least and greatest path as a share of the range; `None` in even water or in a frame of holes.
+    /// Mean, least and greatest path relative to the range; `None` in uniform water and for frames without valid range.
     pub(crate) path_factors: Option<[f64; 3]>,
-    /// The pattern of the waves; `None` without caustics and shafts.
+    /// The wave pattern; `None` without caustics and shafts.
     pub(crate) pattern: Option<Pattern>,
     /// Bounds of the picture, tile by tile; `None` without range.
     pub(crate) view: Option<VisibleBounds>,
     /// Occluders of the sun and lamps; `None` if neither casts shadows.
     pub(crate) occluders: Option<Box<dyn Rays + Sync + 'a>>,
-    /// Through what, when and for how long particles are seen.
+    /// Focus and exposure for drawing particles.
     pub(crate) shutter: Shutter,
-    /// The camera; `None` of a pinhole, which shows the scene as it is.
+    /// The camera; `None` for a pinhole, which shows the scene unchanged.
     pub(crate) taking: Option<Taking>,
-    /// The effects that are left out, applied to all of the above.
+    /// The omitted effects, applied to all of the above.
     pub(crate) effects: Effects,
     pub(crate) plan: Plan,
 }
 
-/// Resources that contexts are made with and that another frame may use again.
+/// Resources for building contexts that later frames may reuse.
 #[derive(Default)]
 pub(crate) struct Resources {
     pub(crate) cameras: Cameras,
@@ -86,8 +86,7 @@ impl<'a> FrameContext<'a> {
         })
     }
 
-    /// Leaves effects out, and finds the pattern of the waves if it is seen. A context without this call has all effects of a calm
-    /// sea.
+    /// Removes effects, and finds the wave pattern if it is visible. Without this call a context has all effects of a calm sea.
     pub(crate) fn apply(&mut self, effects: Effects, resources: &mut Resources, watch: &mut Stopwatch) {
         for id in ESTIMATED.into_iter().filter(|id| !effects.runs(*id)) {
             self.setting.leave_out(id);
@@ -135,7 +134,7 @@ impl<'a> FrameContext<'a> {
         }
     }
 
-    /// The camera of the picture: in air, of one behind a port.
+    /// The camera of the picture; for a camera behind a port, its intrinsics in air.
     pub(crate) fn intrinsics(&self) -> Intrinsics {
         match &self.taking {
             Some(taking) => taking.parts.lens.camera,
@@ -143,7 +142,7 @@ impl<'a> FrameContext<'a> {
         }
     }
 
-    /// What bends the rays of that camera; none of a pinhole.
+    /// The refraction of that camera, or `None` for a pinhole.
     pub(crate) fn lens(&self) -> Option<LensRecord> {
         let taking = self.taking.as_ref()?;
         taking.sampling.as_ref()?;

@@ -1,4 +1,4 @@
-//! Effects that a frame has only if they change its picture.
+//! Effects that are rendered only if they visibly change the picture.
 
 use std::collections::BTreeMap;
 
@@ -6,10 +6,10 @@ use optics::plan::{Stage, StageId};
 
 /// An effect is left out if fewer pixels than this share change by more than [`VISIBLE_CODES`].
 pub(crate) const LEAST_SHARE: f64 = 1e-3;
-/// Changes of an 8-bit picture up to this many codes are not seen.
+/// Largest change of an 8-bit picture that counts as invisible, codes.
 pub(crate) const VISIBLE_CODES: f64 = 2.0;
 
-/// Effects that are estimated, in the order of light.
+/// Effects with an estimated change, in the order of light.
 pub(crate) const ESTIMATED: [StageId; 6] = [
     StageId::SunShadow,
     StageId::AmbientAccess,
@@ -48,18 +48,18 @@ impl Change {
     }
 }
 
-/// The effects of a frame by the stage that computes each: those that were estimated. All others run.
+/// The estimated effects of a frame, by stage. Effects without an estimate always run.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Effects {
     estimated: BTreeMap<StageId, Change>,
-    /// Visible effects that a budget leaves no time for.
+    /// Visible effects dropped to meet a budget.
     dropped: Vec<StageId>,
     /// How often a budget has doubled the tolerance.
     doublings: i32,
 }
 
-/// A budget doubles the tolerance this often before it drops visible effects: errors stay within four codes, and bounds are larger than
-/// errors.
+/// Number of times that a budget doubles the tolerance before it drops visible effects. Errors then stay within four codes, and
+/// bounds are larger than errors.
 const MOST_DOUBLINGS: i32 = 2;
 
 impl Effects {
@@ -78,7 +78,7 @@ impl Effects {
         2f64.powi(self.doublings)
     }
 
-    /// Makes the frame cheaper: doubles the tolerance, then drops effects. Returns whether anything was left to do.
+    /// Makes the frame cheaper: doubles the tolerance, then drops effects. Returns `false` if no step is left.
     pub(crate) fn economize(&mut self) -> bool {
         if self.doublings < MOST_DOUBLINGS {
             self.doublings += 1;
@@ -87,7 +87,7 @@ impl Effects {
         self.drop_least()
     }
 
-    /// Drops the running effect that changes the picture least for its time. Returns whether there was one.
+    /// Drops the running effect with the smallest change per millisecond. Returns whether there was one.
     fn drop_least(&mut self) -> bool {
         let running = self.estimated.iter().filter(|(id, _)| self.runs(**id));
         let least = running.min_by(|(_, a), (_, b)| a.gain_per_ms().total_cmp(&b.gain_per_ms()));
@@ -96,7 +96,7 @@ impl Effects {
         least.is_some()
     }
 
-    /// Adds what is known of the effects to the stages of a plan.
+    /// Adds the estimated changes to the stages of a plan.
     pub(crate) fn annotate(&self, stages: &mut Vec<Stage>) {
         for (id, change) in &self.estimated {
             let described = change.describe();
@@ -125,7 +125,7 @@ impl Effects {
     }
 }
 
-/// Nanoseconds per pixel of what an estimate may save.
+/// Costs of the estimated effects, ns per pixel.
 const SUN_SHADOW_NS: f64 = 30.0;
 const AMBIENT_NS: f64 = 160.0;
 const CAUSTICS_NS: f64 = 40.0;

@@ -1,11 +1,11 @@
-//! What all slots of a process share.
+//! Models and runtime shared by all slots of a process.
 
 use std::path::{Path, PathBuf};
 use std::sync::{OnceLock, PoisonError, RwLock};
 
 use style::{Library, Runtime, RuntimeMissing};
 
-/// The style models and ONNX Runtime, which runs networks of other architectures. Without it everything else renders.
+/// The style models and ONNX Runtime, which runs networks of other architectures. Everything else renders without it.
 pub struct Engine {
     onnxruntime: Option<PathBuf>,
     runtime: OnceLock<Result<Runtime, RuntimeMissing>>,
@@ -13,7 +13,7 @@ pub struct Engine {
 }
 
 impl Engine {
-    /// ONNX Runtime is loaded on first use, from this file or from its usual place.
+    /// ONNX Runtime is loaded on first use, from this file or from its standard location.
     #[must_use]
     pub fn new(library: Library, onnxruntime: Option<&Path>) -> Self {
         Self {
@@ -26,7 +26,7 @@ impl Engine {
     /// ONNX Runtime.
     ///
     /// # Errors
-    /// [`RuntimeMissing`], which says how to get it.
+    /// [`RuntimeMissing`], whose message explains how to install the runtime.
     pub fn runtime(&self) -> Result<&Runtime, &RuntimeMissing> {
         self.runtime
             .get_or_init(|| Runtime::load(self.onnxruntime.as_deref()))

@@ -34,7 +34,7 @@ pub enum RenderError {
     /// Something that the frame needs did not arrive from the service.
     #[error("{what} cannot be fetched: {reason}")]
     Fetch {
-        /// What was asked for, such as ``scene `scn_…` ``.
+        /// The missing input, such as ``scene `scn_…` ``.
         what: String,
         /// What happened.
         reason: String,
@@ -90,7 +90,7 @@ pub enum RenderError {
     /// The result does not fit the file format.
     #[error(transparent)]
     Encode(#[from] EncodeError),
-    /// Nobody waits for it any more.
+    /// The frame was cancelled.
     #[error("the frame was cancelled")]
     Cancelled,
     /// A bug in this program.
@@ -99,8 +99,7 @@ pub enum RenderError {
 }
 
 impl RenderError {
-    /// Whether the same frame may succeed when it is tried again, here or elsewhere. What follows from the frame's
-    /// description alone fails for good.
+    /// Whether a retry of the same frame may succeed, here or elsewhere. An error caused by the frame's description is permanent.
     #[must_use]
     pub fn retryable(&self) -> bool {
         matches!(self, Self::Panic(_) | Self::Fetch { retryable: true, .. })

@@ -1,5 +1,5 @@
-//! What a frame is rendered from before its plan: scene, camera, occluders, and patterns of its water. They are geometry; no light is
-//! computed here.
+//! Inputs of a frame that precede its plan: scene, camera, occluders and patterns of the water. They are geometry; this module
+//! computes no light.
 
 pub(crate) mod camera;
 pub(crate) mod caustics;

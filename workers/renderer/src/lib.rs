@@ -1,7 +1,7 @@
-//! One frame from its description to stored bytes, and the worker that does it for a service.
+//! Renders one frame from its description to stored bytes, and runs the worker that does so for a service.
 //!
-//! [`Slot::render`] is the way of one frame: scene, water, style, haze, encoding, enhancement, measurement. The same
-//! code runs for a service ([`worker`]) and without one ([`local`]), so both give the same bytes.
+//! [`Slot::render`] is the pipeline of one frame: scene, water, style, haze, encoding, enhancement, measurement. The same code runs
+//! for a service ([`worker`]) and without one ([`local`]), so the bytes are equal.
 
 mod assessment;
 mod attempt;

@@ -1,8 +1,8 @@
 //! Rendering a job without a service: the same frames, byte for byte.
 //!
-//! The folder gets `job.json` (the canonical description), `<frame>/<kind>.<ext>`, and in frame order `records.jsonl`
-//! (one record a line) and `errors.jsonl`. A frame's folder appears whole or not at all. Rendering the same job into
-//! the folder again resumes after the last line; a different job is refused.
+//! The folder gets `job.json` (the canonical description), `<frame>/<kind>.<ext>`, and in frame order `records.jsonl` (one record
+//! per line) and `errors.jsonl`. A frame's folder appears atomically. Rendering the same job into the folder again resumes after the
+//! last line; a different job is refused.
 
 mod folder;
 mod lines;
@@ -24,7 +24,7 @@ use folder::Folder;
 pub use folder::LocalError;
 use lines::{Failure, Lines};
 
-/// Frames that each slot may run ahead of the oldest unfinished one; their records wait in memory.
+/// Maximum frames that each slot may run ahead of the oldest unfinished one; their records are kept in memory.
 const AHEAD_PER_SLOT: u64 = 16;
 
 /// The result of a job.
@@ -34,7 +34,7 @@ pub struct Summary {
     pub frames: u64,
     /// Frames kept from an earlier run.
     pub kept: u64,
-    /// Frames without an image; `errors.jsonl` says why.
+    /// Frames without an image; `errors.jsonl` lists the reasons.
     pub failed: u64,
     /// Digest over all images: the same for any number of slots, and as a service computes it.
     pub digest: String,
@@ -82,7 +82,7 @@ pub fn render_job(
 
 type Outcome = Result<Result<FrameRecord, Failure>, LocalError>;
 
-/// One slot: renders waiting frames until none are left or the results are no longer received.
+/// Renders frames in one slot until the queue is empty or the receiver is closed.
 fn work(
     job: &Job,
     engine: &Arc<Engine>,
@@ -116,7 +116,7 @@ fn frame(job: &Job, folder: &Folder, slot: &mut Slot, index: u64) -> Outcome {
     }
 }
 
-/// Hands frames out in order, at most `ahead` beyond the oldest unwritten one, and writes their lines in order.
+/// Distributes frames in order, at most `ahead` beyond the oldest unwritten one, and writes their lines in order.
 fn hand_out(
     lines: &mut Lines,
     (give, frames, ahead): (Sender<u64>, u64, u64),
@@ -129,7 +129,7 @@ fn hand_out(
         while next < frames.min(lines.next() + ahead) && give.send(next).is_ok() {
             next += 1;
         }
-        // Every slot has panicked; the scope passes the panic on.
+        // Every slot has panicked; the scope propagates the panic.
         let Ok((index, outcome)) = finished.recv() else {
             break;
         };

@@ -24,7 +24,7 @@ pub(crate) fn assess(assessment: &Assessment<'_>) -> Vec<Stage> {
     stages
 }
 
-/// Renders a moment as planned. Numbers and warnings of its stages go into the record.
+/// Renders a moment as planned. Adds the numbers and warnings of its stages to the record.
 pub(crate) fn render(
     context: &FrameContext<'_>,
     kernels: &mut KernelCache,

@@ -15,7 +15,7 @@ use crate::pipeline;
 use crate::stage::camera::Expected;
 use crate::stage::{camera, daylight, enhance, haze, snow, style, truth};
 
-/// Plans a moment of a frame for its expected exposure, within an earlier promise if there is one.
+/// Plans a moment of a frame for its expected exposure, within the bound of an earlier plan if there is one.
 pub(crate) fn plan_frame(
     context: &FrameContext<'_>,
     expected: Option<Expected>,
@@ -57,7 +57,7 @@ pub(crate) fn plan_frame(
     Ok(Plan { tolerance, stages })
 }
 
-/// The brightest light before the camera: that behind particles, or a particle.
+/// Upper bound on the light in front of the camera, including that of particles.
 fn brightest_light(
     context: &FrameContext<'_>,
     bounds: &SceneBounds,
@@ -68,7 +68,7 @@ fn brightest_light(
     behind.max(snow::bound_flakes(context))
 }
 
-/// The scene in the brightest light that it may have.
+/// The scene in the brightest possible light.
 fn bound_scene(context: &FrameContext<'_>, lamps: Option<&SurfaceBounds>) -> SceneBounds {
     let radiance = &context.prepared.scene.radiance;
     let gains = bound_light(context, lamps);
@@ -85,7 +85,7 @@ fn bound_scene(context: &FrameContext<'_>, lamps: Option<&SurfaceBounds>) -> Sce
     }
 }
 
-/// By how much lamps and daylight multiply the radiance of a scene at most, tile by tile; `None` if it stays as it is.
+/// Upper bound, tile by tile, on the factor that lamps and daylight apply to the radiance of a scene; `None` if it is unchanged.
 fn bound_light(context: &FrameContext<'_>, lamps: Option<&SurfaceBounds>) -> Option<TileGains> {
     let view = context.view.as_ref()?;
     let daylight = daylight::bound_light(context);
@@ -111,7 +111,7 @@ fn bound_light(context: &FrameContext<'_>, lamps: Option<&SurfaceBounds>) -> Opt
     })
 }
 
-/// States for each stage how far its model is from the truth.
+/// Records the model error of each stage.
 fn judge_models(stages: &mut [Stage], assessment: &Assessment<'_>) {
     let setting = &assessment.context.setting;
     let Some(water) = &setting.around else { return };

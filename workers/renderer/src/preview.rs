@@ -1,5 +1,5 @@
-//! The picture of a thinned scene, from surface to code, with and without an effect: what an effect changes is measured on it before
-//! the frame is planned.
+//! Renders a thinned scene from radiance to codes, with and without an effect. The difference estimates the effect before the frame
+//! is planned.
 
 use std::borrow::Cow;
 
@@ -16,7 +16,7 @@ use crate::context::FrameContext;
 use crate::effects::{Change, VISIBLE_CODES};
 use crate::inputs::caustics::find_coarse_tiles;
 
-/// Cells along the tile of caustics whose contrast is estimated: a quarter of those of a frame.
+/// Cells along the caustic tile for estimating contrast: a quarter of those of a frame.
 const TILE_CELLS: usize = 32;
 
 /// A thinned scene in its light.
@@ -25,15 +25,15 @@ pub(crate) struct Preview<'a> {
     range: Cow<'a, Plane<f32>>,
     normals: Cow<'a, [Plane<f32>; 3]>,
     water: &'a Water,
-    /// The pattern of the waves in few cells; `None` without.
+    /// The wave pattern in few cells; `None` without caustics.
     tiles: Option<Tiles>,
     /// Factor of the exposure.
     gain: f64,
-    /// Noise of the sensor in exposed light; 0 without.
+    /// Noise of the sensor in exposed light; 0 without a sensor.
     noise: f64,
 }
 
-/// Factors of daylight on surfaces; `None`: all of it arrives.
+/// Factors of daylight on surfaces; `None` means 1.
 #[derive(Clone, Copy, Default)]
 struct Light<'a> {
     sun: Option<&'a Plane<f32>>,
@@ -172,7 +172,7 @@ impl<'a> Preview<'a> {
         Some([self.arriving(shadowed), self.arriving(Light::default())])
     }
 
-    /// Light that arrives unscattered, and the veil before it.
+    /// Transmitted light, and the veil in front of it.
     fn arriving(&self, light: Light<'_>) -> Rgb<f32> {
         let scene = &self.context.prepared.scene.radiance;
         let setting = &self.context.setting;

@@ -1,4 +1,4 @@
-//! What a frame was made with.
+//! Code version and CPU features recorded with a frame.
 
 /// Version of the code.
 pub const CODE_VERSION: &str = env!("CARGO_PKG_VERSION");

@@ -1,4 +1,4 @@
-//! The record of a frame as known before rendering; the stages add their results.
+//! The record of a frame before rendering; the stages add their results.
 
 use optics::plan::{Plan, StageId};
 use optics::water::{RULES, Water};
@@ -44,7 +44,7 @@ fn parameters(context: &FrameContext<'_>) -> Value {
     parameters
 }
 
-/// The coefficients of the water by name, which of them were derived, its preset and its patches; empty without water.
+/// The coefficients of the water by name, the derived ones among them, its preset and its patches; empty without water.
 fn numbers(context: &FrameContext<'_>) -> Map<String, Value> {
     let mut numbers = context
         .setting
@@ -81,7 +81,7 @@ fn numbers_of_water(water: &Water) -> Map<String, Value> {
     numbers.map(|(name, value)| (name.to_owned(), value)).collect()
 }
 
-/// Adds the plan, its promise and a warning if that exceeds the tolerance.
+/// Adds the plan, its bound, and a warning if the bound exceeds the tolerance.
 pub(crate) fn finish_plan(record: &mut FrameRecord, plan: &Plan) {
     record.plan = json!(plan);
     record.promise = plan.promise();
@@ -93,7 +93,7 @@ pub(crate) fn finish_plan(record: &mut FrameRecord, plan: &Plan) {
     record.warnings.extend(warning);
 }
 
-/// Adds those warnings of another moment of the frame that are not there yet.
+/// Adds new warnings from another moment of the frame.
 pub(crate) fn merge_warnings(record: &mut FrameRecord, moment: FrameRecord) {
     for warning in moment.warnings {
         if !record.warnings.contains(&warning) {

@@ -34,7 +34,7 @@ pub struct Slot {
     pub(crate) networks: Networks,
     kernels: KernelCache,
     resources: Resources,
-    /// Of thinned pictures that exposures are metered on.
+    /// Caches for the thinned pictures used to meter exposures.
     thin: Thin,
     last_scene: Option<(SceneKey, Arc<Prepared>)>,
 }
@@ -42,7 +42,7 @@ pub struct Slot {
 /// A rendered frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rendered {
-    /// The artifacts that the frame asks for.
+    /// The requested artifacts.
     pub files: Vec<File>,
     /// Everything known about the image.
     pub record: FrameRecord,
@@ -53,19 +53,18 @@ pub struct Rendered {
 pub struct LinearPicture {
     /// Linear light, white = 1.
     pub radiance: Rgb<f32>,
-    /// The plan by which it was rendered.
+    /// The plan of the frame.
     pub plan: Plan,
 }
 
-/// What a prepared scene depends on. Scenes from local files are not kept: the files may change.
+/// Everything that a prepared scene depends on. Scenes from local files are not cached because the files may change.
 #[derive(PartialEq)]
 struct SceneKey {
     scene: Scene,
     /// Its sides, field of view, view and path.
     camera: Camera,
-    /// Depth of the camera, up to which piles reach.
+    /// Depth of the camera, m; limits the height of piles.
     depth_m: Option<f64>,
-    /// What its lens looks into.
     view: Option<SourcePicture>,
     labeled: bool,
 }
@@ -83,10 +82,10 @@ impl Slot {
         }
     }
 
-    /// Renders a frame: the same bytes whatever the slot has rendered before.
+    /// Renders a frame. Its bytes do not depend on earlier frames of the slot.
     ///
     /// # Errors
-    /// [`RenderError`], which says whether trying again can help.
+    /// [`RenderError`]; its `retryable` reports whether a retry may succeed.
     pub fn render(&mut self, frame: &Frame, source: &SceneSource) -> Result<Rendered, RenderError> {
         let (files, record) = self.run(frame, source, files::encode)?;
         Ok(Rendered { files, record })
@@ -101,7 +100,7 @@ impl Slot {
         Ok(Contents { artifacts, record })
     }
 
-    /// Renders a frame up to its haze, to be compared with another rendering in linear light.
+    /// Renders a frame up to its haze, for comparison with another rendering in linear light.
     ///
     /// # Errors
     /// As [`Slot::render`].
@@ -188,7 +187,7 @@ impl Slot {
         Ok(context.plan)
     }
 
-    /// The scene of a frame; the last one is kept, since a job often shows one scene in many waters.
+    /// The scene of a frame. The last one is cached, since a job often shows one scene in many waters.
     fn scene(&mut self, frame: &Frame, source: &SceneSource) -> Result<Arc<Prepared>, RenderError> {
         let source_view = rendered_parts(frame)?.and_then(|parts| parts.source);
         let Camera {

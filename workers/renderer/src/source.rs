@@ -7,7 +7,7 @@ use spec::SceneFiles;
 /// The bytes of an uploaded scene.
 pub type SceneBytes = SceneFiles<Vec<u8>>;
 
-/// Scene data given to a slot along with the frame.
+/// Scene data that accompanies a frame.
 #[derive(Debug, Clone)]
 pub enum SceneSource {
     /// None: the scene is procedural or read from local files.

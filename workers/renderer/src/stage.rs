@@ -1,5 +1,5 @@
-//! The stages of a frame, one file each with `assess`, which plans it from cheap bounds, and `run`, which executes the plan. The order
-//! in which they run is that of [`crate::pipeline`].
+//! The stages of a frame, one file each with `assess`, which plans it from cheap bounds, and `run`, which executes the plan.
+//! [`crate::pipeline`] defines their order.
 
 pub(crate) mod airlight;
 pub(crate) mod camera;

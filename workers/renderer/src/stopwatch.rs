@@ -25,7 +25,7 @@ impl Stopwatch {
         value
     }
 
-    /// As [`Self::time`], but a frame without the stage gets no time for it.
+    /// As [`Self::time`], but records no time if the frame lacks the stage.
     pub(crate) fn time_if<T>(&mut self, is_used: bool, stage: &str, run: impl FnOnce() -> T) -> T {
         if is_used { self.time(stage, run) } else { run() }
     }

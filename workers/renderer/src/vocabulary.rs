@@ -1,10 +1,10 @@
-//! The names that a description may use, collected from the crates that define them.
+//! The names allowed in a description, collected from the crates that define them.
 
 use quality::MetricId;
 use spec::Vocabulary;
 use style::Library;
 
-/// The vocabulary of this build with these style models. `local`: scenes may be read from local files.
+/// The vocabulary of this build with these style models. `local` allows scenes from local files.
 #[must_use]
 pub fn vocabulary(library: &Library, local: bool) -> Vocabulary {
     let presets = optics::preset::presets();

@@ -1,9 +1,9 @@
-//! The worker: leases frames from a service, renders them, hands them in.
+//! The worker: leases frames from a service, renders them and submits the results.
 //!
-//! Each slot is two threads: one renders, the other hands in what is finished, so that transport and computing overlap.
-//! One more thread beats for all leases, and one ends the process when a frame runs without end or eats the memory.
-//! Nothing here is trusted to succeed: a lease that is lost is dropped, a service that is away is waited for, a frame that
-//! fails is reported, a panic fails one frame.
+//! Each slot has two threads: one renders, the other submits finished frames, so that transfer and computation overlap. One more
+//! thread sends heartbeats for all leases, and a watchdog ends the process when a frame exceeds its time or the worker its memory.
+//! Failures stay local: the worker drops a lost lease, retries while the service is unavailable, reports a failed frame, and fails
+//! only one frame on a panic.
 
 mod beat;
 pub mod client;
@@ -42,33 +42,33 @@ use stop::Stop;
 pub use watchdog::Limits;
 use watchdog::Running;
 
-/// What a slot may take to finish and hand in its frame when the worker is told to stop. What takes longer is given
-/// back unfinished; the whole stop stays within the 10 s that a supervisor commonly waits.
+/// Time limit for a slot to finish and submit its frame when the worker stops; unfinished frames are released. The whole stop fits
+/// in the 10 s that supervisors commonly wait.
 const STOP_LIMIT: Duration = Duration::from_secs(8);
-/// Finished frames of a slot that may wait to be handed in. They hold pictures, so there are few.
+/// Finished frames of a slot that may wait for submission. Few, because each holds its pictures.
 const WAITING_FRAMES: usize = 2;
-/// How often the main thread looks whether to stop.
+/// How often the main thread checks whether to stop.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// How a worker is started.
+/// Options of a worker.
 pub struct WorkerOptions {
     /// URL of the service.
     pub server: String,
-    /// Bearer token, if the service wants one.
+    /// Bearer token, if the service requires one.
     pub token: Option<String>,
-    /// Frames rendered side by side.
+    /// Frames rendered concurrently.
     pub slots: usize,
     /// Shown in the list of workers.
     pub name: String,
     /// The style models.
     pub library: Library,
-    /// ONNX Runtime, if it lies in an unusual place.
+    /// Path of ONNX Runtime if it is not in a standard location.
     pub onnxruntime: Option<PathBuf>,
-    /// What a frame may cost.
+    /// Limits on time and memory.
     pub limits: Limits,
 }
 
-/// What the threads of a worker share.
+/// State shared by the threads of a worker.
 struct Shared {
     engine: Arc<Engine>,
     client: Client,
@@ -81,7 +81,8 @@ struct Shared {
     limits: Limits,
 }
 
-/// Works until `stop` is set, then hands leases back without burning an attempt. A worker that ends by itself sets it, too.
+/// Works until `stop` is set, then releases its leases without counting an attempt. A worker that stops on an error also sets
+/// `stop`.
 ///
 /// # Errors
 /// The service refuses the worker, or a thread ended by a defect.
@@ -128,9 +129,9 @@ pub fn run(options: WorkerOptions, stop: Arc<AtomicBool>) -> anyhow::Result<()> 
 
 /// The threads of a worker.
 struct Threads {
-    /// Rendering and handing in, which end after their frames.
+    /// Rendering and delivery threads, which end after their frames.
     slots: Vec<JoinHandle<()>>,
-    /// The beat, which may wait for the service when the worker stops, and the watchdog.
+    /// The heartbeat thread, which may wait for the service when the worker stops, and the watchdog.
     others: Vec<JoinHandle<()>>,
 }
 
@@ -161,12 +162,12 @@ fn start(shared: &Arc<Shared>, slots: usize) -> anyhow::Result<Threads> {
     Ok(threads)
 }
 
-/// Waits until the worker is to stop or a thread has ended; returns whether it was the latter.
+/// Waits until the worker is stopped or a thread has ended; returns whether a thread ended early.
 fn watch(threads: &Threads, stop: &Stop) -> bool {
     while !stop.is_set() {
         let mut all = threads.slots.iter().chain(&threads.others);
         if all.any(JoinHandle::is_finished) {
-            // Told to stop in between, a thread has every reason to end.
+            // If the stop was set in between, the thread ended as requested.
             return !stop.is_set();
         }
         thread::sleep(LOOK);
@@ -174,8 +175,8 @@ fn watch(threads: &Threads, stop: &Stop) -> bool {
     false
 }
 
-/// Lets the slots finish their frames, then gives back what is still held. A thread that is not done by then ends with
-/// the process; nothing that it still says is accepted.
+/// Lets the slots finish their frames, then releases the remaining leases. Threads that are still running end with the process; the
+/// service rejects their late results.
 fn finish(shared: &Shared, threads: &[JoinHandle<()>]) {
     let deadline = Instant::now() + STOP_LIMIT;
     while Instant::now() < deadline && !threads.iter().all(JoinHandle::is_finished) {

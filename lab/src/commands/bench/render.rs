@@ -1,4 +1,4 @@
-//! The rates of rendering without a service: stages and slots, memory, kernels, and the floor that moving bytes sets.
+//! Rates of rendering without a service: stages and slots, memory, kernels, and the lower bound set by memory traffic.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -19,27 +19,27 @@ use crate::machine;
 
 const SIZE: (usize, usize) = (768, 492);
 const STAGES: [&str; 6] = ["plan", "water", "haze", "encode", "metrics", "files"];
-/// What the jobs ask for, by name.
+/// Tolerances of the jobs, by name.
 const TOLERANCES: [(&str, f64); 2] = [("3e-4", 3e-4), ("1/255", 1.0 / 255.0)];
-/// Frames until buffers and caches are there.
+/// Frames rendered before the measurement, to fill buffers and caches.
 const WARM_UP: usize = 8;
 
-/// One job on so many slots.
+/// One job on a number of slots.
 struct Measured {
     frames_per_s: f64,
     /// Median milliseconds by stage; `total` is the frame.
     ms: BTreeMap<String, f64>,
     /// Kernels of the three channels together.
     kernels: Vec<usize>,
-    /// Milliseconds of processor time a frame, which other programs disturb less than the clock.
+    /// Processor time per frame, ms. Other programs disturb it less than wall-clock time.
     cpu_ms: f64,
-    /// Share of the slots' time in no stage: files written, frames handed out, slots idle at the end.
+    /// Share of the slots' time outside all stages: writing files, distributing frames, idle slots at the end.
     outside: f64,
     faults_per_frame: f64,
     peak_mb: f64,
 }
 
-/// What the system says of this process so far.
+/// Resource usage of this process so far.
 struct Process {
     faults: u64,
     cpu_ms: f64,
@@ -80,7 +80,7 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
                 slots as f64 * cpu_one / measured.cpu_ms,
                 100.0 * measured.outside,
                 measured.faults_per_frame,
-                // The peak of a process only grows: of the second job it would be that of the first.
+                // The peak of a process never falls, so the second job would report that of the first.
                 if name == TOLERANCES[0].0 {
                     format!("{:.0} MB", measured.peak_mb)
                 } else {
@@ -105,7 +105,7 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Milliseconds of each stage on one slot and on all, beside what moving its bytes takes.
+/// Milliseconds of each stage on one slot and on all, with the time needed to move its bytes.
 fn stages_table(name: &str, one: &Measured, all: &Measured, cores: usize) -> String {
     let samples = SIZE.0 * SIZE.1;
     let rates = [1, cores].map(|threads| copy_gb_per_s(samples, threads));
@@ -146,7 +146,7 @@ fn stages_table(name: &str, one: &Measured, all: &Measured, cores: usize) -> Str
     text
 }
 
-/// How the cache of kernels does.
+/// Usage of the kernel cache.
 fn kernels(frames: usize) -> String {
     let mut text = "\n## Kernels\n\nTransfer functions are kept by (kernel scale, frame size) within 64 MiB for each slot, the least \
                     recently used first out. Spans of scales are rounded outwards, so that similar frames share them. A slope from 1 to \
@@ -237,12 +237,12 @@ fn remove(folder: &PathBuf) -> Result<(), Failure> {
     Ok(std::fs::remove_dir_all(folder).with_context(|| format!("cannot remove {}", folder.display()))?)
 }
 
-/// Minor page faults and processor time of this process; 0 where the system does not say.
+/// Minor page faults and processor time of this process; 0 if the system does not report them.
 fn process() -> Process {
     const TICK_MS: f64 = 10.0;
     let text = std::fs::read_to_string(Path::new("/proc/self/stat")).unwrap_or_default();
-    // Behind the name of the program, which may hold spaces: state, six numbers, minor faults, three numbers, ticks of the
-    // program and of the system for it.
+    // The fields after the program name, which may contain spaces: state, six numbers, minor faults, three numbers, user ticks and
+    // system ticks.
     let behind = text.rsplit_once(')').map_or("", |(_, behind)| behind);
     let fields: Vec<&str> = behind.split_whitespace().collect();
     let field = |index: usize| fields.get(index).and_then(|f| f.parse::<u64>().ok()).unwrap_or(0);
@@ -252,7 +252,7 @@ fn process() -> Process {
     }
 }
 
-/// Most memory that this process has had, megabytes.
+/// Peak memory of this process, megabytes.
 fn peak_mb() -> f64 {
     let text = std::fs::read_to_string(Path::new("/proc/self/status")).unwrap_or_default();
     let line = text.lines().find_map(|line| line.strip_prefix("VmHWM:"));

@@ -20,10 +20,10 @@ use tokio::runtime::Runtime;
 use super::ServiceArguments;
 use crate::machine;
 
-/// Repetitions of what is measured one by one.
+/// Repetitions of single measurements.
 const TIMES: usize = 500;
 const DATASET: &str = "bench";
-/// What the service is built for, on a local solid-state disk.
+/// Design targets of the service on a local solid-state disk.
 const TARGETS: &str = "targets: submit p99 <= 25 ms, claim p99 <= 5 ms, >= 3000 commits/s, page p99 <= 10 ms";
 
 /// Runs the command.
@@ -73,7 +73,7 @@ fn measure(rows: u64, folder: &Path) -> Result<Vec<String>, Failure> {
     Ok(lines)
 }
 
-/// A catalogue with as many images as frames that wait; the rate of the commits, by ten thousands.
+/// Fills a catalogue with images and as many pending frames; returns the commit rates.
 async fn fill(rows: u64, folder: &Path) -> anyhow::Result<String> {
     let data = Data::open(folder, &synthetic::metrics()).await?;
     let now_ms = SystemTime::UNIX_EPOCH
@@ -85,7 +85,7 @@ async fn fill(rows: u64, folder: &Path) -> anyhow::Result<String> {
         "the folder holds a job already"
     );
     let catalogue = Arc::new(data.catalogue);
-    // A pack, without which the service would miss the artifacts.
+    // The service needs a pack for the artifacts.
     let empty = Blob {
         digest: spec::sha256(b""),
         bytes: Vec::new(),
@@ -119,7 +119,6 @@ fn start(runtime: &Runtime, folder: &Path) -> Result<(Service, String), Failure>
         listen: ([127, 0, 0, 1], 0).into(),
         workers: 0,
         slots_per_worker: 1,
-        // None is started.
         worker_program: PathBuf::new(),
         hosts: Vec::new(),
         token: None,
@@ -132,7 +131,7 @@ fn start(runtime: &Runtime, folder: &Path) -> Result<(Service, String), Failure>
         buckets: None,
         style_trial: Duration::from_secs(60),
         frame_limit: Duration::from_secs(600),
-        // The rows that were stored first name a version of their own.
+        // The rows stored first name another version.
         mix_workers: true,
         spot_check: 0,
     };
@@ -143,7 +142,7 @@ fn start(runtime: &Runtime, folder: &Path) -> Result<(Service, String), Failure>
     Ok((service, server))
 }
 
-/// A frame at a time, as a worker that does not know yet what a frame costs.
+/// Claims one frame at a time, like a worker without cost estimates.
 fn claims(server: &str) -> Result<String, Failure> {
     let client = Client::new(server, None);
     let about = RegisterRequest {
@@ -171,7 +170,7 @@ fn claims(server: &str) -> Result<String, Failure> {
     Ok(report("claim of a frame", times))
 }
 
-/// One after the other, each on the disk before it is answered.
+/// Submissions one after the other. Each is on the disk before its response.
 fn submissions(remote: &::client::Client) -> Result<String, Failure> {
     let job = json!({"dataset": "other", "count": 1000, "seed": 1,
         "scene": {"kind": "procedural", "family": "structure", "seed": {"int": [0, 99]}}});
@@ -194,7 +193,7 @@ fn pages(remote: &::client::Client, what: &str, filter: &str) -> Result<String, 
     for _ in 0..TIMES {
         let begun = Instant::now();
         let bytes = remote.get_bytes(&path)?;
-        // What the client makes of the response is its own time.
+        // Parsing on the client is not part of the measurement.
         times.push(begun.elapsed());
         let page: Page<Value> = serde_json::from_slice(&bytes).context("a page is JSON")?;
         path = page
@@ -230,7 +229,7 @@ fn report(name: &str, mut times: Vec<Duration>) -> String {
     )
 }
 
-/// The file system under a folder that may be gone.
+/// The file system of a folder that may not exist any more.
 fn disk(folder: &Path) -> String {
     let mounts = std::fs::read_to_string("/proc/mounts").unwrap_or_default();
     let parent: PathBuf = folder

@@ -1,5 +1,5 @@
-//! `fathom-lab bench style`: time of each tier beside the usual network of fast neural style, frames of several sessions at
-//! once, how far the tiers lie from each other, and the waters from each other.
+//! `fathom-lab bench style`: time of each tier against the usual network of fast neural style, throughput of concurrent sessions,
+//! and distances between tiers and between waters.
 
 mod waters;
 
@@ -15,11 +15,11 @@ use super::StyleBench;
 use crate::machine;
 
 const SIZES: [(usize, usize); 3] = [(640, 480), (869, 565), (1920, 1080)];
-/// Sessions that work at once.
+/// Concurrent sessions.
 const SESSIONS: usize = 4;
-/// How long sessions work at once.
+/// How long the concurrent sessions run.
 const SPAN: Duration = Duration::from_secs(3);
-/// A network that takes longer is run twice only.
+/// A slower network is run only twice.
 const SLOW: Duration = Duration::from_secs(1);
 
 /// Runs the command.
@@ -101,7 +101,7 @@ fn fastest(session: &mut Session, frame: &Rgb<f32>, runs: u32) -> Result<Duratio
         session
             .apply(frame, style::ModelInputs::default())
             .map_err(|error| Failure::Other(error.into()))?;
-        // The first warms up.
+        // The first run is a warm-up.
         let took = start.elapsed();
         if run > 0 {
             best = best.min(took);
@@ -113,7 +113,7 @@ fn fastest(session: &mut Session, frame: &Rgb<f32>, runs: u32) -> Result<Duratio
     Ok(best)
 }
 
-/// Frames a second of sessions that work at once, each on a thread of its own.
+/// Frames per second of concurrent sessions, each on a separate thread.
 fn at_once(sessions: Vec<Session>) -> Result<f64, Failure> {
     let frame = frame(640, 480);
     let start = Instant::now();

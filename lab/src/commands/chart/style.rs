@@ -13,7 +13,7 @@ pub(super) fn tiers(scene: &ChartScene, library: &Library, runs: usize) -> Vec<P
     let mut points = Vec::new();
     for name in library.names() {
         let Some(model) = library.get(name) else { continue };
-        // One water that takes a range would cost what the others do.
+        // Models with a range input are skipped: their cost is that of the others.
         let Some(weights) = net::onnx::read(&model.onnx).filter(|weights| !weights.takes_range()) else {
             continue;
         };

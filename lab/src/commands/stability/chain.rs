@@ -1,4 +1,4 @@
-//! Where the chain of the water fails: the page of the findings and its pictures.
+//! Failure modes of the water chain: the page of the findings and its pictures.
 
 use std::path::Path;
 
@@ -9,10 +9,10 @@ use lab::chain_stability::{findings, markdown};
 
 use crate::machine;
 
-/// Folder of the pictures beside the page.
+/// Folder of the pictures, next to the page.
 const PICTURES: &str = "stability-chain";
 
-/// Writes the page: fails if a figure is beyond its limit.
+/// Writes the page; fails if a figure exceeds its limit.
 pub(super) fn run(out: &Path) -> Result<(), Failure> {
     let findings = findings();
     let about = format!("Measured on {}.", machine::describe());

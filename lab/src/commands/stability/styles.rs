@@ -1,4 +1,4 @@
-//! How steady style models are: what they do to noise, to a shift, to another crop, and at extreme sizes.
+//! Stability of style models under noise, shifts, other crops and extreme sizes.
 
 use std::fmt::Write as _;
 
@@ -7,7 +7,7 @@ use imaging::random::Stream;
 use lab::plot::{Axis, Form, Lines, Mark, Series};
 use style::{Library, Runtime, Session, StyleError};
 
-/// Sides of the smallest to the largest frame that a model must take.
+/// Frame sizes that a model must accept, smallest to largest.
 const SIZES: [(usize, usize); 8] = [
     (1, 1),
     (2, 3),
@@ -18,24 +18,24 @@ const SIZES: [(usize, usize); 8] = [
     (869, 565),
     (1920, 1080),
 ];
-/// Standard deviation of the noise on flat frames that the table has, in units of 1/255.
+/// Standard deviation of the noise on flat frames in the table, in units of 1/255.
 const NOISE: f64 = 1.0;
-/// Noise on flat frames that the gain is drawn over, in units of 1/255.
+/// Noise on flat frames in the chart of the gain, in units of 1/255.
 const LEVELS: [f64; 6] = [0.25, 0.5, 1.0, 2.0, 4.0, 8.0];
-/// Moves that the change of a pixel is drawn over, in pixels.
+/// Moves in the chart of the change of a pixel, in pixels.
 const MOVES: [usize; 6] = [1, 2, 3, 5, 8, 13];
-/// Side of the patch whose samples are moved one by one for the Jacobian, in a frame of [`AROUND`].
+/// Side of the patch in a frame of [`AROUND`] for computing the Jacobian.
 const PATCH: usize = 10;
 const AROUND: usize = 40;
 const MOVE: f32 = 0.01;
 const ITERATIONS: usize = 30;
-/// What is promised of our own network: the gain, and the change of a pixel under a move of one, of 255.
+/// Limits for our network: the gain, and the change of a pixel when the scene moves by one pixel, of 255.
 const GAIN_LIMIT: f64 = 0.6;
 const FLICKER_LIMIT: f64 = 0.5;
-/// Pixels at the border that shifted and cropped frames do not share surroundings for.
+/// Border pixels excluded from the comparison, since shifted and cropped frames have other surroundings there.
 const MARGIN: usize = 24;
 
-/// What was found for a model.
+/// Measurements of a model.
 pub(super) struct Steadiness {
     pub(super) name: String,
     /// Root mean square change of the output over that of the input, for noise on flat frames.
@@ -50,10 +50,10 @@ pub(super) struct Steadiness {
     pub(super) gains: Vec<(f64, f64)>,
     /// The change of a pixel over the move, in pixels, of 255.
     pub(super) moves: Vec<(f64, f64)>,
-    /// What becomes of black and of white.
+    /// The outputs for black and for white.
     pub(super) black: [f32; 3],
     pub(super) white: [f32; 3],
-    /// Sizes at which it fails.
+    /// Frame sizes that make the model fail.
     pub(super) failed: Vec<(usize, usize)>,
 }
 
@@ -65,7 +65,7 @@ pub(super) fn measure(
 ) -> Result<Vec<Steadiness>, StyleError> {
     let names = library.names();
     let models = names.iter().filter_map(|name| library.get(name));
-    // Frames here are pictures without a range.
+    // The frames are pictures without a range.
     let models = models.filter(|model| !model.card.takes_range).chain([control]);
     models
         .map(|model| {
@@ -93,7 +93,7 @@ fn steadiness(name: &str, mut session: Session) -> Result<Steadiness, StyleError
             let stream = Stream::stage(1, "stability noise");
             let noisy = Rgb::from_fn(64, 64, |x, y| {
                 [0, 1, 2].map(|channel| {
-                    // Uniform noise of this deviation.
+                    // Uniform noise with this standard deviation.
                     let unit = stream.unit((y * 64 + x) as u64, channel) - 0.5;
                     light + (unit * level / 255.0 * 12.0f64.sqrt()) as f32
                 })
@@ -144,8 +144,8 @@ fn steadiness(name: &str, mut session: Session) -> Result<Steadiness, StyleError
     })
 }
 
-/// Largest singular value of the map from the samples of a patch to the frame, by finite differences and power
-/// iteration: a lower bound of that of the whole frame.
+/// Largest singular value of the map from the samples of a patch to the frame, by finite differences and power iteration: a lower
+/// bound on that of the whole frame.
 fn singular_value(
     run: &mut impl FnMut(&Rgb<f32>) -> Result<Rgb<f32>, StyleError>,
     frame: &Rgb<f32>,
@@ -157,7 +157,7 @@ fn singular_value(
         for at in 0..PATCH * PATCH {
             let mut moved = frame.clone();
             let place = (corner + at / PATCH) * AROUND + corner + at % PATCH;
-            // Away from black and white, where the network is clamped.
+            // Avoids black and white, where the network clamps.
             let sample = &mut moved.planes_mut()[channel][place];
             let step = if *sample > 0.5 { -MOVE } else { MOVE };
             *sample += step;
@@ -213,14 +213,14 @@ fn spread(frame: &Rgb<f32>) -> f64 {
     (squares / data.len() as f64).sqrt()
 }
 
-/// The gain over the noise, and the change of a pixel over the move, with what is promised of ours.
+/// The gain over the noise, and the change of a pixel over the move, with the limits for our network.
 pub(super) fn curves(found: &[Steadiness]) -> [(&'static str, Lines); 2] {
     let axis = |title: &str| Axis {
         title: title.to_owned(),
         logarithmic: true,
     };
     let series = |name: &str, points: &[(f64, f64)]| {
-        // A change of nothing has no place on this axis.
+        // A logarithmic axis cannot show zero.
         let points = points.iter().filter(|(_, y)| *y > 0.0);
         let mark = |&(x, y): &(f64, f64)| Mark {
             x,

@@ -19,14 +19,14 @@ use super::failure;
 use super::render::Tally;
 use crate::engine::{Broker, BrokerError, Task};
 
-/// How often the store is looked at, at most.
+/// Shortest interval between two listings of the store.
 const LOOK: Duration = Duration::from_secs(1);
-/// The share of the time that listing the store may take.
+/// Inverse of the largest share of time spent on listing the store.
 const LOOK_SHARE: u32 = 20;
-/// A shard that has no marker after so long is published again, in case the broker has lost it.
+/// A shard without a marker after this time is published again, in case the broker has lost it.
 const PUBLISH_AGAIN: Duration = Duration::from_secs(60);
 const SHARDS_PER_SLOT: u64 = 4;
-/// Shards that wait even if no worker is there yet.
+/// Minimum number of waiting shards, even without workers.
 const LEAST_WINDOW: u64 = 8;
 
 /// Publishes missing shards until all are done.
@@ -100,7 +100,7 @@ impl Window {
     pub(super) fn fill(&mut self, broker: &Broker, missing: &[u64]) -> Result<(), BrokerError> {
         let waiting = broker.waiting()?;
         if waiting == 0 {
-            // Rendered, or lost with all that the broker had.
+            // All published shards were rendered, or the broker lost its messages.
             self.published.clear();
         }
         let size = match self.size {
@@ -136,7 +136,7 @@ fn fitting(broker: &Broker) -> Result<u64, BrokerError> {
     Ok(LEAST_WINDOW.max(SHARDS_PER_SLOT.saturating_mul(slots)))
 }
 
-/// Says once that the broker is away, and once that it is back.
+/// Reports once that the broker is unavailable, and once that it is back.
 #[derive(Default)]
 pub(super) struct Patience {
     is_away: bool,

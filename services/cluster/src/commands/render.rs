@@ -58,7 +58,7 @@ fn render(arguments: &Arguments, set: &Set, selection: &Selection) -> Result<Tal
         shards: 0,
     };
     let mut missing = selection.missing(set).map_err(failure)?;
-    // In another order in each process: those that share a set without --shard would render the same shards all along.
+    // Each process uses another order. Otherwise processes that share a set without --shard would keep rendering the same shards.
     let order = RandomState::new();
     missing.sort_by_cached_key(|shard| order.hash_one(shard));
     let frames_of = |shard: u64| set.card().frames_of(shard).count() as u64;
@@ -88,7 +88,7 @@ fn render(arguments: &Arguments, set: &Set, selection: &Selection) -> Result<Tal
     Ok(tally)
 }
 
-/// How frames are rendered: by this program, as a child.
+/// The recipe for rendering frames in a child process of this program.
 pub(super) fn recipe(
     style: &StyleArguments,
     slots: usize,

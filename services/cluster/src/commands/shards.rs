@@ -38,7 +38,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         .read_line(&mut known)
         .context("cannot read the known shards")?;
     if known.is_empty() {
-        // Only the head was wanted.
+        // The reader only needs the head.
         return Ok(());
     }
     let known: Known = serde_json::from_str(&known).context("the known shards are malformed")?;
@@ -51,7 +51,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     )
 }
 
-/// The canonical location of the set, if it is in one of the stores. Others are refused without a check whether they exist.
+/// The canonical location of the set if it is inside one of the stores. Others are refused without checking whether they exist.
 fn permitted(set: &str, stores: &[String]) -> Result<Location, Failure> {
     let refused = || Failure::input(format!("{set} does not lie in a store of this service"));
     let named = Location::parse(set)
@@ -62,7 +62,7 @@ fn permitted(set: &str, stores: &[String]) -> Result<Location, Failure> {
         let store = Location::parse(store)
             .and_then(Location::absolute)
             .map_err(failure)?;
-        // The written form is checked first, so that no path outside is touched; then links are resolved.
+        // The written form is checked first, so that no path outside the stores is accessed; then links are resolved.
         if store.contains(&named) {
             found = Some((resolved(&store)?, resolved(&named)?));
             break;
@@ -74,7 +74,7 @@ fn permitted(set: &str, stores: &[String]) -> Result<Location, Failure> {
     }
 }
 
-/// The location that links lead to.
+/// The location after resolving links.
 pub(super) fn resolved(location: &Location) -> Result<Location, Failure> {
     match location {
         Location::Folder(path) => {

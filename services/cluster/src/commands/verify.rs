@@ -61,7 +61,7 @@ fn render(arguments: &VerifyArguments, set: &Set, done: &[u64]) -> Result<Vec<St
     Ok(wrong)
 }
 
-/// So many of them, at even distances.
+/// Picks this many of them, evenly spaced.
 fn spread(all: &[u64], wanted: u64) -> Vec<u64> {
     let wanted = wanted.min(all.len() as u64);
     (0..wanted)

@@ -15,15 +15,15 @@ use super::dispatch::Patience;
 use super::{failure, render};
 use crate::engine::{Broker, Delivery, Fleet, Member, Task, Verdict};
 
-/// Length of a poll for work, after which signals are checked.
+/// Maximum duration of a poll for work; signals are checked between polls.
 const QUESTION: Duration = Duration::from_secs(5);
-/// After a failure of the broker.
+/// Pause after a failure of the broker.
 const PAUSE: Duration = Duration::from_secs(1);
-/// When to try a shard again whose set is paused or whose store does not respond.
+/// Delay before retrying a shard whose set is paused or whose store does not respond.
 const AGAIN_SOON: Duration = Duration::from_secs(15);
-/// When to try a shard again that this worker cannot render; another one may.
+/// Delay before retrying a shard that this worker cannot render; another worker may.
 const AGAIN_LATER: Duration = Duration::from_secs(60);
-/// How often a set's state is looked at.
+/// How often the state of a set is checked.
 const STATE_INTERVAL: Duration = Duration::from_secs(15);
 /// Shortest time between two renewals of a worker's entry.
 const LEAST_RENEWAL: Duration = Duration::from_secs(1);
@@ -81,14 +81,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 /// A worker's entry in the fleet and its renewal interval.
 struct Entry {
     member: Member,
-    /// Of the shard that it has.
+    /// Frames of the current shard.
     frames: Arc<AtomicU64>,
     every: Duration,
 }
 
-/// Keeps a worker in the list while it lives.
+/// Keeps a worker listed while it lives.
 fn keep_listed(fleet: Fleet, entry: Entry, ended: &Arc<AtomicBool>) -> thread::JoinHandle<()> {
-    /// So long the end of the worker may wait for this thread.
+    /// Poll interval, which bounds the delay of the end of the worker.
     const STEP: Duration = Duration::from_millis(100);
     let ended = Arc::clone(ended);
     let Entry {
@@ -102,14 +102,14 @@ fn keep_listed(fleet: Fleet, entry: Entry, ended: &Arc<AtomicBool>) -> thread::J
             let now = frames.load(Ordering::Relaxed);
             if since >= every || (now != member.frames && since >= LEAST_RENEWAL) {
                 member.frames = now;
-                // The broker may be away.
+                // The broker may be unavailable.
                 let _ = fleet.enter(&member);
                 since = Duration::ZERO;
             }
             thread::sleep(STEP);
             since += STEP;
         }
-        // The entry expires if the broker is away.
+        // The entry expires if the broker is unavailable.
         let _ = fleet.leave(&member.name);
     })
 }
@@ -117,15 +117,15 @@ fn keep_listed(fleet: Fleet, entry: Entry, ended: &Arc<AtomicBool>) -> thread::J
 struct Worker {
     store: Location,
     recipe: Recipe,
-    /// The set of the last shard: the next is most often of the same.
+    /// The set of the last shard; the next shard is usually from the same set.
     current: Option<Current>,
     patience: Patience,
-    /// Of the shard that is being rendered.
+    /// Frames of the current shard.
     frames: Arc<AtomicU64>,
     stop: Arc<AtomicBool>,
 }
 
-/// A set that is being rendered.
+/// The set in work.
 struct Current {
     name: String,
     set: Set,

@@ -20,10 +20,10 @@ use super::task::Task;
 const STREAM: &str = "FATHOM";
 const CONSUMER: &str = "workers";
 const RESPONSE_LIMIT: Duration = Duration::from_secs(5);
-/// Shards that may be with workers at the same time, over the whole fleet.
+/// Maximum shards with workers at the same time, over the whole fleet.
 const MOST_IN_FLIGHT: i64 = 1_000_000;
 
-/// A failed request to the broker, which may be temporarily away or have lost its messages.
+/// A failed request to the broker, which may be unavailable or have lost its messages.
 #[derive(Debug, thiserror::Error)]
 #[error("the broker does not respond: {0}")]
 pub(crate) struct BrokerError(String);
@@ -40,7 +40,7 @@ pub(crate) struct Broker {
     context: Context,
     /// The source of messages; `None` before the first one and after a failure, since the broker may have lost it.
     consumer: Mutex<Option<PullConsumer>>,
-    /// Without a sign of life for so long, a worker has lost its shard.
+    /// Time without a sign of life before a worker loses its shard.
     ack_wait: Duration,
     replicas: usize,
 }
@@ -70,7 +70,7 @@ impl Broker {
             Failure::Later(format!("no broker responds at {}: {error}", without_secret(url)))
         })?;
         let context = {
-            // The client starts a task.
+            // The client spawns a task.
             let _entered = runtime.enter();
             jetstream::new(client)
         };
@@ -83,12 +83,12 @@ impl Broker {
         })
     }
 
-    /// How long a worker may be silent.
+    /// Time without a sign of life before a worker loses its shard.
     pub(crate) fn lease(&self) -> Duration {
         self.ack_wait
     }
 
-    /// Publishes a task; returns whether it was not waiting already. [`Broker::waiting`] makes the stream for it.
+    /// Publishes a task; returns `false` if it was already waiting. Call [`Broker::waiting`] first, which creates the stream.
     pub(crate) fn publish(&self, task: &Task) -> Result<bool, BrokerError> {
         let payload = serde_json::to_vec(task).map_err(BrokerError::new)?;
         self.runtime.block_on(async {
@@ -111,7 +111,7 @@ impl Broker {
         })
     }
 
-    /// Takes back every task of a set that waits.
+    /// Withdraws every waiting task of a set.
     pub(crate) fn withdraw(&self, set: &str) -> Result<(), BrokerError> {
         self.runtime.block_on(async {
             let stream = self.stream().await?;
@@ -120,9 +120,9 @@ impl Broker {
         })
     }
 
-    /// The next task, if one comes within this time.
+    /// The next task, if one arrives within this time.
     pub(crate) fn next(&self, patience: Duration) -> Result<Option<Delivery>, BrokerError> {
-        // The broker may vanish while it is waited for.
+        // The broker may vanish during the request.
         let limit = patience + 2 * RESPONSE_LIMIT;
         let fetched = self.runtime.block_on(async {
             let fetched = tokio::time::timeout(limit, self.fetch(patience)).await;
@@ -160,7 +160,7 @@ impl Broker {
         )
     }
 
-    /// The stream, created again if the broker has lost it.
+    /// The stream, recreated if the broker has lost it.
     async fn stream(&self) -> Result<Stream, BrokerError> {
         let config = stream::Config {
             name: STREAM.to_owned(),
@@ -196,7 +196,7 @@ fn is_refused(error: &(dyn std::error::Error + 'static)) -> bool {
     format!("{error} {source}").contains("maximum messages per subject exceeded")
 }
 
-/// An address as it may be printed.
+/// An address without its credentials.
 pub(crate) fn without_secret(url: &str) -> String {
     let shown = |address: &str| match address.split_once("://") {
         Some((scheme, rest)) => match rest.rsplit_once('@') {

@@ -1,4 +1,4 @@
-//! A message in the hands of a worker, until its verdict.
+//! A message being processed by a worker, until its verdict.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -10,7 +10,7 @@ use tokio::task::JoinHandle;
 use super::broker::BrokerError;
 use super::task::Task;
 
-/// Signs of life within the time that a worker may be silent.
+/// Progress signals per acknowledgment timeout.
 const BEATS: u32 = 4;
 
 /// The verdict on a task.
@@ -18,9 +18,9 @@ const BEATS: u32 = 4;
 pub(crate) enum Verdict {
     /// Its shard has a marker or is no longer needed.
     Done,
-    /// Another worker, or this one, may try after this time.
+    /// Any worker may retry after this time.
     Again(Duration),
-    /// Trying again leads nowhere.
+    /// A retry is useless.
     Hopeless,
 }
 
@@ -38,7 +38,7 @@ impl Delivery {
         let beat = runtime.spawn(async move {
             loop {
                 tokio::time::sleep(ack_wait / BEATS).await;
-                // While the broker is away, the marker still counts; then the message comes again and finds it.
+                // If the broker is unavailable, the marker still counts; the redelivered message finds it.
                 let _ = alive.ack_with(AckKind::Progress).await;
             }
         });
@@ -54,7 +54,7 @@ impl Delivery {
         serde_json::from_slice(&self.message.payload).ok()
     }
 
-    /// Tells the broker, and waits until it knows.
+    /// Sends the verdict to the broker and waits for its confirmation.
     pub(crate) fn settle(self, verdict: Verdict) -> Result<(), BrokerError> {
         self.beat.abort();
         let kind = match verdict {

@@ -1,4 +1,4 @@
-//! The workers of a broker, as they announce themselves.
+//! The workers registered with a broker.
 
 use std::sync::Arc;
 use std::time::{Duration, SystemTime};
@@ -20,9 +20,9 @@ const BUCKET: &str = "fathom_workers";
 pub(crate) struct Member {
     /// Its name.
     pub(crate) name: String,
-    /// Frames that it renders side by side.
+    /// Frames rendered concurrently.
     pub(crate) slots: u64,
-    /// Frames of the shard that it has.
+    /// Frames of its current shard.
     #[serde(default)]
     pub(crate) frames: u64,
     /// Version of its code.
@@ -55,7 +55,7 @@ impl Fleet {
         }
     }
 
-    /// Enters a worker, or renews it.
+    /// Adds or renews the entry of a worker.
     pub(crate) fn enter(&self, member: &Member) -> Result<(), BrokerError> {
         let value = serde_json::to_vec(member).map_err(BrokerError::new)?;
         self.runtime.block_on(async {
@@ -65,7 +65,7 @@ impl Fleet {
         })
     }
 
-    /// Removes a worker that ends.
+    /// Removes the entry of a worker.
     pub(crate) fn leave(&self, name: &str) -> Result<(), BrokerError> {
         self.runtime.block_on(async {
             let removed = self.store().await?.purge(key(name)).await;
@@ -73,20 +73,20 @@ impl Fleet {
         })
     }
 
-    /// The workers that are there.
+    /// The current workers.
     pub(crate) fn members(&self) -> Result<Vec<Member>, BrokerError> {
         let entries = self.entries()?;
         Ok(entries.into_iter().map(|(member, _)| member).collect())
     }
 
-    /// The workers that are there, as a service shows them.
+    /// The current workers, in the service's format.
     pub(crate) fn workers(&self) -> Result<Vec<Worker>, BrokerError> {
         let worker = |(member, since): (Member, SystemTime)| Worker {
             id: member.name.clone(),
             name: member.name,
             slots: u32::try_from(member.slots).unwrap_or(u32::MAX),
             leased_frames: member.frames,
-            // The clock is that of the broker.
+            // Measured by the broker's clock.
             silent_ms: since.elapsed().map_or(0, |silent| silent.as_millis() as u64),
             code_version: member.code_version,
             onnx_runtime: member.onnx_runtime,
@@ -133,7 +133,7 @@ impl Fleet {
     }
 }
 
-/// A key of the list: any name, in the letters that keys may have.
+/// A key of the list: any name, encoded in the letters that keys allow.
 fn key(name: &str) -> String {
     spec::sha256(name.as_bytes())
 }

@@ -2,10 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A shard that is to be rendered.
+/// A shard to render.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Task {
-    /// The location of its set in a form that every worker can reach.
+    /// The location of its set, valid for every worker.
     pub(crate) set: String,
     /// Its number.
     pub(crate) shard: u64,
@@ -22,7 +22,7 @@ impl Task {
         format!("{PREFIX}.>")
     }
 
-    /// The subject of this task alone: the stream keeps one message of a subject, so that no shard waits twice.
+    /// The subject of this task. The stream keeps one message per subject, so no shard waits twice.
     pub(crate) fn subject(&self) -> String {
         format!("{}.{}", subject_of(&self.set), self.shard)
     }

@@ -12,10 +12,10 @@ use super::scene::Prepared;
 use super::seen::Seen;
 use crate::error::RenderError;
 
-/// Most pixels of a map that is kept for the next frame: 50 MB for three channels.
+/// Maximum pixels of a cached map: 50 MB for three channels.
 const MOST_KEPT: usize = 1 << 20;
 
-/// What a slot keeps between frames, for cameras seldom change.
+/// Per-slot cache of cameras. Most frames of a job share one.
 #[derive(Default)]
 pub(crate) struct Cameras {
     map: Option<(Lens, SourcePicture, Arc<Sampling>)>,
@@ -55,7 +55,7 @@ pub(crate) struct Taking {
     pub(crate) sampling: Option<Arc<Sampling>>,
     /// The labels of the picture; `None` if they are those of the scene.
     pub(crate) seen: Option<Seen>,
-    /// When its rows are taken; one moment without movement.
+    /// Exposure times of the rows; one moment without movement.
     pub(crate) moments: Vec<Moment>,
     /// Path length of an uploaded picture's movement in px; `None` without.
     pub(crate) shift_px: Option<[f64; 2]>,
@@ -63,8 +63,7 @@ pub(crate) struct Taking {
     pub(crate) most_blur_px: f64,
 }
 
-/// The parts of a frame's camera that a rendered scene is rendered for; `None` of a pinhole, and of one that looks at an uploaded
-/// picture.
+/// The camera parts for rendering a scene; `None` for a pinhole and for an uploaded picture.
 pub(crate) fn rendered_parts(frame: &Frame) -> Result<Option<Parts>, RenderError> {
     let is_rendered = matches!(frame.scene, spec::Scene::Procedural { .. });
     if frame.camera.is_pinhole() || !is_rendered {
@@ -73,7 +72,7 @@ pub(crate) fn rendered_parts(frame: &Frame) -> Result<Option<Parts>, RenderError
     Ok(Some(Parts::resolve(&frame.camera, Scenery::Rendered)?))
 }
 
-/// The parts of a frame's camera before its scene; `None` of a pinhole.
+/// The parts of a frame's camera in front of its scene; `None` for a pinhole.
 fn parts(frame: &Frame, prepared: &Prepared) -> Result<Option<Parts>, RenderError> {
     if frame.camera.is_pinhole() {
         return Ok(None);
@@ -86,7 +85,7 @@ fn parts(frame: &Frame, prepared: &Prepared) -> Result<Option<Parts>, RenderErro
     Ok(Some(Parts::resolve(&frame.camera, scenery)?))
 }
 
-/// A camera before its scene; `None` of a pinhole.
+/// A camera in front of its scene; `None` for a pinhole.
 pub(crate) fn taking(
     frame: &Frame,
     prepared: &Prepared,

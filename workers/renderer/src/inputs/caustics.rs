@@ -16,18 +16,18 @@ pub(crate) struct Pattern {
 }
 
 impl Pattern {
-    /// Its brightest place.
+    /// The largest factor of the pattern.
     pub(crate) fn peak(&self) -> f64 {
         self.tiles.peak()
     }
 
-    /// Its root mean square over that.
+    /// Root mean square over peak.
     pub(crate) fn evenness(&self) -> f64 {
         self.tiles.root_mean_square() / self.tiles.peak().max(f64::MIN_POSITIVE)
     }
 }
 
-/// The tiles of the last frame: another one of the same place, time and water has the same.
+/// The tiles of the last frame, reused if place, time and water are the same.
 #[derive(Default)]
 pub(crate) struct LastTiles(Option<Arc<Tiles>>);
 
@@ -44,7 +44,7 @@ impl LastTiles {
     }
 }
 
-/// The pattern of a frame; `None` if nothing shows it.
+/// The caustic pattern of a frame, or `None` if neither surfaces nor shafts show it.
 pub(crate) fn find_pattern(
     frame: &Frame,
     setting: &Setting,
@@ -57,7 +57,7 @@ pub(crate) fn find_pattern(
     Some(Pattern { waves, blur, tiles })
 }
 
-/// The pattern of a frame in a tile of so many cells along a side.
+/// The caustic pattern of a frame on tiles of `cells` × `cells`.
 pub(crate) fn find_coarse_tiles(
     frame: &Frame,
     setting: &Setting,
@@ -76,7 +76,7 @@ fn find_waves(frame: &Frame, setting: &Setting) -> Option<(Waves, Blur)> {
     daylight.waves(frame.seed, number).filter(|_| is_seen)
 }
 
-/// The depths of the surfaces in view at which tiles are made, m.
+/// Depths of the tiles, m. They cover the surfaces in view.
 fn find_slices(setting: &Setting, range: &Plane<f32>) -> Option<Vec<f64>> {
     let water = setting.water.as_ref()?;
     let (shallowest, deepest) = water.daylight()?.depths_m(&of_surfaces(range, water.holes()))?;

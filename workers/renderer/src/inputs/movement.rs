@@ -1,32 +1,31 @@
-//! When the rows of a frame are taken: while the shutter is open, and row after row.
+//! Exposure times of the rows of a frame: motion blur and rolling shutter.
 
 use std::ops::Range;
 
 use spec::{Frame, Scene};
 
-/// Pictures that the blur of an exposure is averaged from: enough that the copies of an edge that moves by 8 pixels are a pixel
-/// apart.
+/// Pictures averaged for the blur of an exposure. The copies of an edge that moves by 8 pixels are one pixel apart.
 pub(crate) const BLUR_SAMPLES: usize = 8;
-/// Bands of rows that share a pose while a rolling shutter is read: steps between them stay below a pixel for skews of up to 16.
+/// Bands of rows that share a pose during a rolling readout. Steps between them stay below a pixel for skews of up to 16 pixels.
 const READOUT_BANDS: usize = 16;
 
-/// One picture of those that make a frame.
+/// One of the pictures averaged into a frame.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Moment {
-    /// Frames of the path after the time of the frame.
+    /// Time after the frame's time, in frames of the path.
     pub(crate) later: f64,
-    /// The rows that it adds to.
+    /// The rows it contributes to.
     pub(crate) rows: Range<usize>,
-    /// Its share of those rows.
+    /// Its weight in those rows.
     pub(crate) weight: f64,
-    /// Whether these rows have their labels from it: the one nearest to half the exposure.
+    /// Whether it provides the labels of these rows; true for the moment closest to mid-exposure.
     pub(crate) labels: bool,
 }
 
-/// The moments of a frame of so many rows; one, its own, where nothing moves.
+/// The moments that make up a frame of `height` rows. A frame without motion has one moment, at its nominal time.
 ///
-/// The exposure of a row lies evenly about its time: `(k + 1/2)/n` of it, minus a half. Row j is read `(j + 1/2)/H` of the
-/// readout minus a half after the frame's time; rows of a band share the time of its middle.
+/// The exposure of a row is sampled evenly around its readout time, at `(k + 1/2)/n - 1/2` of the exposure. Row j is read
+/// `(j + 1/2)/H - 1/2` of the readout after the frame's time; the rows of a band share the time of its middle.
 pub(crate) fn moments(frame: &Frame, height: usize) -> Vec<Moment> {
     let camera = ::camera::preset::complete(&frame.camera);
     let still = || {

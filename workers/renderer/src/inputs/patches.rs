@@ -1,4 +1,4 @@
-//! Paths through patches of murkier water: closed forms of the range.
+//! Paths through turbid patches: closed forms of the range.
 
 use imaging::Plane;
 use optics::range::is_hole;
@@ -6,7 +6,7 @@ use optics::setting::Setting;
 use optics::turbidity;
 use spec::{Fidelity, Frame};
 
-/// Mean, least and greatest path as a share of the range; `None` in a frame of holes.
+/// Mean, least and greatest path relative to the range; `None` without valid range.
 pub(crate) fn measure_paths(path: &Plane<f32>, range: &Plane<f32>) -> Option<[f64; 3]> {
     let pairs = path.data().iter().zip(range.data());
     let factors = pairs
@@ -20,7 +20,7 @@ pub(crate) fn measure_paths(path: &Plane<f32>, range: &Plane<f32>) -> Option<[f6
     (count > 0.0).then(|| [sum / count, least, most])
 }
 
-/// The paths; `None` in even water.
+/// The paths; `None` in uniform water.
 pub(crate) fn find_paths(frame: &Frame, range: &Plane<f32>, setting: &Setting) -> Option<Plane<f32>> {
     let (water, field, eye) = (setting.water.as_ref()?, setting.patches.as_ref()?, &setting.eye);
     Some(match (frame.fidelity, &frame.water.turbidity) {

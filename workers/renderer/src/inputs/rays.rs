@@ -9,7 +9,7 @@ use spec::{Fidelity, Frame, RaySource};
 
 use super::scene::Prepared;
 
-/// Where rays look for occluders: a procedural scene without its world has its range image alone.
+/// The occluders that rays are tested against. A procedural scene without its world only has its range image.
 pub(crate) fn source(frame: &Frame, prepared: &Prepared) -> RaySource {
     match (frame.ray_source(), &prepared.world, &prepared.pose) {
         (RaySource::Scene, Some(_), Some(_)) => RaySource::Scene,
@@ -17,7 +17,7 @@ pub(crate) fn source(frame: &Frame, prepared: &Prepared) -> RaySource {
     }
 }
 
-/// The solids of a procedural scene, or the range image of any; `None` without range. In the axes of the camera of the scene.
+/// The solids of a procedural scene, or the range image of any other; `None` without range. In the camera coordinates of the scene.
 pub(crate) fn scene_rays<'a>(frame: &Frame, prepared: &'a Prepared) -> Option<Box<dyn Rays + Sync + 'a>> {
     let range = prepared.scene.range.as_ref()?;
     Some(match (source(frame, prepared), &prepared.world, &prepared.pose) {

@@ -1,4 +1,4 @@
-//! The scene of a frame: rendered from a seed, uploaded, or made of files of this machine.
+//! The scene of a frame: rendered from a seed, uploaded, or read from local files.
 
 use std::collections::BTreeMap;
 use std::convert::Infallible;
@@ -19,30 +19,30 @@ use spec::{Classes, Frame, RangeKind, Scene, SceneFiles, SceneLighting};
 use crate::error::RenderError;
 use crate::source::{SceneBytes, SceneSource};
 
-/// A scene that is valid for the chain.
+/// A validated scene.
 pub(crate) struct Prepared {
     /// Radiance is finite and not negative.
     pub(crate) scene: scenes::Scene,
-    /// Of the scene's own camera, else of the frame's.
+    /// Focal length of the scene's camera if it has one, otherwise of the frame's camera, px.
     pub(crate) focal_px: f64,
     /// Samples of negative radiance that were set to 0.
     pub(crate) negative_radiance: u64,
     /// Pixels without a valid range; 0 without range.
     pub(crate) holes: u64,
-    /// Pose of the camera: of procedural scenes, and of uploaded ones that came with it.
+    /// Pose of the camera, for procedural scenes and uploaded scenes with a pose.
     pub(crate) pose: Option<CameraPose>,
     /// The world of a procedural scene.
     pub(crate) world: Option<Arc<World>>,
-    /// Its labels, where an artifact needs them.
+    /// Its labels, if an artifact needs them.
     pub(crate) labels: Option<Labels>,
-    /// What the codes of its labels mean; of procedural scenes they are fixed.
+    /// Meanings of the label codes; fixed for procedural scenes.
     pub(crate) classes: Option<Classes>,
     /// SHA-256 of the input files.
     pub(crate) inputs: BTreeMap<String, String>,
 }
 
 impl Prepared {
-    /// The view that its setting is resolved for.
+    /// The view for resolving the setting.
     pub(crate) fn view(&self) -> View {
         let (width, height) = self.scene.radiance.size();
         View {
@@ -65,7 +65,7 @@ impl Prepared {
     }
 }
 
-/// Makes the scene of a frame; `view` is the picture that a procedural one is rendered for, where that is not the frame's own.
+/// Prepares the scene of a frame. `view` overrides the frame's view when a procedural scene is rendered.
 pub(crate) fn prepare(
     frame: &Frame,
     source: &SceneSource,
@@ -94,7 +94,7 @@ pub(crate) fn needs_labels(frame: &Frame) -> bool {
     frame.artifacts.iter().any(spec::ArtifactKind::needs_labels)
 }
 
-/// A procedural world and the way through it.
+/// A procedural world and the camera path in it.
 pub(crate) struct Place {
     world: Arc<World>,
     path: Option<(CameraPath, usize)>,
@@ -137,7 +137,7 @@ impl Place {
         })
     }
 
-    /// The scene some frames after the time of the frame: a pose of its path, or the scene's default.
+    /// The scene `later` frames after the time of the frame: a pose of its path, or the scene's default pose.
     pub(crate) fn prepare(
         &self,
         frame: &Frame,

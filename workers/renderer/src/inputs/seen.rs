@@ -1,4 +1,4 @@
-//! What the camera's picture shows of a scene: its labels by the map of the lens, or those of several poses in bands of rows.
+//! Labels as the camera sees them: mapped through the lens, or assembled from several poses in bands of rows.
 
 use std::ops::Range;
 
@@ -8,7 +8,7 @@ use scenes::Labels;
 
 use super::scene::Prepared;
 
-/// The labels of a picture that is not that of the scene.
+/// The labels of a picture that differs from the scene's.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Seen {
     pub(crate) range: Option<Plane<f32>>,
@@ -17,7 +17,7 @@ pub(crate) struct Seen {
 }
 
 impl Seen {
-    /// Those of a scene as a lens shows them; without a map as they are.
+    /// The labels of a scene seen through a lens; unchanged without a map.
     pub(crate) fn new(prepared: &Prepared, sampling: Option<&Sampling>) -> Self {
         let scene = &prepared.scene;
         let Some(sampling) = sampling else {
@@ -43,7 +43,7 @@ impl Seen {
         }
     }
 
-    /// Takes these rows from another pose.
+    /// Replaces these rows by those of another pose.
     pub(crate) fn take_rows(&mut self, other: &Self, rows: &Range<usize>) {
         copy(self.range.as_mut(), other.range.as_ref(), rows);
         copy(self.instances.as_mut(), other.instances.as_ref(), rows);
@@ -65,7 +65,7 @@ impl Seen {
         }
     }
 
-    /// Finds the boxes again in the instance mask as it is now.
+    /// Recomputes the boxes from the current instance mask.
     pub(crate) fn find_boxes(&mut self) {
         if let (Some(labels), Some(numbers)) = (&self.labels, &self.instances) {
             self.labels = Some(labels.moved(numbers, Plane::clone, Plane::clone));

@@ -1,4 +1,4 @@
-//! How a camera sees particles.
+//! Focus and exposure of the camera for drawing particles.
 
 use ::camera::Parts;
 use ::camera::defocus::Focus;
@@ -9,20 +9,20 @@ use spec::{Frame, Snow};
 
 use super::movement::BLUR_SAMPLES;
 
-/// Through what, when and for how long particles are seen.
+/// The focus, time and exposure for drawing particles.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Shutter {
-    /// The focus of the lens, and how many pixels of the picture that is drawn are one of the camera's.
+    /// The focus of the lens, and the number of rendered pixels per camera pixel.
     focus: Option<(Focus, f64)>,
     exposure_s: f64,
     time_s: f64,
 }
 
 impl Shutter {
-    /// That of a frame's camera, so many frames after the frame's own time.
+    /// The shutter of a frame's camera, `later` frames after the frame's time.
     pub(crate) fn new(frame: &Frame, parts: Option<&Parts>, later: f64) -> Self {
         let camera = ::camera::preset::complete(&frame.camera);
-        // Each picture of a blur is exposed for its share of the time.
+        // Each picture of a motion blur gets an equal part of the exposure.
         let exposure_s = match (camera.exposure_s, camera.path) {
             (Some(exposure_s), Some(_)) => exposure_s / BLUR_SAMPLES as f64,
             (Some(exposure_s), None) => exposure_s,

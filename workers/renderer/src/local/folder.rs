@@ -42,7 +42,7 @@ pub enum LocalError {
         path: String,
         /// Counted from 1.
         line: usize,
-        /// What is wrong.
+        /// The defect.
         reason: String,
     },
 }
@@ -83,7 +83,7 @@ impl Folder {
         Ok(folder)
     }
 
-    /// A file beside the frames.
+    /// A file in the folder of the frames.
     pub(crate) fn file(&self, name: &str) -> PathBuf {
         self.path.join(name)
     }

@@ -13,8 +13,8 @@ use crate::stage::camera::{self, Expected};
 use crate::stopwatch::Stopwatch;
 
 impl Slot {
-    /// Leaves out the effects that do not change the picture of a frame, as far as a thinned picture shows. Frames of another
-    /// fidelity than `picture` have all.
+    /// Leaves out the effects that do not visibly change a thinned picture of the frame, and further ones to meet a budget. Other
+    /// fidelities than picture and budget run all effects.
     pub(super) fn choose_effects(
         &mut self,
         context: &mut FrameContext<'_>,
@@ -75,7 +75,7 @@ impl Slot {
     }
 }
 
-/// Expected milliseconds of the stages that have a figure.
+/// Sum of the expected milliseconds of all stages with a cost estimate.
 fn expect_ms(plan: &Plan) -> f64 {
     plan.stages.iter().filter_map(|stage| stage.cost_ms).sum()
 }

@@ -1,4 +1,4 @@
-//! The exposure of a frame: its moments, the expected factor and the metered one.
+//! The exposure of a frame: its moments, the expected factor and the metered factor.
 
 use imaging::Rgb;
 use optics::forward_scatter::KernelCache;
@@ -22,14 +22,14 @@ use crate::stopwatch::Stopwatch;
 /// Reserve of the second plan of a frame whose metered factor exceeds the expected one.
 const AGAIN: f64 = 1.05;
 
-/// Caches for thinned pictures, apart from those of frames.
+/// Caches for thinned pictures, separate from those of frames.
 #[derive(Default)]
 pub(super) struct Thin {
     pub(super) resources: Resources,
     kernels: KernelCache,
 }
 
-/// The light of a frame, and the exposed picture; `None` of a pinhole, whose picture is that light.
+/// The light of a frame, and the exposed picture; `None` for a pinhole, whose picture equals the light.
 pub(super) struct Taken {
     pub(super) light: Light,
     pub(super) exposed: Option<Rgb<f32>>,
@@ -37,7 +37,7 @@ pub(super) struct Taken {
 
 impl Slot {
     /// Plans, renders and exposes a frame. If the metered factor exceeds the expected one, plans for it and renders again within the
-    /// first promise.
+    /// bound of the first plan.
     pub(super) fn take(
         &mut self,
         context: &mut FrameContext<'_>,
@@ -76,7 +76,7 @@ impl Slot {
         }
     }
 
-    /// The picture behind the lens; `None` of a pinhole.
+    /// The picture behind the lens; `None` for a pinhole.
     fn gather(
         &mut self,
         context: &mut FrameContext<'_>,
@@ -95,7 +95,7 @@ impl Slot {
         }))
     }
 
-    /// The mean of the pictures of all moments of a frame, row by row. The labels of the frame become those of its bands.
+    /// The mean of the pictures of all moments of a frame, row by row. Bands of rows take the labels of their moments.
     fn average_moments(
         &mut self,
         context: &mut FrameContext<'_>,
@@ -133,14 +133,14 @@ impl Slot {
         if let Some(seen) = &mut seen {
             seen.find_boxes();
         }
-        // The middle of an even number of pictures is between two of them: labels of the frame's pose are nearer.
+        // An even number of pictures has no middle one: the labels of the frame's pose are closer.
         if let Some(taking) = context.taking.as_mut().filter(|_| rolls) {
             taking.seen = seen;
         }
         Ok(average.finish())
     }
 
-    /// Plans all moments of a frame and counts the worst of them in its plan.
+    /// Plans all moments of a frame and adds the worst of them to its plan.
     pub(super) fn plan_moments(
         &mut self,
         context: &mut FrameContext<'_>,
@@ -194,7 +194,7 @@ impl Slot {
         Ok(())
     }
 
-    /// The exposure to be expected of a frame; `None` without one.
+    /// The expected exposure of a frame; `None` without an exposure.
     pub(super) fn expect_exposure(
         &mut self,
         context: &FrameContext<'_>,
@@ -224,8 +224,8 @@ impl Slot {
         Ok(light.layers.scattered)
     }
 
-    /// The exposure of a frame of a sequence that follows its metering slowly: metered at a sixteenth of the sides from as far
-    /// back as matters, each frame with this one's water.
+    /// The exposure of a frame in a sequence with lagging exposure: metered at a sixteenth of the sides over all relevant earlier
+    /// frames, each with this frame's water.
     fn meter_sequence(&mut self, frame: &Frame) -> Result<f64, RenderError> {
         let mut gain = None;
         for small in camera::metered_frames(frame) {
@@ -242,7 +242,7 @@ impl Slot {
     }
 }
 
-/// The largest error of the light before the camera.
+/// Error bound of the light in front of the camera.
 fn error_of_light(context: &FrameContext<'_>) -> ErrorBound {
     let before = context
         .plan

@@ -23,16 +23,16 @@ use crate::stopwatch::Stopwatch;
 pub struct WaterLight {
     /// The surroundings.
     pub setting: Setting,
-    /// How the water scatters in the truth.
+    /// The phase function of the truth.
     pub law: PhaseModel,
-    /// Light of surfaces that arrives unscattered.
+    /// Unscattered light of surfaces.
     pub direct: Rgb<f32>,
-    /// Light that arrives scattered: of surfaces and of lamps, and the veil if the truth has daylight.
+    /// Scattered light of surfaces and lamps, and the veil if the truth has daylight.
     pub scattered: Rgb<f32>,
 }
 
 impl Slot {
-    /// The light of a frame in its water without snow: with the veil of daylight if `has_daylight`.
+    /// The light of a frame in its water without snow; with the veil of daylight if `has_daylight`.
     ///
     /// # Errors
     /// As [`Slot::render`].
@@ -52,7 +52,7 @@ impl Slot {
         })
     }
 
-    /// Traces a frame round by round; `None` of a scene without a range, and if the first round is not traced.
+    /// Traces a frame round by round. Returns `None` if the scene has no range or the first round was not traced.
     ///
     /// # Errors
     /// As [`Slot::render`].

@@ -11,13 +11,13 @@ use crate::context::FrameContext;
 
 /// Nanoseconds per pixel of each lamp.
 const AIRLIGHT_NS: f64 = 12.6;
-/// Shadow rays of a pixel to each lamp, and those to the disc of multiply scattered light.
+/// Shadow rays of a pixel to each lamp, including those to the disc of multiply scattered light.
 const RAYS: f64 = 10.0;
 const DISC_RAYS: f64 = 7.0;
 
-/// Part of the share that the quadrature may use; the remainder is for rounding.
+/// Part of the error budget for the quadrature; the remainder is for rounding.
 const QUADRATURE: f64 = 0.5;
-/// Rounding of airlight that was computed in f64, as a share of it.
+/// Relative rounding error of airlight computed in f64.
 const ROUNDING: f64 = 6e-8;
 
 /// Airlight and the shadows in it.
@@ -33,7 +33,7 @@ pub(crate) fn assess(assessment: &Assessment<'_>) -> Vec<Stage> {
     } else {
         0.0
     };
-    // Pixels that would lose more by rounding are computed in f64.
+    // Pixels with a larger rounding error are computed in f64.
     let rounding = match lighting.absorption.is_none() && !lamps::casts_into_water(lighting) {
         true => bounds.rounding.min((1.0 - QUADRATURE) * share),
         false => bounds.rounding,

@@ -1,4 +1,4 @@
-//! The camera: before the style what port, lens and exposure make of the light, behind it what the sensor makes of that.
+//! The camera: port, lens and exposure before the style, the sensor after it.
 
 mod assess;
 mod develop;
@@ -19,20 +19,19 @@ use imaging::Rgb;
 use optics::medium::Surroundings;
 use spec::{Exposure, Frame, Haze, HazeSpace, Metering};
 
-/// The haze that is laid before a camera; without one, and in the space of codes, haze comes behind the style.
+/// The haze in front of a camera. Without a camera, and in code space, haze is applied after the style.
 pub(crate) fn haze_before(frame: &Frame) -> Vec<Haze> {
     let is_linear = |haze: &Haze| haze.space == HazeSpace::Linear;
     frame.haze().into_iter().filter(is_linear).collect()
 }
 
-/// The haze that is still to come behind the style.
+/// The haze applied after the style.
 pub(crate) fn haze_behind(frame: &Frame, has_camera: bool) -> Vec<Haze> {
     let comes = |haze: &Haze| !has_camera || haze.space == HazeSpace::Display;
     frame.haze().into_iter().filter(comes).collect()
 }
 
-/// The frame with the exposure that its description leaves to its camera: metered where lamps are the only light of a scene of
-/// reflectance.
+/// Completes an unspecified exposure: it is metered if lamps are the only light of a scene of reflectance.
 pub(crate) fn complete(frame: &Frame) -> Cow<'_, Frame> {
     let camera = ::camera::preset::complete(&frame.camera);
     let mut completed = Cow::Borrowed(frame);
@@ -45,7 +44,7 @@ pub(crate) fn complete(frame: &Frame) -> Cow<'_, Frame> {
     completed
 }
 
-/// Errors of exposed light that the noise of the sensor hides: a third of its least noise; 0 without a sensor.
+/// Errors of exposed light hidden by the noise of the sensor: a third of its smallest noise; 0 without a sensor.
 pub(crate) fn hidden_error(frame: &Frame) -> f64 {
     let camera = ::camera::preset::complete(&frame.camera);
     let sensor = camera
@@ -55,7 +54,7 @@ pub(crate) fn hidden_error(frame: &Frame) -> f64 {
     sensor.map_or(0.0, |sensor| sensor.tolerance().min(1.0))
 }
 
-/// The average of pictures, added one by one, each to some rows.
+/// A running average of pictures, each added to some rows.
 pub(crate) struct Average {
     sums: Rgb<f32>,
 }

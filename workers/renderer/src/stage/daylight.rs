@@ -1,4 +1,4 @@
-//! Daylight on surfaces and, as shafts, in the water before them.
+//! Daylight on surfaces, and its shafts in the water in front of them.
 
 mod assess;
 
@@ -22,13 +22,13 @@ use crate::context::FrameContext;
 use crate::inputs::caustics::Pattern;
 use crate::inputs::scene::Prepared;
 
-/// Daylight of a frame on surfaces; `None` without, or if it falls on none.
+/// Daylight on the surfaces of a frame; `None` if it reaches none.
 fn on_surfaces(setting: &Setting) -> Option<&Daylight> {
     let daylight = setting.water.as_ref()?.daylight()?;
     (daylight.surfaces() != SurfaceLight::None).then_some(daylight)
 }
 
-/// By how much daylight multiplies the reflectance of a surface at most; `None` if it falls on none.
+/// Upper bound on the factor that daylight applies to the reflectance of a surface; `None` if it reaches none.
 pub(crate) fn bound_light(context: &FrameContext<'_>) -> Option<[f64; 3]> {
     let daylight = on_surfaces(&context.setting)?;
     let far = farthest_surface(context)?;
@@ -45,7 +45,7 @@ fn farthest_surface(context: &FrameContext<'_>) -> Option<f64> {
     Some(farthest(&of_surfaces(range, water.holes())).unwrap_or(0.0))
 }
 
-/// A scene in daylight; `None` if it falls on no surface.
+/// A scene in daylight; `None` if it reaches no surface.
 pub(crate) fn run(context: &FrameContext<'_>) -> Option<Rgb<f32>> {
     let FrameContext {
         prepared,
@@ -92,7 +92,7 @@ pub(crate) fn run(context: &FrameContext<'_>) -> Option<Rgb<f32>> {
     Some(daylight::surfaces(scene, range, &normals, daylight, reaching))
 }
 
-/// How much of the sun reaches each surface; `None` if all of it reaches all.
+/// Share of the sunlight that reaches each surface; `None` if all surfaces are fully lit.
 fn sunlight(
     plan: &Plan,
     surfaces: Surfaces<'_>,
@@ -126,7 +126,7 @@ fn sunlight(
     Some(light)
 }
 
-/// Occludes the veil of daylight, and adds the pattern of the waves to it.
+/// Occludes the veil of daylight, and modulates it by the wave pattern.
 pub(crate) fn run_in_water(context: &FrameContext<'_>, layers: &mut Layers) {
     occlude_veil(context, layers);
     add_shafts(context, layers);
@@ -153,7 +153,7 @@ fn occlude_veil(context: &FrameContext<'_>, layers: &mut Layers) {
     daylight::occlude_veil(&mut layers.backscatter, &mut layers.scattered, &access);
 }
 
-/// Adds the pattern to the veil, for frames with shafts.
+/// Adds the wave pattern to the veil, for frames with shafts.
 fn add_shafts(context: &FrameContext<'_>, layers: &mut Layers) {
     let setting = &context.setting;
     let daylight = setting.water.as_ref().and_then(Water::daylight);
@@ -168,7 +168,7 @@ fn add_shafts(context: &FrameContext<'_>, layers: &mut Layers) {
     daylight::with_shafts(&mut layers.backscatter, &mut layers.scattered, &shafts, daylight);
 }
 
-/// Those of the scene, or of its range.
+/// Normals of the scene, or computed from its range.
 fn normals<'a>(prepared: &'a Prepared, range: &Plane<f32>, setting: &Setting) -> Cow<'a, [Plane<f32>; 3]> {
     match &prepared.scene.normals {
         Some(normals) => Cow::Borrowed(normals),

@@ -14,7 +14,7 @@ use crate::error::RenderError;
 /// Results by method name.
 pub(crate) type Enhancements = BTreeMap<String, Enhanced>;
 
-/// The method that has faster variants; the exact one of them has its name.
+/// The method with faster variants; its exact variant has the same name.
 const IBLA: &str = IblaRefinement::ALL[0].name();
 
 /// The methods of a frame, and the variant of `ibla`.
@@ -38,16 +38,16 @@ pub(crate) fn assess(frame: &Frame, tolerance: Option<f64>) -> Vec<Stage> {
     std::iter::once(methods).chain(ibla).collect()
 }
 
-/// A variant of `ibla`, a method itself.
+/// A variant of `ibla`, which is also a method.
 #[derive(Clone, Copy)]
 struct IblaVariant {
     method: &'static str,
-    /// Measured distance of its results from those of the exact variant in linear light; 0 of that itself.
+    /// Measured distance of its results from the exact variant in linear light; 0 for the exact variant.
     distance: f64,
 }
 
-/// The fastest variant whose distance is within the tolerance, the exact one without. The distance is no bound: some frames exceed
-/// it.
+/// The fastest variant whose measured distance is within the tolerance; the exact variant without a tolerance. The distance is not a
+/// bound: some frames exceed it.
 fn choose_ibla(variants: &[IblaVariant], tolerance: Option<f64>) -> Stage {
     let (exact, faster) = (variants[0], &variants[1..]);
     let stage = |variant: IblaVariant, share: Option<f64>, note: String| Stage {
@@ -78,8 +78,8 @@ fn choose_ibla(variants: &[IblaVariant], tolerance: Option<f64>) -> Stage {
     )
 }
 
-/// Runs every method of the frame on the result, independently of each other. Warnings of a method go into the record, such
-/// as `ibla: lamp_as_background: …`.
+/// Runs every method of the frame on the result, independently of each other. Adds their warnings to the record, such as
+/// `ibla: lamp_as_background: …`.
 pub(crate) fn run(
     context: &FrameContext<'_>,
     rgb: &Rgb8,
@@ -105,7 +105,7 @@ pub(crate) fn run(
     Ok(enhancements)
 }
 
-/// The method that runs under a name: of `ibla` the variant of the plan.
+/// The method to run for a name: for `ibla`, the planned variant.
 fn planned_method<'a>(context: &'a FrameContext<'_>, name: &'a str) -> &'a str {
     match context.plan.stage(StageId::Ibla) {
         Some(stage) if name == IBLA => stage.variant.name(),

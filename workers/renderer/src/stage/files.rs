@@ -1,4 +1,4 @@
-//! The files of a frame: one match from artifact kind to content, one from content to bytes.
+//! The files of a frame: one match from artifact kind to content, and one from content to bytes.
 
 use std::borrow::Cow;
 
@@ -26,21 +26,21 @@ const PREVIEW_PX: usize = 256;
 /// The results of the stages.
 pub(crate) struct Pictures<'a> {
     pub(crate) layers: &'a Layers,
-    /// Opacity of the snow; none where nothing was drawn.
+    /// Opacity of the snow; `None` without drawn particles.
     pub(crate) snow: Option<&'a Plane<f32>>,
     /// Linear light after the style.
     pub(crate) styled: &'a Rgb<f32>,
     pub(crate) rgb: &'a Rgb8,
-    /// The same in 16 bits, where the camera has them.
+    /// The same in 16 bits, if the camera has them.
     pub(crate) deep: Option<&'a Raster>,
-    /// Codes of the sensor; none without one.
+    /// Raw sensor codes; `None` without a sensor model.
     pub(crate) raw: Option<&'a Raw>,
     pub(crate) enhancements: &'a Enhancements,
-    /// The light by Monte Carlo; none where no artifact asks for it.
+    /// The light by Monte Carlo; `None` unless an artifact needs it.
     pub(crate) traced: Option<&'a Traced>,
 }
 
-/// Encodes the requested artifacts in the order of the frame; each one that does not exist becomes a warning.
+/// Encodes the requested artifacts in the order of the frame. Each missing one adds a warning.
 pub(crate) fn encode(
     context: &FrameContext<'_>,
     pictures: &Pictures<'_>,
@@ -64,7 +64,7 @@ pub(crate) fn encode(
     Ok(files)
 }
 
-/// What those files hold, as [`encode`] would encode it.
+/// The contents of those files, as [`encode`] would encode them.
 pub(crate) fn contents(
     context: &FrameContext<'_>,
     pictures: &Pictures<'_>,
@@ -93,7 +93,7 @@ fn content_or_warn<'a>(
     content
 }
 
-/// `None`: the frame has nothing of this kind.
+/// The content of an artifact, or `None` if the frame lacks it.
 fn content<'a>(
     context: &'a FrameContext<'_>,
     pictures: &Pictures<'a>,
@@ -192,7 +192,7 @@ where
     plane.map(|plane| Content::Codes(plane.clone().into()))
 }
 
-/// What a PNG file says of itself.
+/// Text chunks of a PNG file.
 fn texts(kind: &ArtifactKind) -> Vec<(&'static str, &'static str)> {
     let unit = kind.unit().map(|unit| ("Unit", unit));
     [("Software", "Fathom"), ("Description", kind.about())]
@@ -201,7 +201,7 @@ fn texts(kind: &ArtifactKind) -> Vec<(&'static str, &'static str)> {
         .collect()
 }
 
-/// The bytes of a file; the saturated pixels of a range are counted.
+/// Encodes a file, and counts the saturated pixels of a range.
 fn encode_content(
     content: Content<'_>,
     encode: Encode,

@@ -13,7 +13,7 @@ use crate::context::FrameContext;
 /// Nanoseconds per pixel of each light.
 const HAZE_NS: f64 = 5.0;
 
-/// The lights that shine.
+/// Plans the haze of the visible lights.
 pub(crate) fn assess(assessment: &Assessment<'_>) -> Stage {
     let lights = assessment.context.frame.haze();
     if !lights.iter().any(Haze::shines) {

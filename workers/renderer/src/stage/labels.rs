@@ -1,4 +1,4 @@
-//! Labels of a frame after the water: boxes, categories, and how well each object can be seen.
+//! Labels of a frame after the water: boxes, categories, and the visibility of each object.
 
 use imaging::{Plane, Rgb};
 use optics::chain::Layers;
@@ -11,10 +11,10 @@ use spec::{InstanceRecord, SceneCategory, SceneRecord};
 
 use crate::context::FrameContext;
 
-/// Pixels that transmit less than this in all channels count as water in `semantics.visible`.
+/// Pixels with a lower transmittance in all channels count as water in `semantics.visible`.
 const LEAST_TRANSMITTANCE: f32 = 0.02;
 
-/// The semantic mask with water where surfaces are out of sight.
+/// The semantic mask with invisible surfaces labeled as water.
 pub(crate) fn visible_semantics(semantics: &Plane<u8>, transmittance: &Rgb<f32>) -> Plane<u8> {
     let [red, green, blue] = transmittance.planes().each_ref().map(Plane::data);
     let mut visible = semantics.clone();
@@ -26,7 +26,7 @@ pub(crate) fn visible_semantics(semantics: &Plane<u8>, transmittance: &Rgb<f32>)
     visible
 }
 
-/// The record of the scene; none without a camera pose and without labels.
+/// The record of the scene; `None` if it has neither a camera pose nor labels.
 pub(crate) fn describe(context: &FrameContext<'_>, layers: &Layers) -> Option<SceneRecord> {
     let (pose, labels) = (context.prepared.pose, context.labels());
     if pose.is_none() && labels.is_none() {
@@ -72,7 +72,7 @@ pub(crate) fn describe(context: &FrameContext<'_>, layers: &Layers) -> Option<Sc
     })
 }
 
-/// The classes of an uploaded scene, and that of objects without one where there are such objects.
+/// The classes of an uploaded scene, and the class of unlabeled objects if there are any.
 fn categories(context: &FrameContext<'_>, labels: Option<&Labels>) -> Option<Vec<SceneCategory>> {
     let (classes, labels) = (context.prepared.classes.as_ref()?, labels?);
     let (id, name) = UNLABELED;

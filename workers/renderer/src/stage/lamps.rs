@@ -8,12 +8,13 @@ use optics::plan::{Casting, ErrorBound, Shadows, Stage, StageId, Use, Variant};
 use crate::assessment::Assessment;
 use crate::context::FrameContext;
 
-/// Nanoseconds per pixel: normals and light of each lamp on surfaces, and the same in patches of turbidity on top.
+/// Costs in ns per pixel: normals and light of each lamp on surfaces, and the extra cost in turbid patches.
 const SURFACE_NS: f64 = 6.6;
 pub(super) const PATCHES_NS: f64 = 6.0;
 /// Light of each lamp on a surface in f64.
 const PRECISE_NS: f64 = 250.0;
-/// Each shadow ray to a lamp through a scene, the most to a soft lamp, and those to the disc of multiply scattered light.
+/// Shadow rays to lamps: cost of one ray through a scene, maximum rays to a soft lamp, and rays to the disc of multiply scattered
+/// light.
 pub(super) const SHADOW_RAY_NS: f64 = 17.5;
 const SOFT_RAYS: usize = 3;
 const DISC_RAYS: f64 = 0.6;
@@ -61,7 +62,7 @@ pub(crate) fn assess(assessment: &Assessment<'_>) -> Vec<Stage> {
     stages
 }
 
-/// Rounding of the light on surfaces in f32, as it leaves them, tile by tile.
+/// Rounding error of the light leaving surfaces in f32, tile by tile.
 fn tile_errors(assessment: &Assessment<'_>, bounds: &SurfaceBounds) -> Vec<f64> {
     let tiles = assessment
         .context
@@ -90,13 +91,13 @@ fn assess_shadows(assessment: &Assessment<'_>, lighting: &Lighting) -> Option<St
     Some(shadow_stage(assessment, StageId::LampShadows, shadows).costing(ns, assessment.pixels()))
 }
 
-/// The necessary shadows; `None` if the reference casts all of them as described.
+/// The necessary shadows; `None` if the reference traces all of them as described.
 pub(super) fn needed_shadows(assessment: &Assessment<'_>, lighting: &Lighting) -> Option<Casting> {
     let (rays, view) = (assessment.context.rays()?, assessment.context.view.as_ref()?);
     (!assessment.is_reference()).then(|| Casting::needed(assessment.budget.whole(), lighting, view, rays))
 }
 
-/// The stage of some shadows, whose edges no bound counts.
+/// The stage of some shadows. No bound covers their edges.
 pub(super) fn shadow_stage(assessment: &Assessment<'_>, id: StageId, shadows: Shadows) -> Stage {
     let is_cast = shadows.lamps > 0;
     Stage {
@@ -115,16 +116,16 @@ pub(super) fn shadow_stage(assessment: &Assessment<'_>, id: StageId, shadows: Sh
     }
 }
 
-/// The surfaces of a scene in their light.
+/// The lit surfaces of a scene.
 #[derive(Default)]
 pub(crate) struct LitScene {
-    /// Radiance of surfaces; `None` if it is that of the scene.
+    /// Radiance of surfaces; `None` if it equals that of the scene.
     pub(crate) radiance: Option<Rgb<f32>>,
-    /// Whether a lamp lights any of them.
+    /// Whether a lamp lights any surface.
     pub(crate) has_lamp_light: bool,
 }
 
-/// Adds the light of lamps on surfaces to daylight on them. The radiance of the scene in air stands for its reflectance.
+/// Adds lamplight to daylight on surfaces. The radiance of the scene in air is used as its reflectance.
 pub(crate) fn run(context: &FrameContext<'_>, daylit: Option<Rgb<f32>>) -> LitScene {
     let setting = &context.setting;
     let (Some(lighting), Some(range)) = (&setting.lighting, &context.prepared.scene.range) else {
@@ -183,7 +184,7 @@ pub(crate) fn has_light(light: &Rgb<f32>) -> bool {
         .any(|plane| plane.data().iter().any(|&v| v > 0.0))
 }
 
-/// Whether any lamp of these casts a shadow into the water.
+/// Whether any of these lamps casts a shadow into the water.
 pub(super) fn casts_into_water(lighting: &Lighting) -> bool {
     lighting
         .lamps

@@ -26,7 +26,7 @@ pub(crate) fn run(
     if metrics.is_empty() {
         return Ok(());
     }
-    // Some metrics compare with the picture in air.
+    // Some metrics need the picture in air as reference.
     let compares = metrics.iter().any(|metric| metric.info().needs_reference);
     let clean = compares.then(|| transfer::encode_rgb8(&context.view(&context.prepared.scene.radiance)).0);
     let mut measure = |subject: &str, picture: &Rgb8| {

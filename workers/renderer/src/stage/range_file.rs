@@ -3,7 +3,7 @@
 use imaging::Plane;
 use optics::range::is_hole;
 
-/// Millimeters of a range map, rounded; and how many pixels lie beyond 65.535 m and are stored as that.
+/// Rounds a range map to millimeters; also returns the number of pixels clamped to 65.535 m.
 pub(crate) fn millimeters(range: &Plane<f32>) -> (Plane<u16>, u64) {
     let mut saturated = 0;
     let codes = range.map(|&meters| {

@@ -1,4 +1,4 @@
-//! Clouds of sediment over the picture after the water.
+//! Clouds of sediment, drawn over the picture after the water.
 
 use imaging::{Plane, Rgb};
 use optics::lamp;
@@ -12,12 +12,12 @@ use super::surroundings::Surroundings;
 use crate::assessment::Assessment;
 use crate::context::FrameContext;
 
-/// Nanoseconds per pixel of the rays through clouds without a lamp, of which half are empty in the mean, and of each lamp in them.
+/// Costs of rays through clouds, ns per pixel: without lamps, assuming that half of the rays meet no cloud, and for each lamp.
 const SEDIMENT_NS: f64 = 150.0;
 const LIT_SEDIMENT_NS: f64 = 5.0;
 
-/// The clouds; skipped if their change of every pixel is within their share. Drawn clouds have no bound: an edge may be anywhere
-/// between two rays.
+/// Plans the clouds; skipped if their change of every pixel is within their share. Drawn clouds have no bound, since an edge may be
+/// anywhere between two rays.
 pub(crate) fn assess(assessment: &Assessment<'_>) -> Option<Stage> {
     let context = assessment.context;
     let clouds = context.setting.sediment.as_ref()?;
@@ -46,7 +46,7 @@ pub(crate) fn assess(assessment: &Assessment<'_>) -> Option<Stage> {
     Some(stage.costing(SEDIMENT_NS + LIT_SEDIMENT_NS * lamps as f64, assessment.pixels()))
 }
 
-/// The largest change of a pixel by clouds: its light, or the light of a cloud in the brightest illumination.
+/// Upper bound on the change of a pixel by clouds: its light, or the light of a cloud in the brightest illumination.
 fn bound_effect(assessment: &Assessment<'_>, clouds: &Clouds) -> f64 {
     let setting = &assessment.context.setting;
     let opacity = match &assessment.context.prepared.scene.range {
@@ -65,7 +65,7 @@ fn bound_effect(assessment: &Assessment<'_>, clouds: &Clouds) -> f64 {
 pub(crate) struct Clouded {
     /// Opacity of each pixel.
     pub(crate) mask: Plane<f32>,
-    /// The clouds on the traced rays; `None` of the reference.
+    /// The clouds on the traced rays; `None` for the reference.
     pub(crate) layers: Option<Layers>,
 }
 

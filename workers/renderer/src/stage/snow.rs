@@ -1,4 +1,4 @@
-//! Marine snow over the picture after the water and its clouds.
+//! Marine snow, drawn over the picture after the water and its clouds.
 
 use imaging::{Plane, Rgb};
 use optics::lamp;
@@ -13,15 +13,15 @@ use crate::assessment::Assessment;
 use crate::context::FrameContext;
 use crate::inputs::shutter::Shutter;
 
-/// Nanoseconds per pixel, and of each particle in view.
+/// Costs in ns: per pixel, and per visible particle.
 const SNOW_NS: f64 = 19.6;
 const PARTICLE_NS: f64 = 700.0;
-/// What f32 may lose of a pixel with particles over one another: half of it was seen with thousands in one pixel.
+/// Rounding error of f32 for a pixel with overlapping particles; twice the largest error seen with thousands in one pixel.
 const ROUNDING: f64 = 4e-6;
-/// The same of the light behind an opaque particle: a few roundings.
+/// The same for light behind an opaque particle: a few roundings.
 const BEHIND: f64 = 3e-7;
 
-/// The snow; left out if it is expected to change less than its share.
+/// Plans the snow; skipped if its expected change is within its share.
 pub(crate) fn assess(assessment: &Assessment<'_>) -> Stage {
     let context = assessment.context;
     let Some(law) = &context.setting.snow else {
@@ -53,7 +53,7 @@ pub(crate) fn assess(assessment: &Assessment<'_>) -> Stage {
 
 fn is_needless(context: &FrameContext<'_>, law: &Snow, behind: f64, share: f64) -> bool {
     let FrameContext { frame, setting, .. } = context;
-    // The clearest patch lets the most through.
+    // The clearest patch has the highest transmittance.
     let clearest = 1.0 - frame.water.turbidity.map_or(0.0, |patches| patches.contrast);
     let least = setting.attenuation().into_iter().fold(f64::INFINITY, f64::min) * clearest;
     let lamps = setting.lighting.as_ref().map_or([0.0; 3], lamp::most_white);
@@ -63,7 +63,7 @@ fn is_needless(context: &FrameContext<'_>, law: &Snow, behind: f64, share: f64) 
     snow::is_needless(law, setting.size.0 * setting.size.1, least, contrast, share)
 }
 
-/// No particle in view is brighter; 0 without snow.
+/// Upper bound on the light of a visible particle; 0 without snow.
 pub(crate) fn bound_flakes(context: &FrameContext<'_>) -> f64 {
     let (Some(law), Some(view)) = (&context.setting.snow, &context.view) else {
         return 0.0;
@@ -87,7 +87,7 @@ struct Fallen {
     mask: Plane<f32>,
 }
 
-/// Draws the snow over the picture and returns its opacity, that of clouds included; `None` if neither was drawn.
+/// Draws the snow over the picture and returns its opacity combined with that of clouds; `None` if neither was drawn.
 pub(crate) fn run(
     context: &FrameContext<'_>,
     clouded: Option<Clouded>,
@@ -138,7 +138,7 @@ fn fall(
     fallen.map(|fallen| fallen.mask)
 }
 
-/// The particles in view as they are lit, the farthest first.
+/// The visible particles with their light, the farthest first.
 fn light_flakes(
     surroundings: &Surroundings<'_>,
     law: &Snow,
@@ -148,7 +148,7 @@ fn light_flakes(
     let range = surroundings.range;
     let flakes = shutter.flakes(surroundings.setting, law, range.size());
     let mut lit = surroundings.show(|surround| snow::lit(&flakes, law.albedo, surround));
-    // Behind a cloud a particle is as faint as the cloud is thick.
+    // Clouds in front of a particle attenuate it.
     if let Some(layers) = clouded.and_then(|clouded| clouded.layers.as_ref()) {
         for LitFlake { flake, opacity, .. } in &mut lit {
             let clear = layers.clear_to(flake.center, flake.range_m, range.size());
@@ -177,7 +177,7 @@ fn fall_reference(
     }
 }
 
-/// The mask as 8-bit codes, 255 = opaque; all 0 where nothing was drawn.
+/// The mask as 8-bit codes, 255 = opaque; all 0 without drawn particles.
 pub(crate) fn codes(mask: Option<&Plane<f32>>, (width, height): (usize, usize)) -> Plane<u8> {
     match mask {
         Some(mask) => mask.map(|&v| (255.0 * v.clamp(0.0, 1.0)).round() as u8),

@@ -1,4 +1,4 @@
-//! The style stage: the network repaints the picture after the water, and alpha weighs both.
+//! The style stage: the network restyles the picture after the water, and alpha blends both.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -14,27 +14,27 @@ use crate::context::FrameContext;
 use crate::engine::Engine;
 use crate::error::RenderError;
 
-/// Slope of the decoding of sRGB at white, where it is steepest: the largest difference in linear light over that of encoded values.
+/// Slope of the sRGB decoding at white, its maximum; converts differences of encoded values to linear light.
 const STEEPEST: f64 = 2.4 / 1.055;
 /// Variants of a style: its network and its color table.
 const NETWORK: &str = "network";
 const TABLE: &str = "table";
-/// Nanoseconds per pixel; of a range its fading and the layers that take it.
+/// Costs in ns per pixel: of the network, and the extra cost of a range input.
 const NETWORK_NS: f64 = 10.8;
 const RANGE_NS: f64 = 4.2;
 const TABLE_NS: f64 = 4.2;
-/// Most prepared networks of a slot: each holds a few megabytes, on ONNX Runtime some hundred.
+/// Maximum prepared networks of a slot: each needs a few megabytes, with ONNX Runtime some hundred.
 const MAX_SESSIONS: usize = 8;
 
 /// The networks of a slot.
 pub(crate) struct Networks {
     pub(crate) engine: Arc<Engine>,
-    /// By name, the color tables apart; prepared when they are first asked for.
+    /// Keyed by name and by whether it is the color table. A session is prepared on first use.
     sessions: BTreeMap<(String, bool), Session>,
 }
 
 impl Networks {
-    /// None is prepared yet.
+    /// Creates the cache without any prepared network.
     pub(crate) fn new(engine: &Arc<Engine>) -> Self {
         Self {
             engine: Arc::clone(engine),
@@ -42,9 +42,9 @@ impl Networks {
         }
     }
 
-    /// Styles a picture as planned: linear light after the blend. A style that takes a range leaves a scene without one as it
-    /// is: jobs that can only have such frames were refused. The record names the model that ran: its name ends in
-    /// `.lut` for the color table, in `.noise` for a network that was fed noise of (job seed, frame).
+    /// Styles a picture as planned: linear light after the blend. A style that needs a range leaves a scene without one unchanged;
+    /// jobs that only have such frames were refused. The record names the model used, with the suffix `.lut` for the color table and
+    /// `.noise` for a network fed noise of (job seed, frame).
     pub(crate) fn run<'a>(
         &mut self,
         context: &FrameContext<'_>,
@@ -102,7 +102,7 @@ impl Networks {
     }
 }
 
-/// The network of a style, or its color table if that is within the tolerance of the network.
+/// Plans the network of a style, or its color table if that is within the tolerance of the network.
 pub(crate) fn assess(assessment: &Assessment<'_>, engine: &Engine) -> Result<Stage, RenderError> {
     let frame = assessment.context.frame;
     let Some(name) = frame.water.style.as_ref().filter(|_| frame.alpha > 0.0) else {

@@ -1,4 +1,4 @@
-//! What snow and clouds of sediment hang in: the water before them and the light that meets them.
+//! The medium around snow and sediment: the water in front of them and the light that reaches them.
 
 use imaging::Plane;
 use imaging::rays::Rays;
@@ -12,15 +12,15 @@ use crate::context::FrameContext;
 /// Occlusion of lamps.
 #[derive(Clone, Copy)]
 enum Shading<'a> {
-    /// None.
+    /// No occlusion.
     None,
     /// Traced in f32, in packets.
     Fast {
         rays: &'a dyn Rays,
-        /// Light up to this is not tested.
+        /// Irradiance below which lamps are not tested for occlusion.
         unseen: f64,
     },
-    /// Traced from every place in f64.
+    /// Traced in f64 from every point.
     Reference(&'a dyn Rays),
 }
 
@@ -53,7 +53,7 @@ impl<'a> Surroundings<'a> {
         })
     }
 
-    /// Hands out what particles hang in.
+    /// Calls `see` with the medium around the particles.
     pub(super) fn show<T>(&self, see: impl FnOnce(&Surround<'_>) -> T) -> T {
         let eye = &self.setting.eye;
         let patches = self.setting.patches.map(|field| field.seen_from(eye));
@@ -70,7 +70,7 @@ impl<'a> Surroundings<'a> {
         })
     }
 
-    /// Radiance of white particles: of light from above, and of lamps.
+    /// Radiance of white particles in daylight and lamplight.
     fn light(&self, places: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let gain = self.setting.gain();
         let from_above = |place: [f64; 3]| {

@@ -1,4 +1,4 @@
-//! The truth of a frame: its light by Monte Carlo, for the artifacts that ask for it.
+//! The Monte Carlo truth of a frame's light, for the artifacts that need it.
 
 use std::ops::Range;
 
@@ -16,37 +16,37 @@ use crate::error::RenderError;
 use crate::inputs::rays;
 use crate::light::Light;
 
-/// What is asked of the truth of a frame.
+/// Options of a Monte Carlo trace.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tracing {
-    /// How well the frame must be known.
+    /// The accuracy goal.
     pub goal: Goal,
-    /// How its water scatters.
+    /// The phase function of the water.
     pub law: PhaseModel,
     /// Seed of the paths.
     pub seed: u64,
-    /// Whether a path serves all channels.
+    /// Whether one path serves all channels.
     pub is_shared: bool,
-    /// What ends it short of the target.
+    /// Name of the limit reported when tracing stops short of the goal.
     pub limit: &'static str,
 }
 
-/// Pixels on a side of the blocks whose errors count: smaller ones need more paths, larger ones hide edges.
+/// Side of the blocks for measuring errors, px: smaller blocks need more paths, larger ones hide edges.
 const BLOCK_PX: usize = 8;
 
-/// Light of a frame by Monte Carlo, and the chain held against it.
+/// Light of a frame by Monte Carlo, and its comparison with the chain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Traced {
     /// The paths.
     pub truth: ConvergedTruth,
-    /// What they say.
+    /// The comparison with the chain.
     pub report: TruthReport,
 }
 
-/// One round: some samples of every pixel of a scene, row by row; none where it will not go on.
+/// Traces one round: some samples of every pixel of a scene, row by row. Returns `None` to stop.
 pub type Round<'r> = &'r mut dyn FnMut(&PathBatch, &TracedScene<'_>, &Range<u64>) -> Option<Vec<PixelSums>>;
 
-/// Whether an artifact asks for it and the scene has a range.
+/// Whether an artifact needs the truth and the scene has a range.
 pub(crate) fn is_asked(context: &FrameContext<'_>) -> bool {
     context.frame.is_traced() && context.prepared.scene.range.is_some()
 }
@@ -78,14 +78,14 @@ pub(crate) fn run(
     Ok(traced)
 }
 
-/// How the water of a frame scatters in its truth.
+/// The phase function of a frame's water in its truth.
 pub(crate) fn law(context: &FrameContext<'_>) -> PhaseModel {
     let optics = context.frame.water.optics.as_ref();
     let phase = optics.map(|optics| optics.phase).unwrap_or_default();
     PhaseModel::of_water(phase, context.setting.water.as_ref())
 }
 
-/// Traces a frame round by round; none of a scene without a range, and where the first round is not traced.
+/// Traces a frame round by round. Returns `None` if the scene has no range or the first round was not traced.
 pub(crate) fn trace(
     context: &FrameContext<'_>,
     light: &Light,
@@ -135,7 +135,7 @@ pub(crate) fn trace(
     Ok(Some(Traced { truth, report }))
 }
 
-/// The cost of the truth; `None` without an artifact of it.
+/// The cost of the truth; `None` if no artifact needs it.
 pub(crate) fn assess(context: &FrameContext<'_>) -> Option<Stage> {
     let has_range = context.prepared.scene.range.is_some();
     let most = most_paths(context)
@@ -152,7 +152,7 @@ pub(crate) fn assess(context: &FrameContext<'_>) -> Option<Stage> {
     })
 }
 
-/// A limit of paths, and the field that sets it.
+/// A limit on the number of paths, and the field that sets it.
 struct Most {
     paths: u64,
     limit: &'static str,
@@ -170,7 +170,7 @@ fn pixels(context: &FrameContext<'_>) -> u64 {
     width as u64 * height as u64
 }
 
-/// The chain's light that the water scattered: of surfaces and lamps, and the veil if daylight is traced.
+/// The scattered light of the chain: of surfaces and lamps, and the veil if daylight is traced.
 pub(crate) fn scattered(light: &Light, has_sea: bool) -> Rgb<f32> {
     let Light { layers, airlight, .. } = light;
     let added = if has_sea {

@@ -1,4 +1,4 @@
-//! Paths through patches of murkier water. They are geometry: closed forms of the range, known before any light is planned.
+//! Paths through turbid patches: closed forms of the range, computed before any light is planned.
 
 use optics::plan::{ErrorBound, Stage, StageId};
 use optics::range::farthest;
@@ -9,11 +9,11 @@ use crate::assessment::Assessment;
 /// Nanoseconds per pixel.
 const PATH_NS: f64 = 5.3;
 
-/// Optical depths up to which errors are counted as a share of the light; of light behind more, which is faint, they are absolute.
+/// Largest optical depth with relative errors. Light from behind more water is faint, so its errors are absolute.
 const DEEPEST: f64 = 6.0;
 
 /// An error `e` of an optical depth x changes direct light by `e` times itself, and the veil by `e/x` times itself at most. The
-/// error is a share of the path or of the range, whichever is longer.
+/// error is relative to the longer of path and range.
 pub(crate) fn assess(assessment: &Assessment<'_>) -> Stage {
     let setting = &assessment.context.setting;
     let (Some(patches), Some(water)) = (&setting.patches, &setting.around) else {
@@ -30,7 +30,7 @@ pub(crate) fn assess(assessment: &Assessment<'_>) -> Stage {
     let path_m = assessment.bounds.range_m.map_or(0.0, |(_, farthest)| farthest);
     let share = turbidity::path_rounding(range_m.max(path_m), patches.scale_m());
     let c = water.direct_attenuation().into_iter().fold(0.0, f64::max);
-    // In clear patches a path is shorter than the range that its rounding is a share of.
+    // In clear patches a path is shorter than its range, so its relative rounding error is larger.
     let [_, least, _] = assessment.context.path_factors.unwrap_or([1.0; 3]);
     let stretch = 1.0 / least.clamp(f64::MIN_POSITIVE, 1.0);
     let deepest = ((c * path_m).min(DEEPEST) * stretch).min(c * range_m.max(path_m));

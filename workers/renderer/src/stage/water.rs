@@ -1,4 +1,4 @@
-//! The water stage; without water or range the picture stays as it is (Algorithm 1's else branch).
+//! The water stage; without water or range the picture is unchanged (Algorithm 1's else branch).
 
 use imaging::{Plane, Rgb};
 use optics::chain::{self, Layers};

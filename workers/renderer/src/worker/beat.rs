@@ -1,5 +1,5 @@
-//! One beat for all leases of the worker. The service holds its response until the next beat is due or a lease is cancelled, so that
-//! what nobody waits for ends at once.
+//! One heartbeat for all leases of the worker. The service holds its response until the next heartbeat is due or a lease is
+//! cancelled, so cancelled work ends immediately.
 
 use std::time::{Duration, Instant};
 
@@ -8,10 +8,10 @@ use proto::wire::BeatRequest;
 use super::Shared;
 use super::client::ClientError;
 
-/// Shortest time between two beats, however many leases are cancelled one after another.
+/// Shortest time between two heartbeats, even while many leases are cancelled.
 const SHORTEST: Duration = Duration::from_millis(100);
 
-/// Beats until the worker is to stop.
+/// Sends heartbeats until the worker stops.
 pub(crate) fn run(shared: &Shared) {
     while !shared.stop.is_set() {
         let begun = Instant::now();
@@ -23,11 +23,10 @@ pub(crate) fn run(shared: &Shared) {
     }
 }
 
-/// What a beat came to.
 enum Beat {
-    /// Leases are cancelled, and others may follow at once.
+    /// Leases were cancelled; send the next heartbeat early.
     Cancelled,
-    /// Nothing, or an error.
+    /// No cancellation, or an error.
     Over,
 }
 
@@ -50,7 +49,7 @@ fn beat(shared: &Shared) -> Beat {
             return if is_over { Beat::Over } else { Beat::Cancelled };
         }
         Err(ClientError::UnknownWorker) => {
-            // The service has restarted and offers all our frames again.
+            // The service has restarted and offers all frames again.
             shared.held.lose(&tokens);
             if let Err(error) = shared.membership.rejoin(&shared.client, &worker_id) {
                 tracing::warn!(%error, "cannot join the service again");

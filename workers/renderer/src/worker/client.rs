@@ -16,22 +16,22 @@ use ureq::http::StatusCode;
 /// Longer than any long-poll: beyond it the connection is dead.
 const RESPONSE_LIMIT: Duration = Duration::from_secs(120);
 
-/// Why a call came to nothing.
+/// Why a call failed.
 #[derive(Debug, thiserror::Error)]
 pub enum ClientError {
-    /// The lease is not held any more: drop the frame.
+    /// The lease is no longer held: drop the frame.
     #[error("the lease is stale")]
     Stale,
     /// The service does not know this worker, for instance after a restart: register again.
     #[error("the service does not know this worker")]
     UnknownWorker,
-    /// No response, or one that asks to come again: try again after a pause.
+    /// No response, or a request to retry: retry after a pause.
     #[error("the service is not available: {reason}")]
     Unavailable {
         /// What happened.
         reason: String,
     },
-    /// The service understood and refused: trying again changes nothing.
+    /// The service understood and refused the request: a retry is useless.
     #[error("the service refused ({status}): {problem}")]
     Refused {
         /// HTTP status.
@@ -41,7 +41,7 @@ pub enum ClientError {
     },
 }
 
-/// What a call came to.
+/// The result of a call.
 pub type Outcome<T> = Result<T, ClientError>;
 
 /// The worker's calls to a service; cheap to clone, shared by threads. Each fails with a [`ClientError`].
@@ -50,13 +50,13 @@ pub struct Client(Http);
 
 #[allow(clippy::missing_errors_doc, reason = "said once, at the type")]
 impl Client {
-    /// A client of the service at this URL, with a bearer token if it wants one.
+    /// A client of the service at this URL, with a bearer token if the service requires one.
     #[must_use]
     pub fn new(server: &str, token: Option<&str>) -> Self {
         Self(Http::new(server, token, RESPONSE_LIMIT))
     }
 
-    /// Introduces the worker.
+    /// Registers the worker.
     pub fn register(&self, about: &RegisterRequest) -> Outcome<RegisterResponse> {
         self.post("register", about)
     }
@@ -67,7 +67,7 @@ impl Client {
         Ok(response.lease)
     }
 
-    /// Prolongs leases.
+    /// Extends leases.
     pub fn beat(&self, beat: &BeatRequest) -> Outcome<BeatResponse> {
         self.post("beat", beat)
     }
@@ -77,7 +77,7 @@ impl Client {
         self.post("artifacts", files)
     }
 
-    /// Makes the image of a frame visible; returns whether it was there already.
+    /// Makes the image of a frame visible; returns whether it already was.
     pub fn commit(&self, commit: &CommitRequest) -> Outcome<bool> {
         let response: CommitResponse = self.post("commit", commit)?;
         Ok(response.already_there)
@@ -88,7 +88,7 @@ impl Client {
         self.post("fail", fail)
     }
 
-    /// Hands a lease back.
+    /// Releases a lease.
     pub fn release(&self, token: u64, reason: &str) -> Outcome<()> {
         let reason = reason.to_owned();
         self.post("release", &ReleaseRequest { token, reason })
@@ -136,7 +136,7 @@ fn decoded<Response: Checked>(bytes: &[u8]) -> Outcome<Response> {
     decode(bytes).map_err(|error| unreadable(&error))
 }
 
-/// A response that makes no sense is as good as a refusal: it would be the same next time.
+/// Treats a malformed response as a refusal, since a retry would return it again.
 fn unreadable(error: &dyn std::error::Error) -> ClientError {
     ClientError::Refused {
         status: 200,

@@ -1,4 +1,4 @@
-//! The delivering thread of a slot: hands in what the rendering thread has finished, in order.
+//! The delivery thread of a slot: submits finished frames in order.
 
 use std::collections::BTreeMap;
 use std::sync::mpsc::Receiver;
@@ -14,7 +14,6 @@ use crate::error::RenderError;
 use crate::file::File;
 use crate::slot::Rendered;
 
-/// What comes from the rendering thread.
 pub(crate) enum Parcel {
     /// A frame, rendered or not.
     Frame {
@@ -22,11 +21,11 @@ pub(crate) enum Parcel {
         outcome: Box<Result<Rendered, Refusal>>,
         hold: Hold,
     },
-    /// Nothing more of this lease. `finished`: all its frames came.
+    /// The end of this lease. `finished`: all its frames were sent.
     End { hold: Hold, finished: bool },
 }
 
-/// Why a frame has no image, as the service is told.
+/// The reported reason for a frame without an image.
 #[derive(Clone)]
 pub(crate) struct Refusal {
     error: String,
@@ -62,7 +61,7 @@ pub(crate) fn run(shared: &Shared, parcels: &Receiver<Parcel>) {
     }
 }
 
-/// Hands in one frame; returns whether the service has taken note of it.
+/// Submits one frame; returns whether the service has recorded it.
 fn deliver(shared: &Shared, claim: Claim, outcome: Result<Rendered, Refusal>, hold: &Hold) -> bool {
     let (job, frame) = (&claim.job_id, claim.frame);
     let delivered = match outcome {
@@ -79,7 +78,7 @@ fn deliver(shared: &Shared, claim: Claim, outcome: Result<Rendered, Refusal>, ho
     delivered.is_ok()
 }
 
-/// Files first, then the record that names them.
+/// Submits the files, then the record that lists them.
 fn hand_in(shared: &Shared, claim: &Claim, rendered: Rendered, hold: &Hold) -> Outcome<()> {
     let Rendered { files, mut record } = rendered;
     if faults::frame_point("record.wrong", record.frame) {
@@ -100,7 +99,7 @@ fn hand_in(shared: &Shared, claim: &Claim, rendered: Rendered, hold: &Hold) -> O
     });
     faults::point("worker.committed");
     match stored {
-        // It would refuse the same bytes again and again, and the frame would circle for ever.
+        // The service would refuse the same bytes again, and the frame would be retried forever.
         Err(ClientError::Refused { status, problem }) => {
             let refusal = Refusal {
                 error: format!("the service refused the image ({status}): {problem}"),
@@ -137,8 +136,8 @@ fn report(
     insist(shared, hold, || shared.client.fail(&fail))
 }
 
-/// Repeats a call while the lease lasts. A stale lease is dropped; after a repeated call it may also mean that the first
-/// one arrived, so that is left for the beat to find out.
+/// Repeats a call while the lease lasts. A stale lease is dropped. After a repeated call it may also mean that the first call
+/// arrived, which the next heartbeat resolves.
 fn insist(shared: &Shared, hold: &Hold, call: impl Fn() -> Outcome<()>) -> Outcome<()> {
     let persisted = persist(&shared.stop, || !hold.is_lost(), call);
     match persisted.result {

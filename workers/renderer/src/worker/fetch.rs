@@ -6,7 +6,7 @@ use super::held::Hold;
 use super::patience::persist;
 use crate::error::RenderError;
 
-/// Repeats a call while the lease lasts. `what` names what is fetched.
+/// Repeats a call while the lease lasts. `what` names the fetched object in messages.
 pub(crate) fn fetch<T>(
     shared: &Shared,
     hold: &Hold,

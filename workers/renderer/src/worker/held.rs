@@ -4,15 +4,15 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// All leases of the worker, for the beat.
+/// All leases of the worker, for the heartbeat.
 #[derive(Default)]
 pub(crate) struct Held(Mutex<BTreeMap<u64, Hold>>);
 
-/// One lease, as its slot sees it.
+/// One lease, shared with its slot.
 #[derive(Clone)]
 pub(crate) struct Hold {
     pub(crate) token: u64,
-    /// Ends what is computed for it.
+    /// Cancels the computations of this lease when set.
     pub(crate) lost: Arc<AtomicBool>,
 }
 
@@ -43,7 +43,7 @@ impl Held {
         self.map().remove(&token);
     }
 
-    /// The leases to extend with the next beat.
+    /// The leases to extend with the next heartbeat.
     pub(crate) fn tokens(&self) -> Vec<u64> {
         self.map()
             .values()

@@ -10,7 +10,7 @@ use super::held::Hold;
 use super::{Shared, styles};
 use crate::error::RenderError;
 
-/// The jobs that were used last.
+/// Cache of recently used jobs.
 #[derive(Default)]
 pub(crate) struct Jobs(Mutex<RecentJobs>);
 

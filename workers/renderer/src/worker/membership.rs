@@ -16,7 +16,7 @@ pub(crate) struct Membership {
 }
 
 impl Membership {
-    /// Registers; waits for a service that is unavailable. `None`: stopped before it came up.
+    /// Registers; waits for a service that is unavailable. `None` if the worker is stopped first.
     pub(crate) fn join(client: &Client, about: RegisterRequest, stop: &Stop) -> Outcome<Option<Self>> {
         let joined = persist(stop, || !stop.is_set(), || client.register(&about)).result;
         if stop.is_set() {
@@ -31,12 +31,12 @@ impl Membership {
         self.registered().worker_id.clone()
     }
 
-    /// How often to beat.
+    /// The heartbeat interval.
     pub(crate) fn beat_interval(&self) -> Duration {
         Duration::from_millis(self.registered().beat_ms.into())
     }
 
-    /// Registers under a new id, unless another thread has replaced the id `forgotten` already.
+    /// Registers under a new id, unless another thread has already replaced the id `forgotten`.
     pub(crate) fn rejoin(&self, client: &Client, forgotten: &str) -> Outcome<()> {
         let mut registered = self.registered();
         if registered.worker_id == forgotten {

@@ -1,17 +1,17 @@
-//! How much memory this process uses, and how much it may: that of the machine, or of its container if that is less.
+//! Memory used by this process, and memory available to it: that of the machine, or of its container if smaller.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Where the kernel shows control groups.
+/// Mount point of control groups.
 const CGROUPS: &str = "/sys/fs/cgroup";
 
-/// Resident memory of this process, where the system reports it.
+/// Resident memory of this process, if the system reports it.
 pub(crate) fn resident_bytes() -> Option<u64> {
     kib_of(&fs::read_to_string("/proc/self/status").ok()?, "VmRSS:")
 }
 
-/// Memory that this process and its neighbors share: that of the machine or, in a container with a limit, that limit.
+/// Total memory of the machine or, in a container with a limit, that limit. Other processes share it.
 #[must_use]
 pub fn available_bytes() -> Option<u64> {
     let machine = fs::read_to_string("/proc/meminfo")
@@ -40,7 +40,7 @@ fn group_limit(root: &Path, groups: &str) -> Option<u64> {
             }
             _ => continue,
         };
-        // Inside a container the path may be the host's; then only the root of the tree is there.
+        // Inside a container the path may be the host's; then only the root of the tree exists.
         let inside: PathBuf = tree.join(path.trim_start_matches('/'));
         let folders = inside.ancestors().take_while(|folder| folder.starts_with(&tree));
         limits.extend(

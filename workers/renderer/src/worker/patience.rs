@@ -7,7 +7,7 @@ use super::stop::Stop;
 
 const FIRST: Duration = Duration::from_millis(200);
 const LONGEST: Duration = Duration::from_secs(5);
-/// Tries left to a call once the worker is stopping.
+/// Remaining tries of a call once the worker is stopping.
 const LAST_TRIES: u32 = 5;
 
 /// Pause after the given number of tries: doubles up to a limit.
@@ -20,11 +20,11 @@ fn pause_after(tries: u32) -> Duration {
 /// Result of a repeated call.
 pub(crate) struct Persisted<T> {
     pub(crate) result: Outcome<T>,
-    /// More than one try was made: an earlier one may have arrived although its response was lost.
+    /// More than one try was made, so an earlier one may have arrived although its response was lost.
     pub(crate) repeated: bool,
 }
 
-/// Repeats a call until the service responds or the result is no longer wanted; a few more times once the worker is stopping.
+/// Repeats a call until the service responds or the result is not needed; only a few more times once the worker is stopping.
 pub(crate) fn persist<T>(
     stop: &Stop,
     wanted: impl Fn() -> bool,

@@ -9,7 +9,7 @@ use super::held::Hold;
 use crate::error::RenderError;
 use crate::source::SceneBytes;
 
-/// Most bytes of cached scenes; a typical scene has 2 MiB.
+/// Maximum bytes of cached scenes; a typical scene has 2 MiB.
 const MOST_BYTES: usize = 256 << 20;
 
 /// Cached scenes by id. An uploaded scene never changes.

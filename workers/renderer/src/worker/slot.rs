@@ -16,11 +16,11 @@ use crate::error::RenderError;
 use crate::slot::{Rendered, Slot};
 use crate::source::SceneSource;
 
-/// How long the service may hold a request for a lease. Short, so that a stop does not wait for it.
+/// How long the service may hold a lease request. Short, so that a stop is not delayed.
 const LEASE_WAIT_MS: u32 = 2000;
-/// Pause after a refusal, which will not change by itself.
+/// Pause after a refusal, which only a change to the service can lift.
 const AFTER_REFUSAL: Duration = Duration::from_secs(10);
-/// Weight of the newest frame in the running mean of the cost of a frame.
+/// Weight of the newest frame in the moving average of the cost of a frame.
 const NEWEST: f64 = 0.3;
 
 /// Leases and renders frames until the worker stops.
@@ -44,7 +44,7 @@ pub(crate) fn run(shared: &Shared, number: usize, parcels: &SyncSender<Parcel>) 
     }
 }
 
-/// Asks for a lease.
+/// Requests a lease.
 fn lease(shared: &Shared, frame_ms: f64) -> Outcome<Option<Lease>> {
     let worker_id = shared.membership.worker_id();
     let request = LeaseRequest {
@@ -64,7 +64,7 @@ fn lease(shared: &Shared, frame_ms: f64) -> Outcome<Option<Lease>> {
 /// The delivery thread has ended.
 struct Gone;
 
-/// Renders the frames of a lease until they are done, the lease is lost or the worker stops.
+/// Renders the frames of a lease until all are rendered, the lease is lost or the worker stops.
 fn work(
     shared: &Shared,
     (number, slot): (usize, &mut Slot),

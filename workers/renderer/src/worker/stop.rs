@@ -1,14 +1,14 @@
-//! The request to stop, and pauses that end with it.
+//! The stop flag, and pauses that end when it is set.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// How soon a pause notices that the worker is to stop.
+/// How often a pause checks the flag.
 const STEP: Duration = Duration::from_millis(50);
 
-/// Set once, when the worker is to stop.
+/// Set once to stop the worker.
 #[derive(Clone, Default)]
 pub(crate) struct Stop(pub(crate) Arc<AtomicBool>);
 
@@ -21,7 +21,7 @@ impl Stop {
         self.0.load(Ordering::SeqCst)
     }
 
-    /// Sleeps; ends early when the worker is to stop.
+    /// Sleeps; ends early when the worker is stopped.
     pub(crate) fn pause(&self, duration: Duration) {
         let end = Instant::now() + duration;
         while !self.is_set() && Instant::now() < end {

@@ -1,4 +1,4 @@
-//! Style models that the service has and this worker lacks.
+//! Downloads style models of the service that this worker lacks.
 
 use super::Shared;
 use super::client::Outcome;

@@ -1,5 +1,5 @@
-//! Ends the process when a frame runs without end or eats the machine's memory, or when one that was cancelled does not look at its
-//! flag: nothing inside a process can stop a thread that computes, and the service knows how to go on after a worker that died.
+//! Ends the process when a frame exceeds its time, the worker exceeds its memory, or a cancelled frame ignores its flag. A computing
+//! thread cannot be stopped from inside its process, and the service recovers from a dead worker.
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -9,20 +9,20 @@ use super::Shared;
 use super::held::Hold;
 use super::memory::resident_bytes;
 
-/// How often the frames and the memory are looked at.
+/// How often the frames and the memory are checked.
 const LOOK: Duration = Duration::from_millis(100);
-/// How long a frame may go on after its lease is lost. Loops look at their flag every few milliseconds; what takes longer runs in
-/// a library that does not.
+/// How long a frame may run after its lease is lost. Loops check their flag every few milliseconds; longer computations are inside a
+/// library that does not.
 const AFTER_LOSS: Duration = Duration::from_secs(8);
 
-/// What a frame may cost before the worker gives itself up.
+/// Limits that end the worker when exceeded.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
-    /// Longest time of one frame.
+    /// Maximum time of one frame.
     pub frame: Duration,
-    /// How long a frame may go on after its lease is lost.
+    /// How long a frame may run after its lease is lost.
     pub lost: Duration,
-    /// Most resident memory of the whole worker, bytes.
+    /// Maximum resident memory of the whole worker, bytes.
     pub memory_bytes: u64,
 }
 
@@ -34,7 +34,7 @@ impl Limits {
         memory_bytes: u64::MAX,
     };
 
-    /// These limits of a frame's time and a worker's memory.
+    /// Limits on a frame's time and a worker's memory.
     #[must_use]
     pub fn new(frame: Duration, memory_bytes: u64) -> Self {
         Self {
@@ -55,16 +55,16 @@ struct Frame {
     frame: u64,
     begun: Instant,
     hold: Hold,
-    /// When the loss of its lease was seen.
+    /// When the loss of its lease was noticed.
     lost: Option<Instant>,
 }
 
 /// Why the process must end.
 #[derive(Debug, PartialEq)]
 enum Verdict {
-    /// One frame or the memory is to blame.
+    /// A frame exceeded its time, or the worker its memory.
     Guilty(String),
-    /// A frame that nobody waits for: the others go back.
+    /// A cancelled frame does not stop. Leases of other frames are released.
     Idle(String),
 }
 
@@ -84,7 +84,7 @@ impl Running {
         self.map().remove(&slot);
     }
 
-    /// Why the process must end, if it must.
+    /// The reason to end the process, or `None`.
     fn verdict(&self, limits: &Limits, memory_bytes: Option<u64>) -> Option<Verdict> {
         let mut running = self.map();
         for frame in running.values_mut().filter(|frame| frame.hold.is_lost()) {
@@ -122,7 +122,7 @@ impl Running {
     }
 }
 
-/// Watches until the worker is to stop.
+/// Watches until the worker stops.
 pub(crate) fn run(shared: &Shared) {
     while !shared.stop.is_set() {
         match shared.running.verdict(&shared.limits, resident_bytes()) {
@@ -134,7 +134,7 @@ pub(crate) fn run(shared: &Shared) {
             Some(Verdict::Idle(message)) => {
                 tracing::warn!("{message}; the worker ends itself");
                 for token in shared.held.tokens() {
-                    // What does not arrive runs out with the worker.
+                    // A lease whose release fails expires after the process ends.
                     let _ = shared
                         .client
                         .release(token, "the worker ends itself for another frame");

@@ -1,4 +1,4 @@
-//! Every artifact can be read back and is what its name says.
+//! Every artifact can be decoded and matches its kind.
 
 use imaging::codec::{FilePlane, Radiance, decode_picture, decode_plane, decode_radiance};
 use imaging::{Channels, Rgb, Samples};

@@ -1,4 +1,4 @@
-//! The camera of a frame: what it shows, what follows it, and what it leaves as it was.
+//! The camera of a frame: its effect on pictures and labels, and the outputs it leaves unchanged.
 
 use imaging::codec::{FilePlane, decode_picture, decode_plane};
 use imaging::{Plane, Samples};
@@ -122,7 +122,7 @@ fn the_flat_port_narrows_the_view_by_the_index_of_the_water() {
         codes(file(&rendered, "instances"))
     };
     let (air, port) = (pixels(json!({})), pixels(json!({"port": {"kind": "flat"}})));
-    // What stands 10 px from the center in air stands 13.4 px from it behind the port.
+    // A point 10 px from the center in air is 13.4 px from it behind the port.
     let (mut same, mut all) = (0, 0);
     for (x, y) in (-7..8).flat_map(|x| (-7..8).map(move |y| (x, y))) {
         let moved = |d: i32, center: f64| (center + 1.34 * f64::from(d)).round() as usize;
@@ -157,7 +157,7 @@ fn noise_is_the_frames_own_and_the_same_whatever_was_rendered_before() {
         (&numbers["black_dn"], &numbers["cfa"]),
         (&json!(64), &json!("rggb"))
     );
-    // The frame without noise is its mean, within what a thousand pixels leave of the noise.
+    // The frame without noise is the mean of the noisy one, up to the noise of a mean over a thousand pixels.
     let mean = |picture: &[u8]| picture.iter().map(|&v| f64::from(v)).sum::<f64>() / picture.len() as f64;
     let quiet = render(&parse(&self::job(&json!({}))));
     assert!((mean(&rgb(&first)) - mean(&rgb(&quiet))).abs() < 6.0);
@@ -174,7 +174,7 @@ fn the_fast_camera_agrees_with_the_reference() {
     };
     let (fast, exact) = (shot(json!({"tolerance": 1e-5})), shot(json!("reference")));
     let apart = fast.iter().zip(&exact).map(|(&a, &b)| a.abs_diff(b));
-    // Between two radii the fast blur is a blend; noise turns on that by a code here and there.
+    // Between two radii the fast blur interpolates, which can change noisy samples by a code.
     let far = apart.filter(|&d| d > 2).count();
     assert!(far * 50 < fast.len(), "{far} of {}", fast.len());
 }
@@ -276,7 +276,7 @@ fn the_noise_of_the_sensor_is_a_tolerance() {
     };
     let camera = json!({"sensor": {"read_noise_e": 30.0, "full_well_e": 10_000.0}});
     let tolerance = plan(json!({"camera": camera})).unwrap();
-    // 30 electrons of 9000, and a third of that.
+    // The noise is 30 electrons of 9000; the hidden error is a third of that.
     assert!(
         (tolerance / (30.0 / 9000.0 / 3.0) - 1.0).abs() < 1e-3,
         "{tolerance}"

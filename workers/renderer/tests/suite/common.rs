@@ -1,4 +1,4 @@
-//! A small scene in files, and jobs about it.
+//! A small scene in files, and jobs that use it.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -39,12 +39,12 @@ impl Files {
         Self { folder }
     }
 
-    /// A job of one frame: these fields over a scene with range and nothing else.
+    /// A job of one frame: these fields, over a scene with range.
     pub(crate) fn job(&self, fields: &Value) -> Job {
         parse(&self.description(fields))
     }
 
-    /// The same as stored by a service that did not yet check what its scene lacks.
+    /// The same, as stored by an older service that did not check for missing scene data.
     pub(crate) fn stored_job(&self, fields: &Value) -> Job {
         let mut description = self.description(fields);
         description["daylight"] = json!("auto");
@@ -65,7 +65,7 @@ impl Files {
         json!({"kind": "files", "rgb": self.path("rgb.png")})
     }
 
-    /// An instance mask in four columns: object 1, nothing, objects 300 and 301; and these classes of them.
+    /// An instance mask in four columns with their classes: object 1, empty, objects 300 and 301.
     pub(crate) fn write_mask(&self, classes: &str) {
         let mask = Plane::from_fn(WIDTH, HEIGHT, |x, _| [1_u16, 0, 300, 301][4 * x / WIDTH]);
         write(
@@ -85,7 +85,7 @@ impl Files {
         scene
     }
 
-    /// Another file in its folder.
+    /// Writes another file into its folder.
     pub(crate) fn add(&self, name: &str, bytes: Vec<u8>) {
         write(&self.folder.path().join(name), bytes);
     }
@@ -105,8 +105,7 @@ fn merge(into: &mut Value, fields: &Value) {
     }
 }
 
-/// The shipped styles and `foreign`: the network of `muddy` under another name of its graph, so that only ONNX Runtime
-/// takes it.
+/// The shipped styles and `foreign`: the network of `muddy` under another graph name, so that only ONNX Runtime accepts it.
 pub(crate) fn library() -> Library {
     let shipped = Library::embedded().unwrap();
     let mut onnx = shipped.get("muddy").unwrap().onnx.to_vec();
@@ -121,7 +120,7 @@ pub(crate) fn library() -> Library {
     shipped.with_dir(folder.path()).unwrap()
 }
 
-/// These styles; the runtime as scripts/get-onnxruntime.sh installs it.
+/// An engine with these styles and the runtime installed by scripts/get-onnxruntime.sh.
 pub(crate) fn engine() -> Arc<Engine> {
     let installed = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../.onnxruntime/libonnxruntime.so");
     let installed = installed.is_file().then_some(installed);
@@ -141,7 +140,7 @@ pub(crate) fn parse(description: &Value) -> Job {
     Job::parse(description.to_string().as_bytes(), &vocabulary).unwrap_or_else(|invalid| panic!("{invalid}"))
 }
 
-/// What is wrong with a description.
+/// The errors of a description.
 pub(crate) fn parse_errors(description: &Value) -> Vec<spec::FieldError> {
     let vocabulary = renderer::vocabulary(&library(), true);
     Job::parse(description.to_string().as_bytes(), &vocabulary)

@@ -28,7 +28,7 @@ fn sky(cloud_cover: f64) -> Value {
     json!({"sun_elevation_deg": 50, "sun_azimuth_deg": 70, "cloud_cover": cloud_cover, "wind_m_per_s": 5})
 }
 
-/// Mean code of the rows of a picture from one to another.
+/// Mean code of a range of rows of a picture.
 fn mean(bytes: &[u8], rows: std::ops::Range<usize>) -> f64 {
     let picture = imaging::codec::decode_picture(bytes).unwrap().to_rgb8();
     let codes: Vec<f64> = picture
@@ -89,7 +89,7 @@ fn by_default_the_veil_is_much_darker_than_the_published_convention() {
     assert!(light(&day) < 0.3 * light(&constant), "{}", light(&day));
 }
 
-/// Mean linear light of the rows of a layer from one to another.
+/// Mean linear light of a range of rows of a layer.
 fn light(bytes: &[u8], rows: std::ops::Range<usize>) -> f64 {
     let imaging::codec::Radiance::Linear(layer) = imaging::codec::decode_radiance(bytes).unwrap() else {
         panic!("a layer of light is linear")
@@ -226,6 +226,6 @@ fn the_reference_draws_the_same_shadows_and_waves() {
         render(&parse(&job))
     };
     let apart = apart(&frame(json!({"tolerance": 3e-4})), &frame(json!("reference")), 6);
-    // Rays to the sky are few between pixels, and shadows have edges.
+    // Sky rays are sparse between pixels, and shadows have edges.
     assert!(apart < 0.05, "{apart}");
 }

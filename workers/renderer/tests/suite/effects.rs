@@ -1,4 +1,4 @@
-//! Effects that a frame has only where they change its picture.
+//! Effects that are rendered only if they change the picture.
 
 use optics::plan::{Plan, StageId};
 use renderer::{SceneSource, Slot};

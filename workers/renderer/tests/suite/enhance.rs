@@ -1,4 +1,4 @@
-//! Which form of an enhancement a frame gets.
+//! The planned variant of an enhancement.
 
 use optics::plan::StageId;
 use renderer::{Rendered, SceneSource, Slot};
@@ -31,7 +31,7 @@ fn a_tolerance_takes_the_fastest_form_of_ibla_that_was_measured_to_be_within_it(
         (json!({"terms": 4}), "ibla"),
         (json!("reference"), "ibla"),
     ] {
-        // The methods of the forms take the same picture, and are never replaced.
+        // The methods of the variants use the same picture and are never replaced.
         let chosen = render(&files.job(&fields(&EVERY, &fidelity)));
         let [ibla, hybrid, guided] = EVERY.map(|name| file(&chosen, &format!("enhanced.{name}")));
         assert!(hybrid != guided, "{fidelity}");

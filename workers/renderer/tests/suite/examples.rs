@@ -13,7 +13,7 @@ const FRAMES: u64 = 2;
 /// Columns and rows of small frames.
 const SMALL: (u64, u64) = (192, 123);
 
-/// A job under the name that failures show.
+/// A job with its name in failure messages.
 struct Shipped {
     name: String,
     job: Value,

@@ -1,4 +1,4 @@
-//! Jobs into folders: any number of slots, interrupted, again.
+//! Rendering jobs into folders: any number of slots, interruption and resumption.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -22,7 +22,7 @@ fn run(job: &Job, out: &Path, slots: usize) -> Summary {
     render_job(job, &engine_without_runtime(), out, slots, |_| {}).unwrap()
 }
 
-/// Every file by its path, except the records, which hold times.
+/// Every file by its path, except the records, which contain times.
 fn contents(out: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut found = BTreeMap::new();
     let mut folders = vec![out.to_owned()];
@@ -65,7 +65,7 @@ fn an_interrupted_job_goes_on_where_it_was_and_ends_the_same() {
     let (files, whole, broken) = (Files::new(), tempdir().unwrap(), tempdir().unwrap());
     let job = job(&files);
     let (expected, _) = (run(&job, whole.path(), 2), run(&job, broken.path(), 2));
-    // As after a kill: three whole lines, half of one, a frame without a line, a draft.
+    // The state after a kill: three whole lines, half of one, a frame without a line, a draft.
     let text = fs::read_to_string(broken.path().join("records.jsonl")).unwrap();
     let end = text.match_indices('\n').nth(2).unwrap().0 + 40;
     fs::write(broken.path().join("records.jsonl"), &text[..end]).unwrap();

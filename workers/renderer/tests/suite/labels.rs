@@ -1,4 +1,4 @@
-//! Labels of procedural scenes, what the water leaves to be seen of them, and sequences.
+//! Labels of procedural scenes, their visibility through the water, and sequences.
 
 use imaging::codec::{FilePlane, Radiance, decode_plane, decode_radiance};
 use renderer::{Rendered, SceneSource, Slot};
@@ -225,7 +225,7 @@ fn a_mask_with_classes_labels_a_picture_of_files() {
     let FilePlane::Codes(semantics) = decode_plane(file(&rendered, "semantics")).unwrap() else {
         panic!("a mask")
     };
-    // Left to right: pile, nothing, chain, and an object without a class.
+    // Left to right: pile, empty, chain, and an object without a class.
     let row: Vec<u16> = [2, 14, 26, 40].map(|x| semantics.pixel(x, 5)).into();
     assert_eq!(row, [2, 0, 40, 255]);
     let boxes: Value = serde_json::from_slice(file(&rendered, "boxes")).unwrap();
@@ -254,7 +254,7 @@ fn a_mask_with_classes_labels_a_picture_of_files() {
         "the left is nearer"
     );
     assert!(rendered.record.provenance.inputs.contains_key("scene.classes"));
-    // Without a label artifact nothing of it is computed.
+    // Without a label artifact no labels are computed.
     let plain = render(&files.job(&json!({"scene": files.scene_with_mask(), "artifacts": ["instances"]})));
     assert!(plain.record.scene.is_none());
 }

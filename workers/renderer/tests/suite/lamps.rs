@@ -1,4 +1,4 @@
-//! Lamps of a job: what they light, what the record says, what is refused.
+//! Lamps of a job: lighting, records and refusals.
 
 use imaging::codec::{Radiance, decode_radiance};
 use serde_json::{Value, json};
@@ -10,7 +10,7 @@ fn spot(direction: Value) -> Value {
            "direction": direction, "cone_deg": 40.0})
 }
 
-/// Water with lamps in it, without `depth_m` or `daylight`: night.
+/// Water with lamps; without `depth_m` and `daylight` it is night.
 fn night() -> Value {
     json!({"optics": "jerlov-1C"})
 }
@@ -64,7 +64,8 @@ fn by_night_only_the_lamps_are_seen() {
     assert!(lit.record.warnings.is_empty(), "{:?}", lit.record.warnings);
 }
 
-/// A spot beside the camera sends back what its light meets at more than a right angle: more of it in sea water.
+/// Light of a spot next to the camera returns by scattering at more than a right angle, which is stronger with the phase function of
+/// sea water.
 #[test]
 fn the_glow_is_brighter_where_it_rises_toward_the_back() {
     let files = Files::new();
@@ -116,7 +117,7 @@ fn the_reference_and_the_fast_form_give_the_same_picture() {
     assert!(worst < 1.1e-4, "{worst}");
 }
 
-/// Without daylight there is no veil: what is left of the backscatter is the glow.
+/// Without daylight there is no veil: the backscatter is the airlight of lamps.
 #[test]
 fn patches_of_turbidity_dim_and_brighten_the_glow() {
     let files = Files::new();

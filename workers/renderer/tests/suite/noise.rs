@@ -12,7 +12,7 @@ use style::Library;
 use crate::common::{Files, HEIGHT, WIDTH, file};
 use crate::onnx::{FLOAT, Graph};
 
-/// Share of the picture in the network's answer; the rest is noise.
+/// Share of the picture in the output of the network; the rest is noise.
 const EIGHT_NINTHS: f32 = 8.0 / 9.0;
 
 /// `noisy`: eight parts picture and one part noise; `plain`: the picture. Both need ONNX Runtime.
@@ -46,7 +46,7 @@ fn job(files: &Files, style: &str, seed: u64) -> Job {
     Job::parse(files.description(&fields).to_string().as_bytes(), &vocabulary).unwrap()
 }
 
-/// The stored picture of a frame, and the names of what went in.
+/// The stored picture of a frame, and the names of its inputs.
 fn rendered(engine: &Arc<Engine>, job: &Job, index: u64) -> (Vec<u8>, Vec<String>) {
     let frame = job.resolve(index).unwrap();
     let rendered = Slot::new(engine).render(&frame, &SceneSource::Local).unwrap();
@@ -85,7 +85,7 @@ fn a_network_without_the_input_is_fed_none() {
     }
 }
 
-/// Recovered from the pictures: what the network was fed is `style::noise` of seed and frame, and that is N(0, 1).
+/// The noise recovered from the pictures equals `style::noise` of seed and frame, and is distributed as N(0, 1).
 #[test]
 fn the_noise_that_is_fed_is_standard_normal() {
     let (files, engine) = (Files::new(), engine());
@@ -117,7 +117,7 @@ fn the_noise_that_is_fed_is_standard_normal() {
     let count = samples.len() as f64;
     let mean = samples.iter().sum::<f64>() / count;
     let spread = (samples.iter().map(|sample| (sample - mean).powi(2)).sum::<f64>() / count).sqrt();
-    // Five standard errors of 13 824 samples, and what is lost to black beyond -2.8.
+    // Five standard errors of 13 824 samples, plus the loss by clipping to black below -2.8.
     assert!(
         mean.abs() < 0.045 && (spread - 1.0).abs() < 0.04,
         "{mean} {spread}"

@@ -1,4 +1,4 @@
-//! The promise of a plan: exposed light is within its error bound of the f64 reference.
+//! The bound of a plan: exposed light is within it of the f64 reference.
 
 use imaging::Rgb;
 use optics::plan::Plan;
@@ -7,16 +7,16 @@ use serde_json::{Value, json};
 
 use crate::common::{engine_without_runtime, parse};
 
-/// Linear light of white: sensors and codes hold no more.
+/// Linear light of white: sensors and codes clip above it.
 const WHITE: f64 = 1.0;
 
-/// The largest error of exposed light that a plan promises.
+/// The bound of a plan on the error of exposed light.
 fn promise(plan: &Plan) -> f64 {
     plan.promise().expect("a frame with a tolerance").bound
 }
 
-/// A structure in turbid water under a faint veil: dim, so that a camera multiplies its light. Nothing casts shadows, whose edges have
-/// no bound.
+/// A structure in turbid water under a faint veil: dim, so that a camera multiplies its light. No lamp or sun casts shadows, since
+/// their edges have no bound.
 fn job(exposure: &Value, fidelity: &Value) -> Value {
     json!({
         "scene": {"kind": "procedural", "family": "structure", "lighting": "in_air"},

@@ -1,4 +1,4 @@
-//! Clouds of sediment in the plan: drawn where they may show, left out where they cannot.
+//! Clouds of sediment in the plan: drawn where they may be visible, skipped where they cannot.
 
 use optics::plan::StageId;
 use renderer::{SceneSource, Slot};
@@ -70,7 +70,7 @@ fn clouds_that_cannot_matter_are_skipped_and_cost_nothing() {
     }
 }
 
-/// Cameras at any height and angle over any bank: where the plan skips, the reference changes nothing by more than is said.
+/// Cameras at any height and angle over any bank: if the plan skips the clouds, the reference changes by at most the stated bound.
 #[test]
 fn what_is_skipped_is_not_there_in_the_reference_either() {
     let files = Files::new();
@@ -110,7 +110,7 @@ fn what_is_skipped_is_not_there_in_the_reference_either() {
         });
         let most = changes.fold(0.0, f64::max);
         let bound = bound.absolute;
-        // The reference passes its light on in f32.
+        // The reference stores its light in f32.
         assert!(
             most <= bound + f64::from(f32::EPSILON),
             "frame {index}: {most:e} above {bound:e}"

@@ -1,4 +1,4 @@
-//! When the style network runs, and what happens where it cannot.
+//! When the style network runs, and the result where it cannot.
 
 use optics::plan::StageId;
 use renderer::{SceneSource, Slot};
@@ -94,13 +94,13 @@ fn a_style_that_takes_a_range_is_given_that_of_each_pixel_and_leaves_a_scene_wit
             json!({"scene": scene, "water": {"style": "atlantic-range"}, "artifacts": ["rgb", "clean"]});
         try_render(&files.stored_job(&fields), &engine_without_runtime()).unwrap()
     };
-    // Near at the left and far at the right, against nothing but open water: near pixels differ more.
+    // The ramp is near at the left and far at the right; the other scene is open water only. Near pixels differ more.
     let (ramp, open) = (styled(files.scene("range.npy")), styled(files.scene("holes.npy")));
     let near_and_far = [0, WIDTH - 4].map(|left| {
         let of = |rendered| columns(file(rendered, "rgb"), left);
         apart(&of(&ramp), &of(&open))
     });
-    // At 5 m three quarters of the way to open water are done, at 1 m a quarter; the picture is darker where it is near.
+    // The blend toward open water is at three quarters for 5 m and at one quarter for 1 m; near pixels are also darker.
     assert!(2 * near_and_far[0] > 3 * near_and_far[1], "{near_and_far:?}");
     assert!(ramp.record.provenance.inputs.contains_key("style.atlantic-range"));
     let bare = styled(files.scene_without_range());
@@ -108,7 +108,7 @@ fn a_style_that_takes_a_range_is_given_that_of_each_pixel_and_leaves_a_scene_wit
     assert!(!bare.record.provenance.inputs.contains_key("style.atlantic-range"));
 }
 
-/// Four columns of a picture from the one at `left`.
+/// Four columns of a picture, starting at `left`.
 fn columns(picture: &[u8], left: usize) -> Vec<u8> {
     let picture = imaging::codec::decode_picture(picture).unwrap().to_rgb8();
     let places = (0..picture.height()).flat_map(|y| (left..left + 4).map(move |x| (x, y)));

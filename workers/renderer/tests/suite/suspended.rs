@@ -1,4 +1,4 @@
-//! Snow and patches of turbidity in a job: what they change, what the record says.
+//! Snow and patches of turbidity in a job: their effects and records.
 
 use imaging::codec::{Radiance, decode_radiance};
 use renderer::{Rendered, SceneSource, Slot};
@@ -6,10 +6,10 @@ use serde_json::{Value, json};
 
 use crate::common::{Files, engine_without_runtime, file, parse, render};
 
-/// Rounding of f32 in the glow and in the sum of the layers, as a share of the brightest.
+/// Rounding of f32 in the airlight and in the sum of the layers, relative to the brightest sample.
 const ROUNDING: f32 = 1e-5;
 
-/// An effect is left out where fewer than 0.1 % of the pixels change by more than two codes; the numerics may add one.
+/// An effect is omitted if fewer than 0.1 % of the pixels change by more than two codes; rounding may add one.
 const ALLOWED_CODES: u8 = 3;
 
 fn snow() -> Value {
@@ -140,7 +140,7 @@ fn layers(rendered: &Rendered) -> Vec<f32> {
     sum
 }
 
-/// Random waters, lamps, patches and snow: what the plan promises holds with all of them together.
+/// Random waters, lamps, patches and snow: the bound of the plan holds for all of them combined.
 #[test]
 fn whatever_is_in_the_water_no_error_exceeds_the_bounds_of_the_plan() {
     let uniform = |least: f64, most: f64| json!({"uniform": [least, most]});
@@ -203,7 +203,7 @@ fn whatever_is_in_the_water_no_error_exceeds_the_bounds_of_the_plan() {
     }
 }
 
-/// Faint and bright lamps, lax and strict tolerances: either the bounds add up to what is asked for, or the plan says why not.
+/// Faint and bright lamps, lax and strict tolerances: either the bounds sum to at most the tolerance, or the plan states the reason.
 #[test]
 fn the_bounds_add_up_to_the_tolerance_or_the_plan_says_why() {
     let uniform = |least: f64, most: f64| json!({"uniform": [least, most]});

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use crate::common::{Files, engine_without_runtime, file, parse, render, try_render};
 
-/// A lamp in coastal water before a structure.
+/// A lamp in coastal water in front of a structure.
 fn lit(beside: &Value) -> Value {
     let mut job = json!({
         "scene": {"kind": "procedural", "family": "structure", "seed": 5},
@@ -95,7 +95,7 @@ fn a_frame_is_traced_for_its_artifacts_alone_and_the_same_each_time() {
 
 #[test]
 fn a_budget_is_paths_and_not_time() {
-    // 0.04 s are 20 000 paths: 34 of each of 192 pixels and three channels, of which 32 are a doubling of the first.
+    // 0.04 s allow 20 000 paths, which is 34 for each of 192 pixels and three channels; the last complete doubling ends at 32.
     let truth = json!({"budget_s": 0.04, "target": 0.001});
     let rendered = render(&parse(&lit(&json!({"truth": truth}))));
     let record = rendered.record.truth.clone().unwrap();
@@ -139,10 +139,10 @@ const FLOOR_M: f64 = 2.0;
 const DEPTH_M: f64 = 4.0;
 const GRAY: f64 = 0.18;
 const ABSORPTION: [f64; 3] = [0.4, 0.3, 0.2];
-/// Enough for the veil to follow from it, too little to matter.
+/// Scattering that is enough to derive the veil, but negligible otherwise.
 const SCATTERING: [f64; 3] = [1e-3; 3];
-/// Light that the floor sends to the surface and that comes back: less than the gray times the share that returns from there,
-/// 0.18 · 0.48 · e^(−2·6·0.2) at the most, of which the small floor meets a part that is below this.
+/// Upper bound on light that the floor sends to the surface and that is reflected back: the gray times the reflected share, 0.18 ·
+/// 0.48 · e^(−2·6·0.2). The small floor receives only part of it, which is below this.
 const RETURNED: f64 = 3e-3;
 
 /// Cosine of the ray of a pixel from the camera's axis.
@@ -152,7 +152,7 @@ fn cosine(x: usize, y: usize) -> f64 {
     camera.ray(x as f64, y as f64).normalized().z
 }
 
-/// Mean over the frame of what arrives of `light(channel)` on the floor.
+/// Mean over the frame of the transmitted `light(channel)` of the floor.
 fn expected(light: impl Fn(usize) -> f64) -> [f64; 3] {
     [0, 1, 2].map(|i| {
         let pixels = (0..SIDES.1).flat_map(|y| (0..SIDES.0).map(move |x| (x, y)));
@@ -176,7 +176,7 @@ fn a_floor_under_an_even_sky_has_the_colors_of_the_closed_form() {
     let overcast =
         json!({"sun_elevation_deg": 45, "sun_azimuth_deg": 0, "cloud_cover": 1, "wind_m_per_s": 0});
     let rendered = floor(&Files::new(), &overcast, 2048);
-    // Share of the irradiance just below the surface that is left at the floor: ∫ (1 − R) μ e^(−a z/μ) dμ / ∫ (1 − R) μ dμ.
+    // Share of the irradiance just below the surface that reaches the floor: ∫ (1 − R) μ e^(−a z/μ) dμ / ∫ (1 − R) μ dμ.
     let window = |absorption: f64| {
         const STEPS: usize = 200_000;
         let critical = optics::daylight::CRITICAL_COSINE;
@@ -188,7 +188,7 @@ fn a_floor_under_an_even_sky_has_the_colors_of_the_closed_form() {
     };
     let expected = expected(|i| window(ABSORPTION[i]) / window(0.0));
     let means = means(&rendered);
-    // The level follows from the exposure: channels are compared with the last one.
+    // The exposure sets the level, so channels are compared with the last one.
     let ((last, last_error), last_expected) = (means[2], expected[2]);
     for ((mean, error), expected) in means.into_iter().zip(expected) {
         let (ratio, expected) = (mean / last, expected / last_expected);

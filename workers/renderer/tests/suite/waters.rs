@@ -1,4 +1,4 @@
-//! What the water stage does with the odd scene, and what the record says about it.
+//! The water stage on unusual scenes, and the records it writes.
 
 use renderer::{SceneSource, Slot};
 use serde_json::{Value, json};

@@ -1,4 +1,4 @@
-//! How different the waters are: of the pictures that they make of the same scenes.
+//! Differences of the waters, measured on their pictures of the same scenes.
 
 use std::fmt::Write as _;
 
@@ -7,13 +7,13 @@ use style::{Library, Session};
 
 use cli::exit::Failure;
 
-/// What is measured of the pictures of a water, all of 255.
+/// Color statistics of the pictures of a water, in 8-bit codes.
 struct Look {
     name: String,
     mean: [f64; 3],
     /// Standard deviation of the brightness of all pixels.
     contrast: f64,
-    /// Mean difference of the brightness of neighbors, at full size and at an eighth of it.
+    /// Mean difference of the brightness of neighboring pixels, at full size and at an eighth of it.
     fine: f64,
     coarse: f64,
 }
@@ -22,7 +22,7 @@ struct Look {
 pub(super) fn compare(text: &mut String, library: &Library) -> Result<(), Failure> {
     let mut looks = Vec::new();
     for model in library.names().into_iter().filter_map(|name| library.get(name)) {
-        // The scenes here are pictures without a range.
+        // The scenes are pictures without a range.
         if let Some(session) = Session::native(model).filter(|session| !session.takes_range()) {
             looks.push(Look::measure(&model.name, session)?);
         }

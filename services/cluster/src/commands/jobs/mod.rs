@@ -15,7 +15,7 @@ use super::shards::resolved;
 use super::{failure, open};
 use crate::lines::{line, write};
 
-/// Shards of a job, unless they would be smaller or larger than these limits.
+/// Preferred number of shards of a job, within the limits on their size.
 const SHARDS: u64 = 100;
 const LEAST_FRAMES: u64 = 10;
 const MOST_FRAMES: u64 = 500;
@@ -81,7 +81,7 @@ fn submit(store: &str) -> Result<(), Failure> {
     send(&accepted)
 }
 
-/// Hides a set. A hidden set is no error: the service may have been killed before it recorded it.
+/// Hides a set. An already hidden set is not an error: the service may have been killed before it recorded the change.
 fn retire(set: &str) -> Result<(), Failure> {
     match Set::open(&Location::parse(set).map_err(failure)?) {
         Ok(set) => set.retire().map_err(failure),
@@ -90,12 +90,12 @@ fn retire(set: &str) -> Result<(), Failure> {
     }
 }
 
-/// The store, by the one name that all services of this machine give it.
+/// The canonical location of the store, equal for all services of this machine.
 fn shared(store: &str) -> Result<JobStore, Failure> {
     let location = Location::parse(store)
         .and_then(Location::absolute)
         .map_err(failure)?;
-    // A folder is made here, so that links to it can be followed.
+    // Creates a folder first, so that links to it can be resolved.
     JobStore::open(&location).map_err(failure)?;
     JobStore::open(&resolved(&location)?).map_err(failure)
 }

@@ -18,19 +18,19 @@ use super::super::dispatch::{Patience, Window};
 use super::{send, shared};
 use crate::engine::Broker;
 
-/// Between two rounds.
+/// Interval between two rounds.
 const ROUND: Duration = Duration::from_millis(500);
-/// A set is looked at so often, at most.
+/// Shortest interval between two listings of a set.
 const LOOK: Duration = Duration::from_secs(1);
-/// The share of the time that looking at a set may take.
+/// Inverse of the largest share of time spent on listing a set.
 const LOOK_SHARE: u32 = 20;
 /// The interval for a set that is complete, paused or cancelled; another service may change that.
 const LOOK_DONE: Duration = Duration::from_secs(3);
-/// A set that cannot be read is tried again after this time.
+/// Pause before an unreadable set is tried again.
 const LOOK_FAILED: Duration = Duration::from_secs(15);
-/// Unchanged progress is reported again after this time, in case the service missed it.
+/// Interval for repeating unchanged progress, in case the service missed it.
 const REPORT_INTERVAL: Duration = Duration::from_secs(60);
-/// Between two lists of workers, and two tries to reach the broker.
+/// Interval between two lists of workers, and between two attempts to reach the broker.
 const WORKERS: Duration = Duration::from_secs(2);
 
 /// Options of `fathom-cluster jobs watch`.
@@ -41,7 +41,7 @@ pub(super) struct Arguments {
     engine: EngineArguments,
 }
 
-/// Watches until standard input closes, as it does when the service ends, however it ends.
+/// Watches until standard input closes, which happens whenever the service ends.
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let url = arguments.engine.engine.as_deref();
     let url = url.ok_or_else(|| Failure::input("`--engine` is missing: the broker to fill"))?;
@@ -82,7 +82,7 @@ struct Watched {
     window: Option<Window>,
     due: Instant,
     reported: Option<(SeenSet, Instant)>,
-    /// Of the last look, so that a failure is printed once.
+    /// The last failure, so that it is printed once.
     failure: Option<String>,
 }
 
@@ -154,7 +154,7 @@ impl Watched {
         }
     }
 
-    /// How far the set is, and which shards are missing.
+    /// The progress of the set, and its missing shards.
     fn look(&mut self, id: &str, store: &JobStore) -> Result<(SeenSet, Vec<u64>), SetError> {
         let set = match self.set.take() {
             Some(set) => set,
@@ -162,7 +162,7 @@ impl Watched {
         };
         let (state, done) = (set.state()?, set.done_shards()?);
         if state == SetState::Cancelled {
-            // The set of a deleted job is cancelled before it is hidden: this fails once it is gone.
+            // The set of a deleted job is cancelled before it is hidden. Opening it fails once it is hidden.
             Set::open(set.location())?;
         }
         let seen = SeenSet {
@@ -189,7 +189,7 @@ impl Watched {
                 .get_or_insert_with(|| Window::new(&seen.location, None));
             return window.fill(broker, missing);
         }
-        // Workers finish or drop their shards, as the state requires; waiting shards are withdrawn.
+        // Workers finish or drop their shards, depending on the state; waiting shards are withdrawn.
         match self.window.take() {
             Some(_) => broker.withdraw(&seen.location),
             None => Ok(()),

@@ -8,15 +8,15 @@ use super::Expected;
 use crate::context::FrameContext;
 use crate::inputs::camera::Taking;
 
-/// Rounding of stages with non-negative weights is a share of the light: its bound for light up to white.
+/// Rounding of stages with non-negative weights is relative to the light; the bound is for light up to white.
 const WHITE: f64 = 1.0;
-/// Share of a frame's tolerance that a vignette may change and still be left out.
+/// Maximum share of a frame's tolerance for omitting the vignette.
 const SHARE: f64 = 0.1;
 /// Nanoseconds per pixel; `benches/frame.rs` of the camera measures them.
 const GEOMETRY_NS: f64 = 9.0;
 const CHROMATIC_NS: f64 = 15.0;
 const BLUR_NS: f64 = 4.0;
-/// Of each pixel of a disc.
+/// Nanoseconds for each pixel of a disc.
 const TAP_NS: f64 = 0.3;
 const VIGNETTE_NS: f64 = 1.5;
 const METERING_NS: f64 = 2.5;
@@ -70,8 +70,8 @@ pub(crate) fn assess_optics(
     stages.into_iter().flatten().collect()
 }
 
-/// The mean of several pictures, or of shifted copies of one. Both are means in f32 in the reference, too, so that their rounding
-/// counts twice. The plan of a frame is that of its pose; the excess of other moments is added later.
+/// The mean of several pictures, or of shifted copies of one. The reference also averages in f32, so the rounding counts twice. The
+/// plan of a frame is that of its pose; the excess of other moments is added later.
 fn assess_movement(camera: &Camera<'_>) -> Option<Stage> {
     let Taking {
         moments, shift_px, ..
@@ -95,7 +95,7 @@ fn assess_movement(camera: &Camera<'_>) -> Option<Stage> {
     })
 }
 
-/// Bilinear weights are not negative, but f32 cancels between a bright pixel and its neighbor.
+/// Bilinear weights are non-negative, but f32 cancels between a bright pixel and its neighbor.
 fn assess_geometry(camera: &Camera<'_>, peak: f64) -> Option<Stage> {
     let parts = &camera.taking.parts;
     let Some(source) = &parts.source else {

@@ -16,9 +16,9 @@ use crate::inputs::camera::Cameras;
 pub(crate) struct Developed {
     /// The result.
     pub(crate) rgb: Rgb8,
-    /// The same in 16 bits, where the camera has them.
+    /// The same in 16 bits, if the camera has them.
     pub(crate) deep: Option<Raster>,
-    /// Samples that were clamped.
+    /// Number of clamped samples.
     pub(crate) clamped: u64,
     /// The codes of the sensor.
     pub(crate) raw: Option<Raw>,
@@ -90,7 +90,7 @@ fn note(record: &mut FrameRecord, name: &str, value: Value) {
     record.optics.entry("camera").or_insert_with(|| json!({}))[name] = value;
 }
 
-/// What one needs to read the raw codes, and where the numbers come from.
+/// Metadata needed to interpret the raw codes, and the source of the sensor's values.
 fn described(context: &FrameContext<'_>, sensor: &SensorModel) -> Value {
     let law = preset::complete(&context.frame.camera).sensor.unwrap_or_default();
     let name = law.preset.as_deref().unwrap_or(preset::SENSORS[0].name);

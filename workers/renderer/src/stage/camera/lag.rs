@@ -9,14 +9,14 @@ use spec::{Camera, Exposure, Fidelity, Frame};
 use super::shutter::falloff;
 use crate::context::FrameContext;
 
-/// A small picture for metering: its sides over those of the frame.
+/// Ratio of the sides of the frame to those of the metered picture.
 const SMALLER: usize = 16;
-/// The tolerance of small pictures.
+/// The tolerance of the metered pictures.
 const TOLERANCE: f64 = 3e-4;
-/// What was metered this many times the lag before counts for less than a millionth.
+/// Multiple of the lag after which a metered value has a weight below one millionth.
 const LAGS: f64 = 14.0;
 
-/// The frames whose metering a frame depends on, in their order, itself the last.
+/// The frames that determine the exposure of a frame, in order, ending with the frame.
 pub(crate) fn metered_frames(frame: &Frame) -> Vec<Frame> {
     let camera = ::camera::preset::complete(&frame.camera);
     let (Some(Exposure::Auto(metering)), Some(path)) = (camera.exposure, camera.path) else {
@@ -50,7 +50,7 @@ pub(crate) fn metered_frames(frame: &Frame) -> Vec<Frame> {
     (first..=path.frame).map(small).collect()
 }
 
-/// The exposure of the next frame of a sequence, from that before it and the light of its small picture.
+/// The exposure of the next frame of a sequence, from the previous exposure and the light of its metered picture.
 pub(crate) fn follow(context: &FrameContext<'_>, light: &Rgb<f32>, before: Option<f64>) -> Option<f64> {
     let exposure = context.taking.as_ref()?.parts.exposure?;
     let Exposure::Auto(metering) = exposure else {

@@ -11,21 +11,21 @@ use spec::{Camera, Fidelity, Frame, Metering};
 use crate::context::FrameContext;
 use crate::inputs::scene::Prepared;
 
-/// Pixels that one stands for along a side, at most.
+/// Maximum pixels per side represented by one pixel of the thinned picture.
 const STEP_PX: usize = 16;
-/// Pixels of the thinned picture along its shorter side, where the scene has as many.
+/// Minimum pixels along the shorter side of the thinned picture, if the scene has as many.
 const LEAST_PX: usize = 32;
-/// The factor is expected to be larger than that of the thinned picture by no more than this share, and this over the root of the pixels
-/// that the percentile leaves on its smaller side. A frame that is metered brighter is planned and rendered again.
+/// The factor is expected to exceed that of the thinned picture by at most this share plus `SAMPLING` over the root of the pixels on
+/// the smaller side of the percentile. A frame with a larger factor is planned and rendered again.
 const MARGIN: f64 = 0.04;
 const SAMPLING: f64 = 0.8;
-/// Tolerance of the thinned picture: loose, and yet below the margin of dark scenes.
+/// Tolerance of the thinned picture: loose, but below the margin of dark scenes.
 const TOLERANCE: f64 = 3e-3;
 
 /// An exposure before the frame is rendered.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Expected {
-    /// The factor, or the largest if it is still to be metered.
+    /// The factor, or an upper bound if it will be metered.
     pub(crate) gain: f64,
     /// The metering; `None` if the factor is known.
     pub(crate) metering: Option<Metering>,
@@ -37,7 +37,7 @@ impl Expected {
         Self { gain, metering: None }
     }
 
-    /// A factor that is still to be metered, of at most this much.
+    /// A factor to be metered, with this upper bound.
     pub(crate) fn metered(gain: f64, metering: &Metering) -> Self {
         Self {
             gain: gain.min(MOST_GAIN),
@@ -46,12 +46,12 @@ impl Expected {
     }
 }
 
-/// The distance of kept pixels.
+/// The spacing of the sampled pixels.
 fn step_of((width, height): (usize, usize)) -> usize {
     (width.min(height) / LEAST_PX).clamp(1, STEP_PX)
 }
 
-/// The scene with one pixel for each square of pixels, that in its middle.
+/// The scene with one pixel for each square of pixels, taken from its center.
 pub(crate) fn thin_scene(prepared: &Prepared) -> Prepared {
     let scene = &prepared.scene;
     let step = step_of(scene.radiance.size());
@@ -94,7 +94,7 @@ fn thin_plane<T: Copy>(plane: &Plane<T>, step: usize) -> Plane<T> {
     })
 }
 
-/// The frame of a thinned scene: without snow, whose particles are as many in a small picture, and with a pinhole.
+/// The frame of a thinned scene: with a pinhole and without snow, whose number of particles would not shrink with the picture.
 pub(crate) fn thin_frame(frame: &Frame, (width, height): (usize, usize)) -> Frame {
     let mut thin = Frame {
         camera: Camera {
@@ -112,7 +112,7 @@ pub(crate) fn thin_frame(frame: &Frame, (width, height): (usize, usize)) -> Fram
     thin
 }
 
-/// The largest factor to be expected from the light of the thinned picture.
+/// Upper bound on the factor, expected from the light of the thinned picture.
 pub(crate) fn expect_factor(context: &FrameContext<'_>, light: &Rgb<f32>, metering: &Metering) -> f64 {
     let law = ::camera::preset::complete(&context.frame.camera).vignette;
     let falloff = context.taking.as_ref().zip(law).map(|(taking, law)| {

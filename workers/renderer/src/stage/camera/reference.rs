@@ -1,4 +1,4 @@
-//! The optics of the camera in f64, for frames that ask for the reference.
+//! The optics of the camera in f64, for frames of reference fidelity.
 
 use ::camera::defocus::Focus;
 use ::camera::geometry::{coordinates_reference, resample_reference};
@@ -9,7 +9,7 @@ use spec::Metering;
 
 use crate::inputs::camera::Taking;
 
-/// A picture along the map of the lens.
+/// Resamples a picture by the map of the lens.
 pub(super) fn resample(taking: &Taking, light: &Rgb<f32>) -> Rgb<f32> {
     let Some(source) = &taking.parts.source else {
         return light.clone();
@@ -22,13 +22,13 @@ pub(super) fn resample(taking: &Taking, light: &Rgb<f32>) -> Rgb<f32> {
     narrow(&Rgb::new(planes).expect("three planes of one map"))
 }
 
-/// Blur out of focus.
+/// Defocus blur.
 pub(super) fn blur(picture: &Rgb<f32>, focus: &Focus, range: &Plane<f32>) -> Rgb<f32> {
     let radii = range.map(|&meters| focus.radius_px(f64::from(meters)));
     narrow(&defocus::blur_reference(&wide(picture), &radii))
 }
 
-/// The factor that meters a picture before its fall-off.
+/// The metered factor of a picture before its fall-off.
 pub(super) fn metered(picture: &Rgb<f32>, falloff: Option<&FallOff>, metering: &Metering) -> f64 {
     exposure::metered_reference(&fallen(picture, falloff, 1.0), metering)
 }

@@ -15,7 +15,7 @@ use super::{haze_before, reference};
 use crate::context::FrameContext;
 use crate::inputs::camera::Taking;
 
-/// The light of a moment behind port and lens: haze in linear light, geometry, defocus and the movement of a picture.
+/// The light of a moment after port and lens: haze in linear light, geometry, defocus and the movement of a picture.
 pub(crate) fn gather(context: &FrameContext<'_>, scattered: &Rgb<f32>) -> Rgb<f32> {
     let haze = haze_before(context.frame);
     let light = if haze.is_empty() {
@@ -44,7 +44,7 @@ pub(crate) fn gather(context: &FrameContext<'_>, scattered: &Rgb<f32>) -> Rgb<f3
     }
 }
 
-/// The mean of a picture moved along a way from minus a half to a half of it, in steps of at most a pixel; edges go on.
+/// Averages a picture over shifts from −1/2 to +1/2 of the vector, in steps of at most one pixel. Border pixels are repeated.
 pub(super) fn shifted(picture: &Rgb<f32>, [across, down]: [f64; 2]) -> Rgb<f32> {
     let steps = across.hypot(down).ceil() as usize + 1;
     if steps == 1 {
@@ -86,8 +86,7 @@ pub(crate) struct Exposed {
     pub(crate) gain: f64,
 }
 
-/// The picture with vignette and exposure; their numbers go into the record. `lagging` is the factor of a sequence whose exposure
-/// lags.
+/// Applies vignette and exposure and records their numbers. `lagging` is the factor of a sequence whose exposure lags.
 pub(crate) fn expose(
     context: &FrameContext<'_>,
     mut picture: Rgb<f32>,
@@ -136,7 +135,7 @@ fn describe(context: &FrameContext<'_>, taking: &Taking, gain: f64, record: &mut
     }
 }
 
-/// What a flat port whose pupil has a place of its own leaves of error in the corner at the median range, px.
+/// Corner error of a flat port at the median range when its pupil is treated as one viewpoint, px.
 fn port_error(context: &FrameContext<'_>) -> Option<f64> {
     let taking = context.taking.as_ref()?;
     let port = ::camera::preset::complete(&context.frame.camera).port?;
@@ -161,7 +160,7 @@ fn port_error(context: &FrameContext<'_>) -> Option<f64> {
     .filter(|error| *error > 0.0)
 }
 
-/// The fall-off, where the plan runs it.
+/// The fall-off, if the plan includes it.
 pub(crate) fn falloff<'a>(context: &'a FrameContext<'_>) -> Option<&'a FallOff> {
     let falloff = context.taking.as_ref()?.parts.falloff.as_ref();
     falloff.filter(|_| !context.plan.variant(StageId::Vignette).is_skipped())

@@ -8,8 +8,8 @@ use spec::RaySource;
 use super::{farthest_surface, on_surfaces};
 use crate::assessment::Assessment;
 
-/// Nanoseconds per pixel: daylight on surfaces under an even sky and with the sun, a ray to the sun, each ray of ambient occlusion where
-/// some are traced, and caustics with the tiles that they are looked up in.
+/// Costs in ns per pixel: daylight on surfaces under an overcast sky and with the sun, a sun ray, each ambient-occlusion ray if any
+/// are traced, and caustics including their tiles.
 const OVERCAST_NS: f64 = 7.0;
 const SUNNY_NS: f64 = 9.0;
 const SUN_RAY_NS: f64 = 30.0;
@@ -17,9 +17,9 @@ const AMBIENT_RAY_NS: f64 = 20.0;
 const CAUSTICS_NS: f64 = 40.0;
 const SHAFTS_NS: f64 = 12.0;
 const VEIL_OCCLUSION_NS: f64 = 8.0;
-/// A ray through a range image; of those of ambient occlusion there is one for each fifth pixel.
+/// A ray through a range image. Ambient occlusion traces its rays for every fifth pixel.
 const SCREEN_RAY_NS: f64 = 1_000.0;
-/// Shadows of the sun and caustics are each left out if that changes no more than this part of the tolerance.
+/// Largest part of the tolerance that omitting the sun's shadows, or caustics, may use.
 const SKIP_SHARE: f64 = 0.0625;
 
 /// Daylight of a frame on surfaces and in the water.
@@ -73,7 +73,7 @@ fn assess_surfaces(assessment: &Assessment<'_>) -> Vec<Stage> {
         stages.push(assess_ambient(assessment, daylight.ambient_rays()));
     }
     if sun.is_some() && context.pattern.is_some() && daylight.draws_caustics() {
-        // Brighter by no more than the peak, and darker by no more than all of it.
+        // The pattern brightens by at most its peak, and darkens by at most all light.
         stages.push(assess_caustics(assessment, sunlight * (peak - 1.0).max(1.0)));
     }
     if sun.is_some() && context.pattern.is_some() && daylight.has_shafts() {
@@ -99,7 +99,7 @@ fn is_by_screen(assessment: &Assessment<'_>) -> bool {
     assessment.context.frame.ray_source() == RaySource::Screen
 }
 
-/// A stage of sunlight: left out if that changes no more than its share.
+/// A stage of sunlight: skipped if its change is within its share.
 fn assess_sunlight(assessment: &Assessment<'_>, id: StageId, fast: &'static str, changed: f64) -> Stage {
     let share = SKIP_SHARE * assessment.budget.whole();
     if !assessment.is_reference() && changed <= share {
