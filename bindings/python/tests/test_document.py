@@ -19,7 +19,8 @@ from conftest import description
 jsonschema = pytest.importorskip("jsonschema")
 
 ROOT = Path(__file__).parents[3]
-# What no schema can say: fields that must fit together, names of users, what a water lacks, a scene where no site brings one.
+# Errors that no schema can express: fields that must fit together, names of users, missing numbers of a water,
+# a missing scene without a site.
 BEYOND_A_SCHEMA = {
     "black",
     "empty",

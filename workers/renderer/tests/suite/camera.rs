@@ -304,7 +304,7 @@ fn every_number_may_be_a_law_and_what_cannot_be_is_refused_at_submit() {
         (
             json!({"distortion": {"k1": uniform(-0.9, 0.0)}}),
             "/camera/distortion",
-            "a camera that the distributions can yield",
+            "a possible camera of the distributions",
         ),
         (json!({"width": 1, "sensor": {}}), "/camera/sensor", "2×2"),
         (json!({"sensor": "none-such"}), "/camera/sensor", "known sensor"),

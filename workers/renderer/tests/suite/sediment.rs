@@ -4,7 +4,7 @@ use optics::plan::StageId;
 use renderer::{SceneSource, Slot};
 use serde_json::{Value, json};
 
-use crate::common::{Files, engine_without_runtime, file, render};
+use crate::common::{Files, engine_without_runtime, file, pixels, render};
 
 fn with_clouds(sediment: &Value) -> Value {
     json!({"water": {"optics": "jerlov-1C", "snow": {"density_per_m3": 0}, "sediment": sediment}})
@@ -65,7 +65,13 @@ fn clouds_that_cannot_matter_are_skipped_and_cost_nothing() {
             line["bound"].as_f64() <= line["share"].as_f64(),
             "{sediment}: {line}"
         );
-        assert_eq!(file(&same, "rgb"), file(&clear, "rgb"), "{sediment}");
+        if line["bound"] == json!(0.0) {
+            assert_eq!(file(&same, "rgb"), file(&clear, "rgb"), "{sediment}");
+        }
+        // A share of the tolerance that the clouds take may leave the water other kernels.
+        let codes = pixels(&same, "rgb").into_iter().zip(pixels(&clear, "rgb"));
+        let apart = codes.map(|(one, other)| one.abs_diff(other)).max();
+        assert!(apart <= Some(1), "{sediment}: {apart:?}");
         assert_eq!(same.record.optics["sediment"]["cover"], 0.0);
     }
 }
