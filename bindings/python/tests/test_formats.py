@@ -497,7 +497,7 @@ def test_poses_of_uploads_come_back_in_models(formats: str, tmp_path: Path) -> N
             assert all((out / sequence / frame["file_path"]).is_file() for frame in model["frames"])
         flat = client.upload(np.full((12, 16, 3), 8, np.uint8), hfov_deg=70)
         client.submit({"dataset": "flat", "scene": {"kind": "uploaded", "id": flat}, "metrics": []}).wait()
-        with pytest.raises(fathom.CommandError, match=f"which the scenes `{flat}` came without"):
+        with pytest.raises(fathom.CommandError, match=f"which the scenes `{flat}` lack"):
             client.export("flat", tmp_path / "flat", format="colmap")
         assert not (tmp_path / "flat").exists()
         # In Python the matrix is an array.
