@@ -12,7 +12,7 @@ JOB = {
     "seed": 7,
     "scene": {"kind": "procedural", "family": "shaft", "seed": 1},
     "camera": {"width": 32, "height": 24},
-    "water": {"optics": {"choice": ["jerlov-IB", "jerlov-1C"]}},
+    "water": {"optics": {"choice": ["jerlov-IB", "jerlov-1C"]}, "style": "atlantic"},
     "alpha": {"uniform": [0, 1]},
     "artifacts": ["rgb"],
     "metrics": ["uiqm"],

@@ -70,7 +70,7 @@ def test_a_token_is_asked_for_once_and_kept_in_memory(visit, tmp_path):
         page.wait_for_selector("dialog[open]")
         page.fill("dialog input", "wrong")
         page.click("dialog button")
-        until(page, "document.getElementById('token-why').textContent.includes('not known')")
+        until(page, "document.getElementById('token-why').textContent.includes('unknown')")
         page.fill("dialog input", "s3cret")
         page.click("dialog button")
         page.click(".card h2 a")
@@ -115,7 +115,7 @@ def test_a_drag_renders_again_and_a_wrong_value_is_told_at_its_field(visit):
 
 def test_a_live_frame_has_the_bytes_of_a_job_and_is_none(service):
     frame = {"scene": {"kind": "procedural", "family": "structure", "seed": 3}, "camera": {"width": 96, "height": 64},
-             "water": {"optics": "jerlov-1C", "range_scale": 0.3}, "alpha": 0.4, "artifacts": ["rgb"], "metrics": [],
+             "water": {"optics": "jerlov-1C", "range_scale": 0.3, "style": "atlantic"}, "alpha": 0.4, "artifacts": ["rgb"], "metrics": [],
              "encode": {"format": "jpeg", "quality": 82}}
 
     def picture(job):
