@@ -203,5 +203,6 @@ fn open_water_keeps_its_veil_and_a_wall_darkens_it() {
     assert_eq!(mean_before_wall(f64::INFINITY), 1.0);
     let walls = [8.0, 3.0, 1.0].map(mean_before_wall);
     assert!(walls.is_sorted_by(|far, near| far > near), "{walls:?}");
+    // A near wall fills the directions from which most light is scattered into the view.
     assert!(walls[0] < 0.999 && walls[2] > 0.05, "{walls:?}");
 }
