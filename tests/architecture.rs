@@ -21,7 +21,7 @@ const PURE: &[&str] = &[
     "workers/quality",
     "workers/training",
     "workers/truth",
-    "services/spec",
+    "proto/job",
 ];
 
 /// Forbidden in pure crates: files, sockets, clock, environment, processes, logging, an async runtime.
@@ -182,6 +182,29 @@ fn a_restoration_never_sees_the_water_that_it_is_judged_by() {
             !seen.contains("optics"),
             "{start} reaches optics through {seen:?}"
         );
+    }
+}
+
+#[test]
+fn workers_and_the_contract_never_depend_on_services() {
+    let paths = &manifest("")["workspace"]["dependencies"];
+    for folder in members() {
+        if !["workers/", "proto/"]
+            .iter()
+            .any(|group| folder.starts_with(group))
+        {
+            continue;
+        }
+        let manifest = manifest(&folder);
+        let mut used = dependencies(&manifest, "dependencies");
+        used.extend(dependencies(&manifest, "dev-dependencies"));
+        for name in used {
+            let path = paths.get(&name).and_then(|dependency| dependency.get("path"));
+            let is_service = path
+                .and_then(toml::Value::as_str)
+                .is_some_and(|path| path.starts_with("services/"));
+            assert!(!is_service, "{folder} depends on {name}, a crate of services/");
+        }
     }
 }
 

@@ -6,7 +6,9 @@ use libfuzzer_sys::fuzz_target;
 use quality::MetricId;
 
 fuzz_target!(|bytes: &[u8]| {
-    let [method, width, height, samples @ ..] = bytes else { return };
+    let [method, width, height, samples @ ..] = bytes else {
+        return;
+    };
     // Mostly smaller than the windows of the methods, since that is where they are fragile and fast.
     let side = |byte: u8| 1 + usize::from(if byte < 192 { byte % 16 } else { byte - 192 });
     let (width, height) = (side(*width), side(*height));
@@ -24,6 +26,9 @@ fuzz_target!(|bytes: &[u8]| {
     let metrics: Vec<MetricId> = MetricId::all().collect();
     let values = quality::measure(&enhanced, Some(&picture), &metrics).expect("pictures of one size");
     for (metric, value) in values {
-        assert!(value.is_finite(), "{metric} of {name} on {width}x{height} is {value}");
+        assert!(
+            value.is_finite(),
+            "{metric} of {name} on {width}x{height} is {value}"
+        );
     }
 });

@@ -12,7 +12,9 @@ static VOCABULARY: LazyLock<Vocabulary> = LazyLock::new(|| {
 });
 
 fuzz_target!(|json: &[u8]| {
-    let Ok(job) = Job::parse(json, &VOCABULARY) else { return };
+    let Ok(job) = Job::parse(json, &VOCABULARY) else {
+        return;
+    };
     let last = job.frames() - 1;
     for index in [0, last / 2, last] {
         // Laws may meet in a combination that no frame can have; that is an error of the frame, told with its field.

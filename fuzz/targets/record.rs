@@ -2,7 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use proto::wire::{Claim, CommitRequest};
+use wire::messages::{Claim, CommitRequest};
 
 fuzz_target!(|json: &[u8]| {
     for frame in [0, 7] {
@@ -23,6 +23,9 @@ fuzz_target!(|json: &[u8]| {
             ..commit
         };
         let again = again.record().expect("its own text");
-        assert_eq!((again.digest(), again.artifacts), (record.digest(), record.artifacts));
+        assert_eq!(
+            (again.digest(), again.artifacts),
+            (record.digest(), record.artifacts)
+        );
     }
 });

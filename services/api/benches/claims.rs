@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use api::lease_table::{JobEntry, LeaseTable, Millis};
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
-use proto::wire::Claim;
+use wire::messages::Claim;
 
 const EACH: u64 = 1_000_000;
 

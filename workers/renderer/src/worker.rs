@@ -28,8 +28,8 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
 use client::Client;
-use proto::wire::RegisterRequest;
 use style::Library;
+use wire::messages::RegisterRequest;
 
 use crate::engine::Engine;
 use crate::provenance::{CODE_VERSION, cpu_features};
@@ -95,7 +95,7 @@ pub fn run(options: WorkerOptions, stop: Arc<AtomicBool>) -> anyhow::Result<()> 
         code_version: CODE_VERSION.to_owned(),
         onnx_runtime: engine.runtime().ok().map(|runtime| runtime.version().to_owned()),
         cpu_features: cpu_features(),
-        protocol: proto::VERSION,
+        protocol: wire::VERSION,
     };
     let client = Client::new(&options.server, options.token.as_deref());
     let joined = Membership::join(&client, about, &stop).context("the service refuses this worker")?;

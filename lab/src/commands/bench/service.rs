@@ -10,12 +10,12 @@ use api::{Data, Service};
 use catalogue::InsertJob;
 use cli::exit::Failure;
 use cli::progress::Progress;
-use proto::wire::{LeaseRequest, RegisterRequest};
 use renderer::worker::client::Client;
 use serde_json::{Value, json};
 use store::Blob;
 use style::Library;
 use tokio::runtime::Runtime;
+use wire::messages::{LeaseRequest, RegisterRequest};
 
 use super::ServiceArguments;
 use crate::machine;
@@ -151,7 +151,7 @@ fn claims(server: &str) -> Result<String, Failure> {
         code_version: renderer::CODE_VERSION.to_owned(),
         onnx_runtime: None,
         cpu_features: renderer::cpu_features(),
-        protocol: proto::VERSION,
+        protocol: wire::VERSION,
     };
     let worker_id = client.register(&about).map_err(anyhow::Error::from)?.worker_id;
     let mut times = Vec::new();

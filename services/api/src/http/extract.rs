@@ -67,18 +67,18 @@ impl<S: Send + Sync> FromRequest<S> for MultipartBody {
 /// A checked protobuf message. Routes only see valid messages.
 pub(crate) struct Protobuf<M>(pub(crate) M);
 
-impl<M: proto::Checked, S: Send + Sync> FromRequest<S> for Protobuf<M> {
+impl<M: wire::Checked, S: Send + Sync> FromRequest<S> for Protobuf<M> {
     type Rejection = Problem;
 
     async fn from_request(request: Request, state: &S) -> Result<Self, Problem> {
-        media_type(request.headers(), proto::CONTENT_TYPE)?;
-        Ok(Self(proto::decode(&body(request, state).await?)?))
+        media_type(request.headers(), wire::CONTENT_TYPE)?;
+        Ok(Self(wire::decode(&body(request, state).await?)?))
     }
 }
 
 impl<M: prost::Message> IntoResponse for Protobuf<M> {
     fn into_response(self) -> Response {
-        let content_type = [(header::CONTENT_TYPE, proto::CONTENT_TYPE)];
+        let content_type = [(header::CONTENT_TYPE, wire::CONTENT_TYPE)];
         (content_type, self.0.encode_to_vec()).into_response()
     }
 }

@@ -1,8 +1,8 @@
 //! Maps errors of other crates to problems, except those of sets.
 
 use catalogue::CatalogueError;
-use proto::MessageError;
 use store::StoreError;
+use wire::MessageError;
 
 use crate::http::problem::{Problem, Slug};
 

@@ -1,9 +1,9 @@
 //! Checks of a worker's report on a frame against the description, the files stored under the same lease, and the
 //! worker's registration. A misbehaving worker must not be able to store false facts.
 
-use proto::wire::{Artifact, RegisterRequest};
 use serde_json::{Number, Value};
 use spec::{ArtifactKind, Counts, Frame, FrameRecord, Scene};
+use wire::messages::{Artifact, RegisterRequest};
 
 use super::pending::PendingArtifact;
 
@@ -148,10 +148,10 @@ impl Evidence<'_> {
             .map(|(name, count, most)| format!("/counts/{name} is {count}, the limit is {most}"))
             .collect();
         let times = &self.record.timings_ms;
-        if times.len() > proto::limits::TIMINGS || times.values().any(|ms| !(0.0..=MAX_MS).contains(ms)) {
+        if times.len() > wire::limits::TIMINGS || times.values().any(|ms| !(0.0..=MAX_MS).contains(ms)) {
             faults.push(format!(
                 "/timings_ms has more than {} stages, or one beyond 0..={MAX_MS}",
-                proto::limits::TIMINGS
+                wire::limits::TIMINGS
             ));
         }
         let warnings = &self.record.warnings;

@@ -10,9 +10,9 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use catalogue::{JobState, OpenJob, UnixMs};
-use proto::wire::{BeatResponse, RegisterRequest};
 use tokio::sync::Notify;
 use tokio::time::{Instant, timeout_at};
+use wire::messages::{BeatResponse, RegisterRequest};
 
 use super::granted::Granted;
 use super::misbehavior::Misbehavior;

@@ -1,6 +1,6 @@
 //! A granted lease on its way to the worker.
 
-use proto::wire::{FrameClaim, Lease};
+use wire::messages::{FrameClaim, Lease};
 
 use super::dispatch::Dispatch;
 use super::table::{Grant, TERM_MS};

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use proto::wire::{Claim, RegisterRequest};
+use wire::messages::{Claim, RegisterRequest};
 
 use super::dispatch::Dispatch;
 use super::table::StrikeEvent;

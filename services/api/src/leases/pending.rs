@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use proto::wire::Claim;
 use spec::{ArtifactEntry, Frame};
+use wire::messages::Claim;
 
 /// A stored file of a frame.
 #[derive(Debug, Clone, PartialEq, Eq)]

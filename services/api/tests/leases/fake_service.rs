@@ -9,13 +9,13 @@ use std::time::{Duration, Instant};
 
 use api::lease_table::{JobEntry, LeaseTable, Millis, TERM_MS};
 use prost::Message;
-use proto::decode;
-use proto::wire::{
+use sha2::{Digest, Sha256};
+use spec::{FrameRecord, Job, RangeFile, RangeKind, SceneFiles, hex};
+use wire::decode;
+use wire::messages::{
     BeatRequest, CommitRequest, CommitResponse, FailRequest, FrameClaim, Lease, LeaseRequest, LeaseResponse,
     PutArtifactsRequest, RegisterRequest, RegisterResponse, ReleaseRequest,
 };
-use sha2::{Digest, Sha256};
-use spec::{FrameRecord, Job, RangeFile, RangeKind, SceneFiles, hex};
 
 #[derive(Default)]
 pub(crate) struct State {
@@ -263,7 +263,7 @@ fn register(state: &mut State, about: RegisterRequest, now: Millis) -> Answer {
         worker_id,
         lease_term_ms: TERM_MS,
         beat_ms: 20,
-        protocol: state.protocol.unwrap_or(proto::VERSION),
+        protocol: state.protocol.unwrap_or(wire::VERSION),
     };
     Answer::Message(registered.encode_to_vec())
 }

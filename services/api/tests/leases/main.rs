@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-use proto::wire::{Claim, RegisterRequest};
+use wire::messages::{Claim, RegisterRequest};
 
 fn claim(job: &str, frame: u64, token: u64, attempt: u32) -> Claim {
     Claim {

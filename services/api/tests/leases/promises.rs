@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::claim;
 use api::lease_table::{Grant, JobEntry, LeaseTable, Millis, Rules, Stale, Toolchain};
-use proto::wire::{Claim, RegisterRequest};
+use wire::messages::{Claim, RegisterRequest};
 
 fn job(id: &str, frames: u64) -> JobEntry {
     JobEntry {

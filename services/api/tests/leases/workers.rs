@@ -267,11 +267,11 @@ fn a_worker_that_is_refused_ends_with_the_reason() {
 #[test]
 fn a_worker_does_not_join_a_service_of_another_version_of_the_protocol() {
     let (service, _) = service(1);
-    service.state().protocol = Some(proto::VERSION + 1);
+    service.state().protocol = Some(wire::VERSION + 1);
     let worker = Worker::start(&service, 1);
     let refusal = worker.thread.join().unwrap().unwrap_err();
     let said = format!("{refusal:#}");
-    let (theirs, ours) = (proto::VERSION + 1, proto::VERSION);
+    let (theirs, ours) = (wire::VERSION + 1, wire::VERSION);
     assert!(
         said.contains(&format!(
             "the other side uses version {theirs} of the worker protocol"

@@ -6,13 +6,13 @@ use std::path::Path;
 use crate::common::bytes::png;
 use crate::common::worker::Fake;
 use crate::common::{Running, job, start, start_on};
-use proto::wire::Lease;
 use renderer::worker::client::ClientError;
 use serde_json::{Value, json};
 use sqlx::sqlite::SqliteConnectOptions;
 use sqlx::{AssertSqlSafe, ConnectOptions, Connection};
 use store::Store;
 use tempfile::TempDir;
+use wire::messages::Lease;
 
 /// Rows and stored bytes of a folder of a stopped service.
 fn counted(data: &TempDir) -> String {

@@ -4,9 +4,9 @@ use std::time::{Duration, Instant};
 
 use crate::common::worker::Fake;
 use crate::common::{job, start, start_on};
-use proto::wire::Lease;
 use renderer::worker::client::ClientError;
 use serde_json::json;
+use wire::messages::Lease;
 
 #[test]
 fn a_submitted_job_becomes_queryable_images() {

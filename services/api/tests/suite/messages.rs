@@ -5,9 +5,9 @@ use crate::common::Running;
 use crate::common::bytes::png;
 use crate::common::worker::{Fake, claim, commit, record};
 use prost::Message;
-use proto::limits;
-use proto::wire;
 use serde_json::Value;
+use wire::limits;
+use wire::messages;
 
 const PROTOBUF: [(&str, &str); 1] = [("content-type", "application/x-protobuf")];
 
@@ -51,18 +51,18 @@ fn bytes_that_are_no_message_are_refused() {
 #[test]
 fn a_worker_with_another_protocol_version_gets_instructions() {
     nothing_changes(|service| {
-        for protocol in [0, proto::VERSION - 1, proto::VERSION + 1] {
-            let about = wire::RegisterRequest {
+        for protocol in [0, wire::VERSION - 1, wire::VERSION + 1] {
+            let about = messages::RegisterRequest {
                 name: "other".to_owned(),
                 slots: 1,
                 protocol,
-                ..wire::RegisterRequest::default()
+                ..messages::RegisterRequest::default()
             };
             let problem = refused(service, "register", &about);
             let said = format!(
                 "the other side uses version {protocol} of the worker protocol and this side version {}; run the same \
                  version of fathom for service and workers",
-                proto::VERSION
+                wire::VERSION
             );
             assert_eq!(detail(&problem), said);
             assert_eq!(service.get("/v1/workers").json()["items"], serde_json::json!([]));
@@ -73,18 +73,18 @@ fn a_worker_with_another_protocol_version_gets_instructions() {
 #[test]
 fn a_field_that_is_missing_too_long_or_out_of_its_range_is_named_with_the_limit() {
     nothing_changes(|service| {
-        let about = wire::RegisterRequest {
+        let about = messages::RegisterRequest {
             name: "n".repeat(limits::NAME_BYTES + 1),
             slots: 1,
-            protocol: proto::VERSION,
-            ..wire::RegisterRequest::default()
+            protocol: wire::VERSION,
+            ..messages::RegisterRequest::default()
         };
         let problem = refused(service, "register", &about);
         assert!(
             detail(&problem).contains("`name` has 257 bytes; must be at most 256"),
             "{problem}"
         );
-        let about = wire::RegisterRequest {
+        let about = messages::RegisterRequest {
             name: "n".to_owned(),
             slots: limits::SLOTS + 1,
             ..about
@@ -94,21 +94,21 @@ fn a_field_that_is_missing_too_long_or_out_of_its_range_is_named_with_the_limit(
             detail(&problem).contains("`slots` is 1025") && detail(&problem).contains("1024"),
             "{problem}"
         );
-        let beat = wire::BeatRequest {
+        let beat = messages::BeatRequest {
             worker_id: "wrk_1".to_owned(),
             wait_ms: 0,
             tokens: vec![1; limits::BEAT_TOKENS + 1],
         };
         let problem = refused(service, "beat", &beat);
         assert!(detail(&problem).contains("must be at most 4096"), "{problem}");
-        let want = wire::LeaseRequest {
+        let want = messages::LeaseRequest {
             worker_id: "wrk_1".to_owned(),
             wait_ms: 0,
             frame_ms: f64::NAN,
         };
         let problem = refused(service, "lease", &want);
         assert!(detail(&problem).contains("`frame_ms` is NaN"), "{problem}");
-        let problem = refused(service, "release", &wire::ReleaseRequest::default());
+        let problem = refused(service, "release", &messages::ReleaseRequest::default());
         assert!(detail(&problem).contains("`token` is missing"), "{problem}");
     });
 }
@@ -119,24 +119,24 @@ fn artifacts_that_are_too_many_or_have_names_like_paths_are_not_stored() {
         let worker = Fake::register(service);
         let lease = worker.lease(1000).unwrap();
         let held = claim(&lease);
-        let put = |artifacts: Vec<wire::Artifact>| wire::PutArtifactsRequest {
+        let put = |artifacts: Vec<messages::Artifact>| messages::PutArtifactsRequest {
             claim: Some(held.clone()),
             artifacts,
         };
-        let many = vec![wire::Artifact::default(); limits::ARTIFACTS + 1];
+        let many = vec![messages::Artifact::default(); limits::ARTIFACTS + 1];
         let problem = refused(service, "artifacts", &put(many));
         assert!(
             detail(&problem).contains("65 artifacts; must be at most 64"),
             "{problem}"
         );
         // A hundred bytes each in memory, two on the wire.
-        let bomb = put(vec![wire::Artifact::default(); 1_000_000]);
+        let bomb = put(vec![messages::Artifact::default(); 1_000_000]);
         let problem = refused(service, "artifacts", &bomb);
         assert!(
             detail(&problem).contains("fields; must be at most 8192"),
             "{problem}"
         );
-        let path = wire::Artifact {
+        let path = messages::Artifact {
             kind: "../../rgb".to_owned(),
             media_type: "image/png".to_owned(),
             data: vec![1],
@@ -144,7 +144,7 @@ fn artifacts_that_are_too_many_or_have_names_like_paths_are_not_stored() {
         };
         let problem = refused(service, "artifacts", &put(vec![path.clone()]));
         assert!(detail(&problem).contains("../../rgb"), "{problem}");
-        let wrong_digest = wire::Artifact {
+        let wrong_digest = messages::Artifact {
             kind: "rgb".to_owned(),
             data: png(32, 24),
             ..path

@@ -1,8 +1,8 @@
 //! Workers with impossible reports.
 
-use proto::wire::{Artifact, PutArtifactsRequest};
 use renderer::worker::client::ClientError;
 use serde_json::json;
+use wire::messages::{Artifact, PutArtifactsRequest};
 
 use crate::common::bytes::numbered_png;
 use crate::common::worker::{Fake, claim, commit, record};

@@ -3,7 +3,7 @@
 
 use std::time::{Duration, Instant};
 
-use proto::wire::BeatRequest;
+use wire::messages::BeatRequest;
 
 use super::Shared;
 use super::client::ClientError;

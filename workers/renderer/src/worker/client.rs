@@ -4,14 +4,14 @@ use std::time::Duration;
 
 use client::{Http, HttpError};
 use prost::Message;
-use proto::wire::{
+use spec::SceneFiles;
+use ureq::http::StatusCode;
+use wire::messages::{
     BeatRequest, BeatResponse, CommitRequest, CommitResponse, FailRequest, Lease, LeaseRequest,
     LeaseResponse, PutArtifactsRequest, RegisterRequest, RegisterResponse, ReleaseRequest, Style,
     StylesResponse,
 };
-use proto::{CONTENT_TYPE, Checked, decode};
-use spec::SceneFiles;
-use ureq::http::StatusCode;
+use wire::{CONTENT_TYPE, Checked, decode};
 
 /// Longer than any long-poll: beyond it the connection is dead.
 const RESPONSE_LIMIT: Duration = Duration::from_secs(120);

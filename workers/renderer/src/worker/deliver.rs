@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::sync::mpsc::Receiver;
 
-use proto::limits::shorten;
-use proto::wire::{Artifact, Claim, CommitRequest, FailRequest, PutArtifactsRequest};
+use wire::limits::shorten;
+use wire::messages::{Artifact, Claim, CommitRequest, FailRequest, PutArtifactsRequest};
 
 use super::Shared;
 use super::client::{ClientError, Outcome};

@@ -2,8 +2,8 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use proto::wire::Lease;
 use spec::{Job, RecentJobs};
+use wire::messages::Lease;
 
 use super::fetch::fetch_bytes;
 use super::held::Hold;

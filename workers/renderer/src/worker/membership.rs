@@ -3,7 +3,7 @@
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use proto::wire::{RegisterRequest, RegisterResponse};
+use wire::messages::{RegisterRequest, RegisterResponse};
 
 use super::client::{Client, Outcome};
 use super::patience::persist;

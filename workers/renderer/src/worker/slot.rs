@@ -4,8 +4,8 @@ use std::sync::mpsc::SyncSender;
 use std::time::{Duration, Instant};
 
 use imaging::cancel;
-use proto::wire::{Claim, FrameClaim, Lease, LeaseRequest};
 use spec::Job;
+use wire::messages::{Claim, FrameClaim, Lease, LeaseRequest};
 
 use super::Shared;
 use super::client::{ClientError, Outcome};

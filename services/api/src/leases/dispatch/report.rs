@@ -1,6 +1,6 @@
 //! What the dispatcher reports: workers, waiting jobs, gauges.
 
-use proto::wire::RegisterRequest;
+use wire::messages::RegisterRequest;
 
 use super::{Dispatch, State};
 use crate::leases::Worker;

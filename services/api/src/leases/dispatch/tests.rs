@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use catalogue::JobRow;
-use proto::wire::FrameClaim;
+use wire::messages::FrameClaim;
 
 use super::super::table::TERM_MS;
 use super::*;

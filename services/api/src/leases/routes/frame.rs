@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use catalogue::InsertImage;
 use imaging::codec::read_sides;
-use proto::limits::shorten;
-use proto::wire::{Artifact, Claim, CommitRequest, CommitResponse, FailRequest, PutArtifactsRequest};
 use spec::{ArtifactEntry, Frame, FrameRecord};
 use store::Blob;
+use wire::limits::shorten;
+use wire::messages::{Artifact, Claim, CommitRequest, CommitResponse, FailRequest, PutArtifactsRequest};
 
 use crate::http::{Problem, Protobuf, Slug, State, Topic};
 use crate::leases::Leases;

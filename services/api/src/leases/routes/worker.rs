@@ -2,7 +2,7 @@ use std::time::Duration;
 
 use axum::Extension;
 use catalogue::Page;
-use proto::wire::{
+use wire::messages::{
     BeatRequest, BeatResponse, LeaseRequest, LeaseResponse, RegisterRequest, RegisterResponse, ReleaseRequest,
 };
 
@@ -37,7 +37,7 @@ pub(crate) async fn register(
         worker_id: worker_id.ok_or_else(|| Problem::new(Slug::Forbidden, detail))?,
         lease_term_ms: TERM_MS,
         beat_ms: limits::BEAT_MS,
-        protocol: proto::VERSION,
+        protocol: wire::VERSION,
     }))
 }
 

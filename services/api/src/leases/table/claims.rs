@@ -1,6 +1,6 @@
 //! Reports of the holder of a lease: an image or a failure. A stale claim has no effect.
 
-use proto::wire::Claim;
+use wire::messages::Claim;
 
 use super::job::Struck;
 use super::types::{Millis, Stale, StrikeEvent};

@@ -24,7 +24,7 @@ mod workers;
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-use proto::wire::{BeatResponse, RegisterRequest};
+use wire::messages::{BeatResponse, RegisterRequest};
 
 use self::job::Job;
 use self::lease::Leases;

@@ -1,7 +1,7 @@
 //! Provenance rules: the frames of one job come from one program on one kind of machine, unless mixing is allowed.
 
-use proto::wire::RegisterRequest;
 use spec::Provenance;
+use wire::messages::RegisterRequest;
 
 use super::LeaseTable;
 use super::job::Job;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use proto::wire::RegisterRequest;
+use wire::messages::RegisterRequest;
 
 use super::types::Millis;
 use super::{LeaseTable, Worker};

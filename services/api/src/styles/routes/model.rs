@@ -1,5 +1,5 @@
 use axum::response::IntoResponse;
-use proto::wire::{Style, StylesResponse};
+use wire::messages::{Style, StylesResponse};
 
 use crate::http::stored::octets;
 use crate::http::{Path, Problem, Protobuf, State, Topic, found};

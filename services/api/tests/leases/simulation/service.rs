@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use api::lease_table::{Grant, JobEntry, LeaseTable, Millis, StrikeEvent, TERM_MS};
-use proto::wire::BeatResponse;
+use wire::messages::BeatResponse;
 
 /// Bug of the service.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,7 +42,7 @@ pub(crate) struct Claim {
 
 impl Claim {
     /// As the lease table takes it.
-    pub(crate) fn current(&self) -> proto::wire::Claim {
+    pub(crate) fn current(&self) -> wire::messages::Claim {
         crate::claim(&self.frame.0, self.frame.1, self.token, self.attempt)
     }
 }

@@ -5,15 +5,15 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 
-use proto::wire::{
-    Artifact, BeatRequest, BeatResponse, Claim, CommitRequest, FailRequest, Lease, LeaseRequest,
-    PutArtifactsRequest, RegisterRequest,
-};
 use renderer::worker::client::{Client, ClientError};
 use renderer::worker::{Limits, WorkerOptions};
 use serde_json::{Map, json};
 use spec::{ArtifactEntry, Counts, Frame, FrameRecord, Job, Provenance};
 use style::Library;
+use wire::messages::{
+    Artifact, BeatRequest, BeatResponse, Claim, CommitRequest, FailRequest, Lease, LeaseRequest,
+    PutArtifactsRequest, RegisterRequest,
+};
 
 use super::Running;
 use super::bytes::numbered_png;
@@ -45,7 +45,7 @@ impl Fake {
             code_version: "test".into(),
             onnx_runtime: onnx_runtime.map(str::to_owned),
             cpu_features: "none".into(),
-            protocol: proto::VERSION,
+            protocol: wire::VERSION,
         };
         let id = client.register(&about)?.worker_id;
         Ok(Self { client, id })

@@ -3,12 +3,12 @@
 use prost::Message;
 use spec::{ArtifactKind, FrameRecord, is_media_type};
 
-use crate::rules::{check_digest, check_id, check_length, check_text, check_value, check_version, require};
-use crate::wire::{
+use crate::messages::{
     Artifact, BeatRequest, BeatResponse, Claim, CommitRequest, CommitResponse, FailRequest, Lease,
     LeaseRequest, LeaseResponse, PutArtifactsRequest, RegisterRequest, RegisterResponse, ReleaseRequest,
     Style, StylesResponse,
 };
+use crate::rules::{check_digest, check_id, check_length, check_text, check_value, check_version, require};
 use crate::{MessageError, limits};
 
 /// A message with field constraints.

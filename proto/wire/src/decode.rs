@@ -55,7 +55,7 @@ mod tests {
     use prost::Message;
 
     use super::*;
-    use crate::wire::{BeatRequest, PutArtifactsRequest};
+    use crate::messages::{BeatRequest, PutArtifactsRequest};
 
     #[test]
     fn fields_are_counted_before_they_are_decoded() {

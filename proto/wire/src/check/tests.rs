@@ -6,7 +6,7 @@ use serde_json::json;
 
 use super::*;
 use crate::decode;
-use crate::wire::FrameClaim;
+use crate::messages::FrameClaim;
 
 fn claimed() -> Option<Claim> {
     Some(Claim {

@@ -1,5 +1,5 @@
-//! `src/wire.rs` matches the protocol file. It is committed so that a build needs no protobuf compiler. Update it
-//! with `FATHOM_WRITE=1 cargo test -p proto`.
+//! `src/messages.rs` matches the protocol file. It is committed so that a build needs no protobuf compiler. Update it
+//! with `FATHOM_WRITE=1 cargo test -p wire`.
 
 use std::path::Path;
 
@@ -15,13 +15,13 @@ fn the_generated_messages_are_those_of_the_protocol_file() {
         .expect("generated messages");
     let generated =
         std::fs::read_to_string(out.path().join("fathom.worker.v1.rs")).expect("a generated file");
-    let kept = folder.join("src/wire.rs");
+    let kept = folder.join("src/messages.rs");
     if std::env::var_os("FATHOM_WRITE").is_some() {
         std::fs::write(&kept, &generated).expect("a writable source folder");
     }
-    let kept = std::fs::read_to_string(kept).expect("src/wire.rs");
+    let kept = std::fs::read_to_string(kept).expect("src/messages.rs");
     assert!(
         kept == generated,
-        "src/wire.rs is not what the protocol file says; see the head of this test"
+        "src/messages.rs is not what the protocol file says; see the head of this test"
     );
 }
