@@ -4,10 +4,10 @@
 mod sets;
 
 use std::fs;
-use std::process::Command;
+use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use fathom_tests::digest_by_render;
+use fathom_tests::{digest_by_render, fathom};
 use serde_json::{Value, json};
 use sets::{Work, files, marker, text};
 
@@ -236,6 +236,17 @@ fn only_a_complete_set_is_sealed() {
     );
     assert_eq!(work.command("seal", &[]).status.code(), Some(2));
     assert!(work.render(&[]).status.success());
+    let closed = Command::new(fathom())
+        .arg("seal")
+        .arg(work.set())
+        .stdout(Stdio::piped())
+        .spawn();
+    let mut closed = closed.expect("the binary starts");
+    drop(closed.stdout.take());
+    assert!(
+        closed.wait().expect("an end").success(),
+        "a closed pipe is no failure"
+    );
     for _ in 0..2 {
         let output = work.command("seal", &[]);
         assert!(output.status.success(), "{}", text(&output.stderr));

@@ -14,6 +14,22 @@ use sets::{Work, files, marker, text};
 
 const KINDS: [&str; 3] = ["rgb", "range", "enhanced.hscm"];
 
+/// Failure: the rows of a set lack the artifacts or metrics of one of the job's sites, so that its shards are refused.
+#[test]
+fn a_set_of_several_sites_is_imported() {
+    let sites = json!([{"name": "near", "artifacts": ["rgb"]},
+                       {"name": "far", "artifacts": ["rgb", "range"], "enhance": ["clahe"], "water": {"optics": "jerlov-3C"}}]);
+    let work = Work::new(&json!({
+        "dataset": "sites", "count": 8, "seed": 2, "site": {"choice": sites}, "metrics": ["entropy"],
+        "scene": {"kind": "procedural", "family": "structure", "seed": 1}, "camera": {"width": 48, "height": 32}
+    }));
+    assert!(work.render(&[]).status.success());
+    let row = imported(&work);
+    assert_eq!((&row["state"], &row["done"]), (&json!("done"), &json!(8)));
+    let sealed = run_on(&work, "seal", &[]);
+    assert!(sealed.status.success(), "{}", text(&sealed.stderr));
+}
+
 /// Failure: a service over an imported set responds differently from one that has rendered the same job.
 #[test]
 fn an_imported_set_is_shown_as_if_the_service_had_rendered_it() {

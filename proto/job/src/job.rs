@@ -197,6 +197,16 @@ impl Job {
         strings.into_iter().collect()
     }
 
+    /// All possible strings at and below a field, over all sites and distributions.
+    #[must_use]
+    pub fn words(&self, field: &str) -> BTreeSet<String> {
+        let values = self
+            .documents
+            .iter()
+            .filter_map(|document| document.node.get(field));
+        values.flat_map(Node::words).map(str::to_owned).collect()
+    }
+
     /// Warnings about a valid description.
     #[must_use]
     pub fn warnings(&self) -> &[String] {

@@ -134,6 +134,16 @@ impl Node {
             .collect()
     }
 
+    /// The possible strings of this tree.
+    pub(crate) fn words(&self) -> Vec<&str> {
+        match self {
+            Self::Constant(value) => value.as_str().into_iter().collect(),
+            Self::List(items) => items.iter().flat_map(Self::words).collect(),
+            Self::Object(fields) => fields.iter().flat_map(|(_, node)| node.words()).collect(),
+            Self::Law(law) => law.values().iter().flat_map(Self::words).collect(),
+        }
+    }
+
     /// The greatest possible number.
     pub(crate) fn greatest(&self) -> Option<f64> {
         self.numbers().into_iter().reduce(f64::max)

@@ -7,7 +7,7 @@
 extern crate self as cli;
 
 #[macro_use]
-mod print;
+pub mod print;
 
 pub mod classes;
 pub mod colors;

@@ -1,10 +1,11 @@
 //! Printing to a closed pipe: in `fathom query | head`, the unread rest is dropped and the exit status is that of the command. The
-//! macros replace those of the standard library, which panic.
+//! macros replace those of the standard library, which panic, here and in `fathom-cluster`.
 
 use std::fmt;
 use std::io::{ErrorKind, Write};
 
 /// Prints a line to standard output.
+#[macro_export]
 macro_rules! println {
     ($($line:tt)*) => {
         $crate::print::line(&mut std::io::stdout().lock(), format_args!($($line)*))
@@ -12,6 +13,7 @@ macro_rules! println {
 }
 
 /// Prints a line to standard error.
+#[macro_export]
 macro_rules! eprintln {
     ($($line:tt)*) => {
         $crate::print::line(&mut std::io::stderr().lock(), format_args!($($line)*))
@@ -19,7 +21,7 @@ macro_rules! eprintln {
 }
 
 /// Writes a line; ends the process if it cannot be written to a reader who is still there, such as a full disk.
-pub(crate) fn line(out: &mut impl Write, text: fmt::Arguments<'_>) {
+pub fn line(out: &mut impl Write, text: fmt::Arguments<'_>) {
     if let Err(error) = writeln!(out, "{text}")
         && error.kind() != ErrorKind::BrokenPipe
     {

@@ -3,6 +3,10 @@
 //! A separate program, since its dependencies (Parquet, S3) would make every build of `fathom` longer. `fathom` starts it for the
 //! commands below, so that users need not know it. The Python package contains them as well.
 
+// Replaces the macros of the standard library, which panic on a closed pipe.
+#[macro_use(println, eprintln)]
+extern crate cli;
+
 mod buckets;
 mod commands;
 mod engine;

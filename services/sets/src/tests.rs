@@ -8,6 +8,7 @@ use spec::{Job, SetState, Vocabulary};
 
 use crate::error::SetError;
 use crate::operations::plan::Selection;
+use crate::rows::columns::columns;
 use crate::set::job::{Card, NewSet};
 use crate::set::marker::{Commit, FailedFrame, Marker};
 use crate::set::opened::Set;
@@ -74,6 +75,25 @@ fn a_set_is_begun_once_and_holds_one_job() {
         store.list(layout::PROBE).unwrap().is_empty(),
         "probes are removed"
     );
+}
+
+#[test]
+fn rows_have_the_columns_of_every_site() {
+    let text = r#"{"dataset": "reef", "metrics": ["uiqm"], "camera": {"width": 8, "height": 8},
+        "scene": {"kind": "procedural", "family": "structure", "seed": 1},
+        "site": {"choice": [{"name": "harbor", "artifacts": ["rgb"]},
+                            {"name": "bay", "artifacts": ["rgb", "range"], "enhance": ["hscm"]}]}}"#;
+    let vocabulary = Vocabulary {
+        families: vec!["structure".to_owned()],
+        metrics: vec!["uiqm".to_owned()],
+        enhancements: vec!["hscm".to_owned()],
+        ..Vocabulary::default()
+    };
+    let job = Job::parse(text.as_bytes(), &vocabulary).unwrap();
+    let columns = columns(&job, &["uiqm".to_owned()]);
+    for name in ["uiqm", "hscm.uiqm", "artifacts.rgb", "artifacts.range.offset"] {
+        assert!(columns.iter().any(|column| column.name == name), "{name}");
+    }
 }
 
 #[test]

@@ -3,10 +3,9 @@
 use std::collections::BTreeMap;
 
 use serde_json::Value;
-use spec::{FrameRecord, Leaf, Leaves};
+use spec::{FrameRecord, Job, Leaf, Leaves};
 
 use crate::rows::cells::{Cell, Kind};
-use crate::set::job::Card;
 
 /// A column.
 #[derive(Debug, Clone)]
@@ -54,8 +53,8 @@ pub(crate) struct Common {
     pub(crate) tar: String,
 }
 
-/// The columns of a set, the same in each of its shards.
-pub(crate) fn columns(card: &Card) -> Vec<Column> {
+/// The columns of a job's set, the same in each of its shards. `metrics` are those of the program.
+pub(crate) fn columns(job: &Job, metrics: &[String]) -> Vec<Column> {
     let own = [
         ("job", Kind::Text, Source::Job),
         ("frame", Kind::Whole, Source::Frame),
@@ -73,8 +72,10 @@ pub(crate) fn columns(card: &Card) -> Vec<Column> {
         .into_iter()
         .filter(|leaf| leaf.name != "dataset");
     columns.extend(leaves.map(|leaf| column(leaf.name.clone(), leaf.kind.into(), Source::Leaf(leaf))));
-    for subject in card.subjects() {
-        for metric in &card.metrics {
+    let mut subjects = job.words("enhance");
+    subjects.insert("rgb".to_owned());
+    for subject in subjects {
+        for metric in metrics {
             let name = match subject.as_str() {
                 "rgb" => metric.clone(),
                 subject => format!("{subject}.{metric}"),
@@ -83,7 +84,7 @@ pub(crate) fn columns(card: &Card) -> Vec<Column> {
             columns.push(column(name, Kind::Number, Source::Metric { subject, metric }));
         }
     }
-    for artifact in card.artifact_kinds() {
+    for artifact in job.words("artifacts") {
         let name = format!("artifacts.{artifact}");
         let (offset, bytes) = (format!("{name}.offset"), format!("{name}.bytes"));
         columns.push(column(name, Kind::Text, Source::ArtifactDigest(artifact.clone())));

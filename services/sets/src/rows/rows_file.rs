@@ -9,7 +9,7 @@ use parquet::file::writer::SerializedFileWriter;
 use crate::error::SetError;
 use crate::rows::cells::{Gathered, compressed, schema};
 use crate::rows::columns::{Column, Common, Row, columns};
-use crate::set::job::Card;
+use crate::set::opened::Set;
 use crate::storage::upload::{FileSum, Upload};
 
 /// Memory of a group's rows beyond which it is written; some thousand rows.
@@ -30,8 +30,9 @@ pub(crate) struct Rows {
 }
 
 impl Rows {
-    pub(crate) fn new(upload: Upload, card: &Card, common: Common) -> Result<Self, SetError> {
-        let columns = columns(card);
+    pub(crate) fn new(upload: Upload, set: &Set, common: Common) -> Result<Self, SetError> {
+        let card = set.card();
+        let columns = columns(set.job()?, &card.metrics);
         let fields = columns.iter().map(|column| (column.name.as_str(), column.kind));
         let schema = schema(fields).map_err(|error| upload.failure(error))?;
         let note = |key: &str, value: &str| KeyValue::new(key.to_owned(), value.to_owned());

@@ -1,6 +1,5 @@
 //! `job.json`: the job of the set, written once.
 
-use std::collections::BTreeSet;
 use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
@@ -133,34 +132,7 @@ impl Card {
     /// Name of the dataset.
     #[must_use]
     pub fn dataset(&self) -> String {
-        self.words("/dataset").into_iter().collect()
-    }
-
-    /// Every artifact kind that a frame can have, sorted.
-    pub(crate) fn artifact_kinds(&self) -> BTreeSet<String> {
-        self.words("/artifacts")
-    }
-
-    /// Everything that metrics can be measured of: the result, and what each enhancement made of it.
-    pub(crate) fn subjects(&self) -> BTreeSet<String> {
-        let mut subjects = self.words("/enhance");
-        subjects.insert("rgb".to_owned());
-        subjects
-    }
-
-    /// The strings below a field of the job, including all alternatives of random distributions.
-    fn words(&self, pointer: &str) -> BTreeSet<String> {
         let job: Value = serde_json::from_str(&self.job).unwrap_or_default();
-        let mut words = BTreeSet::new();
-        let mut open: Vec<&Value> = job.pointer(pointer).into_iter().collect();
-        while let Some(value) = open.pop() {
-            match value {
-                Value::String(word) => drop(words.insert(word.clone())),
-                Value::Array(items) => open.extend(items),
-                Value::Object(fields) => open.extend(fields.values()),
-                _ => {}
-            }
-        }
-        words
+        job["dataset"].as_str().unwrap_or_default().to_owned()
     }
 }

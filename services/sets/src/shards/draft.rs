@@ -44,7 +44,7 @@ impl Draft {
             shard,
             attempt,
             archive: Archive::new(Upload::new(&set.store, tar)),
-            rows: Rows::new(rows, set.card(), common)?,
+            rows: Rows::new(rows, set, common)?,
             digests: Vec::new(),
             failed: Vec::new(),
             cpu_features: String::new(),
