@@ -37,7 +37,7 @@ impl Outcome {
 ///
 /// # Errors
 /// As [`run`].
-pub fn compare(picture: &Rgb8) -> Result<[Outcome; 3], EnhanceError> {
+pub fn compare(picture: &Rgb8) -> Result<[Outcome; 2], EnhanceError> {
     let raster = Raster::from(picture.clone());
     let mut results = Vec::new();
     for form in IblaRefinement::ALL {

@@ -1,4 +1,4 @@
-//! IBLA with matting, with matting for the light alone, with the guided filter, and with matting in f64.
+//! IBLA with matting, with the guided filter, and with matting in f64.
 
 use enhance::{Method, Variant, run_variant};
 use imaging::{Raster, Rgb8, transfer};
@@ -15,7 +15,6 @@ pub fn ibla(scene: &ChartScene, runs: usize) -> Vec<Point> {
     let forms = [
         ("matting in f64", "ibla", Variant::Reference),
         ("matting", "ibla", Variant::Fast),
-        ("hybrid", "ibla_hybrid", Variant::Fast),
         ("guided", "ibla_guided", Variant::Fast),
     ];
     let measured = forms.map(|(variant, name, form)| {

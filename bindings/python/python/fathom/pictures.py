@@ -19,7 +19,7 @@ def enhance(image: NDArray[Any], method: str, *, mask: bool = True) -> NDArray[n
     """Enhance a picture.
 
     `image` holds sRGB codes, uint8 or uint16, of shape (H, W) or (H, W, 3). `method` is one of hscm, clahe, grey_world,
-    ulap, suir, ibla, ibla_guided, ibla_hybrid, rd, rghs; `mask=False` leaves out the circular mask of hscm. Returns
+    ulap, suir, ibla, ibla_guided, rd, rghs; `mask=False` leaves out the circular mask of hscm. Returns
     uint8 of the same H and W. A picture on which the method is known to fail comes with a warning.
     """
     result, messages = _native.enhance(image, method, mask)

@@ -67,13 +67,13 @@ impl QuadRegion {
 }
 
 /// Starting from the whole picture, keeps the quarter with the lowest score, the first of ties, until it spans at most
-/// one of `parts` parts of the picture's pixels or cannot be divided. The cost is 4/3 scores per pixel at any depth.
-fn search((width, height): (usize, usize), parts: usize, score: impl Fn(&QuadRegion) -> f64) -> QuadRegion {
+/// one of [`PARTS`] parts of the picture's pixels or cannot be divided. The cost is 4/3 scores per pixel at any depth.
+fn search((width, height): (usize, usize), score: impl Fn(&QuadRegion) -> f64) -> QuadRegion {
     let mut region = QuadRegion {
         columns: 0..width,
         rows: 0..height,
     };
-    let end = width * height / parts;
+    let end = width * height / PARTS;
     while region.span() > end {
         let quarters = region.quarters();
         if quarters.len() < 2 {
@@ -94,7 +94,7 @@ fn search((width, height): (usize, usize), parts: usize, score: impl Fn(&QuadReg
 /// The region with the lowest variance of luma. Sums are integers, so that ties are exact.
 #[must_use]
 pub fn calmest(picture: &Rgb8) -> QuadRegion {
-    search((picture.width(), picture.height()), PARTS, |region| {
+    search((picture.width(), picture.height()), |region| {
         let (mut sum, mut squares) = (0u64, 0u128);
         for row in region.slices(picture.data(), picture.width(), 3) {
             let mut row_squares = 0u64;
@@ -114,12 +114,7 @@ pub fn calmest(picture: &Rgb8) -> QuadRegion {
 /// The region with the smallest mean of a plane.
 #[must_use]
 pub fn lowest(plane: &Plane<f64>) -> QuadRegion {
-    lowest_part(plane, PARTS)
-}
-
-/// The ancestor of [`lowest`] that spans at most one of `parts` parts of the plane.
-pub(crate) fn lowest_part(plane: &Plane<f64>, parts: usize) -> QuadRegion {
-    search(plane.size(), parts, |region| {
+    search(plane.size(), |region| {
         let rows = region.slices(plane.data(), plane.width(), 1);
         rows.map(|row| row.iter().sum::<f64>()).sum::<f64>() / region.area() as f64
     })

@@ -14,8 +14,8 @@ use crate::error::RenderError;
 /// Results by method name.
 pub(crate) type Enhancements = BTreeMap<String, Enhanced>;
 
-/// The method with faster variants; its exact variant has the same name.
-const IBLA: &str = IblaRefinement::ALL[0].name();
+/// The method with a faster variant; its exact variant has the same name.
+const IBLA: &str = IblaRefinement::Matting.name();
 
 /// The methods of a frame, and the variant of `ibla`.
 pub(crate) fn assess(frame: &Frame, tolerance: Option<f64>) -> Vec<Stage> {
@@ -28,54 +28,31 @@ pub(crate) fn assess(frame: &Frame, tolerance: Option<f64>) -> Vec<Stage> {
         ..Stage::new(StageId::Enhance, Variant::Fast("methods"))
     };
     let ibla = frame.enhance.iter().any(|name| name == IBLA);
-    let ibla = ibla.then(|| {
-        let variants = IblaRefinement::ALL.map(|form| IblaVariant {
-            method: form.name(),
-            distance: form.method().distance(),
-        });
-        choose_ibla(&variants, tolerance)
-    });
+    let ibla = ibla.then(|| choose_ibla(tolerance));
     std::iter::once(methods).chain(ibla).collect()
 }
 
-/// A variant of `ibla`, which is also a method.
-#[derive(Clone, Copy)]
-struct IblaVariant {
-    method: &'static str,
-    /// Measured distance of its results from the exact variant in linear light; 0 for the exact variant.
-    distance: f64,
-}
-
-/// The fastest variant whose measured distance is within the tolerance; the exact variant without a tolerance. The distance is not a
-/// bound: some frames exceed it.
-fn choose_ibla(variants: &[IblaVariant], tolerance: Option<f64>) -> Stage {
-    let (exact, faster) = (variants[0], &variants[1..]);
-    let stage = |variant: IblaVariant, share: Option<f64>, note: String| Stage {
+/// The fast variant if its measured distance is within the tolerance; else the exact one. The distance is not a bound: some frames
+/// exceed it.
+fn choose_ibla(tolerance: Option<f64>) -> Stage {
+    let fast = IblaRefinement::Guided;
+    let (name, distance) = (fast.name(), fast.method().distance());
+    let share = tolerance.filter(|&tolerance| distance <= tolerance);
+    let (variant, note) = match (share, tolerance) {
+        (Some(_), _) => (
+            name,
+            format!("measured: {distance:.1e} from {IBLA} at most in 95 % of frames"),
+        ),
+        (None, Some(_)) => (IBLA, format!("beyond the tolerance: {name} {distance:.1e}")),
+        (None, None) => (IBLA, "only a tolerance allows a faster variant".to_owned()),
+    };
+    Stage {
         share,
         bound: None,
         cost_ms: None,
         note: Some(note),
-        ..Stage::new(StageId::Ibla, Variant::Fast(variant.method))
-    };
-    let Some(tolerance) = tolerance else {
-        return stage(exact, None, "only a tolerance allows a faster variant".to_owned());
-    };
-    if let Some(near) = faster.iter().rfind(|variant| variant.distance <= tolerance) {
-        let note = format!(
-            "measured: {:.1e} from {} at most in 95 % of frames",
-            near.distance, exact.method
-        );
-        return stage(*near, Some(tolerance), note);
+        ..Stage::new(StageId::Ibla, Variant::Fast(variant))
     }
-    let distances = faster
-        .iter()
-        .map(|variant| format!("{} {:.1e}", variant.method, variant.distance));
-    let distances: Vec<String> = distances.collect();
-    stage(
-        exact,
-        None,
-        format!("beyond the tolerance: {}", distances.join(", ")),
-    )
 }
 
 /// Runs every method of the frame on the result, independently of each other. Adds their warnings to the record, such as
@@ -117,40 +94,27 @@ fn planned_method<'a>(context: &'a FrameContext<'_>, name: &'a str) -> &'a str {
 mod tests {
     use super::*;
 
-    const VARIANTS: [IblaVariant; 3] = [
-        variant("exact", 0.0),
-        variant("near", 0.015),
-        variant("far", 0.13),
-    ];
-
-    const fn variant(method: &'static str, distance: f64) -> IblaVariant {
-        IblaVariant { method, distance }
-    }
-
     #[test]
     fn a_tolerance_takes_the_fastest_variant_within_it() {
-        let near = "measured: 1.5e-2 from exact at most in 95 % of frames";
-        let far = "measured: 1.3e-1 from exact at most in 95 % of frames";
-        let none = "beyond the tolerance: near 1.5e-2, far 1.3e-1";
+        let fast = "measured: 1.7e-1 from ibla at most in 95 % of frames";
+        let exact = "beyond the tolerance: ibla_guided 1.7e-1";
         for (tolerance, method, note) in [
-            (3e-4, "exact", none),
-            (0.0149, "exact", none),
-            (0.015, "near", near),
-            (0.129, "near", near),
-            (0.13, "far", far),
-            (1.0, "far", far),
+            (3e-4, "ibla", exact),
+            (0.169, "ibla", exact),
+            (0.17, "ibla_guided", fast),
+            (1.0, "ibla_guided", fast),
         ] {
-            let stage = choose_ibla(&VARIANTS, Some(tolerance));
+            let stage = choose_ibla(Some(tolerance));
             assert_eq!(stage.variant.name(), method, "{tolerance}");
             assert_eq!(stage.note.as_deref(), Some(note), "{tolerance}");
-            assert_eq!(stage.share, (method != "exact").then_some(tolerance));
+            assert_eq!(stage.share, (method != "ibla").then_some(tolerance));
             assert_eq!(stage.bound, None);
         }
     }
 
     #[test]
     fn without_a_tolerance_the_exact_variant_runs() {
-        let stage = choose_ibla(&VARIANTS, None);
-        assert_eq!((stage.variant.name(), stage.share), ("exact", None));
+        let stage = choose_ibla(None);
+        assert_eq!((stage.variant.name(), stage.share), ("ibla", None));
     }
 }

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use crate::common::{Files, engine_without_runtime, file, render};
 
-const EVERY: [&str; 3] = ["ibla", "ibla_hybrid", "ibla_guided"];
+const EVERY: [&str; 2] = ["ibla", "ibla_guided"];
 
 fn fields(methods: &[&str], fidelity: &Value) -> Value {
     let enhanced = methods.iter().map(|method| format!("enhanced.{method}"));
@@ -25,17 +25,14 @@ fn a_tolerance_takes_the_fastest_form_of_ibla_that_was_measured_to_be_within_it(
     let files = Files::new();
     for (fidelity, form) in [
         (json!({"tolerance": 3e-4}), "ibla"),
-        (json!({"tolerance": 0.016}), "ibla"),
-        (json!({"tolerance": 0.017}), "ibla_hybrid"),
+        (json!({"tolerance": 0.169}), "ibla"),
         (json!({"tolerance": 0.17}), "ibla_guided"),
         (json!({"terms": 4}), "ibla"),
         (json!("reference"), "ibla"),
     ] {
         // The methods of the variants use the same picture and are never replaced.
         let chosen = render(&files.job(&fields(&EVERY, &fidelity)));
-        let [ibla, hybrid, guided] = EVERY.map(|name| file(&chosen, &format!("enhanced.{name}")));
-        assert!(hybrid != guided, "{fidelity}");
-        assert_eq!(ibla == hybrid, form == "ibla_hybrid", "{fidelity}");
+        let [ibla, guided] = EVERY.map(|name| file(&chosen, &format!("enhanced.{name}")));
         assert_eq!(ibla == guided, form == "ibla_guided", "{fidelity}");
 
         let [line] = lines(&chosen).try_into().unwrap();
@@ -61,7 +58,7 @@ fn by_default_a_frame_gets_the_exact_form_of_ibla() {
 fn only_frames_that_ask_for_ibla_have_a_line_of_its_forms() {
     let files = Files::new();
     let job = |methods: &[&str]| files.job(&fields(methods, &json!({"tolerance": 0.5})));
-    assert!(lines(&render(&job(&["hscm", "ibla_hybrid"]))).is_empty());
+    assert!(lines(&render(&job(&["hscm", "ibla_guided"]))).is_empty());
 
     let plan = Slot::new(&engine_without_runtime())
         .plan(&job(&["hscm", "ibla"]).resolve(0).unwrap(), &SceneSource::Local)

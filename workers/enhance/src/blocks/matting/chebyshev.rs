@@ -19,12 +19,13 @@ use std::ops::Range;
 
 use imaging::{Plane, vectorized};
 
-use super::cells::{CellSet, ROWS};
 use super::tile::{BLOCK, ChebyshevStep, SPAN, TileCoefficients, take_tile};
 use super::windows::{RIM, STEPS, each_row};
 
 /// Maximum number of windows that contain a pixel.
 const WINDOWS: f64 = 9.0;
+/// Rows that a step of a pass advances together: even.
+const ROWS: usize = 8;
 /// Steps of a pass. More would read more rows than fit the nearest caches.
 const PASS: usize = 12;
 /// `A`. Columns and rows are whole tiles, with a rim of zeros: outside of the picture zeros stay zeros.
@@ -33,7 +34,6 @@ pub(super) struct System {
     height: usize,
     closeness: f64,
     tiles: usize,
-    cells: CellSet,
     /// The tiles of each row, including the rim; λ is on the diagonal.
     coefficients: Vec<TileCoefficients>,
 }
@@ -42,23 +42,12 @@ impl System {
     /// The system of a picture of at least 3 × 3 pixels.
     pub(super) fn new(channels: &[Plane<u8>; 3], closeness: f64) -> Self {
         let (width, height) = channels[0].size();
-        Self::in_cells(channels, closeness, CellSet::whole(width, height))
-    }
-
-    /// The system of the pixels in `cells`; all other pixels keep their initial values.
-    pub(super) fn in_cells(channels: &[Plane<u8>; 3], closeness: f64, cells: CellSet) -> Self {
-        let (width, height) = channels[0].size();
-        // Windows of the pixels of a cell begin at most one cell away.
-        let around = cells.grown(1, 1);
         let tiles = width.div_ceil(BLOCK);
         let rows = height.next_multiple_of(2) + 2 * RIM;
         let mut coefficients = vec![[[0.0; SPAN]; STEPS.len()]; tiles * rows];
-        each_row::<f32>(channels, &around, |y, row| {
+        each_row::<f32>(channels, |y, row| {
             let records = &mut coefficients[(y + RIM) * tiles..][..tiles];
             for (tile, record) in records.iter_mut().enumerate() {
-                if !around.has(tile, y) {
-                    continue;
-                }
                 for (number, (to, values)) in zip(record, row).enumerate() {
                     let own = if number == 0 { closeness as f32 } else { 0.0 };
                     let values = &values[tile * BLOCK..];
@@ -71,35 +60,16 @@ impl System {
             height,
             closeness,
             tiles,
-            cells,
             coefficients,
         }
     }
 
     /// Solves `A x = λ p` for several planes together, to a residual of `residual` times `λ p`, apart from rounding.
     pub(super) fn solved<const N: usize>(&self, planes: [&Plane<f64>; N], residual: f64) -> [Plane<f64>; N] {
-        self.taken(planes, None, residual)
-    }
-
-    /// Continues from an approximation `start`; `residual` is relative to that of `start`.
-    pub(super) fn continued(&self, plane: &Plane<f64>, start: &Plane<f64>, residual: f64) -> Plane<f64> {
-        let [x] = self.taken([plane], Some([start]), residual);
-        x
-    }
-
-    fn taken<const N: usize>(
-        &self,
-        planes: [&Plane<f64>; N],
-        starts: Option<[&Plane<f64>; N]>,
-        residual: f64,
-    ) -> [Plane<f64>; N] {
         // Constants are preserved, so only the difference from the mean needs precision.
         let means = planes.map(|plane| plane.data().iter().sum::<f64>() / plane.data().len() as f64);
-        let b = std::array::from_fn(|n| self.loaded(planes[n], means[n], self.closeness));
-        let x: [Vec<f32>; N] = std::array::from_fn(|n| match starts {
-            Some(starts) => self.loaded(starts[n], means[n], 1.0),
-            None => vec![0.0; b[n].len()],
-        });
+        let b = std::array::from_fn(|n| self.loaded(planes[n], means[n]));
+        let x: [Vec<f32>; N] = std::array::from_fn(|n| vec![0.0; Vec::len(&b[n])]);
         let mut x = [x.clone(), x];
         for steps in steps(self.closeness, residual).chunks(PASS) {
             self.pass(&b, &mut x, steps);
@@ -115,12 +85,12 @@ impl System {
         })
     }
 
-    /// `factor (p - mean)`, with the rim.
-    fn loaded(&self, plane: &Plane<f64>, mean: f64, factor: f64) -> Vec<f32> {
+    /// `λ (p - mean)`, with the rim.
+    fn loaded(&self, plane: &Plane<f64>, mean: f64) -> Vec<f32> {
         let mut loaded = vec![0.0; self.stride() * (self.height.next_multiple_of(2) + 2 * RIM)];
         for (y, values) in plane.data().chunks_exact(self.width).enumerate() {
             let row = zip(&mut loaded[self.start_of(y)..], values);
-            row.for_each(|(to, value)| *to = (factor * (value - mean)) as f32);
+            row.for_each(|(to, value)| *to = (self.closeness * (value - mean)) as f32);
         }
         loaded
     }
@@ -161,9 +131,6 @@ impl System {
     ) {
         for y in rows.step_by(2) {
             for tile in 0..self.tiles {
-                if !self.cells.has(tile, y) {
-                    continue;
-                }
                 // From two rows before the tile to its second row.
                 let records: [&TileCoefficients; 4] =
                     std::array::from_fn(|row| &self.coefficients[(y + row) * self.tiles + tile]);

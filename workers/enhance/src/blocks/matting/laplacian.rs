@@ -2,7 +2,6 @@
 
 use imaging::{Plane, vectorized};
 
-use super::cells::CellSet;
 use super::windows::{RIM, STEPS, each_row};
 
 /// A symmetric matrix over the pixels of a picture with a reach of two pixels. Planes have a rim of zeros.
@@ -23,7 +22,7 @@ impl Laplacian {
             coefficients: std::array::from_fn(|_| vec![0.0; (width + 2 * RIM) * (height + 2 * RIM)]),
         };
         let stride = laplacian.stride();
-        each_row::<f64>(channels, &CellSet::whole(width, height), |y, row| {
+        each_row::<f64>(channels, |y, row| {
             for (plane, row) in laplacian.coefficients.iter_mut().zip(row) {
                 plane[(y + RIM) * stride..][..stride].copy_from_slice(row);
             }

@@ -8,14 +8,11 @@
 //! The smallest eigenvalue of the system is λ: if the residual is a share s of `λ p`, the RMS error of `x` is at most s
 //! times the RMS of `p`.
 
-mod cells;
 mod chebyshev;
 mod cholesky;
 mod front;
 mod gradients;
-mod halves;
 mod laplacian;
-mod lowest;
 mod tile;
 mod windows;
 
@@ -28,7 +25,6 @@ use crate::variant::Variant;
 use chebyshev::System;
 use cholesky::CholeskyFactor;
 use laplacian::Laplacian;
-pub use lowest::lowest_refined;
 
 /// Pictures of this many pixels or more use the larger λ.
 const LARGE: usize = 180_000;

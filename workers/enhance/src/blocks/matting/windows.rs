@@ -5,8 +5,6 @@ use std::ops::{Add, AddAssign, Mul};
 
 use imaging::{Plane, vectorized};
 
-use super::cells::CellSet;
-
 /// Width of the rim of zeros around the picture: the reach of a coefficient.
 pub(super) const RIM: usize = 2;
 /// Offsets from a pixel to itself and to the later ones of its neighborhood: columns and rows.
@@ -60,11 +58,9 @@ impl WindowNumber for f64 {
     }
 }
 
-/// Calls `take` with the rows of a picture of at least 3 × 3 pixels, in order, summed over the windows that begin in
-/// `cells`.
+/// Calls `take` with the rows of a picture of at least 3 × 3 pixels, in order, summed over its windows.
 pub(super) fn each_row<T: WindowNumber>(
     channels: &[Plane<u8>; 3],
-    cells: &CellSet,
     mut take: impl FnMut(usize, &StepRows<T>),
 ) {
     let (width, height) = channels[0].size();
@@ -77,9 +73,6 @@ pub(super) fn each_row<T: WindowNumber>(
         if y + SIDE <= height {
             for x in (0..width + 1 - SIDE).step_by(BLOCK) {
                 let count = BLOCK.min(width + 1 - SIDE - x);
-                if !cells.has_columns(x, x + count - 1, y) {
-                    continue;
-                }
                 let lines = channels
                     .each_ref()
                     .map(|plane| std::array::from_fn(|row| &plane.row(y + row)[x..x + count + SIDE - 1]));

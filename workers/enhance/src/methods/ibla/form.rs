@@ -4,7 +4,7 @@ use imaging::{Plane, Rgb8};
 
 use super::blurriness;
 use super::light::BackgroundLight;
-use crate::blocks::{Guide, Matting, guided, lowest_refined};
+use crate::blocks::{Guide, Matting, guided};
 use crate::methods::Method;
 use crate::variant::Variant;
 
@@ -13,22 +13,19 @@ use crate::variant::Variant;
 pub enum IblaRefinement {
     /// Both by matting: the method `ibla`.
     Matting,
-    /// Blurriness by matting around its smallest values, closeness by the guided filter: `ibla_hybrid`.
-    Hybrid,
     /// Both by the guided filter: `ibla_guided`.
     Guided,
 }
 
 impl IblaRefinement {
-    /// All variants from the exact one to the fastest.
-    pub const ALL: [Self; 3] = [Self::Matting, Self::Hybrid, Self::Guided];
+    /// The exact variant and the fast one.
+    pub const ALL: [Self; 2] = [Self::Matting, Self::Guided];
 
     /// Name of the method.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Matting => "ibla",
-            Self::Hybrid => "ibla_hybrid",
             Self::Guided => "ibla_guided",
         }
     }
@@ -43,7 +40,6 @@ impl IblaRefinement {
     pub(super) fn refined(self, guide: &Guide, plane: &Plane<f64>, variant: Variant) -> Plane<f64> {
         match self {
             Self::Matting => Matting::new(guide, variant).refined(plane),
-            Self::Hybrid => lowest_refined(guide, plane, variant),
             Self::Guided => guided(guide, plane, variant),
         }
     }
@@ -69,13 +65,6 @@ mod tests {
     use crate::run_variant;
 
     #[test]
-    fn a_faster_form_is_farther_from_the_exact_one() {
-        let distances = IblaRefinement::ALL.map(|form| form.method().distance());
-        assert_eq!(distances[0], 0.0);
-        assert!(distances.is_sorted_by(|one, next| one < next), "{distances:?}");
-    }
-
-    #[test]
     fn forms_are_the_methods_of_their_names() {
         let picture = Rgb8::from_fn(60, 40, |x, y| {
             [(x * 3) as u8, (y * 5) as u8, ((x * y) % 97) as u8]
@@ -86,10 +75,8 @@ mod tests {
             assert_eq!(result, super::super::restored(&raster, Variant::Fast, form));
             result
         });
-        assert_ne!(results[0], results[2]);
-        let [matting, hybrid, guided] =
-            IblaRefinement::ALL.map(|form| candidates(&picture, form, Variant::Fast));
-        assert_eq!(matting, hybrid, "small pictures are solved as a whole");
+        assert_ne!(results[0], results[1]);
+        let [matting, guided] = IblaRefinement::ALL.map(|form| candidates(&picture, form, Variant::Fast));
         assert_eq!(matting[1], guided[1]);
         assert!(
             guided

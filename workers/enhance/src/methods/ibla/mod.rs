@@ -16,7 +16,7 @@
 //!
 //! `sig(a, b) = 1 / (1 + exp(-32 (a - b)))`; channels are in 0..=1. Refinement follows the picture by its matting
 //! Laplacian, as in the authors' program. The guided filter, which the paper also allows, is much faster and often
-//! finds another light. The hybrid refines `P_b` by matting around its smallest values, and `e` by the guided filter.
+//! finds another light.
 //!
 //! Known failures: a large plain object has no texture and is mistaken for water; if it is bright, the rest turns dark.
 //! With a lamp the light is the black water behind, and lit objects turn white. An undecided sigmoid makes the light
@@ -65,12 +65,6 @@ pub(crate) fn enhance_guided(picture: &Raster, variant: Variant) -> Enhanced {
     restored(picture, variant, IblaRefinement::Guided)
 }
 
-/// [`enhance`] with transmittance refined by the guided filter; the light is found by matting.
-#[must_use]
-pub(crate) fn enhance_hybrid(picture: &Raster, variant: Variant) -> Enhanced {
-    restored(picture, variant, IblaRefinement::Hybrid)
-}
-
 fn restored(picture: &Raster, variant: Variant, form: IblaRefinement) -> Enhanced {
     let colors = picture.to_rgb8();
     let guide = &Guide::new(&colors);
@@ -91,7 +85,7 @@ fn restored(picture: &Raster, variant: Variant, form: IblaRefinement) -> Enhance
             let closeness = matting.refined_near(&mix.closeness(&measures), ahead);
             (light, mix, closeness)
         }
-        IblaRefinement::Hybrid | IblaRefinement::Guided => {
+        IblaRefinement::Guided => {
             let light = BackgroundLight::new(&colors, &form.refined(guide, &blurriness, variant), variant);
             let mix = Mix::new(guide, light.color);
             let Measures {
