@@ -140,11 +140,6 @@ pub const REMOVED: &[Removed] = &[
         "ibla_hybrid",
         "\"ibla\": the planner chooses the variant by `fidelity`",
     ),
-    value(
-        "enhance",
-        "ibla_guided",
-        "\"ibla\": the planner chooses the variant by `fidelity`",
-    ),
     field(
         "png_text",
         "remove it: PNG files always contain their kind, unit and meaning",

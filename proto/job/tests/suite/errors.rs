@@ -258,7 +258,7 @@ fn a_removed_field_names_the_new_one() {
         "scene": {"kind": "procedural", "family": "structure", "light": "albedo"},
         "water": {"ambient": "exposed", "from_above": {"sun_share": 0.5, "sun": {"elevation_deg": 30}, "caustics": {}}},
         "lights": [{"kind": "point", "position_m": [0, 0, 0], "intensity": [1, 1, 1], "shadow": "soft"}],
-        "enhance": ["ibla_guided"],
+        "enhance": ["ibla_hybrid"],
         "fidelity": {"variant": "noise"}, "rays": "auto"
     })));
     let messages: Vec<_> = found
