@@ -34,7 +34,7 @@ impl Surfaces<'_> {
 
 /// Draws 1 to 4 lamps, or 64.
 pub(super) fn draw_lamps(knobs: &Knobs, surfaces: Surfaces<'_>) -> Vec<Value> {
-    let count = if knobs.chance("lamps.are_many", 0.08) {
+    let count = if has_many_lamps(knobs) {
         MOST_LAMPS
     } else {
         knobs.whole("lamps.count", 1, 4)
@@ -42,6 +42,11 @@ pub(super) fn draw_lamps(knobs: &Knobs, surfaces: Surfaces<'_>) -> Vec<Value> {
     (0..count)
         .map(|lamp| draw_lamp(knobs, &format!("lamp{lamp}"), surfaces))
         .collect()
+}
+
+/// Whether the lamps of a frame, if it has any, are as many as possible.
+pub(super) fn has_many_lamps(knobs: &Knobs) -> bool {
+    knobs.chance("lamps.are_many", 0.08)
 }
 
 /// Draws a lamp near the surface point of a random pixel.

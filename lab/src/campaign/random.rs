@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use super::camera::{add_parts, add_path, add_shift, draw_pinhole};
 use super::case::Case;
 use super::knobs::{FIRST, Knobs, LAST};
-use super::lamps::{Surfaces, draw_lamps};
+use super::lamps::{Surfaces, draw_lamps, has_many_lamps};
 use super::picture::{BRIGHT, LIGHTS, Limits, WHITE, draw_picture, draw_sides};
 use super::water::{draw_patches, draw_sediment, draw_sky, draw_snow, draw_water};
 
@@ -21,7 +21,7 @@ const PICTURES: Limits = Limits {
     sides_px: (20, 64),
     pixels: 2500,
 };
-/// Frames with patches. The reference runs one transform for each pixel.
+/// Frames with patches, whose reference runs one transform for each pixel, and with many lamps.
 const PATCHES: Limits = Limits {
     sides_px: (12, 32),
     pixels: 400,
@@ -67,7 +67,11 @@ pub(super) fn draw_water_alone(mut knobs: Knobs) -> (Case, Knobs) {
 
 /// An uploaded picture with a camera.
 pub(super) fn draw_uploaded(knobs: &Knobs) -> Case {
-    let limits = if has_patches(knobs) { PATCHES } else { PICTURES };
+    let limits = if has_patches(knobs) || has_many_lamps(knobs) {
+        PATCHES
+    } else {
+        PICTURES
+    };
     let picture = draw_picture(knobs, limits);
     let mut job =
         json!({"camera": draw_pinhole(knobs, picture.range.size()), "fidelity": draw_tolerance(knobs)});
@@ -90,7 +94,11 @@ pub(super) fn draw_procedural(knobs: &Knobs) -> Case {
         true => knobs.whole("camera.supersample", 2, 3),
         false => 1,
     };
-    let limits = if has_patches(knobs) { PATCHES } else { PROCEDURAL };
+    let limits = if has_patches(knobs) || has_many_lamps(knobs) {
+        PATCHES
+    } else {
+        PROCEDURAL
+    };
     let limits = Limits {
         pixels: limits.pixels / (supersample * supersample),
         sides_px: (limits.sides_px.0 / supersample, limits.sides_px.1 / supersample),

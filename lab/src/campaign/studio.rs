@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use imaging::{Rgb, transfer};
-use optics::plan::Plan;
+use optics::plan::{Plan, StageId};
 use renderer::{Engine, LinearPicture, SceneSource, Slot};
 use spec::{Fidelity, Frame, Job, Tone, Vocabulary};
 use style::Library;
@@ -12,6 +12,16 @@ use super::case::Case;
 
 /// Linear light of white, the largest in an exposed picture.
 const WHITE: f64 = 1.0;
+
+/// Effects without a bound, which would void the bound of nearly every frame.
+const UNBOUNDED: [StageId; 6] = [
+    StageId::SunShadow,
+    StageId::AmbientAccess,
+    StageId::Caustics,
+    StageId::Shafts,
+    StageId::LampShadows,
+    StageId::VeilOcclusion,
+];
 
 /// Renders frames of the campaign.
 pub struct Studio {
@@ -65,7 +75,7 @@ impl Studio {
         let library = Library::embedded().expect("the embedded style models");
         Self {
             vocabulary: renderer::vocabulary(&library, true),
-            slot: Slot::new(&Arc::new(Engine::new(library, None))),
+            slot: Slot::new(&Arc::new(Engine::new(library, None))).excluding(&UNBOUNDED),
         }
     }
 

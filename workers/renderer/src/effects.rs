@@ -52,7 +52,7 @@ impl Change {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Effects {
     estimated: BTreeMap<StageId, Change>,
-    /// Visible effects dropped to meet a budget.
+    /// Effects dropped to meet a budget, and excluded ones.
     dropped: Vec<StageId>,
     /// How often a budget has doubled the tolerance.
     doublings: i32,
@@ -65,6 +65,12 @@ const MOST_DOUBLINGS: i32 = 2;
 impl Effects {
     pub(crate) fn add(&mut self, id: StageId, change: Change) {
         self.estimated.insert(id, change);
+    }
+
+    /// Leaves out an effect without naming it in plans.
+    pub(crate) fn exclude(&mut self, id: StageId) {
+        self.estimated.remove(&id);
+        self.dropped.push(id);
     }
 
     /// Whether an effect runs.

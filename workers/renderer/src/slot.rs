@@ -9,7 +9,7 @@ use std::sync::Arc;
 use ::camera::geometry::SourcePicture;
 use imaging::Rgb;
 use optics::forward_scatter::KernelCache;
-use optics::plan::Plan;
+use optics::plan::{Plan, StageId};
 use spec::{Camera, Frame, FrameRecord, Scene};
 
 use crate::content::Contents;
@@ -37,6 +37,8 @@ pub struct Slot {
     /// Caches for the thinned pictures used to meter exposures.
     thin: Thin,
     last_scene: Option<(SceneKey, Arc<Prepared>)>,
+    /// Effects that no frame of this slot has.
+    excluded: Vec<StageId>,
 }
 
 /// A rendered frame.
@@ -79,7 +81,16 @@ impl Slot {
             resources: Resources::default(),
             thin: Thin::default(),
             last_scene: None,
+            excluded: Vec::new(),
         }
+    }
+
+    /// A slot whose frames have none of these effects, whatever their fidelity: for comparisons of the remaining stages. Effects
+    /// that every frame has are not excluded.
+    #[must_use]
+    pub fn excluding(mut self, effects: &[StageId]) -> Self {
+        self.excluded = effects.to_vec();
+        self
     }
 
     /// Renders a frame. Its bytes do not depend on earlier frames of the slot.

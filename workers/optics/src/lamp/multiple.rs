@@ -14,6 +14,7 @@
 //! function. The constants are fits to Monte Carlo runs; [`ModelError`](super::ModelError) has their error.
 
 use std::f64::consts::PI;
+use std::sync::LazyLock;
 
 use super::beam::Beam;
 
@@ -49,16 +50,18 @@ pub(super) fn azimuths() -> [f64; AZIMUTHS] {
     std::array::from_fn(|q| ((q as f64 + 0.5) * PI / 4.0).cos())
 }
 
+static RING_ANGLES: LazyLock<[f64; RINGS]> = LazyLock::new(rings);
+static AZIMUTH_COSINES: LazyLock<[f64; AZIMUTHS]> = LazyLock::new(azimuths);
+
 /// S̄ in a direction whose cosine to the axis is `cosine(axis)`, for a kernel of this scale in radians.
 pub(super) fn blurred(beam: Beam, scale: f64, cosine: impl Fn([f64; 3]) -> f64) -> f64 {
     let Beam::Spot { axis, .. } = beam else { return 1.0 };
     let cos = cosine(axis).clamp(-1.0, 1.0);
     let sin = (1.0 - cos * cos).sqrt();
-    let azimuths = azimuths();
     let mut sum = 0.0;
-    for ring in rings() {
+    for ring in &*RING_ANGLES {
         let (sin_ring, cos_ring) = (scale * ring).min(PI).sin_cos();
-        for azimuth in azimuths {
+        for azimuth in &*AZIMUTH_COSINES {
             sum += beam.profile(|_| cos * cos_ring + sin * sin_ring * azimuth);
         }
     }

@@ -239,12 +239,12 @@ impl<'a> Glow<'a> {
         let mut sum = [0.0; 3];
         for (node, weight) in rule {
             let theta = 0.5 * (from + to) + 0.5 * (to - from) * node;
-            let cosine = |axis: [f64; 3]| {
-                theta.cos() * dot(axis, self.offset) / self.distance + theta.sin() * dot(axis, self.ray)
-            };
+            let (sin, cos) = theta.sin_cos();
+            let cosine =
+                |axis: [f64; 3]| cos * dot(axis, self.offset) / self.distance + sin * dot(axis, self.ray);
             let profile = lamp.beam.profile(cosine);
-            let path = self.nearest + self.distance * (theta.tan() + 1.0 / theta.cos());
-            let phase = lighting.phase.density(-theta.sin());
+            let path = self.nearest + self.distance * (theta.tan() + 1.0 / cos);
+            let phase = lighting.phase.density(-sin);
             let scattered = weight * profile * phase;
             for (i, sum) in sum.iter_mut().enumerate() {
                 let direct = (-lighting.attenuation[i] * self.murk * path).exp();

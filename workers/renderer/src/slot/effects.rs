@@ -27,6 +27,7 @@ impl Slot {
                 watch.time("plan", || self.estimate_effects(context, expected))?
             }
         };
+        self.excluded.iter().for_each(|id| effects.exclude(*id));
         let Fidelity::BudgetMs(budget_ms) = context.frame.fidelity else {
             context.apply(effects, &mut self.resources, watch);
             return Ok(());
