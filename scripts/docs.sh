@@ -15,13 +15,13 @@ rm -rf "$work" && mkdir -p "$work/frames"
 for frame in "$work"/table1/*/; do
     cp "$frame/rgb.png" "$work/frames/$(basename "$frame").png"
 done
-"$lab" table1 "$work/frames" --out "$work/table1"
+"$lab" experiment table1 "$work/frames" --out "$work/table1"
 cp "$work/table1/table1.svg" docs/science/charts/
 
-"$lab" stability --enhance --scenes 8 --out "$work/stability"
-cp "$work/stability/stability.csv" docs/science/data/
-"$lab" stability --style --out "$work/stability"
-cp "$work"/stability/stability/style-*.svg docs/science/charts/
-for pictures in camera suspended waters; do
-    "$lab" "$pictures" --out "$work/pictures"
+"$lab" experiment stability --set scenes=8 --out "$work/stability"
+cp "$work/stability/stability-cells.csv" docs/science/data/stability.csv
+"$lab" experiment style-stability --out "$work/styles"
+cp "$work"/styles/style-*.svg docs/science/charts/
+for pictures in camera suspended sequence wall families labels ladder waters sites; do
+    "$lab" experiment "$pictures" --out "$work/pictures"
 done

@@ -9,13 +9,10 @@ work=target/docs
 charts=docs/science/charts
 mkdir -p "$work"
 
-"$lab" bench render --out "$work"
-"$lab" chart --runs 9 --out "$work/charts"
-"$lab" campaign --out "$work/campaign"
-"$lab" stability --chain --out "$work"
-"$lab" ladder --water jerlov-1C --out "$work/ladder.png"
-"$lab" waters --no-scenes --out "$work/waters"
+for experiment in speed chart campaign chain ladder waters; do
+    "$lab" experiment "$experiment" --out "$work/$experiment"
+done
 
-cp "$work"/charts/{forward_scatter,frame,haze,homomorphic,ibla,lamps,style}-structure.svg "$work"/charts/cost-*.svg \
-    "$work"/campaign/campaign-*.svg "$work"/waters/{transmittance,daylight,visibility-range,visibility-turbidity}.svg "$charts"
-cp "$work"/charts/{chart.csv,machine.json} docs/science/data/
+cp "$work"/chart/{forward_scatter,frame,haze,homomorphic,ibla,lamps,style}-structure.svg "$work/campaign/campaign-bound.svg" \
+    "$work"/waters/{transmittance,daylight,visibility-range,visibility-turbidity}.svg "$charts"
+cp "$work/chart/chart.csv" docs/science/data/

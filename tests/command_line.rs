@@ -161,21 +161,33 @@ fn the_waters_carry_their_source_and_the_styles_their_digest() {
 #[test]
 fn the_figures_of_the_paper_are_drawn() {
     let folder = temporary();
-    let output = run_lab(&[
-        "figure",
-        "structure:3",
-        "--out",
-        folder.path().to_str().expect("text"),
-    ]);
-    assert!(output.status.success(), "{}", text(&output.stderr));
-    for name in ["figure5.png", "figure6.png"] {
-        let bytes = std::fs::read(folder.path().join(name)).expect("a figure");
+    for name in ["figure5", "figure6"] {
+        let out = folder.path().to_str().expect("text");
+        let output = run_lab(&["experiment", name, "--out", out]);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let bytes = std::fs::read(folder.path().join(format!("{name}.png"))).expect("a figure");
         assert!(
             bytes.starts_with(b"\x89PNG") && bytes.len() > 50_000,
             "{name} is {} bytes",
             bytes.len()
         );
     }
+}
+
+#[test]
+fn a_wrong_experiment_gets_one_message_with_every_mistake() {
+    let refused = |words: &[&str]| {
+        let output = run_lab(words);
+        assert_eq!(output.status.code(), Some(2), "{words:?}");
+        text(&output.stderr).to_owned()
+    };
+    let unknown = refused(&["experiment", "chrat"]);
+    assert!(unknown.contains("no experiment `chrat`") && unknown.contains("campaign"), "{unknown}");
+    let message = refused(&["experiment", "campaign", "--set", "frames=-1", "--set", "sed=2"]);
+    assert!(message.contains("`frames` is -1; must be a number from 0"), "{message}");
+    assert!(message.contains("no parameter `sed`"), "{message}");
+    let list = run_lab(&["experiment"]);
+    assert!(list.status.success() && text(&list.stdout).contains("sites"));
 }
 
 #[test]

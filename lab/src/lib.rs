@@ -1,20 +1,26 @@
-//! The laboratory: speed against accuracy, stability, and the look of the waters. It generates the pages of `docs/`; the product
-//! does not depend on it.
-//!
-//! The science crates compute the measured values. Each figure is drawn from one description, as SVG and as a picture. This library
-//! reads clocks but no files; the commands of `fathom-lab` write its results.
+//! The laboratory: speed against accuracy, stability, and the look of the waters. Its experiments make the tables and charts of
+//! `docs/`; the product does not depend on it.
 
 pub mod campaign;
-pub mod chain_stability;
+pub mod chain;
 pub mod chart;
-pub mod frame_truth;
+pub mod experiments;
 pub mod ibla;
-mod johnson;
-pub mod lamp_truth;
+pub mod jobs;
+pub mod lamps;
+pub mod look;
+pub mod measurement;
+pub mod parallel;
 pub mod plot;
+pub mod report;
+pub mod service;
+pub mod setup;
 pub mod speed;
 pub mod stability;
+pub mod statistics;
+pub mod studio;
+pub mod styles;
+pub mod table;
 pub mod table1;
+pub mod truth;
 pub mod waters;
-
-pub use johnson::johnson;

@@ -5,75 +5,132 @@ use std::sync::Arc;
 
 use anyhow::Context;
 use cli::exit::Failure;
+use cli::files;
+use cli::styles::StyleArguments;
 use imaging::{Raster, codec};
-use renderer::{Engine, Rendered, Round, SceneSource, Slot, Traced, Tracing, WaterLight};
+use optics::plan::StageId;
+use renderer::{Engine, LinearPicture, Rendered, SceneSource, Slot};
 use serde_json::Value;
-use spec::{Frame, Job};
+use spec::{Fidelity, Frame, Job, Vocabulary};
 use style::Library;
 
 /// One slot with its style models.
-pub(crate) struct Studio {
-    pub(crate) library: Library,
-    slot: Slot,
+pub struct Studio {
+    /// The slot.
+    pub slot: Slot,
+    vocabulary: Vocabulary,
 }
 
 impl Studio {
-    pub(crate) fn new(library: Library, onnxruntime: Option<&Path>) -> Self {
-        let engine = Arc::new(Engine::new(library.clone(), onnxruntime));
+    /// A studio with the styles of a command.
+    ///
+    /// # Errors
+    /// A style cannot be read.
+    pub fn new(styles: &StyleArguments) -> Result<Self, Failure> {
+        Ok(Self::with_library(
+            styles.library()?,
+            styles.onnxruntime.as_deref(),
+        ))
+    }
+
+    /// A studio with the shipped styles.
+    ///
+    /// # Panics
+    /// The shipped styles are damaged.
+    #[must_use]
+    pub fn with_shipped_styles() -> Self {
+        Self::with_library(Library::embedded().expect("the embedded style models"), None)
+    }
+
+    fn with_library(library: Library, onnxruntime: Option<&Path>) -> Self {
         Self {
-            library,
-            slot: Slot::new(&engine),
+            vocabulary: renderer::vocabulary(&library, true),
+            slot: Slot::new(&Arc::new(Engine::new(library, onnxruntime))),
         }
     }
 
-    /// Creates a studio with the shipped styles.
-    pub(crate) fn with_shipped_styles() -> Result<Self, Failure> {
-        let library = Library::embedded().context("the embedded style models")?;
-        Ok(Self::new(library, None))
+    /// A studio with the shipped styles and without some effects.
+    ///
+    /// # Panics
+    /// As [`Studio::with_shipped_styles`].
+    #[must_use]
+    pub fn without_effects(effects: &[StageId]) -> Self {
+        let studio = Self::with_shipped_styles();
+        Self {
+            slot: studio.slot.excluding(effects),
+            ..studio
+        }
     }
 
-    /// A frame of a job that may use local files.
-    pub(crate) fn frame(&self, description: &Value, index: u64) -> Result<Frame, Failure> {
-        let vocabulary = renderer::vocabulary(&self.library, true);
-        let job = Job::parse(description.to_string().as_bytes(), &vocabulary);
-        let frame = job.and_then(|job| job.resolve(index));
+    /// Parses a job that may use local files.
+    ///
+    /// # Errors
+    /// All mistakes of the description.
+    pub fn job(&self, description: &Value) -> Result<Job, Failure> {
+        let job = Job::parse(description.to_string().as_bytes(), &self.vocabulary);
+        job.map_err(|invalid| cli::job::refused(Path::new("the description"), &invalid))
+    }
+
+    /// A frame of a job.
+    ///
+    /// # Errors
+    /// As [`Studio::job`].
+    pub fn frame(&self, description: &Value, index: u64) -> Result<Frame, Failure> {
+        let frame = self.job(description)?.resolve(index);
         frame.map_err(|invalid| cli::job::refused(Path::new("the description"), &invalid))
     }
 
-    /// The light of a frame in its water, limited to the effects of the Monte Carlo truth, with or without the veil of daylight.
-    pub(crate) fn water_light(&mut self, frame: &Frame, has_daylight: bool) -> Result<WaterLight, Failure> {
-        self.slot
-            .water_light(frame, &SceneSource::Local, has_daylight)
-            .map_err(Failure::input)
-    }
-
-    /// The light of a frame by Monte Carlo.
-    pub(crate) fn trace(
-        &mut self,
-        frame: &Frame,
-        tracing: &Tracing,
-        round: Round<'_>,
-    ) -> Result<Option<Traced>, Failure> {
-        self.slot
-            .trace(frame, &SceneSource::Local, tracing, round)
-            .map_err(Failure::input)
-    }
-
-    pub(crate) fn render(&mut self, frame: &Frame) -> Result<Rendered, Failure> {
+    /// Renders a frame of local scenes.
+    ///
+    /// # Errors
+    /// The frame cannot be rendered.
+    pub fn render(&mut self, frame: &Frame) -> Result<Rendered, Failure> {
         self.slot
             .render(frame, &SceneSource::Local)
             .map_err(Failure::input)
     }
+
+    /// The linear light of a frame at another fidelity.
+    ///
+    /// # Errors
+    /// The frame cannot be rendered.
+    pub fn linear(
+        &mut self,
+        frame: &Frame,
+        fidelity: Fidelity,
+        source: &SceneSource,
+    ) -> Result<LinearPicture, Failure> {
+        let frame = Frame {
+            fidelity,
+            ..frame.clone()
+        };
+        self.slot.linear(&frame, source).map_err(Failure::input)
+    }
 }
 
-/// An artifact, or `None` if it was not rendered.
-pub(crate) fn artifact<'a>(rendered: &'a Rendered, kind: &str) -> Option<&'a [u8]> {
-    let file = rendered.files.iter().find(|file| file.kind == kind)?;
-    Some(&file.bytes)
+/// An artifact of a frame.
+///
+/// # Errors
+/// It was not rendered.
+pub fn artifact<'a>(rendered: &'a Rendered, kind: &str) -> Result<&'a [u8], Failure> {
+    let file = rendered.files.iter().find(|file| file.kind == kind);
+    let file = file.with_context(|| format!("the frame has no artifact `{kind}`"))?;
+    Ok(&file.bytes)
 }
 
-/// The codes of a requested artifact.
-pub(crate) fn raster(rendered: &Rendered, kind: &str) -> Result<Raster, Failure> {
-    let bytes = artifact(rendered, kind).with_context(|| format!("the frame has no artifact `{kind}`"))?;
-    Ok(codec::decode_picture(bytes).map_err(anyhow::Error::from)?)
+/// The codes of an artifact.
+///
+/// # Errors
+/// It was not rendered or is not a picture.
+pub fn raster(rendered: &Rendered, kind: &str) -> Result<Raster, Failure> {
+    Ok(codec::decode_picture(artifact(rendered, kind)?).map_err(anyhow::Error::from)?)
+}
+
+/// Reads a description from a JSON file.
+///
+/// # Errors
+/// The file cannot be read or is not JSON.
+pub fn read_json(path: &Path) -> Result<Value, Failure> {
+    serde_json::from_slice(&files::read(path)?)
+        .map_err(|error| Failure::BadInput(format!("{}: {error}", path.display())))
 }

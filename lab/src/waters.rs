@@ -1,6 +1,8 @@
 //! The look of the waters: transmittance over range, a grey card at growing range, visibility over range and turbidity.
 
-use imaging::{Plane, Rgb, transfer};
+use cli::exit::Failure;
+use cli::sheet::{Tile, sheet};
+use imaging::{Plane, Rgb, Rgb8, transfer};
 use optics::chain;
 use optics::forward_scatter::KernelCache;
 use optics::medium::Medium;
@@ -8,115 +10,130 @@ use optics::plan::{Plan, SceneBounds};
 use optics::preset::{Channels, Preset, all_known, find, presets};
 use optics::visibility;
 use optics::water::{Water, properties};
-use plotters::style::RGBColor;
 use spec::{Fidelity, Optics};
 
-use crate::plot::{Axis, Card, Cards, Form, Lines, Mark, Panel, Panels, Series};
+use crate::plot::{Axis, Chart, Form, Lines, Panels, Series};
+use crate::report::Report;
+use crate::setup::Setup;
 
-const RED: RGBColor = RGBColor(204, 51, 51);
-const GREEN: RGBColor = RGBColor(30, 140, 60);
-const BLUE: RGBColor = RGBColor(40, 90, 200);
-const FARTHEST_M: f64 = 15.0;
-const DEEPEST_M: f64 = 30.0;
+const COLORS: [&str; 3] = ["#cc3333", "#1e8c3c", "#285ac8"];
 const POINTS: usize = 60;
 /// Jerlov's types from the clearest ocean to the most turbid coast, each from its default source.
-pub const TYPES: [&str; 10] = ["I", "IA", "IB", "II", "III", "1C", "3C", "5C", "7C", "9C"];
+const TYPES: [&str; 10] = ["I", "IA", "IB", "II", "III", "1C", "3C", "5C", "7C", "9C"];
+/// Ranges of the grey cards, m.
+const CARDS_M: [f64; 11] = [0.0, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 11.0, 15.0];
+const CARD_PX: (usize, usize) = (84, 60);
+/// Reflectances of the stripes of a card.
+const STRIPES: [f64; 3] = [0.9, 0.18, 0.03];
+
+/// Draws the waters.
+///
+/// # Errors
+/// None.
+pub fn run(_: &Setup) -> Result<Report, Failure> {
+    let mut report = Report::new(
+        "Waters by wavelength, range and turbidity.".to_owned(),
+        Vec::new(),
+    );
+    for (name, chart) in [
+        ("transmittance", draw_transmittance()),
+        ("daylight", draw_daylight()),
+        ("visibility-range", draw_visibility_over_range()),
+        ("visibility-turbidity", draw_visibility_over_turbidity()),
+    ] {
+        report.add_chart(name, chart);
+    }
+    report.pictures.push(("grey-cards".to_owned(), draw_cards()));
+    Ok(report)
+}
+
+fn renderable() -> impl Iterator<Item = &'static Preset> {
+    presets().iter().filter(|preset| preset.unrenderable().is_none())
+}
 
 /// exp(-c Z) of every renderable water.
-#[must_use]
-pub fn transmittance() -> Panels {
-    let waters = presets().iter().filter(|preset| preset.unrenderable().is_none());
-    Panels {
-        title: "Transmittance exp(-c Z) along a camera ray: red, green and blue light".to_owned(),
-        foot: "Range Z in meters. Waters with a known beam attenuation c; narrow-band red, green, blue."
+fn draw_transmittance() -> Chart {
+    let panels = renderable().map(|preset| draw_decay(preset, preset.beam_attenuation, 15.0));
+    Chart::Panels(Panels {
+        title: "Transmittance exp(-c Z) over range Z in meters along a camera ray: red, green and blue light"
             .to_owned(),
-        most: FARTHEST_M,
-        ticks: vec![0.0, 5.0, 10.0, 15.0],
-        panels: waters
-            .map(|preset| panel(preset, preset.beam_attenuation, FARTHEST_M))
-            .collect(),
+        panels: panels.collect(),
         columns: 4,
-    }
+    })
 }
 
 /// exp(-K_d h) of the waters that are defined only by K_d.
-#[must_use]
-pub fn daylight() -> Panels {
+fn draw_daylight() -> Chart {
     let waters = presets().iter().filter(|preset| preset.name.starts_with("kd-"));
-    Panels {
-        title: "Daylight left at a depth, exp(-Kd h): not what a camera ray loses, which is more".to_owned(),
-        foot: "Depth h in meters. Waters that are listed with Kd alone and cannot be rendered.".to_owned(),
-        most: DEEPEST_M,
-        ticks: vec![0.0, 10.0, 20.0, 30.0],
+    Chart::Panels(Panels {
+        title: "Daylight left at depth h in meters, exp(-Kd h); a camera ray loses more".to_owned(),
         panels: waters
-            .map(|preset| panel(preset, preset.diffuse_attenuation, DEEPEST_M))
+            .map(|preset| draw_decay(preset, preset.diffuse_attenuation, 30.0))
             .collect(),
         columns: 5,
-    }
+    })
 }
 
-fn panel(preset: &Preset, coefficient: Channels, most: f64) -> Panel {
-    let curve = |(color, k): (RGBColor, Option<f64>)| {
-        let at = |i: usize| most * i as f64 / POINTS as f64;
-        Some((
-            color,
-            k.map(|k| (0..=POINTS).map(|i| (at(i), (-k * at(i)).exp())).collect())?,
+fn draw_decay(preset: &Preset, coefficient: Channels, most: f64) -> Lines {
+    let series = COLORS.into_iter().zip(coefficient).filter_map(|(color, k)| {
+        let k = k?;
+        let meters = (0..=POINTS).map(|i| most * i as f64 / POINTS as f64);
+        Some(Series::new(
+            "",
+            meters.map(|z| (z, (-k * z).exp())),
+            Form::Curve(color),
         ))
-    };
-    Panel {
+    });
+    Lines {
         title: preset.name.clone(),
-        curves: [RED, GREEN, BLUE]
-            .into_iter()
-            .zip(coefficient)
-            .filter_map(curve)
-            .collect(),
+        x: Axis::linear(""),
+        y: Axis::linear(""),
+        series: series.collect(),
     }
 }
 
-/// A white, grey and black card at growing range in every renderable water, lit as in air.
-#[must_use]
-pub fn grey_cards() -> Cards {
-    const RANGES_M: [f64; 11] = [0.0, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 11.0, 15.0];
-    const STRIPES: [f64; 3] = [0.9, 0.18, 0.03];
-    let row = |preset: &Preset| {
-        let c = all_known(preset.beam_attenuation)?;
-        let veil = properties(preset).veiling_light?;
-        let seen = |j: f64, z: f64| {
-            let light = [0, 1, 2].map(|i| j * (-c[i] * z).exp() - veil[i] * (-c[i] * z).exp_m1());
-            color(light)
-        };
-        let card = |z: &f64| Card {
-            around: color(veil),
-            stripes: STRIPES.map(|j| seen(j, *z)).to_vec(),
-        };
-        Some((preset.name.clone(), RANGES_M.iter().map(card).collect()))
-    };
-    let mut waters: Vec<&Preset> = presets()
-        .iter()
-        .filter(|preset| preset.unrenderable().is_none())
-        .collect();
-    let place = |preset: &Preset| {
-        TYPES
+/// A white, grey and black card at growing range in front of the open water of every renderable water, lit as in air.
+fn draw_cards() -> Rgb8 {
+    let mut waters: Vec<&Preset> = renderable().collect();
+    waters.sort_by_key(|preset| {
+        let kind = TYPES
             .iter()
-            .position(|kind| Some(*kind) == preset.jerlov_type.as_deref())
-    };
-    waters.sort_by_key(|preset| place(preset).unwrap_or(TYPES.len()));
-    Cards {
-        title: "A card of white 0.9, grey 0.18 and black 0.03 at growing range, before open water".to_owned(),
-        foot: "Lit as in air; the veil is that of a camera 5 m below the surface, exposed to 0.3.".to_owned(),
-        columns: RANGES_M.iter().map(|z| format!("{z} m")).collect(),
-        rows: waters.into_iter().filter_map(row).collect(),
-    }
+            .position(|kind| Some(*kind) == preset.jerlov_type.as_deref());
+        kind.unwrap_or(TYPES.len())
+    });
+    let tiles = waters.into_iter().filter_map(|preset| {
+        let (c, veil) = (
+            all_known(preset.beam_attenuation)?,
+            properties(preset).veiling_light?,
+        );
+        let picture = Rgb8::from_fn(CARDS_M.len() * CARD_PX.0, CARD_PX.1, |x, y| {
+            let (left, z) = (x % CARD_PX.0, CARDS_M[x / CARD_PX.0]);
+            let is_card = (16..CARD_PX.0 - 16).contains(&left) && (9..CARD_PX.1 - 9).contains(&y);
+            match is_card {
+                true => card_color(STRIPES[(y - 9) * STRIPES.len() / (CARD_PX.1 - 18)], z, c, veil),
+                false => encode(veil),
+            }
+        });
+        let meters = CARDS_M.map(|z| z.to_string()).join(", ");
+        Some(Tile {
+            picture,
+            caption: vec![format!("{}: {meters} m", preset.name)],
+        })
+    });
+    sheet(&tiles.collect::<Vec<_>>(), 1, CARDS_M.len() * CARD_PX.0)
 }
 
-fn color(light: [f64; 3]) -> RGBColor {
-    let code = |v: f64| (255.0 * transfer::encode(v.clamp(0.0, 1.0)) + 0.5) as u8;
-    RGBColor(code(light[0]), code(light[1]), code(light[2]))
+/// The color of a surface at a range.
+fn card_color(reflectance: f64, z: f64, c: [f64; 3], veil: [f64; 3]) -> [u8; 3] {
+    encode([0, 1, 2].map(|i| reflectance * (-c[i] * z).exp() - veil[i] * (-c[i] * z).exp_m1()))
+}
+
+fn encode(light: [f64; 3]) -> [u8; 3] {
+    light.map(|v| (255.0 * transfer::encode(v.clamp(0.0, 1.0)) + 0.5) as u8)
 }
 
 /// Visibility of a bright card on a wall over its range, in each type of water.
-#[must_use]
-pub fn visibility_over_range() -> Lines {
+fn draw_visibility_over_range() -> Chart {
     const RANGES_M: [f64; 13] = [
         0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 11.0, 15.0,
     ];
@@ -125,82 +142,50 @@ pub fn visibility_over_range() -> Lines {
     let series = types.filter_map(|kind| {
         let name = format!("jerlov-{kind}");
         let preset = find(&name).filter(|preset| preset.unrenderable().is_none())?;
-        let marks = RANGES_M
+        let points = RANGES_M
             .iter()
-            .filter_map(|&z| Some(mark(z, score(&preset.name, z, 1.0)?)));
-        Some(Series {
-            name,
-            marks: marks.collect(),
-            form: Form::Joined,
-        })
+            .filter_map(|&z| Some((z, measure_visibility(&preset.name, z, 1.0)?)));
+        Some(Series::new(name, points, Form::Joined))
     });
-    Lines {
+    Chart::Lines(Lines {
         title: "Visibility of a bright card on a wall: contrast after the water over contrast before"
             .to_owned(),
-        x: Axis {
-            title: "range in meters".to_owned(),
-            logarithmic: false,
-        },
-        y: Axis {
-            title: "visibility".to_owned(),
-            logarithmic: false,
-        },
+        x: Axis::linear("range in meters"),
+        y: Axis::linear("visibility"),
         series: series.collect(),
-    }
+    })
 }
 
 /// Visibility of the same card in one water of growing turbidity.
-#[must_use]
-pub fn visibility_over_turbidity() -> Lines {
+fn draw_visibility_over_turbidity() -> Chart {
     const TURBIDITIES: [f64; 11] = [0.125, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0];
     let series = [0.5, 1.0, 2.0, 4.0, 8.0].map(|z| {
-        let marks = TURBIDITIES
+        let points = TURBIDITIES
             .iter()
-            .filter_map(|&t| Some(mark(t, score("jerlov-1C", z, t)?)));
-        Series {
-            name: format!("card at {z} m"),
-            marks: marks.collect(),
-            form: Form::Joined,
-        }
+            .filter_map(|&t| Some((t, measure_visibility("jerlov-1C", z, t)?)));
+        Series::new(format!("card at {z} m"), points, Form::Joined)
     });
-    Lines {
+    Chart::Lines(Lines {
         title: "The same card in jerlov-1C, all of its coefficients multiplied".to_owned(),
-        x: Axis {
-            title: "turbidity: factor of every coefficient (range_scale)".to_owned(),
-            logarithmic: true,
-        },
-        y: Axis {
-            title: "visibility".to_owned(),
-            logarithmic: false,
-        },
+        x: Axis::logarithmic("turbidity: factor of every coefficient (range_scale)"),
+        y: Axis::linear("visibility"),
         series: series.to_vec(),
-    }
-}
-
-fn mark(x: f64, y: f64) -> Mark {
-    Mark {
-        x,
-        y,
-        reach: None,
-        label: String::new(),
-        ringed: false,
-    }
+    })
 }
 
 /// The visibility of a card of 0.6 on a wall of 0.2, both at one range, through the whole chain.
-fn score(preset: &str, range_m: f64, turbidity: f64) -> Option<f64> {
+fn measure_visibility(preset: &str, range_m: f64, turbidity: f64) -> Option<f64> {
     const SIZE: (usize, usize) = (96, 64);
     const CARD: [usize; 4] = [36, 22, 60, 42];
-    const FOCAL_PX: f64 = 60.0;
+    let optics = Optics {
+        preset: Some(preset.to_owned()),
+        ..Optics::default()
+    };
     let request = Medium {
         range_scale: turbidity,
-        ..Optics {
-            preset: Some(preset.to_owned()),
-            ..Optics::default()
-        }
-        .into()
+        ..optics.into()
     };
-    let water = Water::resolve(&request, FOCAL_PX).ok()?;
+    let water = Water::resolve(&request, 60.0).ok()?;
     let numbers = Plane::from_fn(SIZE.0, SIZE.1, |x, y| {
         u16::from((CARD[0]..CARD[2]).contains(&x) && (CARD[1]..CARD[3]).contains(&y))
     });
@@ -216,49 +201,47 @@ fn score(preset: &str, range_m: f64, turbidity: f64) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
-
     use super::*;
-    use crate::plot::{Figure, picture};
 
     #[test]
-    fn every_water_has_its_panel_and_its_row() {
-        let renderable = presets()
-            .iter()
-            .filter(|preset| preset.unrenderable().is_none())
-            .count();
-        assert_eq!(transmittance().panels.len(), renderable);
-        assert!(transmittance().panels.iter().all(|panel| panel.curves.len() == 3));
-        assert_eq!(
-            (daylight().panels.len(), grey_cards().rows.len()),
-            (30, renderable)
-        );
-        let drawn = picture(&transmittance()).unwrap();
-        let (width, height) = transmittance().size();
-        assert_eq!((drawn.width(), drawn.height()), (width as usize, height as usize));
+    fn every_water_has_its_panel_and_its_cards() {
+        let Chart::Panels(panels) = draw_transmittance() else {
+            unreachable!("panels")
+        };
+        assert_eq!(panels.panels.len(), renderable().count());
+        assert!(panels.panels.iter().all(|panel| panel.series.len() == 3));
+        let Chart::Panels(panels) = draw_daylight() else {
+            unreachable!("panels")
+        };
+        assert_eq!(panels.panels.len(), 30);
+        let cards = draw_cards();
+        assert_eq!(cards.width(), 16 + CARDS_M.len() * CARD_PX.0);
+        assert!(cards.height() > renderable().count() * CARD_PX.1);
     }
 
     #[test]
     fn a_card_at_no_range_is_itself_and_far_away_it_is_the_water() {
-        for (name, cells) in grey_cards().rows {
-            assert_eq!(cells[0].stripes[1], color([0.18; 3]), "{name}");
-            let thick = find(&name)
-                .unwrap()
-                .beam_attenuation
-                .iter()
-                .flatten()
-                .all(|&c| c > 0.9);
-            let last = cells.last().unwrap();
-            assert!(
-                !thick || last.stripes.iter().all(|stripe| *stripe == last.around),
-                "{name}"
+        for preset in renderable() {
+            let c = all_known(preset.beam_attenuation).unwrap();
+            let veil = properties(preset).veiling_light.unwrap();
+            assert_eq!(
+                card_color(0.18, 0.0, c, veil),
+                encode([0.18; 3]),
+                "{}",
+                preset.name
             );
+            if c.iter().all(|&c| c > 0.9) {
+                assert_eq!(card_color(0.9, 15.0, c, veil), encode(veil), "{}", preset.name);
+            }
         }
     }
 
     #[test]
     fn visibility_falls_with_range_and_with_turbidity() {
-        for lines in [visibility_over_range(), visibility_over_turbidity()] {
+        for chart in [draw_visibility_over_range(), draw_visibility_over_turbidity()] {
+            let Chart::Lines(lines) = chart else {
+                unreachable!("lines")
+            };
             for series in lines.series {
                 let falls = series.marks.windows(2).all(|pair| pair[1].y <= pair[0].y + 1e-4);
                 assert!(

@@ -12,20 +12,20 @@ use super::knobs::Knobs;
 
 /// A frame of the campaign.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Case {
+pub(super) struct Case {
     /// The job of this one frame. It names an uploaded scene if there is a picture.
-    pub job: Value,
+    pub(super) job: Value,
     /// The uploaded scene; `None` for a procedural one.
-    pub picture: Option<Picture>,
+    pub(super) picture: Option<Picture>,
 }
 
 /// Radiance and range of an uploaded scene.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Picture {
+pub(super) struct Picture {
     /// Linear light.
-    pub radiance: Rgb<f32>,
+    pub(super) radiance: Rgb<f32>,
     /// Meters along the ray.
-    pub range: Plane<f32>,
+    pub(super) range: Plane<f32>,
 }
 
 impl Case {
@@ -65,16 +65,15 @@ impl Case {
         }))
     }
 
-    /// Names and contents of the files that reproduce this frame with `fathom render` in this folder, the job first.
-    #[must_use]
-    pub fn files(&self, folder: &str, name: &str) -> Vec<(String, Vec<u8>)> {
+    /// Names and contents of the files that reproduce this frame with `fathom render` in the folder of the files, the job first.
+    pub(super) fn files(&self, name: &str) -> Vec<(String, Vec<u8>)> {
         let mut job = self.job.clone();
         let mut files = Vec::new();
         if let Some(picture) = &self.picture {
             let (rgb, range) = (format!("{name}-rgb.npy"), format!("{name}-range.npy"));
             let lighting = job["scene"]["lighting"].take();
             job["scene"] = json!({
-                "kind": "files", "rgb": format!("{folder}/{rgb}"), "range": format!("{folder}/{range}")
+                "kind": "files", "rgb": rgb, "range": range
             });
             if !lighting.is_null() {
                 job["scene"]["lighting"] = lighting;
@@ -91,8 +90,7 @@ impl Case {
     }
 
     /// The parts of the frame in one line.
-    #[must_use]
-    pub fn about(&self) -> String {
+    pub(super) fn about(&self) -> String {
         let mut words: Vec<String> = Vec::new();
         for (pointer, word) in [
             ("/scene/family", "procedural"),

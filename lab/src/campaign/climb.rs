@@ -4,7 +4,9 @@
 use imaging::random::Stream;
 
 use super::knobs::Knobs;
-use super::{Outcome, Studio};
+use super::outcome::Outcome;
+use super::summary::kinds;
+use crate::studio::Studio;
 
 /// Maximum numbers changed in one step.
 const MOST_TURNS: f64 = 4.0;
@@ -13,16 +15,14 @@ const NEAR: f64 = 0.1;
 
 /// A search and its first frame.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Climb {
+pub(super) struct Climb {
     start: Outcome,
 }
 
 /// Starts searches from the frames with the largest ratio of error to bound: the first of each kind, then the second.
-#[must_use]
-pub fn starts(outcomes: &[Outcome], count: usize) -> Vec<Climb> {
-    let mut kinds: Vec<&'static str> = outcomes.iter().map(|outcome| outcome.origin.kind()).collect();
+pub(super) fn list_climbs(outcomes: &[Outcome], count: usize) -> Vec<Climb> {
+    let mut kinds = kinds(outcomes);
     kinds.sort_unstable();
-    kinds.dedup();
     let mut best: Vec<(usize, &Outcome)> = Vec::new();
     for kind in kinds {
         let mut own: Vec<&Outcome> = outcomes
@@ -39,9 +39,8 @@ pub fn starts(outcomes: &[Outcome], count: usize) -> Vec<Climb> {
 
 impl Climb {
     /// Renders this many frames, each one step from the best so far. The result is a function of the start.
-    #[must_use]
-    pub fn run(&self, studio: &mut Studio, frames: usize) -> Vec<Outcome> {
-        let stream = Stream::stage(self.start.origin.seed, "climb");
+    pub(super) fn run(&self, studio: &mut Studio, frames: usize) -> Vec<Outcome> {
+        let stream = Stream::stage(self.start.origin.source.seed, "climb");
         let mut best = self.start.clone();
         let mut found = Vec::new();
         for step in 0..frames as u64 {
@@ -51,12 +50,12 @@ impl Climb {
             for turn in 0..turns {
                 let [name, kind, value] = [1, 2, 3].map(|draw| stream.unit(step, 4 * turn + draw));
                 let name = &names[(name * names.len() as f64) as usize];
-                let before = Knobs::new(&origin).unit(name);
+                let before = Knobs::new(&origin.source).unit(name);
                 let near = (before + NEAR * (2.0 * value - 1.0)).clamp(0.0, 1.0);
                 let value = if kind < 0.5 { near } else { value };
-                origin.turned.insert(name.clone(), value);
+                origin.source.turned.insert(name.clone(), value);
             }
-            let Some(outcome) = origin.run(studio) else {
+            let Some(outcome) = Outcome::measure(&origin, studio) else {
                 continue;
             };
             if outcome.ratio() > best.ratio() {

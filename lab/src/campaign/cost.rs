@@ -8,35 +8,33 @@ use optics::water::Water;
 use spec::{Fidelity, Frame};
 
 use super::case::Picture;
-use crate::chart::time_once;
+use crate::measurement::time_once;
 
 /// Runs of a frame; the fastest counts.
 const RUNS: usize = 5;
 
 /// Cost of the water of one frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Cost {
+pub(super) struct Cost {
     /// Kernels of the plan for each channel; 0 without a transform.
-    pub terms: [usize; 3],
+    terms: [usize; 3],
     /// The fewest kernels that stay within the tolerance.
-    pub fewest: [usize; 3],
+    fewest: [usize; 3],
     /// Fastest run as planned.
-    pub planned_ms: f64,
+    planned_ms: f64,
     /// Fastest run of the cheapest sufficient plan.
-    pub cheapest_ms: f64,
+    cheapest_ms: f64,
 }
 
 impl Cost {
     /// Cost of the plan over that of the cheapest sufficient one for each channel, in transforms: one for each kernel, the inverse,
-    /// and about half of one for the rest, as measured by the chart of cost against kernels.
-    #[must_use]
-    pub fn excess(&self) -> [f64; 3] {
+    /// and about half of one for the rest.
+    pub(super) fn excess(&self) -> [f64; 3] {
         [0, 1, 2].map(|channel| transforms(self.terms[channel]) / transforms(self.fewest[channel]))
     }
 
     /// The same for the whole frame by wall-clock time.
-    #[must_use]
-    pub fn excess_ms(&self) -> f64 {
+    pub(super) fn excess_ms(&self) -> f64 {
         self.planned_ms / self.cheapest_ms
     }
 }

@@ -6,7 +6,7 @@ use super::{directed, random};
 
 /// A kind of frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Family {
+pub(super) enum Family {
     /// Random pictures in water, without other effects.
     Water,
     /// Random uploaded pictures.
@@ -31,7 +31,7 @@ pub enum Family {
 
 impl Family {
     /// Families of random frames; frequent ones are listed several times.
-    pub const RANDOM: [Self; 8] = [
+    pub(super) const RANDOM: [Self; 8] = [
         Self::Pictures,
         Self::Procedural,
         Self::Water,
@@ -42,7 +42,7 @@ impl Family {
         Self::Pictures,
     ];
     /// Families of directed frames.
-    pub const DIRECTED: [Self; 6] = [
+    pub(super) const DIRECTED: [Self; 6] = [
         Self::Scatter,
         Self::Metering,
         Self::Points,
@@ -50,27 +50,26 @@ impl Family {
         Self::Lamps,
         Self::Lens,
     ];
+    const NAMES: [&str; 10] = [
+        "water",
+        "pictures",
+        "procedural",
+        "sequences",
+        "scatter",
+        "metering",
+        "points",
+        "defocus",
+        "lamps",
+        "lens",
+    ];
 
     /// Its name on the command line.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Water => "water",
-            Self::Pictures => "pictures",
-            Self::Procedural => "procedural",
-            Self::Sequences => "sequences",
-            Self::Scatter => "scatter",
-            Self::Metering => "metering",
-            Self::Points => "points",
-            Self::Defocus => "defocus",
-            Self::Lamps => "lamps",
-            Self::Lens => "lens",
-        }
+    pub(super) fn name(self) -> &'static str {
+        Self::NAMES[self as usize]
     }
 
     /// The family of a name.
-    #[must_use]
-    pub fn parse(name: &str) -> Option<Self> {
+    pub(super) fn parse(name: &str) -> Option<Self> {
         let mut all = Self::RANDOM.into_iter().chain(Self::DIRECTED);
         all.find(|family| family.name() == name)
     }

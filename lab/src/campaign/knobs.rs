@@ -5,8 +5,6 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use imaging::random::Stream;
 
-use super::Family;
-
 /// The number that selects the first choice and makes every chance true.
 pub(super) const FIRST: f64 = 0.0;
 /// The number that selects the last choice and makes every chance false.
@@ -14,8 +12,9 @@ pub(super) const LAST: f64 = 1.0;
 
 /// Source of the random numbers of a frame. Two families share no numbers.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Origin {
-    pub(super) family: Family,
+pub(super) struct Source {
+    /// Name of the family.
+    pub(super) family: &'static str,
     pub(super) seed: u64,
     /// Earlier draws of this seed with contradictory descriptions.
     pub(super) attempt: u64,
@@ -26,14 +25,14 @@ pub struct Origin {
 /// The random numbers of one frame.
 #[derive(Debug)]
 pub(super) struct Knobs {
-    origin: Origin,
+    source: Source,
     used: RefCell<BTreeSet<String>>,
 }
 
 impl Knobs {
-    pub(super) fn new(origin: &Origin) -> Self {
+    pub(super) fn new(source: &Source) -> Self {
         Self {
-            origin: origin.clone(),
+            source: source.clone(),
             used: RefCell::default(),
         }
     }
@@ -41,7 +40,7 @@ impl Knobs {
     /// Sets numbers, unless a search has set them.
     pub(super) fn hold(&mut self, held: &[(&str, f64)]) {
         for &(name, value) in held {
-            self.origin.turned.entry(name.to_owned()).or_insert(value);
+            self.source.turned.entry(name.to_owned()).or_insert(value);
         }
     }
 
@@ -59,21 +58,20 @@ impl Knobs {
 
     /// The seed of the frame.
     pub(super) fn seed(&self) -> u64 {
-        self.origin.seed
+        self.source.seed
     }
 
     /// The stream of random numbers for a purpose.
     pub(super) fn stream(&self, purpose: &str) -> Stream {
-        let Origin { family, seed, .. } = self.origin;
-        Stream::stage(seed, &format!("{}.{purpose}", family.name()))
+        Stream::stage(self.source.seed, &format!("{}.{purpose}", self.source.family))
     }
 
     /// From 0 to 1.
     pub(super) fn unit(&self, name: &str) -> f64 {
         self.used.borrow_mut().insert(name.to_owned());
-        match self.origin.turned.get(name) {
+        match self.source.turned.get(name) {
             Some(&turned) => turned,
-            None => self.stream(name).unit(self.origin.attempt, 0),
+            None => self.stream(name).unit(self.source.attempt, 0),
         }
     }
 

@@ -1,7 +1,17 @@
 //! Scenes for measuring variants.
 
+use std::path::Path;
+
+use cli::exit::Failure;
+use cli::files;
+use imaging::geometry::Intrinsics;
 use imaging::random::Stream;
 use imaging::{Plane, Rgb};
+use optics::range::is_hole;
+use scenes::uploaded::decode;
+use spec::{RangeFile, RangeKind, SceneFiles};
+
+use super::bench::focal_px;
 
 /// A scene in air with its range.
 #[derive(Debug, Clone)]
@@ -20,59 +30,76 @@ const LEVELS: f32 = 64.0;
 
 impl ChartScene {
     /// A scene with ranges rounded to 64 steps in a geometric progression between the nearest and the farthest. Holes are kept.
-    #[must_use]
-    pub fn new(name: &str, radiance: Rgb<f32>, range: &Plane<f32>) -> Self {
-        let valid = |z: f32| !optics::range::is_hole(z);
-        let (nearest, farthest) = range
-            .data()
-            .iter()
-            .filter(|z| valid(**z))
-            .fold((f32::INFINITY, 0.0f32), |(near, far), &z| {
-                (near.min(z), far.max(z))
-            });
+    pub(super) fn new(name: &str, radiance: Rgb<f32>, range: &Plane<f32>) -> Self {
+        let valid = range.data().iter().filter(|z| !is_hole(**z));
+        let (nearest, farthest) = valid.fold((f32::INFINITY, 0.0f32), |(near, far), &z| {
+            (near.min(z), far.max(z))
+        });
         let step = ((farthest / nearest).ln() / (LEVELS - 1.0)).max(f32::MIN_POSITIVE);
-        let rounded = |z: f32| nearest * (step * ((z / nearest).ln() / step).round()).exp();
-        let round = |&z: &f32| {
-            if valid(z) && farthest > nearest {
-                rounded(z)
-            } else {
-                z
-            }
-        };
         Self {
             name: name.to_owned(),
             radiance,
-            range: range.map(round),
+            range: range.map(|&z| match is_hole(z) || farthest <= nearest {
+                true => z,
+                false => nearest * (step * ((z / nearest).ln() / step).round()).exp(),
+            }),
         }
     }
 }
 
-/// The standard scenes: a flat wall, a slope, a pole in front of a far background, and a slope with holes.
-#[must_use]
-pub fn standard_scenes(width: usize, height: usize) -> Vec<ChartScene> {
-    let down = |y: usize| y as f32 / height as f32;
-    let slope = |y: usize| 1.0 + 14.0 * down(y);
-    let is_pole = |x: usize| (2 * width / 5..width / 2).contains(&x);
-    let stream = Stream::stage(7, "chart/holes");
-    let is_hole = |x: usize, y: usize| {
-        let (across, along) = ((x / 9) as u64, (y / 9) as u64);
-        y < height / 5 || stream.unit(across, along) < 0.1
-    };
-    let scene = |name: &str, range: &dyn Fn(usize, usize) -> f32| {
-        ChartScene::new(
-            name,
-            pattern(width, height),
-            &Plane::from_fn(width, height, range),
-        )
-    };
-    vec![
-        scene("wall", &|_, _| 5.0),
-        scene("slope", &|_, y| slope(y)),
-        scene("pole", &|x, y| {
-            if is_pole(x) { 1.0 } else { 10.0 + 5.0 * down(y) }
+/// A picture and its range.
+pub(super) fn read_scene(picture: &Path, range: &Path) -> Result<ChartScene, Failure> {
+    let upload = SceneFiles {
+        rgb: files::read(picture)?,
+        range: Some(RangeFile {
+            file: files::read(range)?,
+            kind: RangeKind::Range,
+            unit_m: None,
+            invalid_code: None,
         }),
-        scene("holes", &|x, y| if is_hole(x, y) { f32::NAN } else { slope(y) }),
-    ]
+        intrinsics: None,
+        classes: None,
+        world_from_camera: None,
+        instances: None,
+    };
+    let scene =
+        decode(&upload).map_err(|error| Failure::BadInput(format!("{}: {error}", picture.display())))?;
+    let plane = scene.range.expect("a range was given");
+    let name = picture.file_stem().and_then(|s| s.to_str()).unwrap_or("scene");
+    Ok(ChartScene::new(name, scene.radiance, &plane))
+}
+
+/// The standard scenes: a flat wall, a slope, a pole in front of a far background, a slope with holes, and a procedural structure.
+#[must_use]
+pub fn standard_scenes(width: usize) -> Vec<ChartScene> {
+    let height = (width * 492 / 768).max(1);
+    let slope = Plane::from_fn(width, height, |_, y| 1.0 + 14.0 * (y as f32 / height as f32));
+    let stream = Stream::stage(7, "chart/holes");
+    let pole = Plane::from_fn(width, height, |x, y| {
+        match (2 * width / 5..width / 2).contains(&x) {
+            true => 1.0,
+            false => 10.0 + 5.0 * (y as f32 / height as f32),
+        }
+    });
+    let holes = Plane::from_fn(width, height, |x, y| {
+        let is_hole = y < height / 5 || stream.unit((x / 9) as u64, (y / 9) as u64) < 0.1;
+        if is_hole { f32::NAN } else { slope.pixel(x, y) }
+    });
+    let wall = Plane::filled(width, height, 5.0);
+    let ranges = [
+        ("wall", &wall),
+        ("slope", &slope),
+        ("pole", &pole),
+        ("holes", &holes),
+    ];
+    let mut all: Vec<ChartScene> = ranges
+        .map(|(name, range)| ChartScene::new(name, pattern(width, height), range))
+        .into();
+    let camera = Intrinsics::centered(focal_px(width), width, height);
+    let scene = scenes::procedural("structure", 7, width, height, camera).expect("a known family");
+    let range = scene.range.expect("procedural scenes have range");
+    all.push(ChartScene::new("structure", scene.radiance, &range));
+    all
 }
 
 /// Stripes, noise and a few small lights, for content at every spatial frequency.
@@ -92,7 +119,7 @@ mod tests {
 
     #[test]
     fn ranges_are_few_and_close_to_what_they_were() {
-        for scene in standard_scenes(60, 40) {
+        for scene in standard_scenes(60) {
             let mut ranges: Vec<u32> = scene.range.data().iter().map(|z| z.to_bits()).collect();
             ranges.sort_unstable();
             ranges.dedup();

@@ -7,13 +7,13 @@ use imaging::fft::Complex;
 use optics::kernel::Transfer;
 
 /// A copy: its transfer function on the grid of the frame, column-major, and its weight at a kernel scale.
-pub(super) struct Copy<'a> {
+pub(super) struct Copy {
     pub(super) transfer: Vec<f32>,
-    pub(super) weight: Box<dyn Fn(f32) -> f32 + Sync + 'a>,
+    pub(super) weight: Box<dyn Fn(f32) -> f32 + Sync>,
 }
 
 /// Spreads the light by all copies.
-pub(super) fn spread(light: &Plane<f32>, gamma: &Plane<f32>, copies: &[Copy<'_>]) -> Plane<f32> {
+pub(super) fn spread(light: &Plane<f32>, gamma: &Plane<f32>, copies: &[Copy]) -> Plane<f32> {
     let (width, height) = light.size();
     let (mut transform, folding) = (PairDct::new(width, height), Folding::new(width, height));
     let [light, gamma] = [light, gamma].map(|plane| {
@@ -63,12 +63,13 @@ const FLAT: f64 = 1e-3;
 
 /// Kernel scales in a geometric progression.
 fn ladder(least: f64, most: f64, steps: usize) -> Vec<f64> {
-    let at = |k: usize| (k as f64 + 0.5) / steps as f64;
-    (0..steps).map(|k| least * (most / least).powf(at(k))).collect()
+    (0..steps)
+        .map(|k| least * (most / least).powf((k as f64 + 0.5) / steps as f64))
+        .collect()
 }
 
 /// Each pixel has the kernel of its layer of range.
-pub(super) fn hard_layers(least: f64, most: f64, steps: usize, size: (usize, usize)) -> Vec<Copy<'static>> {
+pub(super) fn hard_layers(least: f64, most: f64, steps: usize, size: (usize, usize)) -> Vec<Copy> {
     let span = (most / least).ln().max(FLAT);
     let layer = move |gamma: f32| {
         let share = (f64::from(gamma) / least).ln() / span;
@@ -86,7 +87,7 @@ pub(super) fn hard_layers(least: f64, most: f64, steps: usize, size: (usize, usi
 }
 
 /// Each pixel interpolates between the kernels of the two nearest layers.
-pub(super) fn linear_layers(least: f64, most: f64, steps: usize, size: (usize, usize)) -> Vec<Copy<'static>> {
+pub(super) fn linear_layers(least: f64, most: f64, steps: usize, size: (usize, usize)) -> Vec<Copy> {
     let span = (most / least).ln().max(FLAT) / (steps - 1) as f64;
     let copy = |k: usize| Copy {
         transfer: Transfer::new(least * (span * k as f64).exp()).grid_f32(size.0, size.1),
@@ -100,12 +101,7 @@ pub(super) fn linear_layers(least: f64, most: f64, steps: usize, size: (usize, u
 
 /// The kernel as a mixture of Gaussians of fixed widths, `e^{-2πγf} = ∫ e^{-2π²tf²} p(t; γ) dt` with Lévy's density
 /// `p = γ/√(2π t³) e^{-γ²/2t}`: its heavy tail needs widths far beyond γ.
-pub(super) fn gaussians(
-    least: f64,
-    most: f64,
-    steps: usize,
-    (width, height): (usize, usize),
-) -> Vec<Copy<'static>> {
+pub(super) fn gaussians(least: f64, most: f64, steps: usize, (width, height): (usize, usize)) -> Vec<Copy> {
     const NARROWEST: f64 = 0.35;
     let widest = (30.0 * most).min(2.0 * width.max(height) as f64);
     let widths = ladder(NARROWEST * least, widest, steps);

@@ -38,10 +38,11 @@ fn a_form_that_finds_another_light_is_told_from_the_exact_one() {
     let [exact, guided] = outcomes;
     assert_eq!((exact.apart, exact.distance), (0.0, 0.0));
     assert!(!guided.is_kept() && guided.distance > 0.0, "{outcomes:?}");
-    let table = markdown(&outcomes);
-    assert!(
-        table.contains("| ibla | 1 | 100.0 % | 0.0e0 |") && table.contains("| ibla_guided | 1 | 0.0 % |"),
-        "{table}"
+    let rows = table(&outcomes).json();
+    let share = |row: usize| rows[row]["same candidates, %"].as_f64().unwrap();
+    assert_eq!(
+        (share(0), share(1), &rows[0]["largest"]),
+        (100.0, 0.0, &json!(0.0))
     );
 }
 
@@ -67,11 +68,12 @@ fn the_share_counts_candidates_that_differ_by_a_hundredth_at_most() {
         outcome(IblaRefinement::Guided, 0.01),
         outcome(IblaRefinement::Guided, 0.011),
     ];
-    assert_eq!(share_kept(&outcomes, IblaRefinement::Guided), Some(0.5));
-    assert_eq!(share_kept(&outcomes, IblaRefinement::Matting), None);
+    let rows = table(&outcomes).json();
+    assert_eq!(rows.as_array().unwrap().len(), 1);
+    assert_eq!(rows[0]["same candidates, %"], 50.0);
     let sorted: Vec<f64> = (1..=20).map(f64::from).collect();
     assert_eq!(
-        [0.0, 0.5, 0.95, 1.0].map(|share| at(&sorted, share)),
+        [0.0, 0.5, 0.95, 1.0].map(|share| upper_quantile(&sorted, share)),
         [1.0, 10.0, 19.0, 20.0]
     );
 }

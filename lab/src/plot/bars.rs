@@ -1,13 +1,7 @@
 //! Bars with error bars, one panel for each quantity.
 
-use plotters::coord::Shift;
-use plotters::drawing::{DrawingArea, DrawingAreaErrorKind};
-use plotters::element::{PathElement, Rectangle, Text};
-use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{Color, RGBColor, TextStyle};
-use plotters_backend::DrawingBackend;
-
-use super::{FAINT, Figure, INK, ink};
+use super::svg::{Anchor, Svg};
+use super::{FAINT, INK, PALETTE};
 
 /// A mean with its spread.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,121 +19,61 @@ pub struct Bar {
 pub struct Bars {
     /// Title of the sheet.
     pub title: String,
-    /// The colors of the bars of a panel, from the left.
-    pub colors: Vec<RGBColor>,
-    /// A value that every panel marks with a line.
-    pub level: Option<f64>,
     /// Title and bars of each panel.
     pub panels: Vec<(String, Vec<Bar>)>,
 }
 
-const PANEL: (i32, i32) = (330, 270);
+const PANEL: (f64, f64) = (330.0, 270.0);
 const COLUMNS: usize = 3;
-const HEAD_PX: i32 = 44;
-/// Space above a bar for its value.
-const VALUE_PX: i32 = 18;
-
-impl Figure for Bars {
-    fn size(&self) -> (u32, u32) {
-        let rows = self.panels.len().div_ceil(COLUMNS) as i32;
-        (
-            (COLUMNS as i32 * PANEL.0) as u32,
-            (HEAD_PX + rows * PANEL.1) as u32,
-        )
-    }
-
-    fn draw<B: DrawingBackend>(
-        &self,
-        area: &DrawingArea<B, Shift>,
-    ) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
-        area.draw(&Text::new(self.title.clone(), (12, 12), ink()))?;
-        for (index, (title, bars)) in self.panels.iter().enumerate() {
-            let left = (index % COLUMNS) as i32 * PANEL.0;
-            let top = HEAD_PX + (index / COLUMNS) as i32 * PANEL.1;
-            self.panel(area, (left, top), title, bars)?;
-        }
-        Ok(())
-    }
-}
+const HEAD_PX: f64 = 44.0;
 
 impl Bars {
-    fn panel<B: DrawingBackend>(
-        &self,
-        area: &DrawingArea<B, Shift>,
-        (left, top): (i32, i32),
-        title: &str,
-        bars: &[Bar],
-    ) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
-        area.draw(&Text::new(
-            title.to_owned(),
-            (left + PANEL.0 / 2, top + 4),
-            centered(VPos::Top),
-        ))?;
-        let ends = bars
-            .iter()
-            .flat_map(|bar| [bar.mean - bar.sd, bar.mean + bar.sd])
-            .chain(self.level)
-            .filter(|v| v.is_finite());
-        let (low, high) = ends.fold((0.0_f64, 0.0_f64), |(low, high), v| (low.min(v), high.max(v)));
-        let span = if high > low { high - low } else { 1.0 };
-        let (plot_top, plot_height) = (top + 44, PANEL.1 - 44 - 40);
-        let y = |v: f64| plot_top + ((high - v) / span * f64::from(plot_height)).round() as i32;
-        let (x0, step) = (left + 12, (PANEL.0 - 24) / bars.len().max(1) as i32);
-        let line =
-            |v: f64, color: RGBColor| PathElement::new(vec![(x0, y(v)), (left + PANEL.0 - 12, y(v))], color);
-        area.draw(&line(0.0, FAINT))?;
-        for (index, bar) in bars.iter().enumerate().filter(|(_, bar)| bar.mean.is_finite()) {
-            let (a, b) = (x0 + index as i32 * step + 5, x0 + (index as i32 + 1) * step - 5);
-            let color = self.colors[index % self.colors.len()];
-            column(area, (a, b), &y, (bar, color), self.level.map(&y))?;
-            area.draw(&Text::new(
-                bar.name.clone(),
-                ((a + b) / 2, plot_top + plot_height + 8),
-                centered(VPos::Top),
-            ))?;
+    pub(super) fn svg(&self) -> String {
+        let columns = COLUMNS.min(self.panels.len()).max(1);
+        let rows = self.panels.len().div_ceil(columns);
+        let mut svg = Svg::new(columns as f64 * PANEL.0, HEAD_PX + rows as f64 * PANEL.1);
+        svg.text((12.0, 24.0), &self.title, Anchor::Start);
+        for (index, (title, bars)) in self.panels.iter().enumerate() {
+            let left = (index % columns) as f64 * PANEL.0;
+            let top = HEAD_PX + (index / columns) as f64 * PANEL.1;
+            draw_panel(&mut svg, (left, top), title, bars);
         }
-        match self.level {
-            Some(level) => area.draw(&line(level, INK)),
-            None => Ok(()),
-        }
+        svg.finish()
     }
 }
 
-fn centered(vertical: VPos) -> TextStyle<'static> {
-    ink().pos(Pos::new(HPos::Center, vertical))
-}
-
-/// Draws a bar with its value and error bar between two columns of the sheet.
-fn column<B: DrawingBackend>(
-    area: &DrawingArea<B, Shift>,
-    (left, right): (i32, i32),
-    y: &impl Fn(f64) -> i32,
-    (bar, color): (&Bar, RGBColor),
-    line: Option<i32>,
-) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
-    let corners = [(left, y(bar.mean.max(0.0))), (right, y(bar.mean.min(0.0)))];
-    area.draw(&Rectangle::new(corners, color.filled()))?;
-    let middle = (left + right) / 2;
-    let (upper, lower) = (y(bar.mean + bar.sd), y(bar.mean - bar.sd));
-    for path in [
-        vec![(middle, upper), (middle, lower)],
-        vec![(middle - 4, upper), (middle + 4, upper)],
-        vec![(middle - 4, lower), (middle + 4, lower)],
-    ] {
-        area.draw(&PathElement::new(path, INK.stroke_width(1)))?;
+fn draw_panel(svg: &mut Svg, (left, top): (f64, f64), title: &str, bars: &[Bar]) {
+    svg.text((left + PANEL.0 / 2.0, top + 16.0), title, Anchor::Middle);
+    let ends = bars.iter().flat_map(|bar| [bar.mean - bar.sd, bar.mean + bar.sd]);
+    let ends = ends.filter(|v| v.is_finite());
+    let (low, high) = ends.fold((0.0_f64, 0.0_f64), |(low, high), v| (low.min(v), high.max(v)));
+    let span = if high > low { high - low } else { 1.0 };
+    let (plot_top, plot_height) = (top + 44.0, PANEL.1 - 84.0);
+    let row = |v: f64| plot_top + (high - v) / span * plot_height;
+    svg.line(
+        &[(left + 12.0, row(0.0)), (left + PANEL.0 - 12.0, row(0.0))],
+        FAINT,
+        1.0,
+    );
+    let step = (PANEL.0 - 24.0) / bars.len().max(1) as f64;
+    for (index, bar) in bars.iter().enumerate().filter(|(_, bar)| bar.mean.is_finite()) {
+        let start = left + 12.0 + index as f64 * step + 5.0;
+        let (middle, width) = (start + step / 2.0 - 5.0, step - 10.0);
+        let (upper, lower) = (row(bar.mean.max(0.0)), row(bar.mean.min(0.0)));
+        let color = PALETTE[index % PALETTE.len()];
+        svg.rectangle((start, upper), (width, lower - upper), color);
+        if bar.sd > 0.0 {
+            let ends = [row(bar.mean - bar.sd), row(bar.mean + bar.sd)];
+            svg.line(&[(middle, ends[0]), (middle, ends[1])], INK, 1.0);
+        }
+        let above = row((bar.mean + bar.sd).max(bar.mean));
+        svg.text((middle, above - 4.0), &format_number(bar.mean), Anchor::Middle);
+        svg.text((middle, plot_top + plot_height + 20.0), &bar.name, Anchor::Middle);
     }
-    let top = upper.min(y(bar.mean));
-    // A level line through the value would make it unreadable.
-    let struck = line.filter(|&line| line < top && top - line < VALUE_PX);
-    area.draw(&Text::new(
-        number(bar.mean),
-        (middle, struck.unwrap_or(top) - 2),
-        centered(VPos::Bottom),
-    ))
 }
 
 /// At most three significant digits.
-fn number(value: f64) -> String {
+fn format_number(value: f64) -> String {
     let digits = match value.abs() {
         v if v >= 99.95 => 0,
         v if v >= 9.995 => 1,

@@ -1,13 +1,6 @@
 //! A heat map over two quantities, with some cells outlined.
 
-use plotters::coord::Shift;
-use plotters::drawing::{DrawingArea, DrawingAreaErrorKind};
-use plotters::element::{PathElement, Rectangle, Text};
-use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{Color, RGBColor, WHITE};
-use plotters_backend::DrawingBackend;
-
-use super::{Figure, ink};
+use super::svg::{Anchor, Svg};
 
 /// A heat map: rows of cells, each a number.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,96 +23,70 @@ pub struct HeatMap {
     pub foot: String,
 }
 
-const CELL: (i32, i32) = (62, 28);
-const LEFT_PX: i32 = 210;
-const TOP_PX: i32 = 62;
-const FOOT_PX: i32 = 30;
-const GOOD: RGBColor = RGBColor(33, 102, 172);
-const BAD: RGBColor = RGBColor(178, 24, 43);
-const NOTHING: RGBColor = RGBColor(190, 190, 190);
-const OUTLINE: RGBColor = RGBColor(0, 0, 0);
+const CELL: (f64, f64) = (62.0, 28.0);
+const LEFT_PX: f64 = 230.0;
+const TOP_PX: f64 = 62.0;
+const GOOD: [f64; 3] = [33.0, 102.0, 172.0];
+const BAD: [f64; 3] = [178.0, 24.0, 43.0];
 
 impl HeatMap {
-    /// Saturation of the color from -1 to 1; the sign is the side of the neutral value.
-    fn strength(&self, value: f64) -> f64 {
+    /// Saturation of the color from -1 to 1; the sign is the side of the neutral value. `None` without a number.
+    fn strength(&self, value: f64) -> Option<f64> {
         let t = ((value - self.neutral) / self.span).clamp(-1.0, 1.0);
-        if t.is_finite() { t } else { 0.0 }
+        t.is_finite().then_some(t)
     }
 
-    fn color(&self, value: f64) -> RGBColor {
-        if !value.is_finite() {
-            return NOTHING;
-        }
-        let t = self.strength(value);
+    fn color(&self, value: f64) -> String {
+        let Some(t) = self.strength(value) else {
+            return "#bebebe".to_owned();
+        };
         let full = if (t < 0.0) == self.low_is_bad { BAD } else { GOOD };
-        let mix = |full: u8| (255.0 + t.abs() * (f64::from(full) - 255.0)).round() as u8;
-        RGBColor(mix(full.0), mix(full.1), mix(full.2))
-    }
-}
-
-impl Figure for HeatMap {
-    fn size(&self) -> (u32, u32) {
-        let width = LEFT_PX + self.columns.len() as i32 * CELL.0 + 16;
-        let height = TOP_PX + self.rows.len() as i32 * CELL.1 + FOOT_PX;
-        let text = 10 * self.title.chars().count().max(self.foot.chars().count()) as i32 + 24;
-        (width.max(text) as u32, height as u32)
+        let [r, g, b] = full.map(|full| (255.0 + t.abs() * (full - 255.0)).round());
+        format!("rgb({r},{g},{b})")
     }
 
-    fn draw<B: DrawingBackend>(
-        &self,
-        area: &DrawingArea<B, Shift>,
-    ) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
-        let at = |column: usize, row: usize| (LEFT_PX + column as i32 * CELL.0, TOP_PX + row as i32 * CELL.1);
-        area.draw(&Text::new(self.title.clone(), (12, 10), ink()))?;
-        let centered = ink().pos(Pos::new(HPos::Center, VPos::Center));
+    pub(super) fn svg(&self) -> String {
+        let width = LEFT_PX + self.columns.len() as f64 * CELL.0 + 16.0;
+        let text = 8 * self.title.chars().count().max(self.foot.chars().count()) + 24;
+        let height = TOP_PX + self.rows.len() as f64 * CELL.1;
+        let mut svg = Svg::new(width.max(text as f64), height + 30.0);
+        svg.text((12.0, 24.0), &self.title, Anchor::Start);
         for (column, name) in self.columns.iter().enumerate() {
-            let (x, _) = at(column, 0);
-            area.draw(&Text::new(
-                name.clone(),
-                (x + CELL.0 / 2, TOP_PX - 14),
-                centered.clone(),
-            ))?;
+            let x = LEFT_PX + (column as f64 + 0.5) * CELL.0;
+            svg.text((x, TOP_PX - 8.0), name, Anchor::Middle);
         }
         for (row, (name, cells)) in self.rows.iter().enumerate() {
-            let (_, y) = at(0, row);
-            let right = ink().pos(Pos::new(HPos::Right, VPos::Center));
-            area.draw(&Text::new(name.clone(), (LEFT_PX - 10, y + CELL.1 / 2), right))?;
+            let y = TOP_PX + row as f64 * CELL.1;
+            svg.text((LEFT_PX - 10.0, y + 18.0), name, Anchor::End);
             for (column, &value) in cells.iter().enumerate() {
-                let (x, y) = at(column, row);
-                let corners = [(x, y), (x + CELL.0 - 1, y + CELL.1 - 1)];
-                area.draw(&Rectangle::new(corners, self.color(value).filled()))?;
-                let text = if value.is_finite() {
-                    format!("{value:.2}")
-                } else {
-                    "-".to_owned()
-                };
-                let readable = match self.strength(value).abs() > 0.6 {
-                    true => centered.clone().color(&WHITE),
-                    false => centered.clone(),
-                };
-                area.draw(&Text::new(text, (x + CELL.0 / 2, y + CELL.1 / 2), readable))?;
+                self.draw_cell(&mut svg, (LEFT_PX + column as f64 * CELL.0, y), value);
             }
         }
         for &(column, row) in &self.outlined {
-            let ((x, y), marked) = (at(column, row), |c: i64, r: i64| {
-                self.outlined.iter().any(|&(a, b)| (a as i64, b as i64) == (c, r))
-            });
-            let (c, r) = (column as i64, row as i64);
-            let (x1, y1) = (x + CELL.0 - 1, y + CELL.1 - 1);
-            // Outlines only the border of the region, not each of its cells.
-            for (outer, path) in [
-                (!marked(c, r - 1), vec![(x, y), (x1, y)]),
-                (!marked(c, r + 1), vec![(x, y1), (x1, y1)]),
-                (!marked(c - 1, r), vec![(x, y), (x, y1)]),
-                (!marked(c + 1, r), vec![(x1, y), (x1, y1)]),
-            ] {
-                if outer {
-                    area.draw(&PathElement::new(path, OUTLINE.stroke_width(3)))?;
-                }
-            }
+            let (x, y) = (LEFT_PX + column as f64 * CELL.0, TOP_PX + row as f64 * CELL.1);
+            let (right, bottom) = (x + CELL.0 - 1.0, y + CELL.1 - 1.0);
+            svg.line(
+                &[(x, y), (right, y), (right, bottom), (x, bottom), (x, y)],
+                "#000000",
+                2.0,
+            );
         }
-        let (_, y) = at(0, self.rows.len());
-        area.draw(&Text::new(self.foot.clone(), (12, y + 8), ink()))?;
-        Ok(())
+        svg.text((12.0, height + 20.0), &self.foot, Anchor::Start);
+        svg.finish()
+    }
+
+    fn draw_cell(&self, svg: &mut Svg, (x, y): (f64, f64), value: f64) {
+        svg.rectangle((x, y), (CELL.0 - 1.0, CELL.1 - 1.0), &self.color(value));
+        let text = self
+            .strength(value)
+            .map_or_else(|| "-".to_owned(), |_| format!("{value:.2}"));
+        let is_dark = self.strength(value).is_some_and(|t| t.abs() > 0.6);
+        let ink = if is_dark {
+            "fill=\"#ffffff\""
+        } else {
+            "fill=\"#1e2226\""
+        };
+        let middle = (x + CELL.0 / 2.0, y + 18.0);
+        svg.text_with(middle, &text, Anchor::Middle, ink);
     }
 }

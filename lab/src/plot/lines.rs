@@ -1,25 +1,11 @@
-//! Points and lines over two axes, each linear or logarithmic.
+//! Points and lines over two axes.
 
-use plotters::coord::Shift;
-use plotters::drawing::{DrawingArea, DrawingAreaErrorKind};
-use plotters::element::{Circle, PathElement, Text};
-use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{Color, FontTransform};
-use plotters_backend::DrawingBackend;
-
-use super::{FAINT, Figure, INK, PALETTE, ink};
-
-/// An axis.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Axis {
-    /// The quantity, with its unit.
-    pub title: String,
-    /// Whether the axis is logarithmic; values must then be positive.
-    pub logarithmic: bool,
-}
+use super::axis::{Axis, Scale};
+use super::svg::{Anchor, Svg};
+use super::{FAINT, INK, PALETTE};
 
 /// A labeled point.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Mark {
     /// Horizontal coordinate.
     pub x: f64,
@@ -33,6 +19,18 @@ pub struct Mark {
     pub ringed: bool,
 }
 
+impl Mark {
+    /// A plain point.
+    #[must_use]
+    pub fn new(x: f64, y: f64) -> Self {
+        Self {
+            x,
+            y,
+            ..Self::default()
+        }
+    }
+}
+
 /// Points of one kind.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
@@ -44,6 +42,17 @@ pub struct Series {
     pub form: Form,
 }
 
+impl Series {
+    /// Plain points.
+    pub fn new(name: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>, form: Form) -> Self {
+        Self {
+            name: name.into(),
+            marks: points.into_iter().map(|(x, y)| Mark::new(x, y)).collect(),
+            form,
+        }
+    }
+}
+
 /// How points of one kind are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Form {
@@ -53,6 +62,8 @@ pub enum Form {
     Joined,
     /// Only the line, in the color of text.
     Line,
+    /// Only the line, in this color.
+    Curve(&'static str),
 }
 
 /// Points and lines.
@@ -68,177 +79,146 @@ pub struct Lines {
     pub series: Vec<Series>,
 }
 
-pub(super) const SIZE: (i32, i32) = (900, 560);
-const LEFT: i32 = 100;
-const RIGHT: i32 = 210;
-const TOP: i32 = 48;
-const BOTTOM: i32 = 64;
+/// Small plots in rows, without legends.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Panels {
+    /// Title of the sheet.
+    pub title: String,
+    /// The plots.
+    pub panels: Vec<Lines>,
+    /// Plots per row.
+    pub columns: usize,
+}
 
+/// A rectangle of the sheet, in pixels.
+#[derive(Debug, Clone, Copy)]
+struct Area {
+    left: f64,
+    top: f64,
+    right: f64,
+    bottom: f64,
+}
+
+const SIZE: (f64, f64) = (900.0, 560.0);
+const PANEL: (f64, f64) = (262.0, 186.0);
+const LEGEND_PX: f64 = 210.0;
 /// Number of points above which dots are small.
 const CROWD: usize = 500;
 
-/// Maps values to pixels.
-struct Scale {
-    low: f64,
-    high: f64,
-    logarithmic: bool,
-    from: i32,
-    to: i32,
-}
-
-impl Scale {
-    fn new(axis: &Axis, values: impl Iterator<Item = f64>, from: i32, to: i32) -> Self {
-        let logarithmic = axis.logarithmic;
-        let usable = values.filter(|v| v.is_finite() && (!logarithmic || *v > 0.0));
-        let (low, high) = usable
-            .map(|v| if logarithmic { v.log10() } else { v })
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
-                (low.min(v), high.max(v))
-            });
-        let (low, high) = if low > high { (0.0, 1.0) } else { (low, high) };
-        let room = if high > low { 0.06 * (high - low) } else { 0.5 };
-        Self {
-            low: low - room,
-            high: high + room,
-            logarithmic,
-            from,
-            to,
-        }
-    }
-
-    fn pixel(&self, value: f64) -> Option<i32> {
-        let v = if self.logarithmic { value.log10() } else { value };
-        let share = (v - self.low) / (self.high - self.low);
-        share
-            .is_finite()
-            .then(|| self.from + (share * f64::from(self.to - self.from)).round() as i32)
-    }
-
-    /// Positions and labels of grid lines.
-    fn ticks(&self) -> Vec<(f64, String)> {
-        if self.logarithmic {
-            let decades = self.low.floor() as i32..=self.high.ceil() as i32;
-            let mut ticks = Vec::new();
-            // Powers of ten, or finer steps on short axes.
-            for multiples in [&[1.0][..], &[1.0, 2.0, 5.0], &[1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0]] {
-                let all = decades
-                    .clone()
-                    .flat_map(|decade| multiples.iter().map(move |&m| (m, decade)));
-                let values = all.map(|(m, decade)| (m * 10_f64.powi(decade), power_times(m, decade)));
-                ticks = values
-                    .filter(|(v, _)| (self.low..=self.high).contains(&v.log10()))
-                    .collect();
-                if ticks.len() > 2 {
-                    break;
-                }
-            }
-            return ticks;
-        }
-        let rough = (self.high - self.low) / 6.0;
-        let unit = 10_f64.powf(rough.log10().floor());
-        let step = [1.0, 2.0, 5.0, 10.0]
-            .map(|m| m * unit)
-            .into_iter()
-            .find(|&s| s >= rough)
-            .unwrap_or(rough);
-        let digits = (-step.log10().floor()).max(0.0) as usize;
-        let (first, last) = ((self.low / step).ceil() as i64, (self.high / step).floor() as i64);
-        (first..=last)
-            .map(|n| n as f64 * step)
-            .map(|v| (v, format!("{v:.digits$}")))
-            .collect()
-    }
-}
-
-fn power_times(m: f64, decade: i32) -> String {
-    match decade {
-        -3..=4 => {
-            let digits = decade.min(0).unsigned_abs() as usize;
-            let digits = digits + usize::from(m.fract() != 0.0 && decade < 1);
-            format!("{:.digits$}", m * 10_f64.powi(decade))
-        }
-        _ => format!("{m}e{decade}"),
-    }
-}
-
-impl Figure for Lines {
-    fn size(&self) -> (u32, u32) {
-        (SIZE.0 as u32, SIZE.1 as u32)
-    }
-
-    fn draw<B: DrawingBackend>(
-        &self,
-        area: &DrawingArea<B, Shift>,
-    ) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
-        let marks = || self.series.iter().flat_map(|series| &series.marks);
-        let (right, bottom) = (SIZE.0 - RIGHT, SIZE.1 - BOTTOM);
-        let across = marks().flat_map(|mark| [Some(mark.x), mark.reach]).flatten();
-        let x = Scale::new(&self.x, across, LEFT, right);
-        let y = Scale::new(&self.y, marks().map(|mark| mark.y), bottom, TOP);
-        area.draw(&Text::new(self.title.clone(), (12, 12), ink()))?;
-        for (value, text) in x.ticks() {
-            let Some(at) = x.pixel(value) else { continue };
-            area.draw(&PathElement::new(vec![(at, TOP), (at, bottom)], FAINT))?;
-            let style = ink().pos(Pos::new(HPos::Center, VPos::Top));
-            area.draw(&Text::new(text, (at, bottom + 8), style))?;
-        }
-        for (value, text) in y.ticks() {
-            let Some(at) = y.pixel(value) else { continue };
-            area.draw(&PathElement::new(vec![(LEFT, at), (right, at)], FAINT))?;
-            let style = ink().pos(Pos::new(HPos::Right, VPos::Center));
-            area.draw(&Text::new(text, (LEFT - 8, at), style))?;
-        }
-        area.draw(&PathElement::new(
-            vec![(LEFT, TOP), (LEFT, bottom), (right, bottom)],
-            INK,
-        ))?;
-        let under = ink().pos(Pos::new(HPos::Center, VPos::Top));
-        area.draw(&Text::new(
-            self.x.title.clone(),
-            ((LEFT + right) / 2, bottom + 32),
-            under,
-        ))?;
-        let beside = ink()
-            .pos(Pos::new(HPos::Center, VPos::Top))
-            .transform(FontTransform::Rotate270);
-        area.draw(&Text::new(self.y.title.clone(), (10, (TOP + bottom) / 2), beside))?;
-        let radius = if marks().count() > CROWD { 2 } else { 4 };
-        for (index, series) in self.series.iter().enumerate() {
-            let row = TOP + 8 + 22 * index as i32;
-            let color = match series.form {
-                Form::Line => INK,
-                _ => PALETTE[index % PALETTE.len()],
+impl Panels {
+    pub(super) fn svg(&self) -> String {
+        let rows = self.panels.len().div_ceil(self.columns);
+        let mut svg = Svg::new(self.columns as f64 * PANEL.0 + 12.0, 44.0 + rows as f64 * PANEL.1);
+        svg.text((12.0, 24.0), &self.title, Anchor::Start);
+        for (index, panel) in self.panels.iter().enumerate() {
+            let left = (index % self.columns) as f64 * PANEL.0;
+            let top = 44.0 + (index / self.columns) as f64 * PANEL.1;
+            svg.text((left + 48.0, top + 16.0), &panel.title, Anchor::Start);
+            let area = Area {
+                left: left + 48.0,
+                top: top + 24.0,
+                right: left + 244.0,
+                bottom: top + 144.0,
             };
-            let points = series
-                .marks
-                .iter()
-                .filter_map(|mark| Some(((x.pixel(mark.x)?, y.pixel(mark.y)?), mark)));
-            let points: Vec<_> = points.collect();
-            if series.form != Form::Dots {
-                let path: Vec<_> = points.iter().map(|(at, _)| *at).collect();
-                let stroke = color.stroke_width(if series.form == Form::Line { 1 } else { 2 });
-                area.draw(&PathElement::new(path, stroke))?;
+            panel.draw(&mut svg, area);
+        }
+        svg.finish()
+    }
+}
+
+impl Lines {
+    pub(super) fn svg(&self) -> String {
+        let mut svg = Svg::new(SIZE.0, SIZE.1);
+        svg.text((12.0, 24.0), &self.title, Anchor::Start);
+        let area = Area {
+            left: 100.0,
+            top: 48.0,
+            right: SIZE.0 - LEGEND_PX,
+            bottom: SIZE.1 - 64.0,
+        };
+        svg.text_upwards((22.0, (area.top + area.bottom) / 2.0), &self.y.title);
+        self.draw(&mut svg, area);
+        self.draw_legend(&mut svg, area);
+        svg.finish()
+    }
+
+    fn draw_legend(&self, svg: &mut Svg, area: Area) {
+        for (index, series) in self.series.iter().enumerate() {
+            let y = area.top + 16.0 + 22.0 * index as f64;
+            let color = series.form.color(index);
+            match series.form {
+                Form::Line | Form::Curve(_) => {
+                    svg.line(&[(area.right + 12.0, y), (area.right + 28.0, y)], color, 1.0);
+                }
+                Form::Dots | Form::Joined => svg.dot((area.right + 20.0, y), 5.0, color),
             }
-            area.draw(&Text::new(series.name.clone(), (right + 34, row), ink()))?;
-            if series.form == Form::Line {
-                let sample = vec![(right + 12, row + 8), (right + 28, row + 8)];
-                area.draw(&PathElement::new(sample, INK))?;
-                continue;
+            svg.text((area.right + 34.0, y + 4.0), &series.name, Anchor::Start);
+        }
+    }
+
+    /// Draws grid, curves and points.
+    fn draw(&self, svg: &mut Svg, area: Area) {
+        let marks = || self.series.iter().flat_map(|series| &series.marks);
+        let across = marks().flat_map(|mark| [Some(mark.x), mark.reach]).flatten();
+        let x = Scale::new(&self.x, across, (area.left, area.right));
+        let y = Scale::new(&self.y, marks().map(|mark| mark.y), (area.bottom, area.top));
+        for (at, label) in x.ticks() {
+            svg.line(&[(at, area.top), (at, area.bottom)], FAINT, 1.0);
+            svg.text((at, area.bottom + 18.0), &label, Anchor::Middle);
+        }
+        for (at, label) in y.ticks() {
+            svg.line(&[(area.left, at), (area.right, at)], FAINT, 1.0);
+            svg.text((area.left - 6.0, at + 4.0), &label, Anchor::End);
+        }
+        let corner = (area.left, area.bottom);
+        svg.line(
+            &[(area.left, area.top), corner, (area.right, area.bottom)],
+            INK,
+            1.0,
+        );
+        let middle = (area.left + area.right) / 2.0;
+        svg.text((middle, area.bottom + 36.0), &self.x.title, Anchor::Middle);
+        let radius = if marks().count() > CROWD { 2.0 } else { 4.0 };
+        for (index, series) in self.series.iter().enumerate() {
+            series.draw(svg, (&x, &y), series.form.color(index), radius);
+        }
+    }
+}
+
+impl Form {
+    fn color(self, index: usize) -> &'static str {
+        match self {
+            Self::Line => INK,
+            Self::Curve(color) => color,
+            Self::Dots | Self::Joined => PALETTE[index % PALETTE.len()],
+        }
+    }
+}
+
+impl Series {
+    fn draw(&self, svg: &mut Svg, (x, y): (&Scale, &Scale), color: &str, radius: f64) {
+        let points = self.marks.iter();
+        let points: Vec<((f64, f64), &Mark)> = points
+            .filter_map(|mark| Some(((x.pixel(mark.x)?, y.pixel(mark.y)?), mark)))
+            .collect();
+        if self.form != Form::Dots {
+            let path: Vec<(f64, f64)> = points.iter().map(|(at, _)| *at).collect();
+            svg.line(&path, color, if self.form == Form::Line { 1.0 } else { 2.0 });
+        }
+        if matches!(self.form, Form::Line | Form::Curve(_)) {
+            return;
+        }
+        for (at, mark) in points {
+            if let Some(end) = mark.reach.and_then(|reach| x.pixel(reach)) {
+                svg.line(&[at, (end, at.1)], color, 1.0);
             }
-            area.draw(&Circle::new((right + 20, row + 8), 5, color.filled()))?;
-            for (at, mark) in &points {
-                if let Some(end) = mark.reach.and_then(|reach| x.pixel(reach)) {
-                    area.draw(&PathElement::new(vec![*at, (end, at.1)], color))?;
-                }
-                area.draw(&Circle::new(*at, radius, color.filled()))?;
-                if mark.ringed {
-                    area.draw(&Circle::new(*at, 9, INK.stroke_width(2)))?;
-                }
-                if !mark.label.is_empty() {
-                    area.draw(&Text::new(mark.label.clone(), (at.0 + 8, at.1 - 18), ink()))?;
-                }
+            svg.dot(at, radius, color);
+            if mark.ringed {
+                svg.ring(at, 9.0);
+            }
+            if !mark.label.is_empty() {
+                svg.text((at.0 + 8.0, at.1 - 6.0), &mark.label, Anchor::Start);
             }
         }
-        Ok(())
     }
 }

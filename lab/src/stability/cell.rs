@@ -1,133 +1,161 @@
 //! Measurements at one level of one degradation.
 
-use super::Degradation;
+use enhance::Method;
+use imaging::random::Stream;
+use imaging::{Raster, Rgb8};
+use quality::MetricId;
+
+use super::degradation::{Degradation, Specimen};
+use crate::statistics::largest;
+
+/// The recorded metrics.
+pub(super) const METRICS: [&str; 6] = ["entropy", "uicm", "uism", "uiconm", "uiqm", "uciqe"];
+/// Metrics against the clean picture, in which more is better.
+const JUDGES: [&str; 2] = ["ssim", "corner_repeatability"];
+/// A smaller loss is not counted: finer differences of SSIM and of shares of corners are invisible.
+const WORSE: f64 = 1e-3;
 
 /// One specimen at one level.
-pub(super) struct Sample {
-    /// SSIM and corner repeatability of the degraded picture.
-    pub(super) before: Vec<f64>,
-    /// The same for the result; `None` if the method failed.
-    pub(super) after: Option<Vec<f64>>,
-    /// The metrics of the result.
-    pub(super) values: Option<Vec<f64>>,
+struct Sample {
+    /// [`JUDGES`] of the degraded picture.
+    before: Vec<f64>,
+    /// [`JUDGES`] and [`METRICS`] of the result; `None` if the method failed.
+    after: Option<Vec<f64>>,
     /// Mean change of the result over that of the picture.
-    pub(super) gain: Option<f64>,
-    pub(super) warned: bool,
+    gain: Option<f64>,
+    warned: bool,
 }
 
 /// All specimens at one level of one degradation.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Cell {
-    /// The method; `None` for the unchanged picture.
-    pub method: Option<&'static str>,
-    /// The degradation of the picture.
-    pub degradation: Degradation,
-    /// The level of the degradation.
-    pub level: usize,
-    /// SSIM to the clean picture before and after the method.
-    pub ssim: (Summary, Summary),
-    /// Corner repeatability before and after.
-    pub repeatability: (Summary, Summary),
-    /// The metrics of the result.
-    pub values: Vec<Summary>,
-    /// Change of the result over change of the picture, for noise of one code.
-    pub gain: Summary,
-    /// Share of specimens with a lower SSIM after the method than before.
-    pub worse_ssim: f64,
-    /// Share with a lower corner repeatability.
-    pub worse_repeatability: f64,
+pub(super) struct Cell {
+    /// The method, or `none` for the unchanged picture.
+    pub(super) method: &'static str,
+    pub(super) degradation: Degradation,
+    pub(super) level: usize,
+    /// Mean [`JUDGES`] before the method.
+    pub(super) before: [f64; 2],
+    /// Mean [`JUDGES`] after it.
+    pub(super) after: [f64; 2],
+    /// Share of specimens that the method made worse by each of [`JUDGES`].
+    pub(super) worse: [f64; 2],
+    /// Mean [`METRICS`] of the result.
+    pub(super) values: Vec<f64>,
+    /// Change of the result over change of the picture, for noise of one code: mean and largest.
+    pub(super) gain: [f64; 2],
     /// Share of specimens for which the method returned a warning.
-    pub warned: f64,
+    pub(super) warned: f64,
     /// Failed runs and non-finite values.
-    pub failures: usize,
+    pub(super) failures: usize,
 }
 
-/// Mean and extremes over the specimens.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Summary {
-    /// Mean.
-    pub mean: f64,
-    /// Smallest.
-    pub min: f64,
-    /// Largest.
-    pub max: f64,
+/// Runs a method over every degradation and level. Failures and non-finite values are counted rather than returned.
+pub(super) fn run_method(method: &'static str, specimens: &[Specimen]) -> Vec<Cell> {
+    let levels = Degradation::ALL
+        .into_iter()
+        .flat_map(|degradation| (0..degradation.levels().len()).map(move |level| (degradation, level)));
+    let cells = levels.map(|(degradation, level)| {
+        let samples = specimens.iter().enumerate();
+        let samples: Vec<Sample> = samples
+            .map(|(number, specimen)| {
+                let (clean, before) = degradation.apply(specimen, level, number as u64);
+                measure_sample(method, &clean, &before, number as u64)
+            })
+            .collect();
+        Cell::new(method, degradation, level, &samples)
+    });
+    cells.collect()
 }
 
-impl Summary {
-    fn new(values: impl Iterator<Item = f64>) -> Self {
-        let values: Vec<f64> = values.filter(|v| v.is_finite()).collect();
-        if values.is_empty() {
-            return Self {
-                mean: f64::NAN,
-                min: f64::NAN,
-                max: f64::NAN,
-            };
-        }
-        Self {
-            mean: values.iter().sum::<f64>() / values.len() as f64,
-            min: values.iter().copied().fold(f64::INFINITY, f64::min),
-            max: values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-        }
+fn measure_sample(method: &str, clean: &Rgb8, before: &Rgb8, number: u64) -> Sample {
+    let shaken = nudge(before, number);
+    let after = enhance_picture(method, before);
+    let all: Vec<&str> = JUDGES.into_iter().chain(METRICS).collect();
+    let gain = after
+        .as_ref()
+        .zip(enhance_picture(method, &shaken))
+        .map(|((a, _), (b, _))| mean_difference(a, &b) / mean_difference(before, &shaken));
+    Sample {
+        before: measure_metrics(before, clean, &JUDGES),
+        gain,
+        warned: after.as_ref().is_some_and(|(_, warned)| *warned),
+        after: after.map(|(picture, _)| measure_metrics(&picture, clean, &all)),
     }
 }
 
+fn enhance_picture(method: &str, picture: &Rgb8) -> Option<(Rgb8, bool)> {
+    if method == "none" {
+        return Some((picture.clone(), false));
+    }
+    let enhanced = enhance::run(&Method::parse(method)?, &Raster::from(picture.clone())).ok()?;
+    Some((enhanced.unmasked.to_rgb8(), !enhanced.warnings.is_empty()))
+}
+
+fn measure_metrics(picture: &Rgb8, clean: &Rgb8, names: &[&str]) -> Vec<f64> {
+    let metrics: Vec<MetricId> = names.iter().filter_map(|name| MetricId::parse(name)).collect();
+    let values = quality::measure(picture, Some(clean), &metrics).unwrap_or_default();
+    let values = metrics.iter().map(|metric| {
+        let found = values.iter().find(|(id, _)| id == metric);
+        found.map_or(f64::NAN, |(_, value)| *value)
+    });
+    values.collect()
+}
+
+/// The picture with noise of one code: each sample up one, down one or unchanged.
+fn nudge(picture: &Rgb8, number: u64) -> Rgb8 {
+    let stream = Stream::stage(number, "stability/nudge");
+    let data = picture.data().iter().enumerate().map(|(index, &code)| {
+        let step = (3.0 * stream.unit(0, index as u64)) as i16 - 1;
+        (i16::from(code) + step).clamp(0, 255) as u8
+    });
+    Rgb8::new(picture.width(), picture.height(), data.collect()).expect("as many samples as before")
+}
+
+fn mean_difference(a: &Rgb8, b: &Rgb8) -> f64 {
+    let pairs = a.data().iter().zip(b.data());
+    let sum: u64 = pairs.map(|(a, b)| u64::from(a.abs_diff(*b))).sum();
+    sum as f64 / a.data().len() as f64
+}
+
+/// The mean of finite values; NaN without any.
+fn finite_mean(values: impl Iterator<Item = f64>) -> f64 {
+    let values: Vec<f64> = values.filter(|v| v.is_finite()).collect();
+    crate::statistics::mean(&values)
+}
+
 impl Cell {
-    pub(super) fn new(
-        method: Option<&'static str>,
-        degradation: Degradation,
-        level: usize,
-        samples: &[Sample],
-    ) -> Self {
-        let before = |which: usize| Summary::new(samples.iter().map(|sample| sample.before[which]));
-        let after = |which: usize| {
-            Summary::new(
-                samples
-                    .iter()
-                    .filter_map(|sample| Some(sample.after.as_ref()?[which])),
-            )
+    fn new(method: &'static str, degradation: Degradation, level: usize, samples: &[Sample]) -> Self {
+        let share = |count: usize| count as f64 / samples.len().max(1) as f64;
+        let results = || samples.iter().filter_map(|sample| sample.after.as_ref());
+        let after = |index: usize| finite_mean(results().map(|values| values[index]));
+        let gains = || {
+            samples
+                .iter()
+                .filter_map(|sample| sample.gain)
+                .filter(|gain| gain.is_finite())
         };
-        let share = |n: usize| n as f64 / samples.len().max(1) as f64;
-        let worse = |which: usize| {
-            let lower = |sample: &&Sample| {
-                sample
-                    .after
-                    .as_ref()
-                    .is_some_and(|after| after[which] < sample.before[which] - WORSE)
-            };
-            share(samples.iter().filter(lower).count())
-        };
-        let metrics = samples
-            .iter()
-            .find_map(|sample| sample.values.as_ref())
-            .map_or(0, Vec::len);
-        let values = (0..metrics).map(|metric| {
-            Summary::new(
-                samples
-                    .iter()
-                    .filter_map(|sample| Some(sample.values.as_ref()?[metric])),
-            )
-        });
-        let lost = samples.iter().filter(|sample| sample.after.is_none()).count();
-        let finite = |values: &Option<Vec<f64>>| values.iter().flatten().filter(|v| !v.is_finite()).count();
-        let not_finite: usize = samples
-            .iter()
-            .map(|sample| finite(&sample.values) + finite(&sample.after))
+        let not_finite: usize = results()
+            .map(|values| values.iter().filter(|v| !v.is_finite()).count())
             .sum();
         Self {
             method,
             degradation,
             level,
-            ssim: (before(0), after(0)),
-            repeatability: (before(1), after(1)),
-            values: values.collect(),
-            gain: Summary::new(samples.iter().filter_map(|sample| sample.gain)),
-            worse_ssim: worse(0),
-            worse_repeatability: worse(1),
+            before: [0, 1].map(|judge| finite_mean(samples.iter().map(|sample| sample.before[judge]))),
+            after: [0, 1].map(after),
+            worse: [0, 1].map(|judge| {
+                let worse = samples.iter().filter(|sample| {
+                    let after = sample.after.as_ref();
+                    after.is_some_and(|after| after[judge] < sample.before[judge] - WORSE)
+                });
+                share(worse.count())
+            }),
+            values: (0..METRICS.len())
+                .map(|metric| after(JUDGES.len() + metric))
+                .collect(),
+            gain: [finite_mean(gains()), largest(gains())],
             warned: share(samples.iter().filter(|sample| sample.warned).count()),
-            failures: lost + not_finite,
+            failures: samples.len() - results().count() + not_finite,
         }
     }
 }
-
-/// A smaller loss is not counted: finer differences of SSIM and of shares of corners are invisible.
-const WORSE: f64 = 1e-3;

@@ -13,7 +13,7 @@ export async function show(root, route) {
   const frames = h("section.panel");
   const maps = h("section.panel");
   root.append(heading("Speed and accuracy"), chart, maps, frames, same("fathom plan examples/tour.json --frame 3",
-    "cargo run --release -p lab -- chart --out charts", "GET /v1/images/{job}/{frame}"));
+    "cargo run --release -p lab -- experiment chart --out charts", "GET /v1/images/{job}/{frame}"));
   await Promise.all([figures(chart, route), stability(maps, route), ofSet(frames, route)]);
 }
 

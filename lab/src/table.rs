@@ -1,0 +1,153 @@
+//! Tables as Markdown, CSV and JSON.
+
+use serde_json::{Map, Value};
+
+/// Rows of values under named columns.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Table {
+    /// Its title, and its name in files.
+    pub name: String,
+    columns: Vec<String>,
+    rows: Vec<Vec<Value>>,
+}
+
+/// A row of a table from values of any type.
+#[macro_export]
+macro_rules! row {
+    ($($value:expr),* $(,)?) => { vec![$(serde_json::json!($value)),*] };
+}
+
+impl Table {
+    /// A table without rows.
+    pub fn new<C: ToString>(name: impl Into<String>, columns: impl IntoIterator<Item = C>) -> Self {
+        Self {
+            name: name.into(),
+            columns: columns.into_iter().map(|column| column.to_string()).collect(),
+            rows: Vec::new(),
+        }
+    }
+
+    /// Adds a row.
+    ///
+    /// # Panics
+    /// The row has another number of cells than the table.
+    pub fn push(&mut self, row: Vec<Value>) {
+        assert_eq!(
+            row.len(),
+            self.columns.len(),
+            "a cell for each column of {}",
+            self.name
+        );
+        self.rows.push(row);
+    }
+
+    /// The number of rows.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Whether there are no rows.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
+
+    /// The table for people: numbers with about three digits.
+    #[must_use]
+    pub fn markdown(&self) -> String {
+        let mut text = format!(
+            "| {} |\n|{}\n",
+            self.columns.join(" | "),
+            "---|".repeat(self.columns.len())
+        );
+        for row in &self.rows {
+            let cells: Vec<String> = row.iter().map(format_cell).collect();
+            text.push_str(&format!("| {} |\n", cells.join(" | ")));
+        }
+        text
+    }
+
+    /// The table with all digits.
+    #[must_use]
+    pub fn csv(&self) -> String {
+        let header = self.columns.iter().map(|column| quote(column));
+        let rows = self.rows.iter().map(|row| join(row.iter().map(csv_cell)));
+        let mut text = join(header);
+        rows.for_each(|row| text.push_str(&row));
+        text
+    }
+
+    /// The table as a list of objects.
+    #[must_use]
+    pub fn json(&self) -> Value {
+        let object = |row: &Vec<Value>| -> Value {
+            let fields = self.columns.iter().cloned().zip(row.iter().cloned());
+            Value::Object(fields.collect::<Map<_, _>>())
+        };
+        self.rows.iter().map(object).collect()
+    }
+}
+
+fn join(cells: impl Iterator<Item = String>) -> String {
+    cells.collect::<Vec<_>>().join(",") + "\n"
+}
+
+fn csv_cell(value: &Value) -> String {
+    match value {
+        Value::Null => String::new(),
+        Value::String(text) => quote(text),
+        other => other.to_string(),
+    }
+}
+
+fn quote(text: &str) -> String {
+    if text.contains([',', '"', '\n']) {
+        return format!("\"{}\"", text.replace('"', "\"\""));
+    }
+    text.to_owned()
+}
+
+fn format_cell(value: &Value) -> String {
+    match value {
+        Value::Null => "–".to_owned(),
+        Value::Bool(true) => "yes".to_owned(),
+        Value::Bool(false) => String::new(),
+        Value::String(text) => text.clone(),
+        Value::Number(number) if number.is_f64() => format_number(number.as_f64().unwrap_or(f64::NAN)),
+        other => other.to_string(),
+    }
+}
+
+/// A number with about three digits.
+#[must_use]
+pub fn format_number(value: f64) -> String {
+    match value.abs() {
+        0.0 => "0".to_owned(),
+        v if !(0.01..1e5).contains(&v) => format!("{value:.1e}"),
+        v if v < 10.0 => format!("{value:.2}"),
+        v if v < 100.0 => format!("{value:.1}"),
+        _ => format!("{value:.0}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_table_has_three_forms() {
+        let mut table = Table::new("a", ["name", "value"]);
+        table.push(row!["x, y", 1.0 / 3.0]);
+        table.push(row!["z", None::<f64>]);
+        assert_eq!(
+            table.markdown(),
+            "| name | value |\n|---|---|\n| x, y | 0.33 |\n| z | – |\n"
+        );
+        assert_eq!(table.csv(), "name,value\n\"x, y\",0.3333333333333333\nz,\n");
+        assert_eq!(table.json()[0]["value"], 1.0 / 3.0);
+        assert_eq!((table.len(), table.is_empty()), (2, false));
+        let texts = [0.0, 2e-5, 5.0, 12.34, 123.4, 1e6].map(format_number);
+        assert_eq!(texts, ["0", "2.0e-5", "5.00", "12.3", "123", "1.0e6"]);
+    }
+}
