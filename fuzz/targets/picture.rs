@@ -10,6 +10,7 @@ fuzz_target!(|bytes: &[u8]| {
     }
     match codec::decode_plane(bytes) {
         Ok(FilePlane::Codes(plane)) => assert_eq!(plane.data().len(), plane.width() * plane.height()),
+        Ok(FilePlane::Wide(plane)) => assert_eq!(plane.data().len(), plane.width() * plane.height()),
         Ok(FilePlane::Floats(plane)) => assert_eq!(plane.data().len(), plane.width() * plane.height()),
         Err(_) => {}
     }

@@ -70,6 +70,7 @@ pub(crate) fn of_npy(py: Python<'_>, npy: NpyArray) -> PyResult<Array<'_>> {
         NpyValues::F64(values) => array(py, values, npy.shape),
         NpyValues::U8(values) => array(py, values, npy.shape),
         NpyValues::U16(values) => array(py, values, npy.shape),
+        NpyValues::Wide(values) => array(py, values, npy.shape),
     }
 }
 

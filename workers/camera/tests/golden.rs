@@ -106,6 +106,7 @@ impl Case {
             NpyValues::F32(values) => values.into_iter().map(f64::from).collect(),
             NpyValues::U8(values) => values.into_iter().map(f64::from).collect(),
             NpyValues::U16(values) => values.into_iter().map(f64::from).collect(),
+            NpyValues::Wide(values) => values.into_iter().map(|value| value as f64).collect(),
         };
         (shape, values)
     }

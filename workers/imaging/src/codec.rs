@@ -3,20 +3,29 @@
 //! Decoding returns a value or an error for any bytes. Sides, pixels and the decoder's memory are checked against the
 //! header before any allocation.
 
+mod bmp;
 mod decode;
 mod encode;
 mod jpeg;
 mod npy;
 mod openexr;
+mod orientation;
 mod picture;
 mod scale;
+mod sheet;
 mod sides;
+mod tiff;
 
-pub use decode::{FilePlane, Radiance, decode_picture, decode_plane, decode_radiance};
+pub use decode::{
+    FilePlane, Radiance, decode_mask, decode_picture, decode_plane, decode_radiance, has_distances,
+};
 pub use encode::{EncodeError, encode_jpeg, encode_png, encode_png_with_text, encode_webp_lossless};
 pub use npy::{NpyArray, NpyValues, decode_npy, encode_npy_pair, encode_npy_plane, encode_npy_rgb};
+pub use orientation::Orientation;
 pub use scale::downscale;
 pub use sides::{announced_pixels, read_sides};
+
+use crate::Plane;
 
 /// Longest side of a picture: larger frames exceed the buffers of a worker slot.
 pub const MAX_SIDE_PX: usize = 16_384;
@@ -79,4 +88,11 @@ fn check_size(width: usize, height: usize) -> Result<(), DecodeError> {
         return Err(DecodeError::TooLarge { width, height });
     }
     Ok(())
+}
+
+fn new_plane<T>(width: usize, height: usize, data: Vec<T>) -> Result<Plane<T>, DecodeError> {
+    Plane::new(width, height, data).map_err(|error| DecodeError::Damaged {
+        format: "picture",
+        reason: error.to_string(),
+    })
 }

@@ -1,20 +1,24 @@
 //! Decoding of pictures, range files and float radiance.
 
 use super::DecodeError;
-use super::npy::{self, NpyArray, NpyValues};
+use super::npy;
 use super::openexr;
+use super::orientation::Orientation;
 use super::picture::FileFormat;
-use crate::{Channels, Plane, Raster, Rgb, Samples};
+use super::sheet::Sheet;
+use crate::{Plane, Raster, Rgb};
 
-const PICTURE_FORMATS: &[&str] = &["PNG", "JPEG", "WebP"];
-const RADIANCE_FORMATS: &[&str] = &["PNG", "JPEG", "WebP", "NPY", "EXR"];
-const PLANE_FORMATS: &[&str] = &["PNG", "NPY", "EXR"];
+const PICTURE_FORMATS: &[&str] = &["PNG", "JPEG", "WebP", "BMP", "TIFF"];
+const RADIANCE_FORMATS: &[&str] = &["PNG", "JPEG", "WebP", "BMP", "TIFF", "NPY", "EXR"];
+const PLANE_FORMATS: &[&str] = &["PNG", "BMP", "TIFF", "WebP", "NPY", "EXR"];
 
 /// A plane from a file.
 #[derive(Debug, Clone, PartialEq)]
 pub enum FilePlane {
     /// Integer codes; the file does not define their unit.
     Codes(Plane<u16>),
+    /// Integers beyond 16 bits, of which at least one is negative or above 65535.
+    Wide(Plane<i32>),
     /// Floats.
     Floats(Plane<f32>),
 }
@@ -28,8 +32,8 @@ pub enum Radiance {
     Linear(Rgb<f32>),
 }
 
-/// Decodes a PNG, JPEG or WebP picture: 8 or 16 bit, gray or color, palettes and fewer bits expanded, alpha separate.
-/// An animation yields its first picture. Color profiles and orientation tags are not applied.
+/// Decodes a PNG, JPEG, WebP, BMP or TIFF picture: 8 or 16 bit, gray or color, palettes and fewer bits expanded, alpha
+/// separate. An animation yields its first picture. The orientation tag is applied; color profiles are not.
 ///
 /// # Errors
 /// [`DecodeError`]: unknown format, sides beyond the limits (from the header), damaged or truncated data.
@@ -40,120 +44,83 @@ pub fn decode_picture(bytes: &[u8]) -> Result<Raster, DecodeError> {
 /// Decodes a picture. The error for an unknown format lists `expected`.
 fn decode_or(bytes: &[u8], expected: &'static [&'static str]) -> Result<Raster, DecodeError> {
     let format = FileFormat::detect(bytes).ok_or(DecodeError::UnknownFormat { expected })?;
-    format.decode(bytes)
+    let raster = format.decode(bytes)?;
+    Ok(Orientation::read(bytes).turn_raster(raster))
 }
 
-/// Decodes a range file: an 8- or 16-bit gray PNG yields codes, a two-dimensional NPY array codes or floats, an EXR
-/// file the floats of its channel Z.
+/// Decodes distances: gray PNG, BMP, TIFF or lossless WebP yields codes or floats, so do an NPY array of shape [height,
+/// width] and the only fitting channel of an EXR file. R = G = B counts as gray. The orientation tag is applied.
 ///
 /// # Errors
-/// [`DecodeError`], also for a picture with color, alpha or fewer bits, or an array of another shape.
+/// [`DecodeError`], also for a file with more than one channel of different content.
 pub fn decode_plane(bytes: &[u8]) -> Result<FilePlane, DecodeError> {
-    if npy::is_npy(bytes) {
-        return array_plane(npy::decode_sheet(bytes)?);
-    }
-    if openexr::is_exr(bytes) {
-        return openexr::decode_distances(bytes).map(FilePlane::Floats);
-    }
-    if FileFormat::detect(bytes) != Some(FileFormat::Png) {
-        return Err(DecodeError::UnknownFormat {
-            expected: PLANE_FORMATS,
-        });
-    }
-    let raster = decode_picture(bytes)?;
-    let found = match (raster.channels(), raster.alpha(), png_depth(bytes)) {
-        (Channels::Gray, None, Some(8 | 16)) => None,
-        // Fewer bits were expanded to 8, so the codes would differ from those of the file.
-        (Channels::Gray, None, _) => Some("a picture of less than 8 bits"),
-        (Channels::Gray, Some(_), _) => Some("a picture with alpha"),
-        (Channels::Rgb, ..) => Some("a color picture"),
+    let sheet = match openexr::is_exr(bytes) {
+        true => openexr::decode_distances(bytes)?,
+        false => decode_sheet(bytes)?,
     };
-    if let Some(found) = found {
-        return Err(DecodeError::Unsuitable {
-            found: found.to_owned(),
-            wanted: "one gray channel of 8 or 16 bits",
-        });
-    }
-    let codes = match raster.samples() {
-        Samples::U8(codes) => widened(codes),
-        Samples::U16(codes) => codes.clone(),
-    };
-    Ok(FilePlane::Codes(plane(raster.width(), raster.height(), codes)?))
-}
-
-/// Bits per sample in the header of a PNG file.
-fn png_depth(bytes: &[u8]) -> Option<u8> {
-    const PLACE: usize = 24;
-    bytes.get(PLACE).copied()
-}
-
-fn array_plane(array: NpyArray) -> Result<FilePlane, DecodeError> {
-    let [height, width] = array.shape[..] else {
-        return Err(DecodeError::Unsuitable {
-            found: format!("an array of shape {:?}", array.shape),
-            wanted: "one of shape [height, width]",
-        });
-    };
-    Ok(match array.values {
-        NpyValues::F32(data) => FilePlane::Floats(plane(width, height, data)?),
-        NpyValues::F64(data) => FilePlane::Floats(plane(width, height, narrowed(&data))?),
-        NpyValues::U8(data) => FilePlane::Codes(plane(width, height, widened(&data))?),
-        NpyValues::U16(data) => FilePlane::Codes(plane(width, height, data)?),
+    let orientation = Orientation::read(bytes);
+    Ok(match sheet.into_distances()? {
+        FilePlane::Codes(codes) => FilePlane::Codes(orientation.turn_plane(codes)),
+        FilePlane::Wide(values) => FilePlane::Wide(orientation.turn_plane(values)),
+        FilePlane::Floats(values) => FilePlane::Floats(orientation.turn_plane(values)),
     })
 }
 
-fn narrowed(values: &[f64]) -> Vec<f32> {
-    values.iter().map(|&value| value as f32).collect()
-}
-
-fn widened(codes: &[u8]) -> Vec<u16> {
-    codes.iter().copied().map(u16::from).collect()
-}
-
-/// Decodes a color picture: PNG, JPEG or WebP as codes; an NPY float array of shape [height, width, 3] and the channels
-/// R, G and B of an EXR file as linear light.
+/// Decodes the object numbers of a mask from the formats of [`decode_plane`]: whole numbers of 0 to 65535 in any type.
+/// The index of a palette is the number. The orientation tag is applied.
 ///
 /// # Errors
-/// [`DecodeError`]: also for arrays of another shape or of integers.
+/// [`DecodeError`], also for other numbers, with the first of them.
+pub fn decode_mask(bytes: &[u8]) -> Result<Plane<u16>, DecodeError> {
+    let sheet = match openexr::is_exr(bytes) {
+        true => openexr::decode_numbers(bytes)?,
+        false => decode_sheet(bytes)?,
+    };
+    Ok(Orientation::read(bytes).turn_plane(sheet.into_mask()?))
+}
+
+/// Samples as the file stores them.
+fn decode_sheet(bytes: &[u8]) -> Result<Sheet, DecodeError> {
+    if npy::is_npy(bytes) {
+        return npy::decode_sheet(bytes);
+    }
+    let format = FileFormat::detect(bytes).ok_or(DecodeError::UnknownFormat {
+        expected: PLANE_FORMATS,
+    })?;
+    format.decode_sheet(bytes)
+}
+
+/// Decodes a color picture: PNG, JPEG, WebP, BMP, TIFF and NPY arrays of uint8 or uint16 as codes; arrays and TIFF of
+/// floats and the channels R, G and B of an EXR file as linear light. Arrays have the shape [height, width] or [height,
+/// width, channels]. The orientation tag is applied.
+///
+/// # Errors
+/// [`DecodeError`]: also for arrays of another shape or type.
 pub fn decode_radiance(bytes: &[u8]) -> Result<Radiance, DecodeError> {
     if openexr::is_exr(bytes) {
         return openexr::decode_rgb(bytes).map(Radiance::Linear);
     }
-    if !npy::is_npy(bytes) {
-        let picture = decode_or(bytes, RADIANCE_FORMATS)?;
-        return Ok(Radiance::Encoded(picture));
+    if npy::is_npy(bytes) {
+        return npy::decode_sheet(bytes)?.into_radiance();
     }
-    let NpyArray { shape, values } = npy::decode_sheet(bytes)?;
-    let unsuitable = |found: String| DecodeError::Unsuitable {
-        found,
-        wanted: "an array of floats of shape [height, width, 3]",
-    };
-    let data = match (&shape[..], values) {
-        ([_, _, 3], NpyValues::F32(data)) => data,
-        ([_, _, 3], NpyValues::F64(data)) => narrowed(&data),
-        ([_, _, 3], NpyValues::U8(_) | NpyValues::U16(_)) => {
-            return Err(unsuitable("an array of integers".to_owned()));
+    if FileFormat::detect(bytes) != Some(FileFormat::Tiff) {
+        return decode_or(bytes, RADIANCE_FORMATS).map(Radiance::Encoded);
+    }
+    let orientation = Orientation::read(bytes);
+    Ok(match FileFormat::Tiff.decode_sheet(bytes)?.into_radiance()? {
+        Radiance::Encoded(raster) => Radiance::Encoded(orientation.turn_raster(raster)),
+        Radiance::Linear(light) => {
+            let planes = light.into_planes().map(|plane| orientation.turn_plane(plane));
+            Radiance::Linear(Rgb::new(planes).map_err(|error| DecodeError::Damaged {
+                format: "TIFF",
+                reason: error.to_string(),
+            })?)
         }
-        _ => return Err(unsuitable(format!("an array of shape {shape:?}"))),
-    };
-    let [red, green, blue] = [0, 1, 2].map(|band| {
-        plane(
-            shape[1],
-            shape[0],
-            data.iter().skip(band).step_by(3).copied().collect(),
-        )
-    });
-    Rgb::new([red?, green?, blue?])
-        .map(Radiance::Linear)
-        .map_err(|error| DecodeError::Damaged {
-            format: "NPY",
-            reason: error.to_string(),
-        })
+    })
 }
 
-fn plane<T>(width: usize, height: usize, data: Vec<T>) -> Result<Plane<T>, DecodeError> {
-    Plane::new(width, height, data).map_err(|error| DecodeError::Damaged {
-        format: "picture",
-        reason: error.to_string(),
-    })
+/// Whether a picture contains distances next to its colors, as an EXR file with R, G, B and Z.
+#[must_use]
+pub fn has_distances(bytes: &[u8]) -> bool {
+    openexr::is_exr(bytes) && openexr::has_distances(bytes)
 }

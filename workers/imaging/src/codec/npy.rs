@@ -1,7 +1,8 @@
-//! NumPy array files (NPY 1.0 to 3.0) of plain numbers in C order.
+//! NumPy array files (NPY 1.0 to 3.0) of plain numbers.
 
 use ::exr::prelude::f16;
 
+use super::sheet::{Sheet, SheetValues};
 use super::{DecodeError, check_size};
 use crate::{Plane, Rgb};
 
@@ -25,6 +26,8 @@ pub enum NpyValues {
     U8(Vec<u8>),
     /// uint16
     U16(Vec<u16>),
+    /// Other integers and truth values, widened; beyond the range of i64 its maximum
+    Wide(Vec<i64>),
 }
 
 const MAGIC: &[u8] = b"\x93NUMPY";
@@ -49,23 +52,46 @@ fn unsuitable(found: impl Into<String>, wanted: &'static str) -> DecodeError {
     }
 }
 
-/// Decodes an array of f16, f32, f64, u8 or u16, either byte order.
+/// Decodes an array of numbers or truth values, either byte order, C or Fortran order.
 ///
 /// # Errors
-/// [`DecodeError`]: a damaged header, another type or order, less data than its shape requires.
+/// [`DecodeError`]: a damaged header, another type, less data than its shape requires.
 pub fn decode_npy(bytes: &[u8]) -> Result<NpyArray, DecodeError> {
     Header::read(bytes)?.decode()
 }
 
-/// Decodes an array of two or three dimensions with sides within the limits of pictures.
-pub(super) fn decode_sheet(bytes: &[u8]) -> Result<NpyArray, DecodeError> {
+/// Decodes an array of shape [height, width], [height, width, bands] or [1, height, width], within the limits of
+/// pictures.
+pub(super) fn decode_sheet(bytes: &[u8]) -> Result<Sheet, DecodeError> {
     let header = Header::read(bytes)?;
-    let ([height, width] | [height, width, 1..=4]) = header.shape[..] else {
-        let found = format!("an array of shape {:?}", header.shape);
-        return Err(unsuitable(found, "shape [height, width] or [height, width, 3]"));
+    let (height, width, bands) = match header.shape[..] {
+        [height, width] => (height, width, 1),
+        [height, width, bands @ 1..=4] => (height, width, bands),
+        [1, height, width] => (height, width, 1),
+        _ => {
+            let found = format!("an array of shape {:?}", header.shape);
+            return Err(unsuitable(
+                found,
+                "shape [height, width] for a mask or distances, [height, width, 3] for a picture",
+            ));
+        }
     };
     check_size(width, height)?;
-    header.decode()
+    let values = match header.decode()?.values {
+        NpyValues::F32(values) => SheetValues::F32(values),
+        NpyValues::F64(values) => SheetValues::F32(values.into_iter().map(|value| value as f32).collect()),
+        NpyValues::U8(values) => SheetValues::U8(values),
+        NpyValues::U16(values) => SheetValues::U16(values),
+        NpyValues::Wide(values) => SheetValues::Wide(values),
+    };
+    Ok(Sheet {
+        width,
+        height,
+        bands,
+        has_alpha: matches!(bands, 2 | 4),
+        values,
+        palette: None,
+    })
 }
 
 /// The header, and the data after it.
@@ -121,9 +147,6 @@ impl<'a> Header<'a> {
     }
 
     fn decode(self) -> Result<NpyArray, DecodeError> {
-        if self.is_fortran {
-            return Err(unsuitable("an array in Fortran order", "C order"));
-        }
         let values = match self.kind.trim_start_matches(['<', '>', '|', '=']) {
             "f2" => {
                 let halves = self.numbers(f16::from_le_bytes, f16::from_be_bytes)?;
@@ -133,14 +156,33 @@ impl<'a> Header<'a> {
             "f8" => NpyValues::F64(self.numbers(f64::from_le_bytes, f64::from_be_bytes)?),
             "u2" => NpyValues::U16(self.numbers(u16::from_le_bytes, u16::from_be_bytes)?),
             "u1" => NpyValues::U8(self.numbers(u8::from_le_bytes, u8::from_be_bytes)?),
+            "b1" => NpyValues::U8(self.numbers(u8::from_le_bytes, u8::from_be_bytes)?),
+            "i1" => widened(self.numbers(i8::from_le_bytes, i8::from_be_bytes)?),
+            "i2" => widened(self.numbers(i16::from_le_bytes, i16::from_be_bytes)?),
+            "i4" => widened(self.numbers(i32::from_le_bytes, i32::from_be_bytes)?),
+            "u4" => widened(self.numbers(u32::from_le_bytes, u32::from_be_bytes)?),
+            "i8" => NpyValues::Wide(self.numbers(i64::from_le_bytes, i64::from_be_bytes)?),
+            "u8" => {
+                let values = self.numbers(u64::from_le_bytes, u64::from_be_bytes)?;
+                let values = values.into_iter();
+                NpyValues::Wide(
+                    values
+                        .map(|value| i64::try_from(value).unwrap_or(i64::MAX))
+                        .collect(),
+                )
+            }
             _ => {
                 let found = format!("values of type {}", self.kind);
-                return Err(unsuitable(found, "float16, float32, float64, uint8 or uint16"));
+                return Err(unsuitable(found, "floats, integers or truth values"));
             }
         };
         Ok(NpyArray {
+            values: if self.is_fortran {
+                reorder(values, &self.shape)
+            } else {
+                values
+            },
             shape: self.shape,
-            values,
         })
     }
 
@@ -163,6 +205,43 @@ impl<'a> Header<'a> {
             ))
         })?;
         Ok(numbers.iter().copied().map(number).collect())
+    }
+}
+
+fn widened<T: Into<i64>>(values: Vec<T>) -> NpyValues {
+    NpyValues::Wide(values.into_iter().map(Into::into).collect())
+}
+
+/// From Fortran order, the first dimension fastest, to C order.
+fn reorder(values: NpyValues, shape: &[usize]) -> NpyValues {
+    fn reorder<T: Copy>(values: &[T], shape: &[usize]) -> Vec<T> {
+        let mut strides = Vec::with_capacity(shape.len());
+        let mut stride = 1;
+        for side in shape {
+            strides.push(stride);
+            stride *= side;
+        }
+        let mut place = vec![0; shape.len()];
+        let mut reordered = Vec::with_capacity(values.len());
+        for _ in 0..values.len() {
+            let index: usize = place.iter().zip(&strides).map(|(at, stride)| at * stride).sum();
+            reordered.push(values[index]);
+            for (at, side) in place.iter_mut().zip(shape).rev() {
+                *at += 1;
+                if *at < *side {
+                    break;
+                }
+                *at = 0;
+            }
+        }
+        reordered
+    }
+    match values {
+        NpyValues::F32(values) => NpyValues::F32(reorder(&values, shape)),
+        NpyValues::F64(values) => NpyValues::F64(reorder(&values, shape)),
+        NpyValues::U8(values) => NpyValues::U8(reorder(&values, shape)),
+        NpyValues::U16(values) => NpyValues::U16(reorder(&values, shape)),
+        NpyValues::Wide(values) => NpyValues::Wide(reorder(&values, shape)),
     }
 }
 

@@ -1,9 +1,10 @@
-//! OpenEXR files: the channels R, G and B as linear light, or Z as distances; half or float, any compression.
+//! OpenEXR files: the channels R, G and B as linear light, or one channel of distances or object numbers.
 //!
 //! A channel of a layer is called `LAYER.R`. Channels without a layer have priority; otherwise exactly one layer must
 //! contain them, or one called `Combined`, Blender's name of the picture among its passes. A Z with X and Y is a
-//! component of a vector and not a distance. The pixels are those of the data window; deep files and subsampled
-//! channels are rejected.
+//! component of a vector and not a distance. Without Z, the only channel of a layer called `Depth` holds the
+//! distances, or the only channel of the file besides alpha, or R = G = B. The pixels are those of the data window;
+//! deep files and subsampled channels are rejected.
 
 use std::io::Cursor;
 
@@ -15,6 +16,7 @@ use ::exr::meta::attribute::{ChannelList, SampleType};
 use ::exr::meta::header::Header;
 use ::exr::prelude::f16;
 
+use super::sheet::{Sheet, SheetValues};
 use super::{DecodeError, MAX_DECODER_BYTES, check_size};
 use crate::{Plane, Rgb};
 
@@ -42,20 +44,80 @@ pub(super) fn announced_sides(bytes: &[u8]) -> Option<(usize, usize)> {
     Some((width, height))
 }
 
-/// Decodes the channels R, G and B.
+/// Decodes the channels R, G and B, or the only channel Y of a gray picture.
 pub(super) fn decode_rgb(bytes: &[u8]) -> Result<Rgb<f32>, DecodeError> {
-    let planes = decode(bytes, &["R", "G", "B"], "channels R, G and B of half or float")?;
-    let planes = <[Plane<f32>; 3]>::try_from(planes).map_err(|_| damaged("a channel is missing"))?;
+    let pick = |headers: &[Header]| {
+        find(headers, &["R", "G", "B"]).or_else(|| find_only(headers, |name| name == "Y"))
+    };
+    let planes = decode(bytes, pick, "channels R, G and B of half or float")?;
+    let planes = match <[Plane<f32>; 3]>::try_from(planes) {
+        Ok(planes) => planes,
+        Err(gray) => match &gray[..] {
+            [gray] => [gray.clone(), gray.clone(), gray.clone()],
+            _ => return Err(damaged("a channel is missing")),
+        },
+    };
     Rgb::new(planes).map_err(damaged)
 }
 
-/// Decodes the channel Z.
-pub(super) fn decode_distances(bytes: &[u8]) -> Result<Plane<f32>, DecodeError> {
-    let planes = decode(bytes, &["Z"], "one channel Z of half or float")?;
-    planes
-        .into_iter()
-        .next()
-        .ok_or_else(|| damaged("a channel is missing"))
+/// Decodes the distances.
+pub(super) fn decode_distances(bytes: &[u8]) -> Result<Sheet, DecodeError> {
+    let pick = |headers: &[Header]| {
+        find(headers, &["Z"])
+            .or_else(|| find_in_layer(headers, "Depth"))
+            .or_else(|| find_only(headers, |_| true))
+            .or_else(|| find(headers, &["R", "G", "B"]).filter(|_| count_channels(headers) == 3))
+    };
+    interleave(decode(
+        bytes,
+        pick,
+        "one channel of distances, half or float, such as Z",
+    )?)
+}
+
+/// Decodes the numbers of objects, which Blender stores in the layer `IndexOB`.
+pub(super) fn decode_numbers(bytes: &[u8]) -> Result<Sheet, DecodeError> {
+    let pick = |headers: &[Header]| {
+        find_in_layer(headers, "IndexOB")
+            .or_else(|| find_only(headers, |_| true))
+            .or_else(|| find(headers, &["R", "G", "B"]).filter(|_| count_channels(headers) == 3))
+    };
+    interleave(decode(bytes, pick, "one channel of object numbers")?)
+}
+
+/// Whether a picture contains distances next to its colors.
+pub(super) fn has_distances(bytes: &[u8]) -> bool {
+    let Ok(reader) = block::read(Cursor::new(bytes), false) else {
+        return false;
+    };
+    let headers = reader.headers();
+    find(headers, &["R", "G", "B"]).is_some()
+        && find(headers, &["Z"])
+            .or_else(|| find_in_layer(headers, "Depth"))
+            .is_some()
+}
+
+fn interleave(planes: Vec<Plane<f32>>) -> Result<Sheet, DecodeError> {
+    let (width, height) = planes
+        .first()
+        .ok_or_else(|| damaged("a channel is missing"))?
+        .size();
+    let bands = planes.len();
+    let pixels = 0..width * height;
+    let values = match planes.into_iter().map(Plane::into_data).collect::<Vec<_>>() {
+        mut only if only.len() == 1 => only.remove(0),
+        many => pixels
+            .flat_map(|pixel| many.iter().map(move |band| band[pixel]))
+            .collect(),
+    };
+    Ok(Sheet {
+        width,
+        height,
+        bands,
+        has_alpha: false,
+        values: SheetValues::F32(values),
+        palette: None,
+    })
 }
 
 fn damaged(reason: impl ToString) -> DecodeError {
@@ -71,19 +133,16 @@ struct ChannelPart {
     channels: Vec<usize>,
 }
 
-fn decode(bytes: &[u8], names: &[&str], wanted: &'static str) -> Result<Vec<Plane<f32>>, DecodeError> {
+fn decode(
+    bytes: &[u8],
+    pick: impl Fn(&[Header]) -> Option<ChannelPart>,
+    wanted: &'static str,
+) -> Result<Vec<Plane<f32>>, DecodeError> {
     let reader = block::read(Cursor::new(bytes), false).map_err(damaged)?;
     reader.headers().iter().try_for_each(check)?;
     let unsuitable = |found| DecodeError::Unsuitable { found, wanted };
-    let found = find(reader.headers(), names).ok_or_else(|| unsuitable(listed(reader.headers())))?;
+    let found = pick(reader.headers()).ok_or_else(|| unsuitable(listed(reader.headers())))?;
     let header = reader.headers()[found.part].clone();
-    let has_integers = found
-        .channels
-        .iter()
-        .any(|&channel| header.channels.list[channel].sample_type == SampleType::U32);
-    if has_integers {
-        return Err(unsuitable("channels of integers".to_owned()));
-    }
     let Vec2(width, height) = header.layer_size;
     let mut pixels: Vec<ChannelPixels> = found
         .channels
@@ -159,6 +218,58 @@ fn find(headers: &[Header], names: &[&str]) -> Option<ChannelPart> {
     found
         .find(|(layer, _)| only || layer.is_empty() || layer.ends_with(PICTURE_LAYER))
         .map(|(_, found)| found)
+}
+
+/// A channel by its part and position.
+struct NamedChannel {
+    part: usize,
+    channel: usize,
+    name: String,
+}
+
+/// All channels but alpha.
+fn list_channels(headers: &[Header]) -> Vec<NamedChannel> {
+    let mut listed = Vec::new();
+    for (part, header) in headers.iter().enumerate() {
+        let names = channel_names(header).into_iter().enumerate();
+        listed.extend(
+            names
+                .filter(|(_, name)| name.rsplit('.').next() != Some("A"))
+                .map(|(channel, name)| NamedChannel { part, channel, name }),
+        );
+    }
+    listed
+}
+
+fn count_channels(headers: &[Header]) -> usize {
+    list_channels(headers).len()
+}
+
+/// The only channel besides alpha, if its name fits.
+fn find_only(headers: &[Header], fits: impl Fn(&str) -> bool) -> Option<ChannelPart> {
+    match &list_channels(headers)[..] {
+        [only] if fits(&only.name) => Some(ChannelPart {
+            part: only.part,
+            channels: vec![only.channel],
+        }),
+        _ => None,
+    }
+}
+
+/// The only channel of the layers of a name, or of that name.
+fn find_in_layer(headers: &[Header], layer: &str) -> Option<ChannelPart> {
+    let channels = list_channels(headers);
+    let mut fitting = channels.iter().filter(|channel| {
+        let mut names = channel.name.rsplit('.').take(2);
+        names.any(|name| name.eq_ignore_ascii_case(layer))
+    });
+    match (fitting.next(), fitting.next()) {
+        (Some(only), None) => Some(ChannelPart {
+            part: only.part,
+            channels: vec![only.channel],
+        }),
+        _ => None,
+    }
 }
 
 fn channel_names(header: &Header) -> Vec<String> {
@@ -256,7 +367,13 @@ fn take(
                 let samples = line.value.as_chunks::<4>().0;
                 pixels[at].put(place, samples.iter().map(|bytes| f32::from_ne_bytes(*bytes)))?;
             }
-            SampleType::U32 => return Err(damaged("a channel of integers")),
+            SampleType::U32 => {
+                let samples = line.value.as_chunks::<4>().0;
+                pixels[at].put(
+                    place,
+                    samples.iter().map(|bytes| u32::from_ne_bytes(*bytes) as f32),
+                )?;
+            }
         }
     }
     Ok(())

@@ -4,12 +4,15 @@ use std::io::Cursor;
 
 use zune_core::bytestream::ZCursor;
 
+use super::bmp;
 use super::npy::{self, Header};
 use super::openexr;
 use super::picture::FileFormat;
+use super::tiff;
 
-/// Columns and rows from the header of a PNG, JPEG, WebP or NPY file, the latter of shape [height, width] or [height,
-/// width, channels]; `None` for other bytes. Nothing is decoded, and the sides may exceed the limits.
+/// Columns and rows from the header of a PNG, JPEG, WebP, BMP, TIFF or NPY file, the latter of shape [height, width] or [height,
+/// width, channels]; `None` for other bytes. Nothing is decoded, the sides may exceed the limits, and
+/// the orientation tag is not applied.
 #[must_use]
 pub fn read_sides(bytes: &[u8]) -> Option<(usize, usize)> {
     if npy::is_npy(bytes) {
@@ -34,6 +37,8 @@ pub fn read_sides(bytes: &[u8]) -> Option<(usize, usize)> {
             let (width, height) = decoder.dimensions();
             Some((width as usize, height as usize))
         }
+        FileFormat::Bmp => bmp::announced_sides(bytes),
+        FileFormat::Tiff => tiff::announced_sides(bytes),
     }
 }
 

@@ -80,15 +80,29 @@ fn a_header_of_nested_brackets_takes_no_time() {
 #[test]
 fn what_is_no_picture_says_what_would_be() {
     let error = codec::decode_picture(b"GIF89a").unwrap_err();
-    assert_eq!(error.to_string(), "the file is neither PNG nor JPEG nor WebP");
+    assert_eq!(
+        error.to_string(),
+        "the file is neither PNG nor JPEG nor WebP nor BMP nor TIFF"
+    );
     let error = codec::decode_plane(b"\xff\xd8\xff\xe0").unwrap_err();
-    assert_eq!(error.to_string(), "the file is neither PNG nor NPY nor EXR");
+    assert!(
+        error.to_string().contains("compression changes numbers"),
+        "{error}"
+    );
+    let error = codec::decode_mask(b"GIF89a").unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "the file is neither PNG nor BMP nor TIFF nor WebP nor NPY nor EXR"
+    );
 }
 
 fn decode_all(bytes: &[u8]) {
     let _ = codec::decode_picture(bytes);
     let _ = codec::decode_plane(bytes);
+    let _ = codec::decode_mask(bytes);
     let _ = codec::decode_radiance(bytes);
+    let _ = codec::Orientation::read(bytes);
+    let _ = codec::has_distances(bytes);
 }
 
 proptest! {

@@ -2,10 +2,13 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod arrays;
 mod hostile;
 mod npy;
 mod openexr;
+mod orientation;
 mod png;
+mod tagged;
 
 use imaging::codec::{self, FilePlane, Radiance};
 use imaging::{Channels, Plane, Raster, Rgb, Rgb8, Samples};

@@ -77,10 +77,6 @@ fn an_array_of_another_kind_is_refused_with_what_it_is_and_what_is_needed() {
     };
     let both =
         |errors: [String; 2], text: &str| assert!(errors.iter().all(|e| e.contains(text)), "{errors:?}");
-    both(
-        refused("<f4", "True", "(2, 2)"),
-        "an array in Fortran order but C order",
-    );
     both(refused("<f4", "False", "(4,)"), "an array of shape [4] but");
     both(
         refused("<f4", "False", "(1, 1, 1, 3)"),
@@ -89,20 +85,9 @@ fn an_array_of_another_kind_is_refused_with_what_it_is_and_what_is_needed() {
     both(refused("<f4", "False", "()"), "an array of shape [] but");
     both(refused("<f4", "False", "(0, 2)"), "empty: 2×0");
     both(refused("<f4", "False", "(1, 16385)"), "16385×1 but at most");
-    both(refused("<i4", "False", "(2, 2)"), "values of type <i4");
     both(refused("|O", "False", "(2, 2)"), "values of type |O");
-    let [plane, _] = refused("<f4", "False", "(1, 1, 3)");
-    assert_eq!(
-        plane,
-        "the file holds an array of shape [1, 1, 3] but one of shape [height, width] is needed"
-    );
-    let [_, light] = refused("<f4", "False", "(2, 2)");
-    assert!(
-        light.contains("an array of shape [2, 2] but an array of floats of shape [height, width, 3]"),
-        "{light}"
-    );
-    let [_, light] = refused("|u1", "False", "(1, 1, 3)");
-    assert!(light.contains("an array of integers"), "{light}");
+    let [_, light] = refused("<i4", "False", "(1, 2, 3)");
+    assert!(light.contains("integers of another type"), "{light}");
     let structured = "{'descr': [('z', '<f4')], 'fortran_order': False, 'shape': (2, 2), }\n";
     let error = codec::decode_plane(&file(structured, &[0; 16])).unwrap_err();
     assert!(error.to_string().contains("a structured array"), "{error}");

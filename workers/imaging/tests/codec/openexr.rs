@@ -134,9 +134,46 @@ fn the_picture_among_the_passes_of_a_renderer_is_found() {
     );
     // A vector component is not a depth.
     assert!(codec::decode_plane(&file(plain, &passes[7..])).is_err());
-    let integers = FlatSamples::U32(vec![1; SIZE.0 * SIZE.1]);
-    let error = codec::decode_plane(&file(plain, &[("Z", integers)])).unwrap_err();
-    assert!(error.to_string().contains("integers"), "{error}");
+    let integers = FlatSamples::U32(vec![70_000; SIZE.0 * SIZE.1]);
+    let error = codec::decode_mask(&file(plain, &[("id", integers)])).unwrap_err();
+    assert!(error.to_string().contains("70000 at pixel (0, 0)"), "{error}");
+}
+
+#[test]
+fn a_single_channel_of_any_name_is_the_distance() {
+    let plain = encoding(Compression::ZIP16, Blocks::ScanLines);
+    let distances = FilePlane::Floats(expected(&floats(0.5)));
+    for channels in [
+        &[("V", floats(0.5))][..],
+        &[("Y", floats(0.5))],
+        &[("A", floats(1.0)), ("distance", floats(0.5))],
+        &[
+            ("Combined.A", floats(1.0)),
+            ("Combined.G", floats(1.0)),
+            ("Depth.V", floats(0.5)),
+        ],
+        &[("B", floats(0.5)), ("G", floats(0.5)), ("R", floats(0.5))],
+    ] {
+        let names: Vec<&str> = channels.iter().map(|(name, _)| *name).collect();
+        assert_eq!(
+            codec::decode_plane(&file(plain, channels)).unwrap(),
+            distances,
+            "{names:?}"
+        );
+    }
+    let two = file(plain, &[("near", floats(0.5)), ("far", floats(1.0))]);
+    let error = codec::decode_plane(&two).unwrap_err().to_string();
+    assert!(error.contains("near") && error.contains("far"), "{error}");
+    let numbers = file(
+        plain,
+        &[("IndexOB.X", FlatSamples::F32(vec![3.0; SIZE.0 * SIZE.1]))],
+    );
+    assert_eq!(
+        codec::decode_mask(&numbers).unwrap(),
+        Plane::filled(SIZE.0, SIZE.1, 3)
+    );
+    assert!(codec::has_distances(&picture()));
+    assert!(!codec::has_distances(&numbers));
 }
 
 #[test]

@@ -155,6 +155,7 @@ impl Case {
             NpyValues::F32(values) => (widened(values), None),
             NpyValues::U8(codes) => (widened(codes), Some(255.0)),
             NpyValues::U16(codes) => (widened(codes), Some(65535.0)),
+            NpyValues::Wide(_) => panic!("{}: integers of another type", path.display()),
         };
         Some(Array {
             shape: array.shape,
