@@ -61,6 +61,8 @@ impl Case {
             instances: None,
             classes: None,
             world_from_camera: None,
+            hfov_deg: None,
+            scale: None,
             intrinsics: None,
         }))
     }

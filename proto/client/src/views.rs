@@ -17,7 +17,7 @@ pub use job::{Deleted, FailureRow, JobRow};
 pub use job_state::JobState;
 pub use operations::BackupView;
 pub use page::Page;
-pub use scene::{CollectionRow, CollectionScene, SceneView};
+pub use scene::{ClassPixels, CollectionRow, CollectionScene, SceneSummary, SceneView};
 pub use set::SetView;
 pub use statistics::{CountedSource, GroupColumn, GroupStats, Statistics};
 pub use time::UnixMs;

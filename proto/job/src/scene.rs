@@ -142,6 +142,8 @@ impl Scene {
             intrinsics: None,
             classes: None,
             world_from_camera: None,
+            hfov_deg: None,
+            scale: None,
         })
     }
 }

@@ -9,11 +9,11 @@ use crate::scene_parts::SceneParts;
 /// The files of a scene. `T` represents a file: path, digest or bytes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SceneFiles<T> {
-    /// The image: PNG, JPEG, WebP, NPY floats of shape [height, width, 3], or EXR.
+    /// The image: PNG, JPEG, WebP, BMP, TIFF, NPY of shape [height, width, 3], or EXR.
     pub rgb: T,
     /// Range or z-depth.
     pub range: Option<RangeFile<T>>,
-    /// Instance of each pixel, 0 = background: 8- or 16-bit gray PNG, or NPY uint8 or uint16.
+    /// Instance of each pixel, 0 = background: whole numbers of 0 to 65535 in a gray or palette picture or an array.
     pub instances: Option<T>,
     /// The camera, if known.
     pub intrinsics: Option<Intrinsics>,
@@ -23,10 +23,15 @@ pub struct SceneFiles<T> {
     /// Camera pose: rows of the matrix from camera axes (right, down, ahead, 1) to the world, meters.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub world_from_camera: Option<[[f64; 4]; 4]>,
+    /// Horizontal field of view as given for the camera, degrees.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hfov_deg: Option<f64>,
+    /// Factor from the floats of the image to linear light; 1 by default.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scale: Option<f64>,
 }
 
-/// A distance map: 8- or 16-bit gray PNG, NPY float16, float32, float64, uint8 or uint16, or the channel Z of an EXR
-/// file.
+/// A distance map: a gray picture, an array, or a channel of an EXR file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RangeFile<T> {
     /// The file.
@@ -92,6 +97,8 @@ impl<T> SceneFiles<T> {
             intrinsics: self.intrinsics,
             classes: self.classes.clone(),
             world_from_camera: self.world_from_camera,
+            hfov_deg: self.hfov_deg,
+            scale: self.scale,
         })
     }
 

@@ -6,6 +6,7 @@ use std::fs;
 use std::io;
 use std::path::Path;
 
+use client::SceneSummary;
 use enhance::Method;
 use imaging::Raster;
 use imaging::codec::{Radiance, decode_picture, decode_radiance, encode_png, encode_webp_lossless};
@@ -19,6 +20,7 @@ use spec::SceneFiles;
 use utoipa::ToSchema;
 
 use crate::limits;
+use crate::scenes::summary::{check_units, summarize};
 
 pub(crate) const REQUEST: &str = "request.json";
 pub(crate) const REPLY: &str = "reply.json";
@@ -59,6 +61,7 @@ pub(crate) struct SceneFacts {
     pub(crate) width: usize,
     pub(crate) height: usize,
     pub(crate) camera: Option<Intrinsics>,
+    pub(crate) summary: SceneSummary,
 }
 
 /// An image to enhance.
@@ -98,7 +101,7 @@ pub(crate) struct Refusal {
 }
 
 impl Refusal {
-    fn new(field: &str, message: impl ToString) -> Self {
+    pub(crate) fn new(field: &str, message: impl ToString) -> Self {
         Self {
             pointer: format!("/{field}"),
             message: message.to_string(),
@@ -137,17 +140,19 @@ fn scene(folder: &Path, SceneRequest { files, camera }: &SceneRequest) -> Checke
         }
         let scene = decode(&files)?;
         check_objects(&scene, files.classes.as_ref())?;
+        check_units(&scene, &files)?;
         Ok(SceneFacts {
             width: scene.radiance.width(),
             height: scene.radiance.height(),
             camera: files.intrinsics,
+            summary: summarize(&scene, &files),
         })
     })())
 }
 
 /// The camera needs the image size, which requires decoding.
 fn camera_of(given: &GivenCamera, rgb: &[u8]) -> Result<Option<Intrinsics>, Refusal> {
-    let picture = decode_radiance(rgb).map_err(|error| Refusal::new("rgb", format!("rgb: {error}")))?;
+    let picture = decode_radiance(rgb).map_err(|error| Refusal::new("rgb", format!("`rgb`: {error}")))?;
     let (width, height) = match picture {
         Radiance::Encoded(raster) => (raster.width(), raster.height()),
         Radiance::Linear(picture) => picture.size(),

@@ -36,7 +36,10 @@ fn parameters(context: &FrameContext<'_>) -> Value {
     let mut parameters = context.frame.parameters.clone();
     if !matches!(context.frame.scene, spec::Scene::Procedural { .. }) {
         let (width, height) = context.setting.size;
-        let actual = json!(Camera::from_focal(width, height, context.prepared.focal_px));
+        let actual = json!(match context.prepared.hfov_deg {
+            Some(hfov_deg) => Camera::pinhole(width, height, hfov_deg),
+            None => Camera::from_focal(width, height, context.prepared.focal_px),
+        });
         for (name, value) in actual.as_object().into_iter().flatten() {
             parameters["camera"][name] = value.clone();
         }

@@ -1,10 +1,10 @@
 //! Scenes from files: a picture with an optional range or z-depth map, camera and instance mask.
 //!
-//! PNG, JPEG and WebP pictures are sRGB-encoded; the floats of NPY and EXR are linear radiance. Orientation tags are
-//! ignored, since maps match the stored pixels. There are no guesses: a map of integer codes needs the length of its
-//! unit and the code for "no value".
+//! Pictures of integer codes are sRGB-encoded; floats are linear radiance. Orientation tags turn the picture as viewers
+//! show it. A map of the shown size is taken as it is; one of the stored size is turned like its picture. There are no
+//! guesses: a map of integer codes needs the length of its unit and the code for "no value".
 
-use imaging::codec::{self, FilePlane, Radiance};
+use imaging::codec::{self, FilePlane, Orientation, Radiance};
 use imaging::geometry::{Intrinsics, range_from_z_depth};
 use imaging::transfer::{Transfer, decode_raster};
 use imaging::{Plane, Rgb};
@@ -27,13 +27,16 @@ pub fn decode<T: AsRef<[u8]>>(upload: &SceneFiles<T>) -> Result<Scene, SceneErro
     if let Some(camera) = &upload.intrinsics {
         check_camera(camera)?;
     }
-    let radiance = decode_radiance(upload.rgb.as_ref())?;
-    let size = radiance.size();
+    let radiance = decode_radiance(upload.rgb.as_ref(), upload.scale)?;
+    let picture = PictureSize {
+        shown: radiance.size(),
+        orientation: Orientation::read(upload.rgb.as_ref()),
+    };
     let intrinsics = upload.intrinsics;
     let range = upload.range.as_ref();
-    let range = range.map(|file| decode_range(file, intrinsics, size));
+    let range = range.map(|file| decode_range(file, intrinsics, &picture));
     let instances = upload.instances.as_ref();
-    let instances = instances.map(|file| decode_instances(file.as_ref(), size));
+    let instances = instances.map(|file| decode_instances(file.as_ref(), &picture));
     Ok(Scene {
         radiance,
         range: range.transpose()?,
@@ -103,11 +106,40 @@ fn number(field: &'static str, value: f64, limit: &'static str) -> SceneError {
     SceneError::Number { field, value, limit }
 }
 
-fn decode_radiance(bytes: &[u8]) -> Result<Rgb<f32>, SceneError> {
+/// Size of a picture, and how its stored pixels were turned.
+struct PictureSize {
+    shown: (usize, usize),
+    orientation: Orientation,
+}
+
+impl PictureSize {
+    /// Turns a map of the stored size like the picture; a map of the shown size stays.
+    fn orient<T: Copy>(&self, field: &'static str, map: Plane<T>) -> Result<Plane<T>, SceneError> {
+        let (size, image) = (map.size(), self.shown);
+        if size == image {
+            return Ok(map);
+        }
+        if self.orientation.shown_sides(size) == image {
+            return Ok(self.orientation.turn_plane(map));
+        }
+        Err(SceneError::Size { field, size, image })
+    }
+}
+
+fn decode_radiance(bytes: &[u8], scale: Option<f64>) -> Result<Rgb<f32>, SceneError> {
+    if let Some(scale) = scale
+        && !(scale.is_finite() && scale > 0.0)
+    {
+        return Err(number("scale", scale, "finite and above 0"));
+    }
     let file = codec::decode_radiance(bytes).map_err(|reason| SceneError::File { field: "rgb", reason })?;
-    let radiance = match file {
-        Radiance::Encoded(raster) => return Ok(decode_raster(&raster, Transfer::Srgb)),
-        Radiance::Linear(radiance) => radiance,
+    let radiance = match (file, scale) {
+        (Radiance::Encoded(_), Some(scale)) => {
+            return Err(number("scale", scale, "absent for pictures of integer codes"));
+        }
+        (Radiance::Encoded(raster), None) => return Ok(decode_raster(&raster, Transfer::Srgb)),
+        (Radiance::Linear(radiance), None) => radiance,
+        (Radiance::Linear(radiance), Some(scale)) => radiance.map(|&value| (f64::from(value) * scale) as f32),
     };
     let [r, g, b] = radiance.planes().each_ref().map(Plane::data);
     let invalid = (0..r.len()).find_map(|i| {
@@ -129,7 +161,7 @@ fn decode_radiance(bytes: &[u8]) -> Result<Rgb<f32>, SceneError> {
 fn decode_range<T: AsRef<[u8]>>(
     file: &RangeFile<T>,
     camera: Option<Intrinsics>,
-    image: (usize, usize),
+    picture: &PictureSize,
 ) -> Result<Plane<f32>, SceneError> {
     let field = file.kind.name();
     if let Some(unit) = file.unit_m
@@ -139,35 +171,47 @@ fn decode_range<T: AsRef<[u8]>>(
     }
     if file.kind == RangeKind::ZDepth && camera.is_none() {
         return Err(SceneError::Missing {
-            field: "intrinsics",
-            reason: "z-depth becomes range along the ray by the focal length and the principal point",
+            field: "focal_px",
+            reason: "z-depth becomes range along the ray by the camera: give `focal_px` or `hfov_deg`",
         });
     }
     let plane =
         codec::decode_plane(file.file.as_ref()).map_err(|reason| SceneError::File { field, reason })?;
     let meters = match plane {
         FilePlane::Floats(values) => {
-            check_size(field, values.size(), image)?;
             let (unit, invalid) = (file.unit_m.unwrap_or(1.0), file.invalid_code.map(f32::from));
             values.map(|&value| meters_or_hole(f64::from(value), unit, Some(value) == invalid))
         }
         FilePlane::Codes(codes) => {
-            check_size(field, codes.size(), image)?;
-            let unit = file.unit_m.ok_or(SceneError::Missing {
-                field: "unit_m",
-                reason: "integer codes do not define a length",
-            })?;
-            let invalid = file.invalid_code.ok_or(SceneError::Missing {
-                field: "invalid_code",
-                reason: "one of the integer codes marks pixels without a distance",
-            })?;
+            let (unit, invalid) = read_code_unit(file)?;
             codes.map(|&code| meters_or_hole(f64::from(code), unit, code == invalid))
         }
+        FilePlane::Wide(values) => {
+            let (unit, invalid) = read_code_unit(file)?;
+            values.map(|&value| {
+                let is_hole = value < 0 || value == i32::from(invalid);
+                meters_or_hole(f64::from(value), unit, is_hole)
+            })
+        }
     };
+    let meters = picture.orient(field, meters)?;
     Ok(match (file.kind, camera) {
         (RangeKind::ZDepth, Some(camera)) => range_from_z_depth(&meters, &camera),
         _ => meters,
     })
+}
+
+/// Unit and code for "no value" of a map of integers.
+fn read_code_unit<T>(file: &RangeFile<T>) -> Result<(f64, u16), SceneError> {
+    let unit = file.unit_m.ok_or(SceneError::Missing {
+        field: "unit_m",
+        reason: "integer codes do not define a length",
+    })?;
+    let invalid = file.invalid_code.ok_or(SceneError::Missing {
+        field: "invalid_code",
+        reason: "one of the integer codes marks pixels without a distance",
+    })?;
+    Ok((unit, invalid))
 }
 
 fn meters_or_hole(value: f64, unit_m: f64, hole: bool) -> f32 {
@@ -176,27 +220,8 @@ fn meters_or_hole(value: f64, unit_m: f64, hole: bool) -> f32 {
     if hole { f32::NAN } else { meters }
 }
 
-fn decode_instances(bytes: &[u8], image: (usize, usize)) -> Result<Plane<u16>, SceneError> {
+fn decode_instances(bytes: &[u8], picture: &PictureSize) -> Result<Plane<u16>, SceneError> {
     let field = "instances";
-    let plane = codec::decode_plane(bytes).map_err(|reason| SceneError::File { field, reason })?;
-    match plane {
-        FilePlane::Codes(codes) => {
-            check_size(field, codes.size(), image)?;
-            Ok(codes)
-        }
-        FilePlane::Floats(_) => Err(SceneError::File {
-            field,
-            reason: codec::DecodeError::Unsuitable {
-                found: "floats".into(),
-                wanted: "integer codes of 8 or 16 bits",
-            },
-        }),
-    }
-}
-
-fn check_size(field: &'static str, size: (usize, usize), image: (usize, usize)) -> Result<(), SceneError> {
-    if size == image {
-        return Ok(());
-    }
-    Err(SceneError::Size { field, size, image })
+    let mask = codec::decode_mask(bytes).map_err(|reason| SceneError::File { field, reason })?;
+    picture.orient(field, mask)
 }

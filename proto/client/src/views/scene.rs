@@ -40,9 +40,45 @@ pub struct SceneView {
     pub cx: Option<f64>,
     /// Row of the principal point in pixels.
     pub cy: Option<f64>,
+    /// Horizontal field of view in degrees, if it was given instead of the focal length.
+    #[serde(default)]
+    pub hfov_deg: Option<f64>,
+    /// Factor from the floats of the picture to linear light.
+    #[serde(default)]
+    pub scale: Option<f64>,
+    /// What the files contain; only in the response to an upload.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub summary: Option<SceneSummary>,
     /// When it was uploaded, RFC 3339 in UTC.
     #[schema(format = DateTime)]
     pub created_at: String,
+}
+
+/// The content of uploaded files.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct SceneSummary {
+    /// Share of pixels with a distance; null without a range.
+    pub valid_share: Option<f64>,
+    /// Nearest distance along the line of sight, m.
+    pub nearest_m: Option<f64>,
+    /// Farthest distance, m.
+    pub farthest_m: Option<f64>,
+    /// Pixels of each class in the mask, the most first; objects without a class are `unlabeled`.
+    pub classes: Vec<ClassPixels>,
+    /// Objects in the mask; null without one.
+    pub objects: Option<usize>,
+    /// How a file was read where that is not obvious, such as an orientation tag.
+    pub notes: Vec<String>,
+}
+
+/// Pixels of a class.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+pub struct ClassPixels {
+    /// Its name.
+    #[schema(example = "pile")]
+    pub name: String,
+    /// Pixels of all its objects.
+    pub pixels: u64,
 }
 
 /// A collection of uploaded scenes.

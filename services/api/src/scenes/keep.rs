@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use axum::body::Bytes;
 use catalogue::{SceneRow, UnixMs};
+use client::SceneSummary;
 use spec::SceneFiles;
 use store::Blob;
 
@@ -16,17 +17,24 @@ use crate::http::problem::Problem;
 use crate::processes::compute::to_the_end;
 use crate::processes::decoding::Files;
 
-/// Memory per pixel while decoding a scene: 16-bit codes with alpha, linear light, range and instances.
-const PIXEL_BYTES: usize = 40;
+/// Memory per pixel while decoding a scene: floats of three channels as read, split and scaled, range and instances.
+const PIXEL_BYTES: usize = 64;
+
+/// A scene of an upload.
+pub(super) struct KeptScene {
+    pub(super) row: SceneRow,
+    pub(super) summary: SceneSummary,
+    /// Whether no scene of the same content existed.
+    pub(super) is_new: bool,
+}
 
 impl Scenes {
-    /// Stores a scene, unless one with the same content exists; returns its row and whether it is new. Completes even
-    /// if the client disconnects.
-    pub(super) async fn keep(self: &Arc<Self>, form: SceneForm) -> Result<(SceneRow, bool), Problem> {
+    /// Stores a scene, unless one with the same content exists. Completes even if the client disconnects.
+    pub(super) async fn keep(self: &Arc<Self>, form: SceneForm) -> Result<KeptScene, Problem> {
         self.bytes.space.room().await?;
         let created_at = self.clock.wall();
         let (collection, name) = (form.collection.clone(), form.name.clone());
-        let (row, blobs) = self.checked(form, created_at).await?;
+        let (row, summary, blobs) = self.checked(form, created_at).await?;
         let scenes = Arc::clone(self);
         to_the_end(async move {
             let _turn = scenes.bytes.naming.beside_others().await;
@@ -37,7 +45,7 @@ impl Scenes {
                     .collect(&collection, name.as_deref().unwrap_or(&row.id), &row.id)
                     .await?;
             }
-            Ok((row, is_new))
+            Ok(KeptScene { row, summary, is_new })
         })
         .await
     }
@@ -71,7 +79,11 @@ impl Scenes {
 
 impl Scenes {
     /// Decodes all files once, so that workers only receive readable scenes.
-    async fn checked(&self, form: SceneForm, created_at: UnixMs) -> Result<(SceneRow, Vec<Blob>), Problem> {
+    async fn checked(
+        &self,
+        form: SceneForm,
+        created_at: UnixMs,
+    ) -> Result<(SceneRow, SceneSummary, Vec<Blob>), Problem> {
         let camera = form.camera();
         let mut files = form.files();
         let request = Request::Scene(SceneRequest {
@@ -92,6 +104,7 @@ impl Scenes {
             width,
             height,
             camera,
+            summary,
         } = decoded.reply;
         files.intrinsics = camera;
         let (files, blobs) = self.processes.compute.run(move || hashed(&files)).await?;
@@ -103,7 +116,7 @@ impl Scenes {
             height: side(height),
             created_at,
         };
-        Ok((row, blobs))
+        Ok((row, summary, blobs))
     }
 }
 
@@ -147,6 +160,12 @@ fn content_digest(files: &SceneFiles<String>) -> String {
         content.extend(files.classes.iter().map(|classes| serde_json::json!(classes)));
         let pose = files.world_from_camera.iter();
         content.extend(pose.map(|pose| serde_json::json!({"world_from_camera": pose})));
+        content.extend(
+            files
+                .hfov_deg
+                .map(|hfov_deg| serde_json::json!({"hfov_deg": hfov_deg})),
+        );
+        content.extend(files.scale.map(|scale| serde_json::json!({"scale": scale})));
     }
     spec::sha256(format!("fathom-scene-v1{content}"))
 }

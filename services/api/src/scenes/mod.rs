@@ -2,6 +2,7 @@
 
 mod keep;
 pub(crate) mod routes;
+pub(crate) mod summary;
 mod upload;
 pub(crate) mod view;
 

@@ -8,7 +8,7 @@ use crate::decode::GivenCamera;
 use crate::http::form::{Form, Kind};
 use crate::http::problem::Problem;
 
-const FIELDS: [(&str, Kind); 15] = [
+const FIELDS: [(&str, Kind); 16] = [
     ("rgb", Kind::File),
     ("range", Kind::File),
     ("z_depth", Kind::File),
@@ -22,6 +22,7 @@ const FIELDS: [(&str, Kind); 15] = [
     ("cx", Kind::Text),
     ("cy", Kind::Text),
     ("hfov_deg", Kind::Text),
+    ("scale", Kind::Text),
     ("collection", Kind::Text),
     ("name", Kind::Text),
 ];
@@ -43,6 +44,7 @@ pub(super) struct SceneForm {
     cx: Option<f64>,
     cy: Option<f64>,
     hfov_deg: Option<f64>,
+    scale: Option<f64>,
     /// The collection to add it to.
     pub(super) collection: Option<String>,
     /// Its name in the collection.
@@ -82,6 +84,7 @@ impl SceneForm {
             hfov_deg: form.parsed("hfov_deg", "a number above 0 and below 180", |degrees: &f64| {
                 *degrees > 0.0 && *degrees < 180.0
             }),
+            scale: form.parsed("scale", "a number above 0", is_positive),
             collection,
             name,
         };
@@ -134,6 +137,7 @@ impl SceneForm {
         let range = self.range.map(|file| (file, RangeKind::Range));
         let z_depth = self.z_depth.map(|file| (file, RangeKind::ZDepth));
         let (unit_m, invalid_code) = (self.unit_m, self.invalid_code);
+        let (hfov_deg, scale) = (self.hfov_deg, self.scale);
         SceneFiles {
             rgb: self.rgb,
             range: range.or(z_depth).map(|(file, kind)| RangeFile {
@@ -146,6 +150,8 @@ impl SceneForm {
             intrinsics: None,
             classes: self.classes,
             world_from_camera: self.pose,
+            hfov_deg,
+            scale,
         }
     }
 }

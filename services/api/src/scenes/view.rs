@@ -1,11 +1,11 @@
 //! A scene as shown to clients.
 
 use catalogue::SceneRow;
-use client::SceneView;
+use client::{SceneSummary, SceneView};
 use spec::SceneFiles;
 
-/// The view of a stored scene.
-pub(super) fn view(row: SceneRow) -> SceneView {
+/// The view of a stored scene; `summary` only after an upload.
+pub(super) fn view(row: SceneRow, summary: Option<SceneSummary>) -> SceneView {
     let SceneFiles {
         rgb,
         range,
@@ -13,6 +13,8 @@ pub(super) fn view(row: SceneRow) -> SceneView {
         intrinsics,
         classes,
         world_from_camera,
+        hfov_deg,
+        scale,
     } = row.files;
     SceneView {
         id: row.id,
@@ -29,6 +31,9 @@ pub(super) fn view(row: SceneRow) -> SceneView {
         focal_px: intrinsics.map(|camera| camera.focal_px),
         cx: intrinsics.map(|camera| camera.cx),
         cy: intrinsics.map(|camera| camera.cy),
+        hfov_deg,
+        scale,
+        summary,
         created_at: row.created_at.to_string(),
     }
 }

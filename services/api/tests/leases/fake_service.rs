@@ -99,6 +99,8 @@ impl FakeService {
             intrinsics: None,
             classes: None,
             world_from_camera: None,
+            hfov_deg: None,
+            scale: None,
         });
         state.blobs.extend([(digest(&rgb), rgb), (digest(&range), range)]);
     }

@@ -119,6 +119,8 @@ fn expected(job: &Job) -> BTreeMap<u64, String> {
         intrinsics: None,
         classes: None,
         world_from_camera: None,
+        hfov_deg: None,
+        scale: None,
         instances: None,
     }));
     let engine = Arc::new(Engine::new(library(), Some(Path::new(NO_RUNTIME))));

@@ -30,7 +30,7 @@ pub(crate) use digested_job_columns;
 macro_rules! scene_columns {
     () => {
         "id, content_digest, rgb_digest, range_digest, range_kind, unit_m, invalid_code, instances_digest, width, height,
-         focal_px, cx, cy, created_ms, classes, world_from_camera"
+         focal_px, cx, cy, created_ms, classes, world_from_camera, hfov_deg, scale"
     };
 }
 pub(crate) use scene_columns;

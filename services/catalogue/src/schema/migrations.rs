@@ -4,7 +4,7 @@ use sqlx::SqlSafeStr;
 use sqlx::migrate::{Migration, MigrationType, Migrator};
 
 /// The files of `migrations/`, in order: description and text. A file's version is its place, from 1.
-const FILES: [(&str, &str); 15] = [
+const FILES: [(&str, &str); 16] = [
     (
         "catalogue",
         include_str!("../../../../migrations/0001_catalogue.sql"),
@@ -41,6 +41,10 @@ const FILES: [(&str, &str); 15] = [
     ("digests", include_str!("../../../../migrations/0013_digests.sql")),
     ("folder", include_str!("../../../../migrations/0014_folder.sql")),
     ("mirror", include_str!("../../../../migrations/0015_mirror.sql")),
+    (
+        "scene numbers",
+        include_str!("../../../../migrations/0016_scene_numbers.sql"),
+    ),
 ];
 
 /// The migrator that brings any older catalogue up to date.

@@ -122,7 +122,7 @@ async fn insert(
     let stored = sqlx::query(concat!(
         "INSERT INTO scenes (",
         scene_columns!(),
-        ") VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?) ON CONFLICT (content_digest) DO NOTHING RETURNING ",
+        ") VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?) ON CONFLICT (content_digest) DO NOTHING RETURNING ",
         scene_columns!(),
     ))
     .bind(&scene.id)
@@ -141,6 +141,8 @@ async fn insert(
     .bind(scene.created_at.0 as i64)
     .bind(files.classes.as_ref().map(serde_json::to_string).transpose()?)
     .bind(files.world_from_camera.as_ref().map(serde_json::to_string).transpose()?)
+    .bind(files.hfov_deg)
+    .bind(files.scale)
     .fetch_optional(&mut *connection)
     .await?;
     if let Some(stored) = stored {
@@ -210,6 +212,7 @@ fn row(row: &SqliteRow) -> Result<SceneRow, sqlx::Error> {
     let created_at = cells.time()?;
     let classes = cells.json()?;
     let world_from_camera = cells.json()?;
+    let (hfov_deg, scale) = (cells.take()?, cells.take()?);
     Ok(SceneRow {
         id,
         content_digest,
@@ -225,6 +228,8 @@ fn row(row: &SqliteRow) -> Result<SceneRow, sqlx::Error> {
             intrinsics,
             classes,
             world_from_camera,
+            hfov_deg,
+            scale,
         },
         width,
         height,

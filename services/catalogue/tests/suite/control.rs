@@ -199,6 +199,8 @@ async fn a_change_returns_its_row_without_a_read() {
                 [0.0, -1.0, 0.0, 0.0],
                 [0.0, 0.0, 0.0, 1.0],
             ]),
+            hfov_deg: Some(60.0),
+            scale: Some(0.5),
         },
         width: 4,
         height: 3,

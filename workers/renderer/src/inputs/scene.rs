@@ -25,6 +25,8 @@ pub(crate) struct Prepared {
     pub(crate) scene: scenes::Scene,
     /// Focal length of the scene's camera if it has one, otherwise of the frame's camera, px.
     pub(crate) focal_px: f64,
+    /// Horizontal field of view as it was given, degrees; `None` if the focal length was given.
+    pub(crate) hfov_deg: Option<f64>,
     /// Samples of negative radiance that were set to 0.
     pub(crate) negative_radiance: u64,
     /// Pixels without a valid range; 0 without range.
@@ -185,6 +187,10 @@ fn from_files(frame: &Frame, files: &SceneBytes) -> Result<Prepared, RenderError
     let pose = files.world_from_camera.as_ref().map(CameraPose::from_matrix);
     let prepared = Prepared {
         pose: pose.transpose().map_err(SceneError::Pose)?,
+        hfov_deg: match files.intrinsics {
+            Some(_) => files.hfov_deg,
+            None => Some(frame.camera.hfov_deg),
+        },
         ..decoded(frame, files)?
     };
     let mask = prepared.scene.instances.as_ref().filter(|_| needs_labels(frame));
@@ -247,6 +253,7 @@ fn checked(
     Ok(Prepared {
         scene,
         focal_px,
+        hfov_deg: None,
         negative_radiance,
         holes: holes as u64,
         pose: None,

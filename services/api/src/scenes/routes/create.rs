@@ -13,16 +13,17 @@ use crate::scenes::view::view;
 #[derive(ToSchema)]
 #[expect(dead_code, reason = "describes the body; `SceneForm` reads it")]
 pub(crate) struct SceneUpload {
-    /// The image: PNG, JPEG, WebP; for linear radiance NPY `[h, w, 3]`, or EXR with channels R, G and B.
+    /// The image: PNG, JPEG, WebP, BMP, TIFF, or NPY `[h, w, 3]`. Integers are sRGB codes; floats, as of EXR, are linear
+    /// light. The orientation tag is applied.
     #[schema(value_type = String, format = Binary)]
     rgb: Vec<u8>,
-    /// Distances along the line of sight: 8- or 16-bit PNG, NPY, or EXR with a channel Z.
+    /// Distances along the line of sight: gray PNG, BMP or TIFF, NPY `[h, w]`, or EXR with one channel or Z.
     #[schema(value_type = Option<String>, format = Binary)]
     range: Option<Vec<u8>>,
     /// Distances along the optical axis, as from depth cameras; requires the camera.
     #[schema(value_type = Option<String>, format = Binary)]
     z_depth: Option<Vec<u8>>,
-    /// Meters per unit of the file. Required for integer files.
+    /// Meters per unit of the file. Required for integer files, and for floats with a median above 100.
     unit_m: Option<f64>,
     /// The code of a missing return. Required for integer files.
     invalid_code: Option<u16>,
@@ -34,7 +35,9 @@ pub(crate) struct SceneUpload {
     cy: Option<f64>,
     /// Horizontal field of view, instead of the focal length.
     hfov_deg: Option<f64>,
-    /// Instance of each pixel, 0 = background: 8- or 16-bit PNG.
+    /// Factor from the floats of the image to linear light, where 1 is white. Required for floats above 10.
+    scale: Option<f64>,
+    /// Instance of each pixel, 0 = background: whole numbers of 0 to 65535 in a gray or palette picture or an array.
     #[schema(value_type = Option<String>, format = Binary)]
     instances: Option<Vec<u8>>,
     /// Classes of the instances as JSON: `{"1": "pile", "2": "chain"}` or, with your ids, `categories` and
@@ -63,7 +66,8 @@ pub(crate) async fn create(
     State(scenes): Topic<Scenes>,
     MultipartBody(body): MultipartBody,
 ) -> Result<Located<SceneView>, Problem> {
-    let (row, new) = scenes.keep(SceneForm::read(body).await?).await?;
-    let location = format!("/v1/scenes/{}", row.id);
-    Ok(located(created(new), location, view(row)))
+    let kept = scenes.keep(SceneForm::read(body).await?).await?;
+    let location = format!("/v1/scenes/{}", kept.row.id);
+    let view = view(kept.row, Some(kept.summary));
+    Ok(located(created(kept.is_new), location, view))
 }

@@ -14,7 +14,8 @@ pub(crate) async fn get(
     State(catalogue): Topic<Catalogue>,
     Path(id): Path<String>,
 ) -> Result<Json<SceneView>, Problem> {
-    Ok(Json(view(found(catalogue.scene(&id).await?, "scene", &id)?)))
+    let row = found(catalogue.scene(&id).await?, "scene", &id)?;
+    Ok(Json(view(row, None)))
 }
 
 /// Delete an uploaded scene that no job uses.

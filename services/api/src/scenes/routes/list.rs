@@ -15,7 +15,7 @@ pub(crate) async fn list(
     let limit = bounds::check_rows(query.limit)?;
     let page = catalogue.scenes(limit, query.cursor).await?;
     Ok(Json(Page {
-        items: page.items.into_iter().map(view).collect(),
+        items: page.items.into_iter().map(|row| view(row, None)).collect(),
         next_cursor: page.next_cursor,
     }))
 }

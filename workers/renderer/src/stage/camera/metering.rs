@@ -76,6 +76,7 @@ pub(crate) fn thin_scene(prepared: &Prepared) -> Prepared {
             intrinsics: Some(thin),
         },
         focal_px: thin.focal_px,
+        hfov_deg: None,
         negative_radiance: 0,
         holes: 0,
         pose: prepared.pose,
