@@ -4,6 +4,7 @@
 //! per line) and `errors.jsonl`. A frame's folder appears atomically. Rendering the same job into the folder again resumes after the
 //! last line; a different job is refused.
 
+mod differences;
 mod folder;
 mod lines;
 

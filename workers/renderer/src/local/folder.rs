@@ -1,11 +1,12 @@
 //! The folder of a job: its description and its frames.
 
-use std::fs;
-use std::io;
+use std::fs::{self, TryLockError};
+use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
 use spec::Job;
 
+use super::differences::describe_differences;
 use crate::file::{File, extension};
 
 /// Why a folder cannot be rendered into.
@@ -26,14 +27,18 @@ pub enum LocalError {
         path: String,
     },
     /// The folder holds another job.
-    #[error("{path} holds another job (digest {found}, not {wanted}); name an empty or a new folder")]
+    #[error("{path} holds another job: {differences}; name an empty or a new folder")]
     OtherJob {
         /// The folder.
         path: String,
-        /// Digest of the job in it.
-        found: String,
-        /// Digest of the job to render.
-        wanted: String,
+        /// The fields that differ.
+        differences: String,
+    },
+    /// Another process renders into the folder.
+    #[error("another process renders into {path}; wait for it, or name another folder")]
+    Taken {
+        /// The folder.
+        path: String,
     },
     /// A line of an earlier run cannot be read.
     #[error("{path}, line {line}: {reason}")]
@@ -47,40 +52,42 @@ pub enum LocalError {
     },
 }
 
-/// The folder of one job.
+/// The folder of one job, locked against other processes until it is dropped.
 pub(crate) struct Folder {
     path: PathBuf,
+    /// The open description, whose lock ends with the process.
+    _description: fs::File,
 }
 
 impl Folder {
     /// Opens a new or empty folder, or one that already holds this job.
     pub(crate) fn open(path: &Path, job: &Job) -> Result<Self, LocalError> {
-        let folder = Self {
-            path: path.to_owned(),
-        };
         fs::create_dir_all(path).map_err(|source| io_error(path, source))?;
         let card = path.join("job.json");
-        match fs::read_to_string(&card) {
-            Ok(found) if found == job.canonical() => {}
-            Ok(found) => {
-                return Err(LocalError::OtherJob {
-                    path: path.display().to_string(),
-                    found: spec::sha256(found.as_bytes()),
-                    wanted: job.digest(),
-                });
-            }
-            Err(error) if error.kind() == io::ErrorKind::NotFound => {
-                let mut entries = fs::read_dir(path).map_err(|source| io_error(path, source))?;
-                if entries.next().is_some() {
-                    return Err(LocalError::NotEmpty {
-                        path: path.display().to_string(),
-                    });
-                }
-                fs::write(&card, job.canonical()).map_err(|source| io_error(&card, source))?;
-            }
-            Err(source) => return Err(io_error(&card, source)),
+        if !card.exists() && holds_other_files(path, &card)? {
+            return Err(LocalError::NotEmpty {
+                path: path.display().to_string(),
+            });
         }
-        Ok(folder)
+        let mut description = lock(path, &card)?;
+        let mut found = String::new();
+        description
+            .read_to_string(&mut found)
+            .map_err(|source| io_error(&card, source))?;
+        if found.is_empty() {
+            description
+                .write_all(job.canonical().as_bytes())
+                .map_err(|source| io_error(&card, source))?;
+        } else if found != job.canonical() {
+            return Err(LocalError::OtherJob {
+                path: path.display().to_string(),
+                differences: describe_differences(&found, job.canonical()),
+            });
+        }
+        Ok(Self {
+            path: path.to_owned(),
+            _description: description,
+        })
     }
 
     /// A file in the folder of the frames.
@@ -105,6 +112,31 @@ impl Folder {
             fs::write(&path, &file.bytes).map_err(|source| io_error(&path, source))?;
         }
         fs::rename(&draft, &place).map_err(|source| io_error(&place, source))
+    }
+}
+
+/// Whether a folder holds anything but the description, which another process may create meanwhile.
+fn holds_other_files(folder: &Path, card: &Path) -> Result<bool, LocalError> {
+    let entries = fs::read_dir(folder).map_err(|source| io_error(folder, source))?;
+    let mut paths = entries.filter_map(|entry| Some(entry.ok()?.path()));
+    Ok(paths.any(|path| path != card))
+}
+
+/// Opens the description of a folder with an exclusive lock.
+fn lock(folder: &Path, card: &Path) -> Result<fs::File, LocalError> {
+    let opened = fs::File::options()
+        .create(true)
+        .truncate(false)
+        .read(true)
+        .write(true)
+        .open(card);
+    let file = opened.map_err(|source| io_error(card, source))?;
+    match file.try_lock() {
+        Ok(()) => Ok(file),
+        Err(TryLockError::WouldBlock) => Err(LocalError::Taken {
+            path: folder.display().to_string(),
+        }),
+        Err(TryLockError::Error(source)) => Err(io_error(card, source)),
     }
 }
 

@@ -90,7 +90,27 @@ fn a_folder_with_something_else_in_it_is_refused() {
     fs::remove_file(out.path().join("notes.txt")).unwrap();
     run(&job(&files), out.path(), 1);
     let other = files.job(&json!({"artifacts": ["rgb"]}));
-    assert!(matches!(render(&other), Err(LocalError::OtherJob { .. })));
+    let Err(LocalError::OtherJob { differences, .. }) = render(&other) else {
+        panic!("another job");
+    };
+    assert!(
+        differences.contains("`count` is 7 there and 1 here"),
+        "{differences}"
+    );
+}
+
+#[test]
+fn a_folder_in_which_another_process_renders_is_taken_and_free_afterwards() {
+    let (files, out) = (Files::new(), tempdir().unwrap());
+    let job = job(&files);
+    let first = run(&job, out.path(), 1);
+    let other = fs::File::open(out.path().join("job.json")).unwrap();
+    other.lock().unwrap();
+    let taken = render_job(&job, &engine_without_runtime(), out.path(), 1, |_| {});
+    assert!(matches!(taken, Err(LocalError::Taken { .. })), "{taken:?}");
+    drop(other);
+    assert_eq!(run(&job, out.path(), 1).digest, first.digest);
+    assert_eq!(records(out.path()).len() as u64, FRAMES);
 }
 
 #[test]
