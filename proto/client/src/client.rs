@@ -88,12 +88,12 @@ impl Client {
         let stream = self
             .0
             .stream(path)
-            .map_err(|error| ClientError::new(self.base(), error))?;
+            .map_err(|error| ClientError::new(&self.0, error))?;
         BufReader::new(stream)
             .lines()
             .map(|line| {
                 let broken = |error: std::io::Error| HttpError::Unreachable(error.into());
-                let line = line.map_err(|error| ClientError::new(self.base(), broken(error)))?;
+                let line = line.map_err(|error| ClientError::new(&self.0, broken(error)))?;
                 read(path, line.as_bytes())
             })
             .collect()
@@ -156,7 +156,7 @@ impl Client {
     }
 
     fn received(&self, response: Result<Reply, HttpError>) -> Result<Reply, ClientError> {
-        response.map_err(|error| ClientError::new(self.base(), error))
+        response.map_err(|error| ClientError::new(&self.0, error))
     }
 }
 

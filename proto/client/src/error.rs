@@ -1,15 +1,17 @@
 //! Failed requests.
 
-use crate::http::{HttpError, Problem};
+use crate::http::{Http, HttpError, Problem};
 
 /// Why a request failed.
 #[derive(Debug, thiserror::Error)]
 pub enum ClientError {
     /// No response, or one that broke off.
-    #[error("no service responds at {base}: {source}; start one with `fathom serve`")]
+    #[error("no service responds at {base}{}: {source}; {}", describe_proxy(proxy.as_deref()), suggest_remedy(proxy.as_deref()))]
     Unreachable {
         /// URL of the service.
         base: String,
+        /// Host and port of the proxy that was used.
+        proxy: Option<String>,
         /// The error of the connection.
         source: ureq::Error,
     },
@@ -26,11 +28,25 @@ pub enum ClientError {
     },
 }
 
+fn describe_proxy(proxy: Option<&str>) -> String {
+    proxy.map_or(String::new(), |proxy| {
+        format!(" through the proxy {proxy} of the environment")
+    })
+}
+
+fn suggest_remedy(proxy: Option<&str>) -> &'static str {
+    match proxy {
+        Some(_) => "add its host to `no_proxy` to connect directly",
+        None => "start one with `fathom serve`",
+    }
+}
+
 impl ClientError {
-    pub(crate) fn new(base: &str, error: HttpError) -> Self {
+    pub(crate) fn new(http: &Http, error: HttpError) -> Self {
         match error {
             HttpError::Unreachable(source) => Self::Unreachable {
-                base: base.to_owned(),
+                base: http.base().to_owned(),
+                proxy: http.proxy().map(str::to_owned),
                 source,
             },
             HttpError::Problem(problem) => Self::Refused(problem),

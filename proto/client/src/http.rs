@@ -7,6 +7,8 @@ use serde_json::Value;
 use ureq::http::{Response, StatusCode};
 use ureq::{Agent, AsSendBody, Body, RequestBuilder};
 
+use crate::proxy::choose_proxy;
+
 const CONNECT_LIMIT: Duration = Duration::from_secs(5);
 /// The largest body: an artifact of the largest picture, or a file of a scene.
 const MOST_BYTES: u64 = 1 << 30;
@@ -16,6 +18,8 @@ const MOST_BYTES: u64 = 1 << 30;
 pub struct Http {
     agent: Agent,
     base: String,
+    /// Host and port of the proxy, if the environment has one for the service.
+    proxy: Option<String>,
     authorization: Option<String>,
 }
 
@@ -92,17 +96,27 @@ impl Problem {
 }
 
 impl Http {
-    /// A client of the service at this URL; every request ends within `limit`.
+    /// A client of the service at this URL, `http` unless it has a scheme; every request ends within `limit`.
     #[must_use]
     pub fn new(base: &str, token: Option<&str>, limit: Duration) -> Self {
+        let base = match base.contains("://") {
+            true => base.to_owned(),
+            false => format!("http://{base}"),
+        };
+        let proxy = choose_proxy(&base);
+        let shown = proxy
+            .as_ref()
+            .map(|proxy| format!("{}:{}", proxy.host(), proxy.port()));
         let config = Agent::config_builder()
             .http_status_as_error(false)
+            .proxy(proxy)
             .timeout_connect(Some(CONNECT_LIMIT))
             .timeout_global(Some(limit))
             .build();
         Self {
             agent: config.into(),
             base: base.trim_end_matches('/').to_owned(),
+            proxy: shown,
             authorization: token.map(|token| format!("Bearer {token}")),
         }
     }
@@ -111,6 +125,12 @@ impl Http {
     #[must_use]
     pub fn base(&self) -> &str {
         &self.base
+    }
+
+    /// Host and port of the proxy that requests use.
+    #[must_use]
+    pub fn proxy(&self) -> Option<&str> {
+        self.proxy.as_deref()
     }
 
     /// GET.

@@ -5,6 +5,7 @@ mod client;
 mod error;
 mod http;
 mod images;
+mod proxy;
 mod query;
 mod views;
 
@@ -13,6 +14,7 @@ pub use client::{Client, Received};
 pub use error::ClientError;
 pub use http::{Http, HttpError, Problem, Reply};
 pub use images::{ImagePages, ImageQuery, ImageRow};
+pub use proxy::choose_proxy;
 pub use query::{encode, with_query};
 pub use views::*;
 

@@ -56,10 +56,13 @@ impl HttpService for Transport {
 fn send(agent: &Agent, request: Request<Bytes>) -> Result<HttpResponse, HttpError> {
     let has_body = matches!(*request.method(), Method::PUT | Method::POST);
     let (parts, body) = request.into_parts();
+    let proxy = client::choose_proxy(&parts.uri.to_string());
     let sent = if has_body {
-        agent.run(Request::from_parts(parts, &body[..]))
+        let request = Request::from_parts(parts, &body[..]);
+        agent.run(agent.configure_request(request).proxy(proxy).build())
     } else {
-        agent.run(Request::from_parts(parts, ()))
+        let request = Request::from_parts(parts, ());
+        agent.run(agent.configure_request(request).proxy(proxy).build())
     };
     let (parts, mut body) = sent.map_err(failure)?.into_parts();
     let bytes = body

@@ -1,0 +1,180 @@
+//! Choice of a proxy: none for loopback addresses and for those of `no_proxy`, otherwise that of the environment.
+
+use std::net::{IpAddr, Ipv4Addr, Ipv6Addr};
+
+use ureq::Proxy;
+
+/// The proxy for a URL by the environment variables `http_proxy`, `https_proxy`, `all_proxy` and `no_proxy`, in lower or
+/// upper case. `None` for loopback addresses, whatever the environment contains.
+#[must_use]
+pub fn choose_proxy(url: &str) -> Option<Proxy> {
+    let read = |name: &str| {
+        let variables = [name.to_owned(), name.to_ascii_uppercase()];
+        let values = variables
+            .iter()
+            .filter_map(|variable| std::env::var(variable).ok());
+        values.into_iter().find(|value| !value.trim().is_empty())
+    };
+    let address = find_proxy(url, read)?;
+    Proxy::new(&address).ok()
+}
+
+/// The proxy of an environment as text.
+fn find_proxy(url: &str, read: impl Fn(&str) -> Option<String>) -> Option<String> {
+    let target = Target::parse(url)?;
+    let is_excepted = target.is_loopback() || read("no_proxy").is_some_and(|list| target.is_listed(&list));
+    if is_excepted {
+        return None;
+    }
+    let own = match url.starts_with("https:") {
+        true => read("https_proxy"),
+        false => read("http_proxy"),
+    };
+    own.or_else(|| read("all_proxy"))
+}
+
+/// Host and port of a URL.
+struct Target {
+    host: String,
+    port: u16,
+}
+
+impl Target {
+    fn parse(url: &str) -> Option<Self> {
+        let (scheme, rest) = url.split_once("://")?;
+        let authority = rest.split(['/', '?', '#']).next()?;
+        let authority = authority.rsplit_once('@').map_or(authority, |(_, host)| host);
+        let usual = if scheme == "https" { 443 } else { 80 };
+        let (host, port) = split_port(authority);
+        Some(Self {
+            host: host.to_ascii_lowercase(),
+            port: port.unwrap_or(usual),
+        })
+    }
+
+    fn is_loopback(&self) -> bool {
+        match self.host.parse::<IpAddr>() {
+            Ok(IpAddr::V4(address)) => address.is_loopback() || address.is_unspecified(),
+            Ok(IpAddr::V6(address)) => {
+                let mapped = address.to_ipv4_mapped();
+                address.is_loopback()
+                    || address.is_unspecified()
+                    || mapped.is_some_and(|address| address.is_loopback())
+            }
+            Err(_) => self.host == "localhost" || self.host.ends_with(".localhost"),
+        }
+    }
+
+    /// Whether a list of names, addresses and networks, separated by commas or spaces, contains the host.
+    fn is_listed(&self, list: &str) -> bool {
+        let entries = list.split([',', ' ', ';']).map(str::trim);
+        let mut entries = entries.filter(|entry| !entry.is_empty());
+        entries.any(|entry| self.fits(&entry.to_ascii_lowercase()))
+    }
+
+    fn fits(&self, entry: &str) -> bool {
+        if entry == "*" {
+            return true;
+        }
+        let address = self.host.parse::<IpAddr>().ok();
+        if let (Some(address), Some((network, bits))) = (address, entry.split_once('/')) {
+            let network = network.trim_matches(['[', ']']).parse();
+            return network.is_ok_and(|network| is_in_network(address, network, bits));
+        }
+        let (name, port) = split_port(entry);
+        if port.is_some_and(|port| port != self.port) {
+            return false;
+        }
+        if let (Some(address), Ok(other)) = (address, name.parse::<IpAddr>()) {
+            return address == other;
+        }
+        let name = name.trim_start_matches('*').trim_start_matches('.');
+        let rest = self.host.strip_suffix(name);
+        !name.is_empty() && rest.is_some_and(|rest| rest.is_empty() || rest.ends_with('.'))
+    }
+}
+
+/// Splits `host:port`, in which an IPv6 address with a port has brackets.
+fn split_port(authority: &str) -> (&str, Option<u16>) {
+    if let Some((host, rest)) = authority.strip_prefix('[').and_then(|rest| rest.split_once(']')) {
+        return (host, rest.strip_prefix(':').and_then(|port| port.parse().ok()));
+    }
+    match authority.split_once(':') {
+        Some((host, port)) if !port.contains(':') => (host, port.parse().ok()),
+        _ => (authority, None),
+    }
+}
+
+fn is_in_network(address: IpAddr, network: IpAddr, bits: &str) -> bool {
+    let Ok(bits) = bits.parse::<u32>() else {
+        return false;
+    };
+    let has_prefix = |one: u128, other: u128, width: u32| {
+        bits <= width && (bits == 0 || (one ^ other) >> (width - bits) == 0)
+    };
+    let v4 = |address: Ipv4Addr| u128::from(u32::from(address));
+    match (address, network) {
+        (IpAddr::V4(address), IpAddr::V4(network)) => has_prefix(v4(address), v4(network), 32),
+        (IpAddr::V6(address), IpAddr::V6(network)) => {
+            let number = |address: Ipv6Addr| u128::from(address);
+            has_prefix(number(address), number(network), 128)
+        }
+        _ => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn proxy(url: &str, no_proxy: &str) -> Option<String> {
+        find_proxy(url, |name| match name {
+            "http_proxy" => Some("http://proxy:1".to_owned()),
+            "https_proxy" => Some("http://proxy:2".to_owned()),
+            "no_proxy" => Some(no_proxy.to_owned()),
+            _ => None,
+        })
+    }
+
+    #[test]
+    fn loopback_has_no_proxy_whatever_the_environment_contains() {
+        for url in [
+            "http://127.0.0.1:7311",
+            "http://127.9.9.9/v1",
+            "http://localhost:7311",
+            "http://a.localhost",
+            "http://[::1]:7311",
+            "http://[::ffff:127.0.0.1]",
+            "http://0.0.0.0:7311",
+            "http://user:word@localhost",
+        ] {
+            assert_eq!(proxy(url, ""), None, "{url}");
+        }
+        assert_eq!(proxy("http://lab:7311", "").as_deref(), Some("http://proxy:1"));
+        assert_eq!(proxy("https://lab", "").as_deref(), Some("http://proxy:2"));
+    }
+
+    #[test]
+    fn exceptions_are_names_addresses_and_networks() {
+        for (url, list, has_proxy) in [
+            ("http://10.1.2.3", "10.0.0.0/8", false),
+            ("http://11.1.2.3", "10.0.0.0/8", true),
+            ("http://10.1.2.3:80", "10.1.2.3", false),
+            ("http://10.1.2.3:81", "10.1.2.3:80", true),
+            ("http://[fd00::7]:80", "fd00::/8", false),
+            ("http://[fd00::7]", "fd00::7", false),
+            ("http://store.lab.example", "lab.example", false),
+            ("http://store.lab.example", ".lab.example", false),
+            ("http://store.lab.example", "*.lab.example", false),
+            ("http://mylab.example", "lab.example", true),
+            ("http://Lab.Example", "other, lab.example", false),
+            ("http://lab.example:8080", "lab.example:8080", false),
+            ("http://lab.example:8081", "lab.example:8080", true),
+            ("http://anything", "*", false),
+            ("http://10.1.2.3", "0.0.0.0/0", false),
+            ("http://10.1.2.3", "10.0.0.0/99", true),
+        ] {
+            assert_eq!(proxy(url, list).is_some(), has_proxy, "{url} {list}");
+        }
+    }
+}
