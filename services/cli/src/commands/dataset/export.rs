@@ -27,6 +27,7 @@ use spec::ArtifactKind;
 use crate::commands::service::cluster::hand_over;
 use format::Format;
 use formats::tables::WriteTable;
+use input::object_filter::ObjectFilter;
 use input::order::Order;
 use input::selection::Selection;
 use output::split::Splits;
@@ -54,6 +55,8 @@ pub struct Arguments {
     /// Frames of each file of the formats webdataset and parquet
     #[arg(long, default_value_t = 1000, value_name = "FRAMES", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     shard_size: u32,
+    #[command(flatten)]
+    objects: ObjectFilter,
     /// License for the card, such as cc-by-4.0; the card also lists the licenses of waters and styles
     #[arg(long, default_value = "other", value_name = "LICENSE")]
     license: String,
@@ -83,15 +86,17 @@ pub fn run(arguments: &Arguments, tables: Option<WriteTable>) -> Result<(), Fail
     if format.needs_tables() && tables.is_none() {
         return hand_over();
     }
+    arguments.objects.check(format)?;
     let client = arguments.server.client();
     let selection = Selection::read(&client, arguments)?;
     let split = arguments.split.as_ref();
-    let card = format.card(
+    let mut card = format.card(
         &arguments.dataset,
         split.map(Splits::to_string),
         &selection.kinds,
         arguments.shard_size as usize,
     );
+    arguments.objects.describe(&mut card);
     let target = Target::open(&arguments.out, &card)?;
     let columns = selection.column_names();
     let order = Order {

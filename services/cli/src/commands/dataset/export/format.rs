@@ -51,6 +51,11 @@ impl Format {
         }
     }
 
+    /// Whether it lists objects.
+    pub(crate) fn has_objects(self) -> bool {
+        matches!(self, Self::Coco | Self::Yolo)
+    }
+
     /// Whether many frames share a file.
     pub(crate) fn is_sharded(self) -> bool {
         matches!(self, Self::WebDataset | Self::Parquet)

@@ -29,7 +29,7 @@ impl Stored {
     pub(super) fn read(kind: &str, bytes: &[u8]) -> Result<Self, Failure> {
         let codes = || match codec::decode_plane(bytes) {
             Ok(FilePlane::Codes(codes)) => Ok(codes),
-            Ok(FilePlane::Floats(_)) => Err(Failure::input(format!(
+            Ok(_) => Err(Failure::input(format!(
                 "{kind} is stored as floats, not as codes"
             ))),
             Err(error) => Err(unreadable(kind, &error)),

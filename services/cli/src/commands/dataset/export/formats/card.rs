@@ -98,14 +98,19 @@ impl Card<'_> {
             format!("size_categories: {}", json!([size_category(self.images())])),
             format!("tags: {}", json!(tags)),
         ];
-        if let Some(pattern) = self.pattern() {
+        let patterns = self.patterns();
+        if !patterns.is_empty() {
             let files: Vec<Value> = self
                 .parts
                 .iter()
                 .filter(|(_, images)| *images > 0)
                 .map(|(name, _): &(Option<String>, u64)| {
                     let folder = name.as_ref().map_or_else(String::new, |name| format!("{name}/"));
-                    json!({"split": name.as_deref().unwrap_or("train"), "path": format!("{folder}{pattern}")})
+                    let paths: Vec<String> = patterns
+                        .iter()
+                        .map(|pattern| format!("{folder}{pattern}"))
+                        .collect();
+                    json!({"split": name.as_deref().unwrap_or("train"), "path": paths})
                 })
                 .collect();
             lines.push(format!(
@@ -116,13 +121,20 @@ impl Card<'_> {
         lines.join("\n") + "\n"
     }
 
-    /// The files that `load_dataset` reads.
-    fn pattern(&self) -> Option<&'static str> {
+    /// The files that `load_dataset` reads. All other files would take part in its guess of a format.
+    fn patterns(&self) -> Vec<String> {
+        let files = |list: &str, kinds: &[String]| {
+            let pictures = kinds.iter().map(|kind| format!("**/{kind}.*"));
+            std::iter::once(list.to_owned()).chain(pictures).collect()
+        };
         match self.format {
-            Format::WebDataset => Some("*.tar"),
-            Format::Parquet => Some("data/*.parquet"),
-            Format::Hf => Some("**"),
-            _ => None,
+            Format::WebDataset => vec!["*.tar".to_owned()],
+            Format::Parquet => vec!["data/*.parquet".to_owned()],
+            Format::Hf => files("metadata.parquet", self.kinds),
+            Format::Folder | Format::Coco | Format::Yolo => {
+                files("metadata.jsonl", &self.kinds[..self.kinds.len().min(1)])
+            }
+            Format::Colmap | Format::Transforms => Vec::new(),
         }
     }
 
@@ -195,7 +207,7 @@ mod tests {
             "{page}"
         );
         assert!(
-            page.contains(r#"[{"path":"train/*.tar","split":"train"}]"#),
+            page.contains(r#"[{"path":["train/*.tar"],"split":"train"}]"#),
             "{page}"
         );
         assert!(

@@ -49,7 +49,7 @@ fn runs_of_file(folder: &Path, name: &str) -> Result<BTreeMap<u16, Runs>, Failur
     let file = read_written(&folder.join(name))?;
     match decode_plane(&file) {
         Ok(FilePlane::Codes(mask)) => Ok(runs_of(&mask)),
-        Ok(FilePlane::Floats(_)) => Err(untrusted(format!(
+        Ok(_) => Err(untrusted(format!(
             "{name}, which has floats instead of numbers of objects"
         ))),
         Err(error) => Err(untrusted(format!("{name}, which is not a mask: {error}"))),

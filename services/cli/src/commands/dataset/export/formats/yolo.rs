@@ -93,12 +93,46 @@ fn lines(labeled: &Labeled<'_>, classes: &mut ClassNumbers) -> Result<String, Fa
     for object in labeled.objects {
         let [left, top, right, bottom] = object.record.bounds.map(|edge| edge as f64);
         let class = classes.place(&object.record.category);
-        let (x, y) = ((left + right) / 2.0 / width, (top + bottom) / 2.0 / height);
-        let (w, h) = ((right - left) / width, (bottom - top) / height);
-        // Writing to a string cannot fail.
-        let _ = writeln!(text, "{class} {x:.6} {y:.6} {w:.6} {h:.6}");
+        let [x, y] = [Extent::new(left, right, width), Extent::new(top, bottom, height)];
+        // Writing to a string cannot fail. The shortest decimals that parse to the same numbers keep the edges inside.
+        let _ = writeln!(
+            text,
+            "{class} {} {} {} {}",
+            x.middle, y.middle, x.length, y.length
+        );
     }
     Ok(text)
+}
+
+/// Middle and length of an interval as shares of a side.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Extent {
+    middle: f64,
+    length: f64,
+}
+
+impl Extent {
+    /// The interval, clipped to the side. Both edges, computed in single or double precision, are within 0 and 1.
+    fn new(low: f64, high: f64, side: f64) -> Self {
+        let (low, high) = (low.clamp(0.0, side), high.clamp(0.0, side));
+        let middle = (low + high) / 2.0 / side;
+        let mut length = (high - low) / side;
+        while !(Self { middle, length }).is_inside() && length > 0.0 {
+            length -= f64::from(f32::EPSILON) / 4.0;
+        }
+        Self {
+            middle,
+            length: length.max(0.0),
+        }
+    }
+
+    fn is_inside(self) -> bool {
+        let (middle, half) = (self.middle as f32, self.length as f32 / 2.0);
+        let edges = [self.middle - self.length / 2.0, self.middle + self.length / 2.0];
+        let single = [middle - half, middle + half];
+        edges.iter().all(|edge| (0.0..=1.0).contains(edge))
+            && single.iter().all(|edge| (0.0..=1.0).contains(edge))
+    }
 }
 
 /// `data.yaml`: each line is a value of JSON, which YAML reads too.
@@ -128,6 +162,32 @@ pub(crate) fn data_yaml(parts: &[Option<String>], classes: &ClassNumbers) -> Str
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn edges_are_within_the_picture_for_every_box_and_side() {
+        for side in [1.0, 3.0, 7.0, 120.0, 160.0, 641.0, 1023.0] {
+            let edges = |edge: u32| f64::from(edge);
+            for low in 0..side as u32 {
+                for high in [low + 1, side as u32] {
+                    let extent = Extent::new(edges(low), edges(high), side);
+                    let text = (extent.middle.to_string(), extent.length.to_string());
+                    let parsed = Extent {
+                        middle: text.0.parse().unwrap(),
+                        length: text.1.parse().unwrap(),
+                    };
+                    assert!(parsed.is_inside(), "{side} {low} {high} {extent:?}");
+                    assert!((parsed.length * side - edges(high - low)).abs() < 1e-4);
+                }
+            }
+        }
+        assert_eq!(
+            Extent::new(-3.0, 9.0, 6.0),
+            Extent {
+                middle: 0.5,
+                length: 1.0
+            }
+        );
+    }
 
     #[test]
     fn every_part_has_its_list_and_every_class_its_place() {

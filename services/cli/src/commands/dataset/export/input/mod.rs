@@ -2,6 +2,7 @@
 
 pub(crate) mod archive;
 pub(crate) mod frame;
+pub(crate) mod object_filter;
 pub(crate) mod order;
 pub(crate) mod origins;
 pub(crate) mod posed;

@@ -18,6 +18,7 @@ use crate::commands::dataset::export::formats::tables::WriteTable;
 use crate::commands::dataset::export::formats::view::View;
 use crate::commands::dataset::export::formats::yolo::{IMAGES, Labeled, Yolo};
 use crate::commands::dataset::export::input::frame::{Frame, Home, Place};
+use crate::commands::dataset::export::input::object_filter::ObjectFilter;
 use crate::commands::dataset::export::input::selection::Selection;
 use crate::commands::dataset::export::input::sequences::Spot;
 use crate::commands::dataset::export::output::lists::{Lists, METADATA, SUMS};
@@ -71,10 +72,18 @@ impl Task {
 
 impl Content {
     /// Reads the content that a format needs from a frame's files in a folder.
-    pub(crate) fn read(format: Format, folder: &std::path::Path, frame: &Frame) -> Result<Self, Failure> {
+    pub(crate) fn read(
+        format: Format,
+        filter: &ObjectFilter,
+        folder: &std::path::Path,
+        frame: &Frame,
+    ) -> Result<Self, Failure> {
         match format {
-            Format::Coco => objects(folder, frame, true).map(Self::Objects),
-            Format::Yolo => objects(folder, frame, false).map(Self::Objects),
+            Format::Coco | Format::Yolo => {
+                let mut objects = objects(folder, frame, format == Format::Coco)?;
+                objects.retain(|object| filter.takes(&object.record));
+                Ok(Self::Objects(objects))
+            }
             Format::Colmap | Format::Transforms => View::read(folder, frame).map(Self::View),
             Format::Folder | Format::WebDataset | Format::Parquet | Format::Hf => Ok(Self::Files),
         }

@@ -3,8 +3,8 @@
 //! Names come from the command line or have been checked by [`crate::commands::dataset::export::input::frame::Place`]. A file is written under a new temporary name,
 //! then renamed, which replaces a link instead of following it.
 
-use std::fs::{self, File, OpenOptions};
-use std::io::{self, ErrorKind, Write};
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::{self, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
@@ -17,17 +17,16 @@ const CARD: &str = "export.json";
 /// The folder of an export.
 pub(crate) struct Target {
     root: PathBuf,
+    /// The open card, whose lock excludes other exports and ends with the process.
+    _card: File,
 }
 
 impl Target {
     /// Opens a new or empty folder, or one that holds an export with the same card.
     pub(crate) fn open(root: &Path, card: &Value) -> Result<Self, Failure> {
         fs::create_dir_all(root).with_context(|| format!("cannot create {}", root.display()))?;
-        let target = Self {
-            root: root.to_owned(),
-        };
         let path = root.join(CARD);
-        let Some(found) = read(&path)? else {
+        if !fs::symlink_metadata(&path).is_ok_and(|found| found.is_file()) {
             let mut entries =
                 fs::read_dir(root).with_context(|| format!("cannot read {}", root.display()))?;
             if entries.next().is_some() {
@@ -37,17 +36,31 @@ impl Target {
                 );
                 return Err(Failure::BadInput(message));
             }
-            write(&path, format!("{card}\n").as_bytes())?;
-            return Ok(target);
-        };
-        match serde_json::from_slice::<Value>(&found) {
-            Ok(found) if found == *card => Ok(target),
-            found => Err(Failure::BadInput(format!(
+            match create_new(&path) {
+                Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
+                created => {
+                    created.with_context(|| format!("cannot write {}", path.display()))?;
+                }
+            }
+        }
+        let mut file = lock(root, &path)?;
+        let mut found = String::new();
+        file.read_to_string(&mut found)
+            .with_context(|| format!("cannot read {}", path.display()))?;
+        if found.is_empty() {
+            file.write_all(format!("{card}\n").as_bytes())
+                .with_context(|| format!("cannot write {}", path.display()))?;
+        } else if serde_json::from_str::<Value>(&found).ok().as_ref() != Some(card) {
+            return Err(Failure::BadInput(format!(
                 "{} holds another export ({}, not {card}); name an empty or a new folder",
                 root.display(),
-                found.unwrap_or_default()
-            ))),
+                found.trim()
+            )));
         }
+        Ok(Self {
+            root: root.to_owned(),
+            _card: file,
+        })
     }
 
     pub(crate) fn root(&self) -> &Path {
@@ -74,6 +87,23 @@ impl Target {
             }
         }
         Ok(path)
+    }
+}
+
+/// Opens the card of a folder with an exclusive lock.
+fn lock(root: &Path, card: &Path) -> Result<File, Failure> {
+    let opened = OpenOptions::new().read(true).write(true).open(card);
+    let file = opened.with_context(|| format!("cannot open {}", card.display()))?;
+    match file.try_lock() {
+        Ok(()) => Ok(file),
+        Err(TryLockError::WouldBlock) => Err(Failure::Later(format!(
+            "another process exports into {}; wait for it, or name another folder",
+            root.display()
+        ))),
+        Err(TryLockError::Error(error)) => {
+            let context = format!("cannot lock {}", card.display());
+            Err(anyhow::Error::from(error).context(context).into())
+        }
     }
 }
 
@@ -173,6 +203,18 @@ mod tests {
         assert!(failure.contains("cannot read"), "{failure}");
         let failure = read_written(&folder.path().join("gone")).unwrap_err().to_string();
         assert!(failure.contains("removed during the export"), "{failure}");
+    }
+
+    #[test]
+    fn a_folder_belongs_to_one_export_at_a_time() {
+        let folder = tempfile::tempdir().unwrap();
+        let first = Target::open(folder.path(), &json!({})).unwrap();
+        assert!(matches!(
+            Target::open(folder.path(), &json!({})),
+            Err(Failure::Later(_))
+        ));
+        drop(first);
+        assert!(Target::open(folder.path(), &json!({})).is_ok());
     }
 
     #[test]

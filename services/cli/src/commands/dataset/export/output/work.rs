@@ -1,5 +1,7 @@
 //! A running export: rows are added, files are written, part by part.
 
+use std::collections::BTreeSet;
+
 use anyhow::Context;
 use cli::classes::{Named, SceneClasses};
 use cli::exit::Failure;
@@ -34,6 +36,8 @@ pub(crate) struct Export<'a> {
     scenes: SceneClasses<'a>,
     /// Classes under the numbers that they have in all parts.
     classes: ClassNumbers,
+    /// Names of all classes of the scenes.
+    class_names: BTreeSet<String>,
     used_names: UsedNames,
     images: u64,
     fetched: usize,
@@ -62,6 +66,7 @@ impl<'a> Export<'a> {
             sequences: Sequences::new(order.client, &arguments.dataset),
             scenes: SceneClasses::new(order.client),
             classes: ClassNumbers::default(),
+            class_names: BTreeSet::new(),
             used_names: UsedNames::default(),
             images: 0,
             fetched: 0,
@@ -90,7 +95,12 @@ impl<'a> Export<'a> {
             if has_classes {
                 let mut classes = Named::new();
                 self.scenes.add(row, &mut classes)?;
-                self.classes.add(&classes);
+                self.class_names
+                    .extend(classes.iter().map(|(_, name)| name.clone()));
+                let taken = classes.iter().filter(|(_, name)| {
+                    !self.arguments.format.has_objects() || self.arguments.objects.takes_class(name)
+                });
+                self.classes.add(&taken.cloned().collect());
                 let part = self.part_of(row);
                 self.parts[part].add_classes(classes);
             }
@@ -144,12 +154,12 @@ impl<'a> Export<'a> {
                 spot,
             });
         }
-        let (parts, order) = (&self.parts, &self.order);
+        let (parts, order, filter) = (&self.parts, &self.order, &self.arguments.objects);
         let frames: Result<Vec<(Frame, Content)>, Failure> = self.threads.install(|| {
             let frames = tasks.par_iter().map(|task| {
                 let part = &parts[task.part];
                 let frame = order.complete(&task.row, &task.place, part.name.as_deref(), &task.home)?;
-                let content = Content::read(format, &part.folder, &frame)?;
+                let content = Content::read(format, filter, &part.folder, &frame)?;
                 Ok((frame, content))
             });
             frames.collect()
@@ -170,6 +180,10 @@ impl<'a> Export<'a> {
             if let Body::Shards(shards) = body {
                 self.fetched += shards.finish(&writer, lists)?;
             }
+        }
+        let present = self.class_names.iter().map(String::as_str);
+        for class in self.arguments.objects.list_absent(present) {
+            eprintln!("warning: no scene has the class `{class}` of --classes");
         }
         println!(
             "{} images in {} ({} files fetched, the others were there)",
