@@ -3,6 +3,7 @@
 use cli::exit::Failure;
 use cli::progress::Progress;
 use cli::render::Arguments;
+use renderer::local::LocalError;
 
 use crate::commands::service::cluster;
 
@@ -18,7 +19,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         progress.set(finished)
     });
     progress.finish();
-    let summary = summary.map_err(Failure::input)?;
+    let summary = summary.map_err(|error| match error {
+        LocalError::Taken { .. } => Failure::Later(error.to_string()),
+        _ => Failure::input(error),
+    })?;
     println!(
         "{} frames in {:.1} s ({:.2} frames/s) in {}",
         summary.frames,
