@@ -60,6 +60,8 @@ pub(super) fn read_scene(picture: &Path, range: &Path) -> Result<ChartScene, Fai
         intrinsics: None,
         classes: None,
         world_from_camera: None,
+        hfov_deg: None,
+        scale: None,
         instances: None,
     };
     let scene =

@@ -35,7 +35,9 @@ pub(super) fn view(rendered: &Rendered, kind: &str) -> Result<Rgb8, Failure> {
 pub(super) fn read_codes(bytes: &[u8]) -> Result<Plane<u16>, Failure> {
     match codec::decode_plane(bytes).map_err(anyhow::Error::from)? {
         FilePlane::Codes(codes) => Ok(codes),
-        FilePlane::Floats(_) => Err(anyhow::anyhow!("the artifact has floats instead of codes").into()),
+        FilePlane::Wide(_) | FilePlane::Floats(_) => {
+            Err(anyhow::anyhow!("the artifact has other numbers than codes").into())
+        }
     }
 }
 
