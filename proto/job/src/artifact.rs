@@ -5,8 +5,6 @@ use serde::Deserialize;
 use crate::encode::Encode;
 use crate::scene_parts::ScenePart;
 
-const PNG: &str = "image/png";
-
 /// Maximum length of a kind or media type, bytes.
 const MAX_NAME_BYTES: usize = 64;
 
@@ -24,133 +22,76 @@ fn is_token(text: &str) -> bool {
             .all(|byte| byte.is_ascii_alphanumeric() || b"-+.".contains(&byte))
 }
 
-/// A file that can be stored for a frame.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
-#[serde(try_from = "String")]
-pub enum ArtifactKind {
-    /// Final image.
-    Rgb,
-    /// Scene in air.
-    Clean,
-    /// Unscattered light, linear NPY.
-    Direct,
-    /// Forward-scattered light, linear NPY.
-    ForwardScatter,
-    /// Veiling light along the ray, linear NPY.
-    Backscatter,
-    /// Image after the water.
-    Scattered,
-    /// Output of the style network.
-    Styled,
-    /// Image after haze; the same as `rgb` before encoding.
-    Hazed,
-    /// Range in millimeters, 16-bit PNG, 0 = hole.
-    Range,
-    /// Transmittance, linear NPY.
-    Transmittance,
-    /// Instance mask, 16-bit PNG.
-    Instances,
-    /// Category of each pixel, 8-bit PNG.
-    Semantics,
-    /// Category of each pixel after the water, 8-bit PNG.
-    SemanticsVisible,
-    /// Unit normals in camera axes, linear NPY.
-    Normals,
-    /// Inspection findings visible in each pixel as bits, 8-bit PNG.
-    Findings,
-    /// Objects in view with category, box, transmittance and visibility, and the camera's pose, JSON.
-    Boxes,
-    /// Opacity of the marine snow in green, 8-bit PNG, 255 = opaque.
-    SnowMask,
-    /// Sensor codes before development.
-    Raw,
-    /// Part of the output covered by the uploaded image, 8-bit PNG, 255 = inside.
-    Valid,
-    /// Monte Carlo light of the frame and its standard error, linear NPY of six planes.
-    Truth,
-    /// Work and accuracy of the Monte Carlo truth, and the deviation of the image chain, JSON.
-    TruthReport,
-    /// Result of an enhancement method.
-    Enhanced(String),
-    /// The circular mask of HSCM, 8-bit PNG.
-    HscmMask,
-    /// Thumbnail.
-    Preview,
+/// Declares the kinds with a fixed name: variant, name, format, and unit and meaning of the file.
+macro_rules! artifacts {
+    ($($Kind:ident $name:literal $format:ident $about:literal;)*) => {
+        /// A file that can be stored for a frame.
+        #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
+        #[serde(try_from = "String")]
+        pub enum ArtifactKind {
+            $(#[doc = $about] $Kind,)*
+            /// Result of an enhancement method.
+            Enhanced(String),
+        }
+
+        impl ArtifactKind {
+            /// Every kind with a fixed name. The results of enhancements are named `enhanced.<method>`.
+            pub const FIXED: &[(&str, Self)] = &[$(($name, Self::$Kind)),*];
+
+            /// Format, unit and meaning of the file.
+            #[must_use]
+            pub fn about(&self) -> &'static str {
+                match self {
+                    $(Self::$Kind => $about,)*
+                    Self::Enhanced(_) => "result of the enhancement, 8 bit, in the format of `encode`",
+                }
+            }
+
+            fn format(&self) -> FileFormat {
+                match self {
+                    $(Self::$Kind => FileFormat::$format,)*
+                    Self::Enhanced(_) => FileFormat::Picture,
+                }
+            }
+        }
+    };
+}
+
+artifacts! {
+    Rgb "rgb" Picture "the final image, 8 bit, in the format of `encode`";
+    Clean "clean" Picture "the scene in air, 8 bit, in the format of `encode`";
+    Direct "direct" Npy "unscattered light: NPY float32 [h, w, 3], linear, white = 1";
+    ForwardScatter "forward_scatter" Npy "forward-scattered light: NPY float32 [h, w, 3], linear, white = 1";
+    Backscatter "backscatter" Npy "veiling light along the ray: NPY float32 [h, w, 3], linear, white = 1";
+    Scattered "scattered" Picture "the image after the water, 8 bit, in the format of `encode`";
+    Styled "styled" Picture "output of the style network, 8 bit, in the format of `encode`";
+    Hazed "hazed" Picture "the image after haze, the same as `rgb`";
+    Range "range" Png "range along the line of sight: 16-bit PNG, mm, 0 = hole";
+    Transmittance "transmittance" Npy "transmittance of the water along the ray, 0..1: NPY float32 [h, w, 3]";
+    Instances "instances" Png "instance of each pixel, 0 = background: 8- or 16-bit PNG";
+    Semantics "semantics" Png "category of each pixel by its number: 8-bit PNG; `categories` lists them";
+    SemanticsVisible "semantics.visible" Png "`semantics` with background where the water transmits less than 2 % in every channel: 8-bit PNG";
+    Normals "normals" Npy "unit normals in camera axes, right, down, ahead: NPY float32 [h, w, 3]";
+    Findings "findings" Png "inspection findings visible in each pixel, as bits: 8-bit PNG; `findings` lists them";
+    Boxes "boxes" Json "camera pose and the objects in view with category, box and visibility: JSON, m and px";
+    SnowMask "snow_mask" Png "opacity of the marine snow in green: 8-bit PNG, 255 = opaque";
+    Raw "raw" Png "codes of the sensor: 16-bit PNG, a mosaic or RGB; black, gain and filters are in the record";
+    Valid "valid" Png "part of the output covered by the uploaded image: 8-bit PNG, 255 = inside, 0 = outside";
+    Truth "truth" Npy "light by Monte Carlo, three planes, and its standard error, three planes: NPY float32 [h, w, 6], linear, white = 1";
+    TruthReport "truth_report" Json "work and accuracy of the Monte Carlo light, and the deviation of the image chain: JSON";
+    HscmMask "hscm_mask" Png "circular mask of HSCM: 8-bit PNG";
+    Preview "preview" Picture "thumbnail of at most 256 px a side, in the format of `encode`";
+}
+
+enum FileFormat {
+    /// An 8-bit picture in the format of `encode`.
+    Picture,
+    Png,
+    Npy,
+    Json,
 }
 
 impl ArtifactKind {
-    /// Every kind with a fixed name. The results of enhancements are named `enhanced.<method>`.
-    pub const FIXED: [(&'static str, Self); 23] = [
-        ("rgb", Self::Rgb),
-        ("clean", Self::Clean),
-        ("direct", Self::Direct),
-        ("forward_scatter", Self::ForwardScatter),
-        ("backscatter", Self::Backscatter),
-        ("scattered", Self::Scattered),
-        ("styled", Self::Styled),
-        ("hazed", Self::Hazed),
-        ("range", Self::Range),
-        ("transmittance", Self::Transmittance),
-        ("instances", Self::Instances),
-        ("semantics", Self::Semantics),
-        ("semantics.visible", Self::SemanticsVisible),
-        ("normals", Self::Normals),
-        ("findings", Self::Findings),
-        ("boxes", Self::Boxes),
-        ("snow_mask", Self::SnowMask),
-        ("raw", Self::Raw),
-        ("valid", Self::Valid),
-        ("truth", Self::Truth),
-        ("truth_report", Self::TruthReport),
-        ("hscm_mask", Self::HscmMask),
-        ("preview", Self::Preview),
-    ];
-
-    /// Format, unit and meaning of the file.
-    #[must_use]
-    pub fn about(&self) -> &'static str {
-        match self {
-            Self::Rgb => "the final image, 8 bit, in the format of `encode`",
-            Self::Clean => "the scene in air, 8 bit, in the format of `encode`",
-            Self::Direct => "unscattered light: NPY float32 [h, w, 3], linear, white = 1",
-            Self::ForwardScatter => "forward-scattered light: NPY float32 [h, w, 3], linear, white = 1",
-            Self::Backscatter => "veiling light along the ray: NPY float32 [h, w, 3], linear, white = 1",
-            Self::Scattered => "the image after the water, 8 bit, in the format of `encode`",
-            Self::Styled => "output of the style network, 8 bit, in the format of `encode`",
-            Self::Hazed => "the image after haze, the same as `rgb`",
-            Self::Range => "range along the line of sight: 16-bit PNG, mm, 0 = hole",
-            Self::Transmittance => "transmittance of the water along the ray, 0..1: NPY float32 [h, w, 3]",
-            Self::Instances => "instance of each pixel, 0 = background: 8- or 16-bit PNG",
-            Self::Semantics => "category of each pixel by its number: 8-bit PNG; `categories` lists them",
-            Self::SemanticsVisible => {
-                "`semantics` with background where the water transmits less than 2 % in every channel: 8-bit PNG"
-            }
-            Self::Normals => "unit normals in camera axes, right, down, ahead: NPY float32 [h, w, 3]",
-            Self::Findings => {
-                "inspection findings visible in each pixel, as bits: 8-bit PNG; `findings` lists them"
-            }
-            Self::Boxes => {
-                "camera pose and the objects in view with category, box and visibility: JSON, m and px"
-            }
-            Self::SnowMask => "opacity of the marine snow in green: 8-bit PNG, 255 = opaque",
-            Self::Raw => {
-                "codes of the sensor: 16-bit PNG, a mosaic or RGB; black, gain and filters are in the record"
-            }
-            Self::Valid => {
-                "part of the output covered by the uploaded image: 8-bit PNG, 255 = inside, 0 = outside"
-            }
-            Self::Truth => {
-                "light by Monte Carlo, three planes, and its standard error, three planes: NPY float32 [h, w, 6], linear, white = 1"
-            }
-            Self::TruthReport => {
-                "work and accuracy of the Monte Carlo light, and the deviation of the image chain: JSON"
-            }
-            Self::Enhanced(_) => "result of the enhancement, 8 bit, in the format of `encode`",
-            Self::HscmMask => "circular mask of HSCM: 8-bit PNG",
-            Self::Preview => "thumbnail of at most 256 px a side, in the format of `encode`",
-        }
-    }
-
     /// Unit of the file's numbers; `None` for codes and for several units.
     #[must_use]
     pub fn unit(&self) -> Option<&'static str> {
@@ -192,34 +133,12 @@ impl ArtifactKind {
     /// Media type of the file for this encoding of images.
     #[must_use]
     pub fn media_type(&self, encode: Encode) -> &'static str {
-        match self {
-            Self::Rgb
-            | Self::Clean
-            | Self::Scattered
-            | Self::Styled
-            | Self::Hazed
-            | Self::Enhanced(_)
-            | Self::Preview => match encode {
-                Encode::Png => PNG,
-                Encode::Webp => "image/webp",
-                Encode::Jpeg { .. } => "image/jpeg",
-            },
-            Self::Range
-            | Self::Instances
-            | Self::Semantics
-            | Self::SemanticsVisible
-            | Self::Findings
-            | Self::SnowMask
-            | Self::Raw
-            | Self::Valid
-            | Self::HscmMask => PNG,
-            Self::Direct
-            | Self::ForwardScatter
-            | Self::Backscatter
-            | Self::Transmittance
-            | Self::Normals
-            | Self::Truth => "application/x-npy",
-            Self::Boxes | Self::TruthReport => "application/json",
+        match (self.format(), encode) {
+            (FileFormat::Picture, Encode::Webp) => "image/webp",
+            (FileFormat::Picture, Encode::Jpeg { .. }) => "image/jpeg",
+            (FileFormat::Picture | FileFormat::Png, _) => "image/png",
+            (FileFormat::Npy, _) => "application/x-npy",
+            (FileFormat::Json, _) => "application/json",
         }
     }
 
@@ -280,8 +199,8 @@ mod tests {
     #[test]
     fn every_kind_is_found_by_the_name_it_writes() {
         for (name, kind) in ArtifactKind::FIXED {
-            assert_eq!(kind.to_string(), name);
-            assert_eq!(ArtifactKind::parse(name), Some(kind));
+            assert_eq!(kind.to_string(), *name);
+            assert_eq!(ArtifactKind::parse(name).as_ref(), Some(kind));
         }
         let enhanced = ArtifactKind::parse("enhanced.hscm").unwrap();
         assert_eq!(enhanced, ArtifactKind::Enhanced("hscm".to_owned()));

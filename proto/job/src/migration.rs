@@ -15,169 +15,74 @@ const DERIVED: &str = "remove it: it follows from `water.optics`, `water.depth_m
 const PLANNED: &str = "remove it: the planner chooses by `fidelity`";
 const SHADOWS: &str = "remove it: every lamp casts shadows, softer with a larger `radius_m`";
 
+/// Declares removed fields (`PATH => REPLACEMENT`) and values (`PATH = VALUE => REPLACEMENT`).
+macro_rules! removed {
+    (@value) => { None };
+    (@value $value:literal) => { Some($value) };
+    ($($path:literal $(= $value:literal)? => $now:expr;)*) => {
+        &[$(Removed { path: $path, value: removed!(@value $($value)?), now: $now }),*]
+    };
+}
+
 /// All removed fields and values, in field order.
-pub const REMOVED: &[Removed] = &[
-    value("scene.light", "baked", "`\"lighting\": \"in_air\"`"),
-    value(
-        "scene.light",
-        "albedo",
-        "`\"lighting\": \"water\"`, the default of procedural scenes",
-    ),
-    field("scene.light", "`scene.lighting`: \"in_air\" or \"water\""),
-    field(
-        "camera.motion.samples",
-        "remove it: 8 images along the path are averaged",
-    ),
-    field("camera.motion.exposure_s", "`camera.exposure_s`"),
-    field("camera.rolling", "`camera.readout_s`"),
-    field("camera.rolling.readout_s", "`camera.readout_s`"),
-    field("camera.rolling.bands", "remove it: rows are taken in 16 bands"),
-    field(
-        "camera.seed",
-        "remove it: pattern and noise of the sensor follow `seed`",
-    ),
-    field(
-        "camera.port.n_w",
-        "remove it: the refractive index is that of sea water",
-    ),
-    field("camera.sensor.exposure_s", "`camera.exposure_s`"),
-    field(
-        "camera.sensor.white_at",
-        "`camera.sensor.light_level`, relative to the exposure of the preset",
-    ),
-    field(
-        "camera.sensor.shot",
-        "remove it: every sensor except the preset `ideal` counts electrons",
-    ),
-    field(
-        "camera.vignette.v1",
-        "`camera.vignette.v` or `camera.vignette.v2`",
-    ),
-    field(
-        "camera.vignette.v3",
-        "`camera.vignette.v` or `camera.vignette.v2`",
-    ),
-    field(
-        "camera.jpeg.measured",
-        "remove it: metrics and enhancements use the compressed image",
-    ),
-    field(
-        "water.ambient",
-        "describe the sky by `daylight`, or write `\"daylight\": \"none\"` by night",
-    ),
-    field("water.from_above", "describe the sky by `daylight`"),
-    field("water.from_above.veil", DERIVED),
-    field(
-        "water.from_above.level",
-        "remove it; `camera.exposure` sets the brightness",
-    ),
-    field("water.from_above.horizon", DERIVED),
-    field("water.from_above.p", DERIVED),
-    field("water.from_above.q", DERIVED),
-    field(
-        "water.from_above.surfaces",
-        "`scene.lighting`: \"water\" lights the surfaces, \"in_air\" leaves them unchanged",
-    ),
-    field(
-        "water.from_above.sun_share",
-        "`daylight.cloud_cover` and `daylight.sun_elevation_deg`, which determine it",
-    ),
-    field(
-        "water.from_above.sun",
-        "`daylight.sun_elevation_deg` and `daylight.sun_azimuth_deg`",
-    ),
-    field(
-        "water.from_above.sun.elevation_deg",
-        "`daylight.sun_elevation_deg`",
-    ),
-    field("water.from_above.sun.azimuth_deg", "`daylight.sun_azimuth_deg`"),
-    field(
-        "water.from_above.sun.shadow",
-        "remove it: the sun casts shadows unless `daylight.cloud_cover` is 1",
-    ),
-    field("water.from_above.ambient_rays", PLANNED),
-    field(
-        "water.from_above.caustics",
-        "`daylight.wind_m_per_s`, which determines the waves",
-    ),
-    field(
-        "water.from_above.shafts",
-        "remove it: `daylight` and the waves determine the shafts",
-    ),
-    field("water.multiple", PLANNED),
-    field("water.glow_phase", "`water.optics.phase`: \"ff\" or \"hg\""),
-    field(
-        "water.phase",
-        "`water.optics.phase`: \"ff\" or \"hg\", with `water.optics.backscatter_fraction`",
-    ),
-    field("water.style_tier", PLANNED),
-    field(
-        "water.optics.forward_scatter.spread",
-        "remove it: without `forward_scatter`, two kernels are derived from a and b",
-    ),
-    field("water.optics.forward_scatter.law", "`water.optics.phase`"),
-    field("water.optics.forward_scatter.occlusion", PLANNED),
-    field("water.optics.forward_scatter.layers", PLANNED),
-    field(
-        "water.snow.radius_spread",
-        "`water.snow.spectrum`, the slope of the radii",
-    ),
-    field(
-        "water.snow.discs",
-        "remove it: particles are blurred by `camera.defocus`",
-    ),
-    field("water.snow.daylight", DERIVED),
-    field("water.sediment.plume_m", "remove it: plumes are 1.5 m long"),
-    field("lights[].shadow", SHADOWS),
-    field("lights[].samples", SHADOWS),
-    field("lights[].glow_shadow", SHADOWS),
-    field(
-        "rays",
-        "remove it: shadow rays use the solids of a procedural scene, else the range image",
-    ),
-    value(
-        "enhance",
-        "ibla_hybrid",
-        "\"ibla\": the planner chooses the variant by `fidelity`",
-    ),
-    field(
-        "png_text",
-        "remove it: PNG files always contain their kind, unit and meaning",
-    ),
-    field("truth.block", "remove it: errors count in blocks of 8 pixels"),
-    field("truth.seed", "remove it: the paths follow `seed`"),
-    value("fidelity.variant", "reference", "`\"fidelity\": \"reference\"`"),
-    value(
-        "fidelity.variant",
-        "display",
-        "`\"fidelity\": \"picture\"`, the default",
-    ),
-    value(
-        "fidelity.variant",
-        "noise",
-        "`\"fidelity\": \"picture\"`, the default, which allows for the noise of a sensor",
-    ),
-    field(
-        "fidelity.variant",
-        "`\"fidelity\": \"picture\"` or `\"fidelity\": \"reference\"`",
-    ),
-];
-
-const fn field(path: &'static str, now: &'static str) -> Removed {
-    Removed {
-        path,
-        value: None,
-        now,
-    }
-}
-
-const fn value(path: &'static str, value: &'static str, now: &'static str) -> Removed {
-    Removed {
-        path,
-        value: Some(value),
-        now,
-    }
-}
+pub const REMOVED: &[Removed] = removed! {
+    "scene.light" = "baked" => "`\"lighting\": \"in_air\"`";
+    "scene.light" = "albedo" => "`\"lighting\": \"water\"`, the default of procedural scenes";
+    "scene.light" => "`scene.lighting`: \"in_air\" or \"water\"";
+    "camera.motion.samples" => "remove it: 8 images along the path are averaged";
+    "camera.motion.exposure_s" => "`camera.exposure_s`";
+    "camera.rolling" => "`camera.readout_s`";
+    "camera.rolling.readout_s" => "`camera.readout_s`";
+    "camera.rolling.bands" => "remove it: rows are taken in 16 bands";
+    "camera.seed" => "remove it: pattern and noise of the sensor follow `seed`";
+    "camera.port.n_w" => "remove it: the refractive index is that of sea water";
+    "camera.sensor.exposure_s" => "`camera.exposure_s`";
+    "camera.sensor.white_at" => "`camera.sensor.light_level`, relative to the exposure of the preset";
+    "camera.sensor.shot" => "remove it: every sensor except the preset `ideal` counts electrons";
+    "camera.vignette.v1" => "`camera.vignette.v` or `camera.vignette.v2`";
+    "camera.vignette.v3" => "`camera.vignette.v` or `camera.vignette.v2`";
+    "camera.jpeg.measured" => "remove it: metrics and enhancements use the compressed image";
+    "water.ambient" => "describe the sky by `daylight`, or write `\"daylight\": \"none\"` by night";
+    "water.from_above" => "describe the sky by `daylight`";
+    "water.from_above.veil" => DERIVED;
+    "water.from_above.level" => "remove it; `camera.exposure` sets the brightness";
+    "water.from_above.horizon" => DERIVED;
+    "water.from_above.p" => DERIVED;
+    "water.from_above.q" => DERIVED;
+    "water.from_above.surfaces" => "`scene.lighting`: \"water\" lights the surfaces, \"in_air\" leaves them unchanged";
+    "water.from_above.sun_share" => "`daylight.cloud_cover` and `daylight.sun_elevation_deg`, which determine it";
+    "water.from_above.sun" => "`daylight.sun_elevation_deg` and `daylight.sun_azimuth_deg`";
+    "water.from_above.sun.elevation_deg" => "`daylight.sun_elevation_deg`";
+    "water.from_above.sun.azimuth_deg" => "`daylight.sun_azimuth_deg`";
+    "water.from_above.sun.shadow" => "remove it: the sun casts shadows unless `daylight.cloud_cover` is 1";
+    "water.from_above.ambient_rays" => PLANNED;
+    "water.from_above.caustics" => "`daylight.wind_m_per_s`, which determines the waves";
+    "water.from_above.shafts" => "remove it: `daylight` and the waves determine the shafts";
+    "water.multiple" => PLANNED;
+    "water.glow_phase" => "`water.optics.phase`: \"ff\" or \"hg\"";
+    "water.phase" => "`water.optics.phase`: \"ff\" or \"hg\", with `water.optics.backscatter_fraction`";
+    "water.style_tier" => PLANNED;
+    "water.optics.forward_scatter.spread" => "remove it: without `forward_scatter`, two kernels are derived from a and b";
+    "water.optics.forward_scatter.law" => "`water.optics.phase`";
+    "water.optics.forward_scatter.occlusion" => PLANNED;
+    "water.optics.forward_scatter.layers" => PLANNED;
+    "water.snow.radius_spread" => "`water.snow.spectrum`, the slope of the radii";
+    "water.snow.discs" => "remove it: particles are blurred by `camera.defocus`";
+    "water.snow.daylight" => DERIVED;
+    "water.sediment.plume_m" => "remove it: plumes are 1.5 m long";
+    "lights[].shadow" => SHADOWS;
+    "lights[].samples" => SHADOWS;
+    "lights[].glow_shadow" => SHADOWS;
+    "rays" => "remove it: shadow rays use the solids of a procedural scene, else the range image";
+    "enhance" = "ibla_hybrid" => "\"ibla\": the planner chooses the variant by `fidelity`";
+    "png_text" => "remove it: PNG files always contain their kind, unit and meaning";
+    "truth.block" => "remove it: errors count in blocks of 8 pixels";
+    "truth.seed" => "remove it: the paths follow `seed`";
+    "fidelity.variant" = "reference" => "`\"fidelity\": \"reference\"`";
+    "fidelity.variant" = "display" => "`\"fidelity\": \"picture\"`, the default";
+    "fidelity.variant" = "noise" => "`\"fidelity\": \"picture\"`, the default, which allows for the noise of a sensor";
+    "fidelity.variant" => "`\"fidelity\": \"picture\"` or `\"fidelity\": \"reference\"`";
+};
 
 impl Removed {
     /// The replacement as an instruction.

@@ -87,220 +87,63 @@ impl fmt::Display for MetricId {
     }
 }
 
-const fn row(
-    name: &'static str,
-    about: &'static str,
-    range: RangeInclusive<f64>,
-    compute: fn(&MetricInput) -> f64,
-) -> MetricInfo {
-    MetricInfo {
-        name,
-        profile: None,
-        about,
-        range,
-        needs_reference: false,
-        compute: MetricFormula::Direct(compute),
-    }
-}
-
-impl MetricInfo {
-    const fn with_profile(self, profile: Profile) -> Self {
-        Self {
-            profile: Some(profile),
-            ..self
-        }
-    }
-
-    const fn comparing(self) -> Self {
-        Self {
-            needs_reference: true,
-            ..self
-        }
-    }
-}
-
-const fn sum(
-    profile: Profile,
-    range: RangeInclusive<f64>,
-    terms: &'static [(&'static str, f64)],
-) -> MetricInfo {
-    MetricInfo {
-        name: "uiqm",
-        profile: Some(profile),
-        about: "weighted sum of uicm, uism and uiconm of the same profile",
-        range,
-        needs_reference: false,
-        compute: MetricFormula::Sum(terms),
-    }
-}
-
 const INFINITY: f64 = f64::INFINITY;
 
-use Profile::{Funie, Panetta, Table1};
+use MetricFormula::{Direct, Sum};
 
-static REGISTRY: &[MetricInfo] = &[
-    row(
-        "entropy",
-        "entropy of the gray codes, bits",
-        0.0..=8.0,
-        entropy::gray,
-    ),
-    row(
-        "entropy_rgb_r",
-        "entropy of the red codes, bits",
-        0.0..=8.0,
-        entropy::red,
-    ),
-    row(
-        "entropy_rgb_g",
-        "entropy of the green codes, bits",
-        0.0..=8.0,
-        entropy::green,
-    ),
-    row(
-        "entropy_rgb_b",
-        "entropy of the blue codes, bits",
-        0.0..=8.0,
-        entropy::blue,
-    ),
-    row(
-        "entropy_joint_rgb",
-        "joint entropy of the three channels, bits",
-        0.0..=24.0,
-        entropy::joint,
-    ),
-    row(
-        "entropy_2d",
-        "joint entropy of a gray code and the mean of its neighborhood, bits",
-        0.0..=16.0,
-        entropy::with_neighborhood,
-    ),
-    row(
-        "uicm",
-        "colorfulness: spread of the opponent colors, less their shift from gray",
-        -7.7..=58.0,
-        uicm::panetta,
-    )
-    .with_profile(Panetta),
-    row(
-        "uicm",
-        "colorfulness: spread of the opponent colors, less their shift from gray",
-        -7.7..=58.0,
-        uicm::funie,
-    )
-    .with_profile(Funie),
-    row(
-        "uicm",
-        "colorfulness: spread of the opponent colors, less their shift from gray",
-        -7.7..=58.0,
-        uicm::table1,
-    )
-    .with_profile(Table1),
-    row(
-        "uism",
-        "sharpness: contrast of edges, channel by channel",
-        0.0..=26.0,
-        uism::panetta,
-    )
-    .with_profile(Panetta),
-    row(
-        "uism",
-        "sharpness: contrast of edges, channel by channel",
-        0.0..=26.8,
-        uism::funie,
-    )
-    .with_profile(Funie),
-    row(
-        "uism",
-        "sharpness: contrast of edges, channel by channel",
-        0.0..=11.1,
-        uism::table1,
-    )
-    .with_profile(Table1),
-    row(
-        "uiconm",
-        "contrast of blocks as an entropy-like mean",
-        0.0..=0.368,
-        uiconm::panetta,
-    )
-    .with_profile(Panetta),
-    row(
-        "uiconm",
-        "contrast of blocks as an entropy-like mean",
-        0.0..=0.368,
-        uiconm::funie,
-    )
-    .with_profile(Funie),
-    row(
-        "uiconm",
-        "contrast of blocks as an entropy-like mean",
-        -INFINITY..=INFINITY,
-        uiconm::table1,
-    )
-    .with_profile(Table1),
-    sum(Panetta, -0.3..=10.7, &uiqm::PANETTA),
-    sum(Funie, -0.3..=10.9, &uiqm::PANETTA),
-    sum(Table1, -INFINITY..=INFINITY, &uiqm::TABLE1),
-    row(
-        "uciqe",
-        "spread of chroma, contrast of lightness and mean saturation in CIE Lab",
-        0.0..=1.2,
-        uciqe::uciqe,
-    ),
-    row(
-        "uciqe_sigma_c",
-        "part of uciqe: spread of chroma",
-        0.0..=1.0,
-        uciqe::sigma_c,
-    ),
+/// Declares metrics: name, profile, whether it needs a clean picture, description, range and computation.
+macro_rules! metrics {
+    (@profile) => { None };
+    (@profile $profile:ident) => { Some(Profile::$profile) };
+    (@reference) => { false };
+    (@reference against_clean) => { true };
+    ($($name:literal $(@$profile:ident)? $($clean:ident)?: $about:expr, $range:expr, $compute:expr;)*) => {
+        &[$(MetricInfo {
+            name: $name,
+            profile: metrics!(@profile $($profile)?),
+            about: $about,
+            range: $range,
+            needs_reference: metrics!(@reference $($clean)?),
+            compute: $compute,
+        }),*]
+    };
+}
+
+const UICM: &str = "colorfulness: spread of the opponent colors, less their shift from gray";
+const UISM: &str = "sharpness: contrast of edges, channel by channel";
+const UICONM: &str = "contrast of blocks as an entropy-like mean";
+const UIQM: &str = "weighted sum of uicm, uism and uiconm of the same profile";
+
+static REGISTRY: &[MetricInfo] = metrics! {
+    "entropy": "entropy of the gray codes, bits", 0.0..=8.0, Direct(entropy::gray);
+    "entropy_rgb_r": "entropy of the red codes, bits", 0.0..=8.0, Direct(entropy::red);
+    "entropy_rgb_g": "entropy of the green codes, bits", 0.0..=8.0, Direct(entropy::green);
+    "entropy_rgb_b": "entropy of the blue codes, bits", 0.0..=8.0, Direct(entropy::blue);
+    "entropy_joint_rgb": "joint entropy of the three channels, bits", 0.0..=24.0, Direct(entropy::joint);
+    "entropy_2d": "joint entropy of a gray code and the mean of its neighborhood, bits", 0.0..=16.0, Direct(entropy::with_neighborhood);
+    "uicm" @Panetta: UICM, -7.7..=58.0, Direct(uicm::panetta);
+    "uicm" @Funie: UICM, -7.7..=58.0, Direct(uicm::funie);
+    "uicm" @Table1: UICM, -7.7..=58.0, Direct(uicm::table1);
+    "uism" @Panetta: UISM, 0.0..=26.0, Direct(uism::panetta);
+    "uism" @Funie: UISM, 0.0..=26.8, Direct(uism::funie);
+    "uism" @Table1: UISM, 0.0..=11.1, Direct(uism::table1);
+    "uiconm" @Panetta: UICONM, 0.0..=0.368, Direct(uiconm::panetta);
+    "uiconm" @Funie: UICONM, 0.0..=0.368, Direct(uiconm::funie);
+    "uiconm" @Table1: UICONM, -INFINITY..=INFINITY, Direct(uiconm::table1);
+    "uiqm" @Panetta: UIQM, -0.3..=10.7, Sum(&uiqm::PANETTA);
+    "uiqm" @Funie: UIQM, -0.3..=10.9, Sum(&uiqm::PANETTA);
+    "uiqm" @Table1: UIQM, -INFINITY..=INFINITY, Sum(&uiqm::TABLE1);
+    "uciqe": "spread of chroma, contrast of lightness and mean saturation in CIE Lab", 0.0..=1.2, Direct(uciqe::uciqe);
+    "uciqe_sigma_c": "part of uciqe: spread of chroma", 0.0..=1.0, Direct(uciqe::sigma_c);
     // White yields 1 + 4e-8: the rows of the matrix do not add up to the white exactly.
-    row(
-        "uciqe_con_l",
-        "part of uciqe: contrast of lightness",
-        0.0..=1.000_001,
-        uciqe::con_l,
-    ),
-    row(
-        "uciqe_mu_s",
-        "part of uciqe: mean saturation",
-        0.0..=1.0,
-        uciqe::mu_s,
-    ),
-    row(
-        "light_uniformity",
-        "how evenly the picture is lit",
-        0.0..=1.0,
-        light_uniformity::light_uniformity,
-    ),
-    row(
-        "psnr",
-        "ratio of peak signal to error against the clean picture, dB",
-        0.0..=psnr::CAP_DB,
-        psnr::psnr,
-    )
-    .comparing(),
-    row(
-        "ssim",
-        "structural similarity to the clean picture",
-        -1.0..=1.0,
-        ssim::ssim,
-    )
-    .comparing(),
-    row(
-        "ciede2000",
-        "mean color difference from the clean picture",
-        0.0..=INFINITY,
-        ciede2000::ciede2000,
-    )
-    .comparing(),
-    row(
-        "corner_repeatability",
-        "share of the clean picture's corners that are found again",
-        0.0..=1.0,
-        corners::repeatability,
-    )
-    .comparing(),
-];
+    "uciqe_con_l": "part of uciqe: contrast of lightness", 0.0..=1.000_001, Direct(uciqe::con_l);
+    "uciqe_mu_s": "part of uciqe: mean saturation", 0.0..=1.0, Direct(uciqe::mu_s);
+    "light_uniformity": "how evenly the picture is lit", 0.0..=1.0, Direct(light_uniformity::light_uniformity);
+    "psnr" against_clean: "ratio of peak signal to error against the clean picture, dB", 0.0..=psnr::CAP_DB, Direct(psnr::psnr);
+    "ssim" against_clean: "structural similarity to the clean picture", -1.0..=1.0, Direct(ssim::ssim);
+    "ciede2000" against_clean: "mean color difference from the clean picture", 0.0..=INFINITY, Direct(ciede2000::ciede2000);
+    "corner_repeatability" against_clean: "share of the clean picture's corners that are found again", 0.0..=1.0, Direct(corners::repeatability);
+};
 
 #[cfg(test)]
 mod tests {
