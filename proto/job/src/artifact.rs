@@ -1,6 +1,8 @@
 //! Artifact kinds.
 
 use serde::Deserialize;
+use utoipa::openapi::{ObjectBuilder, RefOr, Schema};
+use utoipa::{PartialSchema, ToSchema};
 
 use crate::encode::Encode;
 use crate::scene_parts::ScenePart;
@@ -81,6 +83,15 @@ artifacts! {
     TruthReport "truth_report" Json "work and accuracy of the Monte Carlo light, and the deviation of the image chain: JSON";
     HscmMask "hscm_mask" Png "circular mask of HSCM: 8-bit PNG";
     Preview "preview" Picture "thumbnail of at most 256 px a side, in the format of `encode`";
+}
+
+// Its words depend on the vocabulary of the service, which replaces this schema.
+impl ToSchema for ArtifactKind {}
+
+impl PartialSchema for ArtifactKind {
+    fn schema() -> RefOr<Schema> {
+        ObjectBuilder::new().into()
+    }
 }
 
 enum FileFormat {

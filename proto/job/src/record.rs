@@ -6,6 +6,7 @@ use imaging::digest::hex;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use sha2::{Digest, Sha256};
+use utoipa::ToSchema;
 
 use crate::artifact::{ArtifactKind, is_media_type};
 use crate::scene_record::SceneRecord;
@@ -50,26 +51,30 @@ pub struct RecordOf<V, M> {
 }
 
 /// The promised error bound of a frame.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = PromisedError)]
 pub struct Promise {
-    /// Maximum error of any sample of the exposed light, black to white, against the exact chain in f64.
+    /// The maximum error of any sample of the exposed light, black to white, against the exact chain in f64.
     pub bound: f64,
     /// The tolerance of the frame.
     pub tolerance: f64,
-    /// Stages without a bound, which the promise does not cover.
+    /// Stages without a bound; absent without any.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub unbounded: Vec<String>,
-    /// Why the bound exceeds the tolerance, and the remedy; `None` if it does not.
+    /// Why the bound exceeds the tolerance, and the remedy; absent if it does not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
     pub exceeds: Option<String>,
     /// The promise as one sentence.
     pub text: String,
 }
 
-/// One stored file.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+/// A stored file.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[schema(as = StoredArtifact)]
 pub struct ArtifactEntry {
-    /// Artifact kind, such as `rgb`.
+    /// Artifact kind.
+    #[schema(value_type = ArtifactKind)]
     pub kind: String,
     /// SHA-256 of the bytes, lower-case hex.
     pub digest: String,
@@ -113,26 +118,27 @@ impl ArtifactEntry {
 }
 
 /// Counters of the rendering.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[schema(as = FrameCounts)]
 pub struct Counts {
     /// Pixels without a valid range.
     pub holes: u64,
     /// Samples of negative radiance set to 0.
     pub negative_radiance: u64,
-    /// Samples of the result outside 0..=1, clamped by the encoder.
+    /// Samples outside 0..=1, clamped by the encoder.
     pub clamped: u64,
     /// Range pixels beyond the maximum of 16-bit millimeters.
     pub range_saturated: u64,
 }
 
 /// Software and inputs of an image.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 pub struct Provenance {
     /// Version of the software.
     pub code_version: String,
-    /// Version of ONNX Runtime, if a style network ran.
+    /// Version of ONNX Runtime, if a style network used it.
     pub onnx_runtime: Option<String>,
-    /// CPU features that select code paths, such as `avx2,fma`.
+    /// CPU features that select code paths.
     pub cpu_features: String,
     /// SHA-256 of every model and uploaded file used, by name.
     pub inputs: BTreeMap<String, String>,

@@ -2,36 +2,59 @@
 
 use imaging::geometry::Intrinsics;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use utoipa::ToSchema;
 
 use crate::camera::Distortion;
 use crate::classes::SceneCategory;
 
 /// The camera and the objects in view.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = SceneInView)]
 pub struct SceneRecord {
-    /// Rows of the matrix from camera axes (right, down, ahead, 1) to the world of a procedural scene, meters.
+    /// Rows of the matrix from camera axes (right, down, ahead, 1) to the world of a procedural scene, m.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, value_type = Option<Vec<Vec<f64>>>)]
     pub world_from_camera: Option<[[f64; 4]; 4]>,
-    /// The camera in index coordinates; behind a flat port with its focal length in air.
+    /// The pinhole camera; behind a flat port with its focal length in air.
+    #[schema(value_type = CameraIntrinsics)]
     pub intrinsics: Intrinsics,
     /// Lens and port; absent for a pinhole.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, value_type = Option<Object>)]
     pub lens: Option<LensRecord>,
     /// Objects in view; absent without an artifact that needs labels.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
     pub instances: Option<Vec<InstanceRecord>>,
-    /// Classes of an uploaded scene; those of procedural scenes are fixed.
+    /// The classes of an uploaded scene; those of procedural scenes are fixed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, value_type = Option<Vec<Value>>)]
     pub categories: Option<Vec<SceneCategory>>,
     /// Number of objects with visible contrast.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
     pub visible: Option<u64>,
     /// Minimum visibility of the objects that have one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
     pub least_visibility: Option<f64>,
     /// Mean visibility.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
     pub mean_visibility: Option<f64>,
+}
+
+/// A pinhole camera with square pixels, in index coordinates.
+#[derive(ToSchema)]
+#[expect(dead_code, reason = "describes [`Intrinsics`]")]
+struct CameraIntrinsics {
+    /// Focal length, px.
+    focal_px: f64,
+    /// Column of the principal point, px.
+    cx: f64,
+    /// Row of the principal point, px.
+    cy: f64,
 }
 
 /// A lens behind its port.
@@ -83,28 +106,32 @@ impl LensRecord {
 }
 
 /// An object in view.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = ObjectInView)]
 pub struct InstanceRecord {
     /// Number in the instance mask.
     pub number: u16,
-    /// Category, by the name of the semantic code.
+    /// Category; `GET /v1/lists/categories` lists them.
     pub category: String,
-    /// Bounding box of the visible part: left, top, and the first column and row beyond.
+    /// Bounding box of the visible part, px: left, top, and the first column and row beyond.
     #[serde(rename = "box")]
+    #[schema(value_type = Vec<u64>, min_items = 4, max_items = 4)]
     pub bounds: [usize; 4],
     /// Visible pixels.
     pub pixels: u64,
     /// For growth: number of the visible object that it is attached to.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
     pub host: Option<u16>,
     /// Median range, m.
     pub range_m: Option<f64>,
     /// Transmittance of the water at that range, R, G, B.
+    #[schema(value_type = Option<Vec<f64>>)]
     pub transmittance: Option<[f64; 3]>,
     /// Contrast against its surround after the water.
     pub contrast: Option<f64>,
-    /// Contrast after the water over contrast before it, at most 1; absent if the latter is 0.
+    /// Contrast after the water over contrast before it, at most 1.
     pub visibility: Option<f64>,
-    /// Whether the contrast after the water reaches the visibility threshold of 0.02.
+    /// Whether the contrast after the water reaches 0.02.
     pub visible: bool,
 }

@@ -2,6 +2,7 @@
 
 use imaging::digest::sha256;
 use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
 
 use crate::ports::takes;
 
@@ -22,7 +23,7 @@ pub struct ModelCard {
     /// Number of trained parameters.
     #[serde(default)]
     pub parameters: Option<u64>,
-    /// TrainingCard data.
+    /// Training data.
     #[serde(default = "unknown")]
     pub source: String,
     /// License.
@@ -48,7 +49,7 @@ pub struct ModelCard {
     /// Known limitations.
     #[serde(default)]
     pub caveats: Vec<String>,
-    /// TrainingCard record of `fathom train`.
+    /// Training record of `fathom train`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub training: Option<TrainingCard>,
     /// Distance of its color table from the network, if measured.
@@ -56,38 +57,42 @@ pub struct ModelCard {
     pub table: Option<TableDistance>,
 }
 
-/// TrainingCard record of a model, for reproduction, with its results.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+/// Training record of a style.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
+#[schema(as = TrainingRecord)]
 pub struct TrainingCard {
     /// SHA-256 of each photo's file.
     pub photos: Vec<String>,
-    /// Seed.
+    /// Random seed.
     pub seed: u64,
     /// Requested steps.
+    #[schema(value_type = u64)]
     pub steps: usize,
-    /// Step of the kept weights; 0: the color transfer only.
+    /// The step with the selected weights; 0: only the color transfer.
+    #[schema(value_type = u64)]
     pub kept_step: usize,
-    /// Mean losses of the steps before it.
+    /// Mean losses of the steps leading to it.
     pub losses: LossTerms,
     /// Losses on new scenes.
     pub held_out: LossTerms,
-    /// The same for the color transfer only.
+    /// Losses of the color transfer alone on new scenes.
     #[serde(rename = "held_out_colour_transfer")]
     pub held_out_color_transfer: LossTerms,
-    /// RMS difference between the network and its color map on new scenes, of 255.
+    /// Contribution of the network beyond its color map on new scenes: root mean square, of 255.
     pub branch_rms_255: f64,
     /// Version of the trainer.
     pub code_version: String,
 }
 
-/// Loss terms; lower is better.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+/// Parts of a loss; lower is better.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
+#[schema(as = Losses)]
 pub struct LossTerms {
-    /// Texture distance from the photos.
+    /// Distance of the texture from the photo's.
     pub texture: f64,
-    /// Color distance from the photos.
+    /// Distance of the colors from the photo's.
     #[serde(rename = "colour")]
     pub color: f64,
     /// Lost share of the content.
@@ -95,14 +100,14 @@ pub struct LossTerms {
 }
 
 /// Distance of the color table from the network on new scenes.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TableDistance {
     /// Mean absolute difference, of 255.
     pub mean_255: f64,
     /// 99.9th percentile of the absolute difference, of 255.
     pub high_255: f64,
-    /// Largest absolute difference, of 255.
+    /// Maximum absolute difference, of 255.
     pub max_255: f64,
     /// Mean structural similarity of the brightness.
     pub ssim: f64,

@@ -16,7 +16,7 @@ use utoipa::{Modify, OpenApi as _, PartialSchema, ToResponse, ToSchema};
 use crate::http::picture::PictureFormat;
 use crate::http::problem::Slug;
 
-pub(crate) use bodies::{ImageRecord, ImageRow, Losses, StyleCard};
+pub(crate) use bodies::{ImageRecord, ImageRow, StyleCard};
 pub(crate) use document::document;
 
 /// Declares components whose schemas are generated when the document is assembled.
@@ -40,8 +40,6 @@ written! {
     JobDescription;
     /// A user-defined water.
     NewWater;
-    /// The kind of an artifact.
-    ArtifactKind;
     /// An enhancement method.
     Enhancement;
     /// The type of a problem.

@@ -8,7 +8,7 @@ use utoipa::IntoParams;
 use crate::http::{Json, Path, Problem, Query, State, Topic, bounds, stored};
 use crate::images::{Images, archive};
 use crate::limits;
-use crate::openapi::{ArtifactKind, Bytes, ImageRecord};
+use crate::openapi::{Bytes, ImageRecord};
 
 /// Get the record of an image: resolved parameters, optics, plan, metrics, artifacts, timings, provenance.
 #[utoipa::path(get, path = "/v1/images/{job}/{frame}", tag = "images", operation_id = "get_image",
@@ -26,7 +26,7 @@ pub(crate) async fn get(
 /// The entity tag is the SHA-256 of the bytes, so copies never become stale. Single ranges are supported.
 #[utoipa::path(get, path = "/v1/images/{job}/{frame}/artifacts/{kind}", tag = "images", operation_id = "get_artifact",
     params(("job" = String, Path, description = "`job_…`"), ("frame" = u64, Path, description = "From 0"),
-           ("kind" = ArtifactKind, Path, description = "Such as `rgb`, `range`, `enhanced.hscm`"),
+           ("kind" = spec::ArtifactKind, Path, description = "Such as `rgb`, `range`, `enhanced.hscm`"),
            ("If-None-Match" = Option<String>, Header, description = "Entity tags of the client's copies"),
            ("Range" = Option<String>, Header, description = "One range of bytes")),
     responses((status = 200, description = "The bytes, verified against their digest. NPY is `application/x-npy`, JSON `application/json`.",

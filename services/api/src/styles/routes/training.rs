@@ -6,7 +6,7 @@ use style::ModelCard;
 use utoipa::{IntoParams, ToSchema};
 
 use crate::http::{Json, Path, Problem, Query, State, Topic, bounds};
-use crate::openapi::{Bytes, Losses, StyleCard};
+use crate::openapi::{Bytes, StyleCard};
 use crate::styles::Styles;
 use crate::styles::trainings::{Progress, Training};
 
@@ -46,7 +46,7 @@ pub(crate) struct TrainingView {
     /// Steps done.
     done: u64,
     /// The losses of the newest steps.
-    #[schema(value_type = Option<Losses>)]
+    #[schema(value_type = Option<style::LossTerms>)]
     losses: Value,
     /// Time of its preview, Unix time in milliseconds; null: none.
     preview_ms: Option<u64>,
