@@ -70,25 +70,22 @@ impl Column {
     /// Whether any row has another value; the order of the list of texts does not matter.
     #[must_use]
     pub fn is_other_than(&self, other: &Self) -> bool {
-        let numbers = |column: &Self| {
-            column
-                .numbers()
-                .iter()
-                .map(|value| value.to_bits())
-                .collect::<Vec<_>>()
-        };
         match (self, other) {
             (Self::Texts { codes: one, texts }, Self::Texts { codes, texts: others }) => {
-                let text = |code: &u16, texts: &[Arc<str>]| texts.get(usize::from(*code)).cloned();
                 one.len() != codes.len()
                     || one
                         .iter()
                         .zip(codes)
-                        .any(|(one, other)| text(one, texts) != text(other, others))
+                        .any(|(one, other)| texts.get(usize::from(*one)) != others.get(usize::from(*other)))
             }
             (Self::Wholes { .. }, Self::Wholes { .. }) => self != other,
             (Self::Texts { .. }, _) | (_, Self::Texts { .. }) => !(self.is_void() && other.is_void()),
-            _ => numbers(self) != numbers(other),
+            _ => {
+                let (one, other) = (self.numbers(), other.numbers());
+                !one.iter()
+                    .map(|value| value.to_bits())
+                    .eq(other.iter().map(|value| value.to_bits()))
+            }
         }
     }
 

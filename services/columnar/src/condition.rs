@@ -53,6 +53,34 @@ pub enum Value {
     Text(String),
 }
 
+impl Value {
+    /// As a number; NaN, to which nothing compares, for a text.
+    fn number(&self) -> f64 {
+        match self {
+            Self::Number(number) => *number,
+            Self::Whole(number) => *number as f64,
+            Self::Text(_) => f64::NAN,
+        }
+    }
+
+    /// How a whole number compares to this; `None` if it does not.
+    fn order(&self, value: i64) -> Option<Ordering> {
+        match self {
+            Self::Whole(bound) => Some(value.cmp(bound)),
+            Self::Number(bound) => compare(value, *bound),
+            Self::Text(_) => None,
+        }
+    }
+
+    fn is_text(&self, text: &str) -> bool {
+        matches!(self, Self::Text(other) if other == text)
+    }
+}
+
+fn test_each(values: &[f64], test: impl Fn(f64) -> bool) -> Vec<bool> {
+    values.iter().map(|value| test(*value)).collect()
+}
+
 /// Which rows fulfill a condition.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Mask {
@@ -67,6 +95,14 @@ pub(crate) struct Range {
     pub(crate) low: Bound,
     pub(crate) high: Bound,
     pub(crate) any_missing: bool,
+}
+
+impl Range {
+    /// Whether no value of the range can equal this one.
+    fn is_without(&self, value: &Value) -> bool {
+        Test::Is(Sign::Above, value.clone()).holds_at(&self.low)
+            || Test::Is(Sign::Below, value.clone()).holds_at(&self.high)
+    }
 }
 
 /// An end of a range.
@@ -204,34 +240,25 @@ impl Test {
 
     /// A separate loop for each test, so that each is vectorized; comparisons with NaN, a missing value, are false.
     fn of_numbers(&self, values: &[f64]) -> Vec<bool> {
-        let rows = |test: &dyn Fn(&f64) -> bool| values.iter().map(test).collect();
-        let number = |value: &Value| match value {
-            Value::Number(number) => *number,
-            Value::Whole(number) => *number as f64,
-            Value::Text(_) => f64::NAN,
-        };
         match self {
-            Self::IsMissing => rows(&|value| value.is_nan()),
+            Self::IsMissing => test_each(values, f64::is_nan),
             Self::In(all) => {
-                let all: Vec<f64> = all.iter().map(number).collect();
-                rows(&|value| all.contains(value))
+                let all: Vec<f64> = all.iter().map(Value::number).collect();
+                test_each(values, |value| all.contains(&value))
             }
             Self::Between(low, high) => {
-                let (low, high) = (number(low), number(high));
-                values
-                    .iter()
-                    .map(|value| (low <= *value) & (*value <= high))
-                    .collect()
+                let (low, high) = (low.number(), high.number());
+                test_each(values, |value| (low <= value) & (value <= high))
             }
             Self::Is(sign, bound) => {
-                let bound = number(bound);
+                let bound = bound.number();
                 match sign {
-                    Sign::Equal => rows(&|value| *value == bound),
-                    Sign::Unequal => rows(&|value| !value.is_nan() && *value != bound),
-                    Sign::Below => values.iter().map(|value| *value < bound).collect(),
-                    Sign::Above => values.iter().map(|value| *value > bound).collect(),
-                    Sign::AtMost => values.iter().map(|value| *value <= bound).collect(),
-                    Sign::AtLeast => values.iter().map(|value| *value >= bound).collect(),
+                    Sign::Equal => test_each(values, |value| value == bound),
+                    Sign::Unequal => test_each(values, |value| !value.is_nan() && value != bound),
+                    Sign::Below => test_each(values, |value| value < bound),
+                    Sign::Above => test_each(values, |value| value > bound),
+                    Sign::AtMost => test_each(values, |value| value <= bound),
+                    Sign::AtLeast => test_each(values, |value| value >= bound),
                 }
             }
         }
@@ -242,27 +269,21 @@ impl Test {
     }
 
     fn of_whole(&self, value: i64) -> bool {
-        let compared = |bound: &Value| match bound {
-            Value::Whole(bound) => Some(value.cmp(bound)),
-            Value::Number(bound) => compare(value, *bound),
-            Value::Text(_) => None,
-        };
         match self {
             Self::IsMissing => false,
-            Self::Is(sign, bound) => sign.holds(compared(bound)),
-            Self::In(all) => all.iter().any(|one| Sign::Equal.holds(compared(one))),
+            Self::Is(sign, bound) => sign.holds(bound.order(value)),
+            Self::In(all) => all.iter().any(|one| Sign::Equal.holds(one.order(value))),
             Self::Between(low, high) => {
-                Sign::AtLeast.holds(compared(low)) && Sign::AtMost.holds(compared(high))
+                Sign::AtLeast.holds(low.order(value)) && Sign::AtMost.holds(high.order(value))
             }
         }
     }
 
     fn of_text(&self, text: &str) -> bool {
-        let equal = |value: &Value| matches!(value, Value::Text(other) if other == text);
         match self {
-            Self::Is(Sign::Equal, value) => equal(value),
-            Self::Is(Sign::Unequal, value) => !equal(value),
-            Self::In(all) => all.iter().any(equal),
+            Self::Is(Sign::Equal, value) => value.is_text(text),
+            Self::Is(Sign::Unequal, value) => !value.is_text(text),
+            Self::In(all) => all.iter().any(|value| value.is_text(text)),
             Self::IsMissing | Self::Is(..) | Self::Between(..) => false,
         }
     }
@@ -270,27 +291,26 @@ impl Test {
     /// The mask where the ends of the range decide it: a test that holds at both ends of a range holds between them, unless it is
     /// one for single values.
     fn of_range(&self, range: &Range) -> Option<Mask> {
-        let outside = |value: &Value| {
-            let holds = |sign: Sign, bound| Self::Is(sign, value.clone()).holds_at(bound);
-            holds(Sign::Above, &range.low) || holds(Sign::Below, &range.high)
-        };
-        let all = || (!range.any_missing).then_some(Mask::All);
+        let all = (!range.any_missing).then_some(Mask::All);
         match self {
             Self::IsMissing => (!range.any_missing).then_some(Mask::None),
-            Self::In(values) => values.iter().all(outside).then_some(Mask::None),
-            Self::Is(Sign::Equal, value) => outside(value).then_some(Mask::None),
-            Self::Is(Sign::Unequal, value) => outside(value).then(all)?,
+            Self::In(values) => {
+                let is_apart = values.iter().all(|value| range.is_without(value));
+                is_apart.then_some(Mask::None)
+            }
+            Self::Is(Sign::Equal, value) => range.is_without(value).then_some(Mask::None),
+            Self::Is(Sign::Unequal, value) => range.is_without(value).then_some(all)?,
             Self::Between(low, high) => {
                 let is_apart = Self::Is(Sign::Below, low.clone()).holds_at(&range.high)
                     || Self::Is(Sign::Above, high.clone()).holds_at(&range.low);
                 match (self.holds_at(&range.low), self.holds_at(&range.high)) {
                     _ if is_apart => Some(Mask::None),
-                    (true, true) => all(),
+                    (true, true) => all,
                     _ => None,
                 }
             }
             Self::Is(..) => match (self.holds_at(&range.low), self.holds_at(&range.high)) {
-                (true, true) => all(),
+                (true, true) => all,
                 (false, false) => Some(Mask::None),
                 _ => None,
             },

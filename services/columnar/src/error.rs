@@ -30,6 +30,13 @@ pub enum ColumnarError {
 }
 
 impl ColumnarError {
+    pub(crate) fn damaged(path: &std::path::Path, what: &str) -> Self {
+        Self::Damaged {
+            path: path.to_owned(),
+            what: what.to_owned(),
+        }
+    }
+
     pub(crate) fn io(path: &std::path::Path) -> impl FnOnce(std::io::Error) -> Self {
         let path = path.to_owned();
         move |source| Self::Io { path, source }

@@ -81,37 +81,36 @@ pub(crate) fn footer(end: &[u8]) -> Option<&[u8]> {
     end.get(trailer.checked_sub(length)?..)
 }
 
+/// The bytes of a file of this length from a position on.
+fn read_from(file: &std::fs::File, from: u64, length: u64) -> std::io::Result<Vec<u8>> {
+    let mut bytes = vec![0; (length - from) as usize];
+    file.read_exact_at(&mut bytes, from).map(|()| bytes)
+}
+
 impl ReplicaFile {
     /// Opens a file with a footer of this digest.
     ///
     /// # Errors
     /// [`ColumnarError::Damaged`], [`ColumnarError::Io`].
     pub fn open(path: &Path, digest: &str) -> Result<Self, ColumnarError> {
-        let damaged = |what: &str| ColumnarError::Damaged {
-            path: path.to_owned(),
-            what: what.to_owned(),
-        };
         let file = std::fs::File::open(path).map_err(ColumnarError::io(path))?;
         let length = file.metadata().map_err(ColumnarError::io(path))?.len();
-        let read = |from: u64| {
-            let mut bytes = vec![0; (length - from) as usize];
-            file.read_exact_at(&mut bytes, from).map(|()| bytes)
-        };
         let trailer_at = length
             .checked_sub(TRAILER as u64)
-            .ok_or_else(|| damaged("its length"))?;
-        let trailer = read(trailer_at).map_err(ColumnarError::io(path))?;
+            .ok_or_else(|| ColumnarError::damaged(path, "its length"))?;
+        let trailer = read_from(&file, trailer_at, length).map_err(ColumnarError::io(path))?;
         let footer_length = u64::from(u32::from_le_bytes([
             trailer[0], trailer[1], trailer[2], trailer[3],
         ]));
         let footer_at = trailer_at
             .checked_sub(footer_length)
-            .ok_or_else(|| damaged("its footer"))?;
-        let footer = read(footer_at).map_err(ColumnarError::io(path))?;
+            .ok_or_else(|| ColumnarError::damaged(path, "its footer"))?;
+        let footer = read_from(&file, footer_at, length).map_err(ColumnarError::io(path))?;
         if sha256(&footer) != digest {
-            return Err(damaged("its footer"));
+            return Err(ColumnarError::damaged(path, "its footer"));
         }
-        Self::parse(path, &footer[..footer.len() - TRAILER]).ok_or_else(|| damaged("its footer"))
+        Self::parse(path, &footer[..footer.len() - TRAILER])
+            .ok_or_else(|| ColumnarError::damaged(path, "its footer"))
     }
 
     fn parse(path: &Path, footer: &[u8]) -> Option<Self> {
@@ -221,10 +220,7 @@ impl ReplicaFile {
     }
 
     fn damaged(&self, what: &str) -> ColumnarError {
-        ColumnarError::Damaged {
-            path: self.path.clone(),
-            what: what.to_owned(),
-        }
+        ColumnarError::damaged(&self.path, what)
     }
 }
 

@@ -129,16 +129,14 @@ impl Ends {
 
     /// The bounds from the footer, for files whose rows are all in the query and have all values.
     fn known(rows: &Rows<'_>, has_third: bool) -> Option<Self> {
-        let ends = |place| match rows.range(place).map(|range| (range.low, range.high)) {
-            Some((Bound::Number(low), Bound::Number(high))) if low.is_finite() && high.is_finite() => {
-                Some((low, high))
-            }
-            _ => None,
+        let third = if has_third {
+            known_ends(rows, 2)?
+        } else {
+            (0.0, 0.0)
         };
-        let third = if has_third { ends(2)? } else { (0.0, 0.0) };
         Some(Self {
-            x: ends(0)?,
-            y: ends(1)?,
+            x: known_ends(rows, 0)?,
+            y: known_ends(rows, 1)?,
             third: third.0.abs().max(third.1.abs()),
         })
     }
@@ -155,11 +153,26 @@ impl Ends {
     }
 
     fn merge(&mut self, other: &Self) {
-        let both = |one: (f64, f64), other: (f64, f64)| (one.0.min(other.0), one.1.max(other.1));
-        self.x = both(self.x, other.x);
-        self.y = both(self.y, other.y);
+        self.x = (self.x.0.min(other.x.0), self.x.1.max(other.x.1));
+        self.y = (self.y.0.min(other.y.0), self.y.1.max(other.y.1));
         self.third = self.third.max(other.third);
     }
+}
+
+/// The finite ends of a column from the footer.
+fn known_ends(rows: &Rows<'_>, column: usize) -> Option<(f64, f64)> {
+    match rows.range(column).map(|range| (range.low, range.high)) {
+        Some((Bound::Number(low), Bound::Number(high))) if low.is_finite() && high.is_finite() => {
+            Some((low, high))
+        }
+        _ => None,
+    }
+}
+
+#[inline]
+fn bin((low, high): (f64, f64), value: f64, bins: usize) -> usize {
+    let share = (value - low) / (high - low);
+    ((share * bins as f64) as usize).min(bins - 1)
 }
 
 impl Grid {
@@ -182,11 +195,7 @@ impl Grid {
         if !(x.is_finite() && y.is_finite()) {
             return;
         }
-        let place = |(low, high): (f64, f64), value: f64| {
-            let share = (value - low) / (high - low);
-            ((share * self.bins as f64) as usize).min(self.bins - 1)
-        };
-        let cell = place(self.axes.y, y) * self.bins + place(self.axes.x, x);
+        let cell = bin(self.axes.y, y, self.bins) * self.bins + bin(self.axes.x, x, self.bins);
         self.counts[cell] += 1;
         self.counted += 1;
         if let Some(third) = third.filter(|third| third.is_finite()) {

@@ -296,15 +296,11 @@ impl Wanted {
         } else {
             binned.sum.total() / ends.count as f64
         };
-        let square = |value: f64| (value - mean) * (value - mean);
+        let largest = (ends.low - mean).abs().max((ends.high - mean).abs());
         Self {
             mean,
             bins,
-            largest_square: if ends.count == 0 {
-                0.0
-            } else {
-                square(ends.low).max(square(ends.high))
-            },
+            largest_square: if ends.count == 0 { 0.0 } else { largest * largest },
         }
     }
 }
@@ -368,16 +364,16 @@ fn summarized(ends: &Ends, binned: &Binned, wanted: &Wanted, mut gathered: Gathe
         let place = Quantile::new(share, ends.count)?;
         Some(place.between(value(place.low), value(place.high)))
     });
-    let some = |value: f64| (ends.count > 0).then_some(value + 0.0);
+    let has_values = ends.count > 0;
     Summary {
         count: ends.count,
-        mean: some(wanted.mean),
+        mean: has_values.then_some(wanted.mean + 0.0),
         sd: (ends.count > 1).then(|| (gathered.squares.total() / (ends.count - 1) as f64).sqrt()),
-        min: some(ends.low),
+        min: has_values.then_some(ends.low + 0.0),
         q25,
         median,
         q75,
-        max: some(ends.high),
+        max: has_values.then_some(ends.high + 0.0),
     }
 }
 

@@ -84,28 +84,31 @@ struct Keys {
     texts: Vec<Arc<str>>,
 }
 
+/// All texts of a column, sorted.
+fn distinct_texts(masked: &Masked<'_>, column: usize) -> Result<Vec<Arc<str>>, ColumnarError> {
+    let all = masked.pass(BTreeSet::new, |all, rows| {
+        if let Column::Texts { texts, .. } = &*rows.column(column)? {
+            all.extend(texts.iter().cloned());
+        }
+        Ok(())
+    })?;
+    let all: BTreeSet<_> = all.into_iter().flatten().collect();
+    Ok(all.into_iter().collect())
+}
+
+/// The number of rows with a digit, over all threads.
+fn total(counts: &[Vec<u64>], digit: usize) -> u64 {
+    counts.iter().map(|counts| counts[digit]).sum()
+}
+
 impl Keys {
     fn new(masked: &Masked<'_>, order: &Order) -> Result<Self, ColumnarError> {
-        let texts = |place: usize| -> Result<Vec<Arc<str>>, ColumnarError> {
-            let all = masked.pass(BTreeSet::new, |all, rows| {
-                if let Column::Texts { texts, .. } = &*rows.column(place)? {
-                    all.extend(texts.iter().cloned());
-                }
-                Ok(())
-            })?;
-            Ok(all
-                .into_iter()
-                .flatten()
-                .collect::<BTreeSet<_>>()
-                .into_iter()
-                .collect())
-        };
         Ok(Self {
             order: *order,
-            jobs: texts(order.job)?,
+            jobs: distinct_texts(masked, order.job)?,
             texts: order
                 .by
-                .map_or_else(|| Ok(Vec::new()), |(place, _)| texts(place))?,
+                .map_or_else(|| Ok(Vec::new()), |(place, _)| distinct_texts(masked, place))?,
         })
     }
 
@@ -148,8 +151,7 @@ impl Keys {
 
     /// The smallest key of a row after this one. A text that no row has is ranked between its neighbors.
     fn after(&self, value: Option<&Sorted>, job: &str, frame: i64) -> Key {
-        let place = |text: &str, all: &[Arc<str>]| all.partition_point(|one| **one < *text);
-        let place_of_job = place(job, &self.jobs);
+        let place_of_job = self.jobs.partition_point(|one| **one < *job);
         let is_job_known = self.jobs.get(place_of_job).is_some_and(|known| **known == *job);
         let mut tail = (place_of_job as u64, 0);
         if is_job_known {
@@ -162,7 +164,7 @@ impl Keys {
             Sorted::Number(number) => ordered(*number),
             Sorted::Whole(whole) => unsigned(*whole),
             Sorted::Text(text) => {
-                let place = place(text, &self.texts);
+                let place = self.texts.partition_point(|one| **one < **text);
                 if self.texts.get(place).is_none_or(|known| **known != **text) {
                     // The text at its place is greater: all of its rows follow, or none.
                     tail = if descending { (u64::MAX, u64::MAX) } else { (0, 0) };
@@ -243,13 +245,13 @@ fn select(masked: &Masked<'_>, keys: &Keys, rank: u64) -> Result<Option<Key>, Co
                 })
             },
         )?;
-        let of_digit = |digit: usize| counts.iter().map(|counts| counts[digit]).sum::<u64>();
         let mut chosen = 0;
-        while of_digit(chosen) <= rank {
-            rank -= of_digit(chosen);
+        count = total(&counts, chosen);
+        while count <= rank {
+            rank -= count;
             chosen += 1;
+            count = total(&counts, chosen);
         }
-        count = of_digit(chosen);
         (low, high) = with_digit(&low, bit, chosen as u64);
     }
     let gathered = masked.pass(Vec::new, |gathered, rows| {
