@@ -18,6 +18,11 @@ pub enum SetError {
 }
 
 impl SetError {
+    /// The error for an object that contradicts others.
+    pub(crate) fn damaged(name: &str, reason: impl std::fmt::Display) -> Self {
+        Self::Damaged(format!("{name}: {reason}"))
+    }
+
     /// The error for an object with unreadable content.
     pub(crate) fn unreadable(name: &str, reason: impl std::fmt::Display) -> Self {
         Self::Damaged(format!("{name} cannot be read: {reason}"))

@@ -72,12 +72,11 @@ impl Set {
             }
             Ok(())
         })?;
-        let name = |digest: &Option<String>| digest.clone().unwrap_or_else(|| "no image".to_owned());
         Ok((stored != rendered).then(|| {
             format!(
                 "frame {frame} is stored as {} and rendered as {}",
-                name(&stored),
-                name(&rendered)
+                stored.as_deref().unwrap_or("no image"),
+                rendered.as_deref().unwrap_or("no image")
             )
         }))
     }

@@ -138,10 +138,8 @@ impl Child {
 
     /// Frames that it was rendering, and those that it had not begun.
     pub(crate) fn split(&self) -> (Vec<u64>, Vec<u64>) {
-        let (begun, waiting): (Vec<_>, Vec<_>) = self.frames.iter().partition(|(_, since)| since.is_some());
-        let numbers =
-            |frames: Vec<(&u64, &Option<Instant>)>| frames.into_iter().map(|(frame, _)| *frame).collect();
-        (numbers(begun), numbers(waiting))
+        let frames = self.frames.keys().copied();
+        frames.partition(|frame| self.frames[frame].is_some())
     }
 
     /// Why the child must end, if it must.

@@ -195,6 +195,14 @@ fn add(values: &mut Vec<ByteArray>, text: Vec<u8>) -> usize {
 }
 
 impl Cell {
+    pub(crate) fn text(text: &str) -> Self {
+        Self::Text(text.to_owned())
+    }
+
+    pub(crate) fn whole(number: u64) -> Self {
+        Self::Whole(number as i64)
+    }
+
     /// The cell of a scalar of a record; `None` for a value of another kind.
     pub(crate) fn of_leaf(kind: LeafKind, value: &Value) -> Option<Self> {
         match kind {

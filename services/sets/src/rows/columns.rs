@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde_json::Value;
-use spec::{FrameRecord, Job, Leaf, Leaves};
+use spec::{ArtifactEntry, FrameRecord, Job, Leaf, Leaves};
 
 use crate::rows::cells::{Cell, Kind};
 
@@ -44,6 +44,15 @@ pub(crate) struct Row<'a> {
     pub(crate) created_ms: u64,
     /// Offsets of the artifacts in the tar, by kind.
     pub(crate) offsets: &'a BTreeMap<String, u64>,
+}
+
+impl Row<'_> {
+    fn artifact(&self, kind: &str) -> Option<&ArtifactEntry> {
+        self.record
+            .artifacts
+            .iter()
+            .find(|artifact| artifact.kind == kind)
+    }
 }
 
 /// What all rows of a shard have in common.
@@ -106,18 +115,15 @@ fn column(name: String, kind: Kind, source: Source) -> Column {
 impl Column {
     /// The value of a row in this column.
     pub(crate) fn cell(&self, row: &Row<'_>, common: &Common) -> Option<Cell> {
-        let text = |text: &str| Some(Cell::Text(text.to_owned()));
-        let whole = |number: u64| Some(Cell::Whole(number as i64));
-        let artifact = |kind: &str| row.record.artifacts.iter().find(|artifact| artifact.kind == kind);
         match &self.source {
-            Source::Job => text(&common.job),
-            Source::Frame => whole(row.record.frame),
-            Source::Dataset => text(&common.dataset),
-            Source::CreatedMs => whole(row.created_ms),
-            Source::Digest => text(row.digest),
+            Source::Job => Some(Cell::text(&common.job)),
+            Source::Frame => Some(Cell::whole(row.record.frame)),
+            Source::Dataset => Some(Cell::text(&common.dataset)),
+            Source::CreatedMs => Some(Cell::whole(row.created_ms)),
+            Source::Digest => Some(Cell::text(row.digest)),
             Source::Failed => Some(Cell::Flag(false)),
             Source::Warned => Some(Cell::Flag(!row.record.warnings.is_empty())),
-            Source::Tar => text(&common.tar),
+            Source::Tar => Some(Cell::text(&common.tar)),
             Source::Leaf(leaf) => Cell::of_leaf(leaf.kind, leaf.find(row.json)?),
             Source::Metric { subject, metric } => row
                 .record
@@ -126,9 +132,9 @@ impl Column {
                 .get(metric)
                 .copied()
                 .map(Cell::Number),
-            Source::ArtifactDigest(kind) => text(&artifact(kind)?.digest),
-            Source::ArtifactOffset(kind) => whole(*row.offsets.get(kind)?),
-            Source::ArtifactBytes(kind) => whole(artifact(kind)?.bytes),
+            Source::ArtifactDigest(kind) => Some(Cell::text(&row.artifact(kind)?.digest)),
+            Source::ArtifactOffset(kind) => Some(Cell::whole(*row.offsets.get(kind)?)),
+            Source::ArtifactBytes(kind) => Some(Cell::whole(row.artifact(kind)?.bytes)),
             Source::Record => Some(Cell::Text(row.json.to_string())),
         }
     }

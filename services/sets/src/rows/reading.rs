@@ -2,10 +2,10 @@
 //! with each other and with the job.
 
 use std::collections::BTreeMap;
-use std::fmt::Display;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use bytes::Bytes;
+use parquet::data_type::ByteArray;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use spec::{ArtifactEntry, RecordText, sha256};
 
@@ -104,22 +104,27 @@ impl Set {
 
     fn check_marker(&self, shard: u64, marker: &Marker) -> Result<(), SetError> {
         let name = layout::done(shard);
-        let wrong = |reason: String| Err(SetError::Damaged(format!("{name}: {reason}")));
         let attempt = &marker.attempt;
         if marker.shard != shard {
-            return wrong(format!("it is of shard {}", marker.shard));
+            return Err(SetError::damaged(
+                &name,
+                format!("it is of shard {}", marker.shard),
+            ));
         }
         // It becomes part of names, so only letters and digits are accepted.
         if !(1..=64).contains(&attempt.len()) || !attempt.bytes().all(|byte| byte.is_ascii_alphanumeric()) {
-            return wrong(format!("`{attempt}` is no attempt"));
+            return Err(SetError::damaged(&name, format!("`{attempt}` is no attempt")));
         }
         let frames = self.card().frames_of(shard);
         let all = frames.end - frames.start;
         if marker.images.checked_add(marker.failed.len() as u64) != Some(all) {
-            return wrong(format!(
-                "{} images and {} failed frames are not the {all} frames of the shard",
-                marker.images,
-                marker.failed.len()
+            return Err(SetError::damaged(
+                &name,
+                format!(
+                    "{} images and {} failed frames are not the {all} frames of the shard",
+                    marker.images,
+                    marker.failed.len()
+                ),
             ));
         }
         let in_order = marker.failed.windows(2).all(|pair| pair[0].frame < pair[1].frame);
@@ -128,8 +133,11 @@ impl Set {
             .iter()
             .find(|failed| !frames.contains(&failed.frame));
         match outside {
-            Some(failed) => wrong(format!("failed frame {} is not within {frames:?}", failed.frame)),
-            None if !in_order => wrong("failed frames are out of order".to_owned()),
+            Some(failed) => Err(SetError::damaged(
+                &name,
+                format!("failed frame {} is not within {frames:?}", failed.frame),
+            )),
+            None if !in_order => Err(SetError::damaged(&name, "failed frames are out of order")),
             None => Ok(()),
         }
     }
@@ -169,12 +177,14 @@ impl Set {
     /// Reads all rows; returns them group by group unless they are too many to be kept.
     fn check_rows(&self, marker: &Marker, rows: &Bytes) -> Result<Vec<Vec<ShardImage>>, SetError> {
         let name = marker.rows_name();
-        let wrong = |reason: String| SetError::Damaged(format!("{name}: {reason}"));
         let frames = self.card().frames_of(marker.shard);
         let reader = open(&name, rows)?;
         let count: i64 = reader.metadata().row_groups().iter().map(|g| g.num_rows()).sum();
         if u64::try_from(count) != Ok(marker.images) {
-            return Err(wrong(format!("{count} rows, its marker says {}", marker.images)));
+            return Err(SetError::damaged(
+                &name,
+                format!("{count} rows, its marker says {}", marker.images),
+            ));
         }
         let (mut kept, mut digests, mut next) = (Vec::new(), Vec::new(), frames.start);
         for number in 0..reader.num_row_groups() {
@@ -182,10 +192,10 @@ impl Set {
             for image in &images {
                 let frame = image.record.record().frame;
                 if frame < next || frame >= frames.end {
-                    return Err(wrong(format!(
-                        "frame {frame} is not within {next}..{}",
-                        frames.end
-                    )));
+                    return Err(SetError::damaged(
+                        &name,
+                        format!("frame {frame} is not within {next}..{}", frames.end),
+                    ));
                 }
                 next = frame + 1;
                 if marker
@@ -193,13 +203,14 @@ impl Set {
                     .binary_search_by_key(&frame, |failed| failed.frame)
                     .is_ok()
                 {
-                    return Err(wrong(format!(
-                        "frame {frame} has an image and is listed as failed"
-                    )));
+                    return Err(SetError::damaged(
+                        &name,
+                        format!("frame {frame} has an image and is listed as failed"),
+                    ));
                 }
                 image
                     .check(marker.tar.bytes)
-                    .map_err(|reason| wrong(format!("frame {frame}: {reason}")))?;
+                    .map_err(|reason| SetError::damaged(&name, format!("frame {frame}: {reason}")))?;
                 digests.push(image.record.digest().to_owned());
             }
             if marker.images <= KEPT_IMAGES {
@@ -208,10 +219,13 @@ impl Set {
         }
         let digest = spec::job_digest(digests.iter().map(String::as_str));
         if digest != marker.digest {
-            return Err(wrong(format!(
-                "its images have the digest {digest}, its marker says {}",
-                marker.digest
-            )));
+            return Err(SetError::damaged(
+                &name,
+                format!(
+                    "its images have the digest {digest}, its marker says {}",
+                    marker.digest
+                ),
+            ));
         }
         Ok(kept)
     }
@@ -279,47 +293,50 @@ fn images(
 ) -> Result<Vec<ShardImage>, SetError> {
     let unreadable = |error: String| SetError::unreadable(name, error);
     let group = Group::open(reader, number).map_err(unreadable)?;
-    let read = || {
-        let (frames, times) = (group.numbers("frame")?, group.numbers("created_ms")?);
-        let (tars, records) = (group.texts("tar")?, group.texts("record")?);
-        let places = group.numbers_within("artifacts.", ".offset")?;
-        let mut images = Vec::with_capacity(group.rows);
-        for row in 0..group.rows {
-            let missing = |column: &str| format!("row {row} has no {column}");
-            let text = records[row].as_ref().ok_or_else(|| missing("record"))?;
-            let odd = |error: &dyn Display| format!("the record of row {row} cannot be read: {error}");
-            let text = text.as_utf8().map_err(|error| odd(&error))?.to_owned();
-            let record = RecordText::read(text).map_err(|error| odd(&error))?;
-            let (frame, of_record) = (
-                frames[row].ok_or_else(|| missing("frame"))?,
-                record.record().frame,
-            );
-            if u64::try_from(frame) != Ok(of_record) {
-                return Err(format!(
-                    "row {row} is of frame {frame}, its record of frame {of_record}"
-                ));
-            }
-            if tars[row]
-                .as_ref()
-                .is_none_or(|found| found.data() != tar.as_bytes())
-            {
-                return Err(format!("row {row} names another tar than {tar}"));
-            }
-            let created_ms = times[row].filter(|time| (0..=LAST_MS).contains(time));
-            let created_ms = created_ms.ok_or_else(|| missing("created_ms that is a time"))? as u64;
-            images.push(ShardImage {
-                record,
-                created_ms,
-                offsets: places
-                    .iter()
-                    .filter_map(|(kind, offsets): &Named| {
-                        let offset = u64::try_from(offsets[row]?).ok()?;
-                        Some((kind.clone(), offset))
-                    })
-                    .collect(),
-            });
+    read_images(&group, tar).map_err(unreadable)
+}
+
+fn read_images(group: &Group, tar: &str) -> Result<Vec<ShardImage>, String> {
+    let (frames, times) = (group.numbers("frame")?, group.numbers("created_ms")?);
+    let (tars, records) = (group.texts("tar")?, group.texts("record")?);
+    let places = group.numbers_within("artifacts.", ".offset")?;
+    let mut images = Vec::with_capacity(group.rows);
+    for row in 0..group.rows {
+        let text = records[row]
+            .as_ref()
+            .ok_or_else(|| format!("row {row} has no record"))?;
+        let record =
+            read_record(text).map_err(|error| format!("the record of row {row} cannot be read: {error}"))?;
+        let frame = frames[row].ok_or_else(|| format!("row {row} has no frame"))?;
+        let of_record = record.record().frame;
+        if u64::try_from(frame) != Ok(of_record) {
+            return Err(format!(
+                "row {row} is of frame {frame}, its record of frame {of_record}"
+            ));
         }
-        Ok(images)
-    };
-    read().map_err(unreadable)
+        if tars[row]
+            .as_ref()
+            .is_none_or(|found| found.data() != tar.as_bytes())
+        {
+            return Err(format!("row {row} names another tar than {tar}"));
+        }
+        let created_ms = times[row].filter(|time| (0..=LAST_MS).contains(time));
+        let created_ms =
+            created_ms.ok_or_else(|| format!("row {row} has no created_ms that is a time"))? as u64;
+        let offsets = places.iter().filter_map(|(kind, offsets): &Named| {
+            let offset = u64::try_from(offsets[row]?).ok()?;
+            Some((kind.clone(), offset))
+        });
+        images.push(ShardImage {
+            record,
+            created_ms,
+            offsets: offsets.collect(),
+        });
+    }
+    Ok(images)
+}
+
+fn read_record(text: &ByteArray) -> Result<RecordText, String> {
+    let text = text.as_utf8().map_err(|error| error.to_string())?;
+    RecordText::read(text.to_owned()).map_err(|error| error.to_string())
 }

@@ -89,14 +89,16 @@ impl Location {
 
     fn bucket(rest: &str) -> Result<Self, SetError> {
         let (bucket, prefix) = rest.split_once('/').unwrap_or((rest, ""));
-        let refuse = |reason: &str| Err(SetError::Refused(reason.to_owned()));
         if bucket.contains('@') {
-            return refuse(
-                "credentials do not belong into the URL; set AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY",
-            );
+            return Err(SetError::Refused(
+                "credentials do not belong into the URL; set AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY"
+                    .to_owned(),
+            ));
         }
         if bucket.is_empty() {
-            return refuse("the URL names no bucket; use s3://BUCKET/PREFIX");
+            return Err(SetError::Refused(
+                "the URL names no bucket; use s3://BUCKET/PREFIX".to_owned(),
+            ));
         }
         Ok(Self::S3 {
             bucket: bucket.to_owned(),
