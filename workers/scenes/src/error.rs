@@ -43,7 +43,7 @@ pub enum SceneError {
         reason: &'static str,
     },
     /// A number is out of range.
-    #[error("`{field}` is {value} but must be {limit}")]
+    #[error("`{field}` is {value}; must be {limit}")]
     Number {
         /// The field.
         field: &'static str,
@@ -57,7 +57,7 @@ pub enum SceneError {
     Pose(&'static str),
     /// A camera is inside a solid or too close to one.
     #[error(
-        "`path`: frame {frame} is {distance_m:.3} m from a surface but must be at least {} m away",
+        "`path`: frame {frame} is {distance_m:.3} m from a surface; must be at least {} m away",
         LEAST_CLEARANCE_M
     )]
     Blocked {
@@ -89,7 +89,7 @@ pub enum SceneError {
         reason: String,
     },
     /// A radiance is NaN or infinite; forward scatter would spread it over the whole frame.
-    #[error("`rgb`: radiance is {value} at pixel ({x}, {y}) but must be finite")]
+    #[error("`rgb`: radiance is {value} at pixel ({x}, {y}); must be finite")]
     Radiance {
         /// Column of the first such pixel in row-major order.
         x: usize,

@@ -151,7 +151,7 @@ impl Session {
             if let Some(at) = plane.data().iter().position(|sample| !sample.is_finite()) {
                 let (x, y, value) = (at % width, at / width, plane.data()[at]);
                 return wrong(format!(
-                    "{input} is {value} at pixel ({x}, {y}) but must be finite"
+                    "{input} is {value} at pixel ({x}, {y}); must be finite"
                 ));
             }
         }

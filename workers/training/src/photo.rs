@@ -28,7 +28,7 @@ pub enum PhotoError {
         height: usize,
     },
     /// The photo has a single color, or nearly so.
-    #[error("the photo is flat: its samples deviate by {spread:.2} of 255 but must by {MIN_SPREAD}")]
+    #[error("the photo is flat: its samples deviate by {spread:.2} of 255; must by {MIN_SPREAD}")]
     Flat {
         /// Largest standard deviation of a channel, of 255.
         spread: f64,

@@ -76,7 +76,7 @@ impl Situation<'_> {
                 let (value, limit) = (node.greatest()?, object.get(path)?.least()?);
                 (value >= limit).then(|| {
                     format!(
-                        "{location} is {value}, but must be below {}, which is {limit}",
+                        "{location} is {value}; must be below {}, which is {limit}",
                         self.name(&[path])
                     )
                 })

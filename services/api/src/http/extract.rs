@@ -140,7 +140,7 @@ impl<S: Send + Sync> FromRequestParts<S> for PreferredWait {
         let seconds: u64 = wait.parse().map_err(|_| {
             Problem::new(
                 Slug::InvalidHeader,
-                format!("Prefer: wait is `{wait}` but must be a whole number of seconds"),
+                format!("Prefer: wait is `{wait}`; must be a whole number of seconds"),
             )
         })?;
         Ok(Self(Some(Duration::from_secs(seconds).min(limits::MAX_WAIT))))

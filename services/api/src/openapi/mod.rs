@@ -68,7 +68,7 @@ pub(crate) struct Problem {
     #[schema(example = 422)]
     status: u16,
     /// Description of this occurrence.
-    #[schema(example = "alpha is 1.2 but must be in 0..=1")]
+    #[schema(example = "alpha is 1.2; must be in 0..=1")]
     detail: String,
     /// The request id, as in the header `X-Request-Id` and in the log.
     #[schema(example = "req_0198c0ffee007000800000000000000a")]
@@ -87,7 +87,7 @@ pub(crate) struct FieldError {
     #[schema(example = "/alpha")]
     pointer: String,
     /// Message with the field, its value and the limit.
-    #[schema(example = "alpha is 1.2 but must be in 0..=1")]
+    #[schema(example = "alpha is 1.2; must be in 0..=1")]
     message: String,
     /// The rejected value.
     value: Option<serde_json::Value>,

@@ -42,7 +42,7 @@ impl NewStyle {
     /// An unverified network with a name. The caller completes the card.
     pub(crate) fn new(name: &str, onnx: Vec<u8>) -> Result<Self, Problem> {
         if !is_name(name) {
-            let message = format!("name is `{name}` but must have 1 to 64 characters of a-z, 0-9, _ and -");
+            let message = format!("name is `{name}`; must have 1 to 64 characters of a-z, 0-9, _ and -");
             return Err(Problem::field("/name", message));
         }
         let StyleModel { onnx, mut card, .. } = StyleModel::without_card(name, onnx);

@@ -143,7 +143,7 @@ fn check_kind(outlet: &Outlet, channels: i64) -> Result<(), String> {
     }
     let (name, kind) = (outlet.name(), outlet.dtype());
     Err(format!(
-        "`{name}` is {kind} but must be float32 of shape [1, {channels}, height, width]"
+        "`{name}` is {kind}; must be float32 of shape [1, {channels}, height, width]"
     ))
 }
 

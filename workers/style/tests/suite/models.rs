@@ -112,7 +112,7 @@ fn the_range_reaches_a_model_that_asks_for_it_and_is_needed() {
     let error = session.apply(&frame(), beside).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "style `test`: range is NaN at pixel (0, 0) but must be finite"
+        "style `test`: range is NaN at pixel (0, 0); must be finite"
     );
 }
 
@@ -182,7 +182,7 @@ fn a_frame_that_would_spoil_the_answer_is_refused() {
     let error = session.apply(&picture, ModelInputs::default()).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "style `test`: image is NaN at pixel (2, 1) but must be finite"
+        "style `test`: image is NaN at pixel (2, 1); must be finite"
     );
     let error = session
         .apply(&Rgb::from_fn(0, 3, |_, _| [0.0; 3]), ModelInputs::default())

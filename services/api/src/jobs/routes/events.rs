@@ -44,7 +44,7 @@ fn last_event(headers: &HeaderMap) -> Result<Option<Seen>, Problem> {
         let id: String = id.chars().take(40).collect();
         Problem::new(
             Slug::InvalidHeader,
-            format!("Last-Event-ID is `{id}` but must be the id of an event, such as `12.0`"),
+            format!("Last-Event-ID is `{id}`; must be the id of an event, such as `12.0`"),
         )
     })
 }

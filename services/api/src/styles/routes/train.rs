@@ -85,7 +85,7 @@ async fn read(body: Multipart) -> Result<Order, Problem> {
     form.require("photo");
     let name = form.text_or("name", "");
     if !is_name(&name) {
-        let message = format!("name is `{name}` but must have 1 to 64 characters of a-z, 0-9, _ and -");
+        let message = format!("name is `{name}`; must have 1 to 64 characters of a-z, 0-9, _ and -");
         form.refuse("name", message);
     }
     form.check()?;
