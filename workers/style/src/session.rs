@@ -150,9 +150,7 @@ impl Session {
         for (input, plane) in planes.chain(beside) {
             if let Some(at) = plane.data().iter().position(|sample| !sample.is_finite()) {
                 let (x, y, value) = (at % width, at / width, plane.data()[at]);
-                return wrong(format!(
-                    "{input} is {value} at pixel ({x}, {y}); must be finite"
-                ));
+                return wrong(format!("{input} is {value} at pixel ({x}, {y}); must be finite"));
             }
         }
         Ok(())

@@ -74,7 +74,7 @@ pub(crate) fn prepare(
     view: Option<SourcePicture>,
 ) -> Result<Prepared, RenderError> {
     match (&frame.scene, source) {
-        (Scene::Procedural { .. }, _) => Place::of(frame)?.prepare(frame, view, 0.0),
+        (Scene::Procedural { .. }, _) => Place::read(frame)?.prepare(frame, view, 0.0),
         (Scene::Uploaded { .. } | Scene::Collection { .. }, SceneSource::Uploaded(files)) => {
             from_files(frame, files)
         }
@@ -104,7 +104,7 @@ pub(crate) struct Place {
 
 impl Place {
     /// The world of a frame with a procedural scene.
-    pub(crate) fn of(frame: &Frame) -> Result<Self, RenderError> {
+    pub(crate) fn read(frame: &Frame) -> Result<Self, RenderError> {
         match &frame.scene {
             Scene::Procedural {
                 family,

@@ -172,7 +172,7 @@ impl Slot {
         let Some(taking) = &context.taking else {
             return Ok(());
         };
-        let place = scene::Place::of(context.frame)?;
+        let place = scene::Place::read(context.frame)?;
         for moment in &taking.moments {
             let prepared = place.prepare(context.frame, taking.parts.source, moment.later)?;
             let unused = &mut Stopwatch::start();

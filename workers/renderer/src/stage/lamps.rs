@@ -171,8 +171,8 @@ fn shine(context: &FrameContext<'_>, lighting: &Lighting, range: &Plane<f32>) ->
     let (Some((needed, share)), Some(rays), Some(view)) = (cast, rays, &context.view) else {
         return lamp::irradiance_in_tiles(precise, range, &normals, lighting);
     };
-    let each = share / lighting.lamps.len() as f64;
-    let unseen = lamp::irradiance_of(view.brightest(), each);
+    let lamp_share = share / lighting.lamps.len() as f64;
+    let unseen = lamp::irradiance_of(view.brightest(), lamp_share);
     lamp::shaded_irradiance_in_tiles(precise, (range, &normals), needed, (rays, unseen))
 }
 

@@ -73,27 +73,28 @@ impl<'a> Surroundings<'a> {
     /// Radiance of white particles in daylight and lamplight.
     fn light(&self, places: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let gain = self.setting.gain();
-        let from_above = |place: [f64; 3]| {
-            let above = self.setting.daylight_at(place);
-            [0, 1, 2].map(|i| gain[i] * above[i])
-        };
-        let mut light: Vec<[f64; 3]> = places.iter().map(|&place| from_above(place)).collect();
+        let daylight = places.iter().map(|&place| {
+            let daylight = self.setting.daylight_at(place);
+            [0, 1, 2].map(|i| gain[i] * daylight[i])
+        });
+        let mut light: Vec<[f64; 3]> = daylight.collect();
         let Some(lighting) = &self.setting.lighting else {
             return light;
         };
-        let add = |(light, lamps): (&mut [f64; 3], [f64; 3])| {
-            *light = [0, 1, 2].map(|i| light[i] + lamps[i]);
-        };
-        let each = |rays: Option<&dyn Rays>| {
-            let lamps = places.iter().map(|&place| lamp::white_at(place, lighting, rays));
-            lamps.collect::<Vec<_>>()
-        };
         let lamps = match self.shading {
-            Shading::None => each(None),
-            Shading::Reference(rays) => each(Some(rays)),
+            Shading::None => white_by_definition(places, lighting, None),
+            Shading::Reference(rays) => white_by_definition(places, lighting, Some(rays)),
             Shading::Fast { rays, unseen } => lamp::white_at_each(places, lighting, (rays, unseen)),
         };
-        light.iter_mut().zip(lamps).for_each(add);
+        for (light, lamps) in light.iter_mut().zip(lamps) {
+            *light = [0, 1, 2].map(|i| light[i] + lamps[i]);
+        }
         light
     }
+}
+
+/// The light of all lamps at each place, lamp by lamp.
+fn white_by_definition(places: &[[f64; 3]], lighting: &Lighting, rays: Option<&dyn Rays>) -> Vec<[f64; 3]> {
+    let light = places.iter().map(|&place| lamp::white_at(place, lighting, rays));
+    light.collect()
 }
