@@ -39,17 +39,6 @@ impl Phase {
         Self::from_shares(|v| law.within(v))
     }
 
-    /// A sum of Henyey–Greenstein functions of (weight, g); the weights are relative.
-    #[must_use]
-    pub fn mixture(parts: &[(f64, f64)]) -> Self {
-        Self::from_shares(|v| {
-            parts
-                .iter()
-                .map(|(weight, g)| weight * henyey_greenstein_within(*g, v))
-                .sum()
-        })
-    }
-
     /// Tabulates a function for the share of light scattered within an angle, given as 1 − cos, up to a factor.
     fn from_shares(within: impl Fn(f64) -> f64) -> Self {
         let angles: Vec<f64> = (0..=BINS)
@@ -220,13 +209,6 @@ mod tests {
         }
         let average = Phase::fournier_forand(FournierForand::of_backscatter(0.0183));
         assert!((average.mean_cosine() - 0.930).abs() < 1e-3);
-    }
-
-    #[test]
-    fn a_mixture_scatters_backward_as_its_parts_do() {
-        let mixed = Phase::mixture(&[(3.0, 0.9), (1.0, -0.2)]);
-        let expected = 0.75 * backscatter_fraction(0.9) + 0.25 * backscatter_fraction(-0.2);
-        assert!((mixed.backscatter_fraction() - expected).abs() < 1e-4);
     }
 
     #[test]
