@@ -1,9 +1,7 @@
 //! A flat sea surface with a sky and a sun.
 
 use imaging::vector::DVec3;
-
-/// Refractive index of sea water.
-pub const REFRACTIVE_INDEX: f64 = 1.34;
+pub use optics::daylight::{REFRACTIVE_INDEX, fresnel};
 
 /// A flat surface above the camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,21 +38,6 @@ impl Sea {
         let rise = self.up.dot(direction);
         (rise > 0.0).then(|| self.depth(origin) / rise)
     }
-}
-
-/// Internal reflectance of the surface for unpolarized light at a cosine from the vertical: 1 beyond the critical
-/// angle.
-#[must_use]
-pub fn fresnel(cosine: f64) -> f64 {
-    let n = REFRACTIVE_INDEX;
-    let sine_in_air = n * n * (1.0 - cosine * cosine);
-    if sine_in_air >= 1.0 {
-        return 1.0;
-    }
-    let k = (1.0 - sine_in_air).sqrt();
-    let across = (n * cosine - k) / (n * cosine + k);
-    let along = (cosine - n * k) / (cosine + n * k);
-    0.5 * (across * across + along * along)
 }
 
 #[cfg(test)]
