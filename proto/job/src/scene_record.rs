@@ -2,7 +2,6 @@
 
 use imaging::geometry::Intrinsics;
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
 use utoipa::ToSchema;
 
 use crate::camera::Distortion;
