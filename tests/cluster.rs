@@ -131,7 +131,7 @@ fn poisoned_frames_are_listed_and_their_neighbors_are_there() {
         (3, "broken on purpose"),
         (11, "signal"),
         (17, "took more than 1 s"),
-        (23, "the limit is 400"),
+        (23, "must be at most 400"),
         (29, "NaN"),
     ];
     assert_eq!(

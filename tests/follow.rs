@@ -137,7 +137,7 @@ fn only_sets_in_a_store_are_read() {
     );
     refused(json!({"url": "gs://a/b"}), "/url", "is no store");
     refused(json!({"url": 7}), "/url", "must be a string");
-    refused(json!({"url": "x".repeat(5000)}), "/url", "the limit is 4096");
+    refused(json!({"url": "x".repeat(5000)}), "/url", "must be at most 4096");
     refused(json!({"link": "x"}), "/link", "`link` is not a field");
     refused(json!({"link": "x"}), "/url", "`url` is missing");
     assert_eq!(service.post("/v1/sets", &json!("x")).0, 400);

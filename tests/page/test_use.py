@@ -100,7 +100,7 @@ def test_a_drag_renders_again_and_a_wrong_value_is_told_at_its_field(visit):
     assert job["alpha"] > 0.5
     page.fill("[data-pointer='/alpha'] input[type=number]", "3")
     page.wait_for_selector("[data-pointer='/alpha'] .wrong:not([hidden])")
-    assert "limit is 0..=1" in page.locator("[data-pointer='/alpha'] .wrong").inner_text()
+    assert "must be 0..=1" in page.locator("[data-pointer='/alpha'] .wrong").inner_text()
     assert page.locator("button.primary", has_text="Submit").is_disabled()
     job["alpha"] = {"uniform": [0.1, 0.2]}
     job["count"] = 2

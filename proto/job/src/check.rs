@@ -226,7 +226,7 @@ impl Checker<'_> {
 
     pub(crate) fn refuse_range(&mut self, location: &Location, value: &Value, limit: &str) -> Option<Node> {
         self.refuse(|| {
-            let message = format!("{location} is {}, the limit is {limit}", quote(value));
+            let message = format!("{location} is {}; must be {limit}", quote(value));
             location.error(message).value(value).limit(limit)
         });
         None
@@ -241,7 +241,7 @@ impl Checker<'_> {
         items: &[Value],
     ) -> Option<Node> {
         if items.len() > max {
-            let message = format!("{location} has {} elements, the limit is {max}", items.len());
+            let message = format!("{location} has {} elements; must be at most {max}", items.len());
             self.refuse(|| location.error(message).limit(format!("at most {max} elements")));
             return None;
         }

@@ -18,7 +18,7 @@ pub trait Described {
 
 /// A number outside the limits of its field.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{field} is {value}{}, the limit is {limit}", .part.map(|part| format!(" in {part}")).unwrap_or_default())]
+#[error("{field} is {value}{}; must be {limit}", .part.map(|part| format!(" in {part}")).unwrap_or_default())]
 pub struct Beyond {
     /// The field.
     pub field: &'static str,
@@ -92,8 +92,8 @@ mod tests {
         };
         let texts: Vec<_> = beyond(&wrong).iter().map(ToString::to_string).collect();
         let expected = [
-            "contrast is NaN, the limit is 0..=0.95",
-            "scale_m is 0, the limit is 0.05..=1000",
+            "contrast is NaN; must be 0..=0.95",
+            "scale_m is 0; must be 0.05..=1000",
         ];
         assert_eq!(texts, expected);
         let optics = Optics {
@@ -102,7 +102,7 @@ mod tests {
         };
         assert_eq!(
             beyond(&optics)[0].to_string(),
-            "scattering_per_m is 5000 in B, the limit is 0..=1000"
+            "scattering_per_m is 5000 in B; must be 0..=1000"
         );
         assert_eq!(beyond(&HoleRule::RangeM(1e6))[0].field, "range_m");
         assert_eq!(beyond(&HoleRule::Reject), []);

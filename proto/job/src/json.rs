@@ -25,7 +25,10 @@ const MAX_KEY_BYTES: usize = 256;
 /// Too long, not JSON, nested too deeply, an overlong key, or duplicate keys (all of them).
 pub fn read(bytes: &[u8]) -> Result<Value, Invalid> {
     if bytes.len() > MAX_BYTES {
-        let message = format!("the document has {} bytes, the limit is {MAX_BYTES}", bytes.len());
+        let message = format!(
+            "the document has {} bytes; must be at most {MAX_BYTES}",
+            bytes.len()
+        );
         return Err(Invalid(vec![
             FieldError::new("", message).limit(format!("{MAX_BYTES} bytes")),
         ]));
@@ -127,7 +130,7 @@ impl<'de> Visitor<'de> for Seed<'_> {
         while let Some(key) = entries.next_key::<String>()? {
             if key.len() > MAX_KEY_BYTES {
                 return Err(A::Error::custom(format!(
-                    "a key has {} bytes, the limit is {MAX_KEY_BYTES}",
+                    "a key has {} bytes; must be at most {MAX_KEY_BYTES}",
                     key.len()
                 )));
             }
@@ -217,7 +220,7 @@ mod tests {
     #[test]
     fn size_and_key_length_are_limited() {
         let long = format!("\"{}\"", "x".repeat(MAX_BYTES));
-        assert!(errors(&long)[0].message.contains("the limit is 1048576"));
+        assert!(errors(&long)[0].message.contains("must be at most 1048576"));
         assert!(
             errors(&format!("{{\"{}\": 1}}", "k".repeat(300)))[0]
                 .message

@@ -236,7 +236,7 @@ fn picture(field: &str, bytes: &[u8]) -> Result<Raster, Refusal> {
         0..=limits::PICTURE_PIXELS => Ok(picture),
         pixels => {
             let limit = limits::PICTURE_PIXELS;
-            let message = format!("`{field}` is {width}×{height} = {pixels} pixels, the limit is {limit}");
+            let message = format!("`{field}` is {width}×{height} = {pixels} pixels; must be at most {limit}");
             Err(Refusal::new(field, message))
         }
     }

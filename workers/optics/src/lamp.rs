@@ -268,6 +268,6 @@ mod tests {
         let errors = Lamp::spot([0.0, f64::NAN, 0.0], [1.0, -1.0, 1.0], [0.0; 3], 120.0).unwrap_err();
         let fields: Vec<_> = errors.iter().map(|error| error.field).collect();
         assert_eq!(fields, ["position_m", "intensity", "cone_deg", "direction"]);
-        assert_eq!(errors[2].to_string(), "cone_deg is 120, the limit is 0.5..=90");
+        assert_eq!(errors[2].to_string(), "cone_deg is 120; must be 0.5..=90");
     }
 }

@@ -76,7 +76,7 @@ impl ClassReader {
         let most = usize::from(UNLABELED.0 - FIRST_OWN);
         if own.len() > most {
             let message = format!(
-                "there are {} classes that procedural scenes do not have, the limit is {most}",
+                "there are {} classes that procedural scenes do not have; must be at most {most}",
                 own.len()
             );
             self.errors.push(FieldError::new("", message));
@@ -368,7 +368,7 @@ mod tests {
         assert!(
             refused(&Value::Object(many).to_string())[0]
                 .1
-                .contains("the limit is 127")
+                .contains("must be at most 127")
         );
         let long_name = format!(r#"{{"1": "{}"}}"#, "x".repeat(65));
         assert_eq!(refused(&long_name).len(), 1);

@@ -64,7 +64,7 @@ pub fn check_objects(scene: &Scene, classes: Option<&Classes>) -> Result<(), Sce
         return Err(SceneError::Objects {
             field: "instances",
             reason: format!(
-                "the mask shows {} objects, the limit is {MAX_OBJECTS}",
+                "the mask shows {} objects; must be at most {MAX_OBJECTS}",
                 objects.len()
             ),
         });

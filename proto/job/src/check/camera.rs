@@ -41,7 +41,7 @@ impl Checker<'_> {
                 .map(|name| camera.get(name).and_then(Node::greatest).unwrap_or_default());
             if width * height > MAX_PIXELS as f64 {
                 let message =
-                    format!("`camera` can be {width}×{height} pixels, the limit is {MAX_PIXELS} pixels");
+                    format!("`camera` can be {width}×{height} pixels; must be at most {MAX_PIXELS} pixels");
                 self.refuse(|| FieldError::new(&pointer, message).limit(format!("{MAX_PIXELS} pixels")));
             }
             if bits > 8.0 && !all_png {

@@ -9,7 +9,10 @@ use crate::schema::{MAX_LABEL_KEY, MAX_LABEL_TEXT, MAX_LABELS, Shape};
 impl Checker<'_> {
     pub(super) fn check_labels(&mut self, location: &Location, map: &Map<String, Value>) -> Option<Node> {
         if map.len() > MAX_LABELS {
-            let message = format!("{location} has {} entries, the limit is {MAX_LABELS}", map.len());
+            let message = format!(
+                "{location} has {} entries; must be at most {MAX_LABELS}",
+                map.len()
+            );
             self.refuse(|| {
                 location
                     .error(message)
@@ -51,7 +54,9 @@ impl Checker<'_> {
             Value::String(text) if text.chars().count() <= MAX_LABEL_TEXT => {
                 Some(Node::Constant(value.clone()))
             }
-            Value::String(_) => self.refuse_range(location, value, &format!("{MAX_LABEL_TEXT} characters")),
+            Value::String(_) => {
+                self.refuse_range(location, value, &format!("at most {MAX_LABEL_TEXT} characters"))
+            }
             _ => self.refuse_kind(location, &Shape::Scalar, true, value),
         }
     }

@@ -280,7 +280,7 @@ impl Checker<'_> {
             return Some(());
         }
         let limit = shape.limit();
-        let message = format!("{location}: `{key}` can yield {end}, the limit is {limit}");
+        let message = format!("{location}: `{key}` can yield {end}; must be {limit}");
         self.refuse(|| location.error(message).value(end).limit(limit));
         None
     }

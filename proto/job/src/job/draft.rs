@@ -64,7 +64,7 @@ impl<'v> Draft<'v> {
         let length = draft.job.canonical.len();
         if length > MAX_BYTES {
             let message =
-                format!("the description with its defaults has {length} bytes, the limit is {MAX_BYTES}");
+                format!("the description with its defaults has {length} bytes; must be at most {MAX_BYTES}");
             draft
                 .errors
                 .push(FieldError::new("", message).limit(format!("{MAX_BYTES} bytes")));

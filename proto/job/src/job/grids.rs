@@ -44,7 +44,7 @@ pub(super) fn count_frames(document: &Node, cells: Option<u64>, errors: &mut Vec
     }
     let cells = cells.map_or("more than 2^64".to_owned(), |cells| cells.to_string());
     let message = format!(
-        "`count` is {count} and the grid has {cells} cells, the limit is {MAX_FRAMES} frames in total"
+        "`count` is {count} and the grid has {cells} cells; must be at most {MAX_FRAMES} frames in total"
     );
     let error = FieldError::new("/count", message).value(&count.into());
     errors.push(error.limit(format!("{MAX_FRAMES} frames")));

@@ -66,7 +66,7 @@ impl Sites {
         let mut named = Vec::new();
         let names = take_names(&site, "/site".to_owned(), &mut named);
         if named.len() > MAX_SITES {
-            let message = format!("`site` names {} sites, the limit is {MAX_SITES}", named.len());
+            let message = format!("`site` names {} sites; must be at most {MAX_SITES}", named.len());
             checker.refuse(|| FieldError::new("/site", message).limit(format!("at most {MAX_SITES} sites")));
             return None;
         }

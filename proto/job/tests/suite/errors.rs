@@ -41,7 +41,7 @@ fn all_errors_are_reported_together() {
 #[test]
 fn an_error_names_field_value_and_limit() {
     let error = only_error(json!({"alpha": 1.5}));
-    assert_eq!(error.message, "`alpha` is 1.5, the limit is 0..=1");
+    assert_eq!(error.message, "`alpha` is 1.5; must be 0..=1");
     assert_eq!(
         (error.value, error.limit.as_deref()),
         (Some(json!(1.5)), Some("0..=1"))
@@ -320,7 +320,7 @@ fn lights_agree_on_their_space() {
     assert_eq!(only_error(lights).pointer, "/lights/1/choice/1/space");
     assert_eq!(
         only_error(json!({"lights": vec![light("linear"); 65]})).message,
-        "`lights` has 65 elements, the limit is 64"
+        "`lights` has 65 elements; must be at most 64"
     );
 }
 
@@ -329,7 +329,7 @@ fn labels_are_few_and_have_plain_names() {
     let many: serde_json::Map<_, _> = (0..33).map(|i| (format!("l{i}"), json!(i))).collect();
     assert_eq!(
         only_error(json!({"labels": many})).message,
-        "`labels` has 33 entries, the limit is 32"
+        "`labels` has 33 entries; must be at most 32"
     );
     for name in ["", "a b", "ü", "a/b", &"n".repeat(65)] {
         assert!(
@@ -394,6 +394,6 @@ fn all_errors_read_as_lines() {
     assert_eq!(
         invalid.to_string(),
         "/scene/family: `scene.family` \"structur\" is not a known scene family; did you mean `structure`?\n\
-         /alpha: `alpha` is 2, the limit is 0..=1"
+         /alpha: `alpha` is 2; must be 0..=1"
     );
 }

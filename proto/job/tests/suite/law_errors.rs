@@ -188,7 +188,7 @@ fn grids_with_count_stay_within_the_limit_of_frames() {
     let error = only_error(json!({"count": 1000, "labels": {"a": axis, "b": axis}}));
     assert_eq!(
         error.message,
-        "`count` is 1000 and the grid has 1000000 cells, the limit is 100000000 frames in total"
+        "`count` is 1000 and the grid has 1000000 cells; must be at most 100000000 frames in total"
     );
     let axes: serde_json::Map<_, _> = (0..32).map(|i| (format!("l{i}"), axis.clone())).collect();
     assert!(

@@ -70,8 +70,5 @@ fn a_view_needs_a_procedural_scene_and_no_waypoints() {
         "`camera.view` is given, but needs a procedural scene: add it, or remove `camera.view`"
     );
     let error = only_error(json!({"camera": {"view": {"pitch_deg": 90}}}));
-    assert_eq!(
-        error.message,
-        "`camera.view.pitch_deg` is 90, the limit is -85..=85"
-    );
+    assert_eq!(error.message, "`camera.view.pitch_deg` is 90; must be -85..=85");
 }

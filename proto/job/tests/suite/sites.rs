@@ -285,7 +285,7 @@ fn bad_sites_are_rejected_at_their_pointer() {
             "/site/grid/1",
             "two different sites",
         ),
-        (json!({"grid": vec!["tank"; 17]}), "/site", "the limit is 16"),
+        (json!({"grid": vec!["tank"; 17]}), "/site", "must be at most 16"),
     ];
     for (site, pointer, message) in cases {
         let error = errors(&json!({"site": site})).remove(0);

@@ -33,7 +33,7 @@ pub(crate) fn check_filter(filter: Option<String>) -> Result<Option<String>, Pro
     match filter {
         Some(text) if text.len() > limits::FILTER_BYTES => {
             let (bytes, limit) = (text.len(), limits::FILTER_BYTES);
-            let detail = format!("the filter has {bytes} bytes, the limit is {limit}");
+            let detail = format!("the filter has {bytes} bytes; must be at most {limit}");
             Err(Problem::new(Slug::InvalidFilter, detail))
         }
         filter => Ok(filter.filter(|text| !text.trim().is_empty())),

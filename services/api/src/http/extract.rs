@@ -105,7 +105,7 @@ impl<S: Send + Sync> FromRequestParts<S> for Submitter {
             match key.len() {
                 1..=limits::IDEMPOTENCY_KEY_BYTES => Ok(key.to_owned()),
                 length => Err(invalid_key(&format!(
-                    "has {length} characters, the limit is 1..={}",
+                    "has {length} characters; must have 1 to {}",
                     limits::IDEMPOTENCY_KEY_BYTES
                 ))),
             }

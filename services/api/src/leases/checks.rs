@@ -145,7 +145,7 @@ impl Evidence<'_> {
         ];
         let beyond = counts.into_iter().filter(|(_, count, most)| count > most);
         let mut faults: Vec<String> = beyond
-            .map(|(name, count, most)| format!("/counts/{name} is {count}, the limit is {most}"))
+            .map(|(name, count, most)| format!("/counts/{name} is {count}; must be at most {most}"))
             .collect();
         let times = &self.record.timings_ms;
         if times.len() > wire::limits::TIMINGS || times.values().any(|ms| !(0.0..=MAX_MS).contains(ms)) {

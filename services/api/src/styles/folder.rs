@@ -102,12 +102,12 @@ impl Folder {
     pub(super) fn has_room_for(&self, bytes: u64) -> Result<(), Problem> {
         let (count, limit) = (self.styles, limits::ADDED_STYLES);
         if count >= limit {
-            let detail = format!("the service has {count} added styles, the limit is {limit}");
+            let detail = format!("the service has {count} added styles; must be at most {limit}");
             return Err(Problem::new(Slug::TooLarge, detail));
         }
         let (total, limit) = (self.bytes + bytes, limits::ADDED_STYLES_BYTES);
         if total > limit {
-            let detail = format!("the added styles would have {total} bytes, the limit is {limit}");
+            let detail = format!("the added styles would have {total} bytes; must be at most {limit}");
             return Err(Problem::new(Slug::TooLarge, detail));
         }
         Ok(())

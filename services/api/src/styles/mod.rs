@@ -170,7 +170,7 @@ impl Styles {
     pub(crate) async fn add(self: &Arc<Self>, new: NewStyle) -> Result<(ModelCard, bool), Problem> {
         if new.onnx.len() > limits::STYLE_BYTES {
             let (bytes, limit) = (new.onnx.len(), limits::STYLE_BYTES);
-            let detail = format!("the model has {bytes} bytes, the limit is {limit}");
+            let detail = format!("the model has {bytes} bytes; must be at most {limit}");
             return Err(Problem::new(Slug::TooLarge, detail));
         }
         if let Some(card) = self.same(&new)? {

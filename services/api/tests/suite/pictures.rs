@@ -89,7 +89,7 @@ fn bad_images_are_rejected_with_the_field_and_nothing_is_stored() {
             "enhance?method=hscm",
             vec![("picture", &large)],
             "/picture",
-            "16004000 pixels, the limit is 16000000",
+            "16004000 pixels; must be at most 16000000",
         ),
         (
             "enhance?method=hscm",

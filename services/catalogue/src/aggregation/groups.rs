@@ -29,7 +29,7 @@ pub(crate) fn keys(columns: &Columns, by: &str) -> Result<Vec<Key>, CatalogueErr
     let keys = by.split(',').map(|part| Key::parse(columns, part.trim()));
     let keys = keys.collect::<Result<Vec<_>, _>>()?;
     if keys.len() > MOST_COLUMNS {
-        let message = format!("{} columns in `by`; there may be {MOST_COLUMNS}", keys.len());
+        let message = format!("`by` has {} columns; must be at most {MOST_COLUMNS}", keys.len());
         return Err(CatalogueError::refused(message));
     }
     for (position, key) in keys.iter().enumerate() {

@@ -151,7 +151,10 @@ impl PageStatement {
             query.fields.clone()
         };
         if names.len() > MOST_FIELDS {
-            let message = format!("{} fields; there may be {MOST_FIELDS}", names.len());
+            let message = format!(
+                "`fields` has {} names; must be at most {MOST_FIELDS}",
+                names.len()
+            );
             return Err(CatalogueError::refused(message));
         }
         let (filter, dataset) = (query.filter.as_deref(), query.dataset.as_deref());

@@ -28,6 +28,6 @@ fn lease_seconds(text: &str) -> Result<f64, String> {
     if (1.0..=3600.0).contains(&value) {
         Ok(value)
     } else {
-        Err(format!("{value} s is not within 1..=3600"))
+        Err("must be 1 to 3600 s".to_owned())
     }
 }

@@ -82,7 +82,7 @@ pub fn seconds(text: &str) -> Result<f64, String> {
     if value > 0.0 && value <= 31_536_000.0 {
         Ok(value)
     } else {
-        Err(format!("{value} s is not within 0 < s <= 31536000"))
+        Err("must be above 0, at most 31536000 s".to_owned())
     }
 }
 

@@ -159,7 +159,7 @@ impl Child {
         let taken = resident_bytes(self.process.id())?;
         (taken > self.recipe.memory_limit_bytes).then(|| {
             format!(
-                "uses {} MiB of memory; the limit is {} (--memory-limit-mib)",
+                "uses {} MiB of memory; must be at most {} (--memory-limit-mib)",
                 taken >> 20,
                 self.recipe.memory_limit_bytes >> 20
             )

@@ -157,7 +157,7 @@ impl Set {
         let (name, sum) = (marker.rows_name(), &marker.rows);
         if sum.bytes > MOST_ROWS_BYTES {
             return Err(SetError::Damaged(format!(
-                "{name} has {} bytes, the limit is {MOST_ROWS_BYTES}",
+                "{name} has {} bytes; must be at most {MOST_ROWS_BYTES}",
                 sum.bytes
             )));
         }
@@ -259,7 +259,7 @@ impl ShardImage {
             let ArtifactEntry { kind, bytes, .. } = artifact;
             if *bytes > MOST_ARTIFACT_BYTES {
                 return Err(format!(
-                    "artifact `{kind}` has {bytes} bytes, the limit is {MOST_ARTIFACT_BYTES}"
+                    "artifact `{kind}` has {bytes} bytes; must be at most {MOST_ARTIFACT_BYTES}"
                 ));
             }
             let Some(offset) = self.offsets.get(kind) else {

@@ -51,7 +51,7 @@ impl Card {
         let frames_per_shard = set.frames_per_shard.unwrap_or(FRAMES_PER_SHARD);
         if !(1..=MOST_FRAMES_PER_SHARD).contains(&frames_per_shard) {
             return Err(SetError::Refused(format!(
-                "{frames_per_shard} frames per shard are not within 1..={MOST_FRAMES_PER_SHARD}"
+                "`--frames-per-shard` is {frames_per_shard}; must be 1 to {MOST_FRAMES_PER_SHARD}"
             )));
         }
         Ok(Self {

@@ -212,7 +212,7 @@ fn everything_wrong_is_said_at_once() {
     };
     let errors = validate(&thick);
     let texts: Vec<_> = errors.iter().map(ToString::to_string).collect();
-    assert_eq!(texts, ["near_m is 5, the limit is below `far_m`, 3"]);
+    assert_eq!(texts, ["near_m is 5; must be below `far_m`, 3"]);
     let dense = Snow {
         density_per_m3: 1e5,
         ..SNOW
@@ -222,7 +222,7 @@ fn everything_wrong_is_said_at_once() {
     let error = check_count(&SNOW, 1e3).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "density_per_m3 is 400, the limit is at most 4.446e1 in this view, which then holds 400000 particles"
+        "density_per_m3 is 400; must be at most 4.446e1 in this view, which then holds 400000 particles"
     );
 }
 

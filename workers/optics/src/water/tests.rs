@@ -176,8 +176,8 @@ fn every_error_is_named_at_once_with_value_and_limit() {
     assert_eq!(fields[..6], expected[..6]);
     assert!(fields.contains(&"g_per_m"), "{fields:?}");
     let texts = errors(wrong);
-    assert!(texts.contains(&"absorption_per_m is -0.1 in R, the limit is 0..=1000".to_owned()));
-    assert!(texts.contains(&"depth_m is -3, the limit is 0..=12000".to_owned()));
+    assert!(texts.contains(&"absorption_per_m is -0.1 in R; must be 0..=1000".to_owned()));
+    assert!(texts.contains(&"depth_m is -3; must be 0..=12000".to_owned()));
 }
 
 #[test]

@@ -167,7 +167,7 @@ fn bad_lamps_are_refused_together() {
     let many = vec![spot(json!([0, 0, 1])); 1000];
     let errors = parse_errors(&files.description(&json!({"lights": many})));
     assert!(
-        errors[0].message.contains("1000 elements, the limit is 64"),
+        errors[0].message.contains("1000 elements; must be at most 64"),
         "{errors:?}"
     );
     let unknown = json!({"optics": {"beam_attenuation_per_m": [0.5, 0.5, 0.5], "veiling_light": [0, 0, 0]}});

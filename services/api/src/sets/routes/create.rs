@@ -38,7 +38,7 @@ impl NewSet {
             None => Err("`url` is missing".to_owned()),
             Some(Value::String(url)) if url.trim().is_empty() => Err("url is empty".to_owned()),
             Some(Value::String(url)) if url.len() > limit => {
-                Err(format!("url has {} bytes, the limit is {limit}", url.len()))
+                Err(format!("url has {} bytes; must be at most {limit}", url.len()))
             }
             Some(Value::String(url)) => Ok(url.clone()),
             Some(other) => Err(format!("url is {other}; must be a string")),
