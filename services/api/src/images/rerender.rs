@@ -61,6 +61,7 @@ impl Images {
         let request = json!({"spec": spec, "frame": frame, "scene": scene});
         write(folder.path(), "request.json", request.to_string().as_bytes())?;
         let arguments = [
+            OsStr::new("rerender"),
             OsStr::new("--folder"),
             folder.path().as_os_str(),
             OsStr::new("--data"),
@@ -69,7 +70,7 @@ impl Images {
         match self
             .processes
             .children
-            .run("rerender", &arguments, ALLOWANCE)
+            .run("child", &arguments, ALLOWANCE)
             .await?
         {
             Ended::Well => {}

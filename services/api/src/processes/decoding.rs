@@ -93,9 +93,13 @@ impl Decoding {
             time: TIME,
             memory_bytes: (mib as u64) << 20,
         };
-        let arguments = [OsStr::new("--folder"), folder.path().as_os_str()];
+        let arguments = [
+            OsStr::new("decode"),
+            OsStr::new("--folder"),
+            folder.path().as_os_str(),
+        ];
         let pointer = format!("/{}", files.field);
-        match self.children.run("decode", &arguments, allowance).await? {
+        match self.children.run("child", &arguments, allowance).await? {
             Ended::Well => {}
             Ended::Refused(why) | Ended::Lacking(why) => return Err(Problem::field(&pointer, why)),
             Ended::Badly(why) => {

@@ -71,7 +71,7 @@ impl Live {
             .flat_map(|(option, path)| [PathBuf::from(option), path]);
         Self {
             program: program.to_owned(),
-            arguments: ["live".into(), "--data".into(), data.to_owned()]
+            arguments: ["child".into(), "live".into(), "--data".into(), data.to_owned()]
                 .into_iter()
                 .chain(given)
                 .collect(),

@@ -10,13 +10,14 @@ use crate::http::problem::{Problem, Slug};
 use crate::processes::child::Ended;
 
 impl Styles {
-    /// Runs `fathom check-style`; an error describes the failure.
+    /// Runs `fathom child check-style`; an error describes the failure.
     pub(super) async fn try_out(&self, new: &NewStyle) -> Result<(), Problem> {
         let folder = TempDir::new().map_err(|error| writing(&error))?;
         let file = folder.path().join("model.onnx");
         let written = tokio::fs::write(&file, &new.onnx).await;
         written.map_err(|error| writing(&error))?;
         let arguments = [
+            OsStr::new("check-style"),
             OsStr::new("--model"),
             file.as_os_str(),
             OsStr::new("--name"),
@@ -25,7 +26,7 @@ impl Styles {
         match self
             .processes
             .children
-            .run("check-style", &arguments, self.trial)
+            .run("child", &arguments, self.trial)
             .await?
         {
             Ended::Well => Ok(()),

@@ -13,7 +13,6 @@ use cli::exit::Failure;
 
 use client::JobChange;
 
-use children::{check_style, decode, live, rerender};
 use dataset::{datasets, export, import, query, rm, scenes, seal, sheet, stats, upload, verify};
 use help::{completions, list};
 use job::{control, errors, jobs, submit, wait};
@@ -99,27 +98,15 @@ pub(crate) enum Command {
     Completions(completions::Arguments),
     /// Write manual pages
     Man(completions::ManArguments),
-    /// Render a stored frame again, for the service
-    #[command(hide = true)]
-    Rerender(rerender::Arguments),
-    /// Render preview frames (used by the service)
-    #[command(hide = true)]
-    Live(live::Arguments),
-    /// Decode an upload, for the service
-    #[command(hide = true)]
-    Decode(decode::Arguments),
-    /// Try a style network, for the service
-    #[command(hide = true)]
-    CheckStyle(check_style::Arguments),
+    /// Do work for the service that may crash or hang
+    #[command(hide = true, subcommand)]
+    Child(children::Task),
 }
 
 impl Command {
     pub(crate) fn run(self) -> Result<(), Failure> {
         match self {
-            Self::Rerender(arguments) => rerender::run(&arguments),
-            Self::Live(arguments) => live::run(&arguments),
-            Self::CheckStyle(arguments) => check_style::run(&arguments),
-            Self::Decode(arguments) => decode::run(&arguments),
+            Self::Child(task) => task.run(),
             Self::Serve(arguments) => serve::run(arguments, None),
             Self::Worker(arguments) => worker::run(arguments),
             Self::Render(arguments) => render::run(&arguments),

@@ -1,4 +1,4 @@
-//! `fathom check-style`: tries an unverified style network, for the service.
+//! `fathom child check-style`: tries an unverified style network, for the service.
 
 use std::path::PathBuf;
 
@@ -7,7 +7,7 @@ use cli::exit::Failure;
 use cli::styles::StyleArguments;
 use style::{Runtime, StyleModel, Unfit};
 
-/// Options of `fathom check-style`.
+/// Options of `fathom child check-style`.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     /// The ONNX file

@@ -1,11 +1,11 @@
-//! `fathom decode`: decodes an upload for the service.
+//! `fathom child decode`: decodes an upload for the service.
 
 use std::path::PathBuf;
 
 use anyhow::Context;
 use cli::exit::Failure;
 
-/// Options of `fathom decode`.
+/// Options of `fathom child decode`.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     /// Folder with `request.json` and the files; `reply.json` is written there

@@ -1,26 +1,15 @@
-//! `fathom live`: renders preview frames for the service, one after another.
+//! `fathom child live`: renders preview frames for the service, one after another.
 
 use std::io::{BufRead, Write};
-use std::path::PathBuf;
-use std::sync::Arc;
 
 use anyhow::Context;
 use cli::exit::Failure;
-use cli::styles::StyleArguments;
-use renderer::{Engine, SceneSource, Slot};
+use renderer::{SceneSource, Slot};
 use serde::Deserialize;
 use serde_json::json;
 use spec::Job;
 
-/// Options of `fathom live`.
-#[derive(clap::Args)]
-pub(crate) struct Arguments {
-    /// Data folder of the service, for the styles added to it
-    #[arg(long)]
-    data: PathBuf,
-    #[command(flatten)]
-    style: StyleArguments,
-}
+use super::EngineArguments;
 
 /// A line of standard input.
 #[derive(Deserialize)]
@@ -29,10 +18,8 @@ struct Request {
 }
 
 /// Replies to each line with a line of JSON and, unless that has an error, the bytes of the picture. It ends with its input.
-pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let library = arguments.style.library_of_service(&arguments.data)?;
-    let engine = Arc::new(Engine::new(library, arguments.style.onnxruntime.as_deref()));
-    let mut slot = Slot::new(&engine);
+pub(crate) fn run(arguments: &EngineArguments) -> Result<(), Failure> {
+    let mut slot = Slot::new(&arguments.engine()?);
     let mut out = std::io::stdout().lock();
     for line in std::io::stdin().lock().lines() {
         let line = line.context("standard input cannot be read")?;

@@ -1,4 +1,4 @@
-//! `fathom rerender`: renders a stored frame again, for the service.
+//! `fathom child rerender`: renders a stored frame again, for the service.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -6,22 +6,20 @@ use std::sync::Arc;
 use anyhow::Context;
 use cli::exit::Failure;
 use cli::files;
-use cli::styles::StyleArguments;
-use renderer::{Engine, SceneBytes, SceneSource, Slot};
+use renderer::{SceneBytes, SceneSource, Slot};
 use serde::Deserialize;
 use spec::{Job, SceneFiles};
 
-/// Options of `fathom rerender`.
+use super::EngineArguments;
+
+/// Options of `fathom child rerender`.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     /// Folder with `request.json` and the files of the scene; the record and the artifacts are written there
     #[arg(long)]
     folder: PathBuf,
-    /// Data folder of the service, for the styles added to it
-    #[arg(long)]
-    data: PathBuf,
     #[command(flatten)]
-    style: StyleArguments,
+    engine: EngineArguments,
 }
 
 /// `request.json`, written by the service.
@@ -37,15 +35,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let folder = &arguments.folder;
     let request: Request = serde_json::from_slice(&files::read(&folder.join("request.json"))?)
         .context("request.json cannot be read")?;
-    let library = arguments.style.library_of_service(&arguments.data)?;
     let job = Job::from_canonical(&request.spec).map_err(Failure::input)?;
     let frame = job.resolve(request.frame).map_err(Failure::input)?;
     let source = match &request.scene {
         Some(scene) => SceneSource::Uploaded(Arc::new(uploaded(folder, scene)?)),
         None => SceneSource::Local,
     };
-    let engine = Arc::new(Engine::new(library, arguments.style.onnxruntime.as_deref()));
-    let rendered = Slot::new(&engine).attempt(&frame, &source);
+    let rendered = Slot::new(&arguments.engine.engine()?).attempt(&frame, &source);
     let rendered = rendered.map_err(Failure::input)?;
     for (position, file) in rendered.files.iter().enumerate() {
         files::write(&folder.join(format!("artifact-{position}")), &file.bytes)?;
