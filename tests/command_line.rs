@@ -182,9 +182,15 @@ fn a_wrong_experiment_gets_one_message_with_every_mistake() {
         text(&output.stderr).to_owned()
     };
     let unknown = refused(&["experiment", "chrat"]);
-    assert!(unknown.contains("no experiment `chrat`") && unknown.contains("campaign"), "{unknown}");
+    assert!(
+        unknown.contains("no experiment `chrat`") && unknown.contains("campaign"),
+        "{unknown}"
+    );
     let message = refused(&["experiment", "campaign", "--set", "frames=-1", "--set", "sed=2"]);
-    assert!(message.contains("`frames` is -1; must be a number from 0"), "{message}");
+    assert!(
+        message.contains("`frames` is -1; must be a number from 0"),
+        "{message}"
+    );
     assert!(message.contains("no parameter `sed`"), "{message}");
     let list = run_lab(&["experiment"]);
     assert!(list.status.success() && text(&list.stdout).contains("sites"));

@@ -122,13 +122,21 @@ fn the_charts_are_drawn_into_a_folder() {
         |name: String| std::fs::read(Path::new(&out).join(&name)).unwrap_or_else(|e| panic!("{name}: {e}"));
     for name in CHARTS {
         let drawing = String::from_utf8(read(format!("{name}.svg"))).unwrap();
-        assert!(drawing.starts_with("<svg") && drawing.contains("polyline"), "{name}");
+        assert!(
+            drawing.starts_with("<svg") && drawing.contains("polyline"),
+            "{name}"
+        );
     }
-    let cards = decode_picture(&read("grey-cards.png".to_owned())).unwrap().to_rgb8();
+    let cards = decode_picture(&read("grey-cards.png".to_owned()))
+        .unwrap()
+        .to_rgb8();
     let black = cards.data().iter().filter(|&&code| code < 40).count();
     assert!(black > 0 && black < cards.data().len() / 2, "{black}");
     let page = String::from_utf8(read("waters.md".to_owned())).unwrap();
-    assert!(CHARTS.iter().all(|name| page.contains(&format!("({name}.svg)"))), "{page}");
+    assert!(
+        CHARTS.iter().all(|name| page.contains(&format!("({name}.svg)"))),
+        "{page}"
+    );
 }
 
 #[test]

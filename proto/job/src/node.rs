@@ -4,9 +4,8 @@ mod draw;
 
 use std::collections::BTreeMap;
 
+use imaging::random::Stream;
 use serde_json::Value;
-
-pub(crate) use draw::{Drawn, Law, LawNode};
 
 /// A value of the checked description.
 #[derive(Debug, Clone)]
@@ -171,4 +170,45 @@ impl Node {
 /// Canonical form of a number field: always with a point or an exponent, and no negative zero.
 pub(crate) fn float(number: f64) -> Value {
     Value::from(number + 0.0)
+}
+
+/// A distribution with its location.
+#[derive(Debug, Clone)]
+pub(crate) struct LawNode {
+    /// JSON pointer of the distribution.
+    pub(crate) pointer: String,
+    /// Its random numbers.
+    pub(crate) stream: Stream,
+    /// The distribution itself.
+    pub(crate) law: Law,
+}
+
+/// A distribution. The checker guarantees: ends in order and within the field's range, lists not empty, as many
+/// weights as values, none negative, one positive.
+#[derive(Debug, Clone)]
+pub(crate) enum Law {
+    /// One of the values. `weighted`: the weights were given explicitly.
+    Choice {
+        values: Vec<Node>,
+        weights: Vec<f64>,
+        weighted: bool,
+    },
+    /// Each value in turn, for `stride` frames each.
+    Grid { values: Vec<Node>, stride: u64 },
+    /// Between two ends.
+    Uniform(f64, f64),
+    /// Log-uniform between two ends.
+    LogUniform(f64, f64),
+    /// Whole numbers; `as_float` in a number field.
+    Int { a: i64, b: i64, as_float: bool },
+    /// Normal, clamped.
+    Normal { mean: f64, sd: f64, clip: (f64, f64) },
+}
+
+/// A drawn value.
+pub(crate) enum Drawn {
+    /// The value at this position of [`LawNode::values`], which may contain distributions.
+    One(usize),
+    /// A number.
+    Number(Value),
 }

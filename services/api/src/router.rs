@@ -14,14 +14,14 @@ use utoipa_axum::router::OpenApiRouter;
 use self::group::RouteGroup;
 use self::routes::*;
 use crate::app::App;
-use crate::bytes::space;
+use crate::bytes::note;
 use crate::http::auth::{Scope, Tokens};
 use crate::http::budget::{Budget, Share};
 use crate::http::hosts::{self, Hosts};
 use crate::http::layers::Choice;
 use crate::http::observe::observe;
-use crate::http::problem;
 use crate::http::problem::Problem;
+use crate::http::problem_page;
 use crate::http::receive::{PLACE_BYTES, Receiving};
 use crate::limits::{self, Limits, SHED_AFTER, SHED_IMMEDIATELY, SHED_QUERY_AFTER, SHED_UPLOAD_AFTER};
 use crate::lists::List;
@@ -88,9 +88,9 @@ pub(crate) fn router(app: App, tokens: &Arc<Tokens>, hosts: Hosts, limits: &Limi
         .with_state(app)
         .merge(http::docs::router(&document))
         .merge(http::page::router())
-        .route("/problems/{slug}", get(problem::describe))
+        .route("/problems/{slug}", get(problem_page::describe))
         .fallback(|| async { Problem::not_found("no such route; see /docs") })
-        .layer(from_fn_with_state(stored, space::note))
+        .layer(from_fn_with_state(stored, note::note))
         .layer(from_fn_with_state(hosts, hosts::check_host))
         .layer(from_fn(observe))
 }

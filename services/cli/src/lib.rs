@@ -29,23 +29,17 @@ pub use options::{engine, import, remote, render, seal, styles, worker};
 
 use std::ffi::OsString;
 
-use clap::{CommandFactory, FromArgMatches, Parser};
+use clap::FromArgMatches;
 
 use exit::Failure;
 
-/// Underwater image datasets on demand.
-#[derive(Parser)]
-#[command(name = "fathom", version, max_term_width = 100)]
-struct Arguments {
-    #[command(subcommand)]
-    command: commands::Command,
-}
-
 /// Runs a command as a shell would, from the program's name on, and returns its exit status.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
-    run_words(command(), arguments, |arguments: Arguments| {
-        arguments.command.run()
-    })
+    run_words(
+        commands::command(),
+        arguments,
+        |arguments: commands::Arguments| arguments.command.run(),
+    )
 }
 
 /// Runs a command of this program or of `fathom-cluster`.
@@ -68,9 +62,4 @@ pub fn run_words<A: FromArgMatches>(
             u8::try_from(error.exit_code()).unwrap_or(1)
         }
     }
-}
-
-/// All commands, grouped by topic, with an example of each.
-fn command() -> clap::Command {
-    commands::help::topics::arrange(Arguments::command())
 }

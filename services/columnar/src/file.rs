@@ -5,7 +5,7 @@ use std::os::unix::fs::FileExt;
 use std::path::{Path, PathBuf};
 
 use parquet::basic::Type as Physical;
-use parquet::file::metadata::{ColumnChunkMetaData, ParquetMetaDataReader};
+use parquet::file::metadata::ParquetMetaDataReader;
 use parquet::file::statistics::Statistics;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -16,6 +16,7 @@ use self::decode::{Piece, decoded};
 use crate::column::{Column, Kind};
 use crate::condition::{Bound, Range};
 use crate::error::ColumnarError;
+use decode::Chunk;
 
 /// The name of [`About`] among the key-value pairs of the footer.
 pub(crate) const ABOUT: &str = "fathom";
@@ -58,15 +59,6 @@ pub struct ReplicaFile {
     chunks: HashMap<String, Chunk>,
     /// Among all files of this process.
     pub(crate) id: u64,
-}
-
-/// The position of a column.
-#[derive(Debug)]
-struct Chunk {
-    kind: Kind,
-    meta: Box<ColumnChunkMetaData>,
-    checksum: u32,
-    range: Option<Range>,
 }
 
 /// SHA-256 in hexadecimal.

@@ -3,11 +3,12 @@
 mod coded;
 
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Mutex, PoisonError};
 
 use crate::bins::Bins;
 use crate::error::ColumnarError;
 use crate::parts::Masked;
+pub use coded::Cell;
 use coded::Coded;
 
 /// A grouping column, by its position among the columns of the query.
@@ -17,25 +18,6 @@ pub struct GroupBy {
     pub column: usize,
     /// Its bins; `None`: each value is a group.
     pub bins: Option<Bins>,
-}
-
-/// The common value of a group's rows in one column.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub enum Cell {
-    /// No value, or one that is not finite.
-    Missing,
-    /// A number by its bits; zero has no sign.
-    Number(u64),
-    /// The lower edge of a bin by its bits.
-    Edge(u64),
-    /// A whole number of this kind as it is held.
-    Whole(i64),
-    /// A large number as it is held.
-    Large(i64),
-    /// Yes or no.
-    Flag(bool),
-    /// A text.
-    Text(Arc<str>),
 }
 
 /// The group of a row that the query leaves out.

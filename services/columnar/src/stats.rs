@@ -5,29 +5,16 @@
 //! more groups than bins, the values of each group are collected and sorted instead.
 
 mod sorting;
+mod summary;
 
 use self::sorting::by_sorting;
 use crate::error::ColumnarError;
-use crate::groups::{Cell, GroupBy, Grouped, NO_GROUP, grouped};
-use crate::parts::{Masked, Query, Rows, Source};
+use crate::groups::{Cell, GroupBy, Grouped, grouped};
+use crate::parts::{Masked, Query, Source};
 use crate::sum::Sum;
+pub use summary::Summary;
+use summary::{Quantile, SHARES, Summaries, each_value};
 
-/// Statistics of the values of a group.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[allow(missing_docs)]
-pub struct Summary {
-    pub count: u64,
-    pub mean: Option<f64>,
-    pub sd: Option<f64>,
-    pub min: Option<f64>,
-    pub q25: Option<f64>,
-    pub median: Option<f64>,
-    pub q75: Option<f64>,
-    pub max: Option<f64>,
-}
-
-/// The shares below the quartiles.
-const SHARES: [f64; 3] = [0.25, 0.5, 0.75];
 /// Most bins of one group, and of all groups of a column: their counts fit into a core's cache.
 const MOST_BINS: usize = 4096;
 const ALL_BINS: usize = 1 << 15;
@@ -71,9 +58,6 @@ struct Wanted {
     largest_square: f64,
 }
 
-/// The summaries of one column, group by group, or of a group, column by column.
-type Summaries = Vec<Summary>;
-
 /// A group: its key, and one summary for each column.
 pub type Group = (Vec<Cell>, Vec<Summary>);
 
@@ -99,29 +83,6 @@ pub fn stats(
     Ok((groups.collect(), masked.source))
 }
 
-/// The position of a quartile among sorted values.
-struct Quantile {
-    low: u64,
-    high: u64,
-    share: f64,
-}
-
-impl Quantile {
-    fn new(share: f64, count: u64) -> Option<Self> {
-        let place = share * count.checked_sub(1)? as f64;
-        Some(Self {
-            low: place.floor() as u64,
-            high: place.ceil() as u64,
-            share: place.fract(),
-        })
-    }
-
-    /// Interpolates. The result zero has no sign, so that the order of equal values does not matter.
-    fn between(&self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.share + 0.0
-    }
-}
-
 fn of_column(masked: &Masked<'_>, grouped: &Grouped, metric: usize) -> Result<Summaries, ColumnarError> {
     let groups = grouped.keys.len();
     if groups > MOST_BINNED_GROUPS {
@@ -143,33 +104,6 @@ fn of_column(masked: &Masked<'_>, grouped: &Grouped, metric: usize) -> Result<Su
     Ok(all
         .map(|(((ends, binned), wanted), gathered)| summarized(ends, binned, wanted, gathered))
         .collect())
-}
-
-/// Calls `each` with the group and the value of every row of the query that has one.
-#[inline]
-fn each_value(
-    rows: &Rows<'_>,
-    grouped: &Grouped,
-    metric: usize,
-    mut each: impl FnMut(usize, f64),
-) -> Result<(), ColumnarError> {
-    let column = rows.column(metric)?;
-    let values = column.numbers();
-    let groups = &grouped.groups[rows.at];
-    if groups.is_empty() {
-        rows.visit(values.len(), |at| {
-            if !values[at].is_nan() {
-                each(0, values[at]);
-            }
-        });
-        return Ok(());
-    }
-    for (group, value) in groups.iter().zip(values.iter()) {
-        if *group != NO_GROUP && !value.is_nan() {
-            each(*group as usize, *value);
-        }
-    }
-    Ok(())
 }
 
 fn ends(masked: &Masked<'_>, grouped: &Grouped, metric: usize) -> Result<Vec<Ends>, ColumnarError> {

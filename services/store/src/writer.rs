@@ -1,58 +1,24 @@
 //! The only task that writes. Calls that arrive while it is busy share the next transaction and its flush to disk.
 
+mod call;
 mod task;
 
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::Arc;
 
 use tokio::sync::{mpsc, oneshot};
 use tokio::task::JoinHandle;
 
 use crate::digest::Digest;
 use crate::error::StoreError;
-use crate::index::Index;
-use crate::pack::Folder;
-use crate::readers::Readers;
 
 use self::task::Task;
+use call::{Call, Reply};
+pub(crate) use call::{CheckedBlob, Shared};
 
 /// Maximum queued calls. Further callers wait, which bounds memory.
 const QUEUE: usize = 64;
-/// Maximum bytes of a transaction: a larger one would only delay its first caller.
-const GROUP_BYTES: usize = 64 << 20;
-
-/// A blob with a verified digest.
-pub(crate) struct CheckedBlob {
-    pub(crate) digest: Digest,
-    pub(crate) bytes: Vec<u8>,
-}
-
-type Reply<T> = oneshot::Sender<Result<T, StoreError>>;
-
-enum Call {
-    Put(Vec<CheckedBlob>, Reply<()>),
-    /// Blobs of a pack under compaction, to be stored in the open pack.
-    Move(u32, Vec<CheckedBlob>, Reply<()>),
-    Delete(Vec<Digest>, Reply<u64>),
-    /// Removes a pack without blobs.
-    Remove(u32, Reply<bool>),
-}
-
 #[derive(Clone)]
 pub(crate) struct Writer(mpsc::Sender<Call>);
-
-/// State shared by the writer and the store.
-pub(crate) struct Shared {
-    pub(crate) folder: Folder,
-    pub(crate) index: Mutex<Index>,
-    pub(crate) readers: Readers,
-    pub(crate) pack_bytes: u64,
-}
-
-impl Shared {
-    pub(crate) fn index(&self) -> MutexGuard<'_, Index> {
-        self.index.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
 
 impl Writer {
     pub(crate) fn start(shared: Arc<Shared>) -> (Self, JoinHandle<()>) {

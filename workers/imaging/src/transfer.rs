@@ -5,6 +5,7 @@
 //! ([`encode_unit`], [`decode_unit`]) are within 6.1e-8 of it. All powers come from a Rust library instead of the
 //! platform's, so pictures agree on every machine.
 
+mod curve;
 mod encoder;
 mod unit;
 
@@ -12,6 +13,7 @@ use std::sync::LazyLock;
 
 use crate::raster::{Channels, Raster, Rgb8, Samples};
 use crate::{Plane, Rgb};
+pub use curve::{decode, encode};
 use encoder::Encoder;
 
 /// Relation of a file's codes to linear light.
@@ -21,39 +23,6 @@ pub enum Transfer {
     Srgb,
     /// Codes are proportional to light.
     Linear,
-}
-
-/// End of the linear part of the curve, encoded and in light; and its slope.
-const DARK_ENCODED: f64 = 0.040_45;
-const DARK_LIGHT: f64 = DARK_ENCODED / SLOPE;
-const SLOPE: f64 = 12.92;
-
-/// Linear light of an sRGB-encoded value; the linear part extends below 0, the curve above 1.
-#[must_use]
-pub fn decode(v: f64) -> f64 {
-    if v <= DARK_ENCODED {
-        v / SLOPE
-    } else {
-        decode_bright(v)
-    }
-}
-
-/// sRGB-encoded value of linear light; the inverse of [`decode`].
-#[must_use]
-pub fn encode(l: f64) -> f64 {
-    if l <= DARK_LIGHT {
-        l * SLOPE
-    } else {
-        encode_bright(l)
-    }
-}
-
-fn decode_bright(v: f64) -> f64 {
-    libm::pow((v + 0.055) / 1.055, 2.4)
-}
-
-fn encode_bright(l: f64) -> f64 {
-    1.055 * libm::pow(l, 1.0 / 2.4) - 0.055
 }
 
 static DECODED_U8: LazyLock<[f32; 256]> =

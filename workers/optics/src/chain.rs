@@ -8,6 +8,7 @@
 mod check;
 mod fast;
 mod gated_reference;
+mod layers;
 mod reference;
 
 use imaging::{Plane, Rgb};
@@ -19,22 +20,9 @@ use crate::range::{bounds, filled, is_hole};
 use crate::water::Water;
 
 pub use check::{ChainError, check_radiance};
+pub use layers::Layers;
+use layers::layers;
 pub use reference::water as water_reference;
-
-/// The parts of an underwater image in linear light, not clamped.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Layers<T = f32> {
-    /// D: light of the scene that arrives unscattered.
-    pub direct: Rgb<T>,
-    /// F: light that arrives scattered forward. In the simplified form: the change by gathering, which may be negative.
-    pub forward_scatter: Rgb<T>,
-    /// B: the veil.
-    pub backscatter: Rgb<T>,
-    /// The image.
-    pub scattered: Rgb<T>,
-    /// Pixels without a valid range.
-    pub holes: u64,
-}
 
 /// Renders a scene under water as planned. `radiance` is linear, finite and not negative ([`check_radiance`]); `range` is in meters
 /// along the ray.
@@ -100,25 +88,6 @@ impl KernelCache {
         ] {
             self.buffers.give(layer.into_planes().map(Plane::into_data));
         }
-    }
-}
-
-/// One channel of [`Layers`].
-struct Band<T> {
-    direct: Plane<T>,
-    forward: Plane<T>,
-    veil: Plane<T>,
-    image: Plane<T>,
-}
-
-fn layers<T>([r, g, b]: [Band<T>; 3], holes: u64) -> Layers<T> {
-    let join = |planes| Rgb::new(planes).expect("bands of one frame");
-    Layers {
-        direct: join([r.direct, g.direct, b.direct]),
-        forward_scatter: join([r.forward, g.forward, b.forward]),
-        backscatter: join([r.veil, g.veil, b.veil]),
-        scattered: join([r.image, g.image, b.image]),
-        holes,
     }
 }
 

@@ -5,6 +5,7 @@
 //! match the solution at the camera.
 
 mod caustics;
+mod conditions;
 mod field;
 mod gaze;
 mod limits;
@@ -19,13 +20,16 @@ mod veil;
 mod wide;
 
 pub use caustics::{
-    Blur, RAYS_PER_CELL, Refraction, Tiles, Waves, caustics, caustics_reference, shafts, slices,
-    tile_reference, with_shafts,
+    RAYS_PER_CELL, Refraction, Tiles, Waves, caustics, caustics_reference, shafts, slices, tile_reference,
+    with_shafts,
 };
-pub use field::{CRITICAL_COSINE, Field, REFRACTIVE_INDEX, fresnel};
+pub use conditions::{Blur, Daylight};
+pub use field::Field;
 pub(crate) use field::{Fields, Place};
 pub use gaze::Gaze;
-pub use model::{Bottom, Caustics, DaylightModel, Sun, SurfaceLight};
+pub use model::{
+    Bottom, CRITICAL_COSINE, Caustics, DaylightModel, REFRACTIVE_INDEX, Sun, SurfaceLight, fresnel,
+};
 pub use seen::{
     Surfaces, access, access_reference, occlude_veil, sunlit, sunlit_reference, veil_access,
     veil_access_reference,
@@ -51,35 +55,6 @@ pub(crate) enum DaylightEffect {
     Shafts,
     /// Occlusion of the daylight that causes the veil.
     VeilOcclusion,
-}
-
-/// Daylight in one water, for one camera.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Daylight {
-    pub(crate) surfaces: SurfaceLight,
-    pub(crate) sun: Option<SunLight>,
-    /// Rays of ambient occlusion for each surface.
-    pub(crate) rays: usize,
-    /// The waves, and the blur of their pattern by the water.
-    pub(crate) caustics: Option<(Caustics, Blur)>,
-    /// Whether the pattern of the waves shows on surfaces.
-    pub(crate) draws_caustics: bool,
-    pub(crate) has_shafts: bool,
-    /// Whether surfaces occlude the daylight that causes the veil.
-    pub(crate) occludes_veil: bool,
-    /// True meters of one length of the range.
-    pub(crate) scale: f64,
-    /// The radiance of each channel.
-    pub(crate) fields: [Field; 3],
-    /// How the water scatters outside of the forward peak.
-    pub(crate) wide: WideScattering,
-    /// Depth of the camera in lengths of the range.
-    pub(crate) depth: f64,
-    /// How far the bottom is below the camera, in the same; infinite without one.
-    pub(crate) below: f64,
-    /// The irradiance at the camera over that which is white.
-    pub(crate) level: [f64; 3],
-    pub(crate) gaze: Gaze,
 }
 
 impl Daylight {

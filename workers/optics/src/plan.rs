@@ -20,18 +20,20 @@ mod scatter;
 mod shadows;
 mod shares;
 mod stage;
+mod terms;
 mod veil;
 mod water;
 
 pub use crate::error_bound::{ErrorBound, Gain};
-pub use bounds::{RangeBin, SceneBounds, TileGains};
+pub use bins::{RangeBin, TileGains};
+pub use bounds::SceneBounds;
 pub use casting::Casting;
 pub use levels::{brightest_behind, display_tolerance, frame_tolerance};
-pub use model::{Conditions, ModelError};
-pub use scatter::MOST_TERMS;
+pub use model::Conditions;
 pub use shadows::{Shadows, Use};
-pub use shares::Budget;
-pub use stage::{Stage, StageId, Variant};
+pub use shares::{Budget, compose, compose_gain};
+pub use stage::{ModelError, Stage, StageId, Variant};
+pub use terms::MOST_TERMS;
 pub(crate) use veil::BY_DIRECTION;
 pub use water::{assess_water, water_gain};
 
@@ -100,26 +102,6 @@ impl Plan {
     pub fn cost_ms(&self) -> Option<f64> {
         self.stages.iter().map(|stage| stage.cost_ms).sum()
     }
-}
-
-/// Walks stages in their order: `error = error * gain + bound` in each channel.
-#[must_use]
-pub fn compose<'a>(stages: impl Iterator<Item = &'a Stage>) -> [ErrorBound; 3] {
-    let mut errors = [ErrorBound::EXACT; 3];
-    for stage in stages {
-        for (channel, error) in errors.iter_mut().enumerate() {
-            if stage.id.channel().is_none_or(|own| own == channel) {
-                *error = error.behind(stage.gain).plus(stage.bound.unwrap_or_default());
-            }
-        }
-    }
-    errors
-}
-
-/// The gain of stages, one after the other.
-#[must_use]
-pub fn compose_gain<'a>(stages: impl Iterator<Item = &'a Stage>) -> Gain {
-    stages.fold(Gain::ONE, |gain, stage| gain.then(stage.gain))
 }
 
 impl Serialize for Plan {

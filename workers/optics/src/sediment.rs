@@ -26,7 +26,7 @@ use spec::{Sediment, normal_quantile};
 use crate::eye::Eye;
 use crate::range::is_hole;
 use crate::snow::{WhiteLight, World};
-use drift::Drift;
+
 use noise::Noise;
 
 /// Standard deviation of the noise.
@@ -206,6 +206,16 @@ fn end(range: f32) -> f64 {
 fn smooth(share: f64) -> f64 {
     let share = share.clamp(0.0, 1.0);
     share * share * (3.0 - 2.0 * share)
+}
+
+/// A cloud on a slice of a ray.
+pub(super) struct Drift {
+    pub(super) slice: usize,
+    pub(super) place: [f64; 3],
+    /// From the camera, m.
+    pub(super) range_m: f64,
+    /// The share of the light that it stops.
+    pub(super) stopped: f64,
 }
 
 #[cfg(test)]

@@ -13,6 +13,7 @@ mod flakes;
 mod lit;
 mod reference;
 mod spot;
+mod world;
 
 pub use fast::snow;
 pub use flakes::{Flake, flakes};
@@ -20,20 +21,16 @@ pub use lit::{LitFlake, lit, peak};
 pub use reference::snow_reference;
 pub use spot::Spot;
 
-use imaging::Plane;
 use imaging::geometry::Intrinsics;
 use spec::{Beyond, Snow};
 
-use crate::eye::Eye;
+use world::mean_square;
+pub use world::{Seeing, Surround, WhiteLight, World};
 
 /// Most particles that a frame may be expected to hold.
 pub const MOST_PARTICLES: f64 = 400_000.0;
 /// Largest share of the frame that the particles may be expected to cover.
 pub const MOST_COVER: f64 = 1.0;
-/// The largest radius of Junge's law over the least: a spectrum of marine particles is followed over about a decade of sizes
-/// (McCave 1984; Jackson et al. 1997 measured slopes of diameters between 3 and 4 with several instruments).
-const RADII: f64 = 10.0;
-
 /// Everything wrong with it.
 #[must_use]
 pub fn validate(snow: &Snow) -> Vec<Beyond> {
@@ -105,80 +102,11 @@ pub fn cover(snow: &Snow, attenuation: f64) -> f64 {
     std::f64::consts::PI * snow.density_per_m3 * mean_square(snow) * thinned
 }
 
-/// `E[r²]`, m², of Junge's law between r and R r with the slope s: `r² (s − 1)/(3 − s) (R^{3−s} − 1)/(1 − R^{1−s})`.
-fn mean_square(snow: &Snow) -> f64 {
-    let slope = snow.spectrum;
-    let rest = 3.0 - slope;
-    let grown = if rest.abs() < 1e-9 {
-        RADII.ln()
-    } else {
-        (RADII.powf(rest) - 1.0) / rest
-    };
-    snow.radius_m.powi(2) * (slope - 1.0) * grown / (1.0 - RADII.powf(1.0 - slope))
-}
-
 /// Whether it may be omitted: its density is 0, or expected pixels × contrast ≤ tolerance. `pixels` of the frame, the least
 /// attenuation of the three channels in 1/m, and the largest difference between a particle and its background.
 #[must_use]
 pub fn is_needless(snow: &Snow, pixels: usize, attenuation: f64, contrast: f64, tolerance: f64) -> bool {
     snow.density_per_m3 == 0.0 || cover(snow, attenuation) * pixels as f64 * contrast <= tolerance
-}
-
-/// The largest radius.
-fn largest_m(snow: &Snow) -> f64 {
-    RADII * snow.radius_m
-}
-
-/// The particles of one world: of a seed, and of frames that share their particles.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct World {
-    /// Seed of the job.
-    pub seed: u64,
-    /// Which of its worlds: the frame, or 0 for all frames of a path.
-    pub index: u64,
-}
-
-/// Effect of camera and current on particles.
-#[derive(Clone, Copy)]
-pub struct Seeing<'a> {
-    /// Radius of the circle of confusion at a range in meters, in pixels of the picture.
-    pub blur_px: &'a dyn Fn(f64) -> f64,
-    /// How long the shutter is open, s.
-    pub exposure_s: f64,
-    /// Time that the current has carried the particles, s.
-    pub time_s: f64,
-}
-
-impl Seeing<'_> {
-    /// A pinhole's, at the first moment.
-    pub const STILL: Seeing<'static> = Seeing {
-        blur_px: &|_| 0.0,
-        exposure_s: 0.0,
-        time_s: 0.0,
-    };
-
-    /// The largest circle of confusion of this snow: that of its nearest or farthest particles.
-    fn most_blur_px(&self, snow: &Snow) -> f64 {
-        (self.blur_px)(snow.near_m).max((self.blur_px)(snow.far_m))
-    }
-}
-
-/// Radiance of white particles at some points in camera axes, of each R, G and B.
-pub type WhiteLight<'a> = &'a dyn Fn(&[[f64; 3]]) -> Vec<[f64; 3]>;
-
-/// Surroundings of the particles.
-#[derive(Clone, Copy)]
-pub struct Surround<'a> {
-    /// Meters along the ray to the surface, which occludes farther particles; infinite at a hole.
-    pub range: &'a Plane<f32>,
-    /// The camera.
-    pub eye: &'a Eye,
-    /// Beam attenuation c, 1/m.
-    pub attenuation: [f64; 3],
-    /// Meters of water of this attenuation up to a point in camera axes at this range.
-    pub path: &'a dyn Fn([f64; 3], f64) -> f64,
-    /// Radiance of a white particle at each of some points in camera axes.
-    pub light: WhiteLight<'a>,
 }
 
 /// Cross-section of a view at a depth of 1 m, m²: `W H / f²`.

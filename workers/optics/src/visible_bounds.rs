@@ -8,9 +8,8 @@ use imaging::geometry::Intrinsics;
 use imaging::rays::Cuboid;
 use imaging::vector::dot;
 use imaging::{Plane, Rgb};
+pub use measure::TILE_PX;
 
-/// Columns and rows of a tile.
-pub const TILE_PX: usize = 32;
 /// Depth limit for water without a surface behind it, m.
 const FAR_M: f64 = 1e3;
 /// First depth of a subdivision of the water, m, and the ratio of one depth to the previous one.

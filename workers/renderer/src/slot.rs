@@ -3,10 +3,10 @@
 mod effects;
 mod exposure;
 mod light;
+mod state;
 
 use std::sync::Arc;
 
-use ::camera::geometry::SourcePicture;
 use imaging::Rgb;
 use optics::forward_scatter::KernelCache;
 use optics::plan::{Plan, StageId};
@@ -25,21 +25,10 @@ use crate::stage::files::{self, Pictures};
 use crate::stage::style::Networks;
 use crate::stage::{camera, enhance, haze, labels, measure, truth};
 use crate::stopwatch::Stopwatch;
-use exposure::{Taken, Thin};
+use state::{SceneKey, Taken, Thin};
 
 pub use light::WaterLight;
-
-/// Caches that one worker thread reuses between frames. They never change a result.
-pub struct Slot {
-    pub(crate) networks: Networks,
-    kernels: KernelCache,
-    resources: Resources,
-    /// Caches for the thinned pictures used to meter exposures.
-    thin: Thin,
-    last_scene: Option<(SceneKey, Arc<Prepared>)>,
-    /// Effects that no frame of this slot has.
-    excluded: Vec<StageId>,
-}
+pub use state::Slot;
 
 /// A rendered frame.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,18 +46,6 @@ pub struct LinearPicture {
     pub radiance: Rgb<f32>,
     /// The plan of the frame.
     pub plan: Plan,
-}
-
-/// Everything that a prepared scene depends on. Scenes from local files are not cached because the files may change.
-#[derive(PartialEq)]
-struct SceneKey {
-    scene: Scene,
-    /// Its sides, field of view, view and path.
-    camera: Camera,
-    /// Depth of the camera, m; limits the height of piles.
-    depth_m: Option<f64>,
-    view: Option<SourcePicture>,
-    labeled: bool,
 }
 
 impl Slot {

@@ -14,7 +14,9 @@ mod jobs;
 mod membership;
 mod memory;
 mod patience;
+mod running;
 mod scenes;
+mod shared;
 mod slot;
 mod stop;
 mod styles;
@@ -34,13 +36,12 @@ use wire::messages::RegisterRequest;
 use crate::engine::Engine;
 use crate::provenance::{CODE_VERSION, cpu_features};
 use held::Held;
-use jobs::Jobs;
 use membership::Membership;
 pub use memory::available_bytes;
-use scenes::Scenes;
+pub use running::Limits;
+use running::Running;
+use shared::{Jobs, Scenes, Shared};
 use stop::Stop;
-pub use watchdog::Limits;
-use watchdog::Running;
 
 /// Time limit for a slot to finish and submit its frame when the worker stops; unfinished frames are released. The whole stop fits
 /// in the 10 s that supervisors commonly wait.
@@ -66,19 +67,6 @@ pub struct WorkerOptions {
     pub onnxruntime: Option<PathBuf>,
     /// Limits on time and memory.
     pub limits: Limits,
-}
-
-/// State shared by the threads of a worker.
-struct Shared {
-    engine: Arc<Engine>,
-    client: Client,
-    membership: Membership,
-    held: Held,
-    jobs: Jobs,
-    scenes: Scenes,
-    stop: Stop,
-    running: Running,
-    limits: Limits,
 }
 
 /// Works until `stop` is set, then releases its leases without counting an attempt. A worker that stops on an error also sets

@@ -2,7 +2,7 @@
 
 use imaging::codec::DecodeError;
 
-use crate::LEAST_CLEARANCE_M;
+use super::pose::LEAST_CLEARANCE_M;
 
 /// Invalid scene.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

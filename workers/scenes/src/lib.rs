@@ -14,6 +14,7 @@ mod path;
 mod pipeline;
 pub mod pose;
 mod rays;
+mod scene;
 mod shaft;
 mod site;
 mod structure;
@@ -24,30 +25,12 @@ pub use error::SceneError;
 pub use families::{FAMILIES, SceneFamily};
 pub use labels::{Labels, SurfaceLabels};
 pub use path::CameraPath;
-pub use pose::CameraPose;
+pub use pose::{CameraPose, LEAST_CLEARANCE_M};
 pub use rays::WorldRays;
 pub use world::World;
 
 use imaging::geometry::Intrinsics;
-use imaging::{Plane, Rgb};
-
-/// A scene in air.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Scene {
-    /// Linear radiance (white = 1, at least 0, may exceed 1), or reflectance where requested.
-    pub radiance: Rgb<f32>,
-    /// Range in meters along the line of sight. Non-finite values and values below a millimeter are holes.
-    pub range: Option<Plane<f32>>,
-    /// Instance of each pixel, 0 = background.
-    pub instances: Option<Plane<u16>>,
-    /// Camera intrinsics, if known.
-    pub intrinsics: Option<Intrinsics>,
-    /// Unit normals without relief in camera axes, supplied with the reflectance of procedural scenes.
-    pub normals: Option<[Plane<f32>; 3]>,
-}
-
-/// Minimum distance from surfaces of a camera on a path, m.
-pub const LEAST_CLEARANCE_M: f64 = 0.05;
+pub use scene::Scene;
 
 /// Renders a procedural scene from its default pose.
 ///

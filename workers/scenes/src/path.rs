@@ -9,6 +9,7 @@ use imaging::vector::DVec3;
 use spec::{Path, Waypoint};
 
 use crate::{CameraPose, SceneError};
+use held::{LookAt, turned};
 
 /// Minimum distance between camera and target, and minimum length of a path of several frames, m.
 const SHORTEST_M: f64 = 1e-3;
@@ -25,21 +26,6 @@ pub struct CameraPath {
     end: LookAt,
     path: Path,
     seed: u64,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct LookAt {
-    position: DVec3,
-    target: DVec3,
-}
-
-impl From<Waypoint> for LookAt {
-    fn from(waypoint: Waypoint) -> Self {
-        Self {
-            position: waypoint.position_m.into(),
-            target: waypoint.target_m.into(),
-        }
-    }
 }
 
 impl CameraPath {
@@ -134,13 +120,6 @@ fn nearest_target(start: &LookAt, end: &LookAt) -> f64 {
     let square = change.dot(change);
     let share = (-first.dot(change) / square).clamp(0.0, 1.0);
     (first + change * if square > 0.0 { share } else { 0.0 }).length()
-}
-
-/// Rotates a vector about a unit axis (Rodrigues).
-fn turned(v: DVec3, axis: DVec3, angle: f64) -> DVec3 {
-    let (sin, cos) = libm::sincos(angle);
-    let along = axis * (axis.dot(v) * (1.0 - cos));
-    (v * cos + axis.cross(v) * sin + along).normalized()
 }
 
 fn interpolate(a: DVec3, b: DVec3, share: f64) -> DVec3 {

@@ -133,6 +133,9 @@ fn rejection(message: &str) -> Invalid {
     Invalid(vec![FieldError::new("", message)])
 }
 
+/// Minimum distance from surfaces of a camera on a path, m.
+pub const LEAST_CLEARANCE_M: f64 = 0.05;
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -14,15 +14,18 @@ mod dots;
 pub(crate) mod finish;
 mod geometry;
 pub(crate) mod lanes;
+mod lattice;
 mod light;
 mod noise;
 mod outline;
 mod picture;
 pub(crate) mod pits;
 pub(crate) mod pose;
+mod rows;
 mod shade;
 pub(crate) mod solid;
 pub(crate) mod tree;
+mod usual;
 pub(crate) mod view;
 
 use imaging::vector::DVec3;
@@ -32,9 +35,10 @@ use crate::categories::Category;
 use finish::SurfaceFinish;
 use pits::Pit;
 use solid::Solid;
-use view::Usual;
+use usual::Usual;
 
-pub(crate) use picture::{FAR_M, RenderOptions, RenderedRows, SurfaceRows, render};
+pub(crate) use picture::{RenderOptions, render};
+pub(crate) use rows::{FAR_M, RenderedRows, SurfaceRows};
 pub(crate) use shade::LABEL_BEVEL_M;
 
 /// An object: its surface and its category. Number 0 is the ground.

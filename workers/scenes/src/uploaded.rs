@@ -10,7 +10,8 @@ use imaging::transfer::{Transfer, decode_raster};
 use imaging::{Plane, Rgb};
 use spec::{Classes, RangeFile, RangeKind, SceneFiles};
 
-use crate::{Scene, SceneError, labels};
+use super::scene::Scene;
+use crate::{SceneError, labels};
 
 /// Limit on the objects of an instance mask: each adds time to a frame with boxes.
 pub const MAX_OBJECTS: usize = 10_000;

@@ -5,14 +5,15 @@ use imaging::vector::DVec3;
 use imaging::{Plane, Rgb};
 use spec::{CameraView, Ground, Life, Path, SceneLighting, Waypoint};
 
+use super::pose::LEAST_CLEARANCE_M;
+use super::scene::Scene;
 use crate::categories::Category;
 use crate::labels::{InstanceInfo, Labels};
 use crate::path::CameraPath;
 use crate::site::solid::SolidShape;
 use crate::site::view::{self, Obstacles};
 use crate::site::{self, RenderOptions, RenderedRows, Site};
-use crate::{CameraPose, FAMILIES, LEAST_CLEARANCE_M, Scene, SceneError, SceneFamily};
-use crate::{bottom, life};
+use crate::{CameraPose, FAMILIES, SceneError, SceneFamily, bottom, life};
 
 /// Clearance of [`World::path`], m.
 const CLEAR_M: f64 = 0.2;

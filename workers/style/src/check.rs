@@ -3,55 +3,15 @@
 //! Time and memory are unlimited: run it in a separate process.
 
 mod external;
+mod unfit;
 
 use imaging::{Plane, Rgb};
 
-use crate::error::StyleError;
 use crate::library::StyleModel;
 use crate::runtime::{Runtime, RuntimeMissing};
 use crate::session::{ModelInputs, Session};
-
-/// Required sizes: the smallest, one divisible by no stride, the usual one.
-const SIZES: [(usize, usize); 3] = [(1, 1), (33, 17), (768, 492)];
-/// The size for the frames beyond the first.
-const SMALL: (usize, usize) = SIZES[1];
-
-/// A model that cannot be used.
-#[derive(Debug, thiserror::Error)]
-pub enum Unfit {
-    /// Not an ONNX file.
-    #[error("it is no ONNX file")]
-    NotOnnx,
-    /// A tensor is stored outside of the file.
-    #[error("its tensor `{tensor}` is stored in another file; all tensors of a model must be in one file")]
-    External {
-        /// The tensor's name.
-        tensor: String,
-    },
-    /// It does not load, fails, or returns an invalid picture.
-    #[error(transparent)]
-    Fails(#[from] StyleError),
-    /// It returns a sample that is not finite.
-    #[error("it returns a sample of {value} for a {width}×{height} frame")]
-    NotFinite {
-        /// The sample.
-        value: f32,
-        /// Columns of the frame.
-        width: usize,
-        /// Rows of the frame.
-        height: usize,
-    },
-    /// It draws random numbers: frames would not be reproducible.
-    #[error(
-        "two runs on the same {}×{} frame differ; a style must not draw random numbers, but may have an input `noise`",
-        SMALL.0,
-        SMALL.1
-    )]
-    Random,
-    /// It requires ONNX Runtime, which is missing.
-    #[error(transparent)]
-    Runtime(#[from] RuntimeMissing),
-}
+pub use unfit::Unfit;
+use unfit::{SIZES, SMALL};
 
 /// Runs a model on frames of 1×1, of odd sides and of the usual size, on black, on white, and twice on the same.
 /// `runtime` is called only if the model needs it.

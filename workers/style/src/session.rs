@@ -1,25 +1,17 @@
 //! A model ready to run on one thread.
 
+mod inputs;
 mod onnx;
 
-use imaging::{Plane, Rgb};
+use imaging::Rgb;
 use ort::environment::Environment;
 
 use crate::error::StyleError;
 use crate::library::StyleModel;
 use crate::net::{self, ColorTable, Network, Scratch, TableScratch};
 
+pub use inputs::ModelInputs;
 use onnx::RuntimeGraph;
-
-/// Optional inputs of a model, each of the frame's size.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct ModelInputs<'a> {
-    /// Standard normal samples, see [`crate::noise`]; zeros if absent. Ignored by models without a noise input.
-    pub noise: Option<&'a Plane<f32>>,
-    /// The range of each pixel, `1 − exp(−Z / `[`crate::RANGE_SCALE_M`]`)`, and 1 for holes. Required by models with a
-    /// range input, ignored by others.
-    pub range: Option<&'a Plane<f32>>,
-}
 
 /// A model ready to run. It runs only on the calling thread: parallel frames need a session each. The same frame yields
 /// the same bits: for the native network on every machine, for others on one build of ONNX Runtime and one set of CPU

@@ -15,9 +15,8 @@ use spec::{ForwardScatter, HoleRule, Optics, ScatterModel};
 
 use crate::loss::normals;
 use crate::tensor::Tensor;
-
-/// Side of a content picture in pixels; training uses smaller crops of it.
-pub const SIDE: usize = 192;
+pub use shapes::SIDE;
+use shapes::{Air, ContentChance};
 
 /// The content pictures of a seed.
 #[derive(Debug, Clone, Copy)]
@@ -54,12 +53,6 @@ fn given(range: Vec<f32>) -> Tensor<f32> {
         width: SIDE,
         data: optics::attenuation::faded(&range, style::RANGE_SCALE_M).into_data(),
     }
-}
-
-/// A picture in air: linear light, and the range of each pixel in meters.
-struct Air {
-    light: Tensor<f32>,
-    range: Vec<f32>,
 }
 
 impl ContentPictures {
@@ -138,30 +131,6 @@ const MAX_NOISE: f64 = 0.01;
 const CODES: f32 = 65_535.0;
 /// Range of open water, in meters.
 const FAR_M: f64 = 40.0;
-
-/// Random values of one picture, by name.
-struct ContentChance {
-    stream: Stream,
-    index: u64,
-}
-
-impl ContentChance {
-    fn unit(&self, name: &str) -> f64 {
-        self.numbered(name, 0)
-    }
-
-    /// The address is the FNV-1a hash of the name with a number.
-    fn numbered(&self, name: &str, number: u64) -> f64 {
-        let hash = name.bytes().fold(0xcbf2_9ce4_8422_2325u64, |hash, byte| {
-            (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3)
-        });
-        self.stream.unit(self.index, hash.wrapping_add(number))
-    }
-
-    fn uniform(&self, name: &str, number: u64, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.numbered(name, number)
-    }
-}
 
 /// The picture in a random water, half of the time one with forward scatter. In f64: the f32 transform has other bits
 /// on another CPU.

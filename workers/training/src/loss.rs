@@ -9,6 +9,7 @@ mod draw;
 pub mod pyramid;
 mod sliced;
 mod slices;
+mod weights;
 
 use imaging::random::Stream;
 use rayon::prelude::*;
@@ -19,11 +20,9 @@ use sliced::sliced;
 
 use crate::real::Real;
 use crate::tensor::Tensor;
+pub use weights::Ranges;
+use weights::{COLOR, CONTENT, TEXTURE};
 
-/// Weights of the terms.
-const TEXTURE: f64 = 4.0;
-const COLOR: f64 = 15.0;
-const CONTENT: f64 = 6.4;
 const OUTSIDE: f64 = 20.0;
 
 /// The terms of the loss.
@@ -57,15 +56,6 @@ impl Losses {
             outside: losses.iter().map(|l| l.outside).sum::<f64>() / count,
         }
     }
-}
-
-/// Ranges of two sets of pictures, one channel per picture. Only the order of the values within each set matters.
-#[derive(Debug, Clone, Copy)]
-pub struct Ranges<'a, T> {
-    /// Ranges of the content pictures.
-    pub contents: &'a [Pyramid<T>],
-    /// Ranges of the style.
-    pub style: &'a [Pyramid<T>],
 }
 
 /// The losses of a batch and the gradient for each of its results before clamping. With ranges, texture and color are

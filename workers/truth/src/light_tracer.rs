@@ -8,6 +8,7 @@
 //! symmetry an event at the distance q from the axis and at the depth z is visible from the point where its line of
 //! sight crosses z = 0. One path serves all walls beyond its maximum depth. The error falls as the root of the photons.
 
+mod bench;
 mod disc;
 mod tally;
 
@@ -18,9 +19,10 @@ use imaging::cancel;
 use imaging::random::Stream;
 use imaging::vector::{DVec3, vec3};
 
-use crate::estimate::Level;
 use crate::phase::{Phase, tilt};
 use crate::water::WaterCoefficients;
+use bench::Photon;
+pub use bench::{AirlightLevels, Bench, Shone};
 use disc::LookDisc;
 use tally::PhotonTally;
 
@@ -32,53 +34,6 @@ const WIDE_DEG: f64 = 50.0;
 const LIGHT: f64 = 0.01;
 /// Limit on scattering events; the weight limit ends photons long before.
 const MOST_EVENTS: usize = 4096;
-
-/// Geometry of lamp, cameras and walls.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Bench {
-    /// The water.
-    pub water: WaterCoefficients,
-    /// Half angle of the lamp's cone, degrees; `None` for an isotropic lamp.
-    pub cone_deg: Option<f64>,
-    /// Depths of black walls, ascending, m; infinite for unbounded water.
-    pub walls_m: Vec<f64>,
-    /// Angles of the looks from z, positive away from the lamp, degrees.
-    pub looks_deg: Vec<f64>,
-    /// Distances of the cameras from the lamp: minimum and maximum of each bin, m.
-    pub cameras_m: Vec<[f64; 2]>,
-    /// Rings on the walls: angles at the lamp from its axis, ascending, degrees.
-    pub rings_deg: Vec<f64>,
-}
-
-/// Radiance at cameras and irradiance of walls, for an intensity of 1 on the axis.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Shone {
-    /// AirlightLevels by look, wall and camera.
-    pub airlight: Vec<Vec<Vec<AirlightLevels>>>,
-    /// Mean irradiance of scattered light by wall and ring.
-    pub scattered: Vec<Vec<Level>>,
-    /// Number of photons.
-    pub photons: u64,
-}
-
-/// AirlightLevels at one camera.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct AirlightLevels {
-    /// Single scattering.
-    pub single: Level,
-    /// Single and multiple scattering.
-    pub all: Level,
-}
-
-/// A photon, or a split-off part of one.
-#[derive(Debug, Clone, Copy)]
-struct Photon {
-    place: DVec3,
-    direction: DVec3,
-    weight: f64,
-    deepest: f64,
-    order: usize,
-}
 
 impl Bench {
     /// Follows the photons of a range of numbers, each with independent random numbers.

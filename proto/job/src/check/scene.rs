@@ -18,6 +18,7 @@ use crate::schema::Names;
 use self::requirements::{
     find_artifact_requirements, find_camera_requirements, find_lamp_requirements, find_water_requirements,
 };
+use requirements::{Lacking, Requirement, Selectable};
 
 /// A possible scene of a frame.
 struct Candidate {
@@ -27,45 +28,9 @@ struct Candidate {
     is_certain: bool,
 }
 
-/// A value that needs a part of the scene.
-struct Requirement {
-    pointer: String,
-    /// For messages.
-    name: String,
-    value: Value,
-    part: ScenePart,
-}
-
-/// A field or list element.
-struct Selectable {
-    /// The possible values that need a part of the scene.
-    requirements: Vec<Requirement>,
-    /// Number of possible values.
-    values: usize,
-}
-
-/// The scenes without a part.
-struct Lacking {
-    count: usize,
-    first: Option<String>,
-    /// Whether some frames certainly lack it: no scene has the part, or a certain one lacks it.
-    is_certain: bool,
-}
-
 impl Requirement {
     fn find_lacking<'l>(&self, lacking: &'l [Lacking]) -> &'l Lacking {
         &lacking[self.part as usize]
-    }
-}
-
-impl Selectable {
-    /// Whether each of its possible values needs a part that some frames certainly lack.
-    fn fails(&self, lacking: &[Lacking]) -> bool {
-        let failing = self
-            .requirements
-            .iter()
-            .filter(|requirement| requirement.find_lacking(lacking).is_certain);
-        failing.count() == self.values
     }
 }
 

@@ -14,7 +14,7 @@ use crate::site::Sites;
 use crate::vocabulary::Vocabulary;
 use crate::warnings;
 
-use super::{Document, Job, seed};
+use super::formula::{Document, Job, seed};
 
 /// A parsed description with its errors so far. [`Draft::check`] adds the errors of the uploaded scenes and reports
 /// all together.

@@ -16,7 +16,7 @@ use crate::node::{Node, float};
 use crate::schema::{Field, Names, Presence, Shape, Variant};
 use crate::site::{NamedSite, split_site, take_names};
 
-use super::{Document, Job, seed};
+use super::formula::{Document, Job, seed};
 
 /// Reads a stored job.
 pub(super) fn read_job(stored: &Value) -> Result<Job, Invalid> {

@@ -1,51 +1,9 @@
 //! A distribution in a description: its values and its extremes.
 
-use imaging::random::Stream;
 use serde_json::{Value, json};
 
-use super::{Node, float};
+use super::{Drawn, Law, LawNode, Node, float};
 use crate::law;
-
-/// A distribution with its location.
-#[derive(Debug, Clone)]
-pub(crate) struct LawNode {
-    /// JSON pointer of the distribution.
-    pub(crate) pointer: String,
-    /// Its random numbers.
-    pub(crate) stream: Stream,
-    /// The distribution itself.
-    pub(crate) law: Law,
-}
-
-/// A distribution. The checker guarantees: ends in order and within the field's range, lists not empty, as many
-/// weights as values, none negative, one positive.
-#[derive(Debug, Clone)]
-pub(crate) enum Law {
-    /// One of the values. `weighted`: the weights were given explicitly.
-    Choice {
-        values: Vec<Node>,
-        weights: Vec<f64>,
-        weighted: bool,
-    },
-    /// Each value in turn, for `stride` frames each.
-    Grid { values: Vec<Node>, stride: u64 },
-    /// Between two ends.
-    Uniform(f64, f64),
-    /// Log-uniform between two ends.
-    LogUniform(f64, f64),
-    /// Whole numbers; `as_float` in a number field.
-    Int { a: i64, b: i64, as_float: bool },
-    /// Normal, clamped.
-    Normal { mean: f64, sd: f64, clip: (f64, f64) },
-}
-
-/// A drawn value.
-pub(crate) enum Drawn {
-    /// The value at this position of [`LawNode::values`], which may contain distributions.
-    One(usize),
-    /// A number.
-    Number(Value),
-}
 
 impl LawNode {
     /// Draws the value for a frame.

@@ -1,6 +1,7 @@
 //! Stored bytes: disk space, digests awaiting their row, and reclaiming.
 
 pub(crate) mod naming;
+pub(crate) mod note;
 pub(crate) mod reclaim;
 pub(crate) mod routes;
 pub(crate) mod sets;

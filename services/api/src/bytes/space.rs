@@ -6,13 +6,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use axum::extract::{Request, State};
-use axum::middleware::Next;
-use axum::response::Response;
-
-use crate::bytes::Bytes;
 use crate::http::failure::storage_full;
-use crate::http::problem::{Problem, Slug};
+use crate::http::problem::Problem;
 
 /// Bytes written to test for free space: as much as a few frames need.
 const PROBE_BYTES: usize = 4 << 20;
@@ -25,7 +20,7 @@ const RESERVE: &str = "space.reserve";
 /// The state of the disk space.
 pub(crate) struct Space {
     folder: PathBuf,
-    full: AtomicBool,
+    pub(super) full: AtomicBool,
     reserve_bytes: u64,
     /// Whether a deletion has the reserve. Other writes are rejected until it is restored.
     given: AtomicBool,
@@ -133,15 +128,4 @@ fn fill(mut file: File, bytes: u64) -> io::Result<()> {
         file.write_all(&block[..length])?;
     }
     file.sync_all()
-}
-
-/// Middleware that records responses about a full disk or damage.
-pub(crate) async fn note(State(bytes): State<Arc<Bytes>>, request: Request, next: Next) -> Response {
-    let response = next.run(request).await;
-    match response.extensions().get::<Problem>() {
-        Some(problem) if problem.is(Slug::StorageFull) => bytes.space.full.store(true, Ordering::SeqCst),
-        Some(problem) if problem.is(Slug::CorruptArtifact) => bytes.catalogue.note_damage(problem.detail()),
-        _ => {}
-    }
-    response
 }

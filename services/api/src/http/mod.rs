@@ -19,6 +19,7 @@ pub(crate) mod paging;
 mod patient;
 pub(crate) mod picture;
 pub(crate) mod problem;
+pub(crate) mod problem_page;
 pub(crate) mod receive;
 pub(crate) mod stored;
 

@@ -8,8 +8,6 @@ use axum::response::{AppendHeaders, IntoResponse, Response};
 use serde_json::{Map, Value, json};
 use spec::Invalid;
 
-use crate::http::extract::Path;
-
 macro_rules! slugs {
     ($($(#[doc = $doc:literal])+ $variant:ident = $slug:literal, $status:ident, $title:literal;)+) => {
         /// The kinds of problem. `type` is `/problems/<slug>`.
@@ -221,18 +219,6 @@ impl IntoResponse for Problem {
         response.extensions_mut().insert(self);
         response
     }
-}
-
-/// `GET /problems/{slug}`: the meaning of a problem type.
-pub(crate) async fn describe(Path(name): Path<String>) -> Result<String, Problem> {
-    let slug = Slug::ALL.iter().find(|slug| slug.name() == name);
-    let slug = slug.ok_or_else(|| Problem::not_found(format!("no problem type `{name}`")))?;
-    Ok(format!(
-        "{} ({})\n\n{}\n",
-        slug.title(),
-        slug.status(),
-        slug.meaning()
-    ))
 }
 
 impl From<Invalid> for Problem {

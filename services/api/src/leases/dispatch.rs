@@ -2,6 +2,7 @@
 //!
 //! The table itself is a pure state machine. Its lock is held for microseconds and never across an await.
 
+mod reject;
 mod report;
 
 use std::collections::{BTreeSet, HashMap};
@@ -12,12 +13,12 @@ use std::time::Duration;
 use catalogue::{JobState, OpenJob, UnixMs};
 use tokio::sync::Notify;
 use tokio::time::{Instant, timeout_at};
-use wire::messages::{BeatResponse, RegisterRequest};
+use wire::messages::{BeatResponse, FrameClaim, Lease, RegisterRequest};
 
-use super::granted::Granted;
 use super::misbehavior::Misbehavior;
 use super::table::{JobEntry, LeaseTable, Millis, Rules, StrikeEvent, Toolchain};
 use crate::clock::{Clock, ordered_id};
+use crate::leases::table::{Grant, TERM_MS};
 use crate::telemetry;
 
 /// Interval at which a waiting worker checks again: frames become available without a notification when their pause
@@ -279,6 +280,49 @@ impl Dispatch {
 
 /// The worker is not registered since the service started.
 pub(crate) struct Unknown;
+
+/// A granted lease. If the worker disconnects before it is sent, the frames become free immediately, without a
+/// strike.
+pub(crate) struct Granted<'d> {
+    pub(super) dispatch: &'d Dispatch,
+    pub(super) lease: Option<Lease>,
+}
+
+impl<'d> Granted<'d> {
+    pub(super) fn new(dispatch: &'d Dispatch, grant: Grant, spec_digest: String) -> Self {
+        let Grant {
+            token,
+            job_id,
+            frames,
+        } = grant;
+        let frames = frames.into_iter();
+        let frames = frames.map(|(frame, attempt)| FrameClaim { frame, attempt });
+        let lease = Some(Lease {
+            token,
+            job_id,
+            spec_digest,
+            frames: frames.collect(),
+            term_ms: TERM_MS,
+        });
+        Self { dispatch, lease }
+    }
+
+    /// Releases the lease to the worker: from now on only the worker or its expiry ends it.
+    pub(crate) fn hand_over(mut self) -> Lease {
+        self.lease
+            .take()
+            .expect("only this method takes it, and it ends this value")
+    }
+}
+
+impl Drop for Granted<'_> {
+    fn drop(&mut self) {
+        if let Some(lease) = &self.lease {
+            let token = lease.token;
+            self.dispatch.free(|table, now| table.release(token, now));
+        }
+    }
+}
 
 #[cfg(test)]
 mod tests;

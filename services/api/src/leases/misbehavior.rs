@@ -2,11 +2,6 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use wire::messages::{Claim, RegisterRequest};
-
-use super::dispatch::Dispatch;
-use super::table::StrikeEvent;
-
 /// A worker is dismissed after this many rejected reports; a single one may be a transmission error.
 const MAX_REJECTIONS: u32 = 3;
 /// Maximum stored names; they come from workers.
@@ -18,7 +13,7 @@ pub(crate) struct Misbehavior {
     rejections: BTreeMap<String, u32>,
     dismissed: BTreeSet<String>,
     /// Dismissed workers started by the service.
-    own: BTreeSet<String>,
+    pub(super) own: BTreeSet<String>,
 }
 
 impl Misbehavior {
@@ -52,49 +47,6 @@ impl Misbehavior {
     /// Drops the counts of unregistered workers.
     pub(crate) fn retain_registered(&mut self, is_registered: impl Fn(&str) -> bool) {
         self.rejections.retain(|id, _| is_registered(id));
-    }
-}
-
-impl Dispatch {
-    /// The worker that holds a lease: its id and registration.
-    pub(crate) fn holder(&self, token: u64) -> Option<(String, RegisterRequest)> {
-        self.table(|table, _| {
-            let (id, about) = table.holder(token)?;
-            Some((id.to_owned(), about.clone()))
-        })
-    }
-
-    /// Handles a rejected report: the frame is offered again, and a worker that repeats this is dismissed with all
-    /// its leases.
-    pub(crate) fn refuse(&self, claim: &Claim, error: &str) -> Vec<StrikeEvent> {
-        let mut state = self.state();
-        let now = self.now();
-        let holder = state.table.holder(claim.token);
-        let Some((id, name)) = holder.map(|(id, about)| (id.to_owned(), about.name.clone())) else {
-            return Vec::new();
-        };
-        let Claim { job_id, frame, .. } = claim;
-        tracing::warn!(worker = name, job = job_id, frame, error, "a rejected report");
-        // An ended lease has already returned the frame.
-        let _ = state.table.refuse(claim);
-        let events = state.blame(&id, "its reports were rejected", now);
-        drop(state);
-        self.after_loss(events)
-    }
-
-    /// The service's workers that were dismissed. They render no more frames until the service restarts.
-    pub(crate) fn dismissed_own(&self) -> Vec<String> {
-        self.state().misbehavior.own.iter().cloned().collect()
-    }
-
-    /// Whether a worker is registered.
-    pub(crate) fn has_worker(&self, id: &str) -> bool {
-        self.table(|table, _| table.has_worker(id))
-    }
-
-    /// Whether a lease with this token exists.
-    pub(crate) fn has_lease(&self, token: u64) -> bool {
-        self.table(|table, _| table.holder(token).is_some())
     }
 }
 

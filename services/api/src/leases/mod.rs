@@ -5,20 +5,18 @@ mod checks;
 pub(crate) mod costs;
 mod descriptions;
 pub(crate) mod dispatch;
-mod granted;
 mod misbehavior;
 pub(crate) mod pending;
 pub(crate) mod probes;
 pub(crate) mod routes;
 mod strikes;
 pub mod table;
+mod worker;
 
 use std::sync::{Arc, Mutex, PoisonError};
 
 use catalogue::Catalogue;
-use serde::{Deserialize, Serialize};
 use tokio_util::sync::CancellationToken;
-use utoipa::ToSchema;
 
 use crate::bytes::Bytes;
 use crate::clock::Clock;
@@ -29,6 +27,7 @@ use dispatch::Dispatch;
 use pending::PendingArtifacts;
 use probes::Probes;
 use table::Rules;
+pub use worker::Worker;
 
 /// Leased and queued frames, and the costs learned from finished ones.
 pub(crate) struct Leases {
@@ -84,25 +83,4 @@ impl Leases {
     pub(crate) fn set_workers_elsewhere(&self, workers: Vec<Worker>) {
         *self.elsewhere.lock().unwrap_or_else(PoisonError::into_inner) = workers;
     }
-}
-
-/// A worker process.
-#[derive(Debug, Clone, Serialize, Deserialize, ToSchema)]
-pub struct Worker {
-    /// `wrk_…`, new with every registration; for a worker of the broker, its name.
-    pub id: String,
-    /// Chosen name; those of the service's workers are `local-1`, `local-2`, …
-    pub name: String,
-    /// Frames rendered in parallel.
-    pub slots: u32,
-    /// Leased frames.
-    pub leased_frames: u64,
-    /// Milliseconds since its last message.
-    pub silent_ms: u64,
-    /// Version of the software.
-    pub code_version: String,
-    /// Version of its ONNX Runtime; null: none.
-    pub onnx_runtime: Option<String>,
-    /// CPU features that select its code paths.
-    pub cpu_features: String,
 }

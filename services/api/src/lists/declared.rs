@@ -1,6 +1,7 @@
 //! The lists, each read from its declaration.
 
-use super::{List, entries};
+use super::entries;
+use super::entry::List;
 
 /// Every list, in documentation order.
 pub(super) const LISTS: &[List] = &[

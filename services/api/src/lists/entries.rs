@@ -1,7 +1,5 @@
 //! The built-in entries of each list.
 
-use super::Entry;
-use crate::http::problem::Slug;
 use camera::preset::{ASSUMPTIONS, CAMERAS, SENSORS, SensorPreset};
 use catalogue::{JobState, columns_of_every_image};
 use enhance::Method;
@@ -11,6 +9,9 @@ use scenes::SceneFamily;
 use scenes::categories::{CATEGORIES, FINDINGS};
 use spec::{JERLOV_TYPES, SITES, table};
 use style::Library;
+
+use super::entry::Entry;
+use crate::http::problem::Slug;
 
 fn entry(name: impl Into<String>, about: impl Into<String>) -> Entry {
     Entry {

@@ -6,6 +6,7 @@ use spec::schema::{Field, MAX_LABEL_TEXT, MAX_LABELS, Names, Presence, Shape, Va
 use spec::{OwnWater, Vocabulary};
 
 use super::laws;
+use super::laws::Components;
 use super::leaf::{camel, integer, listed_at, number, reference};
 
 /// The documented example of a job.
@@ -22,9 +23,6 @@ const EXAMPLE: &str = r#"{
   "artifacts": ["rgb", "range", "enhanced.hscm"], "encode": {"format": "png"},
   "labels": {"run": "exp-41"}
 }"#;
-
-/// Components by name.
-pub(crate) type Components = Map<String, Value>;
 
 /// The schema of a value without distributions.
 struct Plain {

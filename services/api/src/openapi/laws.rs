@@ -1,9 +1,8 @@
 //! Schemas of distributions. Numeric ones are common to all fields; choices and grids contain values of their field,
 //! so each type of value has its own schema.
 
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
-use super::description::Components;
 use super::leaf::reference;
 
 /// Common description of all distributions.
@@ -106,3 +105,6 @@ fn law_object(key: &str, argument: Value, companion: Option<(&str, Value, bool)>
     }
     law
 }
+
+/// Components by name.
+pub(crate) type Components = Map<String, Value>;

@@ -1,12 +1,12 @@
 //! Follows a set: polls it until every frame of its job has ended.
 
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use catalogue::{CatalogueError, Deleted, JobRow, UnixMs};
-use tokio::sync::Notify;
+use catalogue::{CatalogueError, Deleted, JobRow};
 
 use super::Sets;
+use super::followed::Followed;
 use super::reader::Reader;
 use crate::http::problem::Problem;
 
@@ -16,28 +16,6 @@ const PAUSE: Duration = Duration::from_secs(2);
 const PAUSE_ANNOUNCED: Duration = Duration::from_secs(30);
 /// The pause is at least this many times the duration of a poll, which is longer for a large set.
 const PAUSE_SHARE: u32 = 10;
-
-/// A followed set.
-#[derive(Default)]
-pub(crate) struct Followed {
-    last: Mutex<Last>,
-    wake: Notify,
-}
-
-/// Result of the last poll.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Last {
-    /// Whether another poll will follow.
-    pub(crate) goes_on: bool,
-    pub(crate) at: Option<UnixMs>,
-    pub(crate) error: Option<String>,
-}
-
-impl Followed {
-    pub(crate) fn last(&self) -> MutexGuard<'_, Last> {
-        self.last.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
 
 impl Sets {
     /// Imports the set at a URL, and follows it while it grows. Completes even if the client disconnects.

@@ -1,46 +1,14 @@
 //! One poll of a set: imports its new images.
 
-use catalogue::{CatalogueError, JobRow, UnixMs};
+use catalogue::{JobRow, UnixMs};
 use futures::StreamExt;
 use uuid::Uuid;
 
 use super::Sets;
 use super::intake::{Intake, IntakeError};
+use super::look_error::LookError;
 use super::reader::Reader;
 use crate::http::problem::{Problem, Slug};
-
-/// Why a poll ends early. Stored data is kept, and the next poll continues from there.
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum LookError {
-    /// The set cannot be shown; polling again is useless.
-    #[error("{0}")]
-    Refused(String),
-    /// The store does not respond; another poll may succeed.
-    #[error("{0}")]
-    Later(String),
-    /// The set is inconsistent; it may be repaired.
-    #[error("{0}")]
-    Damaged(String),
-    /// The set contradicts the catalogue.
-    #[error(transparent)]
-    Intake(#[from] IntakeError),
-    /// Catalogue error.
-    #[error(transparent)]
-    Catalogue(#[from] CatalogueError),
-}
-
-impl LookError {
-    /// Whether another poll is useless.
-    pub(crate) fn is_final(&self) -> bool {
-        match self {
-            Self::Refused(_) | Self::Intake(IntakeError::AnotherJob { .. } | IntakeError::Job { .. }) => true,
-            Self::Later(_)
-            | Self::Damaged(_)
-            | Self::Intake(IntakeError::Catalogue(_))
-            | Self::Catalogue(_) => false,
-        }
-    }
-}
 
 impl From<LookError> for Problem {
     fn from(error: LookError) -> Self {

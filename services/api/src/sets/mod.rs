@@ -2,8 +2,10 @@
 
 pub(crate) mod feed;
 mod follow;
+mod followed;
 pub(crate) mod intake;
 mod look;
+mod look_error;
 mod reader;
 pub(crate) mod routes;
 mod shared;
@@ -15,7 +17,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use crate::http::problem::Problem;
 use crate::jobs::Jobs;
-use follow::Followed;
+use followed::Followed;
 use reader::Reader;
 
 /// The sets that a service follows.

@@ -13,7 +13,7 @@ use tokio::task::JoinHandle;
 
 use super::feed::{Known, Line, SetHead, SetPart};
 use super::intake::prepare;
-use super::look::LookError;
+use super::look_error::LookError;
 use crate::processes::child::beginning;
 
 /// The command of `fathom-cluster`.

@@ -7,7 +7,7 @@ use spec::SetState;
 use tokio::sync::mpsc;
 
 use super::Sets;
-use super::look::LookError;
+use super::look_error::LookError;
 use super::reader::Reader;
 use crate::engine::orders::{Event, SeenSet};
 

@@ -4,7 +4,7 @@ use catalogue::JobRow;
 use client::SetView;
 
 use super::Sets;
-use super::follow::Last;
+use super::followed::Last;
 use crate::http::problem::{Problem, found};
 
 impl Sets {

@@ -5,7 +5,9 @@
 //! without it fetch it. Styles are never changed or deleted, because images reference them.
 
 mod folder;
+mod new_style;
 pub(crate) mod routes;
+mod train;
 pub(crate) mod trainings;
 mod trial;
 
@@ -13,7 +15,7 @@ use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError, RwLock};
 
 use spec::Vocabulary;
-use style::{Library, LibraryError, ModelCard, StyleModel, is_name};
+use style::{Library, LibraryError, ModelCard};
 use tokio_util::sync::CancellationToken;
 
 use crate::bytes::Bytes;
@@ -26,33 +28,8 @@ use crate::waters::Waters;
 
 use folder::Folder;
 pub use folder::{AddedStyleError, added_styles};
+pub(crate) use new_style::NewStyle;
 use trainings::Trainings;
-
-/// Caveat on the card of every added style.
-const NO_PROMISE: &str = "added by a user; its stability over frames and sizes is not measured";
-
-/// A network to be added as a style.
-pub(crate) struct NewStyle {
-    pub(crate) onnx: Vec<u8>,
-    /// Its card; name, file and digest are already correct.
-    pub(crate) card: ModelCard,
-}
-
-impl NewStyle {
-    /// An unverified network with a name. The caller completes the card.
-    pub(crate) fn new(name: &str, onnx: Vec<u8>) -> Result<Self, Problem> {
-        if !is_name(name) {
-            let message = format!("name is `{name}`; must have 1 to 64 characters of a-z, 0-9, _ and -");
-            return Err(Problem::field("/name", message));
-        }
-        let StyleModel { onnx, mut card, .. } = StyleModel::without_card(name, onnx);
-        card.caveats = vec![NO_PROMISE.to_owned()];
-        Ok(Self {
-            onnx: onnx.into_owned(),
-            card,
-        })
-    }
-}
 
 /// The current styles, and the vocabulary derived from them.
 pub(crate) struct Known {

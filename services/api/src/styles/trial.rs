@@ -4,7 +4,8 @@ use std::ffi::OsStr;
 
 use tempfile::TempDir;
 
-use super::{NewStyle, Styles};
+use super::Styles;
+use super::new_style::NewStyle;
 use crate::http::failure::writing;
 use crate::http::problem::{Problem, Slug};
 use crate::processes::child::Ended;

@@ -9,6 +9,7 @@ pub(crate) mod rendering;
 pub(crate) mod service;
 pub(crate) mod style;
 
+use clap::{CommandFactory, Parser};
 use cli::exit::Failure;
 
 use client::JobChange;
@@ -20,6 +21,19 @@ use picture::{enhance, measure};
 use rendering::{demo, new, plan, render};
 use service::{backup, cluster, scrub, serve, worker};
 use style::{styles, train, waters};
+
+/// Underwater image datasets on demand.
+#[derive(Parser)]
+#[command(name = "fathom", version, max_term_width = 100)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+/// All commands, grouped by topic, with an example of each.
+pub(crate) fn command() -> clap::Command {
+    help::topics::arrange(Arguments::command())
+}
 
 /// The commands of `fathom`.
 #[derive(clap::Subcommand)]
@@ -127,8 +141,8 @@ impl Command {
             Self::Datasets(arguments) => datasets::run(&arguments),
             Self::Scenes(arguments) => scenes::run(&arguments),
             Self::Rm(arguments) => rm::run(&arguments),
-            Self::Completions(arguments) => completions::run(&arguments),
-            Self::Man(arguments) => completions::write_pages(&arguments),
+            Self::Completions(arguments) => completions::run(&arguments, command()),
+            Self::Man(arguments) => completions::write_pages(&arguments, command()),
             Self::Query(arguments) => query::run(&arguments),
             Self::Stats(arguments) => stats::run(&arguments),
             Self::Export(arguments) => export::run(&arguments, None),

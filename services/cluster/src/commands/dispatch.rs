@@ -16,7 +16,7 @@ use sets::{Selection, Set, allow_work};
 use spec::SetState;
 
 use super::failure;
-use super::render::Tally;
+use super::tally::Tally;
 use crate::engine::{Broker, BrokerError, Task};
 
 /// Shortest interval between two listings of the store.

@@ -2,7 +2,8 @@
 
 use cli::exit::Failure;
 
-use super::{failure, open};
+use super::failure;
+use super::open::open;
 
 /// Options of `fathom gc`.
 #[derive(clap::Args)]

@@ -6,15 +6,16 @@ mod frames;
 mod gc;
 mod import;
 mod jobs;
+mod open;
 mod render;
 mod seal;
 mod shards;
 mod status;
+mod tally;
 mod verify;
 mod worker;
 
 use cli::exit::Failure;
-use sets::{Location, Set};
 
 use crate::buckets;
 use crate::failure::failure;
@@ -71,9 +72,4 @@ impl Command {
             Self::Frames(arguments) => frames::run(&arguments),
         }
     }
-}
-
-/// The set at a location that the user names.
-fn open(location: &str) -> Result<Set, Failure> {
-    Set::open(&Location::parse(location).map_err(failure)?).map_err(failure)
 }

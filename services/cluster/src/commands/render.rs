@@ -11,6 +11,7 @@ use cli::signals::stop_at_signal;
 use cli::styles::StyleArguments;
 use sets::{Crew, Location, NewSet, Outcome, Recipe, Selection, Set, Watch, allow_work, run_shard};
 
+use super::tally::Tally;
 use super::{dispatch, failure};
 
 /// Runs the command.
@@ -42,13 +43,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         None => render(arguments, &set, &selection)?,
     };
     report(&set, &selection, &tally)
-}
-
-/// The counts of this call.
-pub(super) struct Tally {
-    pub(super) begun: Instant,
-    pub(super) frames: u64,
-    pub(super) shards: usize,
 }
 
 fn render(arguments: &Arguments, set: &Set, selection: &Selection) -> Result<Tally, Failure> {

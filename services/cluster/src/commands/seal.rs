@@ -6,7 +6,8 @@ use cli::seal::SealArguments;
 use optics::preset::presets;
 use sets::{Set, Source};
 
-use super::{failure, open};
+use super::failure;
+use super::open::open;
 
 /// Runs the command.
 pub(crate) fn run(arguments: &SealArguments) -> Result<(), Failure> {

@@ -8,7 +8,8 @@ use cli::exit::Failure;
 use cli::progress::Progress;
 use sets::{Set, Status};
 
-use super::{failure, open};
+use super::failure;
+use super::open::open;
 
 /// Interval between two listings with `--watch`.
 const LOOK: Duration = Duration::from_secs(2);

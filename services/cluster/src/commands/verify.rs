@@ -5,8 +5,9 @@ use cli::progress::Progress;
 use cli::seal::VerifyArguments;
 use sets::{Crew, Set};
 
+use super::failure;
+use super::open::open;
 use super::render::recipe;
-use super::{failure, open};
 
 /// Runs the command.
 pub(crate) fn run(arguments: &VerifyArguments) -> Result<(), Failure> {

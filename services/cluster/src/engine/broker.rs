@@ -14,6 +14,7 @@ use futures::StreamExt;
 use tokio::runtime::{Builder, Runtime};
 
 use super::delivery::Delivery;
+use super::error::BrokerError;
 use super::fleet::Fleet;
 use super::task::Task;
 
@@ -22,17 +23,6 @@ const CONSUMER: &str = "workers";
 const RESPONSE_LIMIT: Duration = Duration::from_secs(5);
 /// Maximum shards with workers at the same time, over the whole fleet.
 const MOST_IN_FLIGHT: i64 = 1_000_000;
-
-/// A failed request to the broker, which may be unavailable or have lost its messages.
-#[derive(Debug, thiserror::Error)]
-#[error("the broker does not respond: {0}")]
-pub(crate) struct BrokerError(String);
-
-impl BrokerError {
-    pub(super) fn new(error: impl std::fmt::Display) -> Self {
-        Self(error.to_string())
-    }
-}
 
 /// A connection, which reconnects automatically.
 pub(crate) struct Broker {

@@ -7,7 +7,7 @@ use async_nats::jetstream::{AckKind, Message};
 use tokio::runtime::Runtime;
 use tokio::task::JoinHandle;
 
-use super::broker::BrokerError;
+use super::error::BrokerError;
 use super::task::Task;
 
 /// Progress signals per acknowledgment timeout.

@@ -11,7 +11,7 @@ use futures::StreamExt;
 use serde::{Deserialize, Serialize};
 use tokio::runtime::Runtime;
 
-use super::broker::BrokerError;
+use super::error::BrokerError;
 
 const BUCKET: &str = "fathom_workers";
 

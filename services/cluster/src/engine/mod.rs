@@ -5,10 +5,12 @@
 
 mod broker;
 mod delivery;
+mod error;
 mod fleet;
 mod task;
 
-pub(crate) use broker::{Broker, BrokerError};
+pub(crate) use broker::Broker;
 pub(crate) use delivery::{Delivery, Verdict};
+pub(crate) use error::BrokerError;
 pub(crate) use fleet::{Fleet, Member};
 pub(crate) use task::Task;

@@ -8,8 +8,9 @@ use parquet::data_type::{ByteArray, ByteArrayType, DataType};
 use parquet::errors::ParquetError;
 use parquet::file::reader::{ChunkReader, Length, SerializedPageReader};
 
-use super::Chunk;
 use crate::column::{Column, ColumnBuilder, Kind, NO_TEXT};
+use crate::condition::Range;
+use parquet::file::metadata::ColumnChunkMetaData;
 
 /// The bytes of a column, as a reader of the whole file sees them.
 pub(super) struct Piece {
@@ -160,4 +161,13 @@ fn texts(reader: ColumnReaderImpl<ByteArrayType>, rows: usize) -> Result<Column,
         }
     }
     Ok(column.build())
+}
+
+/// The position of a column.
+#[derive(Debug)]
+pub(super) struct Chunk {
+    pub(super) kind: Kind,
+    pub(super) meta: Box<ColumnChunkMetaData>,
+    pub(super) checksum: u32,
+    pub(super) range: Option<Range>,
 }

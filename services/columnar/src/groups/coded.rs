@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use super::Cell;
 use crate::bins::Bins;
 use crate::column::{Column, Kind};
 
@@ -243,6 +242,25 @@ impl Table {
             self.slots[at] = Some((key, place));
         }
     }
+}
+
+/// The common value of a group's rows in one column.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub enum Cell {
+    /// No value, or one that is not finite.
+    Missing,
+    /// A number by its bits; zero has no sign.
+    Number(u64),
+    /// The lower edge of a bin by its bits.
+    Edge(u64),
+    /// A whole number of this kind as it is held.
+    Whole(i64),
+    /// A large number as it is held.
+    Large(i64),
+    /// Yes or no.
+    Flag(bool),
+    /// A text.
+    Text(Arc<str>),
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Statistics from the sorted values of each group.
 
-use super::{Quantile, SHARES, Summaries, Summary, each_value};
+use super::summary::{Quantile, SHARES, Summaries, Summary, each_value};
 use crate::error::ColumnarError;
 use crate::groups::Grouped;
 use crate::parts::Masked;

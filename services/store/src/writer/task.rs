@@ -6,7 +6,7 @@ use std::sync::Arc;
 use sqlx::{Connection, SqliteConnection};
 use tokio::sync::mpsc;
 
-use super::{Call, CheckedBlob, GROUP_BYTES, Reply, Shared};
+use super::call::{Call, CheckedBlob, GROUP_BYTES, Reply, Shared};
 use crate::digest::Digest;
 use crate::error::StoreError;
 use crate::index::Location;

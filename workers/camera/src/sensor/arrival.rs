@@ -3,8 +3,8 @@
 
 use imaging::vectorized;
 
-use super::POISSON_SWITCH;
 use super::counting::Counter;
+use super::model::POISSON_SWITCH;
 use super::noise::{BLOCK, Elements, Streams, fill_normals, fill_normals_at};
 
 /// Draws arriving electrons block by block.

@@ -13,7 +13,7 @@ use imaging::vectorized;
 
 use table::{COUNTS, PARTS, PoissonTable, ROUNDING, ROWS_PER_E, TABLE, WINDOW};
 
-use super::MOST_COUNTED;
+use super::model::MOST_COUNTED;
 use super::noise::BLOCK;
 use crate::elementary::{exponential_of_minus, whole};
 
@@ -151,10 +151,10 @@ fn sum_lanes(mean: &[f64; LANES], unit: &[f64; LANES]) -> [f64; LANES] {
 
 #[cfg(test)]
 mod tests {
-    use super::super::POISSON_SWITCH;
     use super::super::reference::counted;
     use super::table::ROWS;
     use super::*;
+    use crate::sensor::model::POISSON_SWITCH;
 
     /// The definition with the exponential of the fast variant, so that every bit must agree.
     fn summed(mean: f64, unit: f64) -> f64 {

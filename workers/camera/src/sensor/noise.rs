@@ -4,7 +4,7 @@
 use imaging::random::Stream;
 use imaging::vectorized;
 
-use super::Chance;
+use super::model::Chance;
 use crate::elementary::{cosine_of_turn, logarithm};
 
 /// Limit on values drawn together.

@@ -2,8 +2,8 @@
 
 use imaging::cancel;
 
+use super::model::{Chance, HOT, SensorModel};
 use super::noise::{BLOCK, Elements, Streams, fill_normals};
-use super::{Chance, HOT, SensorModel};
 
 /// Limit on the samples of a stored pattern: 48 MB.
 const MOST_KEPT: usize = 4 << 20;

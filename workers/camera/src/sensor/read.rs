@@ -3,9 +3,9 @@
 use imaging::{Plane, Rgb, cancel, vectorized};
 
 use super::arrival::ArrivalSampler;
+use super::model::{Chance, Raw, SensorModel, color_of};
 use super::noise::{BLOCK, Streams, fill_normals, normal};
 use super::pattern::{Fixed, FixedBlock, FixedPattern, elements};
-use super::{Chance, Raw, SensorModel, color_of};
 use crate::elementary::whole;
 
 /// The codes of exposed light, white = 1; `pattern` must belong to this sensor.

@@ -2,8 +2,8 @@
 
 use imaging::{Plane, Rgb};
 
+use super::model::{Chance, HOT, MOST_COUNTED, POISSON_SWITCH, Raw, SensorModel, color_of};
 use super::noise::{Streams, normal};
-use super::{Chance, HOT, MOST_COUNTED, POISSON_SWITCH, Raw, SensorModel, color_of};
 
 /// The codes of exposed light, white = 1.
 #[must_use]

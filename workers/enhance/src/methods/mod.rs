@@ -4,6 +4,7 @@ mod clahe;
 mod gray_world;
 pub mod hscm;
 pub mod ibla;
+mod method;
 mod rd;
 mod rghs;
 mod suir;
@@ -15,20 +16,7 @@ use imaging::Raster;
 
 use crate::result::{EnhanceError, Enhanced};
 use crate::variant::Variant;
-
-/// An enhancement method.
-#[derive(Debug, Clone, Copy)]
-pub struct Method {
-    name: &'static str,
-    about: &'static str,
-    /// Pixel limit; `None` if only memory limits it.
-    pixels_max: Option<usize>,
-    /// Measured distance from its authors' results.
-    published: Option<&'static str>,
-    /// Distance of a faster variant from the exact method; 0 for all others.
-    distance: f64,
-    enhance: fn(&Raster, Variant) -> Enhanced,
-}
+pub use method::Method;
 
 const TABLE: [Method; 9] = [
     Method::new(

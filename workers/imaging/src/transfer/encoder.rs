@@ -53,7 +53,7 @@ impl Encoder {
 
 /// The reference: `floor(255 encode(clamp(l)) + 1/2)`.
 fn reference(l: f32) -> u8 {
-    let v = super::encode(f64::from(if l.is_nan() { 0.0 } else { l.clamp(0.0, 1.0) }));
+    let v = super::curve::encode(f64::from(if l.is_nan() { 0.0 } else { l.clamp(0.0, 1.0) }));
     (255.0 * v + 0.5).floor() as u8
 }
 

@@ -7,7 +7,7 @@
 
 use std::sync::LazyLock;
 
-use super::{DARK_ENCODED, DARK_LIGHT, SLOPE, decode_bright, encode_bright};
+use super::curve::{DARK_ENCODED, DARK_LIGHT, SLOPE, decode_bright, encode_bright};
 
 const SHIFT: u32 = 16;
 const ONE: u32 = 1.0f32.to_bits();

@@ -1,10 +1,9 @@
 //! The chain in f32 with the fast forward scatter.
 
-use imaging::vectorized;
-use imaging::{Plane, Rgb};
+use imaging::{Plane, Rgb, vectorized};
 use spec::ScatterSource;
 
-use super::Band;
+use super::layers::Band;
 use crate::attenuation::{self, Channel, masked};
 use crate::daylight;
 use crate::forward_scatter::{

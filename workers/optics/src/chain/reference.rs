@@ -4,7 +4,8 @@ use imaging::{Plane, Rgb};
 use spec::ScatterSource;
 
 use super::gated_reference::Gated;
-use super::{Band, ChainError, Layers, check, layers};
+use super::layers::{Band, Layers, layers};
+use super::{ChainError, check};
 use crate::daylight::veil_reference;
 use crate::forward_scatter::{MAX_REFERENCE_PIXELS, gather_reference, scatter_reference, widest_px};
 use crate::layering::Layering;

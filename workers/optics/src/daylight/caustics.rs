@@ -26,6 +26,7 @@ use std::f64::consts::{PI, TAU};
 
 use imaging::random::Stream;
 
+use super::conditions::Blur;
 use super::model::Caustics;
 
 /// Waves of the surface.
@@ -107,19 +108,6 @@ impl Waves {
             })
             .collect()
     }
-}
-
-/// How the water blurs the pattern: of the channel with the median c, per meter of true length.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Blur {
-    /// c.
-    pub attenuation: f64,
-    /// G.
-    pub spread_attenuation: f64,
-    /// Angles of the two kernels in radians at the range 0, and how they grow with it.
-    pub angles: [[f64; 2]; 2],
-    /// Share of the wider one at the range 0, and how it grows with it.
-    pub wide: [f64; 2],
 }
 
 impl Blur {

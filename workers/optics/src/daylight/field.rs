@@ -13,17 +13,13 @@
 //!
 //! All lengths here are those of the range, and coefficients are per unit of it: a range scale multiplies the ones and divides the depth.
 
-use super::model::Bottom;
+use super::model::{Bottom, CRITICAL_COSINE, fresnel};
 use super::slope::{SLOPES, share_by_slope};
 use super::sun::SunLight;
 use super::transport::{Above, DIRECTIONS, Exchange, FIRST_UP, Radiance, azimuth_mean, effective_length};
 use super::wide::{PEAK_COSINE, Repeated, TERMS, WideScattering};
 use crate::polynomial::Polynomial;
 
-/// Refractive index of sea water.
-pub const REFRACTIVE_INDEX: f64 = 1.34;
-/// Cosine from the vertical beyond which no sky is seen, `sqrt(1 − 1/n²)`.
-pub const CRITICAL_COSINE: f64 = 0.665_644_869_282_918_2;
 /// How far inside the window's edge its reflectance is taken at least: at the edge itself it is 1.
 pub(super) const EDGE_INSIDE: f64 = 0.02;
 /// Least cosine in the exponent of light from the surface.
@@ -310,19 +306,18 @@ fn rate_of(length: f64, end: f64, attenuation: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// Reflectance of the sea surface from within the water for light that is not polarized, at a cosine from the vertical: 1 beyond
-/// the critical angle (Fresnel).
-#[must_use]
-pub fn fresnel(cosine: f64) -> f64 {
-    let n = REFRACTIVE_INDEX;
-    let sine_in_air = n * n * (1.0 - cosine * cosine);
-    if sine_in_air >= 1.0 {
-        return 1.0;
+impl SunLight {
+    /// Decay rate of the sun's share with depth in a channel, `c/μ − K`.
+    #[must_use]
+    pub(super) fn fading(&self, field: &Field) -> f64 {
+        field.attenuation / self.rise - field.decay
     }
-    let k = (1.0 - sine_in_air).sqrt();
-    let across = (n * cosine - k) / (n * cosine + k);
-    let along = (cosine - n * k) / (cosine + n * k);
-    0.5 * (across * across + along * along)
+
+    /// σ, the sun's share in the irradiance of a channel at a depth: `clamp(share e^{−(c/μ − K) z}, 0, 1)`.
+    #[must_use]
+    pub fn share_at(&self, field: &Field, depth: f64) -> f64 {
+        (self.share * (-self.fading(field) * depth).min(MOST_GAIN).exp()).clamp(0.0, 1.0)
+    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Limits of daylight on surfaces, available before daylight is computed.
 
-use super::{Daylight, SurfaceLight};
+use super::SurfaceLight;
+use super::conditions::Daylight;
 use crate::error_bound::ErrorBound;
 
 /// One rounding of f32.

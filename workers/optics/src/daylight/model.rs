@@ -3,8 +3,6 @@
 use serde::Deserialize;
 use spec::{Beyond, Sky};
 
-use super::field::{REFRACTIVE_INDEX, fresnel};
-
 /// Diffuse light of a clear sky over the direct light of a sun in the zenith; it grows as `1/sin(elevation)` (Bird and Hulstrom 1981,
 /// clear marine air).
 const CLEAR_DIFFUSE: f64 = 0.14;
@@ -186,6 +184,27 @@ impl Default for Caustics {
             fps: None,
         }
     }
+}
+
+/// Refractive index of sea water.
+pub const REFRACTIVE_INDEX: f64 = 1.34;
+
+/// Cosine from the vertical beyond which no sky is seen, `sqrt(1 − 1/n²)`.
+pub const CRITICAL_COSINE: f64 = 0.665_644_869_282_918_2;
+
+/// Reflectance of the sea surface from within the water for light that is not polarized, at a cosine from the vertical: 1 beyond
+/// the critical angle (Fresnel).
+#[must_use]
+pub fn fresnel(cosine: f64) -> f64 {
+    let n = REFRACTIVE_INDEX;
+    let sine_in_air = n * n * (1.0 - cosine * cosine);
+    if sine_in_air >= 1.0 {
+        return 1.0;
+    }
+    let k = (1.0 - sine_in_air).sqrt();
+    let across = (n * cosine - k) / (n * cosine + k);
+    let along = (cosine - n * k) / (cosine + n * k);
+    0.5 * (across * across + along * along)
 }
 
 #[cfg(test)]

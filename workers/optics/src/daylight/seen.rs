@@ -16,7 +16,7 @@ pub use veil::{occlude_veil, veil_access, veil_access_reference};
 use imaging::Plane;
 use imaging::vector::DVec3;
 
-use super::Daylight;
+use super::conditions::Daylight;
 
 /// Side of the squares in which pixels are processed, so that neighboring rays share a packet.
 const SQUARE: usize = 8;

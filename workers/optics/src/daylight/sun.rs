@@ -1,9 +1,9 @@
 //! The sun as the water lets it through.
 
-use super::field::{Field, MOST_GAIN, REFRACTIVE_INDEX};
-use super::gaze::Gaze;
-use super::model::Sun;
 use imaging::vector::DVec3;
+
+use super::gaze::Gaze;
+use super::model::{REFRACTIVE_INDEX, Sun};
 
 /// Sunlight in the water: parallel, with the rest of the irradiance coming from all around.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,17 +38,5 @@ impl SunLight {
         let [east, north] = gaze.level.map(DVec3::from);
         let (sine, cosine) = self.azimuth.sin_cos();
         (DVec3::from(gaze.up) * self.rise + east * (level * cosine) + north * (level * sine)).into()
-    }
-
-    /// Decay rate of the sun's share with depth in a channel, `c/μ − K`.
-    #[must_use]
-    pub(super) fn fading(&self, field: &Field) -> f64 {
-        field.attenuation / self.rise - field.decay
-    }
-
-    /// σ, the sun's share in the irradiance of a channel at a depth: `clamp(share e^{−(c/μ − K) z}, 0, 1)`.
-    #[must_use]
-    pub fn share_at(&self, field: &Field, depth: f64) -> f64 {
-        (self.share * (-self.fading(field) * depth).min(MOST_GAIN).exp()).clamp(0.0, 1.0)
     }
 }

@@ -11,13 +11,13 @@
 //! occlusion, and D the share of the ambient light that reaches a slope ([`super::share_by_slope`]). N is the irradiance of white:
 //! J is in units of the radiance of a white horizontal patch.
 
-use imaging::vectorized;
-use imaging::{Plane, Rgb};
+use imaging::{Plane, Rgb, vectorized};
 
+use super::SunLight;
+use super::conditions::Daylight;
 use super::field::MOST_GAIN;
 use super::rises::{Row, rises_of};
 use super::slope::{SLOPES, between};
-use super::{Daylight, SunLight};
 use crate::attenuation::{exp_negative, masked};
 use crate::range::is_hole;
 

@@ -15,7 +15,7 @@ mod exchange;
 
 use std::f64::consts::{PI, TAU};
 
-use super::field::{CRITICAL_COSINE, fresnel};
+use super::model::{CRITICAL_COSINE, fresnel};
 use super::sun::SunLight;
 
 use exchange::sky_irradiance;

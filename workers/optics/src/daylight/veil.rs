@@ -2,14 +2,14 @@
 
 mod bounds;
 
-use imaging::Plane;
-use imaging::vectorized;
+use imaging::{Plane, vectorized};
 
 use super::field::{
-    BLURRED_EDGE, CRITICAL_COSINE, EDGE_INSIDE, Field, LEAST_COSINE, MIRROR_TERMS, MOST_GAIN, RATE_TERMS,
-    REFRACTIVE_INDEX, SHARP_EDGE, SOURCE_TERMS, SunnyRay,
+    BLURRED_EDGE, EDGE_INSIDE, Field, LEAST_COSINE, MIRROR_TERMS, MOST_GAIN, RATE_TERMS, SHARP_EDGE,
+    SOURCE_TERMS, SunnyRay,
 };
 use super::gaze::Gaze;
+use super::model::{CRITICAL_COSINE, REFRACTIVE_INDEX};
 use super::rises::{Row, rises_of};
 use super::wide::{PEAK_COSINE, TERMS};
 use crate::attenuation::{exp_negative, masked};

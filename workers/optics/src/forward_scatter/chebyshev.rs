@@ -13,14 +13,14 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use imaging::Plane;
 use imaging::fft::Complex;
-use imaging::vectorized;
+use imaging::{Plane, vectorized};
 
 use super::basis::BLOCK;
 use super::cache::Grid;
 use super::channel::{Channel, Pair, Passed, pairs};
-use super::spectra::{back, line, unfolded, zeros};
+use super::decimation::line;
+use super::spectra::{back, unfolded, zeros};
 use super::{KernelCache, Nodes};
 
 /// Spreads the light `source` of each pixel with the kernel scale `gamma` of that pixel, in pixels, finite. Never negative.

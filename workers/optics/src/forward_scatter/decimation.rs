@@ -10,8 +10,7 @@ use std::f64::consts::PI;
 use imaging::dct::Folding;
 use imaging::fft::Complex;
 use imaging::vectorized;
-
-use super::spectra::line;
+use std::ops::Range;
 
 /// Number of convolved boxes. The mirror at the sides of the frame needs an odd number.
 const ORDER: usize = 7;
@@ -162,6 +161,10 @@ fn response(frequency: f64, step: usize) -> f64 {
     }
     let box_response = (PI * step as f64 * frequency).sin() / (step as f64 * (PI * frequency).sin());
     box_response.powi(ORDER as i32)
+}
+
+pub(super) fn line(index: usize, length: usize) -> Range<usize> {
+    index * length..(index + 1) * length
 }
 
 #[cfg(test)]

@@ -7,8 +7,7 @@ use imaging::vectorized;
 
 use super::KernelCache;
 use super::cache::Grid;
-use super::decimation::{Decimation, steps};
-use super::spectra::line;
+use super::decimation::{Decimation, line, steps};
 use crate::layering::Layering;
 use crate::range::is_hole;
 

@@ -1,15 +1,17 @@
 //! The gate between two layers: light is propagated back to it and stopped at covered pixels. The rest continues as light of the
 //! nearer layer at the range of the gate.
 
+use std::sync::Arc;
+
 use imaging::dct::PairDct;
 use imaging::fft::Complex;
 use imaging::vectorized;
-use std::sync::Arc;
 
 use super::KernelCache;
 use super::cache::Grid;
+use super::decimation::line;
 use super::gate::Gate;
-use super::spectra::{line, zeros};
+use super::spectra::zeros;
 
 /// The gate number `l` of a channel; `None` if it or a nearer one is opaque.
 pub(super) fn open_gate(gates: &[Option<Gate>], l: usize) -> Option<Gate> {

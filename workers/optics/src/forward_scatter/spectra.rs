@@ -1,12 +1,11 @@
 //! Folded planes and their spectra.
 
-use std::ops::Range;
-
 use imaging::Plane;
 use imaging::dct::Folding;
 use imaging::fft::Complex;
 
 use super::KernelCache;
+use super::decimation::line;
 
 /// The planes of some spectra.
 pub(super) fn back(spectra: &[Vec<f32>], size: (usize, usize), cache: &mut KernelCache) -> Vec<Plane<f32>> {
@@ -68,8 +67,4 @@ pub(super) fn zeros(count: usize, (width, height): (usize, usize), cache: &mut K
         zeros
     };
     (0..count).map(zeros).collect()
-}
-
-pub(super) fn line(index: usize, length: usize) -> Range<usize> {
-    index * length..(index + 1) * length
 }

@@ -1,9 +1,7 @@
 //! The largest radiance by range, in one look at a scene.
 
-use imaging::vectorized;
-use imaging::{Plane, Rgb};
+use imaging::{Plane, Rgb, vectorized};
 
-use super::bounds::{RangeBin, TileGains};
 use crate::range::{SHORTEST_M, is_hole};
 
 /// Bits of a float below its exponent and three more: eight bins for each factor of two.
@@ -95,6 +93,37 @@ fn largest(light: &[f32]) -> f32 {
         most = if l > most { l } else { most };
     }
     most
+}
+
+/// Pixels between two ranges that differ by less than an eighth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RangeBin {
+    /// The two distances in meters.
+    pub meters: (f64, f64),
+    /// Largest radiance of each channel among them.
+    pub brightest: [f32; 3],
+}
+
+/// Upper bounds of the light on surfaces, before any is computed: the largest factor of a scene's radiance in each tile.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TileGains {
+    /// Columns and rows of a tile, pixels.
+    pub side_px: usize,
+    /// Tiles in a row.
+    pub columns: usize,
+    /// Tile by tile, row by row.
+    pub most: Vec<[f32; 3]>,
+    /// The least that the radiance is multiplied by anywhere.
+    pub least: [f32; 3],
+    /// Root mean square of the light over its peak, if it has a pattern; 1 otherwise.
+    pub evenness: f32,
+}
+
+impl TileGains {
+    /// The bound of a pixel's tile.
+    pub(super) fn tile_gain(&self, x: usize, y: usize) -> [f32; 3] {
+        self.most[y / self.side_px * self.columns + x / self.side_px]
+    }
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use imaging::{Plane, Rgb, vectorized};
 use spec::{HoleRule, ScatterSource};
 
 use super::bins;
+use super::bins::{RangeBin, TileGains};
 use crate::attenuation::OPAQUE;
 use crate::extremes::{greatest, least};
 use crate::forward_scatter::widest_px;
@@ -14,15 +15,6 @@ use crate::water::{Scatter, Water};
 
 /// Counting of distinct ranges stops here: beyond it, interpolation needs fewer kernels than there are ranges.
 const MOST_DISTINCT: usize = 32;
-
-/// Pixels between two ranges that differ by less than an eighth.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RangeBin {
-    /// The two distances in meters.
-    pub meters: (f64, f64),
-    /// Largest radiance of each channel among them.
-    pub brightest: [f32; 3],
-}
 
 /// Bounds of a scene as it enters the water.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,28 +41,6 @@ pub struct SceneBounds {
     pub widest_px: f64,
     /// Pixels.
     pub pixels: usize,
-}
-
-/// Upper bounds of the light on surfaces, before any is computed: the largest factor of a scene's radiance in each tile.
-#[derive(Debug, Clone, PartialEq)]
-pub struct TileGains {
-    /// Columns and rows of a tile, pixels.
-    pub side_px: usize,
-    /// Tiles in a row.
-    pub columns: usize,
-    /// Tile by tile, row by row.
-    pub most: Vec<[f32; 3]>,
-    /// The least that the radiance is multiplied by anywhere.
-    pub least: [f32; 3],
-    /// Root mean square of the light over its peak, if it has a pattern; 1 otherwise.
-    pub evenness: f32,
-}
-
-impl TileGains {
-    /// The bound of a pixel's tile.
-    pub(super) fn tile_gain(&self, x: usize, y: usize) -> [f32; 3] {
-        self.most[y / self.side_px * self.columns + x / self.side_px]
-    }
 }
 
 impl SceneBounds {

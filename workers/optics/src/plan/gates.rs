@@ -2,7 +2,7 @@
 
 use spec::Fidelity;
 
-use super::scatter::largest_share;
+use super::terms::largest_share;
 use super::{ErrorBound, SceneBounds, Stage, StageId, Variant};
 use crate::layering::Layering;
 use crate::water::{Scatter, Water};

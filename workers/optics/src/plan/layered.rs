@@ -2,20 +2,21 @@
 //!
 //! Each layer and each of its kernels has separate nodes: a wide kernel needs few, and only low frequencies.
 
+mod part;
 mod two;
 
 use spec::Fidelity;
 
-use super::Variant;
-use super::gates;
-use super::passages::{Passage, Passages, Through};
-use super::scatter::{
+use super::passages::{Passage, Passages};
+use super::terms::{
     Chosen, MOST_TERMS, SPAN_STEP, ScatterNeed, WORST_MARGIN, largest_share, samples, widened, widened_to,
 };
+use super::{Variant, gates};
 use crate::forward_scatter::{self, Bound, Kernels, Nodes, aliasing, widest_px};
 use crate::kernel;
 use crate::layering::Layering;
 use crate::water::Scatter;
+use part::{Part, Way};
 use two::{Behind, Two};
 
 /// Layers between gates have narrow spans, and kernels that follow from the range of the gates: similar frames do not share them.
@@ -36,27 +37,6 @@ const FEW_TIMES: f64 = 30.0;
 const QUOTIENT_MARGIN: f64 = 1.5;
 /// Minimum part of the share reserved for interpolation if rounding at gates exceeds it.
 const LEAST_SHARE: f64 = 0.125;
-
-/// The light of one layer that one of its kernels spreads.
-struct Part {
-    /// Kernel scales, pixels.
-    span: (f64, f64),
-    /// Parts of it with the largest light of each.
-    bins: Vec<((f64, f64), f64)>,
-    /// The gate in front.
-    way: Option<Way>,
-    /// Scale at the range of the gate behind, whose light one of the kernels spreads.
-    passing: Option<f64>,
-    /// The most of that light.
-    passing_light: f64,
-}
-
-/// The path of a layer's light through gates.
-struct Way {
-    through: Through,
-    /// 0 of the narrow kernel, 1 of the wide one.
-    kernel: usize,
-}
 
 impl Part {
     fn brightest(&self) -> f64 {

@@ -2,8 +2,7 @@
 
 use spec::{Fidelity, Frame};
 
-use super::scatter::largest_share;
-use super::water::PILED_UP;
+use super::terms::{PILED_UP, largest_share};
 use super::{ErrorBound, SceneBounds};
 use crate::water::{Scatter, Water};
 

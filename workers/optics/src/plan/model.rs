@@ -3,33 +3,16 @@
 
 mod lamps;
 
-use super::{SceneBounds, StageId};
-use crate::lamp::Lighting;
-use crate::turbidity::Field;
-use crate::water::{Scatter, Water};
+use super::StageId;
+use super::stage::ModelError;
+use crate::water::Scatter;
+pub use lamps::Conditions;
 
 /// Largest b Z at which light next to and over edges was measured.
 const EDGES_UP_TO: f64 = 4.0;
 /// K z and b/a between which the radiance of the water was measured, with a little more on both sides.
 const SKY_DEPTHS: std::ops::RangeInclusive<f64> = 0.3..=4.0;
 const SKY_RATIOS: std::ops::RangeInclusive<f64> = 0.25..=6.0;
-
-/// Distance of the model of a stage from radiative transfer.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub enum ModelError {
-    /// The stage has no physical truth: style, haze, enhancement.
-    #[default]
-    NoModel,
-    /// Measured against Monte Carlo: model over truth, least and greatest.
-    Measured {
-        /// Least and greatest ratio of model to truth.
-        ratio: [f64; 2],
-        /// The kind of light, and the conditions of the measurement.
-        about: String,
-    },
-    /// Conditions like these were not measured.
-    NotMeasured,
-}
 
 impl ModelError {
     fn found(ratio: [f64; 2], about: impl Into<String>) -> Self {
@@ -70,19 +53,6 @@ impl std::fmt::Display for ModelError {
             Self::NotMeasured => f.write_str("not measured"),
         }
     }
-}
-
-/// Conditions of a measurement.
-#[derive(Debug, Clone, Copy)]
-pub struct Conditions<'a> {
-    /// The water.
-    pub water: &'a Water,
-    /// The lamps; `None` without.
-    pub lighting: Option<&'a Lighting>,
-    /// Patches of turbidity; `None` in even water.
-    pub patches: Option<&'a Field>,
-    /// The scene.
-    pub bounds: &'a SceneBounds,
 }
 
 /// Unscattered light falls as e^{−cZ} in the truth, too; the veil of daylight has no reference.

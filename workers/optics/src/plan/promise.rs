@@ -88,7 +88,7 @@ impl Plan {
             .filter(|stage| stage.id.is_promised())
             .collect();
         let share = |at: usize| {
-            let gain = super::compose_gain(promised[at + 1..].iter().copied().filter(|stage| {
+            let gain = super::shares::compose_gain(promised[at + 1..].iter().copied().filter(|stage| {
                 let own = promised[at].id.channel();
                 stage
                     .id

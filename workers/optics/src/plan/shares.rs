@@ -1,7 +1,7 @@
 //! How the stages of a frame share its tolerance, so that their errors together stay within it.
 
 use super::levels::{DEFAULT_TOLERANCE, ROUNDING};
-use super::{ErrorBound, Gain, Stage, StageId, compose, compose_gain};
+use super::{ErrorBound, Gain, Stage, StageId};
 
 /// Share of airlight, for quadrature and rounding: more nodes cost little compared with more kernels.
 const AIRLIGHT: f64 = 0.25;
@@ -93,6 +93,26 @@ impl Budget {
         let relative = used.relative * self.gain.relative / self.gain.absolute;
         Some((self.whole - used.absolute - relative).max(LEAST * self.whole))
     }
+}
+
+/// Walks stages in their order: `error = error * gain + bound` in each channel.
+#[must_use]
+pub fn compose<'a>(stages: impl Iterator<Item = &'a Stage>) -> [ErrorBound; 3] {
+    let mut errors = [ErrorBound::EXACT; 3];
+    for stage in stages {
+        for (channel, error) in errors.iter_mut().enumerate() {
+            if stage.id.channel().is_none_or(|own| own == channel) {
+                *error = error.behind(stage.gain).plus(stage.bound.unwrap_or_default());
+            }
+        }
+    }
+    errors
+}
+
+/// The gain of stages, one after the other.
+#[must_use]
+pub fn compose_gain<'a>(stages: impl Iterator<Item = &'a Stage>) -> Gain {
+    stages.fold(Gain::ONE, |gain, stage| gain.then(stage.gain))
 }
 
 #[cfg(test)]

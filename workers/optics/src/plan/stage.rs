@@ -3,7 +3,7 @@
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 
-use super::{ErrorBound, Gain, ModelError, Shadows};
+use super::{ErrorBound, Gain, Shadows};
 use crate::forward_scatter::{Kernels, Nodes};
 use crate::layering::Layering;
 
@@ -299,4 +299,21 @@ impl Stage {
         let is_known = self.model_error != ModelError::NoModel && !self.variant.is_skipped();
         is_known.then(|| self.model_error.to_string())
     }
+}
+
+/// Distance of the model of a stage from radiative transfer.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub enum ModelError {
+    /// The stage has no physical truth: style, haze, enhancement.
+    #[default]
+    NoModel,
+    /// Measured against Monte Carlo: model over truth, least and greatest.
+    Measured {
+        /// Least and greatest ratio of model to truth.
+        ratio: [f64; 2],
+        /// The kind of light, and the conditions of the measurement.
+        about: String,
+    },
+    /// Conditions like these were not measured.
+    NotMeasured,
 }

@@ -2,7 +2,6 @@
 
 use spec::Fidelity;
 
-use super::water::VEIL_NS;
 use super::{SceneBounds, Stage, StageId, Variant};
 use crate::water::Water;
 
@@ -24,3 +23,5 @@ pub(super) fn assess(bounds: &SceneBounds, water: &Water, fidelity: Fidelity) ->
     };
     Some(stage.costing(VEIL_NS, bounds.pixels))
 }
+
+pub(super) const VEIL_NS: f64 = 10.0;

@@ -2,9 +2,8 @@
 
 use spec::{Fidelity, ScatterSource};
 
-use super::levels;
-use super::scatter::{self, ScatterNeed};
-use super::{ErrorBound, Gain, SceneBounds, Stage, StageId, Variant, gates, veil};
+use super::terms::{PILED_UP, ScatterNeed, largest_share};
+use super::{ErrorBound, Gain, SceneBounds, Stage, StageId, Variant, gates, levels, scatter, veil};
 use crate::layering::Layering;
 use crate::water::{Scatter, Water};
 
@@ -12,12 +11,9 @@ use crate::water::{Scatter, Water};
 const SKIP_SHARE: f64 = 0.125;
 /// Minimum share of the tolerance reserved for forward scatter.
 const LEAST_SHARE: f64 = 0.125;
-/// Spread light of several pixels with kernels of different widths may add up in one pixel to this much.
-pub(super) const PILED_UP: f64 = 2.0;
 /// Nanoseconds per pixel, measured at 768×492 on one core of an AMD EPYC with AVX-512: attenuation, a veil by direction of all
 /// channels, each transformed channel, each of its kernels, and each gate of a channel.
 const ATTENUATION_NS: f64 = 1.5;
-pub(super) const VEIL_NS: f64 = 10.0;
 const CHANNEL_NS: f64 = 7.8;
 const KERNEL_NS: f64 = 1.87;
 const GATE_NS: f64 = 10.0;
@@ -79,9 +75,7 @@ pub fn water_gain(bounds: &SceneBounds, water: &Water) -> Gain {
                 source: ScatterSource::Direct,
                 ..
             } => PILED_UP * direct,
-            Scatter::Jaffe { g, .. } => {
-                PILED_UP * scatter::largest_share(g[channel].min(c), c, nearest, farthest)
-            }
+            Scatter::Jaffe { g, .. } => PILED_UP * largest_share(g[channel].min(c), c, nearest, farthest),
         };
         (direct + spread) * water.radiance_gain[channel]
     });

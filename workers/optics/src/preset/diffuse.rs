@@ -2,8 +2,8 @@
 //!
 //! K_d is the decay of daylight with depth. Used as the beam attenuation it makes every water too clear.
 
-use super::Preset;
 use super::jerlov::{NM_TABLE, diffuse_attenuation};
+use super::table::Preset;
 
 const JERLOV: &str = "Jerlov 1976, Marine Optics: downwelling K_d, from a secondary transcription";
 const PRINTED: &str = "UWCNN (Li, Anwar & Porikli 2020), its table of transmission per meter N as printed: K_d = -ln N, from a \

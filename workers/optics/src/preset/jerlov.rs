@@ -1,6 +1,6 @@
 //! The Jerlov water types, and the baseline of a well-known simulator.
 
-use super::Preset;
+use super::table::Preset;
 
 const WILLIAMSON: Source = Source {
     name: "williamson2022",

@@ -1,6 +1,6 @@
 //! Pure sea water: the lower bound of natural attenuation.
 
-use super::{Channels, Preset};
+use super::table::{Channels, Preset};
 
 /// K_w, the diffuse attenuation of the clearest natural waters, in 1/m at each nm (Smith & Baker 1981, Applied Optics 20, 177,
 /// Table 1, from a secondary transcription). K_w = a_w + b_w/2 is below the beam attenuation a_w + b_w of the same water, so it

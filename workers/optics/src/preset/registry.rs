@@ -2,7 +2,8 @@
 
 use std::sync::LazyLock;
 
-use super::{Channels, Preset, all_known, diffuse, jerlov, pure_water, self_test, single};
+use super::table::{Channels, Preset, all_known};
+use super::{diffuse, jerlov, pure_water, self_test, single};
 
 static PRESETS: LazyLock<Vec<Preset>> = LazyLock::new(|| {
     let mut presets: Vec<Preset> = jerlov::presets()

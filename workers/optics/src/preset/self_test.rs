@@ -1,6 +1,6 @@
 //! Requirements for every table of waters. Published tables have failed each of these.
 
-use super::{Preset, all_known};
+use super::table::{Preset, all_known};
 
 /// A water that contradicts itself or its neighbors.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -134,8 +134,9 @@ fn pairs(presets: &[Preset], lower: &str, higher: &str, defects: &mut Vec<Defect
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Channels, expected_defects, presets};
+    use super::super::{expected_defects, presets};
     use super::*;
+    use crate::preset::table::Channels;
 
     /// Unexpected defects.
     fn found(presets: &[Preset]) -> Vec<Defect> {

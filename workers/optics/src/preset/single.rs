@@ -1,6 +1,6 @@
 //! Waters measured or used at one wavelength, in green: for phase functions and Monte Carlo, not for pictures.
 
-use super::Preset;
+use super::table::Preset;
 
 const PETZOLD: &str = "Petzold 1972, SIO Ref. 72-78, from a secondary transcription";
 const SIMULATION: &str =

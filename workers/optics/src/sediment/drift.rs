@@ -1,16 +1,6 @@
 //! Clouds on the slices of a ray.
 
-use super::{Clouds, Murk};
-
-/// A cloud on a slice of a ray.
-pub(super) struct Drift {
-    pub(super) slice: usize,
-    pub(super) place: [f64; 3],
-    /// From the camera, m.
-    range_m: f64,
-    /// The share of the light that it stops.
-    pub(super) stopped: f64,
-}
+use super::{Clouds, Drift, Murk};
 
 impl Drift {
     /// The clouds in the middles of the slices of a ray, each `step` meters long.

@@ -6,7 +6,7 @@ use imaging::vector::dot;
 use spec::Snow;
 
 use super::spot::Spot;
-use super::{RADII, Seeing, World, largest_m};
+use super::world::{RADII, Seeing, World, largest_m};
 use crate::eye::Eye;
 
 /// Cells hold this many particles on average, unless they would be wider than [`WIDEST_CELL_M`].

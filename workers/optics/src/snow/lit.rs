@@ -1,6 +1,7 @@
 //! Particles in incident light.
 
-use super::{Flake, Surround};
+use super::Flake;
+use super::world::Surround;
 
 /// A particle as it is seen through the water.
 #[derive(Debug, Clone, Copy, PartialEq)]

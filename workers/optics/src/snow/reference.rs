@@ -2,7 +2,8 @@
 
 use imaging::{Plane, Rgb};
 
-use super::{Flake, LitFlake, Surround, lit};
+use super::world::Surround;
+use super::{Flake, LitFlake, lit};
 use crate::range::is_hole;
 
 /// Lays the particles, given the farthest first, over a picture in linear light; returns the picture and the opacity that they

@@ -1,6 +1,8 @@
 use imaging::{Plane, Rgb};
 
+use super::world::RADII;
 use super::*;
+use crate::eye::Eye;
 
 const SNOW: Snow = Snow {
     density_per_m3: 400.0,

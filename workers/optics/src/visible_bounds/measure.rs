@@ -3,7 +3,6 @@
 use imaging::simd::{larger, smaller};
 use imaging::{Plane, vectorized};
 
-use super::TILE_PX;
 use crate::range::SHORTEST_M;
 
 type Lanes = [f32; TILE_PX];
@@ -107,3 +106,6 @@ impl Columns {
         }
     }
 }
+
+/// Columns and rows of a tile.
+pub const TILE_PX: usize = 32;

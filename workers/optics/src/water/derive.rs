@@ -5,16 +5,19 @@
 //! convention the brightness `veil_gain` in its brightest channel, since a camera exposes.
 
 mod above;
+mod checks;
 
 use spec::{ForwardScatter, PhaseFunction, ScatterModel};
 
-use super::{Scatter, Spread, Tail, Water, WaterError, two_kernels};
+use super::model::{Scatter, Spread, Tail, Water};
+use super::{WaterError, two_kernels};
 use crate::daylight::DaylightModel;
 use crate::lamp::AVERAGE_BACKSCATTER_FRACTION;
 use crate::medium::{Ambient, Kernels, Medium};
 use crate::preset::{self, Channels, Preset, all_known};
+pub(super) use checks::Request;
+use checks::{Checks, Coefficients, G_SHARE_OF_SCATTERING};
 
-const G_SHARE_OF_SCATTERING: f64 = 0.05;
 const SPREAD_OFFSET_RAD: f64 = 0.009;
 const SPREAD_PER_SCATTERING_RAD: f64 = 0.009;
 const VEIL_GAIN: f64 = 0.3;
@@ -23,14 +26,6 @@ const VEIL_DEPTH_M: f64 = 5.0;
 /// Printed tables round a, b and c to three decimals each.
 const SUM_SLACK_PER_M: f64 = 0.002;
 const CHANNELS: [char; 3] = ['R', 'G', 'B'];
-
-/// The description of one water.
-#[derive(Clone, Copy)]
-pub(super) struct Request<'a> {
-    pub(super) medium: &'a Medium,
-    /// Whether lamps light the water, which needs scattering.
-    pub(super) lamps: bool,
-}
 
 pub(super) fn resolve(request: &Request<'_>, focal_px: f64) -> Result<Water, Vec<WaterError>> {
     let water = request.medium;
@@ -175,20 +170,6 @@ fn scaled_scatter(scatter: Scatter, scale: f64) -> Scatter {
             spread: wider(spread),
         },
     }
-}
-
-/// Coefficients before the range scale.
-struct Coefficients {
-    absorption: Option<[f64; 3]>,
-    scattering: Option<[f64; 3]>,
-    attenuation: Option<[f64; 3]>,
-    focal_px: f64,
-}
-
-#[derive(Default)]
-struct Checks {
-    errors: Vec<WaterError>,
-    derived: Vec<&'static str>,
 }
 
 impl Checks {

@@ -1,6 +1,6 @@
 //! A preset with all derived values, and their names.
 
-use super::{Scatter, Water};
+use super::model::{Scatter, Water};
 use crate::lamp::AVERAGE_BACKSCATTER_FRACTION;
 use crate::preset::{Channels, Preset};
 

@@ -2,7 +2,8 @@
 
 use spec::{Fault, Optics, WaterConditions, WaterRules};
 
-use super::{Water, WaterError};
+use super::WaterError;
+use super::model::Water;
 use crate::medium::{Medium, Surroundings};
 use crate::preset::diffuse_in_disguise;
 use crate::snow;

@@ -5,7 +5,8 @@
 
 use spec::{PhaseFunction, ScatterModel, ScatterSource};
 
-use super::{Spread, Tail, WaterError};
+use super::WaterError;
+use super::model::{Spread, Tail};
 use crate::medium::{Kernels, Medium};
 
 /// A number that grows with the optical path: `at_zero + slope b Z`.

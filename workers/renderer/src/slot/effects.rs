@@ -3,7 +3,7 @@
 use optics::plan::Plan;
 use spec::Fidelity;
 
-use super::Slot;
+use super::state::Slot;
 use crate::context::FrameContext;
 use crate::effects::{ESTIMATED, Effects, expect_cost};
 use crate::error::RenderError;

@@ -1,39 +1,24 @@
 //! The exposure of a frame: its moments, the expected factor and the metered factor.
 
 use imaging::Rgb;
-use optics::forward_scatter::KernelCache;
 use optics::plan::{ErrorBound, StageId, compose};
 use spec::{Exposure, Frame, FrameRecord};
 
-use super::Slot;
-use crate::context::{FrameContext, Resources};
+use super::state::{Slot, Taken};
+use crate::context::FrameContext;
 use crate::error::RenderError;
 use crate::inputs::movement::Moment;
 use crate::inputs::scene;
 use crate::inputs::seen::Seen;
 use crate::light::Light;
-use crate::pipeline;
 use crate::planning::plan_frame;
-use crate::record;
 use crate::source::SceneSource;
 use crate::stage::camera::{self, Average, Expected};
 use crate::stopwatch::Stopwatch;
+use crate::{pipeline, record};
 
 /// Reserve of the second plan of a frame whose metered factor exceeds the expected one.
 const AGAIN: f64 = 1.05;
-
-/// Caches for thinned pictures, separate from those of frames.
-#[derive(Default)]
-pub(super) struct Thin {
-    pub(super) resources: Resources,
-    kernels: KernelCache,
-}
-
-/// The light of a frame, and the exposed picture; `None` for a pinhole, whose picture equals the light.
-pub(super) struct Taken {
-    pub(super) light: Light,
-    pub(super) exposed: Option<Rgb<f32>>,
-}
 
 impl Slot {
     /// Plans, renders and exposes a frame. If the metered factor exceeds the expected one, plans for it and renders again within the

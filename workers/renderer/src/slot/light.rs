@@ -7,7 +7,7 @@ use optics::setting::Setting;
 use spec::{Frame, FrameRecord};
 use truth::PhaseModel;
 
-use super::Slot;
+use super::state::Slot;
 use crate::context::FrameContext;
 use crate::error::RenderError;
 use crate::light::Light;

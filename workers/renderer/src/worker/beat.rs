@@ -5,8 +5,8 @@ use std::time::{Duration, Instant};
 
 use wire::messages::BeatRequest;
 
-use super::Shared;
 use super::client::ClientError;
+use super::shared::Shared;
 
 /// Shortest time between two heartbeats, even while many leases are cancelled.
 const SHORTEST: Duration = Duration::from_millis(100);

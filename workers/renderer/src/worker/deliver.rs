@@ -6,10 +6,10 @@ use std::sync::mpsc::Receiver;
 use wire::limits::shorten;
 use wire::messages::{Artifact, Claim, CommitRequest, FailRequest, PutArtifactsRequest};
 
-use super::Shared;
 use super::client::{ClientError, Outcome};
 use super::held::Hold;
 use super::patience::persist;
+use super::shared::Shared;
 use crate::error::RenderError;
 use crate::file::File;
 use crate::slot::Rendered;

@@ -1,9 +1,9 @@
 //! Fetches data from the service for as long as the lease lasts.
 
-use super::Shared;
 use super::client::{ClientError, Outcome};
 use super::held::Hold;
 use super::patience::persist;
+use super::shared::Shared;
 use crate::error::RenderError;
 
 /// Repeats a call while the lease lasts. `what` names the fetched object in messages.

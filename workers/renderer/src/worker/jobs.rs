@@ -1,18 +1,15 @@
 //! Jobs by the digest of their description, fetched and parsed once rather than for every lease.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, PoisonError};
 
-use spec::{Job, RecentJobs};
+use spec::Job;
 use wire::messages::Lease;
 
 use super::fetch::fetch_bytes;
 use super::held::Hold;
-use super::{Shared, styles};
+use super::shared::{Jobs, Shared};
+use super::styles;
 use crate::error::RenderError;
-
-/// Cache of recently used jobs.
-#[derive(Default)]
-pub(crate) struct Jobs(Mutex<RecentJobs>);
 
 impl Jobs {
     /// The job of a lease.

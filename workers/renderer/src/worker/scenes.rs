@@ -1,20 +1,16 @@
 //! Uploaded scenes, fetched from the service and cached.
 
 use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, MutexGuard, PoisonError};
 
-use super::Shared;
 use super::fetch::{fetch, fetch_bytes};
 use super::held::Hold;
+use super::shared::{Scenes, Shared};
 use crate::error::RenderError;
 use crate::source::SceneBytes;
 
 /// Maximum bytes of cached scenes; a typical scene has 2 MiB.
 const MOST_BYTES: usize = 256 << 20;
-
-/// Cached scenes by id. An uploaded scene never changes.
-#[derive(Default)]
-pub(crate) struct Scenes(Mutex<BTreeMap<String, Arc<SceneBytes>>>);
 
 impl Scenes {
     /// The files of an uploaded scene.

@@ -7,11 +7,11 @@ use imaging::cancel;
 use spec::Job;
 use wire::messages::{Claim, FrameClaim, Lease, LeaseRequest};
 
-use super::Shared;
 use super::client::{ClientError, Outcome};
 use super::deliver::{Parcel, Refusal};
 use super::held::Hold;
 use super::patience::persist;
+use super::shared::Shared;
 use crate::error::RenderError;
 use crate::slot::{Rendered, Slot};
 use crate::source::SceneSource;

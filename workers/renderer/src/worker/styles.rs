@@ -1,7 +1,7 @@
 //! Downloads style models of the service that this worker lacks.
 
-use super::Shared;
 use super::client::Outcome;
+use super::shared::Shared;
 
 /// Fetches the missing models.
 pub(crate) fn learn(shared: &Shared) -> Outcome<()> {

@@ -1,127 +1,14 @@
 //! Ends the process when a frame exceeds its time, the worker exceeds its memory, or a cancelled frame ignores its flag. A computing
 //! thread cannot be stopped from inside its process, and the service recovers from a dead worker.
 
-use std::collections::BTreeMap;
-use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use super::Shared;
-use super::held::Hold;
 use super::memory::resident_bytes;
+use super::running::Verdict;
+use super::shared::Shared;
 
 /// How often the frames and the memory are checked.
 const LOOK: Duration = Duration::from_millis(100);
-/// How long a frame may run after its lease is lost. Loops check their flag every few milliseconds; longer computations are inside a
-/// library that does not.
-const AFTER_LOSS: Duration = Duration::from_secs(8);
-
-/// Limits that end the worker when exceeded.
-#[derive(Clone, Copy, Debug)]
-pub struct Limits {
-    /// Maximum time of one frame.
-    pub frame: Duration,
-    /// How long a frame may run after its lease is lost.
-    pub lost: Duration,
-    /// Maximum resident memory of the whole worker, bytes.
-    pub memory_bytes: u64,
-}
-
-impl Limits {
-    /// No limit: for a worker that shares its process with its supervisor.
-    pub const NONE: Self = Self {
-        frame: Duration::MAX,
-        lost: Duration::MAX,
-        memory_bytes: u64::MAX,
-    };
-
-    /// Limits on a frame's time and a worker's memory.
-    #[must_use]
-    pub fn new(frame: Duration, memory_bytes: u64) -> Self {
-        Self {
-            frame,
-            lost: AFTER_LOSS,
-            memory_bytes,
-        }
-    }
-}
-
-/// The frames that are being rendered, by slot.
-#[derive(Default)]
-pub(crate) struct Running(Mutex<BTreeMap<usize, Frame>>);
-
-#[derive(Clone)]
-struct Frame {
-    job: String,
-    frame: u64,
-    begun: Instant,
-    hold: Hold,
-    /// When the loss of its lease was noticed.
-    lost: Option<Instant>,
-}
-
-/// Why the process must end.
-#[derive(Debug, PartialEq)]
-enum Verdict {
-    /// A frame exceeded its time, or the worker its memory.
-    Guilty(String),
-    /// A cancelled frame does not stop. Leases of other frames are released.
-    Idle(String),
-}
-
-impl Running {
-    pub(crate) fn begin(&self, slot: usize, job: &str, frame: u64, hold: &Hold) {
-        let frame = Frame {
-            job: job.to_owned(),
-            frame,
-            begun: Instant::now(),
-            hold: hold.clone(),
-            lost: None,
-        };
-        self.map().insert(slot, frame);
-    }
-
-    pub(crate) fn end(&self, slot: usize) {
-        self.map().remove(&slot);
-    }
-
-    /// The reason to end the process, or `None`.
-    fn verdict(&self, limits: &Limits, memory_bytes: Option<u64>) -> Option<Verdict> {
-        let mut running = self.map();
-        for frame in running.values_mut().filter(|frame| frame.hold.is_lost()) {
-            let lost = frame.lost.get_or_insert_with(Instant::now);
-            if lost.elapsed() > limits.lost {
-                let Frame { job, frame, .. } = frame;
-                let message = format!("frame {frame} of {job} goes on although nobody waits for it");
-                return Some(Verdict::Idle(message));
-            }
-        }
-        if let Some(late) = running
-            .values()
-            .find(|frame| frame.begun.elapsed() > limits.frame)
-        {
-            let Frame { job, frame, .. } = late;
-            let limit = limits.frame.as_secs_f64();
-            let message = format!("frame {frame} of {job} took more than {limit} s (--frame-limit-s)");
-            return Some(Verdict::Guilty(message));
-        }
-        let memory = memory_bytes.filter(|&bytes| bytes > limits.memory_bytes)?;
-        let frames: Vec<String> = running
-            .values()
-            .map(|f| format!("{} of {}", f.frame, f.job))
-            .collect();
-        Some(Verdict::Guilty(format!(
-            "the worker takes {} MiB and may take {} (--memory-limit-mib) while it renders frames: {}",
-            memory >> 20,
-            limits.memory_bytes >> 20,
-            frames.join(", ")
-        )))
-    }
-
-    fn map(&self) -> MutexGuard<'_, BTreeMap<usize, Frame>> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
 /// Watches until the worker stops.
 pub(crate) fn run(shared: &Shared) {
     while !shared.stop.is_set() {
@@ -143,54 +30,5 @@ pub(crate) fn run(shared: &Shared) {
             }
         }
         shared.stop.pause(LOOK);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::worker::held::Held;
-
-    #[test]
-    fn what_is_within_its_limits_goes_on_and_what_is_not_is_named() {
-        let running = Running::default();
-        let hold = Held::default().take(1);
-        let limits = Limits::new(Duration::from_millis(5), 100 << 20);
-        let guilty = |verdict| match verdict {
-            Some(Verdict::Guilty(message)) => message,
-            other => panic!("{other:?}"),
-        };
-        assert_eq!(running.verdict(&limits, Some(100 << 20)), None);
-        running.begin(0, "job_a", 7, &hold);
-        assert_eq!(running.verdict(&limits, None), None);
-        let greedy = guilty(running.verdict(&limits, Some(101 << 20)));
-        assert!(
-            greedy.contains("101 MiB") && greedy.contains("7 of job_a"),
-            "{greedy}"
-        );
-        std::thread::sleep(Duration::from_millis(10));
-        let late = guilty(running.verdict(&limits, None));
-        assert!(
-            late.contains("frame 7 of job_a") && late.contains("0.005 s"),
-            "{late}"
-        );
-        running.end(0);
-        assert_eq!(running.verdict(&limits, None), None);
-    }
-
-    #[test]
-    fn a_frame_that_nobody_waits_for_may_go_on_for_a_while() {
-        let running = Running::default();
-        let hold = Held::default().take(1);
-        let limits = Limits {
-            lost: Duration::from_millis(5),
-            ..Limits::NONE
-        };
-        running.begin(0, "job_a", 7, &hold);
-        hold.lose();
-        assert_eq!(running.verdict(&limits, None), None);
-        std::thread::sleep(Duration::from_millis(10));
-        let verdict = running.verdict(&limits, None);
-        assert!(matches!(verdict, Some(Verdict::Idle(message)) if message.contains("frame 7 of job_a")));
     }
 }

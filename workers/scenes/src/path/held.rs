@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 use imaging::vector::DVec3;
 
-use super::{LookAt, turned};
 use crate::CameraPose;
+use spec::Waypoint;
 
 /// Steepness (|vertical component| of the direction, about 75°) beyond which a level camera rotates too fast about its
 /// axis.
@@ -59,6 +59,28 @@ fn steepest(first: DVec3, last: DVec3, whole: f64) -> f64 {
         .chain([0.0, whole])
         .map(|t| (first.z * libm::cos(t) + across.z * libm::sin(t)).abs())
         .fold(0.0, f64::max)
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct LookAt {
+    pub(super) position: DVec3,
+    pub(super) target: DVec3,
+}
+
+impl From<Waypoint> for LookAt {
+    fn from(waypoint: Waypoint) -> Self {
+        Self {
+            position: waypoint.position_m.into(),
+            target: waypoint.target_m.into(),
+        }
+    }
+}
+
+/// Rotates a vector about a unit axis (Rodrigues).
+pub(super) fn turned(v: DVec3, axis: DVec3, angle: f64) -> DVec3 {
+    let (sin, cos) = libm::sincos(angle);
+    let along = axis * (axis.dot(v) * (1.0 - cos));
+    (v * cos + axis.cross(v) * sin + along).normalized()
 }
 
 #[cfg(test)]

@@ -3,7 +3,6 @@
 use imaging::vector::{Vec3, vec3};
 
 use super::lanes::{larger, smaller};
-use super::solid::Solid;
 
 /// A box between its lowest and its highest corner, m.
 #[derive(Debug, Clone, Copy)]
@@ -13,7 +12,7 @@ pub(crate) struct Bounds {
 }
 
 /// Larger than any site.
-const EVERYWHERE_M: f32 = 1e9;
+pub(super) const EVERYWHERE_M: f32 = 1e9;
 
 impl Bounds {
     /// A box about the origin with the given half sides.
@@ -43,18 +42,6 @@ impl Bounds {
         Self {
             low: vec3(-EVERYWHERE_M, -EVERYWHERE_M, -EVERYWHERE_M),
             high: vec3(EVERYWHERE_M, EVERYWHERE_M, height),
-        }
-    }
-
-    /// The box of a solid in world coordinates; for a hollow's wall, everything.
-    pub(super) fn from_solid(solid: &Solid) -> Self {
-        if solid.is_hollow() {
-            return Self::half_space(EVERYWHERE_M);
-        }
-        let corners = solid.corners();
-        Self {
-            low: corners.into_iter().fold(corners[0], |a, b| a.zip(b, smaller)),
-            high: corners.into_iter().fold(corners[0], |a, b| a.zip(b, larger)),
         }
     }
 

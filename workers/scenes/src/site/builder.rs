@@ -7,8 +7,9 @@ use super::chance::Choices;
 use super::finish::{JointPattern, Material, SurfaceFinish};
 use super::pose::{Pose, UP, horizontal, up};
 use super::solid::{Ellipsoid, Ring, Solid, SolidBox, SolidShape, Stone, Tube};
-pub(crate) use super::view::Heights;
-use super::view::{Obstacles, Usual, Viewpoint, clearance};
+pub(crate) use super::usual::Heights;
+use super::usual::{Usual, Viewpoint};
+use super::view::{Obstacles, clearance};
 use super::{Site, SiteObject};
 use crate::categories::Category;
 

@@ -1,7 +1,7 @@
 //! Scattered dots: round bumps, at most one per cell of a lattice.
 
 use super::lanes::{LANES, Lane, Lane3, clamp01, floor};
-use super::noise::{GRADIENT_UNIT, NoiseSample, gradient, hash, lattice};
+use super::lattice::{GRADIENT_UNIT, NoiseSample, gradient, hash, lattice};
 
 /// Rotates the lattice, so that no surface shows its rows.
 const ASKEW: [[f32; 3]; 3] = [[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]];

@@ -11,100 +11,17 @@ mod pattern;
 mod plain;
 mod sand;
 mod steel;
+mod surface;
 
 use imaging::vectorized;
 
 use super::chance::Choices;
-use super::lanes::{LANES, Lane, Lane3, ZEROS, clamp01, mix, ramp};
-use super::noise::{NoisePoints, NoiseSample, Octaves};
-use crate::categories::FINDINGS;
+use super::lanes::{LANES, Lane, ZEROS, mix, ramp};
+use super::lattice::NoiseSample;
+use super::noise::Octaves;
 
-pub(crate) use coat::Coat;
-pub(crate) use pattern::{Courses, JointPattern, Unroll};
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Material {
-    /// Painted steel, rusting from edges and scratches.
-    Steel,
-    /// A coated steel pipe.
-    Coated(Coat),
-    /// Concrete or masonry with joints, cracks and spalls.
-    Concrete(JointPattern),
-    /// Covered with mussels and weed.
-    Growth,
-    /// A sacrificial anode, white with its own corrosion.
-    Anode,
-    /// Broken stone.
-    Stone,
-    /// Black rubber or plastic.
-    Rubber,
-    /// Woven bags of sand or grout.
-    Bag,
-    /// The rippled seabed, or the mud in a shaft.
-    Sand,
-    /// Skin, shell or leaf.
-    Body {
-        /// Albedo of the upper side.
-        color: [f32; 3],
-        gloss: f32,
-        /// Brightness of the underside relative to that.
-        belly: f32,
-    },
-    /// The silvery skin of a bubble.
-    Bubble,
-}
-
-/// A material with the parameters of one object.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct SurfaceFinish {
-    pub(crate) material: Material,
-    pub(crate) base: [f32; 3],
-    key: u32,
-    /// Share of rust, dirt or cracks, about 0..1.
-    wear: f32,
-    /// Share of growth, about 0..1; below -0.9 there is none.
-    growth: f32,
-    /// Direction of ripples or position of formwork, in turns.
-    direction: f32,
-    /// Share of silt on upward surfaces, 0..1.
-    silt: f32,
-    /// Strength of the second scale of texture, 0..1.
-    pub(crate) grain: f32,
-}
-
-#[derive(Clone, Copy)]
-pub(crate) struct Points<'a> {
-    /// In the solid's frame, shifted to the object's part of the noise.
-    pub(crate) place: NoisePoints<'a>,
-    /// In the solid's frame.
-    pub(crate) local: &'a Lane3,
-    pub(crate) world: &'a Lane3,
-    /// Closeness of each point to an edge, 0..1.
-    pub(crate) edge: &'a Lane,
-    /// Vertical component of each normal, -1..1.
-    pub(crate) rise: &'a Lane,
-}
-
-/// Points with the noise shared by all materials.
-#[derive(Clone, Copy)]
-struct Grain<'a> {
-    points: &'a Points<'a>,
-    /// Varies over about a meter; its slope is 0 for materials that do not use it.
-    broad: &'a NoiseSample,
-    /// Varies over about 10 cm.
-    fine: &'a NoiseSample,
-}
-
-/// Color and relief of a group of points.
-#[derive(Default)]
-pub(crate) struct Surface {
-    pub(crate) albedo: Lane3,
-    /// Slope of the relief in the solid's frame, meters per meter.
-    pub(crate) slope: Lane3,
-    pub(crate) gloss: Lane,
-    /// Strength of each finding, 0..1, in the order of [`FINDINGS`].
-    pub(crate) findings: [Lane; FINDINGS.len()],
-}
+use surface::Grain;
+pub(crate) use surface::{Coat, Courses, JointPattern, Material, Points, Surface, SurfaceFinish, Unroll};
 
 const PAINTS: [[f32; 3]; 7] = [
     [0.56, 0.36, 0.08],
@@ -208,14 +125,6 @@ fn settle(surface: &mut Surface, most: f32, rise: &Lane, broad: &Lane) {
             surface.slope[axis][i] *= visible;
         }
     }
-}
-
-/// Share of a pixel covered by a line of the given half width at a distance from its middle, 0..1.
-#[inline(always)]
-fn line(distance: f32, half_width: f32, footprint: f32) -> f32 {
-    let inverse = 1.0 / footprint;
-    let part = 2.0 * half_width * inverse;
-    clamp01(0.5 + (half_width - distance) * inverse) * if part < 1.0 { part } else { 1.0 }
 }
 
 fn draw_albedo(material: Material, dice: Choices) -> [f32; 3] {

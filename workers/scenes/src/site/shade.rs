@@ -3,7 +3,6 @@
 use imaging::vector::{Vec3, vec3};
 use imaging::vectorized;
 
-use super::Site;
 use super::bounds::Bounds;
 use super::camera::ViewCamera;
 use super::finish::Points;
@@ -11,10 +10,10 @@ use super::geometry::Geometry;
 use super::lanes::{LANES, Lane, Lane3, ZEROS, load, mix, ramp, store};
 use super::light::{Lit, SiteLight, background, illuminate, reflect};
 use super::noise::NoisePoints;
-use super::picture::RenderedRows;
-use super::pits;
 use super::pose::{Pose, UP, ZERO};
+use super::rows::RenderedRows;
 use super::solid::Solid;
+use super::{Site, pits};
 
 /// Reach of contact shadows, m.
 const CONTACT_M: f32 = 0.45;

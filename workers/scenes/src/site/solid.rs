@@ -6,6 +6,7 @@ mod block;
 mod bore;
 mod ring;
 mod room;
+mod shape;
 mod stone;
 #[cfg(test)]
 mod tests;
@@ -14,8 +15,8 @@ mod tube;
 use imaging::vector::Vec3;
 use imaging::vectorized;
 
-use super::bounds::Bounds;
-use super::lanes::{LANES, Lane, Lane3, larger, load, store};
+use super::bounds::{Bounds, EVERYWHERE_M};
+use super::lanes::{LANES, Lane, Lane3, larger, load, smaller, store};
 use super::pose::Pose;
 
 pub(crate) use ball::Ellipsoid;
@@ -25,18 +26,6 @@ pub(crate) use ring::Ring;
 pub(crate) use room::Room;
 pub(crate) use stone::Stone;
 pub(crate) use tube::Tube;
-
-/// Geometry of a shape in its frame, in meters. Implementations are inlined into loops over many points or rays.
-trait ShapeGeometry {
-    /// Parameter of the first hit of the ray from `o` along `d`; infinite for a miss.
-    fn enter(&self, o: Vec3, d: Vec3) -> f32;
-    /// Signed distance of a point from the surface; see [`Solid::approach`].
-    fn distance(&self, p: Vec3) -> f32;
-    /// Unit normal at a point of the surface and closeness of the point to an edge, 0..1; see [`Solid::normals`].
-    fn normal(&self, p: Vec3, bevel: f32) -> (Vec3, f32);
-    /// A box around the solid, or around its hollow.
-    fn bounds(&self) -> Bounds;
-}
 
 /// Declares the shapes, and `for_form!`: a loop over points or rays, compiled for each shape and for this CPU's vector
 /// instructions.
@@ -69,6 +58,7 @@ forms!($ Tube, SolidBox, Ellipsoid, Stone, Ring, Bore, Room);
 mod packet;
 
 pub(crate) use packet::{RUN, ShadowPacket};
+use shape::ShapeGeometry;
 
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Solid {
@@ -143,11 +133,18 @@ impl Solid {
     }
 }
 
-/// The distance of a point from a box about the origin; negative inside.
-#[inline(always)]
-fn beyond_box(p: Vec3, half: Vec3) -> f32 {
-    let away = p.zip(half, |p, half| larger(p.abs() - half, 0.0)).length();
-    if away > 0.0 { away } else { f32::NEG_INFINITY }
+impl Bounds {
+    /// The box of a solid in world coordinates; for a hollow's wall, everything.
+    pub(super) fn from_solid(solid: &Solid) -> Self {
+        if solid.is_hollow() {
+            return Self::half_space(EVERYWHERE_M);
+        }
+        let corners = solid.corners();
+        Self {
+            low: corners.into_iter().fold(corners[0], |a, b| a.zip(b, smaller)),
+            high: corners.into_iter().fold(corners[0], |a, b| a.zip(b, larger)),
+        }
+    }
 }
 
 #[inline(always)]

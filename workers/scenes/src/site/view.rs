@@ -6,8 +6,10 @@ use spec::CameraView;
 use super::chance::Choices;
 use super::solid::Solid;
 use super::tree::Tree;
+use super::usual::{Heights, Usual, Viewpoint};
 use super::{Site, SiteObject};
-use crate::{CameraPose, LEAST_CLEARANCE_M, SceneError};
+use crate::pose::LEAST_CLEARANCE_M;
+use crate::{CameraPose, SceneError};
 
 const PITCH_DEG: [f32; 2] = [-30.0, 40.0];
 /// Minimum distance of a drawn camera from surfaces, m.
@@ -25,46 +27,6 @@ const HALF_FRAME: [f64; 2] = [0.7, 0.42];
 const PROBE_M: f32 = 9.0;
 /// Largest share of probes that may hit a structure, except in rooms.
 const MOST_STRUCTURE: f64 = 0.7;
-
-/// Parameters of drawn poses.
-#[derive(Clone, Copy)]
-pub(crate) struct Usual {
-    pub(crate) dice: Choices,
-    pub(crate) view: Viewpoint,
-    pub(crate) roll: f64,
-    /// Height of the bottom, m; in open water a level below the site.
-    pub(crate) floor: f64,
-    pub(crate) heights: Heights,
-    /// Horizontal distances relative to that of `view`.
-    pub(crate) stretch: [f32; 2],
-    /// Largest rotation from the azimuth of `view`, degrees.
-    pub(crate) turn_deg: f32,
-    /// Minimum share of probes that hit a structure.
-    pub(crate) least_structure: f64,
-}
-
-/// Range of heights above the floor, m.
-#[derive(Debug, Clone, Copy)]
-pub(crate) enum Heights {
-    Camera([f32; 2]),
-    /// Heights of the target.
-    Target([f32; 2]),
-}
-
-/// A camera whose line of sight passes above or below a point: `height_m` and `pitch_deg` determine by how much.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Viewpoint {
-    /// Only x and y count.
-    pub(crate) target: DVec3,
-    /// Elevation of the line of sight.
-    pub(crate) pitch_deg: f64,
-    /// Azimuth of the line of sight, from y towards x.
-    pub(crate) yaw_deg: f64,
-    /// ViewCamera height above the world's z = 0.
-    pub(crate) height_m: f64,
-    /// Distance along the line of sight to the vertical through the target.
-    pub(crate) distance_m: f64,
-}
 
 impl Viewpoint {
     pub(crate) fn looking(eye: DVec3, target: DVec3) -> Self {

@@ -1,6 +1,6 @@
 //! Rejects external tensors in ONNX files: an uploaded model could read arbitrary paths through them.
 
-use super::Unfit;
+use super::unfit::Unfit;
 use crate::net::wire::{WireValue, fields};
 
 /// Limit on nested graphs (loops and branches); real models have three.

@@ -5,7 +5,7 @@ use ort::environment::Environment;
 use ort::session::builder::{GraphOptimizationLevel, SessionBuilder};
 use ort::value::{Outlet, TensorElementType, TensorRef, ValueType};
 
-use super::ModelInputs;
+use super::inputs::ModelInputs;
 
 /// A loaded network and the names of its inputs and output.
 pub(super) struct RuntimeGraph {

@@ -2,7 +2,6 @@
 
 use imaging::random::Stream;
 
-use super::{Air, ContentChance, SIDE};
 use crate::tensor::Tensor;
 
 /// Far end of the range, which falls towards the lower edge.
@@ -95,4 +94,37 @@ fn clouds(seed: u64) -> Vec<f32> {
 
 fn draw_color(chance: &ContentChance, name: &str, number: u64) -> [f32; 3] {
     [0, 1, 2].map(|channel| chance.uniform(name, 3 * number + channel, 0.0, 1.0).powi(2) as f32)
+}
+
+/// Side of a content picture in pixels; training uses smaller crops of it.
+pub const SIDE: usize = 192;
+
+/// A picture in air: linear light, and the range of each pixel in meters.
+pub(super) struct Air {
+    pub(super) light: Tensor<f32>,
+    pub(super) range: Vec<f32>,
+}
+
+/// Random values of one picture, by name.
+pub(super) struct ContentChance {
+    pub(super) stream: Stream,
+    pub(super) index: u64,
+}
+
+impl ContentChance {
+    pub(super) fn unit(&self, name: &str) -> f64 {
+        self.numbered(name, 0)
+    }
+
+    /// The address is the FNV-1a hash of the name with a number.
+    pub(super) fn numbered(&self, name: &str, number: u64) -> f64 {
+        let hash = name.bytes().fold(0xcbf2_9ce4_8422_2325u64, |hash, byte| {
+            (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3)
+        });
+        self.stream.unit(self.index, hash.wrapping_add(number))
+    }
+
+    pub(super) fn uniform(&self, name: &str, number: u64, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.numbered(name, number)
+    }
 }

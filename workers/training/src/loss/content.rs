@@ -8,8 +8,8 @@
 
 use rayon::prelude::*;
 
-use super::CONTENT;
 use super::pyramid::{LEVELS, Pyramid};
+use super::weights::CONTENT;
 use crate::real::Real;
 use crate::tensor::Tensor;
 

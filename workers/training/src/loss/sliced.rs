@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use super::draw::{DIRECTIONS, FILTERS, PATCH, PatchPosition, directions, filters, places};
 use super::pyramid::{LEVELS, Pyramid};
 use super::slices::{Slices, projections, scatter};
-use super::{COLOR, Ranges, TEXTURE};
+use super::weights::{COLOR, Ranges, TEXTURE};
 use crate::real::Real;
 use crate::tensor::Tensor;
 

@@ -2,8 +2,8 @@
 
 use std::f64::consts::PI;
 
+use super::bench::{AirlightLevels, Bench, Photon, Shone};
 use super::disc::LookDisc;
-use super::{AirlightLevels, Bench, Photon, Shone};
 use crate::estimate::{Level, level};
 
 /// Sums of one batch.

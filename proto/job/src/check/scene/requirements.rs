@@ -1,6 +1,7 @@
 //! The requirements of a description on its scenes.
 
-use super::{Requirement, Selectable};
+use serde_json::Value;
+
 use crate::artifact::ArtifactKind;
 use crate::check::Location;
 use crate::check::values::{find_lists, find_values};
@@ -101,4 +102,40 @@ pub(super) fn find_list_requirements(
                 .collect()
         })
         .collect()
+}
+
+/// A value that needs a part of the scene.
+pub(super) struct Requirement {
+    pub(super) pointer: String,
+    /// For messages.
+    pub(super) name: String,
+    pub(super) value: Value,
+    pub(super) part: ScenePart,
+}
+
+/// A field or list element.
+pub(super) struct Selectable {
+    /// The possible values that need a part of the scene.
+    pub(super) requirements: Vec<Requirement>,
+    /// Number of possible values.
+    pub(super) values: usize,
+}
+
+impl Selectable {
+    /// Whether each of its possible values needs a part that some frames certainly lack.
+    pub(super) fn fails(&self, lacking: &[Lacking]) -> bool {
+        let failing = self
+            .requirements
+            .iter()
+            .filter(|requirement| requirement.find_lacking(lacking).is_certain);
+        failing.count() == self.values
+    }
+}
+
+/// The scenes without a part.
+pub(super) struct Lacking {
+    pub(super) count: usize,
+    pub(super) first: Option<String>,
+    /// Whether some frames certainly lack it: no scene has the part, or a certain one lacks it.
+    pub(super) is_certain: bool,
 }

@@ -3,8 +3,8 @@
 use wire::messages::RegisterRequest;
 
 use super::{Dispatch, State};
-use crate::leases::Worker;
 use crate::leases::table::Millis;
+use crate::leases::worker::Worker;
 use crate::telemetry;
 
 impl Dispatch {

@@ -8,9 +8,10 @@ use wire::messages::{
 
 use crate::http::auth::Caller;
 use crate::http::{Json, Problem, Protobuf, Slug, State, Topic};
+use crate::leases::Leases;
 use crate::leases::dispatch::Unknown;
 use crate::leases::table::TERM_MS;
-use crate::leases::{Leases, Worker};
+use crate::leases::worker::Worker;
 use crate::limits;
 use crate::processes::fleet::OWN_WORKER;
 

@@ -5,8 +5,8 @@ use std::ops::Range;
 
 use super::lease::Lease;
 use super::suspects::Suspect;
-use super::types::{Grant, Millis};
-use super::{LeaseTable, TERM_MS, place};
+use super::types::{Grant, Millis, TERM_MS};
+use super::{LeaseTable, place};
 
 /// Target work of one lease: long enough to make the overhead negligible, short enough to limit the cost of a lost
 /// one.

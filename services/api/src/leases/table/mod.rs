@@ -30,9 +30,8 @@ use self::job::Job;
 use self::lease::Leases;
 use self::suspects::Suspects;
 pub use self::types::{Grant, JobEntry, Millis, Rules, Stale, StrikeEvent, Toolchain, Totals};
+pub use types::TERM_MS;
 
-/// Duration of a lease without a heartbeat: three may be missed.
-pub const TERM_MS: u32 = 15_000;
 /// An idle worker without messages for this long is dropped.
 const FORGET_AFTER_MS: u64 = 600_000;
 

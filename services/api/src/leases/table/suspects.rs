@@ -2,8 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::TERM_MS;
-use super::types::Millis;
+use super::types::{Millis, TERM_MS};
 
 /// Earliest time, job, frame.
 pub(crate) type Suspect = (Millis, String, u64);

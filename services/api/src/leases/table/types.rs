@@ -104,3 +104,6 @@ pub struct Totals {
     /// Frames under lease.
     pub leased: u64,
 }
+
+/// Duration of a lease without a heartbeat: three may be missed.
+pub const TERM_MS: u32 = 15_000;

@@ -1,7 +1,7 @@
 use catalogue::Page;
 
 use crate::http::{Json, Path, Problem, State, Topic};
-use crate::lists::{Entry, List};
+use crate::lists::entry::{Entry, List};
 use crate::openapi::ListName;
 use crate::styles::Styles;
 

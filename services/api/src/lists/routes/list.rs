@@ -3,7 +3,7 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use crate::http::Json;
-use crate::lists::List;
+use crate::lists::entry::List;
 
 /// A list of identifiers and their uses.
 #[derive(Debug, Serialize, ToSchema)]

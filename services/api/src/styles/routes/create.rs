@@ -6,7 +6,8 @@ use crate::http::form::{Form, Kind};
 use crate::http::located::{Located, created, located};
 use crate::http::{MultipartBody, Problem, State, Topic};
 use crate::openapi::StyleCard;
-use crate::styles::{NewStyle, Styles};
+use crate::styles::Styles;
+use crate::styles::new_style::NewStyle;
 
 const FIELDS: [(&str, Kind); 7] = [
     ("name", Kind::Text),

@@ -3,6 +3,7 @@
 //! Trainings exist only in the running service; the resulting style is permanent. The process writes to a temporary
 //! folder, so a training that fails, is cancelled or dies with the service leaves nothing behind.
 
+mod order;
 mod process;
 
 pub(crate) use process::photo_name;
@@ -11,33 +12,19 @@ use std::collections::VecDeque;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::Duration;
 
 use imaging::codec::{announced_pixels, decode_picture};
 use serde_json::Value;
-use style::ModelCard;
-use tempfile::TempDir;
+use style::{Library, ModelCard};
 use tokio::sync::Notify;
 use tokio_util::sync::CancellationToken;
 
-use super::Styles;
+use super::new_style::NewStyle;
 use crate::clock::ordered_id;
 use crate::http::problem::{Problem, Slug};
 use crate::limits;
 use crate::processes::child::Children;
-
-/// The options of a training; the photos are in `folder`.
-pub(crate) struct Order {
-    pub(crate) name: String,
-    pub(crate) seed: u64,
-    pub(crate) steps: u32,
-    /// Whether its network has a range input.
-    pub(crate) range: bool,
-    pub(crate) licence: String,
-    pub(crate) source: String,
-    pub(crate) photos: usize,
-    pub(crate) folder: TempDir,
-}
+pub(crate) use order::Order;
 
 /// State of a training.
 #[derive(Clone)]
@@ -57,8 +44,8 @@ pub(crate) struct Training {
     pub(crate) id: String,
     pub(crate) order: Order,
     state: Mutex<Progress>,
-    ended: Notify,
-    stop: CancellationToken,
+    pub(super) ended: Notify,
+    pub(super) stop: CancellationToken,
 }
 
 impl Training {
@@ -91,11 +78,11 @@ impl Training {
         self.order.folder.path().join(process::PREVIEW)
     }
 
-    fn is_open(&self) -> bool {
+    pub(super) fn is_open(&self) -> bool {
         matches!(self.state(), Progress::Open)
     }
 
-    fn end(&self, state: Progress) {
+    pub(super) fn end(&self, state: Progress) {
         *self.state.lock().unwrap_or_else(PoisonError::into_inner) = state;
         // The photos and intermediate files are deleted now; the folder itself goes with the training.
         for entry in std::fs::read_dir(self.order.folder.path())
@@ -151,9 +138,24 @@ impl Trainings {
         self.list.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Accepts an order, if its name is free and there is room.
-    fn take(&self, styles: &Styles, order: Order) -> Result<Arc<Training>, Problem> {
-        if styles.known().library.get(&order.name).is_some() {
+    /// Rejects unsuitable photos.
+    pub(super) async fn validate(&self, order: &Order) -> Result<(), Problem> {
+        process::validate(&self.lookers, order).await
+    }
+
+    /// Trains a network. The training's view shows an error.
+    pub(super) async fn train(&self, order: &Order) -> Result<NewStyle, String> {
+        process::train(&self.trainers, order).await
+    }
+
+    /// Accepts an order, if its name is free and there is room. `stop` cancels the training.
+    pub(super) fn accept(
+        &self,
+        order: Order,
+        library: &Library,
+        stop: CancellationToken,
+    ) -> Result<Arc<Training>, Problem> {
+        if library.get(&order.name).is_some() {
             let detail = format!("the style `{}` exists; choose another name", order.name);
             return Err(Problem::new(Slug::NameTaken, detail));
         }
@@ -177,52 +179,12 @@ impl Trainings {
             order,
             state: Mutex::new(Progress::Open),
             ended: Notify::new(),
-            stop: styles.stop.child_token(),
+            stop,
         });
         list.push_back(Arc::clone(&training));
         while list.len() > limits::KNOWN_TRAININGS && list.front().is_some_and(|oldest| !oldest.is_open()) {
             list.pop_front();
         }
-        Ok(training)
-    }
-}
-
-impl Styles {
-    /// Validates the photos of an order and accepts it. The training continues if the caller disconnects.
-    pub(super) async fn train(self: &Arc<Self>, order: Order) -> Result<Arc<Training>, Problem> {
-        process::validate(&self.trainings.lookers, &order).await?;
-        let training = self.trainings.take(self, order)?;
-        let (styles, work) = (Arc::clone(self), Arc::clone(&training));
-        tokio::spawn(async move {
-            let state = tokio::select! {
-                () = work.stop.cancelled() => Progress::Cancelled,
-                ended = process::train(&styles, &work.order) => match ended {
-                    Ok(card) => Progress::Done(Box::new(card)),
-                    Err(why) => Progress::Failed(why),
-                },
-            };
-            work.end(state);
-        });
-        Ok(training)
-    }
-
-    /// Waits until a training has ended, the limit is over, or the service stops.
-    pub(super) async fn wait(&self, training: &Training, limit: Duration) {
-        let mut ended = std::pin::pin!(training.ended.notified());
-        ended.as_mut().enable();
-        if training.is_open() {
-            tokio::select! {
-                _ = tokio::time::timeout(limit, ended) => {}
-                () = self.stop.cancelled() => {}
-            }
-        }
-    }
-
-    /// Cancels a training and deletes its results. A training that has ended is unchanged.
-    pub(super) async fn cancel(&self, id: &str) -> Result<Arc<Training>, Problem> {
-        let training = self.trainings.get(id)?;
-        training.stop.cancel();
-        self.wait(&training, limits::REQUEST).await;
         Ok(training)
     }
 }

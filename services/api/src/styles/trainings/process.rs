@@ -2,15 +2,14 @@
 
 use std::ffi::{OsStr, OsString};
 use std::path::Path;
-use std::sync::Arc;
 use std::time::Duration;
 
 use style::ModelCard;
 
-use super::Order;
+use super::order::Order;
 use crate::http::problem::Problem;
 use crate::processes::child::{Allowance, Children, Ended};
-use crate::styles::{NewStyle, Styles};
+use crate::styles::new_style::NewStyle;
 
 /// Progress file in the folder of the order.
 pub(super) const PROGRESS: &str = "progress.json";
@@ -56,8 +55,8 @@ pub(super) async fn validate(children: &Children, order: &Order) -> Result<(), P
     Err(Problem::field("/photo", clean(&message, order.folder.path())))
 }
 
-/// Trains and adds the style. The training's view shows an error.
-pub(super) async fn train(styles: &Arc<Styles>, order: &Order) -> Result<ModelCard, String> {
+/// Trains a network.
+pub(super) async fn train(children: &Children, order: &Order) -> Result<NewStyle, String> {
     let folder = order.folder.path();
     let out = folder.join(OUT);
     let mut arguments = arguments(order);
@@ -82,7 +81,7 @@ pub(super) async fn train(styles: &Arc<Styles>, order: &Order) -> Result<ModelCa
     if order.range {
         arguments.push("--range".into());
     }
-    let ended = run(&styles.trainings.trainers, &arguments, TRAIN).await;
+    let ended = run(children, &arguments, TRAIN).await;
     match ended.map_err(|problem| problem.to_string())? {
         Ended::Well => {}
         Ended::Refused(why) | Ended::Lacking(why) | Ended::Badly(why) => return Err(clean(&why, folder)),
@@ -95,8 +94,7 @@ pub(super) async fn train(styles: &Arc<Styles>, order: &Order) -> Result<ModelCa
     let card: ModelCard = serde_json::from_slice(&card).map_err(|error| format!("its card: {error}"))?;
     let mut new = NewStyle::new(&order.name, onnx).map_err(|problem| problem.to_string())?;
     new.card = card;
-    let (card, _) = styles.add(new).await.map_err(|problem| problem.to_string())?;
-    Ok(card)
+    Ok(new)
 }
 
 async fn run(children: &Children, arguments: &[OsString], allowance: Allowance) -> Result<Ended, Problem> {

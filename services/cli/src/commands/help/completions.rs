@@ -22,10 +22,10 @@ pub(crate) struct ManArguments {
     folder: PathBuf,
 }
 
-/// Prints the script of a shell.
-pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+/// Prints the script of a shell for these commands.
+pub(crate) fn run(arguments: &Arguments, mut command: clap::Command) -> Result<(), Failure> {
     let mut script = Vec::new();
-    clap_complete::generate(arguments.shell, &mut crate::command(), "fathom", &mut script);
+    clap_complete::generate(arguments.shell, &mut command, "fathom", &mut script);
     match std::io::stdout().write_all(&script) {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(anyhow::Error::from(error)
             .context("cannot print the script")
@@ -34,11 +34,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
 }
 
-/// Writes the pages.
-pub(crate) fn write_pages(arguments: &ManArguments) -> Result<(), Failure> {
+/// Writes the pages of these commands.
+pub(crate) fn write_pages(arguments: &ManArguments, command: clap::Command) -> Result<(), Failure> {
     let folder = &arguments.folder;
-    let written =
-        std::fs::create_dir_all(folder).and_then(|()| clap_mangen::generate_to(crate::command(), folder));
+    let written = std::fs::create_dir_all(folder).and_then(|()| clap_mangen::generate_to(command, folder));
     written.with_context(|| format!("cannot write to {}", folder.display()))?;
     println!("{}", folder.join("fathom.1").display());
     Ok(())

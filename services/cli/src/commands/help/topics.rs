@@ -147,7 +147,7 @@ mod tests {
 
     #[test]
     fn every_command_stands_under_one_topic_and_its_example_is_valid() {
-        let all = crate::Arguments::command();
+        let all = crate::commands::Arguments::command();
         let shown = all.get_subcommands().filter(|command| !command.is_hide_set());
         let shown: BTreeSet<String> = shown.map(|command| command.get_name().to_owned()).collect();
         let listed: Vec<String> = TOPICS
@@ -171,7 +171,7 @@ mod tests {
 
     #[test]
     fn the_help_shows_topics_and_a_command_its_example() {
-        let mut command = crate::command();
+        let mut command = crate::commands::command();
         let help = command.render_help().to_string();
         for part in ["Job commands:\n  submit", "Pause a job", "Options:\n  -h, --help"] {
             assert!(help.contains(part), "{part} is missing in:\n{help}");

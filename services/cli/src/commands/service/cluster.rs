@@ -8,7 +8,7 @@ use std::sync::{Mutex, PoisonError};
 
 use cli::exit::Failure;
 
-use crate::commands::service::serve::{CLUSTER_PROGRAM, OWN_PROGRAM, own_program};
+use super::programs::{CLUSTER_PROGRAM, OWN_PROGRAM, own_program};
 
 /// Arguments of `fathom-cluster`.
 #[derive(clap::Args)]

@@ -15,6 +15,7 @@ use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::layer::SubscriberExt;
 use tracing_subscriber::util::SubscriberInitExt;
 
+use super::programs::{CLUSTER_PROGRAM, own_program};
 use crate::commands::service::cluster::{hand_over, program};
 
 /// Options of `fathom serve`.
@@ -69,11 +70,6 @@ pub struct Arguments {
     #[command(flatten)]
     pub(crate) engine: EngineArguments,
 }
-
-/// Names the program of these commands if another program embeds them.
-pub(crate) const OWN_PROGRAM: &str = "FATHOM_PROGRAM";
-/// The program that can also read sets in buckets.
-pub(crate) const CLUSTER_PROGRAM: &str = "fathom-cluster";
 
 /// Runs the command. Without `buckets`, `fathom-cluster` runs it if the folder has or may get images of a set in a bucket.
 pub fn run(arguments: Arguments, buckets: Option<ReadBucket>) -> Result<(), Failure> {
@@ -145,18 +141,6 @@ pub(crate) fn config(arguments: Arguments) -> Result<api::Config, Failure> {
         mix_workers: arguments.mix_workers,
         spot_check: arguments.spot_check,
     })
-}
-
-/// The program of these commands: this one, unless an embedding program names it.
-pub(crate) fn own_program() -> Result<PathBuf, Failure> {
-    let named = std::env::var_os(OWN_PROGRAM).map(PathBuf::from);
-    let own = named.map_or_else(std::env::current_exe, Ok);
-    let own = own.context("cannot find the file of this program")?;
-    // `fathom-cluster` has only some of these commands; `fathom`, next to it, has all of them.
-    if own.file_name().is_some_and(|name| name == CLUSTER_PROGRAM) {
-        return Ok(own.with_file_name("fathom"));
-    }
-    Ok(own)
 }
 
 /// Log lines to standard error; `FATHOM_LOG` chooses the level instead of the usual one, `FATHOM_LOG_FORMAT=json` the form.

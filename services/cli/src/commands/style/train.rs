@@ -1,80 +1,27 @@
 //! `fathom train`: a style water from a photo.
 
+mod arguments;
 mod distance;
 mod preview;
 mod product;
 mod progress;
 mod sheet;
 
-use std::num::NonZeroU16;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::Context;
 use cli::exit::Failure;
 use cli::files;
-use cli::remote::ServerArguments;
-use imaging::{Plane, Rgb8};
+use imaging::Plane;
 use training::{Photo, Trainer};
 
 use crate::commands::style::styles;
+pub(crate) use arguments::Arguments;
+use arguments::Given;
 use preview::Preview;
 use product::Product;
 use progress::TrainingProgress;
-
-/// Options of `fathom train`.
-#[derive(clap::Args)]
-pub(crate) struct Arguments {
-    /// One or more photos of the same water (PNG, JPEG or WebP)
-    #[arg(required = true, value_name = "PHOTO")]
-    photos: Vec<PathBuf>,
-    /// Name of the style: 1 to 64 characters of a-z, 0-9, _ and -
-    #[arg(long)]
-    name: String,
-    /// Seed of all chance: the same photos, seed and steps give the same bytes
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
-    /// Steps; 60 are enough for a first look
-    #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    steps: u32,
-    /// Make a network that uses the range of each pixel as well: contrast decreases with it as in the photos. Such a style
-    /// needs scenes with a range
-    #[arg(long)]
-    range: bool,
-    /// Folder for NAME.onnx, NAME.card.json and NAME.sheet.png
-    #[arg(long, default_value = ".", value_name = "DIR")]
-    out: PathBuf,
-    /// License of the photo, and so of the model; it is written on the card
-    #[arg(long, default_value = "unknown")]
-    licence: String,
-    /// Source of the photo; it is written on the card
-    #[arg(long, default_value = "trained from photos given by the user")]
-    source: String,
-    /// Threads [default: one for each core]; their number changes no byte
-    #[arg(long)]
-    threads: Option<NonZeroU16>,
-    /// Only check whether the photos are suitable
-    #[arg(long)]
-    check: bool,
-    /// Do not add the style to the service; without this it is added, if a service runs
-    #[arg(long)]
-    no_add: bool,
-    #[command(flatten)]
-    server: ServerArguments,
-    /// File for the progress as JSON, for the service
-    #[arg(long, hide = true)]
-    progress: Option<PathBuf>,
-    /// File for a preview of the style, PNG, for the service
-    #[arg(long, hide = true)]
-    preview: Option<PathBuf>,
-}
-
-/// A photo with its file's digest.
-struct Given {
-    picture: Rgb8,
-    photo: Photo,
-    sha256: String,
-}
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {

@@ -1,5 +1,6 @@
 //! `fathom-cluster jobs`: requests of a service to its shared store and to the broker.
 
+mod request;
 mod watch;
 
 use std::io::{Read, stdin};
@@ -7,13 +8,12 @@ use std::io::{Read, stdin};
 use anyhow::Context;
 use api::{Accepted, Order};
 use cli::exit::Failure;
-use serde::Serialize;
-use sets::{JobStore, Location, NewSet, Set, SetError, Submission};
+use sets::{Location, NewSet, Set, SetError, Submission};
 use spec::{Job, SetState};
 
-use super::shards::resolved;
-use super::{failure, open};
-use crate::lines::{line, write};
+use super::failure;
+use super::open::open;
+use request::{send, shared};
 
 /// Preferred number of shards of a job, within the limits on their size.
 const SHARDS: u64 = 100;
@@ -88,19 +88,4 @@ fn retire(set: &str) -> Result<(), Failure> {
         Err(SetError::Refused(_)) => Ok(()),
         Err(error) => Err(failure(error)),
     }
-}
-
-/// The canonical location of the store, equal for all services of this machine.
-fn shared(store: &str) -> Result<JobStore, Failure> {
-    let location = Location::parse(store)
-        .and_then(Location::absolute)
-        .map_err(failure)?;
-    // Creates a folder first, so that links to it can be resolved.
-    JobStore::open(&location).map_err(failure)?;
-    JobStore::open(&resolved(&location)?).map_err(failure)
-}
-
-/// Writes a message for the service.
-fn send(message: &impl Serialize) -> Result<(), Failure> {
-    write(&line(message)?)
 }

@@ -15,7 +15,7 @@ use sets::{DoneShard, JobStore, Set, SetError};
 use spec::SetState;
 
 use super::super::dispatch::{Patience, Window};
-use super::{send, shared};
+use super::request::{send, shared};
 use crate::engine::Broker;
 
 /// Interval between two rounds.

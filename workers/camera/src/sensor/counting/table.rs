@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use super::super::POISSON_SWITCH;
+use crate::sensor::model::POISSON_SWITCH;
 
 /// Rows of the table for an electron.
 pub(super) const ROWS_PER_E: usize = 4;

@@ -4,7 +4,7 @@
 
 use imaging::{Plane, vectorized};
 
-use super::{Guide, solve};
+use super::guide::{Guide, solve};
 use crate::blocks::sums::{WindowSums, exchange, inverse_counts};
 
 /// Columns whose sums stay in the nearest cache.

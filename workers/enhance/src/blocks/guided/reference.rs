@@ -2,7 +2,7 @@
 
 use imaging::Plane;
 
-use super::{Guide, solve};
+use super::guide::{Guide, solve};
 use crate::blocks::sums::inside;
 
 pub(super) fn guided(guide: &Guide, plane: &Plane<f64>) -> Plane<f64> {

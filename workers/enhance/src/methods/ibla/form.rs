@@ -2,10 +2,10 @@
 
 use imaging::{Plane, Rgb8};
 
-use super::blurriness;
+use super::blurriness::blurriness;
 use super::light::BackgroundLight;
 use crate::blocks::{Guide, Matting, guided};
-use crate::methods::Method;
+use crate::methods::method::Method;
 use crate::variant::Variant;
 
 /// Refinement of blurriness, which determines the light, and of closeness, which determines the transmittance.

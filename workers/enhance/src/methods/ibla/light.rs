@@ -2,7 +2,6 @@
 
 use imaging::{Plane, Rgb8};
 
-use super::sigmoid;
 use crate::blocks::{calmest, histogram, largest, lowest};
 use crate::variant::Variant;
 
@@ -86,6 +85,11 @@ fn mean_of_blurred(picture: &Rgb8, blurriness: &Plane<f64>, variant: Variant) ->
 
 fn is_undecided(share: f64) -> bool {
     (0.05..=0.95).contains(&share)
+}
+
+/// `1 / (1 + exp(-32 (a - b)))`.
+pub(super) fn sigmoid(a: f64, b: f64) -> f64 {
+    1.0 / (1.0 + (-32.0 * (a - b)).exp())
 }
 
 #[cfg(test)]

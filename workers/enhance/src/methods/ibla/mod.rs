@@ -22,24 +22,23 @@
 //! With a lamp the light is the black water behind, and lit objects turn white. An undecided sigmoid makes the light
 //! change between frames of a film. A picture of one color is unchanged.
 
+mod blurriness;
 mod form;
 mod light;
 #[cfg(test)]
 mod tests;
 
-use imaging::{Plane, Raster, Rgb8, luma1000, vectorized};
+use imaging::{Plane, Raster, Rgb8, vectorized};
 
-use crate::blocks::{Guide, Matting, Veil, extremes, filled, gaussian, guided, normalized};
-use crate::blocks::{restore, window_max};
+use crate::blocks::{Guide, Matting, Veil, extremes, guided, normalized, restore, window_max};
 use crate::result::{Enhanced, OfGray};
 use crate::signs::{self, Signs};
 use crate::variant::Variant;
 use crate::warning::Warning;
+use blurriness::{MAXIMUM_PX, blurriness};
 pub use form::{IblaRefinement, candidates};
-use light::BackgroundLight;
+use light::{BackgroundLight, sigmoid};
 
-/// Radius of the windows of local maxima, pixels.
-const MAXIMUM_PX: usize = 3;
 /// Units of distance between the nearest and the farthest pixel.
 const DEPTH: f64 = 8.0;
 /// Attenuation of red per unit of distance.
@@ -115,29 +114,6 @@ fn restored(picture: &Raster, variant: Variant, form: IblaRefinement) -> Enhance
         warnings.push(Warning::UnstableLight);
     }
     Enhanced::from_colors(picture, &restored, OfGray::Color, warnings)
-}
-
-/// `P_r` of step 1.
-fn blurriness(picture: &Rgb8, variant: Variant) -> Plane<f64> {
-    let luma = picture
-        .pixels()
-        .map(|pixel| f64::from(luma1000(pixel)) / 255_000.0);
-    let luma = Plane::new(picture.width(), picture.height(), luma.collect()).expect("a luma for each pixel");
-    let mut sharpness = luma.map(|_| 0.0);
-    for i in 1..=4u32 {
-        let radius = 2usize.pow(i) * 2;
-        let blurred = gaussian(&luma, radius, (2 * radius + 1) as f64, variant);
-        let differences = luma.data().iter().zip(blurred.data());
-        for (sum, (value, blurred)) in sharpness.data_mut().iter_mut().zip(differences) {
-            *sum += 0.25 * (value - blurred).abs();
-        }
-    }
-    filled(&window_max(&sharpness, MAXIMUM_PX, variant), variant)
-}
-
-/// `1 / (1 + exp(-32 (a - b)))`.
-fn sigmoid(a: f64, b: f64) -> f64 {
-    1.0 / (1.0 + (-32.0 * (a - b)).exp())
 }
 
 /// The measures of closeness, each 0..=1.

@@ -2,7 +2,6 @@
 
 use imaging::{Plane, Rgb, Rgb8, lab, transfer, vectorized};
 
-use super::linear;
 use crate::blocks::histogram::Curves;
 use crate::blocks::tails;
 use crate::elementary::exp;
@@ -137,4 +136,8 @@ fn response(t: f32) -> f32 {
     } else {
         3.0 * KNEE * KNEE * (t - 4.0 / 29.0)
     }
+}
+
+pub(super) fn linear(curves: &Curves) -> Curves {
+    curves.map(|curve| curve.map(|value| imaging::transfer::decode(value / 255.0)))
 }

@@ -16,7 +16,6 @@ mod lightness;
 
 use imaging::Raster;
 
-use crate::blocks::histogram::Curves;
 use crate::result::{Enhanced, OfGray};
 use crate::signs::{self, Signs};
 use crate::variant::Variant;
@@ -34,10 +33,6 @@ pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
         &[(Warning::BlackMode, Signs::has_black_mode)],
     );
     Enhanced::from_colors(picture, &stretched, OfGray::Gray, warnings)
-}
-
-fn linear(curves: &Curves) -> Curves {
-    curves.map(|curve| curve.map(|value| imaging::transfer::decode(value / 255.0)))
 }
 
 #[cfg(test)]

@@ -1,13 +1,13 @@
 //! The pattern on the surfaces of a picture.
 
-use imaging::Plane;
-use imaging::vectorized;
+use imaging::{Plane, vectorized};
 
+use super::super::SunLight;
 use super::super::rises::{Row, rises_of};
-use super::super::{Daylight, SunLight};
 use super::Waves;
 use super::tile::Tiles;
 use crate::attenuation::masked;
+use crate::daylight::conditions::Daylight;
 use crate::range::is_hole;
 
 /// Tiles of one side hold every depth of a cell next to each other, up to this number.

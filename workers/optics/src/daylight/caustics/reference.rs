@@ -3,8 +3,9 @@
 use imaging::Plane;
 use imaging::fft::{self, Complex};
 
-use super::super::field::REFRACTIVE_INDEX;
-use super::{Blur, Waves};
+use super::Waves;
+use crate::daylight::conditions::Blur;
+use crate::daylight::model::REFRACTIVE_INDEX;
 
 /// Rays along each side of a cell.
 pub const RAYS_PER_CELL: usize = 2;

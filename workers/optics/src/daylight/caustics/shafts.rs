@@ -2,9 +2,10 @@
 
 use imaging::{Plane, Rgb, vectorized};
 
-use super::super::{Daylight, SunLight};
+use super::super::SunLight;
 use super::lookup::{Footprint, LookUp};
 use super::tile::Tiles;
+use crate::daylight::conditions::Daylight;
 use crate::range::is_hole;
 
 /// Samples along each ray.

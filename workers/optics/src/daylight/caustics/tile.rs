@@ -4,9 +4,10 @@
 use imaging::fft::{self, Complex, Ffts};
 use imaging::vectorized;
 
-use super::super::field::REFRACTIVE_INDEX;
+use super::Waves;
 use super::reference::RAYS_PER_CELL;
-use super::{Blur, Waves};
+use crate::daylight::conditions::Blur;
+use crate::daylight::model::REFRACTIVE_INDEX;
 
 /// Number of tile depths; the pattern is interpolated between them.
 const SLICES: usize = 8;

@@ -1,6 +1,6 @@
 use spec::PhaseFunction;
 
-use super::super::model::Sun;
+use super::super::model::{REFRACTIVE_INDEX, Sun};
 use super::*;
 
 /// The closed form stays within this share of the radiative transfer in every direction.

@@ -4,10 +4,10 @@ use imaging::rays::{Rays, ShadowRays, leaving, offset};
 use imaging::vector::DVec3;
 use imaging::{Plane, Rgb, vectorized};
 
-use super::super::Daylight;
 use super::super::field::SOURCE_TERMS;
 use super::{SQUARE, Surfaces, single, to_sea};
 use crate::attenuation::exp_negative;
+use crate::daylight::conditions::Daylight;
 use crate::polynomial::horner;
 use crate::range::is_hole;
 

@@ -1,13 +1,13 @@
 //! Where the sun is seen.
 
-use imaging::Plane;
 use imaging::rays::{OFFSET, Rays, ShadowRays, leaving};
 use imaging::vector::DVec3;
-use imaging::vectorized;
+use imaging::{Plane, vectorized};
 
-use super::super::{Daylight, SunLight};
+use super::super::SunLight;
 use super::{SQUARE, Surfaces, to_sea};
 use crate::attenuation::masked;
+use crate::daylight::conditions::Daylight;
 use crate::range::is_hole;
 
 /// Whether each pixel's surface sees the sun: 1, or 0; 0 also where it turns away from the sun, and at holes.

@@ -16,9 +16,9 @@ use imaging::rays::{Rays, ShadowRays};
 use imaging::vector::{DVec3, vec3};
 use imaging::{Plane, Rgb, vectorized};
 
-use super::super::Daylight;
 use super::veil_grid::Grid;
 use super::{single, to_sea};
+use crate::daylight::conditions::Daylight;
 use crate::range::is_hole;
 
 /// Points along each line of sight with shadow rays all around.

@@ -2,8 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::super::field::{CRITICAL_COSINE, fresnel};
 use super::super::wide::WideScattering;
+use crate::daylight::model::{CRITICAL_COSINE, fresnel};
 use crate::legendre::gauss_legendre;
 
 /// Directions between the nadir, the mirrored critical angle, the horizon, the critical angle and the zenith.

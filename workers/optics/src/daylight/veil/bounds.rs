@@ -1,8 +1,9 @@
 //! Bounds of a veil that are known before any of it is computed.
 
-use super::super::field::{BLURRED_EDGE, CRITICAL_COSINE, LEAST_COSINE, SHARP_EDGE, SunnyRay};
+use super::super::field::{BLURRED_EDGE, LEAST_COSINE, SHARP_EDGE, SunnyRay};
 use super::super::wide::PEAK_COSINE;
 use super::{SunnyWater, VeilOf};
+use crate::daylight::model::CRITICAL_COSINE;
 use crate::error_bound::ErrorBound;
 
 /// One rounding of f32.

@@ -1,9 +1,9 @@
 //! The light that the two kernels of a channel spread.
 
 use super::super::passages::Through;
-use super::super::water::PILED_UP;
-use super::{Part, Way};
+use super::part::{Part, Way};
 use crate::forward_scatter::Gate;
+use crate::plan::terms::PILED_UP;
 use crate::water::{Spread, Tail};
 
 /// The gate behind a layer, and the most light that passes it.

@@ -1,8 +1,11 @@
 //! Model error of lamp light: measured in six waters, with the phase function of Fournier and Forand and b_b/b 0.0183, by
 //! `fathom-lab truth-lamps` (docs/science/truth.md).
 
-use super::{Conditions, ModelError};
 use crate::lamp::{Lamp, Lighting};
+use crate::plan::SceneBounds;
+use crate::plan::stage::ModelError;
+use crate::turbidity::Field;
+use crate::water::Water;
 
 /// Distances of the measured walls, m.
 const WALLS_M: [f64; 3] = [1.0, 2.0, 4.0];
@@ -206,6 +209,19 @@ impl Measured {
         let about = format!("light {what} {share} of the truth, measured at a {a}, b {b} per meter for {at}");
         ModelError::found([low, high], about)
     }
+}
+
+/// Conditions of a measurement.
+#[derive(Debug, Clone, Copy)]
+pub struct Conditions<'a> {
+    /// The water.
+    pub water: &'a Water,
+    /// The lamps; `None` without.
+    pub lighting: Option<&'a Lighting>,
+    /// Patches of turbidity; `None` in even water.
+    pub patches: Option<&'a Field>,
+    /// The scene.
+    pub bounds: &'a SceneBounds,
 }
 
 #[cfg(test)]

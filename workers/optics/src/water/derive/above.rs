@@ -2,13 +2,15 @@
 
 use spec::{HoleRule, PhaseFunction};
 
-use super::super::{Spread, two_kernels};
-use super::{Checks, G_SHARE_OF_SCATTERING, Request, WaterError};
+use super::super::two_kernels;
+use super::WaterError;
+use super::checks::{Checks, G_SHARE_OF_SCATTERING, Request};
 use crate::daylight::{
     Blur, Daylight, DaylightModel, Fields, Gaze, Place, SunLight, SurfaceLight, WideScattering,
 };
 use crate::lamp::AVERAGE_BACKSCATTER_FRACTION;
 use crate::medium::Ambient;
+use crate::water::model::Spread;
 
 /// Known numbers of the water.
 pub(super) struct Known {

@@ -1,6 +1,7 @@
 //! A coated steel pipe: field joints, weld seams under the coat, and damage that exposes steel.
 
-use super::{Grain, Surface, SurfaceFinish, line, steel};
+use super::steel;
+use super::surface::{Coat, Grain, Surface, SurfaceFinish, line};
 use crate::categories::Finding;
 use crate::site::lanes::{LANES, angle, clamp01, floor, mix, ramp};
 
@@ -16,20 +17,6 @@ const STEEL: [f32; 3] = [0.30, 0.29, 0.28];
 /// Half the width of the girth weld and of the longitudinal seam, m.
 const WELD_M: f32 = 0.011;
 const SEAM_M: f32 = 0.008;
-
-/// Parameters of one pipe. Its axis is z, radius and positions are in meters.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Coat {
-    pub(crate) radius: f32,
-    /// Position of a joint, and distance between joints.
-    pub(crate) joint: f32,
-    pub(crate) pitch: f32,
-    /// Half the length of the band over a joint.
-    pub(crate) band: f32,
-    pub(crate) band_color: [f32; 3],
-    /// Angle of the longitudinal seam, radians.
-    pub(crate) seam: f32,
-}
 
 impl SurfaceFinish {
     /// The loop over the points, compiled by `vectorized!`.

@@ -3,10 +3,12 @@
 use imaging::vectorized;
 
 use super::pattern::{Joints, boards, courses};
-use super::{Grain, JointPattern, Surface, SurfaceFinish, Unroll, line, steel};
+use super::surface::{Grain, Surface, SurfaceFinish, line};
+use super::{JointPattern, Unroll, steel};
 use crate::categories::Finding;
 use crate::site::lanes::{LANES, floor, larger, load, mix, ramp};
-use crate::site::noise::{NoiseSample, Octaves};
+use crate::site::lattice::NoiseSample;
+use crate::site::noise::Octaves;
 
 const DIRT: [f32; 3] = [0.62, 0.55, 0.42];
 /// Fresh break: paler, in the colors of the aggregate.

@@ -2,9 +2,10 @@
 
 use imaging::vectorized;
 
-use super::{Points, Surface, SurfaceFinish};
+use super::surface::{Points, Surface, SurfaceFinish};
 use crate::site::lanes::LANES;
-use crate::site::noise::{NoiseSample, Octaves};
+use crate::site::lattice::NoiseSample;
+use crate::site::noise::Octaves;
 
 const SHELL: [f32; 3] = [0.55, 0.52, 0.46];
 

@@ -2,10 +2,11 @@
 
 use imaging::vectorized;
 
-use super::{Grain, Surface, SurfaceFinish};
+use super::surface::{Grain, Surface, SurfaceFinish};
 use crate::categories::Finding;
 use crate::site::lanes::{LANES, Lane, ZEROS, clamp01, mix, ramp};
-use crate::site::noise::{NoiseSample, Octaves};
+use crate::site::lattice::NoiseSample;
+use crate::site::noise::Octaves;
 
 pub(super) const WEED: [[f32; 3]; 4] = [
     [0.060, 0.072, 0.032],

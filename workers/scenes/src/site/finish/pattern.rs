@@ -1,40 +1,8 @@
 //! Joints of concrete and masonry: formwork boards, tunnel segments, blocks in courses.
 
-use super::{Grain, Points, line};
+use super::surface::{Courses, Grain, Points, Unroll, line};
 use crate::site::lanes::{LANES, Lane, Lane3, ZEROS, angle, floor, ramp, smaller};
-use crate::site::noise::{hash, lattice};
-
-/// Flat coordinates of a surface: u across its axis and v = z along it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Unroll {
-    /// A cylinder about z: u is the arc in meters.
-    Round { radius: f32 },
-    /// The walls of a rectangular shaft with these half sides.
-    Walls { half: [f32; 2] },
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum JointPattern {
-    /// Seams of formwork boards along z.
-    Boards,
-    /// Courses of pieces, every other course shifted by half a piece.
-    Courses(Courses),
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Courses {
-    pub(crate) unroll: Unroll,
-    /// Height of a course along v, m.
-    pub(crate) height: f32,
-    /// Length of a piece along u, m.
-    pub(crate) length: f32,
-    /// Half the width of a joint, m.
-    pub(crate) joint: f32,
-    /// Depth of shade in the two bolt pockets of a piece, 0..1.
-    pub(crate) pocket: f32,
-    /// Spread of brightness among pieces.
-    pub(crate) variety: f32,
-}
+use crate::site::lattice::{hash, lattice};
 
 pub(super) struct Joints {
     /// Share of the pixel covered by a joint, 0..1.

@@ -2,7 +2,7 @@
 
 use imaging::vectorized;
 
-use super::{Grain, Material, Surface, SurfaceFinish};
+use super::surface::{Grain, Material, Surface, SurfaceFinish};
 use crate::site::lanes::LANES;
 
 impl SurfaceFinish {

@@ -4,9 +4,10 @@ use std::f32::consts::TAU;
 
 use imaging::vectorized;
 
-use super::{Grain, Surface, SurfaceFinish};
+use super::surface::{Grain, Surface, SurfaceFinish};
 use crate::site::lanes::{LANES, Lane, clamp01, cos_turns, mix, ramp, sin_turns};
-use crate::site::noise::{NoiseSample, Octaves};
+use crate::site::lattice::NoiseSample;
+use crate::site::noise::Octaves;
 
 const RIPPLES_PER_M: f32 = 5.5;
 const HEIGHT_M: f32 = 0.009;

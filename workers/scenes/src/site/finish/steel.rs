@@ -2,7 +2,7 @@
 
 use imaging::vectorized;
 
-use super::{Grain, Surface, SurfaceFinish};
+use super::surface::{Grain, Surface, SurfaceFinish};
 use crate::categories::Finding;
 use crate::site::lanes::{LANES, Lane, clamp01, mix, ramp};
 use crate::site::noise::{NoisePoints, Octaves};

@@ -2,7 +2,7 @@
 
 use imaging::vector::Vec3;
 
-use super::{ShapeGeometry, beyond_box};
+use super::shape::{ShapeGeometry, beyond_box};
 use crate::site::bounds::Bounds;
 use crate::site::lanes::{larger, smallest};
 

@@ -3,7 +3,8 @@
 use imaging::vector::Vec3;
 use imaging::vectorized;
 
-use super::{Ring, ShapeGeometry, Solid, SolidShape, ring};
+use super::shape::ShapeGeometry;
+use super::{Ring, Solid, SolidShape, ring};
 use crate::site::lanes::load;
 use crate::site::pose::Pose;
 

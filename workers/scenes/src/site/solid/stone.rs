@@ -2,7 +2,7 @@
 
 use imaging::vector::{Vec3, vec3};
 
-use super::{ShapeGeometry, beyond_box};
+use super::shape::{ShapeGeometry, beyond_box};
 use crate::site::bounds::Bounds;
 use crate::site::chance::Choices;
 use crate::site::lanes::{larger, smaller};

@@ -2,7 +2,7 @@
 
 use imaging::vector::{Vec3, vec3};
 
-use super::ShapeGeometry;
+use super::shape::ShapeGeometry;
 use crate::site::bounds::Bounds;
 use crate::site::lanes::{larger, smaller};
 

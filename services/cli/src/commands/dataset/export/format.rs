@@ -2,8 +2,6 @@
 
 use serde_json::{Value, json};
 
-use crate::commands::dataset::export::input::frame::RECORD;
-
 /// How an export is laid out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub(crate) enum Format {
@@ -89,3 +87,6 @@ impl Format {
         card
     }
 }
+
+/// The name of a frame's record among its kinds; no artifact has this name.
+pub(crate) const RECORD: &str = "record";

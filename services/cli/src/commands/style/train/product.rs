@@ -11,7 +11,8 @@ use style::{LossTerms, ModelCard, TrainingCard};
 use training::loss::Losses;
 use training::{Best, Score};
 
-use super::{Arguments, Given, distance, sheet};
+use super::arguments::{Arguments, Given};
+use super::{distance, sheet};
 
 /// A network that changes less than this beyond its color map has learned no texture.
 const LEAST_BRANCH: f64 = 1.0;

@@ -12,24 +12,13 @@ use imaging::reflected;
 
 use super::logarithm::Logarithm;
 use super::padding::padded_side;
+use super::parameters::{R_HIGH, R_LOW};
 use super::recipe::PassKernels;
 use super::separable::{BLOCK, RowRing, weighted_sum};
-use super::{R_HIGH, R_LOW};
 use crate::methods::hscm::luma::Luma;
 
 /// Reach of the binomial, in samples.
 const REACH: usize = 3;
-
-/// The largest gain of a component beyond a quarter of the sampling rate, along an axis with a Gaussian of this σ: the
-/// maximum of `sin⁶(δ/2) exp(-δ² σ²/2)` over the distance δ to the folding frequency.
-pub(super) fn aliasing(sigma_px: f64) -> f64 {
-    0.168 / sigma_px.powi(6)
-}
-
-/// The response of the two binomials at bin k of n.
-pub(super) fn response(k: usize, n: usize) -> f64 {
-    (std::f64::consts::PI * k as f64 / n as f64).cos().powi(12)
-}
 
 /// Filters a picture; calls `finish` with each finished row of `x`, from the top down. Compile it by `vectorized!`.
 #[inline(always)]
@@ -230,6 +219,7 @@ fn upsampled_row(rows: [&[f32]; 4], parity: usize, out: &mut [f32]) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::response::aliasing;
     use super::*;
 
     #[test]

@@ -1,6 +1,5 @@
 //! The logarithm of a row of luma in f32.
 
-use super::EPS;
 use crate::elementary::ln;
 use crate::methods::hscm::luma::Luma;
 
@@ -23,4 +22,12 @@ impl Logarithm {
             *log = ln(code as i32 as f32 * self.scale + EPS as f32);
         }
     }
+}
+
+/// Added to the luma, so that black has a logarithm.
+pub(super) const EPS: f64 = 0.01;
+
+/// The logarithm of the luma `y`.
+pub(super) fn log(y: f64) -> f64 {
+    (y + EPS).ln()
 }

@@ -18,8 +18,10 @@
 mod decimated;
 mod logarithm;
 mod padding;
+mod parameters;
 mod recipe;
 mod reference;
+mod response;
 mod separable;
 
 use imaging::{Plane, vectorized};
@@ -30,16 +32,11 @@ pub use recipe::{FilterRecipe, PassKernels};
 use crate::elementary::exp;
 use crate::methods::hscm::luma::Luma;
 use crate::variant::Variant;
+use logarithm::log;
+use parameters::R_LOW;
 
 /// Logarithms within this span are one value: a transform would leave noise on both sides of a rounding tie.
 const FLAT_LOG: f64 = 1e-6;
-/// Gain of high frequencies.
-const R_HIGH: f64 = 2.5;
-/// Gain of low frequencies.
-const R_LOW: f64 = 0.5;
-/// Added to the luma, so that black has a logarithm.
-const EPS: f64 = 0.01;
-
 /// The filtered luma, 8 bit, for `delta = max(width / cutoff, 1)`. `luma` must not be empty.
 #[must_use]
 pub fn homomorphic(luma: &Luma, cutoff: f64, variant: Variant) -> Plane<u8> {
@@ -128,11 +125,6 @@ fn choose(luma: &Luma, cutoff: f64, variant: Variant) -> FilterRecipe {
 #[must_use]
 pub fn delta_bins(width: usize, cutoff: f64) -> f64 {
     (width as f64 / cutoff).max(1.0)
-}
-
-/// The logarithm of the luma `y`.
-fn log(y: f64) -> f64 {
-    (y + EPS).ln()
 }
 
 #[cfg(test)]

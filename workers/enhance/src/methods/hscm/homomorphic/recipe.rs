@@ -2,9 +2,10 @@
 
 use imaging::fft::{self, Complex};
 
-use super::decimated::{aliasing, response};
+use super::logarithm::EPS;
 use super::padding::padded_side;
-use super::{EPS, R_HIGH, R_LOW};
+use super::parameters::{R_HIGH, R_LOW};
+use super::response::{aliasing, response};
 
 /// Share of the circular Gaussian's weight that may be truncated. With logarithms in -4.6..=0 and `r_high` 2.5 the
 /// filtered logarithm then moves by at most 1e-5: one code in several hundred is close enough to a tie to change.

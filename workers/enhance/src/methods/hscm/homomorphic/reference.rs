@@ -4,13 +4,13 @@ use imaging::fft::{self, Complex, Fft};
 use imaging::{Plane, reflected};
 
 use super::padding::padded_side;
-use super::{R_HIGH, R_LOW};
+use super::parameters::{R_HIGH, R_LOW};
 use crate::methods::hscm::luma::Luma;
 
 pub(super) fn filtered_log(luma: &Luma, delta: f64) -> Plane<f64> {
     let (width, height) = luma.codes().size();
     let (padded_width, padded_height) = (padded_side(width), padded_side(height));
-    let logs = luma.map(super::log);
+    let logs = luma.map(super::logarithm::log);
     let mut bins = Plane::from_fn(padded_width, padded_height, |x, y| {
         Complex::new(
             logs.pixel(reflected(x as isize, width), reflected(y as isize, height)),

@@ -7,8 +7,8 @@ use imaging::reflected;
 
 use super::logarithm::Logarithm;
 use super::padding::padded_side;
+use super::parameters::{R_HIGH, R_LOW};
 use super::recipe::PassKernels;
-use super::{R_HIGH, R_LOW};
 use crate::methods::hscm::luma::Luma;
 
 /// Columns whose sums stay in registers: four vectors of eight.

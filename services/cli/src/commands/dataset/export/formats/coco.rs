@@ -10,11 +10,11 @@ use anyhow::Context;
 use cli::exit::Failure;
 use serde_json::{Value, json};
 
+use crate::commands::dataset::export::files::target::{create, draft_of};
 use crate::commands::dataset::export::formats::class_numbers::ClassNumbers;
 use crate::commands::dataset::export::formats::objects::Object;
 use crate::commands::dataset::export::input::frame::{Frame, Place};
 use crate::commands::dataset::export::input::sequences::Spot;
-use crate::commands::dataset::export::output::target::{create, draft_of};
 
 const ANNOTATIONS: &str = "annotations.json";
 

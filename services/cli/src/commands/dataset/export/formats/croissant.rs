@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 
 use crate::commands::dataset::export::format::Format;
 use crate::commands::dataset::export::formats::card::Card;
-use crate::commands::dataset::export::output::fields::meaning;
+use crate::commands::dataset::export::input::fields::meaning;
 
 /// A list of rows that the file describes.
 pub(crate) struct RowFile {

@@ -9,9 +9,9 @@ use cli::exit::Failure;
 use client::ColumnInfo;
 use serde_json::Value;
 
+use crate::commands::dataset::export::files::lists::Rows;
+use crate::commands::dataset::export::files::target::{create, draft_of};
 use crate::commands::dataset::export::formats::tables::{TableRow, WriteTable, table_columns, text_column};
-use crate::commands::dataset::export::output::lists::Rows;
-use crate::commands::dataset::export::output::target::{create, draft_of};
 
 const TABLE: &str = "metadata.parquet";
 /// Rows of a group.

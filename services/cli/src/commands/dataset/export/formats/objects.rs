@@ -7,9 +7,9 @@ use cli::exit::Failure;
 use imaging::codec::{FilePlane, decode_plane};
 use spec::{InstanceRecord, SceneRecord};
 
+use crate::commands::dataset::export::files::target::read_written;
 use crate::commands::dataset::export::formats::rle::{Runs, runs_of};
 use crate::commands::dataset::export::input::frame::{Frame, untrusted};
-use crate::commands::dataset::export::output::target::read_written;
 
 /// An object with its mask.
 pub(crate) struct Object {

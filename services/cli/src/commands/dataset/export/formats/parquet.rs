@@ -6,11 +6,11 @@ use cli::exit::Failure;
 use client::ColumnInfo;
 use serde_json::{Map, Value};
 
+use crate::commands::dataset::export::format::RECORD;
 use crate::commands::dataset::export::formats::tables::{
     CellKind, TableColumn, TableRow, WriteTable, table_columns, text_column,
 };
-use crate::commands::dataset::export::input::frame::RECORD;
-use crate::commands::dataset::export::output::shards::{Member, Pull};
+use crate::commands::dataset::export::input::member::{Member, Pull};
 
 /// Contains only the files, so that readers can open the folder as one table.
 pub(crate) const FOLDER: &str = "data";

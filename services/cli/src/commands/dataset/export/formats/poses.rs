@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 
 use cli::exit::Failure;
 
+use crate::commands::dataset::export::files::target::{Target, write};
 use crate::commands::dataset::export::format::Format;
 use crate::commands::dataset::export::formats::colmap::{Shot, model};
 use crate::commands::dataset::export::formats::transforms::{TRANSFORMS, transforms};
 use crate::commands::dataset::export::formats::view::View;
 use crate::commands::dataset::export::input::frame::{Frame, Home, Place};
 use crate::commands::dataset::export::input::sequences::Spot;
-use crate::commands::dataset::export::output::target::{Target, write};
 
 /// The folder of a sequence's pictures.
 const IMAGES: &str = "images";

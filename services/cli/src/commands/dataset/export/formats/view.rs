@@ -6,8 +6,9 @@ use cli::exit::Failure;
 use serde_json::Value;
 use spec::{Distortion, FrameRecord, Intrinsics, LensRecord};
 
-use crate::commands::dataset::export::input::frame::{Frame, RECORD, untrusted};
-use crate::commands::dataset::export::output::target::read_written;
+use crate::commands::dataset::export::files::target::read_written;
+use crate::commands::dataset::export::format::RECORD;
+use crate::commands::dataset::export::input::frame::{Frame, untrusted};
 
 /// A camera in the world.
 #[derive(Debug, Clone, PartialEq)]

@@ -8,8 +8,8 @@ use cli::exit::Failure;
 use serde_json::{Map, Value};
 use tar::{Builder, Header};
 
-use crate::commands::dataset::export::input::frame::RECORD;
-use crate::commands::dataset::export::output::shards::{Member, Pull};
+use crate::commands::dataset::export::format::RECORD;
+use crate::commands::dataset::export::input::member::{Member, Pull};
 
 /// Length of a member's header, and alignment of members.
 const BLOCK: u64 = 512;

@@ -7,11 +7,11 @@ use std::path::{Path, PathBuf};
 use cli::exit::Failure;
 use serde_json::{Value, json};
 
+use crate::commands::dataset::export::files::lists::Lists;
+use crate::commands::dataset::export::files::target::{Target, read, write};
 use crate::commands::dataset::export::formats::class_numbers::ClassNumbers;
 use crate::commands::dataset::export::formats::objects::Object;
 use crate::commands::dataset::export::input::frame::{Frame, Home, untrusted};
-use crate::commands::dataset::export::output::lists::Lists;
-use crate::commands::dataset::export::output::target::{Target, read, write};
 
 /// The folder that a loader replaces in the path of a picture to find its labels.
 pub(crate) const IMAGES: &str = "images";

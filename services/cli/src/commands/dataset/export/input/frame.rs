@@ -6,8 +6,7 @@ use client::ImageRow;
 use serde_json::Value;
 use spec::{FrameRecord, sha256};
 
-/// The name of a frame's record among its kinds; no artifact has this name.
-pub(crate) const RECORD: &str = "record";
+use crate::commands::dataset::export::format::RECORD;
 
 /// A frame whose files are in the folder.
 pub(crate) struct Frame {

@@ -1,8 +1,9 @@
 //! The exported images: selection, sequences and files from the service.
 
 pub(crate) mod archive;
+pub(crate) mod fields;
 pub(crate) mod frame;
-pub(crate) mod object_filter;
+pub(crate) mod member;
 pub(crate) mod order;
 pub(crate) mod origins;
 pub(crate) mod posed;

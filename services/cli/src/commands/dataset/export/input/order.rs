@@ -8,11 +8,10 @@ use renderer::EXTENSIONS;
 use serde_json::{Map, Value};
 use spec::sha256;
 
+use crate::commands::dataset::export::files::target::{Target, read, write};
+use crate::commands::dataset::export::format::RECORD;
 use crate::commands::dataset::export::input::archive::{Unpacked, unpacked};
-use crate::commands::dataset::export::input::frame::{
-    Frame, Home, ListedFile, Place, RECORD, Wanted, untrusted,
-};
-use crate::commands::dataset::export::output::target::{Target, read, write};
+use crate::commands::dataset::export::input::frame::{Frame, Home, ListedFile, Place, Wanted, untrusted};
 
 /// The files to fetch of each frame, and where they are written.
 pub(crate) struct Order<'a> {

@@ -4,8 +4,8 @@ use cli::exit::Failure;
 use cli::known;
 use client::{Client, ColumnInfo, StatisticsQuery};
 
-use crate::commands::dataset::export::Arguments;
-use crate::commands::dataset::export::input::frame::RECORD;
+use crate::commands::dataset::export::arguments::Arguments;
+use crate::commands::dataset::export::format::RECORD;
 use crate::commands::dataset::export::input::posed::PosedScenes;
 
 /// The images and columns of an export.

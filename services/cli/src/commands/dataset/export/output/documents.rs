@@ -3,18 +3,18 @@
 use cli::classes::Named;
 use cli::exit::Failure;
 
-use crate::commands::dataset::export::Arguments;
+use crate::commands::dataset::export::arguments::Arguments;
+use crate::commands::dataset::export::files::lists::{SUMS, digest_of};
+use crate::commands::dataset::export::files::target::{Target, write};
 use crate::commands::dataset::export::format::Format;
 use crate::commands::dataset::export::formats::card::Card;
 use crate::commands::dataset::export::formats::class_numbers::ClassNumbers;
 use crate::commands::dataset::export::formats::croissant::{RowFile, croissant};
 use crate::commands::dataset::export::formats::yolo::data_yaml;
+use crate::commands::dataset::export::input::fields::fields;
 use crate::commands::dataset::export::input::origins::Origin;
 use crate::commands::dataset::export::input::selection::Selection;
-use crate::commands::dataset::export::output::fields::fields;
-use crate::commands::dataset::export::output::lists::{SUMS, digest_of};
 use crate::commands::dataset::export::output::part::Part;
-use crate::commands::dataset::export::output::target::{Target, write};
 
 /// The input of the documents.
 pub(crate) struct Documents<'a> {

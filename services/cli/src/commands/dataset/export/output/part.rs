@@ -6,24 +6,23 @@ use cli::classes::Named;
 use cli::exit::Failure;
 use client::ImageRow;
 
+use crate::commands::dataset::export::files::lists::{Lists, METADATA, SUMS};
+use crate::commands::dataset::export::files::target::Target;
 use crate::commands::dataset::export::format::Format;
 use crate::commands::dataset::export::formats::class_numbers::ClassNumbers;
 use crate::commands::dataset::export::formats::coco::{Coco, Picture};
 use crate::commands::dataset::export::formats::croissant::RowFile;
-use crate::commands::dataset::export::formats::hf;
 use crate::commands::dataset::export::formats::objects::{Object, objects};
-use crate::commands::dataset::export::formats::parquet;
 use crate::commands::dataset::export::formats::poses::Poses;
 use crate::commands::dataset::export::formats::tables::WriteTable;
 use crate::commands::dataset::export::formats::view::View;
 use crate::commands::dataset::export::formats::yolo::{IMAGES, Labeled, Yolo};
+use crate::commands::dataset::export::formats::{hf, parquet};
 use crate::commands::dataset::export::input::frame::{Frame, Home, Place};
-use crate::commands::dataset::export::input::object_filter::ObjectFilter;
 use crate::commands::dataset::export::input::selection::Selection;
 use crate::commands::dataset::export::input::sequences::Spot;
-use crate::commands::dataset::export::output::lists::{Lists, METADATA, SUMS};
+use crate::commands::dataset::export::object_filter::ObjectFilter;
 use crate::commands::dataset::export::output::shards::Shards;
-use crate::commands::dataset::export::output::target::Target;
 
 /// A part that is being filled.
 pub(crate) struct Part {
@@ -191,7 +190,7 @@ impl Part {
             }
         };
         println!("metadata  {}", self.folder.join(&list).display());
-        let sha256 = crate::commands::dataset::export::output::lists::digest_of(&self.folder.join(&list))?;
+        let sha256 = crate::commands::dataset::export::files::lists::digest_of(&self.folder.join(&list))?;
         files.push(list.clone());
         self.lists.add_files(&files)?;
         self.lists.finish_classes()?;

@@ -13,15 +13,14 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
+use crate::commands::dataset::export::files::lists::{Lists, digest_of};
+use crate::commands::dataset::export::files::target::{create, draft_of, read, write};
 use crate::commands::dataset::export::format::Format;
-use crate::commands::dataset::export::formats::parquet;
 use crate::commands::dataset::export::formats::tables::WriteTable;
-use crate::commands::dataset::export::formats::webdataset;
-use crate::commands::dataset::export::input::archive::Unpacked;
+use crate::commands::dataset::export::formats::{parquet, webdataset};
 use crate::commands::dataset::export::input::frame::Place;
+use crate::commands::dataset::export::input::member::Member;
 use crate::commands::dataset::export::input::order::Order;
-use crate::commands::dataset::export::output::lists::{Lists, digest_of};
-use crate::commands::dataset::export::output::target::{create, draft_of, read, write};
 
 /// Frames that are fetched concurrently and kept in memory.
 const FETCHED_FRAMES: usize = 32;
@@ -43,18 +42,6 @@ pub(crate) struct Shards {
     rows: Vec<ImageRow>,
     written: u64,
 }
-
-/// A frame of a shard.
-pub(crate) struct Member {
-    pub(crate) place: Place,
-    /// The columns of its row.
-    pub(crate) values: Map<String, Value>,
-    /// One file for each kind, in their order.
-    pub(crate) files: Vec<Unpacked>,
-}
-
-/// The frames of a shard in their order, some at a time, until there are none.
-pub(crate) type Pull<'a> = dyn FnMut() -> Result<Vec<Member>, Failure> + 'a;
 
 /// The note of a completed shard.
 #[derive(Serialize, Deserialize)]

@@ -8,7 +8,7 @@ use cli::exit::Failure;
 use client::ImageRow;
 use rayon::prelude::*;
 
-use crate::commands::dataset::export::Arguments;
+use crate::commands::dataset::export::arguments::Arguments;
 use crate::commands::dataset::export::format::Format;
 use crate::commands::dataset::export::formats::class_numbers::ClassNumbers;
 use crate::commands::dataset::export::formats::tables::WriteTable;

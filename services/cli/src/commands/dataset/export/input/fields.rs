@@ -6,7 +6,7 @@ use quality::MetricId;
 use serde_json::{Map, Value, json};
 use spec::{ArtifactKind, Leaves};
 
-use crate::commands::dataset::export::input::frame::RECORD;
+use crate::commands::dataset::export::format::RECORD;
 use crate::commands::dataset::export::input::selection::Selection;
 
 /// Columns of every row that are not scalars of its record.

@@ -11,7 +11,7 @@ use cli::exit::Failure;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
-use crate::commands::dataset::export::output::target::{create, draft_of, write};
+use crate::commands::dataset::export::files::target::{create, draft_of, write};
 
 pub(crate) const METADATA: &str = "metadata.jsonl";
 pub(crate) const SUMS: &str = "SHA256SUMS";

@@ -1,0 +1,16 @@
+//! The options of a training.
+
+use tempfile::TempDir;
+
+/// The options of a training; the photos are in `folder`.
+pub(crate) struct Order {
+    pub(crate) name: String,
+    pub(crate) seed: u64,
+    pub(crate) steps: u32,
+    /// Whether its network has a range input.
+    pub(crate) range: bool,
+    pub(crate) licence: String,
+    pub(crate) source: String,
+    pub(crate) photos: usize,
+    pub(crate) folder: TempDir,
+}

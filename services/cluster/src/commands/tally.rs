@@ -1,0 +1,10 @@
+//! Counts of rendered shards.
+
+use std::time::Instant;
+
+/// The counts of this call.
+pub(super) struct Tally {
+    pub(super) begun: Instant,
+    pub(super) frames: u64,
+    pub(super) shards: usize,
+}

@@ -1,0 +1,51 @@
+//! The state of a slot.
+
+use std::sync::Arc;
+
+use ::camera::geometry::SourcePicture;
+use imaging::Rgb;
+use optics::forward_scatter::KernelCache;
+use optics::plan::StageId;
+use spec::{Camera, Scene};
+
+use crate::context::Resources;
+use crate::inputs::scene::Prepared;
+use crate::light::Light;
+use crate::stage::style::Networks;
+
+/// Caches that one worker thread reuses between frames. They never change a result.
+pub struct Slot {
+    pub(crate) networks: Networks,
+    pub(super) kernels: KernelCache,
+    pub(super) resources: Resources,
+    /// Caches for the thinned pictures used to meter exposures.
+    pub(super) thin: Thin,
+    pub(super) last_scene: Option<(SceneKey, Arc<Prepared>)>,
+    /// Effects that no frame of this slot has.
+    pub(super) excluded: Vec<StageId>,
+}
+
+/// Everything that a prepared scene depends on. Scenes from local files are not cached because the files may change.
+#[derive(PartialEq)]
+pub(super) struct SceneKey {
+    pub(super) scene: Scene,
+    /// Its sides, field of view, view and path.
+    pub(super) camera: Camera,
+    /// Depth of the camera, m; limits the height of piles.
+    pub(super) depth_m: Option<f64>,
+    pub(super) view: Option<SourcePicture>,
+    pub(super) labeled: bool,
+}
+
+/// Caches for thinned pictures, separate from those of frames.
+#[derive(Default)]
+pub(super) struct Thin {
+    pub(super) resources: Resources,
+    pub(super) kernels: KernelCache,
+}
+
+/// The light of a frame, and the exposed picture; `None` for a pinhole, whose picture equals the light.
+pub(super) struct Taken {
+    pub(super) light: Light,
+    pub(super) exposed: Option<Rgb<f32>>,
+}
