@@ -1,15 +1,13 @@
 //! Sets in a folder: several processes share a job through the store alone, and any of them may be killed. The comment
 //! above each test defines failure.
 
-mod sets;
-
 use std::fs;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
+use crate::sets::{Work, files, marker, text};
 use fathom_tests::{digest_by_render, fathom};
 use serde_json::{Value, json};
-use sets::{Work, files, marker, text};
 
 /// Failure: two processes that share a job omit a frame, or the digest differs from that of `fathom render`.
 #[test]

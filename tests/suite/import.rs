@@ -1,16 +1,13 @@
 //! Sets rendered without a service and shown by one: no data is copied, and the store is not trusted. The comment above
 //! each test defines failure.
 
-mod follow;
-mod sets;
-
 use std::fs;
 use std::path::Path;
 use std::process::Output;
 
+use crate::sets::{Work, files, marker, text};
 use fathom_tests::{Service, run};
 use serde_json::{Value, json};
-use sets::{Work, files, marker, text};
 
 const KINDS: [&str; 3] = ["rgb", "range", "enhanced.hscm"];
 

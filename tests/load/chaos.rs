@@ -14,7 +14,7 @@ use fathom_tests::{
 };
 use serde_json::json;
 
-#[path = "src/small_disk.rs"]
+#[path = "../src/small_disk.rs"]
 mod small_disk;
 
 const WORKER_CALLS: [&str; 4] = ["register", "beat", "commit", "fail"];
@@ -23,7 +23,7 @@ const WORKER_CALLS: [&str; 4] = ["register", "beat", "commit", "fail"];
 #[test]
 fn chaos_loses_nothing_and_stores_nothing_wrong() {
     // The jobs of one second need half a megabyte.
-    small_disk::run("everything_at_once", &format!("size={}m", 120 + seconds()));
+    small_disk::run("chaos::everything_at_once", &format!("size={}m", 120 + seconds()));
 }
 
 /// Event counters.

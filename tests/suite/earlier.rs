@@ -12,7 +12,7 @@ use sha2::{Digest, Sha256};
 const SENTENCE: &str = "the job is of version 0.1";
 
 fn unpack(folder: &Path) {
-    let packed = File::open(root().join("tests/earlier/data.tar.gz")).expect("the packed folder");
+    let packed = File::open(root().join("tests/proof/earlier/data.tar.gz")).expect("the packed folder");
     tar::Archive::new(GzDecoder::new(packed))
         .unpack(folder)
         .expect("it unpacks");
