@@ -61,7 +61,12 @@ impl Tree {
             module.children.insert(declaration.name.to_owned());
             match declaration.body {
                 Some(body) => self.add_module(body, &below, child),
-                None => self.add_file(&find_file(&below), &below, child),
+                None => {
+                    // A file of another crate, under `#[path = …]`, has none.
+                    if let Some(file) = find_file(&below) {
+                        self.add_file(&file, &below, child);
+                    }
+                }
             }
         }
         own_code.push_str(rest);
@@ -80,13 +85,9 @@ pub(super) fn with_name(names: &[String], name: &str) -> Names {
     longer
 }
 
-fn find_file(below: &Path) -> PathBuf {
-    let file = below.with_extension("rs");
-    if file.is_file() {
-        file
-    } else {
-        below.join("mod.rs")
-    }
+fn find_file(below: &Path) -> Option<PathBuf> {
+    let files = [below.with_extension("rs"), below.join("mod.rs")];
+    files.into_iter().find(|file| file.is_file())
 }
 
 /// `mod name;` or `mod name { … }`.
