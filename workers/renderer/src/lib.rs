@@ -16,6 +16,7 @@ mod light;
 pub mod local;
 mod pipeline;
 mod planning;
+mod plausibility;
 mod preview;
 mod provenance;
 mod record;

@@ -37,6 +37,8 @@ pub struct Summary {
     pub kept: u64,
     /// Frames without an image; `errors.jsonl` lists the reasons.
     pub failed: u64,
+    /// Frames with each warning, by its text.
+    pub warnings: BTreeMap<String, u64>,
     /// Digest over all images: the same for any number of slots, and as a service computes it.
     pub digest: String,
     /// Time of this run.
@@ -76,6 +78,7 @@ pub fn render_job(
         frames: job.frames(),
         kept,
         failed: lines.failed(),
+        warnings: lines.warnings().clone(),
         digest: lines.digest(),
         elapsed: begun.elapsed(),
     })

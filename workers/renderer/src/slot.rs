@@ -20,6 +20,7 @@ use crate::file::File;
 use crate::inputs::camera::rendered_parts;
 use crate::inputs::scene::{self, Prepared};
 use crate::planning::plan_frame;
+use crate::plausibility;
 use crate::source::SceneSource;
 use crate::stage::files::{self, Pictures};
 use crate::stage::style::Networks;
@@ -136,6 +137,9 @@ impl Slot {
             developed.rgb.data_mut()[0] ^= 1;
         }
         record.counts.clamped = developed.clamped;
+        record
+            .warnings
+            .extend(plausibility::list_warnings(context, &developed));
         let enhancements = watch.time("enhance", || enhance::run(context, &developed.rgb, &mut record))?;
         watch.time("metrics", || {
             measure::run(context, &developed.rgb, &enhancements, &mut record)

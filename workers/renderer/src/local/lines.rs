@@ -1,5 +1,6 @@
 //! `records.jsonl` and `errors.jsonl`: each frame has one line in one of them, in frame order.
 
+use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions};
 use std::io::{BufRead, BufReader, Write};
 use std::path::PathBuf;
@@ -23,6 +24,8 @@ pub(crate) struct Lines {
     /// Digests of the images so far, in frame order.
     digests: Vec<String>,
     failed: u64,
+    /// Frames with each warning.
+    warnings: BTreeMap<String, u64>,
     next: u64,
 }
 
@@ -30,8 +33,10 @@ impl Lines {
     /// Opens the files and keeps the frames in them. An incomplete last line is removed.
     pub(crate) fn open(folder: &Folder) -> Result<Self, LocalError> {
         let (mut digests, mut failed, mut next) = (Vec::new(), 0, 0);
+        let mut warnings = BTreeMap::new();
         let records = Log::open(folder.file("records.jsonl"), |record: FrameRecord| {
             digests.push(record.digest());
+            count_warnings(&mut warnings, &record);
             next = next.max(record.frame + 1);
         })?;
         let errors = Log::open(folder.file("errors.jsonl"), |failure: Failure| {
@@ -43,6 +48,7 @@ impl Lines {
             errors,
             digests,
             failed,
+            warnings,
             next,
         })
     }
@@ -57,6 +63,11 @@ impl Lines {
         self.failed
     }
 
+    /// Frames with each warning.
+    pub(crate) fn warnings(&self) -> &BTreeMap<String, u64> {
+        &self.warnings
+    }
+
     /// Digest over all images.
     pub(crate) fn digest(&self) -> String {
         spec::job_digest(self.digests.iter().map(String::as_str))
@@ -68,6 +79,7 @@ impl Lines {
             Ok(record) => {
                 self.records.write(&record)?;
                 self.digests.push(record.digest());
+                count_warnings(&mut self.warnings, &record);
             }
             Err(failure) => {
                 self.errors.write(&failure)?;
@@ -76,6 +88,12 @@ impl Lines {
         }
         self.next += 1;
         Ok(())
+    }
+}
+
+fn count_warnings(counts: &mut BTreeMap<String, u64>, record: &FrameRecord) {
+    for warning in &record.warnings {
+        *counts.entry(warning.clone()).or_insert(0) += 1;
     }
 }
 
