@@ -43,6 +43,9 @@ pub struct ModelCard {
     /// ignored.
     #[serde(default)]
     pub takes_range: bool,
+    /// The value of white in its inputs and outputs, such as 255; 1 if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scale: Option<f32>,
     /// Effect of the style weight on its output.
     #[serde(default)]
     pub alpha: String,
@@ -115,6 +118,15 @@ pub struct TableDistance {
     pub delta_e: f64,
 }
 
+/// Largest value of white: 16-bit codes.
+pub const MAX_SCALE: f32 = 65535.0;
+
+/// Whether a network may have this scale.
+#[must_use]
+pub fn is_scale(scale: f32) -> bool {
+    scale > 0.0 && scale <= MAX_SCALE
+}
+
 fn unknown() -> String {
     "unknown".to_owned()
 }
@@ -142,6 +154,11 @@ impl ModelCard {
                 card.sha256
             ));
         }
+        if let Some(scale) = card.scale.filter(|scale| !is_scale(*scale)) {
+            return Err(format!(
+                "its `scale` is {scale}; must be above 0 and at most {MAX_SCALE}"
+            ));
+        }
         card.takes_noise = takes(onnx, "noise");
         card.takes_range = takes(onnx, "range");
         Ok(card)
@@ -161,6 +178,7 @@ impl ModelCard {
             outputs: Vec::new(),
             takes_noise: takes(onnx, "noise"),
             takes_range: takes(onnx, "range"),
+            scale: None,
             alpha: String::new(),
             caveats: vec!["it came without a card".to_owned()],
             training: None,

@@ -11,7 +11,7 @@ use crate::library::StyleModel;
 use crate::runtime::{Runtime, RuntimeMissing};
 use crate::session::{ModelInputs, Session};
 pub use unfit::Unfit;
-use unfit::{SIZES, SMALL};
+use unfit::{SIZES, SMALL, USUAL};
 
 /// Runs a model on frames of 1×1, of odd sides and of the usual size, on black, on white, and twice on the same.
 /// `runtime` is called only if the model needs it.
@@ -22,7 +22,10 @@ pub fn check(model: &StyleModel, runtime: impl Fn() -> Result<Runtime, RuntimeMi
     external::find_external(&model.onnx)?;
     let mut first = open_session(model, &runtime)?;
     for size in SIZES {
-        answer(&mut first, &ramp(size))?;
+        let styled = answer(&mut first, &ramp(size))?;
+        if size == USUAL {
+            check_levels(&styled)?;
+        }
     }
     for level in [0.0, 1.0] {
         answer(&mut first, &Rgb::from_fn(SMALL.0, SMALL.1, |_, _| [level; 3]))?;
@@ -34,6 +37,31 @@ pub fn check(model: &StyleModel, runtime: impl Fn() -> Result<Runtime, RuntimeMi
     } else {
         Err(Unfit::Random)
     }
+}
+
+/// Fails if a frame of all levels becomes one value, or if most of its samples are outside of 0 to 1.
+fn check_levels(styled: &Rgb<f32>) -> Result<(), Unfit> {
+    /// Half of an 8-bit code: rounding beyond it is visible.
+    const MARGIN: f32 = 0.5 / 255.0;
+    let samples = || {
+        styled
+            .planes()
+            .iter()
+            .flat_map(|plane| plane.data().iter().copied())
+    };
+    let (least, most) = samples().fold((f32::INFINITY, f32::NEG_INFINITY), |(least, most), sample| {
+        (least.min(sample), most.max(sample))
+    });
+    if most - least < MARGIN {
+        return Err(Unfit::Constant { value: most });
+    }
+    let outside = samples()
+        .filter(|sample| !(-MARGIN..=1.0 + MARGIN).contains(sample))
+        .count();
+    if 2 * outside > samples().count() {
+        return Err(Unfit::Saturated { least, most });
+    }
+    Ok(())
 }
 
 fn open_session(

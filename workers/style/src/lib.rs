@@ -15,7 +15,7 @@ mod runtime;
 mod search;
 mod session;
 
-pub use card::{LossTerms, ModelCard, TableDistance, TrainingCard};
+pub use card::{LossTerms, MAX_SCALE, ModelCard, TableDistance, TrainingCard, is_scale};
 pub use check::{Unfit, check};
 pub use error::StyleError;
 pub use library::{Library, LibraryError, StyleModel, is_name};

@@ -19,6 +19,8 @@ use onnx::RuntimeGraph;
 pub struct Session {
     name: String,
     form: SessionKind,
+    /// The value of white for networks on ONNX Runtime.
+    scale: f32,
 }
 
 enum SessionKind {
@@ -39,6 +41,7 @@ impl Session {
         Some(Self {
             name: model.name.clone(),
             form: SessionKind::Native(Box::new((network, Scratch::default()))),
+            scale: 1.0,
         })
     }
 
@@ -50,6 +53,7 @@ impl Session {
         Some(Self {
             name: model.name.clone(),
             form: SessionKind::Table(Box::new((table, TableScratch::default()))),
+            scale: 1.0,
         })
     }
 
@@ -61,6 +65,7 @@ impl Session {
         Ok(Self {
             name: model.name.clone(),
             form: SessionKind::Onnx(graph),
+            scale: model.card.scale.unwrap_or(1.0),
         })
     }
 
@@ -103,10 +108,12 @@ impl Session {
                 let (table, scratch) = &mut **table;
                 Ok(table.apply(encoded, scratch))
             }
-            SessionKind::Onnx(graph) => graph.run(encoded, beside).map_err(|reason| StyleError::Run {
-                name: self.name.clone(),
-                reason,
-            }),
+            SessionKind::Onnx(graph) => {
+                run_scaled(graph, encoded, beside, self.scale).map_err(|reason| StyleError::Run {
+                    name: self.name.clone(),
+                    reason,
+                })
+            }
         }
     }
 
@@ -147,4 +154,18 @@ impl Session {
         }
         Ok(())
     }
+}
+
+/// Runs a network whose inputs and outputs have this value of white.
+fn run_scaled(
+    graph: &mut RuntimeGraph,
+    encoded: &Rgb<f32>,
+    beside: ModelInputs<'_>,
+    scale: f32,
+) -> Result<Rgb<f32>, String> {
+    if scale == 1.0 {
+        return graph.run(encoded, beside);
+    }
+    let styled = graph.run(&encoded.map(|&sample| sample * scale), beside)?;
+    Ok(styled.map(|&sample| sample / scale))
 }

@@ -108,11 +108,11 @@ impl Styles {
         let Some(model) = known.library.get(&new.card.name) else {
             return Ok(None);
         };
-        if model.card.sha256 == imaging::digest::sha256(&new.onnx) {
+        if model.card.sha256 == imaging::digest::sha256(&new.onnx) && model.card.scale == new.card.scale {
             return Ok(Some(model.card.clone()));
         }
         let detail = format!(
-            "the style `{}` exists with another network, digest {}; choose another name",
+            "the style `{}` exists with another network or scale, digest {}; choose another name",
             model.name, model.card.sha256
         );
         Err(Problem::new(Slug::NameTaken, detail))

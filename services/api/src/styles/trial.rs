@@ -17,12 +17,15 @@ impl Styles {
         let file = folder.path().join("model.onnx");
         let written = tokio::fs::write(&file, &new.onnx).await;
         written.map_err(|error| writing(&error))?;
+        let scale = new.card.scale.unwrap_or(1.0).to_string();
         let arguments = [
             OsStr::new("check-style"),
             OsStr::new("--model"),
             file.as_os_str(),
             OsStr::new("--name"),
             OsStr::new(&new.card.name),
+            OsStr::new("--scale"),
+            OsStr::new(&scale),
         ];
         match self
             .processes

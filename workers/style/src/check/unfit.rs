@@ -5,6 +5,8 @@ use crate::runtime::RuntimeMissing;
 
 /// Required sizes: the smallest, one divisible by no stride, the usual one.
 pub(super) const SIZES: [(usize, usize); 3] = [(1, 1), (33, 17), (768, 492)];
+/// The usual size.
+pub(super) const USUAL: (usize, usize) = SIZES[2];
 
 /// The size for the frames beyond the first.
 pub(super) const SMALL: (usize, usize) = SIZES[1];
@@ -33,6 +35,23 @@ pub enum Unfit {
         width: usize,
         /// Rows of the frame.
         height: usize,
+    },
+    /// It returns the same value everywhere.
+    #[error("it returns {value} in every sample of a frame of all levels")]
+    Constant {
+        /// The value.
+        value: f32,
+    },
+    /// Most of its samples are no colors.
+    #[error(
+        "it returns values from {least} to {most} for a frame of 0 to 1, where 0 is black and 1 is white; if it takes and returns 0 to \
+         255, add it with the scale 255"
+    )]
+    Saturated {
+        /// Its least sample.
+        least: f32,
+        /// Its greatest sample.
+        most: f32,
     },
     /// It draws random numbers: frames would not be reproducible.
     #[error(

@@ -9,7 +9,7 @@ use crate::openapi::StyleCard;
 use crate::styles::Styles;
 use crate::styles::new_style::NewStyle;
 
-const FIELDS: [(&str, Kind); 7] = [
+const FIELDS: [(&str, Kind); 8] = [
     ("name", Kind::Text),
     ("model", Kind::File),
     ("architecture", Kind::Text),
@@ -17,6 +17,7 @@ const FIELDS: [(&str, Kind); 7] = [
     ("licence", Kind::Text),
     ("alpha", Kind::Text),
     ("caveat", Kind::Texts),
+    ("scale", Kind::Text),
 ];
 
 /// The fields of a style upload.
@@ -41,6 +42,8 @@ pub(crate) struct StyleUpload {
     alpha: Option<String>,
     /// Caveat for users; repeatable.
     caveat: Option<String>,
+    /// The value of white in its inputs and outputs, such as 255; absent: 1.
+    scale: Option<f32>,
 }
 
 /// Add your style.
@@ -66,6 +69,9 @@ async fn read(body: Multipart) -> Result<NewStyle, Problem> {
     let mut form = Form::read(body, &FIELDS).await?;
     form.require("name");
     form.require("model");
+    let scale = form.parsed("scale", "a number above 0 and at most 65535", |scale: &f32| {
+        style::is_scale(*scale)
+    });
     form.check()?;
     let model = form.get("model").map(|model| model.to_vec()).unwrap_or_default();
     let mut new = NewStyle::new(&form.text_or("name", ""), model)?;
@@ -75,5 +81,6 @@ async fn read(body: Multipart) -> Result<NewStyle, Problem> {
     card.licence = form.text_or("licence", &card.licence);
     card.alpha = form.text_or("alpha", &card.alpha);
     card.caveats.extend(form.texts("caveat"));
+    card.scale = scale;
     Ok(new)
 }

@@ -16,6 +16,9 @@ pub(crate) struct Arguments {
     /// Its name
     #[arg(long)]
     name: String,
+    /// The value of white in its inputs and outputs
+    #[arg(long)]
+    scale: Option<f32>,
     #[command(flatten)]
     style: StyleArguments,
 }
@@ -24,7 +27,8 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let path = &arguments.model;
     let onnx = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
-    let model = StyleModel::without_card(&arguments.name, onnx);
+    let mut model = StyleModel::without_card(&arguments.name, onnx);
+    model.card.scale = arguments.scale;
     let runtime = || Runtime::load(arguments.style.onnxruntime.as_deref());
     style::check(&model, runtime).map_err(|unfit| match unfit {
         Unfit::Runtime(missing) => Failure::RuntimeMissing(missing.to_string()),

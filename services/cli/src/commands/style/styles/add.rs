@@ -26,6 +26,9 @@ pub(super) struct Arguments {
     /// The photos that it was trained on
     #[arg(long)]
     source: Option<String>,
+    /// The value of white in its inputs and outputs: 255 for networks that take and return 0 to 255 [default: 1]
+    #[arg(long, value_name = "VALUE")]
+    scale: Option<f32>,
     #[command(flatten)]
     server: ServerArguments,
 }
@@ -40,6 +43,7 @@ pub(crate) struct UploadCard {
     licence: String,
     alpha: String,
     caveats: Vec<String>,
+    scale: Option<f32>,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -51,6 +55,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(source) = &arguments.source {
         card.source.clone_from(source);
     }
+    card.scale = arguments.scale.or(card.scale);
     let client = arguments.server.patient_client();
     let is_new = add(&client, &files::read(&arguments.model)?, &card)?;
     println!("{}", card.name);
@@ -83,12 +88,20 @@ pub(crate) fn add(client: &Client, model: &[u8], card: &UploadCard) -> Result<bo
         ("licence", &card.licence),
         ("alpha", &card.alpha),
     ];
+    let scale = card.scale.map(|scale| scale.to_string()).unwrap_or_default();
     let caveats = card.caveats.iter().map(|caveat| ("caveat", caveat));
     let form = texts
         .into_iter()
         .chain(caveats)
+        .chain([("scale", &scale)])
         .filter(|(_, text)| !text.is_empty())
         .fold(Form::new(), |form, (name, text)| form.text(name, text))
         .part("model", Part::bytes(model).file_name("model.onnx"));
-    Ok(client.post_form::<ModelCard>("/v1/styles", form)?.is_new)
+    let added = client.post_form::<ModelCard>("/v1/styles", form);
+    match added.map_err(Failure::from) {
+        Err(Failure::BadInput(message)) => {
+            Err(Failure::BadInput(message.replace("the scale 255", "--scale 255")))
+        }
+        added => Ok(added?.is_new),
+    }
 }

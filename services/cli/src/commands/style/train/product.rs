@@ -74,6 +74,7 @@ impl Product<'_> {
             caveats.push(format!("training was stopped after {done} of {steps} steps"));
         }
         ModelCard {
+            scale: None,
             name: name.clone(),
             file: format!("{name}.onnx"),
             sha256: imaging::digest::sha256(model),
