@@ -1,5 +1,6 @@
 // API client: token, problems, and retries while the service is unreachable.
 
+import { parse, print } from "./exact.js";
 import { queryOf } from "./text.js";
 
 let token = null;
@@ -48,11 +49,16 @@ export async function send(path, options = {}) {
 }
 
 async function problemOf(response) {
-  return response.json().catch(() => ({ title: `status ${response.status}` }));
+  return read(response).catch(() => ({ title: `status ${response.status}` }));
+}
+
+// The JSON of a response.
+export async function read(response) {
+  return parse(await response.text());
 }
 
 export async function get(path, query = {}, signal = undefined) {
-  return (await send(path + queryOf(query), { signal })).json();
+  return read(await send(path + queryOf(query), { signal }));
 }
 
 export async function post(path, body, /** @type {{ signal?: AbortSignal, accept?: string, method?: string, prefer?: string }} */ how = {}) {
@@ -60,7 +66,7 @@ export async function post(path, body, /** @type {{ signal?: AbortSignal, accept
   const all = { accept: accept ?? "application/json" };
   if (body !== undefined) all["content-type"] = "application/json";
   if (prefer) all.prefer = prefer;
-  const text = body === undefined || typeof body === "string" ? body : JSON.stringify(body);
+  const text = body === undefined || typeof body === "string" ? body : print(body);
   return send(path, { method, headers: all, body: text, signal });
 }
 
@@ -94,7 +100,7 @@ export function known(path) {
 // Lines of JSON.
 export async function lines(path, signal) {
   const text = await (await send(path, { signal })).text();
-  return text.split("\n").filter(Boolean).map((line) => JSON.parse(line));
+  return text.split("\n").filter(Boolean).map((line) => parse(line));
 }
 
 // Server-sent events until the job ends. EventSource cannot send a token.
@@ -106,7 +112,7 @@ export async function follow(path, signal, tell) {
       if (response.status === 204) return;
       for await (const event of events(response.body)) {
         if (event.id) last = event.id;
-        if (event.event) tell(event.event, JSON.parse(event.data));
+        if (event.event) tell(event.event, parse(event.data));
       }
     } catch (error) {
       if (signal.aborted || error instanceof ProblemError) return;

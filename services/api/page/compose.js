@@ -1,7 +1,8 @@
 // A job next to a live frame. Form and JSON edit one document, and the frame follows it.
 
-import { ProblemError, get, pause, post } from "./api.js";
+import { ProblemError, get, pause, post, read } from "./api.js";
 import { h, heading, problemBox, put, same } from "./dom.js";
+import { parse, print } from "./exact.js";
 import { START, at, put as set } from "./fields.js";
 import { Form } from "./form.js";
 import { settled } from "./laws.js";
@@ -48,14 +49,14 @@ class Compose {
   }
 
   write() {
-    this.json.value = JSON.stringify(this.job, null, 2);
+    this.json.value = print(this.job, 2);
   }
 
   // After an edit of the JSON, update the form.
   read() {
     let parsed;
     try {
-      parsed = JSON.parse(this.json.value);
+      parsed = parse(this.json.value);
       if (!parsed || typeof parsed !== "object" || Array.isArray(parsed)) throw new Error("a job must be an object");
     } catch (error) {
       this.json.setAttribute("aria-invalid", "true");
@@ -89,9 +90,9 @@ class Compose {
     this.working?.abort();
     this.working = new AbortController();
     const signal = AbortSignal.any([this.working.signal, this.route.signal]);
-    this.route.set({ job: JSON.stringify(this.job) });
+    this.route.set({ job: print(this.job) });
     try {
-      const preview = await (await post(`/v1/jobs/preview?frames=${STRIP}`, this.job, { signal })).json();
+      const preview = await read(await post(`/v1/jobs/preview?frames=${STRIP}`, this.job, { signal }));
       this.first = preview.first;
       this.frame = Math.min(this.frame, this.first.length - 1);
       this.form.fault([]);
@@ -147,7 +148,7 @@ class Compose {
     const { count: _, dataset, labels, ...rest } = frame;
     const response = await post("/v1/renders", { ...rest, artifacts: ["rgb"], metrics: [], enhance: [] }, { signal, prefer: "wait=30" });
     if (response.status !== 200) return;
-    const record = await response.json();
+    const record = await read(response);
     const { planTable } = await import("./record.js");
     const isOpen = this.plan.querySelector("details")?.open ?? false;
     const bound = record.promise ? `error at most ${number(record.promise.bound, 2)}, ` : "";
@@ -227,7 +228,7 @@ class Compose {
   async send() {
     this.submit.disabled = true;
     try {
-      const job = await (await post("/v1/jobs", this.job, { signal: this.route.signal })).json();
+      const job = await read(await post("/v1/jobs", this.job, { signal: this.route.signal }));
       location.hash = `#/jobs/${encodeURIComponent(job.id)}`;
     } catch (error) {
       if (this.route.signal.aborted) return;
@@ -239,7 +240,7 @@ class Compose {
 
 function opened(text) {
   try {
-    const job = JSON.parse(text);
+    const job = parse(text);
     if (job && typeof job === "object" && !Array.isArray(job)) return job;
   } catch {
     // A truncated address falls back to the default job.

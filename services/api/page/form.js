@@ -2,6 +2,7 @@
 
 import { known } from "./api.js";
 import { h, put, select } from "./dom.js";
+import { isNumber, typed } from "./exact.js";
 import { GROUPS, LAMPS, NEW_LAMPS, START, at, put as set } from "./fields.js";
 import { lawEditor, lawOf, lawsFor, newLaw } from "./laws.js";
 import { number } from "./text.js";
@@ -106,7 +107,7 @@ export class Form {
         this.draw();
       } }, "Add");
     }
-    const now = typeof value === "number" ? value : field.value;
+    const now = isNumber(value) ? value : field.value;
     const to = (one) => (field.log ? Math.log(Math.max(one, 1e-9)) : one);
     const from = (one) => (field.log ? Math.exp(one) : one);
     const [low, high] = [to(field.low), to(field.high)];
@@ -114,7 +115,7 @@ export class Form {
     const box = h("input", { type: "number", step: "any", value: now, "aria-label": `${field.pointer.slice(1).replaceAll("/", ".")} as a number`, oninput: () => {
       if (box.value === "") return;
       range.value = to(Number(box.value));
-      this.change(field, Number(box.value));
+      this.change(field, typed(box.value));
     } });
     const range = h("input", { id, type: "range", min: low, max: high, step: field.whole && !field.log ? 1 : (high - low) / 400, value: to(now),
       "aria-valuetext": number(now), oninput: () => {

@@ -1,7 +1,8 @@
 // One image: its layers with a divider, its record, and its verification.
 
-import { get, known, post } from "./api.js";
+import { get, known, post, read } from "./api.js";
 import { h, heading, problemBox, put, same, select } from "./dom.js";
+import { print } from "./exact.js";
 import { Layers } from "./layers.js";
 import { picture } from "./picture.js";
 import { boxesTable, measurements, parameters, planTable, provenance } from "./record.js";
@@ -18,7 +19,7 @@ export async function show(root, route) {
   const verdict = h("div", { "aria-live": "polite" });
   const again = h("button", { type: "button", onclick: () => verify(base, again, verdict, route) }, "Render again and compare");
   root.append(heading(`${record.dataset} · frame ${frame}`, neighbors), layers.element,
-    h("div.row", {}, again, h("a", { href: `#/compose?job=${encodeURIComponent(JSON.stringify(ofFrame(record)))}` }, "Open in Compose"),
+    h("div.row", {}, again, h("a", { href: `#/compose?job=${encodeURIComponent(print(ofFrame(record)))}` }, "Open in Compose"),
       h("a", { href: `#/set/${path(record.dataset)}` }, "To its set"), h("a", { href: `#/jobs/${path(job)}` }, "To its job")), verdict,
     h("div.columns", {}, section("Parameters", parameters(record, fields, description, waters)), section("Plan and time", planTable(record)),
       section("Metrics", measurements(record)), section("Objects", boxesTable(record, (one) => layers.point(one))),
@@ -115,7 +116,7 @@ async function verify(base, button, place, route) {
   button.disabled = true;
   put(place, h("p", {}, "Rendering again …"));
   try {
-    const found = await (await post(`${base}/verify`, { rerender: true }, { signal: route.signal })).json();
+    const found = await read(await post(`${base}/verify`, { rerender: true }, { signal: route.signal }));
     const kinds = found.artifacts.map((one) => h("li", {}, one.kind, ": stored ", one.stored, one.largest_difference !== null
       && `, largest difference ${number(one.largest_difference)}`, one.rerendered_digest === one.digest && ", the same bytes again"));
     put(place, h("div.note", {}, h("strong", { class: found.intact && found.reproduced ? "good" : "bad" }, found.reproduced

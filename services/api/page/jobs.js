@@ -1,6 +1,6 @@
 // Jobs with live progress; failures with their errors; the workers.
 
-import { follow, get, lines, list, pause, post } from "./api.js";
+import { follow, get, lines, list, pause, post, read } from "./api.js";
 import { h, heading, problemBox, put, same, table } from "./dom.js";
 import { bytes, count, duration, number, path, when } from "./text.js";
 
@@ -91,13 +91,14 @@ async function one(root, route, id) {
   const controls = h("div.row");
   const wrong = h("div", { "aria-live": "polite" });
   const failures = h("section.panel", { hidden: true });
+  const warned = h("section.panel", { hidden: true });
   const facts = h("div");
   root.append(heading(`Job of ${job.dataset}`, h("a", { href: `#/set/${path(job.dataset)}` }, "To its set")), h("div.note.big", {}, bar.element, bar.words),
-    controls, wrong, facts, failures, same(`GET ${base}`, `GET ${base}/events`, `POST ${base}/pause`, `POST ${base}/retry-failed`, `fathom wait ${id}`,
+    controls, wrong, facts, warned, failures, same(`GET ${base}`, `GET ${base}/events`, `POST ${base}/pause`, `POST ${base}/retry-failed`, `fathom wait ${id}`,
       `fathom pause ${id}`, `fathom errors ${id}`, `fathom retry ${id}`));
   const act = (name) => async () => {
     try {
-      const now = await (await post(`${base}/${name}`, undefined, { signal: route.signal })).json();
+      const now = await read(await post(`${base}/${name}`, undefined, { signal: route.signal }));
       bar.tell("state", now.job ?? now);
       put(wrong);
       watch();
@@ -114,6 +115,7 @@ async function one(root, route, id) {
       button("cancel", "Cancel", isOpen), button("retry-failed", "Retry failed frames", bar.job.failed > 0 && !isOpen));
     put(facts, table(["", ""], [["id", h("code", {}, id)], ["submitted", when(bar.job.created_at)], ["started", when(bar.job.started_at)],
       ["finished", when(bar.job.finished_at)], ["bytes", bytes(bar.job.bytes)], ["digest", h("code", {}, bar.job.digest ?? "–")]], { label: "Job" }));
+    showWarnings(warned, base, route).catch(() => {});
     if (bar.job.failed !== shownFailed) {
       shownFailed = bar.job.failed;
       showFailures(failures, base, route).catch(() => {});
@@ -134,6 +136,13 @@ async function one(root, route, id) {
   };
   draw();
   if (OPEN.includes(job.state)) watch();
+}
+
+async function showWarnings(place, base, route) {
+  const all = await list(`${base}/warnings`, route.signal);
+  place.hidden = all.length === 0;
+  put(place, h("h2", {}, "Warnings"), table(["warning", "frames", "first"], all.map((one) => [one.warning, number(one.frames),
+    number(one.first_frame)]), { label: "Warnings" }));
 }
 
 async function showFailures(place, base, route) {

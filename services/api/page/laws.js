@@ -1,6 +1,7 @@
 // Distributions: editing and drawing.
 
 import { h, svg } from "./dom.js";
+import { print, typed } from "./exact.js";
 import { number } from "./text.js";
 
 const NAMES = ["uniform", "log_uniform", "int", "normal", "choice", "grid"];
@@ -38,8 +39,9 @@ export function middle(value) {
   const law = value[name];
   if (name === "choice" || name === "grid") return law[0];
   if (name === "normal") return law[0];
-  if (name === "int") return Math.round((law[0] + law[1]) / 2);
-  return name === "log_uniform" ? Math.sqrt(law[0] * law[1]) : (law[0] + law[1]) / 2;
+  const [low, high] = law.map(Number);
+  if (name === "int") return Math.round((low + high) / 2);
+  return name === "log_uniform" ? Math.sqrt(low * high) : (low + high) / 2;
 }
 
 // A description with values in place of distributions, from a resolved frame if available.
@@ -58,7 +60,7 @@ export function lawEditor(name, value, field, options, changed) {
   if (name === "choice" || name === "grid") return choices(name, value, field, options, changed);
   const input = (label, number_, give) => {
     const box = h("input", { type: "number", step: "any", value: number_, "aria-label": `${field.pointer} ${label}`,
-      oninput: () => box.value !== "" && changed(give(Number(box.value))) });
+      oninput: () => box.value !== "" && changed(give(typed(box.value))) });
     return h("label.field", {}, h("span", {}, label), box);
   };
   const pair = (key, labels) => labels.map((label, at) => input(label, value[key][at], (one) => {
@@ -72,11 +74,11 @@ export function lawEditor(name, value, field, options, changed) {
 }
 
 function choices(name, value, field, options, changed) {
-  const shown = value[name].map((one) => (typeof one === "string" ? one : JSON.stringify(one))).join(", ");
+  const shown = value[name].map((one) => (typeof one === "string" ? one : print(one))).join(", ");
   const isText = field.kind === "choice";
   const box = h("input", { type: "text", value: shown, "aria-label": `${field.pointer} values`, oninput: () => {
     const parts = box.value.split(",").map((part) => part.trim()).filter(Boolean);
-    changed({ ...value, [name]: isText ? parts : parts.map(Number) });
+    changed({ ...value, [name]: isText ? parts : parts.map(typed) });
   } });
   const add = isText && options.length > 0 && h("select", { "aria-label": `Add a value to ${field.pointer}`, onchange: (event) => {
     changed({ ...value, [name]: [...new Set([...value[name], event.target.value])] }, true);
@@ -85,7 +87,8 @@ function choices(name, value, field, options, changed) {
 }
 
 // A small plot of a distribution's density.
-function shape(name, value, law) {
+function shape(name, value, exact) {
+  const law = exact.map(Number);
   const [a, b] = name === "normal" ? value.clip ?? [law[0] - 3 * law[1], law[0] + 3 * law[1]] : law;
   const density = (x) => {
     if (name === "normal") return Math.exp(-(((x - law[0]) / law[1]) ** 2) / 2);

@@ -1,6 +1,7 @@
 // Tables of an image's record.
 
 import { h, table } from "./dom.js";
+import { print } from "./exact.js";
 import { lawOf } from "./laws.js";
 import { codeColor } from "./picture.js";
 import { number } from "./text.js";
@@ -32,7 +33,7 @@ function lawAt(job, name) {
   let place = job;
   for (const key of ["", ...name.split(/[.[\]]+/).filter(Boolean)]) {
     if (key !== "") place = place && typeof place === "object" ? place[key] : undefined;
-    if (lawOf(place)) return JSON.stringify(place);
+    if (lawOf(place)) return print(place);
   }
   return "";
 }

@@ -3,6 +3,7 @@
 import { list, pause, send } from "./api.js";
 import { curves } from "./chart.js";
 import { h, heading, problemBox, put, same, table } from "./dom.js";
+import { print } from "./exact.js";
 import { pictureOf, rendered } from "./live.js";
 import { picture } from "./picture.js";
 import { count, number, path } from "./text.js";
@@ -89,7 +90,7 @@ function styleCard(style, wall) {
   return h("article.card", {}, wall.picture(`The scene with the style ${style.name}`, frame), h("h2", {}, style.name),
     h("p.quiet", {}, style.source ?? ""), h("p.quiet", {}, `License: ${style.licence ?? "unknown"}. ${count(style.parameters ?? 0, "parameter")}.`),
     (style.caveats ?? []).map((text) => h("p.quiet", {}, text)),
-    h("a", { href: `#/compose?job=${encodeURIComponent(JSON.stringify(frame))}` }, "Compose with it"));
+    h("a", { href: `#/compose?job=${encodeURIComponent(print(frame))}` }, "Compose with it"));
 }
 
 // Accepts a photo and plots the losses while the style is trained.

@@ -44,6 +44,7 @@ const ASSETS: [Asset; 24] = assets! {
     "compose.js": SCRIPT,
     "density.js": SCRIPT,
     "dom.js": SCRIPT,
+    "exact.js": SCRIPT,
     "fields.js": SCRIPT,
     "filter.js": SCRIPT,
     "form.js": SCRIPT,

@@ -1,0 +1,29 @@
+// JSON with whole numbers beyond 2^53 as BigInt, so that seeds of 64 bits keep their digits.
+
+const TOKEN = /"(?:[^"\\]|\\.)*"|-?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?/g;
+// No text of JSON starts so: control characters are escaped in it.
+const MARK = "\u0001whole:";
+
+function isLarge(token) {
+  return /^-?\d{16,}$/.test(token) && !Number.isSafeInteger(Number(token));
+}
+
+export function parse(text) {
+  if (!/\d{16}/.test(text)) return JSON.parse(text);
+  const marked = text.replace(TOKEN, (token) => (isLarge(token) ? JSON.stringify(MARK + token) : token));
+  return JSON.parse(marked, (_, value) => (typeof value === "string" && value.startsWith(MARK) ? BigInt(value.slice(MARK.length)) : value));
+}
+
+export function print(value, indent = undefined) {
+  const text = JSON.stringify(value, (_, one) => (typeof one === "bigint" ? MARK + one : one), indent);
+  return text?.replace(/"\\u0001whole:(-?\d+)"/g, "$1");
+}
+
+// The number that a user typed: exact if it is whole, else the nearest double.
+export function typed(text) {
+  return isLarge(text.trim()) ? BigInt(text.trim()) : Number(text);
+}
+
+export function isNumber(value) {
+  return typeof value === "number" || typeof value === "bigint";
+}
