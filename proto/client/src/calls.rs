@@ -6,8 +6,8 @@ use crate::client::Client;
 use crate::error::ClientError;
 use crate::query::{encode, with_query};
 use crate::views::{
-    BackupView, CollectionRow, CollectionScene, DatasetDetail, DatasetRow, FailureRow, JobRow, Page,
-    SceneView, SetView, Statistics, VerifiedVersion, VersionRow,
+    BackupView, CollectionRow, CollectionScene, DatasetDetail, DatasetRow, FailureRow, FrameWarning, JobRow,
+    Page, SceneView, SetView, Statistics, VerifiedVersion, VersionRow,
 };
 
 /// A change of a job's state by its user.
@@ -92,6 +92,12 @@ impl Client {
     /// The failed frames of a job.
     pub fn failed_frames(&self, id: &str) -> Result<Vec<FailureRow>, ClientError> {
         self.lines(&format!("/v1/jobs/{}/errors", encode(id)))
+    }
+
+    /// The warnings of a job's frames, the most frequent first.
+    pub fn frame_warnings(&self, id: &str) -> Result<Vec<FrameWarning>, ClientError> {
+        let page: Page<FrameWarning> = self.get(&format!("/v1/jobs/{}/warnings", encode(id)))?;
+        Ok(page.items)
     }
 
     /// All datasets by name.

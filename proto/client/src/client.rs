@@ -129,6 +129,15 @@ impl Client {
         body: &[u8],
     ) -> Result<T, ClientError> {
         let headers = [&[("content-type", "application/json")], headers].concat();
+        let mut pause = FIRST_PAUSE;
+        for _ in 1..ATTEMPTS {
+            match self.0.post(path, &headers, body) {
+                // The service has done nothing.
+                Err(HttpError::Problem(problem)) if problem.is_temporary() => thread::sleep(pause),
+                response => return read(path, &self.received(response)?.bytes),
+            }
+            pause *= 2;
+        }
         let reply = self.received(self.0.post(path, &headers, body))?;
         read(path, &reply.bytes)
     }

@@ -19,11 +19,22 @@ pub const MAX_DEPTH: usize = 32;
 /// Maximum length of a key in bytes. Fields and labels are far shorter.
 const MAX_KEY_BYTES: usize = 256;
 
-/// Parses one JSON document.
+/// The text after a byte order mark of UTF-8, which some editors write.
+#[must_use]
+pub fn skip_byte_order_mark(bytes: &[u8]) -> &[u8] {
+    bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
+}
+
+/// Parses one JSON document, with or without a byte order mark.
 ///
 /// # Errors
 /// Too long, not JSON, nested too deeply, an overlong key, or duplicate keys (all of them).
 pub fn read(bytes: &[u8]) -> Result<Value, Invalid> {
+    if let [0xff, 0xfe, ..] | [0xfe, 0xff, ..] = bytes {
+        let message = "the document begins with a byte order mark of UTF-16; save it as UTF-8";
+        return Err(Invalid(vec![FieldError::new("", message)]));
+    }
+    let bytes = skip_byte_order_mark(bytes);
     if bytes.len() > MAX_BYTES {
         let message = format!(
             "the document has {} bytes; must be at most {MAX_BYTES}",

@@ -92,6 +92,11 @@ pub enum CatalogueError {
     /// All readers are at work.
     #[error("the catalogue is too busy; try again")]
     Busy,
+    /// Another program holds the catalogue locked.
+    #[error(
+        "another program holds the catalogue locked, such as a database browser with an unsaved change; close it, or try again"
+    )]
+    Locked,
     /// The SQLite library is too old.
     #[error("SQLite {version} has a fault that can damage the write-ahead log; {least} or later is needed")]
     SqliteTooOld {
@@ -169,11 +174,14 @@ impl From<sqlx::Error> for CatalogueError {
         const FULL: [i32; 2] = [13, 4874];
         /// CORRUPT and NOTADB.
         const DAMAGED: [i32; 2] = [11, 26];
+        /// BUSY.
+        const LOCKED: i32 = 5;
         let code = error.as_database_error().and_then(|error| error.code());
         let code: Option<i32> = code.and_then(|code| code.parse().ok());
         let message = error.to_string();
         match (code, &error) {
             (Some(code), _) if FULL.contains(&code) => Self::Full { message },
+            (Some(code), _) if code & 0xff == LOCKED => Self::Locked,
             (Some(code), _) if DAMAGED.contains(&(code & 0xff)) => {
                 Self::damaged(format!("a page ({message})"))
             }

@@ -77,6 +77,18 @@ pub struct FailureRow {
     pub error: String,
 }
 
+/// A warning about frames of a job.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+pub struct FrameWarning {
+    /// Its text.
+    #[schema(example = "no pixel has a valid range")]
+    pub warning: String,
+    /// Number of frames with it.
+    pub frames: u64,
+    /// The first of them.
+    pub first_frame: u64,
+}
+
 /// What is gone.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 pub struct Deleted {

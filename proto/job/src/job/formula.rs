@@ -1,6 +1,6 @@
 //! A job: N frames as a formula.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use imaging::digest::sha256;
 use serde_json::Value;
@@ -9,6 +9,7 @@ use super::grids::{count_frames, lay_out_grids};
 use crate::check::{find_values, whole};
 use crate::frame::Frame;
 use crate::invalid::{FieldError, Invalid};
+use crate::label_types::{LabelType, label_types};
 use crate::node::{Law, Node};
 use crate::site::{OF_THE_JOB, insert_descriptions};
 
@@ -177,6 +178,17 @@ impl Job {
             .iter()
             .filter_map(|document| document.node.get(field));
         values.flat_map(Node::words).map(str::to_owned).collect()
+    }
+
+    /// The types of each label over all sites.
+    #[must_use]
+    pub fn label_types(&self) -> BTreeMap<String, BTreeSet<LabelType>> {
+        let mut types: BTreeMap<String, BTreeSet<LabelType>> = BTreeMap::new();
+        let labels = self.documents.iter().filter_map(|document| document.node.get("labels"));
+        for (name, found) in labels.flat_map(|labels| label_types(&labels.canonical())) {
+            types.entry(name).or_default().extend(found);
+        }
+        types
     }
 
     /// Warnings about a valid description.

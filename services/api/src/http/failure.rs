@@ -1,5 +1,8 @@
 //! Maps errors of other crates to problems, except those of sets.
 
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
 use catalogue::CatalogueError;
 use store::StoreError;
 use wire::MessageError;
@@ -28,6 +31,10 @@ impl From<CatalogueError> for Problem {
             | CatalogueError::Contradicted { .. } => Self::new(Slug::JobState, error.to_string()),
             CatalogueError::Timeout { .. } => Self::new(Slug::QueryTooSlow, error.to_string()),
             CatalogueError::Busy => Self::overloaded(error.to_string()),
+            CatalogueError::Locked => {
+                log_lock(&error);
+                Self::overloaded(error.to_string())
+            }
             CatalogueError::Damaged { .. } => {
                 tracing::error!(%error, "the catalogue is damaged");
                 Self::new(Slug::CorruptArtifact, error.to_string())
@@ -37,6 +44,17 @@ impl From<CatalogueError> for Problem {
             | CatalogueError::Open { .. }
             | CatalogueError::Failed { .. } => Self::internal(&error),
         }
+    }
+}
+
+/// Warns about a locked catalogue, at most once a minute.
+fn log_lock(error: &CatalogueError) {
+    const INTERVAL: Duration = Duration::from_secs(60);
+    static LAST: Mutex<Option<Instant>> = Mutex::new(None);
+    let mut last = LAST.lock().unwrap_or_else(PoisonError::into_inner);
+    if last.is_none_or(|last| last.elapsed() >= INTERVAL) {
+        *last = Some(Instant::now());
+        tracing::warn!(%error, "changes wait");
     }
 }
 

@@ -53,6 +53,7 @@ pub(super) fn wait_routes() -> OpenApiRouter<App> {
     OpenApiRouter::new()
         .routes(routes!(jobs::routes::get::get))
         .routes(routes!(jobs::routes::description::get))
+        .routes(routes!(jobs::routes::warnings::warnings))
         .routes(routes!(styles::routes::training::get))
 }
 

@@ -12,7 +12,7 @@ use sqlx::sqlite::SqliteConnection;
 use crate::catalogue::{Catalogue, within};
 use crate::error::CatalogueError;
 use crate::query::column_value::column;
-use crate::query::filter::Column;
+use crate::query::filter::{Column, Kind};
 use crate::query::scope::Scope;
 use crate::query::select::Select;
 use crate::replica::files as replica_files;
@@ -223,7 +223,7 @@ pub(crate) fn number_column(
     columns: &crate::query::columns::Columns,
     name: &str,
 ) -> Result<Column, CatalogueError> {
-    let column = column(columns, name)?;
+    let column = column(columns, name)?.typed(Kind::Number);
     if column.kind.is_number() {
         Ok(column)
     } else {

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use crate::error::CatalogueError;
 use crate::query::column_value::column;
 use crate::query::columns::Columns;
-use crate::query::filter::{Column, raised};
+use crate::query::filter::{Column, Kind, raised};
 use crate::query::record_value;
 
 /// Most columns of `by`; with more, groups have hardly more than one image each.
@@ -22,6 +22,8 @@ pub(crate) struct Key {
     pub(crate) shown: GroupColumn,
     pub(crate) column: Column,
     pub(crate) bins: Option<Bins>,
+    /// Whether the groups are JSON, as those of labels.
+    pub(crate) is_json: bool,
 }
 
 /// Reads `water.optics,alpha:0.1`.
@@ -51,7 +53,8 @@ impl Key {
                 unit: column.unit.map(str::to_owned),
                 width: None,
             },
-            column,
+            is_json: column.kind == Kind::Label,
+            column: column.as_json(),
             bins: None,
         })
     }
@@ -61,6 +64,8 @@ impl Key {
             return Self::plain(columns, text);
         };
         let mut key = Self::plain(columns, name)?;
+        key.column = column(columns, name)?.typed(Kind::Number);
+        key.is_json = false;
         if !key.column.kind.is_number() {
             let message = format!(
                 "`{name}` is not a column of numbers, so it has no bins; without `:{width}` each value is a group"
@@ -83,9 +88,10 @@ impl Key {
     }
 }
 
-/// The value that the rows of a group have in common in one column; of a column in bins, the lower edge of the bin.
-pub(crate) fn group_value(cell: &Cell) -> Value {
+/// The value that the rows of a group have in common in a column; of a column in bins, the lower edge of the bin.
+pub(crate) fn group_value(cell: &Cell, is_json: bool) -> Value {
     match cell {
+        Cell::Text(text) if is_json => serde_json::from_str(text).unwrap_or_else(|_| json!(**text)),
         Cell::Missing => Value::Null,
         Cell::Number(bits) => record_value::number(f64::from_bits(*bits)),
         Cell::Edge(bits) => json!(f64::from_bits(*bits)),
@@ -96,7 +102,8 @@ pub(crate) fn group_value(cell: &Cell) -> Value {
     }
 }
 
-/// The order of groups, column by column: false before true, numbers by size, texts by their characters, missing values last.
+/// The order of groups, column by column: false before true, numbers by size, texts by their characters, missing values last;
+/// truth values, numbers and texts of one label in this order.
 #[must_use]
 pub fn compare_groups(one: &[Value], other: &[Value]) -> Ordering {
     let pairs = one.iter().zip(other);
@@ -114,7 +121,16 @@ fn compare(one: &Value, other: &Value) -> Ordering {
             _ => f64::total_cmp(&a.as_f64().unwrap_or(f64::NAN), &b.as_f64().unwrap_or(f64::NAN)),
         },
         (Value::String(one), Value::String(other)) => one.cmp(other),
-        _ => one.is_null().cmp(&other.is_null()),
+        _ => type_rank(one).cmp(&type_rank(other)),
+    }
+}
+
+fn type_rank(value: &Value) -> u8 {
+    match value {
+        Value::Bool(_) => 0,
+        Value::Number(_) => 1,
+        Value::String(_) => 2,
+        _ => 3,
     }
 }
 

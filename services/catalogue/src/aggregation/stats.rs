@@ -112,7 +112,11 @@ impl Catalogue {
         let aggregated = self.aggregate(&images, move |query| columnar::stats(query, count, &by, most));
         let (groups, source) = aggregated.await?;
         let groups = groups.into_iter().map(|(key, values)| Group {
-            key: key.iter().map(group_value).collect(),
+            key: key
+                .iter()
+                .zip(keys)
+                .map(|(cell, key)| group_value(cell, key.is_json))
+                .collect(),
             values,
         });
         Ok((groups.collect(), counted_source(source)))

@@ -120,6 +120,8 @@ async fn run(
         let gather = if are_many { GATHER } else { Duration::ZERO };
         match group(&mut connection, &columns, first, &mut queue, gather).await {
             Ok(operations) => are_many = operations > 1,
+            // The callers report a lock of another program.
+            Err(CatalogueError::Locked) => {}
             Err(error) => tracing::error!(%error, "the catalogue could not commit"),
         }
         fold_in(&mut connection, &log).await;

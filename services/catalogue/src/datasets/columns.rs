@@ -1,8 +1,9 @@
 //! The columns of a dataset.
 
 use client::ColumnInfo;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
+use spec::{LabelType, collect_types};
 use sqlx::sqlite::SqliteConnection;
 
 use crate::catalogue::{Catalogue, within};
@@ -23,7 +24,7 @@ impl Catalogue {
         let names = within(names(&mut reader, &self.columns, &self.job_cache, dataset)).await?;
         Ok(names
             .into_iter()
-            .filter_map(|name| info(&self.columns, name))
+            .filter_map(|named| info(&self.columns, named))
             .collect())
     }
 }
@@ -35,8 +36,46 @@ pub fn columns_of_every_image(metrics: &[String]) -> Vec<ColumnInfo> {
     let names = columns.names();
     names
         .into_iter()
-        .filter_map(|name| info(&columns, name))
+        .filter_map(|name| info(&columns, name.into()))
         .collect()
+}
+
+/// A column's name, and the types of a label's values.
+struct Named {
+    name: String,
+    types: BTreeSet<LabelType>,
+}
+
+impl From<String> for Named {
+    fn from(name: String) -> Self {
+        Self {
+            name,
+            types: BTreeSet::new(),
+        }
+    }
+}
+
+/// The labels of a dataset with the types that their descriptions allow.
+async fn labels(
+    connection: &mut SqliteConnection,
+    dataset: &str,
+) -> Result<BTreeMap<String, BTreeSet<LabelType>>, CatalogueError> {
+    let scope = Scope::parse(dataset);
+    let rows: Vec<(String, String)> = sqlx::query_as(
+        "SELECT DISTINCT label.key, jobs.spec -> label.fullkey FROM jobs, json_each(jobs.spec, '$.labels') AS label
+         WHERE dataset = ?1 AND jobs.id NOT IN (SELECT job_id FROM deletions)
+           AND (?2 IS NULL OR jobs.id IN (SELECT job_id FROM version_jobs WHERE dataset = ?1 AND version = ?2))",
+    )
+    .bind(scope.dataset)
+    .bind(scope.version.map(|version| version as i64))
+    .fetch_all(connection)
+    .await?;
+    let mut labels: BTreeMap<String, BTreeSet<LabelType>> = BTreeMap::new();
+    for (label, description) in rows {
+        let types = labels.entry(label).or_default();
+        collect_types(&serde_json::from_str(&description)?, types);
+    }
+    Ok(labels)
 }
 
 async fn names(
@@ -44,23 +83,23 @@ async fn names(
     columns: &Columns,
     job_cache: &JobCache,
     dataset: &str,
-) -> Result<Vec<String>, CatalogueError> {
-    let labels = distinct(
-        connection,
-        dataset,
-        "SELECT DISTINCT label.key FROM jobs, json_each(jobs.spec, '$.labels') AS label
-         WHERE dataset = ?1 AND jobs.id NOT IN (SELECT job_id FROM deletions)
-           AND (?2 IS NULL OR jobs.id IN (SELECT job_id FROM version_jobs WHERE dataset = ?1 AND version = ?2))",
-    );
-    let labels = labels.await?;
+) -> Result<Vec<Named>, CatalogueError> {
+    let labels = labels(connection, dataset).await?;
     let (subjects, kinds) = pictures(connection, job_cache, dataset).await?;
-    let mut names = columns.names();
-    names.extend(labels.into_iter().map(|label| format!("labels.{label}")));
+    let mut names: Vec<Named> = columns.names().into_iter().map(Named::from).collect();
+    names.extend(labels.into_iter().map(|(label, types)| Named {
+        name: format!("labels.{label}"),
+        types,
+    }));
     for subject in subjects.iter().filter(|subject| *subject != "rgb") {
         let metrics = columns.metrics().iter();
-        names.extend(metrics.map(|metric| format!("{subject}.{metric}")));
+        names.extend(metrics.map(|metric| Named::from(format!("{subject}.{metric}"))));
     }
-    names.extend(kinds.into_iter().map(|kind| format!("artifacts.{kind}")));
+    names.extend(
+        kinds
+            .into_iter()
+            .map(|kind| Named::from(format!("artifacts.{kind}"))),
+    );
     Ok(names)
 }
 
@@ -144,12 +183,16 @@ async fn distinct(
     Ok(names.into_iter().collect())
 }
 
-fn info(columns: &Columns, name: String) -> Option<ColumnInfo> {
+fn info(columns: &Columns, Named { name, types }: Named) -> Option<ColumnInfo> {
     let column = columns.get(&name)?;
     let kind = match column.kind {
         Kind::Number | Kind::Whole | Kind::Large => "number",
         Kind::Text => "text",
         Kind::Bool => "bool",
+        Kind::Label => match types.first().filter(|_| types.len() == 1) {
+            Some(only) => only.name(),
+            None => "mixed",
+        },
     };
     Some(ColumnInfo {
         unit: column.unit.map(str::to_owned),

@@ -6,3 +6,4 @@ pub(crate) mod recovery;
 pub(crate) mod reopen;
 pub(crate) mod rows;
 pub(crate) mod submit;
+pub(crate) mod warnings;

@@ -237,7 +237,7 @@ fn kind(leaf: &Leaf) -> Kind {
     }
 }
 
-/// Names that depend on the job: labels and digests of artifacts are compared as text, times in milliseconds as numbers.
+/// Names that depend on the job: labels, digests of artifacts as text, times in milliseconds as numbers.
 fn open_family(name: &str) -> Option<Column> {
     // The names that a description allows; others are not labels, and a NUL would end a JSON path.
     let quoted = |key: &str| {
@@ -257,11 +257,16 @@ fn open_family(name: &str) -> Option<Column> {
         });
     }
     if let Some(label) = name.strip_prefix("labels.") {
-        return Some(extracted(
-            format!("$.parameters.labels.{}", quoted(label)?),
-            Kind::Text,
-            None,
-        ));
+        let path = format!("$.parameters.labels.{}", quoted(label)?);
+        return Some(Column {
+            binds: vec![Bind::Text(path)],
+            join: Some(Join::Record),
+            found: Some(RecordValue::Label(label.to_owned())),
+            ..Column::new(
+                format!("json_extract({}.record, ?)", Join::Record.alias()),
+                Kind::Label,
+            )
+        });
     }
     let stage = name.strip_prefix("timings.")?;
     Some(extracted(
@@ -290,7 +295,7 @@ fn extracted(path: String, kind: Kind, unit: Option<&'static str>) -> Column {
     // In SQLite text is greater than every number, and a list is text: such values must not compare as numbers.
     let sql = match kind {
         Kind::Text => format!("CAST(json_extract({record}.record, ?) AS TEXT)"),
-        Kind::Number | Kind::Whole | Kind::Large | Kind::Bool => format!(
+        Kind::Number | Kind::Whole | Kind::Large | Kind::Bool | Kind::Label => format!(
             "(SELECT iif(typeof(v) = 'text', NULL, v) FROM (SELECT json_extract({record}.record, ?) AS v))"
         ),
     };

@@ -28,6 +28,9 @@ pub(crate) enum Kind {
     Large,
     Text,
     Bool,
+    /// A label, which may be a number, a text or a truth value from image to image. Comparisons, bins and statistics apply to
+    /// the values of one type: [`Column::typed`].
+    Label,
 }
 
 /// The offset of stored large numbers.
@@ -73,7 +76,12 @@ pub(crate) struct Column {
     pub(crate) found: Option<RecordValue>,
     /// Its name in the replica, if that has it.
     pub(crate) replica_name: Option<String>,
+    /// Place of a compared value in the statement.
+    pub(crate) place: &'static str,
 }
+
+/// A value as SQLite reads it from JSON. Numbers of labels are compared in this form, so that equal texts are equal numbers.
+const JSON_PLACE: &str = "(SELECT atom FROM json_each(?))";
 
 impl Column {
     /// An optional column of the image's row, without a unit.
@@ -87,7 +95,44 @@ impl Column {
             join: None,
             found: None,
             replica_name: None,
+            place: "?",
         }
+    }
+
+    /// The values of one type of a label; other columns are unchanged.
+    pub(crate) fn typed(self, kind: Kind) -> Self {
+        if self.kind != Kind::Label {
+            return self;
+        }
+        let record = Join::Record.alias();
+        let (types, place) = match kind {
+            Kind::Text => ("'text'", "?"),
+            Kind::Bool => ("'true', 'false'", "?"),
+            _ => ("'integer', 'real'", JSON_PLACE),
+        };
+        Self {
+            sql: format!("(SELECT atom FROM json_each({record}.record, ?) WHERE type IN ({types}))"),
+            kind,
+            place,
+            ..self
+        }
+    }
+
+    /// The JSON of a label's values, which has their types; other columns are unchanged.
+    pub(crate) fn as_json(self) -> Self {
+        if self.kind != Kind::Label {
+            return self;
+        }
+        Self {
+            sql: format!("({}.record -> ?)", Join::Record.alias()),
+            kind: Kind::Text,
+            ..self
+        }
+    }
+
+    /// Whether compared numbers are bound as JSON.
+    pub(crate) fn compares_json(&self) -> bool {
+        self.place == JSON_PLACE
     }
 }
 

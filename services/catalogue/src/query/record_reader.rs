@@ -93,6 +93,7 @@ impl Members {
             RecordValue::Metric { .. } => "measurements",
             RecordValue::Warned => "warnings",
             RecordValue::Artifact(_) => "artifacts",
+            RecordValue::Label(_) => "parameters",
         };
         self.0.insert(member);
     }

@@ -15,9 +15,15 @@ pub(crate) enum RecordValue {
     Warned,
     /// The digest of the artifact of a kind.
     Artifact(String),
+    /// The label of a name.
+    Label(String),
 }
 
 impl RecordValue {
+    pub(crate) fn is_label(&self) -> bool {
+        matches!(self, Self::Label(_))
+    }
+
     /// The value, as pages have it.
     pub(crate) fn read(&self, record: &Value) -> Value {
         match self {
@@ -27,6 +33,7 @@ impl RecordValue {
                 value.map(number).unwrap_or_default()
             }
             Self::Warned => json!(record["warnings"].as_array().is_some_and(|all| !all.is_empty())),
+            Self::Label(name) => record["parameters"]["labels"][name].clone(),
             Self::Artifact(kind) => {
                 let all = record["artifacts"].as_array();
                 let entry = all.and_then(|all| all.iter().find(|entry| entry["kind"] == **kind));

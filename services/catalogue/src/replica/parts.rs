@@ -16,7 +16,7 @@ pub(crate) fn kind(kind: filter::Kind) -> columnar::Kind {
         filter::Kind::Number => columnar::Kind::Number,
         filter::Kind::Whole => columnar::Kind::Whole,
         filter::Kind::Large => columnar::Kind::Large,
-        filter::Kind::Text => columnar::Kind::Text,
+        filter::Kind::Text | filter::Kind::Label => columnar::Kind::Text,
         filter::Kind::Bool => columnar::Kind::Flag,
     }
 }
@@ -64,7 +64,7 @@ fn add(
 ) -> Result<(), CatalogueError> {
     match kind {
         filter::Kind::Number => column.number(double(row, at, kind)?),
-        filter::Kind::Text => {
+        filter::Kind::Text | filter::Kind::Label => {
             column.text(row.try_get_unchecked(at)?);
         }
         filter::Kind::Whole | filter::Kind::Large | filter::Kind::Bool => {

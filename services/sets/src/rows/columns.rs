@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde_json::Value;
-use spec::{ArtifactEntry, FrameRecord, Job, Leaf, Leaves};
+use spec::{ArtifactEntry, FrameRecord, Job, LabelType, Leaf, Leaves};
 
 use crate::rows::cells::{Cell, Kind};
 
@@ -28,6 +28,7 @@ enum Source {
     Warned,
     Tar,
     Leaf(Leaf),
+    Label { name: String, kind: LabelType },
     Metric { subject: String, metric: String },
     ArtifactDigest(String),
     ArtifactOffset(String),
@@ -81,6 +82,17 @@ pub(crate) fn columns(job: &Job, metrics: &[String]) -> Vec<Column> {
         .into_iter()
         .filter(|leaf| leaf.name != "dataset");
     columns.extend(leaves.map(|leaf| column(leaf.name.clone(), leaf.kind.into(), Source::Leaf(leaf))));
+    for (name, types) in job.label_types() {
+        for (column_name, label) in spec::label_columns(&name, &types) {
+            let kind = match label {
+                LabelType::Number => Kind::Number,
+                LabelType::Text => Kind::Text,
+                LabelType::Bool => Kind::Flag,
+            };
+            let name = name.clone();
+            columns.push(column(column_name, kind, Source::Label { name, kind: label }));
+        }
+    }
     let mut subjects = job.words("enhance");
     subjects.insert("rgb".to_owned());
     for subject in subjects {
@@ -125,6 +137,17 @@ impl Column {
             Source::Warned => Some(Cell::Flag(!row.record.warnings.is_empty())),
             Source::Tar => Some(Cell::text(&common.tar)),
             Source::Leaf(leaf) => Cell::of_leaf(leaf.kind, leaf.find(row.json)?),
+            Source::Label { name, kind } => {
+                let value = row.json.get("parameters")?.get("labels")?.get(name)?;
+                if LabelType::of_value(value) != Some(*kind) {
+                    return None;
+                }
+                match value {
+                    Value::Bool(flag) => Some(Cell::Flag(*flag)),
+                    Value::String(label) => Some(Cell::text(label)),
+                    number => number.as_f64().map(Cell::Number),
+                }
+            }
             Source::Metric { subject, metric } => row
                 .record
                 .measurements

@@ -7,3 +7,4 @@ pub(crate) mod lines;
 pub(crate) mod list;
 pub(crate) mod preview;
 pub(crate) mod render;
+pub(crate) mod warnings;

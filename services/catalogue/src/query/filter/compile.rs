@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use columnar::{Condition, Sign, Test, Value};
+use serde_json::json;
 
 use super::lexer::{Number, Token, tokens};
 use super::{Bind, Column, Compiled, FilterError, Join, Kind, OFFSET};
@@ -124,6 +125,10 @@ impl Parser<'_> {
             message: format!("unknown column `{name}`"),
             did_you_mean: spec::nearest(&name, self.names),
         })?;
+        let column = match self.compared_kind() {
+            Some(kind) => column.typed(kind),
+            None => column,
+        };
         self.binds.extend(column.binds.iter().cloned());
         self.joins.extend(column.join.clone());
         if column.found.is_some() && !self.recorded.contains(&column) {
@@ -160,8 +165,8 @@ impl Parser<'_> {
                     self.ordered(&column)?;
                 }
                 let value = self.value(&column)?;
-                self.bind(value.clone())?;
-                let sql = known(&column, format!("{} {operator} ?", column.sql));
+                self.bind(&column, value.clone())?;
+                let sql = known(&column, format!("{} {operator} {}", column.sql, column.place));
                 return Ok(tested(&column, sql, Test::Is(sign, of_bind(value))));
             }
         }
@@ -188,9 +193,10 @@ impl Parser<'_> {
         if is_empty {
             return Err(self.wrong("the lower bound is above the upper bound"));
         }
-        self.bind(low.clone())?;
-        self.bind(high.clone())?;
-        let sql = known(column, format!("{} BETWEEN ? AND ?", column.sql));
+        self.bind(column, low.clone())?;
+        self.bind(column, high.clone())?;
+        let place = column.place;
+        let sql = known(column, format!("{} BETWEEN {place} AND {place}", column.sql));
         Ok(tested(column, sql, Test::Between(of_bind(low), of_bind(high))))
     }
 
@@ -199,9 +205,9 @@ impl Parser<'_> {
         let (mut places, mut values) = (String::new(), Vec::new());
         loop {
             let value = self.value(column)?;
-            self.bind(value.clone())?;
+            self.bind(column, value.clone())?;
             values.push(of_bind(value));
-            places.push('?');
+            places.push_str(column.place);
             if !self.sign(",") {
                 break;
             }
@@ -227,32 +233,59 @@ impl Parser<'_> {
             _ => None,
         };
         let value = match (self.peek(), column.kind) {
-            (Some(Token::Number(number)), kind) if kind.is_number() => match bound(*number, kind) {
-                Some(value) => value,
-                None => {
-                    return Err(
-                        self.wrong(&format!("`{}` has a fraction, the column has none", number.value))
-                    );
+            (Some(Token::Number(number)), kind) if kind.is_number() => {
+                match bound(*number, exact_kind(column)) {
+                    Some(value) => value,
+                    None => {
+                        return Err(
+                            self.wrong(&format!("`{}` has a fraction, the column has none", number.value))
+                        );
+                    }
                 }
-            },
+            }
             (Some(Token::Text(text)), Kind::Text) => Bind::Text(text.clone()),
             (Some(Token::Word(word)), Kind::Bool) if truth(word).is_some() => {
                 Bind::Number(truth(word).unwrap_or(0.0))
             }
             (_, Kind::Number | Kind::Whole | Kind::Large) => return Err(self.wrong("a number was expected")),
-            (_, Kind::Text) => return Err(self.wrong("a text in quotes was expected")),
+            (_, Kind::Text | Kind::Label) => return Err(self.wrong("a text in quotes was expected")),
             (_, Kind::Bool) => return Err(self.wrong("`true` or `false` was expected")),
         };
         self.next += 1;
         Ok(value)
     }
 
-    fn bind(&mut self, value: Bind) -> Result<(), FilterError> {
+    fn bind(&mut self, column: &Column, value: Bind) -> Result<(), FilterError> {
         if self.binds.len() == MOST_VALUES {
             return Err(self.wrong(&format!("more than {MOST_VALUES} values")));
         }
-        self.binds.push(value);
+        self.binds.push(match value {
+            Bind::Number(number) if column.compares_json() => Bind::Text(json!(number).to_string()),
+            Bind::Whole(number) if column.compares_json() => Bind::Text(number.to_string()),
+            value => value,
+        });
         Ok(())
+    }
+
+    /// The type of the first value that is compared, for columns of several types; `None` for `is null`. A column alone is a
+    /// truth value.
+    fn compared_kind(&self) -> Option<Kind> {
+        // `not in (` comes before the value.
+        const MOST_TOKENS: usize = 4;
+        for (_, token) in self.tokens.iter().skip(self.next).take(MOST_TOKENS) {
+            match token {
+                Token::Number(_) => return Some(Kind::Number),
+                Token::Text(_) => return Some(Kind::Text),
+                Token::Word(word) => match word.to_ascii_lowercase().as_str() {
+                    "is" => return None,
+                    "not" | "in" | "between" => {}
+                    _ => return Some(Kind::Bool),
+                },
+                Token::Sign(")") => return Some(Kind::Bool),
+                Token::Sign(_) => {}
+            }
+        }
+        Some(Kind::Bool)
     }
 
     fn peek(&self) -> Option<&Token> {
@@ -327,6 +360,15 @@ fn of_bind(bind: Bind) -> Value {
         Bind::Number(number) => Value::Number(number),
         Bind::Whole(number) => Value::Whole(number),
         Bind::Text(text) => Value::Text(text),
+    }
+}
+
+/// The kind by which a number is bound: labels keep all digits of whole numbers.
+fn exact_kind(column: &Column) -> Kind {
+    if column.compares_json() {
+        Kind::Whole
+    } else {
+        column.kind
     }
 }
 

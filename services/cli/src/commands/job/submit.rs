@@ -6,7 +6,7 @@ use cli::exit::Failure;
 use cli::files;
 use cli::progress::Progress;
 use cli::remote::ServerArguments;
-use client::{Client, JobRow, JobState};
+use client::{Client, FrameWarning, JobRow, JobState};
 use serde_json::json;
 
 /// Seconds of a long poll.
@@ -44,7 +44,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     show(&job, arguments.json);
     match arguments.wait {
-        true => all_rendered(&job),
+        true => {
+            print_frame_warnings(&client, &job)?;
+            all_rendered(&job)
+        }
         false => Ok(()),
     }
 }
@@ -67,6 +70,22 @@ pub(crate) fn show(job: &JobRow, as_json: bool) {
     if let Some(digest) = &job.digest {
         println!("digest {digest}");
     }
+}
+
+/// Prints the warnings of a job's frames.
+pub(crate) fn print_frame_warnings(client: &Client, job: &JobRow) -> Result<(), Failure> {
+    for FrameWarning {
+        warning,
+        frames,
+        first_frame,
+    } in client.frame_warnings(&job.id)?
+    {
+        eprintln!(
+            "warning: {frames} of {} frames, first {first_frame}: {warning}",
+            job.frames
+        );
+    }
+    Ok(())
 }
 
 /// Fails if a job has ended without all of its frames.

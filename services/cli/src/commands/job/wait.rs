@@ -15,6 +15,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     for job in jobs {
         let job = submit::wait(&client, &job)?;
         submit::show(&job, arguments.json);
+        submit::print_frame_warnings(&client, &job)?;
         outcome = outcome.and(submit::all_rendered(&job));
     }
     outcome

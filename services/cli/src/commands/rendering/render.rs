@@ -31,6 +31,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         arguments.out.display()
     );
     println!("digest {}", summary.digest);
+    for (warning, frames) in &summary.warnings {
+        eprintln!("warning: {frames} of {} frames: {warning}", summary.frames);
+    }
     if summary.failed > 0 {
         let hint = format!("; see {}", arguments.out.join("errors.jsonl").display());
         return Err(Failure::SomeFrames {

@@ -93,12 +93,13 @@ pub(super) fn add_poses(plan: &mut FolderPlan, path: &Path) -> Result<(), Failur
 }
 
 pub(super) fn read(path: &Path) -> Result<Transforms, Failure> {
-    let transforms: Transforms = serde_json::from_slice(&files::read(path)?).map_err(|error| {
-        Failure::BadInput(format!(
-            "{} is not a transforms.json with `frames` of `file_path` and `transform_matrix`: {error}",
-            path.display()
-        ))
-    })?;
+    let transforms: Transforms = serde_json::from_slice(spec::skip_byte_order_mark(&files::read(path)?))
+        .map_err(|error| {
+            Failure::BadInput(format!(
+                "{} is not a transforms.json with `frames` of `file_path` and `transform_matrix`: {error}",
+                path.display()
+            ))
+        })?;
     Ok(transforms)
 }
 

@@ -15,7 +15,7 @@ const METADATA: &str = "metadata.json";
 /// Adds camera and poses of Kubric's `metadata.json`.
 pub(super) fn add_kubric_camera(plan: &mut FolderPlan, entries: &[Entry]) -> Result<(), Failure> {
     for entry in entries.iter().filter(|entry| entry.file_name() == METADATA) {
-        let metadata: Value = serde_json::from_slice(&files::read(&entry.path)?)
+        let metadata: Value = serde_json::from_slice(spec::skip_byte_order_mark(&files::read(&entry.path)?))
             .map_err(|error| Failure::BadInput(format!("{}: {error}", entry.name)))?;
         let camera = &metadata["camera"];
         let view = camera["field_of_view"].as_f64();
@@ -69,7 +69,7 @@ pub(super) fn add_isaac_parts(plan: &mut FolderPlan, entries: &[Entry]) -> Resul
                     .is_some_and(|rest| rest.ends_with('/'))
         });
         let Some(scene) = scene else { continue };
-        let value: Value = serde_json::from_slice(&files::read(&entry.path)?)
+        let value: Value = serde_json::from_slice(spec::skip_byte_order_mark(&files::read(&entry.path)?))
             .map_err(|error| Failure::BadInput(format!("{}: {error}", entry.name)))?;
         if params.is_some() {
             scene.camera = read_isaac_camera(&value);

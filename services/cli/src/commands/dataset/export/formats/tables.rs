@@ -5,7 +5,7 @@ use std::fs::File;
 use cli::exit::Failure;
 use client::ColumnInfo;
 use serde_json::Value;
-use spec::{LeafKind, Leaves};
+use spec::{LabelType, LeafKind, Leaves};
 
 /// A column of a table.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -34,6 +34,8 @@ pub struct TableRow {
 pub type WriteTable =
     fn(File, &[TableColumn], &mut dyn FnMut() -> Result<Vec<TableRow>, Failure>) -> Result<(), Failure>;
 
+/// Kind of a label that is of several types.
+const MIXED: &str = "mixed";
 /// Columns of whole numbers that are not declared in records.
 const WHOLE: [&str; 2] = ["frame", "created_ms"];
 
@@ -42,6 +44,7 @@ pub(crate) fn table_columns(columns: &[ColumnInfo]) -> Vec<TableColumn> {
     let leaves = Leaves::of_records().scalars;
     let kind = |column: &ColumnInfo| match column.kind.as_str() {
         "bool" => CellKind::Flag,
+        MIXED => CellKind::Leaf(LeafKind::Number),
         "number" if WHOLE.contains(&column.name.as_str()) => CellKind::Leaf(LeafKind::Whole),
         "number" => {
             let leaf = leaves.iter().find(|leaf| leaf.name == column.name);
@@ -51,11 +54,40 @@ pub(crate) fn table_columns(columns: &[ColumnInfo]) -> Vec<TableColumn> {
     };
     columns
         .iter()
-        .map(|column: &ColumnInfo| TableColumn {
-            name: column.name.clone(),
-            kind: kind(column),
+        .flat_map(|column: &ColumnInfo| {
+            let own = TableColumn {
+                name: column.name.clone(),
+                kind: kind(column),
+            };
+            std::iter::once(own).chain(list_other_types(column))
         })
         .collect()
+}
+
+/// The further columns of a label of several types, in addition to that of its numbers.
+fn list_other_types(column: &ColumnInfo) -> Vec<TableColumn> {
+    if column.kind != MIXED {
+        return Vec::new();
+    }
+    let others = [
+        (LabelType::Text, CellKind::Leaf(LeafKind::Text)),
+        (LabelType::Bool, CellKind::Flag),
+    ];
+    let others = others.map(|(label, kind)| TableColumn {
+        name: format!("{} ({})", column.name, label.name()),
+        kind,
+    });
+    others.into()
+}
+
+/// Copies values of labels of several types into the columns of their types.
+pub(crate) fn split_labels(columns: &[ColumnInfo], values: &mut Value) {
+    for column in columns.iter().filter(|column| column.kind == MIXED) {
+        let value = values[&column.name].clone();
+        if let Some(other @ (LabelType::Text | LabelType::Bool)) = LabelType::of_value(&value) {
+            values[format!("{} ({})", column.name, other.name())] = value;
+        }
+    }
 }
 
 /// A column of texts.
