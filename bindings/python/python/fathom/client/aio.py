@@ -29,7 +29,12 @@ class AsyncClient:
         """Defaults: FATHOM_SERVER and FATHOM_TOKEN."""
         self.server = server or os.environ.get("FATHOM_SERVER", SERVER)
         self.token = token or os.environ.get("FATHOM_TOKEN")
-        self._http = httpx.AsyncClient(base_url=self.server, headers=calls.headers(self.token), timeout=calls.TIMEOUT)
+        self._http = httpx.AsyncClient(
+            base_url=self.server,
+            headers=calls.headers(self.token),
+            timeout=calls.TIMEOUT,
+            trust_env=calls.uses_proxies(self.server),
+        )
 
     async def __aenter__(self) -> AsyncClient:
         return self
@@ -119,12 +124,19 @@ class AsyncClient:
         invalid_code: int | None = None,
         focal_px: float | None = None,
         hfov_deg: float | None = None,
+        scale: float | None = None,
         collection: str | None = None,
         name: str | None = None,
     ) -> str:
         """Upload a scene and return its id."""
         texts: dict[str, float | str | None] = {"collection": collection, "name": name}
-        numbers = {"unit_m": unit_m, "invalid_code": invalid_code, "focal_px": focal_px, "hfov_deg": hfov_deg}
+        numbers = {
+            "unit_m": unit_m,
+            "invalid_code": invalid_code,
+            "focal_px": focal_px,
+            "hfov_deg": hfov_deg,
+            "scale": scale,
+        }
         return await self._run(calls.upload(rgb, range, z_depth, instances, classes, pose, texts | numbers))
 
     async def train(
@@ -189,3 +201,7 @@ class AsyncSubmitted:
         """Wait until it is finished, with a progress bar on a terminal."""
         self.state = await self._client._run(calls.wait(self.state, progress))
         return self
+
+    async def frame_warnings(self) -> list[dict[str, Any]]:
+        """Return the warnings of its frames, the most frequent first: `warning`, `frames`, `first_frame`."""
+        return await self._client._run(calls.frame_warnings(self.id))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ipaddress
 import json
 import os
 import uuid
@@ -54,6 +55,15 @@ class Request:
 Call: TypeAlias = Generator[Request, httpx.Response, T]
 
 
+def uses_proxies(server: str) -> bool:
+    """Return whether a proxy of the environment may serve this address: never for loopback."""
+    host = (httpx.URL(server).host or "").lower()
+    try:
+        return not ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return host != "localhost" and not host.endswith(".localhost")
+
+
 def headers(token: str | None) -> dict[str, str]:
     """Return the headers of every request."""
     return {"Authorization": f"Bearer {token}"} if token else {}
@@ -99,6 +109,12 @@ def wait(job: Mapping[str, Any], progress: bool) -> Call[dict[str, Any]]:
         state = yield from get(f"/v1/jobs/{state['id']}", wait=WAIT_S, since=state["version"])
         bar.set(state["done"] + state["failed"])
     return state
+
+
+def frame_warnings(job: str) -> Call[list[dict[str, Any]]]:
+    """Ask for the warnings of a job's frames."""
+    page = yield from get(f"/v1/jobs/{quote(job, safe='')}/warnings")
+    return list(page["items"])
 
 
 def images(
@@ -190,16 +206,19 @@ def _matrix(pose: Any) -> bytes:
 
 
 def _scene_file(name: str, part: Picture) -> bytes:
-    """Return the file of a part: integers as PNG, floats (linear radiance, meters) as NPY."""
+    """Return the file of a part: uint8 and uint16 as PNG, other types as NPY."""
     if not isinstance(part, np.ndarray):
         return Path(part).read_bytes()
     if part.ndim not in (2, 3) or (part.ndim == 3 and part.shape[2] != 3):
         raise ValueError(f"{name} has shape {part.shape} but (height, width) or (height, width, 3) is needed")
-    if not np.issubdtype(part.dtype, np.floating):
+    if part.dtype in (np.uint8, np.uint16):
         return _native.encode_png(part)
+    file = BytesIO()
+    if not np.issubdtype(part.dtype, np.floating):
+        np.save(file, part, allow_pickle=False)
+        return file.getvalue()
     if name == "rgb" and not np.isfinite(part).all():
         raise ValueError(f"{name} has {np.count_nonzero(~np.isfinite(part))} samples that are not finite")
-    file = BytesIO()
     np.save(file, np.ascontiguousarray(part, dtype=np.float32), allow_pickle=False)
     return file.getvalue()
 

@@ -29,7 +29,12 @@ class Client:
         """Defaults: FATHOM_SERVER and FATHOM_TOKEN."""
         self.server = server or os.environ.get("FATHOM_SERVER", SERVER)
         self.token = token or os.environ.get("FATHOM_TOKEN")
-        self._http = httpx.Client(base_url=self.server, headers=calls.headers(self.token), timeout=calls.TIMEOUT)
+        self._http = httpx.Client(
+            base_url=self.server,
+            headers=calls.headers(self.token),
+            timeout=calls.TIMEOUT,
+            trust_env=calls.uses_proxies(self.server),
+        )
 
     def __enter__(self) -> Client:
         return self
@@ -120,19 +125,26 @@ class Client:
         invalid_code: int | None = None,
         focal_px: float | None = None,
         hfov_deg: float | None = None,
+        scale: float | None = None,
         collection: str | None = None,
         name: str | None = None,
     ) -> str:
         """Upload a scene and return its id.
 
         Each part is a file or an array: `rgb` uint8 or uint16 codes, or float linear radiance, (H, W, 3); `range` or
-        `z_depth` float meters or integers of `unit_m` meters, (H, W); `instances` uint8 or uint16, (H, W). `classes`
-        says what the instances are: `{1: "pile", 2: "chain"}`, COCO's `categories` and `segments_info`, or a JSON
-        file. `pose` says where the camera was: the (4, 4) matrix from camera axes (right, down, ahead) to the world, or
-        a JSON file.
+        `z_depth` float meters or integers of `unit_m` meters, (H, W); `instances` whole numbers, (H, W). `scale` is the
+        factor from the floats of `rgb` to linear light, where 1 is white. `classes` names the instances:
+        `{1: "pile", 2: "chain"}`, COCO's `categories` and `segments_info`, or a JSON file. `pose` is the pose of the
+        camera: the (4, 4) matrix from camera axes (right, down, ahead) to the world, or a JSON file.
         """
         texts: dict[str, float | str | None] = {"collection": collection, "name": name}
-        numbers = {"unit_m": unit_m, "invalid_code": invalid_code, "focal_px": focal_px, "hfov_deg": hfov_deg}
+        numbers = {
+            "unit_m": unit_m,
+            "invalid_code": invalid_code,
+            "focal_px": focal_px,
+            "hfov_deg": hfov_deg,
+            "scale": scale,
+        }
         return self._run(calls.upload(rgb, range, z_depth, instances, classes, pose, texts | numbers))
 
     def train(
@@ -200,3 +212,7 @@ class Submitted:
         """Wait until it is finished, with a progress bar on a terminal."""
         self.state = self._client._run(calls.wait(self.state, progress))
         return self
+
+    def frame_warnings(self) -> list[dict[str, Any]]:
+        """Return the warnings of its frames, the most frequent first: `warning`, `frames`, `first_frame`."""
+        return self._client._run(calls.frame_warnings(self.id))
