@@ -184,7 +184,10 @@ impl Job {
     #[must_use]
     pub fn label_types(&self) -> BTreeMap<String, BTreeSet<LabelType>> {
         let mut types: BTreeMap<String, BTreeSet<LabelType>> = BTreeMap::new();
-        let labels = self.documents.iter().filter_map(|document| document.node.get("labels"));
+        let labels = self
+            .documents
+            .iter()
+            .filter_map(|document| document.node.get("labels"));
         for (name, found) in labels.flat_map(|labels| label_types(&labels.canonical())) {
             types.entry(name).or_default().extend(found);
         }

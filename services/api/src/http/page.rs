@@ -37,7 +37,7 @@ const START: Asset = Asset {
     bytes: include_bytes!("../../page/index.html"),
 };
 const SCRIPT: &str = "text/javascript; charset=utf-8";
-const ASSETS: [Asset; 24] = assets! {
+const ASSETS: [Asset; 25] = assets! {
     "api.js": SCRIPT,
     "app.js": SCRIPT,
     "chart.js": SCRIPT,

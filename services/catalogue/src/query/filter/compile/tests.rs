@@ -31,6 +31,7 @@ fn lookup(name: &str) -> Option<Column> {
         join: None,
         found: None,
         replica_name: Some(name.to_owned()),
+        place: "?",
     })
 }
 

@@ -11,7 +11,9 @@ use serde_json::Value;
 
 use crate::commands::dataset::export::files::lists::Rows;
 use crate::commands::dataset::export::files::target::{create, draft_of};
-use crate::commands::dataset::export::formats::tables::{TableRow, WriteTable, split_labels, table_columns, text_column};
+use crate::commands::dataset::export::formats::tables::{
+    TableRow, WriteTable, split_labels, table_columns, text_column,
+};
 
 const TABLE: &str = "metadata.parquet";
 /// Rows of a group.
