@@ -18,7 +18,7 @@ use crate::setup::{Parameter, Setup};
 use crate::studio::read_json;
 use crate::table::Table;
 use column::{Column, summarize};
-use shot::{Shot, Task, compare, take_all};
+use shot::{Measure, Shot, Task, compare, take_all};
 
 /// Parameters of every experiment on jobs.
 pub const PARAMETERS: &[Parameter] = &[
@@ -74,26 +74,6 @@ struct Variant {
     name: String,
     /// Merged into the job of the case; null removes a field.
     job: Value,
-}
-
-/// A measurement.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
-enum Measure {
-    /// Milliseconds of the stages.
-    Time,
-    /// Differences of the codes to the previous and to the last variant.
-    Difference,
-    /// Error of the exposed light against the f64 reference.
-    Reference,
-    /// Bias against Monte Carlo.
-    Truth,
-    /// Statistics of the picture.
-    Look,
-    /// Features of photographs: spread, clipping, entropy, spectrum, grain.
-    Photograph,
-    /// Effects that the plan added.
-    Effects,
 }
 
 #[derive(Debug, Clone, Deserialize)]

@@ -2,12 +2,14 @@
 
 mod axis;
 mod bars;
+mod colors;
 mod heat;
 mod lines;
 mod svg;
 
 pub use axis::Axis;
 pub use bars::{Bar, Bars};
+pub use colors::PALETTE;
 pub use heat::HeatMap;
 pub use lines::{Form, Lines, Mark, Panels, Series};
 
@@ -36,10 +38,3 @@ impl Chart {
         }
     }
 }
-
-/// Colors that are distinguishable with color vision deficiency (Okabe and Ito 2008).
-pub const PALETTE: [&str; 8] = [
-    "#0072b2", "#e69f00", "#009e73", "#cc79a7", "#d55e00", "#56b4e9", "#787828", "#3c3c3c",
-];
-const INK: &str = "#1e2226";
-const FAINT: &str = "#d6dade";

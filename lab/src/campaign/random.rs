@@ -9,7 +9,7 @@ use super::case::Case;
 use super::knobs::{FIRST, Knobs, LAST};
 use super::lamps::{Surfaces, draw_lamps, has_many_lamps};
 use super::picture::{BRIGHT, LIGHTS, Limits, WHITE, draw_picture, draw_sides};
-use super::water::{draw_patches, draw_sediment, draw_sky, draw_snow, draw_water};
+use super::water::{draw_patches, draw_sediment, draw_sky, draw_snow, draw_water, has_veil};
 
 /// Water alone, in all sizes.
 const WATER: Limits = Limits {
@@ -136,11 +136,6 @@ fn draw_place(knobs: &Knobs, limits: Limits) -> (Value, Plane<f32>) {
     let scene = json!({"kind": "procedural", "family": family, "seed": seed});
     let job = json!({"scene": scene, "camera": camera, "fidelity": draw_tolerance(knobs)});
     (job, range)
-}
-
-/// Whether the description sets the veil, which then replaces that of daylight.
-pub(super) fn has_veil(knobs: &Knobs) -> bool {
-    knobs.chance("water.has_veil", 0.5)
 }
 
 fn has_patches(knobs: &Knobs) -> bool {

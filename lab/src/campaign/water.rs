@@ -7,7 +7,6 @@ use serde_json::{Value, json};
 use spec::Snow;
 
 use super::knobs::Knobs;
-use super::random::has_veil;
 
 /// Maximum visible particles; more would slow down the reference.
 const MOST_PARTICLES: f64 = 3000.0;
@@ -130,4 +129,9 @@ pub(super) fn draw_sky(knobs: &Knobs) -> Value {
         "cloud_cover": cloud_cover,
         "wind_m_per_s": knobs.within("sky.wind", 0.0, 20.0),
     })
+}
+
+/// Whether the description sets the veil, which then replaces that of daylight.
+pub(super) fn has_veil(knobs: &Knobs) -> bool {
+    knobs.chance("water.has_veil", 0.5)
 }

@@ -5,7 +5,7 @@ use optics::medium::Medium;
 use optics::water::Water;
 use spec::{ForwardScatter, Optics, ScatterModel};
 
-use super::scenes::ChartScene;
+use super::scenes::{ChartScene, focal_px};
 use crate::measurement::{Measurement, Times, difference, time};
 
 /// The default tolerance of a job.
@@ -84,11 +84,6 @@ pub(super) fn coastal(width: usize, model: ScatterModel) -> Option<Water> {
         ..Optics::default()
     });
     Water::resolve(&request, focal_px(width)).ok()
-}
-
-/// The focal length of a camera of 80° across.
-pub(super) fn focal_px(width: usize) -> f64 {
-    width as f64 / (2.0 * 40f64.to_radians().tan())
 }
 
 /// The samples in another precision.

@@ -4,8 +4,8 @@ use imaging::geometry::Intrinsics;
 use optics::lamp::{LAMP_RADIUS_M, Lamp, Lighting, REFERENCE_NODES, airlight, airlight_reference};
 use spec::ScatterModel;
 
-use super::bench::{Bench, DEFAULT_TOLERANCE, TOLERANCES, coastal, focal_px};
-use super::scenes::ChartScene;
+use super::bench::{Bench, DEFAULT_TOLERANCE, TOLERANCES, coastal};
+use super::scenes::{ChartScene, focal_px};
 use crate::measurement::Measurement;
 
 /// Two lamps in coastal water: one next to the camera, one in view.

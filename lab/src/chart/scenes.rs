@@ -11,8 +11,6 @@ use optics::range::is_hole;
 use scenes::uploaded::decode;
 use spec::{RangeFile, RangeKind, SceneFiles};
 
-use super::bench::focal_px;
-
 /// A scene in air with its range.
 #[derive(Debug, Clone)]
 pub struct ChartScene {
@@ -113,6 +111,11 @@ fn pattern(width: usize, height: usize) -> Rgb<f32> {
         let lamp = if x % 97 < 3 && y % 89 < 3 { 1.0 } else { 0.0 };
         [stripe + noise, 0.7 * stripe + noise, 0.8 - 0.7 * stripe + noise].map(|v: f32| v.max(lamp))
     })
+}
+
+/// The focal length of a camera of 80° across.
+pub(super) fn focal_px(width: usize) -> f64 {
+    width as f64 / (2.0 * 40f64.to_radians().tan())
 }
 
 #[cfg(test)]

@@ -8,7 +8,6 @@ use renderer::{Rendered, SceneSource};
 use serde_json::{Value, json};
 use spec::{Fidelity, Frame};
 
-use super::Measure;
 use super::column::{Column, Summary};
 use super::view::{read_codes, view};
 use crate::look;
@@ -16,6 +15,7 @@ use crate::measurement::difference;
 use crate::parallel::run_all;
 use crate::setup::Setup;
 use crate::studio::{Studio, artifact, raster};
+use serde::Deserialize;
 
 /// A frame to render, and its measurements.
 pub(super) struct Task {
@@ -247,4 +247,24 @@ fn list_effects(plan: &Value) -> Vec<Column> {
         })
     };
     stages.filter_map(effect).collect()
+}
+
+/// A measurement.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Measure {
+    /// Milliseconds of the stages.
+    Time,
+    /// Differences of the codes to the previous and to the last variant.
+    Difference,
+    /// Error of the exposed light against the f64 reference.
+    Reference,
+    /// Bias against Monte Carlo.
+    Truth,
+    /// Statistics of the picture.
+    Look,
+    /// Features of photographs: spread, clipping, entropy, spectrum, grain.
+    Photograph,
+    /// Effects that the plan added.
+    Effects,
 }

@@ -1,7 +1,7 @@
 //! Bars with error bars, one panel for each quantity.
 
+use super::colors::{FAINT, INK, PALETTE};
 use super::svg::{Anchor, Svg};
-use super::{FAINT, INK, PALETTE};
 
 /// A mean with its spread.
 #[derive(Debug, Clone, PartialEq)]

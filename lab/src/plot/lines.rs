@@ -1,8 +1,8 @@
 //! Points and lines over two axes.
 
 use super::axis::{Axis, Scale};
+use super::colors::{FAINT, INK, PALETTE};
 use super::svg::{Anchor, Svg};
-use super::{FAINT, INK, PALETTE};
 
 /// A labeled point.
 #[derive(Debug, Clone, PartialEq, Default)]

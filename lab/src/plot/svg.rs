@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::INK;
+use super::colors::INK;
 
 /// Which point of a text is at its position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,10 +1,12 @@
 //! Decodes user files in a separate process, `PROGRAM decode --folder FOLDER`, with limited memory and time. The
 //! folder contains `request.json` and the files; the process writes `reply.json`.
 
+mod refusal;
+mod summary;
+
 use std::collections::BTreeMap;
-use std::fs;
-use std::io;
 use std::path::Path;
+use std::{fs, io};
 
 use client::SceneSummary;
 use enhance::Method;
@@ -12,7 +14,6 @@ use imaging::Raster;
 use imaging::codec::{Radiance, decode_picture, decode_radiance, encode_png, encode_webp_lossless};
 use imaging::geometry::Intrinsics;
 use quality::MetricId;
-use scenes::SceneError;
 use scenes::uploaded::{check_objects, decode};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -20,7 +21,8 @@ use spec::SceneFiles;
 use utoipa::ToSchema;
 
 use crate::limits;
-use crate::scenes::summary::{check_units, summarize};
+pub(crate) use refusal::Refusal;
+use summary::{check_units, summarize};
 
 pub(crate) const REQUEST: &str = "request.json";
 pub(crate) const REPLY: &str = "reply.json";
@@ -91,28 +93,6 @@ pub(crate) struct Measured {
     height: usize,
     /// Values by metric.
     metrics: BTreeMap<String, f64>,
-}
-
-/// A rejected file: form field and reason.
-#[derive(Serialize, Deserialize)]
-pub(crate) struct Refusal {
-    pub(crate) pointer: String,
-    pub(crate) message: String,
-}
-
-impl Refusal {
-    pub(crate) fn new(field: &str, message: impl ToString) -> Self {
-        Self {
-            pointer: format!("/{field}"),
-            message: message.to_string(),
-        }
-    }
-}
-
-impl From<SceneError> for Refusal {
-    fn from(error: SceneError) -> Self {
-        Self::new(error.field(), error)
-    }
 }
 
 /// Executes the request in a folder; the main function of `PROGRAM decode`.

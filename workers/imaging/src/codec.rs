@@ -16,13 +16,12 @@ mod sheet;
 mod sides;
 mod tiff;
 
-pub use decode::{
-    FilePlane, Radiance, decode_mask, decode_picture, decode_plane, decode_radiance, has_distances,
-};
+pub use decode::{decode_mask, decode_picture, decode_plane, decode_radiance, has_distances};
 pub use encode::{EncodeError, encode_jpeg, encode_png, encode_png_with_text, encode_webp_lossless};
 pub use npy::{NpyArray, NpyValues, decode_npy, encode_npy_pair, encode_npy_plane, encode_npy_rgb};
 pub use orientation::Orientation;
 pub use scale::downscale;
+pub use sheet::{FilePlane, Radiance};
 pub use sides::{announced_pixels, read_sides};
 
 use crate::Plane;

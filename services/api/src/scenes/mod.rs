@@ -2,7 +2,6 @@
 
 mod keep;
 pub(crate) mod routes;
-pub(crate) mod summary;
 mod upload;
 pub(crate) mod view;
 

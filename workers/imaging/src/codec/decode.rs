@@ -1,36 +1,14 @@
 //! Decoding of pictures, range files and float radiance.
 
-use super::DecodeError;
-use super::npy;
-use super::openexr;
 use super::orientation::Orientation;
 use super::picture::FileFormat;
-use super::sheet::Sheet;
+use super::sheet::{FilePlane, Radiance, Sheet};
+use super::{DecodeError, npy, openexr};
 use crate::{Plane, Raster, Rgb};
 
 const PICTURE_FORMATS: &[&str] = &["PNG", "JPEG", "WebP", "BMP", "TIFF"];
 const RADIANCE_FORMATS: &[&str] = &["PNG", "JPEG", "WebP", "BMP", "TIFF", "NPY", "EXR"];
 const PLANE_FORMATS: &[&str] = &["PNG", "BMP", "TIFF", "WebP", "NPY", "EXR"];
-
-/// A plane from a file.
-#[derive(Debug, Clone, PartialEq)]
-pub enum FilePlane {
-    /// Integer codes; the file does not define their unit.
-    Codes(Plane<u16>),
-    /// Integers beyond 16 bits, of which at least one is negative or above 65535.
-    Wide(Plane<i32>),
-    /// Floats.
-    Floats(Plane<f32>),
-}
-
-/// A color picture from a file.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Radiance {
-    /// Integer codes, sRGB by default.
-    Encoded(Raster),
-    /// Linear light.
-    Linear(Rgb<f32>),
-}
 
 /// Decodes a PNG, JPEG, WebP, BMP or TIFF picture: 8 or 16 bit, gray or color, palettes and fewer bits expanded, alpha
 /// separate. An animation yields its first picture. The orientation tag is applied; color profiles are not.

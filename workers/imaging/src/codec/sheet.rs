@@ -3,7 +3,6 @@
 
 use std::ops::Range;
 
-use super::decode::{FilePlane, Radiance};
 use super::{DecodeError, new_plane};
 use crate::{Channels, Plane, Raster, Rgb, Samples};
 
@@ -235,4 +234,24 @@ fn linear(width: usize, height: usize, colors: usize, light: &[f32]) -> Result<R
             format: "picture",
             reason: error.to_string(),
         })
+}
+
+/// A plane from a file.
+#[derive(Debug, Clone, PartialEq)]
+pub enum FilePlane {
+    /// Integer codes; the file does not define their unit.
+    Codes(Plane<u16>),
+    /// Integers beyond 16 bits, of which at least one is negative or above 65535.
+    Wide(Plane<i32>),
+    /// Floats.
+    Floats(Plane<f32>),
+}
+
+/// A color picture from a file.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Radiance {
+    /// Integer codes, sRGB by default.
+    Encoded(Raster),
+    /// Linear light.
+    Linear(Rgb<f32>),
 }

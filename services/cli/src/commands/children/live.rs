@@ -9,7 +9,7 @@ use serde::Deserialize;
 use serde_json::json;
 use spec::Job;
 
-use super::EngineArguments;
+use super::engine::EngineArguments;
 
 /// A line of standard input.
 #[derive(Deserialize)]

@@ -2,15 +2,12 @@
 
 mod check_style;
 mod decode;
+mod engine;
 mod live;
 mod rerender;
 
-use std::path::PathBuf;
-use std::sync::Arc;
-
 use cli::exit::Failure;
-use cli::styles::StyleArguments;
-use renderer::Engine;
+pub(crate) use engine::EngineArguments;
 
 /// The tasks of child processes.
 #[derive(clap::Subcommand)]
@@ -33,22 +30,5 @@ impl Task {
             Self::Decode(arguments) => decode::run(arguments),
             Self::CheckStyle(arguments) => check_style::run(arguments),
         }
-    }
-}
-
-/// Options of a child that renders.
-#[derive(clap::Args)]
-pub(crate) struct EngineArguments {
-    /// Data folder of the service, for the styles added to it
-    #[arg(long)]
-    data: PathBuf,
-    #[command(flatten)]
-    style: StyleArguments,
-}
-
-impl EngineArguments {
-    fn engine(&self) -> Result<Arc<Engine>, Failure> {
-        let library = self.style.library_of_service(&self.data)?;
-        Ok(Arc::new(Engine::new(library, self.style.onnxruntime.as_deref())))
     }
 }

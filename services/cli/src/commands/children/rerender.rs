@@ -10,7 +10,7 @@ use renderer::{SceneBytes, SceneSource, Slot};
 use serde::Deserialize;
 use spec::{Job, SceneFiles};
 
-use super::EngineArguments;
+use super::engine::EngineArguments;
 
 /// Options of `fathom child rerender`.
 #[derive(clap::Args)]

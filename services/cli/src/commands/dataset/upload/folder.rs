@@ -6,13 +6,14 @@ use cli::exit::Failure;
 use cli::progress::Progress;
 use client::Client;
 
-use super::Arguments;
+use super::arguments::Arguments;
 use super::entries::{Entries, list_entries};
 use super::layout::Layout;
 use super::named::{choose_layout, plan_words};
 use super::nerfstudio::plan_nerfstudio;
-use super::plan::{FolderPlan, Role};
+use super::plan::FolderPlan;
 use super::poses::add_poses;
+use super::role::Role;
 use super::scene::{describe_summary, upload_scene};
 use super::simulators::{add_isaac_parts, add_kubric_camera};
 use super::tum::plan_tum;

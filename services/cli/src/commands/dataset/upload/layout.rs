@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use cli::exit::Failure;
 
 use super::entries::Entry;
-use super::plan::Role;
+use super::role::Role;
 use super::words::{GAZEBO, ISAAC, KUBRIC, PARALLEL, Vocabulary, split_numbered};
 
 /// Arrangement of the files of a folder.

@@ -2,7 +2,8 @@
 
 use super::entries::Entry;
 use super::layout::Layout;
-use super::plan::{Assigned, FolderPlan, Role};
+use super::plan::{Assigned, FolderPlan};
+use super::role::Role;
 use super::words::{MAPS, PICTURES, Vocabulary, fits_role, is_companion_name, split_numbered};
 
 /// Assigns the files of a layout of words.

@@ -3,8 +3,9 @@
 use cli::exit::Failure;
 
 use super::entries::Entry;
-use super::plan::{Assigned, FolderPlan, Role};
+use super::plan::{Assigned, FolderPlan};
 use super::poses::{add_poses, count_common_parts, read};
+use super::role::Role;
 use super::words::PICTURES;
 
 const TRANSFORMS: &str = "transforms.json";

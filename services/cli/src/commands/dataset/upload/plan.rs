@@ -8,31 +8,7 @@ use serde_json::Value;
 
 use super::entries::{Entry, Unused};
 use super::layout::Layout;
-
-/// Part of a scene's form that a file fills.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Role {
-    Picture,
-    Range,
-    ZDepth,
-    Instances,
-    Classes,
-    Pose,
-}
-
-impl Role {
-    /// Field of the form.
-    pub(super) fn field(self) -> &'static str {
-        match self {
-            Self::Picture => "rgb",
-            Self::Range => "range",
-            Self::ZDepth => "z_depth",
-            Self::Instances => "instances",
-            Self::Classes => "classes",
-            Self::Pose => "pose",
-        }
-    }
-}
+use super::role::Role;
 
 /// Numbers of a camera, as the form takes them.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

@@ -9,7 +9,8 @@ use imaging::codec::read_sides;
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
-use super::plan::{CameraNumbers, FolderPlan, Role};
+use super::plan::{CameraNumbers, FolderPlan};
+use super::role::Role;
 
 /// The file with its camera, which each frame may replace.
 #[derive(Deserialize)]

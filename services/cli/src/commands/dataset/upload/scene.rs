@@ -10,10 +10,11 @@ use imaging::codec::{decode_mask, has_distances};
 use serde_json::json;
 use ureq::unversioned::multipart::{Form, Part};
 
+use super::arguments::{Arguments, EmbeddedDepth};
 use super::color_masks::{number_colors, number_suim};
 use super::layout::Layout;
-use super::plan::{CameraNumbers, FolderPlan, Role, ScenePlan};
-use super::{Arguments, EmbeddedDepth};
+use super::plan::{CameraNumbers, FolderPlan, ScenePlan};
+use super::role::Role;
 
 /// The bytes of a scene's form.
 struct Contents(Vec<(&'static str, Vec<u8>)>);

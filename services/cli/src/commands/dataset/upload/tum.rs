@@ -5,7 +5,8 @@ use cli::files;
 use serde_json::json;
 
 use super::entries::Entry;
-use super::plan::{Assigned, FolderPlan, Role};
+use super::plan::{Assigned, FolderPlan};
+use super::role::Role;
 
 /// Longest time between a picture and its depth or pose, s; that of the benchmark's tools.
 const MAX_DELAY_S: f64 = 0.02;

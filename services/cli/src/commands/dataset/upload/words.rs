@@ -1,6 +1,6 @@
 //! The words in names of files and folders that tell their content.
 
-use super::plan::Role;
+use super::role::Role;
 
 /// Extensions of pictures.
 pub(super) const PICTURES: &[&str] = &["png", "jpg", "jpeg", "webp", "bmp", "tif", "tiff", "exr"];

@@ -7,7 +7,7 @@ use imaging::codec::{Orientation, has_distances};
 use scenes::Scene;
 use spec::SceneFiles;
 
-use crate::decode::Refusal;
+use super::refusal::Refusal;
 
 /// Median distance above which a map without `unit_m` is probably not in meters.
 const FAR_MEDIAN_M: f32 = 100.0;
