@@ -1,23 +1,17 @@
 //! Checks a description against the schema and collects every error.
 
 mod across;
-mod camera;
 pub(crate) mod collection;
-mod daylight;
 mod extremes;
-mod labels;
 mod law;
-mod lights;
 mod names;
 mod object;
 mod own_water;
 mod present;
 mod rules;
-mod scene;
+mod sections;
 mod tagged;
-mod truth;
 mod values;
-mod water;
 
 use std::collections::BTreeSet;
 
@@ -33,6 +27,7 @@ use crate::vocabulary::Vocabulary;
 pub(crate) use lights::has_lamps;
 pub(crate) use names::is_dataset;
 pub(crate) use object::parse_default;
+use sections::{lights, truth};
 pub(crate) use truth::is_traced;
 pub(crate) use values::find_values;
 

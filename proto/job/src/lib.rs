@@ -3,50 +3,20 @@
 //! A [`Job`] is a frame description with distributions in place of values. [`Job::parse`] reports all errors
 //! together. [`Job::resolve`] is a pure function of (job, index) to a [`Frame`] without distributions.
 
-mod artifact;
-mod camera;
 mod check;
-mod classes;
 mod collection;
-mod daylight;
+mod declared;
 mod described;
-mod earlier;
-mod encode;
-pub mod fields;
-mod frame;
-mod inhabited;
-mod invalid;
+mod description;
+mod distributions;
 mod job;
-mod json;
-mod label_types;
-pub mod law;
-mod leaves;
-mod light;
-mod merkle;
-pub mod migration;
-mod node;
-mod normal;
 mod own_water;
 mod recent;
-mod record;
-mod record_text;
-mod results;
-mod rules;
-mod scene;
-mod scene_files;
-mod scene_parts;
-mod scene_record;
+mod records;
 pub mod schema;
-mod set_state;
-mod shard_member;
 mod site;
-mod suggest;
-mod suspended;
-pub mod table;
-pub mod truth;
-mod vocabulary;
+mod text;
 mod warnings;
-mod water;
 
 pub use imaging::digest::{hex, sha256};
 pub use imaging::geometry::Intrinsics;
@@ -59,7 +29,16 @@ pub use camera::{
 pub use classes::{Classes, SceneCategory, Segment};
 pub use collection::{MAX_COLLECTION, is_collection};
 pub use daylight::{Daylight, NamedDaylight, Sky};
+pub use declared::{fields, table};
+use declared::{leaves, rules, vocabulary};
 pub use described::{Beyond, Described, beyond};
+pub use description::truth;
+use description::{
+    artifact, camera, classes, daylight, frame, inhabited, label_types, light, results, scene, scene_files,
+    scene_parts, suspended, water,
+};
+pub use distributions::law;
+use distributions::{node, normal};
 pub use earlier::{EARLIER_VERSION, is_of_earlier_version};
 pub use encode::Encode;
 pub use frame::{Fidelity, Frame, SiteName};
@@ -76,6 +55,7 @@ pub use own_water::{JERLOV_TYPES, OwnWater};
 pub use recent::RecentJobs;
 pub use record::{ArtifactEntry, Counts, FrameRecord, Promise, Provenance, RecordOf, job_digest};
 pub use record_text::{BriefRecord, RecordText, Sound};
+use records::{merkle, record, record_text, scene_record, set_state, shard_member};
 pub use rules::{CameraRules, Fault, WaterConditions, WaterRules};
 pub use scene::{Scene, SceneLighting};
 pub use scene_files::{RangeFile, RangeKind, SceneFiles};
@@ -86,6 +66,8 @@ pub use shard_member::shard_member;
 pub use site::{SITES, SitePreset};
 pub use suggest::nearest;
 pub use suspended::{Sediment, Snow, Turbidity};
+pub use text::migration;
+use text::{earlier, encode, invalid, json, suggest};
 pub use truth::{Truth, TruthRecord};
 pub use vocabulary::Vocabulary;
 pub use water::{ForwardScatter, HoleRule, Optics, PhaseFunction, ScatterModel, ScatterSource, Water};

@@ -5,11 +5,10 @@
 //! a description are the identity. Each fast variant has an f64 reference.
 
 pub mod balance;
-pub mod defocus;
 mod elementary;
 pub mod exposure;
-pub mod geometry;
 pub mod jpeg;
+mod lens;
 pub mod mosaic;
 pub mod movement;
 mod parts;
@@ -18,6 +17,6 @@ mod rounding;
 pub mod rules;
 pub mod sensor;
 pub mod tone;
-pub mod vignette;
 
+pub use lens::{defocus, geometry, vignette};
 pub use parts::{Parts, PartsError, Scenery};

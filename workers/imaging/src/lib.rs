@@ -6,21 +6,20 @@
 mod border;
 pub mod cancel;
 pub mod codec;
-pub mod dct;
 pub mod digest;
-pub mod fft;
 pub mod geometry;
 pub mod lab;
-mod plane;
+mod planes;
 pub mod random;
-mod raster;
 pub mod rays;
-mod rgb;
 pub mod simd;
 pub mod transfer;
+mod transforms;
 pub mod vector;
 
 pub use border::reflected;
 pub use plane::{Plane, SizeError};
+use planes::{plane, raster, rgb};
 pub use raster::{Channels, Raster, Rgb8, Samples, luma1000};
 pub use rgb::Rgb;
+pub use transforms::{dct, fft};

@@ -10,13 +10,10 @@
 mod bins;
 mod bounds;
 mod casting;
-mod gates;
-mod layered;
 mod levels;
 mod model;
-mod passages;
 mod promise;
-mod scatter;
+mod scattering;
 mod shadows;
 mod shares;
 mod stage;
@@ -41,6 +38,7 @@ use serde::Serialize;
 use spec::Fidelity;
 
 use crate::water::Water;
+use scattering::{gates, layered, passages, scatter};
 
 /// The plan of a frame.
 #[derive(Debug, Clone, Default, PartialEq)]

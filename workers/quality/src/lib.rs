@@ -11,29 +11,20 @@
 //! A new metric is one file with a function of [`MetricInput`](work::MetricInput), declared here, and one row in the registry.
 
 mod blocks;
-mod ciede2000;
 mod colors;
-mod corners;
-mod entropy;
 mod error;
-mod light_uniformity;
 mod linear;
 mod measure;
+mod metrics;
 mod profile;
-mod psnr;
 mod registry;
 mod sobel;
-mod ssim;
-mod uciqe;
-mod uicm;
-mod uiconm;
-mod uiqm;
-mod uism;
 mod work;
 
 pub use ciede2000::ciede2000_reference;
 pub use error::QualityError;
 pub use measure::measure;
+use metrics::{ciede2000, corners, entropy, light_uniformity, psnr, ssim, uciqe, uicm, uiconm, uiqm, uism};
 pub use profile::Profile;
 pub use registry::{MetricId, MetricInfo};
 pub use ssim::ssim_reference;

@@ -10,11 +10,11 @@ pub(crate) mod haze;
 pub(crate) mod labels;
 pub(crate) mod lamps;
 pub(crate) mod measure;
+mod particles;
 mod range_file;
-pub(crate) mod sediment;
-pub(crate) mod snow;
 pub(crate) mod style;
-mod surroundings;
 pub(crate) mod truth;
-pub(crate) mod turbidity;
 pub(crate) mod water;
+
+use particles::surroundings;
+pub(crate) use particles::{sediment, snow, turbidity};

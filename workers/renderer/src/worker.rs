@@ -8,18 +8,15 @@
 mod beat;
 pub mod client;
 mod deliver;
-mod fetch;
+mod downloads;
 mod held;
-mod jobs;
 mod membership;
 mod memory;
 mod patience;
 mod running;
-mod scenes;
 mod shared;
 mod slot;
 mod stop;
-mod styles;
 mod watchdog;
 
 use std::path::PathBuf;
@@ -35,6 +32,7 @@ use wire::messages::RegisterRequest;
 
 use crate::engine::Engine;
 use crate::provenance::{CODE_VERSION, cpu_features};
+use downloads::{fetch, styles};
 use held::Held;
 use membership::Membership;
 pub use memory::available_bytes;

@@ -6,18 +6,14 @@ mod bottom;
 pub mod categories;
 pub mod classes;
 mod error;
-mod families;
+mod generators;
 pub mod labels;
 mod life;
-mod open_water;
 mod path;
-mod pipeline;
 pub mod pose;
 mod rays;
 mod scene;
-mod shaft;
 mod site;
-mod structure;
 pub mod uploaded;
 mod world;
 
@@ -29,6 +25,7 @@ pub use pose::{CameraPose, LEAST_CLEARANCE_M};
 pub use rays::WorldRays;
 pub use world::World;
 
+use generators::{families, open_water, pipeline, shaft, structure};
 use imaging::geometry::Intrinsics;
 pub use scene::Scene;
 

@@ -8,22 +8,13 @@
 
 pub(crate) mod bounds;
 pub(crate) mod builder;
-mod camera;
 pub(crate) mod chance;
-mod dots;
 pub(crate) mod finish;
-mod geometry;
 pub(crate) mod lanes;
-mod lattice;
-mod light;
-mod noise;
-mod outline;
-mod picture;
-pub(crate) mod pits;
 pub(crate) mod pose;
-mod rows;
-mod shade;
+mod rendering;
 pub(crate) mod solid;
+mod textures;
 pub(crate) mod tree;
 mod usual;
 pub(crate) mod view;
@@ -38,8 +29,11 @@ use solid::Solid;
 use usual::Usual;
 
 pub(crate) use picture::{RenderOptions, render};
+use rendering::{camera, geometry, light, outline, picture, rows, shade};
 pub(crate) use rows::{FAR_M, RenderedRows, SurfaceRows};
 pub(crate) use shade::LABEL_BEVEL_M;
+pub(crate) use textures::pits;
+use textures::{dots, lattice, noise};
 
 /// An object: its surface and its category. Number 0 is the ground.
 #[derive(Debug, Clone, Copy)]

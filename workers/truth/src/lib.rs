@@ -12,8 +12,6 @@
 mod compare;
 mod converge;
 mod daylight;
-mod dice;
-mod estimate;
 mod frame;
 mod lamp;
 pub mod light_tracer;
@@ -23,7 +21,7 @@ mod report;
 mod scene;
 mod sea;
 mod surface;
-mod walk;
+mod walks;
 mod water;
 
 pub use compare::{BlockDifference, Comparison, MeasuredValue};
@@ -40,4 +38,5 @@ pub use scene::{Along, TracedScene};
 pub use sea::{REFRACTIVE_INDEX, Sea, SeaSun, fresnel};
 pub use surface::{Lambertian, PictureSurfaces, SurfaceMaterials};
 pub use walk::{MOST_SEGMENTS, ORDERS, PathTally};
+use walks::{dice, estimate, walk};
 pub use water::{TurbidityField, WaterCoefficients, WaterLayers};

@@ -34,7 +34,7 @@ impl Present<'_> {
 
 /// The fields of a description by path, such as `water.optics`, separately for each alternative of a top-level field.
 #[derive(Default)]
-pub(super) struct Contents<'a> {
+pub(crate) struct Contents<'a> {
     pub(super) fields: Vec<Present<'a>>,
     /// Present fields, including defaults.
     present: BTreeSet<(String, usize)>,

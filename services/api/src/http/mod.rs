@@ -3,33 +3,27 @@
 pub(crate) mod auth;
 pub(crate) mod bounds;
 pub(crate) mod budget;
-pub(crate) mod docs;
+mod connection;
 pub(crate) mod extract;
 pub(crate) mod failure;
 pub(crate) mod form;
-mod held;
-pub(crate) mod hosts;
 pub(crate) mod layers;
-pub(crate) mod lines;
-pub(crate) mod listener;
 pub(crate) mod located;
 pub(crate) mod observe;
-pub(crate) mod page;
 pub(crate) mod paging;
-mod patient;
-pub(crate) mod picture;
 pub(crate) mod problem;
-pub(crate) mod problem_page;
-pub(crate) mod receive;
-pub(crate) mod stored;
+mod response;
 
 use std::sync::Arc;
 
 pub(crate) use axum::Json;
 pub(crate) use axum::extract::State;
 
+use connection::{held, patient};
+pub(crate) use connection::{hosts, listener, receive};
 pub(crate) use extract::{JsonBytes, MultipartBody, Path, Protobuf, Query};
 pub(crate) use problem::{Problem, Slug, found};
+pub(crate) use response::{docs, lines, page, picture, problem_page, stored};
 
 /// The state of a topic, for its handlers.
 pub(crate) type Topic<T> = State<Arc<T>>;

@@ -1,0 +1,9 @@
+//! Checks of the parts of a description.
+
+pub(crate) mod camera;
+pub(crate) mod daylight;
+pub(crate) mod labels;
+pub(crate) mod lights;
+pub(crate) mod scene;
+pub(crate) mod truth;
+pub(crate) mod water;

@@ -1,0 +1,55 @@
+use std::collections::BTreeSet;
+
+use imaging::codec::MAX_PIXELS;
+
+use crate::camera::Camera;
+use crate::check::Checker;
+use crate::check::values::find_values;
+use crate::invalid::FieldError;
+use crate::node::Node;
+
+impl Checker<'_> {
+    /// Tries the camera with each kind of scene.
+    pub(crate) fn try_cameras(&mut self, document: &Node, frames: u64) {
+        let Some(camera) = document.get("camera") else {
+            return;
+        };
+        let scenes = find_values(document, "scene");
+        let kinds: BTreeSet<bool> = scenes
+            .iter()
+            .map(|(_, scene): &(String, &Node)| scene.get("family").is_some())
+            .collect();
+        let find_faults = self.vocabulary.camera_rules.faults;
+        self.try_values("camera", camera, frames, &|camera: &Camera| {
+            kinds
+                .iter()
+                .flat_map(|renders| find_faults(camera, *renders))
+                .collect()
+        });
+    }
+
+    /// Checks the image size and the file format for its codes.
+    pub(crate) fn check_image(&mut self, document: &Node) {
+        let all_png = find_values(document, "encode")
+            .iter()
+            .all(|(_, encode): &(String, &Node)| {
+                let format = encode.get("format").map(|format| format.strings(""));
+                format.into_iter().flatten().all(|(_, name)| name == "png")
+            });
+        for (pointer, camera) in find_values(document, "camera") {
+            let [width, height, bits] = ["width", "height", "bits"]
+                .map(|name| camera.get(name).and_then(Node::greatest).unwrap_or_default());
+            if width * height > MAX_PIXELS as f64 {
+                let message =
+                    format!("`camera` can be {width}×{height} pixels; must be at most {MAX_PIXELS} pixels");
+                self.refuse(|| FieldError::new(&pointer, message).limit(format!("{MAX_PIXELS} pixels")));
+            }
+            if bits > 8.0 && !all_png {
+                let message = format!(
+                    "`camera.bits` is {bits}, but only PNG supports more than 8: set `encode.format` to \"png\""
+                );
+                self.refuse(|| FieldError::new(&format!("{pointer}/bits"), message));
+            }
+        }
+    }
+}

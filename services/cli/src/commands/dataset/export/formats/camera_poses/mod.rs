@@ -1,0 +1,6 @@
+//! Formats of camera poses.
+
+pub(crate) mod colmap;
+pub(crate) mod poses;
+pub(crate) mod transforms;
+pub(crate) mod view;

@@ -1,0 +1,5 @@
+//! The lens: projection, blur and falloff.
+
+pub mod defocus;
+pub mod geometry;
+pub mod vignette;

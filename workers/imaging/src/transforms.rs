@@ -1,0 +1,4 @@
+//! Fourier and cosine transforms.
+
+pub mod dct;
+pub mod fft;

@@ -1,0 +1,4 @@
+//! Changes of a finished picture.
+
+pub(crate) mod blend;
+pub(crate) mod haze;

@@ -1,0 +1,5 @@
+//! Particles in the water.
+
+pub mod sediment;
+pub mod snow;
+pub mod turbidity;

@@ -1,0 +1,5 @@
+//! Forward scatter.
+
+pub mod forward_scatter;
+pub mod kernel;
+pub mod layering;

@@ -1,0 +1,6 @@
+//! Rays, ranges and bounds of what a camera sees.
+
+pub mod eye;
+pub mod range;
+pub(crate) mod visibility;
+pub mod visible_bounds;

@@ -1,0 +1,13 @@
+//! The metrics, one file each.
+
+pub(crate) mod ciede2000;
+pub(crate) mod corners;
+pub(crate) mod entropy;
+pub(crate) mod light_uniformity;
+pub(crate) mod psnr;
+pub(crate) mod ssim;
+pub(crate) mod uciqe;
+pub(crate) mod uicm;
+pub(crate) mod uiconm;
+pub(crate) mod uiqm;
+pub(crate) mod uism;

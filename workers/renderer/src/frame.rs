@@ -1,0 +1,8 @@
+//! One frame: its inputs, effects and light.
+
+pub(crate) mod content;
+pub(crate) mod context;
+pub(crate) mod effects;
+pub(crate) mod inputs;
+pub(crate) mod light;
+pub(crate) mod preview;

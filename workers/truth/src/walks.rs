@@ -1,0 +1,5 @@
+//! Random walks of photons.
+
+pub(crate) mod dice;
+pub(crate) mod estimate;
+pub(crate) mod walk;
