@@ -54,7 +54,7 @@ impl Key {
                 width: None,
             },
             is_json: column.kind == Kind::Label,
-            column: column.as_json(),
+            column: column.into_json(),
             bins: None,
         })
     }

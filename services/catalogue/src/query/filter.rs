@@ -119,7 +119,7 @@ impl Column {
     }
 
     /// The JSON of a label's values, which has their types; other columns are unchanged.
-    pub(crate) fn as_json(self) -> Self {
+    pub(crate) fn into_json(self) -> Self {
         if self.kind != Kind::Label {
             return self;
         }
