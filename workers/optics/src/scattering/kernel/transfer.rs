@@ -274,7 +274,11 @@ mod tests {
             std::fs::write(path, bytes).unwrap();
             return;
         }
-        let pairs = sums.as_flattened().as_flattened().iter().zip(table.coefficients.as_flattened().as_flattened());
+        let pairs = sums
+            .as_flattened()
+            .as_flattened()
+            .iter()
+            .zip(table.coefficients.as_flattened().as_flattened());
         for (sum, held) in pairs {
             assert!((sum - held).abs() < 1e-14, "{sum} {held}");
         }

@@ -43,7 +43,7 @@ pub(crate) struct Shader<'a> {
     /// Renders reflectance instead of radiance.
     reflectance: bool,
     boxes: Vec<Bounds>,
-    /// For each solid and the ground, the solids within reach.
+    /// For each solid and the ground, the solids that shade it; empty for reflectance.
     near: Vec<Vec<u16>>,
     queues: Vec<Queue>,
 }
@@ -51,23 +51,18 @@ pub(crate) struct Shader<'a> {
 impl<'a> Shader<'a> {
     pub(crate) fn new(site: &'a Site, camera: &'a ViewCamera, reflectance: bool) -> Self {
         let boxes: Vec<Bounds> = site.solids.iter().map(Bounds::from_solid).collect();
-        let ground = Bounds::half_space(0.0);
-        let near = boxes.iter().chain([&ground]).enumerate();
-        let near = near.map(|(own, bounds)| {
-            // Mounds belong to the ground and cast no shadow on it; biota are too small and too numerous.
-            let others = (0..boxes.len()).filter(|&other| {
-                let object = site.solids[other].object;
-                other != own && object != 0 && !site.objects[usize::from(object)].category.is_life()
-            });
-            let others = others.filter(|&other| bounds.touches(&boxes[other], NEAR_M));
-            others.map(|other| other as u16).collect()
-        });
+        // Reflectance has no shadows.
+        let near = if reflectance {
+            Vec::new()
+        } else {
+            find_neighbors(site, &boxes)
+        };
         Self {
             site,
             camera,
             light: SiteLight::new(site),
             reflectance,
-            near: near.collect(),
+            near,
             queues: vec![Queue::default(); boxes.len() + 2],
             boxes,
         }
@@ -246,6 +241,24 @@ impl<'a> Shader<'a> {
             labels.findings[pixel] = mask[i] as u8;
         }
     }
+}
+
+/// For each solid and the ground, the solids within reach of their contact shadows. Mounds belong to the ground and cast no shadow
+/// on it; biota are too small and too numerous.
+fn find_neighbors(site: &Site, boxes: &[Bounds]) -> Vec<Vec<u16>> {
+    let casting = (0..boxes.len()).filter(|&solid| {
+        let object = site.solids[solid].object;
+        object != 0 && !site.objects[usize::from(object)].category.is_life()
+    });
+    let casting: Vec<usize> = casting.collect();
+    let ground = Bounds::half_space(0.0);
+    let shaded = boxes.iter().chain([&ground]).enumerate();
+    let near = shaded.map(|(own, bounds)| {
+        let others = casting.iter().filter(|&&other| other != own);
+        let others = others.filter(|&&other| bounds.touches(&boxes[other], NEAR_M));
+        others.map(|&other| other as u16).collect()
+    });
+    near.collect()
 }
 
 /// Unit normals in camera axes. Normals that an edge turned away from the camera are clamped to perpendicular.
