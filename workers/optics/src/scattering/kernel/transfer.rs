@@ -270,7 +270,7 @@ mod tests {
                 .iter()
                 .flat_map(|v| v.to_le_bytes())
                 .collect();
-            let path = concat!(env!("CARGO_MANIFEST_DIR"), "/src/kernel/folded.f64");
+            let path = concat!(env!("CARGO_MANIFEST_DIR"), "/src/scattering/kernel/folded.f64");
             std::fs::write(path, bytes).unwrap();
             return;
         }
