@@ -131,28 +131,6 @@ impl Effects {
     }
 }
 
-/// Costs of the estimated effects, ns per pixel.
-const SUN_SHADOW_NS: f64 = 30.0;
-const AMBIENT_NS: f64 = 160.0;
-const CAUSTICS_NS: f64 = 40.0;
-const SHAFTS_NS: f64 = 12.0;
-const LAMP_SHADOW_NS: f64 = 63.0;
-const VEIL_OCCLUSION_NS: f64 = 8.0;
-
-/// The expected cost of an effect in ms.
-pub(crate) fn expect_cost(id: StageId, pixels: usize, lamps: usize) -> f64 {
-    let ns = match id {
-        StageId::SunShadow => SUN_SHADOW_NS,
-        StageId::AmbientAccess => AMBIENT_NS,
-        StageId::Caustics => CAUSTICS_NS,
-        StageId::Shafts => SHAFTS_NS,
-        StageId::LampShadows => LAMP_SHADOW_NS * lamps as f64,
-        StageId::VeilOcclusion => VEIL_OCCLUSION_NS,
-        _ => 0.0,
-    };
-    ns * pixels as f64 / 1e6
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,15 +1,16 @@
 //! The effects of a frame, chosen before it is planned.
 
-use optics::plan::Plan;
+use optics::plan::{Plan, StageId};
 use spec::Fidelity;
 
 use super::state::Slot;
 use crate::context::FrameContext;
-use crate::effects::{ESTIMATED, Effects, expect_cost};
+use crate::effects::{ESTIMATED, Effects};
 use crate::error::RenderError;
 use crate::planning::plan_frame;
 use crate::preview::Preview;
 use crate::stage::camera::{self, Expected};
+use crate::stage::{daylight, lamps};
 use crate::stopwatch::Stopwatch;
 
 impl Slot {
@@ -63,17 +64,24 @@ impl Slot {
         let Some(preview) = Preview::new(&thin, gain, 3.0 * camera::hidden_error(context.frame)) else {
             return Ok(effects);
         };
-        let (width, height) = context.setting.size;
-        let lamps = context.setting.lighting.as_ref();
-        let lamps = lamps.map_or(0, |lighting| lighting.lamps.len());
         for id in ESTIMATED {
-            let change = preview.measure_change(id, expect_cost(id, width * height, lamps));
+            let change = preview.measure_change(id, expect_effect_ms(context, id));
             if let Some(change) = change {
                 effects.add(id, change);
             }
         }
         Ok(effects)
     }
+}
+
+/// Expected milliseconds of one effect.
+fn expect_effect_ms(context: &FrameContext<'_>, id: StageId) -> f64 {
+    let ns = match (id, &context.setting.lighting) {
+        (StageId::LampShadows, Some(lighting)) => lamps::shadow_ns(lighting),
+        _ => daylight::effect_ns(context, id),
+    };
+    let (width, height) = context.setting.size;
+    ns * (width * height) as f64 / 1e6
 }
 
 /// Sum of the expected milliseconds of all stages with a cost estimate.

@@ -2,7 +2,7 @@
 
 mod assess;
 
-pub(crate) use assess::assess;
+pub(crate) use assess::{assess, effect_ns};
 
 use std::borrow::Cow;
 

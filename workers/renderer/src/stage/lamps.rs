@@ -81,14 +81,28 @@ fn assess_shadows(assessment: &Assessment<'_>, lighting: &Lighting) -> Option<St
     let casting = needed_shadows(assessment, lighting);
     let rays = context.frame.ray_source();
     let shadows = Shadows::find(lighting, casting.as_ref(), Use::Surfaces, rays)?;
-    let direct = shadows.samples.min(SOFT_RAYS) as f64;
+    let ns = shadows.lamps as f64 * rays_ns(lighting, shadows.samples);
+    Some(shadow_stage(assessment, StageId::LampShadows, shadows).costing(ns, assessment.pixels()))
+}
+
+/// Expected cost of the shadows of all lamps on surfaces, ns per pixel.
+pub(crate) fn shadow_ns(lighting: &Lighting) -> f64 {
+    let each = lighting.lamps.iter().map(|lamp| match lamp.shadow() {
+        Shadow::None => 0.0,
+        Shadow::Hard => rays_ns(lighting, 1),
+        Shadow::Soft { samples, .. } => rays_ns(lighting, samples),
+    });
+    each.sum()
+}
+
+/// Cost of the rays to one lamp of this many light samples, and to its multiply scattered light.
+fn rays_ns(lighting: &Lighting, samples: usize) -> f64 {
     let discs = if lighting.absorption.is_some() {
         DISC_RAYS
     } else {
         0.0
     };
-    let ns = shadows.lamps as f64 * (direct + discs) * SHADOW_RAY_NS;
-    Some(shadow_stage(assessment, StageId::LampShadows, shadows).costing(ns, assessment.pixels()))
+    (samples.min(SOFT_RAYS) as f64 + discs) * SHADOW_RAY_NS
 }
 
 /// The necessary shadows; `None` if the reference traces all of them as described.

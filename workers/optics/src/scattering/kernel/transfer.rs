@@ -181,16 +181,7 @@ fn fit(value: impl Fn(f64, f64) -> f64) -> Coefficients {
     coefficients
 }
 
-/// A at γ, from the direct sum.
-fn fit_folded(gamma: f64) -> Coefficients {
-    if gamma == 0.0 {
-        fit(|fx, fy| 1.0 - sinc(fx) * sinc(fy))
-    } else {
-        fit(|fx, fy| folded_sum(fx, fy, gamma, EXPONENT_LIMIT))
-    }
-}
-
-/// Little-endian coefficients at each node, made by [`fit_folded`]: the sums take 45 ms, more than the plan of a frame.
+/// Little-endian coefficients at each node, made by the test `the_table_holds_the_sums`: they take 45 ms, more than the plan of a frame.
 const FOLDED: &[u8; (1 + GAMMA_NODES) * TERMS * TERMS * 8] = include_bytes!("folded.f64");
 
 static TABLE: LazyLock<SmallGamma> = LazyLock::new(SmallGamma::read);
@@ -257,6 +248,15 @@ fn read_coefficients(bytes: &[u8]) -> Coefficients {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A at γ, from the direct sum.
+    fn fit_folded(gamma: f64) -> Coefficients {
+        if gamma == 0.0 {
+            fit(|fx, fy| 1.0 - sinc(fx) * sinc(fy))
+        } else {
+            fit(|fx, fy| folded_sum(fx, fy, gamma, EXPONENT_LIMIT))
+        }
+    }
 
     /// With `FATHOM_WRITE=1` it writes the table. Sums differ by their last digits between libraries for exp.
     #[test]

@@ -7,6 +7,7 @@ use spec::RaySource;
 
 use super::{farthest_surface, on_surfaces};
 use crate::assessment::Assessment;
+use crate::context::FrameContext;
 
 /// Costs in ns per pixel: daylight on surfaces under an overcast sky and with the sun, a sun ray, each ambient-occlusion ray if any
 /// are traced, and caustics including their tiles.
@@ -38,7 +39,10 @@ pub(crate) fn assess(assessment: &Assessment<'_>) -> Vec<Stage> {
             note: Some("traced between similar lines of sight for every 16th pixel at most".to_owned()),
             ..Stage::new(StageId::VeilOcclusion, assessment.variant("coarse_rays"))
         };
-        stages.push(occlusion.costing(VEIL_OCCLUSION_NS, assessment.pixels()));
+        stages.push(occlusion.costing(
+            effect_ns(assessment.context, StageId::VeilOcclusion),
+            assessment.pixels(),
+        ));
     }
     stages
 }
@@ -81,7 +85,7 @@ fn assess_surfaces(assessment: &Assessment<'_>) -> Vec<Stage> {
             bound: None,
             ..Stage::new(StageId::Shafts, Variant::Fast("coarse_rays"))
         };
-        stages.push(shafts.costing(SHAFTS_NS, assessment.pixels()));
+        stages.push(shafts.costing(effect_ns(context, StageId::Shafts), assessment.pixels()));
     }
     stages
 }
@@ -95,8 +99,30 @@ fn assess_factor(assessment: &Assessment<'_>) -> Stage {
     Stage::new(StageId::SceneLight, Variant::Fast("daylight"))
 }
 
-fn is_by_screen(assessment: &Assessment<'_>) -> bool {
-    assessment.context.frame.ray_source() == RaySource::Screen
+fn is_by_screen(context: &FrameContext<'_>) -> bool {
+    context.frame.ray_source() == RaySource::Screen
+}
+
+/// Expected cost of an effect of daylight, ns per pixel.
+pub(crate) fn effect_ns(context: &FrameContext<'_>, id: StageId) -> f64 {
+    let by_screen = is_by_screen(context);
+    match id {
+        StageId::SunShadow if by_screen => SCREEN_RAY_NS,
+        StageId::SunShadow => SUN_RAY_NS,
+        StageId::AmbientAccess => {
+            let ray_ns = if by_screen {
+                SCREEN_RAY_NS / 5.0
+            } else {
+                AMBIENT_RAY_NS
+            };
+            let daylight = context.setting.water.as_ref().and_then(Water::daylight);
+            ray_ns * daylight.map_or(0, Daylight::ambient_rays) as f64
+        }
+        StageId::Caustics => CAUSTICS_NS,
+        StageId::Shafts => SHAFTS_NS,
+        StageId::VeilOcclusion => VEIL_OCCLUSION_NS,
+        _ => 0.0,
+    }
 }
 
 /// A stage of sunlight: skipped if its change is within its share.
@@ -118,29 +144,27 @@ fn assess_sunlight(assessment: &Assessment<'_>, id: StageId, fast: &'static str,
 }
 
 fn assess_sun_shadow(assessment: &Assessment<'_>, sunlight: f64) -> Stage {
-    let by_screen = is_by_screen(assessment);
-    let (variant, ns) = if by_screen {
-        ("rays_of_range_image", SCREEN_RAY_NS)
-    } else {
-        ("rays", SUN_RAY_NS)
-    };
+    let by_screen = is_by_screen(assessment.context);
+    let variant = if by_screen { "rays_of_range_image" } else { "rays" };
     let mut stage = assess_sunlight(assessment, StageId::SunShadow, variant, sunlight);
     if !stage.variant.is_skipped() {
         stage.note = Some(if by_screen { OFF_SCREEN } else { EDGES }.to_owned());
     }
-    stage.costing(ns, assessment.pixels())
+    stage.costing(
+        effect_ns(assessment.context, StageId::SunShadow),
+        assessment.pixels(),
+    )
 }
 
 const OFF_SCREEN: &str = "the error is not known: what the picture does not show casts no shadow";
 const EDGES: &str = "at edges a pixel may fall on the other side";
 
 fn assess_ambient(assessment: &Assessment<'_>, rays: usize) -> Stage {
-    let by_screen = is_by_screen(assessment);
-    let (variant, ns, note) = if by_screen {
-        ("rays_of_range_image", SCREEN_RAY_NS / 5.0, OFF_SCREEN)
+    let (variant, note) = if is_by_screen(assessment.context) {
+        ("rays_of_range_image", OFF_SCREEN)
     } else {
         let note = "traced at every fourth pixel of one surface, at each pixel between surfaces";
-        ("rays", AMBIENT_RAY_NS, note)
+        ("rays", note)
     };
     Stage {
         terms: Some(rays),
@@ -148,9 +172,16 @@ fn assess_ambient(assessment: &Assessment<'_>, rays: usize) -> Stage {
         note: Some(note.to_owned()),
         ..Stage::new(StageId::AmbientAccess, assessment.variant(variant))
     }
-    .costing(ns * rays as f64, assessment.pixels())
+    .costing(
+        effect_ns(assessment.context, StageId::AmbientAccess),
+        assessment.pixels(),
+    )
 }
 
 fn assess_caustics(assessment: &Assessment<'_>, changed: f64) -> Stage {
-    assess_sunlight(assessment, StageId::Caustics, "tiles", changed).costing(CAUSTICS_NS, assessment.pixels())
+    let stage = assess_sunlight(assessment, StageId::Caustics, "tiles", changed);
+    stage.costing(
+        effect_ns(assessment.context, StageId::Caustics),
+        assessment.pixels(),
+    )
 }
