@@ -78,7 +78,9 @@ fn draw_lamp(knobs: &Knobs, name: &str, surfaces: Surfaces<'_>) -> Value {
         false => json!(knobs.log(&format!("{name}.radius"), 1e-3, 0.5)),
     };
     if knobs.chance(&format!("{name}.is_spot"), 0.5) {
-        let cone_deg = knobs.log(&format!("{name}.cone"), 0.5, 90.0);
+        // The reference of a narrow cone needs many nodes.
+        let narrowest_deg = if has_many_lamps(knobs) { 5.0 } else { 0.5 };
+        let cone_deg = knobs.log(&format!("{name}.cone"), narrowest_deg, 90.0);
         // The axis misses the surface point by about the angle of the cone.
         let (sin, cos) = (cone_deg.to_radians() * knobs.within(&format!("{name}.turn"), 0.8, 1.2)).sin_cos();
         let [dx, dy, dz] = [0, 1, 2].map(|axis| surface[axis] - position_m[axis]);

@@ -19,12 +19,17 @@ const WATER: Limits = Limits {
 /// Uploaded pictures. The reference runs one transform for each distinct range.
 const PICTURES: Limits = Limits {
     sides_px: (20, 64),
-    pixels: 2500,
+    pixels: 1000,
 };
-/// Frames with patches, whose reference runs one transform for each pixel, and with many lamps.
+/// Frames with patches. The reference runs one transform for each pixel.
 const PATCHES: Limits = Limits {
     sides_px: (12, 32),
     pixels: 400,
+};
+/// Frames with many lamps, whose light the reference sums at each pixel.
+const MANY_LAMPS: Limits = Limits {
+    sides_px: (8, 16),
+    pixels: 150,
 };
 /// Procedural scenes, before supersampling. Their ranges are all distinct.
 const PROCEDURAL: Limits = Limits {
@@ -67,11 +72,7 @@ pub(super) fn draw_water_alone(mut knobs: Knobs) -> (Case, Knobs) {
 
 /// An uploaded picture with a camera.
 pub(super) fn draw_uploaded(knobs: &Knobs) -> Case {
-    let limits = if has_patches(knobs) || has_many_lamps(knobs) {
-        PATCHES
-    } else {
-        PICTURES
-    };
+    let limits = choose_limits(knobs, PICTURES);
     let picture = draw_picture(knobs, limits);
     let mut job =
         json!({"camera": draw_pinhole(knobs, picture.range.size()), "fidelity": draw_tolerance(knobs)});
@@ -94,11 +95,7 @@ pub(super) fn draw_procedural(knobs: &Knobs) -> Case {
         true => knobs.whole("camera.supersample", 2, 3),
         false => 1,
     };
-    let limits = if has_patches(knobs) || has_many_lamps(knobs) {
-        PATCHES
-    } else {
-        PROCEDURAL
-    };
+    let limits = choose_limits(knobs, PROCEDURAL);
     let limits = Limits {
         pixels: limits.pixels / (supersample * supersample),
         sides_px: (limits.sides_px.0 / supersample, limits.sides_px.1 / supersample),
@@ -136,6 +133,17 @@ fn draw_place(knobs: &Knobs, limits: Limits) -> (Value, Plane<f32>) {
     let scene = json!({"kind": "procedural", "family": family, "seed": seed});
     let job = json!({"scene": scene, "camera": camera, "fidelity": draw_tolerance(knobs)});
     (job, range)
+}
+
+/// Smaller pictures where the reference is slow.
+fn choose_limits(knobs: &Knobs, usual: Limits) -> Limits {
+    if has_many_lamps(knobs) {
+        MANY_LAMPS
+    } else if has_patches(knobs) {
+        PATCHES
+    } else {
+        usual
+    }
 }
 
 fn has_patches(knobs: &Knobs) -> bool {
