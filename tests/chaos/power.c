@@ -2,7 +2,7 @@
  *
  * It follows the files below $FATHOM_POWER_FOLDER. Writes go to the real files, and each is noted in $FATHOM_POWER_LOG with the
  * bytes that it replaced until fsync or fdatasync of its file makes it safe. A new name, a rename and a removal are noted until
- * fsync of their folder. At the cut, when the $FATHOM_POWER_CUT-th write comes, the process ends at once. `tests/suite/power.rs` then
+ * fsync of their folder. At the cut, when the $FATHOM_POWER_CUT-th write comes, the process ends at once. `tests/suite/faults/power.rs` then
  * takes back what was not safe: all of it, or what a seed chooses, whole or torn at a sector.
  *
  * The log has one line for each event, written with one call before the event happens:

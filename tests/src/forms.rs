@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::{Service, agent};
+use crate::{Service, read_json};
 
 impl Service {
     /// POST of a form with these fields.
@@ -18,18 +18,8 @@ impl Service {
             form.extend([head.as_bytes(), bytes, b"\r\n"].concat());
         }
         form.extend_from_slice(format!("--{BOUNDARY}--\r\n").as_bytes());
-        let mut response = agent()
-            .post(format!("{}{path}", self.url))
-            .header(
-                "content-type",
-                format!("multipart/form-data; boundary={BOUNDARY}"),
-            )
-            .send(&form)
-            .expect("the service responds");
-        let bytes = response.body_mut().read_to_vec().expect("a complete response");
-        (
-            response.status().as_u16(),
-            serde_json::from_slice(&bytes).unwrap_or_default(),
-        )
+        let content_type = format!("multipart/form-data; boundary={BOUNDARY}");
+        let headers = [("content-type", content_type.as_str())];
+        read_json(self.http().post(path, &headers, &form))
     }
 }

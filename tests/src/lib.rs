@@ -24,10 +24,13 @@ pub use worker::Worker;
 
 pub use commands::{digest_by_render, fathom, muddy_photo, root, run, run_lab};
 
+use client::{Http, HttpError, Reply};
 use serde_json::Value;
 
 /// Startup limit of a service: migrations and worker start on a loaded machine.
 const START_LIMIT: Duration = Duration::from_secs(60);
+/// Limit for one request.
+const REQUEST_LIMIT: Duration = Duration::from_secs(120);
 /// Limit for a job of a few dozen small frames on a loaded machine.
 const JOB_LIMIT: Duration = Duration::from_secs(300);
 
@@ -127,57 +130,51 @@ impl Service {
     /// Submits a job under an idempotency key; returns its id, or `None` if the service died before its response.
     #[must_use]
     pub fn try_submit(&self, job: &Value, key: &str) -> Option<String> {
-        let mut response = agent()
-            .post(format!("{}/v1/jobs?again=true", self.url))
-            .header("content-type", "application/json")
-            .header("idempotency-key", key)
-            .send(job.to_string())
-            .ok()?;
-        let body: Value = serde_json::from_slice(&response.body_mut().read_to_vec().ok()?).ok()?;
-        (response.status() == 202).then(|| body["id"].as_str().map(str::to_owned))?
+        let headers = [("content-type", "application/json"), ("idempotency-key", key)];
+        let reply = self.http().post("/v1/jobs?again=true", &headers, job.to_string());
+        let body: Value = serde_json::from_slice(&reply.ok()?.bytes).ok()?;
+        body["id"].as_str().map(str::to_owned)
     }
 
     /// GET of an existing resource; `None` if the service dies meanwhile.
     #[must_use]
     pub fn try_get(&self, path: &str) -> Option<Value> {
-        let mut response = agent().get(format!("{}{path}", self.url)).call().ok()?;
-        let body = response.body_mut().read_to_vec().ok()?;
-        (response.status() == 200)
-            .then(|| serde_json::from_slice(&body).ok())
-            .flatten()
+        serde_json::from_slice(&self.http().get(path).ok()?.bytes).ok()
     }
 
     /// POST of any bytes; returns the status, or `None` if the service dies meanwhile.
     #[must_use]
     pub fn try_post_bytes(&self, path: &str, body: &[u8]) -> Option<u16> {
-        let sent = agent().post(format!("{}{path}", self.url)).send(body).ok()?;
-        Some(sent.status().as_u16())
+        match self.http().post(path, &[], body) {
+            Ok(reply) => Some(reply.status.as_u16()),
+            Err(HttpError::Problem(problem)) => Some(problem.status.as_u16()),
+            Err(HttpError::Unreachable(_)) => None,
+        }
     }
 
     /// GET, as JSON with its status.
+    ///
+    /// # Panics
+    /// If the service does not respond.
     #[must_use]
     pub fn get(&self, path: &str) -> (u16, Value) {
-        let (status, bytes) = self.get_bytes(path);
-        (status, serde_json::from_slice(&bytes).unwrap_or_default())
+        read_json(self.http().get(path))
     }
 
-    /// GET, as bytes with the status.
+    /// GET, as bytes with the status; of a problem, its document.
     ///
     /// # Panics
     /// If the service does not respond.
     #[must_use]
     pub fn get_bytes(&self, path: &str) -> (u16, Vec<u8>) {
-        let mut response = agent()
-            .get(format!("{}{path}", self.url))
-            .call()
-            .expect("the service responds");
-        let bytes = response
-            .body_mut()
-            .with_config()
-            .limit(1 << 30)
-            .read_to_vec()
-            .expect("a complete response");
-        (response.status().as_u16(), bytes)
+        match self.http().get(path) {
+            Ok(reply) => (reply.status.as_u16(), reply.bytes),
+            Err(HttpError::Problem(problem)) => (
+                problem.status.as_u16(),
+                problem.document().to_string().into_bytes(),
+            ),
+            Err(HttpError::Unreachable(error)) => panic!("GET {path}: {error}"),
+        }
     }
 
     /// POST of JSON.
@@ -186,33 +183,21 @@ impl Service {
     /// If the service does not respond.
     #[must_use]
     pub fn post(&self, path: &str, body: &Value) -> (u16, Value) {
-        let mut response = agent()
-            .post(format!("{}{path}", self.url))
-            .header("content-type", "application/json")
-            .send(body.to_string())
-            .expect("the service responds");
-        let bytes = response.body_mut().read_to_vec().expect("a complete response");
-        (
-            response.status().as_u16(),
-            serde_json::from_slice(&bytes).unwrap_or_default(),
-        )
+        let headers = [("content-type", "application/json")];
+        read_json(self.http().post(path, &headers, body.to_string()))
     }
 
     /// DELETE, as JSON with its status.
     ///
     /// # Panics
-    /// When the service does not respond.
+    /// If the service does not respond.
     #[must_use]
     pub fn delete(&self, path: &str) -> (u16, Value) {
-        let mut response = agent()
-            .delete(format!("{}{path}", self.url))
-            .call()
-            .expect("the service responds");
-        let bytes = response.body_mut().read_to_vec().expect("a complete response");
-        (
-            response.status().as_u16(),
-            serde_json::from_slice(&bytes).unwrap_or_default(),
-        )
+        read_json(self.http().delete(path))
+    }
+
+    pub(crate) fn http(&self) -> Http {
+        Http::new(&self.url, None, REQUEST_LIMIT)
     }
 
     /// Submits a job that must be accepted.
@@ -274,10 +259,17 @@ pub(crate) fn stop(child: &mut Child) {
     let _ = child.wait();
 }
 
-pub(crate) fn agent() -> ureq::Agent {
-    ureq::Agent::config_builder()
-        .http_status_as_error(false)
-        .timeout_global(Some(Duration::from_secs(120)))
-        .build()
-        .into()
+/// The status and the document of a response; null if it is not JSON.
+///
+/// # Panics
+/// If there is no response.
+pub(crate) fn read_json(response: Result<Reply, HttpError>) -> (u16, Value) {
+    match response {
+        Ok(reply) => {
+            let document = serde_json::from_slice(&reply.bytes).unwrap_or_default();
+            (reply.status.as_u16(), document)
+        }
+        Err(HttpError::Problem(problem)) => (problem.status.as_u16(), problem.document().clone()),
+        Err(HttpError::Unreachable(error)) => panic!("the service does not respond: {error}"),
+    }
 }

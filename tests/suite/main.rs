@@ -1,30 +1,12 @@
 //! End-to-end tests of the `fathom` binary.
 
 mod backup;
-mod cluster;
 mod command_line;
 mod compose;
-mod crash;
-mod damage;
-mod drain;
+mod datasets;
 mod earlier;
-mod export;
-mod follow;
-mod formats;
-mod import;
-mod in_and_out;
-mod lost;
-mod manage;
-mod poison;
-mod power;
+mod faults;
 mod proof;
 mod same_bytes;
-mod scrub;
 mod service;
-mod sets;
-mod spot_checks;
-mod style_training;
-mod styles;
-mod training;
-mod verify;
-mod waters;
+mod trained;

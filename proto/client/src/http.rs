@@ -90,6 +90,12 @@ impl Problem {
         message
     }
 
+    /// The document itself; null if the body is not JSON.
+    #[must_use]
+    pub fn document(&self) -> &Value {
+        &self.body
+    }
+
     fn text(&self, name: &str) -> Option<&str> {
         self.body.get(name).and_then(Value::as_str)
     }

@@ -5,25 +5,13 @@
 )]
 
 mod auth;
-mod bad_input;
-mod bad_uploads;
 mod common;
 mod control;
 mod documents;
-mod error_page;
-mod hostile;
-mod images;
+mod frames;
 mod jobs;
-mod lamps;
 mod load;
-mod messages;
-mod misbehavior;
-mod pictures;
-mod rendered;
-mod scenes;
+mod rejections;
 mod space;
 mod streams;
-mod styles;
-mod suspended;
 mod versions;
-mod waters;

@@ -87,7 +87,7 @@ fn the_space_of_a_deleted_scene_is_reclaimed_and_others_keep_their_bytes() {
         assert_eq!(answer.status, 201, "{}", answer.text());
         answer.json()["id"].as_str().unwrap().to_owned()
     };
-    let (shared, mask) = (noise_png(64, 1), crate::scenes::mask(64, 64));
+    let (shared, mask) = (noise_png(64, 1), crate::frames::scenes::mask(64, 64));
     let kept = upload(&[("rgb", &shared), ("instances", &mask)]);
     let mut gone = vec![upload(&[("rgb", &shared)])];
     gone.extend((2..6).map(|seed| upload(&[("rgb", &noise_png(600, seed))])));

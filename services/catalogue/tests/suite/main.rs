@@ -2,13 +2,11 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod changes;
 mod concurrency;
-mod control;
-mod deletion;
 mod fixture;
 #[cfg(target_os = "linux")]
 mod full;
-mod import;
 mod injection;
 mod killed;
 mod leaves;
@@ -17,5 +15,3 @@ mod pages;
 mod questions;
 mod scale;
 mod upgrade;
-mod upkeep;
-mod versions;

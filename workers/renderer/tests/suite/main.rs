@@ -5,21 +5,16 @@
 mod artifacts;
 mod camera;
 mod common;
-mod daylight;
 mod effects;
 mod enhance;
 mod examples;
 mod folders;
 mod labels;
-mod lamps;
+mod light;
 mod noise;
 #[expect(dead_code, reason = "the tests of the style crate use more of it")]
 #[path = "../../../style/tests/suite/onnx.rs"]
 mod onnx;
 mod promise;
-mod sediment;
-mod shadows;
 mod style;
-mod suspended;
 mod truth;
-mod waters;

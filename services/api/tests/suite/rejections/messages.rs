@@ -1,9 +1,9 @@
 //! Messages of workers are checked before they have any effect.
 
-use crate::bad_input::nothing_changes;
 use crate::common::Running;
 use crate::common::bytes::png;
 use crate::common::worker::{Fake, claim, commit, record};
+use crate::rejections::bad_input::nothing_changes;
 use prost::Message;
 use serde_json::Value;
 use wire::limits;

@@ -4,10 +4,10 @@ use imaging::Plane;
 use imaging::codec::encode_png;
 use serde_json::{Value, json};
 
-use crate::bad_input::nothing_changes;
 use crate::common::bytes::{png, range_npy};
 use crate::common::worker::Real;
 use crate::common::{Running, start};
+use crate::rejections::bad_input::nothing_changes;
 
 /// Objects 1, 2 and 3 next to each other, and background below them.
 pub(crate) fn mask(width: usize, height: usize) -> Vec<u8> {

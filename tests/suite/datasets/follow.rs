@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use fathom_tests::{Service, digest_by_render, run};
 use serde_json::{Value, json};
 
-use crate::sets::{Work, text};
+use crate::datasets::sets::{Work, text};
 
 const PATIENCE: Duration = Duration::from_secs(120);
 

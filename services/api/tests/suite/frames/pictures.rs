@@ -1,8 +1,8 @@
 //! User images: enhanced and measured, never stored.
 
-use crate::bad_input::nothing_changes;
 use crate::common::bytes::{png, png_head};
 use crate::common::start;
+use crate::rejections::bad_input::nothing_changes;
 use imaging::codec::decode_picture;
 use serde_json::json;
 

@@ -5,9 +5,9 @@ use std::net::TcpStream;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
-use crate::bad_input::nothing_changes;
 use crate::common::worker::Fake;
 use crate::common::{Running, Setup, job, start, start_with};
+use crate::rejections::bad_input::nothing_changes;
 use api::Limits;
 
 const JSON: [(&str, &str); 1] = [("content-type", "application/json")];

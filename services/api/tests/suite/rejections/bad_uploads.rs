@@ -1,8 +1,8 @@
 //! Invalid scenes are rejected with the field; holes are valid.
 
-use crate::bad_input::nothing_changes;
 use crate::common::bytes::{png, png_head, range_npy, range_png};
 use crate::common::start;
+use crate::rejections::bad_input::nothing_changes;
 
 /// Name of the case, form fields, pointer of the error, parts of its message.
 type Refused<'a> = (&'a str, Vec<(&'a str, &'a [u8])>, &'a str, &'a [&'a str]);

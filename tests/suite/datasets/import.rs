@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Output;
 
-use crate::sets::{Work, files, marker, text};
+use crate::datasets::sets::{Work, files, marker, text};
 use fathom_tests::{Service, run};
 use serde_json::{Value, json};
 

@@ -5,7 +5,7 @@ use std::fs;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use crate::sets::{Work, files, marker, text};
+use crate::datasets::sets::{Work, files, marker, text};
 use fathom_tests::{digest_by_render, fathom};
 use serde_json::{Value, json};
 

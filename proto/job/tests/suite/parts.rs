@@ -1,0 +1,10 @@
+//! Parts of a description.
+
+pub(crate) mod daylight;
+pub(crate) mod lights;
+pub(crate) mod paths;
+pub(crate) mod scenes;
+pub(crate) mod sites;
+pub(crate) mod suspended;
+pub(crate) mod truth;
+pub(crate) mod waters;

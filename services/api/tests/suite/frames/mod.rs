@@ -1,0 +1,10 @@
+//! Frames, and the scenes, styles and waters that they use.
+
+pub(crate) mod images;
+pub(crate) mod lamps;
+pub(crate) mod pictures;
+pub(crate) mod rendered;
+pub(crate) mod scenes;
+pub(crate) mod styles;
+pub(crate) mod suspended;
+pub(crate) mod waters;
