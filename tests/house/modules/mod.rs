@@ -3,7 +3,7 @@
 mod cycles;
 mod imports;
 mod resolve;
-mod source;
+pub(crate) mod source;
 mod tree;
 
 use std::collections::BTreeSet;

@@ -1,7 +1,7 @@
 //! Sources without comments, literals and tests.
 
 /// Returns a source without comments, without the contents of its literals and without its tests.
-pub(super) fn read_code(text: &str) -> String {
+pub(crate) fn read_code(text: &str) -> String {
     remove_tests(&blank_literals(text))
 }
 
