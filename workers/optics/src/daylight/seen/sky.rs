@@ -5,6 +5,7 @@ use imaging::vector::DVec3;
 use imaging::{Plane, Rgb, vectorized};
 
 use super::super::field::SOURCE_TERMS;
+use super::ordered::trace_by_direction;
 use super::{SQUARE, Surfaces, single, to_sea};
 use crate::attenuation::exp_negative;
 use crate::daylight::conditions::Daylight;
@@ -20,8 +21,11 @@ const STRIDE: usize = 4;
 /// Between them it is as between those of one surface: ranges that differ less, and normals at a smaller angle than this cosine.
 const ONE_RANGE: f32 = 0.05;
 const ONE_NORMAL: f32 = 0.995;
-/// Ray origins in one batch.
+/// Ray origins in one batch, and in a group whose rays are traced together.
 const BATCH: usize = 64;
+const GROUP: usize = 16 * BATCH;
+/// Side of the blocks of pixels that fill a group.
+const BLOCK: usize = 4 * SQUARE;
 
 /// The directions about a normal.
 pub(super) struct Directions {
@@ -180,13 +184,18 @@ pub fn access(
             }
         }
     }
-    rest.sort_by_key(|&[x, y]| (y / SQUARE, x / SQUARE));
+    rest.sort_by_key(|&place| block_of(place));
     for (&[x, y], value) in rest.iter().zip(at_places(surfaces, &sky, rays, &rest)) {
         for (plane, value) in open.planes_mut().into_iter().zip(value) {
             plane[y * width + x] = value;
         }
     }
     open
+}
+
+/// Order of places: by block, and by square within it.
+fn block_of([x, y]: [usize; 2]) -> [usize; 4] {
+    [y / BLOCK, x / BLOCK, y / SQUARE, x / SQUARE]
 }
 
 /// Where between two knots a pixel is.
@@ -207,10 +216,11 @@ fn at_knots(
 ) -> Vec<[f32; 3]> {
     let mut order: Vec<[usize; 2]> = (0..rows.len())
         .flat_map(|j| (0..columns.len()).map(move |i| [i, j]))
+        .filter(|&[i, j]| !is_hole(surfaces.range.pixel(columns[i], rows[j])))
         .collect();
-    order.sort_by_key(|&[i, j]| (j / SQUARE, i / SQUARE));
+    order.sort_by_key(|&place| block_of(place));
     let places: Vec<[usize; 2]> = order.iter().map(|&[i, j]| [columns[i], rows[j]]).collect();
-    let mut values = vec![[1.0; 3]; order.len()];
+    let mut values = vec![[1.0; 3]; rows.len() * columns.len()];
     for ([i, j], value) in order.iter().zip(at_places(surfaces, sky, rays, &places)) {
         values[j * columns.len() + i] = value;
     }
@@ -237,44 +247,51 @@ fn is_one(surfaces: Surfaces<'_>, [x, y]: [usize; 2], [i, j]: [usize; 2]) -> boo
     object && (own - other).abs() < ONE_RANGE * own && turned > ONE_NORMAL
 }
 
-/// A at some pixels that are near each other in the list; 1 at holes.
+/// A at some pixels with surfaces that are near each other in the list.
 fn at_places(surfaces: Surfaces<'_>, sky: &Sky<'_>, rays: &dyn Rays, places: &[[usize; 2]]) -> Vec<[f32; 3]> {
     let mut values = Vec::with_capacity(places.len());
-    let (mut ways, mut clear) = (ShadowRays::default(), Vec::new());
-    let mut bundles = vec![Bundle::default(); sky.count()];
+    let (mut ways, mut clear, mut bundles) = (ShadowRays::default(), Vec::new(), Vec::new());
     let gaze = Gaze::new(sky);
-    for batch in places.chunks(BATCH) {
-        let spots = Spots::new(surfaces, sky.daylight, batch);
+    for group in places.chunks(GROUP) {
         ways.clear();
-        for (part, bundle) in sky.directions.parts.iter().zip(&mut bundles) {
-            let part = part.map(|v| v as f32);
-            vectorized!(spread(&spots, gaze, part, bundle));
-            let axes = ways.from.iter_mut().chain(&mut ways.to);
-            for (axis, lane) in axes.zip(spots.from.iter().chain(&bundle.to)) {
-                axis.extend_from_slice(&lane[..batch.len()]);
+        bundles.clear();
+        for batch in group.chunks(BATCH) {
+            let spots = Spots::new(surfaces, sky.daylight, batch);
+            for part in &sky.directions.parts {
+                let mut bundle = Bundle::default();
+                let part = part.map(|v| v as f32);
+                vectorized!(spread(&spots, gaze, part, &mut bundle));
+                let axes = ways.from.iter_mut().chain(&mut ways.to);
+                for (axis, lane) in axes.zip(spots.from.iter().chain(&bundle.to)) {
+                    axis.extend_from_slice(&lane[..batch.len()]);
+                }
+                bundles.push(bundle);
             }
         }
-        clear.clear();
-        clear.resize(ways.len(), false);
-        rays.trace_shadow_rays(&ways, &mut clear);
-        for (i, &[x, y]) in batch.iter().enumerate() {
-            if is_hole(surfaces.range.pixel(x, y)) {
-                values.push([1.0; 3]);
-                continue;
-            }
-            let (mut open, mut all) = ([0.0f32; 3], [0.0f32; 3]);
-            for (k, bundle) in bundles.iter().enumerate() {
-                let is_clear = clear[k * batch.len() + i];
-                for c in 0..3 {
-                    let light = bundle.light[c][i];
-                    all[c] += light;
-                    open[c] += if is_clear { light } else { 0.0 };
-                }
-            }
-            values.push([0, 1, 2].map(|c| open[c] / all[c]));
+        trace_by_direction(rays, &ways, &mut clear);
+        let batches = group.chunks(BATCH).zip(bundles.chunks(sky.count()));
+        let mut clear = clear.as_slice();
+        for (batch, bundles) in batches {
+            let (own, rest) = clear.split_at(batch.len() * bundles.len());
+            values.extend((0..batch.len()).map(|i| weigh(bundles, own, (i, batch.len()))));
+            clear = rest;
         }
     }
     values
+}
+
+/// A of place `i` of `count`, from its light in each direction and whether its rays are clear, direction by direction.
+fn weigh(bundles: &[Bundle], clear: &[bool], (i, count): (usize, usize)) -> [f32; 3] {
+    let (mut open, mut all) = ([0.0f32; 3], [0.0f32; 3]);
+    for (k, bundle) in bundles.iter().enumerate() {
+        let is_clear = clear[k * count + i];
+        for c in 0..3 {
+            let light = bundle.light[c][i];
+            all[c] += light;
+            open[c] += if is_clear { light } else { 0.0 };
+        }
+    }
+    [0, 1, 2].map(|c| open[c] / all[c])
 }
 
 type Lane = [f32; BATCH];
@@ -297,13 +314,8 @@ impl Spots {
             second: blank(),
         };
         for (i, &[x, y]) in places.iter().enumerate() {
-            let is_open = is_hole(surfaces.range.pixel(x, y));
-            let (place, normal) = if is_open {
-                (DVec3::from([0.0; 3]), DVec3::from([0.0, 0.0, -1.0]))
-            } else {
-                let normal = DVec3::from(surfaces.normal(x, y).map(f64::from));
-                (surfaces.place(daylight, x, y), normal)
-            };
+            let normal = DVec3::from(surfaces.normal(x, y).map(f64::from));
+            let place = surfaces.place(daylight, x, y);
             let [first, second] = across(normal);
             let start = place + normal * offset(place.into());
             let lanes = [
