@@ -2,6 +2,7 @@
 
 import json
 import re
+import urllib.parse
 import urllib.request
 
 from conftest import JOB, Service, until
@@ -167,3 +168,19 @@ def test_a_lamp_is_moved_in_the_picture(visit):
     page.focus(".handle")
     page.keyboard.press("ArrowLeft")
     until(page, "JSON.parse(document.getElementById('json').value).lights[0].x === 0.48")
+
+
+def test_a_seed_of_64_bits_keeps_its_digits(visit, service):
+    seed = 9007199254740993
+    job = json.dumps({**JOB, "dataset": "exact", "count": 1, "seed": seed})
+    page = visit(f"compose?job={urllib.parse.quote(job)}")
+    until(page, "!document.querySelector('button.primary').disabled")
+    assert f'"seed": {seed}' in page.input_value("#json")
+    posted = []
+    page.on("request", lambda request: posted.append(request.post_data) if request.url.endswith("/v1/jobs") else None)
+    page.click("button.primary")
+    until(page, "location.hash.startsWith('#/jobs')")
+    assert f'"seed":{seed}' in posted[0]
+    job = page.evaluate("decodeURIComponent(location.hash.split('/')[2])")
+    with urllib.request.urlopen(f"{service.address}/v1/jobs/{job}/description") as response:
+        assert json.load(response)["seed"] == seed

@@ -70,7 +70,7 @@ impl Problem {
         self.text("type").is_some_and(|kind| kind.ends_with(slug))
     }
 
-    /// Title and detail, then every field error on a separate line.
+    /// Title and detail, then every field error on a separate line. A single error is the detail already.
     #[must_use]
     pub fn message(&self) -> String {
         let mut message = match (self.text("title"), self.text("detail")) {
@@ -82,7 +82,10 @@ impl Problem {
         for error in errors.into_iter().flatten() {
             let part = |name: &str| error.get(name).and_then(Value::as_str);
             let place = part("pointer").unwrap_or_default();
-            message.push_str(&format!("\n  {place} {}", part("message").unwrap_or_default()));
+            let text = part("message").unwrap_or_default();
+            if self.text("detail") != Some(text) {
+                message.push_str(&format!("\n  {place} {text}"));
+            }
             if let Some(near) = part("did_you_mean") {
                 message.push_str(&format!(" (did you mean `{near}`?)"));
             }

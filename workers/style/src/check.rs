@@ -91,7 +91,7 @@ fn answer(session: &mut Session, frame: &Rgb<f32>) -> Result<Rgb<f32>, Unfit> {
         noise: Some(&noise),
         range: Some(&range),
     };
-    let styled = session.apply(frame, beside)?;
+    let styled = session.apply_unclamped(frame, beside)?;
     let mut samples = styled.planes().iter().flat_map(|plane| plane.data());
     match samples.find(|sample| !sample.is_finite()) {
         Some(&value) => Err(Unfit::NotFinite { value, width, height }),

@@ -98,6 +98,24 @@ impl Session {
     /// [`StyleError`]: an empty frame, a missing required range, a non-finite sample, a network that fails, or an
     /// output that is not a picture, is smaller than the frame, or has a non-finite sample.
     pub fn apply(&mut self, encoded: &Rgb<f32>, beside: ModelInputs<'_>) -> Result<Rgb<f32>, StyleError> {
+        let mut styled = self.apply_unclamped(encoded, beside)?;
+        // The native network clamps its own output.
+        if self.uses_runtime() {
+            for plane in styled.planes_mut() {
+                plane
+                    .iter_mut()
+                    .for_each(|sample| *sample = sample.clamp(0.0, 1.0));
+            }
+        }
+        Ok(styled)
+    }
+
+    /// As [`Session::apply`], with the samples of a network on ONNX Runtime as it returns them, divided by its scale.
+    pub(crate) fn apply_unclamped(
+        &mut self,
+        encoded: &Rgb<f32>,
+        beside: ModelInputs<'_>,
+    ) -> Result<Rgb<f32>, StyleError> {
         self.check(encoded, beside)?;
         match &mut self.form {
             SessionKind::Native(native) => {

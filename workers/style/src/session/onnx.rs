@@ -147,7 +147,7 @@ fn check_kind(outlet: &Outlet, channels: i64) -> Result<(), String> {
     ))
 }
 
-/// The top left of the output, clamped to 0..=1.
+/// The top left of the output.
 fn cropped(shape: &[i64], samples: &[f32], width: usize, height: usize) -> Result<Rgb<f32>, String> {
     let [1, 3, rows, columns] = *shape else {
         return Err(format!("a tensor of shape {shape:?}"));
@@ -165,7 +165,7 @@ fn cropped(shape: &[i64], samples: &[f32], width: usize, height: usize) -> Resul
             if let Some(value) = row[..width].iter().find(|value| !value.is_finite()) {
                 return Err(format!("a picture with a sample of {value}"));
             }
-            data.extend(row[..width].iter().map(|value| value.clamp(0.0, 1.0)));
+            data.extend_from_slice(&row[..width]);
         }
         Plane::new(width, height, data).map_err(|error| error.to_string())
     };
@@ -181,12 +181,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_larger_answer_is_cropped_from_the_top_left_and_clamped() {
+    fn a_larger_answer_is_cropped_from_the_top_left() {
         let samples: Vec<f32> = (0..18).map(|i| i as f32 / 10.0 - 0.1).collect();
         let picture = cropped(&[1, 3, 2, 3], &samples, 2, 1).unwrap();
-        assert_eq!(picture.planes()[0].data(), &[0.0, samples[1]]);
+        assert_eq!(picture.planes()[0].data(), &[samples[0], samples[1]]);
         assert_eq!(picture.planes()[1].data(), &[samples[6], samples[7]]);
-        assert_eq!(picture.planes()[2].data(), &[1.0, 1.0]);
+        assert_eq!(picture.planes()[2].data(), &[samples[12], samples[13]]);
     }
 
     #[test]

@@ -97,7 +97,7 @@ fn upload_scenes(client: &Client, arguments: &Arguments, plan: &FolderPlan) -> R
                 eprintln!("{}: {}", scene.name, describe_summary(&received.value));
             }
             // The others may be good.
-            Err(Failure::BadInput(message)) => refused.push(format!("{}: {message}", scene.name)),
+            Err(Failure::BadInput(message)) => refused.push(format!("{}: {message}", scene.picture_name())),
             Err(error) => return Err(error),
         }
         progress.set(done as u64 + 1);

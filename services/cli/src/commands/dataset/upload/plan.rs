@@ -40,6 +40,14 @@ pub(super) struct ScenePlan {
     pub(super) mask_classes: Option<Value>,
 }
 
+impl ScenePlan {
+    /// File name of the picture.
+    pub(super) fn picture_name(&self) -> String {
+        let picture = self.files.get(&Role::Picture).and_then(|path| path.file_name());
+        picture.map_or_else(|| self.name.clone(), |name| name.to_string_lossy().into_owned())
+    }
+}
+
 /// A folder as scenes.
 pub(super) struct FolderPlan {
     pub(super) layout: Layout,
@@ -136,8 +144,7 @@ impl FolderPlan {
             more => format!("\n  and {more} more"),
         };
         Err(Failure::BadInput(format!(
-            "nothing was uploaded: the folder has {} problems (layout {}):\n  {listed}{more}",
-            self.problems.len(),
+            "nothing was uploaded for these reasons (layout {}):\n  {listed}{more}",
             self.layout.name()
         )))
     }

@@ -69,6 +69,7 @@ pub(super) fn add_poses(plan: &mut FolderPlan, path: &Path) -> Result<(), Failur
                 }
             }
             _ => {
+                matches.iter().for_each(|&index| used[index] = true);
                 let names: Vec<&str> = matches
                     .iter()
                     .map(|&index| transforms.frames[index].file_path.as_str())

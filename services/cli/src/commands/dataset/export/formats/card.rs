@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use serde_json::{Value, json};
+use spec::{ArtifactKind, Encode};
 
 use crate::commands::dataset::export::format::Format;
 use crate::commands::dataset::export::formats::class_numbers::ClassNumbers;
@@ -124,7 +125,8 @@ impl Card<'_> {
     /// The files that `load_dataset` reads. All other files would take part in its guess of a format.
     fn patterns(&self) -> Vec<String> {
         let files = |list: &str, kinds: &[String]| {
-            let pictures = kinds.iter().map(|kind| format!("**/{kind}.*"));
+            let pictures = kinds.iter().filter(|kind| is_picture(kind));
+            let pictures = pictures.map(|kind| format!("**/{kind}.*"));
             std::iter::once(list.to_owned()).chain(pictures).collect()
         };
         match self.format {
@@ -161,6 +163,12 @@ impl Card<'_> {
             }
         }
     }
+}
+
+/// Whether the files of a kind are pictures.
+fn is_picture(kind: &str) -> bool {
+    let kind = ArtifactKind::parse(kind);
+    kind.is_some_and(|kind| kind.media_type(Encode::Png).starts_with("image/"))
 }
 
 /// The ranges that dataset cards use.

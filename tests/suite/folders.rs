@@ -1,0 +1,373 @@
+//! Folders as simulators and cameras write them become scenes, and no file is passed over in silence.
+
+#![allow(clippy::unwrap_used)]
+
+use std::path::{Path, PathBuf};
+
+use fathom_tests::{Service, run};
+use imaging::codec::{encode_jpeg, encode_npy_plane, encode_png};
+use imaging::{Plane, Raster, Rgb8};
+use serde_json::{Value, json};
+
+const SIZE: (usize, usize) = (24, 16);
+
+struct Uploader {
+    folder: tempfile::TempDir,
+    service: Service,
+}
+
+/// Both outputs of an upload, and whether it succeeded.
+struct Uploaded {
+    is_complete: bool,
+    out: String,
+    err: String,
+}
+
+impl Uploader {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let service = Service::start(&folder.path().join("data"), &["--workers", "0"]);
+        Self { folder, service }
+    }
+
+    fn place(&self, name: &str) -> PathBuf {
+        let path = self.folder.path().join(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        path
+    }
+
+    fn write(&self, name: &str, bytes: &[u8]) {
+        std::fs::write(self.place(name), bytes).unwrap();
+    }
+
+    fn upload(&self, name: &str, options: &[&str]) -> Uploaded {
+        let path = self.folder.path().join(name);
+        let usual = ["upload", path.to_str().unwrap(), "--server", &self.service.url];
+        let output = run(&[&usual[..], options].concat());
+        Uploaded {
+            is_complete: output.status.success(),
+            out: String::from_utf8_lossy(&output.stdout).into_owned(),
+            err: String::from_utf8_lossy(&output.stderr).into_owned(),
+        }
+    }
+
+    /// The scenes of an upload, in its order.
+    fn scenes(&self, uploaded: &Uploaded) -> Vec<Value> {
+        assert!(uploaded.is_complete, "{}", uploaded.err);
+        let ids = uploaded.out.lines().map(|line| line.split(' ').next().unwrap());
+        ids.map(|id| self.service.get(&format!("/v1/scenes/{id}")).1)
+            .collect()
+    }
+}
+
+/// A picture of its own for each number, so that scenes differ.
+fn picture(number: u8) -> Rgb8 {
+    Rgb8::from_fn(SIZE.0, SIZE.1, |x, y| [(9 * x) as u8, (13 * y) as u8, number])
+}
+
+fn png(number: u8) -> Vec<u8> {
+    encode_png(&picture(number).into()).unwrap()
+}
+
+fn distances(meters: f32) -> Vec<u8> {
+    encode_npy_plane(&Plane::from_fn(SIZE.0, SIZE.1, |x, _| meters + x as f32 * 0.125))
+}
+
+fn millimeters(code: u16) -> Vec<u8> {
+    encode_png(&Raster::from(Plane::filled(SIZE.0, SIZE.1, code))).unwrap()
+}
+
+fn mask() -> Vec<u8> {
+    let mask = Plane::from_fn(
+        SIZE.0,
+        SIZE.1,
+        |x, _| if x < 4 { 0u8 } else { 1 + (x > 12) as u8 },
+    );
+    encode_png(&Raster::from(mask)).unwrap()
+}
+
+/// Objects in colors, as renderers paint them.
+fn color_mask() -> Vec<u8> {
+    let colors = [[0, 0, 0], [140, 25, 255], [25, 255, 140]];
+    let mask = Rgb8::from_fn(SIZE.0, SIZE.1, |x, _| colors[x % 3]);
+    encode_png(&mask.into()).unwrap()
+}
+
+/// An uncompressed BMP of 24 bits.
+fn bmp(pixel: impl Fn(usize, usize) -> [u8; 3]) -> Vec<u8> {
+    const HEADER: usize = 54;
+    let row = (3 * SIZE.0).next_multiple_of(4);
+    let mut file = b"BM".to_vec();
+    file.extend(((HEADER + row * SIZE.1) as u32).to_le_bytes());
+    file.extend([0; 4]);
+    file.extend((HEADER as u32).to_le_bytes());
+    file.extend(40u32.to_le_bytes());
+    file.extend((SIZE.0 as i32).to_le_bytes());
+    file.extend((SIZE.1 as i32).to_le_bytes());
+    file.extend([1, 0, 24, 0]);
+    file.extend([0; 24]);
+    for y in (0..SIZE.1).rev() {
+        let start = file.len();
+        for x in 0..SIZE.0 {
+            let [r, g, b] = pixel(x, y);
+            file.extend([b, g, r]);
+        }
+        file.resize(start + row, 0);
+    }
+    file
+}
+
+#[test]
+fn a_folder_of_isaac_sim_has_range_masks_and_classes() {
+    let at = Uploader::new();
+    for number in 0..3u8 {
+        at.write(&format!("isaac/rgb_{number:04}.png"), &png(number));
+        at.write(
+            &format!("isaac/distance_to_camera_{number:04}.npy"),
+            &distances(2.0),
+        );
+        at.write(
+            &format!("isaac/distance_to_image_plane_{number:04}.npy"),
+            &distances(1.5),
+        );
+        at.write(
+            &format!("isaac/instance_segmentation_{number:04}.png"),
+            &color_mask(),
+        );
+        let mapping =
+            json!({"(140, 25, 255, 255)": {"class": "pile"}, "(0, 0, 0, 0)": {"class": "BACKGROUND"}});
+        let name = format!("isaac/instance_segmentation_semantics_mapping_{number:04}.json");
+        at.write(&name, mapping.to_string().as_bytes());
+        at.write(&format!("isaac/normals_{number:04}.png"), &png(9));
+    }
+    at.write("isaac/metadata.txt", b"");
+    let uploaded = at.upload("isaac", &["--collection", "isaac", "--hfov-deg", "60"]);
+    let scenes = at.scenes(&uploaded);
+    assert_eq!(scenes.len(), 3);
+    for scene in &scenes {
+        assert_eq!(
+            (&scene["range_kind"], &scene["hfov_deg"]),
+            (&json!("range"), &json!(60))
+        );
+        assert!(scene["instances_digest"].is_string());
+        assert_eq!(scene["classes"]["categories"][0]["name"], "pile");
+    }
+    for text in [
+        "layout isaac: 3 scenes",
+        "range of 100.0 % of the pixels, 2.000 to",
+        "2 objects: ",
+        "normals_",
+        "metadata.txt",
+        "distance_to_image_plane_",
+        "3 scenes: 3 with range, 0 without, 3 with mask",
+    ] {
+        assert!(uploaded.err.contains(text), "{text}: {}", uploaded.err);
+    }
+}
+
+#[test]
+fn folders_of_other_programs_are_recognized() {
+    let at = Uploader::new();
+    at.write("kubric/rgba_00000.png", &png(1));
+    at.write("kubric/depth_00000.npy", &distances(3.0));
+    at.write("kubric/segmentation_00000.png", &mask());
+    let metadata = json!({"camera": {"field_of_view": std::f64::consts::FRAC_PI_2, "positions": [[1, 2, 3]],
+        "quaternions": [[1, 0, 0, 0]]}});
+    at.write("kubric/metadata.json", metadata.to_string().as_bytes());
+    let kubric = at.upload("kubric", &[]);
+    let scenes = at.scenes(&kubric);
+    assert_eq!(
+        (&scenes[0]["range_kind"], &scenes[0]["hfov_deg"]),
+        (&json!("range"), &json!(90))
+    );
+    assert_eq!(scenes[0]["world_from_camera"][2][3], 3.0);
+
+    at.write("gazebo/images/image_0000001.png", &png(2));
+    at.write("gazebo/labels_maps/labels_0000001.png", &color_mask());
+    at.write("gazebo/colored_maps/colored_0000001.png", &color_mask());
+    let gazebo = at.upload("gazebo", &[]);
+    assert!(at.scenes(&gazebo)[0]["instances_digest"].is_string());
+    assert!(
+        gazebo.err.contains("layout gazebo") && gazebo.err.contains("colored_0000001.png"),
+        "{}",
+        gazebo.err
+    );
+
+    at.write("tum/rgb/1305031102.175304.png", &png(3));
+    at.write("tum/depth/1305031102.160407.png", &millimeters(5000));
+    at.write(
+        "tum/rgb.txt",
+        b"# color images\n1305031102.175304 rgb/1305031102.175304.png\n",
+    );
+    at.write(
+        "tum/depth.txt",
+        b"# depth maps\n1305031102.160407 depth/1305031102.160407.png\n",
+    );
+    at.write("tum/groundtruth.txt", b"1305031102.1758 1.0 2.0 3.0 0 0 0 1\n");
+    let tum = at.upload("tum", &["--focal-px", "20"]);
+    let scene = &at.scenes(&tum)[0];
+    assert_eq!(
+        (&scene["range_kind"], &scene["unit_m"]),
+        (&json!("z_depth"), &json!(0.0002))
+    );
+    assert_eq!(scene["world_from_camera"][1][3], 2.0);
+    assert!(tum.err.contains("1.000 to"), "{}", tum.err);
+
+    let jpeg = encode_jpeg(&picture(4), 90).unwrap();
+    at.write("suim/images/d_r_1.jpg", &jpeg);
+    at.write(
+        "suim/masks/d_r_1.bmp",
+        &bmp(|x, _| if x < 8 { [0, 0, 0] } else { [255, 255, 0] }),
+    );
+    let suim = at.upload("suim", &[]);
+    assert!(
+        suim.err.contains("layout suim") && suim.err.contains("fish 256 px"),
+        "{}",
+        suim.err
+    );
+
+    at.write("parallel/rgb/a.png", &png(5));
+    at.write("parallel/depth/a.png", &millimeters(2500));
+    at.write("parallel/masks/a.png", &mask());
+    let parallel = at.upload(
+        "parallel",
+        &["--unit-m", "0.001", "--invalid-code", "0", "--hfov-deg", "70"],
+    );
+    let scene = &at.scenes(&parallel)[0];
+    assert_eq!(scene["range_kind"], "z_depth");
+    assert!(
+        parallel.err.contains("all files of the folder are used"),
+        "{}",
+        parallel.err
+    );
+}
+
+#[test]
+fn lookalikes_duplicates_and_depth_without_a_camera_stop_the_upload() {
+    let at = Uploader::new();
+    at.write("flat/0001.png", &png(1));
+    at.write("flat/0001_mask.png", &mask());
+    at.write("flat/0002.png", &png(2));
+    at.write("flat/0002.Range.npy", &distances(2.0));
+    at.write("flat/0003.jpg", &encode_jpeg(&picture(3), 90).unwrap());
+    at.write("flat/0003.png", &png(3));
+    at.write("flat/._0001.png", b"\0\0");
+    let refused = at.upload("flat", &["--collection", "dock"]);
+    assert!(!refused.is_complete && refused.out.is_empty());
+    for name in ["0001_mask.png", "0003.jpg and 0003.png", "--ignore", "._0001.png"] {
+        assert!(refused.err.contains(name), "{name}: {}", refused.err);
+    }
+    assert_eq!(at.service.get("/v1/scenes").1["items"], json!([]));
+    let options = [
+        "--ignore",
+        "*_mask.png",
+        "--ignore",
+        "0003.jpg",
+        "--collection",
+        "dock",
+    ];
+    let uploaded = at.upload("flat", &options);
+    let ranges: Vec<bool> = at
+        .scenes(&uploaded)
+        .iter()
+        .map(|scene| scene["range_kind"].is_string())
+        .collect();
+    assert_eq!(ranges, [false, true, false]);
+    assert!(uploaded.err.contains("--ignore *_mask.png"), "{}", uploaded.err);
+    at.write("deep/1.png", &png(4));
+    at.write("deep/1.z_depth.npy", &distances(2.0));
+    let refused = at.upload("deep", &[]);
+    assert!(
+        refused.err.contains("give --hfov-deg or --focal-px"),
+        "{}",
+        refused.err
+    );
+}
+
+fn transform(path: &str, x: f64) -> Value {
+    json!({"file_path": path, "transform_matrix": [[1, 0, 0, x], [0, 0, -1, 0], [0, 1, 0, 2], [0, 0, 0, 1]]})
+}
+
+#[test]
+fn poses_match_by_path_and_bring_their_camera() {
+    let at = Uploader::new();
+    at.write("rig/cam0/0001.png", &png(1));
+    at.write("rig/cam1/0001.png", &png(2));
+    at.write("alone/0001.png", &png(3));
+    let frames = [
+        transform(r"C:\shots\cam0\0001.png", 1.0),
+        transform("./cam1/0001", 100.0),
+    ];
+    let camera = json!({"fl_x": 30.0, "fl_y": 30.0, "cx": 12.0, "cy": 8.0, "w": 24, "h": 16, "k1": -0.1, "frames": frames});
+    at.write("transforms.json", camera.to_string().as_bytes());
+    let poses = at.folder.path().join("transforms.json");
+    let poses = ["--pose", poses.to_str().unwrap()];
+    let uploaded = at.upload("rig", &poses);
+    let scenes = at.scenes(&uploaded);
+    let place = |scene: &Value| scene["world_from_camera"][0][3].clone();
+    assert_eq!((place(&scenes[0]), place(&scenes[1])), (json!(1.0), json!(100.0)));
+    assert_eq!(
+        (&scenes[0]["focal_px"], &scenes[0]["cx"]),
+        (&json!(30.0), &json!(11.5))
+    );
+    assert!(uploaded.err.contains("k1"), "{}", uploaded.err);
+    let ambiguous = at.upload("alone", &poses);
+    for name in [r"C:\shots\cam0\0001.png", "./cam1/0001"] {
+        assert!(
+            !ambiguous.is_complete && ambiguous.err.contains(name),
+            "{}",
+            ambiguous.err
+        );
+    }
+    at.write("other/9.png", &png(4));
+    let none = at.upload("other", &poses);
+    assert!(none.err.contains("no picture fits a frame"), "{}", none.err);
+}
+
+/// A JPEG with an orientation tag.
+fn tagged(tag: u8) -> Vec<u8> {
+    let jpeg = encode_jpeg(&picture(7), 95).unwrap();
+    let exif = [
+        &b"Exif\0\0II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0"[..],
+        &[tag, 0, 0, 0, 0, 0, 0, 0],
+    ]
+    .concat();
+    let length = (exif.len() as u16 + 2).to_be_bytes();
+    [&jpeg[..2], &[0xff, 0xe1], &length, &exif, &jpeg[2..]].concat()
+}
+
+#[test]
+fn an_orientation_tag_turns_the_picture_and_maps_of_the_stored_size() {
+    let at = Uploader::new();
+    at.write("tag6.jpg", &tagged(6));
+    at.write("stored.npy", &distances(2.0));
+    let shown = Plane::filled(SIZE.1, SIZE.0, 3.0f32);
+    at.write("shown.npy", &encode_npy_plane(&shown));
+    at.write("other.npy", &encode_npy_plane(&Plane::filled(5, 5, 3.0f32)));
+    let range = |name: &str| at.folder.path().join(name).display().to_string();
+    for map in ["stored.npy", "shown.npy"] {
+        let uploaded = at.upload("tag6.jpg", &["--range", &range(map)]);
+        let scene = &at.scenes(&uploaded)[0];
+        assert_eq!(
+            (&scene["width"], &scene["height"]),
+            (&json!(16), &json!(24)),
+            "{map}"
+        );
+        assert!(uploaded.err.contains("orientation tag 6"), "{}", uploaded.err);
+    }
+    let refused = at.upload("tag6.jpg", &["--range", &range("other.npy")]);
+    assert!(
+        refused.err.contains("5×5") && refused.err.contains("16×24"),
+        "{}",
+        refused.err
+    );
+    let out = at.place("out.png");
+    let picture = range("tag6.jpg");
+    let enhanced = run(&["enhance", "grey_world", &picture, out.to_str().unwrap()]);
+    assert!(enhanced.status.success());
+    assert_eq!(sides(&out), (16, 24));
+}
+
+fn sides(path: &Path) -> (usize, usize) {
+    imaging::codec::read_sides(&std::fs::read(path).unwrap()).unwrap()
+}
