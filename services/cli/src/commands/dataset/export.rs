@@ -27,7 +27,7 @@ use crate::commands::service::cluster::hand_over;
 pub use arguments::Arguments;
 use files::split::Splits;
 use files::target::Target;
-use formats::tables::WriteTable;
+use formats::tables::{WriteTable, list_mixed};
 use input::order::Order;
 use input::selection::Selection;
 use output::work::Export;
@@ -51,11 +51,13 @@ pub fn run(arguments: &Arguments, tables: Option<WriteTable>) -> Result<(), Fail
     arguments.objects.describe(&mut card);
     let target = Target::open(&arguments.out, &card)?;
     let columns = selection.column_names();
+    let mixed = list_mixed(&selection.columns);
     let order = Order {
         client: &client,
         target: &target,
         kinds: &selection.kinds,
         columns: &columns,
+        mixed: &mixed,
     };
     let mut export = Export::begin(arguments, &selection, order, tables)?;
     let query = ImageQuery {

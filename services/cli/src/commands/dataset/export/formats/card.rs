@@ -21,6 +21,8 @@ pub(crate) struct Card<'a> {
     pub(crate) parts: &'a [(Option<String>, u64)],
     pub(crate) origins: &'a [Origin],
     pub(crate) classes: &'a ClassNumbers,
+    /// Digest of all rows.
+    pub(crate) rows: &'a str,
 }
 
 impl Card<'_> {
@@ -118,8 +120,18 @@ impl Card<'_> {
                 "configs: {}",
                 json!([{"config_name": "default", "data_files": files}])
             ));
+            lines.push(format!("dataset_info: {}", self.dataset_info()));
         }
         lines.join("\n") + "\n"
+    }
+
+    /// Sizes of the parts and the digest of the rows. `load_dataset` caches by them, so a grown export is read again.
+    fn dataset_info(&self) -> Value {
+        let parts = self.parts.iter().filter(|(_, images)| *images > 0);
+        let splits: Vec<Value> = parts
+            .map(|(name, images)| json!({"name": name.as_deref().unwrap_or("train"), "num_examples": images}))
+            .collect();
+        json!({"config_name": "default", "description": format!("rows {}", self.rows), "splits": splits})
     }
 
     /// The files that `load_dataset` reads. All other files would take part in its guess of a format.
@@ -208,6 +220,7 @@ mod tests {
             parts: &[(Some("train".to_owned()), 1200), (Some("val".to_owned()), 0)],
             origins: &[origin],
             classes: &ClassNumbers::default(),
+            rows: "abc",
         };
         let page = card.markdown();
         assert!(

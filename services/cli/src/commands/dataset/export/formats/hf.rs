@@ -11,9 +11,7 @@ use serde_json::Value;
 
 use crate::commands::dataset::export::files::lists::Rows;
 use crate::commands::dataset::export::files::target::{create, draft_of};
-use crate::commands::dataset::export::formats::tables::{
-    TableRow, WriteTable, split_labels, table_columns, text_column,
-};
+use crate::commands::dataset::export::formats::tables::{TableRow, WriteTable, table_columns, text_column};
 
 const TABLE: &str = "metadata.parquet";
 /// Rows of a group.
@@ -54,7 +52,6 @@ pub(crate) fn write(
                 for (kind, name) in &names {
                     values[name] = values[kind].take();
                 }
-                split_labels(columns, &mut values);
                 Ok(TableRow {
                     values,
                     files: Vec::new(),

@@ -8,7 +8,7 @@ use serde_json::{Map, Value};
 
 use crate::commands::dataset::export::format::RECORD;
 use crate::commands::dataset::export::formats::tables::{
-    CellKind, TableColumn, TableRow, WriteTable, split_labels, table_columns, text_column,
+    CellKind, TableColumn, TableRow, WriteTable, table_columns, text_column,
 };
 use crate::commands::dataset::export::input::member::{Member, Pull};
 
@@ -41,7 +41,6 @@ pub(crate) fn write(
                     values: Value::Object(member.values),
                     files: Vec::new(),
                 };
-                split_labels(columns, &mut row.values);
                 for (kind, file) in kinds.iter().zip(member.files) {
                     match kind.as_str() {
                         RECORD => row.values[RECORD] = String::from_utf8_lossy(&file.bytes).into(),

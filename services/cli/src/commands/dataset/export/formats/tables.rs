@@ -80,14 +80,18 @@ fn list_other_types(column: &ColumnInfo) -> Vec<TableColumn> {
     others.into()
 }
 
-/// Copies values of labels of several types into the columns of their types.
-pub(crate) fn split_labels(columns: &[ColumnInfo], values: &mut Value) {
-    for column in columns.iter().filter(|column| column.kind == MIXED) {
-        let value = values[&column.name].clone();
-        if let Some(other @ (LabelType::Text | LabelType::Bool)) = LabelType::of_value(&value) {
-            values[format!("{} ({})", column.name, other.name())] = value;
-        }
+/// The column for a value of a label of several types.
+pub(crate) fn typed_column(name: &str, value: &Value) -> String {
+    match LabelType::of_value(value) {
+        Some(other @ (LabelType::Text | LabelType::Bool)) => format!("{name} ({})", other.name()),
+        _ => name.to_owned(),
     }
+}
+
+/// The labels of several types.
+pub(crate) fn list_mixed(columns: &[ColumnInfo]) -> Vec<String> {
+    let mixed = columns.iter().filter(|column| column.kind == MIXED);
+    mixed.map(|column| column.name.clone()).collect()
 }
 
 /// A column of texts.

@@ -10,6 +10,7 @@ use spec::sha256;
 
 use crate::commands::dataset::export::files::target::{Target, read, write};
 use crate::commands::dataset::export::format::RECORD;
+use crate::commands::dataset::export::formats::tables::typed_column;
 use crate::commands::dataset::export::input::archive::{Unpacked, unpacked};
 use crate::commands::dataset::export::input::frame::{Frame, Home, ListedFile, Place, Wanted, untrusted};
 
@@ -20,6 +21,8 @@ pub(crate) struct Order<'a> {
     pub(crate) kinds: &'a [String],
     /// Columns of the metadata.
     pub(crate) columns: &'a [String],
+    /// Labels of several types, which have a column for each type.
+    pub(crate) mixed: &'a [String],
 }
 
 /// A file that is in the folder.
@@ -126,9 +129,15 @@ impl Order<'_> {
     /// The exported columns of a row.
     pub(crate) fn values(&self, row: &ImageRow) -> Map<String, Value> {
         let columns = self.columns.iter();
-        columns
-            .filter_map(|name| Some((name.clone(), row.0.get(name)?.clone())))
-            .collect()
+        let values = columns.filter_map(|name| {
+            let value = row.0.get(name)?.clone();
+            let name = match self.mixed.contains(name) {
+                true => typed_column(name, &value),
+                false => name.clone(),
+            };
+            Some((name, value))
+        });
+        values.collect()
     }
 
     fn listed(

@@ -51,6 +51,8 @@ impl Documents<'_> {
             format,
             ..
         } = self.arguments;
+        let rows: Vec<&str> = self.rows.iter().map(|rows| rows.sha256.as_str()).collect();
+        let rows = spec::sha256(rows.join("\n"));
         let card = Card {
             dataset,
             filter,
@@ -60,6 +62,7 @@ impl Documents<'_> {
             parts: &counts,
             origins: self.origins,
             classes: self.classes,
+            rows: &rows,
         };
         let mut files = vec![
             ("fields.json", fields(self.selection, &classes)),
