@@ -119,30 +119,30 @@ fn bmp(pixel: impl Fn(usize, usize) -> [u8; 3]) -> Vec<u8> {
 
 #[test]
 fn a_folder_of_isaac_sim_has_range_masks_and_classes() {
-    let at = Uploader::new();
+    let uploader = Uploader::new();
     for number in 0..3u8 {
-        at.write(&format!("isaac/rgb_{number:04}.png"), &png(number));
-        at.write(
+        uploader.write(&format!("isaac/rgb_{number:04}.png"), &png(number));
+        uploader.write(
             &format!("isaac/distance_to_camera_{number:04}.npy"),
             &distances(2.0),
         );
-        at.write(
+        uploader.write(
             &format!("isaac/distance_to_image_plane_{number:04}.npy"),
             &distances(1.5),
         );
-        at.write(
+        uploader.write(
             &format!("isaac/instance_segmentation_{number:04}.png"),
             &color_mask(),
         );
         let mapping =
             json!({"(140, 25, 255, 255)": {"class": "pile"}, "(0, 0, 0, 0)": {"class": "BACKGROUND"}});
         let name = format!("isaac/instance_segmentation_semantics_mapping_{number:04}.json");
-        at.write(&name, mapping.to_string().as_bytes());
-        at.write(&format!("isaac/normals_{number:04}.png"), &png(9));
+        uploader.write(&name, mapping.to_string().as_bytes());
+        uploader.write(&format!("isaac/normals_{number:04}.png"), &png(9));
     }
-    at.write("isaac/metadata.txt", b"");
-    let uploaded = at.upload("isaac", &["--collection", "isaac", "--hfov-deg", "60"]);
-    let scenes = at.scenes(&uploaded);
+    uploader.write("isaac/metadata.txt", b"");
+    let uploaded = uploader.upload("isaac", &["--collection", "isaac", "--hfov-deg", "60"]);
+    let scenes = uploader.scenes(&uploaded);
     assert_eq!(scenes.len(), 3);
     for scene in &scenes {
         assert_eq!(
@@ -167,45 +167,45 @@ fn a_folder_of_isaac_sim_has_range_masks_and_classes() {
 
 #[test]
 fn folders_of_other_programs_are_recognized() {
-    let at = Uploader::new();
-    at.write("kubric/rgba_00000.png", &png(1));
-    at.write("kubric/depth_00000.npy", &distances(3.0));
-    at.write("kubric/segmentation_00000.png", &mask());
+    let uploader = Uploader::new();
+    uploader.write("kubric/rgba_00000.png", &png(1));
+    uploader.write("kubric/depth_00000.npy", &distances(3.0));
+    uploader.write("kubric/segmentation_00000.png", &mask());
     let metadata = json!({"camera": {"field_of_view": std::f64::consts::FRAC_PI_2, "positions": [[1, 2, 3]],
         "quaternions": [[1, 0, 0, 0]]}});
-    at.write("kubric/metadata.json", metadata.to_string().as_bytes());
-    let kubric = at.upload("kubric", &[]);
-    let scenes = at.scenes(&kubric);
+    uploader.write("kubric/metadata.json", metadata.to_string().as_bytes());
+    let kubric = uploader.upload("kubric", &[]);
+    let scenes = uploader.scenes(&kubric);
     assert_eq!(
         (&scenes[0]["range_kind"], &scenes[0]["hfov_deg"]),
         (&json!("range"), &json!(90))
     );
     assert_eq!(scenes[0]["world_from_camera"][2][3], 3.0);
 
-    at.write("gazebo/images/image_0000001.png", &png(2));
-    at.write("gazebo/labels_maps/labels_0000001.png", &color_mask());
-    at.write("gazebo/colored_maps/colored_0000001.png", &color_mask());
-    let gazebo = at.upload("gazebo", &[]);
-    assert!(at.scenes(&gazebo)[0]["instances_digest"].is_string());
+    uploader.write("gazebo/images/image_0000001.png", &png(2));
+    uploader.write("gazebo/labels_maps/labels_0000001.png", &color_mask());
+    uploader.write("gazebo/colored_maps/colored_0000001.png", &color_mask());
+    let gazebo = uploader.upload("gazebo", &[]);
+    assert!(uploader.scenes(&gazebo)[0]["instances_digest"].is_string());
     assert!(
         gazebo.err.contains("layout gazebo") && gazebo.err.contains("colored_0000001.png"),
         "{}",
         gazebo.err
     );
 
-    at.write("tum/rgb/1305031102.175304.png", &png(3));
-    at.write("tum/depth/1305031102.160407.png", &millimeters(5000));
-    at.write(
+    uploader.write("tum/rgb/1305031102.175304.png", &png(3));
+    uploader.write("tum/depth/1305031102.160407.png", &millimeters(5000));
+    uploader.write(
         "tum/rgb.txt",
         b"# color images\n1305031102.175304 rgb/1305031102.175304.png\n",
     );
-    at.write(
+    uploader.write(
         "tum/depth.txt",
         b"# depth maps\n1305031102.160407 depth/1305031102.160407.png\n",
     );
-    at.write("tum/groundtruth.txt", b"1305031102.1758 1.0 2.0 3.0 0 0 0 1\n");
-    let tum = at.upload("tum", &["--focal-px", "20"]);
-    let scene = &at.scenes(&tum)[0];
+    uploader.write("tum/groundtruth.txt", b"1305031102.1758 1.0 2.0 3.0 0 0 0 1\n");
+    let tum = uploader.upload("tum", &["--focal-px", "20"]);
+    let scene = &uploader.scenes(&tum)[0];
     assert_eq!(
         (&scene["range_kind"], &scene["unit_m"]),
         (&json!("z_depth"), &json!(0.0002))
@@ -214,26 +214,26 @@ fn folders_of_other_programs_are_recognized() {
     assert!(tum.err.contains("1.000 to"), "{}", tum.err);
 
     let jpeg = encode_jpeg(&picture(4), 90).unwrap();
-    at.write("suim/images/d_r_1.jpg", &jpeg);
-    at.write(
+    uploader.write("suim/images/d_r_1.jpg", &jpeg);
+    uploader.write(
         "suim/masks/d_r_1.bmp",
         &bmp(|x, _| if x < 8 { [0, 0, 0] } else { [255, 255, 0] }),
     );
-    let suim = at.upload("suim", &[]);
+    let suim = uploader.upload("suim", &[]);
     assert!(
         suim.err.contains("layout suim") && suim.err.contains("fish 256 px"),
         "{}",
         suim.err
     );
 
-    at.write("parallel/rgb/a.png", &png(5));
-    at.write("parallel/depth/a.png", &millimeters(2500));
-    at.write("parallel/masks/a.png", &mask());
-    let parallel = at.upload(
+    uploader.write("parallel/rgb/a.png", &png(5));
+    uploader.write("parallel/depth/a.png", &millimeters(2500));
+    uploader.write("parallel/masks/a.png", &mask());
+    let parallel = uploader.upload(
         "parallel",
         &["--unit-m", "0.001", "--invalid-code", "0", "--hfov-deg", "70"],
     );
-    let scene = &at.scenes(&parallel)[0];
+    let scene = &uploader.scenes(&parallel)[0];
     assert_eq!(scene["range_kind"], "z_depth");
     assert!(
         parallel.err.contains("all files of the folder are used"),
@@ -244,20 +244,20 @@ fn folders_of_other_programs_are_recognized() {
 
 #[test]
 fn lookalikes_duplicates_and_depth_without_a_camera_stop_the_upload() {
-    let at = Uploader::new();
-    at.write("flat/0001.png", &png(1));
-    at.write("flat/0001_mask.png", &mask());
-    at.write("flat/0002.png", &png(2));
-    at.write("flat/0002.Range.npy", &distances(2.0));
-    at.write("flat/0003.jpg", &encode_jpeg(&picture(3), 90).unwrap());
-    at.write("flat/0003.png", &png(3));
-    at.write("flat/._0001.png", b"\0\0");
-    let refused = at.upload("flat", &["--collection", "dock"]);
+    let uploader = Uploader::new();
+    uploader.write("flat/0001.png", &png(1));
+    uploader.write("flat/0001_mask.png", &mask());
+    uploader.write("flat/0002.png", &png(2));
+    uploader.write("flat/0002.Range.npy", &distances(2.0));
+    uploader.write("flat/0003.jpg", &encode_jpeg(&picture(3), 90).unwrap());
+    uploader.write("flat/0003.png", &png(3));
+    uploader.write("flat/._0001.png", b"\0\0");
+    let refused = uploader.upload("flat", &["--collection", "dock"]);
     assert!(!refused.is_complete && refused.out.is_empty());
     for name in ["0001_mask.png", "0003.jpg and 0003.png", "--ignore", "._0001.png"] {
         assert!(refused.err.contains(name), "{name}: {}", refused.err);
     }
-    assert_eq!(at.service.get("/v1/scenes").1["items"], json!([]));
+    assert_eq!(uploader.service.get("/v1/scenes").1["items"], json!([]));
     let options = [
         "--ignore",
         "*_mask.png",
@@ -266,7 +266,7 @@ fn lookalikes_duplicates_and_depth_without_a_camera_stop_the_upload() {
         "--collection",
         "dock",
     ];
-    let uploaded = at.upload("flat", &options);
+    let uploaded = uploader.upload("flat", &options);
     let ranges: Vec<bool> = at
         .scenes(&uploaded)
         .iter()
@@ -274,9 +274,9 @@ fn lookalikes_duplicates_and_depth_without_a_camera_stop_the_upload() {
         .collect();
     assert_eq!(ranges, [false, true, false]);
     assert!(uploaded.err.contains("--ignore *_mask.png"), "{}", uploaded.err);
-    at.write("deep/1.png", &png(4));
-    at.write("deep/1.z_depth.npy", &distances(2.0));
-    let refused = at.upload("deep", &[]);
+    uploader.write("deep/1.png", &png(4));
+    uploader.write("deep/1.z_depth.npy", &distances(2.0));
+    let refused = uploader.upload("deep", &[]);
     assert!(
         refused.err.contains("give --hfov-deg or --focal-px"),
         "{}",
@@ -290,20 +290,20 @@ fn transform(path: &str, x: f64) -> Value {
 
 #[test]
 fn poses_match_by_path_and_bring_their_camera() {
-    let at = Uploader::new();
-    at.write("rig/cam0/0001.png", &png(1));
-    at.write("rig/cam1/0001.png", &png(2));
-    at.write("alone/0001.png", &png(3));
+    let uploader = Uploader::new();
+    uploader.write("rig/cam0/0001.png", &png(1));
+    uploader.write("rig/cam1/0001.png", &png(2));
+    uploader.write("alone/0001.png", &png(3));
     let frames = [
         transform(r"C:\shots\cam0\0001.png", 1.0),
         transform("./cam1/0001", 100.0),
     ];
     let camera = json!({"fl_x": 30.0, "fl_y": 30.0, "cx": 12.0, "cy": 8.0, "w": 24, "h": 16, "k1": -0.1, "frames": frames});
-    at.write("transforms.json", camera.to_string().as_bytes());
-    let poses = at.folder.path().join("transforms.json");
+    uploader.write("transforms.json", camera.to_string().as_bytes());
+    let poses = uploader.folder.path().join("transforms.json");
     let poses = ["--pose", poses.to_str().unwrap()];
-    let uploaded = at.upload("rig", &poses);
-    let scenes = at.scenes(&uploaded);
+    let uploaded = uploader.upload("rig", &poses);
+    let scenes = uploader.scenes(&uploaded);
     let place = |scene: &Value| scene["world_from_camera"][0][3].clone();
     assert_eq!((place(&scenes[0]), place(&scenes[1])), (json!(1.0), json!(100.0)));
     assert_eq!(
@@ -311,7 +311,7 @@ fn poses_match_by_path_and_bring_their_camera() {
         (&json!(30.0), &json!(11.5))
     );
     assert!(uploaded.err.contains("k1"), "{}", uploaded.err);
-    let ambiguous = at.upload("alone", &poses);
+    let ambiguous = uploader.upload("alone", &poses);
     for name in [r"C:\shots\cam0\0001.png", "./cam1/0001"] {
         assert!(
             !ambiguous.is_complete && ambiguous.err.contains(name),
@@ -319,8 +319,8 @@ fn poses_match_by_path_and_bring_their_camera() {
             ambiguous.err
         );
     }
-    at.write("other/9.png", &png(4));
-    let none = at.upload("other", &poses);
+    uploader.write("other/9.png", &png(4));
+    let none = uploader.upload("other", &poses);
     assert!(none.err.contains("no picture fits a frame"), "{}", none.err);
 }
 
@@ -338,16 +338,16 @@ fn tagged(tag: u8) -> Vec<u8> {
 
 #[test]
 fn an_orientation_tag_turns_the_picture_and_maps_of_the_stored_size() {
-    let at = Uploader::new();
-    at.write("tag6.jpg", &tagged(6));
-    at.write("stored.npy", &distances(2.0));
+    let uploader = Uploader::new();
+    uploader.write("tag6.jpg", &tagged(6));
+    uploader.write("stored.npy", &distances(2.0));
     let shown = Plane::filled(SIZE.1, SIZE.0, 3.0f32);
-    at.write("shown.npy", &encode_npy_plane(&shown));
-    at.write("other.npy", &encode_npy_plane(&Plane::filled(5, 5, 3.0f32)));
-    let range = |name: &str| at.folder.path().join(name).display().to_string();
+    uploader.write("shown.npy", &encode_npy_plane(&shown));
+    uploader.write("other.npy", &encode_npy_plane(&Plane::filled(5, 5, 3.0f32)));
+    let range = |name: &str| uploader.folder.path().join(name).display().to_string();
     for map in ["stored.npy", "shown.npy"] {
-        let uploaded = at.upload("tag6.jpg", &["--range", &range(map)]);
-        let scene = &at.scenes(&uploaded)[0];
+        let uploaded = uploader.upload("tag6.jpg", &["--range", &range(map)]);
+        let scene = &uploader.scenes(&uploaded)[0];
         assert_eq!(
             (&scene["width"], &scene["height"]),
             (&json!(16), &json!(24)),
@@ -355,13 +355,13 @@ fn an_orientation_tag_turns_the_picture_and_maps_of_the_stored_size() {
         );
         assert!(uploaded.err.contains("orientation tag 6"), "{}", uploaded.err);
     }
-    let refused = at.upload("tag6.jpg", &["--range", &range("other.npy")]);
+    let refused = uploader.upload("tag6.jpg", &["--range", &range("other.npy")]);
     assert!(
         refused.err.contains("5×5") && refused.err.contains("16×24"),
         "{}",
         refused.err
     );
-    let out = at.place("out.png");
+    let out = uploader.place("out.png");
     let picture = range("tag6.jpg");
     let enhanced = run(&["enhance", "grey_world", &picture, out.to_str().unwrap()]);
     assert!(enhanced.status.success());

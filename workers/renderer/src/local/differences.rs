@@ -62,12 +62,12 @@ mod tests {
 
     #[test]
     fn each_different_field_is_named_with_both_values() {
-        let there = r#"{"count": 3, "scene": {"seed": 1}, "same": [1]}"#;
-        let here = r#"{"count": 5, "scene": {"seed": 1, "family": "shaft"}, "same": [1]}"#;
+        let stored = r#"{"count": 3, "scene": {"seed": 1}, "same": [1]}"#;
+        let wanted = r#"{"count": 5, "scene": {"seed": 1, "family": "shaft"}, "same": [1]}"#;
         assert_eq!(
-            describe_differences(there, here),
+            describe_differences(stored, wanted),
             "`count` is 3 there and 5 here; `scene.family` is absent there and \"shaft\" here"
         );
-        assert_eq!(describe_differences("{", here), "its job.json is damaged");
+        assert_eq!(describe_differences("{", wanted), "its job.json is damaged");
     }
 }
