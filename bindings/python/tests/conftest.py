@@ -64,3 +64,11 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
         process.terminate()
         process.stderr.read()
         assert process.wait(30) == 0
+
+
+@pytest.fixture
+def no_torch(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Hide the stand-in for torch from libraries that use the real one where it is there."""
+    monkeypatch.setattr(sys, "path", [place for place in sys.path if not place.endswith("stand_in")])
+    for name in [name for name in sys.modules if name.split(".")[0] == "torch"]:
+        monkeypatch.delitem(sys.modules, name)

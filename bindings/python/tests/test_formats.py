@@ -7,7 +7,6 @@ import hashlib
 import json
 import os
 import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -50,14 +49,6 @@ def formats(server: str) -> str:
         for job in (labeled, followed):
             assert client.submit(job).wait().state["state"] == "done"
     return server
-
-
-@pytest.fixture
-def no_torch(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Hide the stand-in for torch from libraries that use the real one where it is there."""
-    monkeypatch.setattr(sys, "path", [place for place in sys.path if not place.endswith("stand_in")])
-    for name in [name for name in sys.modules if name.split(".")[0] == "torch"]:
-        monkeypatch.delitem(sys.modules, name)
 
 
 @pytest.fixture
