@@ -267,7 +267,7 @@ fn lookalikes_duplicates_and_depth_without_a_camera_stop_the_upload() {
         "dock",
     ];
     let uploaded = uploader.upload("flat", &options);
-    let ranges: Vec<bool> = at
+    let ranges: Vec<bool> = uploader
         .scenes(&uploaded)
         .iter()
         .map(|scene| scene["range_kind"].is_string())

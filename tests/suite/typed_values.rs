@@ -54,7 +54,10 @@ fn labels_keep_their_type_and_all_digits() {
         json!({"dataset": "lo", "count": 6, "seed": seed, "scene": scene, "camera": {"width": 32, "height": 24}, "metrics": ["uiqm"],
                "labels": {"depth": depth, "trip": {"int": [1, 20]}, "site": "dock", "night": {"choice": [true, false]}}})
     };
-    service.finished(&service.submit(&job(5, json!({"uniform": [1, 120]}))));
+    assert_eq!(
+        service.finished(&service.submit(&job(5, json!({"uniform": [1, 120]}))))["state"],
+        "done"
+    );
     let rows = Rows(&service);
     let all = rows.query(&[
         ("dataset", "lo"),
@@ -107,7 +110,10 @@ fn labels_keep_their_type_and_all_digits() {
         (nights, 6 - nights)
     );
     // A text in another job leaves numbers comparable.
-    service.finished(&service.submit(&job(6, json!("shallow"))));
+    assert_eq!(
+        service.finished(&service.submit(&job(6, json!("shallow"))))["state"],
+        "done"
+    );
     assert_eq!(rows.count("lo", "labels.depth > 50"), deep);
     assert_eq!(rows.count("lo", "labels.depth = \"shallow\""), 6);
     assert_eq!(rows.count("lo", "labels.depth is not null"), 12);
@@ -244,7 +250,7 @@ fn degrees_of_an_uploaded_scene_are_those_that_were_given() {
         let output = run(&["upload", picture, "--hfov-deg", degrees, "--server", &service.url]);
         let id = String::from_utf8_lossy(&output.stdout).trim().to_owned();
         let job = json!({"dataset": "degrees", "scene": {"kind": "uploaded", "id": id}, "metrics": ["uiqm"], "artifacts": ["rgb"]});
-        service.finished(&service.submit(&job));
+        assert_eq!(service.finished(&service.submit(&job))["state"], "done");
         assert_eq!(
             Rows(&service).count("degrees", &format!("camera.hfov_deg = {degrees}")),
             1,
@@ -254,6 +260,6 @@ fn degrees_of_an_uploaded_scene_are_those_that_were_given() {
     let output = run(&["upload", picture, "--server", &service.url]);
     let id = String::from_utf8_lossy(&output.stdout).trim().to_owned();
     let job = json!({"dataset": "default", "scene": {"kind": "uploaded", "id": id}, "metrics": ["uiqm"], "artifacts": ["rgb"]});
-    service.finished(&service.submit(&job));
+    assert_eq!(service.finished(&service.submit(&job))["state"], "done");
     assert_eq!(Rows(&service).count("default", "camera.hfov_deg = 80"), 1);
 }
