@@ -96,7 +96,9 @@ mod tests {
             angles.push(cosines.fold(1.0, f32::min).clamp(-1.0, 1.0).acos());
         }
         angles.sort_by(f32::total_cmp);
-        assert!(angles[angles.len() / 2] < 0.4, "{}", angles[angles.len() / 2]);
+        let median = angles[angles.len() / 2];
+        // Two cells wide; rays of all directions are up to 3.14 apart.
+        assert!(median < 0.6, "{median}");
     }
 
     #[test]
