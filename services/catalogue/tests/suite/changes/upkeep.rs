@@ -6,12 +6,12 @@ use crate::fixture::Fixture;
 
 #[tokio::test]
 async fn a_copy_made_while_images_come_in_opens_and_is_sound() {
-    let at = Fixture::new().await;
-    at.job("job_a", "bay", 3000, 100).await;
-    let copy = at.folder.path().join("copy.sqlite");
+    let fixture = Fixture::new().await;
+    fixture.job("job_a", "bay", 3000, 100).await;
+    let copy = fixture.folder.path().join("copy.sqlite");
     let (filled, copied) = tokio::join!(
-        synthetic::fill(&at.catalogue, "job_a", 100..3000, 0),
-        at.catalogue.backup(&copy)
+        synthetic::fill(&fixture.catalogue, "job_a", 100..3000, 0),
+        fixture.catalogue.backup(&copy)
     );
     filled.unwrap();
     copied.unwrap();
@@ -26,19 +26,21 @@ async fn a_copy_made_while_images_come_in_opens_and_is_sound() {
         .await
         .unwrap();
     assert!(
-        at.catalogue.backup(&copy).await.is_err(),
+        fixture.catalogue.backup(&copy).await.is_err(),
         "a file that is there stays"
     );
 }
 
 #[tokio::test]
 async fn a_check_names_the_counter_that_is_wrong() {
-    let at = Fixture::new().await;
-    at.job("job_a", "bay", 3, 2).await;
-    assert!(at.catalogue.wal_bytes() > 0);
-    at.is_sound().await;
-    at.sabotage("UPDATE jobs SET done = 3 WHERE id = 'job_a'").await;
-    let found = at.catalogue.integrity_check().await.unwrap();
+    let fixture = Fixture::new().await;
+    fixture.job("job_a", "bay", 3, 2).await;
+    assert!(fixture.catalogue.wal_bytes() > 0);
+    fixture.is_sound().await;
+    fixture
+        .sabotage("UPDATE jobs SET done = 3 WHERE id = 'job_a'")
+        .await;
+    let found = fixture.catalogue.integrity_check().await.unwrap();
     assert!(found.contains(&"counted images of job_a".to_owned()), "{found:?}");
     assert!(found.contains(&"sums of dataset of bay".to_owned()), "{found:?}");
 }
