@@ -44,9 +44,9 @@ struct Description {
     #[serde(default)]
     base: Value,
     measure: Vec<Measure>,
-    #[serde(default = "one")]
+    #[serde(default = "single")]
     count: u64,
-    #[serde(default = "one")]
+    #[serde(default = "single")]
     runs: u64,
     /// Stages whose times are summed; without it each stage has a column.
     #[serde(default)]
@@ -56,7 +56,7 @@ struct Description {
     chart: Option<Drawn>,
 }
 
-fn one() -> u64 {
+fn single() -> u64 {
     1
 }
 
@@ -84,7 +84,7 @@ struct Sheet {
     #[serde(default)]
     artifacts: Vec<String>,
     /// Frames of each case on the sheet.
-    #[serde(default = "one")]
+    #[serde(default = "single")]
     frames: u64,
 }
 

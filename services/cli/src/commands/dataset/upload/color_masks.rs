@@ -75,7 +75,7 @@ pub(super) fn number_colors(bytes: &[u8], names: Option<&Value>) -> Result<Numbe
     let shown: BTreeSet<[u8; 3]> = colors.iter().copied().filter(|color| *color != [0; 3]).collect();
     if shown.len() > MAX_COLORS {
         return Err(Failure::BadInput(format!(
-            "the mask has {} colors, the limit is {MAX_COLORS}; save it without compression or blur",
+            "the mask has {} colors; must be at most {MAX_COLORS}: save it without compression or blur",
             shown.len()
         )));
     }
