@@ -20,105 +20,53 @@ const COMMIT_BUCKETS: [f64; 8] = [1e4, 3e4, 1e5, 3e5, 1e6, 1e7, 1e8, 5e8];
 /// A frame has about a dozen stages; a record with more does not get a label for each.
 const MAX_STAGES: usize = 32;
 
+/// Declares the metrics of [`Telemetry`]: field, type, and registration.
+macro_rules! telemetry {
+    ($($field:ident: $Metric:ident = $register:ident($($argument:expr),+);)*) => {
+        struct Telemetry {
+            $($field: $Metric,)*
+        }
+
+        impl Telemetry {
+            fn register() -> prometheus::Result<Self> {
+                Ok(Self {
+                    $($field: $register!($($argument),+)?,)*
+                })
+            }
+        }
+    };
+}
+
 /// Shared by every service of the process.
 static TELEMETRY: LazyLock<Telemetry> =
     LazyLock::new(|| Telemetry::register().expect("the names are valid and differ"));
 
-struct Telemetry {
-    requests: IntCounterVec,
-    request_seconds: HistogramVec,
-    shed: IntCounterVec,
-    checked: IntCounterVec,
-    committed: IntCounter,
-    commit_bytes: Histogram,
-    stage_seconds: HistogramVec,
-    failed: IntCounterVec,
-    granted: IntCounter,
-    attempts: IntCounter,
-    expired: IntCounter,
-    strikes: IntCounter,
-    queued: IntGauge,
-    leased: IntGauge,
-    queue_age_seconds: Gauge,
-    wal_bytes: IntGauge,
-    store_bytes: IntGauge,
-    store_blobs: IntGauge,
-    store_packs: IntGauge,
-}
-
-impl Telemetry {
-    fn register() -> prometheus::Result<Self> {
-        let (request, stage) = (REQUEST_BUCKETS.to_vec(), STAGE_BUCKETS.to_vec());
-        Ok(Self {
-            requests: register_int_counter_vec!(
-                "fathom_requests_total",
-                "Requests by method, route and status",
-                &["method", "route", "status"]
-            )?,
-            request_seconds: register_histogram_vec!(
-                "fathom_request_seconds",
-                "Time from the head of a request to the head of its response",
-                &["route"],
-                request
-            )?,
-            checked: register_int_counter_vec!(
-                "fathom_frames_checked_total",
-                "Spot-checked frames, by outcome",
-                &["outcome"]
-            )?,
-            shed: register_int_counter_vec!(
-                "fathom_requests_shed_total",
-                "Requests rejected with 503 at the concurrency limit of their kind",
-                &["budget"]
-            )?,
-            committed: register_int_counter!(
-                "fathom_frames_committed_total",
-                "Frames whose image was stored"
-            )?,
-            commit_bytes: register_histogram!(
-                "fathom_commit_bytes",
-                "Bytes of the artifacts of a committed frame",
-                COMMIT_BUCKETS.to_vec()
-            )?,
-            stage_seconds: register_histogram_vec!(
-                "fathom_stage_seconds",
-                "Time of a stage of a frame, from its record",
-                &["stage"],
-                stage
-            )?,
-            failed: register_int_counter_vec!(
-                "fathom_frames_failed_total",
-                "Failed attempts, by whether the frame is quarantined",
-                &["given_up"]
-            )?,
-            granted: register_int_counter!("fathom_leases_granted_total", "Leases granted to workers")?,
-            attempts: register_int_counter!(
-                "fathom_attempts_total",
-                "Frames leased to workers, repeats included"
-            )?,
-            expired: register_int_counter!(
-                "fathom_leases_expired_total",
-                "Leases that expired without a heartbeat"
-            )?,
-            strikes: register_int_counter!(
-                "fathom_lease_strikes_total",
-                "Single-frame leases that ended without a result"
-            )?,
-            queued: register_int_gauge!("fathom_frames_queued", "Queued frames of open jobs")?,
-            leased: register_int_gauge!("fathom_frames_leased", "Leased frames")?,
-            queue_age_seconds: register_gauge!(
-                "fathom_queue_age_seconds",
-                "Seconds since the oldest open job was submitted"
-            )?,
-            wal_bytes: register_int_gauge!("fathom_wal_bytes", "Bytes of the catalogue's write-ahead log")?,
-            store_bytes: register_int_gauge!("fathom_store_bytes", "Bytes of the stored artifacts")?,
-            store_blobs: register_int_gauge!(
-                "fathom_store_blobs",
-                "Stored artifacts, shared ones counted once"
-            )?,
-            store_packs: register_int_gauge!("fathom_store_packs", "Pack files")?,
-        })
-    }
+telemetry! {
+    requests: IntCounterVec = register_int_counter_vec("fathom_requests_total",
+        "Requests by method, route and status", &["method", "route", "status"]);
+    request_seconds: HistogramVec = register_histogram_vec("fathom_request_seconds",
+        "Time from the head of a request to the head of its response", &["route"], REQUEST_BUCKETS.to_vec());
+    shed: IntCounterVec = register_int_counter_vec("fathom_requests_shed_total",
+        "Requests rejected with 503 at the concurrency limit of their kind", &["budget"]);
+    checked: IntCounterVec = register_int_counter_vec("fathom_frames_checked_total", "Spot-checked frames, by outcome", &["outcome"]);
+    committed: IntCounter = register_int_counter("fathom_frames_committed_total", "Frames whose image was stored");
+    commit_bytes: Histogram = register_histogram("fathom_commit_bytes",
+        "Bytes of the artifacts of a committed frame", COMMIT_BUCKETS.to_vec());
+    stage_seconds: HistogramVec = register_histogram_vec("fathom_stage_seconds",
+        "Time of a stage of a frame, from its record", &["stage"], STAGE_BUCKETS.to_vec());
+    failed: IntCounterVec = register_int_counter_vec("fathom_frames_failed_total",
+        "Failed attempts, by whether the frame is quarantined", &["given_up"]);
+    granted: IntCounter = register_int_counter("fathom_leases_granted_total", "Leases granted to workers");
+    attempts: IntCounter = register_int_counter("fathom_attempts_total", "Frames leased to workers, repeats included");
+    expired: IntCounter = register_int_counter("fathom_leases_expired_total", "Leases that expired without a heartbeat");
+    strikes: IntCounter = register_int_counter("fathom_lease_strikes_total", "Single-frame leases that ended without a result");
+    queued: IntGauge = register_int_gauge("fathom_frames_queued", "Queued frames of open jobs");
+    leased: IntGauge = register_int_gauge("fathom_frames_leased", "Leased frames");
+    queue_age_seconds: Gauge = register_gauge("fathom_queue_age_seconds", "Seconds since the oldest open job was submitted");
+    wal_bytes: IntGauge = register_int_gauge("fathom_wal_bytes", "Bytes of the catalogue's write-ahead log");
+    store_bytes: IntGauge = register_int_gauge("fathom_store_bytes", "Bytes of the stored artifacts");
+    store_blobs: IntGauge = register_int_gauge("fathom_store_blobs", "Stored artifacts, shared ones counted once");
+    store_packs: IntGauge = register_int_gauge("fathom_store_packs", "Pack files");
 }
 
 /// All metrics, including those of the catalogue.
