@@ -10,97 +10,68 @@ struct Topic {
     commands: &'static [(&'static str, &'static str)],
 }
 
-const TOPICS: &[Topic] = &[
-    Topic {
-        title: "Rendering commands",
-        commands: &[
-            ("new", "fathom new shaft --out job.json"),
-            ("render", "fathom render job.json --out frames --slots 4"),
-            ("plan", "fathom plan job.json --frame 3"),
-            ("demo", "fathom demo --out data/demo"),
-        ],
-    },
-    Topic {
-        title: "Service commands",
-        commands: &[
-            ("serve", "fathom serve --data data --workers 2"),
-            ("worker", "fathom worker --server http://10.0.0.5:7311 --slots 8"),
-            ("backup", "fathom backup"),
-            ("scrub", "fathom scrub --data data --repair"),
-        ],
-    },
-    Topic {
-        title: "Job commands",
-        commands: &[
-            ("submit", "fathom submit job.json --wait"),
-            ("jobs", "fathom jobs --state running"),
-            ("wait", "fathom wait job_0198c0ffee007000800000000000000a"),
-            ("errors", "fathom errors job_0198c0ffee007000800000000000000a"),
-            ("retry", "fathom retry job_0198c0ffee007000800000000000000a"),
-            ("pause", "fathom pause job_0198c0ffee007000800000000000000a"),
-            ("resume", "fathom resume job_0198c0ffee007000800000000000000a"),
-            ("cancel", "fathom cancel job_0198c0ffee007000800000000000000a"),
-            ("list", "fathom list enhancements"),
-        ],
-    },
-    Topic {
-        title: "Dataset commands",
-        commands: &[
-            ("datasets", "fathom datasets"),
-            (
-                "query",
-                "fathom query 'uiqm > 0.8' --dataset tour --order-by=-uiqm",
-            ),
-            (
-                "stats",
-                "fathom stats tour --metrics uiqm,uciqe --by water.optics,alpha:0.1",
-            ),
-            ("sheet", "fathom sheet tour --kind semantics --out tour.png"),
-            ("export", "fathom export tour --kinds rgb,range --out tour"),
-            ("scenes", "fathom scenes"),
-            (
-                "upload",
-                "fathom upload quay.png --range quay.range.png --unit-m 0.001 --invalid-code 0",
-            ),
-            ("rm", "fathom rm tour --yes"),
-            ("seal", "fathom seal tour"),
-            ("verify", "fathom verify tour@1"),
-        ],
-    },
-    Topic {
-        title: "Set commands",
-        commands: &[
-            ("status", "fathom status s3://bucket/set"),
-            ("import", "fathom import s3://bucket/set --server --wait"),
-            ("gc", "fathom gc s3://bucket/set"),
-        ],
-    },
-    Topic {
-        title: "Water and style commands",
-        commands: &[
-            ("waters", "fathom waters --server"),
-            ("styles", "fathom styles add bay.onnx"),
-            ("train", "fathom train bay.jpg --name bay"),
-        ],
-    },
-    Topic {
-        title: "Picture commands",
-        commands: &[
-            ("enhance", "fathom enhance hscm dim.png clear.png"),
-            ("measure", "fathom measure dim.png clear.png --json"),
-        ],
-    },
-    Topic {
-        title: "Shell commands",
-        commands: &[
-            (
-                "completions",
-                "fathom completions bash > ~/.local/share/bash-completion/completions/fathom",
-            ),
-            ("man", "fathom man ~/.local/share/man/man1"),
-        ],
-    },
-];
+/// Declares topics: title, and each command with an example.
+macro_rules! topics {
+    ($($title:literal { $($command:literal $example:literal;)* })*) => {
+        &[$(Topic { title: $title, commands: &[$(($command, $example)),*] }),*]
+    };
+}
+
+const TOPICS: &[Topic] = topics! {
+    "Rendering commands" {
+        "new" "fathom new shaft --out job.json";
+        "render" "fathom render job.json --out frames --slots 4";
+        "plan" "fathom plan job.json --frame 3";
+        "demo" "fathom demo --out data/demo";
+    }
+    "Service commands" {
+        "serve" "fathom serve --data data --workers 2";
+        "worker" "fathom worker --server http://10.0.0.5:7311 --slots 8";
+        "backup" "fathom backup";
+        "scrub" "fathom scrub --data data --repair";
+    }
+    "Job commands" {
+        "submit" "fathom submit job.json --wait";
+        "jobs" "fathom jobs --state running";
+        "wait" "fathom wait job_0198c0ffee007000800000000000000a";
+        "errors" "fathom errors job_0198c0ffee007000800000000000000a";
+        "retry" "fathom retry job_0198c0ffee007000800000000000000a";
+        "pause" "fathom pause job_0198c0ffee007000800000000000000a";
+        "resume" "fathom resume job_0198c0ffee007000800000000000000a";
+        "cancel" "fathom cancel job_0198c0ffee007000800000000000000a";
+        "list" "fathom list enhancements";
+    }
+    "Dataset commands" {
+        "datasets" "fathom datasets";
+        "query" "fathom query 'uiqm > 0.8' --dataset tour --order-by=-uiqm";
+        "stats" "fathom stats tour --metrics uiqm,uciqe --by water.optics,alpha:0.1";
+        "sheet" "fathom sheet tour --kind semantics --out tour.png";
+        "export" "fathom export tour --kinds rgb,range --out tour";
+        "scenes" "fathom scenes";
+        "upload" "fathom upload quay.png --range quay.range.png --unit-m 0.001 --invalid-code 0";
+        "rm" "fathom rm tour --yes";
+        "seal" "fathom seal tour";
+        "verify" "fathom verify tour@1";
+    }
+    "Set commands" {
+        "status" "fathom status s3://bucket/set";
+        "import" "fathom import s3://bucket/set --server --wait";
+        "gc" "fathom gc s3://bucket/set";
+    }
+    "Water and style commands" {
+        "waters" "fathom waters --server";
+        "styles" "fathom styles add bay.onnx";
+        "train" "fathom train bay.jpg --name bay";
+    }
+    "Picture commands" {
+        "enhance" "fathom enhance hscm dim.png clear.png";
+        "measure" "fathom measure dim.png clear.png --json";
+    }
+    "Shell commands" {
+        "completions" "fathom completions bash > ~/.local/share/bash-completion/completions/fathom";
+        "man" "fathom man ~/.local/share/man/man1";
+    }
+};
 
 /// Replaces the list of commands by topics, and adds an example to the help of each command.
 pub(crate) fn arrange(command: Command) -> Command {
