@@ -2,97 +2,59 @@
 
 use std::fmt;
 
-/// A known failure.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Warning {
-    /// Every pixel has the same color.
-    Constant,
-    /// Too few pixels for the method's statistics.
-    FewPixels,
-    /// Tiles with fewer than 64 pixels.
-    SmallTiles,
-    /// Nearly all pixels are nearly black.
-    Dark,
-    /// Red, green and blue are equal everywhere.
-    Gray,
-    /// A channel is black everywhere.
-    ChannelWithoutLight,
-    /// The most frequent code of a channel is 0.
-    BlackMode,
-    /// The result is red where the picture was not.
-    RedCast,
-    /// Red is stretched by more than four.
-    RedAmplified,
-    /// A bright part of the picture was mistaken for the background light.
-    LampAsBackground,
-    /// A fifth of a channel turned black.
-    Blackened,
-    /// The background light depends on a threshold that the picture is close to.
-    UnstableLight,
+/// Declares the warnings: code and description.
+macro_rules! warnings {
+    ($(#[doc = $doc:literal] $Warning:ident $code:literal $words:literal;)*) => {
+        /// A known failure.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        pub enum Warning {
+            $(#[doc = $doc] $Warning,)*
+        }
+
+        impl Warning {
+            /// All warnings.
+            pub const ALL: &[Self] = &[$(Self::$Warning),*];
+
+            /// A stable name, for filters and tables.
+            #[must_use]
+            pub fn code(self) -> &'static str {
+                match self { $(Self::$Warning => $code,)* }
+            }
+
+            /// Description.
+            #[must_use]
+            pub fn words(self) -> &'static str {
+                match self { $(Self::$Warning => $words,)* }
+            }
+        }
+    };
 }
 
-impl Warning {
-    /// All warnings.
-    pub const ALL: [Self; 12] = [
-        Self::Constant,
-        Self::FewPixels,
-        Self::SmallTiles,
-        Self::Dark,
-        Self::Gray,
-        Self::ChannelWithoutLight,
-        Self::BlackMode,
-        Self::RedCast,
-        Self::RedAmplified,
-        Self::LampAsBackground,
-        Self::Blackened,
-        Self::UnstableLight,
-    ];
-
-    /// A stable name, for filters and tables.
-    #[must_use]
-    pub fn code(self) -> &'static str {
-        match self {
-            Self::Constant => "constant",
-            Self::FewPixels => "few_pixels",
-            Self::SmallTiles => "small_tiles",
-            Self::Dark => "dark",
-            Self::Gray => "gray",
-            Self::ChannelWithoutLight => "channel_without_light",
-            Self::BlackMode => "black_mode",
-            Self::RedCast => "red_cast",
-            Self::RedAmplified => "red_amplified",
-            Self::LampAsBackground => "lamp_as_background",
-            Self::Blackened => "blackened",
-            Self::UnstableLight => "unstable_light",
-        }
-    }
-
-    /// Description.
-    #[must_use]
-    pub fn words(self) -> &'static str {
-        match self {
-            Self::Constant => "the picture has one color, nothing tells light from scene",
-            Self::FewPixels => "fewer than 1000 pixels, tails and background light rest on a single pixel",
-            Self::SmallTiles => "tiles hold fewer than 64 pixels, their histograms are noise",
-            Self::Dark => "99 % of the pixels are below luma 16, noise and code steps are made visible",
-            Self::Gray => "the picture is gray, distance can only be guessed from brightness",
-            Self::ChannelWithoutLight => "a channel is black everywhere and cannot be balanced",
-            Self::BlackMode => {
-                "the most frequent code of a channel is 0, the stretch has nothing to be relative to"
-            }
-            Self::RedCast => {
-                "the result is red where the picture was not, what is left of red was multiplied too far"
-            }
-            Self::RedAmplified => "red is stretched by more than four, and its noise with it",
-            Self::LampAsBackground => {
-                "a bright part of the picture is taken for the background light, darker parts turn black"
-            }
-            Self::Blackened => "a fifth of a channel turned black",
-            Self::UnstableLight => {
-                "the background light hangs on a threshold, the next frame of a film may get another one"
-            }
-        }
-    }
+warnings! {
+    /// Every pixel has the same color.
+    Constant "constant" "the picture has one color, nothing tells light from scene";
+    /// Too few pixels for the method's statistics.
+    FewPixels "few_pixels" "fewer than 1000 pixels, tails and background light rest on a single pixel";
+    /// Tiles with fewer than 64 pixels.
+    SmallTiles "small_tiles" "tiles hold fewer than 64 pixels, their histograms are noise";
+    /// Nearly all pixels are nearly black.
+    Dark "dark" "99 % of the pixels are below luma 16, noise and code steps are made visible";
+    /// Red, green and blue are equal everywhere.
+    Gray "gray" "the picture is gray, distance can only be guessed from brightness";
+    /// A channel is black everywhere.
+    ChannelWithoutLight "channel_without_light" "a channel is black everywhere and cannot be balanced";
+    /// The most frequent code of a channel is 0.
+    BlackMode "black_mode" "the most frequent code of a channel is 0, the stretch has nothing to be relative to";
+    /// The result is red where the picture was not.
+    RedCast "red_cast" "the result is red where the picture was not, what is left of red was multiplied too far";
+    /// Red is stretched by more than four.
+    RedAmplified "red_amplified" "red is stretched by more than four, and its noise with it";
+    /// A bright part of the picture was mistaken for the background light.
+    LampAsBackground "lamp_as_background" "a bright part of the picture is taken for the background light, darker parts turn black";
+    /// A fifth of a channel turned black.
+    Blackened "blackened" "a fifth of a channel turned black";
+    /// The background light depends on a threshold that the picture is close to.
+    UnstableLight "unstable_light" "the background light hangs on a threshold, the next frame of a film may get another one";
 }
 
 /// The code, then the description.
@@ -116,7 +78,7 @@ mod tests {
 
     #[test]
     fn every_warning_has_its_own_code() {
-        let codes: HashSet<&str> = Warning::ALL.into_iter().map(Warning::code).collect();
+        let codes: HashSet<&str> = Warning::ALL.iter().map(|warning| warning.code()).collect();
         assert_eq!(codes.len(), Warning::ALL.len());
         assert_eq!(Warning::Dark.to_string().split(':').next(), Some("dark"));
     }
