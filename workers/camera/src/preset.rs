@@ -11,7 +11,7 @@ pub struct SensorPreset {
     pub name: &'static str,
     /// Pixels and shutter.
     pub about: &'static str,
-    /// SourcePicture of its numbers.
+    /// Source of its numbers.
     pub source: &'static str,
     full_well_e: f64,
     read_noise_e: f64,
@@ -151,7 +151,7 @@ pub struct CameraPreset {
     pub name: &'static str,
     /// Short description.
     pub about: &'static str,
-    /// SourcePicture of its numbers.
+    /// Source of its numbers.
     pub source: &'static str,
     sensor: &'static str,
     port: Option<Port>,
