@@ -20,8 +20,6 @@ cp "$work/table1/table1.svg" docs/science/charts/
 
 "$lab" experiment stability --set scenes=8 --out "$work/stability"
 cp "$work/stability/stability-cells.csv" docs/science/data/stability.csv
-"$lab" experiment style-stability --out "$work/styles"
-cp "$work"/styles/style-*.svg docs/science/charts/
-for pictures in camera suspended sequence wall families labels ladder waters sites; do
+for pictures in camera suspended sequence wall families ladder sites; do
     "$lab" experiment "$pictures" --out "$work/pictures"
 done

@@ -9,10 +9,9 @@ work=target/docs
 charts=docs/science/charts
 mkdir -p "$work"
 
-for experiment in speed chart campaign chain ladder waters; do
+for experiment in chart campaign chain families ladder; do
     "$lab" experiment "$experiment" --out "$work/$experiment"
 done
 
-cp "$work"/chart/{forward_scatter,frame,haze,homomorphic,ibla,lamps,style}-structure.svg "$work/campaign/campaign-bound.svg" \
-    "$work"/waters/{transmittance,daylight,visibility-range,visibility-turbidity}.svg "$charts"
+cp "$work"/chart/{forward_scatter,frame,ibla,lamps,style}-structure.svg "$work/campaign/campaign-bound.svg" "$charts"
 cp "$work/chart/chart.csv" docs/science/data/

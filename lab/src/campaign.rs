@@ -7,7 +7,6 @@
 mod camera;
 mod case;
 mod climb;
-mod cost;
 mod directed;
 mod experiment;
 mod family;

@@ -4,13 +4,9 @@ mod bench;
 mod experiment;
 mod forward_scatter;
 mod frame;
-mod haze;
+mod ibla;
 mod lamps;
-mod methods;
 mod scenes;
-mod spatial;
 mod style;
-mod weighted;
 
 pub use experiment::{PARAMETERS, run};
-pub use scenes::{ChartScene, standard_scenes};

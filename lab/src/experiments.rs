@@ -8,9 +8,7 @@ use cli::styles::StyleArguments;
 
 use crate::report::Report;
 use crate::setup::{Parameter, Setup};
-use crate::{
-    campaign, chain, chart, ibla, jobs, lamps, service, speed, stability, styles, table1, truth, waters,
-};
+use crate::{campaign, chain, chart, jobs, stability, table1};
 
 /// What an experiment runs.
 enum Work {
@@ -28,195 +26,114 @@ struct Experiment {
     work: Work,
 }
 
-macro_rules! jobs {
-    ($name:literal, $about:literal) => {
-        Experiment {
-            name: $name,
-            about: $about,
-            parameters: jobs::PARAMETERS,
-            work: Work::Jobs(include_str!(concat!("../experiments/", $name, ".json"))),
-        }
+macro_rules! experiments {
+    (code { $($name:literal, $about:literal, $parameters:expr, $run:expr;)* } jobs { $($job:literal, $job_about:literal;)* }) => {
+        const EXPERIMENTS: &[Experiment] = &[
+            $(Experiment { name: $name, about: $about, parameters: $parameters, work: Work::Code($run) },)*
+            $(Experiment {
+                name: $job,
+                about: $job_about,
+                parameters: jobs::PARAMETERS,
+                work: Work::Jobs(include_str!(concat!("../experiments/", $job, ".json"))),
+            },)*
+        ];
     };
 }
 
-const fn code(
-    name: &'static str,
-    about: &'static str,
-    parameters: &'static [Parameter],
-    run: fn(&Setup) -> Result<Report, Failure>,
-) -> Experiment {
-    Experiment {
-        name,
-        about,
-        parameters,
-        work: Work::Code(run),
+experiments! {
+    code {
+        "chart", "error against time of every variant of a stage", chart::PARAMETERS, chart::run;
+        "campaign", "random, directed and climbing frames against the bounds of their plans", campaign::PARAMETERS, campaign::run;
+        "chain", "hostile frames through the chain of the water, each against its limit", &[], chain::run;
+        "stability", "failure regions of enhancements and metrics", stability::PARAMETERS, stability::run;
+        "table1", "the enhancement methods over the pictures of a folder", table1::PARAMETERS, table1::run;
+    }
+    jobs {
+        "ibla", "the faster variant of IBLA against the exact one";
+        "truth", "plain jobs by day and by night against Monte Carlo";
+        "sites", "lightness, contrast, water and effects of the frames of every site";
+        "photographs", "features of the frames of every site next to those of photographs";
+        "ladder", "the effects of the published chain, one by one";
+        "families", "every family in five waters, with the time of the stages";
+        "wall", "one wall in Jerlov's waters";
+        "camera", "one frame with several cameras";
+        "suspended", "one frame with snow and turbidity";
+        "sequence", "four frames of a sequence with snow and turbidity";
+        "figure5", "every step of the published chain";
+        "figure6", "every style water";
     }
 }
 
-const EXPERIMENTS: &[Experiment] = &[
-    code(
-        "chart",
-        "error against time of the variants of each stage; inputs: a picture and its range (.npy)",
-        chart::PARAMETERS,
-        chart::run,
-    ),
-    code(
-        "campaign",
-        "random, directed and climbing frames against the bounds of their plans",
-        campaign::PARAMETERS,
-        campaign::run,
-    ),
-    code(
-        "chain",
-        "hostile frames through the chain of the water, each against its limit",
-        &[],
-        chain::run,
-    ),
-    code(
-        "stability",
-        "failure regions of enhancements and metrics",
-        stability::PARAMETERS,
-        stability::run,
-    ),
-    code(
-        "style-stability",
-        "style networks under noise, moves, crops and extreme sizes",
-        &[],
-        styles::run_stability,
-    ),
-    code(
-        "style-speed",
-        "time of the tiers of a style network",
-        styles::SPEED_PARAMETERS,
-        styles::run_speed,
-    ),
-    code(
-        "training-scores",
-        "a trained style over several sets of scenes; inputs: the model and its photos",
-        styles::SCORES_PARAMETERS,
-        styles::run_scores,
-    ),
-    code(
-        "table1",
-        "the enhancement methods over the pictures of a folder",
-        table1::PARAMETERS,
-        table1::run,
-    ),
-    code(
-        "ibla",
-        "the faster variant of IBLA against the exact one; inputs: jobs",
-        ibla::PARAMETERS,
-        ibla::run,
-    ),
-    code(
-        "truth",
-        "one frame by Monte Carlo; input: a job",
-        truth::PARAMETERS,
-        truth::run,
-    ),
-    code(
-        "lamps",
-        "lamps in six waters against Monte Carlo",
-        lamps::PARAMETERS,
-        lamps::run,
-    ),
-    code(
-        "waters",
-        "curves of transmittance, daylight and visibility, and grey cards",
-        &[],
-        waters::run,
-    ),
-    code(
-        "speed",
-        "frames and stages on one slot and on all, memory, kernels",
-        speed::PARAMETERS,
-        speed::run,
-    ),
-    code(
-        "service",
-        "submissions, claims, pages and counts over a large catalogue; input: a folder",
-        service::PARAMETERS,
-        service::run,
-    ),
-    jobs!("plain", "plain jobs by day and by night against Monte Carlo"),
-    jobs!(
-        "sites",
-        "lightness, contrast, water and effects of the frames of every site"
-    ),
-    jobs!(
-        "photographs",
-        "features of the frames of every site next to those of photographs"
-    ),
-    jobs!("ladder", "the effects of the published chain, one by one"),
-    jobs!(
-        "families",
-        "every family in five waters, with the time of the stages"
-    ),
-    jobs!("wall", "one wall in Jerlov's waters"),
-    jobs!("labels", "the labels of three families"),
-    jobs!("camera", "one frame with several cameras"),
-    jobs!("suspended", "one frame with snow and turbidity"),
-    jobs!("sequence", "four frames of a sequence with snow and turbidity"),
-    jobs!("figure5", "every step of the published chain"),
-    jobs!("figure6", "every style water"),
-];
-
-/// The experiments with their parameters, one per line.
-#[must_use]
-pub fn describe_all() -> String {
+/// The experiments with their parameters.
+fn describe_all() -> String {
     let mut text = String::from("Experiments, and their parameters for --set:\n");
-    for experiment in EXPERIMENTS {
-        text.push_str(&format!("\n  {:<16} {}\n", experiment.name, experiment.about));
-        for parameter in experiment.parameters {
-            let Parameter {
-                name, default, about, ..
-            } = parameter;
-            let default = if default.is_empty() {
-                String::new()
-            } else {
-                format!(" [{default}]")
-            };
-            text.push_str(&format!("    {name}: {about}{default}\n"));
+    for Experiment {
+        name,
+        about,
+        parameters,
+        ..
+    } in EXPERIMENTS
+    {
+        text += &format!("\n  {name:<12} {about}\n");
+        for Parameter {
+            name, default, about, ..
+        } in *parameters
+        {
+            text += &format!("    {name}={default}  {about}\n");
         }
     }
     text
 }
 
-/// Runs a named experiment, or that of a JSON file, and writes its report into a folder.
+/// What to run.
+#[derive(clap::Args)]
+pub struct Request {
+    /// A name from the list, or a JSON file: a job, or cases, variants and measurements like those in lab/experiments
+    name: Option<String>,
+    /// Files that the experiment measures; jobs replace the cases of an experiment on jobs
+    inputs: Vec<PathBuf>,
+    /// A parameter of the experiment; may be repeated
+    #[arg(long, value_name = "NAME=VALUE")]
+    set: Vec<String>,
+    /// Folder for the results
+    #[arg(long, value_name = "DIR", default_value = "target/experiments")]
+    out: PathBuf,
+    #[command(flatten)]
+    styles: StyleArguments,
+}
+
+/// Runs a named experiment, or that of a JSON file, and writes its report into a folder; without a name, lists all experiments.
 ///
 /// # Errors
 /// An unknown name, wrong parameters, or a failure of the experiment.
-pub fn run(
-    name: &str,
-    settings: &[String],
-    inputs: Vec<PathBuf>,
-    styles: StyleArguments,
-    out: &Path,
-) -> Result<(), Failure> {
-    if let Some(experiment) = EXPERIMENTS.iter().find(|experiment| experiment.name == name) {
-        let setup = Setup::new(experiment.parameters, settings, inputs, styles)?;
-        let report = match experiment.work {
-            Work::Jobs(text) => jobs::run(text, Path::new("."), name, &setup)?,
-            Work::Code(run) => run(&setup)?,
-        };
-        return report.write(name, out);
-    }
-    let path = Path::new(name);
-    let Some(stem) = path
-        .file_stem()
-        .and_then(|stem| stem.to_str())
-        .filter(|_| name.ends_with(".json"))
-    else {
-        let known: Vec<&str> = EXPERIMENTS.iter().map(|experiment| experiment.name).collect();
-        return Err(Failure::BadInput(format!(
-            "there is no experiment `{name}`; name a JSON file or one of {}",
-            known.join(", ")
-        )));
+pub fn run(request: Request) -> Result<(), Failure> {
+    let Some(name) = &request.name else {
+        println!("{}", describe_all());
+        return Ok(());
     };
-    let setup = Setup::new(jobs::PARAMETERS, settings, inputs, styles)?;
-    let text = String::from_utf8_lossy(&files::read(path)?).into_owned();
-    let folder = path.parent().unwrap_or(Path::new("."));
-    jobs::run(&text, folder, stem, &setup)?.write(stem, out)
+    let known = EXPERIMENTS.iter().find(|experiment| experiment.name == name);
+    if known.is_none() && !name.ends_with(".json") {
+        let names: Vec<&str> = EXPERIMENTS.iter().map(|experiment| experiment.name).collect();
+        let names = names.join(", ");
+        return Err(Failure::BadInput(format!(
+            "there is no experiment `{name}`; name a JSON file or one of {names}"
+        )));
+    }
+    let parameters = known.map_or(jobs::PARAMETERS, |experiment| experiment.parameters);
+    let mut setup = Setup::new(parameters, request.styles);
+    setup.set(parameters, &request.set)?;
+    setup.inputs = request.inputs;
+    let path = Path::new(name);
+    let stem = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or(name);
+    let report = match known.map(|experiment| &experiment.work) {
+        Some(Work::Code(run)) => run(&setup),
+        Some(Work::Jobs(text)) => jobs::run(text, Path::new(""), name, &setup),
+        None => {
+            let text = String::from_utf8_lossy(&files::read(path)?).into_owned();
+            jobs::run(&text, path.parent().unwrap_or(path), stem, &setup)
+        }
+    };
+    report?.write(stem, &request.out)
 }
 
 #[cfg(test)]

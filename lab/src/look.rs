@@ -1,7 +1,5 @@
 //! Statistics of pictures that rendered frames and underwater photographs can be compared by.
 
-mod spectrum;
-
 use std::f64::consts::PI;
 
 use imaging::{Plane, Rgb8, transfer};
@@ -21,21 +19,21 @@ const LEAST_BAND: usize = 50;
 const OPEN_WATER: u16 = 0;
 const SEABED: u16 = 1;
 
+/// The name of the contrast of structures against water, of which the sign matters.
+pub const BRIGHTER: &str = "structures brighter than water, frames";
+
 /// Named values of a picture; `None` if they do not apply.
 pub type Values = Vec<(&'static str, Option<f64>)>;
 
 /// Lightness of the picture, of structures against the water next to them, and of the center against the corners, and the share of
 /// visible water. `visible` holds the categories that can be seen.
 #[must_use]
-pub fn lightness(picture: &Rgb8, visible: &Plane<u16>) -> Values {
+pub fn measure_lightness(picture: &Rgb8, visible: &Plane<u16>) -> Values {
     let lightness = lightness_plane(picture);
     let water = visible.data().iter().filter(|&&code| code == OPEN_WATER).count();
     vec![
         ("median L*", Some(median(lightness.data().iter().copied()))),
-        (
-            "structures brighter than water, frames",
-            contrast_at_outline(&lightness, visible),
-        ),
+        (BRIGHTER, contrast_at_outline(&lightness, visible)),
         ("center − corners, L*", Some(center_minus_corners(&lightness))),
         (
             "water, % of pixels",
@@ -47,7 +45,7 @@ pub fn lightness(picture: &Rgb8, visible: &Plane<u16>) -> Values {
 /// Features of photographs that renderings often lack, with their usual range in photographs: uneven water, daylight, clipped
 /// highlights, coarse variation, grain. Code 0 of `semantics` is open water.
 #[must_use]
-pub fn photograph(picture: &Rgb8, semantics: &Plane<u16>) -> Values {
+pub fn measure_photograph(picture: &Rgb8, semantics: &Plane<u16>) -> Values {
     let (width, height) = (picture.width(), picture.height());
     let gray = Plane::from_fn(width, height, |x, y| {
         let [r, g, b] = picture.pixel(x, y).map(f64::from);
@@ -80,7 +78,6 @@ pub fn photograph(picture: &Rgb8, semantics: &Plane<u16>) -> Values {
         ),
         ("clipped, % (with lamps 0.05 to 4)", Some(clipped)),
         ("entropy, bit (5.6 to 6.9)", Some(entropy(&gray))),
-        ("slope of the spectrum (−3.2 to −2.6)", spectrum::slope(&gray)),
         ("grain, codes (0.4 to 1.2)", Some(grain(&gray))),
     ]
 }
@@ -109,37 +106,39 @@ fn lightness_plane(picture: &Rgb8) -> Plane<f64> {
 fn contrast_at_outline(lightness: &Plane<f64>, visible: &Plane<u16>) -> Option<f64> {
     let water = visible.map(|&code| code == OPEN_WATER);
     let structure = visible.map(|&code| code != OPEN_WATER && code != SEABED);
-    let band = |mask: &Plane<bool>, other: &Plane<bool>| {
-        let near = widen(other);
-        let pixels = lightness.data().iter().zip(mask.data()).zip(near.data());
-        let inside: Vec<f64> = pixels
-            .filter(|((_, inside), near)| **inside && **near)
-            .map(|((l, _), _)| *l)
-            .collect();
-        (inside.len() >= LEAST_BAND).then(|| mean(&inside))
-    };
-    Some(band(&structure, &water)? - band(&water, &structure)?)
+    Some(mean_next_to(lightness, &structure, &water)? - mean_next_to(lightness, &water, &structure)?)
 }
 
-/// The pixels within a square of [`BAND_PX`] of a mask.
-fn widen(mask: &Plane<bool>) -> Plane<bool> {
+/// The mean within a mask and [`BAND_PX`] of another; `None` for few pixels.
+fn mean_next_to(lightness: &Plane<f64>, mask: &Plane<bool>, other: &Plane<bool>) -> Option<f64> {
     let (width, height) = mask.size();
-    let reach = |at: usize, side: usize| at.saturating_sub(BAND_PX)..(at + BAND_PX + 1).min(side);
-    let rows = Plane::from_fn(width, height, |x, y| reach(x, width).any(|x| mask.pixel(x, y)));
-    Plane::from_fn(width, height, |x, y| reach(y, height).any(|y| rows.pixel(x, y)))
+    let rows = Plane::from_fn(width, height, |x, y| band(x, width).any(|x| other.pixel(x, y)));
+    let near = Plane::from_fn(width, height, |x, y| band(y, height).any(|y| rows.pixel(x, y)));
+    let pixels = lightness.data().iter().zip(mask.data().iter().zip(near.data()));
+    let inside = pixels.filter(|(_, (inside, near))| **inside && **near);
+    let inside: Vec<f64> = inside.map(|(l, _)| *l).collect();
+    (inside.len() >= LEAST_BAND).then(|| mean(&inside))
+}
+
+fn band(position: usize, side: usize) -> std::ops::Range<usize> {
+    position.saturating_sub(BAND_PX)..(position + BAND_PX + 1).min(side)
 }
 
 /// Mean L* of the middle third of both sides minus that of the four corners of a sixth of the sides.
 fn center_minus_corners(lightness: &Plane<f64>) -> f64 {
     let (width, height) = lightness.size();
-    let is_middle = |at: usize, side: usize| (side / 3..side - side / 3).contains(&at);
-    let is_edge = |at: usize, side: usize| at < side / 6 || at >= side - side / 6;
-    let pick = |is_inside: &dyn Fn(usize, usize) -> bool| {
-        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-        let inside = pixels.filter(|&(x, y)| is_inside(x, width) && is_inside(y, height));
-        mean(&inside.map(|(x, y)| lightness.pixel(x, y)).collect::<Vec<_>>())
-    };
-    pick(&is_middle) - pick(&is_edge)
+    let (mut center, mut corners) = (Vec::new(), Vec::new());
+    for (x, y) in (0..width * height).map(|index| (index % width, index / width)) {
+        // The distance from the middle, from 0 to 1 along each side.
+        let [across, down] = [(x, width), (y, height)]
+            .map(|(position, side)| ((2 * position + 1) as f64 / side as f64 - 1.0).abs());
+        match (across, down) {
+            (across, down) if across.max(down) < 1.0 / 3.0 => center.push(lightness.pixel(x, y)),
+            (across, down) if across.min(down) > 2.0 / 3.0 => corners.push(lightness.pixel(x, y)),
+            _ => {}
+        }
+    }
+    mean(&center) - mean(&corners)
 }
 
 fn entropy(gray: &Plane<f64>) -> f64 {
@@ -160,10 +159,10 @@ fn grain(gray: &Plane<f64>) -> f64 {
         for left in (1..width.saturating_sub(BLOCK_PX)).step_by(BLOCK_PX) {
             let mut sum = 0.0;
             for (x, y) in (0..BLOCK_PX * BLOCK_PX).map(|i| (left + i % BLOCK_PX, top + i / BLOCK_PX)) {
-                let pixel = |dx: usize, dy: usize| gray.pixel(x + dx - 1, y + dy - 1);
-                let corners = pixel(0, 0) + pixel(2, 0) + pixel(0, 2) + pixel(2, 2);
-                let sides = pixel(1, 0) + pixel(0, 1) + pixel(2, 1) + pixel(1, 2);
-                sum += (corners - 2.0 * sides + 4.0 * pixel(1, 1)).abs();
+                let rows = [y - 1, y, y + 1].map(|y| &gray.row(y)[x - 1..x + 2]);
+                let outer = [rows[0], rows[2]].map(|row| row[0] - 2.0 * row[1] + row[2]);
+                let middle = 2.0 * rows[1][0] - 4.0 * rows[1][1] + 2.0 * rows[1][2];
+                sum += (outer[0] + outer[1] - middle).abs();
             }
             blocks.push((PI / 2.0).sqrt() / 6.0 * sum / (BLOCK_PX * BLOCK_PX) as f64);
         }
@@ -184,24 +183,22 @@ mod tests {
     }
 
     #[test]
-    fn white_noise_has_no_slope_and_its_grain() {
+    fn white_noise_has_its_grain() {
         let dice = Stream::stage(3, "look");
         let plane = Plane::from_fn(256, 256, |x, y| {
             // A sum of twelve uniform numbers is nearly normal, with standard deviation 1.
             let sum: f64 = (0..12).map(|k| dice.unit((y * 256 + x) as u64, k)).sum();
             100.0 + 2.0 * (sum - 6.0)
         });
-        let slope = spectrum::slope(&plane).unwrap();
-        assert!(slope.abs() < 0.15, "{slope}");
         assert!((grain(&plane) - 2.0).abs() < 0.3, "{}", grain(&plane));
     }
 
     #[test]
     fn a_picture_that_darkens_downwards_falls() {
         let picture = Rgb8::from_fn(64, 50, |_, y| [(200 - 3 * y) as u8; 3]);
-        let look = photograph(&picture, &Plane::filled(64, 50, OPEN_WATER));
+        let look = measure_photograph(&picture, &Plane::filled(64, 50, OPEN_WATER));
         assert!(value(&look, "top").unwrap() > 30.0 && value(&look, "clipped") == Some(0.0));
-        assert!(value(&look, "spread").unwrap() > 10.0 && value(&look, "slope").is_none());
+        assert!(value(&look, "spread").unwrap() > 10.0);
         assert!((value(&look, "entropy").unwrap() - 50f64.log2()).abs() < 1e-9);
     }
 
@@ -218,11 +215,11 @@ mod tests {
                 [200; 3]
             }
         });
-        let look = lightness(&picture, &visible);
+        let look = measure_lightness(&picture, &visible);
         assert!(value(&look, "structures").unwrap() > 5.0, "{look:?}");
         assert!((value(&look, "water").unwrap() - 200.0 / 3.0).abs() < 1e-9);
         assert!(value(&look, "center").unwrap() < 0.0);
-        let alone = lightness(&picture, &Plane::filled(90, 30, SEABED));
+        let alone = measure_lightness(&picture, &Plane::filled(90, 30, SEABED));
         assert_eq!(value(&alone, "structures"), None);
     }
 }

@@ -4,8 +4,9 @@ use std::time::Instant;
 
 use imaging::{Rgb, transfer};
 use quality::MetricId;
+use serde_json::json;
 
-use crate::plot::{Axis, Chart, Form, Lines, Mark, Series};
+use crate::plot::{Axis, Form, Lines, Mark, Series};
 use crate::row;
 use crate::table::Table;
 
@@ -59,11 +60,9 @@ pub fn time<R>(runs: usize, mut work: impl FnMut() -> R) -> (Times, R) {
     let start = Instant::now();
     let mut result = work();
     let first = start.elapsed().as_secs_f64() * 1e3;
-    let (mut all, runs) = if first > SLOW_MS {
-        (vec![first], runs.min(SLOW_RUNS))
-    } else {
-        (Vec::with_capacity(runs), runs.max(1))
-    };
+    let is_slow = first > SLOW_MS;
+    let mut all = if is_slow { vec![first] } else { Vec::new() };
+    let runs = if is_slow { runs.min(SLOW_RUNS) } else { runs.max(1) };
     for _ in all.len()..runs {
         all.push(time_once(|| result = work()));
     }
@@ -94,9 +93,8 @@ pub struct Difference {
 pub fn difference(picture: &Rgb<f32>, reference: &Rgb<f32>) -> Difference {
     let planes = picture.planes().iter().zip(reference.planes());
     let pairs = planes.flat_map(|(a, b)| a.data().iter().zip(b.data()));
-    let errors: Vec<f64> = pairs
-        .map(|(a, b)| (f64::from(*a) - f64::from(*b)).abs())
-        .collect();
+    let errors = pairs.map(|(a, b)| (f64::from(*a) - f64::from(*b)).abs());
+    let errors: Vec<f64> = errors.collect();
     let squares: f64 = errors.iter().map(|e| e * e).sum();
     let codes = [picture, reference].map(|light| transfer::encode_rgb8(light).0);
     let pairs = codes[0].data().iter().zip(codes[1].data());
@@ -112,20 +110,22 @@ pub fn difference(picture: &Rgb<f32>, reference: &Rgb<f32>) -> Difference {
 
 /// Marks the measurements of one stage and case that no other beats in both its fastest run and its largest error.
 pub fn mark_pareto(all: &mut [Measurement]) {
-    let point = |m: &Measurement| Some((m.times.min, m.difference?.max));
-    let is_beaten = |one: &Measurement| {
-        let Some((ms, error)) = point(one) else {
-            return true;
+    let beaten = all.iter().map(|one| all.iter().any(|other| other.beats(one)));
+    let beaten: Vec<bool> = beaten.collect();
+    for (one, is_beaten) in all.iter_mut().zip(beaten) {
+        one.is_pareto = one.difference.is_some() && !is_beaten;
+    }
+}
+
+impl Measurement {
+    fn beats(&self, other: &Self) -> bool {
+        let (Some(one), Some(two)) = (self.difference, other.difference) else {
+            return false;
         };
-        all.iter()
-            .filter(|other| (other.stage, &other.case) == (one.stage, &one.case))
-            .filter_map(point)
-            .any(|(less, closer)| (less <= ms && closer < error) || (less < ms && closer <= error))
-    };
-    let front: Vec<bool> = all.iter().map(|one| !is_beaten(one)).collect();
-    all.iter_mut()
-        .zip(front)
-        .for_each(|(one, is_pareto)| one.is_pareto = is_pareto);
+        let is_rival = (self.stage, &self.case) == (other.stage, &other.case);
+        let (ms, error) = (self.times.min, one.max);
+        is_rival && ms <= other.times.min && error <= two.max && (ms < other.times.min || error < two.max)
+    }
 }
 
 /// A row for each measurement.
@@ -134,24 +134,13 @@ pub fn table(name: &str, all: &[Measurement]) -> Table {
     let columns = "stage,variant,terms,scene,width,height,ms_median,ms_min,ms_max,error_max,error_rmse,codes_max,delta_e,default,pareto";
     let mut table = Table::new(name, columns.split(','));
     for m in all {
-        let (times, difference) = (m.times, m.difference);
-        table.push(row![
-            m.stage,
-            m.variant,
-            m.terms,
-            m.case,
-            m.size.0,
-            m.size.1,
-            times.median,
-            times.min,
-            times.max,
-            difference.map(|d| d.max),
-            difference.map(|d| d.rmse),
-            difference.map(|d| d.codes),
-            difference.map(|d| d.delta_e),
-            m.is_default,
-            m.is_pareto,
-        ]);
+        let mut row = row![m.stage, m.variant, m.terms, m.case, m.size.0, m.size.1];
+        row.extend([m.times.median, m.times.min, m.times.max].map(|ms| json!(ms)));
+        let d = m.difference;
+        row.extend([d.map(|d| d.max), d.map(|d| d.rmse)].map(|error| json!(error)));
+        row.extend(row![d.map(|d| d.codes), d.map(|d| d.delta_e)]);
+        row.extend(row![m.is_default, m.is_pareto]);
+        table.push(row);
     }
     table
 }
@@ -161,59 +150,44 @@ const FLOOR: f64 = 1e-8;
 
 /// Largest error against time for one stage and case, with the Pareto front and the default variant.
 #[must_use]
-pub fn error_chart(title: &str, all: &[Measurement]) -> Chart {
-    // Other programs on the machine can only add time, so the fastest run is the least disturbed.
-    let mark = |m: &Measurement, label: String| {
-        Some(Mark {
-            reach: Some(m.times.median),
-            label,
-            ringed: m.is_default,
-            ..Mark::new(m.times.min, m.difference?.max.max(FLOOR))
-        })
-    };
-    let mut names: Vec<&str> = all.iter().map(Measurement::family).collect();
-    names.dedup();
+pub fn error_chart(title: &str, all: &[Measurement]) -> Lines {
     let mut series: Vec<Series> = Vec::new();
-    for name in names {
-        if series.iter().any(|known| known.name == name) {
-            continue;
-        }
-        let variants = all.iter().filter(|m| m.family() == name).enumerate();
-        let marks = variants.filter_map(|(index, m)| mark(m, m.label(index % 2 == 0)));
-        series.push(Series {
-            marks: marks.collect(),
-            ..Series::new(name, [], Form::Dots)
+    for measured in all {
+        let name = measured.variant.split(" (").next().unwrap_or_default();
+        let known = series.iter().position(|series| series.name == name);
+        let index = known.unwrap_or_else(|| {
+            series.push(Series::new(name, [], Form::Dots));
+            series.len() - 1
         });
+        series[index].marks.extend(measured.mark());
     }
-    let mut front: Vec<&Measurement> = all.iter().filter(|m| m.is_pareto).collect();
-    front.sort_by(|a, b| a.times.min.total_cmp(&b.times.min));
-    let front = front
-        .iter()
-        .filter_map(|m| Some((m.times.min, m.difference?.max.max(FLOOR))));
+    let front = all.iter().filter(|m| m.is_pareto).filter_map(Measurement::mark);
+    let mut front: Vec<Mark> = front.collect();
+    front.sort_by(|a, b| a.x.total_cmp(&b.x));
+    let front = front.into_iter().map(|mark| (mark.x, mark.y));
     series.push(Series::new("Pareto front", front, Form::Line));
-    Chart::Lines(Lines {
+    Lines {
         title: format!("{title}  (ring: default)"),
         x: Axis::logarithmic("ms: fastest run, line to the median"),
         y: Axis::logarithmic("largest error, linear light"),
         series,
-    })
+    }
 }
 
 impl Measurement {
-    /// The name of the variant without its suffix in brackets, such as a tolerance or a water.
-    fn family(&self) -> &str {
-        self.variant.split(" (").next().unwrap_or(&self.variant)
-    }
-
-    /// The number of terms, or the suffix in brackets.
-    fn label(&self, is_shown: bool) -> String {
-        let suffix = self
-            .variant
-            .split_once(" (")
-            .map(|(_, suffix)| suffix.trim_end_matches(')'));
+    /// A point with the number of terms or the suffix in brackets. Other programs on the machine can only add time, so the fastest
+    /// run is the least disturbed.
+    fn mark(&self) -> Option<Mark> {
+        let suffix = self.variant.split_once(" (");
+        let suffix = suffix.map(|(_, suffix)| suffix.trim_end_matches(')'));
         let terms = self.terms.map(|terms| terms.to_string());
-        let label = terms.or_else(|| suffix.map(str::to_owned));
-        label.filter(|_| is_shown).unwrap_or_default()
+        Some(Mark {
+            x: self.times.min,
+            y: self.difference?.max.max(FLOOR),
+            reach: Some(self.times.median),
+            label: terms.or_else(|| suffix.map(str::to_owned)).unwrap_or_default(),
+            ringed: self.is_default,
+        })
     }
 }
 

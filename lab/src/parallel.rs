@@ -21,27 +21,26 @@ pub fn run_all<T: Sync, S, R: Send>(
     let next = AtomicUsize::new(0);
     let mut progress = Progress::new("experiment", unit, tasks.len() as u64);
     let mut done: Vec<(usize, R)> = std::thread::scope(|scope| {
-        let workers: Vec<_> = (0..threads)
-            .map(|_| {
-                scope.spawn(|| {
-                    let (mut done, mut state) = (Vec::new(), make_state());
-                    loop {
-                        let number = next.fetch_add(1, Ordering::Relaxed);
-                        let Some(task) = tasks.get(number) else {
-                            return done;
-                        };
-                        done.push((number, run(task, &mut state)));
-                    }
-                })
-            })
-            .collect();
+        let mut workers = Vec::new();
+        for _ in 0..threads {
+            workers.push(scope.spawn(|| {
+                let (mut done, mut state) = (Vec::new(), make_state());
+                loop {
+                    let number = next.fetch_add(1, Ordering::Relaxed);
+                    let Some(task) = tasks.get(number) else {
+                        return done;
+                    };
+                    done.push((number, run(task, &mut state)));
+                }
+            }));
+        }
         while workers.iter().any(|worker| !worker.is_finished()) {
             std::thread::sleep(Duration::from_millis(20));
             progress.set(next.load(Ordering::Relaxed).min(tasks.len()) as u64);
         }
-        let workers = workers.into_iter();
-        workers
-            .flat_map(|worker| worker.join().expect("a task does not panic"))
+        let joined = workers.into_iter().map(std::thread::ScopedJoinHandle::join);
+        joined
+            .flat_map(|done| done.expect("a task does not panic"))
             .collect()
     });
     progress.finish();

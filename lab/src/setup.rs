@@ -14,49 +14,36 @@ pub struct Parameter {
     /// Its value unless set; empty for none.
     pub default: &'static str,
     /// Smallest and largest number; `None` for text.
-    pub limits: Option<[f64; 2]>,
+    limits: Option<[f64; 2]>,
     /// Its meaning.
     pub about: &'static str,
 }
 
+type Text = &'static str;
+
 impl Parameter {
     /// A number.
     #[must_use]
-    pub const fn number(
-        name: &'static str,
-        default: &'static str,
-        limits: [f64; 2],
-        about: &'static str,
-    ) -> Self {
+    pub const fn number(name: Text, default: Text, limits: [f64; 2], about: Text) -> Self {
+        let limits = Some(limits);
         Self {
             name,
             default,
-            limits: Some(limits),
+            limits,
             about,
         }
     }
 
     /// A text, empty unless set.
     #[must_use]
-    pub const fn text(name: &'static str, about: &'static str) -> Self {
+    pub const fn text(name: Text, about: Text) -> Self {
+        let (default, limits) = ("", None);
         Self {
             name,
-            default: "",
-            limits: None,
+            default,
+            limits,
             about,
         }
-    }
-
-    /// What is wrong with a value.
-    fn find_mistake(&self, value: &str) -> Option<String> {
-        let [low, high] = self.limits?;
-        let is_valid = value.parse().is_ok_and(|v: f64| (low..=high).contains(&v));
-        (!is_valid).then(|| {
-            format!(
-                "`{}` is {value}; must be a number from {low} to {high}",
-                self.name
-            )
-        })
     }
 }
 
@@ -71,46 +58,52 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// Checks all settings `NAME=VALUE` against the parameters of an experiment.
+    /// Default parameters without inputs.
+    #[must_use]
+    pub fn new(parameters: &[Parameter], styles: StyleArguments) -> Self {
+        let all = parameters
+            .iter()
+            .map(|parameter| (parameter.name, parameter.default));
+        let given = all.filter(|(_, default)| !default.is_empty());
+        let values = given.map(|(name, default)| (name, default.to_owned())).collect();
+        let inputs = Vec::new();
+        Self {
+            values,
+            inputs,
+            styles,
+        }
+    }
+
+    /// Applies settings `NAME=VALUE` of the parameters of an experiment.
     ///
     /// # Errors
     /// All mistakes.
-    pub fn new(
-        parameters: &[Parameter],
-        settings: &[String],
-        inputs: Vec<PathBuf>,
-        styles: StyleArguments,
-    ) -> Result<Self, Failure> {
-        let defaults = parameters
-            .iter()
-            .filter(|parameter| !parameter.default.is_empty());
-        let mut values: BTreeMap<&str, String> = defaults
-            .map(|parameter| (parameter.name, parameter.default.to_owned()))
-            .collect();
+    pub fn set(&mut self, parameters: &[Parameter], settings: &[String]) -> Result<(), Failure> {
         let mut mistakes = Vec::new();
         for setting in settings {
             let (name, value) = setting.split_once('=').unwrap_or((setting, ""));
-            let Some(parameter) = parameters.iter().find(|parameter| parameter.name == name) else {
-                let known: Vec<&str> = parameters.iter().map(|parameter| parameter.name).collect();
-                mistakes.push(format!(
-                    "`--set {setting}`: there is no parameter `{name}`; known: {}",
-                    known.join(", ")
-                ));
-                continue;
-            };
-            match parameter.find_mistake(value) {
-                Some(mistake) => mistakes.push(mistake),
-                None => drop(values.insert(parameter.name, value.to_owned())),
+            match parameters.iter().find(|parameter| parameter.name == name) {
+                None => {
+                    let known: Vec<&str> = parameters.iter().map(|parameter| parameter.name).collect();
+                    mistakes.push(format!(
+                        "there is no parameter `{name}`; known: {}",
+                        known.join(", ")
+                    ));
+                }
+                Some(Parameter {
+                    limits: Some([low, high]),
+                    ..
+                }) if !value.parse().is_ok_and(|v: f64| (*low..=*high).contains(&v)) => {
+                    mistakes.push(format!(
+                        "`{name}` is {value}; must be a number from {low} to {high}"
+                    ));
+                }
+                Some(parameter) => drop(self.values.insert(parameter.name, value.to_owned())),
             }
         }
-        if mistakes.is_empty() {
-            Ok(Self {
-                values,
-                inputs,
-                styles,
-            })
-        } else {
-            Err(Failure::BadInput(mistakes.join("\n")))
+        match mistakes.as_slice() {
+            [] => Ok(()),
+            _ => Err(Failure::BadInput(mistakes.join("\n"))),
         }
     }
 
@@ -149,12 +142,12 @@ impl Setup {
     /// # Errors
     /// There is none.
     pub fn required_inputs(&self, what: &str) -> Result<&[PathBuf], Failure> {
-        if self.inputs.is_empty() {
-            return Err(Failure::BadInput(format!(
+        match self.inputs.as_slice() {
+            [] => Err(Failure::BadInput(format!(
                 "no input; name {what} after the experiment"
-            )));
+            ))),
+            inputs => Ok(inputs),
         }
-        Ok(&self.inputs)
     }
 }
 
@@ -172,17 +165,16 @@ mod tests {
             styles: None,
             onnxruntime: None,
         };
-        let read = |settings: &[&str]| {
-            let settings: Vec<String> = settings.iter().map(|&setting| setting.to_owned()).collect();
-            Setup::new(&parameters, &settings, Vec::new(), styles.clone())
-        };
-        let setup = read(&["family=water"]).unwrap();
+        let mut setup = Setup::new(&parameters, styles);
+        setup.set(&parameters, &["family=water".to_owned()]).unwrap();
         assert_eq!((setup.count("frames"), setup.text("family")), (8, Some("water")));
-        let refused = read(&["frames=0", "seed=1"]).unwrap_err().to_string();
+        let wrong = ["frames=0", "seed=1"].map(str::to_owned);
+        let refused = setup.set(&parameters, &wrong).unwrap_err().to_string();
         assert!(
             refused.contains("`frames` is 0; must be a number from 1 to 100"),
             "{refused}"
         );
         assert!(refused.contains("known: frames, family"), "{refused}");
+        assert!(setup.required_inputs("a job").is_err());
     }
 }

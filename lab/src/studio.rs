@@ -16,8 +16,7 @@ use style::Library;
 
 /// One slot with its style models.
 pub struct Studio {
-    /// The slot.
-    pub slot: Slot,
+    slot: Slot,
     vocabulary: Vocabulary,
 }
 
@@ -27,10 +26,8 @@ impl Studio {
     /// # Errors
     /// A style cannot be read.
     pub fn new(styles: &StyleArguments) -> Result<Self, Failure> {
-        Ok(Self::with_library(
-            styles.library()?,
-            styles.onnxruntime.as_deref(),
-        ))
+        let (library, runtime) = (styles.library()?, styles.onnxruntime.as_deref());
+        Ok(Self::with_library(library, runtime))
     }
 
     /// A studio with the shipped styles.
@@ -55,28 +52,18 @@ impl Studio {
     /// As [`Studio::with_shipped_styles`].
     #[must_use]
     pub fn without_effects(effects: &[StageId]) -> Self {
-        let studio = Self::with_shipped_styles();
-        Self {
-            slot: studio.slot.excluding(effects),
-            ..studio
-        }
+        let Self { slot, vocabulary } = Self::with_shipped_styles();
+        let slot = slot.excluding(effects);
+        Self { slot, vocabulary }
     }
 
-    /// Parses a job that may use local files.
+    /// A frame of a job that may use local files.
     ///
     /// # Errors
     /// All mistakes of the description.
-    pub fn job(&self, description: &Value) -> Result<Job, Failure> {
-        let job = Job::parse(description.to_string().as_bytes(), &self.vocabulary);
-        job.map_err(|invalid| cli::job::refused(Path::new("the description"), &invalid))
-    }
-
-    /// A frame of a job.
-    ///
-    /// # Errors
-    /// As [`Studio::job`].
     pub fn frame(&self, description: &Value, index: u64) -> Result<Frame, Failure> {
-        let frame = self.job(description)?.resolve(index);
+        let job = Job::parse(description.to_string().as_bytes(), &self.vocabulary);
+        let frame = job.and_then(|job| job.resolve(index));
         frame.map_err(|invalid| cli::job::refused(Path::new("the description"), &invalid))
     }
 
@@ -85,9 +72,8 @@ impl Studio {
     /// # Errors
     /// The frame cannot be rendered.
     pub fn render(&mut self, frame: &Frame) -> Result<Rendered, Failure> {
-        self.slot
-            .render(frame, &SceneSource::Local)
-            .map_err(Failure::input)
+        let rendered = self.slot.render(frame, &SceneSource::Local);
+        rendered.map_err(Failure::input)
     }
 
     /// The linear light of a frame at another fidelity.
@@ -100,10 +86,8 @@ impl Studio {
         fidelity: Fidelity,
         source: &SceneSource,
     ) -> Result<LinearPicture, Failure> {
-        let frame = Frame {
-            fidelity,
-            ..frame.clone()
-        };
+        let mut frame = frame.clone();
+        frame.fidelity = fidelity;
         self.slot.linear(&frame, source).map_err(Failure::input)
     }
 }

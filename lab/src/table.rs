@@ -41,29 +41,20 @@ impl Table {
         self.rows.push(row);
     }
 
-    /// The number of rows.
+    /// The rows.
     #[must_use]
-    pub fn len(&self) -> usize {
-        self.rows.len()
-    }
-
-    /// Whether there are no rows.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.rows.is_empty()
+    pub fn rows(&self) -> &[Vec<Value>] {
+        &self.rows
     }
 
     /// The table for people: numbers with about three digits.
     #[must_use]
     pub fn markdown(&self) -> String {
-        let mut text = format!(
-            "| {} |\n|{}\n",
-            self.columns.join(" | "),
-            "---|".repeat(self.columns.len())
-        );
+        let rule = "---|".repeat(self.columns.len());
+        let mut text = format!("| {} |\n|{rule}\n", self.columns.join(" | "));
         for row in &self.rows {
             let cells: Vec<String> = row.iter().map(format_cell).collect();
-            text.push_str(&format!("| {} |\n", cells.join(" | ")));
+            text += &format!("| {} |\n", cells.join(" | "));
         }
         text
     }
@@ -71,48 +62,43 @@ impl Table {
     /// The table with all digits.
     #[must_use]
     pub fn csv(&self) -> String {
-        let header = self.columns.iter().map(|column| quote(column));
-        let rows = self.rows.iter().map(|row| join(row.iter().map(csv_cell)));
-        let mut text = join(header);
-        rows.for_each(|row| text.push_str(&row));
+        let mut text = join_cells(self.columns.iter().map(|column| quote(column)));
+        for row in &self.rows {
+            text += &join_cells(row.iter().map(|cell| match cell {
+                Value::Null => String::new(),
+                Value::String(text) => quote(text),
+                other => other.to_string(),
+            }));
+        }
         text
     }
 
     /// The table as a list of objects.
     #[must_use]
     pub fn json(&self) -> Value {
-        let object = |row: &Vec<Value>| -> Value {
+        let objects = self.rows.iter().map(|row| {
             let fields = self.columns.iter().cloned().zip(row.iter().cloned());
             Value::Object(fields.collect::<Map<_, _>>())
-        };
-        self.rows.iter().map(object).collect()
+        });
+        objects.collect()
     }
 }
 
-fn join(cells: impl Iterator<Item = String>) -> String {
+fn join_cells(cells: impl Iterator<Item = String>) -> String {
     cells.collect::<Vec<_>>().join(",") + "\n"
 }
 
-fn csv_cell(value: &Value) -> String {
-    match value {
-        Value::Null => String::new(),
-        Value::String(text) => quote(text),
-        other => other.to_string(),
-    }
-}
-
 fn quote(text: &str) -> String {
-    if text.contains([',', '"', '\n']) {
-        return format!("\"{}\"", text.replace('"', "\"\""));
+    match text.contains([',', '"', '\n']) {
+        true => format!("\"{}\"", text.replace('"', "\"\"")),
+        false => text.to_owned(),
     }
-    text.to_owned()
 }
 
 fn format_cell(value: &Value) -> String {
     match value {
         Value::Null => "–".to_owned(),
-        Value::Bool(true) => "yes".to_owned(),
-        Value::Bool(false) => String::new(),
+        Value::Bool(flag) => if *flag { "yes" } else { "" }.to_owned(),
         Value::String(text) => text.clone(),
         Value::Number(number) if number.is_f64() => format_number(number.as_f64().unwrap_or(f64::NAN)),
         other => other.to_string(),
@@ -124,7 +110,7 @@ fn format_cell(value: &Value) -> String {
 pub fn format_number(value: f64) -> String {
     match value.abs() {
         0.0 => "0".to_owned(),
-        v if !(0.01..1e5).contains(&v) => format!("{value:.1e}"),
+        v if !(0.1..1e5).contains(&v) => format!("{value:.1e}"),
         v if v < 10.0 => format!("{value:.2}"),
         v if v < 100.0 => format!("{value:.1}"),
         _ => format!("{value:.0}"),
@@ -145,8 +131,10 @@ mod tests {
             "| name | value |\n|---|---|\n| x, y | 0.33 |\n| z | – |\n"
         );
         assert_eq!(table.csv(), "name,value\n\"x, y\",0.3333333333333333\nz,\n");
-        assert_eq!(table.json()[0]["value"], 1.0 / 3.0);
-        assert_eq!((table.len(), table.is_empty()), (2, false));
+        assert_eq!(
+            (&table.json()[0]["value"], table.rows().len()),
+            (&serde_json::json!(1.0 / 3.0), 2)
+        );
         let texts = [0.0, 2e-5, 5.0, 12.34, 123.4, 1e6].map(format_number);
         assert_eq!(texts, ["0", "2.0e-5", "5.00", "12.3", "123", "1.0e6"]);
     }

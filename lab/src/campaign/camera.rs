@@ -60,11 +60,7 @@ fn draw_vignette(knobs: &Knobs) -> Value {
     let mut vignette = json!({"v": knobs.unit("vignette.v")});
     if knobs.chance("vignette.is_free", 0.6) {
         // A third reach the limits of the description, where light can increase towards the corners.
-        let reach = if knobs.chance("vignette.is_limit", 0.33) {
-            1.0
-        } else {
-            0.3
-        };
+        let reach = [0.3, 1.0][usize::from(knobs.chance("vignette.is_limit", 0.33))];
         let v2 = knobs.within("vignette.term", -1.2 * reach, 1.2 * reach);
         vignette["v2"] = json!(v2.clamp(-1.0, 1.0));
     }

@@ -73,53 +73,14 @@ impl Case {
         let mut files = Vec::new();
         if let Some(picture) = &self.picture {
             let (rgb, range) = (format!("{name}-rgb.npy"), format!("{name}-range.npy"));
-            let lighting = job["scene"]["lighting"].take();
-            job["scene"] = json!({
-                "kind": "files", "rgb": rgb, "range": range
-            });
-            if !lighting.is_null() {
-                job["scene"]["lighting"] = lighting;
+            for (field, value) in [("kind", "files"), ("rgb", &rgb), ("range", &range)] {
+                job["scene"][field] = json!(value);
             }
+            job["scene"].as_object_mut().map(|scene| scene.remove("id"));
             files.push((rgb, encode_npy_rgb(&picture.radiance)));
             files.push((range, encode_npy_plane(&picture.range)));
         }
         files.insert(0, (format!("{name}.json"), job.to_string().into_bytes()));
         files
-    }
-
-    fn has(&self, pointer: &str) -> bool {
-        self.job.pointer(pointer).is_some_and(|value| !value.is_null())
-    }
-
-    /// The parts of the frame in one line.
-    pub(super) fn about(&self) -> String {
-        let mut words: Vec<String> = Vec::new();
-        for (pointer, word) in [
-            ("/scene/family", "procedural"),
-            ("/water/turbidity", "patches"),
-            ("/water/snow", "snow"),
-            ("/water/sediment", "sediment"),
-            ("/daylight/sun_elevation_deg", "sky"),
-        ] {
-            words.extend(self.has(pointer).then(|| word.to_owned()));
-        }
-        words.extend((!self.has("/water")).then(|| "air".to_owned()));
-        let model = &self.job["water"]["optics"]["forward_scatter"]["model"];
-        words.extend(model.as_str().map(str::to_owned));
-        let lamps = self.job["lights"].as_array().map_or(0, Vec::len);
-        words.extend((lamps > 0).then(|| format!("{lamps} lamps")));
-        let plain = ["width", "height", "hfov_deg", "up", "bits"];
-        let camera = self.job["camera"].as_object().into_iter().flatten();
-        for (part, value) in camera.filter(|(part, _)| !plain.contains(&part.as_str())) {
-            words.push(match part.as_str() {
-                "exposure" | "supersample" => format!("{part} {value}"),
-                _ => part.clone(),
-            });
-        }
-        words.push(match &self.picture {
-            Some(picture) => format!("{}x{}", picture.range.width(), picture.range.height()),
-            None => format!("{}x{}", self.job["camera"]["width"], self.job["camera"]["height"]),
-        });
-        words.join(", ")
     }
 }

@@ -22,26 +22,37 @@ use frames::{Attack, Frame};
 const FIXED: f64 = 0.3;
 /// The random number that selects a metered exposure.
 const METERED: f64 = 0.9;
+/// All parts of a camera.
+const REAL: (&str, f64) = ("camera.is_real", FIRST);
+/// No defocus.
+const SHARP: (&str, f64) = ("camera.has_defocus", LAST);
+
+/// Holds the choice of a pattern of light, and of a pattern of range unless there are none.
+fn hold_patterns(knobs: &mut Knobs, lights: &[&str], courses: &[&str]) {
+    knobs.hold_one("picture.light", &LIGHTS, lights);
+    if !courses.is_empty() {
+        knobs.hold_one("range.course", &COURSES, courses);
+    }
+}
+
+/// Holds a fixed exposure in this share of the frames, and metering in the others.
+fn hold_exposure(knobs: &mut Knobs, share: f64) -> f64 {
+    let is_fixed = knobs.chance("directed.is_fixed", share);
+    let exposure = if is_fixed { FIXED } else { METERED };
+    knobs.hold(&[("camera.exposure", exposure)]);
+    exposure
+}
 
 /// A dark picture, metered at a percentile between two values of its light.
-pub(super) fn draw_metered(mut knobs: Knobs) -> (Case, Knobs) {
-    knobs.hold(&[
-        ("camera.is_real", FIRST),
-        ("camera.exposure", METERED),
-        ("camera.has_defocus", LAST),
-        ("picture.kind", DIM),
-    ]);
-    knobs.hold_one(
-        "picture.light",
-        &LIGHTS,
-        &["dark side", "signs", "checks", "lamps", "ramp"],
-    );
-    let mut case = draw_uploaded(&knobs);
+pub(super) fn draw_metered(knobs: &mut Knobs) -> Case {
+    knobs.hold(&[REAL, ("camera.exposure", METERED), SHARP, ("picture.kind", DIM)]);
+    hold_patterns(knobs, &["side", "signs", "checks", "lamps", "ramp"], &[]);
+    let mut case = draw_uploaded(knobs);
     if let Some(picture) = &case.picture {
         let away = knobs.whole("directed.position", 0, 4) as f64 - 2.0;
         case.job["camera"]["exposure"]["auto"]["percentile"] = json!(widest_gap(picture, away));
     }
-    (case, knobs)
+    case
 }
 
 /// The percentile of the largest step between sorted values of a picture, moved by some positions.
@@ -55,94 +66,52 @@ fn widest_gap(picture: &Picture, away: f64) -> f64 {
 }
 
 /// One bright pixel, or alternating light and range.
-pub(super) fn draw_points(mut knobs: Knobs) -> (Case, Knobs) {
-    knobs.hold(&[
-        ("camera.is_real", FIRST),
-        ("camera.has_defocus", LAST),
-        ("picture.kind", WHITE),
-    ]);
-    knobs.hold_one(
-        "picture.light",
-        &LIGHTS,
-        &["point", "signs", "dark specks", "salt and pepper"],
-    );
-    knobs.hold_one(
-        "range.course",
-        &COURSES,
-        &["stripes", "needles", "noise", "step", "far specks"],
-    );
-    let exposure = if knobs.chance("directed.is_fixed", 0.7) {
-        FIXED
-    } else {
-        METERED
-    };
-    knobs.hold(&[("camera.exposure", exposure)]);
-    (draw_uploaded(&knobs), knobs)
+pub(super) fn draw_points(knobs: &mut Knobs) -> Case {
+    knobs.hold(&[REAL, SHARP, ("picture.kind", WHITE)]);
+    let lights = ["point", "signs", "specks", "salt"];
+    let courses = ["stripes", "needles", "noise", "step", "far"];
+    hold_patterns(knobs, &lights, &courses);
+    hold_exposure(knobs, 0.7);
+    draw_uploaded(knobs)
 }
 
 /// Circles of confusion and light that change from pixel to pixel.
-pub(super) fn draw_defocused(mut knobs: Knobs) -> (Case, Knobs) {
-    knobs.hold(&[
-        ("camera.is_real", FIRST),
-        ("camera.has_defocus", FIRST),
-        ("picture.kind", WHITE),
-    ]);
-    knobs.hold_one(
-        "picture.light",
-        &LIGHTS,
-        &["point", "signs", "lamps", "checks", "dark side"],
-    );
-    knobs.hold_one(
-        "range.course",
-        &COURSES,
-        &["stripes", "needles", "noise", "step", "slope", "wall"],
-    );
-    (draw_uploaded(&knobs), knobs)
+pub(super) fn draw_defocused(knobs: &mut Knobs) -> Case {
+    knobs.hold(&[REAL, ("camera.has_defocus", FIRST), ("picture.kind", WHITE)]);
+    let lights = ["point", "signs", "lamps", "checks", "side"];
+    let courses = ["stripes", "needles", "noise", "step", "slope", "wall"];
+    hold_patterns(knobs, &lights, &courses);
+    draw_uploaded(knobs)
 }
 
 /// Lamps close to surfaces, with metering at low percentiles.
-pub(super) fn draw_lit(mut knobs: Knobs) -> (Case, Knobs) {
-    knobs.hold(&[
-        ("camera.is_real", FIRST),
-        ("camera.has_defocus", LAST),
-        ("water.has_lamps", FIRST),
-    ]);
-    let exposure = if knobs.chance("directed.is_fixed", 0.4) {
-        FIXED
-    } else {
-        METERED
-    };
-    knobs.hold(&[("camera.exposure", exposure)]);
-    if exposure == METERED {
-        knobs.hold(&[
-            ("metering.kind", LAST),
-            ("metering.percentile", knobs.unit("directed.percentile").powi(3)),
-        ]);
+pub(super) fn draw_lit(knobs: &mut Knobs) -> Case {
+    knobs.hold(&[REAL, SHARP, ("water.has_lamps", FIRST)]);
+    if hold_exposure(knobs, 0.4) == METERED {
+        let percentile = knobs.unit("directed.percentile").powi(3);
+        knobs.hold(&[("metering.kind", LAST), ("metering.percentile", percentile)]);
     }
-    (draw_uploaded(&knobs), knobs)
+    draw_uploaded(knobs)
 }
 
 /// A lens, a port, a fall-off and movement over alternating light.
-pub(super) fn draw_lens(mut knobs: Knobs) -> (Case, Knobs) {
-    knobs.hold(&[
-        ("camera.is_real", FIRST),
-        ("camera.has_defocus", LAST),
-        ("camera.has_vignette", FIRST),
-        ("vignette.is_free", FIRST),
-        ("vignette.is_limit", FIRST),
-        ("picture.kind", WHITE),
-    ]);
-    let has_distortion = knobs.chance("directed.has_distortion", 0.6);
-    knobs.hold(&[("camera.has_distortion", if has_distortion { FIRST } else { LAST })]);
-    let has_port = knobs.chance("directed.has_port", 0.6);
-    knobs.hold(&[("camera.has_port", if has_port { FIRST } else { LAST })]);
-    knobs.hold_one("picture.light", &LIGHTS, &["point", "signs", "salt and pepper"]);
-    (draw_uploaded(&knobs), knobs)
+pub(super) fn draw_lens(knobs: &mut Knobs) -> Case {
+    knobs.hold(&[REAL, SHARP, ("picture.kind", WHITE)]);
+    knobs.hold(&["camera.has_vignette", "vignette.is_free", "vignette.is_limit"].map(|name| (name, FIRST)));
+    for (part, chance) in [
+        ("camera.has_distortion", "directed.has_distortion"),
+        ("camera.has_port", "directed.has_port"),
+    ] {
+        let has_part = knobs.chance(chance, 0.6);
+        knobs.hold(&[(part, if has_part { FIRST } else { LAST })]);
+    }
+    hold_patterns(knobs, &["point", "signs", "salt"], &[]);
+    draw_uploaded(knobs)
 }
 
 /// A frame against the interpolation of forward scatter. Its brightest light is below white after exposure.
-pub(super) fn draw_scattered(knobs: Knobs) -> (Case, Knobs) {
-    let attack = draw_attack(&knobs);
+pub(super) fn draw_scattered(knobs: &mut Knobs) -> Case {
+    let attack = draw_attack(knobs);
     let level = knobs.log("directed.level", 0.2, 1.0);
     let gain = knobs.log("exposure.fixed", 1e-2, 1e3);
     let (width, height) = attack.size;
@@ -153,38 +122,31 @@ pub(super) fn draw_scattered(knobs: Knobs) -> (Case, Knobs) {
         "fidelity": {"tolerance": (attack.tolerance * level).clamp(1e-7, 1.0)},
     });
     if knobs.chance("directed.is_metered", 0.25) {
-        job["camera"]["exposure"] = json!({"auto": draw_metering(&knobs)});
+        job["camera"]["exposure"] = json!({"auto": draw_metering(knobs)});
     }
     let Some(Frame { radiance, range, .. }) = attack.frame() else {
-        job["fidelity"] = draw_tolerance(&knobs);
-        return (draw_uploaded(&knobs), knobs);
+        job["fidelity"] = draw_tolerance(knobs);
+        return draw_uploaded(knobs);
     };
     let radiance = radiance.map(|&v| (f64::from(v) * level / gain) as f32);
-    let case = Case::new(&knobs, job, Some(Picture { radiance, range }));
-    (case, knobs)
+    Case::new(knobs, job, Some(Picture { radiance, range }))
 }
 
 fn draw_attack(knobs: &Knobs) -> Attack {
-    let size = (
-        knobs.whole("directed.width", 20, 64),
-        knobs.whole("directed.height", 20, 48),
-    );
+    let width = knobs.whole("directed.width", 20, 64);
+    let height = knobs.whole("directed.height", 20, 48);
     let narrowest = knobs.log("directed.narrowest", 0.01, 3.0);
+    let widest = narrowest * 3.0 * knobs.log("directed.widest", 1.0, 3000.0);
+    let is_jaffe = knobs.chance("directed.is_jaffe", 0.7);
+    let (x, y) = (
+        knobs.whole("directed.x", 0, width - 1),
+        knobs.whole("directed.y", 0, height - 1),
+    );
     Attack {
-        model: if knobs.chance("directed.is_jaffe", 0.7) {
-            ScatterModel::Jaffe
-        } else {
-            ScatterModel::Simplified
-        },
-        size,
-        target: (
-            knobs.whole("directed.x", 0, size.0 - 1),
-            knobs.whole("directed.y", 0, size.1 - 1),
-        ),
-        widths_px: (
-            narrowest,
-            narrowest * 3.0 * knobs.log("directed.widest", 1.0, 3000.0),
-        ),
+        model: [ScatterModel::Simplified, ScatterModel::Jaffe][usize::from(is_jaffe)],
+        size: (width, height),
+        target: (x, y),
+        widths_px: (narrowest, widest),
         tolerance: knobs.log("directed.tolerance", 3e-5, 3e-2),
         brighter: knobs.chance("directed.is_brighter", 0.5),
     }
@@ -192,15 +154,13 @@ fn draw_attack(knobs: &Knobs) -> Attack {
 
 /// The water of such a frame, with kernel scales as ranges.
 fn attacked_optics(model: ScatterModel) -> Value {
-    let gathers = model == ScatterModel::Simplified;
-    let attenuation = [if gathers { 0.0 } else { 1000.0 }; 3];
-    let (zero, one) = ([0.0; 3], [1.0; 3]);
+    let (name, attenuation) = match model {
+        ScatterModel::Simplified => ("simplified", 0.0),
+        _ => ("jaffe", 1000.0),
+    };
+    let (attenuation, zero, one) = ([attenuation; 3], [0.0; 3], [1.0; 3]);
     json!({
-        "beam_attenuation_per_m": attenuation,
-        "veiling_light": zero,
-        "forward_scatter": {
-            "model": if gathers { "simplified" } else { "jaffe" },
-            "g_per_m": zero, "spread_px_per_m": one, "spread_offset_px": zero,
-        },
+        "beam_attenuation_per_m": attenuation, "veiling_light": zero,
+        "forward_scatter": {"model": name, "g_per_m": zero, "spread_px_per_m": one, "spread_offset_px": zero},
     })
 }

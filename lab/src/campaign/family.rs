@@ -1,92 +1,47 @@
 //! Families of frames.
 
+use cli::exit::Failure;
+
 use super::case::Case;
 use super::knobs::Knobs;
 use super::{directed, random};
 
-/// A kind of frames.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Family {
-    /// Random pictures in water, without other effects.
-    Water,
-    /// Random uploaded pictures.
-    Pictures,
-    /// Random procedural scenes.
-    Procedural,
-    /// Random frames on a path: movement, rolling shutters, lagging exposure.
-    Sequences,
-    /// Against the interpolation of forward scatter.
-    Scatter,
-    /// Against metering.
-    Metering,
-    /// Against transforms and exposure: single pixels and alternating signs.
-    Points,
-    /// Against defocus.
-    Defocus,
-    /// Against lamps next to surfaces.
-    Lamps,
-    /// Against lens, port and fall-off.
-    Lens,
-}
+/// A kind of frames: its name on the command line, and how one is drawn.
+pub(super) type Family = (&'static str, fn(&mut Knobs) -> Case);
 
-impl Family {
-    /// Families of random frames; frequent ones are listed several times.
-    pub(super) const RANDOM: [Self; 8] = [
-        Self::Pictures,
-        Self::Procedural,
-        Self::Water,
-        Self::Pictures,
-        Self::Sequences,
-        Self::Pictures,
-        Self::Procedural,
-        Self::Pictures,
-    ];
-    /// Families of directed frames.
-    pub(super) const DIRECTED: [Self; 6] = [
-        Self::Scatter,
-        Self::Metering,
-        Self::Points,
-        Self::Defocus,
-        Self::Lamps,
-        Self::Lens,
-    ];
-    const NAMES: [&str; 10] = [
-        "water",
-        "pictures",
-        "procedural",
-        "sequences",
-        "scatter",
-        "metering",
-        "points",
-        "defocus",
-        "lamps",
-        "lens",
-    ];
+/// All families: random frames in water, pictures, procedural scenes and sequences, then frames directed against single bounds.
+const FAMILIES: [Family; 10] = [
+    ("water", random::draw_water_alone),
+    ("pictures", random::draw_uploaded),
+    ("procedural", random::draw_procedural),
+    ("sequences", random::draw_sequence),
+    ("scatter", directed::draw_scattered),
+    ("metering", directed::draw_metered),
+    ("points", directed::draw_points),
+    ("defocus", directed::draw_defocused),
+    ("lamps", directed::draw_lit),
+    ("lens", directed::draw_lens),
+];
+/// Random families in the order of a campaign; frequent ones are listed several times.
+const RANDOM: [usize; 8] = [1, 2, 0, 1, 3, 1, 2, 1];
+const DIRECTED: [usize; 6] = [4, 5, 6, 7, 8, 9];
 
-    /// Its name on the command line.
-    pub(super) fn name(self) -> &'static str {
-        Self::NAMES[self as usize]
+/// The random or the directed families in the order of a campaign; with a name, only that family.
+///
+/// # Errors
+/// There is no such family.
+pub(super) fn list_families(is_directed: bool, only: Option<&str>) -> Result<Vec<Family>, Failure> {
+    if let Some(unknown) = only.filter(|only| FAMILIES.iter().all(|(name, _)| name != only)) {
+        let known = FAMILIES.map(|(name, _)| name).join(", ");
+        return Err(Failure::BadInput(format!(
+            "`family` is {unknown}; must be one of {known}"
+        )));
     }
-
-    /// The family of a name.
-    pub(super) fn parse(name: &str) -> Option<Self> {
-        let mut all = Self::RANDOM.into_iter().chain(Self::DIRECTED);
-        all.find(|family| family.name() == name)
+    let order = if is_directed { &DIRECTED[..] } else { &RANDOM };
+    let mut families: Vec<Family> = order.iter().map(|&index| FAMILIES[index]).collect();
+    if let Some(only) = only {
+        families.retain(|(name, _)| *name == only);
+        families.truncate(1);
     }
-
-    /// Draws a frame. The returned knobs contain the numbers it used.
-    pub(super) fn draw(self, knobs: Knobs) -> (Case, Knobs) {
-        match self {
-            Self::Water => random::draw_water_alone(knobs),
-            Self::Pictures => (random::draw_uploaded(&knobs), knobs),
-            Self::Procedural => (random::draw_procedural(&knobs), knobs),
-            Self::Sequences => (random::draw_sequence(&knobs), knobs),
-            Self::Scatter => directed::draw_scattered(knobs),
-            Self::Metering => directed::draw_metered(knobs),
-            Self::Points => directed::draw_points(knobs),
-            Self::Defocus => directed::draw_defocused(knobs),
-            Self::Lamps => directed::draw_lit(knobs),
-            Self::Lens => directed::draw_lens(knobs),
-        }
-    }
+    Ok(families)
 }

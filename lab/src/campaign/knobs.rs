@@ -22,6 +22,18 @@ pub(super) struct Source {
     pub(super) turned: BTreeMap<String, f64>,
 }
 
+impl Source {
+    pub(super) fn new(family: &'static str, seed: u64) -> Self {
+        let (attempt, turned) = (0, BTreeMap::new());
+        Self {
+            family,
+            seed,
+            attempt,
+            turned,
+        }
+    }
+}
+
 /// The random numbers of one frame.
 #[derive(Debug)]
 pub(super) struct Knobs {

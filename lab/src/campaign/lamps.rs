@@ -21,11 +21,8 @@ impl Surfaces<'_> {
     /// The surface point of a pixel, in camera axes; 1 m away for holes.
     fn point(&self, x: usize, y: usize) -> [f64; 3] {
         let seen_m = f64::from(self.range.pixel(x, y));
-        let range_m = if seen_m.is_finite() && seen_m > 0.0 {
-            seen_m
-        } else {
-            1.0
-        };
+        let is_hole = !seen_m.is_finite() || seen_m <= 0.0;
+        let range_m = if is_hole { 1.0 } else { seen_m };
         let ray = self.camera.ray(x as f64, y as f64);
         let length = (ray.x * ray.x + ray.y * ray.y + 1.0).sqrt();
         [ray.x, ray.y, 1.0].map(|v| v / length * range_m)
@@ -34,14 +31,12 @@ impl Surfaces<'_> {
 
 /// Draws 1 to 4 lamps, or 64.
 pub(super) fn draw_lamps(knobs: &Knobs, surfaces: Surfaces<'_>) -> Vec<Value> {
-    let count = if has_many_lamps(knobs) {
-        MOST_LAMPS
-    } else {
-        knobs.whole("lamps.count", 1, 4)
+    let count = match has_many_lamps(knobs) {
+        true => MOST_LAMPS,
+        false => knobs.whole("lamps.count", 1, 4),
     };
-    (0..count)
-        .map(|lamp| draw_lamp(knobs, &format!("lamp{lamp}"), surfaces))
-        .collect()
+    let lamps = (0..count).map(|lamp| draw_lamp(knobs, &format!("lamp{lamp}"), surfaces));
+    lamps.collect()
 }
 
 /// Whether the lamps of a frame, if it has any, are as many as possible.
@@ -58,17 +53,15 @@ fn draw_lamp(knobs: &Knobs, name: &str, surfaces: Surfaces<'_>) -> Value {
     );
     let surface = surfaces.point(x, y);
     // About two of three lamps are within 5 cm.
-    let away_m = match knobs.chance(&format!("{name}.is_near"), 0.65) {
-        true => knobs.log(&format!("{name}.away"), 1e-3, 0.05),
-        false => knobs.log(&format!("{name}.away"), 0.05, 100.0),
-    };
+    let is_near = knobs.chance(&format!("{name}.is_near"), 0.65);
+    let (least_m, most_m) = if is_near { (1e-3, 0.05) } else { (0.05, 100.0) };
+    let away_m = knobs.log(&format!("{name}.away"), least_m, most_m);
     let offset = knobs.within_rgb(&format!("{name}.offset"), -1.0, 1.0);
     let position_m = [0, 1, 2].map(|axis| (surface[axis] + offset[axis] * away_m).clamp(-999.0, 999.0));
     // Most levels make the surface about as bright as white.
-    let level = match knobs.chance(&format!("{name}.is_wild"), 0.2) {
-        true => knobs.log(&format!("{name}.level"), 1e-4, 1e4),
-        false => knobs.log(&format!("{name}.level"), 1e-2, 10.0),
-    };
+    let is_wild = knobs.chance(&format!("{name}.is_wild"), 0.2);
+    let (least, most) = if is_wild { (1e-4, 1e4) } else { (1e-2, 10.0) };
+    let level = knobs.log(&format!("{name}.level"), least, most);
     let intensity = knobs
         .within_rgb(&format!("{name}.tint"), 0.2, 1.0)
         .map(|tint| (tint * level * away_m * away_m).min(1e6));

@@ -1,11 +1,8 @@
 //! One frame of a campaign: its source, and its comparison with its bound.
 
-use std::collections::BTreeMap;
-
 use spec::{Fidelity, Frame};
 
 use super::case::Case;
-use super::cost::Cost;
 use super::family::Family;
 use super::knobs::{Knobs, Source};
 use super::measured::Measured;
@@ -15,92 +12,70 @@ use crate::studio::Studio;
 const MOST_ATTEMPTS: u64 = 40;
 
 /// The source of a frame.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub(super) struct Origin {
-    family: Family,
+    draw: fn(&mut Knobs) -> Case,
     pub(super) source: Source,
 }
 
 impl Origin {
-    /// The source of a family and a seed.
-    fn new(family: Family, seed: u64) -> Self {
-        let source = Source {
-            family: family.name(),
-            seed,
-            attempt: 0,
-            turned: BTreeMap::new(),
-        };
-        Self { family, source }
+    /// The sources of this many frames, family by family.
+    pub(super) fn list(seed: u64, count: usize, families: &[Family]) -> Vec<Self> {
+        let families = families.iter().cycle().take(count);
+        let origins = (seed..).zip(families).map(|(seed, &(family, draw))| Self {
+            draw,
+            source: Source::new(family, seed),
+        });
+        origins.collect()
     }
 
-    /// The sources of a campaign: random frames, then directed ones; with `family`, only those of that family.
-    pub(super) fn list(seed: u64, random: usize, directed: usize, family: Option<Family>) -> Vec<Self> {
-        let mut origins = Vec::new();
-        for (families, count) in [(&Family::RANDOM[..], random), (&Family::DIRECTED[..], directed)] {
-            let mut wanted = families.to_vec();
-            if let Some(only) = family {
-                wanted.retain(|&other| other == only);
-                wanted.truncate(1);
-            }
-            let repeated = wanted.into_iter().cycle().take(count);
-            origins.extend(
-                (seed..)
-                    .zip(repeated)
-                    .map(|(seed, family)| Self::new(family, seed)),
-            );
-        }
-        origins
+    fn is_climbed(&self) -> bool {
+        !self.source.turned.is_empty()
     }
 
     /// Its kind in reports: the family, or `climbs` if a search changed it.
     pub(super) fn kind(&self) -> &'static str {
-        if self.source.turned.is_empty() {
-            self.family.name()
-        } else {
+        if self.is_climbed() {
             "climbs"
+        } else {
+            self.source.family
         }
     }
 
     /// The description and picture of the frame.
     pub(super) fn case(&self) -> Case {
-        self.family.draw(Knobs::new(&self.source)).0
+        (self.draw)(&mut Knobs::new(&self.source))
     }
 
     /// Names of the random numbers used by the frame.
     pub(super) fn names(&self) -> Vec<String> {
-        self.family.draw(Knobs::new(&self.source)).1.names()
+        let mut knobs = Knobs::new(&self.source);
+        (self.draw)(&mut knobs);
+        knobs.names()
     }
 
     /// The first draw with a valid description, and its frame. A search has only one draw.
-    fn resolve(&self, studio: &Studio) -> Option<(Self, Case, Frame)> {
-        let attempts = if self.source.turned.is_empty() {
-            MOST_ATTEMPTS
-        } else {
-            1
-        };
-        (self.source.attempt..self.source.attempt + attempts).find_map(|attempt| {
-            let mut origin = self.clone();
-            origin.source.attempt = attempt;
+    pub(super) fn resolve(&self, studio: &Studio) -> Option<(Self, Case, Frame)> {
+        let attempts = if self.is_climbed() { 1 } else { MOST_ATTEMPTS };
+        let mut origin = self.clone();
+        (0..attempts).find_map(|attempt| {
+            origin.source.attempt = self.source.attempt + attempt;
             let case = origin.case();
             let frame = studio.frame(&case.job, 0).ok()?;
-            Some((origin, case, frame))
+            Some((origin.clone(), case, frame))
         })
     }
 }
 
 /// A frame compared with its bound.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub(super) struct Outcome {
     /// Source of the frame.
     pub(super) origin: Origin,
-    /// Parts of the frame in one line.
-    about: String,
     /// Tolerance of the frame.
     tolerance: f64,
     /// Bound and error.
     pub(super) measured: Measured,
-    /// Cost of the water; `None` outside of the family `water`.
-    pub(super) cost: Option<Cost>,
 }
 
 impl Outcome {
@@ -111,16 +86,10 @@ impl Outcome {
             return None;
         };
         let measured = Measured::measure(studio, &frame, &case)?;
-        let cost = match (origin.kind(), &case.picture) {
-            ("water", Some(picture)) => Cost::measure(&frame, picture),
-            _ => None,
-        };
         Some(Self {
-            about: case.about(),
             origin,
             tolerance,
             measured,
-            cost,
         })
     }
 
@@ -143,22 +112,15 @@ impl Outcome {
         !promise.is_open && !promise.exceeds && promise.bound > self.tolerance * (1.0 + 1e-9)
     }
 
-    /// Family, seed and parts of the frame, its error and its bound.
+    /// Family and seed of the frame, its error and its bound.
     pub(super) fn describe(&self) -> String {
-        let Measured {
-            error,
-            promise,
-            place: [x, y, channel],
-            ..
-        } = self.measured;
-        let Source {
-            family, seed, turned, ..
-        } = &self.origin.source;
+        let (source, measured) = (&self.origin.source, &self.measured);
+        let (error, bound, [x, y, channel]) = (measured.error, measured.promise.bound, measured.place);
         format!(
-            "{family} {seed}, {} turned ({}): error {error:.2e} in channel {channel} at ({x}, {y}), bound {:.2e}, tolerance {:.2e}",
-            turned.len(),
-            self.about,
-            promise.bound,
+            "{} {}, {} turned: error {error:.2e} in channel {channel} at ({x}, {y}), bound {bound:.2e}, tolerance {:.2e}",
+            source.family,
+            source.seed,
+            source.turned.len(),
             self.tolerance
         )
     }

@@ -9,31 +9,11 @@ use super::knobs::Knobs;
 const LEVELS: f64 = 48.0;
 /// Patterns of range.
 pub(super) const COURSES: [&str; 12] = [
-    "wall",
-    "slope",
-    "noise",
-    "blocks",
-    "cone",
-    "well",
-    "far specks",
-    "near specks",
-    "step",
-    "pole",
-    "needles",
-    "stripes",
+    "wall", "slope", "noise", "blocks", "cone", "well", "far", "near", "step", "pole", "needles", "stripes",
 ];
 /// Patterns of light.
 pub(super) const LIGHTS: [&str; 10] = [
-    "even",
-    "noise",
-    "salt and pepper",
-    "checks",
-    "lamps",
-    "dark specks",
-    "ramp",
-    "point",
-    "signs",
-    "dark side",
+    "even", "noise", "salt", "checks", "lamps", "specks", "ramp", "point", "signs", "side",
 ];
 
 /// Patterns at the start of [`LIGHTS`] with many bright pixels.
@@ -48,6 +28,12 @@ pub(super) const WHITE: f64 = 0.6;
 pub(super) struct Limits {
     pub(super) sides_px: (usize, usize),
     pub(super) pixels: usize,
+}
+
+impl Limits {
+    pub(super) const fn new(sides_px: (usize, usize), pixels: usize) -> Self {
+        Self { sides_px, pixels }
+    }
 }
 
 /// Draws the sides of a picture within limits.
@@ -77,10 +63,10 @@ pub(super) fn draw_picture(knobs: &Knobs, limits: Limits) -> Picture {
         let noise = stream.unit(address(x, y), 0);
         let is_bright = match *course {
             "even" | "noise" | "ramp" => true,
-            "salt and pepper" => noise > 0.5,
+            "salt" => noise > 0.5,
             "checks" => check.is_multiple_of(2),
             "lamps" => noise > 0.985,
-            "dark specks" => noise < 0.98,
+            "specks" => noise < 0.98,
             "point" => (x, y) == spot,
             "signs" => (x + y).is_multiple_of(2),
             _ => x * 2 > width,
@@ -112,7 +98,8 @@ fn draw_range(knobs: &Knobs, (width, height): (usize, usize), block: f64) -> Pla
         .min(200.0)
         .max(nearest);
     let course = knobs.pick("range.course", &COURSES);
-    let holes = if knobs.chance("range.has_holes", 0.3) {
+    let has_holes = knobs.chance("range.has_holes", 0.3);
+    let holes = if has_holes {
         knobs.within("range.holes", 0.0, 0.2)
     } else {
         0.0
@@ -144,8 +131,8 @@ fn along(course: &str, (x, y): (f64, f64), noise: f64, block: f64) -> f64 {
         "blocks" => block,
         "cone" => radius,
         "well" => 1.0 - radius,
-        "far specks" => f64::from(u8::from(noise > 0.9)),
-        "near specks" => f64::from(u8::from(noise < 0.9)),
+        "far" => f64::from(u8::from(noise > 0.9)),
+        "near" => f64::from(u8::from(noise < 0.9)),
         "step" => f64::from(u8::from(x > 0.5)),
         _ if (x - 0.5).abs() < 0.1 => 0.0,
         _ => 0.6 + 0.4 * y,

@@ -12,35 +12,17 @@ use super::picture::{BRIGHT, LIGHTS, Limits, WHITE, draw_picture, draw_sides};
 use super::water::{draw_patches, draw_sediment, draw_sky, draw_snow, draw_water, has_veil};
 
 /// Water alone, in all sizes.
-const WATER: Limits = Limits {
-    sides_px: (1, 64),
-    pixels: 4096,
-};
+const WATER: Limits = Limits::new((1, 64), 4096);
 /// Uploaded pictures. The reference runs one transform for each distinct range.
-const PICTURES: Limits = Limits {
-    sides_px: (20, 64),
-    pixels: 1000,
-};
+const PICTURES: Limits = Limits::new((20, 64), 1000);
 /// Frames with patches. The reference runs one transform for each pixel.
-const PATCHES: Limits = Limits {
-    sides_px: (12, 32),
-    pixels: 400,
-};
+const PATCHES: Limits = Limits::new((12, 32), 400);
 /// Frames with many lamps, whose light the reference sums at each pixel.
-const MANY_LAMPS: Limits = Limits {
-    sides_px: (8, 16),
-    pixels: 150,
-};
+const MANY_LAMPS: Limits = Limits::new((8, 16), 150);
 /// Procedural scenes, before supersampling. Their ranges are all distinct.
-const PROCEDURAL: Limits = Limits {
-    sides_px: (20, 48),
-    pixels: 1000,
-};
+const PROCEDURAL: Limits = Limits::new((20, 48), 1000);
 /// Frames on a path, which are rendered several times.
-const SEQUENCES: Limits = Limits {
-    sides_px: (12, 32),
-    pixels: 400,
-};
+const SEQUENCES: Limits = Limits::new((12, 32), 400);
 
 /// A tolerance from 3e-6 to 3e-2.
 pub(super) fn draw_tolerance(knobs: &Knobs) -> Value {
@@ -48,7 +30,7 @@ pub(super) fn draw_tolerance(knobs: &Knobs) -> Value {
 }
 
 /// A bright picture in water alone, with one kernel per path length: the frames whose cheapest sufficient plan is searched.
-pub(super) fn draw_water_alone(mut knobs: Knobs) -> (Case, Knobs) {
+pub(super) fn draw_water_alone(knobs: &mut Knobs) -> Case {
     knobs.hold(&[
         ("picture.kind", WHITE),
         ("scatter.is_published", FIRST),
@@ -57,21 +39,21 @@ pub(super) fn draw_water_alone(mut knobs: Knobs) -> (Case, Knobs) {
         ("water.is_deep", LAST),
     ]);
     knobs.hold_one("picture.light", &LIGHTS, &LIGHTS[..BRIGHT]);
-    let picture = draw_picture(&knobs, WATER);
-    let mut camera = draw_pinhole(&knobs, picture.range.size());
+    let picture = draw_picture(knobs, WATER);
+    let mut camera = draw_pinhole(knobs, picture.range.size());
     // Focal lengths of full-size pictures make the kernels as wide as there.
     let half = picture.range.width() as f64 / 2.0 / knobs.log("camera.focal", 60.0, 900.0);
     camera["hfov_deg"] = json!((2.0 * half.atan().to_degrees()).max(1.0));
     let job = json!({
         "camera": camera,
-        "water": draw_water(&knobs),
-        "fidelity": draw_tolerance(&knobs),
+        "water": draw_water(knobs),
+        "fidelity": draw_tolerance(knobs),
     });
-    (Case::new(&knobs, job, Some(picture)), knobs)
+    Case::new(knobs, job, Some(picture))
 }
 
 /// An uploaded picture with a camera.
-pub(super) fn draw_uploaded(knobs: &Knobs) -> Case {
+pub(super) fn draw_uploaded(knobs: &mut Knobs) -> Case {
     let limits = choose_limits(knobs, PICTURES);
     let picture = draw_picture(knobs, limits);
     let mut job =
@@ -90,16 +72,15 @@ pub(super) fn draw_uploaded(knobs: &Knobs) -> Case {
 }
 
 /// A procedural scene with a camera.
-pub(super) fn draw_procedural(knobs: &Knobs) -> Case {
+pub(super) fn draw_procedural(knobs: &mut Knobs) -> Case {
     let supersample = match knobs.chance("camera.is_supersampled", 0.15) {
         true => knobs.whole("camera.supersample", 2, 3),
         false => 1,
     };
     let limits = choose_limits(knobs, PROCEDURAL);
-    let limits = Limits {
-        pixels: limits.pixels / (supersample * supersample),
-        sides_px: (limits.sides_px.0 / supersample, limits.sides_px.1 / supersample),
-    };
+    let (least, most) = limits.sides_px;
+    let sides_px = (least / supersample, most / supersample);
+    let limits = Limits::new(sides_px, limits.pixels / (supersample * supersample));
     let (mut job, range) = draw_place(knobs, limits);
     if knobs.chance("camera.is_real", 0.9) {
         add_parts(knobs, &mut job["camera"]);
@@ -112,7 +93,7 @@ pub(super) fn draw_procedural(knobs: &Knobs) -> Case {
 }
 
 /// A frame on a path: motion blur, rolling readout, lagging metering.
-pub(super) fn draw_sequence(knobs: &Knobs) -> Case {
+pub(super) fn draw_sequence(knobs: &mut Knobs) -> Case {
     let (mut job, range) = draw_place(knobs, SEQUENCES);
     add_parts(knobs, &mut job["camera"]);
     add_path(knobs, &mut job["camera"]);
@@ -135,19 +116,17 @@ fn draw_place(knobs: &Knobs, limits: Limits) -> (Value, Plane<f32>) {
     (job, range)
 }
 
-/// Smaller pictures where the reference is slow.
-fn choose_limits(knobs: &Knobs, usual: Limits) -> Limits {
-    if has_many_lamps(knobs) {
-        MANY_LAMPS
-    } else if has_patches(knobs) {
-        PATCHES
-    } else {
-        usual
-    }
-}
-
 fn has_patches(knobs: &Knobs) -> bool {
     knobs.chance("water.has_patches", 0.2)
+}
+
+/// Smaller pictures where the reference is slow.
+fn choose_limits(knobs: &Knobs, usual: Limits) -> Limits {
+    match (has_many_lamps(knobs), has_patches(knobs)) {
+        (true, _) => MANY_LAMPS,
+        (false, true) => PATCHES,
+        (false, false) => usual,
+    }
 }
 
 /// Adds water, its contents and lamps, except to a few frames in air.

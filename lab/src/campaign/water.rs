@@ -14,6 +14,11 @@ const MOST_PARTICLES: f64 = 3000.0;
 /// Brightness of a derived veil.
 const VEIL_GAIN: f64 = 0.3;
 
+/// Whether the description sets the veil, which then replaces that of daylight.
+pub(super) fn has_veil(knobs: &Knobs) -> bool {
+    knobs.chance("water.has_veil", 0.5)
+}
+
 /// Optics, scale, holes and depth of a water.
 pub(super) fn draw_water(knobs: &Knobs) -> Value {
     let mut optics = json!({"phase": knobs.pick("water.phase", &["ff", "hg"])});
@@ -49,9 +54,11 @@ pub(super) fn draw_water(knobs: &Knobs) -> Value {
 }
 
 fn draw_veil_gain(knobs: &Knobs) -> f64 {
-    match knobs.chance("water.is_veil_free", 0.3) {
-        true => knobs.log("water.veil_gain", 1e-3, 3.0),
-        false => VEIL_GAIN,
+    let is_free = knobs.chance("water.is_veil_free", 0.3);
+    if is_free {
+        knobs.log("water.veil_gain", 1e-3, 3.0)
+    } else {
+        VEIL_GAIN
     }
 }
 
@@ -119,9 +126,11 @@ pub(super) fn draw_sediment(knobs: &Knobs) -> Value {
 
 /// A sky. Two of three are overcast: without a sun there are no shadows or caustics, which lack a bound.
 pub(super) fn draw_sky(knobs: &Knobs) -> Value {
-    let cloud_cover = match knobs.chance("sky.is_overcast", 0.66) {
-        true => 1.0,
-        false => knobs.unit("sky.clouds"),
+    let is_overcast = knobs.chance("sky.is_overcast", 0.66);
+    let cloud_cover = if is_overcast {
+        1.0
+    } else {
+        knobs.unit("sky.clouds")
     };
     json!({
         "sun_elevation_deg": knobs.within("sky.elevation", 5.0, 90.0),
@@ -129,9 +138,4 @@ pub(super) fn draw_sky(knobs: &Knobs) -> Value {
         "cloud_cover": cloud_cover,
         "wind_m_per_s": knobs.within("sky.wind", 0.0, 20.0),
     })
-}
-
-/// Whether the description sets the veil, which then replaces that of daylight.
-pub(super) fn has_veil(knobs: &Knobs) -> bool {
-    knobs.chance("water.has_veil", 0.5)
 }

@@ -53,8 +53,6 @@ pub fn run(_: &Setup) -> Result<Report, Failure> {
             }
             table.push(row![name, figure.what, figure.value, limit, figure.is_within()]);
         }
-        let picture = finding.picture.map(|picture| (format!("chain-{name}"), picture));
-        report.pictures.extend(picture);
     }
     report.about = "Hostile frames through the water chain, against the limits of docs/science/stability.md. Errors are the largest \
                     of a frame in linear light. ≤ is a promise, ≥ a known weakness."

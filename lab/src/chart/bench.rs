@@ -67,10 +67,9 @@ impl<'a> Bench<'a> {
     }
 
     /// The measurements, with the default variant marked.
-    pub(super) fn finish(mut self, default: &str, terms: Option<usize>) -> Vec<Measurement> {
+    pub(super) fn finish(mut self, default: &str) -> Vec<Measurement> {
         for measured in &mut self.measured {
-            let is_equal = terms.is_none() || terms == measured.terms;
-            measured.is_default = measured.variant == default && is_equal;
+            measured.is_default = measured.variant == default;
         }
         self.measured
     }
@@ -84,9 +83,4 @@ pub(super) fn coastal(width: usize, model: ScatterModel) -> Option<Water> {
         ..Optics::default()
     });
     Water::resolve(&request, focal_px(width)).ok()
-}
-
-/// The samples in another precision.
-pub(super) fn double(image: &Rgb<f32>) -> Rgb<f64> {
-    image.map(|&v| f64::from(v))
 }

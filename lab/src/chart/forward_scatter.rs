@@ -11,12 +11,7 @@ use spec::{Fidelity, ScatterModel};
 
 use super::bench::{Bench, DEFAULT_TOLERANCE, coastal};
 use super::scenes::ChartScene;
-use super::spatial::{truncated, windows};
-use super::weighted::{Copy, gaussians, hard_layers, linear_layers, spread};
 use crate::measurement::Measurement;
-
-/// Half of a Gaussian's light is within 1.177 σ, half of the kernel's within √3 γ.
-const SAME_HALF: f32 = 1.471;
 
 /// Input of the stage: light to spread and kernel scale for each channel, and the image to add it to.
 struct Input {
@@ -118,29 +113,5 @@ pub(super) fn measure(scene: &ChartScene, runs: usize) -> Vec<Measurement> {
             _ => light.map(|_| 0.0),
         })
     });
-    type Make = fn(f64, f64, usize, (usize, usize)) -> Vec<Copy>;
-    let families: [(&str, Make, &[usize]); 3] = [
-        ("hard layers", hard_layers, &[4, 8, 16, 32]),
-        ("linear layers", linear_layers, &[4, 8, 16, 32]),
-        ("sum of gaussians", gaussians, &[4, 6, 8, 12, 16]),
-    ];
-    for (name, make, counts) in families {
-        for &terms in counts {
-            let copies = spans.map(|(least, most)| make(least, most, terms, scene.range.size()));
-            bench.measure(name, Some(terms), &exact, || {
-                input.image(|c, light, gamma| spread(light, gamma, &copies[c]))
-            });
-        }
-    }
-    for radius in [4, 8, 16, 32] {
-        bench.measure("truncated kernel", Some(radius), &exact, || {
-            input.image(|_, light, gamma| truncated(light, gamma, radius))
-        });
-    }
-    for window in [9, 17, 33] {
-        bench.measure("window gaussian", Some(window), &exact, || {
-            input.image(|_, light, gamma| windows(light, gamma, window, SAME_HALF))
-        });
-    }
-    bench.finish("planned", None)
+    bench.finish("planned")
 }

@@ -1,4 +1,4 @@
-//! The whole frame as it is planned, tolerance by tolerance: statistics, plan, water, haze of four lights, 8-bit codes.
+//! The whole frame as it is planned, tolerance by tolerance: statistics, plan, water, 8-bit codes.
 
 use imaging::{Rgb, transfer};
 use optics::chain;
@@ -7,8 +7,7 @@ use optics::plan::{Plan, SceneBounds};
 use optics::water::Water;
 use spec::{Fidelity, ScatterModel};
 
-use super::bench::{Bench, DEFAULT_TOLERANCE, TOLERANCES, coastal, double};
-use super::haze::{lights, overlay};
+use super::bench::{Bench, DEFAULT_TOLERANCE, TOLERANCES, coastal};
 use super::scenes::ChartScene;
 use crate::measurement::{Measurement, time};
 
@@ -28,24 +27,20 @@ pub(super) fn measure(scene: &ChartScene, runs: usize) -> Vec<Measurement> {
         let Some((water, exact)) = water.zip(exact) else {
             continue;
         };
-        let mut variants: Vec<(String, Fidelity)> = TOLERANCES
-            .map(|tolerance| {
-                (
-                    format!("{name} ({tolerance:.0e})"),
-                    Fidelity::Tolerance(tolerance),
-                )
-            })
-            .into();
-        variants.push((format!("{name} (16 kernels)"), Fidelity::Terms(16)));
-        let (lights, mut cache) = (lights(4), KernelCache::new());
-        for (variant, fidelity) in variants {
+        let mut cache = KernelCache::new();
+        let planned = TOLERANCES.map(Fidelity::Tolerance).into_iter();
+        for fidelity in planned.chain([Fidelity::Terms(16)]) {
+            let variant = match fidelity {
+                Fidelity::Tolerance(tolerance) => format!("{name} ({tolerance:.0e})"),
+                _ => format!("{name} (16 kernels)"),
+            };
             let (times, (plan, image)) = time(runs, || {
                 let plan = plan(scene, &water, fidelity);
                 let layers = chain::water(&scene.radiance, &scene.range, &water, &plan, &mut cache);
                 let image = layers.map(|layers| {
-                    let hazed = optics::haze(layers.scattered.clone(), &lights);
+                    let light = layers.scattered.clone();
                     cache.recycle(layers);
-                    (transfer::encode_rgb8(&hazed), hazed).1
+                    (transfer::encode_rgb8(&light), light).1
                 });
                 (plan, image.ok())
             });
@@ -55,7 +50,7 @@ pub(super) fn measure(scene: &ChartScene, runs: usize) -> Vec<Measurement> {
             }
         }
     }
-    bench.finish(&format!("jaffe ({DEFAULT_TOLERANCE:.0e})"), None)
+    bench.finish(&format!("jaffe ({DEFAULT_TOLERANCE:.0e})"))
 }
 
 fn plan(scene: &ChartScene, water: &Water, fidelity: Fidelity) -> Plan {
@@ -64,16 +59,16 @@ fn plan(scene: &ChartScene, water: &Water, fidelity: Fidelity) -> Plan {
 }
 
 fn render_exact(scene: &ChartScene, water: &Water) -> Option<Rgb<f32>> {
-    let scattered = if scene.range.data().len() <= MAX_REFERENCE_PIXELS {
-        let range = scene.range.map(|&z| f64::from(z));
-        chain::water_reference(&double(&scene.radiance), &range, water)
-            .ok()?
-            .scattered
-    } else {
-        let plan = plan(scene, water, Fidelity::Terms(PLENTY));
-        let cache = &mut KernelCache::new();
-        let layers = chain::water(&scene.radiance, &scene.range, water, &plan, cache);
-        double(&layers.ok()?.scattered)
-    };
-    Some(overlay(&scattered, &lights(4), f64::INFINITY).map(|&v| v as f32))
+    if scene.range.data().len() <= MAX_REFERENCE_PIXELS {
+        let (light, range) = (
+            scene.radiance.map(|&v| f64::from(v)),
+            scene.range.map(|&z| f64::from(z)),
+        );
+        let exact = chain::water_reference(&light, &range, water).ok()?;
+        return Some(exact.scattered.map(|&v| v as f32));
+    }
+    let plan = plan(scene, water, Fidelity::Terms(PLENTY));
+    let cache = &mut KernelCache::new();
+    let layers = chain::water(&scene.radiance, &scene.range, water, &plan, cache);
+    Some(layers.ok()?.scattered)
 }

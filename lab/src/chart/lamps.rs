@@ -34,11 +34,12 @@ pub(super) fn measure(scene: &ChartScene, runs: usize) -> Vec<Measurement> {
         return Vec::new();
     };
     let range = scene.range.map(|&z| f64::from(z));
-    let integrate = |nodes: usize| airlight_reference(&range, &lighting, nodes).map(|&v| v as f32);
-    let exact = integrate(REFERENCE_NODES);
+    let exact = airlight_reference(&range, &lighting, REFERENCE_NODES).map(|&v| v as f32);
     let mut bench = Bench::new("lamps", scene, runs);
     for nodes in [4, 8, 16, 32] {
-        bench.measure("fixed nodes in f64", Some(nodes), &exact, || integrate(nodes));
+        bench.measure("fixed nodes in f64", Some(nodes), &exact, || {
+            airlight_reference(&range, &lighting, nodes).map(|&v| v as f32)
+        });
     }
     for tolerance in TOLERANCES {
         let name = format!("by tolerance ({tolerance:.0e})");
@@ -46,5 +47,5 @@ pub(super) fn measure(scene: &ChartScene, runs: usize) -> Vec<Measurement> {
             airlight(&scene.range, &lighting, tolerance).light
         });
     }
-    bench.finish(&format!("by tolerance ({DEFAULT_TOLERANCE:.0e})"), None)
+    bench.finish(&format!("by tolerance ({DEFAULT_TOLERANCE:.0e})"))
 }

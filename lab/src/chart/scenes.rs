@@ -1,25 +1,19 @@
 //! Scenes for measuring variants.
 
-use std::path::Path;
-
-use cli::exit::Failure;
-use cli::files;
 use imaging::geometry::Intrinsics;
 use imaging::random::Stream;
 use imaging::{Plane, Rgb};
 use optics::range::is_hole;
-use scenes::uploaded::decode;
-use spec::{RangeFile, RangeKind, SceneFiles};
 
 /// A scene in air with its range.
 #[derive(Debug, Clone)]
-pub struct ChartScene {
+pub(super) struct ChartScene {
     /// Its name in the data.
-    pub name: String,
+    pub(super) name: String,
     /// Linear light.
-    pub radiance: Rgb<f32>,
+    pub(super) radiance: Rgb<f32>,
     /// Meters along the ray.
-    pub range: Plane<f32>,
+    pub(super) range: Plane<f32>,
 }
 
 /// Distinct ranges of a scene. The reference needs one transform for each, which is minutes at full size with this many. No variant
@@ -45,33 +39,13 @@ impl ChartScene {
     }
 }
 
-/// A picture and its range.
-pub(super) fn read_scene(picture: &Path, range: &Path) -> Result<ChartScene, Failure> {
-    let upload = SceneFiles {
-        rgb: files::read(picture)?,
-        range: Some(RangeFile {
-            file: files::read(range)?,
-            kind: RangeKind::Range,
-            unit_m: None,
-            invalid_code: None,
-        }),
-        intrinsics: None,
-        classes: None,
-        world_from_camera: None,
-        hfov_deg: None,
-        scale: None,
-        instances: None,
-    };
-    let scene =
-        decode(&upload).map_err(|error| Failure::BadInput(format!("{}: {error}", picture.display())))?;
-    let plane = scene.range.expect("a range was given");
-    let name = picture.file_stem().and_then(|s| s.to_str()).unwrap_or("scene");
-    Ok(ChartScene::new(name, scene.radiance, &plane))
+/// The focal length of a camera of 80° across.
+pub(super) fn focal_px(width: usize) -> f64 {
+    width as f64 / (2.0 * 40f64.to_radians().tan())
 }
 
 /// The standard scenes: a flat wall, a slope, a pole in front of a far background, a slope with holes, and a procedural structure.
-#[must_use]
-pub fn standard_scenes(width: usize) -> Vec<ChartScene> {
+pub(super) fn standard_scenes(width: usize) -> Vec<ChartScene> {
     let height = (width * 492 / 768).max(1);
     let slope = Plane::from_fn(width, height, |_, y| 1.0 + 14.0 * (y as f32 / height as f32));
     let stream = Stream::stage(7, "chart/holes");
@@ -111,11 +85,6 @@ fn pattern(width: usize, height: usize) -> Rgb<f32> {
         let lamp = if x % 97 < 3 && y % 89 < 3 { 1.0 } else { 0.0 };
         [stripe + noise, 0.7 * stripe + noise, 0.8 - 0.7 * stripe + noise].map(|v: f32| v.max(lamp))
     })
-}
-
-/// The focal length of a camera of 80° across.
-pub(super) fn focal_px(width: usize) -> f64 {
-    width as f64 / (2.0 * 40f64.to_radians().tan())
 }
 
 #[cfg(test)]

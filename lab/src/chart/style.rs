@@ -3,7 +3,7 @@
 use imaging::transfer;
 use style::{Library, ModelInputs, Session, net};
 
-use super::bench::{Bench, double};
+use super::bench::Bench;
 use super::scenes::ChartScene;
 use crate::measurement::{Measurement, time};
 
@@ -16,7 +16,7 @@ pub(super) fn measure(scene: &ChartScene, library: &Library, runs: usize) -> Vec
         let Some(weights) = net::onnx::read(&model.onnx).filter(|weights| !weights.takes_range()) else {
             continue;
         };
-        let (weights, doubled) = (weights.map(|&w| f64::from(w)), double(&encoded));
+        let (weights, doubled) = (weights.map(|&w| f64::from(w)), encoded.map(|&v| f64::from(v)));
         let (slow, exact) = time(1, || {
             net::apply_reference(&weights, &doubled, None).map(|&v| v as f32)
         });
@@ -42,5 +42,5 @@ pub(super) fn measure(scene: &ChartScene, library: &Library, runs: usize) -> Vec
         );
     }
     let first = library.names().first().copied().unwrap_or_default();
-    bench.finish(&format!("network ({first})"), None)
+    bench.finish(&format!("network ({first})"))
 }

@@ -32,18 +32,10 @@ fn frame(seed: u64) -> Rgb8 {
 }
 
 #[test]
-fn a_form_that_finds_another_light_is_told_from_the_exact_one() {
+fn a_variant_that_finds_another_light_is_told_from_the_exact_one() {
     // The guided filter does not keep the candidates of this frame.
-    let outcomes = compare(&frame(OTHER_LIGHT)).unwrap();
-    let [exact, guided] = outcomes;
-    assert_eq!((exact.apart, exact.distance), (0.0, 0.0));
-    assert!(!guided.is_kept() && guided.distance > 0.0, "{outcomes:?}");
-    let rows = table(&outcomes).json();
-    let share = |row: usize| rows[row]["same candidates, %"].as_f64().unwrap();
-    assert_eq!(
-        (share(0), share(1), &rows[0]["largest"]),
-        (100.0, 0.0, &json!(0.0))
-    );
+    let compared = compare(&frame(OTHER_LIGHT)).unwrap();
+    assert!(!compared.is_kept && compared.distance > 0.0, "{compared:?}");
 }
 
 #[test]
@@ -57,23 +49,8 @@ fn the_page_has_the_distances_that_methods_are_chosen_by() {
 }
 
 #[test]
-fn the_share_counts_candidates_that_differ_by_a_hundredth_at_most() {
-    let outcome = |form, apart| Outcome {
-        form,
-        apart,
-        distance: 0.0,
-        ms: 1.0,
-    };
-    let outcomes = [
-        outcome(IblaRefinement::Guided, 0.01),
-        outcome(IblaRefinement::Guided, 0.011),
-    ];
-    let rows = table(&outcomes).json();
-    assert_eq!(rows.as_array().unwrap().len(), 1);
-    assert_eq!(rows[0]["same candidates, %"], 50.0);
-    let sorted: Vec<f64> = (1..=20).map(f64::from).collect();
-    assert_eq!(
-        [0.0, 0.5, 0.95, 1.0].map(|share| upper_quantile(&sorted, share)),
-        [1.0, 10.0, 19.0, 20.0]
-    );
+fn candidates_that_differ_by_a_hundredth_are_the_same() {
+    let candidate = [[0.5; 3]; 3];
+    let moved = |by: f64| [candidate[0], candidate[1], [0.5, 0.5, 0.5 + by]];
+    assert!(is_same(&candidate, &moved(0.0099)) && !is_same(&candidate, &moved(0.011)));
 }

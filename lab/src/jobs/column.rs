@@ -1,6 +1,6 @@
 //! Columns of a table: values of frames, and their summary.
 
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use crate::statistics::{largest, mean, quantile, sorted};
 
@@ -11,6 +11,8 @@ pub(super) enum Summary {
     /// The median, the 10th and the 90th percentile.
     Spread,
     Mean,
+    /// The smallest upper bound of 95 % of the values.
+    High,
     Max,
     /// The sum of counts.
     Count,
@@ -34,7 +36,7 @@ impl Column {
 }
 
 /// One cell for each column, in the order of the values.
-pub(super) fn summarize(columns: &[Column]) -> Map<String, Value> {
+pub(super) fn summarize(columns: &[Column]) -> Vec<(String, Value)> {
     let mut cells: Vec<(&str, Summary, Vec<f64>)> = Vec::new();
     for column in columns {
         match cells.iter_mut().find(|(name, ..)| *name == column.name) {
@@ -44,27 +46,27 @@ pub(super) fn summarize(columns: &[Column]) -> Map<String, Value> {
     }
     let cells = cells.into_iter();
     cells
-        .map(|(name, summary, values)| (name.to_owned(), summary.apply(&values)))
+        .map(|(name, summary, values)| (name.to_owned(), summary.apply(values)))
         .collect()
 }
 
 impl Summary {
-    fn apply(self, values: &[f64]) -> Value {
-        let finite = sorted(values.iter().copied().filter(|value| value.is_finite()));
-        if finite.is_empty() {
-            return Value::Null;
-        }
+    fn apply(self, values: Vec<f64>) -> Value {
+        let values = sorted(values.into_iter().filter(|value| value.is_finite()));
+        let above = values.iter().filter(|&&value| value > 0.0).count();
         match self {
-            Self::Median => json!(quantile(&finite, 0.5)),
-            Self::Mean => json!(mean(&finite)),
-            Self::Max => json!(largest(finite)),
-            Self::Count => json!(finite.iter().sum::<f64>() as u64),
+            _ if values.is_empty() => Value::Null,
+            Self::Median => json!(quantile(&values, 0.5)),
+            Self::High => json!(values[(0.95 * values.len() as f64).ceil() as usize - 1]),
+            Self::Mean => json!(mean(&values)),
+            Self::Max => json!(largest(values)),
+            Self::Count => json!(values.iter().sum::<f64>() as u64),
             Self::Share => {
-                let share = finite.iter().filter(|&&value| value > 0.0).count() as f64 / finite.len() as f64;
-                json!(format!("{:.0} % of {}", 100.0 * share, finite.len()))
+                let share = 100.0 * above as f64 / values.len() as f64;
+                json!(format!("{share:.0} % of {}", values.len()))
             }
             Self::Spread => {
-                let [low, middle, high] = [0.1, 0.5, 0.9].map(|share| round(quantile(&finite, share)));
+                let [low, middle, high] = [0.1, 0.5, 0.9].map(|share| round(quantile(&values, share)));
                 json!(format!("{middle} ({low} to {high})"))
             }
         }
@@ -78,7 +80,7 @@ fn round(value: f64) -> String {
         v if v >= 0.995 => 1,
         _ => 2,
     };
-    format!("{value:.digits$}")
+    format!("{value:.digits$}").replace('-', "−")
 }
 
 #[cfg(test)]
@@ -87,7 +89,6 @@ mod tests {
 
     #[test]
     fn values_are_summarized_by_column() {
-        let value = |value, summary| Column::new(format!("{summary:?}"), value, summary);
         let all = [
             Summary::Median,
             Summary::Spread,
@@ -95,14 +96,18 @@ mod tests {
             Summary::Max,
             Summary::Share,
         ];
-        let columns: Vec<Column> = [1.0, 3.0, 20.0]
+        let columns: Vec<Column> = [-1.0, 1.0, 18.0]
             .iter()
-            .flat_map(|&v| all.map(|summary| value(v - 2.0, summary)))
+            .flat_map(|&v| all.map(|summary| Column::new(format!("{summary:?}"), v, summary)))
             .collect();
-        let cells = summarize(&columns);
-        assert_eq!(cells["Median"], 1.0);
-        assert_eq!(cells["Spread"], "1.0 (-1.0 to 18)");
-        assert_eq!((&cells["Mean"], &cells["Max"]), (&json!(6.0), &json!(18.0)));
-        assert_eq!(cells["Share"], "67 % of 3");
+        let cells: Vec<Value> = summarize(&columns).into_iter().map(|(_, cell)| cell).collect();
+        let expected = [
+            json!(1.0),
+            json!("1.0 (−1.0 to 18)"),
+            json!(6.0),
+            json!(18.0),
+            json!("67 % of 3"),
+        ];
+        assert_eq!(cells, expected);
     }
 }

@@ -1,7 +1,8 @@
 //! Bars with error bars, one panel for each quantity.
 
-use super::colors::{FAINT, INK, PALETTE};
-use super::svg::{Anchor, Svg};
+use super::scale::{Axis, Scale};
+use super::svg::{FAINT, INK, Svg, color};
+use crate::table::format_number;
 
 /// A mean with its spread.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,61 +24,49 @@ pub struct Bars {
     pub panels: Vec<(String, Vec<Bar>)>,
 }
 
-const PANEL: (f64, f64) = (330.0, 270.0);
+/// Width of a bar with the space next to it, and height of a panel.
+const BAR_PX: f64 = 36.0;
+const PANEL_PX: f64 = 250.0;
 const COLUMNS: usize = 3;
-const HEAD_PX: f64 = 44.0;
 
 impl Bars {
-    pub(super) fn svg(&self) -> String {
-        let columns = COLUMNS.min(self.panels.len()).max(1);
-        let rows = self.panels.len().div_ceil(columns);
-        let mut svg = Svg::new(columns as f64 * PANEL.0, HEAD_PX + rows as f64 * PANEL.1);
-        svg.text((12.0, 24.0), &self.title, Anchor::Start);
+    /// The chart as SVG text.
+    #[must_use]
+    pub fn svg(&self) -> String {
+        let bars = self.panels.iter().map(|(_, bars)| bars.len()).max().unwrap_or(0);
+        let (columns, width) = (COLUMNS.min(self.panels.len()), bars as f64 * BAR_PX + 40.0);
+        let rows = self.panels.len().div_ceil(COLUMNS) as f64;
+        let mut svg = Svg::new(columns as f64 * width, 44.0 + rows * PANEL_PX, &self.title);
         for (index, (title, bars)) in self.panels.iter().enumerate() {
-            let left = (index % columns) as f64 * PANEL.0;
-            let top = HEAD_PX + (index / columns) as f64 * PANEL.1;
-            draw_panel(&mut svg, (left, top), title, bars);
+            let left = 20.0 + (index % COLUMNS) as f64 * width;
+            let top = 44.0 + (index / COLUMNS) as f64 * PANEL_PX;
+            svg.text((left, top + 16.0), title, "start");
+            draw_panel(&mut svg, (left, top + 44.0), bars);
         }
         svg.finish()
     }
 }
 
-fn draw_panel(svg: &mut Svg, (left, top): (f64, f64), title: &str, bars: &[Bar]) {
-    svg.text((left + PANEL.0 / 2.0, top + 16.0), title, Anchor::Middle);
+fn draw_panel(svg: &mut Svg, (left, top): (f64, f64), bars: &[Bar]) {
+    let bottom = top + PANEL_PX - 84.0;
     let ends = bars.iter().flat_map(|bar| [bar.mean - bar.sd, bar.mean + bar.sd]);
-    let ends = ends.filter(|v| v.is_finite());
-    let (low, high) = ends.fold((0.0_f64, 0.0_f64), |(low, high), v| (low.min(v), high.max(v)));
-    let span = if high > low { high - low } else { 1.0 };
-    let (plot_top, plot_height) = (top + 44.0, PANEL.1 - 84.0);
-    let row = |v: f64| plot_top + (high - v) / span * plot_height;
-    svg.line(
-        &[(left + 12.0, row(0.0)), (left + PANEL.0 - 12.0, row(0.0))],
-        FAINT,
-        1.0,
-    );
-    let step = (PANEL.0 - 24.0) / bars.len().max(1) as f64;
-    for (index, bar) in bars.iter().enumerate().filter(|(_, bar)| bar.mean.is_finite()) {
-        let start = left + 12.0 + index as f64 * step + 5.0;
-        let (middle, width) = (start + step / 2.0 - 5.0, step - 10.0);
-        let (upper, lower) = (row(bar.mean.max(0.0)), row(bar.mean.min(0.0)));
-        let color = PALETTE[index % PALETTE.len()];
-        svg.rectangle((start, upper), (width, lower - upper), color);
-        if bar.sd > 0.0 {
-            let ends = [row(bar.mean - bar.sd), row(bar.mean + bar.sd)];
-            svg.line(&[(middle, ends[0]), (middle, ends[1])], INK, 1.0);
-        }
-        let above = row((bar.mean + bar.sd).max(bar.mean));
-        svg.text((middle, above - 4.0), &format_number(bar.mean), Anchor::Middle);
-        svg.text((middle, plot_top + plot_height + 20.0), &bar.name, Anchor::Middle);
+    let scale = Scale::new(&Axis::linear(""), ends.chain([0.0]), (bottom, top));
+    let zero = scale.pixel(0.0).unwrap_or(bottom);
+    let right = left + bars.len() as f64 * BAR_PX;
+    svg.line(&[(left, zero), (right, zero)], FAINT, 1.0);
+    for (index, bar) in bars.iter().enumerate() {
+        let start = left + index as f64 * BAR_PX;
+        let middle = start + BAR_PX / 2.0 - 4.0;
+        svg.text((middle, bottom + 20.0), &bar.name, "middle");
+        let rows = [bar.mean - bar.sd, bar.mean, bar.mean + bar.sd].map(|value| scale.pixel(value));
+        let [Some(lower), Some(row), Some(upper)] = rows else {
+            continue;
+        };
+        let size = (BAR_PX - 8.0, (row - zero).abs());
+        let style = format!("fill=\"{}\"", color(index));
+        svg.rectangle((start, row.min(zero)), size, &style);
+        svg.line(&[(middle, lower), (middle, upper)], INK, 1.0);
+        let above = (middle, upper.min(zero) - 4.0);
+        svg.text(above, &format_number(bar.mean), "middle");
     }
-}
-
-/// At most three significant digits.
-fn format_number(value: f64) -> String {
-    let digits = match value.abs() {
-        v if v >= 99.95 => 0,
-        v if v >= 9.995 => 1,
-        _ => 2,
-    };
-    format!("{value:.digits$}")
 }

@@ -5,8 +5,8 @@ use imaging::random::Stream;
 use imaging::{Raster, Rgb8};
 use quality::MetricId;
 
-use super::degradation::{Degradation, Specimen};
-use crate::statistics::largest;
+use super::degradation::{Degradation, LEVELS, Specimen};
+use crate::statistics::{largest, mean};
 
 /// The recorded metrics.
 pub(super) const METRICS: [&str; 6] = ["entropy", "uicm", "uism", "uiconm", "uiqm", "uciqe"];
@@ -51,33 +51,28 @@ pub(super) struct Cell {
 
 /// Runs a method over every degradation and level. Failures and non-finite values are counted rather than returned.
 pub(super) fn run_method(method: &'static str, specimens: &[Specimen]) -> Vec<Cell> {
-    let levels = Degradation::ALL
-        .into_iter()
-        .flat_map(|degradation| (0..degradation.levels().len()).map(move |level| (degradation, level)));
-    let cells = levels.map(|(degradation, level)| {
-        let samples = specimens.iter().enumerate();
-        let samples: Vec<Sample> = samples
-            .map(|(number, specimen)| {
-                let (clean, before) = degradation.apply(specimen, level, number as u64);
-                measure_sample(method, &clean, &before, number as u64)
-            })
-            .collect();
-        Cell::new(method, degradation, level, &samples)
-    });
-    cells.collect()
+    let mut cells = Vec::new();
+    for index in 0..Degradation::ALL.len() * LEVELS {
+        let (degradation, level) = (Degradation::ALL[index / LEVELS], index % LEVELS);
+        let samples = (0u64..).zip(specimens).map(|(number, specimen)| {
+            let (clean, before) = degradation.apply(specimen, level, number);
+            measure_sample(method, &clean, &before, number)
+        });
+        let samples: Vec<Sample> = samples.collect();
+        cells.push(Cell::new(method, degradation, level, &samples));
+    }
+    cells
 }
 
 fn measure_sample(method: &str, clean: &Rgb8, before: &Rgb8, number: u64) -> Sample {
     let shaken = nudge(before, number);
     let after = enhance_picture(method, before);
     let all: Vec<&str> = JUDGES.into_iter().chain(METRICS).collect();
-    let gain = after
-        .as_ref()
-        .zip(enhance_picture(method, &shaken))
-        .map(|((a, _), (b, _))| mean_difference(a, &b) / mean_difference(before, &shaken));
+    let pair = after.as_ref().zip(enhance_picture(method, &shaken));
+    let change = mean_difference(before, &shaken);
     Sample {
         before: measure_metrics(before, clean, &JUDGES),
-        gain,
+        gain: pair.map(|((a, _), (b, _))| mean_difference(a, &b) / change),
         warned: after.as_ref().is_some_and(|(_, warned)| *warned),
         after: after.map(|(picture, _)| measure_metrics(&picture, clean, &all)),
     }
@@ -117,45 +112,44 @@ fn mean_difference(a: &Rgb8, b: &Rgb8) -> f64 {
     sum as f64 / a.data().len() as f64
 }
 
-/// The mean of finite values; NaN without any.
-fn finite_mean(values: impl Iterator<Item = f64>) -> f64 {
-    let values: Vec<f64> = values.filter(|v| v.is_finite()).collect();
-    crate::statistics::mean(&values)
+fn finite(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    values.filter(|v| v.is_finite()).collect()
 }
 
 impl Cell {
     fn new(method: &'static str, degradation: Degradation, level: usize, samples: &[Sample]) -> Self {
-        let share = |count: usize| count as f64 / samples.len().max(1) as f64;
-        let results = || samples.iter().filter_map(|sample| sample.after.as_ref());
-        let after = |index: usize| finite_mean(results().map(|values| values[index]));
-        let gains = || {
-            samples
-                .iter()
-                .filter_map(|sample| sample.gain)
-                .filter(|gain| gain.is_finite())
-        };
-        let not_finite: usize = results()
-            .map(|values| values.iter().filter(|v| !v.is_finite()).count())
-            .sum();
+        let results = samples.iter().filter_map(|sample| sample.after.as_ref());
+        let results: Vec<&Vec<f64>> = results.collect();
+        let columns =
+            (0..JUDGES.len() + METRICS.len()).map(|column| finite(results.iter().map(|all| all[column])));
+        let means: Vec<f64> = columns.map(|values| mean(&values)).collect();
+        let gains = finite(samples.iter().filter_map(|sample| sample.gain));
+        let not_finite = results
+            .iter()
+            .flat_map(|all| all.iter())
+            .filter(|v| !v.is_finite());
+        let count = samples.len().max(1) as f64;
         Self {
             method,
             degradation,
             level,
-            before: [0, 1].map(|judge| finite_mean(samples.iter().map(|sample| sample.before[judge]))),
-            after: [0, 1].map(after),
+            before: [0, 1].map(|judge| mean(&finite(samples.iter().map(|sample| sample.before[judge])))),
+            after: [means[0], means[1]],
             worse: [0, 1].map(|judge| {
-                let worse = samples.iter().filter(|sample| {
-                    let after = sample.after.as_ref();
-                    after.is_some_and(|after| after[judge] < sample.before[judge] - WORSE)
-                });
-                share(worse.count())
+                let worse = samples.iter().filter(|sample| sample.is_worse(judge));
+                worse.count() as f64 / count
             }),
-            values: (0..METRICS.len())
-                .map(|metric| after(JUDGES.len() + metric))
-                .collect(),
-            gain: [finite_mean(gains()), largest(gains())],
-            warned: share(samples.iter().filter(|sample| sample.warned).count()),
-            failures: samples.len() - results().count() + not_finite,
+            values: means[JUDGES.len()..].to_vec(),
+            gain: [mean(&gains), largest(gains)],
+            warned: samples.iter().filter(|sample| sample.warned).count() as f64 / count,
+            failures: samples.len() - results.len() + not_finite.count(),
         }
+    }
+}
+
+impl Sample {
+    fn is_worse(&self, judge: usize) -> bool {
+        let after = self.after.as_ref();
+        after.is_some_and(|after| after[judge] < self.before[judge] - WORSE)
     }
 }

@@ -49,32 +49,26 @@ impl Degradation {
         Self::Saturation,
     ];
 
-    /// Its name in tables, with the unit of its levels.
-    pub(super) fn name(self) -> &'static str {
+    /// Its name in tables, with the unit of its levels, and their values.
+    fn row(self) -> (&'static str, [f64; LEVELS]) {
         match self {
-            Self::Noise => "noise, codes",
-            Self::Turbidity => "transmittance",
-            Self::Darkness => "light left",
-            Self::Lamp => "lamp, height",
-            Self::Cast => "red left",
-            Self::Size => "size, px",
-            Self::Jpeg => "JPEG quality",
-            Self::Saturation => "overexposure",
+            Self::Noise => ("noise, codes", [0.0, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0]),
+            Self::Turbidity => ("transmittance", [1.0, 0.7, 0.5, 0.3, 0.15, 0.07, 0.03, 0.0]),
+            Self::Darkness => ("light left", [1.0, 0.5, 0.25, 0.12, 0.06, 0.03, 0.01, 0.0]),
+            Self::Lamp => ("lamp, height", [0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.45, 0.6]),
+            Self::Cast => ("red left", [1.0, 0.8, 0.6, 0.4, 0.2, 0.1, 0.03, 0.0]),
+            Self::Size => ("size, px", [4096.0, 160.0, 96.0, 48.0, 24.0, 8.0, 3.0, 1.0]),
+            Self::Jpeg => ("JPEG quality", [100.0, 90.0, 75.0, 50.0, 30.0, 20.0, 10.0, 4.0]),
+            Self::Saturation => ("overexposure", [1.0, 1.5, 2.0, 3.0, 4.0, 8.0, 16.0, 64.0]),
         }
     }
 
-    /// The values of its levels.
+    pub(super) fn name(self) -> &'static str {
+        self.row().0
+    }
+
     pub(super) fn levels(self) -> [f64; LEVELS] {
-        match self {
-            Self::Noise => [0.0, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0],
-            Self::Turbidity => [1.0, 0.7, 0.5, 0.3, 0.15, 0.07, 0.03, 0.0],
-            Self::Darkness => [1.0, 0.5, 0.25, 0.12, 0.06, 0.03, 0.01, 0.0],
-            Self::Lamp => [0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.45, 0.6],
-            Self::Cast => [1.0, 0.8, 0.6, 0.4, 0.2, 0.1, 0.03, 0.0],
-            Self::Size => [4096.0, 160.0, 96.0, 48.0, 24.0, 8.0, 3.0, 1.0],
-            Self::Jpeg => [100.0, 90.0, 75.0, 50.0, 30.0, 20.0, 10.0, 4.0],
-            Self::Saturation => [1.0, 1.5, 2.0, 3.0, 4.0, 8.0, 16.0, 64.0],
-        }
+        self.row().1
     }
 
     /// The clean and the degraded picture, in the same size.
@@ -91,16 +85,10 @@ impl Degradation {
             }
             Self::Darkness | Self::Saturation => in_light(wet, |_, _, light, _| light * value as f32),
             Self::Lamp => lamp(wet, value),
-            Self::Cast => in_light(
-                wet,
-                |_, _, light, c| if c == 0 { light * value as f32 } else { light },
-            ),
+            Self::Cast => in_light(wet, |_, _, light, c| light * [value as f32, 1.0, 1.0][c]),
             Self::Size => {
-                let side = value as usize;
-                return (
-                    codec::downscale(&specimen.clean, side),
-                    codec::downscale(wet, side),
-                );
+                let [clean, wet] = [&specimen.clean, wet].map(|one| codec::downscale(one, value as usize));
+                return (clean, wet);
             }
             Self::Jpeg => encode_jpeg(wet, value as u8),
         };

@@ -7,7 +7,6 @@ use super::cell::{Cell, METRICS, run_method};
 use super::degradation::Specimen;
 use super::maps::{describe_failures, gain_map, is_failure, metric_map, ssim_map};
 use crate::parallel::run_all;
-use crate::plot::Chart;
 use crate::report::Report;
 use crate::row;
 use crate::setup::{Parameter, Setup};
@@ -16,12 +15,7 @@ use crate::studio::{Studio, raster};
 use crate::table::Table;
 
 /// The parameters of the experiment.
-pub const PARAMETERS: &[Parameter] = &[Parameter::number(
-    "scenes",
-    "6",
-    [1.0, 1000.0],
-    "scenes of each cell",
-)];
+pub const PARAMETERS: &[Parameter] = &[Parameter::number("scenes", "6", [1.0, 1000.0], "scenes")];
 /// Large enough for the windows of every method, small enough for thousands of runs.
 const SIZE: (usize, usize) = (256, 164);
 
@@ -31,16 +25,11 @@ const SIZE: (usize, usize) = (256, 164);
 /// A scene cannot be rendered.
 pub fn run(setup: &Setup) -> Result<Report, Failure> {
     let specimens = render_specimens(setup.count("scenes") as u64)?;
-    let methods: Vec<&'static str> = std::iter::once("none")
-        .chain(enhance::METHODS.iter().copied())
-        .collect();
-    let runs = run_all(
-        "methods",
-        None,
-        &methods,
-        || (),
-        |method, ()| run_method(method, &specimens),
-    );
+    let mut methods = vec!["none"];
+    methods.extend(enhance::METHODS);
+    let runs = run_all("methods", None, &methods, <()>::default, |method, ()| {
+        run_method(method, &specimens)
+    });
     let about = format!("{} scenes of {}x{}.", specimens.len(), SIZE.0, SIZE.1);
     Ok(report(&runs, about))
 }
@@ -66,43 +55,24 @@ fn render_specimens(count: u64) -> Result<Vec<Specimen>, Failure> {
 }
 
 fn report(runs: &[Vec<Cell>], about: String) -> Report {
-    let columns = [
-        "method",
-        "failing cells",
-        "cells",
-        "largest gain",
-        "failures",
-        "most pictures get worse at",
-    ];
-    let mut methods = Table::new("methods", columns);
+    let columns = "method,failing cells,cells,largest gain,failures,most pictures get worse at";
+    let mut methods = Table::new("methods", columns.split(','));
     for cells in runs {
         let failing = cells.iter().filter(|cell| is_failure(cell)).count();
-        let gain = largest(
-            cells
-                .iter()
-                .map(|cell| cell.gain[0])
-                .filter(|gain| gain.is_finite()),
-        );
+        let gains = cells.iter().map(|cell| cell.gain[0]);
+        let gain = largest(gains.filter(|gain| gain.is_finite()));
         let failures: usize = cells.iter().map(|cell| cell.failures).sum();
-        methods.push(row![
-            cells[0].method,
-            failing,
-            cells.len(),
-            gain,
-            failures,
-            describe_failures(cells)
-        ]);
+        let mut row = row![cells[0].method, failing, cells.len(), gain, failures];
+        row.push(json!(describe_failures(cells)));
+        methods.push(row);
     }
     let mut report = Report::new(about, vec![methods, list_cells(&runs.concat())]);
     for cells in runs {
-        report.add_chart(format!("{}-ssim", cells[0].method), Chart::Heat(ssim_map(cells)));
-        report.add_chart(format!("{}-gain", cells[0].method), Chart::Heat(gain_map(cells)));
+        report.add_chart(format!("{}-ssim", cells[0].method), ssim_map(cells).svg());
+        report.add_chart(format!("{}-gain", cells[0].method), gain_map(cells).svg());
     }
     for (index, metric) in METRICS.iter().enumerate() {
-        report.add_chart(
-            format!("metric-{metric}"),
-            Chart::Heat(metric_map(&runs[0], index)),
-        );
+        report.add_chart(format!("metric-{metric}"), metric_map(&runs[0], index).svg());
     }
     report
 }
@@ -113,23 +83,17 @@ fn list_cells(cells: &[Cell]) -> Table {
                    worse_repeatability,gain_mean,gain_max,warned,failures";
     let mut table = Table::new("cells", columns.split(',').chain(METRICS));
     for cell in cells {
-        let mut row = row![
-            cell.method,
-            cell.degradation.name(),
-            cell.level,
-            cell.degradation.levels()[cell.level],
-            cell.before[0],
-            cell.after[0],
-            cell.before[1],
-            cell.after[1],
-            cell.worse[0],
-            cell.worse[1],
-            cell.gain[0],
-            cell.gain[1],
-            cell.warned,
-            cell.failures,
-        ];
-        row.extend(cell.values.iter().map(|&value| json!(value)));
+        let (degradation, level) = (cell.degradation, cell.level);
+        let value = degradation.levels()[level];
+        let mut row = row![cell.method, degradation.name(), level, value];
+        row.extend(
+            [0, 1]
+                .into_iter()
+                .flat_map(|judge| row![cell.before[judge], cell.after[judge]]),
+        );
+        row.extend(cell.worse.into_iter().chain(cell.gain).map(|value| json!(value)));
+        row.extend(row![cell.warned, cell.failures]);
+        row.extend(cell.values.iter().map(|value| json!(value)));
         table.push(row);
     }
     table
@@ -165,12 +129,7 @@ mod tests {
         let csv = report.tables[1].csv();
         assert!(csv.lines().count() == 4 * 64 + 1 && !csv.contains(",,"), "{csv}");
         assert_eq!(report.charts.len(), 8 + METRICS.len());
-        assert!(
-            report
-                .charts
-                .iter()
-                .all(|(_, chart)| chart.svg().contains("</svg>"))
-        );
+        assert!(report.charts.iter().all(|(_, chart)| chart.contains("</svg>")));
     }
 
     #[test]

@@ -15,8 +15,10 @@ pub(super) fn is_failure(cell: &Cell) -> bool {
 /// Change of the SSIM to the clean picture by a method. Cells with more than half of the pictures worse are outlined.
 pub(super) fn ssim_map(cells: &[Cell]) -> HeatMap {
     HeatMap {
-        title: format!("{}: change of SSIM to the clean picture", cells[0].method),
-        foot: "outlined: more than half of the pictures come out with a lower SSIM".to_owned(),
+        title: format!(
+            "{}: change of SSIM; outlined: most pictures get worse",
+            cells[0].method
+        ),
         span: 0.3,
         outlined: outline(cells, is_failure),
         ..map(cells, |cell| cell.after[0] - cell.before[0])
@@ -26,11 +28,12 @@ pub(super) fn ssim_map(cells: &[Cell]) -> HeatMap {
 /// Change of the result for one code of noise. Cells above four codes are outlined.
 pub(super) fn gain_map(cells: &[Cell]) -> HeatMap {
     HeatMap {
-        title: format!("{}: change of the result for one code of noise", cells[0].method),
-        foot: "1: the noise passes as it is; outlined: more than fourfold".to_owned(),
+        title: format!(
+            "{}: gain of noise of one code; outlined: more than 4",
+            cells[0].method
+        ),
         neutral: 1.0,
-        span: 6.0,
-        low_is_bad: false,
+        span: -6.0,
         outlined: outline(cells, |cell| cell.gain[0] > 4.0),
         ..map(cells, |cell| cell.gain[0])
     }
@@ -39,22 +42,26 @@ pub(super) fn gain_map(cells: &[Cell]) -> HeatMap {
 /// Dependence of a metric of the untouched pictures on the degradations, as a multiple of its value at the first level. Outlined:
 /// the metric rates the picture better although its SSIM has fallen by a tenth.
 pub(super) fn metric_map(cells: &[Cell], metric: usize) -> HeatMap {
-    let first = |cell: &Cell| {
-        let mut all = cells.iter();
-        all.find(|other| other.degradation == cell.degradation && other.level == 0)
-            .unwrap_or(&cells[0])
-            .clone()
-    };
-    let ratio = |cell: &Cell| cell.values[metric] / first(cell).values[metric];
     HeatMap {
-        title: format!("{} of the degraded picture, first level = 1", METRICS[metric]),
-        foot: "outlined: rates the picture better although its SSIM fell by 0.1 or more".to_owned(),
+        title: format!(
+            "{}, first level = 1; outlined: better at an SSIM 0.1 lower",
+            METRICS[metric]
+        ),
         neutral: 1.0,
         outlined: outline(cells, |cell| {
-            ratio(cell) > 1.02 && cell.before[0] < first(cell).before[0] - 0.1
+            let loss = first(cells, cell).before[0] - cell.before[0];
+            cell.values[metric] / first(cells, cell).values[metric] > 1.02 && loss > 0.1
         }),
-        ..map(cells, ratio)
+        ..map(cells, |cell| {
+            cell.values[metric] / first(cells, cell).values[metric]
+        })
     }
+}
+
+/// The first level of the degradation of a cell.
+fn first<'a>(cells: &'a [Cell], cell: &Cell) -> &'a Cell {
+    let mut same = cells.iter().filter(|other| other.degradation == cell.degradation);
+    same.next().expect("a first level")
 }
 
 fn map(cells: &[Cell], value: impl Fn(&Cell) -> f64) -> HeatMap {
@@ -66,13 +73,10 @@ fn map(cells: &[Cell], value: impl Fn(&Cell) -> f64) -> HeatMap {
     });
     HeatMap {
         title: String::new(),
-        columns: (0..LEVELS).map(|level| format!("step {level}")).collect(),
         rows: rows.into(),
         neutral: 0.0,
         span: 1.0,
-        low_is_bad: true,
         outlined: Vec::new(),
-        foot: String::new(),
     }
 }
 
@@ -86,15 +90,12 @@ fn outline(cells: &[Cell], fails: impl Fn(&Cell) -> bool) -> Vec<(usize, usize)>
 /// The levels that make most pictures worse, with their SSIM before and after.
 pub(super) fn describe_failures(cells: &[Cell]) -> String {
     let regions = Degradation::ALL.iter().filter_map(|&degradation| {
-        let failed = cells
-            .iter()
-            .filter(|cell| cell.degradation == degradation && is_failure(cell));
-        let levels: Vec<String> = failed
-            .map(|cell| {
-                let level = degradation.levels()[cell.level];
-                format!("{level} ({:.2} to {:.2})", cell.before[0], cell.after[0])
-            })
-            .collect();
+        let failed = cells.iter().filter(|cell| is_failure(cell));
+        let levels = failed.filter(|cell| cell.degradation == degradation).map(|cell| {
+            let level = degradation.levels()[cell.level];
+            format!("{level} ({:.2} to {:.2})", cell.before[0], cell.after[0])
+        });
+        let levels: Vec<String> = levels.collect();
         (!levels.is_empty()).then(|| format!("{} {}", degradation.name(), levels.join(", ")))
     });
     regions.collect::<Vec<_>>().join("; ")

@@ -1,18 +1,9 @@
-//! `fathom waters`: the description of every water; `fathom-lab experiment waters`: their charts.
+//! `fathom waters`: the description of every water.
 #![allow(clippy::unwrap_used)]
 
-use std::path::Path;
-
-use fathom_tests::{run, run_lab};
-use imaging::codec::decode_picture;
+use fathom_tests::run;
 use serde_json::Value;
 
-const CHARTS: [&str; 4] = [
-    "transmittance",
-    "daylight",
-    "visibility-range",
-    "visibility-turbidity",
-];
 /// Fields of every water, known or not.
 const FIELDS: [&str; 19] = [
     "name",
@@ -110,33 +101,6 @@ fn what_a_source_does_not_say_stays_unknown() {
         serde_json::json!([650.0, 555.0, 440.0])
     );
     assert_eq!(measured["unrenderable"], Value::Null);
-}
-
-#[test]
-fn the_charts_are_drawn_into_a_folder() {
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().join("charts");
-    let output = run_lab(&["experiment", "waters", "--out", out.to_str().unwrap()]);
-    assert!(output.status.success(), "{output:?}");
-    let read =
-        |name: String| std::fs::read(Path::new(&out).join(&name)).unwrap_or_else(|e| panic!("{name}: {e}"));
-    for name in CHARTS {
-        let drawing = String::from_utf8(read(format!("{name}.svg"))).unwrap();
-        assert!(
-            drawing.starts_with("<svg") && drawing.contains("polyline"),
-            "{name}"
-        );
-    }
-    let cards = decode_picture(&read("grey-cards.png".to_owned()))
-        .unwrap()
-        .to_rgb8();
-    let black = cards.data().iter().filter(|&&code| code < 40).count();
-    assert!(black > 0 && black < cards.data().len() / 2, "{black}");
-    let page = String::from_utf8(read("waters.md".to_owned())).unwrap();
-    assert!(
-        CHARTS.iter().all(|name| page.contains(&format!("({name}.svg)"))),
-        "{page}"
-    );
 }
 
 #[test]

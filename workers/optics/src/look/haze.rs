@@ -104,12 +104,12 @@ mod tests {
                 light(0.4, [1.0, 0.0, 0.0], blend),
                 light(0.6, [0.0, 1.0, 0.0], blend),
             );
-            let one = haze(image.clone(), &[a, b]);
-            let other = haze(image.clone(), &[b, a]);
-            let worst = one
+            let ordered = haze(image.clone(), &[a, b]);
+            let reversed = haze(image.clone(), &[b, a]);
+            let worst = ordered
                 .pixel(1, 1)
                 .iter()
-                .zip(other.pixel(1, 1))
+                .zip(reversed.pixel(1, 1))
                 .map(|(a, b)| (a - b).abs())
                 .fold(0.0, f32::max);
             assert_eq!(worst < 1e-6, commutes, "{blend:?}: {worst}");

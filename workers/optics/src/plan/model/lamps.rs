@@ -1,5 +1,5 @@
 //! Model error of lamp light: measured in six waters, with the phase function of Fournier and Forand and b_b/b 0.0183, by
-//! `fathom-lab truth-lamps` (docs/science/truth.md).
+//! `cargo run --release -p truth --example lamps` (docs/science/truth.md).
 
 use crate::lamp::{Lamp, Lighting};
 use crate::plan::SceneBounds;

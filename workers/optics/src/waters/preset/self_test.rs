@@ -226,23 +226,26 @@ mod tests {
 
     #[test]
     fn numbers_that_are_none_and_sums_that_do_not_add_up_are_found() {
-        let one = |preset: Preset| {
+        let reasons = |preset: Preset| {
             found(std::slice::from_ref(&preset))
                 .into_iter()
                 .map(|d| d.what)
                 .collect::<Vec<_>>()
         };
         let good = presets()[0].clone();
-        assert_eq!(one(good.clone()), [""; 0]);
+        assert_eq!(reasons(good.clone()), [""; 0]);
         let negative = Preset {
             absorption: [Some(-0.1), None, Some(f64::NAN)],
             ..good.clone()
         };
-        assert!(one(negative).contains(&"a number is negative or not finite".to_owned()));
+        assert!(reasons(negative).contains(&"a number is negative or not finite".to_owned()));
         let sum = Preset {
             beam_attenuation: [Some(9.0); 3],
             ..good
         };
-        assert_eq!(one(sum), ["beam attenuation is not absorption plus scattering"]);
+        assert_eq!(
+            reasons(sum),
+            ["beam attenuation is not absorption plus scattering"]
+        );
     }
 }

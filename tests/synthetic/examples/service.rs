@@ -1,15 +1,20 @@
-//! The rates of a service, measured over HTTP as its clients see them.
+//! The rates of a service, measured over HTTP as its clients see them, for docs/science/speed.md:
+//!
+//! ```sh
+//! cargo run --release -p synthetic --example service -- 1000000
+//! ```
+//!
+//! The arguments are the number of images in the catalogue, and the folder to measure on, which must not exist and is removed
+//! afterwards.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::{Duration, SystemTime};
+use std::time::{Duration, Instant, SystemTime};
 
 use ::client::{Client, JobRow, Page, encode};
 use anyhow::Context;
 use api::{Data, Service};
 use catalogue::InsertJob;
-use cli::exit::Failure;
-use cli::progress::Progress;
 use renderer::worker::client as worker;
 use serde_json::{Value, json};
 use store::Blob;
@@ -17,75 +22,60 @@ use style::Library;
 use tokio::runtime::Runtime;
 use wire::messages::{LeaseRequest, RegisterRequest};
 
-use crate::measurement::time_once;
-use crate::report::Report;
-use crate::row;
-use crate::setup::{Parameter, Setup};
-use crate::statistics::{quantile, sorted};
-use crate::table::Table;
-
-/// The parameters of the service.
-pub const PARAMETERS: &[Parameter] = &[Parameter::number(
-    "rows",
-    "1000000",
-    [1000.0, 5e7],
-    "images in the catalogue; as many frames wait",
-)];
 /// Repetitions of single measurements.
 const TIMES: usize = 500;
 const DATASET: &str = "bench";
 const TWO_METRICS: &str = "uiqm > 0.5 and uciqe > 0.3";
 
-/// Measures submissions, claims, commits, pages and counts over a catalogue of many rows. The input, if any, is the folder to measure
-/// on, which must not exist and is removed afterwards.
-///
-/// # Errors
-/// The folder exists, or the service fails.
-pub fn run(setup: &Setup) -> Result<Report, Failure> {
-    let folder = match setup.inputs.first() {
-        Some(folder) if folder.exists() => {
-            return Err(Failure::BadInput(format!(
-                "{} exists already; name a new folder",
-                folder.display()
-            )));
-        }
-        Some(folder) => folder.clone(),
-        None => std::env::temp_dir().join(format!("fathom-service-{}", std::process::id())),
-    };
-    let rows = setup.number("rows") as u64;
-    let mut table = Table::new(
-        "service",
-        ["operation", "times", "p50, ms", "p99, ms", "target, p99"],
+fn main() -> anyhow::Result<()> {
+    let mut arguments = std::env::args().skip(1);
+    let rows = arguments.next().map_or(Ok(1_000_000), |rows| rows.parse())?;
+    let folder = arguments.next().map(PathBuf::from);
+    let folder =
+        folder.unwrap_or_else(|| std::env::temp_dir().join(format!("fathom-rates-{}", std::process::id())));
+    anyhow::ensure!(
+        !folder.exists(),
+        "{} exists already; name a new folder",
+        folder.display()
     );
-    let measured = measure(rows, &folder, &mut table);
+    println!("| operation | times | p50, ms | p99, ms | target, p99 |\n|---|---|---|---|---|");
+    let measured = measure(rows, &folder);
     std::fs::remove_dir_all(&folder).with_context(|| format!("cannot remove {}", folder.display()))?;
-    let commits = measured?;
-    let about = format!("{rows} images stored and as many frames waiting. {commits}; the target is 3000.");
-    Ok(Report::new(about, vec![table]))
+    println!("\n{rows} images stored and as many frames waiting. {}", measured?);
+    Ok(())
 }
 
-/// Adds a row of times in milliseconds.
-fn push_times(table: &mut Table, operation: &str, target: &str, times: Vec<f64>) {
-    let times = sorted(times);
-    let [middle, high] = [0.5, 0.99].map(|share| quantile(&times, share));
-    table.push(row![operation, times.len(), middle, high, target]);
+/// Prints a row of times in milliseconds.
+fn print_times(operation: &str, target: &str, mut times: Vec<f64>) {
+    times.sort_by(f64::total_cmp);
+    let [middle, high] = [0.5, 0.99].map(|share| times[((times.len() - 1) as f64 * share).round() as usize]);
+    println!(
+        "| {operation} | {} | {middle:.2} | {high:.2} | {target} |",
+        times.len()
+    );
 }
 
-fn measure(rows: u64, folder: &Path, table: &mut Table) -> Result<String, Failure> {
+/// Milliseconds of a call.
+fn time_once<R>(call: impl FnOnce() -> R) -> f64 {
+    let begun = Instant::now();
+    std::hint::black_box(call());
+    begun.elapsed().as_secs_f64() * 1e3
+}
+
+fn measure(rows: u64, folder: &Path) -> anyhow::Result<String> {
     let runtime = Runtime::new().context("cannot start the asynchronous runtime")?;
     let commits = runtime.block_on(fill(rows, folder))?;
     let service = start(&runtime, folder)?;
     let server = format!("http://{}", service.address());
-    let measured = measure_requests(&server, table);
-    runtime.block_on(service.stop()).map_err(anyhow::Error::from)?;
+    let measured = measure_requests(&server);
+    runtime.block_on(service.stop())?;
     measured.map(|()| commits)
 }
 
-fn measure_requests(server: &str, table: &mut Table) -> Result<(), Failure> {
+fn measure_requests(server: &str) -> anyhow::Result<()> {
     let client = Client::new(server, None);
-    push_times(table, "claim a frame", "5 ms", measure_claims(server)?);
-    push_times(
-        table,
+    print_times("claim a frame", "5 ms", measure_claims(server)?);
+    print_times(
         "submit a job, durable before the response",
         "25 ms",
         measure_submissions(&client)?,
@@ -94,19 +84,19 @@ fn measure_requests(server: &str, table: &mut Table) -> Result<(), Failure> {
         ("a default page of 100 images", ""),
         ("a page of 100 images with two metrics in the filter", TWO_METRICS),
     ] {
-        push_times(table, name, "10 ms", measure_pages(&client, filter)?);
+        print_times(name, "10 ms", measure_pages(&client, filter)?);
     }
     let path = format!(
         "/v1/datasets/{DATASET}/histogram?column=uiqm&bins=20&filter={}",
         encode(TWO_METRICS)
     );
     let counts = repeat(3, || Ok(client.get::<Value>(&path).map(drop)?))?;
-    push_times(table, "count all rows by two metrics", "", counts);
+    print_times("count all rows by two metrics", "", counts);
     Ok(())
 }
 
 /// Milliseconds of each of several calls.
-fn repeat(count: usize, mut call: impl FnMut() -> Result<(), Failure>) -> Result<Vec<f64>, Failure> {
+fn repeat(count: usize, mut call: impl FnMut() -> anyhow::Result<()>) -> anyhow::Result<Vec<f64>> {
     let mut times = Vec::new();
     for _ in 0..count {
         let mut result = Ok(());
@@ -134,26 +124,24 @@ async fn fill(rows: u64, folder: &Path) -> anyhow::Result<String> {
         bytes: Vec::new(),
     };
     data.store.put_all(vec![empty]).await?;
-    let mut progress = Progress::new("fill", "rows", rows);
     let (mut rates, step) = (Vec::new(), (rows / 100).max(1000));
     for start in (0..rows).step_by(step as usize) {
         let end = rows.min(start + step);
         let begun = std::time::Instant::now();
         synthetic::fill(&catalogue, "job_bench", start..end, now_ms).await?;
         rates.push((end - start) as f64 / begun.elapsed().as_secs_f64());
-        progress.set(end);
     }
-    progress.finish();
     catalogue.close().await;
     data.store.close().await;
     let last = rates[rates.len() - 1];
-    let median = quantile(&sorted(rates), 0.5);
+    rates.sort_by(f64::total_cmp);
+    let median = rates[rates.len() / 2];
     Ok(format!(
-        "Commits in groups: {median:.0} per second in the median, {last:.0} at the end"
+        "Commits in groups: {median:.0} per second in the median, {last:.0} at the end; the target is 3000."
     ))
 }
 
-fn start(runtime: &Runtime, folder: &Path) -> Result<Service, Failure> {
+fn start(runtime: &Runtime, folder: &Path) -> anyhow::Result<Service> {
     let config = api::Config {
         data: folder.to_owned(),
         listen: ([127, 0, 0, 1], 0).into(),
@@ -175,13 +163,11 @@ fn start(runtime: &Runtime, folder: &Path) -> Result<Service, Failure> {
         mix_workers: true,
         spot_check: 0,
     };
-    runtime
-        .block_on(api::start(config))
-        .map_err(|error| Failure::Other(error.into()))
+    Ok(runtime.block_on(api::start(config))?)
 }
 
 /// Claims one frame at a time, like a worker without cost estimates.
-fn measure_claims(server: &str) -> Result<Vec<f64>, Failure> {
+fn measure_claims(server: &str) -> anyhow::Result<Vec<f64>> {
     let client = worker::Client::new(server, None);
     let about = RegisterRequest {
         name: "bench".to_owned(),
@@ -191,7 +177,7 @@ fn measure_claims(server: &str) -> Result<Vec<f64>, Failure> {
         cpu_features: renderer::cpu_features(),
         protocol: wire::VERSION,
     };
-    let worker_id = client.register(&about).map_err(anyhow::Error::from)?.worker_id;
+    let worker_id = client.register(&about)?.worker_id;
     let mut times = Vec::new();
     for _ in 0..TIMES {
         let request = LeaseRequest {
@@ -201,15 +187,15 @@ fn measure_claims(server: &str) -> Result<Vec<f64>, Failure> {
         };
         let mut lease = None;
         times.push(time_once(|| lease = Some(client.lease(&request))));
-        let lease = lease.expect("it was requested").map_err(anyhow::Error::from)?;
+        let lease = lease.expect("it was requested")?;
         let token = lease.context("no lease while a frame waits")?.token;
-        client.release(token, "bench").map_err(anyhow::Error::from)?;
+        client.release(token, "bench")?;
     }
     Ok(times)
 }
 
 /// Submissions one after the other. Each is on the disk before its response.
-fn measure_submissions(client: &Client) -> Result<Vec<f64>, Failure> {
+fn measure_submissions(client: &Client) -> anyhow::Result<Vec<f64>> {
     let job = json!({"dataset": "other", "count": 1000, "seed": 1,
         "scene": {"kind": "procedural", "family": "structure", "seed": {"int": [0, 99]}}});
     let job = job.to_string();
@@ -219,7 +205,7 @@ fn measure_submissions(client: &Client) -> Result<Vec<f64>, Failure> {
 }
 
 /// Pages one after the other, without the time to parse them.
-fn measure_pages(client: &Client, filter: &str) -> Result<Vec<f64>, Failure> {
+fn measure_pages(client: &Client, filter: &str) -> anyhow::Result<Vec<f64>> {
     let mut first = format!("/v1/images?dataset={DATASET}&limit=100");
     if !filter.is_empty() {
         first.push_str(&format!("&filter={}", encode(filter)));

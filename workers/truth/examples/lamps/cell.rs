@@ -17,8 +17,8 @@ pub(super) const WATERS: [(&str, WaterCoefficients); 6] = [
     ("5C", coefficients(0.157, 1.267)),
     ("harbor", coefficients(0.366, 1.824)),
 ];
-pub(super) const WALLS_M: [f64; 3] = [1.0, 2.0, 4.0];
-pub(super) const CAMERAS_M: [f64; 3] = [0.3, 0.5, 1.0];
+const WALLS_M: [f64; 3] = [1.0, 2.0, 4.0];
+const CAMERAS_M: [f64; 3] = [0.3, 0.5, 1.0];
 /// Half angle of the cone of a spot, degrees.
 const CONE_DEG: f64 = 35.0;
 /// Width of a camera's view around its position, as a share of its distance.

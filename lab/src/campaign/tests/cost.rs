@@ -7,36 +7,29 @@ use optics::plan::{Plan, SceneBounds, StageId, Variant};
 use optics::water::Water;
 use spec::{Fidelity, Frame};
 
-use super::case::Picture;
-use crate::measurement::time_once;
+use super::super::case::Picture;
 
-/// Runs of a frame; the fastest counts.
-const RUNS: usize = 5;
-
-/// Cost of the water of one frame.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Cost {
-    /// Kernels of the plan for each channel; 0 without a transform.
-    terms: [usize; 3],
-    /// The fewest kernels that stay within the tolerance.
-    fewest: [usize; 3],
-    /// Fastest run as planned.
-    planned_ms: f64,
-    /// Fastest run of the cheapest sufficient plan.
-    cheapest_ms: f64,
-}
-
-impl Cost {
-    /// Cost of the plan over that of the cheapest sufficient one for each channel, in transforms: one for each kernel, the inverse,
-    /// and about half of one for the rest.
-    pub(super) fn excess(&self) -> [f64; 3] {
-        [0, 1, 2].map(|channel| transforms(self.terms[channel]) / transforms(self.fewest[channel]))
-    }
-
-    /// The same for the whole frame by wall-clock time.
-    pub(super) fn excess_ms(&self) -> f64 {
-        self.planned_ms / self.cheapest_ms
-    }
+/// Cost of the plan over that of the cheapest sufficient one for each channel, in transforms: one for each kernel, the inverse, and
+/// about half of one for the rest. `None` if the frame cannot be rendered.
+pub(super) fn measure_excess(frame: &Frame, picture: &Picture) -> Option<[f64; 3]> {
+    let Fidelity::Tolerance(tolerance) = frame.fidelity else {
+        return None;
+    };
+    let medium = Medium::choose(&frame.water, &Surroundings::of_frame(frame))?;
+    let water = Water::resolve(&medium, frame.camera.focal_px(picture.range.width())).ok()?;
+    let light = picture.radiance.map(|&j| f64::from(j));
+    let exact = chain::water_reference(&light, &picture.range.map(|&z| f64::from(z)), &water).ok()?;
+    let mut trial = Trial {
+        bounds: SceneBounds::measure(&picture.radiance, &picture.range, &water),
+        picture,
+        water,
+        tolerance,
+        exact: exact.scattered,
+        cache: KernelCache::new(),
+    };
+    let planned = trial.plan(Fidelity::Tolerance(tolerance));
+    let [planned, cheapest] = [kernels(&planned), kernels(&trial.find_cheapest(&planned))];
+    Some([0, 1, 2].map(|channel| transforms(planned[channel]) / transforms(cheapest[channel])))
 }
 
 /// A picture in water, and its reference.
@@ -47,41 +40,6 @@ struct Trial<'a> {
     tolerance: f64,
     exact: imaging::Rgb<f64>,
     cache: KernelCache,
-}
-
-impl Cost {
-    /// Measures the water of a frame; `None` if it cannot be rendered.
-    pub(super) fn measure(frame: &Frame, picture: &Picture) -> Option<Self> {
-        let Fidelity::Tolerance(tolerance) = frame.fidelity else {
-            return None;
-        };
-        let medium = Medium::choose(&frame.water, &Surroundings::of_frame(frame))?;
-        let water = Water::resolve(&medium, frame.camera.focal_px(picture.range.width())).ok()?;
-        let light = picture.radiance.map(|&j| f64::from(j));
-        let exact = chain::water_reference(&light, &picture.range.map(|&z| f64::from(z)), &water).ok()?;
-        let mut trial = Trial {
-            bounds: SceneBounds::measure(&picture.radiance, &picture.range, &water),
-            picture,
-            water,
-            tolerance,
-            exact: exact.scattered,
-            cache: KernelCache::new(),
-        };
-        let planned = trial.plan(Fidelity::Tolerance(tolerance));
-        let cheapest = trial.cheapest(&planned);
-        let (mut planned_ms, mut cheapest_ms) = (f64::INFINITY, f64::INFINITY);
-        for _ in 0..RUNS {
-            for (plan, ms) in [(&planned, &mut planned_ms), (&cheapest, &mut cheapest_ms)] {
-                *ms = ms.min(time_once(|| trial.render(plan)));
-            }
-        }
-        Some(Self {
-            terms: kernels(&planned),
-            fewest: kernels(&cheapest),
-            planned_ms,
-            cheapest_ms,
-        })
-    }
 }
 
 impl Trial<'_> {
@@ -95,7 +53,7 @@ impl Trial<'_> {
     }
 
     /// Whether the error of each channel is within the tolerance.
-    fn sufficient(&mut self, plan: &Plan) -> [bool; 3] {
+    fn find_sufficient(&mut self, plan: &Plan) -> [bool; 3] {
         let Some(layers) = self.render(plan) else {
             return [false; 3];
         };
@@ -107,7 +65,7 @@ impl Trial<'_> {
     }
 
     /// The plan with the fewest kernels in each channel whose errors are within the tolerance.
-    fn cheapest(&mut self, plan: &Plan) -> Plan {
+    fn find_cheapest(&mut self, plan: &Plan) -> Plan {
         let most = kernels(plan).into_iter().max().unwrap_or(0);
         let mut variants: Vec<[Variant; 3]> = Vec::new();
         if most > 0 {
@@ -126,10 +84,10 @@ impl Trial<'_> {
             for (id, variant) in SCATTER.into_iter().zip(variants) {
                 cheaper = cheaper.with_variant(id, variant);
             }
-            let sufficient = self.sufficient(&cheaper);
-            let saves = |channel: usize| kernels(&cheaper)[channel] < kernels(plan)[channel];
-            for channel in (0..3).filter(|&channel| sufficient[channel] && saves(channel)) {
-                if !std::mem::replace(&mut found[channel], true) {
+            let sufficient = self.find_sufficient(&cheaper);
+            for channel in (0..3).filter(|&channel| sufficient[channel]) {
+                let saves = kernels(&cheaper)[channel] < kernels(plan)[channel];
+                if saves && !std::mem::replace(&mut found[channel], true) {
                     let id = SCATTER[channel];
                     cheapest = cheapest.with_variant(id, cheaper.variant(id).clone());
                 }
