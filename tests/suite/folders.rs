@@ -147,7 +147,7 @@ fn a_folder_of_isaac_sim_has_range_masks_and_classes() {
     for scene in &scenes {
         assert_eq!(
             (&scene["range_kind"], &scene["hfov_deg"]),
-            (&json!("range"), &json!(60))
+            (&json!("range"), &json!(60.0))
         );
         assert!(scene["instances_digest"].is_string());
         assert_eq!(scene["classes"]["categories"][0]["name"], "pile");
@@ -178,7 +178,7 @@ fn folders_of_other_programs_are_recognized() {
     let scenes = uploader.scenes(&kubric);
     assert_eq!(
         (&scenes[0]["range_kind"], &scenes[0]["hfov_deg"]),
-        (&json!("range"), &json!(90))
+        (&json!("range"), &json!(90.0))
     );
     assert_eq!(scenes[0]["world_from_camera"][2][3], 3.0);
 

@@ -55,12 +55,12 @@ fn a_network_of_a_user_is_tried_added_rendered_and_rendered_again() {
     );
 }
 
-/// The picture and noise in equal parts.
+/// Three parts of the picture and one of noise.
 fn noisy() -> Vec<u8> {
     let inputs = [picture("image", 3, ["h", "w"]), picture("noise", 1, ["h", "w"])];
     let outputs = [picture("styled", 3, ["h", "w"])];
     file(&graph(
-        &[node("Mean", &["image", "noise"], &["styled"])],
+        &[node("Mean", &["image", "image", "image", "noise"], &["styled"])],
         &[],
         &inputs,
         &outputs,

@@ -42,7 +42,7 @@ const FILES: [(&str, &str); 16] = [
     ("folder", include_str!("../../../../migrations/0014_folder.sql")),
     ("mirror", include_str!("../../../../migrations/0015_mirror.sql")),
     (
-        "scene numbers",
+        "scene_numbers",
         include_str!("../../../../migrations/0016_scene_numbers.sql"),
     ),
 ];

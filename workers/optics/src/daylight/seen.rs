@@ -4,6 +4,7 @@
 //! directions about the normal, with occluders within 10/c of the clearest channel. The directions have the azimuths
 //! 2.399963229728653 k and the cosines `sqrt(1 − (k + 1/2)/n)`, each weighted by the radiance Φ from there.
 
+mod directions;
 mod ordered;
 mod sky;
 mod sunlit;

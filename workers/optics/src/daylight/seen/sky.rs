@@ -5,6 +5,7 @@ use imaging::vector::DVec3;
 use imaging::{Plane, Rgb, vectorized};
 
 use super::super::field::SOURCE_TERMS;
+use super::directions::{Directions, across};
 use super::ordered::trace_by_direction;
 use super::{SQUARE, Surfaces, single, to_sea};
 use crate::attenuation::exp_negative;
@@ -12,8 +13,6 @@ use crate::daylight::conditions::Daylight;
 use crate::polynomial::horner;
 use crate::range::is_hole;
 
-/// The golden angle.
-const TURN: f64 = 2.399_963_229_728_653;
 /// Occluders beyond this number of attenuation lengths are ignored.
 const FARTHEST: f64 = 10.0;
 /// Pixels from one ray origin to the next.
@@ -26,45 +25,6 @@ const BATCH: usize = 64;
 const GROUP: usize = 16 * BATCH;
 /// Side of the blocks of pixels that fill a group.
 const BLOCK: usize = 4 * SQUARE;
-
-/// The directions about a normal.
-pub(super) struct Directions {
-    /// Cosine from the normal, and both parts across it.
-    parts: Vec<[f64; 3]>,
-}
-
-impl Directions {
-    pub(super) fn new(count: usize) -> Self {
-        let part = |k: usize| {
-            let cosine = (1.0 - (k as f64 + 0.5) / count as f64).sqrt();
-            let across = (1.0 - cosine * cosine).sqrt();
-            let (sine, turned) = (TURN * k as f64).sin_cos();
-            [cosine, across * turned, across * sine]
-        };
-        Self {
-            parts: (0..count).map(part).collect(),
-        }
-    }
-
-    /// Direction k about a unit vector.
-    pub(super) fn about(&self, k: usize, normal: DVec3) -> DVec3 {
-        let [first, second] = across(normal);
-        let [ahead, along, aside] = self.parts[k];
-        normal * ahead + first * along + second * aside
-    }
-}
-
-/// The axes of the frame of Duff et al. (2017) about a unit vector.
-fn across(normal: DVec3) -> [DVec3; 2] {
-    let DVec3 { x, y, z } = normal;
-    let sign = if z >= 0.0 { 1.0 } else { -1.0 };
-    let a = -1.0 / (sign + z);
-    let b = x * y * a;
-    [
-        DVec3::from([1.0 + sign * x * x * a, sign * b, -sign * x]),
-        DVec3::from([b, sign + y * y * a, -y]),
-    ]
-}
 
 /// Surroundings of a ray origin.
 struct Sky<'a> {

@@ -2,7 +2,7 @@ use imaging::rays::{Hit, Rays};
 use imaging::vector::vec3;
 
 use super::super::surface;
-use super::sky::Directions;
+use super::directions::Directions;
 use super::*;
 use crate::range::is_hole;
 

@@ -80,14 +80,6 @@ fn list_other_types(column: &ColumnInfo) -> Vec<TableColumn> {
     others.into()
 }
 
-/// The column for a value of a label of several types.
-pub(crate) fn typed_column(name: &str, value: &Value) -> String {
-    match LabelType::of_value(value) {
-        Some(other @ (LabelType::Text | LabelType::Bool)) => format!("{name} ({})", other.name()),
-        _ => name.to_owned(),
-    }
-}
-
 /// The labels of several types.
 pub(crate) fn list_mixed(columns: &[ColumnInfo]) -> Vec<String> {
     let mixed = columns.iter().filter(|column| column.kind == MIXED);

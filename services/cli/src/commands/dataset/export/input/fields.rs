@@ -4,7 +4,7 @@ use cli::classes::Named;
 use client::ColumnInfo;
 use quality::MetricId;
 use serde_json::{Map, Value, json};
-use spec::{ArtifactKind, Leaves};
+use spec::{ArtifactKind, LabelType, Leaves};
 
 use crate::commands::dataset::export::format::RECORD;
 use crate::commands::dataset::export::input::selection::Selection;
@@ -79,6 +79,14 @@ fn older(name: &str) -> String {
     let leaves = Leaves::of_records().scalars;
     let leaf = leaves.iter().find(|leaf| leaf.name.ends_with(&end));
     leaf.map_or_else(|| name.to_owned(), |leaf| format!("`{}`", leaf.name))
+}
+
+/// The column for a value of a label of several types.
+pub(crate) fn typed_column(name: &str, value: &Value) -> String {
+    match LabelType::of_value(value) {
+        Some(other @ (LabelType::Text | LabelType::Bool)) => format!("{name} ({})", other.name()),
+        _ => name.to_owned(),
+    }
 }
 
 #[cfg(test)]

@@ -10,8 +10,8 @@ use spec::sha256;
 
 use crate::commands::dataset::export::files::target::{Target, read, write};
 use crate::commands::dataset::export::format::RECORD;
-use crate::commands::dataset::export::formats::tables::typed_column;
 use crate::commands::dataset::export::input::archive::{Unpacked, unpacked};
+use crate::commands::dataset::export::input::fields::typed_column;
 use crate::commands::dataset::export::input::frame::{Frame, Home, ListedFile, Place, Wanted, untrusted};
 
 /// The files to fetch of each frame, and where they are written.
