@@ -211,7 +211,7 @@ fn folders_of_other_programs_are_recognized() {
         (&json!("z_depth"), &json!(0.0002))
     );
     assert_eq!(scene["world_from_camera"][1][3], 2.0);
-    assert!(tum.err.contains("1.000 to"), "{}", tum.err);
+    assert!(tum.err.contains("1.001 to"), "{}", tum.err);
 
     let jpeg = encode_jpeg(&picture(4), 90).unwrap();
     uploader.write("suim/images/d_r_1.jpg", &jpeg);
