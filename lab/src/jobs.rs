@@ -162,8 +162,8 @@ mod tests {
     #[test]
     fn variants_are_compared_with_their_reference_and_with_each_other() {
         let text = r#"{"about": "Fewer kernels.", "measure": ["reference", "difference", "time"], "stages": ["water"],
-            "cases": [{"name": "wall", "job": {"scene": {"kind": "procedural", "family": "structure", "seed": 3},
-                       "camera": {"width": 48, "height": 32}, "water": {"optics": "jerlov-1C"}}}],
+            "cases": [{"name": "wall", "job": {"scene": {"kind": "procedural", "family": "structure", "seed": 3, "lighting": "in_air"},
+                       "camera": {"width": 48, "height": 32}, "water": {"optics": {"preset": "jerlov-1C", "veil_gain": 0.01}}}}],
             "variants": [{"name": "coarse", "job": {"fidelity": {"tolerance": 0.05}}},
                          {"name": "fine", "job": {"fidelity": {"tolerance": 1e-5}}}],
             "sheet": {"columns": 2, "tile_px": 48}}"#;
