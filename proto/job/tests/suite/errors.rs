@@ -104,7 +104,7 @@ fn numbers_outside_their_limits_are_refused() {
         (
             json!({"labels": {"a": "x".repeat(257)}}),
             "/labels/a",
-            "256 characters",
+            "at most 256 characters",
         ),
     ];
     for (fields, pointer, limit) in refused {
