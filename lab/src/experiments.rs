@@ -10,7 +10,7 @@ use crate::report::Report;
 use crate::setup::{Parameter, Setup};
 use crate::{campaign, chain, chart, jobs, stability, table1};
 
-/// What an experiment runs.
+/// The code or file of an experiment.
 enum Work {
     /// Cases and variants as JSON, from lab/experiments.
     Jobs(&'static str),

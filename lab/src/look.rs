@@ -19,7 +19,7 @@ const LEAST_BAND: usize = 50;
 const OPEN_WATER: u16 = 0;
 const SEABED: u16 = 1;
 
-/// The name of the contrast of structures against water, of which the sign matters.
+/// The contrast of structures against water; its sign matters.
 pub const BRIGHTER: &str = "structures brighter than water, frames";
 
 /// Named values of a picture; `None` if they do not apply.

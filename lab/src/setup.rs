@@ -47,7 +47,7 @@ impl Parameter {
     }
 }
 
-/// What an experiment measures.
+/// Parameters and files of an experiment.
 #[derive(Debug, Clone)]
 pub struct Setup {
     values: BTreeMap<&'static str, String>,

@@ -29,7 +29,7 @@ const DIRECTED: [usize; 6] = [4, 5, 6, 7, 8, 9];
 /// The random or the directed families in the order of a campaign; with a name, only that family.
 ///
 /// # Errors
-/// There is no such family.
+/// Unknown family.
 pub(super) fn list_families(is_directed: bool, only: Option<&str>) -> Result<Vec<Family>, Failure> {
     if let Some(unknown) = only.filter(|only| FAMILIES.iter().all(|(name, _)| name != only)) {
         let known = FAMILIES.map(|(name, _)| name).join(", ");

@@ -39,7 +39,7 @@ pub(super) fn draw_lamps(knobs: &Knobs, surfaces: Surfaces<'_>) -> Vec<Value> {
     lamps.collect()
 }
 
-/// Whether the lamps of a frame, if it has any, are as many as possible.
+/// Whether a frame with lamps has [`MOST_LAMPS`].
 pub(super) fn has_many_lamps(knobs: &Knobs) -> bool {
     knobs.chance("lamps.are_many", 0.08)
 }

@@ -10,7 +10,7 @@ use crate::measurement::{Measurement, Times, difference, time};
 
 /// The default tolerance of a job.
 pub(super) const DEFAULT_TOLERANCE: f64 = 3e-4;
-/// Tolerances of the variants that are planned by tolerance.
+/// Tolerances of the planned variants.
 pub(super) const TOLERANCES: [f64; 6] = [1.0 / 255.0, 1e-3, DEFAULT_TOLERANCE, 1e-4, 1e-5, 1e-6];
 
 /// A stage on a scene, and the measurements of its variants.
@@ -44,7 +44,7 @@ impl<'a> Bench<'a> {
         self.push(variant, terms, times, &picture, exact);
     }
 
-    /// Adds a variant that was measured.
+    /// Adds a measured variant.
     pub(super) fn push(
         &mut self,
         variant: &str,

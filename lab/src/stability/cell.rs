@@ -10,7 +10,7 @@ use crate::statistics::{largest, mean};
 
 /// The recorded metrics.
 pub(super) const METRICS: [&str; 6] = ["entropy", "uicm", "uism", "uiconm", "uiqm", "uciqe"];
-/// Metrics against the clean picture, in which more is better.
+/// Metrics against the clean picture; more is better.
 const JUDGES: [&str; 2] = ["ssim", "corner_repeatability"];
 /// A smaller loss is not counted: finer differences of SSIM and of shares of corners are invisible.
 const WORSE: f64 = 1e-3;

@@ -160,7 +160,7 @@ impl Client {
         self.find_all(&format!("/v1/collections/{}", encode(name)))
     }
 
-    /// Has the service import a set.
+    /// Starts the import of a set.
     pub fn import_set(&self, url: &str) -> Result<SetView, ClientError> {
         let body = serde_json::json!({"url": url}).to_string();
         self.post("/v1/sets", &[], body.as_bytes())
@@ -171,7 +171,7 @@ impl Client {
         self.get(&format!("/v1/sets/{}", encode(job)))
     }
 
-    /// Has the service copy everything it has stored.
+    /// Starts a backup of everything stored.
     pub fn back_up(&self) -> Result<BackupView, ClientError> {
         self.post("/v1/backups", &[], b"")
     }

@@ -17,7 +17,7 @@ use crate::views::Page;
 const RESPONSE_LIMIT: Duration = Duration::from_secs(90);
 /// The longest that the service itself works on one request.
 const PATIENT_LIMIT: Duration = Duration::from_secs(3700);
-/// Attempts at a read while the service is overloaded.
+/// Attempts at a request while the service is overloaded.
 const ATTEMPTS: u32 = 4;
 /// The pause before the second attempt; each further one is twice as long.
 const FIRST_PAUSE: Duration = Duration::from_millis(250);
@@ -72,15 +72,7 @@ impl Client {
 
     /// Reads a file.
     pub fn get_bytes(&self, path: &str) -> Result<Vec<u8>, ClientError> {
-        let mut pause = FIRST_PAUSE;
-        for _ in 1..ATTEMPTS {
-            match self.0.get(path) {
-                Err(HttpError::Problem(problem)) if problem.is_temporary() => thread::sleep(pause),
-                response => return self.received(response).map(|reply| reply.bytes),
-            }
-            pause *= 2;
-        }
-        self.received(self.0.get(path)).map(|reply| reply.bytes)
+        self.retry(|| self.0.get(path)).map(|reply| reply.bytes)
     }
 
     /// Reads lines of JSON as they arrive.
@@ -129,16 +121,7 @@ impl Client {
         body: &[u8],
     ) -> Result<T, ClientError> {
         let headers = [&[("content-type", "application/json")], headers].concat();
-        let mut pause = FIRST_PAUSE;
-        for _ in 1..ATTEMPTS {
-            match self.0.post(path, &headers, body) {
-                // The service has done nothing.
-                Err(HttpError::Problem(problem)) if problem.is_temporary() => thread::sleep(pause),
-                response => return read(path, &self.received(response)?.bytes),
-            }
-            pause *= 2;
-        }
-        let reply = self.received(self.0.post(path, &headers, body))?;
+        let reply = self.retry(|| self.0.post(path, &headers, body))?;
         read(path, &reply.bytes)
     }
 
@@ -162,6 +145,19 @@ impl Client {
             [] => Ok(None),
             body => read(path, body).map(Some),
         }
+    }
+
+    /// Repeats a request while the service is overloaded, which rejects requests before they have an effect.
+    fn retry(&self, send: impl Fn() -> Result<Reply, HttpError>) -> Result<Reply, ClientError> {
+        let mut pause = FIRST_PAUSE;
+        for _ in 1..ATTEMPTS {
+            match send() {
+                Err(HttpError::Problem(problem)) if problem.is_temporary() => thread::sleep(pause),
+                response => return self.received(response),
+            }
+            pause *= 2;
+        }
+        self.received(send())
     }
 
     fn received(&self, response: Result<Reply, HttpError>) -> Result<Reply, ClientError> {

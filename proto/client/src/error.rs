@@ -10,7 +10,7 @@ pub enum ClientError {
     Unreachable {
         /// URL of the service.
         base: String,
-        /// Host and port of the proxy that was used.
+        /// Host and port of the proxy of the request.
         proxy: Option<String>,
         /// The error of the connection.
         source: ureq::Error,

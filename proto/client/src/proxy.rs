@@ -1,11 +1,11 @@
-//! Choice of a proxy: none for loopback addresses and for those of `no_proxy`, otherwise that of the environment.
+//! Proxies of the environment. Loopback addresses and those of `no_proxy` are connected directly.
 
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr};
 
 use ureq::Proxy;
 
 /// The proxy for a URL by the environment variables `http_proxy`, `https_proxy`, `all_proxy` and `no_proxy`, in lower or
-/// upper case. `None` for loopback addresses, whatever the environment contains.
+/// upper case. `None` for loopback addresses.
 #[must_use]
 pub fn choose_proxy(url: &str) -> Option<Proxy> {
     let read = |name: &str| {
@@ -94,7 +94,7 @@ impl Target {
     }
 }
 
-/// Splits `host:port`, in which an IPv6 address with a port has brackets.
+/// Splits `host:port`. An IPv6 address with a port has brackets.
 fn split_port(authority: &str) -> (&str, Option<u16>) {
     if let Some((host, rest)) = authority.strip_prefix('[').and_then(|rest| rest.split_once(']')) {
         return (host, rest.strip_prefix(':').and_then(|port| port.parse().ok()));

@@ -46,7 +46,7 @@ pub struct SceneView {
     /// Factor from the floats of the picture to linear light.
     #[serde(default)]
     pub scale: Option<f64>,
-    /// What the files contain; only in the response to an upload.
+    /// Content of the files; only in the response to an upload.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub summary: Option<SceneSummary>,
     /// When it was uploaded, RFC 3339 in UTC.

@@ -26,6 +26,16 @@ impl LabelType {
         }
     }
 
+    /// The column of this type for a label of several types, in a table whose columns have one type each. Numbers have the name of
+    /// the label.
+    #[must_use]
+    pub fn mixed_column(self, label: &str) -> String {
+        match self {
+            Self::Number => label.to_owned(),
+            Self::Text | Self::Bool => format!("{label} ({})", self.name()),
+        }
+    }
+
     /// The type of a value.
     #[must_use]
     pub fn of_value(value: &Value) -> Option<Self> {
@@ -66,15 +76,19 @@ pub fn collect_types(description: &Value, types: &mut BTreeSet<LabelType>) {
     }
 }
 
-/// The columns of a label in a table whose columns have one type each: the label's own name for its first type, and the
-/// name with the type for the others.
+/// The columns of a label in a table whose columns have one type each; [`LabelType::mixed_column`] for a label of several types.
 #[must_use]
 pub fn label_columns(name: &str, types: &BTreeSet<LabelType>) -> Vec<(String, LabelType)> {
-    let first = types.first().copied().unwrap_or(LabelType::Text);
-    let others = types.iter().copied().filter(|other| *other != first);
-    std::iter::once((format!("labels.{name}"), first))
-        .chain(others.map(|other| (format!("labels.{name} ({})", other.name()), other)))
-        .collect()
+    let column = format!("labels.{name}");
+    if types.len() > 1 {
+        types
+            .iter()
+            .map(|label| (label.mixed_column(&column), *label))
+            .collect()
+    } else {
+        let only = types.first().copied().unwrap_or(LabelType::Text);
+        vec![(column, only)]
+    }
 }
 
 #[cfg(test)]
@@ -102,5 +116,8 @@ mod tests {
             .map(|(name, _)| name)
             .collect();
         assert_eq!(columns, ["labels.mix", "labels.mix (text)", "labels.mix (bool)"]);
+        let words = BTreeSet::from([LabelType::Text, LabelType::Bool]);
+        assert_eq!(label_columns("x", &words)[0].0, "labels.x (text)");
+        assert_eq!(label_columns("x", &types["day"])[0].0, "labels.x");
     }
 }

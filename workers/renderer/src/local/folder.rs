@@ -74,15 +74,18 @@ impl Folder {
         description
             .read_to_string(&mut found)
             .map_err(|source| io_error(&card, source))?;
-        if found.is_empty() {
+        let text = job.canonical();
+        if found != text {
+            // The description of a new folder is empty; a crash may have cut it off before the first frame.
+            if !text.starts_with(&found) || holds_other_files(path, &card)? {
+                return Err(LocalError::OtherJob {
+                    path: path.display().to_string(),
+                    differences: describe_differences(&found, text),
+                });
+            }
             description
-                .write_all(job.canonical().as_bytes())
+                .write_all(&text.as_bytes()[found.len()..])
                 .map_err(|source| io_error(&card, source))?;
-        } else if found != job.canonical() {
-            return Err(LocalError::OtherJob {
-                path: path.display().to_string(),
-                differences: describe_differences(&found, job.canonical()),
-            });
         }
         Ok(Self {
             path: path.to_owned(),

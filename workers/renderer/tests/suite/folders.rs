@@ -100,6 +100,18 @@ fn a_folder_with_something_else_in_it_is_refused() {
 }
 
 #[test]
+fn a_description_cut_off_by_a_crash_is_completed_only_before_the_first_frame() {
+    let (files, out) = (Files::new(), tempdir().unwrap());
+    let (job, card) = (job(&files), out.path().join("job.json"));
+    fs::write(&card, &job.canonical()[..40]).unwrap();
+    run(&job, out.path(), 1);
+    assert_eq!(fs::read_to_string(&card).unwrap(), job.canonical());
+    fs::write(&card, &job.canonical()[..40]).unwrap();
+    let again = render_job(&job, &engine_without_runtime(), out.path(), 1, |_| {});
+    assert!(matches!(again, Err(LocalError::OtherJob { .. })), "{again:?}");
+}
+
+#[test]
 fn a_folder_in_which_another_process_renders_is_taken_and_free_afterwards() {
     let (files, out) = (Files::new(), tempdir().unwrap());
     let job = job(&files);

@@ -32,7 +32,7 @@ impl Dispatch {
         self.after_loss(events)
     }
 
-    /// The service's workers that were dismissed. They render no more frames until the service restarts.
+    /// Dismissed workers of the service. They render no more frames until the service restarts.
     pub(crate) fn dismissed_own(&self) -> Vec<String> {
         self.state().misbehavior.own.iter().cloned().collect()
     }

@@ -267,7 +267,7 @@ impl Parser<'_> {
         Ok(())
     }
 
-    /// The type of the first value that is compared, for columns of several types; `None` for `is null`. A column alone is a
+    /// The type of the first compared value, for columns of several types; `None` for `is null`. A column alone is a
     /// truth value.
     fn compared_kind(&self) -> Option<Kind> {
         // `not in (` comes before the value.
@@ -363,7 +363,7 @@ fn of_bind(bind: Bind) -> Value {
     }
 }
 
-/// The kind by which a number is bound: labels keep all digits of whole numbers.
+/// The kind of a bound number: labels keep all digits of whole numbers.
 fn exact_kind(column: &Column) -> Kind {
     if column.compares_json() {
         Kind::Whole

@@ -37,6 +37,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
         return upload_folder(&client, arguments);
     }
+    if arguments.layout != Layout::Auto || !arguments.ignore.is_empty() {
+        let message = format!(
+            "--layout and --ignore are for a folder, but {} is a file",
+            arguments.rgb.display()
+        );
+        return Err(Failure::BadInput(message));
+    }
     let plan = FolderPlan::new(Layout::Flat, Unused::default());
     let scene = upload_scene(&client, arguments, &plan, &plan_picture(arguments)?)?;
     println!("{}", scene.value.id);

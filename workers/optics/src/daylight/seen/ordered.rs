@@ -9,10 +9,9 @@ const CELLS: usize = 16;
 /// Traces rays in packets of similar directions. The results are those of [`Rays::trace_shadow_rays`] in the given order.
 pub(super) fn trace_by_direction(rays: &dyn Rays, ways: &ShadowRays, clear: &mut Vec<bool>) {
     let order = sort_by_direction(ways);
-    let gather = |axis: &Vec<f32>| order.iter().map(|&ray| axis[ray as usize]).collect();
     let sorted = ShadowRays {
-        from: ways.from.each_ref().map(gather),
-        to: ways.to.each_ref().map(gather),
+        from: ways.from.each_ref().map(|axis| gather(axis, &order)),
+        to: ways.to.each_ref().map(|axis| gather(axis, &order)),
     };
     let mut sorted_clear = vec![false; ways.len()];
     rays.trace_shadow_rays(&sorted, &mut sorted_clear);
@@ -21,6 +20,10 @@ pub(super) fn trace_by_direction(rays: &dyn Rays, ways: &ShadowRays, clear: &mut
     for (&ray, is_clear) in order.iter().zip(sorted_clear) {
         clear[ray as usize] = is_clear;
     }
+}
+
+fn gather(values: &[f32], order: &[u32]) -> Vec<f32> {
+    order.iter().map(|&ray| values[ray as usize]).collect()
 }
 
 /// Indices of the rays by the cell of their direction; within a cell in the given order.

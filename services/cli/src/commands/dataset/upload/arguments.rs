@@ -49,16 +49,16 @@ pub(crate) struct Arguments {
     #[arg(long, value_enum, default_value = "z-depth")]
     pub(super) embedded_depth: EmbeddedDepth,
     /// Focal length in pixels
-    #[arg(long, value_name = "PIXELS", conflicts_with = "hfov_deg")]
+    #[arg(long, value_name = "PIXELS", group = "focal")]
     pub(super) focal_px: Option<f64>,
     /// Horizontal field of view in degrees
-    #[arg(long, value_name = "DEGREES")]
+    #[arg(long, value_name = "DEGREES", group = "focal")]
     pub(super) hfov_deg: Option<f64>,
     /// Column of the principal point in pixels [default: the middle]
-    #[arg(long, value_name = "PIXELS")]
+    #[arg(long, value_name = "PIXELS", requires = "focal")]
     pub(super) cx: Option<f64>,
     /// Row of the principal point in pixels [default: the middle]
-    #[arg(long, value_name = "PIXELS")]
+    #[arg(long, value_name = "PIXELS", requires = "focal")]
     pub(super) cy: Option<f64>,
     /// Instance mask, 0 = background (gray or palette PNG, BMP or TIFF, or NPY)
     #[arg(long, value_name = "FILE")]

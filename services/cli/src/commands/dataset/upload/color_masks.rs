@@ -28,7 +28,7 @@ const SUIM_CLASSES: [&str; 7] = [
     "sea floor",
 ];
 
-/// Numbers the classes of a SUIM mask 1 to 7; channels above half are set, as in the data set's own tools.
+/// Numbers the classes of a SUIM mask 1 to 7; a channel above half is a set bit, as in the tools of the data set.
 pub(super) fn number_suim(bytes: &[u8]) -> Result<NumberedMask, Failure> {
     let picture = decode_picture(bytes).map_err(Failure::input)?.to_rgb8();
     let mask = Plane::from_fn(picture.width(), picture.height(), |x, y| {
@@ -40,10 +40,9 @@ pub(super) fn number_suim(bytes: &[u8]) -> Result<NumberedMask, Failure> {
         let name = SUIM_CLASSES[usize::from(number) - 1];
         (number.to_string(), json!(name))
     });
-    let classes: Map<String, Value> = names.collect();
     Ok(NumberedMask {
         png: encode(mask)?,
-        classes: (!classes.is_empty()).then(|| Value::Object(classes).to_string().into_bytes()),
+        classes: encode_classes(names.collect()),
     })
 }
 
@@ -56,10 +55,9 @@ pub(super) fn number_colors(bytes: &[u8], names: Option<&Value>) -> Result<Numbe
             let name = find_class(names?.get(number.to_string())?)?;
             Some((number.to_string(), json!(name)))
         });
-        let classes: Map<String, Value> = classes.collect();
         return Ok(NumberedMask {
             png: bytes.to_vec(),
-            classes: (!classes.is_empty()).then(|| Value::Object(classes).to_string().into_bytes()),
+            classes: encode_classes(classes.collect()),
         });
     }
     let raster = decode_picture(bytes).map_err(Failure::input)?;
@@ -86,14 +84,13 @@ pub(super) fn number_colors(bytes: &[u8], names: Option<&Value>) -> Result<Numbe
         let name = find_class(names.get(&key).or_else(|| names.get(key.replace(", ", ",")))?)?;
         Some((number.to_string(), json!(name)))
     });
-    let classes: Map<String, Value> = classes.collect();
     let codes = colors
         .iter()
         .map(|color| numbers.get(color).copied().unwrap_or(0));
     let mask = Plane::new(width, height, codes.collect()).map_err(Failure::input)?;
     Ok(NumberedMask {
         png: encode(mask)?,
-        classes: (!classes.is_empty()).then(|| Value::Object(classes).to_string().into_bytes()),
+        classes: encode_classes(classes.collect()),
     })
 }
 
@@ -101,6 +98,10 @@ pub(super) fn number_colors(bytes: &[u8], names: Option<&Value>) -> Result<Numbe
 fn find_class(entry: &Value) -> Option<&str> {
     let name = entry.as_str().or_else(|| entry.get("class")?.as_str())?;
     (!name.eq_ignore_ascii_case("background") && !name.eq_ignore_ascii_case("unlabelled")).then_some(name)
+}
+
+fn encode_classes(classes: Map<String, Value>) -> Option<Vec<u8>> {
+    (!classes.is_empty()).then(|| Value::Object(classes).to_string().into_bytes())
 }
 
 fn encode(mask: Plane<u16>) -> Result<Vec<u8>, Failure> {

@@ -112,7 +112,7 @@ fn collect(folder: &Path, prefix: &str, depth: usize, all: &mut Vec<Entry>) -> R
     Ok(())
 }
 
-/// Whether a text fits a pattern, in which `*` stands for any characters and `?` for one.
+/// Whether a text fits a pattern: `*` stands for any characters and `?` for one.
 pub(super) fn matches_pattern(pattern: &str, text: &str) -> bool {
     let (pattern, text): (Vec<char>, Vec<char>) = (pattern.chars().collect(), text.chars().collect());
     // Row by row of the table of prefixes: `fits[i]` is whether the pattern so far fits the first i characters.

@@ -1,4 +1,4 @@
-//! Uploads a folder: plans its scenes, uploads them, and reports what was made and what was not used.
+//! Uploads a folder: plans its scenes, uploads them, and reports scenes and unused files.
 
 use std::path::Path;
 
@@ -32,6 +32,7 @@ pub(super) fn upload_folder(client: &Client, arguments: &Arguments) -> Result<()
     }
     if plan.problems.is_empty() {
         check_cameras(&mut plan, arguments);
+        check_options(&mut plan, arguments);
     } else {
         report_unused(&plan);
     }
@@ -82,6 +83,37 @@ fn check_cameras(plan: &mut FolderPlan, arguments: &Arguments) {
         plan.problems.push(format!(
             "{count} scenes have a z-depth but no camera, `{first}` first; give --hfov-deg or --focal-px"
         ));
+    }
+}
+
+/// Options for parts that no scene has are problems.
+fn check_options(plan: &mut FolderPlan, arguments: &Arguments) {
+    if arguments.classes.is_some() && !plan.has(Role::Instances) {
+        let message = "--classes is for masks, but no scene has a mask";
+        plan.problems.push(message.to_owned());
+    }
+    // An EXR picture may contain distances.
+    let may_have_range = plan.has(Role::Range)
+        || plan.has(Role::ZDepth)
+        || plan
+            .scenes
+            .iter()
+            .flat_map(|scene| scene.files.values())
+            .any(|path| {
+                path.extension()
+                    .is_some_and(|end| end.eq_ignore_ascii_case("exr"))
+            });
+    if may_have_range {
+        return;
+    }
+    for (option, is_given) in [
+        ("--unit-m", arguments.unit_m.is_some()),
+        ("--invalid-code", arguments.invalid_code.is_some()),
+    ] {
+        if is_given {
+            let message = format!("{option} is for distances, but no scene has distances");
+            plan.problems.push(message);
+        }
     }
 }
 

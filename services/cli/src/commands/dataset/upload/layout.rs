@@ -31,7 +31,7 @@ pub(crate) enum Layout {
     Suim,
 }
 
-/// Layouts with their own names.
+/// Layouts that typical names identify.
 const SPECIFIC: [Layout; 6] = [
     Layout::Isaac,
     Layout::Gazebo,

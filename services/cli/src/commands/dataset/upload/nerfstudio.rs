@@ -52,19 +52,8 @@ pub(super) fn plan_nerfstudio(plan: &mut FolderPlan, entries: &[Entry]) -> Resul
         plan.notes
             .push("depths are read in millimeters, as nerfstudio does; --unit-m changes it".to_owned());
     }
-    let used: Vec<&str> = assigned
-        .iter()
-        .map(|assigned| assigned.entry.name.as_str())
-        .collect();
-    for entry in entries
-        .iter()
-        .filter(|entry| !used.contains(&entry.name.as_str()))
-    {
-        if entry.name != file.name {
-            plan.unused
-                .add(&entry.name, "no frame of transforms.json names it");
-        }
-    }
+    let reason = "no frame of transforms.json names it";
+    plan.add_unassigned(entries, &assigned, &[&file.name], reason);
     plan.add_scenes(assigned);
     add_poses(plan, &file.path)
 }

@@ -1,6 +1,6 @@
 //! What a folder becomes: scenes with their files, unused files, and problems.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use cli::exit::Failure;
@@ -83,6 +83,31 @@ impl FolderPlan {
         }
     }
 
+    /// Whether any scene has a file of a role.
+    pub(super) fn has(&self, role: Role) -> bool {
+        self.scenes.iter().any(|scene| scene.files.contains_key(&role))
+    }
+
+    /// Adds the files without a role to the unused ones, except the lists of these names.
+    pub(super) fn add_unassigned(
+        &mut self,
+        entries: &[Entry],
+        assigned: &[Assigned<'_>],
+        lists: &[&str],
+        reason: &str,
+    ) {
+        let used: BTreeSet<&str> = assigned
+            .iter()
+            .map(|assigned| assigned.entry.name.as_str())
+            .chain(lists.iter().copied())
+            .collect();
+        for entry in entries {
+            if !used.contains(entry.name.as_str()) {
+                self.unused.add(&entry.name, reason);
+            }
+        }
+    }
+
     /// Makes a scene of each picture with the other files of its name. Two files of one role, and files without a
     /// picture, are problems.
     pub(super) fn add_scenes(&mut self, assigned: Vec<Assigned<'_>>) {
@@ -105,7 +130,7 @@ impl FolderPlan {
             if !files.contains_key(&Role::Picture) {
                 for (role, entry) in files {
                     self.problems.push(format!(
-                        "{} is `{}` of the scene `{name}`, which has no picture; name the picture alike or give --ignore",
+                        "{} is `{}` of the scene `{name}`, which has no picture; give the picture the same name, or give --ignore",
                         entry.name,
                         role.field()
                     ));

@@ -122,10 +122,13 @@ fn list_fields(
     contents: &Contents,
 ) -> Vec<(&'static str, String)> {
     let number = |value: Option<f64>| value.map(|value| value.to_string());
-    // The service rejects fields of a range without a range file.
-    let has_range = contents.has(Role::Range) || contents.has(Role::ZDepth);
-    let unit_m = arguments.unit_m.or(plan.unit_m).filter(|_| has_range);
-    let invalid_code = arguments.invalid_code.or(plan.invalid_code).filter(|_| has_range);
+    // The service rejects numbers of a range without a range, as it should for a single picture. Some pictures of a folder have none.
+    let needs_unit = contents.has(Role::Range) || contents.has(Role::ZDepth) || !arguments.rgb.is_dir();
+    let unit_m = arguments.unit_m.or(plan.unit_m).filter(|_| needs_unit);
+    let invalid_code = arguments
+        .invalid_code
+        .or(plan.invalid_code)
+        .filter(|_| needs_unit);
     let fields = [
         ("unit_m", number(unit_m)),
         ("invalid_code", number(invalid_code.map(f64::from))),

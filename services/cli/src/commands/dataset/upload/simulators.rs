@@ -48,7 +48,7 @@ fn is_in_folder(scene: &ScenePlan, folder: &str) -> bool {
 fn read_kubric_pose(camera: &Value, number: usize) -> Option<Vec<u8>> {
     let position: [f64; 3] = serde_json::from_value(camera["positions"].get(number)?.clone()).ok()?;
     let quaternion: [f64; 4] = serde_json::from_value(camera["quaternions"].get(number)?.clone()).ok()?;
-    let matrix = picture_axes(matrix_of_quaternion(quaternion, position));
+    let matrix = picture_axes(matrix_of_quaternion(quaternion, position)?);
     Some(json!({"world_from_camera": matrix}).to_string().into_bytes())
 }
 
@@ -72,7 +72,14 @@ pub(super) fn add_isaac_parts(plan: &mut FolderPlan, entries: &[Entry]) -> Resul
         let value: Value = serde_json::from_slice(spec::skip_byte_order_mark(&files::read(&entry.path)?))
             .map_err(|error| Failure::BadInput(format!("{}: {error}", entry.name)))?;
         if params.is_some() {
-            scene.camera = read_isaac_camera(&value);
+            let Some(camera) = read_isaac_camera(&value) else {
+                plan.notes.push(format!(
+                    "{} has no `cameraFocalLength`, `cameraAperture` and `renderProductResolution`",
+                    entry.name
+                ));
+                continue;
+            };
+            scene.camera = camera;
         } else {
             scene.mask_classes = Some(value);
         }
@@ -81,15 +88,12 @@ pub(super) fn add_isaac_parts(plan: &mut FolderPlan, entries: &[Entry]) -> Resul
     Ok(())
 }
 
-fn read_isaac_camera(params: &Value) -> CameraNumbers {
-    let focal = params["cameraFocalLength"].as_f64();
-    let aperture = params["cameraAperture"][0].as_f64();
-    let width = params["renderProductResolution"][0].as_f64();
-    CameraNumbers {
-        focal_px: focal
-            .zip(aperture)
-            .zip(width)
-            .map(|((focal, aperture), width)| width * focal / aperture),
+fn read_isaac_camera(params: &Value) -> Option<CameraNumbers> {
+    let focal = params["cameraFocalLength"].as_f64()?;
+    let aperture = params["cameraAperture"][0].as_f64()?;
+    let width = params["renderProductResolution"][0].as_f64()?;
+    Some(CameraNumbers {
+        focal_px: Some(width * focal / aperture),
         ..CameraNumbers::default()
-    }
+    })
 }

@@ -8,6 +8,9 @@ use super::entries::Entry;
 use super::plan::{Assigned, FolderPlan};
 use super::role::Role;
 
+const PICTURES: &str = "rgb.txt";
+const DEPTHS: &str = "depth.txt";
+const POSES: &str = "groundtruth.txt";
 /// Longest time between a picture and its depth or pose, s; that of the benchmark's tools.
 const MAX_DELAY_S: f64 = 0.02;
 /// Meters of one unit of a depth file.
@@ -21,10 +24,11 @@ struct Timed {
 
 /// Makes a scene of each line of `rgb.txt`, with the depth and the pose nearest in time.
 pub(super) fn plan_tum(plan: &mut FolderPlan, entries: &[Entry]) -> Result<(), Failure> {
-    let pictures = read_list(entries, "rgb.txt")?;
-    let depths = read_list(entries, "depth.txt")?;
-    let poses = match entries.iter().any(|entry| entry.name == "groundtruth.txt") {
-        true => read_list(entries, "groundtruth.txt")?,
+    let pictures = read_list(entries, PICTURES)?;
+    let depths = read_list(entries, DEPTHS)?;
+    let has_poses = entries.iter().any(|entry| entry.name == POSES);
+    let poses = match has_poses {
+        true => read_list(entries, POSES)?,
         false => Vec::new(),
     };
     (plan.unit_m, plan.invalid_code) = (Some(UNIT_M), Some(0));
@@ -33,23 +37,28 @@ pub(super) fn plan_tum(plan: &mut FolderPlan, entries: &[Entry]) -> Result<(), F
     let mut scene_poses = Vec::new();
     for picture in &pictures {
         let Some(entry) = find(&picture.rest) else {
-            let message = format!("rgb.txt lists {}, which does not exist", picture.rest);
-            plan.problems.push(message);
+            plan.problems.push(describe_missing(PICTURES, picture));
             continue;
         };
         let scene = entry.stem().to_owned();
-        match find_nearest(&depths, picture.time_s).and_then(|depth| find(&depth.rest)) {
-            Some(depth) => assigned.push(Assigned {
+        let depth = find_nearest(&depths, picture.time_s);
+        match depth.map(|depth| (depth, find(&depth.rest))) {
+            Some((_, Some(depth))) => assigned.push(Assigned {
                 entry: depth,
                 role: Role::ZDepth,
                 scene: scene.clone(),
             }),
+            Some((listed, None)) => plan.problems.push(describe_missing(DEPTHS, listed)),
             None => plan
                 .notes
                 .push(format!("{} has no depth within {MAX_DELAY_S} s", entry.name)),
         }
-        if let Some(pose) = find_nearest(&poses, picture.time_s) {
-            scene_poses.push((scene.clone(), read_pose(&pose.rest)?));
+        match find_nearest(&poses, picture.time_s) {
+            Some(pose) => scene_poses.push((scene.clone(), read_pose(&pose.rest)?)),
+            None if has_poses => plan
+                .notes
+                .push(format!("{} has no pose within {MAX_DELAY_S} s", entry.name)),
+            None => {}
         }
         assigned.push(Assigned {
             entry,
@@ -57,21 +66,8 @@ pub(super) fn plan_tum(plan: &mut FolderPlan, entries: &[Entry]) -> Result<(), F
             scene,
         });
     }
-    let used: Vec<&str> = assigned
-        .iter()
-        .map(|assigned| assigned.entry.name.as_str())
-        .collect();
-    for entry in entries
-        .iter()
-        .filter(|entry| !used.contains(&entry.name.as_str()))
-    {
-        match entry.name.as_str() {
-            "rgb.txt" | "depth.txt" | "groundtruth.txt" => {}
-            name => plan
-                .unused
-                .add(name, "no line of rgb.txt or depth.txt within 0.02 s uses it"),
-        }
-    }
+    let reason = format!("no line of {PICTURES} or {DEPTHS} within {MAX_DELAY_S} s uses it");
+    plan.add_unassigned(entries, &assigned, &[PICTURES, DEPTHS, POSES], &reason);
     plan.add_scenes(assigned);
     for (name, pose) in scene_poses {
         if let Some(scene) = plan.scenes.iter_mut().find(|scene| scene.name == name) {
@@ -79,6 +75,10 @@ pub(super) fn plan_tum(plan: &mut FolderPlan, entries: &[Entry]) -> Result<(), F
         }
     }
     Ok(())
+}
+
+fn describe_missing(list: &str, line: &Timed) -> String {
+    format!("{list} lists {}, which does not exist", line.rest)
 }
 
 fn read_list(entries: &[Entry], name: &str) -> Result<Vec<Timed>, Failure> {
@@ -116,23 +116,26 @@ fn find_nearest(list: &[Timed], time_s: f64) -> Option<&Timed> {
 
 /// A pose `tx ty tz qx qy qz qw` from camera axes right, down, ahead.
 fn read_pose(text: &str) -> Result<Vec<u8>, Failure> {
-    let numbers: Vec<f64> = text
-        .split_whitespace()
-        .filter_map(|number| number.parse().ok())
-        .collect();
-    let [tx, ty, tz, qx, qy, qz, qw] = numbers[..] else {
-        let message = format!("groundtruth.txt: `{text}` is not `tx ty tz qx qy qz qw`");
+    let numbers: Result<Vec<f64>, _> = text.split_whitespace().map(str::parse).collect();
+    let matrix = match numbers.as_deref() {
+        Ok(&[tx, ty, tz, qx, qy, qz, qw]) => matrix_of_quaternion([qw, qx, qy, qz], [tx, ty, tz]),
+        _ => None,
+    };
+    let Some(matrix) = matrix else {
+        let message = format!("{POSES}: `{text}` is not `tx ty tz qx qy qz qw` with a rotation");
         return Err(Failure::BadInput(message));
     };
-    let matrix = matrix_of_quaternion([qw, qx, qy, qz], [tx, ty, tz]);
     Ok(json!({"world_from_camera": matrix}).to_string().into_bytes())
 }
 
-/// Rows of the matrix of a rotation w, x, y, z and a translation.
-pub(super) fn matrix_of_quaternion(quaternion: [f64; 4], [tx, ty, tz]: [f64; 3]) -> [[f64; 4]; 4] {
+/// Rows of the matrix of a rotation w, x, y, z and a translation; `None` for a quaternion without a direction.
+pub(super) fn matrix_of_quaternion(quaternion: [f64; 4], [tx, ty, tz]: [f64; 3]) -> Option<[[f64; 4]; 4]> {
     let norm = quaternion.iter().map(|part| part * part).sum::<f64>().sqrt();
+    if !norm.is_normal() {
+        return None;
+    }
     let [w, x, y, z] = quaternion.map(|part| part / norm);
-    [
+    Some([
         [
             1.0 - 2.0 * (y * y + z * z),
             2.0 * (x * y - z * w),
@@ -152,7 +155,7 @@ pub(super) fn matrix_of_quaternion(quaternion: [f64; 4], [tx, ty, tz]: [f64; 3])
             tz,
         ],
         [0.0, 0.0, 0.0, 1.0],
-    ]
+    ])
 }
 
 #[cfg(test)]
@@ -162,7 +165,7 @@ mod tests {
     #[test]
     fn a_quarter_turn_about_z_takes_x_to_y() {
         let half = std::f64::consts::FRAC_1_SQRT_2;
-        let matrix = matrix_of_quaternion([half, 0.0, 0.0, half], [7.0, 8.0, 9.0]);
+        let matrix = matrix_of_quaternion([half, 0.0, 0.0, half], [7.0, 8.0, 9.0]).unwrap();
         for (row, expected) in
             matrix
                 .iter()
@@ -172,6 +175,19 @@ mod tests {
                 assert!((value - expected).abs() < 1e-12, "{matrix:?}");
             }
         }
+    }
+
+    #[test]
+    fn a_line_that_is_no_pose_is_rejected() {
+        for text in [
+            "1 2 3 0 0 0",
+            "1 2 3 x 0 0 0 1",
+            "1 2 3 0 0 0 0",
+            "1 2 3 0 0 0 nan",
+        ] {
+            assert!(read_pose(text).is_err(), "{text}");
+        }
+        assert!(read_pose("1 2 3 0 0 0 1").is_ok());
     }
 
     #[test]

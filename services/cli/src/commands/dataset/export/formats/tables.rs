@@ -74,7 +74,7 @@ fn list_other_types(column: &ColumnInfo) -> Vec<TableColumn> {
         (LabelType::Bool, CellKind::Flag),
     ];
     let others = others.map(|(label, kind)| TableColumn {
-        name: format!("{} ({})", column.name, label.name()),
+        name: label.mixed_column(&column.name),
         kind,
     });
     others.into()

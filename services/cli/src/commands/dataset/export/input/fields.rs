@@ -83,10 +83,7 @@ fn older(name: &str) -> String {
 
 /// The column for a value of a label of several types.
 pub(crate) fn typed_column(name: &str, value: &Value) -> String {
-    match LabelType::of_value(value) {
-        Some(other @ (LabelType::Text | LabelType::Bool)) => format!("{name} ({})", other.name()),
-        _ => name.to_owned(),
-    }
+    LabelType::of_value(value).map_or_else(|| name.to_owned(), |label| label.mixed_column(name))
 }
 
 #[cfg(test)]

@@ -53,7 +53,8 @@ impl Selection {
         let present = self
             .columns
             .iter()
-            .filter_map(|column| column.name.strip_prefix("artifacts."));
+            .filter_map(|column| column.name.strip_prefix("artifacts."))
+            .filter(|kind| *kind != "count");
         let present: Vec<&str> = present.collect();
         let missing: Vec<&str> = self
             .artifacts()
@@ -65,13 +66,13 @@ impl Selection {
         }
         let needs = match missing.iter().any(|kind| arguments.format.kinds().contains(kind)) {
             true => format!(
-                "; the format {} is made of it: name it in /artifacts of the job",
+                "; the format {} needs it: add it to `artifacts` of the job",
                 arguments.format.name()
             ),
             false => String::new(),
         };
         Err(Failure::BadInput(format!(
-            "no image of `{}` has an artifact `{}`; there is {}{needs}",
+            "no image of `{}` has an artifact `{}`, only {}{needs}",
             arguments.dataset,
             missing.join("`, `"),
             present.join(", ")
