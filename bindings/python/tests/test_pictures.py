@@ -11,9 +11,7 @@ PICTURE = np.random.default_rng(1).integers(0, 255, (48, 64, 3), np.uint8)
 
 
 @pytest.mark.filterwarnings("ignore")
-@pytest.mark.parametrize(
-    "method", ["hscm", "clahe", "grey_world", "ulap", "suir", "ibla", "ibla_guided", "rd", "rghs"]
-)
+@pytest.mark.parametrize("method", ["hscm", "clahe", "grey_world", "ulap", "suir", "ibla", "ibla_guided", "rd", "rghs"])
 def test_every_method_keeps_size_and_type(method: str) -> None:
     result = fathom.enhance(PICTURE, method)
     assert (result.shape, result.dtype) == (PICTURE.shape, np.dtype(np.uint8))
