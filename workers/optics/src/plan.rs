@@ -32,7 +32,7 @@ pub use shares::{Budget, compose, compose_gain};
 pub use stage::{ModelError, Stage, StageId, Variant};
 pub use terms::MOST_TERMS;
 pub(crate) use veil::BY_DIRECTION;
-pub use water::{assess_water, water_gain};
+pub use water::{assess_water, occlusion_ns, water_gain};
 
 use serde::Serialize;
 use spec::Fidelity;

@@ -156,8 +156,12 @@ impl Setting {
         })
     }
 
-    /// Disables an effect of lamps or daylight.
+    /// Disables an effect of lamps, daylight or objects in front of others.
     pub fn leave_out(&mut self, effect: StageId) {
+        if effect == StageId::Occlusion {
+            let waters = [&mut self.water, &mut self.around].into_iter().flatten();
+            waters.for_each(|water| *water = water.without_layers());
+        }
         if effect == StageId::LampShadows {
             for lamp in self.lighting.iter_mut().flat_map(|lighting| &mut lighting.lamps) {
                 *lamp = lamp.with_shadow(Shadow::None, false);

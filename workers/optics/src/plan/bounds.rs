@@ -107,14 +107,20 @@ impl SceneBounds {
             distinct_m: distinct(range.data(), stand_in),
             brightest,
             mean_square,
-            layering: match water.scatter {
-                Scatter::Jaffe {
-                    layers: Some(most), ..
-                } => Layering::find(&filled_range(range, water.holes), most),
-                _ => None,
-            },
+            layering: Self::find_layers(range, water),
             widest_px: widest_px(range.width(), range.height()),
             pixels: range.data().len(),
+        }
+    }
+
+    /// The layers of a range image; `None` without occlusion-aware scatter, or without an edge in depth.
+    #[must_use]
+    pub fn find_layers(range: &Plane<f32>, water: &Water) -> Option<Layering> {
+        match water.scatter {
+            Scatter::Jaffe {
+                layers: Some(most), ..
+            } => Layering::find(&filled_range(range, water.holes), most),
+            _ => None,
         }
     }
 

@@ -16,7 +16,7 @@ const LEAST_SHARE: f64 = 0.125;
 const ATTENUATION_NS: f64 = 1.5;
 const CHANNEL_NS: f64 = 7.8;
 const KERNEL_NS: f64 = 1.87;
-const GATE_NS: f64 = 10.0;
+const GATE_NS: f64 = 20.0;
 
 /// The stages of the water for the absolute error that they may make together; `None` for kernels of a given number and for
 /// the reference.
@@ -154,6 +154,12 @@ fn assess_scatter(
         };
         stage.costing(ns, bounds.pixels)
     })
+}
+
+/// Expected cost of the gates of a frame of this many layers, ns per pixel.
+#[must_use]
+pub fn occlusion_ns(layers: usize) -> f64 {
+    3.0 * (CHANNEL_NS + GATE_NS) * layers.saturating_sub(1) as f64
 }
 
 fn scatter_ns(variant: &Variant, layering: Option<&Layering>) -> f64 {

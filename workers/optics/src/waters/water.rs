@@ -171,6 +171,16 @@ impl Water {
         }
     }
 
+    /// The same water, in which near objects do not occlude the light that farther ones scatter.
+    #[must_use]
+    pub fn without_layers(&self) -> Self {
+        let mut open = self.clone();
+        if let Scatter::Jaffe { layers, .. } = &mut open.scatter {
+            *layers = None;
+        }
+        open
+    }
+
     /// Meaning of a pixel without a valid range.
     #[must_use]
     pub fn holes(&self) -> HoleRule {

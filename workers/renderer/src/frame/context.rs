@@ -5,7 +5,8 @@ use std::borrow::Cow;
 use ::camera::geometry::PortRefraction;
 use imaging::rays::Rays;
 use imaging::{Plane, Rgb};
-use optics::plan::{Plan, StageId, Variant};
+use optics::layering::Layering;
+use optics::plan::{Plan, SceneBounds, StageId, Variant};
 use optics::setting::Setting;
 use optics::visible_bounds::VisibleBounds;
 use optics::water::Water;
@@ -111,6 +112,12 @@ impl<'a> FrameContext<'a> {
     /// Whether a stage runs in f64.
     pub(crate) fn runs_reference(&self, id: StageId) -> bool {
         *self.plan.variant(id) == Variant::Reference
+    }
+
+    /// The layers of the frame, between which near objects occlude scattered light; `None` without occlusion.
+    pub(crate) fn find_layers(&self) -> Option<Layering> {
+        let around = self.setting.around.as_ref()?;
+        SceneBounds::find_layers(self.path()?, around)
     }
 
     /// Meters of mean water before each pixel: its range, or its path through patches; `None` without range.

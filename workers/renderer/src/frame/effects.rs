@@ -10,13 +10,14 @@ pub(crate) const LEAST_SHARE: f64 = 1e-3;
 pub(crate) const VISIBLE_CODES: f64 = 2.0;
 
 /// Effects with an estimated change, in the order of light.
-pub(crate) const ESTIMATED: [StageId; 6] = [
+pub(crate) const ESTIMATED: [StageId; 7] = [
     StageId::SunShadow,
     StageId::AmbientAccess,
     StageId::Caustics,
     StageId::Shafts,
     StageId::LampShadows,
     StageId::VeilOcclusion,
+    StageId::Occlusion,
 ];
 
 /// The estimated change of the final picture by an effect.

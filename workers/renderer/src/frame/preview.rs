@@ -1,6 +1,8 @@
 //! Renders a thinned scene from radiance to codes, with and without an effect. The difference estimates the effect before the frame
 //! is planned.
 
+mod occlusion;
+
 use std::borrow::Cow;
 
 use imaging::rays::Rays;
@@ -8,6 +10,7 @@ use imaging::{Plane, Rgb, transfer};
 use optics::attenuation::exp_negative;
 use optics::daylight::{self, Daylight, Reaching, SunLight, Surfaces, Tiles};
 use optics::lamp::{self, Lighting, Shadow};
+use optics::layering::Layering;
 use optics::plan::StageId;
 use optics::range::{is_hole, of_surfaces};
 use optics::water::Water;
@@ -27,6 +30,8 @@ pub(crate) struct Preview<'a> {
     water: &'a Water,
     /// The wave pattern in few cells; `None` without caustics.
     tiles: Option<Tiles>,
+    /// The layers of the frame itself: in a thinned picture a slope has edges too. `None` without occlusion of scattered light.
+    layering: Option<Layering>,
     /// Factor of the exposure.
     gain: f64,
     /// Noise of the sensor in exposed light; 0 without a sensor.
@@ -42,8 +47,13 @@ struct Light<'a> {
 }
 
 impl<'a> Preview<'a> {
-    /// `None` without water or range.
-    pub(crate) fn new(context: &'a FrameContext<'a>, gain: f64, noise: f64) -> Option<Self> {
+    /// A thinned frame with the layers of the frame. `None` without water or range.
+    pub(crate) fn new(
+        context: &'a FrameContext<'a>,
+        layering: Option<Layering>,
+        gain: f64,
+        noise: f64,
+    ) -> Option<Self> {
         let water = context.setting.water.as_ref()?;
         let range = of_surfaces(context.prepared.scene.range.as_ref()?, water.holes());
         let normals = match &context.prepared.scene.normals {
@@ -57,6 +67,7 @@ impl<'a> Preview<'a> {
             normals,
             water,
             tiles,
+            layering,
             gain,
             noise,
         })
@@ -71,6 +82,7 @@ impl<'a> Preview<'a> {
             StageId::Shafts => self.with_shafts()?,
             StageId::LampShadows => self.with_lamp_shadows()?,
             StageId::VeilOcclusion => self.with_veil_occlusion()?,
+            StageId::Occlusion => self.with_occlusion()?,
             _ => return None,
         };
         Some(self.compare(&with, &without, cost_ms))
@@ -174,6 +186,18 @@ impl<'a> Preview<'a> {
 
     /// Transmitted light, and the veil in front of it.
     fn arriving(&self, light: Light<'_>) -> Rgb<f32> {
+        let surfaces = self.light_surfaces(light);
+        let veil = self.veil();
+        let attenuation = self.water.direct_attenuation();
+        self.for_each_pixel(|channel, x, y, z| {
+            let direct = surfaces.planes()[channel].pixel(x, y);
+            let transmittance = exp_negative((attenuation[channel] * z) as f32);
+            direct * transmittance + veil.planes()[channel].pixel(x, y)
+        })
+    }
+
+    /// The light of surfaces, before the water.
+    fn light_surfaces(&self, light: Light<'_>) -> Rgb<f32> {
         let scene = &self.context.prepared.scene.radiance;
         let setting = &self.context.setting;
         let daylit = self
@@ -190,19 +214,12 @@ impl<'a> Preview<'a> {
             .lighting
             .as_ref()
             .map(|lighting| self.shine(lighting, light.shadows));
-        let surfaces = match (daylit, lamps) {
+        match (daylit, lamps) {
             (Some(daylit), Some(lamps)) => daylight::with_lamps(daylit, scene, &lamps),
             (Some(daylit), None) => daylit,
             (None, Some(lamps)) => lamp::lit(scene, setting.gain(), &lamps),
             (None, None) => scene.clone(),
-        };
-        let veil = self.veil();
-        let attenuation = self.water.direct_attenuation();
-        self.for_each_pixel(|channel, x, y, z| {
-            let direct = surfaces.planes()[channel].pixel(x, y);
-            let transmittance = exp_negative((attenuation[channel] * z) as f32);
-            direct * transmittance + veil.planes()[channel].pixel(x, y)
-        })
+        }
     }
 
     /// The veil at the radiance of the horizon.

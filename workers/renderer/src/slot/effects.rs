@@ -1,6 +1,7 @@
 //! The effects of a frame, chosen before it is planned.
 
-use optics::plan::{Plan, StageId};
+use optics::layering::Layering;
+use optics::plan::{Plan, StageId, occlusion_ns};
 use spec::Fidelity;
 
 use super::state::Slot;
@@ -61,11 +62,14 @@ impl Slot {
         let unused = &mut Stopwatch::start();
         let thin = FrameContext::new(&frame, &prepared, 0.0, &mut self.thin.resources, unused)?;
         let gain = expected.map_or(1.0, |expected| expected.gain);
-        let Some(preview) = Preview::new(&thin, gain, 3.0 * camera::hidden_error(context.frame)) else {
+        let layering = context.find_layers();
+        let layers = layering.as_ref().map_or(0, Layering::count);
+        let noise = 3.0 * camera::hidden_error(context.frame);
+        let Some(preview) = Preview::new(&thin, layering, gain, noise) else {
             return Ok(effects);
         };
         for id in ESTIMATED {
-            let change = preview.measure_change(id, expect_effect_ms(context, id));
+            let change = preview.measure_change(id, expect_effect_ms(context, layers, id));
             if let Some(change) = change {
                 effects.add(id, change);
             }
@@ -74,9 +78,10 @@ impl Slot {
     }
 }
 
-/// Expected milliseconds of one effect.
-fn expect_effect_ms(context: &FrameContext<'_>, id: StageId) -> f64 {
+/// Expected milliseconds of one effect in a frame of this many layers.
+fn expect_effect_ms(context: &FrameContext<'_>, layers: usize, id: StageId) -> f64 {
     let ns = match (id, &context.setting.lighting) {
+        (StageId::Occlusion, _) => occlusion_ns(layers),
         (StageId::LampShadows, Some(lighting)) => lamps::shadow_ns(lighting),
         _ => daylight::effect_ns(context, id),
     };

@@ -203,6 +203,7 @@ impl Slot {
     fn render_thin(&mut self, frame: &Frame, prepared: &scene::Prepared) -> Result<Rgb<f32>, RenderError> {
         let unused = &mut Stopwatch::start();
         let mut context = FrameContext::new(frame, prepared, 0.0, &mut self.thin.resources, unused)?;
+        context.setting.leave_out(StageId::Occlusion);
         context.plan = plan_frame(&context, None, None, &self.networks.engine)?;
         let unused = &mut FrameRecord::default();
         let light = pipeline::render(&context, &mut self.thin.kernels, unused, &mut Stopwatch::start())?;
@@ -217,6 +218,7 @@ impl Slot {
             let prepared = self.scene(&small, &SceneSource::Local)?;
             let unused = &mut Stopwatch::start();
             let mut context = FrameContext::new(&small, &prepared, 0.0, &mut self.thin.resources, unused)?;
+            context.setting.leave_out(StageId::Occlusion);
             context.plan = plan_frame(&context, None, None, &self.networks.engine)?;
             let own = &mut FrameRecord::default();
             let light = pipeline::render(&context, &mut self.thin.kernels, own, &mut Stopwatch::start())?;

@@ -6,12 +6,13 @@ use serde_json::{Value, json};
 
 use crate::common::{engine_without_runtime, parse};
 
-const EFFECTS: [StageId; 5] = [
+const EFFECTS: [StageId; 6] = [
     StageId::SunShadow,
     StageId::AmbientAccess,
     StageId::Caustics,
     StageId::Shafts,
     StageId::VeilOcclusion,
+    StageId::Occlusion,
 ];
 
 /// A structure by day.
@@ -101,4 +102,48 @@ fn a_budget_that_nothing_fits_is_a_warning() {
 fn a_tolerance_has_every_effect() {
     let plan = plan(&job("jerlov-9C", &json!({"tolerance": 1e-3})));
     assert_eq!(running(&plan), EFFECTS.len(), "{:?}", plan.stages);
+}
+
+#[test]
+fn near_objects_occlude_scattered_light_where_it_shows() {
+    let site = json!({"site": "pile-in-current", "camera": {"width": 192, "height": 123}, "seed": 1});
+    let turbid = plan(&site);
+    let stage = turbid.stage(StageId::Occlusion).unwrap();
+    let note = stage.note.as_deref().unwrap();
+    assert_eq!(stage.variant.name(), "gated", "{note}");
+    assert!(
+        note.starts_with("changes ") && note.contains("gates at "),
+        "{note}"
+    );
+    let clear = plan(&job("jerlov-IB", &json!("picture")));
+    let stage = clear.stage(StageId::Occlusion).unwrap();
+    assert!(stage.variant.is_skipped(), "{stage:?}");
+}
+
+/// The bound of a frame with gates holds end to end.
+#[test]
+fn occlusion_agrees_with_the_reference() {
+    let mut job = job("jerlov-3C", &json!({"tolerance": 1e-3}));
+    job["camera"] = json!({"width": 48, "height": 31});
+    job["daylight"] = json!("none");
+    job["scene"]["lighting"] = json!("in_air");
+    let render = |job: &Value| {
+        let frame = parse(job).resolve(0).unwrap();
+        let mut slot = Slot::new(&engine_without_runtime());
+        slot.linear(&frame, &SceneSource::Local).unwrap()
+    };
+    let fast = render(&job);
+    job["fidelity"] = json!("reference");
+    let exact = render(&job);
+    assert_eq!(fast.plan.variant(StageId::Occlusion).name(), "gated");
+    let bound = fast.plan.promise().unwrap().bound;
+    let pairs = fast.radiance.planes().iter().zip(exact.radiance.planes());
+    let errors = pairs.flat_map(|(fast, exact)| fast.data().iter().zip(exact.data()));
+    let largest = errors
+        .map(|(fast, exact)| (fast.min(1.0) - exact.min(1.0)).abs())
+        .fold(0.0, f32::max);
+    assert!(
+        largest > 0.0 && f64::from(largest) <= bound,
+        "{largest:e} of {bound:e}"
+    );
 }
