@@ -56,6 +56,14 @@ fn a_proxy_of_the_environment_serves_no_loopback_address() {
     let direct = [PROXY[0], PROXY[1], ("no_proxy", "10.0.0.0/8, .invalid")];
     let direct = run_with(&["jobs", "--server", "http://fathom.invalid:7311"], &direct);
     assert!(!error(&direct).contains("proxy"), "{}", error(&direct));
+    let wrong = [("http_proxy", "127.0.0.1:port")];
+    let wrong = run_with(&["jobs", "--server", "http://fathom.invalid:7311"], &wrong);
+    assert_eq!(wrong.status.code(), Some(2));
+    assert!(
+        error(&wrong).contains("the proxy `127.0.0.1:port` of the environment is not a URL"),
+        "{}",
+        error(&wrong)
+    );
 }
 
 fn local_job(count: u64) -> Value {

@@ -1,6 +1,7 @@
 //! Failed requests.
 
 use crate::http::{Http, HttpError, Problem};
+use crate::proxy::InvalidProxy;
 
 /// Why a request failed.
 #[derive(Debug, thiserror::Error)]
@@ -15,6 +16,9 @@ pub enum ClientError {
         /// The error of the connection.
         source: ureq::Error,
     },
+    /// No request was sent.
+    #[error(transparent)]
+    Proxy(InvalidProxy),
     /// The service refused.
     #[error("{}", .0.message())]
     Refused(Problem),
@@ -44,6 +48,9 @@ fn suggest_remedy(proxy: Option<&str>) -> &'static str {
 impl ClientError {
     pub(crate) fn new(http: &Http, error: HttpError) -> Self {
         match error {
+            HttpError::Unreachable(ureq::Error::Other(source)) if source.is::<InvalidProxy>() => {
+                Self::Proxy(*source.downcast().expect("its type was tested"))
+            }
             HttpError::Unreachable(source) => Self::Unreachable {
                 base: http.base().to_owned(),
                 proxy: http.proxy().map(str::to_owned),

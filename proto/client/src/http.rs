@@ -7,7 +7,7 @@ use serde_json::Value;
 use ureq::http::{Response, StatusCode};
 use ureq::{Agent, AsSendBody, Body, RequestBuilder};
 
-use crate::proxy::choose_proxy;
+use crate::proxy::{InvalidProxy, choose_proxy};
 
 const CONNECT_LIMIT: Duration = Duration::from_secs(5);
 /// The largest body: an artifact of the largest picture, or a file of a scene.
@@ -20,6 +20,8 @@ pub struct Http {
     base: String,
     /// Host and port of the proxy, if the environment has one for the service.
     proxy: Option<String>,
+    /// The reason why no request can be sent.
+    invalid_proxy: Option<InvalidProxy>,
     authorization: Option<String>,
 }
 
@@ -112,7 +114,10 @@ impl Http {
             true => base.to_owned(),
             false => format!("http://{base}"),
         };
-        let proxy = choose_proxy(&base);
+        let (proxy, invalid_proxy) = match choose_proxy(&base) {
+            Ok(proxy) => (proxy, None),
+            Err(invalid) => (None, Some(invalid)),
+        };
         let shown = proxy
             .as_ref()
             .map(|proxy| format!("{}:{}", proxy.host(), proxy.port()));
@@ -126,6 +131,7 @@ impl Http {
             agent: config.into(),
             base: base.trim_end_matches('/').to_owned(),
             proxy: shown,
+            invalid_proxy,
             authorization: token.map(|token| format!("Bearer {token}")),
         }
     }
@@ -147,6 +153,7 @@ impl Http {
     /// # Errors
     /// [`HttpError`].
     pub fn get(&self, path: &str) -> Result<Reply, HttpError> {
+        self.check_proxy()?;
         let request = self.agent.get(format!("{}{path}", self.base));
         reply(self.with_headers(request, &[]).call())
     }
@@ -156,6 +163,7 @@ impl Http {
     /// # Errors
     /// [`HttpError`].
     pub fn stream(&self, path: &str) -> Result<impl Read + use<>, HttpError> {
+        self.check_proxy()?;
         let request = self.agent.get(format!("{}{path}", self.base));
         let response = self.with_headers(request, &[]).call();
         let response = response.map_err(HttpError::Unreachable)?;
@@ -178,6 +186,7 @@ impl Http {
         headers: &[(&str, &str)],
         body: impl AsSendBody,
     ) -> Result<Reply, HttpError> {
+        self.check_proxy()?;
         let request = self.agent.post(format!("{}{path}", self.base));
         reply(self.with_headers(request, headers).send(body))
     }
@@ -187,8 +196,16 @@ impl Http {
     /// # Errors
     /// [`HttpError`].
     pub fn delete(&self, path: &str) -> Result<Reply, HttpError> {
+        self.check_proxy()?;
         let request = self.agent.delete(format!("{}{path}", self.base));
         reply(self.with_headers(request, &[]).call())
+    }
+
+    fn check_proxy(&self) -> Result<(), HttpError> {
+        match &self.invalid_proxy {
+            Some(invalid) => Err(HttpError::Unreachable(invalid.clone().into())),
+            None => Ok(()),
+        }
     }
 
     fn with_headers<Any>(

@@ -14,7 +14,7 @@ pub use client::{Client, Received};
 pub use error::ClientError;
 pub use http::{Http, HttpError, Problem, Reply};
 pub use images::{ImagePages, ImageQuery, ImageRow};
-pub use proxy::choose_proxy;
+pub use proxy::{InvalidProxy, choose_proxy};
 pub use query::{encode, with_query};
 pub use views::*;
 

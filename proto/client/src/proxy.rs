@@ -6,8 +6,10 @@ use ureq::Proxy;
 
 /// The proxy for a URL by the environment variables `http_proxy`, `https_proxy`, `all_proxy` and `no_proxy`, in lower or
 /// upper case. `None` for loopback addresses.
-#[must_use]
-pub fn choose_proxy(url: &str) -> Option<Proxy> {
+///
+/// # Errors
+/// [`InvalidProxy`]: the variable has no URL of a proxy.
+pub fn choose_proxy(url: &str) -> Result<Option<Proxy>, InvalidProxy> {
     let read = |name: &str| {
         let variables = [name.to_owned(), name.to_ascii_uppercase()];
         let values = variables
@@ -15,8 +17,29 @@ pub fn choose_proxy(url: &str) -> Option<Proxy> {
             .filter_map(|variable| std::env::var(variable).ok());
         values.into_iter().find(|value| !value.trim().is_empty())
     };
-    let address = find_proxy(url, read)?;
-    Proxy::new(&address).ok()
+    let Some(address) = find_proxy(url, read) else {
+        return Ok(None);
+    };
+    match Proxy::new(&address) {
+        Ok(proxy) => Ok(Some(proxy)),
+        Err(_) => Err(InvalidProxy { address }),
+    }
+}
+
+/// A variable of the environment that has no URL of a proxy.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "the proxy `{address}` of the environment is not a URL such as http://host:3128; correct or unset the variable"
+)]
+pub struct InvalidProxy {
+    /// The value of the variable.
+    pub address: String,
+}
+
+impl From<InvalidProxy> for ureq::Error {
+    fn from(error: InvalidProxy) -> Self {
+        Self::Other(Box::new(error))
+    }
 }
 
 /// The proxy of an environment as text.

@@ -59,6 +59,7 @@ impl From<ClientError> for Failure {
             ClientError::Refused(problem) if problem.is("runtime-missing") => Self::RuntimeMissing(message),
             ClientError::Refused(problem) if problem.status.is_client_error() => Self::BadInput(message),
             ClientError::Refused(_) => Self::NoServer(message),
+            ClientError::Proxy(_) => Self::BadInput(message),
             ClientError::Unreadable { .. } => Self::Other(error.into()),
         }
     }

@@ -14,9 +14,13 @@ pub fn read(path: &Path) -> Result<Vec<u8>, Failure> {
     fs::read(path).map_err(|error| Failure::BadInput(format!("{}: {error}", path.display())))
 }
 
-/// Reads and decodes a picture named by the user.
+/// Reads and decodes a picture named by the user. A color profile other than sRGB is named on standard error.
 pub fn read_picture(path: &Path) -> Result<Raster, Failure> {
-    codec::decode_picture(&read(path)?)
+    let bytes = read(path)?;
+    if let Some(profile) = codec::find_foreign_profile(&bytes) {
+        eprintln!("note: {} has {profile}; its values are read as sRGB", path.display());
+    }
+    codec::decode_picture(&bytes)
         .map_err(|error| Failure::BadInput(format!("{}: {error}", path.display())))
 }
 

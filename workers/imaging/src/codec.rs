@@ -4,6 +4,7 @@
 //! header before any allocation.
 
 mod bmp;
+mod color_profile;
 mod decode;
 mod encode;
 mod jpeg;
@@ -16,6 +17,7 @@ mod sheet;
 mod sides;
 mod tiff;
 
+pub use color_profile::find_foreign_profile;
 pub use decode::{decode_mask, decode_picture, decode_plane, decode_radiance, has_distances};
 pub use encode::{EncodeError, encode_jpeg, encode_png, encode_png_with_text, encode_webp_lossless};
 pub use npy::{NpyArray, NpyValues, decode_npy, encode_npy_pair, encode_npy_plane, encode_npy_rgb};

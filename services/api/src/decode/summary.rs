@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use client::{ClassPixels, SceneSummary};
-use imaging::codec::{Orientation, has_distances};
+use imaging::codec::{Orientation, find_foreign_profile, has_distances};
 use scenes::Scene;
 use spec::SceneFiles;
 
@@ -104,6 +104,11 @@ fn list_notes(files: &SceneFiles<Vec<u8>>) -> Vec<String> {
             "`rgb` has the orientation tag {} and is turned as viewers show it; maps of the shown size are read as they are, maps of \
              the stored size are turned like the picture",
             orientation.tag()
+        ));
+    }
+    if let Some(profile) = find_foreign_profile(&files.rgb) {
+        notes.push(format!(
+            "`rgb` has {profile}, which is not applied: its values are read as sRGB; convert the picture to sRGB to keep its colors"
         ));
     }
     if files.range.is_none() && has_distances(&files.rgb) {

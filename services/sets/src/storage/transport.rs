@@ -56,7 +56,7 @@ impl HttpService for Transport {
 fn send(agent: &Agent, request: Request<Bytes>) -> Result<HttpResponse, HttpError> {
     let has_body = matches!(*request.method(), Method::PUT | Method::POST);
     let (parts, body) = request.into_parts();
-    let proxy = client::choose_proxy(&parts.uri.to_string());
+    let proxy = client::choose_proxy(&parts.uri.to_string()).map_err(|error| failure(error.into()))?;
     let sent = if has_body {
         let request = Request::from_parts(parts, &body[..]);
         agent.run(agent.configure_request(request).proxy(proxy).build())

@@ -8,6 +8,7 @@ mod npy;
 mod openexr;
 mod orientation;
 mod png;
+mod profiles;
 mod tagged;
 
 use imaging::codec::{self, FilePlane, Radiance};
