@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 import os
 import re
 import runpy
@@ -16,7 +17,7 @@ import numpy as np
 import pytest
 from conftest import BINARY, description
 
-COUNTS = [1, 2, 3, 12]
+COUNTS = [1, 2, 3, 4, 12]
 KINDS = ["rgb", "range", "instances", "boxes"]
 FORMATS = ["folder", "hf", "webdataset", "parquet", "coco", "yolo"]
 PAGE = Path(__file__).parents[3] / "docs" / "guide" / "exports.md"
@@ -130,6 +131,56 @@ def test_labels_have_typed_columns_in_parquet(server: str, submit: Submit, tmp_p
         mixed = [stored["labels.mixed"], stored["labels.mixed (text)"]]
         assert row["labels.mixed"] in mixed
         assert mixed.count(None) == 1
+
+
+def test_every_value_is_equal_in_every_table(server: str, submit: Submit, tmp_path: Path, no_torch: None) -> None:
+    datasets = pytest.importorskip("datasets")
+    dataset = pytest.importorskip("pyarrow.dataset")
+    labels = {"exact": 41.22242330660449, "whole": 2**53, "yes": True, "text": 'a "b", c'}
+    job = description(dataset="tables", count=3, seed=2**63 - 1, artifacts=["rgb"], metrics=["uiqm"], labels=labels)
+    job["camera"] |= {"hfov_deg": 60}
+    with fathom.Client(server, token="secret") as client:
+        assert client.submit(job).wait().state["state"] == "done"
+        rows = client.images("", dataset="tables", order_by="frame")
+    export(server, "tables", tmp_path / "folder", "folder")
+    export(server, "tables", tmp_path / "parquet", "parquet")
+    export(server, "tables", tmp_path / "hf", "hf")
+    (tmp_path / "job.json").write_text(json.dumps(job))
+    command = [BINARY, "render", str(tmp_path / "job.json"), "--out", str(tmp_path / "set"), "--frames-per-shard", "2"]
+    subprocess.run(command, check=True, capture_output=True)
+    lines = (tmp_path / "folder" / "metadata.jsonl").read_text().splitlines()
+    tables = {
+        "folder": [json.loads(line) for line in lines],
+        "parquet": dataset.dataset(tmp_path / "parquet" / "data").to_table().to_pylist(),
+        "hf": datasets.load_dataset(str(tmp_path / "hf"), cache_dir=str(tmp_path / "cache"))["train"].to_list(),
+        "set": dataset.dataset(tmp_path / "set" / "rows").to_table().to_pylist(),
+    }
+    own = ("job_id", "created_ms", "timings", "worker", "artifacts", "attempt", "host")
+    for format, table in tables.items():
+        compared = 0
+        for row, stored in zip(rows, sorted(table, key=lambda row: row["frame"]), strict=True):
+            for name, value in row.items():
+                if name.startswith(own) or isinstance(value, list | dict) or name not in stored:
+                    continue
+                assert stored[name] == value, (format, name)
+                assert isinstance(stored[name], bool) == isinstance(value, bool), (format, name)
+                compared += value is not None
+        assert compared > 3 * 40, (format, compared)
+        first = min(table, key=lambda row: row["frame"])
+        found = {name: first[f"labels.{name}"] for name in labels}
+        assert found == labels, format
+        assert (first["seed"], first["camera.hfov_deg"]) == (2**63 - 1, 60), format
+
+
+def test_numbers_that_a_table_would_change_are_errors(server: str, submit: Submit, tmp_path: Path) -> None:
+    submit("large", 1, whole=2**53 + 1)
+    for format in ("parquet", "hf"):
+        with pytest.raises(subprocess.CalledProcessError) as failed:
+            export(server, "large", tmp_path / format, format)
+        assert "labels.whole" in failed.value.stderr
+        assert "--format folder" in failed.value.stderr
+    export(server, "large", tmp_path / "folder", "folder")
+    assert f'"labels.whole":{2**53 + 1}' in (tmp_path / "folder" / "metadata.jsonl").read_text()
 
 
 @pytest.mark.parametrize("count", COUNTS)

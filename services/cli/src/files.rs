@@ -18,10 +18,12 @@ pub fn read(path: &Path) -> Result<Vec<u8>, Failure> {
 pub fn read_picture(path: &Path) -> Result<Raster, Failure> {
     let bytes = read(path)?;
     if let Some(profile) = codec::find_foreign_profile(&bytes) {
-        eprintln!("note: {} has {profile}; its values are read as sRGB", path.display());
+        eprintln!(
+            "note: {} has {profile}; its values are read as sRGB",
+            path.display()
+        );
     }
-    codec::decode_picture(&bytes)
-        .map_err(|error| Failure::BadInput(format!("{}: {error}", path.display())))
+    codec::decode_picture(&bytes).map_err(|error| Failure::BadInput(format!("{}: {error}", path.display())))
 }
 
 /// The pictures in a folder, sorted by name, without those in subfolders.

@@ -11,6 +11,7 @@ use serde_json::Value;
 
 use crate::commands::dataset::export::files::lists::Rows;
 use crate::commands::dataset::export::files::target::{create, draft_of};
+use crate::commands::dataset::export::formats::exact::{Readers, check_exact};
 use crate::commands::dataset::export::formats::tables::{TableRow, WriteTable, table_columns, text_column};
 
 const TABLE: &str = "metadata.parquet";
@@ -49,6 +50,7 @@ pub(crate) fn write(
             .map(|line: std::io::Result<String>| {
                 let line = line.context("cannot read the rows")?;
                 let mut values: Value = serde_json::from_str(&line).context("a row is JSON")?;
+                check_exact(&all, &values, Readers::HuggingFace)?;
                 for (kind, name) in &names {
                     values[name] = values[kind].take();
                 }

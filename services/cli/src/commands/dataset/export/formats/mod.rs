@@ -5,6 +5,7 @@ pub(crate) mod card;
 pub(crate) mod class_numbers;
 pub(crate) mod coco;
 pub(crate) mod croissant;
+pub(crate) mod exact;
 pub(crate) mod hf;
 pub(crate) mod objects;
 pub(crate) mod parquet;

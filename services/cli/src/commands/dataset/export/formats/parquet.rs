@@ -7,6 +7,7 @@ use client::ColumnInfo;
 use serde_json::{Map, Value};
 
 use crate::commands::dataset::export::format::RECORD;
+use crate::commands::dataset::export::formats::exact::{Readers, check_exact};
 use crate::commands::dataset::export::formats::tables::{
     CellKind, TableColumn, TableRow, WriteTable, table_columns, text_column,
 };
@@ -34,22 +35,23 @@ pub(crate) fn write(
         });
     all.extend(files);
     write(file, &all, &mut || {
-        Ok(pull()?
+        pull()?
             .into_iter()
             .map(|member: Member| {
                 let mut row = TableRow {
                     values: Value::Object(member.values),
                     files: Vec::new(),
                 };
+                check_exact(&all, &row.values, Readers::Any)?;
                 for (kind, file) in kinds.iter().zip(member.files) {
                     match kind.as_str() {
                         RECORD => row.values[RECORD] = String::from_utf8_lossy(&file.bytes).into(),
                         _ => row.files.push(file.bytes),
                     }
                 }
-                row
+                Ok(row)
             })
-            .collect())
+            .collect()
     })
 }
 
