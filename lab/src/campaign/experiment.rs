@@ -1,5 +1,7 @@
 //! The campaign as an experiment.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
 use cli::exit::Failure;
 
 use super::climb::{climb, list_starts};
@@ -26,7 +28,8 @@ const NAMED: usize = 20;
 /// Smaller errors and bounds are drawn at this value.
 const FLOOR: f64 = 1e-8;
 
-/// Compares frames with their bounds. Each error above its bound and each bound above its tolerance without a reason is a failure.
+/// Compares frames with their bounds. Each panic, each error above its bound and each bound above its tolerance without a reason is a
+/// failure.
 ///
 /// # Errors
 /// An unknown family.
@@ -38,8 +41,18 @@ pub fn run(setup: &Setup) -> Result<Report, Failure> {
         setup.count("directed"),
         &list_families(true, family)?,
     ));
-    let outcomes = run_all("frames", None, &origins, bounded_studio, Outcome::measure);
-    let mut outcomes: Vec<Outcome> = outcomes.into_iter().flatten().collect();
+    let measured = run_all("frames", None, &origins, bounded_studio, |origin, studio| {
+        let measured = catch_unwind(AssertUnwindSafe(|| Outcome::measure(origin, studio)));
+        measured.map_err(|_| *studio = bounded_studio())
+    });
+    let panicked = origins
+        .iter()
+        .zip(&measured)
+        .filter(|(_, measured)| measured.is_err());
+    let panicked: Vec<String> = panicked
+        .map(|(origin, _)| format!("a panic: {:?}", origin.source))
+        .collect();
+    let mut outcomes: Vec<Outcome> = measured.into_iter().flatten().flatten().collect();
     let unrendered = origins.len() - outcomes.len();
     let starts = list_starts(&outcomes, setup.count("climbs"));
     let steps = setup.count("steps");
@@ -50,6 +63,7 @@ pub fn run(setup: &Setup) -> Result<Report, Failure> {
     let frames = outcomes.len();
     let about = format!("{frames} frames from seed {seed}, {unrendered} more that cannot be rendered.");
     let mut report = Report::new(about, vec![summarize(&outcomes)]);
+    report.failures.extend(panicked);
     report.add_chart("campaign-bound", draw_bounds(&outcomes).svg());
     for (place, broken) in find_worst(&outcomes, Outcome::is_broken).into_iter().enumerate() {
         report.failures.push(broken.describe());

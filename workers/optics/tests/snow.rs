@@ -4,7 +4,7 @@
 use imaging::geometry::Intrinsics;
 use imaging::{Plane, Rgb};
 use optics::eye::Eye;
-use optics::snow::{Flake, Seeing, Surround, World, flakes, lit, snow, snow_reference};
+use optics::snow::{Flake, Seeing, Surround, World, flakes, is_in_front, lit, snow, snow_reference};
 use spec::Snow;
 
 /// f32 over up to some thousand faint layers on one pixel, as tiny frames have them: at most 6e-8 for each, of either sign.
@@ -72,7 +72,7 @@ fn range(width: usize, height: usize) -> Plane<f32> {
 
 #[test]
 fn snow_stays_within_its_tolerance_of_the_reference() {
-    let mut drawn = 0;
+    let (mut drawn, mut hidden) = (0, 0);
     for size in SIZES {
         let range = range(size.0, size.1);
         let eye = Eye::at_origin(Intrinsics::centered(
@@ -96,17 +96,20 @@ fn snow_stays_within_its_tolerance_of_the_reference() {
                     attenuation,
                     path: &|_, range| 1.2 * range,
                     // A lamp next to the camera.
-                    light: &|places| {
+                    light: &|points| {
                         let light = |[x, y, z]: [f64; 3]| {
                             [0.4 + 0.05 / ((x - 0.2).powi(2) + y * y + z * z).max(0.02); 3]
                         };
-                        places.iter().map(|&place| light(place)).collect()
+                        points.iter().map(|point| light(point.place)).collect()
                     },
                 };
                 let image = Rgb::from_fn(size.0, size.1, |x, y| [0.02 * x as f32, 0.3, 0.01 * y as f32]);
                 let (exact, exact_mask) =
                     snow_reference(&image.map(|&v| f64::from(v)), &found, law.albedo, &surround);
-                let lit = lit(&found, law.albedo, &surround);
+                let mut visible = found.clone();
+                visible.retain(|flake| is_in_front(flake, &range));
+                hidden += found.len() - visible.len();
+                let lit = lit(&visible, law.albedo, &surround);
                 for tolerance in [1e-2, 3e-4, 1e-6] {
                     let mut fast = image.clone();
                     let mask = snow(&mut fast, &lit, &range, tolerance);
@@ -123,7 +126,10 @@ fn snow_stays_within_its_tolerance_of_the_reference() {
             }
         }
     }
-    assert!(drawn > 5_000, "{drawn}");
+    assert!(
+        drawn > 5_000 && hidden > 100,
+        "{drawn} particles, {hidden} behind surfaces"
+    );
 }
 
 fn worst<'a>(pairs: impl Iterator<Item = (&'a f32, &'a f64)>) -> f64 {

@@ -95,18 +95,29 @@ pub fn white_at(place: [f64; 3], lighting: &Lighting, rays: Option<&dyn Rays>) -
     sum
 }
 
+/// A point in the water and how much its light matters.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LitPoint {
+    /// In camera axes, m.
+    pub place: [f64; 3],
+    /// Largest share of its light in a pixel, 0 to 1.
+    pub weight: f64,
+}
+
 /// [`white_at`] of many points, with shadows traced in f32 as by [`shaded_irradiance`](super::shaded_irradiance): light of a lamp
-/// up to `unseen` is never occluded.
+/// that changes no pixel by more than `unseen` is never occluded.
 #[must_use]
 pub fn white_at_each(
-    places: &[[f64; 3]],
+    points: &[LitPoint],
     lighting: &Lighting,
     (rays, unseen): (&dyn Rays, f64),
 ) -> Vec<[f64; 3]> {
-    let mut sums = vec![[0.0; 3]; places.len()];
-    let (mut sight, mut asked) = (Sight::new(rays), Asked::new(places));
+    let mut sums = vec![[0.0; 3]; points.len()];
+    let (mut sight, mut asked) = (Sight::new(rays), Asked::new(points));
     for lamp in &lighting.lamps {
-        let arriving = places.iter().map(|&place| Arriving::new(place, lamp, lighting));
+        let arriving = points
+            .iter()
+            .map(|point| Arriving::new(point.place, lamp, lighting));
         let mut arriving: Vec<Arriving> = arriving.collect();
         if lamp.shadow != Shadow::None {
             cut_off(&mut arriving, (lamp, &mut asked), &mut sight, unseen);
@@ -123,7 +134,7 @@ pub fn white_at_each(
 
 /// Points for shadow rays to a lamp.
 struct Asked<'a> {
-    places: &'a [[f64; 3]],
+    points: &'a [LitPoint],
     /// Indices of all points in an order that keeps neighbors in space together, for coherent ray packets.
     order: Vec<usize>,
     /// Indices of the ray origins.
@@ -132,24 +143,26 @@ struct Asked<'a> {
 }
 
 impl<'a> Asked<'a> {
-    fn new(places: &'a [[f64; 3]]) -> Self {
-        let mut order: Vec<usize> = (0..places.len()).collect();
-        order.sort_by_cached_key(|&at| curve(places[at]));
+    fn new(points: &'a [LitPoint]) -> Self {
+        let mut order: Vec<usize> = (0..points.len()).collect();
+        order.sort_by_cached_key(|&at| curve(points[at].place));
         Self {
-            places,
+            points,
             order,
             at: Vec::new(),
             starts: Starts::default(),
         }
     }
 
-    fn list(&mut self, is_lit: impl Fn(usize) -> bool) {
+    /// Lists the points where the brightest of this light is above `unseen`.
+    fn list(&mut self, unseen: f64, light: impl Fn(usize) -> f64) {
+        let points = self.points;
         self.at.clear();
-        self.at
-            .extend(self.order.iter().copied().filter(|&at| is_lit(at)));
+        let is_lit = |at: &usize| light(*at) * points[*at].weight > unseen;
+        self.at.extend(self.order.iter().copied().filter(is_lit));
         self.starts.clear();
         for &at in &self.at {
-            self.starts.push(self.places[at].map(|v| v as f32));
+            self.starts.push(points[at].place.map(|v| v as f32));
         }
     }
 }
@@ -175,7 +188,7 @@ fn cut_off(
 ) {
     let middle = lamp.position_m.map(|v| v as f32);
     let mut shares = Vec::new();
-    asked.list(|at| arriving[at].direct.iter().any(|&light| light > unseen));
+    asked.list(unseen, |at| arriving[at].direct.into_iter().fold(0.0, f64::max));
     let (radius_m, count) = lamp.shadow.disc();
     let disc = (&Disc::new(count), Radius::Same(radius_m as f32));
     sight.shares(&asked.starts, middle, disc, &mut shares);
@@ -184,7 +197,7 @@ fn cut_off(
     }
     let disc = Disc::new(SPREAD_PLACES);
     for channel in 0..3 {
-        asked.list(|at| arriving[at].spread[channel] > unseen);
+        asked.list(unseen, |at| arriving[at].spread[channel]);
         let radii = asked.at.iter().map(|&at| arriving[at].spread_m[channel] as f32);
         let radii: Vec<f32> = radii.collect();
         sight.shares(&asked.starts, middle, (&disc, Radius::Of(&radii)), &mut shares);

@@ -24,6 +24,7 @@ use imaging::vector::dot;
 use spec::{Sediment, normal_quantile};
 
 use crate::eye::Eye;
+use crate::lamp::LitPoint;
 use crate::range::is_hole;
 use crate::snow::{WhiteLight, World};
 
@@ -136,8 +137,8 @@ impl Clouds {
     }
 
     /// The light of white clouds at some points times their albedo.
-    fn colors(&self, murk: &Murk<'_>, places: impl Iterator<Item = [f64; 3]>) -> Vec<[f64; 3]> {
-        let mut colors = (murk.light)(&places.collect::<Vec<_>>());
+    fn colors(&self, murk: &Murk<'_>, points: &[LitPoint]) -> Vec<[f64; 3]> {
+        let mut colors = (murk.light)(points);
         for color in &mut colors {
             *color = [0, 1, 2].map(|i| self.law.albedo[i] * color[i]);
         }

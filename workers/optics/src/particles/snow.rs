@@ -15,7 +15,7 @@ mod reference;
 mod spot;
 mod world;
 
-pub use fast::snow;
+pub use fast::{is_in_front, snow};
 pub use flakes::{Flake, flakes};
 pub use lit::{LitFlake, lit, peak};
 pub use reference::snow_reference;

@@ -3,7 +3,7 @@
 use imaging::random::Stream;
 use imaging::rays::{Cuboid, Hit, Rays};
 use imaging::{Plane, Rgb};
-use optics::lamp::{self, Lamp, Lighting, REFERENCE_NODES, Shadow};
+use optics::lamp::{self, Lamp, Lighting, LitPoint, REFERENCE_NODES, Shadow};
 use optics::plan::Casting;
 use optics::visible_bounds::VisibleBounds;
 
@@ -214,11 +214,19 @@ fn particles_behind_things_are_as_dark_as_in_the_reference() {
         (lamps()[1], Shadow::None, true),
     ] {
         let lighting = lit_by(lamp.with_shadow(shadow, false), (64, 48), multiple);
-        let fast = lamp::white_at_each(&places, &lighting, (&scene, 0.0));
+        let points = places.iter().map(|&place| LitPoint { place, weight: 1.0 });
+        let points: Vec<LitPoint> = points.collect();
+        let fast = lamp::white_at_each(&points, &lighting, (&scene, 0.0));
+        let faint: Vec<LitPoint> = places
+            .iter()
+            .map(|&place| LitPoint { place, weight: 0.0 })
+            .collect();
+        let faint = lamp::white_at_each(&faint, &lighting, (&scene, 0.0));
         let (mut wrong, mut darker, mut sums) = (0, 0, [0.0; 3]);
-        for (place, fast) in places.iter().zip(&fast) {
+        for ((place, fast), unweighted) in places.iter().zip(&fast).zip(&faint) {
             let exact = lamp::white_at(*place, &lighting, Some(&scene));
             let open = lamp::white_at(*place, &lighting, None);
+            assert_eq!(*unweighted, open, "light that does not matter is not occluded");
             let differs = (0..3).any(|i| (fast[i] - exact[i]).abs() > 1e-4 * open[i]);
             wrong += usize::from(differs);
             darker += usize::from(exact[1] < 0.9 * open[1]);

@@ -70,6 +70,25 @@ pub(crate) fn distorted(d: &Distortion, x: f64, y: f64) -> (f64, f64) {
     )
 }
 
+/// The derivatives of [`distorted`]: those of its x and of its y, by x and by y.
+fn jacobian(d: &Distortion, x: f64, y: f64) -> [[f64; 2]; 2] {
+    let r2 = x * x + y * y;
+    let radial = 1.0 + r2 * (d.k1 + r2 * (d.k2 + r2 * d.k3));
+    // Of the radial factor by r².
+    let growth = d.k1 + r2 * (2.0 * d.k2 + r2 * 3.0 * d.k3);
+    let mixed = 2.0 * (x * y * growth + d.p1 * x + d.p2 * y);
+    [
+        [
+            radial + 2.0 * x * x * growth + 2.0 * d.p1 * y + 6.0 * d.p2 * x,
+            mixed,
+        ],
+        [
+            mixed,
+            radial + 2.0 * y * y * growth + 6.0 * d.p1 * y + 2.0 * d.p2 * x,
+        ],
+    ]
+}
+
 /// The factor of a direction's tangent behind a flat port: `tan θ_w / tan θ_a` for `rho2 = tan² θ_a`.
 #[inline(always)]
 pub(crate) fn refracted(rho2: f64, index: f64) -> f64 {
@@ -107,19 +126,48 @@ impl Lens {
         }
     }
 
-    /// The ideal coordinates of distorted ones by fixed-point iteration; `None` if it does not converge.
+    /// The ideal coordinates of distorted ones; `None` if neither fixed-point iteration nor Newton's method converges.
     #[must_use]
     pub fn undistorted(&self, xd: f64, yd: f64) -> Option<(f64, f64)> {
+        self.approach(xd, yd).ok()
+    }
+
+    /// The ideal coordinates of distorted ones, or the last iterate if there is no convergence.
+    pub(super) fn approach(&self, xd: f64, yd: f64) -> Result<(f64, f64), (f64, f64)> {
         let (mut x, mut y) = (xd, yd);
         for _ in 0..MOST_STEPS {
             let (dx, dy) = distorted(&self.distortion, x, y);
             let step = (dx - xd, dy - yd);
             (x, y) = (x - step.0, y - step.1);
             if step.0.abs().max(step.1.abs()) < ARRIVED {
-                return Some((x, y));
+                return Ok((x, y));
             }
         }
-        None
+        self.approach_by_newton((xd, yd))
+    }
+
+    /// Newton's method, for slopes near 0 or above 1, where fixed points attract slowly or not at all.
+    fn approach_by_newton(&self, (xd, yd): (f64, f64)) -> Result<(f64, f64), (f64, f64)> {
+        let (mut x, mut y) = (xd, yd);
+        for _ in 0..MOST_STEPS {
+            let (dx, dy) = distorted(&self.distortion, x, y);
+            let [[xx, xy], [yx, yy]] = jacobian(&self.distortion, x, y);
+            let determinant = xx * yy - xy * yx;
+            let (off_x, off_y) = (dx - xd, dy - yd);
+            let step = (
+                (yy * off_x - xy * off_y) / determinant,
+                (xx * off_y - yx * off_x) / determinant,
+            );
+            (x, y) = (x - step.0, y - step.1);
+            let size = step.0.abs().max(step.1.abs());
+            if size < ARRIVED {
+                return Ok((x, y));
+            }
+            if !size.is_finite() {
+                break;
+            }
+        }
+        Err((xd, yd))
     }
 
     /// The direction in the water, as `(x/z, y/z)`, of an ideal direction in air.
@@ -179,10 +227,19 @@ impl Lens {
             }
             radius += step;
         }
-        border((width, height)).try_for_each(|(x, y)| {
-            let found = self.undistorted((x as f64 - cx) / focal_px, (y as f64 - cy) / focal_px);
-            found.map(|_| ()).ok_or(Fold::Pixel { x, y })
-        })
+        border((width, height))
+            .chain(inside((width, height)))
+            .try_for_each(|(x, y)| {
+                let found = self.undistorted((x as f64 - cx) / focal_px, (y as f64 - cy) / focal_px);
+                let keeps_sides = |(x, y)| {
+                    let [[xx, xy], [yx, yy]] = jacobian(&self.distortion, x, y);
+                    xx * yy > xy * yx
+                };
+                found
+                    .filter(|&ideal| keeps_sides(ideal))
+                    .map(|_| ())
+                    .ok_or(Fold::Pixel { x, y })
+            })
     }
 }
 
@@ -218,6 +275,15 @@ const BORDER_STEPS: usize = 64;
 pub(crate) fn border((width, height): (usize, usize)) -> impl Iterator<Item = (usize, usize)> {
     let rows = sample_side(width, BORDER_STEPS).flat_map(move |x| [(x, 0), (x, height - 1)]);
     rows.chain(sample_side(height, BORDER_STEPS).flat_map(move |y| [(0, y), (width - 1, y)]))
+}
+
+/// Pixels tested per side within a picture.
+const INSIDE_STEPS: usize = 16;
+
+/// Sampled pixels of a picture.
+fn inside((width, height): (usize, usize)) -> impl Iterator<Item = (usize, usize)> {
+    let columns = sample_side(width, INSIDE_STEPS);
+    columns.flat_map(move |x| sample_side(height, INSIDE_STEPS).map(move |y| (x, y)))
 }
 
 /// `steps + 1` evenly spaced pixels of a side.
@@ -297,6 +363,60 @@ mod tests {
         let expected = (0.05 * (50.0 / 60.0) / libm::tan(water) - 0.067).abs() * (sin / n) * 60.0 * n;
         assert!((error(0.05, 1.0) - expected).abs() < 1e-9);
         assert!((error(0.05, 2.0) - expected / 2.0).abs() < 1e-9);
+    }
+
+    /// A pincushion whose slope exceeds 2 inside of the picture, where fixed points repel.
+    #[test]
+    fn steep_lenses_are_inverted_within_the_picture() {
+        let dice = imaging::random::Stream::stage(3, "lenses");
+        let (mut checked, mut steep) = (0, 0);
+        for number in 0..400 {
+            let draw = |k: u64, most: f64| most * (2.0 * dice.unit(number, k) - 1.0);
+            let distortion = Distortion {
+                k1: draw(0, 2.0),
+                k2: draw(1, 1.0),
+                k3: draw(2, 0.1),
+                p1: draw(3, 0.03),
+                p2: draw(4, 0.03),
+            };
+            let lens = lens(distortion, PortRefraction::None);
+            if lens.check((81, 61)).is_err() {
+                continue;
+            }
+            checked += 1;
+            for (x, y) in (0..81).flat_map(|x| (0..61).map(move |y| (x, y))) {
+                let [xd, yd] = [(x, 40.0), (y, 30.0)].map(|(v, center)| (f64::from(v) - center) / 60.0);
+                let (ideal_x, ideal_y) = lens.undistorted(xd, yd).expect("a checked lens");
+                let (dx, dy) = distorted(&distortion, ideal_x, ideal_y);
+                assert!((dx - xd).hypot(dy - yd) < 1e-9, "{distortion:?} at {x}, {y}");
+                let [[slope, _], _] = jacobian(&distortion, ideal_x, ideal_y);
+                steep += usize::from(slope > 2.0);
+            }
+        }
+        assert!(
+            checked > 100 && steep > 0,
+            "{checked} lenses, {steep} steep pixels"
+        );
+    }
+
+    #[test]
+    fn a_jacobian_is_the_limit_of_differences() {
+        const STEP: f64 = 1e-6;
+        let (x, y) = (0.4, -0.7);
+        let [[xx, xy], [yx, yy]] = jacobian(&BARREL, x, y);
+        let [east, west] = [STEP, -STEP].map(|step| distorted(&BARREL, x + step, y));
+        let [south, north] = [STEP, -STEP].map(|step| distorted(&BARREL, x, y + step));
+        let slope = |after: f64, before: f64| (after - before) / (2.0 * STEP);
+        let differences = [
+            slope(east.0, west.0) - xx,
+            slope(south.0, north.0) - xy,
+            slope(east.1, west.1) - yx,
+            slope(south.1, north.1) - yy,
+        ];
+        assert!(
+            differences.iter().all(|difference| difference.abs() < 1e-8),
+            "{differences:?}"
+        );
     }
 
     #[test]

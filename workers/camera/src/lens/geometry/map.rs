@@ -59,10 +59,7 @@ pub struct Coordinates {
     pub y: Plane<f64>,
 }
 
-/// The map of a channel, pixel by pixel.
-///
-/// # Panics
-/// If the lens folds within the picture, see [`Lens::check`].
+/// The map of a channel, pixel by pixel, for a lens that passes [`Lens::check`].
 #[must_use]
 pub fn coordinates_reference(
     lens: &Lens,
@@ -72,7 +69,7 @@ pub fn coordinates_reference(
 ) -> Coordinates {
     let places = Plane::from_fn(width, height, |x, y| {
         let air = lens.camera.ray(x as f64, y as f64);
-        let ideal = lens.undistorted(air.x, air.y).expect("a lens that does not fold");
+        let ideal = lens.approach(air.x, air.y).unwrap_or_else(|last| last);
         let (u, v) = lens.in_water(ideal, channel);
         let Intrinsics { focal_px, cx, cy } = source.camera;
         (cx + focal_px * u, cy + focal_px * v)
@@ -116,16 +113,20 @@ fn ideal_row(lens: &Lens, row: usize, xs: &mut [f64], ys: &mut [f64]) {
             let last = xs.len() - 1;
             let xd: [f64; LANES] = std::array::from_fn(|lane| xd[lane.min(last)]);
             x = xd;
-            invert(&lens.distortion, &xd, yd, &mut x, &mut y);
+            if !invert(&lens.distortion, &xd, yd, &mut x, &mut y) {
+                for lane in 0..LANES {
+                    (x[lane], y[lane]) = lens.approach(xd[lane], yd).unwrap_or_else(|last| last);
+                }
+            }
         }
         xs.copy_from_slice(&x[..xs.len()]);
         ys.copy_from_slice(&y[..ys.len()]);
     }
 }
 
-/// Fixed-point iteration until all lanes have converged.
+/// Fixed-point iteration until all lanes have converged; returns whether they have.
 #[inline(always)]
-fn invert(d: &Distortion, xd: &[f64; LANES], yd: f64, x: &mut [f64; LANES], y: &mut [f64; LANES]) {
+fn invert(d: &Distortion, xd: &[f64; LANES], yd: f64, x: &mut [f64; LANES], y: &mut [f64; LANES]) -> bool {
     for _ in 0..MOST_STEPS {
         let mut far = 0.0f64;
         for lane in 0..LANES {
@@ -137,9 +138,10 @@ fn invert(d: &Distortion, xd: &[f64; LANES], yd: f64, x: &mut [f64; LANES], y: &
             far = imaging::simd::larger(far, step);
         }
         if far < ARRIVED {
-            return;
+            return true;
         }
     }
+    false
 }
 
 #[inline(always)]

@@ -1,6 +1,7 @@
 //! Clouds on the slices of a ray.
 
 use super::{Clouds, Drift, Murk};
+use crate::lamp::LitPoint;
 
 impl Drift {
     /// The clouds in the middles of the slices of a ray, each `step` meters long.
@@ -21,6 +22,14 @@ impl Drift {
                 stopped: -(-clouds.law.extinction_per_m * density * step).exp_m1(),
             })
         })
+    }
+
+    /// Where it is lit.
+    pub(super) fn point(&self, weight: f64) -> LitPoint {
+        LitPoint {
+            place: self.place,
+            weight,
+        }
     }
 
     /// Transmittance of the water before it.

@@ -4,6 +4,7 @@
 use imaging::{Plane, Rgb, cancel};
 
 use super::{Clouds, Drift, Murk, end};
+use crate::lamp::LitPoint;
 
 /// Pixels between rays.
 const CELL_PX: usize = 6;
@@ -37,6 +38,7 @@ pub fn layers(range: &Plane<f32>, clouds: &Clouds, murk: &Murk<'_>) -> Layers {
     let ends = range.data().iter().map(|&z| end(z));
     let step = ends.fold(0.0, f64::max).max(1e-3) / SLICES as f64;
     let (columns, rows) = (width.div_ceil(CELL_PX) + 1, height.div_ceil(CELL_PX) + 1);
+    let ends = cell_ends(range);
     let mut nodes = Vec::with_capacity(columns * rows * (SLICES + 1));
     let mut is_clear = true;
     let mut drifts = Vec::new();
@@ -46,20 +48,22 @@ pub fn layers(range: &Plane<f32>, clouds: &Clouds, murk: &Murk<'_>) -> Layers {
         let ray = |column: usize| clouds.eye.ray(at(column, width), at(row, height));
         drifts.clear();
         for column in 0..columns {
-            drifts.extend(Drift::along(clouds, ray(column), SLICES, step).map(|drift| (column, drift)));
+            let slices = (farthest_beside(&ends, columns, (column, row)) / step) as usize + 1;
+            let along = Drift::along(clouds, ray(column), slices.min(SLICES), step);
+            drifts.extend(along.map(|drift| Met::new(column, drift, murk)));
         }
-        let colors = clouds.colors(murk, drifts.iter().map(|(_, drift)| drift.place));
+        let points: Vec<LitPoint> = drifts.iter().map(Met::point).collect();
+        let colors = clouds.colors(murk, &points);
         is_clear &= drifts.is_empty();
         let mut met = drifts.iter().zip(colors).peekable();
         for column in 0..columns {
             let mut node = NOTHING;
             nodes.push(node);
             for slice in 0..SLICES {
-                let here = met.next_if(|((ray, drift), _)| (*ray, drift.slice) == (column, slice));
-                if let Some(((_, drift), color)) = here {
-                    let through = drift.through(murk);
+                let here = met.next_if(|(met, _)| (met.column, met.drift.slice) == (column, slice));
+                if let Some((met, color)) = here {
                     for i in 0..3 {
-                        let share = (drift.stopped * through[i]) as f32;
+                        let share = (met.drift.stopped * met.through[i]) as f32;
                         node[3 + i] += node[i] * share * color[i] as f32;
                         node[i] *= 1.0 - share;
                     }
@@ -75,6 +79,55 @@ pub fn layers(range: &Plane<f32>, clouds: &Clouds, murk: &Murk<'_>) -> Layers {
         is_clear,
         most_opacity,
     }
+}
+
+/// A cloud on a slice of a ray.
+struct Met {
+    column: usize,
+    drift: Drift,
+    /// Transmittance of the water before it.
+    through: [f64; 3],
+}
+
+impl Met {
+    fn new(column: usize, drift: Drift, murk: &Murk<'_>) -> Self {
+        Self {
+            column,
+            through: drift.through(murk),
+            drift,
+        }
+    }
+
+    /// Its weight is that of a whole ray of such slices, so that their errors add to at most that of one.
+    fn point(&self) -> LitPoint {
+        let clearest = self.through.into_iter().fold(0.0, f64::max);
+        self.drift
+            .point((SLICES as f64 * self.drift.stopped * clearest).min(1.0))
+    }
+}
+
+/// The farthest end of the pixels of each cell, m, by rows.
+fn cell_ends(range: &Plane<f32>) -> Vec<f64> {
+    let (width, height) = range.size();
+    let (columns, rows) = (width.div_ceil(CELL_PX), height.div_ceil(CELL_PX));
+    let mut ends = vec![0.0f64; columns * rows];
+    for y in 0..height {
+        for (x, &z) in range.row(y).iter().enumerate() {
+            let cell = &mut ends[y / CELL_PX * columns + x / CELL_PX];
+            *cell = cell.max(end(z));
+        }
+    }
+    ends
+}
+
+/// The farthest end among the cells that a ray is a corner of, m: clouds beyond it are not read for any pixel. `columns` is the number of
+/// rays in a row.
+fn farthest_beside(ends: &[f64], columns: usize, (column, row): (usize, usize)) -> f64 {
+    let wide = columns - 1;
+    let high = ends.len() / wide;
+    let near = |at: usize, count: usize| at.saturating_sub(1)..(at + 1).min(count);
+    let cells = near(row, high).flat_map(|y| near(column, wide).map(move |x| ends[y * wide + x]));
+    cells.fold(0.0, f64::max)
 }
 
 impl Layers {

@@ -3,6 +3,7 @@
 use imaging::{Plane, Rgb};
 
 use super::{Clouds, Drift, FAR_M, Murk, end};
+use crate::lamp::LitPoint;
 
 /// Steps of the longest ray.
 const STEPS: f64 = 600.0;
@@ -23,7 +24,8 @@ pub fn veil_reference(
         let step = end / count;
         let (mut added, mut clear) = ([0.0; 3], [1.0; 3]);
         let drifts: Vec<Drift> = Drift::along(clouds, ray, count as usize, step).collect();
-        let colors = clouds.colors(murk, drifts.iter().map(|drift| drift.place));
+        let points: Vec<LitPoint> = drifts.iter().map(|drift| drift.point(1.0)).collect();
+        let colors = clouds.colors(murk, &points);
         for (drift, color) in drifts.iter().zip(colors) {
             let through = drift.through(murk);
             for i in 0..3 {

@@ -31,9 +31,9 @@ fn murk() -> Murk<'static> {
     Murk {
         attenuation: [0.5, 0.2, 0.25],
         path: &|_, range| range,
-        light: &|places| {
+        light: &|points| {
             let light = |[x, y, z]: [f64; 3]| [0.3 + 0.2 / (0.2 + x * x + y * y + z * z); 3];
-            places.iter().map(|&place| light(place)).collect()
+            points.iter().map(|point| light(point.place)).collect()
         },
     }
 }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use imaging::{Plane, Rgb, cancel, vectorized};
 
-use super::{LitFlake, Spot};
+use super::{Flake, LitFlake, Spot};
 use crate::extremes::brightest;
 use crate::range::is_hole;
 
@@ -35,15 +35,7 @@ pub fn snow(image: &mut Rgb<f32>, flakes: &[LitFlake], range: &Plane<f32>, toler
         if most <= share {
             continue;
         }
-        let reach = flake.spot.reach();
-        let span = |center: f64, reach: f64, side: usize| {
-            let first = (center - reach).ceil().max(0.0) as usize;
-            first..((center + reach).floor() + 1.0).clamp(0.0, side as f64) as usize
-        };
-        let (columns, rows) = (
-            span(flake.center[0], reach[0], width),
-            span(flake.center[1], reach[1], height),
-        );
+        let [columns, rows] = pixels_of(flake, (width, height));
         if columns.is_empty() {
             continue;
         }
@@ -75,6 +67,27 @@ pub fn snow(image: &mut Rgb<f32>, flakes: &[LitFlake], range: &Plane<f32>, toler
             .for_each(|(light, change)| *light += change);
     }
     mask
+}
+
+/// Columns and rows that a particle reaches.
+fn pixels_of(flake: &Flake, (width, height): (usize, usize)) -> [Range<usize>; 2] {
+    let span = |center: f64, reach: f64, side: usize| {
+        let first = (center - reach).ceil().max(0.0) as usize;
+        first..((center + reach).floor() + 1.0).clamp(0.0, side as f64) as usize
+    };
+    let reach = flake.spot.reach();
+    [
+        span(flake.center[0], reach[0], width),
+        span(flake.center[1], reach[1], height),
+    ]
+}
+
+/// Whether a pixel that a particle reaches shows something behind it.
+#[must_use]
+pub fn is_in_front(flake: &Flake, range: &Plane<f32>) -> bool {
+    let [columns, mut rows] = pixels_of(flake, range.size());
+    let is_farther = |&z: &f32| is_hole(z) || f64::from(z) > flake.range_m;
+    !columns.is_empty() && rows.any(|row| range.row(row)[columns.clone()].iter().any(is_farther))
 }
 
 /// The weights of a spot along the columns that it reaches.

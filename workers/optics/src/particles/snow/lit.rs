@@ -2,6 +2,7 @@
 
 use super::Flake;
 use super::world::Surround;
+use crate::lamp::LitPoint;
 
 /// A particle as it is seen through the water.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,17 +18,26 @@ pub struct LitFlake {
 /// Particles lit by their surroundings, in their order.
 #[must_use]
 pub fn lit(flakes: &[Flake], albedo: [f64; 3], surround: &Surround<'_>) -> Vec<LitFlake> {
-    let places: Vec<[f64; 3]> = flakes.iter().map(|flake| flake.place).collect();
-    let light = (surround.light)(&places);
-    let lit = |(flake, light): (&Flake, [f64; 3])| {
-        let path = (surround.path)(flake.place, flake.range_m);
-        LitFlake {
-            flake: *flake,
-            opacity: surround.attenuation.map(|c| flake.opacity * (-c * path).exp()),
-            color: [0, 1, 2].map(|i| albedo[i] * light[i]),
-        }
-    };
-    flakes.iter().zip(light).map(lit).collect()
+    let mut lit: Vec<LitFlake> = flakes
+        .iter()
+        .map(|flake| {
+            let path = (surround.path)(flake.place, flake.range_m);
+            LitFlake {
+                flake: *flake,
+                opacity: surround.attenuation.map(|c| flake.opacity * (-c * path).exp()),
+                color: [0.0; 3],
+            }
+        })
+        .collect();
+    let points = lit.iter().map(|LitFlake { flake, opacity, .. }| LitPoint {
+        place: flake.place,
+        weight: opacity.iter().copied().fold(0.0, f64::max),
+    });
+    let light = (surround.light)(&points.collect::<Vec<_>>());
+    for (flake, light) in lit.iter_mut().zip(light) {
+        flake.color = [0, 1, 2].map(|i| albedo[i] * light[i]);
+    }
+    lit
 }
 
 /// The most light that one of them adds to a pixel.

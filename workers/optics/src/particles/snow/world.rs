@@ -4,6 +4,7 @@ use imaging::Plane;
 use spec::Snow;
 
 use crate::eye::Eye;
+use crate::lamp::LitPoint;
 
 /// The largest radius of Junge's law over the least: a spectrum of marine particles is followed over about a decade of sizes
 /// (McCave 1984; Jackson et al. 1997 measured slopes of diameters between 3 and 4 with several instruments).
@@ -60,8 +61,8 @@ impl Seeing<'_> {
     }
 }
 
-/// Radiance of white particles at some points in camera axes, of each R, G and B.
-pub type WhiteLight<'a> = &'a dyn Fn(&[[f64; 3]]) -> Vec<[f64; 3]>;
+/// Radiance of white particles at some points, of each R, G and B.
+pub type WhiteLight<'a> = &'a dyn Fn(&[LitPoint]) -> Vec<[f64; 3]>;
 
 /// Surroundings of the particles.
 #[derive(Clone, Copy)]
@@ -74,6 +75,6 @@ pub struct Surround<'a> {
     pub attenuation: [f64; 3],
     /// Meters of water of this attenuation up to a point in camera axes at this range.
     pub path: &'a dyn Fn([f64; 3], f64) -> f64,
-    /// Radiance of a white particle at each of some points in camera axes.
+    /// Radiance of a white particle at each of some points.
     pub light: WhiteLight<'a>,
 }

@@ -3,13 +3,12 @@
 use imaging::{Plane, Rgb};
 use optics::lamp;
 use optics::plan::{ErrorBound, Stage, StageId, Variant};
-use optics::snow::{self, LitFlake};
+use optics::snow::{self, Flake, LitFlake};
 use serde_json::json;
 use spec::{FrameRecord, Snow};
 
 use crate::assessment::Assessment;
 use crate::context::FrameContext;
-use crate::inputs::shutter::Shutter;
 use crate::stage::sediment::{Clouded, mean};
 use crate::stage::surroundings::Surroundings;
 
@@ -123,11 +122,15 @@ fn fall(
         Variant::Skip => None,
         Variant::Reference => Some(fall_reference(context, law, &surroundings, picture)),
         _ => {
-            let flakes = light_flakes(&surroundings, law, &context.shutter, clouded);
+            let range = surroundings.range;
+            let mut flakes = context.shutter.flakes(&context.setting, law, range.size());
+            let particles = flakes.len();
+            flakes.retain(|flake| snow::is_in_front(flake, range));
+            let flakes = light_flakes(&surroundings, law, &flakes, clouded);
             let share = stage.share.unwrap_or_default();
             Some(Fallen {
-                particles: flakes.len(),
-                mask: snow::snow(picture, &flakes, surroundings.range, share),
+                particles,
+                mask: snow::snow(picture, &flakes, range, share),
             })
         }
     };
@@ -138,16 +141,15 @@ fn fall(
     fallen.map(|fallen| fallen.mask)
 }
 
-/// The visible particles with their light, the farthest first.
+/// Particles with their light, in their order.
 fn light_flakes(
     surroundings: &Surroundings<'_>,
     law: &Snow,
-    shutter: &Shutter,
+    flakes: &[Flake],
     clouded: Option<&Clouded>,
 ) -> Vec<LitFlake> {
     let range = surroundings.range;
-    let flakes = shutter.flakes(surroundings.setting, law, range.size());
-    let mut lit = surroundings.show(|surround| snow::lit(&flakes, law.albedo, surround));
+    let mut lit = surroundings.show(|surround| snow::lit(flakes, law.albedo, surround));
     // Clouds in front of a particle attenuate it.
     if let Some(layers) = clouded.and_then(|clouded| clouded.layers.as_ref()) {
         for LitFlake { flake, opacity, .. } in &mut lit {

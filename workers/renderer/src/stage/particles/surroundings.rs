@@ -2,7 +2,7 @@
 
 use imaging::Plane;
 use imaging::rays::Rays;
-use optics::lamp::{self, Lighting, Shadow};
+use optics::lamp::{self, Lighting, LitPoint, Shadow};
 use optics::plan::{StageId, Variant};
 use optics::setting::Setting;
 use optics::snow::Surround;
@@ -66,15 +66,15 @@ impl<'a> Surroundings<'a> {
             eye,
             attenuation: self.setting.attenuation(),
             path: &path,
-            light: &|places| self.light(places),
+            light: &|points| self.light(points),
         })
     }
 
     /// Radiance of white particles in daylight and lamplight.
-    fn light(&self, places: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    fn light(&self, points: &[LitPoint]) -> Vec<[f64; 3]> {
         let gain = self.setting.gain();
-        let daylight = places.iter().map(|&place| {
-            let daylight = self.setting.daylight_at(place);
+        let daylight = points.iter().map(|point| {
+            let daylight = self.setting.daylight_at(point.place);
             [0, 1, 2].map(|i| gain[i] * daylight[i])
         });
         let mut light: Vec<[f64; 3]> = daylight.collect();
@@ -82,9 +82,9 @@ impl<'a> Surroundings<'a> {
             return light;
         };
         let lamps = match self.shading {
-            Shading::None => white_by_definition(places, lighting, None),
-            Shading::Reference(rays) => white_by_definition(places, lighting, Some(rays)),
-            Shading::Fast { rays, unseen } => lamp::white_at_each(places, lighting, (rays, unseen)),
+            Shading::None => white_by_definition(points, lighting, None),
+            Shading::Reference(rays) => white_by_definition(points, lighting, Some(rays)),
+            Shading::Fast { rays, unseen } => lamp::white_at_each(points, lighting, (rays, unseen)),
         };
         for (light, lamps) in light.iter_mut().zip(lamps) {
             *light = [0, 1, 2].map(|i| light[i] + lamps[i]);
@@ -94,7 +94,9 @@ impl<'a> Surroundings<'a> {
 }
 
 /// The light of all lamps at each place, lamp by lamp.
-fn white_by_definition(places: &[[f64; 3]], lighting: &Lighting, rays: Option<&dyn Rays>) -> Vec<[f64; 3]> {
-    let light = places.iter().map(|&place| lamp::white_at(place, lighting, rays));
+fn white_by_definition(points: &[LitPoint], lighting: &Lighting, rays: Option<&dyn Rays>) -> Vec<[f64; 3]> {
+    let light = points
+        .iter()
+        .map(|point| lamp::white_at(point.place, lighting, rays));
     light.collect()
 }
