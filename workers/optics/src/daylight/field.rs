@@ -13,6 +13,8 @@
 //!
 //! All lengths here are those of the range, and coefficients are per unit of it: a range scale multiplies the ones and divides the depth.
 
+use std::cell::Cell;
+
 use super::model::{Bottom, CRITICAL_COSINE, fresnel};
 use super::slope::{SLOPES, share_by_slope};
 use super::sun::SunLight;
@@ -81,7 +83,7 @@ pub(crate) struct Fields {
 }
 
 /// A place in the sea.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Place {
     pub(crate) absorption: [f64; 3],
     pub(crate) scattering: [f64; 3],
@@ -113,8 +115,26 @@ impl Place {
     }
 }
 
+thread_local! {
+    /// The last place and its fields: a frame, its thinned picture and its moments are at one place.
+    static LAST: Cell<Option<(Place, Fields)>> = const { Cell::new(None) };
+}
+
 impl Fields {
-    pub(crate) fn new(place: &Place, wide: WideScattering) -> Self {
+    /// [`Fields::new`], which is not computed again for the place before.
+    pub(crate) fn at(place: &Place, wide: WideScattering) -> Self {
+        if let Some((last, fields)) = LAST.get()
+            && last == *place
+            && fields.wide == wide
+        {
+            return fields;
+        }
+        let fields = Self::new(place, wide);
+        LAST.set(Some((*place, fields)));
+        fields
+    }
+
+    pub(super) fn new(place: &Place, wide: WideScattering) -> Self {
         let exchange = Exchange::new(wide);
         let radiances =
             [0, 1, 2].map(|i| exchange.solve(place.absorption[i], place.scattering[i], place.above(i)));

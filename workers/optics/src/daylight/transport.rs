@@ -83,6 +83,38 @@ pub(super) fn effective_length(rate: f64, length: f64) -> f64 {
     }
 }
 
+/// The path of light through a layer whose source is linear in depth, from the far end to the near one.
+#[derive(Clone, Copy, Default)]
+struct Pass {
+    /// Share of the light at the far end.
+    through: f64,
+    /// Factors of the source at the far and the near end, m.
+    source: [f64; 2],
+}
+
+impl Pass {
+    fn new(attenuation: f64, length: f64) -> Self {
+        let x = attenuation * length;
+        if x < 1e-6 {
+            return Self {
+                through: 1.0,
+                source: [0.5 * length; 2],
+            };
+        }
+        let through = (-x).exp();
+        let far = (1.0 - (1.0 + x) * through) / x;
+        let near = (1.0 - through) - far;
+        Self {
+            through,
+            source: [far / attenuation, near / attenuation],
+        }
+    }
+
+    fn apply(&self, [far, near]: [f64; 2], light: f64) -> f64 {
+        light * self.through + far * self.source[0] + near * self.source[1]
+    }
+}
+
 struct Solver<'a> {
     exchange: &'a Exchange,
     attenuation: f64,
@@ -97,6 +129,8 @@ struct Solver<'a> {
     sun: f64,
     /// Mean phase function between each direction and the sun.
     sunny: [f64; DIRECTIONS],
+    /// How light passes from each layer to the next in each direction; the last is not used.
+    passes: [[Pass; DIRECTIONS]; LAYERS],
     /// Light that no order adds to: the sky through the surface, and singly scattered sunlight.
     first: Field,
 }
@@ -131,8 +165,16 @@ impl<'a> Solver<'a> {
                     |sun: SunLight| azimuth_mean(direction.rise, sun.rise, |x| exchange.wide.density(x));
                 above.sun.map_or(0.0, mean)
             }),
+            passes: [[Pass::default(); DIRECTIONS]; LAYERS],
             first: [[0.0; DIRECTIONS]; LAYERS],
         };
+        solver.passes = std::array::from_fn(|k| {
+            let next = (k + 1).min(LAYERS - 1);
+            let meters = (solver.depths[k] - solver.depths[next]).abs();
+            exchange
+                .directions
+                .map(|direction| Pass::new(attenuation, meters / direction.rise.abs()))
+        });
         solver.first = solver.first_light();
         solver
     }
@@ -195,40 +237,19 @@ impl<'a> Solver<'a> {
             light[LAYERS - 1][j] =
                 bottom.unwrap_or(source[LAYERS - 1][j] / (self.attenuation * (1.0 - rise)));
             for k in (0..LAYERS - 1).rev() {
-                light[k][j] = self.pass(
-                    rise,
-                    [k + 1, k],
-                    [source[k + 1][j], source[k][j]],
-                    light[k + 1][j],
-                );
+                let sources = [source[k + 1][j], source[k][j]];
+                light[k][j] = self.passes[k][j].apply(sources, light[k + 1][j]);
             }
         }
         for j in FIRST_UP..DIRECTIONS {
             let rise = self.exchange.directions[j].rise;
             light[0][j] = fresnel(rise) * mirrored[j];
             for k in 1..LAYERS {
-                light[k][j] = self.pass(
-                    rise,
-                    [k - 1, k],
-                    [source[k - 1][j], source[k][j]],
-                    light[k - 1][j],
-                );
+                let sources = [source[k - 1][j], source[k][j]];
+                light[k][j] = self.passes[k - 1][j].apply(sources, light[k - 1][j]);
             }
         }
         light
-    }
-
-    /// Light after a layer whose source is linear in depth, from the far end to the near one.
-    fn pass(&self, rise: f64, layers: [usize; 2], source: [f64; 2], light: f64) -> f64 {
-        let length = (self.depths[layers[0]] - self.depths[layers[1]]).abs() / rise.abs();
-        let x = self.attenuation * length;
-        if x < 1e-6 {
-            return light + 0.5 * (source[0] + source[1]) * length;
-        }
-        let passes = (-x).exp();
-        let far = (1.0 - (1.0 + x) * passes) / x;
-        let near = (1.0 - passes) - far;
-        light * passes + (source[0] * far + source[1] * near) / self.attenuation
     }
 
     /// Upwelling light at the surface in the mirror image of every direction that looks up.

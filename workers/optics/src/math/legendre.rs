@@ -4,15 +4,19 @@
 /// node to the smallest: the roots of the Legendre polynomial P_n by Newton's method, `w = 2 / ((1 − x²) P_n'(x)²)`.
 #[must_use]
 pub fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
-    (0..n).map(|i| node(i, n)).collect()
+    let mut rule: Vec<(f64, f64)> = (0..n.div_ceil(2)).map(|i| node(i, n)).collect();
+    let mirrored: Vec<(f64, f64)> = rule[..n / 2].iter().rev().map(|&(x, w)| (-x, w)).collect();
+    rule.extend(mirrored);
+    rule
 }
 
 fn node(i: usize, n: usize) -> (f64, f64) {
     let degree = n as f64;
     let mut x = (std::f64::consts::PI * (i as f64 + 0.75) / (degree + 0.5)).cos();
     let mut slope = 1.0;
-    // Newton's method doubles the digits in each step; from this start four steps suffice.
+    // Newton's method doubles the digits in each step; from this start four steps suffice, and the last one changes nothing.
     for _ in 0..8 {
+        let before = x;
         let (mut below, mut value) = (1.0, x);
         for k in 2..=n {
             let k = k as f64;
@@ -20,6 +24,9 @@ fn node(i: usize, n: usize) -> (f64, f64) {
         }
         slope = degree * (x * value - below) / (x * x - 1.0);
         x -= value / slope;
+        if x == before {
+            break;
+        }
     }
     (x, 2.0 / ((1.0 - x * x) * slope * slope))
 }
