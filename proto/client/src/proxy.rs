@@ -21,9 +21,19 @@ pub fn choose_proxy(url: &str) -> Result<Option<Proxy>, InvalidProxy> {
         return Ok(None);
     };
     match Proxy::new(&address) {
-        Ok(proxy) => Ok(Some(proxy)),
-        Err(_) => Err(InvalidProxy { address }),
+        Ok(proxy) if has_valid_port(&address) => Ok(Some(proxy)),
+        _ => Err(InvalidProxy { address }),
     }
+}
+
+/// Whether the port of a proxy is a number or absent. `ureq` takes port 80 for any other text.
+fn has_valid_port(address: &str) -> bool {
+    let rest = address.split_once("://").map_or(address, |(_, rest)| rest);
+    let authority = rest.split(['/', '?', '#']).next().unwrap_or_default();
+    let server = authority.rsplit_once('@').map_or(authority, |(_, server)| server);
+    let port = server.rsplit_once(']').map_or(server, |(_, port)| port);
+    port.split_once(':')
+        .is_none_or(|(_, port)| port.is_empty() || port.parse::<u16>().is_ok())
 }
 
 /// A variable of the environment that has no URL of a proxy.
@@ -175,6 +185,22 @@ mod tests {
         }
         assert_eq!(proxy("http://lab:7311", "").as_deref(), Some("http://proxy:1"));
         assert_eq!(proxy("https://lab", "").as_deref(), Some("http://proxy:2"));
+    }
+
+    #[test]
+    fn a_port_is_a_number() {
+        for (address, is_valid) in [
+            ("http://lab:3128", true),
+            ("lab", true),
+            ("http://user:word@lab:3128/", true),
+            ("http://[fd00::7]:80", true),
+            ("socks5://lab:1080", true),
+            ("lab:port", false),
+            ("http://[fd00::7]:x", false),
+            ("http://lab:70000", false),
+        ] {
+            assert_eq!(has_valid_port(address), is_valid, "{address}");
+        }
     }
 
     #[test]

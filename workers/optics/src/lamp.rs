@@ -41,7 +41,7 @@ pub use patches::glow_within;
 pub use phase::{
     AVERAGE_BACKSCATTER_FRACTION, GlowPhase, asymmetry_of, backscatter_fraction, henyey_greenstein,
 };
-pub use point::{LitPoint, most_white, white_at, white_at_each};
+pub use point::{most_white, white_at, white_at_each};
 pub use reference::{
     REFERENCE_NODES, airlight_reference, irradiance_reference, shaded_airlight_reference,
     shaded_irradiance_reference,

@@ -28,6 +28,6 @@ pub use particles::{sediment, snow, turbidity};
 pub use scattering::{forward_scatter, kernel, layering};
 pub use screen::Screen;
 use view::visibility;
-pub use view::{eye, range, visible_bounds};
+pub use view::{eye, lit_point, range, visible_bounds};
 pub use visibility::{LEAST_CONTRAST, Visibility, visibility};
 pub use waters::{medium, preset, water};

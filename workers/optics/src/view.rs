@@ -1,6 +1,7 @@
 //! Rays, ranges and bounds of what a camera sees.
 
 pub mod eye;
+pub mod lit_point;
 pub mod range;
 pub(crate) mod visibility;
 pub mod visible_bounds;

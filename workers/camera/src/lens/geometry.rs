@@ -4,6 +4,7 @@
 //! (Brown 1971), a flat port refracts the result, and the source picture is sampled there. Labels use the same map.
 
 mod bound;
+mod brown;
 mod lens;
 mod map;
 mod sampling;

@@ -84,8 +84,8 @@ fn read_description(profile: &[u8]) -> Option<String> {
         }
         b"mluc" => {
             let (length, offset) = (word(start + 20)?, word(start + 24)?);
-            let from = start.checked_add(offset)?;
-            let text = profile.get(from..from.checked_add(length)?)?;
+            let begin = start.checked_add(offset)?;
+            let text = profile.get(begin..begin.checked_add(length)?)?;
             let units: Vec<u16> = text
                 .chunks_exact(2)
                 .map(|pair| u16::from_be_bytes([pair[0], pair[1]]))

@@ -122,7 +122,7 @@ thread_local! {
 
 impl Fields {
     /// [`Fields::new`], which is not computed again for the place before.
-    pub(crate) fn at(place: &Place, wide: WideScattering) -> Self {
+    pub(crate) fn find(place: &Place, wide: WideScattering) -> Self {
         if let Some((last, fields)) = LAST.get()
             && last == *place
             && fields.wide == wide

@@ -13,6 +13,7 @@ use super::patches::{last, mean};
 use super::shadow::{SPREAD_PLACES, Shadow, share_seen};
 use super::sight::{Disc, Radius, Sight, Starts};
 use super::{Lamp, Lighting};
+use crate::lit_point::LitPoint;
 
 /// Light of one lamp at a point, of each channel, as the radiance of a white surface that faces the lamp.
 pub(super) struct Arriving {
@@ -93,15 +94,6 @@ pub fn white_at(place: [f64; 3], lighting: &Lighting, rays: Option<&dyn Rays>) -
         }
     }
     sum
-}
-
-/// A point in the water and how much its light matters.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LitPoint {
-    /// In camera axes, m.
-    pub place: [f64; 3],
-    /// Largest share of its light in a pixel, 0 to 1.
-    pub weight: f64,
 }
 
 /// [`white_at`] of many points, with shadows traced in f32 as by [`shaded_irradiance`](super::shaded_irradiance): light of a lamp

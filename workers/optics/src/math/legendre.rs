@@ -14,7 +14,7 @@ fn node(i: usize, n: usize) -> (f64, f64) {
     let degree = n as f64;
     let mut x = (std::f64::consts::PI * (i as f64 + 0.75) / (degree + 0.5)).cos();
     let mut slope = 1.0;
-    // Newton's method doubles the digits in each step; from this start four steps suffice, and the last one changes nothing.
+    // Newton's method doubles the digits in each step; from this start four steps suffice.
     for _ in 0..8 {
         let before = x;
         let (mut below, mut value) = (1.0, x);

@@ -24,7 +24,7 @@ use imaging::vector::dot;
 use spec::{Sediment, normal_quantile};
 
 use crate::eye::Eye;
-use crate::lamp::LitPoint;
+use crate::lit_point::LitPoint;
 use crate::range::is_hole;
 use crate::snow::{WhiteLight, World};
 

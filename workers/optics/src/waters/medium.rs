@@ -7,8 +7,8 @@ use spec::{Daylight, Frame, HoleRule, NamedDaylight, Optics, PhaseFunction, Scen
 use crate::daylight::{Bottom, DaylightModel};
 use crate::preset::{self, all_known};
 
-/// Most layers of a frame in a described water. A gate serves 60 to 80 % of the edges of a site; each further one costs half as much as
-/// the two kernels and rounds as much as the first.
+/// Most layers of a frame in a described water. One gate serves 60 to 80 % of the edges of a site. A second one would add half of the cost
+/// of the kernels, and the same rounding again.
 const MOST_LAYERS: usize = 2;
 /// Depth of the camera by day if it is not given, m.
 const DAY_DEPTH_M: f64 = 5.0;

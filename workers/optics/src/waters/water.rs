@@ -171,7 +171,7 @@ impl Water {
         }
     }
 
-    /// The same water, in which near objects do not occlude the light that farther ones scatter.
+    /// The same water without occlusion of scattered light by near objects.
     #[must_use]
     pub fn without_layers(&self) -> Self {
         let mut open = self.clone();

@@ -3,7 +3,8 @@
 use imaging::random::Stream;
 use imaging::rays::{Cuboid, Hit, Rays};
 use imaging::{Plane, Rgb};
-use optics::lamp::{self, Lamp, Lighting, LitPoint, REFERENCE_NODES, Shadow};
+use optics::lamp::{self, Lamp, Lighting, REFERENCE_NODES, Shadow};
+use optics::lit_point::LitPoint;
 use optics::plan::Casting;
 use optics::visible_bounds::VisibleBounds;
 

@@ -5,7 +5,8 @@ use imaging::geometry::Intrinsics;
 use imaging::{Plane, vectorized};
 use spec::Distortion;
 
-use super::lens::{ARRIVED, Lens, MOST_STEPS, PortRefraction, border, distorted, refracted};
+use super::brown::distorted;
+use super::lens::{ARRIVED, Lens, MOST_STEPS, PortRefraction, border, refracted};
 
 /// Margin around the area reached by the map.
 const MARGIN_PX: f64 = 2.0;

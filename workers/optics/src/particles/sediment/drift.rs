@@ -1,7 +1,7 @@
 //! Clouds on the slices of a ray.
 
 use super::{Clouds, Drift, Murk};
-use crate::lamp::LitPoint;
+use crate::lit_point::LitPoint;
 
 impl Drift {
     /// The clouds in the middles of the slices of a ray, each `step` meters long.

@@ -4,7 +4,7 @@
 use imaging::{Plane, Rgb, cancel};
 
 use super::{Clouds, Drift, Murk, end};
-use crate::lamp::LitPoint;
+use crate::lit_point::LitPoint;
 
 /// Pixels between rays.
 const CELL_PX: usize = 6;
@@ -60,8 +60,8 @@ pub fn layers(range: &Plane<f32>, clouds: &Clouds, murk: &Murk<'_>) -> Layers {
             let mut node = NOTHING;
             nodes.push(node);
             for slice in 0..SLICES {
-                let here = met.next_if(|(met, _)| (met.column, met.drift.slice) == (column, slice));
-                if let Some((met, color)) = here {
+                let cloud = met.next_if(|(met, _)| (met.column, met.drift.slice) == (column, slice));
+                if let Some((met, color)) = cloud {
                     for i in 0..3 {
                         let share = (met.drift.stopped * met.through[i]) as f32;
                         node[3 + i] += node[i] * share * color[i] as f32;

@@ -3,7 +3,7 @@
 use imaging::{Plane, Rgb};
 
 use super::{Clouds, Drift, FAR_M, Murk, end};
-use crate::lamp::LitPoint;
+use crate::lit_point::LitPoint;
 
 /// Steps of the longest ray.
 const STEPS: f64 = 600.0;

@@ -2,7 +2,7 @@
 
 use super::Flake;
 use super::world::Surround;
-use crate::lamp::LitPoint;
+use crate::lit_point::LitPoint;
 
 /// A particle as it is seen through the water.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -4,7 +4,7 @@ use imaging::Plane;
 use spec::Snow;
 
 use crate::eye::Eye;
-use crate::lamp::LitPoint;
+use crate::lit_point::LitPoint;
 
 /// The largest radius of Junge's law over the least: a spectrum of marine particles is followed over about a decade of sizes
 /// (McCave 1984; Jackson et al. 1997 measured slopes of diameters between 3 and 4 with several instruments).

@@ -13,7 +13,7 @@ use super::{Light, Preview};
 const TERMS: usize = 4;
 
 impl Preview<'_> {
-    /// `None` if nothing occludes anything.
+    /// `None` without layers.
     pub(super) fn with_occlusion(&self) -> Option<[Rgb<f32>; 2]> {
         let water = self.context.setting.around.as_ref()?;
         self.layering.as_ref()?;

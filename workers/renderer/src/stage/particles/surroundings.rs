@@ -2,7 +2,8 @@
 
 use imaging::Plane;
 use imaging::rays::Rays;
-use optics::lamp::{self, Lighting, LitPoint, Shadow};
+use optics::lamp::{self, Lighting, Shadow};
+use optics::lit_point::LitPoint;
 use optics::plan::{StageId, Variant};
 use optics::setting::Setting;
 use optics::snow::Surround;

@@ -57,7 +57,7 @@ impl Checks {
             scale,
             bottom: request.medium.bottom,
         };
-        let mut fields = Fields::at(
+        let mut fields = Fields::find(
             &place,
             WideScattering::new(request.medium.airlight_phase, fraction),
         );
