@@ -377,7 +377,7 @@ def test_what_a_dataset_cannot_give_is_refused_before_a_file_is_written(
         client.submit(plain).wait()
         for format, part in [
             ("coco", "no image of `plain` has an artifact `instances`, `boxes`"),
-            ("yolo", "/artifacts of the job"),
+            ("yolo", "add it to `artifacts` of the job"),
             ("colmap", "2 of 2 images of `plain` cannot be exported: the format colmap is made of poses"),
             ("transforms", "/camera/path"),
         ]:

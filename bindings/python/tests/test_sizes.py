@@ -49,7 +49,7 @@ def export(server: str, dataset: str, out: Path, format: str, *options: str) -> 
 def snippet(section: str) -> str:
     """Return the Python of a section of the page on exports."""
     text = PAGE.read_text().split(f"\n## {section}\n")[1].split("\n## ")[0]
-    return re.findall(r"```python\n(.*?)```", text, re.DOTALL)[0]
+    return str(re.findall(r"```python\n(.*?)```", text, re.DOTALL)[0])
 
 
 def run_snippet(section: str, place: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
@@ -155,7 +155,7 @@ def test_every_value_is_equal_in_every_table(server: str, submit: Submit, tmp_pa
         "hf": datasets.load_dataset(str(tmp_path / "hf"), cache_dir=str(tmp_path / "cache"))["train"].to_list(),
         "set": dataset.dataset(tmp_path / "set" / "rows").to_table().to_pylist(),
     }
-    own = ("job_id", "created_ms", "timings", "worker", "artifacts", "attempt", "host")
+    own = ("job", "created_ms", "total_ms", "timings", "worker", "artifacts", "attempt", "host")
     for format, table in tables.items():
         compared = 0
         for row, stored in zip(rows, sorted(table, key=lambda row: row["frame"]), strict=True):

@@ -164,11 +164,7 @@ impl Field {
         let source = Polynomial::fit(samples(source.map(|light| (relative(light) * scale).ln())));
         let rate = Polynomial::fit(samples(rates.map(|rate| rate * scale)));
         Self {
-            decay: if depth_m > 0.0 {
-                -radiance.irradiance.ln() / depth_m * scale
-            } else {
-                radiance.attenuation * scale
-            },
+            decay: scale * decay_of(radiance, depth_m, exchange.wide.share * scattering),
             attenuation: radiance.attenuation * scale,
             peak: (1.0 - exchange.wide.share) * scattering * scale,
             horizon: source.value(0.0).exp() / rate.value(0.0),
@@ -302,12 +298,28 @@ impl SecondSunlight {
     }
 }
 
+/// Attenuation lengths of a path below which its decay is lost in the error of the iteration.
+const SHORT: f64 = 1e-2;
+/// Mean cosine of the light of an even sky below the surface.
+const DIFFUSE_COSINE: f64 = 0.86;
+
+/// K between the surface and a depth. At least a: the surface mirrors upwelling light, so irradiance may grow at first, but below it
+/// decays by absorption (Gershun 1939).
+fn decay_of(radiance: &Radiance, depth_m: f64, wide_scattering: f64) -> f64 {
+    let absorption = radiance.attenuation - wide_scattering;
+    if radiance.attenuation * depth_m < SHORT {
+        absorption / DIFFUSE_COSINE
+    } else {
+        (-radiance.irradiance.ln() / depth_m).max(absorption)
+    }
+}
+
 /// k of rays that never end is at least this share of c.
 const LEAST_RATE: f64 = 0.02;
 
 /// The k for which `ℓ(k, end)` is a length: by bisection, since ℓ falls with k.
 fn rate_of(length: f64, end: f64, attenuation: f64) -> f64 {
-    if length <= 0.0 || !length.is_finite() {
+    if length <= 0.0 || !length.is_finite() || attenuation * end < SHORT {
         return attenuation;
     }
     if end == f64::INFINITY {

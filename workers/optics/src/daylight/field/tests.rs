@@ -121,6 +121,19 @@ fn the_horizon_is_brighter_than_what_is_below_and_darker_than_the_window() {
 }
 
 #[test]
+fn just_below_the_surface_light_decays_and_the_horizon_shines() {
+    let [mut least, mut most] = [f64::INFINITY, 0.0f64];
+    for step in 0..60 {
+        let depth = 1e-7 * 1.4f64.powi(step);
+        let fields = Fields::new(&place(0.12, 0.19, depth, 0.4), wide());
+        let Field { decay, horizon, .. } = fields.channels[0];
+        assert!((0.119..0.5).contains(&decay), "{depth} m: {decay}");
+        (least, most) = (least.min(horizon), most.max(horizon));
+    }
+    assert!(least > 0.0 && most < 10.0 * least, "{least} to {most}");
+}
+
+#[test]
 fn water_that_scatters_or_absorbs_nothing_and_any_depth_have_a_field() {
     for (a, b) in [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (30.0, 100.0)] {
         for depth in [0.0, 1e-3, 50.0, 11_000.0] {

@@ -9,7 +9,7 @@ use imaging::codec::read_sides;
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
-use super::plan::{CameraNumbers, FolderPlan};
+use super::plan::{CameraNumbers, FolderPlan, ScenePlan};
 use super::role::Role;
 
 /// The file with its camera, which each frame may replace.
@@ -90,7 +90,7 @@ pub(super) fn add_poses(plan: &mut FolderPlan, path: &Path) -> Result<(), Failur
             path.display()
         ));
     }
-    describe(plan, path, &transforms, posed, &used);
+    describe(plan, path, &transforms, &used);
     Ok(())
 }
 
@@ -106,8 +106,10 @@ pub(super) fn read(path: &Path) -> Result<Transforms, Failure> {
 }
 
 /// Adds notes about the use of the file.
-fn describe(plan: &mut FolderPlan, path: &Path, transforms: &Transforms, posed: usize, used: &[bool]) {
+fn describe(plan: &mut FolderPlan, path: &Path, transforms: &Transforms, used: &[bool]) {
     let scenes = plan.scenes.len();
+    let has_pose = |scene: &&ScenePlan| scene.pose.is_some() || scene.files.contains_key(&Role::Pose);
+    let posed = plan.scenes.iter().filter(has_pose).count();
     plan.notes
         .push(format!("{posed} of {scenes} pictures have a pose"));
     let name = path.file_name().unwrap_or_default().to_string_lossy();

@@ -136,9 +136,15 @@ impl Card<'_> {
 
     /// The files that `load_dataset` reads. All other files would take part in its guess of a format.
     fn patterns(&self) -> Vec<String> {
+        // The labels of `yolo` have the names of its pictures.
+        let folder = if self.format == Format::Yolo {
+            "images/**"
+        } else {
+            "**"
+        };
         let files = |list: &str, kinds: &[String]| {
             let pictures = kinds.iter().filter(|kind| is_picture(kind));
-            let pictures = pictures.map(|kind| format!("**/{kind}.*"));
+            let pictures = pictures.map(|kind| format!("{folder}/{kind}.*"));
             std::iter::once(list.to_owned()).chain(pictures).collect()
         };
         match self.format {
