@@ -26,7 +26,7 @@ pub fn choose_proxy(url: &str) -> Result<Option<Proxy>, InvalidProxy> {
     }
 }
 
-/// Whether the port of a proxy is a number or absent. `ureq` takes port 80 for any other text.
+/// Whether the port of a proxy is a number or absent. `ureq` replaces any other text by 80.
 fn has_valid_port(address: &str) -> bool {
     let rest = address.split_once("://").map_or(address, |(_, rest)| rest);
     let authority = rest.split(['/', '?', '#']).next().unwrap_or_default();
