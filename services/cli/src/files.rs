@@ -14,16 +14,20 @@ pub fn read(path: &Path) -> Result<Vec<u8>, Failure> {
     fs::read(path).map_err(|error| Failure::BadInput(format!("{}: {error}", path.display())))
 }
 
-/// Reads and decodes a picture named by the user. A color profile other than sRGB is named on standard error.
+/// Reads and decodes a picture named by the user.
 pub fn read_picture(path: &Path) -> Result<Raster, Failure> {
-    let bytes = read(path)?;
-    if let Some(profile) = codec::find_foreign_profile(&bytes) {
+    decode_picture(path, &read(path)?)
+}
+
+/// Decodes a picture of the user. A color profile other than sRGB is named on standard error.
+pub fn decode_picture(path: &Path, bytes: &[u8]) -> Result<Raster, Failure> {
+    if let Some(profile) = codec::find_foreign_profile(bytes) {
         eprintln!(
             "note: {} has {profile}; its values are read as sRGB",
             path.display()
         );
     }
-    codec::decode_picture(&bytes).map_err(|error| Failure::BadInput(format!("{}: {error}", path.display())))
+    codec::decode_picture(bytes).map_err(|error| Failure::BadInput(format!("{}: {error}", path.display())))
 }
 
 /// The pictures in a folder, sorted by name, without those in subfolders.

@@ -84,7 +84,7 @@ pub(super) fn effective_length(rate: f64, length: f64) -> f64 {
 }
 
 /// The path of light through a layer whose source is linear in depth, from the far end to the near one.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 struct Pass {
     /// Share of the light at the far end.
     through: f64,
@@ -129,8 +129,8 @@ struct Solver<'a> {
     sun: f64,
     /// Mean phase function between each direction and the sun.
     sunny: [f64; DIRECTIONS],
-    /// How light passes from each layer to the next in each direction; the last is not used.
-    passes: [[Pass; DIRECTIONS]; LAYERS],
+    /// How light passes between each layer and the one below it in each direction.
+    passes: [[Pass; DIRECTIONS]; LAYERS - 1],
     /// Light that no order adds to: the sky through the surface, and singly scattered sunlight.
     first: Field,
 }
@@ -142,7 +142,7 @@ impl<'a> Solver<'a> {
         let bottom = above.bottom.filter(|(below, _)| *below < deepest);
         let lowest = bottom.map_or(deepest, |(below, _)| below);
         let below = lowest / BELOW as f64;
-        let depths = std::array::from_fn(|k| {
+        let depths: [f64; LAYERS] = std::array::from_fn(|k| {
             if k <= ABOVE {
                 above.depth * k as f64 / ABOVE as f64
             } else {
@@ -165,16 +165,14 @@ impl<'a> Solver<'a> {
                     |sun: SunLight| azimuth_mean(direction.rise, sun.rise, |x| exchange.wide.density(x));
                 above.sun.map_or(0.0, mean)
             }),
-            passes: [[Pass::default(); DIRECTIONS]; LAYERS],
+            passes: std::array::from_fn(|k| {
+                let meters = (depths[k] - depths[k + 1]).abs();
+                exchange
+                    .directions
+                    .map(|direction| Pass::new(attenuation, meters / direction.rise.abs()))
+            }),
             first: [[0.0; DIRECTIONS]; LAYERS],
         };
-        solver.passes = std::array::from_fn(|k| {
-            let next = (k + 1).min(LAYERS - 1);
-            let meters = (solver.depths[k] - solver.depths[next]).abs();
-            exchange
-                .directions
-                .map(|direction| Pass::new(attenuation, meters / direction.rise.abs()))
-        });
         solver.first = solver.first_light();
         solver
     }

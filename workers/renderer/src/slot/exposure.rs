@@ -203,6 +203,7 @@ impl Slot {
     fn render_thin(&mut self, frame: &Frame, prepared: &scene::Prepared) -> Result<Rgb<f32>, RenderError> {
         let unused = &mut Stopwatch::start();
         let mut context = FrameContext::new(frame, prepared, 0.0, &mut self.thin.resources, unused)?;
+        // In a thinned picture a slope has edges, too.
         context.setting.leave_out(StageId::Occlusion);
         context.plan = plan_frame(&context, None, None, &self.networks.engine)?;
         let unused = &mut FrameRecord::default();

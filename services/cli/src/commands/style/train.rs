@@ -71,8 +71,7 @@ fn add_to_service(arguments: &Arguments, model: &Path) -> Result<(), Failure> {
 fn read(path: &Path) -> Result<Given, Failure> {
     let bytes = files::read(path)?;
     let wrong = |reason: String| Failure::BadInput(format!("{}: {reason}", path.display()));
-    let picture = imaging::codec::decode_picture(&bytes).map_err(|error| wrong(error.to_string()))?;
-    let picture = picture.to_rgb8();
+    let picture = files::decode_picture(path, &bytes)?.to_rgb8();
     Ok(Given {
         photo: Photo::new(&picture).map_err(|error| wrong(error.to_string()))?,
         picture,

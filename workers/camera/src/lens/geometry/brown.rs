@@ -33,17 +33,19 @@ pub(super) fn jacobian(d: &Distortion, x: f64, y: f64) -> [[f64; 2]; 2] {
     ]
 }
 
+/// The lens of tests.
+#[cfg(test)]
+pub(super) const BARREL: Distortion = Distortion {
+    k1: -0.12,
+    k2: 0.03,
+    k3: 0.0,
+    p1: 0.002,
+    p2: -0.001,
+};
+
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    const BARREL: Distortion = Distortion {
-        k1: -0.12,
-        k2: 0.03,
-        k3: 0.0,
-        p1: 0.002,
-        p2: -0.001,
-    };
 
     #[test]
     fn a_jacobian_is_the_limit_of_differences() {

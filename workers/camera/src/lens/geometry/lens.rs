@@ -100,25 +100,20 @@ impl Lens {
     /// The ideal coordinates of distorted ones; `None` if neither fixed-point iteration nor Newton's method converges.
     #[must_use]
     pub fn undistorted(&self, xd: f64, yd: f64) -> Option<(f64, f64)> {
-        self.approach(xd, yd).ok()
-    }
-
-    /// The ideal coordinates of distorted ones, or the last iterate if neither method converges.
-    pub(super) fn approach(&self, xd: f64, yd: f64) -> Result<(f64, f64), (f64, f64)> {
         let (mut x, mut y) = (xd, yd);
         for _ in 0..MOST_STEPS {
             let (dx, dy) = distorted(&self.distortion, x, y);
             let step = (dx - xd, dy - yd);
             (x, y) = (x - step.0, y - step.1);
             if step.0.abs().max(step.1.abs()) < ARRIVED {
-                return Ok((x, y));
+                return Some((x, y));
             }
         }
-        self.approach_by_newton((xd, yd))
+        self.undistorted_by_newton((xd, yd))
     }
 
     /// Newton's method, for slopes near 0 or above 1, where fixed points attract slowly or not at all.
-    fn approach_by_newton(&self, (xd, yd): (f64, f64)) -> Result<(f64, f64), (f64, f64)> {
+    fn undistorted_by_newton(&self, (xd, yd): (f64, f64)) -> Option<(f64, f64)> {
         let (mut x, mut y) = (xd, yd);
         for _ in 0..MOST_STEPS {
             let (dx, dy) = distorted(&self.distortion, x, y);
@@ -132,13 +127,13 @@ impl Lens {
             (x, y) = (x - step.0, y - step.1);
             let size = step.0.abs().max(step.1.abs());
             if size < ARRIVED {
-                return Ok((x, y));
+                return Some((x, y));
             }
             if !size.is_finite() {
                 break;
             }
         }
-        Err((xd, yd))
+        None
     }
 
     /// The direction in the water, as `(x/z, y/z)`, of an ideal direction in air.
@@ -269,6 +264,7 @@ fn tangent(sin: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lens::geometry::brown::BARREL;
 
     fn lens(distortion: Distortion, refraction: PortRefraction) -> Lens {
         Lens {
@@ -277,14 +273,6 @@ mod tests {
             refraction,
         }
     }
-
-    const BARREL: Distortion = Distortion {
-        k1: -0.12,
-        k2: 0.03,
-        k3: 0.0,
-        p1: 0.002,
-        p2: -0.001,
-    };
 
     #[test]
     fn the_forward_map_returns_to_the_pixel_that_looked() {

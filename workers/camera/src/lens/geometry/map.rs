@@ -60,7 +60,7 @@ pub struct Coordinates {
     pub y: Plane<f64>,
 }
 
-/// The map of a channel, pixel by pixel, for a lens that passes [`Lens::check`].
+/// The map of a channel, pixel by pixel, for a lens that passes [`Lens::check`]. Pixels without an inverse are not distorted.
 #[must_use]
 pub fn coordinates_reference(
     lens: &Lens,
@@ -70,7 +70,7 @@ pub fn coordinates_reference(
 ) -> Coordinates {
     let places = Plane::from_fn(width, height, |x, y| {
         let air = lens.camera.ray(x as f64, y as f64);
-        let ideal = lens.approach(air.x, air.y).unwrap_or_else(|last| last);
+        let ideal = lens.undistorted(air.x, air.y).unwrap_or((air.x, air.y));
         let (u, v) = lens.in_water(ideal, channel);
         let Intrinsics { focal_px, cx, cy } = source.camera;
         (cx + focal_px * u, cy + focal_px * v)
@@ -116,7 +116,7 @@ fn ideal_row(lens: &Lens, row: usize, xs: &mut [f64], ys: &mut [f64]) {
             x = xd;
             if !invert(&lens.distortion, &xd, yd, &mut x, &mut y) {
                 for lane in 0..LANES {
-                    (x[lane], y[lane]) = lens.approach(xd[lane], yd).unwrap_or_else(|last| last);
+                    (x[lane], y[lane]) = lens.undistorted(xd[lane], yd).unwrap_or((xd[lane], yd));
                 }
             }
         }

@@ -35,10 +35,9 @@ pub fn layers(range: &Plane<f32>, clouds: &Clouds, murk: &Murk<'_>) -> Layers {
         return Layers::clear();
     }
     let (width, height) = range.size();
-    let ends = range.data().iter().map(|&z| end(z));
-    let step = ends.fold(0.0, f64::max).max(1e-3) / SLICES as f64;
-    let (columns, rows) = (width.div_ceil(CELL_PX) + 1, height.div_ceil(CELL_PX) + 1);
     let ends = cell_ends(range);
+    let step = ends.iter().copied().fold(0.0, f64::max).max(1e-3) / SLICES as f64;
+    let (columns, rows) = (width.div_ceil(CELL_PX) + 1, height.div_ceil(CELL_PX) + 1);
     let mut nodes = Vec::with_capacity(columns * rows * (SLICES + 1));
     let mut is_clear = true;
     let mut drifts = Vec::new();
@@ -120,7 +119,7 @@ fn cell_ends(range: &Plane<f32>) -> Vec<f64> {
     ends
 }
 
-/// The farthest end among the cells that a ray is a corner of, m: clouds beyond it are not read for any pixel. `columns` is the number of
+/// The farthest end among the cells that a ray is a corner of, m: clouds beyond it are not read for any pixel, and not counted before particles that show beside it. `columns` is the number of
 /// rays in a row.
 fn farthest_beside(ends: &[f64], columns: usize, (column, row): (usize, usize)) -> f64 {
     let wide = columns - 1;

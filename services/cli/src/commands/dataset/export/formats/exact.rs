@@ -32,7 +32,7 @@ pub(crate) fn check_exact(columns: &[TableColumn], row: &Value, readers: Readers
         };
         if size.is_some_and(|size| size > limit) {
             return Err(Failure::BadInput(format!(
-                "`{name}` of frame {} is {value}, above {limit}: {reason}; export with `--format folder`, which keeps all digits",
+                "`{name}` of frame {} is {value}, beyond {limit}: {reason}; export with `--format folder`, which keeps all digits",
                 row["frame"]
             )));
         }
