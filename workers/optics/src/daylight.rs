@@ -20,13 +20,14 @@ mod veil;
 mod wide;
 
 pub use caustics::{
-    RAYS_PER_CELL, Refraction, Tiles, Waves, caustics, caustics_reference, shafts, slices, tile_reference,
-    with_shafts,
+    RAYS_PER_CELL, Refraction, Strength, Tiles, Waves, caustics, caustics_reference, shafts, slices,
+    tile_reference, with_shafts,
 };
 pub use conditions::{Blur, Daylight};
 pub use field::Field;
 pub(crate) use field::{Fields, Place};
 pub use gaze::Gaze;
+pub use limits::{Heights, MostLight};
 pub use model::{
     Bottom, CRITICAL_COSINE, Caustics, DaylightModel, REFRACTIVE_INDEX, Sun, SurfaceLight, fresnel,
 };

@@ -5,12 +5,15 @@ use optics::plan::{Budget, SceneBounds, Variant, brightest_behind};
 use spec::Fidelity;
 
 use crate::context::FrameContext;
+use crate::stage::daylight::TileDaylight;
 
 /// Inputs for assessing the stages.
 pub(crate) struct Assessment<'a> {
     pub(crate) context: &'a FrameContext<'a>,
     /// The scene in the brightest possible light.
     pub(crate) bounds: SceneBounds,
+    /// Daylight on the surfaces of each tile of the view; `None` if it reaches none.
+    pub(crate) daylight: Option<Vec<TileDaylight>>,
     /// Light of lamps on surfaces; `None` without lamps.
     pub(crate) surfaces: Option<SurfaceBounds>,
     /// Airlight of lamps; `None` without lamps.

@@ -13,6 +13,7 @@ use crate::engine::Engine;
 use crate::error::RenderError;
 use crate::pipeline;
 use crate::stage::camera::Expected;
+use crate::stage::daylight::TileDaylight;
 use crate::stage::{camera, daylight, enhance, haze, snow, style, truth};
 
 /// Plans a moment of a frame for its expected exposure, within the bound of an earlier plan if there is one.
@@ -25,7 +26,8 @@ pub(crate) fn plan_frame(
     let Setting { lighting, around, .. } = &context.setting;
     let seen = lighting.as_ref().zip(context.view.as_ref());
     let surfaces = seen.map(|(lighting, view)| lamp::bound_irradiance(lighting, view));
-    let bounds = bound_scene(context, surfaces.as_ref());
+    let daylight = daylight::bound_tiles(context);
+    let bounds = bound_scene(context, daylight.as_deref(), surfaces.as_ref());
     let tolerance = frame_tolerance(
         context.frame,
         &bounds,
@@ -39,6 +41,7 @@ pub(crate) fn plan_frame(
     let optics = camera::assess_optics(context, expected, target, peak);
     let assessment = Assessment {
         context,
+        daylight,
         airlight,
         surfaces,
         bounds,
@@ -69,9 +72,13 @@ fn brightest_light(
 }
 
 /// The scene in the brightest possible light.
-fn bound_scene(context: &FrameContext<'_>, lamps: Option<&SurfaceBounds>) -> SceneBounds {
+fn bound_scene(
+    context: &FrameContext<'_>,
+    daylight: Option<&[TileDaylight]>,
+    lamps: Option<&SurfaceBounds>,
+) -> SceneBounds {
     let radiance = &context.prepared.scene.radiance;
-    let gains = bound_light(context, lamps);
+    let gains = bound_light(context, daylight, lamps);
     match (
         &context.setting.around,
         context.path(),
@@ -86,23 +93,33 @@ fn bound_scene(context: &FrameContext<'_>, lamps: Option<&SurfaceBounds>) -> Sce
 }
 
 /// Upper bound, tile by tile, on the factor that lamps and daylight apply to the radiance of a scene; `None` if it is unchanged.
-fn bound_light(context: &FrameContext<'_>, lamps: Option<&SurfaceBounds>) -> Option<TileGains> {
+fn bound_light(
+    context: &FrameContext<'_>,
+    daylight: Option<&[TileDaylight]>,
+    lamps: Option<&SurfaceBounds>,
+) -> Option<TileGains> {
     let view = context.view.as_ref()?;
-    let daylight = daylight::bound_light(context);
     if lamps.is_none() && daylight.is_none() {
         return None;
     }
     let gain = context.setting.gain();
-    let around = daylight.unwrap_or(gain);
-    let most = (0..view.tiles.len()).map(|tile| {
+    let add = |tile: usize, around: [f64; 3]| {
         let added = lamps.map_or([0.0; 3], |lamps| lamps.irradiance[tile]);
         [0, 1, 2].map(|i| (around[i] + added[i] / std::f64::consts::PI) as f32)
-    });
+    };
+    let most = |tile: usize| add(tile, daylight.map_or(gain, |tiles| tiles[tile].most()));
+    let middle = |tile: usize| {
+        add(
+            tile,
+            daylight.map_or(gain, |tiles| tiles[tile].root_mean_square()),
+        )
+    };
+    let tiles = 0..view.tiles.len();
     Some(TileGains {
         side_px: TILE_PX,
         columns: view.columns,
-        most: most.collect(),
-        evenness: context.pattern.as_ref().map_or(1.0, |pattern| pattern.evenness()) as f32,
+        most: tiles.clone().map(most).collect(),
+        root_mean_square: tiles.map(middle).collect(),
         least: if daylight.is_some() {
             [0.0; 3]
         } else {

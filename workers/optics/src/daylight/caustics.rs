@@ -20,7 +20,7 @@ mod tile;
 pub use lookup::{caustics, caustics_reference};
 pub use reference::{RAYS_PER_CELL, Refraction, tile_reference};
 pub use shafts::{shafts, with_shafts};
-pub use tile::{Tiles, slices};
+pub use tile::{Strength, Tiles, slices};
 
 use std::f64::consts::{PI, TAU};
 

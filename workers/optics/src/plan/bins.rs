@@ -113,10 +113,10 @@ pub struct TileGains {
     pub columns: usize,
     /// Tile by tile, row by row.
     pub most: Vec<[f32; 3]>,
+    /// Root mean square of the factor in each tile; less than the largest in a pattern of light.
+    pub root_mean_square: Vec<[f32; 3]>,
     /// The least that the radiance is multiplied by anywhere.
     pub least: [f32; 3],
-    /// Root mean square of the light over its peak, if it has a pattern; 1 otherwise.
-    pub evenness: f32,
 }
 
 impl TileGains {

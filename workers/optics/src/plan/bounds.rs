@@ -185,13 +185,12 @@ impl Extremes {
             mean_square: [0.0; 3],
         };
         let count = view.tiles.len().max(1) as f64;
-        let evenness = f64::from(gains.evenness);
-        for (tile, gain) in view.tiles.iter().zip(&gains.most) {
+        let factors = gains.most.iter().zip(&gains.root_mean_square);
+        for (tile, (most, middle)) in view.tiles.iter().zip(factors) {
             for c in 0..3 {
-                let brightest = gain[c] * tile.brightest[c];
-                found.brightest[c] = found.brightest[c].max(brightest);
+                found.brightest[c] = found.brightest[c].max(most[c] * tile.brightest[c]);
                 found.darkest[c] = found.darkest[c].min(gains.least[c] * tile.darkest[c]);
-                found.mean_square[c] += (evenness * f64::from(brightest)).powi(2) / count;
+                found.mean_square[c] += f64::from(middle[c] * tile.brightest[c]).powi(2) / count;
             }
         }
         found
@@ -292,12 +291,13 @@ mod tests {
     fn light_that_is_still_to_come_is_bounded_tile_by_tile() {
         let range = Plane::from_fn(40, 20, |x, _| if x < 20 { 2.0 } else { 9.0 });
         let radiance = Rgb::from_fn(40, 20, |x, y| [0.1 + 0.01 * x as f32, 0.02 * y as f32, 0.5]);
+        let most: Vec<_> = (0..2).map(|tile| [1.0 + tile as f32, 2.0, 0.5]).collect();
         let gains = TileGains {
             side_px: TILE_PX,
             columns: 2,
-            most: (0..2).map(|tile| [1.0 + tile as f32, 2.0, 0.5]).collect(),
+            root_mean_square: most.clone(),
+            most,
             least: [0.5; 3],
-            evenness: 1.0,
         };
         let lit = Rgb::from_fn(40, 20, |x, y| {
             let gain = gains.tile_gain(x, y);

@@ -65,7 +65,7 @@ fn numbers(context: &FrameContext<'_>) -> Map<String, Value> {
     {
         let mut own = json!({"shallowest_m": shallowest, "deepest_m": deepest});
         if let Some(pattern) = &context.pattern {
-            own["caustics_peak"] = json!(pattern.peak());
+            own["caustics_peak"] = json!(pattern.tiles.peak());
         }
         numbers.insert("daylight".to_owned(), own);
     }

@@ -1,8 +1,10 @@
 //! Daylight on surfaces, and its shafts in the water in front of them.
 
 mod assess;
+mod limits;
 
 pub(crate) use assess::{assess, effect_ns};
+pub(crate) use limits::{TileDaylight, bound_tiles};
 
 use std::borrow::Cow;
 
@@ -14,7 +16,7 @@ use optics::daylight::{
 };
 use optics::lamp;
 use optics::plan::{Plan, StageId, Variant};
-use optics::range::{farthest, of_surfaces};
+use optics::range::of_surfaces;
 use optics::setting::Setting;
 use optics::water::Water;
 
@@ -26,23 +28,6 @@ use crate::inputs::scene::Prepared;
 fn on_surfaces(setting: &Setting) -> Option<&Daylight> {
     let daylight = setting.water.as_ref()?.daylight()?;
     (daylight.surfaces() != SurfaceLight::None).then_some(daylight)
-}
-
-/// Upper bound on the factor that daylight applies to the reflectance of a surface; `None` if it reaches none.
-pub(crate) fn bound_light(context: &FrameContext<'_>) -> Option<[f64; 3]> {
-    let daylight = on_surfaces(&context.setting)?;
-    let far = farthest_surface(context)?;
-    let peak = context
-        .pattern
-        .as_ref()
-        .map_or(1.0, |pattern| pattern.peak().max(1.0));
-    Some([0, 1, 2].map(|channel| daylight.most_light(channel, far, peak)))
-}
-
-fn farthest_surface(context: &FrameContext<'_>) -> Option<f64> {
-    let water = context.setting.water.as_ref()?;
-    let range = context.prepared.scene.range.as_ref()?;
-    Some(farthest(&of_surfaces(range, water.holes())).unwrap_or(0.0))
 }
 
 /// A scene in daylight; `None` if it reaches no surface.

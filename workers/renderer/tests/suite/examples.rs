@@ -8,8 +8,8 @@ use spec::SITES;
 
 use crate::common::{engine_without_runtime, parse};
 
-/// Frames of each job.
-const FRAMES: u64 = 2;
+/// Frames of each job, enough for every choice and most weather of a site.
+const FRAMES: u64 = 24;
 /// Columns and rows of small frames.
 const SMALL: (u64, u64) = (192, 123);
 

@@ -13,6 +13,8 @@ use crate::daylight::model::REFRACTIVE_INDEX;
 const SLICES: usize = 8;
 /// Least depth of caustics, m.
 const SHALLOWEST_M: f64 = 0.2;
+/// Depths in f32 are this close to the exact ones, as a share of them.
+const DEPTH_ROUNDING: f64 = 1e-5;
 /// Depths of a smaller ratio are one.
 const ALIKE: f64 = 1.0001;
 
@@ -36,8 +38,41 @@ pub struct Tiles {
     pub(super) depths_m: Vec<f64>,
     /// Row by row, all depths of a cell side by side.
     pub(super) values: Vec<f32>,
+    /// Of each depth.
+    strengths: Vec<Strength>,
+}
+
+/// How strongly a pattern varies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Strength {
     /// The largest value.
-    peak: f32,
+    pub peak: f64,
+    /// Root mean square.
+    pub root_mean_square: f64,
+}
+
+impl Strength {
+    /// Of the values of one depth.
+    fn measure(values: impl Iterator<Item = f32>) -> Self {
+        let (mut peak, mut squares, mut count) = (0.0f32, 0.0, 0);
+        for value in values {
+            peak = peak.max(value);
+            squares += f64::from(value) * f64::from(value);
+            count += 1;
+        }
+        Self {
+            peak: f64::from(peak),
+            root_mean_square: (squares / f64::from(count.max(1))).sqrt(),
+        }
+    }
+
+    /// At least both.
+    fn or(self, other: Self) -> Self {
+        Self {
+            peak: self.peak.max(other.peak),
+            root_mean_square: self.root_mean_square.max(other.root_mean_square),
+        }
+    }
 }
 
 impl Tiles {
@@ -67,13 +102,14 @@ impl Tiles {
                 write(&own, &mut values, (2 * pair + part, count));
             }
         }
-        let peak = values.iter().copied().fold(0.0, f32::max);
+        let slice = |k: usize| values.iter().skip(k).step_by(count).copied();
+        let strengths = (0..count).map(|k| Strength::measure(slice(k))).collect();
         Self {
             waves: *waves,
             blur: *blur,
             depths_m,
             values,
-            peak,
+            strengths,
         }
     }
 
@@ -92,14 +128,27 @@ impl Tiles {
     /// The maximum.
     #[must_use]
     pub fn peak(&self) -> f64 {
-        f64::from(self.peak)
+        self.strengths
+            .iter()
+            .map(|strength| strength.peak)
+            .fold(0.0, f64::max)
     }
 
-    /// The root mean square.
+    /// Upper bound of the pattern between two depths in meters: a value between two tiles is at most the greater of both.
     #[must_use]
-    pub fn root_mean_square(&self) -> f64 {
-        let squares = self.values.iter().map(|&v| f64::from(v) * f64::from(v));
-        (squares.sum::<f64>() / self.values.len().max(1) as f64).sqrt()
+    pub fn strength_between(&self, (shallowest, deepest): (f64, f64)) -> Strength {
+        let last = self.depths_m.len() - 1;
+        let (above, below) = (
+            shallowest * (1.0 - DEPTH_ROUNDING),
+            deepest * (1.0 + DEPTH_ROUNDING),
+        );
+        let first = self.depths_m[1..]
+            .iter()
+            .take_while(|&&depth| depth <= above)
+            .count();
+        let end = self.depths_m.iter().take_while(|&&depth| depth < below).count();
+        let within = &self.strengths[first..=end.clamp(first, last)];
+        within[1..].iter().fold(within[0], |most, &own| most.or(own))
     }
 
     /// The value of a cell at one of the depths.

@@ -5,9 +5,11 @@ use spec::PhaseFunction;
 use super::super::WideScattering;
 use super::super::field::{Fields, Place};
 use super::super::gaze::Gaze;
+use super::super::limits::MostLight;
 use super::super::model::{Sun, SurfaceLight};
 use super::*;
-use crate::extremes::brightest;
+use crate::error_bound::ErrorBound;
+use crate::visible_bounds::{TILE_PX, Tile, VisibleBounds};
 
 /// The largest share of sunlight that reaches a surface in these tests.
 const PEAK: f64 = 2.8;
@@ -79,13 +81,16 @@ fn both_forms_agree_within_the_bound_in_every_view() {
                             reaching,
                         );
                         let fast = surfaces(&albedo, &range, &normals, &daylight, reaching);
-                        let limit = daylight.rounding(brightest(&albedo), f64::from(farthest(&range)), PEAK);
-                        for (fast, exact) in fast.planes().iter().zip(exact.planes()) {
-                            for (fast, exact) in fast.data().iter().zip(exact.data()) {
+                        let view = VisibleBounds::measure(&albedo, &range, &daylight.gaze.camera);
+                        let limits = limit_tiles(&daylight, &view);
+                        for (c, (fast, exact)) in fast.planes().iter().zip(exact.planes()).enumerate() {
+                            for (at, (fast, exact)) in fast.data().iter().zip(exact.data()).enumerate() {
+                                let (x, y) = (at % width, at / width);
+                                let limit = limits[y / TILE_PX * view.columns + x / TILE_PX][c];
                                 let error = (f64::from(*fast) - exact).abs();
                                 assert!(
-                                    error <= limit.absolute + limit.relative * exact,
-                                    "{size:?} {up:?} {share} {depth}: {error:e} > {limit:?}"
+                                    *exact <= limit.most && error <= limit.rounding.bound_sample(*exact),
+                                    "{size:?} {up:?} {share} {depth}: {exact}, {error:e} > {limit:?}"
                                 );
                             }
                         }
@@ -96,9 +101,33 @@ fn both_forms_agree_within_the_bound_in_every_view() {
     }
 }
 
-fn farthest(range: &Plane<f32>) -> f32 {
-    let valid = range.data().iter().copied().filter(|&z| !is_hole(z));
-    valid.fold(0.0, f32::max)
+/// The largest light of a channel in a tile, and the rounding of its samples.
+#[derive(Debug, Clone, Copy)]
+struct Limit {
+    most: f64,
+    rounding: ErrorBound,
+}
+
+fn limit_tiles(daylight: &Daylight, view: &VisibleBounds) -> Vec<[Limit; 3]> {
+    let [_, farthest] = view.range_m().unwrap_or_default();
+    let limit = |tile: &Tile, channel: usize| {
+        let reflectance = f64::from(tile.brightest[channel]);
+        let heights = daylight.tile_heights(tile, None);
+        let light = heights.map_or(MostLight::default(), |heights| {
+            daylight.most_light(channel, heights)
+        });
+        let cosines = daylight.cosine_rounding(channel, light, PEAK);
+        Limit {
+            most: reflectance * (light.sunlit * PEAK + light.around) * (1.0 + 1e-12),
+            rounding: daylight
+                .rounding(farthest)
+                .plus(ErrorBound::absolute(reflectance * cosines)),
+        }
+    };
+    let tiles = view.tiles.iter();
+    tiles
+        .map(|tile| [0, 1, 2].map(|channel| limit(tile, channel)))
+        .collect()
 }
 
 #[test]

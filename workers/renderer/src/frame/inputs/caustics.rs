@@ -15,18 +15,6 @@ pub(crate) struct Pattern {
     pub(crate) tiles: Arc<Tiles>,
 }
 
-impl Pattern {
-    /// The largest factor of the pattern.
-    pub(crate) fn peak(&self) -> f64 {
-        self.tiles.peak()
-    }
-
-    /// Root mean square over peak.
-    pub(crate) fn evenness(&self) -> f64 {
-        self.tiles.root_mean_square() / self.tiles.peak().max(f64::MIN_POSITIVE)
-    }
-}
-
 /// The tiles of the last frame, reused if place, time and water are the same.
 #[derive(Default)]
 pub(crate) struct LastTiles(Option<Arc<Tiles>>);

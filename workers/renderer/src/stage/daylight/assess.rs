@@ -5,7 +5,8 @@ use optics::plan::{ErrorBound, Stage, StageId, Variant};
 use optics::water::Water;
 use spec::RaySource;
 
-use super::{farthest_surface, on_surfaces};
+use super::limits::farthest_surface;
+use super::{TileDaylight, on_surfaces};
 use crate::assessment::Assessment;
 use crate::context::FrameContext;
 
@@ -50,22 +51,16 @@ pub(crate) fn assess(assessment: &Assessment<'_>) -> Vec<Stage> {
 /// Daylight on surfaces with the sun's shadows, ambient occlusion and caustics; or one factor for the whole scene.
 fn assess_surfaces(assessment: &Assessment<'_>) -> Vec<Stage> {
     let context = assessment.context;
-    let (Some(daylight), Some(far)) = (on_surfaces(&context.setting), farthest_surface(context)) else {
+    let (Some(daylight), Some(tiles)) = (on_surfaces(&context.setting), &assessment.daylight) else {
         return vec![assess_factor(assessment)];
     };
-    let reflectance = optics::brightest(&context.prepared.scene.radiance);
-    let peak = context
-        .pattern
-        .as_ref()
-        .map_or(1.0, |pattern| pattern.peak().max(1.0));
     let sun = daylight.sun();
     let ns = if sun.is_some() { SUNNY_NS } else { OVERCAST_NS };
     let surfaces = Stage {
-        bound: Some(daylight.rounding(reflectance, far, peak)),
+        bound: Some(bound_rounding(assessment, daylight, tiles)),
         ..Stage::new(StageId::Surfaces, assessment.variant("by_normal"))
     };
-    let sunlight = (0..3).map(|c| f64::from(reflectance[c]) * daylight.most_sunlight(c, far));
-    let sunlight = sunlight.fold(0.0, f64::max);
+    let sunlight = brightest(tiles, |tile, channel| tile.light[channel].sunlit);
     let mut stages = vec![
         Stage::skipped(StageId::SceneLight),
         surfaces.costing(ns, assessment.pixels()),
@@ -78,7 +73,10 @@ fn assess_surfaces(assessment: &Assessment<'_>) -> Vec<Stage> {
     }
     if sun.is_some() && context.pattern.is_some() && daylight.draws_caustics() {
         // The pattern brightens by at most its peak, and darkens by at most all light.
-        stages.push(assess_caustics(assessment, sunlight * (peak - 1.0).max(1.0)));
+        let changed = brightest(tiles, |tile, channel| {
+            tile.light[channel].sunlit * (tile.caustics.peak - 1.0).max(1.0)
+        });
+        stages.push(assess_caustics(assessment, changed));
     }
     if sun.is_some() && context.pattern.is_some() && daylight.has_shafts() {
         let shafts = Stage {
@@ -88,6 +86,24 @@ fn assess_surfaces(assessment: &Assessment<'_>) -> Vec<Stage> {
         stages.push(shafts.costing(effect_ns(context, StageId::Shafts), assessment.pixels()));
     }
     stages
+}
+
+/// The largest light of a kind on any surface.
+fn brightest(tiles: &[TileDaylight], light: impl Fn(&TileDaylight, usize) -> f64) -> f64 {
+    let each = tiles.iter().flat_map(|tile| {
+        let light = &light;
+        (0..3).map(move |channel| f64::from(tile.reflectance[channel]) * light(tile, channel))
+    });
+    each.fold(0.0, f64::max)
+}
+
+/// Bound of f32 rounding of daylight on surfaces.
+fn bound_rounding(assessment: &Assessment<'_>, daylight: &Daylight, tiles: &[TileDaylight]) -> ErrorBound {
+    let farthest = farthest_surface(assessment.context);
+    let cosines = brightest(tiles, |tile, channel| {
+        daylight.cosine_rounding(channel, tile.light[channel], tile.caustics.peak)
+    });
+    daylight.rounding(farthest).plus(ErrorBound::absolute(cosines))
 }
 
 /// One factor for each channel.
