@@ -12,7 +12,7 @@ use crate::light::Light;
 use crate::stage::{airlight, daylight, lamps, sediment, snow, turbidity, water};
 use crate::stopwatch::Stopwatch;
 
-/// Plans the stages of a moment. The water gets the remainder of the tolerance.
+/// Plans the stages of a moment, in the order of light. The water gets the remainder of the tolerance.
 pub(crate) fn assess(assessment: &Assessment<'_>) -> Vec<Stage> {
     let mut stages = daylight::assess(assessment);
     stages.push(turbidity::assess(assessment));
@@ -21,6 +21,7 @@ pub(crate) fn assess(assessment: &Assessment<'_>) -> Vec<Stage> {
     stages.extend(sediment::assess(assessment));
     stages.push(snow::assess(assessment));
     stages.extend(water::assess(assessment, &stages));
+    stages.sort_by_key(|stage| stage.id);
     stages
 }
 

@@ -2,7 +2,8 @@
 
 use optics::lamp::{self, AirlightBounds, SurfaceBounds};
 use optics::plan::{
-    Budget, Conditions, ModelError, Plan, SceneBounds, Stage, TileGains, brightest_behind, frame_tolerance,
+    Budget, Conditions, ModelError, Plan, SceneBounds, Stage, TileGains, brightest_behind, compose,
+    frame_tolerance,
 };
 use optics::setting::Setting;
 use optics::visible_bounds::TILE_PX;
@@ -15,6 +16,9 @@ use crate::pipeline;
 use crate::stage::camera::Expected;
 use crate::stage::daylight::TileDaylight;
 use crate::stage::{camera, daylight, enhance, haze, snow, style, truth};
+
+/// How often the shares of stages are halved.
+const MOST_HALVINGS: usize = 2;
 
 /// Plans a moment of a frame for its expected exposure, within the bound of an earlier plan if there is one.
 pub(crate) fn plan_frame(
@@ -39,7 +43,7 @@ pub(crate) fn plan_frame(
     let peak = brightest_light(context, &bounds, airlight.as_ref());
     let target = tolerance.map(|tolerance| promised.map_or(tolerance, |bound| bound.min(tolerance)));
     let optics = camera::assess_optics(context, expected, target, peak);
-    let assessment = Assessment {
+    let mut assessment = Assessment {
         context,
         daylight,
         airlight,
@@ -48,7 +52,7 @@ pub(crate) fn plan_frame(
         tolerance,
         budget: Budget::new(target, &optics),
     };
-    let mut stages = pipeline::assess(&assessment);
+    let mut stages = assess_light(&mut assessment, target, &optics);
     stages.extend(optics);
     stages.extend([style::assess(&assessment, engine)?, haze::assess(&assessment)]);
     stages.extend(camera::assess_electronics(context));
@@ -58,6 +62,27 @@ pub(crate) fn plan_frame(
     stages.sort_by_key(|stage| stage.id);
     judge_models(&mut stages, &assessment);
     Ok(Plan { tolerance, stages })
+}
+
+/// Plans the light before the camera. If all bounds together exceed the tolerance, stages that may be more accurate get smaller
+/// shares, unless even that is not enough.
+fn assess_light(assessment: &mut Assessment<'_>, target: Option<f64>, camera: &[Stage]) -> Vec<Stage> {
+    let stages = pipeline::assess(assessment);
+    let is_within = |stages: &[Stage]| {
+        let errors = compose(stages.iter().chain(camera).filter(|stage| stage.id.is_promised()));
+        target.is_none_or(|target| errors.iter().all(|error| error.up_to_white() <= target))
+    };
+    if is_within(&stages) {
+        return stages;
+    }
+    for _ in 0..MOST_HALVINGS {
+        assessment.budget = assessment.budget.halved();
+        let accurate = pipeline::assess(assessment);
+        if is_within(&accurate) {
+            return accurate;
+        }
+    }
+    stages
 }
 
 /// Upper bound on the light in front of the camera, including that of particles.

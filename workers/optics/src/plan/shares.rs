@@ -26,6 +26,8 @@ pub struct Budget {
     gain: Gain,
     /// The largest absolute error of the light before the camera.
     whole: f64,
+    /// Factor of the shares of stages before the water.
+    part: f64,
 }
 
 impl Budget {
@@ -41,6 +43,16 @@ impl Budget {
             tolerance,
             gain,
             whole: (asked - own).max(LEAST * asked) / gain.absolute,
+            part: 1.0,
+        }
+    }
+
+    /// The same with half the share of each stage that may be more accurate. The water has what they leave.
+    #[must_use]
+    pub fn halved(self) -> Self {
+        Self {
+            part: 0.5 * self.part,
+            ..self
         }
     }
 
@@ -53,31 +65,31 @@ impl Budget {
     /// The part of airlight, for its quadrature and its rounding.
     #[must_use]
     pub fn airlight(&self) -> f64 {
-        AIRLIGHT * self.whole
+        AIRLIGHT * self.part * self.whole
     }
 
     /// The part of rounding of the light of lamps on surfaces.
     #[must_use]
     pub fn lamp_rounding(&self) -> f64 {
-        LAMP_ROUNDING * self.whole
+        LAMP_ROUNDING * self.part * self.whole
     }
 
     /// Largest effect of clouds of sediment that may be left out.
     #[must_use]
     pub fn sediment(&self) -> f64 {
-        SEDIMENT * self.whole
+        SEDIMENT * self.part * self.whole
     }
 
     /// The part of the snow.
     #[must_use]
     pub fn snow(&self) -> f64 {
-        SNOW * self.whole
+        SNOW * self.part * self.whole
     }
 
     /// Light of lamps up to this has no shadow.
     #[must_use]
     pub fn unshadowed(&self) -> f64 {
-        UNSHADOWED * self.whole
+        UNSHADOWED * self.part * self.whole
     }
 
     /// The share of attenuation, veil and scatter next to these stages, in water with this gain; `None` without a tolerance.

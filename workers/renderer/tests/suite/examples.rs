@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use optics::plan::StageId;
 use renderer::{SceneSource, Slot};
 use serde_json::{Value, json};
 use spec::SITES;
@@ -58,6 +59,20 @@ fn no_example_or_site_exceeds_its_tolerance_at_its_size() {
             assert_eq!(promise.exceeds, None, "{name} frame {index}");
         }
     }
+}
+
+/// Lamps near a wall in bright daylight: the usual shares of all stages add up to 1.2 times the tolerance.
+#[test]
+fn stages_are_more_accurate_before_a_frame_exceeds_its_tolerance() {
+    let mut slot = Slot::new(&engine_without_runtime());
+    let job = parse(&json!({"site": "harbour-wall", "seed": 2, "count": 10}));
+    let plan = slot
+        .plan(&job.resolve(9).unwrap(), &SceneSource::Local)
+        .unwrap();
+    let promise = plan.promise().unwrap();
+    assert_eq!(promise.exceeds, None);
+    let lamps = plan.stage(StageId::Lamps).and_then(|stage| stage.bound).unwrap();
+    assert!(lamps.up_to_white() < 4e-6, "{lamps:?}");
 }
 
 #[test]
