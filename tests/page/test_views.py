@@ -89,6 +89,22 @@ def test_an_image_shows_its_layers_numbers_and_hostile_labels_as_text(visit, ser
     page.wait_for_selector("text=The bytes are the same.", timeout=120_000)
 
 
+def test_parameters_of_an_image_fit_and_can_be_searched(visit, service):
+    page = visit(address(service, "image"))
+    page.wait_for_selector(".group table")
+    names = page.locator(".group[open] th[scope=row]").evaluate_all("(cells) => cells.map((cell) => cell.getBoundingClientRect().width)")
+    assert min(names) >= 80
+    assert page.evaluate("document.documentElement.scrollHeight") <= 3000
+    heads = page.locator("[data-group=water] thead th").all_inner_texts()
+    assert heads == ["parameter", "value", "distribution"]
+    assert page.locator("[data-group=camera] thead th").count() == 2
+    assert page.locator("[data-group=camera] table").is_hidden()
+    page.fill("[aria-label='Find a parameter']", "hfov")
+    assert page.locator(".group th[scope=row]:visible").all_inner_texts() == ["hfov_deg"]
+    page.fill("[aria-label='Find a parameter']", "")
+    assert page.locator("[data-group=camera] table").is_hidden()
+
+
 def test_hostile_names_in_the_address_are_text(visit):
     page = visit("set/" + urllib.parse.quote(HOSTILE, safe=""))
     page.wait_for_selector(".problem")

@@ -49,8 +49,9 @@ export function select(label, options, chosen, onchange, props = {}) {
   return h("label.field", {}, h("span", {}, label), box);
 }
 
-export function table(head, rows, props = {}) {
-  return h("div.scroll", { tabindex: "0", role: "region", "aria-label": props.label ?? "Table" },
+// A table in a region that scrolls; a tall one has a limited height.
+export function table(head, rows, /** @type {{ label?: string, isTall?: boolean }} */ props = {}) {
+  return h(props.isTall ? "div.scroll.tall" : "div.scroll", { tabindex: "0", role: "region", "aria-label": props.label ?? "Table" },
     h("table", {}, h("thead", {}, h("tr", {}, head.map((text) => h("th", { scope: "col" }, text)))),
       h("tbody", {}, rows.map((row) => h("tr", {}, row.map((cell, at) => at === 0
         ? h("th", { scope: "row" }, cell) : h("td", {}, cell)))))));

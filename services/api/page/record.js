@@ -8,28 +8,68 @@ import { number } from "./text.js";
 
 const OPTICS_UNITS = { spread_px_per_m: "px/m", spread_offset_px: "px", backscatter_fraction: "" };
 
-// job is the description of the job, if known; its distributions are shown next to the values.
+// Groups that are open at first: the ones that differ most between images.
+const OPEN_GROUPS = new Set(["job", "labels", "scene", "water"]);
+
+// The parameters in groups with a search field. `job` is the description of the job, if known: its distributions are shown next to the values.
 export function parameters(record, fields, job, waters) {
-  const known = new Map(fields.map((field) => [field.name.replace(/\([a-z]+\)/g, ""), field]));
+  const groups = Map.groupBy(parameterRows(record, fields, job), (row) => row.group);
+  const elements = [...groups].map(([name, rows]) => parameterGroup(name, rows));
+  const search = h("input", { type: "search", "aria-label": "Find a parameter", placeholder: "Find a parameter",
+    oninput: () => showMatches(elements, search.value.trim().toLowerCase()) });
+  const { optics = {} } = record;
+  const source = waters?.find((water) => water.name === optics.preset)?.source;
+  const coefficients = coefficientRows(optics);
+  return [search, elements, source && h("p.quiet", {}, `Water ${optics.preset}: ${source}`), coefficients.length > 0
+    && h("details.group", {}, h("summary", {}, `Coefficients of ${optics.preset ?? "the water"} in this frame (R, G, B)`),
+      table(["coefficient", "value"], coefficients, { label: "Coefficients" }))];
+}
+
+// [{group, name, value, unit, about, distribution}]; a group is the first part of the names, or "job" for names of one part.
+function parameterRows(record, fields, job) {
+  const known = new Map(fields.map((field) => [field.name.replace(/\([a-z, ]+\)/g, ""), field]));
   const rows = [];
   flatten(record.parameters, "", rows);
-  const described = rows.filter(([name]) => !name.startsWith("artifacts") && !name.startsWith("metrics")).map(([name, value]) => {
+  return rows.filter(([name, value]) => value !== "" && !/^(artifacts|metrics)\b/.test(name)).map(([name, value]) => {
     const field = known.get(name.replace(/\[\d+\]/g, "[]"));
-    return [h("span", { title: field?.about }, name), [value, field?.unit && ` ${field.unit}`], h("span.quiet.mono", {}, lawAt(job, name))];
+    const [first] = name.split(/[.[]/);
+    return { group: first === name ? "job" : first, name: first === name ? name : name.slice(first.length).replace(/^\./, ""), value,
+      unit: field?.unit, about: field?.about, distribution: distributionAt(job, name) };
   });
-  const optics = record.optics ?? {};
+}
+
+function parameterGroup(name, rows) {
+  const isDrawn = rows.some((row) => row.distribution);
+  const cells = rows.map((row) => [h("span", { title: row.about }, row.name), [row.value, row.unit && ` ${row.unit}`],
+    ...(isDrawn ? [h("span.quiet.mono", {}, row.distribution)] : [])]);
+  return h("details.group", { open: OPEN_GROUPS.has(name), "data-group": name }, h("summary", {}, name, h("span.quiet", {}, ` ${rows.length}`)),
+    table(["parameter", "value", ...(isDrawn ? ["distribution"] : [])], cells, { label: `Parameters of ${name}` }));
+}
+
+// Shows the rows that contain the text and opens their groups; without a text, all rows and the first groups.
+function showMatches(groups, text) {
+  for (const group of groups) {
+    const name = group.dataset.group;
+    let matches = 0;
+    for (const row of group.querySelectorAll("tbody tr")) {
+      row.hidden = !`${name}.${row.textContent}`.toLowerCase().includes(text);
+      matches += row.hidden ? 0 : 1;
+    }
+    group.hidden = matches === 0;
+    group.open = text ? matches > 0 : OPEN_GROUPS.has(name);
+  }
+}
+
+function coefficientRows(optics) {
   const derived = new Set(optics.derived ?? []);
-  const water = Object.entries(optics).filter(([, value]) => Array.isArray(value) && typeof value[0] === "number" || typeof value === "number")
-    .map(([name, value]) => [name, [[value].flat().map((one) => number(one)).join(", "), ` ${OPTICS_UNITS[name] ?? (name.endsWith("_per_m") ? "1/m" : "")}`,
+  const isNumeric = (value) => typeof [value].flat()[0] === "number";
+  return Object.entries(optics).filter(([, value]) => isNumeric(value)).map(([name, value]) => [name,
+    [[value].flat().map((one) => number(one)).join(", "), ` ${OPTICS_UNITS[name] ?? (name.endsWith("_per_m") ? "1/m" : "")}`,
       derived.has(name) && h("em.quiet", {}, " derived")]]);
-  const source = waters?.find((one) => one.name === optics.preset)?.source;
-  return [table(["parameter", "value", "law"], described, { label: "Parameters" }), source && h("p.quiet", {}, `Water ${optics.preset}: ${source}`), water.length > 0
-    && h("details", {}, h("summary", {}, `Coefficients of ${optics.preset ?? "the water"} in this frame (R, G, B)`),
-      table(["coefficient", "value"], water, { label: "Coefficients" }))];
 }
 
 // The distribution at a parameter or its parent, as text.
-function lawAt(job, name) {
+function distributionAt(job, name) {
   let place = job;
   for (const key of ["", ...name.split(/[.[\]]+/).filter(Boolean)]) {
     if (key !== "") place = place && typeof place === "object" ? place[key] : undefined;
@@ -53,7 +93,7 @@ export function planTable(record) {
   const skipped = record.plan.length - plan.length;
   const times = Object.entries(record.timings_ms ?? {}).filter(([name, ms]) => name !== "total" && ms >= 0.05).sort((a, b) => b[1] - a[1]);
   const total = record.timings_ms?.total ?? times.reduce((sum, [, ms]) => sum + ms, 0);
-  return [table(["stage", "form", "bound", "tolerance", "planned ms"], rows, { label: "Plan" }),
+  return [table(["stage", "variant", "bound", "tolerance", "planned ms"], rows, { label: "Plan" }),
     h("p.quiet", {}, `${skipped} stages are skipped. A bound is the largest error in linear light at the output of its stage.`),
     record.promise ? h("p", {}, record.promise.text) : null,
     record.promise?.exceeds ? h("p.bad", {}, `The plan exceeds the tolerance: ${record.promise.exceeds}.`) : null,
@@ -84,7 +124,7 @@ export function boxesTable(record, point) {
       onpointerenter: () => point(one.number), onpointerleave: () => point(null) }, patch, `${one.category ?? "object"} ${one.number}`);
     return [button, `${number(one.range_m, 3)} m`, number(one.visibility, 2), one.visible ? "yes" : "no", number(one.pixels)];
   });
-  return table(["object", "range", "visibility", "visible", "pixels"], rows, { label: "Objects" });
+  return table(["object", "range", "visibility", "visible", "pixels"], rows, { label: "Objects", isTall: rows.length > 14 });
 }
 
 export function provenance(record) {
