@@ -14,7 +14,17 @@ from importlib.metadata import version as _version
 from typing import TYPE_CHECKING, Any
 
 from fathom import _native
-from fathom.errors import CommandError, FathomError, FieldError, InvalidJob, Problem, RenderError
+from fathom.errors import (
+    CommandError,
+    FathomError,
+    FieldError,
+    InvalidArgument,
+    InvalidJob,
+    JobTimeout,
+    Problem,
+    RenderError,
+    Unreachable,
+)
 from fathom.frame import Artifact, Frame
 from fathom.frames import Frames, Source
 from fathom.job import Job
@@ -36,12 +46,15 @@ __all__ = [
     "FieldError",
     "Frame",
     "Frames",
+    "InvalidArgument",
     "InvalidJob",
     "Job",
+    "JobTimeout",
     "Problem",
     "RenderError",
     "Source",
     "Style",
+    "Unreachable",
     "enhance",
     "measure",
     "names",
@@ -96,3 +109,7 @@ def __getattr__(name: str) -> Any:
 
         return getattr(client, name)
     raise AttributeError(f"module `fathom` has no attribute `{name}`")
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -77,6 +77,32 @@ class RenderError(FathomError, RuntimeError):
         return self.reason if self.frame is None else f"frame {self.frame}: {self.reason}"
 
 
+class InvalidArgument(FathomError, ValueError):
+    """An argument with an unknown name or of the wrong type."""
+
+
+class Unreachable(FathomError, ConnectionError):
+    """A request without a response of the service: no connection, one that broke off, or a failing proxy."""
+
+
+class JobTimeout(FathomError, TimeoutError):
+    """A job that had not ended within the `timeout` of `wait`. The job continues."""
+
+    def __init__(self, state: Mapping[str, Any], timeout: float) -> None:
+        super().__init__(state, timeout)
+        self.state = dict(state)
+        """Latest state of the job."""
+        self.timeout = timeout
+
+    def __str__(self) -> str:
+        ended = int(self.state["done"]) + int(self.state["failed"])
+        frames = f"{ended} of {self.state['frames']} frames"
+        return (
+            f"job {self.state['id']} is {self.state['state']} with {frames} after {self.timeout:g} s; "
+            "it continues, call `wait` again to wait longer"
+        )
+
+
 class CommandError(FathomError, RuntimeError):
     """A command that failed; `status` is its exit status."""
 

@@ -3,6 +3,11 @@
 from fathom.client.aio import AsyncClient, AsyncSubmitted
 from fathom.client.dataset import Dataset
 from fathom.client.rows import Rows
+from fathom.client.scene import Scene
 from fathom.client.sync import Client, Submitted
 
-__all__ = ["AsyncClient", "AsyncSubmitted", "Client", "Dataset", "Rows", "Submitted"]
+__all__ = ["AsyncClient", "AsyncSubmitted", "Client", "Dataset", "Rows", "Scene", "Submitted"]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

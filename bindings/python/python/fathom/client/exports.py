@@ -8,6 +8,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from fathom.arguments import list_names
 from fathom.errors import CommandError
 
 
@@ -25,6 +26,7 @@ def export(
     license: str | None = None,
 ) -> Path:
     """Run the command and return the folder."""
+    kinds = list_names("kinds", kinds)
     command = [sys.executable, "-m", "fathom", "export", dataset, "--out", os.fspath(out), "--server", server]
     command += ["--format", format, "--kinds", ",".join(kinds), f"--filter={filter}"]
     if split is not None:

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import os
+import time
+import warnings
+import weakref
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from itertools import islice
@@ -11,30 +14,45 @@ from typing import Any, TypeVar
 
 import httpx
 
-from fathom.client import calls, exports
-from fathom.client.calls import Call, Classes, Description, Picture, Pose
+from fathom.arguments import list_kinds
+from fathom.client import calls, exports, uploads
+from fathom.client.calls import Description
+from fathom.client.connection import Attempts, Connection
 from fathom.client.dataset import Dataset
+from fathom.client.known import find_job
+from fathom.client.protocol import Call, Request
 from fathom.client.rows import Rows
+from fathom.client.scene import Scene
+from fathom.client.state import JobState
+from fathom.client.uploads import Classes, Picture, Pose
+from fathom.display import html_table
+from fathom.errors import FathomError, JobTimeout
 from fathom.frame import Frame
 from fathom.training import Photo
 
 T = TypeVar("T")
-SERVER = "http://127.0.0.1:7311"
 
 
 class Client:
-    """A connection to a service. Refused requests raise `fathom.Problem`, refused jobs `fathom.InvalidJob`."""
+    """A connection to a service; it closes with `close`, a `with` block or the last reference to it.
+
+    Refused requests raise `fathom.Problem`, refused jobs `fathom.InvalidJob`, requests without a response
+    `fathom.Unreachable`. A request is repeated for up to a minute while the service is overloaded.
+    """
 
     def __init__(self, server: str | None = None, *, token: str | None = None) -> None:
-        """Defaults: FATHOM_SERVER and FATHOM_TOKEN."""
-        self.server = server or os.environ.get("FATHOM_SERVER", SERVER)
-        self.token = token or os.environ.get("FATHOM_TOKEN")
-        self._http = httpx.Client(
-            base_url=self.server,
-            headers=calls.headers(self.token),
-            timeout=calls.TIMEOUT,
-            trust_env=calls.uses_proxies(self.server),
-        )
+        """Defaults: FATHOM_SERVER and FATHOM_TOKEN. Raises `FathomError` for an address or proxy that is no URL."""
+        self._connection = Connection(server, token)
+        self.server, self.token = self._connection.server, self._connection.token
+        transport = httpx.HTTPTransport(**self._connection.transport_options())
+        self._http = httpx.Client(transport=transport, **self._connection.options())
+        self._close = weakref.finalize(self, self._http.close)
+
+    def __repr__(self) -> str:
+        return f"<fathom.Client {self._connection.name}>"
+
+    def _repr_html_(self) -> str:
+        return html_table("Fathom client", {"server": self._connection.name, "token": "set" if self.token else "none"})
 
     def __enter__(self) -> Client:
         return self
@@ -44,21 +62,68 @@ class Client:
 
     def close(self) -> None:
         """Close all connections."""
-        self._http.close()
+        self._close()
 
     def _run(self, call: Call[T]) -> T:
         try:
             request = next(call)
             while True:
-                response = self._http.request(request.method, request.path, **request.options)
-                request = call.send(calls.result(response))
+                try:
+                    response = self._send(request)
+                except FathomError as error:
+                    request = call.throw(error)
+                else:
+                    request = call.send(response)
         except StopIteration as end:
             value: T = end.value
             return value
 
+    def _send(self, request: Request) -> httpx.Response:
+        attempts = Attempts(request.patience_s)
+        while True:
+            try:
+                response = self._http.request(request.method, request.path, **request.options)
+            except httpx.RequestError as error:
+                raise self._connection.unreachable(error) from error
+            pause = attempts.pause_s(response)
+            if pause is None:
+                return self._connection.check(response)
+            time.sleep(pause)
+
     def submit(self, description: Description, *, key: str | None = None) -> Submitted:
-        """Submit a job: a `Job`, a mapping or the path of a JSON file. The same `key` returns the same job."""
-        return Submitted(self, self._run(calls.submit(description, key)))
+        """Submit a job: a `Job`, a mapping or the path of a JSON file. The same `key` returns the same job.
+
+        Warnings of the service are warnings of Python.
+        """
+        submitted = Submitted(self, self._run(calls.submit(description, key)))
+        for warning in submitted.state.get("warnings") or ():
+            warnings.warn(warning, stacklevel=2)
+        return submitted
+
+    def jobs(
+        self, *, dataset: str | None = None, state: str | None = None, limit: int | None = None
+    ) -> list[Submitted]:
+        """Return the jobs of the service, the newest first.
+
+        `state` is queued, running, paused, cancelled, done or done_with_failures.
+        """
+        return [Submitted(self, row) for row in self._run(calls.jobs(dataset, state, limit))]
+
+    def job(self, id: str) -> Submitted:
+        """Return a job by its id or the unique start of it."""
+        return Submitted(self, self._run(find_job(id)))
+
+    def cancel(self, id: str) -> Submitted:
+        """Cancel a job and return it; its images stay."""
+        return Submitted(self, self._run(calls.cancel(id)))
+
+    def errors(self, id: str) -> Rows:
+        """Return the failed frames of a job, a row each."""
+        return self._run(calls.errors(id))
+
+    def datasets(self) -> Rows:
+        """Return the datasets of the service: `name`, `images`, `bytes`, `jobs`."""
+        return self._run(calls.datasets())
 
     def images(
         self,
@@ -69,7 +134,7 @@ class Client:
         fields: Sequence[str] | None = None,
         limit: int | None = None,
     ) -> Rows:
-        """Ask for images by their parameters and metrics, such as `uiqm > 0.5 and water.style in ("muddy")`."""
+        """Return images by their parameters and metrics, such as `uiqm > 0.5 and water.style in ("muddy")`."""
         return self._run(calls.images(filter, dataset, order_by, fields, limit))
 
     def stats(
@@ -102,6 +167,7 @@ class Client:
         parallel: int = calls.PARALLEL,
     ) -> Iterator[Frame]:
         """Fetch the images of rows in their order, some at a time."""
+        kinds = list_kinds(kinds, stored=True)
         with ThreadPoolExecutor(parallel) as pool:
             left = iter(rows)
             ahead = [self._begin(pool, row, kinds) for row in islice(left, 2 * parallel)]
@@ -125,27 +191,38 @@ class Client:
         invalid_code: int | None = None,
         focal_px: float | None = None,
         hfov_deg: float | None = None,
+        cx: float | None = None,
+        cy: float | None = None,
         scale: float | None = None,
         collection: str | None = None,
         name: str | None = None,
-    ) -> str:
-        """Upload a scene and return its id.
+    ) -> Scene:
+        """Upload a scene and return its id, which has the `summary` of its files. Its `notes` are warnings of Python.
 
         Each part is a file or an array: `rgb` uint8 or uint16 codes, or float linear radiance, (H, W, 3); `range` or
         `z_depth` float meters or integers of `unit_m` meters, (H, W); `instances` whole numbers, (H, W). `scale` is the
         factor from the floats of `rgb` to linear light, where 1 is white. `classes` names the instances:
         `{1: "pile", 2: "chain"}`, COCO's `categories` and `segments_info`, or a JSON file. `pose` is the pose of the
-        camera: the (4, 4) matrix from camera axes (right, down, ahead) to the world, or a JSON file.
+        camera: the (4, 4) matrix from camera axes (right, down, ahead) to the world, or a JSON file. The camera is
+        `focal_px` or `hfov_deg`, with the principal point `cx`, `cy` in pixels. With a camera, the channel Z of an EXR
+        picture is its z-depth.
         """
-        texts: dict[str, float | str | None] = {"collection": collection, "name": name}
-        numbers = {
+        parts = {"rgb": rgb, "range": range, "z_depth": z_depth, "instances": instances}
+        values = {
+            "collection": collection,
+            "name": name,
             "unit_m": unit_m,
             "invalid_code": invalid_code,
             "focal_px": focal_px,
             "hfov_deg": hfov_deg,
+            "cx": cx,
+            "cy": cy,
             "scale": scale,
         }
-        return self._run(calls.upload(rgb, range, z_depth, instances, classes, pose, texts | numbers))
+        scene = self._run(uploads.upload(parts, classes, pose, values))
+        for note in scene.notes:
+            warnings.warn(note, stacklevel=2)
+        return scene
 
     def train(
         self,
@@ -155,14 +232,17 @@ class Client:
         steps: int | None = None,
         seed: int | None = None,
         range: bool = False,
+        license: str | None = None,
     ) -> dict[str, Any]:
         """Train a style water on the service, wait for it and return the training with its `state`."""
-        return self._run(calls.train(photos, name, {"steps": steps, "seed": seed, "range": range or None}))
+        # The service stores the license under this name.
+        options = {"steps": steps, "seed": seed, "range": range or None, "licence": license}
+        return self._run(uploads.train(photos, name, options))
 
     def dataset(self, name: str, filter: str = "") -> Dataset:
-        """Return the images of a dataset, for `fathom.open`."""
+        """Return the images of a dataset, for `fathom.open`. Raises `Problem` for an unknown name."""
         rows = self.images(filter, dataset=name, fields=("job", "frame"), order_by="frame")
-        return Dataset(self.server, self.token, rows)
+        return Dataset(self.server, self.token, rows, name=name)
 
     def export(
         self,
@@ -195,23 +275,34 @@ class Client:
         )
 
 
-class Submitted:
+class Submitted(JobState):
     """A job of a service."""
 
     def __init__(self, client: Client, state: dict[str, Any]) -> None:
+        super().__init__(state)
         self._client = client
-        self.state = state
-        """Latest state from the service: `id`, `state`, `frames`, `done`, `failed`, `digest`."""
 
-    @property
-    def id(self) -> str:
-        """Its id."""
-        return str(self.state["id"])
+    def wait(self, *, timeout: float | None = None, progress: bool = True) -> Submitted:
+        """Wait until it has ended, with a progress bar on a terminal.
 
-    def wait(self, *, progress: bool = True) -> Submitted:
-        """Wait until it is finished, with a progress bar on a terminal."""
-        self.state = self._client._run(calls.wait(self.state, progress))
+        After `timeout` seconds, rounded up by less than one, raises `fathom.JobTimeout`, a `TimeoutError`; the job
+        continues.
+        """
+        try:
+            self.state = self._client._run(calls.wait(self.state, progress, timeout))
+        except JobTimeout as late:
+            self.state = late.state
+            raise
         return self
+
+    def cancel(self) -> Submitted:
+        """Cancel it; its images stay."""
+        self.state = self._client._run(calls.cancel(self.id))
+        return self
+
+    def errors(self) -> Rows:
+        """Return its failed frames, a row each."""
+        return self._client._run(calls.errors(self.id))
 
     def frame_warnings(self) -> list[dict[str, Any]]:
         """Return the warnings of its frames, the most frequent first: `warning`, `frames`, `first_frame`."""

@@ -1,0 +1,62 @@
+"""Checks of arguments that are lists of names."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Sequence
+from functools import cache
+
+from fathom import _native
+from fathom.errors import InvalidArgument
+
+MOST_LISTED = 8
+"""Names that a message lists at most."""
+
+
+def list_names(argument: str, names: Iterable[str]) -> tuple[str, ...]:
+    """Return the names of an argument. A bare string would pass for a list of letters and raises `InvalidArgument`."""
+    if isinstance(names, str):
+        raise InvalidArgument(f'`{argument}` is the string "{names}"; must be a list: {argument}=["{names}"]')
+    listed = tuple(names)
+    for name in listed:
+        if not isinstance(name, str):
+            raise InvalidArgument(f"`{argument}` contains {name!r}; must be a list of names")
+    return listed
+
+
+def list_kinds(kinds: Iterable[str] | None, *, stored: bool = False) -> tuple[str, ...] | None:
+    """Return the kinds of artifacts of an argument, `None` for all.
+
+    Raises `InvalidArgument` for an unknown kind, with the nearest known one. Stored frames may have enhancements that
+    this version lacks.
+    """
+    if kinds is None:
+        return None
+    listed = list_names("kinds", kinds)
+    known = _known_kinds()
+    for kind in listed:
+        if kind not in known and not (stored and kind.startswith("enhanced.")):
+            raise InvalidArgument(f"artifact kind {describe_unknown(kind, known, 'kinds', most=len(known))}")
+    return listed
+
+
+def describe_unknown(name: str, known: Sequence[str], plural: str, *, most: int = MOST_LISTED) -> str:
+    """Return an unknown name, the nearest known one and a list of the known ones."""
+    near = find_nearest(name, known)
+    hint = f" (did you mean `{near}`?)" if near else ""
+    if not known:
+        return f"`{name}` does not exist{hint}; there are no {plural}"
+    more = f" and {len(known) - most} more" if len(known) > most else ""
+    return f"`{name}` does not exist{hint}; the {plural} are {', '.join(known[:most])}{more}"
+
+
+def find_nearest(name: str, known: Sequence[str]) -> str | None:
+    """Return the known name most similar to an unknown one, `None` if all differ too much."""
+    lowered = {other.lower(): other for other in reversed(known)}
+    near = difflib.get_close_matches(name.lower(), lowered, n=1)
+    return lowered[near[0]] if near else None
+
+
+@cache
+def _known_kinds() -> tuple[str, ...]:
+    return tuple(_native.names()["artifacts"])
