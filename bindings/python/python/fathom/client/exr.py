@@ -16,7 +16,7 @@ def has_distances(file: bytes) -> bool:
         return False
     try:
         parts = _read_channels(file)
-    except (ValueError, struct.error, UnicodeDecodeError):
+    except (ValueError, IndexError, struct.error):
         # The service reports damaged files.
         return False
     return _has(parts, ("R", "G", "B")) and (_has(parts, ("Z",)) or _has_depth_layer(parts))

@@ -11,7 +11,7 @@ from fathom.client.connection import Connection
 
 _Holder = AsyncGenerator[None, None]
 _holders: set[_Holder] = set()
-"""Generators of open connections. Up to Python 3.11 a loop that ends leaves a generator open whose last reference just
+"""Generators of open connections. In Python 3.10 a loop that ends leaves a generator open whose last reference just
 disappeared; this is a reference until it is closed."""
 
 
