@@ -64,6 +64,10 @@ fn a_proxy_of_the_environment_serves_no_loopback_address() {
         "{}",
         error(&wrong)
     );
+    let socks = [("ALL_PROXY", "socks5://127.0.0.1:9")];
+    let socks = run_with(&["jobs", "--server", "http://fathom.invalid:7311"], &socks);
+    assert_eq!(socks.status.code(), Some(2));
+    assert!(error(&socks).contains("uses SOCKS"), "{}", error(&socks));
 }
 
 fn local_job(count: u64) -> Value {

@@ -324,6 +324,76 @@ fn poses_match_by_path_and_bring_their_camera() {
     assert!(none.err.contains("no picture fits a frame"), "{}", none.err);
 }
 
+#[test]
+fn lists_of_parts_and_matrices_of_three_rows_are_read() {
+    let uploader = Uploader::new();
+    for (part, number) in [("train", 1), ("val", 2)] {
+        uploader.write(&format!("lego/{part}/r_0.png"), &png(number));
+        let mut frame = transform(&format!("./{part}/r_0"), f64::from(number));
+        frame["transform_matrix"].as_array_mut().unwrap().pop();
+        let list = json!({"camera_angle_x": 1.0, "applied_scale": 0.5, "frames": [frame]});
+        uploader.write(
+            &format!("lego/transforms_{part}.json"),
+            list.to_string().as_bytes(),
+        );
+    }
+    let uploaded = uploader.upload("lego", &["--hfov-deg", "70"]);
+    let places: Vec<Value> = uploader
+        .scenes(&uploaded)
+        .iter()
+        .map(|scene| scene["world_from_camera"][0][3].clone())
+        .collect();
+    assert_eq!(places, [json!(1.0), json!(2.0)]);
+    for note in [
+        "layout nerfstudio",
+        "applied_scale is not undone",
+        "replaces those of the files",
+    ] {
+        assert!(uploaded.err.contains(note), "{note}: {}", uploaded.err);
+    }
+}
+
+#[test]
+fn nothing_that_is_given_with_a_picture_is_ignored() {
+    let uploader = Uploader::new();
+    uploader.write("a.png", &png(1));
+    let refused = uploader.upload("a.png", &["--unit-m", "0.001", "--invalid-code", "7"]);
+    for option in ["--unit-m is for distances", "--invalid-code is for distances"] {
+        assert!(refused.err.contains(option), "{option}: {}", refused.err);
+    }
+    let wide = uploader.upload("a.png", &["--hfov-deg", "180"]);
+    assert!(
+        !wide.is_complete && wide.err.contains("--hfov-deg is 180"),
+        "{}",
+        wide.err
+    );
+    uploader.write("codes.png", &millimeters(900));
+    let codes = uploader.folder.path().join("codes.png");
+    let unknown = uploader.upload("a.png", &["--range", codes.to_str().unwrap()]);
+    assert!(
+        unknown.err.contains("--unit-m") && unknown.err.contains("--invalid-code"),
+        "{}",
+        unknown.err
+    );
+    let rgba: Vec<u8> = (0..4 * SIZE.0 * SIZE.1).map(|at| (at % 251) as u8).collect();
+    let mut array = b"\x93NUMPY\x01\x00".to_vec();
+    let header = format!(
+        "{{'descr': '|u1', 'fortran_order': False, 'shape': ({}, {}, 4), }}",
+        SIZE.1, SIZE.0
+    );
+    let header = format!("{header:<117}\n");
+    array.extend((header.len() as u16).to_le_bytes());
+    array.extend(header.as_bytes());
+    array.extend(&rgba);
+    uploader.write("glass.npy", &array);
+    let glass = uploader.upload("glass.npy", &[]);
+    assert!(
+        glass.is_complete && glass.err.contains("transparent in places"),
+        "{}",
+        glass.err
+    );
+}
+
 /// A JPEG with an orientation tag.
 fn tagged(tag: u8) -> Vec<u8> {
     let jpeg = encode_jpeg(&picture(7), 95).unwrap();

@@ -52,7 +52,7 @@ fn labels_keep_their_type_and_all_digits() {
     let scene = json!({"kind": "procedural", "family": "pipeline"});
     let job = |seed: u64, depth: Value| {
         json!({"dataset": "lo", "count": 6, "seed": seed, "scene": scene, "camera": {"width": 32, "height": 24}, "metrics": ["uiqm"],
-               "labels": {"depth": depth, "trip": {"int": [1, 20]}, "site": "dock", "night": {"choice": [true, false]}}})
+               "labels": {"depth": depth, "uiqm": -3, "trip": {"int": [1, 20]}, "site": "dock", "night": {"choice": [true, false]}}})
     };
     assert_eq!(
         service.finished(&service.submit(&job(5, json!({"uniform": [1, 120]}))))["state"],
@@ -109,6 +109,9 @@ fn labels_keep_their_type_and_all_digits() {
         ),
         (nights, 6 - nights)
     );
+    // A label may be called like a metric.
+    assert_eq!(rows.count("lo", "labels.uiqm = -3"), 6);
+    assert_eq!(rows.count("lo", "uiqm = -3"), 0);
     // A text in another job leaves numbers comparable.
     assert_eq!(
         service.finished(&service.submit(&job(6, json!("shallow"))))["state"],

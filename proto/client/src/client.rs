@@ -126,12 +126,12 @@ impl Client {
     }
 
     /// Sends a form.
-    pub fn post_form<T: DeserializeOwned>(
+    pub fn post_form<'a, T: DeserializeOwned>(
         &self,
         path: &str,
-        form: Form<'_>,
+        form: impl Fn() -> Form<'a>,
     ) -> Result<Received<T>, ClientError> {
-        let reply = self.received(self.0.post(path, &[], form))?;
+        let reply = self.retry(|| self.0.post(path, &[], form()))?;
         Ok(Received {
             value: read(path, &reply.bytes)?,
             is_new: reply.status.as_u16() == 201,

@@ -20,9 +20,12 @@ pub fn choose_proxy(url: &str) -> Result<Option<Proxy>, InvalidProxy> {
     let Some(address) = find_proxy(url, read) else {
         return Ok(None);
     };
+    if address.trim().to_ascii_lowercase().starts_with("socks") {
+        return Err(InvalidProxy::Socks { address });
+    }
     match Proxy::new(&address) {
         Ok(proxy) if has_valid_port(&address) => Ok(Some(proxy)),
-        _ => Err(InvalidProxy { address }),
+        _ => Err(InvalidProxy::NoUrl { address }),
     }
 }
 
@@ -36,14 +39,25 @@ fn has_valid_port(address: &str) -> bool {
         .is_none_or(|(_, port)| port.is_empty() || port.parse::<u16>().is_ok())
 }
 
-/// A variable of the environment that has no URL of a proxy.
+/// A variable of the environment that has no usable proxy.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "the proxy `{address}` of the environment is not a URL such as http://host:3128; correct or unset the variable"
-)]
-pub struct InvalidProxy {
-    /// The value of the variable.
-    pub address: String,
+pub enum InvalidProxy {
+    /// Its value is not a URL.
+    #[error(
+        "the proxy `{address}` of the environment is not a URL such as http://host:3128; correct or unset the variable"
+    )]
+    NoUrl {
+        /// The value of the variable.
+        address: String,
+    },
+    /// Its protocol is SOCKS.
+    #[error(
+        "the proxy `{address}` of the environment uses SOCKS, which fathom does not; unset the variable, set http_proxy to an HTTP proxy, or list the server in no_proxy"
+    )]
+    Socks {
+        /// The value of the variable.
+        address: String,
+    },
 }
 
 impl From<InvalidProxy> for ureq::Error {

@@ -101,12 +101,25 @@ pub(crate) struct Measured {
 /// The folder has no valid request.
 pub fn decode_folder(folder: &Path) -> io::Result<()> {
     let request = serde_json::from_slice(&fs::read(folder.join(REQUEST))?)?;
-    let reply = match request {
-        Request::Scene(request) => scene(folder, &request)?.map(|facts| serde_json::json!(facts)),
-        Request::Enhance(request) => enhanced(folder, &request)?.map(Value::String),
-        Request::Measure(request) => measured(folder, &request)?.map(|values| serde_json::json!(values)),
-    };
+    // A panic of a decoder concerns the file, and its trace nobody who uploads one.
+    std::panic::set_hook(Box::new(|_| {}));
+    let reply = std::panic::catch_unwind(|| execute(folder, &request)).unwrap_or_else(|_| {
+        let message =
+            "the decoder failed on a file that is damaged or of a rare kind; save it as PNG and try again";
+        Ok(Err(Refusal {
+            pointer: String::new(),
+            message: message.to_owned(),
+        }))
+    })?;
     fs::write(folder.join(REPLY), serde_json::to_vec(&reply)?)
+}
+
+fn execute(folder: &Path, request: &Request) -> Checked<Value> {
+    Ok(match request {
+        Request::Scene(request) => scene(folder, request)?.map(|facts| serde_json::json!(facts)),
+        Request::Enhance(request) => enhanced(folder, request)?.map(Value::String),
+        Request::Measure(request) => measured(folder, request)?.map(|values| serde_json::json!(values)),
+    })
 }
 
 /// I/O errors outside, rejections inside.

@@ -78,6 +78,26 @@ fn a_set_is_begun_once_and_holds_one_job() {
 }
 
 #[test]
+fn labels_that_rows_would_round_are_refused() {
+    let text = r#"{"dataset": "reef", "metrics": [], "camera": {"width": 8, "height": 8}, "labels": {"run": {"choice": [1, 9007199254740993]}},
+        "scene": {"kind": "procedural", "family": "structure", "seed": 1}}"#;
+    let vocabulary = Vocabulary {
+        families: vec!["structure".to_owned()],
+        ..Vocabulary::default()
+    };
+    let set = NewSet {
+        job: &Job::parse(text.as_bytes(), &vocabulary).unwrap(),
+        frames_per_shard: None,
+        code_version: "0.2.0",
+        metrics: Vec::new(),
+    };
+    let Err(SetError::Refused(reason)) = Card::new(&set) else {
+        panic!("a double rounds 9007199254740993");
+    };
+    assert!(reason.contains("`labels.run` is 9007199254740993"), "{reason}");
+}
+
+#[test]
 fn rows_have_the_columns_of_every_site() {
     let text = r#"{"dataset": "reef", "metrics": ["uiqm"], "camera": {"width": 8, "height": 8},
         "scene": {"kind": "procedural", "family": "structure", "seed": 1},

@@ -18,7 +18,9 @@ mod sides;
 mod tiff;
 
 pub use color_profile::find_foreign_profile;
-pub use decode::{decode_mask, decode_picture, decode_plane, decode_radiance, has_distances};
+pub use decode::{
+    decode_mask, decode_picture, decode_plane, decode_radiance, has_distances, has_transparency,
+};
 pub use encode::{EncodeError, encode_jpeg, encode_png, encode_png_with_text, encode_webp_lossless};
 pub use npy::{NpyArray, NpyValues, decode_npy, encode_npy_pair, encode_npy_plane, encode_npy_rgb};
 pub use orientation::Orientation;

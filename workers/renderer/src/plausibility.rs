@@ -3,7 +3,6 @@
 use imaging::Rgb8;
 
 use crate::context::FrameContext;
-use crate::stage::camera::Developed;
 
 /// Share of clamped samples above which a frame is saturated.
 const CLAMPED_SHARE: f64 = 0.5;
@@ -15,16 +14,16 @@ const SATURATED: &str = "more than half of the samples are outside 0 to 1 and cl
 const HIDDEN: &str = "no pixel has a transmittance above 0.001, so the water hides the scene; check the unit of the range and the water";
 const UNIFORM: &str = "the standard deviation of the picture is below one code";
 
-/// The warnings of a developed frame.
-pub(crate) fn list_warnings(context: &FrameContext<'_>, developed: &Developed) -> Vec<String> {
-    let samples = developed.rgb.data().len() as f64;
-    let is_saturated = developed.clamped as f64 > CLAMPED_SHARE * samples;
+/// The warnings of a developed frame of which so many samples were clamped.
+pub(crate) fn list_warnings(context: &FrameContext<'_>, rgb: &Rgb8, clamped: u64) -> Vec<String> {
+    let samples = rgb.data().len() as f64;
+    let is_saturated = clamped as f64 > CLAMPED_SHARE * samples;
     let is_hidden =
         find_greatest_transmittance(context).is_some_and(|greatest| greatest <= LEAST_TRANSMITTANCE);
     let warnings = [
         (is_saturated, SATURATED),
         (is_hidden, HIDDEN),
-        (is_uniform(&developed.rgb), UNIFORM),
+        (is_uniform(rgb), UNIFORM),
     ];
     let warnings = warnings.into_iter().filter(|(applies, _)| *applies);
     warnings.map(|(_, warning)| warning.to_owned()).collect()

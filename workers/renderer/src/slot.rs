@@ -136,10 +136,9 @@ impl Slot {
         if faults::frame_point("rgb.wrong", frame.index) {
             developed.rgb.data_mut()[0] ^= 1;
         }
-        record.counts.clamped = developed.clamped;
-        record
-            .warnings
-            .extend(plausibility::list_warnings(context, &developed));
+        record.counts.clamped += developed.clamped;
+        let warnings = plausibility::list_warnings(context, &developed.rgb, record.counts.clamped);
+        record.warnings.extend(warnings);
         let enhancements = watch.time("enhance", || enhance::run(context, &developed.rgb, &mut record))?;
         watch.time("metrics", || {
             measure::run(context, &developed.rgb, &enhancements, &mut record)

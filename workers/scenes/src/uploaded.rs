@@ -206,7 +206,10 @@ fn decode_range<T: AsRef<[u8]>>(
 fn read_code_unit<T>(file: &RangeFile<T>) -> Result<(f64, u16), SceneError> {
     let unit = file.unit_m.ok_or(SceneError::Missing {
         field: "unit_m",
-        reason: "integer codes do not define a length",
+        reason: match file.invalid_code {
+            Some(_) => "integer codes do not define a length",
+            None => "integer codes do not define a length; give `invalid_code` too, the code of pixels without a distance",
+        },
     })?;
     let invalid = file.invalid_code.ok_or(SceneError::Missing {
         field: "invalid_code",

@@ -21,7 +21,7 @@ pub use error::StyleError;
 pub use library::{Library, LibraryError, StyleModel, is_name};
 pub use noise::noise;
 pub use runtime::{Runtime, RuntimeMissing};
-pub use session::{ModelInputs, Session};
+pub use session::{ModelInputs, Repainted, Session};
 
 /// Scale of a model's range input, in meters: `1 − exp(−Z / scale)` for a range Z, 1 for holes. At this range a water
 /// of ordinary clarity leaves about a third of the contrast.

@@ -32,6 +32,15 @@ enum SessionKind {
     Onnx(RuntimeGraph),
 }
 
+/// A repainted frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Repainted {
+    /// sRGB-encoded samples in 0..=1.
+    pub picture: Rgb<f32>,
+    /// Samples of the network outside of 0..=1.
+    pub clamped: u64,
+}
+
 impl Session {
     /// A session without ONNX Runtime: for the architecture of the shipped and locally trained waters, `None` for any
     /// other.
@@ -91,23 +100,31 @@ impl Session {
         }
     }
 
-    /// Repaints a frame of sRGB-encoded samples in 0..=1 and returns the same encoding. An output larger than the frame
+    /// Repaints a frame of sRGB-encoded samples in 0..=1 and returns the same encoding, clamped. An output larger than the frame
     /// (of a network that pads) is cropped from the top left.
     ///
     /// # Errors
     /// [`StyleError`]: an empty frame, a missing required range, a non-finite sample, a network that fails, or an
     /// output that is not a picture, is smaller than the frame, or has a non-finite sample.
     pub fn apply(&mut self, encoded: &Rgb<f32>, beside: ModelInputs<'_>) -> Result<Rgb<f32>, StyleError> {
-        let mut styled = self.apply_unclamped(encoded, beside)?;
+        self.repaint(encoded, beside).map(|repainted| repainted.picture)
+    }
+
+    /// As [`Session::apply`], with the number of clamped samples.
+    ///
+    /// # Errors
+    /// Those of [`Session::apply`].
+    pub fn repaint(&mut self, encoded: &Rgb<f32>, beside: ModelInputs<'_>) -> Result<Repainted, StyleError> {
+        let mut picture = self.apply_unclamped(encoded, beside)?;
+        let mut clamped = 0;
         // The native network clamps its own output.
         if self.uses_runtime() {
-            for plane in styled.planes_mut() {
-                plane
-                    .iter_mut()
-                    .for_each(|sample| *sample = sample.clamp(0.0, 1.0));
+            for sample in picture.planes_mut().into_iter().flatten() {
+                clamped += u64::from(!(0.0..=1.0).contains(sample));
+                *sample = sample.clamp(0.0, 1.0);
             }
         }
-        Ok(styled)
+        Ok(Repainted { picture, clamped })
     }
 
     /// As [`Session::apply`], with the samples of a network on ONNX Runtime as it returns them, divided by its scale.

@@ -125,7 +125,7 @@ pub struct Counts {
     pub holes: u64,
     /// Samples of negative radiance set to 0.
     pub negative_radiance: u64,
-    /// Samples outside 0..=1, clamped by the encoder.
+    /// Samples outside 0..=1 of the style's network and of the developed picture, which were clamped.
     pub clamped: u64,
     /// Range pixels beyond the maximum of 16-bit millimeters.
     pub range_saturated: u64,

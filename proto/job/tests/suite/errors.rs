@@ -106,6 +106,16 @@ fn numbers_outside_their_limits_are_refused() {
             "/labels/a",
             "at most 256 characters",
         ),
+        (
+            json!({"labels": {"a": 1.8446744073709552e19}}),
+            "/labels/a",
+            "-9223372036854775808 to 18446744073709551615; write it as text to keep all digits",
+        ),
+        (
+            json!({"labels": {"a": -9.3e18}}),
+            "/labels/a",
+            "-9223372036854775808 to 18446744073709551615; write it as text to keep all digits",
+        ),
     ];
     for (fields, pointer, limit) in refused {
         let error = only_error(fields.clone());

@@ -3,9 +3,11 @@
 use std::collections::BTreeMap;
 
 use client::{ClassPixels, SceneSummary};
-use imaging::codec::{Orientation, find_foreign_profile, has_distances};
+use imaging::Plane;
+use imaging::codec::{Orientation, find_foreign_profile, has_distances, has_transparency};
+use imaging::geometry::range_from_z_depth;
 use scenes::Scene;
-use spec::SceneFiles;
+use spec::{RangeKind, SceneFiles};
 
 use super::refusal::Refusal;
 
@@ -18,7 +20,7 @@ const BRIGHT: f32 = 10.0;
 pub(crate) fn check_units(scene: &Scene, files: &SceneFiles<Vec<u8>>) -> Result<(), Refusal> {
     if let (Some(range), Some(plane)) = (&files.range, &scene.range)
         && range.unit_m.is_none()
-        && let Some(median) = find_median(plane.data())
+        && let Some(median) = find_median(&find_distances(scene, plane, range.kind))
         && median > FAR_MEDIAN_M
     {
         let message = format!(
@@ -37,6 +39,17 @@ pub(crate) fn check_units(scene: &Scene, files: &SceneFiles<Vec<u8>>) -> Result<
         return Err(Refusal::new("scale", message));
     }
     Ok(())
+}
+
+/// The distances as the file holds them: a wide lens makes ranges far longer than depths.
+fn find_distances(scene: &Scene, range: &Plane<f32>, kind: RangeKind) -> Vec<f32> {
+    let camera = scene.intrinsics.filter(|_| kind == RangeKind::ZDepth);
+    let depth = camera.map(|camera| {
+        let stretch = range_from_z_depth(&range.map(|_| 1.0), &camera);
+        let pairs = range.data().iter().zip(stretch.data());
+        pairs.map(|(range, stretch)| range / stretch).collect()
+    });
+    depth.unwrap_or_else(|| range.data().to_vec())
 }
 
 fn find_median(distances: &[f32]) -> Option<f32> {
@@ -111,6 +124,11 @@ fn list_notes(files: &SceneFiles<Vec<u8>>) -> Vec<String> {
             "`rgb` has {profile}, which is not applied: its values are read as sRGB; convert the picture to sRGB to keep its colors"
         ));
     }
+    if has_transparency(&files.rgb) {
+        notes.push(
+            "`rgb` is transparent in places, which is not used: those pixels show the color below".to_owned(),
+        );
+    }
     if files.range.is_none() && has_distances(&files.rgb) {
         notes.push(
             "`rgb` has a channel of distances, which is not used; send the file as `z_depth` or `range` too"
@@ -122,8 +140,8 @@ fn list_notes(files: &SceneFiles<Vec<u8>>) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use imaging::{Plane, Rgb};
-    use spec::{RangeFile, RangeKind};
+    use imaging::Rgb;
+    use spec::RangeFile;
 
     use super::*;
 

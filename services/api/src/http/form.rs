@@ -99,7 +99,7 @@ impl Form {
         let text = self.texts(name).next()?;
         let number = text.trim().parse().ok().filter(holds);
         if number.is_none() {
-            self.refuse(name, format!("{name} is `{}`; must be {limit}", text.trim()));
+            self.refuse(name, format!("`{name}` is {}; must be {limit}", text.trim()));
         }
         number
     }

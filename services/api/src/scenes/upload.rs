@@ -107,6 +107,19 @@ impl SceneForm {
                 "`focal_px` and `hfov_deg` exclude each other; send one".to_owned(),
             );
         }
+        if self.range.is_none() && self.z_depth.is_none() {
+            for (name, is_given) in [
+                ("unit_m", self.unit_m.is_some()),
+                ("invalid_code", self.invalid_code.is_some()),
+            ] {
+                if is_given {
+                    form.refuse(
+                        name,
+                        format!("`{name}` is for distances; send `range` or `z_depth` too"),
+                    );
+                }
+            }
+        }
         if self.camera().is_none() && (self.cx.is_some() || self.cy.is_some()) {
             form.refuse(
                 "cx",

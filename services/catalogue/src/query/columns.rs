@@ -172,9 +172,10 @@ impl Columns {
                 ..Column::new(format!("images.\"{}\"", stored_name(leaf)), kind(leaf))
             });
         }
-        self.metric(name)
+        // A label may be called like a metric.
+        open_family(name)
+            .or_else(|| self.metric(name))
             .or_else(|| self.element(name))
-            .or_else(|| open_family(name))
     }
 
     fn metric(&self, name: &str) -> Option<Column> {

@@ -5,11 +5,19 @@ use client::Client;
 /// Where `fathom serve` listens by default.
 pub const LOCAL_SERVICE: &str = "http://127.0.0.1:7311";
 
+/// The URL of a service, whose scheme may be left out.
+fn server_url(text: &str) -> Result<String, String> {
+    match text.split_once("://") {
+        Some(("http" | "https", _)) | None => Ok(text.to_owned()),
+        Some((scheme, _)) => Err(format!("the scheme is {scheme}; must be http or https")),
+    }
+}
+
 /// The service to use.
 #[derive(Debug, Clone, clap::Args)]
 pub struct ServerArguments {
     /// Base URL of the service.
-    #[arg(long, env = "FATHOM_SERVER", default_value = LOCAL_SERVICE)]
+    #[arg(long, env = "FATHOM_SERVER", default_value = LOCAL_SERVICE, value_parser = server_url)]
     pub server: String,
     /// Bearer token, if the service requires one.
     #[arg(long, env = "FATHOM_TOKEN", hide_env_values = true)]
@@ -32,7 +40,7 @@ impl ServerArguments {
 #[derive(Debug, Clone, clap::Args)]
 pub struct OtherServer {
     /// Use a service instead of this program [URL: FATHOM_SERVER, or else http://127.0.0.1:7311]
-    #[arg(long, value_name = "URL", num_args = 0..=1)]
+    #[arg(long, value_name = "URL", num_args = 0..=1, value_parser = server_url)]
     server: Option<Option<String>>,
     /// Bearer token, if the service requires one.
     #[arg(long, env = "FATHOM_TOKEN", hide_env_values = true)]

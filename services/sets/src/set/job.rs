@@ -16,6 +16,9 @@ const FRAMES_PER_SHARD: u64 = 500;
 /// More frames would make a shard that an engine cannot afford to lose.
 const MOST_FRAMES_PER_SHARD: u64 = 100_000;
 
+/// Whole numbers up to this are doubles.
+const MOST_EXACT: u64 = 1 << 53;
+
 /// The content of `job.json`. The same job and version give the same bytes.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Card {
@@ -32,6 +35,33 @@ pub struct Card {
     pub code_version: String,
     /// Metrics of the program, each a column.
     pub metrics: Vec<String>,
+}
+
+/// Fails for a label that the columns of rows, which are doubles, would round.
+fn check_labels(job: &Job) -> Result<(), SetError> {
+    let description: Value = serde_json::from_str(job.canonical()).unwrap_or_default();
+    let labels = description["labels"].as_object().into_iter().flatten();
+    for (name, label) in labels {
+        if let Some(number) = find_rounded(label) {
+            return Err(SetError::Refused(format!(
+                "`labels.{name}` is {number}, beyond {MOST_EXACT}: the rows of a sharded dataset would round it; write it as text, or render without shards"
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// The first whole number in a description that no double equals for certain.
+fn find_rounded(description: &Value) -> Option<&Value> {
+    let size = description
+        .as_u64()
+        .or_else(|| description.as_i64().map(i64::unsigned_abs));
+    match description {
+        Value::Number(_) => size.filter(|size| *size > MOST_EXACT).map(|_| description),
+        Value::Array(parts) => parts.iter().find_map(find_rounded),
+        Value::Object(parts) => parts.values().find_map(find_rounded),
+        _ => None,
+    }
 }
 
 /// How a new set is made.
@@ -54,6 +84,7 @@ impl Card {
                 "`--frames-per-shard` is {frames_per_shard}; must be 1 to {MOST_FRAMES_PER_SHARD}"
             )));
         }
+        check_labels(set.job)?;
         Ok(Self {
             format: FORMAT,
             digest: set.job.digest(),

@@ -4,7 +4,7 @@ use super::orientation::Orientation;
 use super::picture::FileFormat;
 use super::sheet::{FilePlane, Radiance, Sheet};
 use super::{DecodeError, npy, openexr};
-use crate::{Plane, Raster, Rgb};
+use crate::{Plane, Raster, Rgb, Samples};
 
 const PICTURE_FORMATS: &[&str] = &["PNG", "JPEG", "WebP", "BMP", "TIFF"];
 const RADIANCE_FORMATS: &[&str] = &["PNG", "JPEG", "WebP", "BMP", "TIFF", "NPY", "EXR"];
@@ -95,6 +95,22 @@ pub fn decode_radiance(bytes: &[u8]) -> Result<Radiance, DecodeError> {
             })?)
         }
     })
+}
+
+/// Whether a picture has a pixel that is not opaque.
+#[must_use]
+pub fn has_transparency(bytes: &[u8]) -> bool {
+    if openexr::is_exr(bytes) || FileFormat::detect(bytes) == Some(FileFormat::Jpeg) {
+        return false;
+    }
+    let Ok(Radiance::Encoded(raster)) = decode_radiance(bytes) else {
+        return false;
+    };
+    match raster.alpha() {
+        Some(Samples::U8(alpha)) => alpha.iter().any(|&alpha| alpha < u8::MAX),
+        Some(Samples::U16(alpha)) => alpha.iter().any(|&alpha| alpha < u16::MAX),
+        None => false,
+    }
 }
 
 /// Whether a picture contains distances next to its colors, as an EXR file with R, G, B and Z.

@@ -88,7 +88,7 @@ pub(super) fn decode_sheet(bytes: &[u8]) -> Result<Sheet, DecodeError> {
         width,
         height,
         bands,
-        has_alpha: matches!(bands, 2 | 4),
+        has_alpha: bands == 4,
         values,
         palette: None,
     })

@@ -3,9 +3,9 @@
 use std::borrow::Cow;
 use std::io::Cursor;
 
-use ::tiff::ColorType;
 use ::tiff::decoder::{Decoder, DecodingResult, Limits};
 use ::tiff::tags::Tag;
+use ::tiff::{ColorType, TiffError};
 
 use super::orientation::find_short;
 use super::sheet::{Sheet, SheetValues};
@@ -76,7 +76,10 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Sheet, DecodeError> {
         false => None,
     };
     let samples = width * height * bands;
-    let image = decoder.read_image().map_err(damaged)?;
+    let image = decoder.read_image().map_err(|error| match error {
+        TiffError::UnsupportedError(reason) => unsuitable(format!("{reason}")),
+        error => damaged(error),
+    })?;
     let values = match (bits, image) {
         (1 | 2 | 4, DecodingResult::U8(packed)) if bands == 1 => {
             SheetValues::U8(unpack_bits(&packed, width, height, bits)?)

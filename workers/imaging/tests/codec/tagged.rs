@@ -100,6 +100,44 @@ fn bmp_is_a_picture_and_its_indices_a_mask() {
     );
 }
 
+/// A BMP file of 5×2 pixels with `bits` per index, uncompressed, bottom row first.
+fn packed_bmp(bits: u16, palette: &[[u8; 3]], rows: &[[u8; 4]; 2]) -> Vec<u8> {
+    let begin = 54 + 4 * palette.len() as u32;
+    let mut file = b"BM".to_vec();
+    for field in [begin + 8, 0, begin, 40, 5, 2] {
+        file.extend(field.to_le_bytes());
+    }
+    file.extend([1u16, bits].into_iter().flat_map(u16::to_le_bytes));
+    for field in [0, 8, 2835, 2835, palette.len() as u32, 0] {
+        file.extend(field.to_le_bytes());
+    }
+    for [r, g, b] in palette {
+        file.extend([*b, *g, *r, 0]);
+    }
+    file.extend(rows.iter().flatten());
+    file
+}
+
+#[test]
+fn indices_of_less_than_a_byte_are_a_mask() {
+    let palette = [[0, 0, 0], [255, 255, 255]];
+    let bit = packed_bmp(1, &palette, &[[0b1010_1000, 0, 0, 0], [0b0100_0000, 0, 0, 0]]);
+    assert_eq!(
+        codec::decode_mask(&bit).unwrap().data(),
+        [0, 1, 0, 0, 0, 1, 0, 1, 0, 1]
+    );
+    let shown = codec::decode_picture(&bit).unwrap().to_rgb8();
+    assert_eq!((shown.pixel(0, 0), shown.pixel(1, 0)), ([0; 3], [255; 3]));
+    // Two indices of one color stay apart.
+    let palette = [[0, 0, 0], [9, 8, 7], [9, 8, 7], [4, 5, 6]];
+    let nibble = packed_bmp(4, &palette, &[[0x12, 0x30, 0x10, 0], [0x33, 0x21, 0x00, 0]]);
+    assert_eq!(
+        codec::decode_mask(&nibble).unwrap().data(),
+        [3, 3, 2, 1, 0, 1, 2, 3, 0, 1]
+    );
+    assert!(codec::decode_mask(&nibble[..nibble.len() - 1]).is_err());
+}
+
 #[test]
 fn damaged_bmp_and_tiff_are_errors_or_pictures_and_never_a_panic() {
     let mut bmp = Vec::new();
@@ -109,6 +147,7 @@ fn damaged_bmp_and_tiff_are_errors_or_pictures_and_never_a_panic() {
         .unwrap();
     for file in [
         bmp,
+        packed_bmp(4, &[[0; 3], [9; 3]], &[[0x10; 4]; 2]),
         tiff::<colortype::Gray16>((2, 1), Compression::Lzw, &[7, 1000]),
     ] {
         for place in 0..file.len() {

@@ -72,7 +72,7 @@ impl Networks {
             noise: noise.as_ref(),
             range: range.as_ref(),
         };
-        let repainted = session.apply(&transfer::encode_unit(scattered), beside)?;
+        let repainted = session.repaint(&transfer::encode_unit(scattered), beside)?;
         let uses_runtime = session.uses_runtime();
         let variant = match (is_table, noise) {
             (true, _) => ".lut",
@@ -84,7 +84,8 @@ impl Networks {
         provenance.inputs.insert(format!("style.{name}{variant}"), digest);
         let runtime = self.engine.runtime().ok().filter(|_| uses_runtime);
         provenance.onnx_runtime = runtime.map(|runtime| runtime.version().to_owned());
-        let blended = optics::style_blend(scattered, &repainted, frame.alpha);
+        record.counts.clamped += repainted.clamped;
+        let blended = optics::style_blend(scattered, &repainted.picture, frame.alpha);
         Ok(Cow::Owned(blended))
     }
 

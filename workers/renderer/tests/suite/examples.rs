@@ -66,9 +66,7 @@ fn no_example_or_site_exceeds_its_tolerance_at_its_size() {
 fn stages_are_more_accurate_before_a_frame_exceeds_its_tolerance() {
     let mut slot = Slot::new(&engine_without_runtime());
     let job = parse(&json!({"site": "harbour-wall", "seed": 2, "count": 10}));
-    let plan = slot
-        .plan(&job.resolve(9).unwrap(), &SceneSource::Local)
-        .unwrap();
+    let plan = slot.plan(&job.resolve(9).unwrap(), &SceneSource::Local).unwrap();
     let promise = plan.promise().unwrap();
     assert_eq!(promise.exceeds, None);
     let lamps = plan.stage(StageId::Lamps).and_then(|stage| stage.bound).unwrap();

@@ -1,7 +1,7 @@
 //! Models of other architectures than the shipped ones: accepted shapes, and errors of rejected ones.
 
 use imaging::{Plane, Rgb};
-use style::{ModelInputs, Session, StyleError};
+use style::{ModelInputs, Repainted, Session, StyleError};
 
 use crate::onnx::{DOUBLE, FLOAT, Graph};
 use crate::{model_of, runtime};
@@ -76,6 +76,21 @@ fn noise_reaches_a_model_that_asks_for_it_and_is_zero_when_it_is_not_given() {
         error.to_string(),
         "style `test`: noise is 3×4 but the frame is 4×3"
     );
+}
+
+#[test]
+fn samples_that_a_network_returns_out_of_range_are_clamped_and_counted() {
+    let graph = Graph {
+        operator: "Add",
+        inputs: &[NOISE, IMAGE],
+        operands: &[0, 1],
+        ..unary("Add")
+    };
+    let noise = Plane::filled(4, 3, 0.75f32);
+    let Repainted { picture, clamped } = session(&graph).repaint(&frame(), with_noise(&noise)).unwrap();
+    // Red is above 1 in the last column, green in the last row, blue everywhere.
+    assert_eq!(clamped, 3 + 4 + 12);
+    assert_eq!(picture, frame().map(|v| (v + 0.75).min(1.0)));
 }
 
 #[test]

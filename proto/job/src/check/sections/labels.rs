@@ -1,6 +1,6 @@
 //! Labels: user-defined scalars.
 
-use serde_json::{Map, Value};
+use serde_json::{Map, Number, Value};
 
 use crate::check::{Checker, Location, constant, whole};
 use crate::node::{Node, float};
@@ -43,10 +43,18 @@ impl Checker<'_> {
         Some(Node::Object(labels))
     }
 
-    /// Checks a label. A whole number is stored the same way, whether written 2 or 2.0.
+    /// Checks a label. A whole number is stored the same way, whether written 2 or 2.0; beyond 64 bits its digits are lost in
+    /// reading, so it is refused.
     pub(crate) fn check_scalar(&mut self, location: &Location, value: &Value) -> Option<Node> {
         match value {
             Value::Bool(_) => Some(Node::Constant(value.clone())),
+            Value::Number(number) if number.as_f64().is_some_and(|size| !is_kept_exactly(number, size)) => {
+                self.refuse_range(
+                    location,
+                    value,
+                    "-9223372036854775808 to 18446744073709551615; write it as text to keep all digits",
+                )
+            }
             Value::Number(number) => Some(match (whole(value).and_then(constant), number.as_f64()) {
                 (Some(whole), _) => whole,
                 (None, float_value) => Node::Constant(float(float_value?)),
@@ -60,4 +68,11 @@ impl Checker<'_> {
             _ => self.refuse_kind(location, &Shape::Scalar, true, value),
         }
     }
+}
+
+/// Whether no digit of a number was lost in reading: integers of 64 bits, and smaller fractions.
+fn is_kept_exactly(number: &Number, size: f64) -> bool {
+    /// The first numbers beyond 64 bits.
+    const BEYOND: (f64, f64) = (-9_223_372_036_854_775_808.0, 18_446_744_073_709_551_616.0);
+    number.is_i64() || number.is_u64() || (size > BEYOND.0 && size < BEYOND.1)
 }

@@ -39,6 +39,12 @@ pub fn run(arguments: &Arguments, tables: Option<WriteTable>) -> Result<(), Fail
         return hand_over();
     }
     arguments.objects.check(format)?;
+    if let Some(frames) = arguments.shard_size.filter(|_| !format.is_sharded()) {
+        return Err(Failure::BadInput(format!(
+            "--shard-size is {frames}, but the format {} has no shards; leave it out, or choose webdataset or parquet",
+            format.name()
+        )));
+    }
     let client = arguments.server.client();
     let selection = Selection::read(&client, arguments)?;
     let split = arguments.split.as_ref();
@@ -46,7 +52,7 @@ pub fn run(arguments: &Arguments, tables: Option<WriteTable>) -> Result<(), Fail
         &arguments.dataset,
         split.map(Splits::to_string),
         &selection.kinds,
-        arguments.shard_size as usize,
+        arguments.frames_per_shard(),
     );
     arguments.objects.describe(&mut card);
     let target = Target::open(&arguments.out, &card)?;

@@ -27,9 +27,9 @@ pub struct Arguments {
     /// two parts, and no image changes its part when the dataset grows
     #[arg(long, value_name = "PARTS", value_parser = Splits::parse)]
     pub(super) split: Option<Splits>,
-    /// Frames of each file of the formats webdataset and parquet
-    #[arg(long, default_value_t = 1000, value_name = "FRAMES", value_parser = clap::value_parser!(u32).range(1..=10_000))]
-    pub(super) shard_size: u32,
+    /// Frames of each file of the formats webdataset and parquet [default: 1000]
+    #[arg(long, value_name = "FRAMES", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub(super) shard_size: Option<u32>,
     #[command(flatten)]
     pub(super) objects: ObjectFilter,
     /// License for the card, such as cc-by-4.0; the card also lists the licenses of waters and styles
@@ -40,6 +40,14 @@ pub struct Arguments {
     pub(super) out: PathBuf,
     #[command(flatten)]
     pub(super) server: ServerArguments,
+}
+
+impl Arguments {
+    /// Frames of each file of a format with shards.
+    pub(super) fn frames_per_shard(&self) -> usize {
+        const USUAL: u32 = 1000;
+        self.shard_size.unwrap_or(USUAL) as usize
+    }
 }
 
 /// A kind of artifact whose name can be that of a file.

@@ -24,6 +24,10 @@ pub(super) fn upload_folder(client: &Client, arguments: &Arguments) -> Result<()
     if let Some(path) = arguments.pose.as_deref() {
         add_poses(&mut plan, path)?;
     }
+    if arguments.camera().is_given() && plan.scenes.iter().any(|scene| scene.camera.is_given()) {
+        plan.notes
+            .push("the camera of the options replaces those of the files".to_owned());
+    }
     eprintln!("layout {}: {} scenes", plan.layout.name(), plan.scenes.len());
     if plan.problems.is_empty() && plan.scenes.is_empty() {
         report_unused(&plan);
@@ -53,6 +57,7 @@ fn plan_folder(folder: &Path, arguments: &Arguments) -> Result<FolderPlan, Failu
     }
     let layout = choose_layout(arguments.layout, &files)?;
     let mut plan = FolderPlan::new(layout, unused);
+    plan.is_recognized = arguments.layout == Layout::Auto;
     match layout {
         Layout::Tum => plan_tum(&mut plan, &files)?,
         Layout::Nerfstudio => plan_nerfstudio(&mut plan, &files)?,

@@ -5,6 +5,8 @@ use std::collections::BTreeSet;
 use cli::exit::Failure;
 
 use super::entries::Entry;
+use super::named::has_pair;
+use super::nerfstudio::is_list;
 use super::role::Role;
 use super::words::{GAZEBO, ISAAC, KUBRIC, PARALLEL, Vocabulary, split_numbered};
 
@@ -15,7 +17,7 @@ pub(crate) enum Layout {
     Auto,
     /// NAME.png with NAME.range.png, NAME.z_depth.npy, NAME.instances.png, NAME.classes.json, NAME.pose.json
     Flat,
-    /// Folders next to each other: rgb/NAME.png, depth/NAME.png, masks/NAME.png
+    /// Folders next to each other: rgb/NAME.png, depth/NAME.png, masks/NAME.png; or NAME_rgb.png, NAME_depth.png
     Parallel,
     /// Isaac Sim: rgb_0000.png, distance_to_camera_0000.npy, instance_segmentation_0000.png
     Isaac,
@@ -25,7 +27,7 @@ pub(crate) enum Layout {
     Kubric,
     /// TUM RGB-D: rgb.txt, depth.txt and groundtruth.txt list the files by time
     Tum,
-    /// transforms.json with the pictures and depths that it names
+    /// transforms.json, or transforms_train.json and the like, with the pictures and depths that it names
     Nerfstudio,
     /// SUIM: images/NAME.jpg with masks/NAME.bmp of class colors
     Suim,
@@ -162,7 +164,7 @@ impl<'a> Names<'a> {
                 has_maps || (is_named && !self.is_isaac() && !self.is_kubric())
             }
             Layout::Tum => self.has_file("rgb.txt") && self.has_file("depth.txt"),
-            Layout::Nerfstudio => self.has_file("transforms.json"),
+            Layout::Nerfstudio => self.entries.iter().any(|entry| is_list(entry.file_name())),
             Layout::Suim => {
                 let mut masks = self
                     .entries
@@ -172,7 +174,7 @@ impl<'a> Names<'a> {
                     && self.has_folder(&["masks"])
                     && masks.all(|entry| entry.extension() == "bmp")
             }
-            Layout::Parallel => self.has_roles(&self.folders, &PARALLEL),
+            Layout::Parallel => has_pair(self.entries, &PARALLEL),
             Layout::Auto | Layout::Flat => false,
         }
     }
@@ -194,7 +196,7 @@ mod tests {
 
     #[test]
     fn each_layout_is_recognized_by_its_names() {
-        let folders: [(&[&str], Layout); 11] = [
+        let folders: [(&[&str], Layout); 15] = [
             (&["a.png", "a.range.npy"], Layout::Flat),
             (&["shot_1.jpg", "shot_2.jpg"], Layout::Flat),
             (&["rgb/1.png", "depth/1.png"], Layout::Parallel),
@@ -221,6 +223,13 @@ mod tests {
                 Layout::Tum,
             ),
             (&["images/d_r_1.jpg", "masks/d_r_1.bmp"], Layout::Suim),
+            (&["transforms_train.json", "train/r_0.png"], Layout::Nerfstudio),
+            (&["0000_rgb.png", "0000_depth.png"], Layout::Parallel),
+            (&["img_1.png", "seg_1.png"], Layout::Parallel),
+            (
+                &["JPEGImages/1.jpg", "SegmentationObject/1.png"],
+                Layout::Parallel,
+            ),
         ];
         for (names, layout) in folders {
             assert_eq!(Layout::detect(&entries(names)).unwrap(), layout, "{names:?}");

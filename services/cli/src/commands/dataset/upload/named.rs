@@ -1,10 +1,14 @@
 //! Layouts whose names and folders tell the role of each file.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use super::entries::Entry;
 use super::layout::Layout;
 use super::plan::{Assigned, FolderPlan};
 use super::role::Role;
-use super::words::{MAPS, PICTURES, Vocabulary, fits_role, is_companion_name, split_numbered};
+use super::words::{
+    PICTURES, Vocabulary, fits_role, is_companion_folder, is_companion_name, list_extensions, split_numbered,
+};
 
 /// Assigns the files of a layout of words.
 pub(super) fn plan_named(plan: &mut FolderPlan, entries: &[Entry], vocabulary: &Vocabulary) {
@@ -16,6 +20,10 @@ pub(super) fn plan_named(plan: &mut FolderPlan, entries: &[Entry], vocabulary: &
                 role: named.role,
                 scene: named.scene,
             }),
+            // Words of common names do not tell what else there may be, those of a simulator do.
+            _ if plan.is_recognized && plan.layout == Layout::Parallel && is_companion(entry) => {
+                plan.problems.push(describe_lookalike(entry, None));
+            }
             _ => {
                 let reason = format!("the layout {} does not use it", plan.layout.name());
                 plan.unused.add(&entry.name, &reason);
@@ -23,6 +31,17 @@ pub(super) fn plan_named(plan: &mut FolderPlan, entries: &[Entry], vocabulary: &
         }
     }
     plan.add_scenes(assigned);
+}
+
+/// Whether any scene of a folder has a picture and something else by these words.
+pub(super) fn has_pair(entries: &[Entry], vocabulary: &Vocabulary) -> bool {
+    let mut roles: BTreeMap<String, BTreeSet<Role>> = BTreeMap::new();
+    for Named { role, scene } in entries.iter().filter_map(|entry| find_named(entry, vocabulary)) {
+        roles.entry(scene).or_default().insert(role);
+    }
+    roles
+        .values()
+        .any(|roles| roles.contains(&Role::Picture) && roles.len() > 1)
 }
 
 /// Role and scene of a name.
@@ -74,18 +93,20 @@ fn split_name<'a>(stem: &'a str, vocabulary: &Vocabulary) -> Option<(Role, &'a s
 /// Assigns the files of `NAME.png` with `NAME.ROLE.png`.
 pub(super) fn plan_flat(plan: &mut FolderPlan, entries: &[Entry]) {
     let mut assigned = Vec::new();
+    let is_suspect = find_suspects(entries, plan.is_recognized);
+    let pictures = extensions_of_pictures(entries);
     for entry in entries {
         let extension = entry.extension();
         let (scene, role) = split_flat(entry);
-        let is_picture = PICTURES.contains(&extension.as_str());
+        let is_picture = pictures.contains(&extension.as_str());
         match role {
             Some(role) if fits_role(role, &extension) => assigned.push(Assigned { entry, role, scene }),
-            None if is_picture && !is_companion_of_picture(entry, entries) => assigned.push(Assigned {
+            None if is_picture && !is_suspect(entry) => assigned.push(Assigned {
                 entry,
                 role: Role::Picture,
                 scene,
             }),
-            _ if is_companion_name(entry.stem(), &extension) => {
+            _ if is_picture || is_companion_name(entry.stem(), &extension) => {
                 let message = describe_lookalike(entry, role);
                 plan.problems.push(message);
             }
@@ -95,6 +116,26 @@ pub(super) fn plan_flat(plan: &mut FolderPlan, entries: &[Entry]) {
         }
     }
     plan.add_scenes(assigned);
+}
+
+/// Arrays are pictures in a folder without other pictures.
+fn extensions_of_pictures(entries: &[Entry]) -> &'static [&'static str] {
+    let has_pictures = entries
+        .iter()
+        .any(|entry| PICTURES.contains(&entry.extension().as_str()));
+    if has_pictures { PICTURES } else { &["npy"] }
+}
+
+/// Tells which picture files may be maps of others. If the layout was recognized and some names have no word for such data, all
+/// those that have one; otherwise those that begin with the name of another picture.
+fn find_suspects(entries: &[Entry], is_recognized: bool) -> impl Fn(&Entry) -> bool {
+    let is_strict = is_recognized && entries.iter().any(|entry| !is_companion(entry));
+    move |entry| is_companion(entry) && (is_strict || is_companion_of_picture(entry, entries))
+}
+
+/// Whether the name of a file or of one of its folders tells of data that belongs to pictures.
+fn is_companion(entry: &Entry) -> bool {
+    is_companion_name(entry.stem(), "") || entry.folder().split('/').any(is_companion_folder)
 }
 
 /// The scene of a name, and the role that its last part names.
@@ -117,11 +158,8 @@ fn split_flat(entry: &Entry) -> (String, Option<Role>) {
     (scene.to_owned(), role)
 }
 
-/// Whether a picture file is named like a map of another picture, such as `0001_mask.png` of `0001.png`.
+/// Whether the name of a picture file begins with that of another, such as `0001_mask.png` of `0001.png`.
 fn is_companion_of_picture(entry: &Entry, entries: &[Entry]) -> bool {
-    if !is_companion_name(entry.stem(), "") {
-        return false;
-    }
     let stem = entry.path_stem();
     entries.iter().any(|other| {
         let rest = stem.strip_prefix(other.path_stem());
@@ -133,12 +171,12 @@ fn is_companion_of_picture(entry: &Entry, entries: &[Entry]) -> bool {
 
 fn describe_lookalike(entry: &Entry, role: Option<Role>) -> String {
     let remedy = match role {
-        Some(role) => format!("`{}` must be one of {}", role.field(), MAPS.join(", ")),
-        None => "name it NAME.range, NAME.z_depth or NAME.instances with its extension, as its picture NAME"
+        Some(role) => format!("`{}` must be one of {}", role.field(), list_extensions(role)),
+        None => "name it NAME.range, NAME.z_depth or NAME.instances with its extension, as its picture NAME; if it is a picture, give --layout flat"
             .to_owned(),
     };
     format!(
-        "{} looks like a part of a scene but is not used; {remedy}, or give --ignore \"{}\"",
+        "{} looks like a part of a scene but is not used; {remedy}; to leave it out, give --ignore \"{}\"",
         entry.name,
         entry.file_name()
     )
@@ -174,6 +212,7 @@ mod tests {
         };
         let entries: Vec<Entry> = names.iter().map(entry).collect();
         let mut plan = FolderPlan::new(layout, Unused::default());
+        plan.is_recognized = true;
         plan_words(&mut plan, &entries);
         plan
     }
@@ -231,6 +270,27 @@ mod tests {
             assert!(problems.contains(name), "{name}: {problems}");
         }
         assert!(plan.check().is_err());
+    }
+
+    #[test]
+    fn maps_beside_pictures_are_never_pictures() {
+        for names in [
+            ["a.png", "mask_a.png"],
+            ["a.png", "aDepth.png"],
+            ["x_leftImg8bit.png", "x_gtFine_labelIds.png"],
+            ["imgs/1.png", "gt/1.png"],
+            ["left/1.png", "SegmentationClass/1.png"],
+            ["images/1.png", "annotations/1.png"],
+        ] {
+            let plan = plan_of(Layout::Flat, &names);
+            assert!(plan.problems.join("\n").contains(names[1]), "{names:?}");
+        }
+        let pictures = plan_of(Layout::Flat, &["depth_test_1.png", "depth_test_2.png"]);
+        assert_eq!((pictures.scenes.len(), pictures.problems.len()), (2, 0));
+        let arrays = plan_of(Layout::Flat, &["a.npy", "b.npy"]);
+        assert_eq!(listed(&arrays), ["a: rgb", "b: rgb"]);
+        let rest = plan_of(Layout::Parallel, &["rgb/1.png", "depth/1.png", "gt/1.png"]);
+        assert!(rest.problems.join("\n").contains("gt/1.png"));
     }
 
     #[test]

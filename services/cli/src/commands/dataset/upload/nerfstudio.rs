@@ -1,4 +1,4 @@
-//! Folders whose `transforms.json` names pictures, depths and masks.
+//! Folders whose `transforms.json`, or one file of each part, names pictures, depths and masks.
 
 use cli::exit::Failure;
 
@@ -8,18 +8,50 @@ use super::poses::{add_poses, count_common_parts, read};
 use super::role::Role;
 use super::words::PICTURES;
 
-const TRANSFORMS: &str = "transforms.json";
 /// Meters of one unit of a depth file, as nerfstudio reads it by default.
 const UNIT_M: f64 = 0.001;
 
+/// Whether a file lists frames: `transforms.json`, or one of a part such as `transforms_train.json`.
+pub(super) fn is_list(file_name: &str) -> bool {
+    let part = file_name
+        .strip_prefix("transforms")
+        .and_then(|rest| rest.strip_suffix(".json"));
+    part.is_some_and(|part| part.is_empty() || part.starts_with('_'))
+}
+
 /// Makes a scene of each frame whose picture exists.
 pub(super) fn plan_nerfstudio(plan: &mut FolderPlan, entries: &[Entry]) -> Result<(), Failure> {
-    let missing = || Failure::BadInput(format!("the layout nerfstudio needs {TRANSFORMS}"));
-    let file = entries.iter().find(|entry| entry.file_name() == TRANSFORMS);
-    let file = file.ok_or_else(missing)?;
-    let transforms = read(&file.path)?;
+    let lists: Vec<&Entry> = entries
+        .iter()
+        .filter(|entry| is_list(entry.file_name()))
+        .collect();
+    if lists.is_empty() {
+        return Err(Failure::input("the layout nerfstudio needs transforms.json"));
+    }
     let mut assigned = Vec::new();
-    for frame in &transforms.frames {
+    for list in &lists {
+        assign_frames(plan, list, entries, &mut assigned)?;
+    }
+    if assigned.iter().any(|assigned| assigned.role == Role::ZDepth) {
+        (plan.unit_m, plan.invalid_code) = (Some(UNIT_M), Some(0));
+        plan.notes
+            .push("depths are read in millimeters, as nerfstudio does; --unit-m changes it".to_owned());
+    }
+    let names: Vec<&str> = lists.iter().map(|list| list.name.as_str()).collect();
+    let reason = format!("no frame of {} names it", names.join(" or "));
+    plan.add_unassigned(entries, &assigned, &names, &reason);
+    plan.add_scenes(assigned);
+    lists.iter().try_for_each(|list| add_poses(plan, &list.path))
+}
+
+/// Assigns the files that a list names.
+fn assign_frames<'a>(
+    plan: &mut FolderPlan,
+    list: &Entry,
+    entries: &'a [Entry],
+    assigned: &mut Vec<Assigned<'a>>,
+) -> Result<(), Failure> {
+    for frame in &read(&list.path)?.frames {
         let Some(picture) = find_entry(entries, &frame.file_path) else {
             continue;
         };
@@ -38,7 +70,7 @@ pub(super) fn plan_nerfstudio(plan: &mut FolderPlan, entries: &[Entry]) -> Resul
                 }),
                 None => plan
                     .problems
-                    .push(format!("{TRANSFORMS} names {path}, which does not exist")),
+                    .push(format!("{} names {path}, which does not exist", list.name)),
             }
         }
         assigned.push(Assigned {
@@ -47,15 +79,7 @@ pub(super) fn plan_nerfstudio(plan: &mut FolderPlan, entries: &[Entry]) -> Resul
             scene,
         });
     }
-    if assigned.iter().any(|assigned| assigned.role == Role::ZDepth) {
-        (plan.unit_m, plan.invalid_code) = (Some(UNIT_M), Some(0));
-        plan.notes
-            .push("depths are read in millimeters, as nerfstudio does; --unit-m changes it".to_owned());
-    }
-    let reason = "no frame of transforms.json names it";
-    plan.add_unassigned(entries, &assigned, &[&file.name], reason);
-    plan.add_scenes(assigned);
-    add_poses(plan, &file.path)
+    Ok(())
 }
 
 /// The file of a path in the folder; programs leave the extension of pictures out.

@@ -51,6 +51,8 @@ impl ScenePlan {
 /// A folder as scenes.
 pub(super) struct FolderPlan {
     pub(super) layout: Layout,
+    /// Whether the layout was recognized and not chosen: what its names leave open is then a problem.
+    pub(super) is_recognized: bool,
     pub(super) scenes: Vec<ScenePlan>,
     pub(super) unused: Unused,
     /// Reasons to upload nothing.
@@ -74,6 +76,7 @@ impl FolderPlan {
     pub(super) fn new(layout: Layout, unused: Unused) -> Self {
         Self {
             layout,
+            is_recognized: false,
             scenes: Vec::new(),
             unused,
             problems: Vec::new(),

@@ -24,14 +24,33 @@ pub(super) struct Transforms {
 pub(super) struct Transform {
     /// Path of the picture; some programs leave the extension out.
     pub(super) file_path: String,
-    /// Rows of the matrix from camera axes right, up, back to the world.
-    transform_matrix: [[f64; 4]; 4],
+    transform_matrix: Matrix,
     #[serde(default)]
     pub(super) depth_file_path: Option<String>,
     #[serde(default)]
     pub(super) mask_path: Option<String>,
     #[serde(flatten)]
     camera: Map<String, Value>,
+}
+
+/// Rows of the matrix from camera axes right, up, back to the world; some programs leave the last one out.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(try_from = "Vec<[f64; 4]>")]
+struct Matrix([[f64; 4]; 4]);
+
+impl TryFrom<Vec<[f64; 4]>> for Matrix {
+    type Error = String;
+
+    fn try_from(rows: Vec<[f64; 4]>) -> Result<Self, String> {
+        match rows[..] {
+            [x, y, z] => Ok(Self([x, y, z, [0.0, 0.0, 0.0, 1.0]])),
+            [x, y, z, last] => Ok(Self([x, y, z, last])),
+            _ => Err(format!(
+                "`transform_matrix` has {} rows; must be 3 or 4",
+                rows.len()
+            )),
+        }
+    }
 }
 
 /// Numbers of a camera that are read.
@@ -57,7 +76,7 @@ pub(super) fn add_poses(plan: &mut FolderPlan, path: &Path) -> Result<(), Failur
                 let frame = &transforms.frames[index];
                 used[index] = true;
                 posed += 1;
-                let matrix = picture_axes(frame.transform_matrix);
+                let matrix = picture_axes(frame.transform_matrix.0);
                 if !scene.files.contains_key(&Role::Pose) {
                     scene.pose = Some(json!({"world_from_camera": matrix}).to_string().into_bytes());
                 }
@@ -133,6 +152,20 @@ fn describe(plan: &mut FolderPlan, path: &Path, transforms: &Transforms, used: &
         .collect();
     distorted.sort_unstable();
     distorted.dedup();
+    let is_scaled = |key: &&str| match transforms.camera.get(*key) {
+        Some(Value::Number(scale)) => scale.as_f64() != Some(1.0),
+        other => other.is_some(),
+    };
+    let moved: Vec<&str> = ["applied_transform", "applied_scale"]
+        .into_iter()
+        .filter(is_scaled)
+        .collect();
+    if !moved.is_empty() {
+        plan.notes.push(format!(
+            "{name}: {} is not undone; poses are those of the file, in its units",
+            moved.join(" and ")
+        ));
+    }
     if !distorted.is_empty() {
         plan.notes.push(format!(
             "{name}: {} are not used, since scenes have no distortion; undistort the pictures, or set `camera.distortion` in the job",

@@ -60,13 +60,22 @@ pub(super) fn upload_scene(
     };
     add_embedded_depth(&mut contents, arguments, camera)?;
     let fields = list_fields(arguments, plan, scene, camera, &contents);
-    let form = fields
-        .iter()
-        .fold(Form::new(), |form, (name, value)| form.text(name, value));
-    let form = contents.0.iter().fold(form, |form, (name, bytes)| {
-        form.part(name, Part::bytes(bytes).file_name(name))
+    let received = client.post_form("/v1/scenes", || {
+        let texts = fields
+            .iter()
+            .fold(Form::new(), |form, (name, value)| form.text(name, value));
+        contents.0.iter().fold(texts, |form, (name, bytes)| {
+            form.part(name, Part::bytes(bytes).file_name(name))
+        })
     });
-    client.post_form("/v1/scenes", form).map_err(in_options)
+    let is_folder = arguments.rgb.is_dir();
+    let mut received: Received<SceneView> = received.map_err(|error| name_options(error, is_folder))?;
+    if let (EmbeddedDepth::Ignore, Some(summary)) = (arguments.embedded_depth, &mut received.value.summary) {
+        summary
+            .notes
+            .retain(|note| !note.contains("channel of distances"));
+    }
+    Ok(received)
 }
 
 /// Replaces a mask of colors by one of numbers, where the layout has such masks.
@@ -162,22 +171,28 @@ fn read_shared_classes(arguments: &Arguments, contents: &Contents) -> Result<Opt
     Ok(Some(json!(shown).to_string().into_bytes()))
 }
 
-/// Names the options of this command in place of the fields of the form.
-fn in_options(error: ClientError) -> Failure {
-    const OPTIONS: [(&str, &str); 6] = [
-        ("`hfov_deg`", "--hfov-deg"),
-        ("`focal_px`", "--focal-px"),
-        ("`unit_m`", "--unit-m"),
-        ("`invalid_code`", "--invalid-code"),
-        ("`z_depth`", "--z-depth"),
-        ("`scale`", "--scale"),
+/// Names the options of this command in place of the fields of the form. The files of a folder come from no option.
+fn name_options(error: ClientError, is_folder: bool) -> Failure {
+    const NUMBERS: &[&str] = &[
+        "hfov_deg",
+        "focal_px",
+        "cx",
+        "cy",
+        "unit_m",
+        "invalid_code",
+        "scale",
+        "collection",
     ];
+    const FILES: &[&str] = &["range", "z_depth", "instances", "classes", "pose"];
+    let options = if is_folder { &[][..] } else { FILES };
     match Failure::from(error) {
-        Failure::BadInput(message) => Failure::BadInput(
-            OPTIONS
-                .iter()
-                .fold(message, |message, (field, option)| message.replace(field, option)),
-        ),
+        Failure::BadInput(message) => {
+            let named = NUMBERS.iter().chain(options).fold(message, |message, field| {
+                let option = format!("--{}", field.replace('_', "-"));
+                message.replace(&format!("`{field}`"), &option)
+            });
+            Failure::BadInput(named)
+        }
         other => other,
     }
 }

@@ -5,7 +5,7 @@ use super::role::Role;
 /// Extensions of pictures.
 pub(super) const PICTURES: &[&str] = &["png", "jpg", "jpeg", "webp", "bmp", "tif", "tiff", "exr"];
 /// Extensions of maps.
-pub(super) const MAPS: &[&str] = &["png", "npy", "exr", "tif", "tiff", "bmp", "webp"];
+const MAPS: &[&str] = &["png", "npy", "exr", "tif", "tiff", "bmp", "webp"];
 /// Extensions of data that no part of a scene has.
 const OTHER_DATA: &[&str] = &["npy", "npz", "pfm", "h5", "hdf5", "mat", "raw", "dpt", "flo"];
 
@@ -18,20 +18,47 @@ pub(super) struct Vocabulary {
     pub(super) classes: &'static [&'static str],
 }
 
-/// Folders next to each other.
+/// Folders next to each other, or names with a word for the role.
 pub(super) const PARALLEL: Vocabulary = Vocabulary {
     picture: &[
-        "rgb", "color", "colour", "image", "images", "img", "imgs", "picture", "pictures",
+        "rgb",
+        "color",
+        "colour",
+        "image",
+        "images",
+        "img",
+        "imgs",
+        "picture",
+        "pictures",
+        "photo",
+        "photos",
+        "frame",
+        "frames",
+        "jpegimages",
+        "leftimg8bit",
+        "image_2",
     ],
     range: &["range", "ranges", "distance", "distances"],
-    z_depth: &["depth", "depths", "z_depth", "zdepth", "depth_map", "depth_maps"],
+    z_depth: &[
+        "depth",
+        "depths",
+        "z_depth",
+        "zdepth",
+        "depth_map",
+        "depth_maps",
+        "depthmap",
+        "depthmaps",
+        "depth_gt",
+    ],
     instances: &[
         "instance",
         "instances",
         "mask",
         "masks",
+        "seg",
         "segmentation",
         "segmentations",
+        "segmentationobject",
         "label",
         "labels",
     ],
@@ -101,46 +128,97 @@ pub(super) fn split_numbered(stem: &str) -> Option<(&str, &str)> {
 
 /// Whether an extension may belong to a role.
 pub(super) fn fits_role(role: Role, extension: &str) -> bool {
+    let arrays: &[&str] = if role == Role::Picture { &["npy"] } else { &[] };
+    extensions_of(role).contains(&extension) || arrays.contains(&extension)
+}
+
+/// The extensions of a role, for a message.
+pub(super) fn list_extensions(role: Role) -> String {
+    extensions_of(role).join(", ")
+}
+
+fn extensions_of(role: Role) -> &'static [&'static str] {
     match role {
-        Role::Picture => PICTURES.contains(&extension) || extension == "npy",
-        Role::Range | Role::ZDepth | Role::Instances => MAPS.contains(&extension),
-        Role::Classes | Role::Pose => extension == "json",
+        Role::Picture => PICTURES,
+        Role::Range | Role::ZDepth | Role::Instances => MAPS,
+        Role::Classes | Role::Pose => &["json"],
     }
 }
 
-/// Whether a name without its number tells of data that belongs to pictures, such as `0001_mask`.
+/// Words for data that belongs to pictures, wherever they are in a name.
+const COMPANIONS: &[&str] = &[
+    "depth",
+    "depths",
+    "depthmap",
+    "depthmaps",
+    "zdepth",
+    "range",
+    "ranges",
+    "distance",
+    "disparity",
+    "disp",
+    "mask",
+    "masks",
+    "instance",
+    "instances",
+    "seg",
+    "segmentation",
+    "segmentations",
+    "semantic",
+    "semantics",
+    "label",
+    "labels",
+    "annotation",
+    "annotations",
+    "groundtruth",
+    "normal",
+    "normals",
+    "pose",
+    "poses",
+    "classes",
+    "flow",
+    "intrinsics",
+];
+/// Words that tell of such data only at the end of a name, such as `0001_gt`.
+const LAST_COMPANIONS: &[&str] = &["gt", "msk", "id", "ids", "z", "d"];
+
+/// Whether a name without its number tells of data that belongs to pictures, such as `0001_mask` or `0001Depth`.
 pub(super) fn is_companion_name(stem: &str, extension: &str) -> bool {
-    const WORDS: &[&str] = &[
-        "depth",
-        "zdepth",
-        "range",
-        "distance",
-        "disparity",
-        "disp",
-        "mask",
-        "masks",
-        "instance",
-        "instances",
-        "seg",
-        "segmentation",
-        "semantic",
-        "semantics",
-        "label",
-        "labels",
-        "annotation",
-        "normal",
-        "normals",
-        "pose",
-        "poses",
-        "classes",
-        "flow",
-        "intrinsics",
-    ];
-    let lower = stem.to_ascii_lowercase();
-    let has_word = lower
-        .split(|letter: char| !letter.is_ascii_alphabetic())
-        .any(|word| WORDS.contains(&word));
-    has_word || OTHER_DATA.contains(&extension)
+    let words = split_words(stem);
+    let is_last = words.len() > 1
+        && words
+            .last()
+            .is_some_and(|word| LAST_COMPANIONS.contains(&word.as_str()));
+    let has_word = words.iter().any(|word| COMPANIONS.contains(&word.as_str()));
+    has_word || is_last || OTHER_DATA.contains(&extension)
+}
+
+/// Whether the name of a folder tells of such data, such as `gt` or `SegmentationClass`.
+pub(super) fn is_companion_folder(folder: &str) -> bool {
+    let words = split_words(folder);
+    let is_short = words.len() == 1 && LAST_COMPANIONS.contains(&words[0].as_str());
+    is_short || is_companion_name(folder, "")
+}
+
+/// The words of a name in lower case: `leftImg8bit_depthGt` has left, img, bit, depth and gt. Numbers are words of one letter, `0`.
+fn split_words(name: &str) -> Vec<String> {
+    let mut words = vec![String::new()];
+    let mut last = ' ';
+    for letter in name.chars() {
+        let begins =
+            letter.is_uppercase() && last.is_lowercase() || letter.is_ascii_digit() != last.is_ascii_digit();
+        if begins || !letter.is_alphanumeric() {
+            words.push(String::new());
+        }
+        if letter.is_alphabetic() {
+            words.last_mut().expect("one word").extend(letter.to_lowercase());
+        } else if letter.is_ascii_digit() && !last.is_ascii_digit() {
+            words.last_mut().expect("one word").push('0');
+        }
+        last = letter;
+    }
+    words.retain(|word| !word.is_empty());
+    words
 }
 
 #[cfg(test)]
@@ -159,6 +237,23 @@ mod tests {
     }
 
     #[test]
+    fn folders_of_maps_are_told_from_folders_of_pictures() {
+        for folder in [
+            "SegmentationClass",
+            "gt",
+            "depthmap",
+            "annotations",
+            "depth_gt",
+            "semantic",
+        ] {
+            assert!(is_companion_folder(folder), "{folder}");
+        }
+        for folder in ["JPEGImages", "left", "day_1", "cam0"] {
+            assert!(!is_companion_folder(folder), "{folder}");
+        }
+    }
+
+    #[test]
     fn names_of_maps_are_told_from_names_of_pictures() {
         for (stem, extension, is_companion) in [
             ("0001_mask", "png", true),
@@ -167,6 +262,11 @@ mod tests {
             ("0003", "npz", true),
             ("0003", "jpg", false),
             ("unmasked", "png", false),
+            ("aDepth", "png", true),
+            ("frankfurt_000_labelIds", "png", true),
+            ("0001_gt", "png", true),
+            ("id_0001", "png", false),
+            ("z", "png", false),
         ] {
             assert_eq!(is_companion_name(stem, extension), is_companion, "{stem}");
         }

@@ -90,14 +90,18 @@ pub(crate) fn add(client: &Client, model: &[u8], card: &UploadCard) -> Result<bo
     ];
     let scale = card.scale.map(|scale| scale.to_string()).unwrap_or_default();
     let caveats = card.caveats.iter().map(|caveat| ("caveat", caveat));
-    let form = texts
+    let fields: Vec<_> = texts
         .into_iter()
         .chain(caveats)
         .chain([("scale", &scale)])
         .filter(|(_, text)| !text.is_empty())
-        .fold(Form::new(), |form, (name, text)| form.text(name, text))
-        .part("model", Part::bytes(model).file_name("model.onnx"));
-    let added = client.post_form::<ModelCard>("/v1/styles", form);
+        .collect();
+    let added = client.post_form::<ModelCard>("/v1/styles", || {
+        fields
+            .iter()
+            .fold(Form::new(), |form, (name, text)| form.text(name, text))
+            .part("model", Part::bytes(model).file_name("model.onnx"))
+    });
     match added.map_err(Failure::from) {
         Err(Failure::BadInput(message)) => {
             Err(Failure::BadInput(message.replace("the scale 255", "--scale 255")))

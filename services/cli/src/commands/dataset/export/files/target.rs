@@ -3,13 +3,14 @@
 //! Names come from the command line or have been checked by [`crate::commands::dataset::export::input::frame::Place`]. A file is written under a new temporary name,
 //! then renamed, which replaces a link instead of following it.
 
+use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use cli::exit::Failure;
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 /// The file with the card of an export, which identifies it.
 const CARD: &str = "export.json";
@@ -50,11 +51,10 @@ impl Target {
         if found.is_empty() {
             file.write_all(format!("{card}\n").as_bytes())
                 .with_context(|| format!("cannot write {}", path.display()))?;
-        } else if serde_json::from_str::<Value>(&found).ok().as_ref() != Some(card) {
+        } else if let Some(difference) = find_difference(&found, card) {
             return Err(Failure::BadInput(format!(
-                "{} holds another export ({}, not {card}); name an empty or a new folder",
-                root.display(),
-                found.trim()
+                "{} holds another export: {difference}; name an empty or a new folder",
+                root.display()
             )));
         }
         Ok(Self {
@@ -154,6 +154,34 @@ fn create_new(path: &Path) -> io::Result<File> {
 pub(crate) fn draft_of(path: &Path) -> PathBuf {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     path.with_file_name(format!(".{name}.part"))
+}
+
+/// How the card of a folder differs from that of an export; `None` for the same.
+fn find_difference(found: &str, card: &Value) -> Option<String> {
+    let Ok(Value::Object(found)) = serde_json::from_str(found) else {
+        return Some("its card cannot be read".to_owned());
+    };
+    let names = found
+        .keys()
+        .chain(card.as_object().into_iter().flat_map(Map::keys));
+    let differing: BTreeSet<&String> = names
+        .filter(|name| found.get(*name).unwrap_or(&Value::Null) != &card[name.as_str()])
+        .collect();
+    let describe = |value: &Value| match value {
+        Value::Null => "not set".to_owned(),
+        value => value.to_string(),
+    };
+    let listed: Vec<String> = differing
+        .iter()
+        .map(|name| {
+            let there = describe(found.get(*name).unwrap_or(&Value::Null));
+            format!(
+                "`{name}` is {there} there and {} here",
+                describe(&card[name.as_str()])
+            )
+        })
+        .collect();
+    (!listed.is_empty()).then(|| listed.join(", "))
 }
 
 #[cfg(test)]

@@ -56,7 +56,7 @@ impl<'a> Export<'a> {
             Some(split) => split.names().map(|name| Some(name.to_owned())).collect(),
             None => vec![None],
         };
-        let shard_size = arguments.shard_size as usize;
+        let shard_size = arguments.frames_per_shard();
         Ok(Self {
             parts: names
                 .into_iter()
