@@ -5,10 +5,12 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from functools import cached_property
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, TypeGuard
 
 import numpy as np
 from numpy.typing import NDArray
+
+from fathom.display import encode_thumbnail, html_table
 
 Artifact: TypeAlias = "NDArray[Any] | dict[str, Any]"
 """An array, or the JSON object of `boxes`."""
@@ -31,6 +33,19 @@ class Frame:
 
     def __repr__(self) -> str:
         return f"<fathom.Frame {self.index}: {', '.join(self._artifacts)}>"
+
+    def _repr_png_(self) -> bytes | None:
+        """Return a thumbnail of the first picture, `None` without one."""
+        pictures = (value for value in self._artifacts.values() if _is_picture(value))
+        picture = next(pictures, None)
+        return None if picture is None else encode_thumbnail(picture)
+
+    def _repr_html_(self) -> str:
+        return html_table(
+            f"Frame {self.index}",
+            {kind: _describe_artifact(value) for kind, value in self._artifacts.items()},
+            png=self._repr_png_(),
+        )
 
     def __getitem__(self, kind: str) -> Artifact:
         try:
@@ -105,3 +120,14 @@ class Frame:
         assert isinstance(boxes, dict)
         instances: list[dict[str, Any]] = boxes["instances"]
         return instances
+
+
+def _is_picture(value: Artifact) -> TypeGuard[NDArray[Any]]:
+    return isinstance(value, np.ndarray) and value.dtype in (np.uint8, np.uint16) and value.ndim == 3
+
+
+def _describe_artifact(value: Artifact) -> str:
+    if isinstance(value, np.ndarray):
+        return f"{value.dtype} {'×'.join(map(str, value.shape))}"
+    instances = value.get("instances")
+    return f"{len(instances)} objects" if isinstance(instances, list) else "JSON"

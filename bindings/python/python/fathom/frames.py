@@ -5,7 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Protocol, overload
 
+from fathom.arguments import list_kinds
+from fathom.display import html_table
 from fathom.frame import Artifact, Frame
+from fathom.job import Job
 
 
 class Source(Protocol):
@@ -25,10 +28,21 @@ class Frames(Sequence[dict[str, Artifact]]):
     """
 
     def __init__(self, source: Source, kinds: Sequence[str] | None = None, *, indices: range | None = None) -> None:
-        """Use the frames of a `Job` or of a result of `fathom.open`; default `kinds`: all."""
+        """Use the frames of a `Job` or of a result of `fathom.open`; default `kinds`: all.
+
+        Raises `fathom.InvalidArgument` for an unknown kind.
+        """
         self.source = source
-        self.kinds = None if kinds is None else tuple(kinds)
+        self.kinds = list_kinds(kinds, stored=not isinstance(source, Job))
         self.indices = range(len(source)) if indices is None else indices
+
+    def __repr__(self) -> str:
+        kinds = "" if self.kinds is None else f" with {', '.join(self.kinds) or 'no artifacts'}"
+        return f"<fathom.Frames: {len(self)} frames{kinds} of {self.source!r}>"
+
+    def _repr_html_(self) -> str:
+        kinds = "all" if self.kinds is None else ", ".join(self.kinds)
+        return html_table("Frames", {"frames": len(self), "kinds": kinds, "source": repr(self.source)})
 
     def __len__(self) -> int:
         return len(self.indices)

@@ -13,6 +13,8 @@ from typing import Any
 import numpy as np
 
 from fathom import _native
+from fathom.arguments import list_kinds
+from fathom.display import html_table
 from fathom.frame import Frame
 
 MAX_FRAMES = 100_000_000
@@ -54,7 +56,22 @@ class Job:
         return self._native.frames
 
     def __repr__(self) -> str:
-        return f"<fathom.Job {self.digest[:12]}: {len(self)} frames>"
+        return f"<fathom.Job {self.digest[:12]}: {len(self)} frames of {self.description.get('dataset')}>"
+
+    def _repr_html_(self) -> str:
+        description = self.description
+        camera, scene = (description.get(part) or {} for part in ("camera", "scene"))
+        rows = {
+            "dataset": description.get("dataset"),
+            "frames": len(self),
+            "size": f"{camera.get('width')}×{camera.get('height')}" if "width" in camera else None,
+            "scene": " ".join(str(scene[name]) for name in ("kind", "family", "name", "id") if name in scene),
+            "water": ", ".join(_list_presets(description.get("water"))),
+            "artifacts": ", ".join(map(str, description.get("artifacts") or ())),
+            "warnings": "; ".join(self.warnings),
+            "digest": self.digest,
+        }
+        return html_table("Job", rows)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Job) and (self.canonical, self._places) == (other.canonical, other._places)
@@ -101,9 +118,9 @@ class Job:
 
     def read(self, index: int, kinds: Sequence[str] | None = None, *, metrics: bool = False) -> Frame:
         """Render a frame in this process; see `fathom.render`."""
-        wanted = None if kinds is None else list(kinds)
+        wanted = list_kinds(kinds)
         position = self._position(index)
-        artifacts, record = self._native.render(position, wanted, metrics)
+        artifacts, record = self._native.render(position, None if wanted is None else list(wanted), metrics)
         return Frame(position, dict(artifacts), record)
 
     def endless(self) -> Job:
@@ -119,6 +136,16 @@ class Job:
         if not 0 <= position < len(self):
             raise IndexError(f"frame {index} does not exist, the job has {len(self)} frames")
         return position
+
+
+def _list_presets(value: Any) -> list[str]:
+    """Return the names of all presets in a part of a description."""
+    if isinstance(value, list):
+        return [name for item in value for name in _list_presets(item)]
+    if not isinstance(value, dict):
+        return []
+    inner = [name for item in value.values() for name in _list_presets(item)]
+    return [value["preset"], *inner] if isinstance(value.get("preset"), str) else inner
 
 
 def _plain(value: Any) -> Any:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fathom import _native
+from fathom.arguments import list_names
 
 USUAL_METRICS = ("entropy", "uicm", "uism", "uiconm", "uiqm", "uciqe")
 """Default metrics."""
@@ -36,4 +37,4 @@ def measure(
     `image` holds sRGB codes, uint8 or uint16, of shape (H, W) or (H, W, 3); `metrics` are names such as uiqm or
     uiqm@table1; `clean` is the picture that psnr and ssim compare with. Returns the values by name.
     """
-    return dict(_native.measure(image, list(metrics), clean))
+    return dict(_native.measure(image, list(list_names("metrics", metrics)), clean))

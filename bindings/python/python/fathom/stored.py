@@ -80,6 +80,9 @@ class Rendered:
         self.folder = folder
         self._records = Lines(folder / self.LIST)
 
+    def __repr__(self) -> str:
+        return f"<rendered folder {self.folder}: {len(self)} frames>"
+
     def __len__(self) -> int:
         return len(self._records)
 
@@ -106,6 +109,9 @@ class Exported:
     def __init__(self, folder: Path) -> None:
         self.folder = folder.resolve()
         self._rows = Lines(folder / self.LIST)
+
+    def __repr__(self) -> str:
+        return f"<exported folder {self.folder}: {len(self)} frames>"
 
     def __len__(self) -> int:
         return len(self._rows)

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from torch.utils.data import IterableDataset, get_worker_info
 
+from fathom.arguments import list_kinds
 from fathom.frame import Artifact
 from fathom.job import Job
 
@@ -20,7 +21,7 @@ class Endless(IterableDataset):
     def __init__(self, job: Job, kinds: Sequence[str] | None = None) -> None:
         super().__init__()
         self.job = job.endless()
-        self.kinds = None if kinds is None else tuple(kinds)
+        self.kinds = list_kinds(kinds)
         self.taken = 0
 
     def __iter__(self) -> Iterator[dict[str, Artifact]]:
