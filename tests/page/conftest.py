@@ -65,17 +65,18 @@ def drag(page, selector, begin, end):
 class Service:
     """A `fathom serve` that can be ended and started again at the same address."""
 
-    def __init__(self, folder, token=None):
+    def __init__(self, folder, token=None, workers=1):
         with socket.socket() as probe:
             probe.bind(("127.0.0.1", 0))
             self.port = probe.getsockname()[1]
         self.address = f"http://127.0.0.1:{self.port}"
         self.folder = folder
         self.token = token
+        self.workers = workers
         self.start()
 
     def start(self, patience_s=60):
-        command = [FATHOM, "serve", "--data", self.folder, "--listen", f"127.0.0.1:{self.port}", "--slots", "1"]
+        command = [FATHOM, "serve", "--data", self.folder, "--listen", f"127.0.0.1:{self.port}", "--slots", "1", "--workers", str(self.workers)]
         environment = {**os.environ, **({"FATHOM_TOKEN": self.token} if self.token else {})}
         self.process = subprocess.Popen(command, env=environment, stderr=subprocess.DEVNULL)
         for _ in range(10 * patience_s):
@@ -98,6 +99,18 @@ class Service:
         with urllib.request.urlopen(urllib.request.Request(self.address + path, data, headers)) as response:
             return json.load(response)
 
+    def upload(self, files, **fields):
+        """Uploads a scene; `files` maps part names to paths."""
+        boundary = "fathom-page-test"
+        parts = [f'--{boundary}\r\ncontent-disposition: form-data; name="{name}"\r\n\r\n{value}\r\n'.encode() for name, value in fields.items()]
+        for name, path in files.items():
+            head = f'--{boundary}\r\ncontent-disposition: form-data; name="{name}"; filename="{path.name}"\r\n\r\n'
+            parts.append(head.encode() + path.read_bytes() + b"\r\n")
+        body = b"".join([*parts, f"--{boundary}--\r\n".encode()])
+        request = urllib.request.Request(self.address + "/v1/scenes", body, {"content-type": f"multipart/form-data; boundary={boundary}"})
+        with urllib.request.urlopen(request) as response:
+            return json.load(response)
+
     def render(self, job):
         """Submits a job and waits for it."""
         identity = self.ask("/v1/jobs", job)["id"]
@@ -115,6 +128,25 @@ def service():
         assert service.render(JOB)["failed"] == 0
         yield service
         service.stop()
+
+
+@pytest.fixture(scope="session")
+def dock(service, tmp_path_factory):
+    """A collection `dock` of two uploaded scenes with range and mask, rendered in air. Returns their ids."""
+    folder = tmp_path_factory.mktemp("dock")
+    dry = {"dataset": "dry", "count": 2, "scene": {"kind": "procedural", "family": "structure", "lighting": "in_air", "seed": {"int": [0, 99]}},
+           "camera": {"width": 192, "height": 123}, "artifacts": ["rgb", "range", "instances"], "metrics": []}
+    job = service.render(dry)["id"]
+    ids = []
+    for frame in range(2):
+        files = {}
+        for kind in ("rgb", "range", "instances"):
+            files[kind] = folder / f"{frame}-{kind}.png"
+            with urllib.request.urlopen(f"{service.address}/v1/images/{job}/{frame}/artifacts/{kind}") as response:
+                files[kind].write_bytes(response.read())
+        uploaded = service.upload(files, unit_m=0.001, invalid_code=0, hfov_deg=80, collection="dock", name=f"view-{frame}")
+        ids.append(uploaded["id"])
+    return ids
 
 
 @pytest.fixture(scope="session")

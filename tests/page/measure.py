@@ -62,6 +62,7 @@ def drag(browser, address):
     page.goto(f"{address}/#/compose?job={urllib.parse.quote(json.dumps(job))}")
     page.wait_for_selector(".frames canvas:not(.waiting)")
     page.wait_for_load_state("networkidle")
+    page.locator("[id='f-alpha']").scroll_into_view_if_needed()
     slider = page.locator("[id='f-alpha']").bounding_box()
     y = slider["y"] + slider["height"] / 2
     page.mouse.move(slider["x"] + slider["width"] / 2, y)

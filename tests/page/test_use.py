@@ -83,12 +83,16 @@ def test_a_token_is_asked_for_once_and_kept_in_memory(visit, tmp_path):
         service.stop()
 
 
+OWN = {**JOB, "dataset": "composed", "water": {"optics": "jerlov-1C", "range_scale": 0.4, "style": "atlantic"}, "alpha": 0.5, "labels": {}}
+
+
 def test_a_drag_renders_again_and_a_wrong_value_is_told_at_its_field(visit):
-    page = visit("compose")
+    page = visit("compose?job=" + urllib.parse.quote(json.dumps(OWN)))
     until(page, "JSON.parse(document.querySelector('[data-speed]').dataset.speed || '{}').isFull", timeout=60_000)
     drawn = "JSON.parse(document.querySelector('[data-speed]').dataset.speed).drawn"
     before = page.evaluate(drawn)
     slider = page.locator("[id='f-alpha']")
+    slider.scroll_into_view_if_needed()
     box = slider.bounding_box()
     page.mouse.move(box["x"] + box["width"] * 0.5, box["y"] + box["height"] / 2)
     page.mouse.down()
@@ -162,7 +166,7 @@ def test_a_style_is_seen_while_it_learns(visit, tmp_path):
 
 
 def test_a_lamp_is_moved_in_the_picture(visit):
-    page = visit("compose")
+    page = visit("compose?job=" + urllib.parse.quote(json.dumps(OWN)))
     page.click("text=Add haze")
     page.wait_for_selector(".handle")
     page.focus(".handle")

@@ -3,15 +3,17 @@
 import { ProblemError, get, pause, post, read } from "./api.js";
 import { h, heading, problemBox, put, same } from "./dom.js";
 import { parse, print } from "./exact.js";
-import { START, at, put as set } from "./fields.js";
+import { START, at } from "./fields.js";
 import { Form } from "./form.js";
 import { settled } from "./laws.js";
-import { Live, pictureOf, rendered } from "./live.js";
+import { LampHandles, Live, pictureOf, rendered, singleScene, watchWorkers } from "./live.js";
 import { bytes, count, duration, number } from "./text.js";
 
 const STRIP = 12;
-// Minimum distance for the handles of lamps: closer ones would be far outside the image.
-const NEAREST = 1;
+// Share of the size of frames that are rendered while a value is dragged, and the share after a slow one.
+const DRAG_SHARE = 0.5;
+const SLOW_SHARE = 0.25;
+const SLOW_MS = 250;
 
 export async function show(root, route) {
   const view = new Compose(root, route);
@@ -25,10 +27,12 @@ class Compose {
     this.job = opened(route.query.job);
     this.frame = Number(route.query.frame) || 0;
     this.first = [];
+    this.dragShare = DRAG_SHARE;
     this.form = new Form(this.job, (isDragging) => this.changed(isDragging));
     this.json = h("textarea.mono", { id: "json", spellcheck: "false", rows: 18, "aria-label": "The job as JSON", oninput: () => this.read() });
     this.canvas = h("canvas", { width: 768, height: 492, role: "img", "aria-label": "The live frame" });
-    this.handles = h("div.handles");
+    this.handles = new LampHandles(this.canvas, () => this.current(), (index, values, isDragging) => this.moveLamp(index, values, isDragging));
+    this.workers = h("div");
     this.speed = h("p.quiet", { "data-speed": "" }, "Rendering …");
     this.wrong = h("div", { "aria-live": "polite" });
     this.facts = h("div.note", { role: "status" }, "…");
@@ -36,7 +40,7 @@ class Compose {
     this.submit = h("button.primary", { type: "button", onclick: () => this.send() }, "Submit");
     this.plan = h("div");
     this.live = new Live(route.signal, (shown) => this.shown(shown), (error) => this.failed(error));
-    root.append(heading("Compose"), h("div.compose", {}, h("div.view-side", {}, h("div.live", {}, this.canvas, this.handles), this.speed, this.wrong,
+    root.append(heading("Compose"), h("div.compose", {}, h("div.view-side", {}, h("div.live", {}, this.canvas, this.handles.element), this.speed, this.workers, this.wrong,
       h("div.row", {}, this.submit, this.facts), this.strip, this.plan), h("div", {}, this.form.element,
       h("details.panel", { open: true }, h("summary", {}, "JSON"), this.json))),
     same("POST /v1/jobs/preview?frames=12", "POST /v1/renders", "POST /v1/jobs", "fathom plan job.json --frame 0", "fathom submit job.json --wait"));
@@ -44,8 +48,18 @@ class Compose {
 
   async start() {
     this.write();
-    await this.form.start();
+    watchWorkers(this.workers, this.route.signal, (isConnected) => this.workersChanged(isConnected)).catch(() => {});
     this.changed(false);
+    await this.form.start();
+    this.form.inherit(this.drawn());
+  }
+
+  workersChanged(isConnected) {
+    if (!isConnected) this.speed.textContent = "No worker is connected.";
+    else if (this.speed.textContent === "No worker is connected.") {
+      this.speed.textContent = "Rendering …";
+      this.changed(false);
+    }
   }
 
   write() {
@@ -61,6 +75,10 @@ class Compose {
     } catch (error) {
       this.json.setAttribute("aria-invalid", "true");
       put(this.wrong, h("p.wrong", {}, `JSON: ${error.message}`));
+      // The document still holds the job before this edit, which must not be checked or submitted in its place.
+      clearTimeout(this.timer);
+      this.working?.abort();
+      this.submit.disabled = true;
       return;
     }
     for (const key of Object.keys(this.job)) delete this.job[key];
@@ -72,17 +90,31 @@ class Compose {
 
   changed(isDragging, isFromJson = false) {
     if (!isFromJson) this.write();
-    this.live.ask(pictureOf(this.current(), 0.5, 82), false);
-    this.drawHandles();
+    this.json.removeAttribute("aria-invalid");
+    this.render(this.dragShare, 82, false);
+    this.handles.draw();
     clearTimeout(this.timer);
     this.timer = setTimeout(() => this.settle(), isDragging ? 350 : 200);
   }
 
+  // Renders the current frame, unless some of its values are still unknown.
+  render(share, quality, isFull) {
+    const frame = this.current();
+    const isKnown = (this.job.site === undefined || frame.scene) && singleScene(frame.scene)?.kind !== "collection";
+    if (isKnown) this.live.ask(pictureOf(frame, share, quality), isFull);
+  }
+
+  // The drawn values of the selected frame, once the service has checked the job.
+  drawn() {
+    return this.first[this.frame]?.parameters;
+  }
+
   current() {
-    const drawn = this.first[this.frame]?.parameters;
+    const drawn = this.drawn();
     const own = settled(this.job, drawn);
-    // The values of a site are known once a frame is drawn.
-    return this.job.site !== undefined && drawn?.site ? replaced(drawn, own) : own;
+    if (!drawn) return own;
+    if (this.job.site !== undefined) return replaced(drawn, own);
+    return completed(own, drawn);
   }
 
   // After the last change: errors, cost, sample frames, and the frame in full size.
@@ -95,18 +127,29 @@ class Compose {
       const preview = await read(await post(`/v1/jobs/preview?frames=${STRIP}`, this.job, { signal }));
       this.first = preview.first;
       this.frame = Math.min(this.frame, this.first.length - 1);
+      this.form.inherit(this.drawn());
       this.form.fault([]);
       put(this.wrong, preview.warnings.map((text) => h("p.note", {}, text)));
       this.tell(preview);
       this.submit.disabled = false;
-      this.live.ask(pictureOf(this.current(), 1), true);
-      this.drawHandles();
-      await this.showPlan(signal);
-      await this.showStrip(signal);
     } catch (error) {
       if (signal.aborted) return;
       this.submit.disabled = true;
       this.fault(error);
+      return;
+    }
+    await this.showFrames(signal);
+  }
+
+  // Pictures and plan of a valid job. It can be submitted even if they fail.
+  async showFrames(signal) {
+    this.render(1, 90, true);
+    this.handles.draw();
+    try {
+      await this.showPlan(signal);
+      await this.showStrip(signal);
+    } catch (error) {
+      if (!signal.aborted) put(this.plan, h("p.note", {}, `This frame has no preview: ${error.message}. The job is valid and can be submitted.`));
     }
   }
 
@@ -129,10 +172,12 @@ class Compose {
     this.canvas.height = bitmap.height;
     this.canvas.getContext("2d").drawImage(bitmap, 0, 0);
     bitmap.close();
+    if (!isFull && ms > SLOW_MS) this.dragShare = SLOW_SHARE;
+    if (!isFull && ms < SLOW_MS / 5) this.dragShare = DRAG_SHARE;
     const now = performance.now();
     this.times = [...(this.times ?? []).filter((time) => now - time < 1500), now];
-    this.drawn = (this.drawn ?? 0) + 1;
-    this.speed.dataset.speed = JSON.stringify({ drawn: this.drawn, ms: Math.round(ms), isFull });
+    this.pictures = (this.pictures ?? 0) + 1;
+    this.speed.dataset.speed = JSON.stringify({ drawn: this.pictures, ms: Math.round(ms), isFull });
     const rate = this.times.length > 2 ? (1000 * (this.times.length - 1)) / (now - this.times[0]) : 0;
     this.speed.textContent = `${this.canvas.width}×${this.canvas.height}, ${Math.round(ms)} ms${!isFull && rate > 1 ? `, ${number(rate, 2)} frames/s` : ""}`;
   }
@@ -146,7 +191,7 @@ class Compose {
     await pause(400, signal);
     const frame = this.current();
     const { count: _, dataset, labels, ...rest } = frame;
-    const response = await post("/v1/renders", { ...rest, artifacts: ["rgb"], metrics: [], enhance: [] }, { signal, prefer: "wait=30" });
+    const response = await post("/v1/renders", { ...rest, scene: singleScene(frame.scene), artifacts: ["rgb"], metrics: [], enhance: [] }, { signal, prefer: "wait=30" });
     if (response.status !== 200) return;
     const record = await read(response);
     const { planTable } = await import("./record.js");
@@ -163,8 +208,9 @@ class Compose {
         this.frame = index;
         this.route.set({ frame: index || "" });
         for (const tile of this.strip.children) tile.setAttribute("aria-pressed", String(tile === button));
-        this.live.ask(pictureOf(this.current(), 1), true);
-        this.drawHandles();
+        this.form.inherit(this.drawn());
+        this.render(1, 90, true);
+        this.handles.draw();
       } }, canvas, h("span.caption", {}, `${one.frame}`));
       return { button, canvas, frame: settled(one.parameters, undefined) };
     });
@@ -179,50 +225,10 @@ class Compose {
     }
   }
 
-  // A handle for each light that can be moved in the image.
-  drawHandles() {
-    const now = this.current();
-    const lights = Array.isArray(now.lights) ? now.lights : [];
-    if (this.handles.children.length !== lights.length) put(this.handles, lights.map((_, index) => this.handle(index)));
-    lights.forEach((light, index) => {
-      const { x, y } = inPicture(light, now.camera ?? {});
-      const button = this.handles.children[index];
-      button.style.left = `${100 * Math.min(0.97, Math.max(0.03, x))}%`;
-      button.style.top = `${100 * Math.min(0.96, Math.max(0.04, y))}%`;
-      button.setAttribute("aria-label", `lights[${index}] ${light.kind}: move with the arrow keys`);
-    });
-  }
-
-  handle(index) {
-    const move = (dx, dy, isDragging) => {
-      const now = this.current();
-      const light = now.lights[index];
-      this.job.lights ??= structuredClone(now.lights);
-      const { x, y } = inPicture(light, now.camera ?? {});
-      for (const [pointer, value] of Object.entries(placed(light, now.camera ?? {}, x + dx, y + dy))) {
-        set(this.job, `/lights/${index}/${pointer}`, value);
-      }
-      this.changed(isDragging);
-    };
-    let last = null;
-    const button = h("button.handle", { type: "button", onpointerdown: (event) => {
-      last = event;
-      button.setPointerCapture(event.pointerId);
-    }, onpointermove: (event) => {
-      if (!last) return;
-      const box = this.canvas.getBoundingClientRect();
-      move((event.clientX - last.clientX) / box.width, (event.clientY - last.clientY) / box.height, true);
-      last = event;
-    }, onpointerup: () => {
-      last = null;
-      this.form.draw();
-    }, onkeydown: (event) => {
-      const way = { ArrowLeft: [-0.02, 0], ArrowRight: [0.02, 0], ArrowUp: [0, -0.02], ArrowDown: [0, 0.02] }[event.key];
-      if (!way) return;
-      event.preventDefault();
-      move(...way, true);
-    } }, "✦");
-    return button;
+  moveLamp(index, values, isDragging) {
+    Object.assign(this.form.ownLights()[index], values);
+    this.changed(isDragging);
+    if (!isDragging) this.form.draw();
   }
 
   async send() {
@@ -255,25 +261,11 @@ function replaced(base, own) {
   return { ...base, ...Object.fromEntries(Object.entries(own).map(([key, value]) => [key, replaced(base[key], value)])) };
 }
 
-// The position of a light in the image, as shares of its sides.
-function inPicture(light, camera) {
-  if (light.kind === "haze") return { x: light.x, y: light.y };
-  const [right, down, ahead] = light.position_m ?? [0, 0, 1];
-  const { focal, shape } = lens(camera);
-  const depth = Math.max(NEAREST, ahead);
-  return { x: 0.5 + (focal * right) / depth, y: 0.5 + (focal * shape * down) / depth };
-}
-
-// The fields of a light at this position; a lamp keeps its distance from the camera.
-function placed(light, camera, x, y) {
-  const tidy = (value) => Number(value.toFixed(4));
-  if (light.kind === "haze") return { x: tidy(x), y: tidy(y) };
-  const { focal, shape } = lens(camera);
-  const depth = Math.max(NEAREST, light.position_m[2]);
-  return { position_m: [tidy(((x - 0.5) * depth) / focal), tidy(((y - 0.5) * depth) / (focal * shape)), light.position_m[2]] };
-}
-
-function lens(camera) {
-  const half = ((camera.hfov_deg ?? 80) * Math.PI) / 360;
-  return { focal: 0.5 / Math.tan(half), shape: (camera.width ?? 768) / (camera.height ?? 492) };
+// A frame with the values that only the service draws: the scene of a collection, and the position on a path.
+function completed(own, drawn) {
+  const { scene, camera } = own;
+  const frame = { ...own };
+  if (scene?.kind === "collection" && scene.name === drawn.scene?.name) frame.scene = { ...scene, id: drawn.scene.id };
+  if (camera?.path && drawn.camera?.path) frame.camera = { ...camera, path: { frame: drawn.camera.path.frame, ...camera.path } };
+  return frame;
 }

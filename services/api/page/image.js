@@ -4,6 +4,7 @@ import { get, known, post, read } from "./api.js";
 import { h, heading, problemBox, put, same, select } from "./dom.js";
 import { print } from "./exact.js";
 import { Layers } from "./layers.js";
+import { singleScene } from "./live.js";
 import { picture } from "./picture.js";
 import { boxesTable, measurements, parameters, planTable, provenance } from "./record.js";
 import { bytes, number, path, queryOf } from "./text.js";
@@ -14,12 +15,13 @@ export async function show(root, route) {
   const [record, info, fields, description, waters] = await Promise.all([get(base, {}, route.signal), known("/v1/lists/artifacts"),
     known("/v1/lists/fields"), get(`/v1/jobs/${path(job ?? "")}/description`, {}, route.signal).catch(() => null), known("/v1/waters").catch(() => [])]);
   const about = new Map(info.map((kind) => [kind.name, kind.about]));
+  const copy = await jobOfFrame(record, route.signal);
   const layers = new Layers(route, base, record, about);
   const neighbors = h("nav.beside", { "aria-label": "Neighbors" });
   const verdict = h("div", { "aria-live": "polite" });
   const again = h("button", { type: "button", onclick: () => verify(base, again, verdict, route) }, "Render again and compare");
   root.append(heading(`${record.dataset} · frame ${frame}`, neighbors), layers.element,
-    h("div.row", {}, again, h("a", { href: `#/compose?job=${encodeURIComponent(print(ofFrame(record)))}` }, "Open in Compose"),
+    h("div.row", {}, again, h("a", { href: `#/compose?job=${encodeURIComponent(print(copy))}` }, "Open in Compose"),
       h("a", { href: `#/set/${path(record.dataset)}` }, "To its set"), h("a", { href: `#/jobs/${path(job)}` }, "To its job")), verdict,
     h("div.columns", {}, section("Parameters", parameters(record, fields, description, waters)), section("Plan and time", planTable(record)),
       section("Metrics", measurements(record)), section("Objects", boxesTable(record, (one) => layers.point(one))),
@@ -42,9 +44,14 @@ function section(title, ...content) {
   return h("section.panel", {}, h("h2", {}, title), ...content);
 }
 
-// The frame as a separate description, without the values that its water fills in.
-function ofFrame(record) {
-  return { ...record.parameters, count: 1 };
+// The frame as a description of its own. An uploaded scene sets the size of its images, and the field of view if it has a camera.
+async function jobOfFrame(record, signal) {
+  const { scene, camera } = record.parameters;
+  const job = { ...record.parameters, scene: singleScene(scene), count: 1 };
+  if (job.scene.kind !== "uploaded") return job;
+  const uploaded = await get(`/v1/scenes/${path(job.scene.id)}`, {}, signal).catch(() => null);
+  const { width, height, hfov_deg, ...rest } = camera;
+  return { ...job, camera: uploaded?.hfov_deg ? rest : { ...rest, hfov_deg } };
 }
 
 // The previous and next image in the last view of the set.

@@ -13,7 +13,7 @@ export function lawOf(value) {
 
 // Distributions allowed for a field.
 export function lawsFor(field) {
-  if (field.noLaw) return [];
+  if (field.noLaw || !["choice", "number"].includes(field.kind)) return [];
   if (field.kind === "choice") return ["choice"];
   return field.whole ? ["int", "choice"] : ["uniform", ...(field.low > 0 ? ["log_uniform"] : []), "normal", "choice"];
 }

@@ -63,6 +63,19 @@ function encoded(value) {
   return 255 * (value <= 0.0031308 ? 12.92 * value : 1.055 * value ** (1 / 2.4) - 0.055);
 }
 
+// A color of shares, linear or display-encoded, as `#rrggbb`.
+export function toHex(color, isLinear) {
+  return `#${color.map((share) => Math.round(Math.min(255, isLinear ? encoded(share) : 255 * share)).toString(16).padStart(2, "0")).join("")}`;
+}
+
+export function fromHex(text, isLinear) {
+  return [1, 3, 5].map((start) => {
+    const code = parseInt(text.slice(start, start + 2), 16) / 255;
+    const linear = code <= 0.04045 ? code / 12.92 : ((code + 0.055) / 1.055) ** 2.4;
+    return Number((isLinear ? linear : code).toFixed(3));
+  });
+}
+
 // A 16-bit gray PNG, not interlaced: {width, height, values}. A canvas only keeps 8 bits.
 export async function readPng16(data) {
   const view = new DataView(data);
