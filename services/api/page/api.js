@@ -3,7 +3,9 @@
 import { parse, print } from "./exact.js";
 import { queryOf } from "./text.js";
 
-let token = null;
+// sessionStorage keeps the token when the tab is reloaded and forgets it when the tab is closed.
+const TOKEN_KEY = "fathom.token";
+let token = sessionStorage.getItem(TOKEN_KEY);
 let asking = null;
 let waiting = null;
 
@@ -36,6 +38,7 @@ export async function send(path, options = {}) {
       continue;
     }
     if (response.status === 401) {
+      sessionStorage.removeItem(TOKEN_KEY);
       await askToken(await problemOf(response));
       continue;
     }
@@ -181,6 +184,7 @@ function askToken(problem) {
     form.reset();
     form.onsubmit = () => {
       token = form.querySelector("input").value;
+      sessionStorage.setItem(TOKEN_KEY, token);
       form.reset();
       asking = null;
       resolve();

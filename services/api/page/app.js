@@ -7,12 +7,15 @@ import { queryOf } from "./text.js";
 const VIEWS = {
   "": () => import("./sets.js"),
   compare: () => import("./sets.js"),
+  dataset: () => import("./set.js"),
+  // The former address of a dataset.
   set: () => import("./set.js"),
   image: () => import("./image.js"),
   jobs: () => import("./jobs.js"),
   compose: () => import("./compose.js"),
   waters: () => import("./waters.js"),
   styles: () => import("./waters.js"),
+  scenes: () => import("./waters.js"),
   speed: () => import("./speed.js"),
 };
 
@@ -63,7 +66,7 @@ async function show() {
   const isFirst = current === null;
   current = route;
   mark(route.name);
-  const root = h("div.view", { "data-view": route.name || "sets" });
+  const root = h("div.view", { "data-view": route.name || "datasets" });
   put(main, root);
   window.scrollTo(0, 0);
   try {
@@ -74,7 +77,7 @@ async function show() {
     await view.show(root, route);
   } catch (error) {
     if (route.signal.aborted) return;
-    root.append(problemBox(error), h("p", {}, h("a", { href: "#/" }, "To all sets")));
+    root.append(problemBox(error), h("p", {}, h("a", { href: "#/" }, "To all datasets")));
   }
   const title = root.querySelector("h1");
   document.title = title ? `${title.textContent} · Fathom` : "Fathom";
@@ -92,18 +95,18 @@ async function loaded(load, signal) {
 }
 
 function mark(name) {
-  const of = { set: "", image: "", compare: "" };
-  const wanted = `#/${of[name] ?? name}`;
+  const parents = { dataset: "", set: "", image: "", compare: "" };
+  const wanted = `#/${parents[name] ?? name}`;
   for (const link of document.querySelectorAll("header nav a")) {
     if (link.getAttribute("href") === wanted) link.setAttribute("aria-current", "page");
     else link.removeAttribute("aria-current");
   }
 }
 
-const KEYS = { s: "#/", j: "#/jobs", c: "#/compose", w: "#/waters", y: "#/styles", p: "#/speed" };
+const KEYS = { d: "#/", j: "#/jobs", c: "#/compose", s: "#/scenes", w: "#/waters", y: "#/styles", p: "#/speed" };
 let isGoing = false;
 
-// Shortcuts: "/" focuses the filter, "g" and a letter opens a view.
+// Shortcuts: "/" focuses the filter, "g" and a letter opens a view, "?" shows all keys.
 document.addEventListener("keydown", (event) => {
   if (event.ctrlKey || event.metaKey || event.altKey || /** @type {HTMLElement} */ (event.target).closest?.("input, textarea, select, dialog")) return;
   if (isGoing && KEYS[event.key]) {
@@ -115,9 +118,15 @@ document.addEventListener("keydown", (event) => {
       filter.focus();
       event.preventDefault();
     }
-  }
+  } else if (event.key === "?") showKeys();
   isGoing = event.key === "g";
 });
+
+function showKeys() {
+  /** @type {HTMLDialogElement} */ (document.getElementById("keys")).showModal();
+}
+
+document.getElementById("show-keys").addEventListener("click", showKeys);
 
 window.addEventListener("hashchange", show);
 await show();

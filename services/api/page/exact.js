@@ -14,9 +14,11 @@ export function parse(text) {
   return JSON.parse(marked, (_, value) => (typeof value === "string" && value.startsWith(MARK) ? BigInt(value.slice(MARK.length)) : value));
 }
 
+// With an indent, lists of numbers take one line. Strings have no line breaks, so that only such lists match.
 export function print(value, indent = undefined) {
   const text = JSON.stringify(value, (_, one) => (typeof one === "bigint" ? MARK + one : one), indent);
-  return text?.replace(/"\\u0001whole:(-?\d+)"/g, "$1");
+  const exact = text?.replace(/"\\u0001whole:(-?\d+)"/g, "$1");
+  return indent ? exact?.replace(/\[\n\s*([-+\d.eE]+(?:,\n\s*[-+\d.eE]+)*)\n\s*\]/g, (_, items) => `[${items.replace(/,\n\s*/g, ", ")}]`) : exact;
 }
 
 // The number that a user typed: exact if it is whole, else the nearest double.

@@ -2,11 +2,17 @@
 
 import { follow, get, lines, list, pause, post, read } from "./api.js";
 import { h, heading, problemBox, put, same, table } from "./dom.js";
-import { bytes, count, duration, number, path, when } from "./text.js";
+import { print } from "./exact.js";
+import { noWorker } from "./live.js";
+import { picture } from "./picture.js";
+import { bytes, count, duration, number, path, queryOf, when } from "./text.js";
 
 // A browser has six connections to a service; images and queries need some of them.
 const STREAMS = 3;
 const OPEN = ["queued", "running", "paused"];
+// Thumbnails of a job, and the least time between two queries for them.
+const TILES = 12;
+const TILES_MS = 1500;
 
 export async function show(root, route) {
   return route.args[0] ? one(root, route, route.args[0]) : all(root, route);
@@ -24,7 +30,7 @@ async function all(root, route) {
     return [h("a", { href: `#/jobs/${path(job.id)}` }, job.dataset), bar.element, bar.words, bytes(job.bytes), when(job.created_at)];
   };
   put(place, jobs.length === 0 ? h("p", {}, "There are no jobs. ", h("a", { href: "#/compose" }, "Compose one."))
-    : table(["set", "progress", "state", "bytes", "submitted"], jobs.map(row), { label: "Jobs" }));
+    : table(["dataset", "progress", "state", "bytes", "submitted"], jobs.map(row), { label: "Jobs" }));
   watched.slice(0, STREAMS).forEach(({ job, bar }) => follow(`/v1/jobs/${path(job.id)}/events`, route.signal,
     (kind, data) => bar.tell(kind, data)).catch(() => {}));
   ask(watched.slice(STREAMS), route).catch(() => {});
@@ -42,7 +48,7 @@ async function ask(watched, route) {
 
 async function showWorkers(place, route) {
   const { items } = await get("/v1/workers", {}, route.signal);
-  put(place, h("h2", {}, count(items.length, "worker")), items.length === 0 ? h("p.bad", {}, "No workers are connected; jobs wait.")
+  put(place, h("h2", {}, count(items.length, "worker")), items.length === 0 ? noWorker()
     : table(["worker", "slots", "frames in progress", "last heard", "version"], items.map((one) => [one.name, number(one.slots),
       number(one.leased_frames), `${duration(one.silent_ms / 1000)} ago`, one.code_version]), { label: "Workers" }));
 }
@@ -85,57 +91,122 @@ class Bar {
 }
 
 async function one(root, route, id) {
-  const base = `/v1/jobs/${path(id)}`;
-  const job = await get(base, {}, route.signal);
-  const bar = new Bar(job);
-  const controls = h("div.row");
-  const wrong = h("div", { "aria-live": "polite" });
-  const failures = h("section.panel", { hidden: true });
-  const warned = h("section.panel", { hidden: true });
-  const facts = h("div");
-  root.append(heading(`Job of ${job.dataset}`, h("a", { href: `#/set/${path(job.dataset)}` }, "To its set")), h("div.note.big", {}, bar.element, bar.words),
-    controls, wrong, facts, warned, failures, same(`GET ${base}`, `GET ${base}/events`, `POST ${base}/pause`, `POST ${base}/retry-failed`, `fathom wait ${id}`,
-      `fathom pause ${id}`, `fathom errors ${id}`, `fathom retry ${id}`));
-  const act = (name) => async () => {
+  const job = await get(`/v1/jobs/${path(id)}`, {}, route.signal);
+  await new JobView(root, route, id, job).start();
+}
+
+// One job: progress and controls, first images, description, warnings and failures.
+class JobView {
+  constructor(root, route, id, job) {
+    this.route = route;
+    this.id = id;
+    this.base = `/v1/jobs/${path(id)}`;
+    this.bar = new Bar(job);
+    this.controls = h("div.row.above");
+    this.wrong = h("div", { "aria-live": "polite" });
+    this.workers = h("div");
+    this.facts = h("section.panel");
+    this.tiles = h("div.tiles");
+    this.images = h("section.panel", { hidden: true }, h("h2", {}, "First images"), this.tiles);
+    this.description = h("details.panel", { open: true }, h("summary", {}, "Description"));
+    this.failures = h("section.panel", { hidden: true });
+    this.warnings = h("section.panel", { hidden: true });
+    this.shownFailed = -1;
+    this.shownTiles = 0;
+    this.isWatched = false;
+    root.append(heading(`Job of ${job.dataset}`, h("a", { href: `#/dataset/${path(job.dataset)}` }, "To its dataset")), h("div.note.big", {}, this.bar.element, this.bar.words),
+      this.controls, this.wrong, this.workers, this.images, this.warnings, this.failures, this.facts, this.description,
+      same(`GET ${this.base}`, `GET ${this.base}/description`, `GET ${this.base}/events`, `POST ${this.base}/pause`, `POST ${this.base}/retry-failed`, `fathom wait ${id}`,
+        `fathom pause ${id}`, `fathom errors ${id}`, `fathom retry ${id}`));
+  }
+
+  async start() {
+    this.draw();
+    if (OPEN.includes(this.bar.job.state)) this.watch();
+    await Promise.all([this.showDescription(), this.showTiles()]);
+  }
+
+  draw() {
+    const { job } = this.bar;
+    const isOpen = OPEN.includes(job.state);
+    const compose = this.composed && h("a", { href: `#/compose?job=${encodeURIComponent(print(this.composed))}` }, "Compose from this");
+    put(this.controls, this.button("pause", "Pause", isOpen && job.state !== "paused"), this.button("resume", "Resume", job.state === "paused"),
+      this.button("cancel", "Cancel", isOpen), this.button("retry-failed", "Retry failed frames", job.failed > 0 && !isOpen), compose);
+    put(this.facts, h("h2", {}, "Job"), table(["", ""], [["id", h("code", {}, this.id)], ["submitted", when(job.created_at)], ["started", when(job.started_at)],
+      ["finished", when(job.finished_at)], ["bytes", bytes(job.bytes)], ["digest", h("code", {}, job.digest ?? "–")]], { label: "Job" }));
+    showWarnings(this.warnings, this.base, this.route).catch(() => {});
+    if (job.failed !== this.shownFailed) {
+      this.shownFailed = job.failed;
+      showFailures(this.failures, this.base, this.route).catch(() => {});
+    }
+    if (isOpen) this.showNoWorker().catch(() => {});
+    else put(this.workers);
+  }
+
+  button(name, text, isThere) {
+    return isThere && h("button", { type: "button", onclick: () => this.act(name) }, text);
+  }
+
+  async act(name) {
     try {
-      const now = await read(await post(`${base}/${name}`, undefined, { signal: route.signal }));
-      bar.tell("state", now.job ?? now);
-      put(wrong);
-      watch();
+      const now = await read(await post(`${this.base}/${name}`, undefined, { signal: this.route.signal }));
+      this.bar.tell("state", now.job ?? now);
+      put(this.wrong);
+      this.watch();
     } catch (error) {
-      if (!route.signal.aborted) put(wrong, problemBox(error));
+      if (!this.route.signal.aborted) put(this.wrong, problemBox(error));
     }
-    draw();
-  };
-  const button = (name, text, isThere) => isThere && h("button", { type: "button", onclick: act(name) }, text);
-  let shownFailed = -1;
-  const draw = () => {
-    const isOpen = OPEN.includes(bar.job.state);
-    put(controls, button("pause", "Pause", isOpen && bar.job.state !== "paused"), button("resume", "Resume", bar.job.state === "paused"),
-      button("cancel", "Cancel", isOpen), button("retry-failed", "Retry failed frames", bar.job.failed > 0 && !isOpen));
-    put(facts, table(["", ""], [["id", h("code", {}, id)], ["submitted", when(bar.job.created_at)], ["started", when(bar.job.started_at)],
-      ["finished", when(bar.job.finished_at)], ["bytes", bytes(bar.job.bytes)], ["digest", h("code", {}, bar.job.digest ?? "–")]], { label: "Job" }));
-    showWarnings(warned, base, route).catch(() => {});
-    if (bar.job.failed !== shownFailed) {
-      shownFailed = bar.job.failed;
-      showFailures(failures, base, route).catch(() => {});
-    }
-  };
-  let isWatched = false;
-  const watch = async () => {
-    if (isWatched) return;
-    isWatched = true;
-    await follow(`${base}/events`, route.signal, (kind, data) => {
-      const before = bar.job.state;
-      bar.tell(kind, data);
-      if (before !== bar.job.state || bar.job.failed !== shownFailed) draw();
+    this.draw();
+  }
+
+  async watch() {
+    if (this.isWatched) return;
+    this.isWatched = true;
+    await follow(`${this.base}/events`, this.route.signal, (kind, data) => {
+      const before = this.bar.job.state;
+      this.bar.tell(kind, data);
+      if (before !== this.bar.job.state || this.bar.job.failed !== this.shownFailed) this.draw();
+      this.showTiles().catch(() => {});
     }).catch(() => {});
-    isWatched = false;
-    await pause(300, route.signal).catch(() => {});
-    if (!route.signal.aborted) draw();
-  };
-  draw();
-  if (OPEN.includes(job.state)) watch();
+    this.isWatched = false;
+    await pause(300, this.route.signal).catch(() => {});
+    if (this.route.signal.aborted) return;
+    this.draw();
+    await this.showTiles(true).catch(() => {});
+  }
+
+  async showNoWorker() {
+    const { items } = await get("/v1/workers", {}, this.route.signal);
+    put(this.workers, items.length === 0 && noWorker());
+  }
+
+  // Queries the first images until all tiles are shown.
+  async showTiles(isLast = false) {
+    const now = performance.now();
+    if (this.shownTiles >= Math.min(TILES, this.bar.job.frames) || (!isLast && now - (this.tilesAt ?? -Infinity) < TILES_MS)) return;
+    this.tilesAt = now;
+    const filter = `job == "${this.id}"`;
+    const { items } = await get("/v1/images", { dataset: this.bar.job.dataset, filter, limit: TILES, fields: "job,frame" }, this.route.signal);
+    if (items.length <= this.shownTiles) return;
+    this.shownTiles = items.length;
+    this.images.hidden = false;
+    put(this.tiles, items.map((row) => h("a", { href: `#/image/${path(row.job, String(row.frame))}${queryOf({ filter })}` },
+      picture(`/v1/images/${path(row.job, String(row.frame))}/preview`, `Frame ${row.frame}`), h("span.caption", {}, String(row.frame)))));
+  }
+
+  async showDescription() {
+    const description = await get(`${this.base}/description`, {}, this.route.signal);
+    this.composed = composable(description);
+    this.description.append(h("pre", { tabindex: "0", role: "group", "aria-label": "The job as JSON" }, print(description, 2)));
+    this.draw();
+  }
+}
+
+// A description for a new job. A collection is read again, so the ids of its scenes are left out.
+function composable(description) {
+  if (description.scene?.kind !== "collection") return description;
+  const { id, ...scene } = description.scene;
+  return { ...description, scene };
 }
 
 async function showWarnings(place, base, route) {

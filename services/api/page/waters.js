@@ -1,48 +1,151 @@
-// Waters and styles, each with the same scene.
+// Cards with live pictures: waters and styles, each with the same scene, and uploaded scenes.
 
-import { list, pause, send } from "./api.js";
+import { get, list, pause, send } from "./api.js";
 import { curves } from "./chart.js";
 import { h, heading, problemBox, put, same, table } from "./dom.js";
 import { print } from "./exact.js";
-import { pictureOf, rendered } from "./live.js";
+import { uploadedJob } from "./fields.js";
+import { pictureOf, rendered, watchWorkers } from "./live.js";
 import { picture } from "./picture.js";
-import { count, number, path } from "./text.js";
+import { count, number, path, when } from "./text.js";
 
 const SCENE = { scene: { kind: "procedural", family: "structure", seed: 4 }, camera: { width: 320, height: 205, hfov_deg: 80 } };
 const COLORS = [["r", 0], ["g", 1], ["b", 2]];
 
+// Uploaded scenes shown at first, and added by each press of the button.
+const SCENES_SHOWN = 24;
+// Scenes of a collection in its mosaic.
+const TILES = 3;
+
 export async function show(root, route) {
-  return route.name === "styles" ? styles(root, route) : waters(root, route);
+  const views = { styles, waters, scenes };
+  await views[route.name](root, route);
 }
 
+function searchField(label) {
+  return h("input", { id: "filter", type: "search", "aria-label": label, placeholder: label });
+}
+
+// Waters in groups by the origin of their coefficients; the search covers names, water types and sources.
 async function waters(root, route) {
-  const place = h("div.cards");
-  root.append(heading("Waters", h("p.quiet", {}, "The same scene in each, at a quarter of the range.")), place,
+  const search = searchField("Find a water");
+  search.value = route.query.search ?? "";
+  const place = h("div");
+  const notice = h("div");
+  root.append(heading("Waters", search, h("p.quiet", {}, "The same scene in each, at a quarter of the range.")), notice, place,
     same("GET /v1/waters", "fathom waters"));
   const all = await list("/v1/waters", route.signal);
-  const wall = new Wall(route);
-  put(place, all.map((water) => waterCard(water, wall)));
+  const wall = new Wall(route, notice);
+  const groups = [...Map.groupBy(all, originOf)].map(([origin, members]) => {
+    const cards = members.map((water) => ({ text: [water.name, water.jerlov_type && `jerlov ${water.jerlov_type}`, water.source].join(" ").toLowerCase(), element: waterCard(water, wall) }));
+    const element = h("details.origin", { open: members.some((water) => !water.unrenderable) }, h("summary", {}, h("h2", {}, origin), h("span.quiet", {}, ` ${count(members.length, "water")}`)),
+      h("div.cards", {}, cards.map((card) => card.element)));
+    return { element, cards, isOpen: element.open };
+  });
+  const none = h("p", { hidden: true }, "No water matches.");
+  put(place, groups.map((group) => group.element), none);
+  search.addEventListener("input", () => {
+    route.set({ search: search.value.trim() });
+    none.hidden = showMatches(groups, search.value);
+  });
+  none.hidden = showMatches(groups, search.value);
+}
+
+// The publication or program that the coefficients are from.
+function originOf(water) {
+  if (water.created_at) return "Added to this service";
+  const origin = water.source?.split(/[:(]/)[0].replace(/,.*/, "").trim() || water.name;
+  return origin[0].toUpperCase() + origin.slice(1);
+}
+
+// Hides the cards without all words of the text and their empty groups. Returns whether any card is left.
+function showMatches(groups, text) {
+  const words = text.trim().toLowerCase().split(/\s+/).filter(Boolean);
+  let isAny = false;
+  for (const { element, cards, isOpen } of groups) {
+    for (const card of cards) card.element.hidden = !words.every((word) => card.text.includes(word));
+    const isFound = cards.some((card) => !card.element.hidden);
+    element.hidden = !isFound;
+    element.open = words.length > 0 ? isFound : isOpen;
+    isAny ||= isFound;
+  }
+  return isAny;
+}
+
+async function scenes(root, route) {
+  const notice = h("div");
+  const collections = h("section");
+  const place = h("section");
+  root.append(heading("Scenes"), notice, collections, place,
+    same("GET /v1/scenes", "GET /v1/collections", "fathom scenes", "fathom upload dock.png --range dock-range.png --unit-m 0.001 --invalid-code 0 --hfov-deg 80",
+      "fathom upload shots --unit-m 0.001 --invalid-code 0 --collection dock"));
+  const [all, named] = await Promise.all([list("/v1/scenes", route.signal), get("/v1/collections", {}, route.signal)]);
+  const wall = new Wall(route, notice);
+  const found = await Promise.all(named.items.map(({ name }) => get(`/v1/collections/${path(name)}`, {}, route.signal)));
+  if (named.items.length > 0) put(collections, h("h2", {}, "Collections"), h("div.cards", {}, named.items.map(({ name }, index) => collectionCard(name, found[index].items, wall))));
+  if (all.length === 0) return put(place, h("div.empty", {}, h("h2", {}, "No scenes are uploaded yet"),
+    h("p", {}, "A scene is a picture, usually with the range of each pixel. Upload one, or a folder as a collection:"),
+    h("pre", { tabindex: "0", role: "group", "aria-label": "Command" }, "fathom upload shots --unit-m 0.001 --invalid-code 0 --hfov-deg 80 --collection dock")));
+  const names = new Map(found.flatMap(({ items }, index) => items.map((one) => [one.id, `${named.items[index].name} / ${one.name}`])));
+  const cards = h("div.cards");
+  let shown = 0;
+  const more = h("button", { type: "button", onclick: () => {
+    const next = all.slice(shown, shown + SCENES_SHOWN);
+    cards.append(...next.map((scene) => sceneCard(scene, names.get(scene.id), wall)));
+    shown += next.length;
+    more.hidden = shown === all.length;
+  } }, "Show more");
+  more.click();
+  return put(place, h("h2", {}, count(all.length, "uploaded scene")), cards, more);
+}
+
+function composeLink(job) {
+  return h("p", {}, h("a", { href: `#/compose?job=${encodeURIComponent(print(job))}` }, "Compose with it"));
+}
+
+function sceneFrame(id) {
+  return { scene: { kind: "uploaded", id } };
+}
+
+function collectionCard(name, items, wall) {
+  const available = { hasRange: items.every((one) => one.range_kind), hasMask: items.every((one) => one.instances) };
+  const mosaic = h("div.mosaic.low", {}, items.slice(0, TILES).map((one) => wall.picture(`Scene ${one.name} of ${name}`, sceneFrame(one.id))));
+  const facts = [count(items.length, "scene"), available.hasRange ? "range" : "no range in some", available.hasMask && "masks"];
+  return h("article.card", {}, mosaic, h("h3", {}, name), h("p", {}, facts.filter(Boolean).join(" · ")),
+    composeLink(uploadedJob({ kind: "collection", name, each: true }, available)));
+}
+
+function sceneCard(scene, name, wall) {
+  const available = { hasRange: Boolean(scene.range_kind), hasMask: Boolean(scene.instances_digest) };
+  const facts = [`${scene.width}×${scene.height}`, scene.range_kind ? scene.range_kind.replace("_", "-") : "no range", available.hasMask && "mask",
+    scene.classes && count(Object.keys(scene.classes).length, "class", "classes"), scene.world_from_camera && "pose", scene.hfov_deg && `${number(scene.hfov_deg, 3)}° wide`];
+  return h("article.card", {}, wall.picture(`Uploaded scene ${name ?? scene.id}`, sceneFrame(scene.id)), h("h3", {}, name ?? `Scene …${scene.id.slice(-6)}`),
+    h("p", {}, facts.filter(Boolean).join(" · ")), h("p.quiet", {}, `Uploaded ${when(scene.created_at)}`), h("p.quiet", {}, h("code", {}, scene.id)),
+    composeLink(uploadedJob({ kind: "uploaded", id: scene.id }, available)));
 }
 
 function waterCard(water, wall) {
-  const canvas = wall.picture(`The scene in ${water.name}`, { ...SCENE, water: { optics: water.name, range_scale: 0.25 } });
+  const canvas = water.unrenderable ? h("p.note", {}, `Cannot be rendered: ${water.unrenderable}.`)
+    : wall.picture(`The scene in ${water.name}`, { ...SCENE, water: { optics: water.name, range_scale: 0.25 } });
   const c = water.beam_attenuation_per_m;
   const steps = Array.from({ length: 41 }, (_, step) => step / 2);
   const through = c && COLORS.map(([color, index]) => ({ name: color, color, points: steps.map((range) => [range, Math.exp(-c[index] * range)]) }));
   const spectrum = ["absorption_per_m", "scattering_per_m", "beam_attenuation_per_m", "diffuse_attenuation_per_m"].filter((name) => water[name]);
-  return h("article.card", {}, canvas, h("h2", {}, water.name), h("p.quiet", {}, [water.jerlov_type && `Jerlov ${water.jerlov_type}. `, water.source]),
+  return h("article.card", {}, canvas, h("h3", {}, water.name), h("p.quiet", {}, [water.jerlov_type && `Jerlov ${water.jerlov_type}. `, water.source]),
     through && curves(through, { label: `Transmittance of ${water.name} over 20 m in red, green and blue`, x: "range, m", y: "transmittance" }),
     h("details", {}, h("summary", {}, "Coefficients"), table(["1/m", ...(water.wavelength_nm ?? ["R", "G", "B"]).map((one) => (typeof one === "number" ? `${one} nm` : one))],
       spectrum.map((name) => [[name.replace("_per_m", ""), water.derived?.includes(name) && h("em.quiet", {}, " derived")], ...water[name].map((one) => number(one, 3))]),
       { label: `Coefficients of ${water.name}` }), h("p.quiet", {}, `License: ${water.licence ?? "unknown"}`),
     (water.caveats ?? []).concat(water.warnings ?? []).map((text) => h("p.quiet", {}, text))),
-    h("a", { href: `#/compose?job=${encodeURIComponent(JSON.stringify({ ...SCENE, water: { optics: water.name, range_scale: 0.25 } }))}` }, "Compose with it"));
+    !water.unrenderable && composeLink({ ...SCENE, water: { optics: water.name, range_scale: 0.25 } }));
 }
 
 // Images rendered one by one as they become visible.
 class Wall {
-  constructor(route) {
+  // Shows in `notice` that no worker is connected, without which there are no images.
+  constructor(route, notice) {
     this.signal = route.signal;
+    watchWorkers(notice, route.signal).catch(() => {});
     this.wanted = new Map();
     this.watch = new IntersectionObserver((entries) => {
       for (const { target, isIntersecting } of entries) {
@@ -67,6 +170,7 @@ class Wall {
     this.wanted.delete(canvas);
     try {
       const bitmap = await rendered(pictureOf(frame, 1), this.signal);
+      canvas.height = Math.round((canvas.width * bitmap.height) / bitmap.width);
       canvas.getContext("2d").drawImage(bitmap, 0, 0, canvas.width, canvas.height);
     } catch (error) {
       if (this.signal.aborted) return;
@@ -79,9 +183,10 @@ class Wall {
 
 async function styles(root, route) {
   const place = h("div.cards");
-  const wall = new Wall(route);
+  const notice = h("div");
+  const wall = new Wall(route, notice);
   const draw = async () => put(place, (await list("/v1/styles", route.signal)).map((style) => styleCard(style, wall)));
-  root.append(heading("Styles"), place, trainer(route, draw), same("GET /v1/styles", "POST /v1/styles/train", "fathom styles", "fathom train dock.png --name dock"));
+  root.append(heading("Styles"), notice, place, trainer(route, draw), same("GET /v1/styles", "POST /v1/styles/train", "fathom styles", "fathom train dock.png --name dock"));
   await draw();
 }
 
@@ -90,7 +195,7 @@ function styleCard(style, wall) {
   return h("article.card", {}, wall.picture(`The scene with the style ${style.name}`, frame), h("h2", {}, style.name),
     h("p.quiet", {}, style.source ?? ""), h("p.quiet", {}, `License: ${style.licence ?? "unknown"}. ${count(style.parameters ?? 0, "parameter")}.`),
     (style.caveats ?? []).map((text) => h("p.quiet", {}, text)),
-    h("a", { href: `#/compose?job=${encodeURIComponent(print(frame))}` }, "Compose with it"));
+    composeLink(frame));
 }
 
 // Accepts a photo and plots the losses while the style is trained.
