@@ -3,71 +3,18 @@
 from __future__ import annotations
 
 import json
-import os
 import re
 from collections.abc import Mapping, Sequence
-from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from fathom.errors import RenderError
 from fathom.frame import Frame
 from fathom.lines import Lines
+from fathom.places import Place
 from fathom.stored import checked, decode_artifact
 
 _TAR = re.compile(r"\d{6,}\.tar")
 _OFFSET = re.compile(r"artifacts\.(.+)\.offset")
-
-
-class Place(Protocol):
-    """Location of the tars."""
-
-    def read(self, name: str, begin: int, length: int) -> bytes:
-        """Return a range of a file."""
-
-
-class Local:
-    """A folder."""
-
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
-
-    def read(self, name: str, begin: int, length: int) -> bytes:
-        """Return a range of a file."""
-        with (self.folder / name).open("rb") as file:
-            file.seek(begin)
-            return file.read(length)
-
-
-class Remote:
-    """A folder at a URL such as `s3://bucket/set`; every reading process opens its connection."""
-
-    def __init__(self, url: str) -> None:
-        self.url = url.rstrip("/")
-        self._files: tuple[int, Any, str] | None = None
-
-    def __getstate__(self) -> dict[str, Any]:
-        return self.__dict__ | {"_files": None}
-
-    def _open(self) -> tuple[Any, str]:
-        if self._files is None or self._files[0] != os.getpid():
-            try:
-                import fsspec
-            except ImportError as error:
-                raise ImportError(f"{self.url} is read by fsspec: pip install fathom-datasets[buckets]") from error
-            self._files = os.getpid(), *fsspec.url_to_fs(self.url)
-        return self._files[1:]
-
-    def read(self, name: str, begin: int, length: int) -> bytes:
-        """Return a range of a file."""
-        files, folder = self._open()
-        part: bytes = files.cat_file(f"{folder}/{name}", start=begin, end=begin + length)
-        return part
-
-    def lines(self, name: str) -> list[bytes]:
-        """Return the lines of a file."""
-        files, folder = self._open()
-        text: bytes = files.cat_file(f"{folder}/{name}")
-        return text.splitlines()
 
 
 class Sharded:
@@ -76,6 +23,9 @@ class Sharded:
     def __init__(self, place: Place, rows: Lines | list[bytes]) -> None:
         self.place = place
         self._rows = rows
+
+    def __repr__(self) -> str:
+        return f"<exported tars {self.place}: {len(self)} frames>"
 
     def __len__(self) -> int:
         return len(self._rows)

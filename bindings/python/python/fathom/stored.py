@@ -1,4 +1,4 @@
-"""Frames that were made before: a folder of `fathom render`, an exported one, a dataset of a service."""
+"""Stored frames: a folder of `fathom render`, an exported one, a dataset of a service."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from fathom.errors import RenderError
 from fathom.frame import Frame
 from fathom.frames import Frames, Source
 from fathom.lines import Lines
+from fathom.places import Local, Remote, find_place, read_if_present
 
 EXTENSIONS = {
     "image/png": "png",
@@ -32,28 +33,36 @@ _NUMBER = re.compile(r"^\d{12}\.")
 
 
 def open(place: str | os.PathLike[str] | Source) -> Frames:
-    """Open what was made before as `Frames`.
+    """Open stored frames as `Frames`.
 
-    `place` is a folder of `fathom render`, a folder of `fathom export`, or what `Client.dataset` returned. An export in
-    the format webdataset may also lie at a URL such as `s3://bucket/set`, which fsspec reads. Only frames that have an
-    image are in the sequence, in the order in which they are listed.
+    `place` is a folder of `fathom render`, with or without shards, a folder of `fathom export`, or the result of
+    `Client.dataset`. A sharded dataset and an export in the format webdataset may also be at a URL such as
+    `s3://bucket/set`, which fsspec reads. Only frames with an image are in the sequence, in the order of the list or of
+    the shards; those of a sharded dataset are the shards complete at this moment.
     """
-    from fathom.sharded import Local, Remote, Sharded
+    from fathom.sharded import Sharded
+    from fathom.sharded_dataset import CARD, open_sharded
 
     if not isinstance(place, (str, os.PathLike)):
         return Frames(place)
-    if "://" in str(place):
-        remote = Remote(str(place))
-        return Frames(Sharded(remote, remote.lines(Exported.LIST)))
-    folder = Path(place)
-    if (folder / Rendered.LIST).is_file():
-        return Frames(Rendered(folder))
+    there = find_place(place)
+    if isinstance(there, Local) and (there.folder / Rendered.LIST).is_file():
+        return Frames(Rendered(there.folder))
+    if (dataset := open_sharded(there)) is not None:
+        return Frames(dataset)
+    missing = f"{there} holds neither {Rendered.LIST} nor {Exported.LIST}, nor the {CARD} of a sharded dataset"
+    if isinstance(there, Remote):
+        listed = read_if_present(there, Exported.LIST)
+        if listed is None:
+            raise FileNotFoundError(missing)
+        return Frames(Sharded(there, listed.splitlines()))
+    folder = there.folder
     if not (folder / Exported.LIST).is_file():
-        raise FileNotFoundError(f"{folder} holds neither {Rendered.LIST} nor {Exported.LIST}")
+        raise FileNotFoundError(missing)
     rows = Lines(folder / Exported.LIST)
     first = rows[0] if len(rows) > 0 else {}
     if "tar" in first:
-        return Frames(Sharded(Local(folder), rows))
+        return Frames(Sharded(there, rows))
     if "parquet" in first:
         raise ValueError(f"{folder} holds Parquet files: read {folder / 'data'} with pyarrow, DuckDB or datasets")
     return Frames(Exported(folder))
