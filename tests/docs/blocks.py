@@ -1,0 +1,70 @@
+"""Extracts the shell and Python blocks of a page of Markdown."""
+
+import dataclasses
+import re
+
+SHELLS = {"sh", "bash", "shell", "console"}
+PYTHONS = {"python", "py"}
+# Requirements that the test does not have; a block that is marked with another word is an error.
+NEEDS = {"account", "bucket", "broker", "build", "colmap", "docker", "gpu", "kubernetes", "nerfstudio", "slurm", "ultralytics"}
+
+FENCE = re.compile(r"^(?P<indent>[ \t]*)(?P<fence>`{3,}|~{3,})[ \t]*(?P<language>[\w+-]*)")
+MARK = re.compile(r"^[ \t]*<!--\s*needs:\s*(?P<needs>.*?)\s*-->\s*$")
+
+
+@dataclasses.dataclass(frozen=True)
+class Block:
+    """A fenced block: `line` is that of its first line of code, `needs` are its requirements."""
+
+    line: int
+    language: str
+    code: str
+    needs: tuple[str, ...] = ()
+
+    @property
+    def is_python(self) -> bool:
+        """Whether Python runs the block."""
+        return self.language in PYTHONS
+
+
+def read_needs(line: str) -> tuple[str, ...]:
+    """Return the requirements in a marking comment, none for another line."""
+    mark = MARK.match(line)
+    needs = tuple(word.strip() for word in mark["needs"].split(",")) if mark else ()
+    if unknown := [word for word in needs if word not in NEEDS]:
+        raise ValueError(f"`needs: {', '.join(unknown)}` is unknown; use one of {', '.join(sorted(NEEDS))}")
+    return needs
+
+
+def read_commands(lines: list[str]) -> list[str]:
+    """Return the lines of a console block after the prompt; other lines are output."""
+    return [line[2:] if line.startswith(("$ ", "> ")) else "" for line in lines]
+
+
+def extract_blocks(text: str) -> list[Block]:
+    """Return the blocks that a reader would run, in the order of the page."""
+    blocks: list[Block] = []
+    lines = text.split("\n")
+    number = 0
+    while number < len(lines):
+        opening = FENCE.match(lines[number])
+        if not opening:
+            number += 1
+            continue
+        end = next((n for n in range(number + 1, len(lines)) if closes(lines[n], opening["fence"])), None)
+        if end is None:
+            raise ValueError(f"the block of line {number + 1} has no end")
+        language = opening["language"].lower()
+        if language in SHELLS | PYTHONS:
+            code = [line.removeprefix(opening["indent"]) for line in lines[number + 1 : end]]
+            code = read_commands(code) if language == "console" else code
+            needs = read_needs(lines[number - 1]) if number else ()
+            blocks.append(Block(number + 2, language, "\n".join(code) + "\n", needs))
+        number = end + 1
+    return blocks
+
+
+def closes(line: str, fence: str) -> bool:
+    """Whether a line ends the block that this fence began."""
+    stripped = line.strip()
+    return len(stripped) >= len(fence) and set(stripped) == {fence[0]}
