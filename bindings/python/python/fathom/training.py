@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fathom import _native
-from fathom.errors import CommandError
+from fathom.errors import CommandError, InvalidArgument
 
 Photo: TypeAlias = "str | os.PathLike[str] | NDArray[Any]"
 """The path of a PNG, JPEG or WebP file, or sRGB codes, uint8 or uint16, of shape (H, W, 3)."""
@@ -51,19 +51,22 @@ def train(
     seed: int = 1,
     threads: int | None = None,
     range: bool = False,
-    licence: str = "unknown",
+    license: str | None = None,
+    licence: str | None = None,
     progress: bool = True,
 ) -> Style:
     """Train a style water from one or more photos of the same water.
 
     The same photos, seed and steps give the same network, whatever `threads` is. With `range` it takes the range of
-    each pixel as well, and its scenes must have one. Raises `CommandError` with the reason where a photo cannot be
-    learned from.
+    each pixel as well, and its scenes must have one. `license`, with the alias `licence`, is the license of the photos
+    and default "unknown"; the card stores it as `licence`. Raises `CommandError` with the reason if a photo is
+    unsuitable.
     """
+    stored = choose_license(license, licence) or "unknown"
     given = [photos] if isinstance(photos, (str, os.PathLike, np.ndarray)) else list(photos)
     with tempfile.TemporaryDirectory(prefix="fathom-train-") as folder:
         place = Path(folder)
-        options = ["--name", name, "--seed", str(seed), "--steps", str(steps), "--licence", licence]
+        options = ["--name", name, "--seed", str(seed), "--steps", str(steps), "--licence", stored]
         if range:
             options.append("--range")
         if threads is not None:
@@ -78,6 +81,13 @@ def train(
             raise CommandError(reason or f"the training ended with {ended.returncode}", ended.returncode)
         read = {end: (place / "out" / f"{name}.{end}").read_bytes() for end in ("onnx", "card.json", "sheet.png")}
     return Style(name, read["onnx"], json.loads(read["card.json"]), _native.decode(read["sheet.png"]))
+
+
+def choose_license(license: str | None, licence: str | None) -> str | None:
+    """Return the license in either spelling. Raises `InvalidArgument` for two different ones."""
+    if license is not None and licence is not None and license != licence:
+        raise InvalidArgument(f"`license` is {license!r} but `licence` is {licence!r}; give one of them")
+    return licence if license is None else license
 
 
 def _file(photo: Photo, place: Path) -> str:

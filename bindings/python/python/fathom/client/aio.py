@@ -28,7 +28,7 @@ from fathom.client.uploads import Classes, Picture, Pose
 from fathom.display import html_table
 from fathom.errors import FathomError, JobTimeout
 from fathom.frame import Frame
-from fathom.training import Photo
+from fathom.training import Photo, choose_license
 
 T = TypeVar("T")
 
@@ -216,10 +216,11 @@ class AsyncClient:
         seed: int | None = None,
         range: bool = False,
         license: str | None = None,
+        licence: str | None = None,
     ) -> dict[str, Any]:
         """Train a style water on the service and wait for it."""
         # The service stores the license under this name.
-        options = {"steps": steps, "seed": seed, "range": range or None, "licence": license}
+        options = {"steps": steps, "seed": seed, "range": range or None, "licence": choose_license(license, licence)}
         return await self._run(uploads.train(photos, name, options))
 
     async def dataset(self, name: str, filter: str = "") -> Dataset:
