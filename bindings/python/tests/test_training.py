@@ -1,30 +1,35 @@
 from __future__ import annotations
 
 import inspect
+import subprocess
 from typing import Any
 
 import fathom
 import numpy as np
 import pytest
+from conftest import description
 
 
-@pytest.fixture(scope="module")
-def photo() -> Any:
-    job = {
-        "scene": {"kind": "procedural", "family": "structure", "seed": 3},
-        "camera": {"width": 200, "height": 160},
-        "water": {"optics": "jerlov-1C"},
-    }
-    return fathom.render(job, 0, ["rgb"], metrics=False).rgb
+@pytest.mark.parametrize(
+    ("options", "expected"), [({"license": "cc0-1.0"}, "cc0-1.0"), ({"licence": "mit"}, "mit"), ({}, "unknown")]
+)
+def test_both_spellings_of_a_license_reach_the_command(
+    monkeypatch: pytest.MonkeyPatch, options: dict[str, Any], expected: str
+) -> None:
+    commands: list[list[str]] = []
+
+    def refuse(command: list[str], **_: Any) -> Any:
+        commands.append(command)
+        return subprocess.CompletedProcess(command, 1, stderr="")
+
+    monkeypatch.setattr("fathom.training.subprocess.run", refuse)
+    with pytest.raises(fathom.CommandError):
+        fathom.train(np.zeros((4, 4, 3), np.uint8), "bay", progress=False, **options)
+    assert commands[0][commands[0].index("--licence") + 1] == expected
 
 
-@pytest.mark.parametrize("spelling", ["license", "licence"])
-def test_both_spellings_of_a_license_are_stored(photo: Any, spelling: str) -> None:
-    options: dict[str, Any] = {spelling: "cc-by-4.0"}
-    assert fathom.train(photo, "bay", steps=1, progress=False, **options).card["licence"] == "cc-by-4.0"
-
-
-def test_a_service_stores_the_license(server: str, photo: Any) -> None:
+def test_a_service_stores_the_license(server: str) -> None:
+    photo = fathom.render(description(camera={"width": 200, "height": 160}), 0, ["rgb"], metrics=False).rgb
     with fathom.Client(server, token="secret") as client:
         training = client.train(photo, "bay-license", steps=1, license="cc-by-4.0")
     assert training["state"] == "done"
