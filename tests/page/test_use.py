@@ -8,7 +8,7 @@ import urllib.request
 from conftest import JOB, Service, until
 
 
-def test_the_keyboard_alone_leads_from_the_sets_to_an_image_and_back(visit):
+def test_the_keyboard_alone_leads_from_the_datasets_to_an_image_and_back(visit):
     page = visit()
     page.wait_for_selector(".card h2 a")
     page.keyboard.press("Tab")
@@ -42,9 +42,15 @@ def test_the_keyboard_alone_leads_from_the_sets_to_an_image_and_back(visit):
     page.keyboard.press("ArrowRight")
     assert page.evaluate("document.querySelector('.divider').style.left") == "50.5%"
     page.focus("header a")
-    page.keyboard.press("g")
-    page.keyboard.press("j")
-    until(page, "document.querySelector('h1')?.textContent === 'Jobs'")
+    page.keyboard.press("?")
+    page.wait_for_selector("dialog#keys[open]")
+    assert "Scenes" in page.locator("#keys").inner_text()
+    page.keyboard.press("Escape")
+    page.wait_for_selector("dialog#keys[open]", state="hidden")
+    for key, title in (("s", "Scenes"), ("d", "Datasets"), ("j", "Jobs")):
+        page.keyboard.press("g")
+        page.keyboard.press(key)
+        until(page, "(title) => document.querySelector('h1')?.textContent === title", arg=title)
 
 
 def test_a_service_that_dies_and_returns_is_waited_for(visit, browser, tmp_path):
@@ -63,7 +69,7 @@ def test_a_service_that_dies_and_returns_is_waited_for(visit, browser, tmp_path)
         service.stop()
 
 
-def test_a_token_is_asked_for_once_and_kept_in_memory(visit, tmp_path):
+def test_a_token_is_requested_once_and_survives_a_reload(visit, tmp_path):
     service = Service(str(tmp_path), token="s3cret")
     try:
         service.render({**JOB, "count": 2})
@@ -77,8 +83,13 @@ def test_a_token_is_asked_for_once_and_kept_in_memory(visit, tmp_path):
         page.click(".card h2 a")
         until(page, "[...document.querySelectorAll('.cell img')].length === 2 && [...document.querySelectorAll('.cell img')].every((image) => image.naturalWidth > 0)")
         assert page.locator("dialog[open]").count() == 0
-        kept = page.evaluate("JSON.stringify([{...localStorage}, {...sessionStorage}, document.cookie, location.href])")
+        kept = page.evaluate("JSON.stringify([{...localStorage}, document.cookie, location.href])")
         assert "s3cret" not in kept
+        page.reload()
+        until(page, "document.querySelectorAll('.cell img').length === 2")
+        assert page.locator("dialog[open]").count() == 0
+        other = visit(to=service)
+        other.wait_for_selector("dialog[open]")
     finally:
         service.stop()
 

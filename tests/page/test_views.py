@@ -9,7 +9,7 @@ import urllib.request
 import pytest
 from conftest import AXE, FRAMES, HOSTILE, ROOT, drag, until
 
-VIEWS = ["", "set/reef", "set/reef?overlay=boxes&order=-uiqm&x=alpha&y=uiqm", "image", "jobs", "job", "compose", "waters", "styles",
+VIEWS = ["", "dataset/reef", "dataset/reef?overlay=semantics&order=-uiqm&x=alpha&y=uiqm", "image", "jobs", "job", "compose", "scenes", "waters", "styles",
          "speed", "compare?a=reef&b=reef"]
 
 # `scripts/write_webp.py` converts them for docs/pictures.
@@ -29,7 +29,7 @@ def settled(page):
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("view", VIEWS)
-def test_a_view_has_no_serious_fault_of_accessibility_and_fits(visit, service, view, scheme):
+def test_a_view_has_no_serious_fault_of_accessibility_and_fits(visit, service, dock, view, scheme):
     page = visit(address(service, view), scheme=scheme, width=1280 if scheme == "light" else 390)
     settled(page)
     page.evaluate(AXE)
@@ -40,8 +40,8 @@ def test_a_view_has_no_serious_fault_of_accessibility_and_fits(visit, service, v
     assert page.locator("details.same").count() == 1
 
 
-def test_a_set_shows_its_images_and_a_filter_fewer(visit, service):
-    page = visit("set/reef")
+def test_a_dataset_shows_its_images_and_a_filter_fewer(visit, service):
+    page = visit("dataset/reef")
     page.wait_for_selector(".cell img")
     assert page.locator(".cell").count() == FRAMES
     until(page, "[...document.querySelectorAll('.cell img')].every((image) => image.naturalWidth > 0)")
@@ -55,7 +55,7 @@ def test_a_set_shows_its_images_and_a_filter_fewer(visit, service):
 
 
 def test_a_wrong_filter_says_where_and_offers_the_right_name(visit):
-    page = visit("set/reef?filter=alpha%20%3E%200%20and%20uiqmm%20%3E%200")
+    page = visit("dataset/reef?filter=alpha%20%3E%200%20and%20uiqmm%20%3E%200")
     page.wait_for_selector(".wrong mark")
     assert page.locator(".wrong mark").inner_text() == "uiqmm"
     page.click(".wrong button")
@@ -64,7 +64,7 @@ def test_a_wrong_filter_says_where_and_offers_the_right_name(visit):
 
 
 def test_a_drag_over_a_histogram_and_a_density_becomes_a_filter(visit):
-    page = visit("set/reef?column=alpha&x=alpha&y=uiqm")
+    page = visit("dataset/reef?column=alpha&x=alpha&y=uiqm")
     page.wait_for_selector("svg.histogram .bar")
     drag(page, "svg.histogram", (0.1, 0.5), (0.6, 0.5))
     until(page, "document.getElementById('filter').value.startsWith('alpha between')")
@@ -106,7 +106,7 @@ def test_parameters_of_an_image_fit_and_can_be_searched(visit, service):
 
 
 def test_hostile_names_in_the_address_are_text(visit):
-    page = visit("set/" + urllib.parse.quote(HOSTILE, safe=""))
+    page = visit("dataset/" + urllib.parse.quote(HOSTILE, safe=""))
     page.wait_for_selector(".problem")
     assert page.locator("main h1").inner_text() == HOSTILE
 
@@ -145,7 +145,7 @@ def test_everything_comes_from_the_service_under_a_strict_policy(service):
 def test_pictures_of_the_documentation(visit, service):
     tour = json.loads((ROOT / "examples/tour.json").read_text())
     service.render({**tour, "count": 80, "camera": {**tour["camera"], "width": 384, "height": 246}})
-    page = visit("set/tour?order=-uiqm&x=water.range_scale&y=uiqm", width=1280, height=860)
+    page = visit("dataset/tour?order=-uiqm&x=water.range_scale&y=uiqm", width=1280, height=860)
     settled(page)
     page.screenshot(path=PICTURES / "page-dataset.png")
     job = {"scene": {"kind": "procedural", "family": "structure", "seed": 11}, "camera": {"width": 768, "height": 492},

@@ -29,6 +29,7 @@ function headers(more) {
 export async function send(path, options = {}) {
   for (;;) {
     let response;
+    const used = token;
     try {
       response = await fetch(path, { ...options, headers: headers(options.headers ?? {}) });
     } catch (error) {
@@ -38,8 +39,12 @@ export async function send(path, options = {}) {
       continue;
     }
     if (response.status === 401) {
-      sessionStorage.removeItem(TOKEN_KEY);
-      await askToken(await problemOf(response));
+      const problem = await problemOf(response);
+      // Another request may have got a new token meanwhile.
+      if (used === token) {
+        sessionStorage.removeItem(TOKEN_KEY);
+        await askToken(problem);
+      }
       continue;
     }
     if ((response.status === 503 || response.status === 429) && !options.method) {
@@ -98,6 +103,22 @@ export function known(path) {
     asked.catch(() => kept.delete(path));
   }
   return kept.get(path);
+}
+
+// Images whose values show which columns of a dataset are in use.
+const SAMPLE = 12;
+
+// The number columns of a dataset: all `names`, and `suggest()` for those with a value in one of its first or newest images.
+export function numberColumns({ name, columns }, signal) {
+  const names = columns.filter((column) => column.kind === "number").map((column) => column.name);
+  let found = null;
+  const load = async () => {
+    const query = { dataset: name, limit: SAMPLE, fields: names.join(",") };
+    const pages = await Promise.all(["", "-created_ms"].map((order_by) => get("/v1/images", { ...query, order_by }, signal)));
+    const used = new Set(pages.flatMap(({ items }) => items.flatMap((row) => Object.keys(row).filter((key) => row[key] !== null))));
+    return names.filter((column) => used.has(column));
+  };
+  return { names, suggest: () => (found ??= load()) };
 }
 
 // Lines of JSON.

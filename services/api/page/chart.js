@@ -59,29 +59,82 @@ function brushed(plot, brush, chosen) {
   });
 }
 
-// Curves over a common axis: [{name, color, points: [[x, y], …]}].
+// Sizes of a chart, in units of its view box: margins around the plot, and the whole.
+const CHART = { left: 58, right: 12, top: 22, bottom: 40, width: 520, height: 300 };
+// Distance in CSS pixels within which the pointer selects a mark.
+const REACH_PX = 40;
+
+// Round values between two bounds: powers of ten or their simple multiples if `isLog`, otherwise about five equal steps.
+export function ticks(low, high, isLog) {
+  if (!isLog) {
+    const rough = (high - low) / 5;
+    const power = 10 ** Math.floor(Math.log10(rough));
+    const step = power * [1, 2, 5, 10].find((factor) => factor * power >= rough);
+    const first = Math.ceil(low / step - 1e-9);
+    return Array.from({ length: Math.floor(high / step + 1e-9) - first + 1 }, (_, index) => (first + index) * step);
+  }
+  const decades = Math.log10(high / low);
+  const factors = decades > 3 ? [1] : decades > 1.3 ? [1, 2, 5] : [1, 1.5, 2, 3, 4, 5, 7];
+  const values = [];
+  for (let power = Math.floor(Math.log10(low)); power <= Math.ceil(Math.log10(high)); power += 1) values.push(...factors.map((factor) => factor * 10 ** power));
+  return values.filter((value) => value >= low * 0.999 && value <= high * 1.001);
+}
+
+// One axis: {position(value), values}. Positions run from `start` to `end`.
+function axis(values, isLog, start, end) {
+  const scale = isLog ? Math.log10 : (value) => value;
+  const known = values.filter((value) => Number.isFinite(scale(value)));
+  let [low, high] = [Math.min(...known), Math.max(...known)];
+  if (low === high) [low, high] = isLog ? [low / 2, high * 2] : [low - 0.5, high + 0.5];
+  else if (isLog) [low, high] = [low / 1.15, high * 1.15];
+  const [from, to] = [scale(low), scale(high)];
+  return { position: (value) => start + ((scale(value) - from) / (to - from)) * (end - start), values: ticks(low, high, isLog) };
+}
+
+// Curves and marks over common axes: lines are [{name, color, points: [[x, y], …]}], marks are [{name, color, x, y, strong}]. The pointer shows
+// the name of the nearest mark, or the values of each line.
 export function curves(lines, { label, x, y, log = false, marks = [] }) {
-  const [left, top, bottom, width, height] = [46, 20, 26, 420, 222];
-  const scale = log ? Math.log10 : (value) => value;
+  const { left, right, top, bottom, width, height } = CHART;
   const all = [...lines.flatMap((line) => line.points), ...marks.map((mark) => [mark.x, mark.y])];
-  const range = (axis) => {
-    const values = all.map((point) => scale(point[axis])).filter(Number.isFinite);
-    const [low, high] = [Math.min(...values), Math.max(...values)];
-    return low < high ? [low, high] : [low - 0.5, high + 0.5];
-  };
-  const [[x0, x1], [y0, y1]] = [range(0), range(1)];
-  const px = (value) => left + ((scale(value) - x0) / (x1 - x0)) * (width - left - 8);
-  const py = (value) => top + (1 - (scale(value) - y0) / (y1 - y0)) * (height - bottom - top);
-  const paths = lines.map((line) => svg("polyline.line", { points: line.points.map(([a, b]) => `${px(a)},${py(b)}`).join(" "),
+  const across = axis(all.map((point) => point[0]), log, left, width - right);
+  const up = axis(all.map((point) => point[1]), log, height - bottom, top);
+  const paths = lines.map((line) => svg("polyline.line", { points: line.points.map(([a, b]) => `${across.position(a)},${up.position(b)}`).join(" "),
     class: `line ${line.color}` }, svg("title", {}, line.name)));
-  const dots = marks.map((mark) => svg("circle", { cx: px(mark.x), cy: py(mark.y), r: mark.strong ? 6 : 3.2,
-    class: `dot ${mark.color}${mark.strong ? " strong" : ""}` }, svg("title", {}, mark.name)));
-  const unscale = log ? (value) => 10 ** value : (value) => value;
-  const texts = [[x0, 0], [(x0 + x1) / 2, 0.5], [x1, 1]].map(([value, place]) => svg("text", { y: height - 12,
-    x: left + place * (width - left - 8), "text-anchor": ["start", "middle", "end"][place * 2] }, number(unscale(value), 3)));
-  const sides = [[y0, height - bottom], [y1, top + 6]].map(([value, place]) => svg("text", { x: left - 4, y: place, "text-anchor": "end" },
-    number(unscale(value), 2)));
-  return svg("svg.curves", { viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": label },
-    svg("path.axis", { d: `M${left} 6V${height - bottom}H${width - 6}` }), paths, dots, texts, sides,
-    svg("text.title", { x: width - 8, y: height - 1, "text-anchor": "end" }, x), svg("text.title", { x: left + 4, y: 12 }, y));
+  const dots = marks.map((mark) => svg("circle", { cx: across.position(mark.x), cy: up.position(mark.y), r: mark.strong ? 6.5 : 3.6,
+    class: `dot ${mark.color}${mark.strong ? " strong" : ""}` }));
+  const grid = [...across.values.map((value) => `M${across.position(value)} ${top}V${height - bottom}`), ...up.values.map((value) => `M${left} ${up.position(value)}H${width - right}`)];
+  const names = [...across.values.map((value) => svg("text.tick.x", { x: across.position(value), y: height - bottom + 14, "text-anchor": "middle" }, number(value, 3))),
+    ...up.values.map((value) => svg("text.tick.y", { x: left - 5, y: up.position(value) + 4, "text-anchor": "end" }, number(value, 3)))];
+  const plot = svg("svg.curves", { viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": label }, svg("path.grid-lines", { d: grid.join("") }),
+    svg("path.axis", { d: `M${left} ${top}V${height - bottom}H${width - right}` }), paths, dots, names,
+    svg("text.title", { x: (left + width - right) / 2, y: height - 6, "text-anchor": "middle" }, x), svg("text.title", { x: left, y: 12 }, y));
+  const readout = h("p.readout", { "aria-hidden": "true" });
+  plot.addEventListener("pointermove", (event) => {
+    const box = plot.getBoundingClientRect();
+    const scale = box.width / width;
+    const pointer = [(event.clientX - box.left) / scale, (event.clientY - box.top) / scale];
+    if (marks.length > 0) showNearest(marks, dots, readout, pointer, REACH_PX / scale);
+    else showValues(lines, across, readout, pointer[0], x);
+  });
+  plot.addEventListener("pointerleave", () => {
+    readout.textContent = "";
+    for (const dot of dots) dot.classList.remove("near");
+  });
+  return h("div.chart", {}, plot, readout);
+}
+
+function showNearest(marks, dots, readout, /** @type {number[]} */ [x, y], reach) {
+  const distances = dots.map((dot) => Math.hypot(Number(dot.getAttribute("cx")) - x, Number(dot.getAttribute("cy")) - y));
+  const nearest = distances.indexOf(Math.min(...distances));
+  const isNear = distances[nearest] <= reach;
+  dots.forEach((dot, index) => dot.classList.toggle("near", isNear && index === nearest));
+  readout.textContent = isNear ? marks[nearest].name : "";
+}
+
+function showValues(lines, across, readout, pointer, label) {
+  const points = lines.map(({ name, points: all }) => {
+    const point = all.reduce((best, one) => (Math.abs(across.position(one[0]) - pointer) < Math.abs(across.position(best[0]) - pointer) ? one : best));
+    return { name, point };
+  });
+  readout.textContent = `${label} ${number(points[0].point[0], 3)}: ${points.map(({ name, point }) => `${name} ${number(point[1], 3)}`).join(", ")}`;
 }

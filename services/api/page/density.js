@@ -1,7 +1,7 @@
 // A 2-D histogram of two columns. A selected rectangle becomes a filter.
 
 import { get } from "./api.js";
-import { color, h, put, select } from "./dom.js";
+import { color, columnField, h } from "./dom.js";
 import { shade } from "./picture.js";
 import { number, path } from "./text.js";
 
@@ -9,22 +9,20 @@ import { number, path } from "./text.js";
 const CELLS = 64;
 const FEWEST = 12;
 
-// The panel; chosen({column, min, max}, {column, min, max}) is called with the selection.
-export function densityPanel(route, { name, columns, images }, chosen) {
+// The panel, with the columns as in `numberColumns`; chosen({column, min, max}, {column, min, max}) is called with the selection.
+export function densityPanel(route, { name, images }, columns, chosen) {
   const bins = Math.min(CELLS, Math.max(FEWEST, Math.ceil(Math.sqrt(images))));
-  const numbers = columns.filter((column) => column.kind === "number").map((column) => column.name);
   const canvas = h("canvas.density", { width: 320, height: 320, role: "img", "aria-label": "Density" });
   const brush = h("div.brush", { hidden: true });
   const words = h("p.quiet", { role: "status" });
-  const choose = (key, label, preset) => select(label, numbers, route.query[key] ?? preset, (value) => {
+  const choose = (key, label, preset) => columnField(label, columns, { chosen: route.query[key] ?? preset }, (value) => {
     route.set({ [key]: value });
     update();
   });
-  const third = select("Colored by", [["", "how many"], ...numbers.map((one) => [one, `mean ${one}`])], route.query.mean ?? "",
-    (value) => {
-      route.set({ mean: value });
-      update();
-    });
+  const third = columnField("Colored by the mean of", columns, { chosen: route.query.mean ?? "", none: "number of images" }, (value) => {
+    route.set({ mean: value });
+    update();
+  });
   let shown = null;
   async function update() {
     const [x, y] = [route.query.x ?? "alpha", route.query.y ?? "uiqm"];

@@ -49,6 +49,37 @@ export function select(label, options, chosen, onchange, props = {}) {
   return h("label.field", {}, h("span", {}, label), box);
 }
 
+let columnFields = 0;
+
+// A text field that suggests columns: `columns` is {names, suggest()} as in `numberColumns`, loaded at the first focus. Other names are accepted
+// if they exist. `none` is the text for no column. changed(name) is called with each valid choice.
+export function columnField(label, columns, /** @type {{ chosen: string, none?: string }} */ { chosen, none }, changed) {
+  columnFields += 1;
+  const list = h("datalist", { id: `columns-${columnFields}` }, none && h("option", { value: none }));
+  let current = chosen || none || "";
+  let isLoaded = false;
+  const box = h("input.column", { type: "text", list: list.id, value: current, spellcheck: "false", autocomplete: "off", onfocus: async () => {
+    // An empty field suggests every column.
+    box.placeholder = current;
+    box.value = "";
+    if (isLoaded) return;
+    isLoaded = true;
+    const names = await columns.suggest().catch(() => columns.names);
+    list.append(...names.map((name) => h("option", { value: name })));
+  }, onchange: () => {
+    const name = box.value.trim();
+    const isNone = none !== undefined && name === none;
+    const isKnown = isNone || columns.names.includes(name);
+    box.toggleAttribute("aria-invalid", !isKnown && name !== "");
+    if (!isKnown || name === current) return;
+    current = name;
+    changed(isNone ? "" : name);
+  }, onblur: () => {
+    if (box.value.trim() === "") box.value = current;
+  } });
+  return h("label.field", {}, h("span", {}, label), box, list);
+}
+
 // A table in a region that scrolls; a tall one has a limited height.
 export function table(head, rows, /** @type {{ label?: string, isTall?: boolean }} */ props = {}) {
   return h(props.isTall ? "div.scroll.tall" : "div.scroll", { tabindex: "0", role: "region", "aria-label": props.label ?? "Table" },

@@ -1,7 +1,7 @@
 // One image: its layers with a divider, its record, and its verification.
 
 import { get, known, post, read } from "./api.js";
-import { h, heading, problemBox, put, same, select } from "./dom.js";
+import { columnField, h, heading, problemBox, put, same } from "./dom.js";
 import { print } from "./exact.js";
 import { Layers } from "./layers.js";
 import { singleScene } from "./live.js";
@@ -22,7 +22,7 @@ export async function show(root, route) {
   const again = h("button", { type: "button", onclick: () => verify(base, again, verdict, route) }, "Render again and compare");
   root.append(heading(`${record.dataset} · frame ${frame}`, neighbors), layers.element,
     h("div.row", {}, again, h("a", { href: `#/compose?job=${encodeURIComponent(print(copy))}` }, "Open in Compose"),
-      h("a", { href: `#/set/${path(record.dataset)}` }, "To its set"), h("a", { href: `#/jobs/${path(job)}` }, "To its job")), verdict,
+      h("a", { href: `#/dataset/${path(record.dataset)}` }, "To its dataset"), h("a", { href: `#/jobs/${path(job)}` }, "To its job")), verdict,
     h("div.columns", {}, section("Parameters", parameters(record, fields, description, waters)), section("Plan and time", planTable(record)),
       section("Metrics", measurements(record)), section("Objects", boxesTable(record, (one) => layers.point(one))),
       section("Along a column", await along(record, route)), section("Files", files(record, base, about)),
@@ -54,12 +54,12 @@ async function jobOfFrame(record, signal) {
   return { ...job, camera: uploaded?.hfov_deg ? rest : { ...rest, hfov_deg } };
 }
 
-// The previous and next image in the last view of the set.
+// The previous and next image in the last view of the dataset.
 async function showNeighbors(place, record, route) {
-  const { set, filter, order } = route.query;
+  const { filter, order } = route.query;
   const column = order?.replace(/^-/, "");
-  const dataset = set ?? record.dataset;
-  const link = (row, rel, text) => row && h("a", { rel, href: `#/image/${path(row.job, String(row.frame))}${queryOf({ set, filter, order })}` }, text);
+  const dataset = route.query.dataset ?? route.query.set ?? record.dataset;
+  const link = (row, rel, text) => row && h("a", { rel, href: `#/image/${path(row.job, String(row.frame))}${queryOf({ dataset, filter, order })}` }, text);
   const ask = async (condition, by) => {
     const all = filter ? `(${filter}) and ${condition}` : condition;
     const page = await get("/v1/images", { dataset, filter: all, order_by: by, limit: 1, fields: "job,frame" }, route.signal);
@@ -99,7 +99,7 @@ async function along(record, route) {
     return put(place, less.items.reverse().map(shown), h("strong.here", {}, `this image: ${number(value)}`), more.items.map(shown));
   };
   await draw(chosen).catch((error) => put(place, h("p.quiet", {}, error.message)));
-  return h("div", {}, select("Column", numbers.includes(chosen) ? numbers : [chosen, ...numbers], chosen, (column) => {
+  return h("div", {}, columnField("Column", { names: numbers, suggest: async () => numbers }, { chosen }, (column) => {
     route.set({ along: column });
     draw(column).catch((error) => put(place, h("p.quiet", {}, error.message)));
   }), place);

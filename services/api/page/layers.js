@@ -2,8 +2,7 @@
 
 import { drawBoxes } from "./set.js";
 import { h, put, select } from "./dom.js";
-import { codeColor, pixels } from "./picture.js";
-import { known } from "./api.js";
+import { legendOf, pixels } from "./picture.js";
 import { path } from "./text.js";
 
 // In the order of the light path; other layers follow.
@@ -89,23 +88,14 @@ export class Layers {
       this.stage.style.aspectRatio = `${image.width} / ${image.height}`;
       this.stage.style.maxWidth = `calc(70vh * ${image.width / image.height})`;
       canvas.getContext("2d").putImageData(image, 0, 0);
-      this.notes[side] = [`${kind}: ${this.about.get(kind) ?? ""}`, image.legend && ` (${image.legend})`,
-        kind.startsWith("semantics") && [h("br"), await this.categories(image.codes)]];
+      const legend = await legendOf(kind, image, new Map((this.record.scene?.categories ?? []).map((one) => [one.id, one.name])));
+      this.notes[side] = [`${kind}: ${this.about.get(kind) ?? ""}`, legend && [h("br"), legend]];
     } catch (error) {
       if (this.route.signal.aborted) return undefined;
       this.notes[side] = `${kind}: ${error.message}`;
     }
     canvas.classList.remove("waiting");
     return this.tell();
-  }
-
-  async categories(codes) {
-    const names = new Map((await known("/v1/lists/categories")).map((one) => [one.number, one.name]));
-    return h("span.legend", {}, codes.map((code) => {
-      const patch = h("i");
-      patch.style.background = `rgb(${codeColor(code).join(" ")})`;
-      return [patch, names.get(code) ?? code];
-    }));
   }
 
   tell() {

@@ -1,6 +1,6 @@
 // Decodes images and layers: thumbnails, 16-bit PNG, NPY, and the colors of ranges and masks.
 
-import { binary, hasToken, send } from "./api.js";
+import { binary, hasToken, known, send } from "./api.js";
 import { h } from "./dom.js";
 
 // An image of the service. An img element cannot send a token.
@@ -19,14 +19,24 @@ export function picture(path, alt, props = {}) {
   return image;
 }
 
-// A file in the format of its kind as ImageData.
-export async function pixels(path, kind, mediaType, signal) {
+// Kinds whose pixels are numbers of categories, bits of findings or numbers of objects.
+const CODE_COLORS = new Map([["instances", instanceColor], ["semantics", categoryColor], ["semantics.visible", categoryColor], ["findings", findingColor]]);
+
+// A file in the format of its kind as ImageData. The background of an overlay is transparent.
+/** @returns {Promise<ImageData & { codes?: number[], nearM?: number, farM?: number }>} */
+export async function pixels(path, kind, mediaType, signal, isOverlay = false) {
   const data = await binary(path, signal);
   if (mediaType === "application/x-npy") return ofArray(readNpy(data), kind);
   if (kind === "range") return ofRange(await readPng16(data));
-  const picture = await readPicture(data, mediaType);
-  if (["instances", "semantics", "semantics.visible", "findings"].includes(kind)) return ofCodes(picture);
-  return picture;
+  const color = CODE_COLORS.get(kind);
+  return color ? ofCodes(await readCodes(data, mediaType), color, isOverlay) : readPicture(data, mediaType);
+}
+
+// The numbers of a mask of 8 or 16 bits: {width, height, values}.
+async function readCodes(data, mediaType) {
+  if (new DataView(data).getUint8(24) === 16) return readPng16(data);
+  const { width, height, data: channels } = await readPicture(data, mediaType);
+  return { width, height, values: Uint8Array.from({ length: width * height }, (_, index) => channels[4 * index]) };
 }
 
 async function readPicture(data, mediaType) {
@@ -120,47 +130,88 @@ function paeth(a, b, c) {
   return pa <= pb && pa <= pc ? a : pb <= pc ? b : c;
 }
 
-// Near is bright, far is dark, holes are transparent.
+// Near is bright and far is dark, by the logarithm as in `fathom sheet`; pixels without a range are transparent.
 function ofRange({ width, height, values }) {
-  const known = values.filter((value) => value > 0).sort();
-  const low = known[Math.floor(known.length * 0.01)] ?? 0;
-  const high = Math.max(low + 1, known[Math.floor(known.length * 0.99)] ?? 1);
+  let [near, far] = [Infinity, 0];
+  for (const value of values) {
+    if (value === 0) continue;
+    if (value < near) near = value;
+    if (value > far) far = value;
+  }
   const image = new ImageData(width, height);
-  for (let at = 0; at < values.length; at += 1) {
-    if (values[at] === 0) continue;
-    image.data.set(shade(1 - (values[at] - low) / (high - low)), 4 * at);
-    image.data[4 * at + 3] = 255;
+  const span = Math.log(far / near) || 1;
+  for (const [index, value] of values.entries()) {
+    if (value === 0) continue;
+    image.data.set(shade(1 - Math.log(value / near) / span), 4 * index);
+    image.data[4 * index + 3] = 255;
   }
-  return Object.assign(image, { legend: `bright ${(low / 1000).toFixed(1)} m, dark ${(high / 1000).toFixed(1)} m, empty: no range` });
+  return Object.assign(image, { nearM: near / 1000, farM: far / 1000 });
 }
 
-const STOPS = [[13, 8, 135], [84, 2, 163], [139, 10, 165], [185, 50, 137], [219, 92, 104], [244, 136, 73], [254, 188, 43], [240, 249, 33]];
+// The palette of `fathom sheet` (services/cli/src/colors.rs): categories by number, findings by bit, and Viridis from far to near.
+export const CATEGORY_COLORS = [[24, 38, 56], [176, 148, 104], [230, 159, 0], [204, 94, 0], [150, 74, 36], [130, 160, 190], [86, 180, 233], [240, 228, 66],
+  [255, 105, 180], [120, 120, 130], [0, 158, 115], [160, 90, 210], [110, 130, 110], [214, 39, 40], [150, 160, 120], [255, 255, 255], [255, 150, 120],
+  [60, 200, 60], [170, 240, 255], [0, 90, 255], [110, 60, 20]];
+export const FINDING_COLORS = [[255, 40, 40], [255, 140, 0], [250, 240, 60], [70, 150, 255], [60, 210, 90], [230, 90, 230]];
+export const RAMP = [[68, 1, 84], [71, 45, 123], [59, 82, 139], [44, 114, 142], [33, 145, 140], [40, 174, 128], [94, 201, 98], [173, 220, 48], [253, 231, 37]];
 
-// A color scale with monotonic brightness.
+// The color of a share of the ramp, from dark to bright.
 export function shade(share) {
-  const place = Math.min(1, Math.max(0, share)) * (STOPS.length - 1);
-  const at = Math.min(STOPS.length - 2, Math.floor(place));
-  return STOPS[at].map((low, c) => Math.round(low + (STOPS[at + 1][c] - low) * (place - at)));
+  const place = Math.min(1, Math.max(0, share)) * (RAMP.length - 1);
+  const low = Math.min(RAMP.length - 2, Math.floor(place));
+  return RAMP[low].map((value, channel) => Math.round(value + (RAMP[low + 1][channel] - value) * (place - low)));
 }
 
-// A color for each number, with contrast between neighbors; 0 is transparent.
-export function codeColor(number) {
-  const hue = (number * 137.508) % 360;
-  const light = 0.5 + 0.14 * ((number % 3) - 1);
-  const part = (n) => {
-    const k = (n + hue / 30) % 12;
-    return Math.round(255 * (light - 0.7 * Math.min(light, 1 - light) * Math.max(-1, Math.min(k - 3, 9 - k, 1))));
-  };
-  return [part(0), part(8), part(4)];
+export function categoryColor(number) {
+  return CATEGORY_COLORS[number] ?? instanceColor(number);
 }
 
-function ofCodes(picture) {
-  const found = new Set();
-  for (let at = 0; at < picture.data.length; at += 4) {
-    const code = picture.data[at];
-    found.add(code);
-    picture.data.set(code === 0 ? [0, 0, 0, 0] : [...codeColor(code), 255], at);
+// A color for each number, far in hue from its neighbors; 0 is the background.
+export function instanceColor(number) {
+  if (number === 0) return CATEGORY_COLORS[0];
+  const hue = ((number * 0.61803398875) % 1) * 6;
+  const light = number % 2 === 0 ? 235 : 175;
+  return [5, 3, 1].map((offset) => {
+    const place = (offset + hue) % 6;
+    return Math.trunc(light * (1 - 0.75 * Math.min(1, Math.max(0, Math.min(place, 4 - place)))));
+  });
+}
+
+// The color of the first finding of a pixel.
+function findingColor(bits) {
+  return FINDING_COLORS.find((_, bit) => bits & (1 << bit)) ?? CATEGORY_COLORS[0];
+}
+
+function ofCodes({ width, height, values }, color, isOverlay) {
+  const image = new ImageData(width, height);
+  const colors = new Map([...new Set(values)].map((code) => [code, color(code)]));
+  for (const [index, code] of values.entries()) {
+    if (code === 0 && isOverlay) continue;
+    image.data.set(colors.get(code), 4 * index);
+    image.data[4 * index + 3] = 255;
   }
-  picture.codes = [...found].filter(Boolean).sort((a, b) => a - b);
-  return picture;
+  return Object.assign(image, { codes: [...colors.keys()].sort((a, b) => a - b) });
+}
+
+function patch(rgb, text) {
+  const square = h("i");
+  square.style.background = `rgb(${rgb.join(" ")})`;
+  return [square, text];
+}
+
+// The legend of a layer or overlay, or null. `codes` are its numbers; `classes` are the names of an uploaded scene by number.
+export async function legendOf(kind, { codes = [], nearM = undefined, farM = undefined } = {}, classes = new Map()) {
+  if (kind === "boxes") return h("span.legend", {}, "One color per object; solid: visible, dashed: not visible");
+  if (kind === "instances") return h("span.legend", {}, "One color per object");
+  if (kind === "range") {
+    const bar = h("i.ramp");
+    bar.style.background = `linear-gradient(to right, ${[...RAMP].reverse().map((rgb) => `rgb(${rgb.join(" ")})`).join(", ")})`;
+    return h("span.legend", {}, nearM ? `${nearM.toFixed(2)} m` : "nearest", bar, nearM ? `${farM.toFixed(2)} m` : "farthest of each image");
+  }
+  if (!CODE_COLORS.has(kind)) return null;
+  const isFindings = kind === "findings";
+  const named = new Map((await known(`/v1/lists/${isFindings ? "findings" : "categories"}`)).map((one) => [one.number, one.name]));
+  if (!isFindings) return h("span.legend", {}, codes.map((code) => patch(categoryColor(code), classes.get(code) ?? named.get(code) ?? `category ${code}`)));
+  const bits = codes.reduce((all, code) => all | code, 0);
+  return h("span.legend", {}, bits === 0 ? "no findings" : FINDING_COLORS.map((rgb, bit) => (bits & (1 << bit) ? patch(rgb, named.get(bit) ?? `finding ${bit}`) : null)));
 }

@@ -3,7 +3,7 @@
 import { h, table } from "./dom.js";
 import { print } from "./exact.js";
 import { lawOf } from "./laws.js";
-import { codeColor } from "./picture.js";
+import { instanceColor } from "./picture.js";
 import { number } from "./text.js";
 
 const OPTICS_UNITS = { spread_px_per_m: "px/m", spread_offset_px: "px", backscatter_fraction: "" };
@@ -119,7 +119,7 @@ export function boxesTable(record, point) {
   if (all.length === 0) return h("p.quiet", {}, "The job requested no labels.");
   const rows = all.map((one) => {
     const patch = h("i.patch");
-    patch.style.background = `rgb(${codeColor(one.number).join(" ")})`;
+    patch.style.background = `rgb(${instanceColor(one.number).join(" ")})`;
     const button = h("button.link", { type: "button", onclick: () => point(one.number), onfocus: () => point(one.number), onblur: () => point(null),
       onpointerenter: () => point(one.number), onpointerleave: () => point(null) }, patch, `${one.category ?? "object"} ${one.number}`);
     return [button, `${number(one.range_m, 3)} m`, number(one.visibility, 2), one.visible ? "yes" : "no", number(one.pixels)];

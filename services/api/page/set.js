@@ -1,26 +1,26 @@
-// A set: image grid, filter, and column charts.
+// A dataset: image grid, filter, and column charts.
 
-import { ProblemError, get } from "./api.js";
+import { ProblemError, get, numberColumns } from "./api.js";
 import { histogram } from "./chart.js";
 import { densityPanel } from "./density.js";
-import { h, heading, put, same, select } from "./dom.js";
+import { columnField, h, heading, put, same, select } from "./dom.js";
 import { FilterLine } from "./filter.js";
 import { Grid } from "./grid.js";
-import { codeColor, picture, pixels } from "./picture.js";
+import { instanceColor, legendOf, picture, pixels } from "./picture.js";
 import { bytes, count, number, path, queryOf, quoted } from "./text.js";
 
-const OVERLAYS = [["", "none"], ["semantics", "categories"], ["semantics.visible", "visible categories"], ["instances", "instances"], ["boxes", "boxes"], ["range", "range"]];
+const OVERLAYS = [["", "none"], ["semantics", "categories"], ["semantics.visible", "visible categories"], ["findings", "findings"], ["instances", "instances"], ["boxes", "boxes"], ["range", "range"]];
 
 // Size of the grid until the number of images is known.
 const FIRST = 100;
 
 export async function show(root, route) {
   const name = route.args[0] ?? "";
-  const view = new SetView(root, route, name);
+  const view = new DatasetView(root, route, name);
   await view.start();
 }
 
-class SetView {
+class DatasetView {
   constructor(root, route, name) {
     this.root = root;
     this.route = route;
@@ -30,11 +30,13 @@ class SetView {
     this.tools = h("div.row.tools");
     this.filterPlace = h("div");
     this.samePlace = h("div");
+    this.legend = h("p.legend-line", { role: "status" });
+    this.codes = new Set();
     this.grid = new Grid(route.signal, (row) => this.cell(row));
     this.grid.onproblem = (error) => this.fail(error);
-    root.append(heading(name, h("nav.beside", { "aria-label": "Of this set" }, h("a", { href: `#/compare?a=${path(name)}` }, "Compare"),
-      h("a", { href: `#/speed?set=${path(name)}` }, "Time and bounds"))), this.filterPlace, this.counts,
-    h("div.split", {}, h("div", {}, this.tools, this.grid.element), this.side), this.samePlace);
+    root.append(heading(name, h("nav.beside", { "aria-label": "Of this dataset" }, h("a", { href: `#/compare?a=${path(name)}` }, "Compare"),
+      h("a", { href: `#/speed?dataset=${path(name)}` }, "Time and bounds"))), this.filterPlace, this.counts,
+    h("div.split", {}, h("div", {}, this.tools, this.legend, this.grid.element), this.side), this.samePlace);
   }
 
   query() {
@@ -47,6 +49,7 @@ class SetView {
     // Load the first images before their number is known.
     this.grid.show(this.query(), FIRST);
     this.info = await get(`/v1/datasets/${path(this.name)}`, {}, this.route.signal);
+    this.columns = numberColumns(this.info, this.route.signal);
     this.kinds = this.info.columns.filter((column) => column.name.startsWith("artifacts.")).map((column) => column.name.slice(10));
     this.filter = new FilterLine(this.info.columns, this.route.query.filter ?? "", (text) => {
       this.route.set({ filter: text });
@@ -59,7 +62,6 @@ class SetView {
   }
 
   showTools() {
-    const orders = this.info.columns.filter((column) => column.kind === "number").map((column) => column.name);
     const order = this.route.query.order ?? "";
     const direction = h("button", { type: "button", "aria-label": "Largest first", "aria-pressed": String(order.startsWith("-")),
       onclick: () => {
@@ -71,22 +73,24 @@ class SetView {
         this.update();
       } }, "↓");
     const there = OVERLAYS.filter(([kind]) => kind === "" || this.kinds.includes(kind));
-    put(this.tools, select("Order", [["", "job and frame"], ...orders], order.replace(/^-/, ""), (value) => {
+    put(this.tools, columnField("Order", this.columns, { chosen: order.replace(/^-/, ""), none: "job and frame" }, (value) => {
       this.route.set({ order: value && (direction.getAttribute("aria-pressed") === "true" ? `-${value}` : value) });
       this.update();
     }), direction, there.length > 1 && select("Overlay", there, this.route.query.overlay ?? "", (value) => {
       this.route.set({ overlay: value });
+      this.codes.clear();
+      this.showLegend();
       this.grid.layOut(true);
     }));
+    this.showLegend();
   }
 
   showSide() {
-    const numbers = this.info.columns.filter((column) => column.kind === "number").map((column) => column.name);
     this.histogramPlace = h("div");
     const low = h("input", { type: "number", step: "any", "aria-label": "From", placeholder: "from" });
     const high = h("input", { type: "number", step: "any", "aria-label": "To", placeholder: "to" });
-    this.density = densityPanel(this.route, this.info, (x, y) => this.filter.add([x, y].map(between).join(" and ")));
-    put(this.side, h("section.panel", {}, h("h2", {}, "Histogram"), select("Column", numbers, this.column(), (value) => {
+    this.density = densityPanel(this.route, this.info, this.columns, (x, y) => this.filter.add([x, y].map(between).join(" and ")));
+    put(this.side, h("section.panel", {}, h("h2", {}, "Histogram"), columnField("Column", this.columns, { chosen: this.column() }, (value) => {
       this.route.set({ column: value });
       this.showHistogram();
     }), this.histogramPlace, h("form.row", { onsubmit: (event) => {
@@ -161,11 +165,24 @@ class SetView {
     const { order, overlay } = this.route.query;
     const column = order?.replace(/^-/, "");
     const base = `/v1/images/${path(row.job, String(row.frame))}`;
-    const from = queryOf({ set: this.name, filter: this.route.query.filter, order });
+    const from = queryOf({ dataset: this.name, filter: this.route.query.filter, order });
     const link = h("a", { href: `#/image/${path(row.job, String(row.frame))}${from}` }, picture(`${base}/preview`, `Frame ${row.frame}`),
       h("span.caption", {}, column && column !== "frame" ? `${row.frame} · ${number(row[column], 3)}` : String(row.frame)));
     if (overlay) this.overlay(link, base, overlay).catch(() => {});
     return link;
+  }
+
+  // The legend of the overlay, with the categories of the images shown so far.
+  async showLegend() {
+    const kind = this.route.query.overlay;
+    const legend = kind ? await legendOf(kind, { codes: [...this.codes].sort((a, b) => a - b) }).catch(() => null) : null;
+    if (kind === this.route.query.overlay) put(this.legend, legend);
+  }
+
+  noteCodes(kind, codes) {
+    const before = this.codes.size;
+    for (const code of codes) if (code !== 0) this.codes.add(code);
+    if (this.codes.size > before && kind !== "instances") this.showLegend();
   }
 
   async overlay(link, base, kind) {
@@ -174,7 +191,8 @@ class SetView {
       const record = await get(base, {}, this.route.signal);
       drawBoxes(canvas, record);
     } else {
-      const image = await pixels(`${base}/artifacts/${kind}`, kind, "image/png", this.route.signal);
+      const image = await pixels(`${base}/artifacts/${kind}`, kind, "image/png", this.route.signal, true);
+      this.noteCodes(kind, image.codes ?? []);
       canvas.width = image.width;
       canvas.height = image.height;
       canvas.getContext("2d").putImageData(image, 0, 0);
@@ -195,7 +213,7 @@ export function drawBoxes(canvas, record, chosen = null) {
     const [x0, y0, x1, y1] = one.box;
     pen.lineWidth = Math.max(1.5, width / 250);
     pen.setLineDash(one.visible ? [] : [6, 4]);
-    pen.strokeStyle = `rgb(${codeColor(one.number).join(" ")})`;
+    pen.strokeStyle = `rgb(${instanceColor(one.number).join(" ")})`;
     pen.strokeRect(x0 + 0.5, y0 + 0.5, x1 - x0 - 1, y1 - y0 - 1);
   }
 }

@@ -1,8 +1,8 @@
-// All sets as cards, and a comparison of two.
+// All datasets as cards, and a comparison of two.
 
-import { get, list } from "./api.js";
+import { get, list, numberColumns } from "./api.js";
 import { histogram } from "./chart.js";
-import { h, heading, put, same, select, table } from "./dom.js";
+import { columnField, h, heading, put, same, select, table } from "./dom.js";
 import { picture } from "./picture.js";
 import { bytes, count, number, path } from "./text.js";
 
@@ -11,14 +11,14 @@ const TILES = 6;
 export async function show(root, route) {
   if (route.name === "compare") return compare(root, route);
   const place = h("div.cards", { "aria-busy": "true" }, Array.from({ length: 3 }, () => h("div.card.waiting")));
-  const search = h("input", { id: "filter", type: "search", "aria-label": "Find a set", placeholder: "Find a set" });
-  root.append(heading("Sets", search), place, same("GET /v1/datasets", "fathom datasets"));
-  const [sets, jobs] = await Promise.all([list("/v1/datasets", route.signal), list("/v1/jobs", route.signal)]);
+  const search = h("input", { id: "filter", type: "search", "aria-label": "Find a dataset", placeholder: "Find a dataset" });
+  root.append(heading("Datasets", search), place, same("GET /v1/datasets", "fathom datasets"));
+  const [datasets, jobs] = await Promise.all([list("/v1/datasets", route.signal), list("/v1/jobs", route.signal)]);
   const draw = () => {
-    const found = sets.filter((set) => set.name.includes(search.value.trim()));
-    put(place, found.map((set) => card(set, jobs, route)));
-    if (sets.length === 0) put(place, empty());
-    else if (found.length === 0) put(place, h("p", {}, "No set matches this name."));
+    const found = datasets.filter((dataset) => dataset.name.includes(search.value.trim()));
+    put(place, found.map((dataset) => card(dataset, jobs, route)));
+    if (datasets.length === 0) put(place, empty());
+    else if (found.length === 0) put(place, h("p", {}, "No dataset matches this name."));
   };
   search.addEventListener("input", draw);
   place.removeAttribute("aria-busy");
@@ -28,19 +28,19 @@ export async function show(root, route) {
 
 function empty() {
   return h("div.empty", {}, h("h2", {}, "There are no images yet"),
-    h("p", {}, h("a", { href: "#/compose" }, "Compose a job"), " and watch its first frame change while you do, or start with the example:"),
-    h("pre", { tabindex: "0", role: "group", "aria-label": "Command" }, "fathom submit examples/tour.json --wait"));
+    h("p", {}, h("a", { href: "#/compose" }, "Compose a job"), " and watch its first frame change while you do, or start with a site:"),
+    h("pre", { tabindex: "0", role: "group", "aria-label": "Commands" }, "fathom new shaft\nfathom submit shaft.json --wait"));
 }
 
-function card(set, jobs, route) {
-  const ours = jobs.filter((job) => job.dataset === set.name);
+function card(dataset, jobs, route) {
+  const ours = jobs.filter((job) => job.dataset === dataset.name);
   const failed = ours.reduce((sum, job) => sum + job.failed, 0);
   const open = ours.filter((job) => ["queued", "running", "paused"].includes(job.state));
   const rate = rateOf(ours);
   const mosaic = h("div.mosaic", { "aria-hidden": "true" });
-  fillMosaic(mosaic, set, route);
-  return h("article.card", {}, mosaic, h("h2", {}, h("a", { href: `#/set/${path(set.name)}` }, set.name)),
-    h("p", {}, `${count(set.images, "image")} · ${bytes(set.bytes)} · ${count(set.jobs, "job")}`),
+  fillMosaic(mosaic, dataset, route);
+  return h("article.card", {}, mosaic, h("h2", {}, h("a", { href: `#/dataset/${path(dataset.name)}` }, dataset.name)),
+    h("p", {}, `${count(dataset.images, "image")} · ${bytes(dataset.bytes)} · ${count(dataset.jobs, "job")}`),
     h("p.quiet", {}, rate ? `last job ${number(rate, 3)} frames/s` : "",
       open.length > 0 && h("a", { href: `#/jobs/${path(open[0].id)}` }, ` ${count(open.length, "open job")}`),
       failed > 0 && h("span.bad", {}, ` ${count(failed, "frame")} failed`)));
@@ -52,9 +52,9 @@ function rateOf(jobs) {
   return seconds > 0 ? job.done / seconds : null;
 }
 
-async function fillMosaic(mosaic, set, route) {
+async function fillMosaic(mosaic, dataset, route) {
   try {
-    const page = await get("/v1/images", { dataset: set.name, limit: TILES, fields: "job,frame" }, route.signal);
+    const page = await get("/v1/images", { dataset: dataset.name, limit: TILES, fields: "job,frame" }, route.signal);
     put(mosaic, page.items.map((row) => picture(`/v1/images/${path(row.job, String(row.frame))}/preview`, "")));
   } catch {
     mosaic.classList.add("missing");
@@ -62,12 +62,12 @@ async function fillMosaic(mosaic, set, route) {
 }
 
 async function compare(root, route) {
-  const sets = (await list("/v1/datasets", route.signal)).map((set) => set.name);
-  const a = route.query.a ?? sets[0];
-  const b = route.query.b ?? sets.find((name) => name !== a) ?? a;
+  const datasets = (await list("/v1/datasets", route.signal)).map((dataset) => dataset.name);
+  const a = route.query.a ?? datasets[0];
+  const b = route.query.b ?? datasets.find((name) => name !== a) ?? a;
   const place = h("div");
-  root.append(heading("Two sets"), h("div.row", {}, select("First", sets, a, (value) => change({ a: value })),
-    select("Second", sets, b, (value) => change({ b: value })), h("span.legend", {}, h("i.bar"), "first ", h("i.other"), "second")), place);
+  root.append(heading("Two datasets"), h("div.row", {}, select("First", datasets, a, (value) => change({ a: value })),
+    select("Second", datasets, b, (value) => change({ b: value })), h("span.legend", {}, h("i.bar"), "first ", h("i.other"), "second")), place);
   const state = { a, b };
   async function change(values) {
     Object.assign(state, values);
@@ -80,7 +80,7 @@ async function compare(root, route) {
     const metrics = ["uiqm", "uciqe", "uicm", "uism", "uiconm", "entropy", "psnr", "ssim"];
     const asked = names.map((name) => get(`/v1/datasets/${path(name)}/stats`, { metrics: metrics.join(",") }, route.signal));
     const stats = (await Promise.all(asked)).map((answer) => answer.groups);
-    const numbers = infos[0].columns.filter((column) => column.kind === "number").map((column) => column.name);
+    const columns = numberColumns(infos[0], route.signal);
     const column = route.query.column ?? "uiqm";
     const plot = h("div");
     const value = (at, metric) => {
@@ -89,8 +89,8 @@ async function compare(root, route) {
     };
     put(place, h("div.split", {}, table(["", state.a, state.b], [
       ["images", ...infos.map((info) => number(info.images))], ["bytes", ...infos.map((info) => bytes(info.bytes))],
-      ...metrics.map((metric) => [metric, value(0, metric), value(1, metric)])], { label: "Both sets" }),
-    h("section.panel", {}, select("Column", numbers, column, (name) => {
+      ...metrics.map((metric) => [metric, value(0, metric), value(1, metric)])], { label: "Both datasets" }),
+    h("section.panel", {}, columnField("Column", columns, { chosen: column }, (name) => {
       route.set({ column: name });
       draw();
     }), plot)), same(...names.map((name) => `GET /v1/datasets/${name}/stats?metrics=${metrics.join(",")}`),

@@ -1,4 +1,4 @@
-// Cost and error of each variant, and times of the frames of a set.
+// Cost and error of each variant, and times of the frames of a dataset.
 
 import { get, list, send } from "./api.js";
 import { curves } from "./chart.js";
@@ -14,7 +14,7 @@ export async function show(root, route) {
   const maps = h("section.panel");
   root.append(heading("Speed and accuracy"), chart, maps, frames, same("fathom plan examples/tour.json --frame 3",
     "cargo run --release -p lab -- experiment chart --out charts", "GET /v1/images/{job}/{frame}"));
-  await Promise.all([figures(chart, route), stability(maps, route), ofSet(frames, route)]);
+  await Promise.all([figures(chart, route), stability(maps, route), ofDataset(frames, route)]);
 }
 
 async function figures(place, route) {
@@ -34,11 +34,11 @@ async function figures(place, route) {
     const name = (row) => `${row.variant}${row.terms ? ` ${row.terms}` : ""}: ${number(Number(row.ms_min), 3)} ms, error ${number(Number(row.error_max), 2)}`;
     const marks = shown.map((row) => ({ x: Number(row.ms_min), y: Number(row.error_max), name: name(row), strong: row.default === "true",
       color: `c${variants.indexOf(row.variant) % 8}` }));
-    put(place, h("h2", {}, "Error against time"), h("p.quiet", {}, `Left is faster, down is more exact; both axes are logarithmic. A ring marks what a `
-      + `job gets, the line joins the best variants. Shipped figures, not of this machine: ${machine.machine}, ${machine.runs} runs of each.`),
+    put(place, h("h2", {}, "Error against time"), h("p.quiet", {}, `Left is faster, down is more exact; both axes are logarithmic. A ring marks the `
+      + `default, the line joins the best variants. Shipped figures, not of this machine: ${machine.machine}, ${machine.runs} runs of each.`),
     h("div.row", {}, select("Stage", stages, stage, (value) => change({ stage: value })), select("Scene", scenes, scene, (value) => change({ scene: value }))),
     shown.length > 0 ? curves([{ name: "front", color: "front", points: front.map(point) }], { label: `Error against time of ${stage}, ${scene}`,
-      x: "ms", y: "largest error", log: true, marks }) : h("p", {}, "All variants are exact."),
+      x: "time of a 768×492 frame, ms", y: "largest error, linear light (white = 1)", log: true, marks }) : h("p", {}, "All variants are exact."),
     h("p.legend", {}, variants.map((variant, at) => [h(`i.key.c${at % 8}`), variant])),
     h("details", {}, h("summary", {}, "As a table"), table(["variant", "ms", "largest error", "codes", ""], shown.map((row) => [
       `${row.variant} ${row.terms}`, number(Number(row.ms_min), 3), number(Number(row.error_max), 2), row.codes_max,
@@ -88,9 +88,9 @@ async function stability(place, route) {
   draw();
 }
 
-async function ofSet(place, route) {
-  const sets = (await list("/v1/datasets", route.signal)).map((set) => set.name);
-  if (sets.length === 0) return put(place, h("h2", {}, "Frames of a set"), h("p.quiet", {}, "There are no sets yet."));
+async function ofDataset(place, route) {
+  const datasets = (await list("/v1/datasets", route.signal)).map((set) => set.name);
+  if (datasets.length === 0) return put(place, h("h2", {}, "Frames of a dataset"), h("p.quiet", {}, "There are no datasets yet."));
   const draw = async (name) => {
     const page = await get("/v1/images", { dataset: name, limit: SAMPLE, order_by: "-created_ms", fields: "job,frame" }, route.signal);
     const records = await Promise.all(page.items.map((row) => get(`/v1/images/${path(row.job, String(row.frame))}`, {}, route.signal)));
@@ -106,13 +106,14 @@ async function ofSet(place, route) {
       for (const [stage, ms] of Object.entries(record.timings_ms ?? {})) times.set(stage, [...(times.get(stage) ?? []), ms]);
     }
     const median = (values) => values.sort((a, b) => a - b)[Math.floor(values.length / 2)];
-    put(place, h("h2", {}, "Frames of a set"), select("Set", sets, name, (value) => {
-      route.set({ set: value });
+    put(place, h("h2", {}, "Frames of a dataset"), select("Dataset", datasets, name, (value) => {
+      route.set({ dataset: value });
       draw(value);
     }), h("p.quiet", {}, `Of the newest ${count(records.length, "frame")}.`), h("div.split.even", {},
       table(["stage", "median ms"], [...times].map(([stage, values]) => [stage, number(median(values), 3)]), { label: "Time of each stage" }),
       table(["stage and variant", "frames", "largest bound", "planned ms"], [...stages].map(([stage, one]) => [stage, number(one.frames),
         one.bound ? number(one.bound, 3) : "–", number(one.cost / one.frames, 3)]), { label: "Bounds of each stage" })));
   };
-  return draw(sets.includes(route.query.set) ? route.query.set : sets[0]);
+  const chosen = route.query.dataset ?? route.query.set;
+  return draw(datasets.includes(chosen) ? chosen : datasets[0]);
 }

@@ -11,6 +11,7 @@ import { count, number, path, when } from "./text.js";
 
 const SCENE = { scene: { kind: "procedural", family: "structure", seed: 4 }, camera: { width: 320, height: 205, hfov_deg: 80 } };
 const COLORS = [["r", 0], ["g", 1], ["b", 2]];
+const NAMES = { r: "red", g: "green", b: "blue" };
 
 // Uploaded scenes shown at first, and added by each press of the button.
 const SCENES_SHOWN = 24;
@@ -129,7 +130,7 @@ function waterCard(water, wall) {
     : wall.picture(`The scene in ${water.name}`, { ...SCENE, water: { optics: water.name, range_scale: 0.25 } });
   const c = water.beam_attenuation_per_m;
   const steps = Array.from({ length: 41 }, (_, step) => step / 2);
-  const through = c && COLORS.map(([color, index]) => ({ name: color, color, points: steps.map((range) => [range, Math.exp(-c[index] * range)]) }));
+  const through = c && COLORS.map(([color, index]) => ({ name: NAMES[color], color, points: steps.map((range) => [range, Math.exp(-c[index] * range)]) }));
   const spectrum = ["absorption_per_m", "scattering_per_m", "beam_attenuation_per_m", "diffuse_attenuation_per_m"].filter((name) => water[name]);
   return h("article.card", {}, canvas, h("h3", {}, water.name), h("p.quiet", {}, [water.jerlov_type && `Jerlov ${water.jerlov_type}. `, water.source]),
     through && curves(through, { label: `Transmittance of ${water.name} over 20 m in red, green and blue`, x: "range, m", y: "transmittance" }),
