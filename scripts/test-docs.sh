@@ -1,16 +1,17 @@
 #!/usr/bin/env bash
-# Runs every shell and Python block of README.md and docs as typed, each page in a fresh copy of the last commit, and prints a table.
-# Blocks below `<!-- needs: … -->` are counted and not run. Lines that build are left out: the binary and the wheel come from target.
+# Runs every shell and Python block of README.md and docs as typed and plans every job in JSON, each page in a fresh copy of the last
+# commit, and prints a table. Blocks below `<!-- needs: … -->` are counted and not run. Lines that build are left out: the binary and the
+# wheel come from target.
 # Usage: scripts/test-docs.sh [ARGUMENTS OF pytest], such as -k exports
-# FATHOM names the binary to test, FATHOM_DOCS_TREE another commit or tree than HEAD.
+# FATHOM names the binary to test, with the wheel that is there; FATHOM_DOCS_TREE another commit or tree than HEAD.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-target=${CARGO_TARGET_DIR:-$PWD/target}
+target=$(realpath -m "${CARGO_TARGET_DIR:-target}")
 scripts/get-onnxruntime.sh
 if [ -z "${FATHOM:-}" ]; then
     cargo build --release --locked --workspace
 fi
-if ! ls "$target"/wheels/fathom_datasets-*.whl >/dev/null 2>&1; then
+if [ -z "${FATHOM:-}" ] || ! ls "$target"/wheels/fathom_datasets-*.whl >/dev/null 2>&1; then
     scripts/build-wheel.sh >/dev/null
 fi
 
@@ -40,6 +41,7 @@ if [ "$(cat "$place/packages" 2>/dev/null)" != "$packages" ]; then
 fi
 "$place/bin/pip" install --quiet --disable-pip-version-check --no-deps --force-reinstall "$target"/wheels/fathom_datasets-*.whl
 
-export FATHOM=${FATHOM:-$target/release/fathom} PYTHONDONTWRITEBYTECODE=1
+FATHOM=$(realpath "${FATHOM:-$target/release/fathom}")
+export FATHOM CARGO_TARGET_DIR=$target PYTHONDONTWRITEBYTECODE=1
 cd tests/docs
 exec "$place/bin/python" -m pytest "$@"

@@ -1,10 +1,13 @@
-"""Extracts the shell and Python blocks of a page of Markdown."""
+"""Extracts the shell and Python blocks of a page of Markdown, and the jobs that it shows as JSON."""
 
 import dataclasses
+import json
 import re
 
 SHELLS = {"sh", "bash", "shell", "console"}
 PYTHONS = {"python", "py"}
+# Kinds of scenes that a job can have without uploads.
+LOCAL_SCENES = {"procedural", "files"}
 # Requirements that the test does not have; a block that is marked with another word is an error.
 NEEDS = {"account", "bucket", "broker", "build", "colmap", "docker", "gpu", "kubernetes", "nerfstudio", "slurm", "ultralytics"}
 
@@ -41,6 +44,18 @@ def read_commands(lines: list[str]) -> list[str]:
     return [line[2:] if line.startswith(("$ ", "> ")) else "" for line in lines]
 
 
+def is_job(code: str) -> bool:
+    """Whether JSON is a complete job that needs no uploads; parts of jobs and other documents are not."""
+    try:
+        document = json.loads(code)
+    except ValueError:
+        return False
+    if not isinstance(document, dict):
+        return False
+    scene = document.get("scene")
+    return "site" in document or (isinstance(scene, dict) and scene.get("kind") in LOCAL_SCENES)
+
+
 def extract_blocks(text: str) -> list[Block]:
     """Return the blocks that a reader would run, in the order of the page."""
     blocks: list[Block] = []
@@ -55,8 +70,8 @@ def extract_blocks(text: str) -> list[Block]:
         if end is None:
             raise ValueError(f"the block of line {number + 1} has no end")
         language = opening["language"].lower()
-        if language in SHELLS | PYTHONS:
-            code = [line.removeprefix(opening["indent"]) for line in lines[number + 1 : end]]
+        code = [line.removeprefix(opening["indent"]) for line in lines[number + 1 : end]]
+        if language in SHELLS | PYTHONS or (language == "json" and is_job("\n".join(code))):
             code = read_commands(code) if language == "console" else code
             needs = read_needs(lines[number - 1]) if number else ()
             blocks.append(Block(number + 2, language, "\n".join(code) + "\n", needs))

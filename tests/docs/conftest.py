@@ -48,6 +48,8 @@ def played(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
     threads = min(4, os.cpu_count() or 1) if play.can_isolate() else 1
     pool = concurrent.futures.ThreadPoolExecutor(threads)
     base = tmp_path_factory.mktemp("pages")
+    # Tutorials take longest, so they start first.
+    pages.sort(key=lambda page: not page.startswith("docs/tutorials/"))
     futures = {page: pool.submit(play_fresh, page, base / str(number)) for number, page in enumerate(pages)}
     yield futures
     pool.shutdown(cancel_futures=True)

@@ -10,7 +10,7 @@ import subprocess
 import sys
 import time
 
-from blocks import Block
+from blocks import SHELLS, Block
 
 # Seconds of one block.
 LIMIT_S = 300
@@ -48,14 +48,21 @@ def can_isolate() -> bool:
     return subprocess.run([*UNSHARE, "ip", "link", "set", "lo", "up"], capture_output=True).returncode == 0
 
 
+def write_script(block: Block, folder: pathlib.Path) -> pathlib.Path:
+    """Write a block as a shell script and return its path. A job is planned, which checks it and makes its first scene."""
+    script = folder / f"block-{block.line}.sh"
+    if block.language in SHELLS:
+        script.write_text(block.code)
+        return script
+    source = script.with_suffix(".py" if block.is_python else ".json")
+    source.write_text(block.code)
+    script.write_text(f"{'python' if block.is_python else 'fathom plan'} {source}\n")
+    return script
+
+
 def run_block(block: Block, folder: pathlib.Path, environment: dict[str, str], limit_s: float) -> Result:
     """Run a block in a process group. Its services stay for the next blocks."""
-    source = folder / f"block-{block.line}.{'py' if block.is_python else 'sh'}"
-    source.write_text(block.code)
-    called = source
-    if block.is_python:
-        called = source.with_suffix(".sh")
-        called.write_text(f"python {source}\n")
+    called = write_script(block, folder)
     script = SHELL.format(state=folder / "state", block=called)
     log = folder / f"block-{block.line}.log"
     began = time.monotonic()

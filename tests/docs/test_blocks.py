@@ -5,7 +5,7 @@ import pathlib
 import re
 
 import pytest
-from blocks import Block, extract_blocks, read_needs
+from blocks import Block, extract_blocks, is_job, read_needs
 from play import play_page
 from tree import ROOT
 
@@ -22,6 +22,10 @@ sbatch job
 
 ```json
 {"not": "run"}
+```
+
+```json
+{"site": "shaft"}
 ```
 
 - A list:
@@ -58,15 +62,22 @@ def test_blocks_have_line_language_code_and_needs() -> None:
     assert extract_blocks(PAGE) == [
         Block(4, "sh", "echo one\n"),
         Block(9, "bash", "sbatch job\n", ("slurm", "bucket")),
-        Block(19, "console", "echo two\n\n"),
-        Block(24, "python", 'fence = "```"\n'),
-        Block(28, "py", "print(1)\n"),
+        Block(17, "json", '{"site": "shaft"}\n'),
+        Block(23, "console", "echo two\n\n"),
+        Block(28, "python", 'fence = "```"\n'),
+        Block(32, "py", "print(1)\n"),
     ]
 
 
 def test_a_block_without_an_end_is_an_error() -> None:
     with pytest.raises(ValueError, match="line 3 has no end"):
         extract_blocks("text\n\n```sh\necho\n")
+
+
+def test_only_jobs_without_uploads_are_planned() -> None:
+    assert is_job('{"scene": {"kind": "procedural", "family": "shaft"}}')
+    assert not is_job('{"scene": {"kind": "uploaded", "id": "scn_1"}}')
+    assert not is_job('{"1": "pile"}') and not is_job("[1]") and not is_job('{"scene": …}')
 
 
 def test_only_known_needs_are_accepted_and_only_directly_above() -> None:

@@ -1,4 +1,4 @@
-"""Every block of README.md and docs runs as typed, in the order of its page."""
+"""Every block of README.md and docs runs as typed, in the order of its page, and every job is planned."""
 
 from play import Result
 
