@@ -1,6 +1,6 @@
-"""Measures the page of a running service in Chromium: python measure.py ADDRESS SET [FILTER].
+"""Measures the page of a running service in Chromium: python measure.py ADDRESS DATASET [FILTER].
 
-First paint of the set and of a changed filter, until the first row of thumbnails has its rows; frames a second while a slider of
+First paint of the dataset and of a changed filter, until the first row of thumbnails has its rows; frames a second while a slider of
 Compose is dragged. Prints the load of the machine beside them.
 """
 
@@ -30,7 +30,7 @@ def first_paint(browser, address, name):
     """Milliseconds from the address to the first thumbnails' rows, in a tab that is empty."""
     page = browser.new_page()
     page.add_init_script(WATCH)
-    page.goto(f"{address}/#/set/{urllib.parse.quote(name)}")
+    page.goto(f"{address}/#/dataset/{urllib.parse.quote(name)}")
     until(page, "window.painted !== undefined")
     painted = page.evaluate("window.painted")
     page.close()
@@ -40,7 +40,7 @@ def first_paint(browser, address, name):
 def filtered(browser, address, name, condition):
     """Milliseconds from Enter to the rows and the count of another filter."""
     page = browser.new_page()
-    page.goto(f"{address}/#/set/{urllib.parse.quote(name)}")
+    page.goto(f"{address}/#/dataset/{urllib.parse.quote(name)}")
     until(page, ROWS)
     page.wait_for_load_state("networkidle")
     page.fill("#filter", condition)

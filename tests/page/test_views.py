@@ -1,6 +1,5 @@
 """Every view shows what the service has, as text, and for those who cannot see it."""
 
-import json
 import re
 import urllib.error
 import urllib.parse
@@ -143,14 +142,12 @@ def test_everything_comes_from_the_service_under_a_strict_policy(service):
 
 @pytest.mark.skipif("not config.getoption('--pictures')")
 def test_pictures_of_the_documentation(visit, service):
-    tour = json.loads((ROOT / "examples/tour.json").read_text())
-    service.render({**tour, "count": 80, "camera": {**tour["camera"], "width": 384, "height": 246}})
-    page = visit("dataset/tour?order=-uiqm&x=water.range_scale&y=uiqm", width=1280, height=860)
+    sites = {"dataset": "sites", "site": {"choice": ["harbour-wall", "shaft", "pipeline"]}, "count": 60, "seed": 2,
+             "camera": {"width": 384, "height": 246}, "artifacts": ["rgb", "range", "semantics", "boxes"], "metrics": ["uiqm"]}
+    service.render(sites)
+    page = visit("dataset/sites?order=-uiqm&x=instances.count&y=uiqm", width=1280, height=860)
     settled(page)
     page.screenshot(path=PICTURES / "page-dataset.png")
-    job = {"scene": {"kind": "procedural", "family": "structure", "seed": 11}, "camera": {"width": 768, "height": 492},
-           "water": {"optics": "jerlov-1C", "range_scale": {"log_uniform": [0.15, 0.6]}, "style": "atlantic"}, "alpha": {"uniform": [0.2, 0.8]},
-           "lights": [{"kind": "spot", "position_m": [0.4, -0.3, 0.0], "intensity": [6, 6, 6], "cone_deg": 35}], "count": 24}
-    page = visit("compose?job=" + urllib.parse.quote(json.dumps(job)), width=1280, height=860)
-    until(page, "document.querySelectorAll('.frames canvas:not(.waiting)').length === 12", timeout=60_000)
+    page = visit("compose", width=1280, height=860)
+    until(page, "document.querySelectorAll('.frames canvas').length === 12 && document.querySelectorAll('.frames canvas.waiting').length === 0", timeout=120_000)
     page.screenshot(path=PICTURES / "page-compose.png")

@@ -10,7 +10,7 @@ import { LampHandles, Live, pictureOf, rendered, singleScene, watchWorkers } fro
 import { bytes, count, duration, number } from "./text.js";
 
 const STRIP = 12;
-// Share of the size of frames that are rendered while a value is dragged, and the share after a slow one.
+// Share of the full size during a drag, and after a slow frame.
 const DRAG_SHARE = 0.5;
 const SLOW_SHARE = 0.25;
 const SLOW_MS = 250;
@@ -143,6 +143,8 @@ class Compose {
 
   // Pictures and plan of a valid job. It can be submitted even if they fail.
   async showFrames(signal) {
+    // A small frame first, because a full one can need seconds.
+    if (!this.pictures) this.render(SLOW_SHARE, 82, false);
     this.render(1, 90, true);
     this.handles.draw();
     try {

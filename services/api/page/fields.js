@@ -2,7 +2,7 @@
 // next to a slider accepts any value.
 
 // The first job of Compose.
-export const START = { dataset: "composed", count: 24, seed: 7, site: "shaft" };
+export const START = { dataset: "composed", count: 24, seed: 3, site: "shaft" };
 
 // The description of a job without a site.
 export const OWN = {
@@ -61,8 +61,8 @@ export const GROUPS = [
     { pointer: "/enhance", label: "Enhancements", kind: "list", list: "/v1/lists/enhancements" },
   ]],
 ];
-// Groups that are open at first.
-export const OPEN_GROUPS = new Set(["Scene", "Water", "Lights"]);
+// Initially open groups.
+export const OPEN_GROUPS = new Set(["Scene", "Water", "Lights", "Job"]);
 // Fields that belong to the job and never to a site.
 export const JOB_FIELDS = new Set(["/dataset", "/count", "/seed"]);
 

@@ -274,7 +274,7 @@ export class Form {
       h("div.row", {}, Object.keys(NEW_LAMPS).map(add))];
   }
 
-  // A single light is open, and so is one that was added.
+  // A single light and an added light are open.
   isLampOpen(index, total) {
     const before = [...this.element.querySelectorAll("details.lamp")];
     return before[index]?.hasAttribute("open") ?? (total === 1 || (before.length > 0 && index === total - 1));

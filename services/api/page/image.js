@@ -44,7 +44,7 @@ function section(title, ...content) {
   return h("section.panel", {}, h("h2", {}, title), ...content);
 }
 
-// The frame as a description of its own. An uploaded scene sets the size of its images, and the field of view if it has a camera.
+// The frame as a separate description. An uploaded scene sets the size of its images, and the field of view if it has a camera.
 async function jobOfFrame(record, signal) {
   const { scene, camera } = record.parameters;
   const job = { ...record.parameters, scene: singleScene(scene), count: 1 };

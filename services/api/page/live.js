@@ -1,4 +1,4 @@
-// The live frame, of which only the latest description is rendered, and the handles of its lamps.
+// The live frame, which follows the latest description, and the handles of its lamps.
 
 import { get, pause, post } from "./api.js";
 import { h, put, svg } from "./dom.js";
@@ -97,7 +97,7 @@ export function noWorker() {
 
 // Minimum distance for the handles of lamps: closer ones would be far outside the image.
 const NEAREST_M = 1;
-// Distance from the camera at which the handle of a beam is drawn.
+// Distance of a beam's handle from the camera.
 const AIM_M = 3;
 // Smallest share ahead of a beam with a handle.
 const LEAST_AHEAD = 0.1;

@@ -196,7 +196,7 @@ function ofCodes({ width, height, values }, color, isOverlay) {
 function patch(rgb, text) {
   const square = h("i");
   square.style.background = `rgb(${rgb.join(" ")})`;
-  return [square, text];
+  return h("span.pair", {}, square, text);
 }
 
 // The legend of a layer or overlay, or null. `codes` are its numbers; `classes` are the names of an uploaded scene by number.

@@ -8,7 +8,7 @@ import { number } from "./text.js";
 
 const OPTICS_UNITS = { spread_px_per_m: "px/m", spread_offset_px: "px", backscatter_fraction: "" };
 
-// Groups that are open at first: the ones that differ most between images.
+// Initially open groups, which differ most between images.
 const OPEN_GROUPS = new Set(["job", "labels", "scene", "water"]);
 
 // The parameters in groups with a search field. `job` is the description of the job, if known: its distributions are shown next to the values.

@@ -143,7 +143,7 @@ function waterCard(water, wall) {
 
 // Images rendered one by one as they become visible.
 class Wall {
-  // Shows in `notice` that no worker is connected, without which there are no images.
+  // `notice` shows a warning while no worker is connected.
   constructor(route, notice) {
     this.signal = route.signal;
     watchWorkers(notice, route.signal).catch(() => {});
