@@ -55,7 +55,7 @@ def filtered(browser, address, name, condition):
 
 
 def drag(browser, address):
-    """Frames a second while the slider of alpha moves, and the size of the frames."""
+    """Frames a second while the slider of alpha moves, and the milliseconds and width of the last one."""
     job = {"scene": {"kind": "procedural", "family": "structure", "seed": 11}, "camera": {"width": 768, "height": 492},
            "water": {"optics": "jerlov-1C", "range_scale": 0.4, "style": "atlantic"}, "alpha": 0.5}
     page = browser.new_page(viewport={"width": 1280, "height": 900})
@@ -78,18 +78,18 @@ def drag(browser, address):
     rate = (last["drawn"] - before) / (time.perf_counter() - begun)
     page.mouse.up()
     page.close()
-    return rate, last["ms"]
+    return rate, last["ms"], last["width"]
 
 
 def report(browser, address, name, condition):
     """Measures and prints."""
     paints = sorted(first_paint(browser, address, name) for _ in range(5))
     rows, counted = filtered(browser, address, name, condition)
-    rate, ms = drag(browser, address)
+    rate, ms, width = drag(browser, address)
     print(f"load {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores")
     print(f"first paint of {name}: median {paints[2]:.0f} ms, fastest {paints[0]:.0f} ms")
     print(f"filter {condition}: rows after {rows:.0f} ms, count after {counted:.0f} ms")
-    print(f"drag: {rate:.1f} frames/s at half size, the last took {ms} ms")
+    print(f"drag: {rate:.1f} frames/s, the last {width} px wide after {ms} ms")
 
 
 def main(address, name, condition="frame < 1000"):

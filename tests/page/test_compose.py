@@ -3,6 +3,7 @@
 import json
 import urllib.parse
 
+import pytest
 from conftest import JOB, Service, drag, until
 
 COLLECTION = {"dataset": "dock-water", "count": 2, "scene": {"kind": "collection", "name": "dock", "each": True},
@@ -36,6 +37,35 @@ def test_a_job_over_a_collection_has_previews_and_can_be_submitted(visit, servic
     until(page, "document.querySelector('.big')?.textContent.includes('done')")
     job = service.ask("/v1/jobs?dataset=dock-water")["items"][0]
     assert (job["frames"], job["failed"]) == (4, 0)
+
+
+SMALL = {"width": 96, "height": 64}
+OWN_SITE = {"name": "quay-7", "scene": {"kind": "procedural", "family": "structure", "seed": {"int": [0, 9]}}, "water": {"optics": "jerlov-5C"}}
+SPOT = {"kind": "spot", "position_m": [0, 0, 0], "intensity": [{"uniform": [2, 4]}, 3, 3]}
+VALID = {
+    "a drawn scene of a collection": {"count": 3, "scene": {"kind": "collection", "name": "dock", "each": False}, "artifacts": ["rgb"]},
+    "a collection in a site": {"count": 1, "site": "shaft", "scene": {"kind": "collection", "name": "dock", "each": True},
+                               "camera": {"hfov_deg": None}, "artifacts": ["rgb"]},
+    "every site of a mix": {"count": 2, "site": {"grid": ["shaft", "tank"]}, "camera": SMALL},
+    "a site in the job": {"count": 3, "site": OWN_SITE, "camera": SMALL},
+    "a site without lights": {"count": 3, "site": "harbour-wall", "camera": SMALL, "water": {"snow": None}, "lights": []},
+    "a path": {"count": 3, "scene": {"kind": "procedural", "family": "structure", "seed": 4}, "camera": {**SMALL, "path": {"frames": 3}}, "artifacts": ["rgb"]},
+    "random lights": {"count": 3, "scene": {"kind": "procedural", "family": "structure"}, "camera": SMALL, "lights": {"choice": [[], [SPOT]]}, "artifacts": ["rgb"]},
+}
+
+
+@pytest.mark.parametrize("name", VALID)
+def test_any_valid_job_has_previews_and_can_be_submitted(visit, dock, name):
+    refused = []
+    page = visit()
+    page.on("response", lambda response: refused.append(response.url) if response.status >= 400 else None)
+    page.goto(page.url.split("#")[0] + "#/compose?job=" + urllib.parse.quote(json.dumps(VALID[name])))
+    page.wait_for_selector(".compose-form details")
+    ready(page)
+    page.wait_for_selector("text=Plan of this frame")
+    until(page, "JSON.parse(document.querySelector('[data-speed]').dataset.speed || '{}').isFull")
+    assert page.locator("button.primary", has_text="Submit").is_enabled()
+    assert refused == []
 
 
 def test_an_image_of_a_collection_opens_in_compose_as_one_scene(visit, service, dock):

@@ -179,7 +179,7 @@ class Compose {
     const now = performance.now();
     this.times = [...(this.times ?? []).filter((time) => now - time < 1500), now];
     this.pictures = (this.pictures ?? 0) + 1;
-    this.speed.dataset.speed = JSON.stringify({ drawn: this.pictures, ms: Math.round(ms), isFull });
+    this.speed.dataset.speed = JSON.stringify({ drawn: this.pictures, ms: Math.round(ms), isFull, width: this.canvas.width });
     const rate = this.times.length > 2 ? (1000 * (this.times.length - 1)) / (now - this.times[0]) : 0;
     this.speed.textContent = `${this.canvas.width}×${this.canvas.height}, ${Math.round(ms)} ms${!isFull && rate > 1 ? `, ${number(rate, 2)} frames/s` : ""}`;
   }

@@ -92,6 +92,7 @@ export class Form {
 
   uploadedSelect(kind) {
     const { scene } = this.job;
+    if (kind !== "procedural" && (lawOf(scene?.id ?? scene?.name) || !scene)) return h("p.help", {}, "Random; edit it in the JSON.");
     if (kind === "uploaded") {
       const options = this.scenes.map((one) => [one.id, `${one.width}×${one.height}, ${one.range_kind ? "with range" : "no range"}, ${when(one.created_at)}, …${one.id.slice(-6)}`]);
       if (!this.scenes.some((one) => one.id === scene?.id)) options.push([scene?.id ?? "", scene?.id ?? ""]);
