@@ -15,12 +15,12 @@ COPY services services
 COPY tests tests
 COPY workers workers
 RUN scripts/get-onnxruntime.sh /opt/onnxruntime
-RUN cargo build --release --locked -p cli -p cluster --bin fathom --bin fathom-cluster
+RUN cargo build --release --locked -p cli --bin fathom
 
 FROM debian:bookworm-slim
 RUN apt-get update && apt-get install -y --no-install-recommends curl libstdc++6 && rm -rf /var/lib/apt/lists/* \
     && useradd --create-home fathom && mkdir /data && chown fathom /data
-COPY --from=build /src/target/release/fathom /src/target/release/fathom-cluster /usr/local/bin/
+COPY --from=build /src/target/release/fathom /usr/local/bin/
 COPY --from=build /opt/onnxruntime /opt/onnxruntime
 ENV FATHOM_ONNXRUNTIME=/opt/onnxruntime/libonnxruntime.so
 USER fathom

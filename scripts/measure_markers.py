@@ -74,13 +74,13 @@ def main():
         folder = work / "set"
         (work / "job.json").write_text(json.dumps(job(min(FRAMES, shards * FRAMES_PER_SHARD))))
         render = [fathom, "render", work / "job.json", "--out", f"file://{folder}"]
-        measured([*render, "--frames-per-shard", FRAMES_PER_SHARD, "--frames", "0..1"])
+        measured([*render, "--frames-per-shard", FRAMES_PER_SHARD, "--frames", f"0..{FRAMES_PER_SHARD}"])
         fill(folder, shards)
         status = measured([fathom, "status", folder, "--json"])
         assert json.loads(status[2])["done"] == shards - 1
         # The shard is done: nothing is rendered.
-        planning = measured([*render, "--frames", "0..1"])
-        shards_of = [fathom.with_name("fathom-cluster"), "shards", folder, "--below", work]
+        planning = measured([*render, "--frames", f"0..{FRAMES_PER_SHARD}"])
+        shards_of = [fathom, "child", "shards", folder, "--below", work]
         new = measured(shards_of, known(folder))
         assert new[2].count('{"part"') == 2, "the images of the first shard, in two parts"
         memory = max(found[1] for found in (status, planning, new))

@@ -1,4 +1,4 @@
-//! The commands of the `fathom` and `fathom-cluster` binaries.
+//! The commands of the `fathom` binary.
 
 use std::ffi::OsString;
 
@@ -9,11 +9,4 @@ use pyo3::prelude::*;
 pub(crate) fn run(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
     let program = OsString::from("fathom");
     py.detach(|| cli::run(std::iter::once(program).chain(arguments)))
-}
-
-/// Runs a command of `fathom-cluster` and returns its exit status.
-#[pyfunction]
-pub(crate) fn run_cluster(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
-    let program = OsString::from("fathom-cluster");
-    py.detach(|| cluster::run(std::iter::once(program).chain(arguments)))
 }

@@ -17,7 +17,7 @@ use pyo3::pymodule;
 #[pymodule]
 mod _native {
     #[pymodule_export]
-    use crate::command::{run, run_cluster};
+    use crate::command::run;
     #[pymodule_export]
     use crate::job::Job;
     #[pymodule_export]

@@ -48,9 +48,6 @@ pub enum StartError {
     /// Open jobs cannot be read.
     #[error(transparent)]
     Catalogue(#[from] CatalogueError),
-    /// Images of a set in a bucket, which this program cannot read.
-    #[error("the data folder has images of {0}, which only fathom-cluster reads")]
-    Bucket(String),
     /// The listen address cannot be used.
     #[error("cannot listen on {address}: {source}")]
     Listen {
@@ -95,7 +92,7 @@ impl App {
             lock,
         } = Data::open(&config.data, &metrics).await?;
         let catalogue = Arc::new(catalogue);
-        let sets = open_sets(config, &catalogue).await?;
+        let sets = SetFiles::new(config.buckets.clone());
         let bytes = Bytes::new(
             store,
             sets,
@@ -141,7 +138,7 @@ impl App {
             clock: clock.clone(),
             stop: stop.clone(),
         });
-        let sets = Sets::new(Arc::clone(&jobs), &config.cluster_program, &config.stores);
+        let sets = Sets::new(Arc::clone(&jobs), &config.program, &config.stores);
         let app = Self {
             jobs,
             sets: Arc::new(sets),
@@ -179,18 +176,8 @@ impl App {
     }
 }
 
-/// The reader of imported images, which must reach every imported set.
-async fn open_sets(config: &Config, catalogue: &Catalogue) -> Result<SetFiles, StartError> {
-    let sets = SetFiles::new(config.buckets.clone());
-    let mut imported = catalogue.imported_jobs().await?.into_iter();
-    match imported.find_map(|job| job.set.filter(|set| !sets.reaches(set))) {
-        Some(set) => Err(StartError::Bucket(set)),
-        None => Ok(sets),
-    }
-}
-
 fn new_processes(config: &Config, limits: &Limits) -> Processes {
-    let program = &config.worker_program;
+    let program = &config.program;
     Processes {
         compute: Compute::new(limits.compute),
         children: Children::new(program, config.style_options(), limits.children),
@@ -201,5 +188,5 @@ fn new_processes(config: &Config, limits: &Limits) -> Processes {
 
 fn new_engine(config: &Config) -> Option<Engine> {
     let (options, store) = config.engine.clone().zip(config.stores.first())?;
-    Some(Engine::new(&config.cluster_program, store, options))
+    Some(Engine::new(&config.program, store, options))
 }

@@ -22,8 +22,8 @@ pub struct Config {
     pub workers: usize,
     /// Slots of each worker process.
     pub slots_per_worker: usize,
-    /// The program started as `PROGRAM worker …`.
-    pub worker_program: PathBuf,
+    /// The program started as `PROGRAM worker …` and `PROGRAM child …`.
+    pub program: PathBuf,
     /// `SECRET` (all scopes) or `scope+scope:SECRET`, several separated by commas; scopes are read, submit, work and
     /// admin. Absent: open to every client of the loopback address.
     pub token: Option<String>,
@@ -35,14 +35,12 @@ pub struct Config {
     pub onnxruntime: Option<PathBuf>,
     /// The style models that jobs may use, except those added to the data folder.
     pub library: Library,
-    /// The program that reads sets, `fathom-cluster`.
-    pub cluster_program: PathBuf,
     /// Folders and `s3://BUCKET/PREFIX` from which clients may import sets; empty: imports are disabled.
     pub stores: Vec<String>,
     /// The broker that distributes jobs. They become sets in the only entry of `stores`.
     pub engine: Option<EngineOptions>,
-    /// Reader of sets in buckets. Without it a data folder with images of such a set is rejected.
-    pub buckets: Option<ReadBucket>,
+    /// Reader of sets in buckets.
+    pub buckets: ReadBucket,
     /// Time limit for trying an added network.
     pub style_trial: Duration,
     /// Time limit of a frame, enforced by the workers. A worker that exceeds it loses its lease a while later.

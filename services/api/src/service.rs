@@ -156,7 +156,7 @@ fn recipe(config: &Config, address: SocketAddr, token: String) -> Recipe {
         config.frame_limit.as_secs_f64().to_string(),
     ]);
     Recipe {
-        program: config.worker_program.clone(),
+        program: config.program.clone(),
         arguments,
         token: Some(token),
     }

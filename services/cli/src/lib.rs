@@ -1,4 +1,4 @@
-//! The commands of `fathom`, and the parts that `fathom-lab` and `fathom-cluster` share with them: exit statuses, files, progress,
+//! The commands of `fathom`, and the parts that `fathom-lab` shares with them: exit statuses, files, progress,
 //! tables, contact sheets, options of services, jobs and styles.
 
 #![allow(missing_docs, reason = "read by two binaries of ours alone")]
@@ -22,9 +22,6 @@ pub mod sheet;
 pub mod signals;
 pub mod table;
 
-pub use commands::dataset::export;
-pub use commands::service::cluster::program as cluster_program;
-pub use commands::service::{scrub, serve};
 pub use options::{engine, import, remote, render, seal, styles, worker};
 
 use std::ffi::OsString;
@@ -35,26 +32,11 @@ use exit::Failure;
 
 /// Runs a command as a shell would, from the program's name on, and returns its exit status.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
-    run_words(
-        commands::command(),
-        arguments,
-        |arguments: commands::Arguments| arguments.command.run(),
-    )
-}
-
-/// Runs a command of this program or of `fathom-cluster`.
-pub fn run_words<A: FromArgMatches>(
-    command: clap::Command,
-    words: impl IntoIterator<Item = OsString>,
-    run: impl FnOnce(A) -> Result<(), Failure>,
-) -> u8 {
-    let words: Vec<OsString> = words.into_iter().collect();
-    commands::service::cluster::note(&words);
-    let matches = command.try_get_matches_from(words);
-    match matches.and_then(|matches| A::from_arg_matches(&matches)) {
+    let matches = commands::command().try_get_matches_from(arguments);
+    match matches.and_then(|matches| commands::Arguments::from_arg_matches(&matches)) {
         Ok(arguments) => {
             let ready = faults::check().map_err(Failure::BadInput);
-            exit::end("fathom", ready.and_then(|()| run(arguments)))
+            exit::end("fathom", ready.and_then(|()| arguments.command.run()))
         }
         Err(error) => {
             // There is no other place to report that standard error cannot be written.

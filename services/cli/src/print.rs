@@ -1,5 +1,5 @@
 //! Printing to a closed pipe: in `fathom query | head`, the unread rest is dropped and the exit status is that of the command. The
-//! macros replace those of the standard library, which panic, here and in `fathom-cluster`.
+//! macros replace those of the standard library, which panic.
 
 use std::fmt;
 use std::io::{ErrorKind, Write};

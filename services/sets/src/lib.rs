@@ -17,7 +17,7 @@ mod tests;
 pub use error::SetError;
 pub use operations::jobs::{JobStore, Submission};
 pub use operations::listing::Status;
-pub use operations::plan::{Part, Selection};
+pub use operations::plan::{Part, Selection, parse_frames};
 pub use operations::seal::{Manifest, Source};
 pub use operations::verify::Report;
 pub use operations::watch::Watch;

@@ -35,6 +35,7 @@ fn begin(store: &Store, count: u64) -> Result<Set, SetError> {
     let new = NewSet {
         job: &job(count),
         frames_per_shard: Some(10),
+        parts: 1,
         code_version: "1",
         metrics: vec!["uiqm".to_owned()],
     };
@@ -78,6 +79,27 @@ fn a_set_is_begun_once_and_holds_one_job() {
 }
 
 #[test]
+fn a_small_job_has_a_shard_for_each_process_and_no_shard_is_cut() {
+    let small = job(95);
+    let new = |parts: u64| NewSet {
+        job: &small,
+        frames_per_shard: None,
+        code_version: "0.2.0",
+        metrics: Vec::new(),
+        parts,
+    };
+    let shards = |parts: u64| Card::new(&new(parts)).unwrap().shards();
+    assert_eq!((shards(1), shards(4), shards(95), shards(1000)), (1, 4, 95, 95));
+    let card = Card::new(&new(4)).unwrap();
+    let selected = |frames: &str| Selection::parse(None, Some(frames)).unwrap().shards(&card);
+    assert_eq!(selected("24..95").unwrap(), [1, 2, 3]);
+    let Err(SetError::Refused(reason)) = selected("20..50") else {
+        panic!("20..50 cuts two shards");
+    };
+    assert!(reason.contains("give 0..72"), "{reason}");
+}
+
+#[test]
 fn labels_that_rows_would_round_are_refused() {
     let text = r#"{"dataset": "reef", "metrics": [], "camera": {"width": 8, "height": 8}, "labels": {"run": {"choice": [1, 9007199254740993]}},
         "scene": {"kind": "procedural", "family": "structure", "seed": 1}}"#;
@@ -88,6 +110,7 @@ fn labels_that_rows_would_round_are_refused() {
     let set = NewSet {
         job: &Job::parse(text.as_bytes(), &vocabulary).unwrap(),
         frames_per_shard: None,
+        parts: 1,
         code_version: "0.2.0",
         metrics: Vec::new(),
     };

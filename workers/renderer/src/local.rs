@@ -9,6 +9,7 @@ mod folder;
 mod lines;
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::path::Path;
 use std::sync::mpsc::{self, Receiver, Sender};
 use std::sync::{Arc, Mutex};
@@ -31,7 +32,7 @@ const AHEAD_PER_SLOT: u64 = 16;
 /// The result of a job.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Summary {
-    /// Frames of the job.
+    /// Frames of the range.
     pub frames: u64,
     /// Frames kept from an earlier run.
     pub kept: u64,
@@ -45,7 +46,8 @@ pub struct Summary {
     pub elapsed: Duration,
 }
 
-/// Renders every frame of a job into a folder, on this many threads. `progress` receives the number of finished frames.
+/// Renders frames of a job into a folder, on this many threads. A folder holds one range of frames, which may be continued at its end.
+/// `progress` receives the number of finished frames.
 ///
 /// # Errors
 /// [`LocalError`]: the folder holds something else or cannot be written. Failed frames are not an error here.
@@ -53,13 +55,15 @@ pub fn render_job(
     job: &Job,
     engine: &Arc<Engine>,
     out: &Path,
+    frames: Range<u64>,
     slots: usize,
     mut progress: impl FnMut(u64),
 ) -> Result<Summary, LocalError> {
     let begun = Instant::now();
     let folder = Folder::open(out, job)?;
     let mut lines = Lines::open(&folder)?;
-    let kept = lines.next();
+    lines.begin(frames.start)?;
+    let kept = lines.next() - frames.start;
     progress(kept);
     let slots = slots.max(1);
     let ahead = AHEAD_PER_SLOT * slots as u64;
@@ -72,10 +76,15 @@ pub fn render_job(
             scope.spawn(move || work(job, engine, folder, &waiting, &send));
         }
         drop((send, waiting));
-        hand_out(&mut lines, (give, job.frames(), ahead), &finished, &mut progress)
+        hand_out(
+            &mut lines,
+            (give, frames.clone(), ahead),
+            &finished,
+            &mut progress,
+        )
     })?;
     Ok(Summary {
-        frames: job.frames(),
+        frames: frames.end - frames.start,
         kept,
         failed: lines.failed(),
         warnings: lines.warnings().clone(),
@@ -123,14 +132,14 @@ fn frame(job: &Job, folder: &Folder, slot: &mut Slot, index: u64) -> Outcome {
 /// Distributes frames in order, at most `ahead` beyond the oldest unwritten one, and writes their lines in order.
 fn hand_out(
     lines: &mut Lines,
-    (give, frames, ahead): (Sender<u64>, u64, u64),
+    (give, frames, ahead): (Sender<u64>, Range<u64>, u64),
     finished: &Receiver<(u64, Outcome)>,
     progress: &mut impl FnMut(u64),
 ) -> Result<(), LocalError> {
     let mut early = BTreeMap::new();
     let mut next = lines.next();
-    while lines.next() < frames {
-        while next < frames.min(lines.next() + ahead) && give.send(next).is_ok() {
+    while lines.next() < frames.end {
+        while next < frames.end.min(lines.next() + ahead) && give.send(next).is_ok() {
             next += 1;
         }
         // Every slot has panicked; the scope propagates the panic.
@@ -141,7 +150,7 @@ fn hand_out(
         while let Some(outcome) = early.remove(&lines.next()) {
             lines.write(outcome)?;
         }
-        progress(lines.next() + early.len() as u64);
+        progress(lines.next() - frames.start + early.len() as u64);
     }
     Ok(())
 }

@@ -41,22 +41,16 @@ impl From<Unread> for Problem {
 }
 
 /// Reads the bytes of imported artifacts.
-#[derive(Clone, Default)]
+#[derive(Clone)]
 pub struct SetFiles {
-    buckets: Option<ReadBucket>,
+    buckets: ReadBucket,
 }
 
 impl SetFiles {
-    /// Without `buckets` only sets in folders can be read.
+    /// Reads sets in folders itself, those in buckets with the reader.
     #[must_use]
-    pub fn new(buckets: Option<ReadBucket>) -> Self {
+    pub fn new(buckets: ReadBucket) -> Self {
         Self { buckets }
-    }
-
-    /// Whether this set can be read here.
-    #[must_use]
-    pub fn reaches(&self, set: &str) -> bool {
-        self.buckets.is_some() || !is_bucket(set)
     }
 
     /// Reads and verifies the bytes of an artifact.
@@ -72,13 +66,10 @@ impl SetFiles {
 
     fn verified(&self, place: &Place, entry: &ArtifactEntry) -> Result<Vec<u8>, Unread> {
         let range = place.offset..place.offset.saturating_add(entry.bytes);
-        let bytes = match &self.buckets {
-            _ if !is_bucket(&place.set) => from_folder(place, range)?,
-            Some(read) => read(place, range)?,
-            None => {
-                let reason = format!("{} is a bucket, which only fathom-cluster reads", place.set);
-                return Err(Unread::Unreachable(reason));
-            }
+        let bytes = if is_bucket(&place.set) {
+            (self.buckets)(place, range)?
+        } else {
+            from_folder(place, range)?
         };
         if sha256(&bytes) != entry.digest {
             let reason = format!(
@@ -179,17 +170,15 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn a_bucket_needs_a_reader() {
+    async fn the_reader_of_buckets_reads_sets_in_buckets() {
         let place = Place {
             set: "s3://reef/tour".to_owned(),
             tar: "a.tar".to_owned(),
             offset: 3,
         };
-        let without = SetFiles::default().read(&place, &entry(b"345")).await;
-        assert!(matches!(without, Err(Unread::Unreachable(_))), "{without:?}");
         let reader: ReadBucket =
             Arc::new(|_, range| Ok(b"0123456789"[range.start as usize..range.end as usize].to_vec()));
-        let read = SetFiles::new(Some(reader)).read(&place, &entry(b"345")).await;
+        let read = SetFiles::new(reader).read(&place, &entry(b"345")).await;
         assert_eq!(read.unwrap(), b"345");
     }
 }

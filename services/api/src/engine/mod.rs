@@ -1,6 +1,6 @@
 //! Jobs rendered into sets by the workers of a broker.
 //!
-//! `fathom-cluster jobs` processes talk to broker and store. The store is authoritative for these jobs: each is a set
+//! `fathom child jobs` processes talk to broker and store. The store is authoritative for these jobs: each is a set
 //! `STORE/JOB` visible to every service of the store, and the catalogue indexes it.
 
 pub(crate) mod orders;
@@ -97,7 +97,7 @@ impl Engine {
         let mut command = Command::new(&self.program);
         // Passed by environment, because other users can see arguments.
         command
-            .arg("jobs")
+            .args(["child", "jobs"])
             .args(words)
             .env_remove("FATHOM_TOKEN")
             .env("FATHOM_ENGINE", url);
@@ -133,7 +133,7 @@ impl Engine {
             Some(2) => Err(Problem::new(Slug::JobState, said)),
             Some(5) => Err(Problem::new(Slug::SetUnreachable, said)),
             _ => Err(Problem::internal(&format!(
-                "fathom-cluster jobs {}: {said}",
+                "fathom child jobs {}: {said}",
                 words.join(" ")
             ))),
         }

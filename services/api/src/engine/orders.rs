@@ -1,4 +1,4 @@
-//! JSON messages between the service and `fathom-cluster jobs`.
+//! JSON messages between the service and `fathom child jobs`.
 
 use serde::{Deserialize, Serialize};
 use spec::SetState;
@@ -31,7 +31,7 @@ pub enum Accepted {
     KeyConflict,
 }
 
-/// A line of `fathom-cluster jobs watch`.
+/// A line of `fathom child jobs watch`.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Event {

@@ -1,4 +1,4 @@
-//! Supervises `fathom-cluster jobs watch`, the process that watches the store and fills the broker.
+//! Supervises `fathom child jobs watch`, the process that watches the store and fills the broker.
 
 use std::time::Duration;
 

@@ -1,4 +1,4 @@
-//! The process that reads a set: `fathom-cluster shards`.
+//! The process that reads a set: `fathom child shards`.
 
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
@@ -16,8 +16,8 @@ use super::intake::prepare;
 use super::look_error::LookError;
 use crate::processes::child::beginning;
 
-/// The command of `fathom-cluster`.
-const COMMAND: &str = "shards";
+/// The command of the process.
+const COMMAND: [&str; 2] = ["child", "shards"];
 /// Maximum sets read concurrently: each uses all cores of the machine and a few hundred megabytes.
 const READERS: usize = 2;
 /// Maximum length of a line: some hundred images with records of some tens of kilobytes.
@@ -61,7 +61,7 @@ impl Reader {
         let place = self.places.acquire().await;
         let place = place.map_err(|error| LookError::Later(error.to_string()))?;
         let mut command = Command::new(&self.program);
-        command.arg(COMMAND);
+        command.args(COMMAND);
         for store in &self.stores {
             command.args(["--below", store]);
         }

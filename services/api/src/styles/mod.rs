@@ -71,7 +71,7 @@ impl Styles {
         Ok(Self {
             known: RwLock::new(Known::new(library)),
             folder: Mutex::new(Folder::open(&config.data)?),
-            trainings: Trainings::new(&config.worker_program, surroundings.limits.children),
+            trainings: Trainings::new(&config.program, surroundings.limits.children),
             runtime: surroundings.style_runtime.clone(),
             trial: Allowance {
                 time: config.style_trial,

@@ -7,6 +7,7 @@ pub(crate) mod job;
 pub(crate) mod picture;
 pub(crate) mod rendering;
 pub(crate) mod service;
+pub(crate) mod sharded;
 pub(crate) mod style;
 
 use clap::{CommandFactory, Parser};
@@ -19,7 +20,8 @@ use help::{completions, list};
 use job::{control, errors, jobs, submit, wait};
 use picture::{enhance, measure};
 use rendering::{demo, new, plan, render};
-use service::{backup, cluster, scrub, serve, worker};
+use service::{backup, scrub, serve, worker};
+use sharded::{gc, status};
 use style::{styles, train, waters};
 
 /// Underwater image datasets on demand.
@@ -45,7 +47,7 @@ pub(crate) enum Command {
     /// Render a job without a service
     Render(cli::render::Arguments),
     /// Show the progress of a set
-    Status(cluster::Arguments),
+    Status(status::Arguments),
     /// Verify that a sealed dataset or a set has not changed
     Verify(cli::seal::VerifyArguments),
     /// Import the images of a set into a service; their bytes stay in the set
@@ -53,7 +55,7 @@ pub(crate) enum Command {
     /// Seal a dataset as a version that never changes, or a set with its manifest
     Seal(cli::seal::SealArguments),
     /// Remove files of a set that belong to no shard
-    Gc(cluster::Arguments),
+    Gc(gc::Arguments),
     /// Write a job file that starts from a site
     New(new::Arguments),
     /// Show how a frame would be rendered: variant, error bound and cost of each stage
@@ -121,10 +123,11 @@ impl Command {
     pub(crate) fn run(self) -> Result<(), Failure> {
         match self {
             Self::Child(task) => task.run(),
-            Self::Serve(arguments) => serve::run(arguments, None),
+            Self::Serve(arguments) => serve::run(arguments),
             Self::Worker(arguments) => worker::run(arguments),
             Self::Render(arguments) => render::run(&arguments),
-            Self::Status(_) | Self::Gc(_) => cluster::hand_over(),
+            Self::Status(arguments) => status::run(&arguments),
+            Self::Gc(arguments) => gc::run(&arguments),
             Self::Seal(arguments) => seal::run(&arguments),
             Self::Verify(arguments) => verify::run(&arguments),
             Self::Import(arguments) => import::run(&arguments),
@@ -145,9 +148,9 @@ impl Command {
             Self::Man(arguments) => completions::write_pages(&arguments, command()),
             Self::Query(arguments) => query::run(&arguments),
             Self::Stats(arguments) => stats::run(&arguments),
-            Self::Export(arguments) => export::run(&arguments, None),
+            Self::Export(arguments) => export::run(&arguments),
             Self::Upload(arguments) => upload::run(&arguments),
-            Self::Scrub(arguments) => scrub::run(&arguments, None),
+            Self::Scrub(arguments) => scrub::run(&arguments),
             Self::Backup(arguments) => backup::run(&arguments),
             Self::Sheet(arguments) => sheet::run(&arguments),
             Self::Enhance(arguments) => enhance::run(&arguments),

@@ -1,4 +1,4 @@
-//! The options of `fathom import`, which two programs read: `fathom` for a running service, `fathom-cluster` for a data folder.
+//! The options of `fathom import`, for a running service and for a data folder.
 
 use std::path::PathBuf;
 

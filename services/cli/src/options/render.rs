@@ -1,5 +1,6 @@
-//! The options of `fathom render`, which two programs read: `fathom` for a plain folder, `fathom-cluster` for a set.
+//! The options of `fathom render`, for a plain folder and for a sharded dataset.
 
+use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
@@ -36,7 +37,7 @@ pub struct SetArguments {
     /// Write a set, and of it only the shards K with K % N = I
     #[arg(long, value_name = "I/N")]
     pub shard: Option<String>,
-    /// Write a set, and of it only the shards that have one of these frames
+    /// Only these frames, from A up to and without B; of a sharded dataset whole shards
     #[arg(long, value_name = "A..B")]
     pub frames: Option<String>,
     /// Write a set of shards of this many frames [default: 500, or as the set was begun]
@@ -87,17 +88,42 @@ pub fn seconds(text: &str) -> Result<f64, String> {
 }
 
 impl Arguments {
-    /// Whether the output is a set, which `fathom-cluster` writes.
+    /// Whether the output is a sharded dataset.
     pub fn wants_set(&self) -> bool {
         let SetArguments {
             shard,
-            frames,
             frames_per_shard,
             engine,
             ..
         } = &self.set;
         let is_url = self.out.to_str().is_some_and(|out| out.contains("://"));
-        is_url || shard.is_some() || frames.is_some() || frames_per_shard.is_some() || engine.engine.is_some()
+        let is_asked = is_url || shard.is_some() || frames_per_shard.is_some() || engine.engine.is_some();
+        is_asked || self.continues_set()
+    }
+
+    /// Whether the folder holds a sharded dataset, whose `job.json` names the version of its layout.
+    fn continues_set(&self) -> bool {
+        let card = std::fs::read(self.out.join("job.json")).unwrap_or_default();
+        let card: serde_json::Value = serde_json::from_slice(&card).unwrap_or_default();
+        card["format"].is_u64()
+    }
+
+    /// The frames of a plain folder: those of `--frames`, or else all.
+    pub fn range(&self, job: &Job) -> Result<Range<u64>, Failure> {
+        let Some(text) = &self.set.frames else {
+            return Ok(0..job.frames());
+        };
+        let frames =
+            sets::parse_frames(text).map_err(|reason| Failure::BadInput(format!("--frames: {reason}")))?;
+        if frames.end > job.frames() {
+            return Err(Failure::BadInput(format!(
+                "--frames is {}..{}, but the job has {} frames",
+                frames.start,
+                frames.end,
+                job.frames()
+            )));
+        }
+        Ok(frames)
     }
 
     /// Reads the job and checks its requirements.

@@ -1,4 +1,4 @@
-//! The options of `fathom worker`, which two programs read: `fathom` for a service, `fathom-cluster` for a broker.
+//! The options of `fathom worker`, for a service and for a broker.
 
 use crate::engine::EngineArguments;
 use crate::remote::ServerArguments;

@@ -37,7 +37,10 @@ impl FromStr for Part {
 }
 
 /// Reads `A..B`: frames from A up to and without B.
-fn parse_frames(text: &str) -> Result<Range<u64>, String> {
+///
+/// # Errors
+/// The text has another form.
+pub fn parse_frames(text: &str) -> Result<Range<u64>, String> {
     let wrong = || format!("`{text}` is not A..B with A below B, such as 0..5000");
     let (start, end) = text.split_once("..").ok_or_else(wrong)?;
     let read = |text: &str| text.parse::<u64>().map_err(|_| wrong());
@@ -49,12 +52,29 @@ fn parse_frames(text: &str) -> Result<Range<u64>, String> {
     }
 }
 
+/// A shard is written as a whole, so a range must not cut one.
+fn check_alignment(frames: &Range<u64>, card: &Card) -> Result<(), SetError> {
+    let size = card.frames_per_shard;
+    let is_whole = |frame: u64| frame.is_multiple_of(size) || frame == card.frames;
+    if is_whole(frames.start) && is_whole(frames.end) {
+        return Ok(());
+    }
+    let (start, end) = (
+        frames.start / size * size,
+        frames.end.next_multiple_of(size).min(card.frames),
+    );
+    Err(SetError::Refused(format!(
+        "--frames is {}..{}, but the shards have {size} frames each; give {start}..{end}, or render into a plain folder",
+        frames.start, frames.end
+    )))
+}
+
 /// The shards that a call should render.
 #[derive(Debug, Clone, Default)]
 pub struct Selection {
     /// Part of the set; all of it without.
     pub part: Option<Part>,
-    /// Only shards with a frame in this range.
+    /// Only shards of this range, which consists of whole shards.
     pub frames: Option<Range<u64>>,
 }
 
@@ -73,11 +93,12 @@ impl Selection {
     /// The selected shards, done or not.
     ///
     /// # Errors
-    /// [`SetError::Refused`]: the frames are not in the job.
+    /// [`SetError::Refused`]: the frames are not in the job, or not whole shards.
     pub fn shards(&self, card: &Card) -> Result<Vec<u64>, SetError> {
         let all = match &self.frames {
             None => 0..card.shards(),
             Some(frames) if frames.end <= card.frames => {
+                check_alignment(frames, card)?;
                 frames.start / card.frames_per_shard..frames.end.div_ceil(card.frames_per_shard)
             }
             Some(frames) => {

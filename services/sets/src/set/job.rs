@@ -70,6 +70,8 @@ pub struct NewSet<'a> {
     pub job: &'a Job,
     /// Frames of a shard; `None`: as the set has them, or the usual number.
     pub frames_per_shard: Option<u64>,
+    /// Processes that share the set; a small job has at least a shard for each.
+    pub parts: u64,
     /// Version of the program.
     pub code_version: &'a str,
     /// Metrics of the program.
@@ -78,7 +80,12 @@ pub struct NewSet<'a> {
 
 impl Card {
     pub(crate) fn new(set: &NewSet<'_>) -> Result<Self, SetError> {
-        let frames_per_shard = set.frames_per_shard.unwrap_or(FRAMES_PER_SHARD);
+        let usual = || {
+            FRAMES_PER_SHARD
+                .min(set.job.frames().div_ceil(set.parts.max(1)))
+                .max(1)
+        };
+        let frames_per_shard = set.frames_per_shard.unwrap_or_else(usual);
         if !(1..=MOST_FRAMES_PER_SHARD).contains(&frames_per_shard) {
             return Err(SetError::Refused(format!(
                 "`--frames-per-shard` is {frames_per_shard}; must be 1 to {MOST_FRAMES_PER_SHARD}"

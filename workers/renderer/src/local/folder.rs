@@ -34,6 +34,16 @@ pub enum LocalError {
         /// The fields that differ.
         differences: String,
     },
+    /// The folder holds other frames of the job.
+    #[error("the folder holds frames {first} to {}, but frame {wanted} was to be its first; go on with --frames {first}..B, or name another folder", next - 1)]
+    OtherFrames {
+        /// The first frame.
+        first: u64,
+        /// The frame after the last.
+        next: u64,
+        /// The first frame that was asked for.
+        wanted: u64,
+    },
     /// Another process renders into the folder.
     #[error("another process renders into {path}; wait for it, or name another folder")]
     Taken {

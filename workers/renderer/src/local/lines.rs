@@ -26,6 +26,8 @@ pub(crate) struct Lines {
     failed: u64,
     /// Frames with each warning.
     warnings: BTreeMap<String, u64>,
+    /// The first frame of the folder; `None` of a new one.
+    first: Option<u64>,
     next: u64,
 }
 
@@ -33,15 +35,20 @@ impl Lines {
     /// Opens the files and keeps the frames in them. An incomplete last line is removed.
     pub(crate) fn open(folder: &Folder) -> Result<Self, LocalError> {
         let (mut digests, mut failed, mut next) = (Vec::new(), 0, 0);
+        let mut first = None;
+        let mut note = |frame: u64| {
+            first = Some(first.map_or(frame, |first: u64| first.min(frame)));
+            next = next.max(frame + 1);
+        };
         let mut warnings = BTreeMap::new();
         let records = Log::open(folder.file("records.jsonl"), |record: FrameRecord| {
             digests.push(record.digest());
             count_warnings(&mut warnings, &record);
-            next = next.max(record.frame + 1);
+            note(record.frame);
         })?;
         let errors = Log::open(folder.file("errors.jsonl"), |failure: Failure| {
             failed += 1;
-            next = next.max(failure.frame + 1);
+            note(failure.frame);
         })?;
         Ok(Self {
             records,
@@ -49,8 +56,25 @@ impl Lines {
             digests,
             failed,
             warnings,
+            first,
             next,
         })
+    }
+
+    /// Begins a new folder with this frame; an older folder must begin with it.
+    pub(crate) fn begin(&mut self, frame: u64) -> Result<(), LocalError> {
+        match self.first {
+            None => {
+                (self.first, self.next) = (Some(frame), frame);
+                Ok(())
+            }
+            Some(first) if first == frame => Ok(()),
+            Some(first) => Err(LocalError::OtherFrames {
+                first,
+                next: self.next,
+                wanted: frame,
+            }),
+        }
     }
 
     /// The first frame without a line.

@@ -19,7 +19,15 @@ fn job(files: &Files) -> Job {
 }
 
 fn run(job: &Job, out: &Path, slots: usize) -> Summary {
-    render_job(job, &engine_without_runtime(), out, slots, |_| {}).unwrap()
+    render_job(
+        job,
+        &engine_without_runtime(),
+        out,
+        0..job.frames(),
+        slots,
+        |_| {},
+    )
+    .unwrap()
 }
 
 /// Every file by its path, except the records, which contain times.
@@ -72,9 +80,14 @@ fn an_interrupted_job_goes_on_where_it_was_and_ends_the_same() {
     fs::create_dir(broken.path().join(".5.draft")).unwrap();
     fs::write(broken.path().join("4/rgb.png"), b"torn").unwrap();
     let mut reported = Vec::new();
-    let again = render_job(&job, &engine_without_runtime(), broken.path(), 2, |done| {
-        reported.push(done)
-    })
+    let again = render_job(
+        &job,
+        &engine_without_runtime(),
+        broken.path(),
+        0..job.frames(),
+        2,
+        |done| reported.push(done),
+    )
     .unwrap();
     assert_eq!((again.kept, &again.digest), (3, &expected.digest));
     assert_eq!((reported.first(), reported.last()), (Some(&3), Some(&FRAMES)));
@@ -84,7 +97,16 @@ fn an_interrupted_job_goes_on_where_it_was_and_ends_the_same() {
 #[test]
 fn a_folder_with_something_else_in_it_is_refused() {
     let (files, out) = (Files::new(), tempdir().unwrap());
-    let render = |job: &Job| render_job(job, &engine_without_runtime(), out.path(), 1, |_| {});
+    let render = |job: &Job| {
+        render_job(
+            job,
+            &engine_without_runtime(),
+            out.path(),
+            0..job.frames(),
+            1,
+            |_| {},
+        )
+    };
     fs::write(out.path().join("notes.txt"), "mine").unwrap();
     assert!(matches!(render(&job(&files)), Err(LocalError::NotEmpty { .. })));
     fs::remove_file(out.path().join("notes.txt")).unwrap();
@@ -107,7 +129,14 @@ fn a_description_cut_off_by_a_crash_is_completed_only_before_the_first_frame() {
     run(&job, out.path(), 1);
     assert_eq!(fs::read_to_string(&card).unwrap(), job.canonical());
     fs::write(&card, &job.canonical()[..40]).unwrap();
-    let again = render_job(&job, &engine_without_runtime(), out.path(), 1, |_| {});
+    let again = render_job(
+        &job,
+        &engine_without_runtime(),
+        out.path(),
+        0..job.frames(),
+        1,
+        |_| {},
+    );
     assert!(matches!(again, Err(LocalError::OtherJob { .. })), "{again:?}");
 }
 
@@ -118,7 +147,14 @@ fn a_folder_in_which_another_process_renders_is_taken_and_free_afterwards() {
     let first = run(&job, out.path(), 1);
     let other = fs::File::open(out.path().join("job.json")).unwrap();
     other.lock().unwrap();
-    let taken = render_job(&job, &engine_without_runtime(), out.path(), 1, |_| {});
+    let taken = render_job(
+        &job,
+        &engine_without_runtime(),
+        out.path(),
+        0..job.frames(),
+        1,
+        |_| {},
+    );
     assert!(matches!(taken, Err(LocalError::Taken { .. })), "{taken:?}");
     drop(other);
     assert_eq!(run(&job, out.path(), 1).digest, first.digest);

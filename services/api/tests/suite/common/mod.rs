@@ -107,7 +107,7 @@ pub(crate) fn start_in_folder(folder: &Path, setup: Setup) -> Running {
 fn start_at(data: TempDir, folder: PathBuf, setup: Setup) -> Running {
     let runtime = Runtime::new().unwrap();
     let mut config = config(&folder, setup.token);
-    config.worker_program = setup.program.into();
+    config.program = setup.program.into();
     if let Some(library) = setup.library {
         config.library = library;
     }
@@ -135,16 +135,15 @@ pub(crate) fn config(data: &Path, token: Option<&str>) -> Config {
         listen: "127.0.0.1:0".parse().unwrap(),
         workers: 0,
         slots_per_worker: 1,
-        worker_program: "/bin/false".into(),
+        program: "/bin/false".into(),
         hosts: Vec::new(),
         token: token.map(str::to_owned),
         styles: None,
         onnxruntime: None,
         library: library(data),
-        cluster_program: "/bin/false".into(),
         stores: Vec::new(),
         engine: None,
-        buckets: None,
+        buckets: std::sync::Arc::new(|place, _| Err(api::Unread::Gone(place.set.clone()))),
         style_trial: Duration::from_secs(10),
         frame_limit: Duration::from_secs(600),
         mix_workers: false,

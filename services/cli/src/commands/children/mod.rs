@@ -3,8 +3,12 @@
 mod check_style;
 mod decode;
 mod engine;
+mod frames;
+mod jobs;
+mod lines;
 mod live;
 mod rerender;
+mod shards;
 
 use cli::exit::Failure;
 pub(crate) use engine::EngineArguments;
@@ -20,6 +24,12 @@ pub(crate) enum Task {
     Decode(decode::Arguments),
     /// Try an unverified style network
     CheckStyle(check_style::Arguments),
+    /// Read a sharded dataset for the service that imports it
+    Shards(shards::Arguments),
+    /// Begin, change and watch the sharded datasets of a service's jobs
+    Jobs(jobs::Arguments),
+    /// Render frames for a supervisor
+    Frames(frames::Arguments),
 }
 
 impl Task {
@@ -29,6 +39,9 @@ impl Task {
             Self::Live(arguments) => live::run(arguments),
             Self::Decode(arguments) => decode::run(arguments),
             Self::CheckStyle(arguments) => check_style::run(arguments),
+            Self::Shards(arguments) => shards::run(arguments),
+            Self::Jobs(arguments) => jobs::run(arguments),
+            Self::Frames(arguments) => frames::run(arguments),
         }
     }
 }

@@ -14,7 +14,7 @@
 mod arguments;
 mod files;
 mod format;
-pub mod formats;
+pub(crate) mod formats;
 mod input;
 mod object_filter;
 mod output;
@@ -23,21 +23,17 @@ use cli::exit::Failure;
 use cli::progress::Progress;
 use client::ImageQuery;
 
-use crate::commands::service::cluster::hand_over;
-pub use arguments::Arguments;
+pub(crate) use arguments::Arguments;
 use files::split::Splits;
 use files::target::Target;
-use formats::tables::{WriteTable, list_mixed};
+use formats::tables::list_mixed;
 use input::order::Order;
 use input::selection::Selection;
 use output::work::Export;
 
-/// Runs the command. Without `tables`, `fathom-cluster` runs it for formats with Parquet.
-pub fn run(arguments: &Arguments, tables: Option<WriteTable>) -> Result<(), Failure> {
+/// Runs the command.
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let format = arguments.format;
-    if format.needs_tables() && tables.is_none() {
-        return hand_over();
-    }
     arguments.objects.check(format)?;
     if let Some(frames) = arguments.shard_size.filter(|_| !format.is_sharded()) {
         return Err(Failure::BadInput(format!(
@@ -65,7 +61,7 @@ pub fn run(arguments: &Arguments, tables: Option<WriteTable>) -> Result<(), Fail
         columns: &columns,
         mixed: &mixed,
     };
-    let mut export = Export::begin(arguments, &selection, order, tables)?;
+    let mut export = Export::begin(arguments, &selection, order)?;
     let query = ImageQuery {
         dataset: Some(&arguments.dataset),
         filter: &arguments.filter,

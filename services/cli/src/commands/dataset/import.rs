@@ -1,5 +1,4 @@
-//! `fathom import`: the images of a set in a service. A running one imports it itself; for a data folder this command becomes
-//! `fathom-cluster`.
+//! `fathom import`: the images of a sharded dataset in a running service, which imports it itself, or in a data folder.
 
 use std::time::Duration;
 
@@ -12,7 +11,7 @@ use client::{Client, JobRow, SetView};
 use serde_json::json;
 
 use crate::commands::job::submit::{all_rendered, show};
-use crate::commands::service::cluster;
+use crate::commands::sharded;
 
 /// Shortest time between two requests for the state of a set.
 const PAUSE: Duration = Duration::from_millis(200);
@@ -22,7 +21,7 @@ const WAIT_S: u64 = 5;
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let Some(client) = arguments.server.client() else {
-        return cluster::hand_over();
+        return sharded::import::run(arguments);
     };
     let set = client.import_set(&url(&arguments.set)?)?;
     let set = match arguments.wait {

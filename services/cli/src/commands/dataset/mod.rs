@@ -1,7 +1,7 @@
 //! Datasets and scenes of a service, and sets.
 
 pub(crate) mod datasets;
-pub mod export;
+pub(crate) mod export;
 pub(crate) mod import;
 pub(crate) mod query;
 pub(crate) mod rm;

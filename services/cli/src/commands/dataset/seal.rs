@@ -1,17 +1,17 @@
-//! `fathom seal`: makes the next version of a dataset; for a set, this command becomes `fathom-cluster`.
+//! `fathom seal`: makes the next version of a dataset.
 
 use cli::exit::Failure;
 use cli::known;
 use cli::seal::{SealArguments, is_set};
 use serde_json::json;
 
-use crate::commands::service::cluster;
+use crate::commands::sharded;
 
 /// Runs the command.
 pub(crate) fn run(arguments: &SealArguments) -> Result<(), Failure> {
     let name = &arguments.what;
     if is_set(name) {
-        return cluster::hand_over();
+        return sharded::seal::run(arguments);
     }
     let client = arguments.server.patient_client();
     if known::version(name).is_some() {

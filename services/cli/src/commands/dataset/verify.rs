@@ -1,4 +1,4 @@
-//! `fathom verify`: computes the root of a sealed version again; for a set, this command becomes `fathom-cluster`.
+//! `fathom verify`: computes the root of a sealed version again.
 
 use cli::exit::Failure;
 use cli::known::{self, Version};
@@ -6,13 +6,13 @@ use cli::seal::{VerifyArguments, is_set};
 use client::{DamagedImage, VerifiedVersion};
 use serde_json::json;
 
-use crate::commands::service::cluster;
+use crate::commands::sharded;
 
 /// Runs the command.
 pub(crate) fn run(arguments: &VerifyArguments) -> Result<(), Failure> {
     let name = &arguments.what;
     if is_set(name) {
-        return cluster::hand_over();
+        return sharded::verify::run(arguments);
     }
     let Some(Version { dataset, number }) = known::version(name) else {
         return Err(Failure::BadInput(format!(

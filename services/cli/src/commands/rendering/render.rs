@@ -5,17 +5,18 @@ use cli::progress::Progress;
 use cli::render::Arguments;
 use renderer::local::LocalError;
 
-use crate::commands::service::cluster;
+use crate::commands::sharded;
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.wants_set() {
-        return cluster::hand_over();
+        return sharded::render::run(arguments);
     }
     let (job, engine) = arguments.prepare()?;
     let slots = arguments.slots();
-    let mut progress = Progress::new("render", "frames", job.frames());
-    let summary = renderer::local::render_job(&job, &engine, &arguments.out, slots, |finished| {
+    let frames = arguments.range(&job)?;
+    let mut progress = Progress::new("render", "frames", frames.end - frames.start);
+    let summary = renderer::local::render_job(&job, &engine, &arguments.out, frames, slots, |finished| {
         progress.set(finished)
     });
     progress.finish();

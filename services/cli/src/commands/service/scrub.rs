@@ -7,7 +7,7 @@ mod space;
 
 use std::path::PathBuf;
 
-use api::{Data, ReadBucket, SetFiles, Unread};
+use api::{Data, SetFiles, Unread};
 use catalogue::{CatalogueError, ImportedArtifact, JobRow};
 use cli::exit::Failure;
 use cli::progress::Progress;
@@ -15,13 +15,13 @@ use cli::styles::StyleArguments;
 use serde_json::json;
 use store::Scrubbed;
 
-use crate::commands::service::cluster::hand_over;
+use crate::commands::sharded::buckets;
 use findings::{Damaged, Findings, Row, Unnamed};
 use repair::Repair;
 
 /// Options of `fathom scrub`.
 #[derive(clap::Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Data folder of the service, which must be stopped
     #[arg(long, env = "FATHOM_DATA", default_value = "data", value_name = "DIR")]
     data: PathBuf,
@@ -44,8 +44,8 @@ pub struct Arguments {
 /// Rows of one query to the catalogue.
 const BATCH: u32 = 1000;
 
-/// Runs the command. Without `buckets`, `fathom-cluster` runs it if the folder has images of a set in a bucket.
-pub fn run(arguments: &Arguments, buckets: Option<ReadBucket>) -> Result<(), Failure> {
+/// Runs the command.
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.rebuild {
         if let Some(backup) = Data::rebuild(&arguments.data).map_err(Failure::input)? {
             eprintln!("the catalogue is that of {}", backup.display());
@@ -58,9 +58,9 @@ pub fn run(arguments: &Arguments, buckets: Option<ReadBucket>) -> Result<(), Fai
         return Err(Failure::BadInput(message));
     }
     let runtime = tokio::runtime::Runtime::new().map_err(anyhow::Error::from)?;
-    let Some(findings) = runtime.block_on(scrub(arguments, SetFiles::new(buckets.clone())))? else {
-        return hand_over();
-    };
+    // Readers of buckets have threads that cannot be ended within the runtime.
+    let sets = SetFiles::new(buckets::reader());
+    let findings = runtime.block_on(scrub(arguments, sets.clone()))?;
     if arguments.json {
         println!("{}", json!(findings));
     } else {
@@ -74,8 +74,8 @@ pub fn run(arguments: &Arguments, buckets: Option<ReadBucket>) -> Result<(), Fai
     }
 }
 
-/// Verifies everything; returns `None` for a set that this program cannot read.
-async fn scrub(arguments: &Arguments, sets: SetFiles) -> Result<Option<Findings>, Failure> {
+/// Verifies everything.
+async fn scrub(arguments: &Arguments, sets: SetFiles) -> Result<Findings, Failure> {
     let library = arguments.style.library_of_service(&arguments.data)?;
     let vocabulary = renderer::vocabulary(&library, false);
     let opened = match arguments.rebuild {
@@ -89,14 +89,6 @@ async fn scrub(arguments: &Arguments, sets: SetFiles) -> Result<Option<Findings>
         .imported_jobs()
         .await
         .map_err(anyhow::Error::from)?;
-    if jobs
-        .iter()
-        .filter_map(|job| job.set.as_deref())
-        .any(|set| !sets.reaches(set))
-    {
-        data.close().await;
-        return Ok(None);
-    }
     let mut findings = Findings {
         packs_set_aside: data.store.stats().set_aside,
         ..Findings::default()
@@ -112,7 +104,7 @@ async fn scrub(arguments: &Arguments, sets: SetFiles) -> Result<Option<Findings>
     replica::verify(&data, wants_repair, arguments.mirror, &mut findings).await?;
     space::look(&data, &arguments.data, wants_repair, &mut findings).await?;
     data.close().await;
-    Ok(Some(findings))
+    Ok(findings)
 }
 
 /// Rows of the catalogue: those that follow from an intact record are restored, other images are rendered again.

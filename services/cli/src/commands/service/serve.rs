@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use anyhow::Context;
-use api::{EngineOptions, ReadBucket, StartError};
+use api::EngineOptions;
 use cli::engine::EngineArguments;
 use cli::exit::Failure;
 use cli::render::seconds;
@@ -15,12 +15,12 @@ use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::layer::SubscriberExt;
 use tracing_subscriber::util::SubscriberInitExt;
 
-use super::programs::{CLUSTER_PROGRAM, own_program};
-use crate::commands::service::cluster::{hand_over, program};
+use super::programs::own_program;
+use crate::commands::sharded::buckets;
 
 /// Options of `fathom serve`.
 #[derive(clap::Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// Folder of the catalogue and the artifacts
     #[arg(long, env = "FATHOM_DATA", default_value = "data", value_name = "DIR")]
     pub(crate) data: PathBuf,
@@ -71,22 +71,15 @@ pub struct Arguments {
     pub(crate) engine: EngineArguments,
 }
 
-/// Runs the command. Without `buckets`, `fathom-cluster` runs it if the folder has or may get images of a set in a bucket.
-pub fn run(arguments: Arguments, buckets: Option<ReadBucket>) -> Result<(), Failure> {
-    let is_bucket = |store: &String| store.starts_with("s3://");
-    if buckets.is_none() && arguments.stores.iter().any(is_bucket) {
-        return hand_over();
-    }
+/// Runs the command.
+pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
     start_log("info");
-    let mut config = config(arguments)?;
+    let config = config(arguments)?;
     // The clone outlives the runtime, since readers of buckets have threads that cannot be ended within it.
-    config.buckets.clone_from(&buckets);
+    let _buckets = config.buckets.clone();
     let runtime = tokio::runtime::Runtime::new().context("cannot start the asynchronous runtime")?;
     runtime.block_on(async {
-        let service = match api::start(config).await {
-            Err(StartError::Bucket(_)) => return hand_over(),
-            started => started.map_err(Failure::input)?,
-        };
+        let service = api::start(config).await.map_err(Failure::input)?;
         eprintln!("fathom listens on http://{}", service.address());
         stop_signal().await?;
         service.stop().await.map_err(|error| Failure::Other(error.into()))
@@ -111,18 +104,12 @@ pub(crate) fn config(arguments: Arguments) -> Result<api::Config, Failure> {
         return Err(Failure::input(message));
     }
     let library = arguments.style.library()?;
-    let own = own_program()?;
-    let cluster_program = match arguments.stores.as_slice() {
-        [] => own.with_file_name(CLUSTER_PROGRAM),
-        _ => program()?,
-    };
     Ok(api::Config {
         data: arguments.data,
         listen: arguments.listen,
         workers,
         slots_per_worker: slots,
-        worker_program: own,
-        cluster_program,
+        program: own_program()?,
         stores: arguments.stores,
         engine: engine.map(|url| EngineOptions {
             url,
@@ -135,7 +122,7 @@ pub(crate) fn config(arguments: Arguments) -> Result<api::Config, Failure> {
         styles: arguments.style.styles,
         onnxruntime: arguments.style.onnxruntime,
         library,
-        buckets: None,
+        buckets: buckets::reader(),
         style_trial: Duration::from_secs(arguments.style_trial_s),
         frame_limit: Duration::from_secs_f64(arguments.frame_limit_s),
         mix_workers: arguments.mix_workers,

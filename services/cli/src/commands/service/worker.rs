@@ -9,12 +9,12 @@ use cli::signals::stop_at_signal;
 use cli::worker::Arguments;
 use renderer::worker::{self, WorkerOptions};
 
-use crate::commands::service::cluster;
+use crate::commands::sharded;
 
 /// Runs the command.
 pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
     if arguments.engine.engine.is_some() {
-        return cluster::hand_over();
+        return sharded::worker::run(&arguments);
     }
     crate::commands::service::serve::start_log("info");
     let stop = stop_at_signal()?;

@@ -11,7 +11,7 @@ use super::object_filter::ObjectFilter;
 
 /// Options of `fathom export`.
 #[derive(clap::Args)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     /// The dataset
     pub(super) dataset: String,
     /// Layout of the export

@@ -59,11 +59,6 @@ impl Format {
         matches!(self, Self::WebDataset | Self::Parquet)
     }
 
-    /// Whether it writes Parquet, which only `fathom-cluster` can.
-    pub(crate) fn needs_tables(self) -> bool {
-        matches!(self, Self::Parquet | Self::Hf)
-    }
-
     /// Whether its frames must have poses.
     pub(crate) fn needs_poses(self) -> bool {
         matches!(self, Self::Colmap | Self::Transforms)

@@ -12,7 +12,8 @@ use serde_json::Value;
 use crate::commands::dataset::export::files::lists::Rows;
 use crate::commands::dataset::export::files::target::{create, draft_of};
 use crate::commands::dataset::export::formats::exact::{Readers, check_exact};
-use crate::commands::dataset::export::formats::tables::{TableRow, WriteTable, table_columns, text_column};
+use crate::commands::dataset::export::formats::table_file::write_table;
+use crate::commands::dataset::export::formats::tables::{TableRow, table_columns, text_column};
 
 const TABLE: &str = "metadata.parquet";
 /// Rows of a group.
@@ -22,7 +23,6 @@ const PICTURES: [&str; 3] = [".png", ".jpg", ".webp"];
 
 /// Writes the rows as a table in place of their list; returns its name.
 pub(crate) fn write(
-    write: WriteTable,
     folder: &Path,
     rows: Rows,
     columns: &[ColumnInfo],
@@ -63,7 +63,7 @@ pub(crate) fn write(
     };
     let draft = draft_of(&path);
     let file = create(&draft).with_context(|| format!("cannot write {}", path.display()))?;
-    write(file, &all, &mut group)?;
+    write_table(file, &all, &mut group)?;
     fs::rename(&draft, &path).with_context(|| format!("cannot write {}", path.display()))?;
     rows.remove()?;
     Ok(TABLE.to_owned())

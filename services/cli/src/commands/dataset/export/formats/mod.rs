@@ -10,7 +10,8 @@ pub(crate) mod hf;
 pub(crate) mod objects;
 pub(crate) mod parquet;
 pub(crate) mod rle;
-pub mod tables;
+mod table_file;
+pub(crate) mod tables;
 pub(crate) mod webdataset;
 pub(crate) mod yolo;
 

@@ -8,8 +8,9 @@ use serde_json::{Map, Value};
 
 use crate::commands::dataset::export::format::RECORD;
 use crate::commands::dataset::export::formats::exact::{Readers, check_exact};
+use crate::commands::dataset::export::formats::table_file::write_table;
 use crate::commands::dataset::export::formats::tables::{
-    CellKind, TableColumn, TableRow, WriteTable, table_columns, text_column,
+    CellKind, TableColumn, TableRow, table_columns, text_column,
 };
 use crate::commands::dataset::export::input::member::{Member, Pull};
 
@@ -18,7 +19,6 @@ pub(crate) const FOLDER: &str = "data";
 
 /// Writes a file of rows.
 pub(crate) fn write(
-    write: WriteTable,
     file: File,
     columns: &[ColumnInfo],
     kinds: &[String],
@@ -34,7 +34,7 @@ pub(crate) fn write(
             kind: CellKind::File,
         });
     all.extend(files);
-    write(file, &all, &mut || {
+    write_table(file, &all, &mut || {
         pull()?
             .into_iter()
             .map(|member: Member| {

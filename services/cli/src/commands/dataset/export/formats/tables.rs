@@ -1,22 +1,19 @@
-//! The interface to the writer of Parquet, which `fathom-cluster` provides; `fathom` is built without that library.
+//! The columns and rows of an export's tables.
 
-use std::fs::File;
-
-use cli::exit::Failure;
 use client::ColumnInfo;
 use serde_json::Value;
 use spec::{LabelType, LeafKind, Leaves};
 
 /// A column of a table.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct TableColumn {
-    pub name: String,
-    pub kind: CellKind,
+pub(crate) struct TableColumn {
+    pub(crate) name: String,
+    pub(crate) kind: CellKind,
 }
 
 /// The type of a column's cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum CellKind {
+pub(crate) enum CellKind {
     /// A scalar of a record.
     Leaf(LeafKind),
     Flag,
@@ -25,14 +22,10 @@ pub enum CellKind {
 }
 
 /// A row: its values by the names of their columns, and the files of the columns of files in their order.
-pub struct TableRow {
-    pub values: Value,
-    pub files: Vec<Vec<u8>>,
+pub(crate) struct TableRow {
+    pub(crate) values: Value,
+    pub(crate) files: Vec<Vec<u8>>,
 }
-
-/// Writes rows, some at a time, until there are none.
-pub type WriteTable =
-    fn(File, &[TableColumn], &mut dyn FnMut() -> Result<Vec<TableRow>, Failure>) -> Result<(), Failure>;
 
 /// Kind of a label that is of several types.
 const MIXED: &str = "mixed";

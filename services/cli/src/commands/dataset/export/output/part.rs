@@ -14,7 +14,6 @@ use crate::commands::dataset::export::formats::coco::{Coco, Picture};
 use crate::commands::dataset::export::formats::croissant::RowFile;
 use crate::commands::dataset::export::formats::objects::{Object, objects};
 use crate::commands::dataset::export::formats::poses::Poses;
-use crate::commands::dataset::export::formats::tables::WriteTable;
 use crate::commands::dataset::export::formats::view::View;
 use crate::commands::dataset::export::formats::yolo::{IMAGES, Labeled, Yolo};
 use crate::commands::dataset::export::formats::{hf, parquet};
@@ -179,12 +178,12 @@ impl Part {
             Body::Poses(poses) => poses.finish(export.format, export.target, self.name.as_deref())?,
         };
         let rows = self.lists.finish_rows()?;
-        let list = match export.tables.filter(|_| export.format == Format::Hf) {
-            Some(tables) => {
+        let list = match export.format {
+            Format::Hf => {
                 let Selection { columns, kinds, .. } = export.selection;
-                hf::write(tables, &self.folder, rows, columns, kinds)?
+                hf::write(&self.folder, rows, columns, kinds)?
             }
-            None => {
+            _ => {
                 rows.keep()?;
                 METADATA.to_owned()
             }
@@ -228,5 +227,4 @@ pub(crate) struct Finish<'a> {
     pub(crate) target: &'a Target,
     pub(crate) selection: &'a Selection,
     pub(crate) classes: &'a ClassNumbers,
-    pub(crate) tables: Option<WriteTable>,
 }

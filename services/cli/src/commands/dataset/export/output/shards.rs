@@ -16,7 +16,6 @@ use serde_json::{Map, Value};
 use crate::commands::dataset::export::files::lists::{Lists, digest_of};
 use crate::commands::dataset::export::files::target::{create, draft_of, read, write};
 use crate::commands::dataset::export::format::Format;
-use crate::commands::dataset::export::formats::tables::WriteTable;
 use crate::commands::dataset::export::formats::{parquet, webdataset};
 use crate::commands::dataset::export::input::frame::Place;
 use crate::commands::dataset::export::input::member::Member;
@@ -31,7 +30,6 @@ pub(crate) struct Writer<'a> {
     pub(crate) threads: &'a rayon::ThreadPool,
     pub(crate) format: Format,
     pub(crate) columns: &'a [ColumnInfo],
-    pub(crate) tables: Option<WriteTable>,
 }
 
 /// The shards of a part.
@@ -163,12 +161,12 @@ impl Writer<'_> {
                 members.collect()
             })
         };
-        match self.tables {
-            Some(write) => {
-                parquet::write(write, file, self.columns, self.order.kinds, &mut pull)?;
+        match self.format {
+            Format::Parquet => {
+                parquet::write(file, self.columns, self.order.kinds, &mut pull)?;
                 Ok(vec![parquet::place(name); rows.len()])
             }
-            None => webdataset::write(name, file, self.order.kinds, &mut pull),
+            _ => webdataset::write(name, file, self.order.kinds, &mut pull),
         }
     }
 }

@@ -11,7 +11,6 @@ use rayon::prelude::*;
 use crate::commands::dataset::export::arguments::Arguments;
 use crate::commands::dataset::export::format::Format;
 use crate::commands::dataset::export::formats::class_numbers::ClassNumbers;
-use crate::commands::dataset::export::formats::tables::WriteTable;
 use crate::commands::dataset::export::input::frame::{Frame, Place};
 use crate::commands::dataset::export::input::order::Order;
 use crate::commands::dataset::export::input::origins::UsedNames;
@@ -27,7 +26,6 @@ const DOWNLOADS: usize = 4;
 /// A running export.
 pub(crate) struct Export<'a> {
     arguments: &'a Arguments,
-    tables: Option<WriteTable>,
     selection: &'a Selection,
     order: Order<'a>,
     threads: rayon::ThreadPool,
@@ -49,7 +47,6 @@ impl<'a> Export<'a> {
         arguments: &'a Arguments,
         selection: &'a Selection,
         order: Order<'a>,
-        tables: Option<WriteTable>,
     ) -> Result<Self, Failure> {
         let threads = rayon::ThreadPoolBuilder::new().num_threads(DOWNLOADS).build();
         let names: Vec<Option<String>> = match &arguments.split {
@@ -73,7 +70,6 @@ impl<'a> Export<'a> {
             arguments,
             selection,
             order,
-            tables,
         })
     }
 
@@ -120,13 +116,7 @@ impl<'a> Export<'a> {
     fn gather(&mut self, rows: Vec<ImageRow>) -> Result<(), Failure> {
         for row in rows {
             let part = self.part_of(&row);
-            let writer = writer(
-                &self.order,
-                &self.threads,
-                self.arguments.format,
-                self.selection,
-                self.tables,
-            );
+            let writer = writer(&self.order, &self.threads, self.arguments.format, self.selection);
             let Part { body, lists, .. } = &mut self.parts[part];
             if let Body::Shards(shards) = body {
                 self.fetched += shards.add(&writer, lists, row)?;
@@ -175,7 +165,7 @@ impl<'a> Export<'a> {
     /// Completes all parts and their documents.
     pub(crate) fn finish(mut self) -> Result<(), Failure> {
         let format = self.arguments.format;
-        let writer = writer(&self.order, &self.threads, format, self.selection, self.tables);
+        let writer = writer(&self.order, &self.threads, format, self.selection);
         for Part { body, lists, .. } in &mut self.parts {
             if let Body::Shards(shards) = body {
                 self.fetched += shards.finish(&writer, lists)?;
@@ -197,7 +187,6 @@ impl<'a> Export<'a> {
             target: self.order.target,
             selection: self.selection,
             classes: &self.classes,
-            tables: self.tables,
         };
         let rows = self.parts.iter_mut().map(|part| part.finish(&whole));
         let rows = rows.collect::<Result<Vec<_>, _>>()?;
@@ -218,13 +207,11 @@ fn writer<'a>(
     threads: &'a rayon::ThreadPool,
     format: Format,
     selection: &'a Selection,
-    tables: Option<WriteTable>,
 ) -> Writer<'a> {
     Writer {
         order,
         threads,
         format,
         columns: &selection.columns,
-        tables,
     }
 }

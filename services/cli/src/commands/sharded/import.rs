@@ -12,9 +12,9 @@ use serde_json::json;
 use sets::{Location, Set};
 use tokio::runtime::Runtime;
 
-use super::failure;
-use super::shards::resolved;
-use crate::reading::{missing, read_all};
+use super::failure::failure;
+use super::open::resolved;
+use super::reading::{missing, read_all};
 
 /// The counts of an import.
 #[derive(Debug, Default)]

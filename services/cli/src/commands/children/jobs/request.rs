@@ -4,9 +4,9 @@ use cli::exit::Failure;
 use serde::Serialize;
 use sets::{JobStore, Location};
 
-use crate::commands::failure;
-use crate::commands::shards::resolved;
-use crate::lines::{line, write};
+use crate::commands::children::lines::{line, write};
+use crate::commands::sharded::failure::failure;
+use crate::commands::sharded::open::resolved;
 
 /// The canonical location of the store, equal for all services of this machine.
 pub(super) fn shared(store: &str) -> Result<JobStore, Failure> {

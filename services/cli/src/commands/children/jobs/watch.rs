@@ -14,9 +14,9 @@ use cli::exit::Failure;
 use sets::{DoneShard, JobStore, Set, SetError};
 use spec::SetState;
 
-use super::super::dispatch::{Patience, Window};
 use super::request::{send, shared};
-use crate::engine::Broker;
+use crate::commands::sharded::dispatch::{Patience, Window};
+use crate::commands::sharded::engine::Broker;
 
 /// Interval between two rounds.
 const ROUND: Duration = Duration::from_millis(500);
@@ -182,7 +182,7 @@ impl Watched {
         broker: &Broker,
         seen: &SeenSet,
         missing: &[u64],
-    ) -> Result<(), crate::engine::BrokerError> {
+    ) -> Result<(), crate::commands::sharded::engine::BrokerError> {
         if seen.state == SetState::Running {
             let window = self
                 .window

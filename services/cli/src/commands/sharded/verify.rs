@@ -5,7 +5,7 @@ use cli::progress::Progress;
 use cli::seal::VerifyArguments;
 use sets::{Crew, Set};
 
-use super::failure;
+use super::failure::failure;
 use super::open::open;
 use super::render::recipe;
 

@@ -6,7 +6,7 @@ use cli::seal::SealArguments;
 use optics::preset::presets;
 use sets::{Set, Source};
 
-use super::failure;
+use super::failure::failure;
 use super::open::open;
 
 /// Runs the command.

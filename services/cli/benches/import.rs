@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     fill(&set, images)?;
     for _ in 0..3 {
         let data = tempfile::tempdir()?;
-        let import = Command::new(env!("CARGO_BIN_EXE_fathom-cluster"))
+        let import = Command::new(env!("CARGO_BIN_EXE_fathom"))
             .arg("import")
             .arg(&set)
             .arg("--data")
@@ -56,6 +56,7 @@ fn fill(folder: &std::path::Path, images: u64) -> Result<(), Box<dyn Error>> {
     let new = NewSet {
         job: &job,
         frames_per_shard: None,
+        parts: 1,
         code_version: renderer::CODE_VERSION,
         metrics: synthetic::metrics(),
     };

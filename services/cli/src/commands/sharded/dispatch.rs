@@ -15,9 +15,9 @@ use cli::signals::stop_at_signal;
 use sets::{Selection, Set, allow_work};
 use spec::SetState;
 
-use super::failure;
+use super::engine::{Broker, BrokerError, Task};
+use super::failure::failure;
 use super::tally::Tally;
-use crate::engine::{Broker, BrokerError, Task};
 
 /// Shortest interval between two listings of the store.
 const LOOK: Duration = Duration::from_secs(1);
@@ -30,7 +30,7 @@ const SHARDS_PER_SLOT: u64 = 4;
 const LEAST_WINDOW: u64 = 8;
 
 /// Publishes missing shards until all are done.
-pub(super) fn run(
+pub(crate) fn run(
     arguments: &SetArguments,
     engine: &str,
     set: &Set,
@@ -80,7 +80,7 @@ pub(super) fn run(
 }
 
 /// The shards that the broker should hold.
-pub(super) struct Window {
+pub(crate) struct Window {
     /// The user's limit of waiting shards.
     size: Option<u64>,
     set: String,
@@ -88,7 +88,7 @@ pub(super) struct Window {
 }
 
 impl Window {
-    pub(super) fn new(set: &str, size: Option<u64>) -> Self {
+    pub(crate) fn new(set: &str, size: Option<u64>) -> Self {
         Self {
             size,
             set: set.to_owned(),
@@ -97,7 +97,7 @@ impl Window {
     }
 
     /// Publishes missing shards up to the limit.
-    pub(super) fn fill(&mut self, broker: &Broker, missing: &[u64]) -> Result<(), BrokerError> {
+    pub(crate) fn fill(&mut self, broker: &Broker, missing: &[u64]) -> Result<(), BrokerError> {
         let waiting = broker.waiting()?;
         if waiting == 0 {
             // All published shards were rendered, or the broker lost its messages.
@@ -138,12 +138,12 @@ fn fitting(broker: &Broker) -> Result<u64, BrokerError> {
 
 /// Reports once that the broker is unavailable, and once that it is back.
 #[derive(Default)]
-pub(super) struct Patience {
+pub(crate) struct Patience {
     is_away: bool,
 }
 
 impl Patience {
-    pub(super) fn judge<T>(&mut self, result: Result<T, BrokerError>) -> Option<T> {
+    pub(crate) fn judge<T>(&mut self, result: Result<T, BrokerError>) -> Option<T> {
         match result {
             Ok(value) => {
                 if std::mem::take(&mut self.is_away) {
@@ -159,7 +159,7 @@ impl Patience {
     }
 
     /// Prints why the work cannot continue, unless it is the last printed reason.
-    pub(super) fn wait(&mut self, reason: &str) {
+    pub(crate) fn wait(&mut self, reason: &str) {
         if !std::mem::replace(&mut self.is_away, true) {
             eprintln!("{reason}; going on when it is back");
         }

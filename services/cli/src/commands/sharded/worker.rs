@@ -12,8 +12,9 @@ use sets::{Crew, Location, Outcome, Recipe, Set, SetError, Watch, allow_work, ru
 use spec::SetState;
 
 use super::dispatch::Patience;
-use super::{failure, render};
-use crate::engine::{Broker, Delivery, Fleet, Member, Task, Verdict};
+use super::engine::{Broker, Delivery, Fleet, Member, Task, Verdict};
+use super::failure::failure;
+use super::render;
 
 /// Maximum duration of a poll for work; signals are checked between polls.
 const QUESTION: Duration = Duration::from_secs(5);

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 /// The counts of this call.
-pub(super) struct Tally {
+pub(crate) struct Tally {
     pub(super) begun: Instant,
     pub(super) frames: u64,
     pub(super) shards: usize,

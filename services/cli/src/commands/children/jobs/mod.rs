@@ -1,4 +1,4 @@
-//! `fathom-cluster jobs`: requests of a service to its shared store and to the broker.
+//! `fathom child jobs`: requests of a service to its shared store and to the broker.
 
 mod request;
 mod watch;
@@ -11,8 +11,8 @@ use cli::exit::Failure;
 use sets::{Location, NewSet, Set, SetError, Submission};
 use spec::{Job, SetState};
 
-use super::failure;
-use super::open::open;
+use crate::commands::sharded::failure::failure;
+use crate::commands::sharded::open::open;
 use request::{send, shared};
 
 /// Preferred number of shards of a job, within the limits on their size.
@@ -20,7 +20,7 @@ const SHARDS: u64 = 100;
 const LEAST_FRAMES: u64 = 10;
 const MOST_FRAMES: u64 = 500;
 
-/// Options of `fathom-cluster jobs`.
+/// Options of `fathom child jobs`.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     #[command(subcommand)]
@@ -65,6 +65,7 @@ fn submit(store: &str) -> Result<(), Failure> {
     let new = NewSet {
         job: &job,
         frames_per_shard: Some((job.frames() / SHARDS).clamp(LEAST_FRAMES, MOST_FRAMES)),
+        parts: 1,
         code_version: renderer::CODE_VERSION,
         metrics: quality::MetricId::all()
             .map(|metric| metric.to_string())

@@ -1,14 +1,15 @@
-//! `fathom export` to formats that hold Parquet.
+//! Writes the tables of an export as Parquet.
 
 use std::fs::File;
 
 use anyhow::Context;
 use cli::exit::Failure;
-use cli::export::formats::tables::{CellKind, TableColumn, TableRow};
 use sets::{Cell, Kind, Table};
 
-/// Writes a table of an export.
-pub(super) fn write(
+use super::tables::{CellKind, TableColumn, TableRow};
+
+/// Writes rows, some at a time, until there are none.
+pub(super) fn write_table(
     file: File,
     columns: &[TableColumn],
     pull: &mut dyn FnMut() -> Result<Vec<TableRow>, Failure>,

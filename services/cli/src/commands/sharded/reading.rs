@@ -9,7 +9,7 @@ use catalogue::{FailureRow, NewShard, ShardEnd};
 use cli::exit::Failure;
 use sets::{DoneShard, FailedFrame, Marker, Set, ShardImage};
 
-use crate::failure::failure;
+use super::failure::failure;
 
 /// Attempts at a frame before a set lists it as failed.
 const ATTEMPTS: u32 = 3;

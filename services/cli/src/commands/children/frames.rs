@@ -1,4 +1,4 @@
-//! `fathom-cluster frames`: the child of a supervisor. It reads the job and then frame numbers, a line each, and writes
+//! `fathom child frames`: the child of a supervisor. It reads the job and then frame numbers, a line each, and writes
 //! [`Message`]s. It ends when its input does, so it never outlives its supervisor.
 
 use std::io::{BufRead, stdin, stdout};
@@ -13,7 +13,7 @@ use renderer::{Engine, SceneSource, Slot, extension};
 use sets::{Message, ParcelFile};
 use spec::Job;
 
-/// Options of `fathom-cluster frames`.
+/// Options of `fathom child frames`.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     /// Frames rendered side by side

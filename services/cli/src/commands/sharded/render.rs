@@ -11,8 +11,10 @@ use cli::signals::stop_at_signal;
 use cli::styles::StyleArguments;
 use sets::{Crew, Location, NewSet, Outcome, Recipe, Selection, Set, Watch, allow_work, run_shard};
 
+use super::dispatch;
+use super::failure::failure;
 use super::tally::Tally;
-use super::{dispatch, failure};
+use crate::commands::service::programs::own_program;
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -27,16 +29,17 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         .to_str()
         .ok_or_else(|| Failure::input("--out is not UTF-8"))?;
     let location = Location::parse(out).map_err(failure)?;
+    let SetArguments { shard, frames, .. } = &arguments.set;
+    let selection = Selection::parse(shard.as_deref(), frames.as_deref()).map_err(failure)?;
     let new = NewSet {
         job: &job,
         frames_per_shard: arguments.set.frames_per_shard,
+        parts: selection.part.map_or(1, |part| part.parts),
         code_version: renderer::CODE_VERSION,
         metrics: quality::MetricId::all()
             .map(|metric| metric.to_string())
             .collect(),
     };
-    let SetArguments { shard, frames, .. } = &arguments.set;
-    let selection = Selection::parse(shard.as_deref(), frames.as_deref()).map_err(failure)?;
     let set = Set::begin(&location, &new).map_err(failure)?;
     let tally = match &arguments.set.engine.engine {
         Some(engine) => dispatch::run(&arguments.set, engine, &set, &selection)?,
@@ -83,13 +86,13 @@ fn render(arguments: &Arguments, set: &Set, selection: &Selection) -> Result<Tal
 }
 
 /// The recipe for rendering frames in a child process of this program.
-pub(super) fn recipe(
+pub(crate) fn recipe(
     style: &StyleArguments,
     slots: usize,
     limits: &LimitArguments,
 ) -> Result<Recipe, Failure> {
-    let program = cli::cluster_program()?;
-    let mut arguments: Vec<OsString> = vec!["frames".into()];
+    let program = own_program()?;
+    let mut arguments: Vec<OsString> = vec!["child".into(), "frames".into()];
     for (option, value) in [("--styles", &style.styles), ("--onnxruntime", &style.onnxruntime)] {
         if let Some(value) = value {
             arguments.extend([option.into(), value.into()]);

@@ -1,4 +1,4 @@
-//! `fathom-cluster shards`: reads a set for a service that imports it, in the format of `api`'s feed.
+//! `fathom child shards`: reads a set for a service that imports it, in the format of `api`'s feed.
 
 use std::io::{BufRead, stdin};
 
@@ -7,11 +7,12 @@ use api::{Known, Line, SetHead};
 use cli::exit::Failure;
 use sets::{Location, Set};
 
-use super::failure;
-use crate::lines::{line, write};
-use crate::reading::{missing, read_all};
+use crate::commands::children::lines::{line, write};
+use crate::commands::sharded::failure::failure;
+use crate::commands::sharded::open::resolved;
+use crate::commands::sharded::reading::{missing, read_all};
 
-/// Options of `fathom-cluster shards`.
+/// Options of `fathom child shards`.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     /// The set, named by a client of the service and not trusted
@@ -71,20 +72,5 @@ fn permitted(set: &str, stores: &[String]) -> Result<Location, Failure> {
     match found {
         Some((store, set)) if store.contains(&set) => Ok(set),
         _ => Err(refused()),
-    }
-}
-
-/// The location after resolving links.
-pub(super) fn resolved(location: &Location) -> Result<Location, Failure> {
-    match location {
-        Location::Folder(path) => {
-            let whole = path.canonicalize();
-            let whole = whole.map_err(|error| Failure::BadInput(format!("{}: {error}", path.display())))?;
-            match whole.to_str() {
-                Some(_) => Ok(Location::Folder(whole)),
-                None => Err(Failure::BadInput(format!("{} is not UTF-8", whole.display()))),
-            }
-        }
-        bucket @ Location::S3 { .. } => Ok(bucket.clone()),
     }
 }

@@ -8,7 +8,7 @@ use cli::exit::Failure;
 use cli::progress::Progress;
 use sets::{Set, Status};
 
-use super::failure;
+use super::failure::failure;
 use super::open::open;
 
 /// Interval between two listings with `--watch`.

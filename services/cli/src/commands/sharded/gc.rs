@@ -2,7 +2,7 @@
 
 use cli::exit::Failure;
 
-use super::failure;
+use super::failure::failure;
 use super::open::open;
 
 /// Options of `fathom gc`.
