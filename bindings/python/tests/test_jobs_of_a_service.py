@@ -57,8 +57,9 @@ def test_an_unknown_job_has_a_suggestion(client: fathom.Client, tour: Submitted)
             call("job_f" + tour.id[5:20])
         assert caught.value.status == 404
         assert "the newest jobs are" in str(caught.value)
-    with pytest.raises(fathom.Problem, match=f"did you mean `{tour.id}`"):
-        client.job(changed)
+    for call in (client.job, client.errors, client.cancel):
+        with pytest.raises(fathom.Problem, match=f"did you mean `{tour.id}`"):
+            call(changed)
 
 
 def test_an_unknown_dataset_is_an_error_with_a_suggestion(client: fathom.Client, tour: Submitted) -> None:

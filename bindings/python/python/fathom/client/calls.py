@@ -11,9 +11,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeAlias
 
+import httpx
+
 from fathom.arguments import list_kinds, list_names
 from fathom.client.connection import PATIENCE_S
-from fathom.client.known import check_dataset, describe_dataset_problem, find_job_id
+from fathom.client.known import check_dataset, describe_dataset_problem, find_job, find_job_id
 from fathom.client.protocol import WAIT_S, Call, Request, get, list_pages, path_part, read_json
 from fathom.client.rows import Rows
 from fathom.errors import JobTimeout, Problem
@@ -56,16 +58,25 @@ def datasets() -> Call[Rows]:
 
 def cancel(job: str) -> Call[dict[str, Any]]:
     """Cancel a job."""
-    found = yield from find_job_id(job)
-    state: dict[str, Any] = read_json((yield Request("POST", f"/v1/jobs/{found}/cancel")))
+    state: dict[str, Any] = read_json((yield from _request_about_job(job, "POST", "cancel")))
     return state
 
 
 def errors(job: str) -> Call[Rows]:
     """Request the failed frames of a job."""
-    found = yield from find_job_id(job)
-    response = yield Request("GET", f"/v1/jobs/{found}/errors")
+    response = yield from _request_about_job(job, "GET", "errors")
     return Rows(json.loads(line) for line in response.text.splitlines() if line)
+
+
+def _request_about_job(job: str, method: str, part: str) -> Call[httpx.Response]:
+    """Request a part of a job. An unknown id is an error with the nearest known one."""
+    found = yield from find_job_id(job)
+    try:
+        return (yield Request(method, f"/v1/jobs/{found}/{part}"))
+    except Problem as problem:
+        if problem.status == 404:
+            yield from find_job(job)
+        raise
 
 
 def wait(job: Mapping[str, Any], progress: bool, timeout: float | None) -> Call[dict[str, Any]]:
