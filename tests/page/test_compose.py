@@ -1,10 +1,12 @@
 """Compose: any valid job can be submitted, and every control of the form changes the job."""
 
 import json
+import signal
+import subprocess
 import urllib.parse
 
 import pytest
-from conftest import JOB, Service, drag, until
+from conftest import FATHOM, JOB, Service, drag, until
 
 COLLECTION = {"dataset": "dock-water", "count": 2, "scene": {"kind": "collection", "name": "dock", "each": True},
               "water": {"optics": "jerlov-1C"}, "artifacts": ["rgb", "range"]}
@@ -100,15 +102,24 @@ def test_a_preview_that_fails_leaves_submit_enabled(visit):
     assert page.locator("button.primary", has_text="Submit").is_enabled()
 
 
-def test_without_a_worker_the_remedy_is_shown(visit, tmp_path):
+def test_without_a_worker_the_remedy_is_shown_until_one_connects(visit, tmp_path):
     service = Service(str(tmp_path), workers=0)
+    worker = None
     try:
         page = visit("compose", to=service)
         page.wait_for_selector("text=No worker is connected")
         assert f"fathom worker --server {service.address}" in page.locator(".view-side .problem").inner_text()
         assert "Rendering" not in page.locator("[data-speed]").inner_text()
         until(page, "!document.querySelector('button.primary').disabled")
+        worker = subprocess.Popen([FATHOM, "worker", "--server", service.address], stderr=subprocess.DEVNULL)
+        page.wait_for_selector("text=No worker is connected", state="detached")
+        until(page, "JSON.parse(document.querySelector('[data-speed]').dataset.speed || '{}').isFull")
+        # The worker signs off before its service ends.
+        worker.send_signal(signal.SIGTERM)
+        worker.wait(60)
     finally:
+        if worker:
+            worker.kill()
         service.stop()
 
 

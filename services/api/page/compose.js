@@ -55,11 +55,12 @@ class Compose {
   }
 
   workersChanged(isConnected) {
+    const isBack = isConnected && this.isConnected === false;
+    this.isConnected = isConnected;
     if (!isConnected) this.speed.textContent = "No worker is connected.";
-    else if (this.speed.textContent === "No worker is connected.") {
-      this.speed.textContent = "Rendering …";
-      this.changed(false);
-    }
+    if (!isBack) return;
+    this.speed.textContent = "Rendering …";
+    this.changed(false);
   }
 
   write() {
@@ -185,7 +186,7 @@ class Compose {
   }
 
   failed(error) {
-    if (!(error instanceof ProblemError && error.problem.errors)) this.speed.textContent = error.message;
+    if (this.isConnected !== false && !(error instanceof ProblemError && error.problem.errors)) this.speed.textContent = error.message;
   }
 
   // The plan of the frame: error bound and time of each stage.
