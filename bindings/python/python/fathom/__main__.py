@@ -5,25 +5,19 @@ from __future__ import annotations
 import os
 import signal
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 from fathom import _native
 
 
-def enter(run: Callable[[list[str]], int]) -> int:
+def main() -> int:
     """Run the command that the process was given and return its exit status."""
-    # What a command starts are commands again; the scripts run them with this interpreter.
+    # What a command starts are commands again; the script runs them with this interpreter.
     os.environ["FATHOM_PYTHON"] = sys.executable
     os.environ["FATHOM_PROGRAM"] = str(Path(__file__).with_name("program.sh"))
     # Python would only note the signal until the command returns.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
-    return run(sys.argv[1:])
-
-
-def main() -> int:
-    """Run a command of `fathom`."""
-    return enter(_native.run)
+    return _native.run(sys.argv[1:])
 
 
 if __name__ == "__main__":

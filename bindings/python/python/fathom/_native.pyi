@@ -55,6 +55,3 @@ def names() -> dict[str, list[str]]:
 
 def run(arguments: list[str]) -> int:
     """Run a command of the `fathom` binary and return its exit status."""
-
-def run_cluster(arguments: list[str]) -> int:
-    """Run a command of the `fathom-cluster` binary and return its exit status."""
