@@ -6,8 +6,8 @@ use crate::client::Client;
 use crate::error::ClientError;
 use crate::query::{encode, with_query};
 use crate::views::{
-    BackupView, CollectionRow, CollectionScene, DatasetDetail, DatasetRow, FailureRow, FrameWarning, JobRow,
-    Page, SceneView, SetView, Statistics, VerifiedVersion, VersionRow,
+    BackupView, CollectionRow, CollectionScene, DatasetDetail, DatasetRow, FailureRow, FrameWarning,
+    JobPreview, JobRow, Page, SceneView, SetView, Statistics, VerifiedVersion, VersionRow,
 };
 
 /// A change of a job's state by its user.
@@ -62,6 +62,11 @@ impl Client {
         let headers: Vec<(&str, &str)> = key.map(|key| ("idempotency-key", key)).into_iter().collect();
         let path = with_query("/v1/jobs", &[("again", again.then_some("true"))]);
         self.post(&path, &headers, description)
+    }
+
+    /// What a job would be and cost, without its frames. Nothing is stored.
+    pub fn preview_job(&self, description: &[u8]) -> Result<JobPreview, ClientError> {
+        self.post("/v1/jobs/preview?frames=0", &[], description)
     }
 
     /// The job of an id.

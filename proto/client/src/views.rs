@@ -13,7 +13,7 @@ mod version;
 mod water;
 
 pub use dataset::{ColumnInfo, DatasetDetail, DatasetRow};
-pub use job::{Deleted, FailureRow, FrameWarning, JobRow};
+pub use job::{Deleted, Estimate, FailureRow, FrameWarning, JobPreview, JobRow, ResolvedFrame};
 pub use job_state::JobState;
 pub use operations::BackupView;
 pub use page::Page;

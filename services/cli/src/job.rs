@@ -8,6 +8,7 @@ use style::Library;
 
 use crate::exit::Failure;
 use crate::files;
+use crate::plural::count;
 
 /// Reads a job to render here, whose scene may be local files. Uploaded scenes are refused: only a service has them.
 pub fn read(path: &Path, library: &Library) -> Result<Job, Failure> {
@@ -21,7 +22,7 @@ pub fn read(path: &Path, library: &Library) -> Result<Job, Failure> {
 /// The errors of a job description, one per line.
 #[must_use]
 pub fn refused(path: &Path, invalid: &Invalid) -> Failure {
-    let mut message = format!("{}: {} errors", path.display(), invalid.0.len());
+    let mut message = format!("{}: {}", path.display(), count(invalid.0.len(), "error"));
     for error in &invalid.0 {
         message.push_str(&format!("\n  {} {}", error.pointer, error.message));
         if let Some(near) = &error.did_you_mean {

@@ -1,18 +1,57 @@
 //! Datasets, jobs and scenes by name; an unknown name is an error with the nearest known one.
 
+use std::collections::BTreeSet;
+
 use client::{Client, CollectionScene, DatasetDetail, JobRow, SceneView};
 
 use crate::exit::Failure;
 
 /// Names that a message lists at most.
 const MOST_LISTED: usize = 8;
+/// Jobs among which the beginning of an id is searched, newest first.
+const MOST_SEARCHED: usize = 10_000;
+/// Least digits of the beginning of an id.
+const LEAST_DIGITS: usize = 4;
 
-/// The job of this id.
+/// The job of this id, or the only one of the newest whose id begins so.
 pub fn job(client: &Client, id: &str) -> Result<JobRow, Failure> {
-    match client.job(id)? {
-        Some(job) => Ok(job),
-        None => Err(unknown_job(client, id)?),
+    if let Some(job) = client.job(id)? {
+        return Ok(job);
     }
+    let digits = id.strip_prefix("job_").unwrap_or(id);
+    if is_job_id(id) || digits.len() < LEAST_DIGITS {
+        return Err(unknown_job(client, id)?);
+    }
+    let mut found = client.jobs(None, None, MOST_SEARCHED)?;
+    found.retain(|job| job.id.trim_start_matches("job_").starts_with(digits));
+    match found.len() {
+        0 => Err(unknown_job(client, id)?),
+        1 => Ok(found.remove(0)),
+        count => {
+            let ids: Vec<String> = found.into_iter().map(|job| job.id).take(MOST_LISTED).collect();
+            Err(Failure::BadInput(format!(
+                "`{id}` begins the ids of {count} jobs: {}; write more digits",
+                ids.join(", ")
+            )))
+        }
+    }
+}
+
+/// The beginnings of ids that tell them apart, with at least the digits of their time.
+pub fn shorten_ids(ids: &[&str]) -> Vec<String> {
+    /// `job_` and the time of a UUID in milliseconds.
+    const USUAL: usize = 16;
+    let is_unique = |length: usize| {
+        let beginnings: BTreeSet<&str> = ids.iter().map(|id| &id[..length.min(id.len())]).collect();
+        beginnings.len() == ids.len()
+    };
+    let longest = ids.iter().map(|id| id.len()).max().unwrap_or(0);
+    let length = (USUAL..longest)
+        .find(|&length| is_unique(length))
+        .unwrap_or(longest);
+    ids.iter()
+        .map(|id| id[..length.min(id.len())].to_owned())
+        .collect()
 }
 
 /// The dataset or sealed version of this name, with its columns.
@@ -143,6 +182,25 @@ impl<'a> Unknown<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn ids_are_as_short_as_they_can_be_told_apart() {
+        let ids = [
+            "job_0123456789abcdef",
+            "job_0123456789abcd00",
+            "job_9123456789abcd00",
+        ];
+        assert_eq!(
+            shorten_ids(&ids),
+            [
+                "job_0123456789abcde",
+                "job_0123456789abcd0",
+                "job_9123456789abcd0"
+            ]
+        );
+        assert_eq!(shorten_ids(&ids[..1]), ["job_0123456789ab"]);
+        assert!(shorten_ids(&[]).is_empty());
+    }
 
     #[test]
     fn an_unknown_name_comes_with_the_nearest_one_and_a_short_list() {

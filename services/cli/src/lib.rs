@@ -17,10 +17,12 @@ pub mod files;
 pub mod job;
 pub mod known;
 pub mod options;
+pub mod plural;
 pub mod progress;
 pub mod sheet;
 pub mod signals;
 pub mod table;
+mod terminal;
 
 pub use options::{engine, import, remote, render, seal, styles, worker};
 
@@ -35,6 +37,9 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let matches = commands::command().try_get_matches_from(arguments);
     match matches.and_then(|matches| commands::Arguments::from_arg_matches(&matches)) {
         Ok(arguments) => {
+            if arguments.wide {
+                terminal::set_wide();
+            }
             let ready = faults::check().map_err(Failure::BadInput);
             exit::end("fathom", ready.and_then(|()| arguments.command.run()))
         }

@@ -3,6 +3,8 @@
 use client::ImageRow;
 use serde_json::Value;
 
+use crate::terminal;
+
 /// The cell of a missing value.
 pub const DASH: &str = "–";
 
@@ -16,38 +18,114 @@ pub fn text_table(header: &[&str], rows: &[Vec<String>]) -> String {
     columns(header, rows, |_| true)
 }
 
+/// Least columns of a terminal that a wrapped text keeps.
+const LEAST_TEXT: usize = 24;
+/// Space between two columns.
+const GAP: usize = 2;
+
+/// Lays out the columns in the width of the terminal: the last text is wrapped, or else columns on the right are left out and named.
 fn columns(header: &[&str], rows: &[Vec<String>], is_left: impl Fn(usize) -> bool) -> String {
-    let widths: Vec<usize> = (0..header.len())
+    fit(header, rows, is_left, terminal::width())
+}
+
+fn fit(
+    header: &[&str],
+    rows: &[Vec<String>],
+    is_left: impl Fn(usize) -> bool,
+    limit: Option<usize>,
+) -> String {
+    let mut widths: Vec<usize> = (0..header.len())
         .map(|column| {
             let cells = rows
                 .iter()
                 .filter_map(|row| row.get(column))
-                .map(|cell| cell.chars().count());
-            cells.chain([header[column].chars().count()]).max().unwrap_or(0)
+                .map(|cell| length(cell));
+            cells.chain([length(header[column])]).max().unwrap_or(0)
         })
         .collect();
-    let line = |cells: Vec<&str>| {
-        let padded: Vec<String> = cells
-            .iter()
-            .zip(&widths)
-            .enumerate()
-            .map(|(column, (cell, &width))| {
-                if is_left(column) {
+    let limit = limit.unwrap_or(usize::MAX);
+    let total = |widths: &[usize]| widths.iter().sum::<usize>() + GAP * widths.len().saturating_sub(1);
+    let last = widths.len().saturating_sub(1);
+    let excess = total(&widths).saturating_sub(limit);
+    if excess > 0 && is_left(last) && widths[last] >= LEAST_TEXT + excess {
+        widths[last] -= excess;
+    }
+    while widths.len() > 1 && total(&widths) > limit {
+        widths.pop();
+    }
+    let layout = Layout {
+        widths: &widths,
+        is_left: &is_left,
+    };
+    let rule: Vec<String> = widths.iter().map(|&width| "─".repeat(width)).collect();
+    let mut lines = layout.lines(header);
+    lines.push(rule.join("  "));
+    for row in rows {
+        let cells: Vec<&str> = row.iter().map(String::as_str).collect();
+        lines.extend(layout.lines(&cells));
+    }
+    let left_out = &header[widths.len()..];
+    if !left_out.is_empty() {
+        lines.push(format!("not shown: {}; --wide shows all", left_out.join(", ")));
+    }
+    lines.join("\n")
+}
+
+/// Widths and sides of columns.
+struct Layout<'a, F> {
+    widths: &'a [usize],
+    is_left: &'a F,
+}
+
+impl<F: Fn(usize) -> bool> Layout<'_, F> {
+    /// The lines of a row: further ones hold the rest of its last text.
+    fn lines(&self, cells: &[&str]) -> Vec<String> {
+        let last = self.widths.len() - 1;
+        let wrapped = match cells.get(last) {
+            Some(text) => wrap(text, self.widths[last]),
+            None => Vec::new(),
+        };
+        let mut lines = Vec::new();
+        for (number, rest) in wrapped.iter().enumerate() {
+            let whole = |column: usize| if number == 0 { cells[column] } else { "" };
+            let padded = (0..=last).map(|column| {
+                let cell = if column == last { rest } else { whole(column) };
+                let width = self.widths[column];
+                if (self.is_left)(column) {
                     format!("{cell:<width$}")
                 } else {
                     format!("{cell:>width$}")
                 }
-            })
-            .collect();
-        padded.join("  ").trim_end().to_owned()
-    };
-    let rule: Vec<String> = widths.iter().map(|&width| "─".repeat(width)).collect();
-    let mut lines = vec![line(header.to_vec()), rule.join("  ")];
-    lines.extend(
-        rows.iter()
-            .map(|row| line(row.iter().map(String::as_str).collect())),
-    );
-    lines.join("\n")
+            });
+            let line: Vec<String> = padded.collect();
+            lines.push(line.join("  ").trim_end().to_owned());
+        }
+        lines
+    }
+}
+
+fn length(text: &str) -> usize {
+    text.chars().count()
+}
+
+/// The lines of a text of at most this width, broken between words where possible.
+fn wrap(text: &str, width: usize) -> Vec<String> {
+    if length(text) <= width {
+        return vec![text.to_owned()];
+    }
+    let mut lines = vec![String::new()];
+    for word in text.split(' ') {
+        let line = lines.last_mut().expect("one line");
+        if line.is_empty() {
+            line.push_str(word);
+        } else if length(line) + 1 + length(word) <= width {
+            line.push(' ');
+            line.push_str(word);
+        } else {
+            lines.push(word.to_owned());
+        }
+    }
+    lines
 }
 
 /// Images as rows with these columns.
@@ -99,6 +177,33 @@ mod tests {
             table(&["water", "uiqm"], &rows),
             "water   uiqm\n─────  ─────\nmuddy    1.5\na      10.25"
         );
+    }
+
+    #[test]
+    fn a_table_fits_the_terminal() {
+        let rows = vec![vec![
+            "shaft".to_owned(),
+            "17".to_owned(),
+            "a flooded shaft with a lamp on the camera and clear water".to_owned(),
+        ]];
+        let header = ["site", "frames", "summary"];
+        let shown = fit(&header, &rows, |_| true, Some(50));
+        assert_eq!(
+            shown,
+            "site   frames  summary\n─────  ──────  ───────────────────────────────────\n\
+             shaft  17      a flooded shaft with a lamp on the\n               camera and clear water"
+        );
+        let narrow = fit(&header, &rows, |column| column == 0, Some(20));
+        assert!(
+            narrow.starts_with("site   frames\n") && narrow.ends_with("not shown: summary; --wide shows all"),
+            "{narrow}"
+        );
+        assert!(
+            fit(&header, &rows, |_| true, None)
+                .lines()
+                .all(|line| !line.contains("not shown"))
+        );
+        assert_eq!(wrap("incomprehensibilities", 5), ["incomprehensibilities"]);
     }
 
     #[test]

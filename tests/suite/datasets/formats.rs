@@ -142,17 +142,12 @@ fn frame(images: &[Image], asked: &Asked, end: u64, place: &str, query: &str) ->
 
 fn export(url: &str, format: &str, out: &Path) -> std::process::Output {
     let out = out.to_str().expect("text");
+    let sharded: &[&str] = match format {
+        "webdataset" | "parquet" => &["--shard-size", "2"],
+        _ => &[],
+    };
     let usual = [
-        "export",
-        "tour",
-        "--format",
-        format,
-        "--shard-size",
-        "2",
-        "--out",
-        out,
-        "--server",
-        url,
+        "export", "tour", "--format", format, "--out", out, "--server", url,
     ];
     run(&usual)
 }

@@ -1,6 +1,7 @@
 //! Jobs.
 
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 use utoipa::ToSchema;
 
 use super::job_state::JobState;
@@ -87,6 +88,40 @@ pub struct FrameWarning {
     pub frames: u64,
     /// The first of them.
     pub first_frame: u64,
+}
+
+/// A frame with all distributions drawn.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct ResolvedFrame {
+    /// Frame number.
+    pub frame: u64,
+    /// Its description.
+    #[schema(value_type = Object)]
+    pub parameters: Value,
+}
+
+/// Estimated cost of a job.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct Estimate {
+    /// Duration on the current slots without other work, s.
+    pub seconds: f64,
+    /// Stored bytes.
+    pub bytes: f64,
+    /// Slots of the registered workers; at least 1.
+    pub slots: u64,
+}
+
+/// A job that was not submitted.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct JobPreview {
+    /// Number of frames.
+    pub frames: u64,
+    /// The first frames.
+    pub first: Vec<ResolvedFrame>,
+    /// Warnings about the valid description.
+    pub warnings: Vec<String>,
+    /// Estimated cost.
+    pub estimate: Estimate,
 }
 
 /// What is gone.

@@ -28,6 +28,9 @@ use style::{styles, train, waters};
 #[derive(Parser)]
 #[command(name = "fathom", version, max_term_width = 100)]
 pub(crate) struct Arguments {
+    /// Print tables as wide as they are, beyond the terminal
+    #[arg(long, global = true)]
+    pub(crate) wide: bool,
     #[command(subcommand)]
     pub(crate) command: Command,
 }
@@ -56,7 +59,7 @@ pub(crate) enum Command {
     Seal(cli::seal::SealArguments),
     /// Remove files of a set that belong to no shard
     Gc(gc::Arguments),
-    /// Write a job file that starts from a site
+    /// Write a job that starts from a site
     New(new::Arguments),
     /// Show how a frame would be rendered: variant, error bound and cost of each stage
     Plan(plan::Arguments),

@@ -52,6 +52,10 @@ pub fn parse_frames(text: &str) -> Result<Range<u64>, String> {
     }
 }
 
+fn refuse(option: &str) -> impl Fn(String) -> SetError {
+    move |reason| SetError::Refused(format!("{option}: {reason}"))
+}
+
 /// A shard is written as a whole, so a range must not cut one.
 fn check_alignment(frames: &Range<u64>, card: &Card) -> Result<(), SetError> {
     let size = card.frames_per_shard;
@@ -85,8 +89,8 @@ impl Selection {
     /// [`SetError::Refused`]: one of them has another form.
     pub fn parse(part: Option<&str>, frames: Option<&str>) -> Result<Self, SetError> {
         Ok(Self {
-            part: part.map(str::parse).transpose().map_err(SetError::Refused)?,
-            frames: frames.map(parse_frames).transpose().map_err(SetError::Refused)?,
+            part: part.map(str::parse).transpose().map_err(refuse("--shard"))?,
+            frames: frames.map(parse_frames).transpose().map_err(refuse("--frames"))?,
         })
     }
 

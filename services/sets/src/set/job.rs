@@ -37,6 +37,17 @@ pub struct Card {
     pub metrics: Vec<String>,
 }
 
+/// Frames of a shard so that each of `parts` processes has one, if there are enough frames.
+fn usual_size(frames: u64, parts: u64) -> u64 {
+    let even = frames.div_ceil(parts).max(1);
+    let size = if frames.div_ceil(even) < parts {
+        (frames / parts).max(1)
+    } else {
+        even
+    };
+    size.min(FRAMES_PER_SHARD)
+}
+
 /// Fails for a label that the columns of rows, which are doubles, would round.
 fn check_labels(job: &Job) -> Result<(), SetError> {
     let description: Value = serde_json::from_str(job.canonical()).unwrap_or_default();

@@ -1,9 +1,9 @@
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
+use client::{Estimate, JobPreview, ResolvedFrame};
+use serde::Deserialize;
 use spec::{Frame, Job};
-use utoipa::{IntoParams, ToSchema};
+use utoipa::IntoParams;
 
 use crate::http::bounds::out_of_range;
 use crate::http::{Json, JsonBytes, Problem, Query, State, Topic};
@@ -26,40 +26,6 @@ pub(crate) struct Parameters {
     /// Frames to return, 0..=100.
     #[param(default = 5, minimum = 0, maximum = 100)]
     frames: Option<u64>,
-}
-
-/// A frame with all distributions drawn.
-#[derive(Debug, Serialize, ToSchema)]
-pub(crate) struct ResolvedFrame {
-    /// Frame number.
-    frame: u64,
-    /// Its description.
-    #[schema(value_type = Object)]
-    parameters: Value,
-}
-
-/// Estimated cost of the job.
-#[derive(Debug, Serialize, ToSchema)]
-pub(crate) struct Estimate {
-    /// Duration on the current slots without other work, s.
-    seconds: f64,
-    /// Stored bytes.
-    bytes: f64,
-    /// Slots of the registered workers; at least 1.
-    slots: u64,
-}
-
-/// A job that was not submitted.
-#[derive(Debug, Serialize, ToSchema)]
-pub(crate) struct JobPreview {
-    /// Number of frames.
-    frames: u64,
-    /// The first frames.
-    first: Vec<ResolvedFrame>,
-    /// Warnings about the valid description.
-    warnings: Vec<String>,
-    /// Estimated cost.
-    estimate: Estimate,
 }
 
 /// Preview a job: frames and estimated cost. Nothing is stored.

@@ -4,6 +4,7 @@ use std::slice;
 
 use cli::exit::Failure;
 use cli::known;
+use cli::plural::count;
 use cli::remote::ServerArguments;
 use cli::table::table;
 use client::{DatasetRow, VersionRow};
@@ -47,7 +48,7 @@ fn print_datasets(datasets: &[DatasetRow], as_json: bool) {
         })
         .collect();
     println!("{}", table(&["name", "images", "bytes", "jobs"], &rows));
-    println!("{} datasets", rows.len());
+    println!("{}", count(rows.len(), "dataset"));
 }
 
 fn print_versions(versions: &[VersionRow], as_json: bool) {

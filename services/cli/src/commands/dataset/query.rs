@@ -2,6 +2,7 @@
 
 use cli::exit::Failure;
 use cli::known;
+use cli::plural::count;
 use cli::remote::ServerArguments;
 use cli::table::image_table;
 use client::ImageQuery;
@@ -66,6 +67,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         return Ok(());
     }
     println!("{}", image_table(&fields, &rows));
-    println!("{} images", rows.len());
+    println!("{}", count(rows.len(), "image"));
     Ok(())
 }

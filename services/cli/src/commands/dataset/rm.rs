@@ -5,6 +5,7 @@ use std::io::{BufRead, IsTerminal, Write};
 use anyhow::Context;
 use cli::exit::Failure;
 use cli::known::{self, Version};
+use cli::plural::count;
 use cli::remote::ServerArguments;
 use client::{Client, DatasetRow, Deleted, JobRow, SceneView, encode};
 
@@ -41,7 +42,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         let scenes = known::collection(&client, name)?.len();
         targets.push(Target {
             path: format!("/v1/collections/{}", encode(name)),
-            described: format!("collection {name} (its {scenes} scenes stay)"),
+            described: format!("collection {name} (its scenes stay: {scenes})"),
         });
     }
     for Target { path, described } in &targets {
@@ -52,7 +53,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         let deleted: Option<Deleted> = client.delete(path)?;
         println!("deleted {described}");
         if let Some(Deleted { images, bytes, .. }) = deleted {
-            println!("{images} images, {} MB", bytes / 1_000_000);
+            println!("{}, {} MB", count(images, "image"), bytes / 1_000_000);
         }
     }
     Ok(())
@@ -90,13 +91,15 @@ fn target(client: &Client, name: &str) -> Result<Target, Failure> {
     if let Some(Version { dataset, number }) = known::version(name) {
         return Ok(Target {
             path: format!("/v1/datasets/{}/versions/{number}", encode(dataset)),
-            described: format!("the seal of {name} (its {images} images stay)"),
+            described: format!("the seal of {name} (its images stay: {images})"),
         });
     }
     Ok(Target {
         path: format!("/v1/datasets/{}", encode(name)),
         described: format!(
-            "dataset {name} ({jobs} jobs, {images} images, {} MB)",
+            "dataset {name} ({}, {}, {} MB)",
+            count(jobs, "job"),
+            count(images, "image"),
             bytes / 1_000_000
         ),
     })

@@ -2,6 +2,7 @@
 
 use cli::exit::Failure;
 use cli::known;
+use cli::plural::count;
 use cli::remote::ServerArguments;
 use cli::table::{DASH, table};
 use client::{CollectionScene, SceneView};
@@ -46,7 +47,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
     };
     println!("{}", table(&["scene", "size", "range", "instances", last], &rows));
-    println!("{} scenes", rows.len());
+    println!("{}", count(rows.len(), "scene"));
     Ok(())
 }
 

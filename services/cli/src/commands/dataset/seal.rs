@@ -2,6 +2,7 @@
 
 use cli::exit::Failure;
 use cli::known;
+use cli::plural::count;
 use cli::seal::{SealArguments, is_set};
 use serde_json::json;
 
@@ -26,10 +27,10 @@ pub(crate) fn run(arguments: &SealArguments) -> Result<(), Failure> {
         return Ok(());
     }
     println!(
-        "{} · {} images of {} jobs · made by {}",
+        "{} · {} of {} · made by {}",
         version.name,
-        version.images,
-        version.jobs,
+        count(version.images, "image"),
+        count(version.jobs, "job"),
         version.code_versions.join(", ")
     );
     println!("root {}", version.root);

@@ -10,7 +10,7 @@ use crate::commands::job::submit;
 /// Options of these commands and of `fathom wait`.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// Ids of the jobs
+    /// Ids of the jobs, or their beginnings
     #[arg(required = true, value_name = "JOB")]
     pub(crate) jobs: Vec<String>,
     /// Print one JSON object per job
@@ -24,8 +24,8 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments, change: JobChange) -> Result<(), Failure> {
     let client = arguments.server.client();
     for id in &arguments.jobs {
-        known::job(&client, id)?;
-        submit::show(&client.change_job(id, change)?, arguments.json);
+        let job = known::job(&client, id)?;
+        submit::show(&client.change_job(&job.id, change)?, arguments.json);
     }
     Ok(())
 }

@@ -2,6 +2,7 @@
 
 use cli::exit::Failure;
 use cli::known;
+use cli::plural::count;
 use cli::remote::ServerArguments;
 use client::FailureRow;
 use serde_json::json;
@@ -21,8 +22,8 @@ pub(crate) struct Arguments {
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let client = arguments.server.client();
-    known::job(&client, &arguments.job)?;
-    let failures = client.failed_frames(&arguments.job)?;
+    let job = known::job(&client, &arguments.job)?;
+    let failures = client.failed_frames(&job.id)?;
     if arguments.json {
         failures.iter().for_each(|failure| println!("{}", json!(failure)));
         return Ok(());
@@ -36,8 +37,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     } in &failures
     {
         let state = if *quarantined { "given up" } else { "still tried" };
-        println!("frame {frame}, {state} after {strikes} attempts: {error}");
+        println!(
+            "frame {frame}, {state} after {}: {error}",
+            count(strikes, "attempt")
+        );
     }
-    println!("{} frames", failures.len());
+    println!("{}", count(failures.len(), "frame"));
     Ok(())
 }

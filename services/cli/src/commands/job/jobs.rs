@@ -5,6 +5,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use anyhow::Context;
 use cli::exit::Failure;
 use cli::known;
+use cli::plural::{count, describe_duration};
 use cli::remote::ServerArguments;
 use cli::table::{DASH, table};
 use client::{JobRow, JobState, UnixMs};
@@ -45,18 +46,20 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let now = SystemTime::now().duration_since(UNIX_EPOCH);
     let now = UnixMs(now.context("the clock is before 1970")?.as_millis() as u64);
-    let rows: Vec<Vec<String>> = jobs.iter().map(|job| row(job, now)).collect();
+    let ids: Vec<&str> = jobs.iter().map(|job| job.id.as_str()).collect();
+    let ids = known::shorten_ids(&ids);
+    let rows: Vec<Vec<String>> = jobs.iter().zip(ids).map(|(job, id)| row(job, id, now)).collect();
     println!("{}", table(&HEADER, &rows));
-    println!("{} jobs", jobs.len());
+    println!("{}", count(jobs.len(), "job"));
     Ok(())
 }
 
-fn row(job: &JobRow, now: UnixMs) -> Vec<String> {
+fn row(job: &JobRow, id: String, now: UnixMs) -> Vec<String> {
     let pace = Pace::new(job, now);
     let rate = pace.as_ref().map(|pace| format!("{:.2}", pace.frames_per_s));
-    let remaining = pace.and_then(|pace| pace.remaining_s).map(duration);
+    let remaining = pace.and_then(|pace| pace.remaining_s).map(describe_duration);
     vec![
-        job.id.clone(),
+        id,
         job.dataset.clone(),
         job.state.to_string(),
         format!("{}/{}", job.done, job.frames),
@@ -91,16 +94,6 @@ impl Pace {
     }
 }
 
-/// Such as `3 min 20 s`.
-fn duration(seconds: f64) -> String {
-    let seconds = seconds.ceil() as u64;
-    match (seconds / 3600, seconds / 60 % 60, seconds % 60) {
-        (0, 0, seconds) => format!("{seconds} s"),
-        (0, minutes, seconds) => format!("{minutes} min {seconds} s"),
-        (hours, minutes, _) => format!("{hours} h {minutes} min"),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -124,13 +117,5 @@ mod tests {
         assert_eq!(Pace::new(&job, now), None, "one frame has no pace");
         job.started_at = None;
         assert_eq!(Pace::new(&job, now), None);
-    }
-
-    #[test]
-    fn durations_have_two_units_at_most() {
-        assert_eq!(
-            [0.2, 61.0, 7260.0].map(duration),
-            ["1 s", "1 min 1 s", "2 h 1 min"]
-        );
     }
 }

@@ -4,9 +4,10 @@ use std::path::PathBuf;
 
 use cli::exit::Failure;
 use cli::files;
+use cli::plural::{count, describe_duration};
 use cli::progress::Progress;
 use cli::remote::ServerArguments;
-use client::{Client, FrameWarning, JobRow, JobState};
+use client::{Client, Estimate, FrameWarning, JobPreview, JobRow, JobState};
 use serde_json::json;
 
 /// Seconds of a long poll.
@@ -26,6 +27,9 @@ pub(crate) struct Arguments {
     /// Render it even if its dataset already has all of its images
     #[arg(long)]
     again: bool,
+    /// Show what the job would cost, and its warnings, without submitting it
+    #[arg(long, conflicts_with_all = ["wait", "idempotency_key", "again"])]
+    dry_run: bool,
     /// Print the job as JSON
     #[arg(long)]
     json: bool,
@@ -37,6 +41,10 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let client = arguments.server.client();
     let spec = files::read(&arguments.spec)?;
+    if arguments.dry_run {
+        show_preview(&client.preview_job(&spec)?, arguments.json);
+        return Ok(());
+    }
     let key = arguments.idempotency_key.as_deref();
     let mut job = submit(&client, &spec, key, arguments.again)?;
     if arguments.wait {
@@ -50,6 +58,29 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
         false => Ok(()),
     }
+}
+
+/// Prints what a job would cost.
+fn show_preview(preview: &JobPreview, as_json: bool) {
+    if as_json {
+        println!("{}", json!(preview));
+        return;
+    }
+    for warning in &preview.warnings {
+        eprintln!("warning: {warning}");
+    }
+    let Estimate {
+        seconds,
+        bytes,
+        slots,
+    } = preview.estimate;
+    println!(
+        "{} · about {} on {} · about {:.1} MB; nothing was submitted",
+        count(preview.frames, "frame"),
+        describe_duration(seconds),
+        count(slots, "slot"),
+        bytes / 1e6
+    );
 }
 
 /// Prints a job on a line, and its digest once it has one.
@@ -66,7 +97,10 @@ pub(crate) fn show(job: &JobRow, as_json: bool) {
         frames,
         ..
     } = job;
-    println!("job {id} · dataset {dataset} · {state} · {done} of {frames} frames");
+    println!(
+        "job {id} · dataset {dataset} · {state} · {done} of {}",
+        count(frames, "frame")
+    );
     if let Some(digest) = &job.digest {
         println!("digest {digest}");
     }

@@ -1,4 +1,4 @@
-//! `fathom new`: a job file that starts from a site.
+//! `fathom new`: a job that starts from a site.
 
 use std::path::{Path, PathBuf};
 
@@ -14,7 +14,7 @@ pub(crate) struct Arguments {
     /// The site; `fathom list sites` describes each
     #[arg(value_parser = PossibleValuesParser::new(SITES.map(|site| site.name)))]
     site: String,
-    /// The file to write; without it: SITE.json
+    /// The file to write [default: standard output]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }
@@ -27,14 +27,18 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let Some(site) = SitePreset::find(&arguments.site) else {
         return Err(Failure::BadInput(format!("no site `{}`", arguments.site)));
     };
-    let path = arguments.out.clone();
-    let path = path.unwrap_or_else(|| PathBuf::from(format!("{}.json", site.name)));
+    let Some(path) = &arguments.out else {
+        print!("{}", job(site));
+        let file = PathBuf::from(format!("{}.json", site.name));
+        eprintln!("{}", next_steps(site, &file));
+        return Ok(());
+    };
     if path.exists() {
         let message = format!("{} exists; name another file with --out", path.display());
         return Err(Failure::BadInput(message));
     }
-    files::write(&path, job(site).as_bytes())?;
-    println!("{}", next_steps(site, &path));
+    files::write(path, job(site).as_bytes())?;
+    eprintln!("{}", next_steps(site, path));
     Ok(())
 }
 

@@ -7,6 +7,7 @@ use cli::exit::Failure;
 use cli::job;
 use cli::styles::StyleArguments;
 use cli::table::{cell, table};
+use optics::plan::Stage;
 use renderer::{Engine, SceneSource, Slot};
 use serde_json::json;
 
@@ -52,24 +53,70 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         println!("{}", json!({"plan": plan, "promise": promise}));
         return Ok(());
     }
-    let columns = [
-        "stage", "variant", "terms", "share", "bound", "gain", "cost_ms", "note",
-    ];
+    let columns = ["stage", "variant", "terms", "bound", "gain", "cost_ms"];
     let rows = plan.stages.iter().map(|stage| {
         let stage = json!(stage);
         columns.map(|column| cell(&stage[column])).to_vec()
     });
     println!("{}", table(&columns, &rows.collect::<Vec<_>>()));
-    for stage in &plan.stages {
-        if let Some(error) = stage.printed_model_error() {
-            println!("Model error of {}: {error}", stage.id.name());
-        }
-    }
+    let of_stages = |text: fn(&Stage) -> Option<String>| {
+        let texts = plan
+            .stages
+            .iter()
+            .filter_map(move |stage| Some((stage.id.name(), text(stage)?)));
+        join_stages(texts)
+    };
+    print_remarks("Notes", &of_stages(|stage| stage.note.clone()));
+    print_remarks("Model errors", &of_stages(Stage::printed_model_error));
     if let Some(promise) = promise {
-        println!("{}", promise.text);
+        println!("\n{}", promise.text);
         if let Some(reason) = promise.exceeds {
             eprintln!("warning: the plan exceeds the tolerance: {reason}");
         }
     }
     Ok(())
+}
+
+/// What a plan says about some stages.
+#[derive(Debug, PartialEq)]
+struct Remark {
+    stages: Vec<&'static str>,
+    text: String,
+}
+
+/// Remarks in the order of stages; those with the same text are one.
+fn join_stages(texts: impl Iterator<Item = (&'static str, String)>) -> Vec<Remark> {
+    let mut remarks: Vec<Remark> = Vec::new();
+    for (stage, text) in texts {
+        match remarks.iter_mut().find(|remark| remark.text == text) {
+            Some(remark) => remark.stages.push(stage),
+            None => remarks.push(Remark {
+                stages: vec![stage],
+                text,
+            }),
+        }
+    }
+    remarks
+}
+
+fn print_remarks(title: &str, remarks: &[Remark]) {
+    if remarks.is_empty() {
+        return;
+    }
+    println!("\n{title}:");
+    for Remark { stages, text } in remarks {
+        println!("  {}: {text}", stages.join(", "));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stages_with_one_remark_share_a_line() {
+        let texts = [("a", "x"), ("b", "y"), ("c", "x")].map(|(stage, text)| (stage, text.to_owned()));
+        let remarks = join_stages(texts.into_iter());
+        assert_eq!((remarks.len(), &remarks[0].stages), (2, &vec!["a", "c"]));
+    }
 }

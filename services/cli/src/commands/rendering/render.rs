@@ -1,6 +1,7 @@
 //! `fathom render`: renders a job without a service, to the same bytes.
 
 use cli::exit::Failure;
+use cli::plural::count;
 use cli::progress::Progress;
 use cli::render::Arguments;
 use renderer::local::LocalError;
@@ -25,8 +26,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         _ => Failure::input(error),
     })?;
     println!(
-        "{} frames in {:.1} s ({:.2} frames/s) in {}",
-        summary.frames,
+        "{} in {:.1} s ({:.2} frames/s) in {}",
+        count(summary.frames, "frame"),
         summary.elapsed.as_secs_f64(),
         summary.frames as f64 / summary.elapsed.as_secs_f64().max(1e-9),
         arguments.out.display()

@@ -1,6 +1,7 @@
 //! `fathom gc`: removes files that belong to no shard.
 
 use cli::exit::Failure;
+use cli::plural::count;
 
 use super::failure::failure;
 use super::open::open;
@@ -18,7 +19,7 @@ pub(crate) struct Arguments {
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let removed = open(&arguments.set)?.sweep(arguments.older).map_err(failure)?;
-    println!("{removed} files removed");
+    println!("{} removed", count(removed, "file"));
     Ok(())
 }
 

@@ -7,6 +7,7 @@ use api::{Data, Intake, SetHead};
 use catalogue::{CatalogueError, JobRow, UnixMs};
 use cli::exit::Failure;
 use cli::import::Arguments;
+use cli::plural::count;
 use cli::progress::Progress;
 use serde_json::json;
 use sets::{Location, Set};
@@ -100,7 +101,11 @@ fn print(as_json: bool, job: &JobRow, tally: &Tally, seconds: f64) {
         return;
     }
     let rate = *images as f64 / seconds.max(1e-9);
-    println!("{shards} shards with {images} images in {seconds:.1} s ({rate:.0} images/s)");
+    println!(
+        "{} with {} in {seconds:.1} s ({rate:.0} images/s)",
+        count(*shards, "shard"),
+        count(*images, "image")
+    );
     println!(
         "{} · dataset {} · {} · {} of {} frames, {} failed",
         job.id, job.dataset, job.state, job.done, job.frames, job.failed

@@ -5,6 +5,7 @@ use std::hash::{BuildHasher, RandomState};
 use std::time::{Duration, Instant};
 
 use cli::exit::Failure;
+use cli::plural::count;
 use cli::progress::Progress;
 use cli::render::{Arguments, LimitArguments, SetArguments};
 use cli::signals::stop_at_signal;
@@ -112,9 +113,9 @@ pub(crate) fn recipe(
 fn report(set: &Set, selection: &Selection, tally: &Tally) -> Result<(), Failure> {
     let seconds = tally.begun.elapsed().as_secs_f64();
     println!(
-        "{} shards with {} frames in {seconds:.1} s ({:.2} frames/s) in {}",
-        tally.shards,
-        tally.frames,
+        "{} with {} in {seconds:.1} s ({:.2} frames/s) in {}",
+        count(tally.shards, "shard"),
+        count(tally.frames, "frame"),
         tally.frames as f64 / seconds.max(1e-9),
         set.location()
     );

@@ -52,7 +52,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let rows: Vec<Vec<String>> = cards.iter().map(row).collect();
     println!(
         "{}",
-        table(&["style", "licence", "noise", "range", "sha256"], &rows)
+        table(&["style", "license", "noise", "range", "sha256"], &rows)
     );
     if client.is_none() {
         match Runtime::load(arguments.style.onnxruntime.as_deref()) {

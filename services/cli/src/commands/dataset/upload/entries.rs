@@ -5,6 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use cli::exit::Failure;
+use cli::plural::count;
 use cli::table;
 
 /// Deepest level of subfolders.
@@ -172,7 +173,7 @@ impl Unused {
                 );
             } else {
                 rows.push(vec![
-                    format!("{pattern} ({} files)", names.len()),
+                    format!("{pattern} ({})", count(names.len(), "file")),
                     reason.to_owned(),
                 ]);
             }

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use cli::exit::Failure;
+use cli::plural::count;
 use cli::progress::Progress;
 use client::Client;
 
@@ -28,7 +29,11 @@ pub(super) fn upload_folder(client: &Client, arguments: &Arguments) -> Result<()
         plan.notes
             .push("the camera of the options replaces those of the files".to_owned());
     }
-    eprintln!("layout {}: {} scenes", plan.layout.name(), plan.scenes.len());
+    eprintln!(
+        "layout {}: {}",
+        plan.layout.name(),
+        count(plan.scenes.len(), "scene")
+    );
     if plan.problems.is_empty() && plan.scenes.is_empty() {
         report_unused(&plan);
         let message = format!("{} holds no picture of a scene", arguments.rgb.display());
@@ -80,13 +85,14 @@ fn check_cameras(plan: &mut FolderPlan, arguments: &Arguments) {
         .scenes
         .iter()
         .filter(|scene| scene.files.contains_key(&Role::ZDepth) && !scene.camera.is_given());
-    let (count, first) = (
+    let (scenes, first) = (
         without.clone().count(),
         without.map(|scene| scene.name.clone()).next(),
     );
     if let Some(first) = first {
         plan.problems.push(format!(
-            "{count} scenes have a z-depth but no camera, `{first}` first; give --hfov-deg or --focal-px"
+            "{} with a z-depth but without a camera, `{first}` first; give --hfov-deg or --focal-px",
+            count(scenes, "scene")
         ));
     }
 }
@@ -144,8 +150,9 @@ fn upload_scenes(client: &Client, arguments: &Arguments, plan: &FolderPlan) -> R
     eprintln!("{}", counts.describe());
     match refused.len() {
         0 => Ok(()),
-        count => Err(Failure::BadInput(format!(
-            "{count} pictures were rejected:\n{}",
+        refusals => Err(Failure::BadInput(format!(
+            "{} rejected:\n{}",
+            count(refusals, "picture"),
             refused.join("\n")
         ))),
     }
@@ -187,7 +194,8 @@ impl Counts {
             with_pose,
         } = self;
         format!(
-            "{scenes} scenes: {with_range} with range, {} without, {with_mask} with mask, {with_pose} with pose; {known} uploaded before",
+            "{}: {with_range} with range, {} without, {with_mask} with mask, {with_pose} with pose; {known} uploaded before",
+            count(scenes, "scene"),
             scenes - with_range
         )
     }

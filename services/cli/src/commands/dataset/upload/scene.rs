@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use cli::exit::Failure;
 use cli::files;
+use cli::plural::count;
 use client::{Client, ClientError, Received, SceneView};
 use imaging::codec::{decode_mask, has_distances};
 use serde_json::json;
@@ -218,7 +219,11 @@ pub(super) fn describe_summary(scene: &SceneView) -> String {
             .map(|class| format!("{} {} px", class.name, class.pixels))
             .collect();
         let separator = if classes.is_empty() { "" } else { ": " };
-        parts.push(format!("{objects} objects{separator}{}", classes.join(", ")));
+        parts.push(format!(
+            "{}{separator}{}",
+            count(objects, "object"),
+            classes.join(", ")
+        ));
     }
     parts.extend(summary.notes.iter().cloned());
     parts.join("; ")

@@ -1,5 +1,6 @@
 //! The findings of a scrub.
 
+use cli::plural::count;
 use serde::Serialize;
 use store::Scrubbed;
 
@@ -122,7 +123,7 @@ impl Findings {
             println!("mirror: {finding}");
         }
         if self.mirror_written > 0 {
-            println!("{} files of the mirror were written", self.mirror_written);
+            println!("{} of the mirror written", count(self.mirror_written, "file"));
         }
         for finding in &self.packs {
             println!("packs: {finding}");

@@ -12,7 +12,7 @@ use ureq::unversioned::multipart::{Form, Part};
 
 /// Options of `fathom styles add`.
 #[derive(clap::Args)]
-#[command(after_help = "Example:\n  fathom styles add bay.onnx --licence CC-BY-4.0")]
+#[command(after_help = "Example:\n  fathom styles add bay.onnx --license CC-BY-4.0")]
 pub(super) struct Arguments {
     /// The network as ONNX; NAME.card.json next to it, if there is one, has the values of missing options
     #[arg(value_name = "FILE")]
@@ -21,7 +21,7 @@ pub(super) struct Arguments {
     #[arg(long)]
     name: Option<String>,
     /// Its license
-    #[arg(long)]
+    #[arg(long = "license", alias = "licence", value_name = "LICENSE")]
     licence: Option<String>,
     /// The photos that it was trained on
     #[arg(long)]

@@ -30,7 +30,12 @@ pub(crate) struct Arguments {
     #[arg(long, default_value = ".", value_name = "DIR")]
     pub(super) out: PathBuf,
     /// License of the photo, and so of the model; it is written on the card
-    #[arg(long, default_value = "unknown")]
+    #[arg(
+        long = "license",
+        alias = "licence",
+        default_value = "unknown",
+        value_name = "LICENSE"
+    )]
     pub(super) licence: String,
     /// Source of the photo; it is written on the card
     #[arg(long, default_value = "trained from photos given by the user")]

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use cli::classes::Named;
 use cli::exit::Failure;
+use cli::plural::count;
 use client::ImageRow;
 
 use crate::commands::dataset::export::files::lists::{Lists, METADATA, SUMS};
@@ -209,7 +210,7 @@ impl Part {
     /// Completes the sums.
     pub(crate) fn close(self) -> Result<(), Failure> {
         if let Some(name) = &self.name {
-            println!("{name}: {} images", self.lists.frames);
+            println!("{name}: {}", count(self.lists.frames, "image"));
         }
         self.lists.finish()?;
         println!(

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use anyhow::Context;
 use cli::classes::{Named, SceneClasses};
 use cli::exit::Failure;
+use cli::plural::count;
 use client::ImageRow;
 use rayon::prelude::*;
 
@@ -176,10 +177,10 @@ impl<'a> Export<'a> {
             eprintln!("warning: no scene has the class `{class}` of --classes");
         }
         println!(
-            "{} images in {} ({} files fetched, the others were there)",
-            self.images,
+            "{} in {} ({} fetched, the others were there)",
+            count(self.images, "image"),
             self.order.target.root().display(),
-            self.fetched
+            count(self.fetched, "file")
         );
         let whole = Finish {
             dataset: &self.arguments.dataset,

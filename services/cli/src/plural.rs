@@ -1,0 +1,41 @@
+//! Numbers of things and of seconds in words.
+
+use std::fmt::Display;
+
+/// A number with its noun, such as `1 frame` and `3 frames`.
+pub fn count(number: impl Display, noun: &str) -> String {
+    let number = number.to_string();
+    let ending = if number == "1" { "" } else { "s" };
+    format!("{number} {noun}{ending}")
+}
+
+/// Such as `3 min 20 s`.
+pub fn describe_duration(seconds: f64) -> String {
+    let seconds = seconds.ceil() as u64;
+    match (seconds / 3600, seconds / 60 % 60, seconds % 60) {
+        (0, 0, seconds) => format!("{seconds} s"),
+        (0, minutes, seconds) => format!("{minutes} min {seconds} s"),
+        (hours, minutes, _) => format!("{hours} h {minutes} min"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_one_thing_has_no_plural() {
+        assert_eq!(
+            [0, 1, 2, 11].map(|number| count(number, "frame")),
+            ["0 frames", "1 frame", "2 frames", "11 frames"]
+        );
+    }
+
+    #[test]
+    fn durations_have_two_units_at_most() {
+        assert_eq!(
+            [0.2, 61.0, 7260.0].map(describe_duration),
+            ["1 s", "1 min 1 s", "2 h 1 min"]
+        );
+    }
+}

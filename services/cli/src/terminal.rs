@@ -1,0 +1,26 @@
+//! The width of the terminal.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use console::Term;
+
+/// Whether `--wide` was given.
+static IS_WIDE: AtomicBool = AtomicBool::new(false);
+
+/// Lets tables be as wide as they are.
+pub(crate) fn set_wide() {
+    IS_WIDE.store(true, Ordering::Relaxed);
+}
+
+/// Columns for a table: those of the variable `COLUMNS`, or else of the terminal; `None` in a file or a pipe, and with `--wide`.
+pub(crate) fn width() -> Option<usize> {
+    if IS_WIDE.load(Ordering::Relaxed) {
+        return None;
+    }
+    let given = std::env::var("COLUMNS").ok().and_then(|text| text.parse().ok());
+    given.or_else(|| {
+        Term::stdout()
+            .size_checked()
+            .map(|(_, columns)| usize::from(columns))
+    })
+}
