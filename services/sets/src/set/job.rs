@@ -91,11 +91,7 @@ pub struct NewSet<'a> {
 
 impl Card {
     pub(crate) fn new(set: &NewSet<'_>) -> Result<Self, SetError> {
-        let usual = || {
-            FRAMES_PER_SHARD
-                .min(set.job.frames().div_ceil(set.parts.max(1)))
-                .max(1)
-        };
+        let usual = || usual_size(set.job.frames(), set.parts.max(1));
         let frames_per_shard = set.frames_per_shard.unwrap_or_else(usual);
         if !(1..=MOST_FRAMES_PER_SHARD).contains(&frames_per_shard) {
             return Err(SetError::Refused(format!(

@@ -53,7 +53,7 @@ const TOPICS: &[Topic] = topics! {
         "seal" "fathom seal tour";
         "verify" "fathom verify tour@1";
     }
-    "Set commands" {
+    "Sharded dataset commands" {
         "status" "fathom status s3://bucket/set";
         "import" "fathom import s3://bucket/set --server --wait";
         "gc" "fathom gc s3://bucket/set";
@@ -144,7 +144,7 @@ mod tests {
     fn the_help_shows_topics_and_a_command_its_example() {
         let mut command = crate::commands::command();
         let help = command.render_help().to_string();
-        for part in ["Job commands:\n  submit", "Pause a job", "Options:\n  -h, --help"] {
+        for part in ["Job commands:\n  submit", "Pause a job", "Options:\n      --wide"] {
             assert!(help.contains(part), "{part} is missing in:\n{help}");
         }
         let submit = command
