@@ -21,7 +21,7 @@ mod warnings;
 pub use imaging::digest::{hex, sha256};
 pub use imaging::geometry::Intrinsics;
 
-pub use artifact::{ArtifactKind, is_media_type};
+pub use artifact::ArtifactKind;
 pub use camera::{
     Camera, CameraView, Cfa, Chroma, Defocus, Distortion, Exposure, Jpeg, Metering, Motion, Path, Port,
     Sensor, Tone, Vignette, Waypoint, WhiteBalance,

@@ -1,6 +1,5 @@
 //! State of a running service, composed of its topics.
 
-use std::fs::File;
 use std::io;
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -12,7 +11,7 @@ use tokio_util::sync::CancellationToken;
 use crate::bytes::Bytes;
 use crate::bytes::sets::SetFiles;
 use crate::config::{Config, Surroundings};
-use crate::data::{Data, DataError};
+use crate::data::{Data, DataError, FolderLock};
 use crate::datasets::Datasets;
 use crate::engine::Engine;
 use crate::http::auth::TokenError;
@@ -28,6 +27,7 @@ use crate::processes::child::Children;
 use crate::processes::compute::Compute;
 use crate::processes::decoding::Decoding;
 use crate::processes::live::Live;
+use crate::processes::scratch::Scratch;
 use crate::scenes::Scenes;
 use crate::sets::Sets;
 use crate::styles::{AddedStyleError, Styles};
@@ -45,6 +45,9 @@ pub enum StartError {
     /// The added styles cannot be loaded.
     #[error(transparent)]
     Styles(#[from] AddedStyleError),
+    /// The folder for temporary files cannot be emptied.
+    #[error("cannot empty the folder `tmp` of the data folder: {0}")]
+    Scratch(std::io::Error),
     /// Open jobs cannot be read.
     #[error(transparent)]
     Catalogue(#[from] CatalogueError),
@@ -82,7 +85,7 @@ impl App {
     pub(crate) async fn open(
         config: &Config,
         surroundings: &Surroundings,
-    ) -> Result<(Self, File), StartError> {
+    ) -> Result<(Self, FolderLock), StartError> {
         let Surroundings { clock, limits, .. } = surroundings;
         let stop = CancellationToken::new();
         let metrics = renderer::vocabulary(&config.library, false).metrics;
@@ -101,7 +104,8 @@ impl App {
             limits.reserve_bytes,
         );
         let bytes = Arc::new(bytes);
-        let processes = Arc::new(new_processes(config, limits));
+        let scratch = Scratch::open(&config.data).map_err(StartError::Scratch)?;
+        let processes = Arc::new(new_processes(config, limits, scratch));
         let waters = Arc::new(Waters::open(Arc::clone(&catalogue), clock.clone()).await?);
         let styles = Styles::open(
             config,
@@ -176,12 +180,14 @@ impl App {
     }
 }
 
-fn new_processes(config: &Config, limits: &Limits) -> Processes {
+fn new_processes(config: &Config, limits: &Limits, scratch: Scratch) -> Processes {
+    let scratch = Arc::new(scratch);
     let program = &config.program;
     Processes {
         compute: Compute::new(limits.compute),
         children: Children::new(program, config.style_options(), limits.children),
-        decoding: Decoding::new(program, limits.uploads + limits.pictures, limits.decoding_mib),
+        decoding: Decoding::new(program, Arc::clone(&scratch), limits.uploads + limits.pictures, limits.decoding_mib),
+        scratch,
         live: (config.workers > 0).then(|| Live::new(program, &config.data, config.style_options())),
     }
 }

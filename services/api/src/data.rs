@@ -72,7 +72,7 @@ pub struct Data {
     pub catalogue: Catalogue,
     /// The artifacts.
     pub store: Store,
-    pub(crate) lock: File,
+    pub(crate) lock: FolderLock,
 }
 
 impl Data {
@@ -208,9 +208,21 @@ fn has_packs(folder: &Path) -> bool {
         .any(|name| name != "folder.id")
 }
 
-/// Locks the data folder. The lock ends when the file is dropped, also if the process is killed.
-fn lock(folder: &Path) -> Result<File, DataError> {
+/// The lock of a data folder: on a file in it, and on the folder itself.
+#[derive(Debug)]
+pub(crate) struct FolderLock {
+    _file: File,
+    _folder: Option<File>,
+}
+
+/// Locks the data folder until this is dropped, also if the process is killed.
+fn lock(folder: &Path) -> Result<FolderLock, DataError> {
     let path = folder.join("lock");
+    // A file can be deleted under its lock, the folder cannot. Some network file systems lock no folders.
+    let itself = File::open(folder).ok();
+    if let Some(Err(TryLockError::WouldBlock)) = itself.as_ref().map(File::try_lock) {
+        return Err(DataError::Taken(folder.to_owned()));
+    }
     let opened = File::options()
         .create(true)
         .truncate(false)
@@ -218,7 +230,10 @@ fn lock(folder: &Path) -> Result<File, DataError> {
         .open(&path);
     let locked = opened.map_err(TryLockError::Error).and_then(|file| {
         file.try_lock()?;
-        Ok(file)
+        Ok(FolderLock {
+            _file: file,
+            _folder: itself,
+        })
     });
     locked.map_err(|error| match error {
         TryLockError::WouldBlock => DataError::Taken(folder.to_owned()),
@@ -234,6 +249,8 @@ mod tests {
     fn a_directory_is_taken_once_and_free_again_afterwards() {
         let dir = tempfile::tempdir().unwrap();
         let held = lock(dir.path()).unwrap();
+        assert!(matches!(lock(dir.path()), Err(DataError::Taken(_))));
+        std::fs::remove_file(dir.path().join("lock")).unwrap();
         assert!(matches!(lock(dir.path()), Err(DataError::Taken(_))));
         drop(held);
         assert!(lock(dir.path()).is_ok());

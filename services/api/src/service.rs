@@ -1,6 +1,5 @@
 //! The service as a whole: start, background tasks, shutdown.
 
-use std::fs::File;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::sync::Arc;
 use std::time::Duration;
@@ -14,6 +13,7 @@ use crate::app::{App, StartError};
 use crate::bytes::{reclaim, unnamed};
 use crate::clock::ordered_id;
 use crate::config::{Config, Surroundings};
+use crate::data::FolderLock;
 use crate::http::auth::Tokens;
 use crate::http::hosts::Hosts;
 use crate::http::listener;
@@ -38,7 +38,7 @@ pub struct Service {
     end: CancellationToken,
     /// The server and the background tasks.
     tasks: Vec<JoinHandle<()>>,
-    _lock: File,
+    _lock: FolderLock,
 }
 
 /// Starts a service on this machine.

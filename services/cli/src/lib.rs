@@ -37,6 +37,9 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let matches = commands::command().try_get_matches_from(arguments);
     match matches.and_then(|matches| commands::Arguments::from_arg_matches(&matches)) {
         Ok(arguments) => {
+            if arguments.end_with_stdin {
+                signals::end_with_stdin();
+            }
             if arguments.wide {
                 terminal::set_wide();
             }

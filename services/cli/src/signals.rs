@@ -16,3 +16,11 @@ pub fn stop_at_signal() -> Result<Arc<AtomicBool>, Failure> {
     }
     Ok(stop)
 }
+
+/// Ends the process when its standard input does, as when the process that started it dies.
+pub fn end_with_stdin() {
+    std::thread::spawn(|| {
+        let _ = std::io::copy(&mut std::io::stdin(), &mut std::io::sink());
+        std::process::exit(1);
+    });
+}

@@ -149,7 +149,7 @@ fn export(url: &str, format: &str, out: &Path) -> std::process::Output {
     let usual = [
         "export", "tour", "--format", format, "--out", out, "--server", url,
     ];
-    run(&usual)
+    run(&[&usual[..], sharded].concat())
 }
 
 fn taken(asked: &Asked) -> BTreeMap<u64, u32> {

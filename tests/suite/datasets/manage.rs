@@ -101,7 +101,7 @@ fn a_dataset_is_sealed_verified_compared_and_unsealed() {
     let done = |job: &Value| service.finished(&service.submit(job))["id"].clone();
     let id = done(&job("tour", 4));
     let sealed = printed(&service, &["seal", "tour"]);
-    assert!(sealed.starts_with("tour@1 · 4 images of 1 jobs"), "{sealed}");
+    assert!(sealed.starts_with("tour@1 · 4 images of 1 job"), "{sealed}");
     let root = sealed
         .lines()
         .nth(1)
@@ -212,7 +212,8 @@ fn unknown_names_exit_with_two_and_name_the_nearest() {
         assert!(told.contains("did you mean `tour`?"), "{words:?}: {told}");
     }
     for command in ["wait", "cancel", "pause", "resume", "retry", "errors"] {
-        let output = call(&service, &[command, &id[..12]]);
+        let changed = format!("{}g", &id[..id.len() - 1]);
+        let output = call(&service, &[command, &changed]);
         let told = text(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{command}: {told}");
         assert!(
@@ -224,6 +225,9 @@ fn unknown_names_exit_with_two_and_name_the_nearest() {
         !Path::new(out).exists(),
         "nothing is written for a dataset that is not there"
     );
+    // The beginning of an id is enough.
+    let paused = call(&service, &["pause", &id[..12]]);
+    assert!(paused.status.success() && text(&paused.stdout).contains(&id));
 }
 
 #[test]

@@ -7,22 +7,8 @@ use utoipa::{PartialSchema, ToSchema};
 use crate::encode::Encode;
 use crate::scene_parts::ScenePart;
 
-/// Maximum length of a kind or media type, bytes.
+/// Maximum length of a kind, bytes.
 const MAX_NAME_BYTES: usize = 64;
-
-/// Whether a text is one media type and safe as a `Content-Type` header.
-#[must_use]
-pub fn is_media_type(text: &str) -> bool {
-    let parts = text.split_once('/');
-    text.len() <= MAX_NAME_BYTES && parts.is_some_and(|(kind, name)| is_token(kind) && is_token(name))
-}
-
-fn is_token(text: &str) -> bool {
-    !text.is_empty()
-        && text
-            .bytes()
-            .all(|byte| byte.is_ascii_alphanumeric() || b"-+.".contains(&byte))
-}
 
 /// Declares the kinds with a fixed name: variant, name, format, and unit and meaning of the file.
 macro_rules! artifacts {
@@ -140,6 +126,15 @@ impl ArtifactKind {
             _ => None,
         }
     }
+
+    /// Every media type of an artifact.
+    pub const MEDIA_TYPES: [&str; 5] = [
+        "image/png",
+        "image/jpeg",
+        "image/webp",
+        "application/x-npy",
+        "application/json",
+    ];
 
     /// Media type of the file for this encoding of images.
     #[must_use]

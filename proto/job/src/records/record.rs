@@ -8,7 +8,7 @@ use serde_json::{Map, Value};
 use sha2::{Digest, Sha256};
 use utoipa::ToSchema;
 
-use crate::artifact::{ArtifactKind, is_media_type};
+use crate::artifact::ArtifactKind;
 use crate::scene_record::SceneRecord;
 use crate::truth::TruthRecord;
 
@@ -108,9 +108,10 @@ impl ArtifactEntry {
                 "digest `{digest}` of `{kind}` is not 64 lower-case hexadecimal digits"
             ));
         }
-        if !is_media_type(media_type) {
+        if !ArtifactKind::MEDIA_TYPES.contains(&media_type.as_str()) {
             return Err(format!(
-                "`{media_type}` of `{kind}` is not a media type such as image/png"
+                "`{media_type}` of `{kind}` must be one of {}",
+                ArtifactKind::MEDIA_TYPES.join(", ")
             ));
         }
         Ok(())

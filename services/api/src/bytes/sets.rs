@@ -136,11 +136,15 @@ mod tests {
         }
     }
 
+    fn without_buckets() -> SetFiles {
+        SetFiles::new(Arc::new(|place, _| Err(Unread::Gone(place.set.clone()))))
+    }
+
     #[tokio::test]
     async fn exactly_the_range_is_read_and_only_with_its_digest() {
         let set = tempfile::tempdir().unwrap();
         std::fs::write(set.path().join("a.tar"), b"0123456789").unwrap();
-        let files = SetFiles::default();
+        let files = without_buckets();
         let read = files.read(&place(set.path(), "a.tar", 3), &entry(b"345")).await;
         assert_eq!(read.unwrap(), b"345");
         let other = files.read(&place(set.path(), "a.tar", 4), &entry(b"345")).await;
@@ -162,7 +166,7 @@ mod tests {
         std::fs::write(folder.path().join("secret"), b"345").unwrap();
         std::os::unix::fs::symlink(folder.path().join("secret"), set.join("a.tar")).unwrap();
         for tar in ["a.tar", "../secret"] {
-            let read = SetFiles::default()
+            let read = without_buckets()
                 .read(&place(&set, tar, 0), &entry(b"345"))
                 .await;
             assert!(matches!(read, Err(Unread::Differs(_))), "{tar}: {read:?}");

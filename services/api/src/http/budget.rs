@@ -6,13 +6,15 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use axum::extract::Request;
-use tokio::sync::{OwnedSemaphorePermit, Semaphore};
+use tokio::sync::{AcquireError, OwnedSemaphorePermit, Semaphore};
 use tokio::time::{Instant, timeout_at};
 
 use crate::http::auth::Caller;
 use crate::http::problem::Problem;
 use crate::telemetry;
 
+/// One of this many permits is for callers that have no other.
+const RESERVED: usize = 8;
 /// Callers tracked before idle ones are removed.
 const KNOWN_CALLERS: usize = 64;
 
@@ -39,6 +41,8 @@ pub(crate) struct Budget(Arc<Permits>);
 struct Permits {
     name: &'static str,
     all: Arc<Semaphore>,
+    /// Permits for callers that have no other.
+    reserved: Arc<Semaphore>,
     /// Permits of each caller.
     per_caller: usize,
     callers: Mutex<HashMap<String, Arc<Semaphore>>>,
@@ -60,9 +64,11 @@ pub(crate) struct Share {
 impl Budget {
     /// `patience`: how long a request waits for a permit before it is shed.
     pub(crate) fn new(name: &'static str, permits: usize, share: Share, patience: Duration) -> Self {
+        let reserved = permits / RESERVED;
         Self(Arc::new(Permits {
             name,
-            all: Arc::new(Semaphore::new(permits)),
+            all: Arc::new(Semaphore::new(permits - reserved)),
+            reserved: Arc::new(Semaphore::new(reserved)),
             per_caller: (permits * share.percent).div_ceil(100).max(1),
             callers: Mutex::default(),
             patience,
@@ -78,14 +84,16 @@ impl Budget {
     pub(crate) async fn acquire_many(&self, caller: &str, count: u32) -> Result<Permit, Problem> {
         let permits = &*self.0;
         let deadline = Instant::now() + permits.patience;
-        let own = timeout_at(deadline, permits.find_caller(caller).acquire_many_owned(count)).await;
+        let places = permits.find_caller(caller);
+        let own = timeout_at(deadline, Arc::clone(&places).acquire_many_owned(count)).await;
         let Ok(Ok(own)) = own else {
             return Err(self.shed(format!(
                 "this caller already has {} concurrent {}; retry later",
                 permits.per_caller, permits.name
             )));
         };
-        let all = timeout_at(deadline, Arc::clone(&permits.all).acquire_many_owned(count)).await;
+        let has_no_other = places.available_permits() + count as usize == permits.per_caller;
+        let all = timeout_at(deadline, permits.acquire_place(count, has_no_other)).await;
         let Ok(Ok(all)) = all else {
             return Err(self.shed(format!(
                 "the limit of concurrent {} is reached; retry later",
@@ -102,6 +110,20 @@ impl Budget {
 }
 
 impl Permits {
+    /// Waits for permits of all callers, or for reserved ones.
+    async fn acquire_place(&self, count: u32, may_be_reserved: bool) -> Result<OwnedSemaphorePermit, AcquireError> {
+        let common = Arc::clone(&self.all).acquire_many_owned(count);
+        if !may_be_reserved {
+            return common.await;
+        }
+        let reserved = Arc::clone(&self.reserved).acquire_many_owned(count);
+        tokio::select! {
+            biased;
+            permit = common => permit,
+            permit = reserved => permit,
+        }
+    }
+
     /// The permits of a caller.
     fn find_caller(&self, caller: &str) -> Arc<Semaphore> {
         let mut callers = self.callers.lock().unwrap_or_else(PoisonError::into_inner);
@@ -134,6 +156,21 @@ mod tests {
         assert!(others.iter().all(Option::is_some) && !is_free(&budget, "d").await);
         drop(held);
         assert!(is_free(&budget, "a").await);
+    }
+
+    #[tokio::test(start_paused = true)]
+    async fn callers_that_fill_a_budget_leave_a_place_for_others() {
+        let budget = Budget::new("tests", 16, HALF, Duration::ZERO);
+        let mut held = Vec::new();
+        for caller in ["a", "b"] {
+            while let Ok(permit) = budget.acquire(caller).await {
+                held.push(permit);
+            }
+        }
+        assert_eq!(held.len(), 14, "two of sixteen are reserved");
+        let third = budget.acquire("c").await;
+        assert!(third.is_ok() && !is_free(&budget, "c").await);
+        assert!(budget.acquire("d").await.is_ok());
     }
 
     #[tokio::test(start_paused = true)]

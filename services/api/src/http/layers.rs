@@ -47,11 +47,10 @@ impl Choice {
     }
 }
 
-/// Whether the query has a `wait` other than 0.
+/// Whether the query, read as its route reads it, has a `wait` other than 0.
 fn wants_to_wait(request: &Request) -> bool {
     let query = request.uri().query().unwrap_or_default();
-    let waits = query.split('&').filter_map(|pair| pair.strip_prefix("wait="));
-    waits.into_iter().any(|seconds| seconds != "0")
+    form_urlencoded::parse(query.as_bytes()).any(|(name, seconds)| name == "wait" && seconds != "0")
 }
 
 impl Group {
@@ -201,7 +200,7 @@ mod tests {
     #[test]
     fn only_a_request_with_a_wait_is_a_long_poll() {
         let asks = |query: &str| wants_to_wait(&path(&format!("/v1/jobs/a{query}")));
-        assert!(asks("?wait=10") && asks("?since=3&wait=60"));
+        assert!(asks("?wait=10") && asks("?since=3&wait=60") && asks("?%77ait=60") && asks("?w%61it=1"));
         assert!(!asks("") && !asks("?wait=0") && !asks("?since=3") && !asks("?xwait=3"));
     }
 }

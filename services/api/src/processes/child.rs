@@ -69,10 +69,11 @@ impl Children {
         for (option, path) in &self.options {
             process.arg(option).arg(path);
         }
+        // Its input stays open as long as this service lives, so that it does not outlive it.
+        process.arg("--end-with-stdin").stdin(Stdio::piped());
         let child = process
             .env_remove("FATHOM_TOKEN")
             .env("NO_COLOR", "1")
-            .stdin(Stdio::null())
             .stdout(Stdio::null())
             .stderr(Stdio::piped())
             .kill_on_drop(true)
@@ -84,6 +85,8 @@ impl Children {
 
 async fn watched(mut child: Child, allowance: Allowance) -> Ended {
     let said = tokio::spawn(beginning(child.stderr.take()));
+    // Waiting would close it.
+    let _input = child.stdin.take();
     let id = child.id();
     let verdict = tokio::select! {
         status = child.wait() => status.map_err(|error| error.to_string()),

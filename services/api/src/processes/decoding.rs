@@ -2,6 +2,7 @@
 
 use std::ffi::OsStr;
 use std::path::Path;
+use std::sync::Arc;
 use std::time::Duration;
 
 use axum::body::Bytes;
@@ -14,6 +15,7 @@ use crate::decode::{REPLY, REQUEST, RESULT, Refusal, Request};
 use crate::http::failure::writing;
 use crate::http::problem::Problem;
 use crate::processes::child::{Allowance, Children, Ended};
+use crate::processes::scratch::Scratch;
 
 /// Minimum memory of a process.
 const MIN_MIB: usize = 256;
@@ -24,6 +26,7 @@ const TIME: Duration = Duration::from_secs(120);
 
 /// Starts the processes.
 pub(crate) struct Decoding {
+    scratch: Arc<Scratch>,
     children: Children,
     /// Budget of their total memory, MiB.
     memory: Semaphore,
@@ -65,8 +68,9 @@ impl<R> Decoded<R> {
 }
 
 impl Decoding {
-    pub(crate) fn new(program: &Path, places: usize, most_mib: usize) -> Self {
+    pub(crate) fn new(program: &Path, scratch: Arc<Scratch>, places: usize, most_mib: usize) -> Self {
         Self {
+            scratch,
             children: Children::new(program, Vec::new(), places),
             memory: Semaphore::new(most_mib),
             most_mib,
@@ -83,7 +87,7 @@ impl Decoding {
         let places = u32::try_from(mib).unwrap_or(u32::MAX);
         let memory = self.memory.acquire_many(places).await;
         let _memory = memory.map_err(|error| Problem::internal(&error))?;
-        let folder = TempDir::new().map_err(|error| writing(&error))?;
+        let folder = self.scratch.folder().map_err(|error| writing(&error))?;
         let request = serde_json::to_vec(request).map_err(|error| Problem::internal(&error))?;
         write(folder.path(), REQUEST, &request).await?;
         for (name, bytes) in &files.named {

@@ -16,6 +16,7 @@ use std::sync::{Arc, Mutex, PoisonError, RwLock};
 
 use spec::Vocabulary;
 use style::{Library, LibraryError, ModelCard};
+use tempfile::TempDir;
 use tokio_util::sync::CancellationToken;
 
 use crate::bytes::Bytes;
@@ -94,6 +95,11 @@ impl Styles {
     /// The current styles.
     pub(crate) fn known(&self) -> Arc<Known> {
         Arc::clone(&self.known.read().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// A temporary folder for photos.
+    pub(crate) fn temporary_folder(&self) -> std::io::Result<TempDir> {
+        self.processes.scratch.folder()
     }
 
     /// Copies the added styles into another data folder.

@@ -2,8 +2,6 @@
 
 use std::ffi::OsStr;
 
-use tempfile::TempDir;
-
 use super::Styles;
 use super::new_style::NewStyle;
 use crate::http::failure::writing;
@@ -13,7 +11,7 @@ use crate::processes::child::Ended;
 impl Styles {
     /// Runs `fathom child check-style`; an error describes the failure.
     pub(super) async fn try_out(&self, new: &NewStyle) -> Result<(), Problem> {
-        let folder = TempDir::new().map_err(|error| writing(&error))?;
+        let folder = self.processes.scratch.folder().map_err(|error| writing(&error))?;
         let file = folder.path().join("model.onnx");
         let written = tokio::fs::write(&file, &new.onnx).await;
         written.map_err(|error| writing(&error))?;

@@ -31,6 +31,9 @@ pub(crate) struct Arguments {
     /// Print tables as wide as they are, beyond the terminal
     #[arg(long, global = true)]
     pub(crate) wide: bool,
+    /// End when standard input does
+    #[arg(long, global = true, hide = true)]
+    pub(crate) end_with_stdin: bool,
     #[command(subcommand)]
     pub(crate) command: Command,
 }

@@ -5,12 +5,29 @@ use std::ops::Range;
 use axum::body::{Body, Bytes};
 use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
+use spec::ArtifactKind;
 
 use crate::http::extract::listed;
 use crate::http::problem::{Problem, Slug};
 
 /// Bytes named by their digest never change, so copies stay valid for the maximum time of the standard.
 const IMMUTABLE: &str = "private, max-age=31536000, immutable";
+
+/// Headers of bytes that a browser must not run, embed elsewhere, or take for another type.
+pub(crate) const GUARDED: [(HeaderName, HeaderValue); 3] = [
+    (
+        header::X_CONTENT_TYPE_OPTIONS,
+        HeaderValue::from_static("nosniff"),
+    ),
+    (
+        header::CONTENT_SECURITY_POLICY,
+        HeaderValue::from_static("sandbox; default-src 'none'"),
+    ),
+    (
+        HeaderName::from_static("cross-origin-resource-policy"),
+        HeaderValue::from_static("same-origin"),
+    ),
+];
 
 /// Stored bytes to send.
 pub(crate) struct Stored {
@@ -22,19 +39,18 @@ pub(crate) struct Stored {
 impl Stored {
     /// The whole content, or the requested range.
     pub(crate) fn response(self, headers: &HeaderMap) -> Result<Response, Problem> {
-        let media_type = HeaderValue::from_str(&self.media_type);
-        let media_type = media_type.unwrap_or(HeaderValue::from_static("application/octet-stream"));
+        let known = ArtifactKind::MEDIA_TYPES
+            .into_iter()
+            .find(|known| *known == self.media_type);
+        let media_type = HeaderValue::from_static(known.unwrap_or("application/octet-stream"));
         let length = self.bytes.len();
         let common = (
             immutable(&self.digest),
             [
                 (header::CONTENT_TYPE, media_type),
                 (header::ACCEPT_RANGES, HeaderValue::from_static("bytes")),
-                (
-                    header::X_CONTENT_TYPE_OPTIONS,
-                    HeaderValue::from_static("nosniff"),
-                ),
             ],
+            GUARDED,
         );
         match parse_range(headers, &self.digest, length) {
             RequestedRange::All => Ok((common, self.bytes).into_response()),
@@ -66,7 +82,7 @@ pub(crate) fn has_current_copy(headers: &HeaderMap, tag: &str) -> bool {
 
 /// 304: the client's copy is current.
 pub(crate) fn not_modified(tag: &str) -> Response {
-    (StatusCode::NOT_MODIFIED, immutable(tag)).into_response()
+    (StatusCode::NOT_MODIFIED, immutable(tag), GUARDED).into_response()
 }
 
 /// Headers of immutable bytes.
@@ -134,6 +150,29 @@ mod tests {
             .get(header::CONTENT_RANGE)
             .map(|value| value.to_str().unwrap().to_owned());
         (response.status().as_u16(), place)
+    }
+
+    #[test]
+    fn a_type_that_no_artifact_has_is_served_as_octets_and_nothing_is_run() {
+        let served = |media_type: &str| {
+            let stored = Stored {
+                digest: "abc".to_owned(),
+                media_type: media_type.to_owned(),
+                bytes: b"<script>".to_vec(),
+            };
+            stored.response(&HeaderMap::new()).ok().unwrap().headers().clone()
+        };
+        for (media_type, shown) in [
+            ("text/html", "application/octet-stream"),
+            ("image/svg+xml", "application/octet-stream"),
+            ("image/png", "image/png"),
+        ] {
+            let headers = served(media_type);
+            assert_eq!(headers[header::CONTENT_TYPE], shown);
+            assert_eq!(headers[header::CONTENT_SECURITY_POLICY], "sandbox; default-src 'none'");
+            assert_eq!(headers["cross-origin-resource-policy"], "same-origin");
+        }
+        assert_eq!(not_modified("abc").headers()[header::X_CONTENT_TYPE_OPTIONS], "nosniff");
     }
 
     #[test]

@@ -115,7 +115,7 @@ pub(crate) async fn preview(
     let thumbnail = images.processes.compute.run(move || thumbnail(&bytes)).await?;
     let thumbnail = thumbnail.map_err(|error| Problem::internal(&error))?;
     let png = [(header::CONTENT_TYPE, HeaderValue::from_static("image/png"))];
-    Ok((stored::immutable(&tag), png, thumbnail).into_response())
+    Ok((stored::immutable(&tag), png, stored::GUARDED, thumbnail).into_response())
 }
 
 fn thumbnail(bytes: &[u8]) -> Result<Vec<u8>, String> {

@@ -1,7 +1,6 @@
 use axum::extract::Multipart;
 use axum::http::StatusCode;
 use style::is_name;
-use tempfile::TempDir;
 use utoipa::ToSchema;
 
 use super::training::TrainingView;
@@ -63,13 +62,13 @@ pub(crate) async fn train(
     State(styles): Topic<Styles>,
     MultipartBody(body): MultipartBody,
 ) -> Result<Located<TrainingView>, Problem> {
-    let training = styles.train(read(body).await?).await?;
+    let training = styles.train(read(body, &styles).await?).await?;
     let location = format!("/v1/styles/trainings/{}", training.id);
     let view = TrainingView::new(&training);
     Ok(located(StatusCode::ACCEPTED, location, view))
 }
 
-async fn read(body: Multipart) -> Result<Order, Problem> {
+async fn read(body: Multipart, styles: &Styles) -> Result<Order, Problem> {
     let mut form = Form::read(body, &FIELDS).await?;
     let seed_limit = format!("a whole number in 0..={}", u64::MAX);
     let seed = form.parsed("seed", &seed_limit, |_| true);
@@ -89,7 +88,7 @@ async fn read(body: Multipart) -> Result<Order, Problem> {
         form.refuse("name", message);
     }
     form.check()?;
-    let folder = TempDir::new().map_err(|error| writing(&error))?;
+    let folder = styles.temporary_folder().map_err(|error| writing(&error))?;
     for (index, bytes) in form.all("photo").enumerate() {
         let written = tokio::fs::write(folder.path().join(photo_name(index)), bytes).await;
         written.map_err(|error| writing(&error))?;

@@ -42,7 +42,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         let scenes = known::collection(&client, name)?.len();
         targets.push(Target {
             path: format!("/v1/collections/{}", encode(name)),
-            described: format!("collection {name} (its scenes stay: {scenes})"),
+            described: format!("collection {name} (its {} stay)", count(scenes, "scene")),
         });
     }
     for Target { path, described } in &targets {
@@ -91,7 +91,7 @@ fn target(client: &Client, name: &str) -> Result<Target, Failure> {
     if let Some(Version { dataset, number }) = known::version(name) {
         return Ok(Target {
             path: format!("/v1/datasets/{}/versions/{number}", encode(dataset)),
-            described: format!("the seal of {name} (its images stay: {images})"),
+            described: format!("the seal of {name} (its {} stay)", count(images, "image")),
         });
     }
     Ok(Target {

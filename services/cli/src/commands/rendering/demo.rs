@@ -27,20 +27,19 @@ pub(crate) struct Arguments {
     /// Folder for the catalogue, the artifacts and the contact sheet
     #[arg(long, value_name = "DIR", default_value = "data/demo")]
     out: PathBuf,
-    /// Open the set on the page of the service in a browser, and serve it until Ctrl-C
+    /// Open the dataset on the page of the service in a browser, and serve it until Ctrl-C
     #[arg(long)]
     open: bool,
     #[command(flatten)]
     style: StyleArguments,
 }
 
-/// The job of the demonstration, which is also the example in the README.
-const TOUR: &str = include_str!("../../../../../examples/tour.json");
-const ROW_FIELDS: [&str; 9] = [
+/// The job of the demonstration: frames of six sites.
+const SITES: &str = include_str!("../../../../../examples/sites.json");
+const ROW_FIELDS: [&str; 8] = [
     "frame",
+    "site",
     "water.optics",
-    "water.style",
-    "alpha",
     "entropy",
     "uicm",
     "uiqm",
@@ -88,7 +87,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 
 fn show(client: &Client, out: &Path) -> Result<(), Failure> {
     let begun = Instant::now();
-    let job = submit::submit(client, TOUR.as_bytes(), None, false)?;
+    let job = submit::submit(client, SITES.as_bytes(), None, false)?;
     let job = submit::wait(client, &job)?;
     println!(
         "\njob {}: {} of {} frames in {:.1} s\n",
@@ -108,7 +107,7 @@ fn show(client: &Client, out: &Path) -> Result<(), Failure> {
         limit: 1000,
     };
     println!("{}\n", image_table(&fields, &client.images(query)?));
-    println!("{}\n", style_table(client, &job.dataset, &filter)?);
+    println!("{}\n", site_table(client, &job.dataset, &filter)?);
 
     let picture = out.join("contact-sheet.png");
     let fields = sheet::FIELDS.map(str::to_owned);
@@ -125,7 +124,7 @@ fn show(client: &Client, out: &Path) -> Result<(), Failure> {
 
 /// The address of the demonstration on the page of a service.
 fn page_address(server: &str) -> String {
-    format!("{server}/#/set/tour")
+    format!("{server}/#/set/sites")
 }
 
 /// Opens an address in the browser of the desktop, if there is one.
@@ -146,11 +145,11 @@ fn open_browser(address: &str) {
     }
 }
 
-/// Mean and standard deviation of each metric for each style water.
-fn style_table(client: &Client, dataset: &str, filter: &str) -> Result<String, Failure> {
+/// Mean and standard deviation of each metric for each site.
+fn site_table(client: &Client, dataset: &str, filter: &str) -> Result<String, Failure> {
     let query = StatisticsQuery {
         metrics: &GROUP_METRICS.join(","),
-        group_by: "water.style",
+        group_by: "site",
         filter,
         ..StatisticsQuery::default()
     };
@@ -169,7 +168,7 @@ fn style_table(client: &Client, dataset: &str, filter: &str) -> Result<String, F
             std::iter::once(name.clone()).chain(values).collect()
         })
         .collect();
-    let header: Vec<&str> = std::iter::once("style").chain(GROUP_METRICS).collect();
+    let header: Vec<&str> = std::iter::once("site").chain(GROUP_METRICS).collect();
     Ok(table(&header, &rows))
 }
 
