@@ -186,7 +186,12 @@ fn new_processes(config: &Config, limits: &Limits, scratch: Scratch) -> Processe
     Processes {
         compute: Compute::new(limits.compute),
         children: Children::new(program, config.style_options(), limits.children),
-        decoding: Decoding::new(program, Arc::clone(&scratch), limits.uploads + limits.pictures, limits.decoding_mib),
+        decoding: Decoding::new(
+            program,
+            Arc::clone(&scratch),
+            limits.uploads + limits.pictures,
+            limits.decoding_mib,
+        ),
         scratch,
         live: (config.workers > 0).then(|| Live::new(program, &config.data, config.style_options())),
     }

@@ -18,6 +18,7 @@ pub mod job;
 pub mod known;
 pub mod options;
 pub mod plural;
+mod program;
 pub mod progress;
 pub mod sheet;
 pub mod signals;

@@ -5,7 +5,7 @@ use optics::plan::{Budget, SceneBounds, Variant, brightest_behind};
 use spec::Fidelity;
 
 use crate::context::FrameContext;
-use crate::stage::daylight::TileDaylight;
+use crate::daylight_bounds::TileDaylight;
 
 /// Inputs for assessing the stages.
 pub(crate) struct Assessment<'a> {

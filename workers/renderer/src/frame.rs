@@ -2,6 +2,7 @@
 
 pub(crate) mod content;
 pub(crate) mod context;
+pub(crate) mod daylight_bounds;
 pub(crate) mod effects;
 pub(crate) mod inputs;
 pub(crate) mod light;

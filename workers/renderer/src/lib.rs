@@ -22,7 +22,7 @@ pub use content::{Content, Contents};
 pub use engine::Engine;
 pub use error::RenderError;
 pub use file::{EXTENSIONS, File, extension};
-use frame::{content, context, effects, inputs, light, preview};
+use frame::{content, context, daylight_bounds, effects, inputs, light, preview};
 use output::{file, provenance, record};
 pub use provenance::{CODE_VERSION, cpu_features};
 use resources::{engine, source, vocabulary};

@@ -10,12 +10,12 @@ use optics::visible_bounds::TILE_PX;
 
 use crate::assessment::Assessment;
 use crate::context::FrameContext;
+use crate::daylight_bounds::{self, TileDaylight};
 use crate::engine::Engine;
 use crate::error::RenderError;
 use crate::pipeline;
 use crate::stage::camera::Expected;
-use crate::stage::daylight::TileDaylight;
-use crate::stage::{camera, daylight, enhance, haze, snow, style, truth};
+use crate::stage::{camera, enhance, haze, snow, style, truth};
 
 /// How often the shares of stages are halved.
 const MOST_HALVINGS: usize = 2;
@@ -30,7 +30,7 @@ pub(crate) fn plan_frame(
     let Setting { lighting, around, .. } = &context.setting;
     let seen = lighting.as_ref().zip(context.view.as_ref());
     let surfaces = seen.map(|(lighting, view)| lamp::bound_irradiance(lighting, view));
-    let daylight = daylight::bound_tiles(context);
+    let daylight = daylight_bounds::bound_tiles(context);
     let bounds = bound_scene(context, daylight.as_deref(), surfaces.as_ref());
     let tolerance = frame_tolerance(
         context.frame,

@@ -111,7 +111,11 @@ impl Budget {
 
 impl Permits {
     /// Waits for permits of all callers, or for reserved ones.
-    async fn acquire_place(&self, count: u32, may_be_reserved: bool) -> Result<OwnedSemaphorePermit, AcquireError> {
+    async fn acquire_place(
+        &self,
+        count: u32,
+        may_be_reserved: bool,
+    ) -> Result<OwnedSemaphorePermit, AcquireError> {
         let common = Arc::clone(&self.all).acquire_many_owned(count);
         if !may_be_reserved {
             return common.await;

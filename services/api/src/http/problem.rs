@@ -51,7 +51,7 @@ slugs! {
     /// A query parameter is unknown, missing or of the wrong type.
     InvalidQuery = "invalid-query", BAD_REQUEST, "A query parameter is not valid";
     /// The filter does not parse or names an unknown column; `position` counts characters from 0.
-    InvalidFilter = "invalid-filter", BAD_REQUEST, "The filter is not valid";
+    InvalidFilter = "invalid-filter", BAD_REQUEST, "The query is not valid";
     /// The cursor is not from this list.
     InvalidCursor = "invalid-cursor", BAD_REQUEST, "The cursor is not valid";
     /// A part of the path is malformed.

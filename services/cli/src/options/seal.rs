@@ -1,5 +1,4 @@
-//! The options of `fathom seal` and `fathom verify`, which two programs read: `fathom` for a dataset of a service, `fathom-cluster` for
-//! a set.
+//! The options of `fathom seal` and `fathom verify`, for a dataset of a service and for a sharded dataset.
 
 use crate::remote::ServerArguments;
 use crate::render::LimitArguments;

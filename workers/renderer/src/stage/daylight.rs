@@ -1,19 +1,15 @@
 //! Daylight on surfaces, and its shafts in the water in front of them.
 
 mod assess;
-mod limits;
 
 pub(crate) use assess::{assess, effect_ns};
-pub(crate) use limits::{TileDaylight, bound_tiles};
 
 use std::borrow::Cow;
 
 use imaging::rays::Rays;
 use imaging::{Plane, Rgb};
 use optics::chain::Layers;
-use optics::daylight::{
-    self, Daylight, RAYS_PER_CELL, Reaching, Refraction, SunLight, SurfaceLight, Surfaces,
-};
+use optics::daylight::{self, Daylight, RAYS_PER_CELL, Reaching, Refraction, SunLight, Surfaces};
 use optics::lamp;
 use optics::plan::{Plan, StageId, Variant};
 use optics::range::of_surfaces;
@@ -21,14 +17,9 @@ use optics::setting::Setting;
 use optics::water::Water;
 
 use crate::context::FrameContext;
+use crate::daylight_bounds::on_surfaces;
 use crate::inputs::caustics::Pattern;
 use crate::inputs::scene::Prepared;
-
-/// Daylight on the surfaces of a frame; `None` if it reaches none.
-fn on_surfaces(setting: &Setting) -> Option<&Daylight> {
-    let daylight = setting.water.as_ref()?.daylight()?;
-    (daylight.surfaces() != SurfaceLight::None).then_some(daylight)
-}
 
 /// A scene in daylight; `None` if it reaches no surface.
 pub(crate) fn run(context: &FrameContext<'_>) -> Option<Rgb<f32>> {

@@ -341,3 +341,20 @@ fn without_a_service_a_collection_is_rejected() {
     );
     assert_eq!(found[0].allowed, ["procedural", "uploaded", "files"]);
 }
+
+#[test]
+fn scene_files_fit_together() {
+    let found = |scene: Value| {
+        let text = json!({"scene": scene}).to_string();
+        let errors = Job::parse(text.as_bytes(), &vocabulary(true)).unwrap_err().0;
+        let pointers: Vec<_> = errors.iter().map(|error| error.pointer.as_str()).collect();
+        pointers.join(" ")
+    };
+    let both = json!({"kind": "files", "rgb": "a", "range": "r", "z_depth": "z"});
+    assert_eq!(found(both), "/scene/z_depth");
+    assert_eq!(
+        found(json!({"kind": "files", "rgb": "a", "unit_m": 1, "invalid_code": 0})),
+        "/scene/unit_m /scene/invalid_code"
+    );
+    assert_eq!(found(json!({"kind": "files", "rgb": "a\0b"})), "/scene/rgb");
+}

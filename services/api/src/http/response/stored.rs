@@ -169,10 +169,16 @@ mod tests {
         ] {
             let headers = served(media_type);
             assert_eq!(headers[header::CONTENT_TYPE], shown);
-            assert_eq!(headers[header::CONTENT_SECURITY_POLICY], "sandbox; default-src 'none'");
+            assert_eq!(
+                headers[header::CONTENT_SECURITY_POLICY],
+                "sandbox; default-src 'none'"
+            );
             assert_eq!(headers["cross-origin-resource-policy"], "same-origin");
         }
-        assert_eq!(not_modified("abc").headers()[header::X_CONTENT_TYPE_OPTIONS], "nosniff");
+        assert_eq!(
+            not_modified("abc").headers()[header::X_CONTENT_TYPE_OPTIONS],
+            "nosniff"
+        );
     }
 
     #[test]

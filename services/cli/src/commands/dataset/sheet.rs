@@ -107,7 +107,13 @@ fn fetch(client: &Client, row: &ImageRow, kind: &str) -> Result<Stored, Failure>
         encode(&frame),
         encode(kind)
     );
-    Stored::read(kind, &client.get_bytes(&path)?)
+    match client.get_bytes(&path) {
+        Err(error) if error.is_not_found() => Err(Failure::BadInput(format!(
+            "--kind is `{kind}`, which image {job}/{frame} does not have; list it in `artifacts` of the job, or choose other images \
+             with --filter"
+        ))),
+        bytes => Stored::read(kind, &bytes?),
+    }
 }
 
 fn caption(row: &ImageRow) -> Vec<String> {

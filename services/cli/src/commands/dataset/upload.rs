@@ -6,6 +6,7 @@ mod entries;
 mod folder;
 mod layout;
 mod named;
+mod named_role;
 mod nerfstudio;
 mod plan;
 mod poses;

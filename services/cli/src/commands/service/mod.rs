@@ -1,7 +1,6 @@
 //! Running and maintaining a service.
 
 pub(crate) mod backup;
-pub(crate) mod programs;
 pub(crate) mod scrub;
 pub(crate) mod serve;
 pub(crate) mod worker;

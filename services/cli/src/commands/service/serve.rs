@@ -15,8 +15,8 @@ use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::layer::SubscriberExt;
 use tracing_subscriber::util::SubscriberInitExt;
 
-use super::programs::own_program;
 use crate::commands::sharded::buckets;
+use crate::program::own_program;
 
 /// Options of `fathom serve`.
 #[derive(clap::Args)]

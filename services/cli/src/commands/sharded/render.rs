@@ -15,7 +15,7 @@ use sets::{Crew, Location, NewSet, Outcome, Recipe, Selection, Set, Watch, allow
 use super::dispatch;
 use super::failure::failure;
 use super::tally::Tally;
-use crate::commands::service::programs::own_program;
+use crate::program::own_program;
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {

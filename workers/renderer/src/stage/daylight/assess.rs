@@ -5,10 +5,9 @@ use optics::plan::{ErrorBound, Stage, StageId, Variant};
 use optics::water::Water;
 use spec::RaySource;
 
-use super::limits::farthest_surface;
-use super::{TileDaylight, on_surfaces};
 use crate::assessment::Assessment;
 use crate::context::FrameContext;
+use crate::daylight_bounds::{TileDaylight, farthest_surface, on_surfaces};
 
 /// Costs in ns per pixel: daylight on surfaces under an overcast sky and with the sun, a sun ray, each ambient-occlusion ray if any
 /// are traced, and caustics including their tiles.

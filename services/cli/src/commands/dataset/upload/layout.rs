@@ -5,8 +5,7 @@ use std::collections::BTreeSet;
 use cli::exit::Failure;
 
 use super::entries::Entry;
-use super::named::has_pair;
-use super::nerfstudio::is_list;
+use super::named_role::{has_pair, is_list};
 use super::role::Role;
 use super::words::{GAZEBO, ISAAC, KUBRIC, PARALLEL, Vocabulary, split_numbered};
 

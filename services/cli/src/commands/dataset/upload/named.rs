@@ -1,13 +1,12 @@
 //! Layouts whose names and folders tell the role of each file.
 
-use std::collections::{BTreeMap, BTreeSet};
-
 use super::entries::Entry;
 use super::layout::Layout;
+use super::named_role::find_named;
 use super::plan::{Assigned, FolderPlan};
 use super::role::Role;
 use super::words::{
-    PICTURES, Vocabulary, fits_role, is_companion_folder, is_companion_name, list_extensions, split_numbered,
+    PICTURES, Vocabulary, fits_role, is_companion_folder, is_companion_name, list_extensions,
 };
 
 /// Assigns the files of a layout of words.
@@ -31,63 +30,6 @@ pub(super) fn plan_named(plan: &mut FolderPlan, entries: &[Entry], vocabulary: &
         }
     }
     plan.add_scenes(assigned);
-}
-
-/// Whether any scene of a folder has a picture and something else by these words.
-pub(super) fn has_pair(entries: &[Entry], vocabulary: &Vocabulary) -> bool {
-    let mut roles: BTreeMap<String, BTreeSet<Role>> = BTreeMap::new();
-    for Named { role, scene } in entries.iter().filter_map(|entry| find_named(entry, vocabulary)) {
-        roles.entry(scene).or_default().insert(role);
-    }
-    roles
-        .values()
-        .any(|roles| roles.contains(&Role::Picture) && roles.len() > 1)
-}
-
-/// Role and scene of a name.
-struct Named {
-    role: Role,
-    scene: String,
-}
-
-/// Reads a role from the file's name, or else from the first folder that has one. The rest of the path is the scene.
-fn find_named(entry: &Entry, vocabulary: &Vocabulary) -> Option<Named> {
-    let own = split_name(entry.stem(), vocabulary);
-    let mut folders: Vec<&str> = entry
-        .folder()
-        .split('/')
-        .filter(|folder| !folder.is_empty())
-        .collect();
-    let position = folders
-        .iter()
-        .position(|folder| vocabulary.find_role(folder).is_some());
-    let folder_role = position.and_then(|position| vocabulary.find_role(folders.remove(position)));
-    let (role, rest) = match (own, folder_role) {
-        (Some((role, rest)), Some(folder_role)) if role == folder_role => (role, rest),
-        // `rgb/depth_test_1.png` is a picture: the folder decides.
-        (_, Some(role)) => (role, entry.stem()),
-        (Some((role, rest)), None) => (role, rest),
-        (None, None) => return None,
-    };
-    folders.push(rest);
-    Some(Named {
-        role,
-        scene: folders.join("/"),
-    })
-}
-
-/// The role of a name such as `depth_0001` or `0001_depth`, and the rest of the name.
-fn split_name<'a>(stem: &'a str, vocabulary: &Vocabulary) -> Option<(Role, &'a str)> {
-    if let Some((word, number)) = split_numbered(stem)
-        && let Some(role) = vocabulary.find_role(word)
-    {
-        return Some((role, number));
-    }
-    let mut ends = stem.match_indices(['_', '-', '.']);
-    ends.find_map(|(position, _)| {
-        let role = vocabulary.find_role(&stem[position + 1..])?;
-        (position > 0).then_some((role, &stem[..position]))
-    })
 }
 
 /// Assigns the files of `NAME.png` with `NAME.ROLE.png`.

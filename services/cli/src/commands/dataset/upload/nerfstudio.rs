@@ -3,6 +3,7 @@
 use cli::exit::Failure;
 
 use super::entries::Entry;
+use super::named_role::is_list;
 use super::plan::{Assigned, FolderPlan};
 use super::poses::{add_poses, count_common_parts, read};
 use super::role::Role;
@@ -10,14 +11,6 @@ use super::words::PICTURES;
 
 /// Meters of one unit of a depth file, as nerfstudio reads it by default.
 const UNIT_M: f64 = 0.001;
-
-/// Whether a file lists frames: `transforms.json`, or one of a part such as `transforms_train.json`.
-pub(super) fn is_list(file_name: &str) -> bool {
-    let part = file_name
-        .strip_prefix("transforms")
-        .and_then(|rest| rest.strip_suffix(".json"));
-    part.is_some_and(|part| part.is_empty() || part.starts_with('_'))
-}
 
 /// Makes a scene of each frame whose picture exists.
 pub(super) fn plan_nerfstudio(plan: &mut FolderPlan, entries: &[Entry]) -> Result<(), Failure> {

@@ -1,9 +1,9 @@
-//! The programs that a service starts.
+//! The file of this program, which starts itself as a child.
 
 use std::path::PathBuf;
 
+use crate::exit::Failure;
 use anyhow::Context;
-use cli::exit::Failure;
 
 /// Names the program of these commands if another program embeds them.
 const OWN_PROGRAM: &str = "FATHOM_PROGRAM";

@@ -1,9 +1,9 @@
 //! Upper bounds of daylight on surfaces, tile by tile of the view.
 
-use optics::daylight::{MostLight, Strength};
+use optics::daylight::{Daylight, MostLight, Strength, SurfaceLight};
+use optics::setting::Setting;
 use spec::HoleRule;
 
-use super::on_surfaces;
 use crate::context::FrameContext;
 
 /// A pattern of sunlight that is even.
@@ -16,11 +16,11 @@ const EVEN: Strength = Strength {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TileDaylight {
     /// On a surface of reflectance 1, without caustics.
-    pub(super) light: [MostLight; 3],
+    pub(crate) light: [MostLight; 3],
     /// Of the caustics.
-    pub(super) caustics: Strength,
+    pub(crate) caustics: Strength,
     /// Largest reflectance of each channel.
-    pub(super) reflectance: [f32; 3],
+    pub(crate) reflectance: [f32; 3],
 }
 
 impl TileDaylight {
@@ -66,7 +66,7 @@ pub(crate) fn bound_tiles(context: &FrameContext<'_>) -> Option<Vec<TileDaylight
 }
 
 /// The farthest surface in view, in the unit of the range; 0 without any.
-pub(super) fn farthest_surface(context: &FrameContext<'_>) -> f64 {
+pub(crate) fn farthest_surface(context: &FrameContext<'_>) -> f64 {
     let Some(view) = &context.view else { return 0.0 };
     let farthest = view.range_m().map_or(0.0, |[_, farthest]| farthest);
     let has_holes = view.tiles.iter().any(|tile| tile.has_holes);
@@ -80,4 +80,10 @@ fn find_stand_in(context: &FrameContext<'_>) -> Option<f64> {
         HoleRule::RangeM(meters) => Some(meters),
         _ => None,
     }
+}
+
+/// Daylight on the surfaces of a frame; `None` if it reaches none.
+pub(crate) fn on_surfaces(setting: &Setting) -> Option<&Daylight> {
+    let daylight = setting.water.as_ref()?.daylight()?;
+    (daylight.surfaces() != SurfaceLight::None).then_some(daylight)
 }
