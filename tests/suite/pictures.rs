@@ -1,4 +1,4 @@
-//! Single pictures with what is given beside them.
+//! Uploads of single pictures with their options.
 
 #![allow(clippy::unwrap_used)]
 

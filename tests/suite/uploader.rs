@@ -60,7 +60,7 @@ impl Uploader {
     }
 }
 
-/// A picture of its own for each number, so that scenes differ.
+/// A different picture for each number, so that scenes differ.
 pub(crate) fn picture(number: u8) -> Rgb8 {
     Rgb8::from_fn(SIZE.0, SIZE.1, |x, y| [(9 * x) as u8, (13 * y) as u8, number])
 }

@@ -37,7 +37,7 @@ pub fn job(client: &Client, id: &str) -> Result<JobRow, Failure> {
     }
 }
 
-/// The beginnings of ids that tell them apart, with at least the digits of their time.
+/// The shortest distinct beginnings of ids of one length, at least the digits of their time.
 pub fn shorten_ids(ids: &[&str]) -> Vec<String> {
     /// `job_` and the time of a UUID in milliseconds.
     const USUAL: usize = 16;

@@ -14,7 +14,7 @@ const SATURATED: &str = "more than half of the samples are outside 0 to 1 and cl
 const HIDDEN: &str = "no pixel has a transmittance above 0.001, so the water hides the scene; check the unit of the range and the water";
 const UNIFORM: &str = "the standard deviation of the picture is below one code";
 
-/// The warnings of a developed frame of which so many samples were clamped.
+/// The warnings of a developed frame with this number of clamped samples.
 pub(crate) fn list_warnings(context: &FrameContext<'_>, rgb: &Rgb8, clamped: u64) -> Vec<String> {
     let samples = rgb.data().len() as f64;
     let is_saturated = clamped as f64 > CLAMPED_SHARE * samples;

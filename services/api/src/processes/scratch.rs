@@ -1,4 +1,4 @@
-//! Temporary folders of the service. They lie in its data folder, where the next start finds what a killed service left.
+//! Temporary folders of the service, inside its data folder: the next start removes the files of a killed service.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -23,7 +23,7 @@ impl Scratch {
         Ok(Self(folder))
     }
 
-    /// A folder that is removed when this is dropped.
+    /// A folder, removed on drop.
     pub(crate) fn folder(&self) -> io::Result<TempDir> {
         TempDir::new_in(&self.0)
     }

@@ -39,8 +39,10 @@ pub(super) fn announced_sides(bytes: &[u8]) -> Option<(usize, usize)> {
 
 fn bits_of_pixel(bytes: &[u8]) -> Option<u16> {
     let is_core = number_at(bytes, 14)? as usize == CORE_BYTES;
-    let at = if is_core { 24 } else { 28 };
-    Some(u16::from_le_bytes(bytes.get(at..at + 2)?.try_into().ok()?))
+    let position = if is_core { 24 } else { 28 };
+    Some(u16::from_le_bytes(
+        bytes.get(position..position + 2)?.try_into().ok()?,
+    ))
 }
 
 /// Rows of uncompressed indices of less than a byte.
@@ -105,7 +107,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Sheet, DecodeError> {
                 palette,
             });
         }
-        // The decoder gives indices of whole bytes only; of shorter ones that are compressed it gives the colors.
+        // The decoder returns indices of 8 bits, and colors for compressed shorter indices.
         _ if bits_of_pixel(bytes) == Some(8) => decoder.set_indexed_color(palette.is_some()),
         _ => palette = None,
     }

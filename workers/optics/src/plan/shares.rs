@@ -47,7 +47,7 @@ impl Budget {
         }
     }
 
-    /// The same with half the share of each stage that may be more accurate. The water has what they leave.
+    /// The same with half the shares of the stages before the water, which gets the remainder.
     #[must_use]
     pub fn halved(self) -> Self {
         Self {

@@ -6,7 +6,7 @@ use spec::HoleRule;
 
 use crate::context::FrameContext;
 
-/// A pattern of sunlight that is even.
+/// Even sunlight.
 const EVEN: Strength = Strength {
     peak: 1.0,
     root_mean_square: 1.0,

@@ -41,7 +41,7 @@ pub enum LocalError {
         first: u64,
         /// The frame after the last.
         next: u64,
-        /// The first frame that was asked for.
+        /// The first frame of the request.
         wanted: u64,
     },
     /// Another process renders into the folder.

@@ -27,7 +27,7 @@ pub(crate) struct Arguments {
     /// Render it even if its dataset already has all of its images
     #[arg(long)]
     again: bool,
-    /// Show what the job would cost, and its warnings, without submitting it
+    /// Show the frames, time, bytes and warnings of the job without submitting it
     #[arg(long, conflicts_with_all = ["wait", "idempotency_key", "again"])]
     dry_run: bool,
     /// Print the job as JSON
@@ -60,7 +60,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
 }
 
-/// Prints what a job would cost.
+/// Prints the estimated cost of a job.
 fn show_preview(preview: &JobPreview, as_json: bool) {
     if as_json {
         println!("{}", json!(preview));

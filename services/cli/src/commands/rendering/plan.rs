@@ -77,7 +77,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What a plan says about some stages.
+/// A remark about some stages.
 #[derive(Debug, PartialEq)]
 struct Remark {
     stages: Vec<&'static str>,

@@ -89,11 +89,11 @@ fn assess_surfaces(assessment: &Assessment<'_>) -> Vec<Stage> {
 
 /// The largest light of a kind on any surface.
 fn brightest(tiles: &[TileDaylight], light: impl Fn(&TileDaylight, usize) -> f64) -> f64 {
-    let each = tiles.iter().flat_map(|tile| {
+    let lights = tiles.iter().flat_map(|tile| {
         let light = &light;
         (0..3).map(move |channel| f64::from(tile.reflectance[channel]) * light(tile, channel))
     });
-    each.fold(0.0, f64::max)
+    lights.fold(0.0, f64::max)
 }
 
 /// Bound of f32 rounding of daylight on surfaces.

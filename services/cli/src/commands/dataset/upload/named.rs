@@ -19,7 +19,7 @@ pub(super) fn plan_named(plan: &mut FolderPlan, entries: &[Entry], vocabulary: &
                 role: named.role,
                 scene: named.scene,
             }),
-            // Words of common names do not tell what else there may be, those of a simulator do.
+            // A simulator writes known files; a folder of common names may hold anything.
             _ if plan.is_recognized && plan.layout == Layout::Parallel && is_companion(entry) => {
                 plan.problems.push(describe_lookalike(entry, None));
             }
@@ -75,7 +75,7 @@ fn find_suspects(entries: &[Entry], is_recognized: bool) -> impl Fn(&Entry) -> b
     move |entry| is_companion(entry) && (is_strict || is_companion_of_picture(entry, entries))
 }
 
-/// Whether the name of a file or of one of its folders tells of data that belongs to pictures.
+/// Whether a file or one of its folders has the name of data about pictures.
 fn is_companion(entry: &Entry) -> bool {
     is_companion_name(entry.stem(), "") || entry.folder().split('/').any(is_companion_folder)
 }

@@ -1,4 +1,4 @@
-//! The roles that names of files and folders tell.
+//! Roles by the names of files and folders.
 
 use std::collections::{BTreeMap, BTreeSet};
 

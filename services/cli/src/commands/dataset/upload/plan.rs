@@ -51,7 +51,7 @@ impl ScenePlan {
 /// A folder as scenes.
 pub(super) struct FolderPlan {
     pub(super) layout: Layout,
-    /// Whether the layout was recognized and not chosen: what its names leave open is then a problem.
+    /// Whether the layout was recognized and not chosen: ambiguous names are then problems.
     pub(super) is_recognized: bool,
     pub(super) scenes: Vec<ScenePlan>,
     pub(super) unused: Unused,

@@ -172,7 +172,7 @@ fn read_shared_classes(arguments: &Arguments, contents: &Contents) -> Result<Opt
     Ok(Some(json!(shown).to_string().into_bytes()))
 }
 
-/// Names the options of this command in place of the fields of the form. The files of a folder come from no option.
+/// Replaces the fields of the form by the options of this command. The files of a folder have no option.
 fn name_options(error: ClientError, is_folder: bool) -> Failure {
     const NUMBERS: &[&str] = &[
         "hfov_deg",

@@ -145,7 +145,7 @@ fn extensions_of(role: Role) -> &'static [&'static str] {
     }
 }
 
-/// Words for data that belongs to pictures, wherever they are in a name.
+/// Words for data about pictures, anywhere in a name.
 const COMPANIONS: &[&str] = &[
     "depth",
     "depths",
@@ -179,10 +179,10 @@ const COMPANIONS: &[&str] = &[
     "flow",
     "intrinsics",
 ];
-/// Words that tell of such data only at the end of a name, such as `0001_gt`.
+/// Words for such data only at the end of a name, such as `0001_gt`.
 const LAST_COMPANIONS: &[&str] = &["gt", "msk", "id", "ids", "z", "d"];
 
-/// Whether a name without its number tells of data that belongs to pictures, such as `0001_mask` or `0001Depth`.
+/// Whether a name, without its number, is one of data about pictures, such as `0001_mask` or `0001Depth`.
 pub(super) fn is_companion_name(stem: &str, extension: &str) -> bool {
     let words = split_words(stem);
     let is_last = words.len() > 1
@@ -193,7 +193,7 @@ pub(super) fn is_companion_name(stem: &str, extension: &str) -> bool {
     has_word || is_last || OTHER_DATA.contains(&extension)
 }
 
-/// Whether the name of a folder tells of such data, such as `gt` or `SegmentationClass`.
+/// Whether a folder has the name of such data, such as `gt` or `SegmentationClass`.
 pub(super) fn is_companion_folder(folder: &str) -> bool {
     let words = split_words(folder);
     let is_short = words.len() == 1 && LAST_COMPANIONS.contains(&words[0].as_str());
