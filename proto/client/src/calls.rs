@@ -64,7 +64,7 @@ impl Client {
         self.post(&path, &headers, description)
     }
 
-    /// What a job would be and cost, without its frames. Nothing is stored.
+    /// The size and estimated cost of a job, which is not submitted.
     pub fn preview_job(&self, description: &[u8]) -> Result<JobPreview, ClientError> {
         self.post("/v1/jobs/preview?frames=0", &[], description)
     }

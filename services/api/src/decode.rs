@@ -101,7 +101,7 @@ pub(crate) struct Measured {
 /// The folder has no valid request.
 pub fn decode_folder(folder: &Path) -> io::Result<()> {
     let request = serde_json::from_slice(&fs::read(folder.join(REQUEST))?)?;
-    // A panic of a decoder concerns the file, and its trace nobody who uploads one.
+    // Decoders may panic on damaged files; users need no backtrace.
     std::panic::set_hook(Box::new(|_| {}));
     let reply = std::panic::catch_unwind(|| execute(folder, &request)).unwrap_or_else(|_| {
         let message =

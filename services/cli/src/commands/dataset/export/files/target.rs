@@ -174,9 +174,9 @@ fn find_difference(found: &str, card: &Value) -> Option<String> {
     let listed: Vec<String> = differing
         .iter()
         .map(|name| {
-            let there = describe(found.get(*name).unwrap_or(&Value::Null));
+            let stored = describe(found.get(*name).unwrap_or(&Value::Null));
             format!(
-                "`{name}` is {there} there and {} here",
+                "`{name}` is {stored} there and {} here",
                 describe(&card[name.as_str()])
             )
         })
