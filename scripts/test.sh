@@ -6,4 +6,5 @@ scripts/get-onnxruntime.sh
 cargo build --release --locked --workspace
 cargo test --release --locked --workspace "$@"
 scripts/test-cluster.sh --short
-exec scripts/test-python.sh
+scripts/test-python.sh
+exec scripts/test-docs.sh
