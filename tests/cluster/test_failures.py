@@ -42,7 +42,7 @@ def test_nothing_depends_on_a_clock(work, expected):
     (work.path / "done/000003.json").unlink()
     again = work.render()
     assert (again.code, again.digest) == (0, expected(FRAMES)), again.err
-    assert again.out.startswith("1 shards with 5 frames")
+    assert again.out.startswith("1 shard with 5 frames")
     assert work.run("verify", "--render", "4").code == 0
     swept = work.run("gc", "--older", "1d")
     assert swept.out == "2 files removed\n", "the files of the shard that lost its marker are of 1970"
