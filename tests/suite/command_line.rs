@@ -227,3 +227,53 @@ fn every_list_is_printed_as_a_table_and_as_json() {
         text(&unknown.stderr)
     );
 }
+
+/// Failure: `--frames` renders other frames, a sharded dataset is not continued without options or is cut, or a new job goes elsewhere.
+#[test]
+fn frames_are_rendered_as_named_and_datasets_are_continued() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = |name: &str| folder.path().join(name).to_str().expect("text").to_owned();
+    let job = run(&["new", "tank"]);
+    let mut job: serde_json::Value = serde_json::from_slice(&job.stdout).expect("a job on standard output");
+    job["count"] = 6.into();
+    job["camera"] = serde_json::json!({"width": 48, "height": 32});
+    std::fs::write(path("job.json"), job.to_string()).expect("a writable folder");
+    let render = |out: &str, options: &[&str]| {
+        let usual = ["render", &path("job.json"), "--out", &path(out)].map(str::to_owned);
+        let words: Vec<&str> = usual
+            .iter()
+            .map(String::as_str)
+            .chain(options.iter().copied())
+            .collect();
+        run(&words)
+    };
+    assert!(render("plain", &["--frames", "2..4"]).status.success());
+    let frames: Vec<bool> = (0..6)
+        .map(|frame| folder.path().join(format!("plain/{frame}")).exists())
+        .collect();
+    assert_eq!(frames, [false, false, true, true, false, false]);
+    for (frames, reason) in [
+        ("4..9", "the job has 6 frames"),
+        ("3", "--frames: `3` is not A..B"),
+    ] {
+        let refused = render("plain", &["--frames", frames]);
+        let told = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert!(
+            refused.status.code() == Some(2) && told.contains(reason),
+            "{told}"
+        );
+    }
+    assert!(render("shards", &["--shard", "0/3"]).status.success());
+    let cut = render("shards", &["--frames", "1..3"]);
+    assert!(String::from_utf8_lossy(&cut.stderr).contains("give 0..4"));
+    let rest = render("shards", &[]);
+    assert!(String::from_utf8_lossy(&rest.stdout).starts_with("2 shards with 4 frames"));
+    let digest = |output: &[u8]| {
+        let text = String::from_utf8_lossy(output).into_owned();
+        text.lines()
+            .find(|line| line.starts_with("digest"))
+            .map(str::to_owned)
+    };
+    let whole = digest(&render("whole", &[]).stdout);
+    assert!(whole.is_some() && digest(&rest.stdout) == whole);
+}

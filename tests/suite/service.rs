@@ -158,3 +158,26 @@ fn the_command_line_submits_waits_and_asks() {
         "the nearest column is named"
     );
 }
+
+/// Failure: a dry run stores a job, hides a warning, or has no cost.
+#[test]
+fn a_dry_run_shows_the_cost_and_stores_nothing() {
+    let data = temporary();
+    let service = Service::start(data.path(), &["--workers", "0"]);
+    let spec = data.path().join("spec.json");
+    std::fs::write(&spec, job("shell").to_string()).expect("a writable folder");
+    let spec = spec.to_str().expect("a path of text");
+    let shown = run(&["submit", spec, "--dry-run", "--server", &service.url]);
+    let text = String::from_utf8(shown.stdout).expect("text");
+    assert!(
+        shown.status.success() && text.contains("nothing was submitted"),
+        "{text}"
+    );
+    let preview = run(&["submit", spec, "--dry-run", "--json", "--server", &service.url]);
+    let preview: Value = serde_json::from_slice(&preview.stdout).expect("JSON");
+    assert_eq!(preview["frames"], 12, "six of each of two waters");
+    assert!(preview["estimate"]["seconds"].as_f64() > Some(0.0), "{preview}");
+    assert_eq!(service.get("/v1/jobs").1["items"], json!([]));
+    let both = run(&["submit", spec, "--dry-run", "--wait", "--server", &service.url]);
+    assert_eq!(both.status.code(), Some(2));
+}

@@ -80,27 +80,24 @@ struct Layout<'a, F> {
 impl<F: Fn(usize) -> bool> Layout<'_, F> {
     /// The lines of a row: further ones hold the rest of its last text.
     fn lines(&self, cells: &[&str]) -> Vec<String> {
-        let last = self.widths.len() - 1;
-        let wrapped = match cells.get(last) {
-            Some(text) => wrap(text, self.widths[last]),
-            None => Vec::new(),
+        let Some(last) = self.widths.len().checked_sub(1) else {
+            return vec![String::new()];
         };
-        let mut lines = Vec::new();
-        for (number, rest) in wrapped.iter().enumerate() {
-            let whole = |column: usize| if number == 0 { cells[column] } else { "" };
-            let padded = (0..=last).map(|column| {
-                let cell = if column == last { rest } else { whole(column) };
-                let width = self.widths[column];
+        let texts = wrap(cells.get(last).copied().unwrap_or_default(), self.widths[last]);
+        let blank = vec![""; last];
+        let lines = texts.iter().enumerate().map(|(number, text)| {
+            let others = if number == 0 { cells } else { &blank };
+            let all = others.iter().copied().take(last).chain([text.as_str()]);
+            let padded = all.zip(self.widths).enumerate().map(|(column, (cell, &width))| {
                 if (self.is_left)(column) {
                     format!("{cell:<width$}")
                 } else {
                     format!("{cell:>width$}")
                 }
             });
-            let line: Vec<String> = padded.collect();
-            lines.push(line.join("  ").trim_end().to_owned());
-        }
-        lines
+            padded.collect::<Vec<_>>().join("  ").trim_end().to_owned()
+        });
+        lines.collect()
     }
 }
 

@@ -18,6 +18,7 @@ pub(crate) fn width() -> Option<usize> {
         return None;
     }
     let given = std::env::var("COLUMNS").ok().and_then(|text| text.parse().ok());
+    let given = given.filter(|columns| *columns > 0);
     given.or_else(|| {
         Term::stdout()
             .size_checked()

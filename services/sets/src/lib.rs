@@ -27,7 +27,7 @@ pub use processes::message::{Message, ParcelFile};
 pub use rows::cells::{Cell, Kind};
 pub use rows::reading::{DoneShard, ShardImage, ShardRows};
 pub use rows::table::Table;
-pub use set::job::{Card, NewSet};
+pub use set::job::{Card, MOST_EXACT, NewSet};
 pub use set::marker::{Commit, FailedFrame, Marker};
 pub use set::opened::Set;
 pub use set::state::allow_work;

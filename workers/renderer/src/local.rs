@@ -32,7 +32,7 @@ const AHEAD_PER_SLOT: u64 = 16;
 /// The result of a job.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Summary {
-    /// Frames of the range.
+    /// Frames of the folder.
     pub frames: u64,
     /// Frames kept from an earlier run.
     pub kept: u64,
@@ -64,7 +64,7 @@ pub fn render_job(
     let mut lines = Lines::open(&folder)?;
     lines.begin(frames.start)?;
     let kept = lines.next() - frames.start;
-    progress(kept);
+    progress(kept.min(frames.end - frames.start));
     let slots = slots.max(1);
     let ahead = AHEAD_PER_SLOT * slots as u64;
     thread::scope(|scope| {
@@ -84,7 +84,7 @@ pub fn render_job(
         )
     })?;
     Ok(Summary {
-        frames: frames.end - frames.start,
+        frames: lines.next() - frames.start,
         kept,
         failed: lines.failed(),
         warnings: lines.warnings().clone(),

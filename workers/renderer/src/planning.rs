@@ -128,23 +128,21 @@ fn bound_light(
         return None;
     }
     let gain = context.setting.gain();
-    let add = |tile: usize, around: [f64; 3]| {
+    let gains = (0..view.tiles.len()).map(|tile| {
         let added = lamps.map_or([0.0; 3], |lamps| lamps.irradiance[tile]);
-        [0, 1, 2].map(|i| (around[i] + added[i] / std::f64::consts::PI) as f32)
-    };
-    let most = |tile: usize| add(tile, daylight.map_or(gain, |tiles| tiles[tile].most()));
-    let middle = |tile: usize| {
-        add(
-            tile,
-            daylight.map_or(gain, |tiles| tiles[tile].root_mean_square()),
-        )
-    };
-    let tiles = 0..view.tiles.len();
+        let around = daylight.map_or([gain; 2], |tiles| {
+            [tiles[tile].most(), tiles[tile].root_mean_square()]
+        });
+        let [most, root_mean_square] =
+            around.map(|around| [0, 1, 2].map(|i| (around[i] + added[i] / std::f64::consts::PI) as f32));
+        (most, root_mean_square)
+    });
+    let (most, root_mean_square) = gains.unzip();
     Some(TileGains {
         side_px: TILE_PX,
         columns: view.columns,
-        most: tiles.clone().map(most).collect(),
-        root_mean_square: tiles.map(middle).collect(),
+        most,
+        root_mean_square,
         least: if daylight.is_some() {
             [0.0; 3]
         } else {

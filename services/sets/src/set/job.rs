@@ -17,7 +17,7 @@ const FRAMES_PER_SHARD: u64 = 500;
 const MOST_FRAMES_PER_SHARD: u64 = 100_000;
 
 /// Whole numbers up to this are doubles.
-const MOST_EXACT: u64 = 1 << 53;
+pub const MOST_EXACT: u64 = 1 << 53;
 
 /// The content of `job.json`. The same job and version give the same bytes.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -38,7 +38,7 @@ pub struct Card {
 }
 
 /// Frames of a shard so that each of `parts` processes has one, if there are enough frames.
-fn usual_size(frames: u64, parts: u64) -> u64 {
+fn choose_size(frames: u64, parts: u64) -> u64 {
     let even = frames.div_ceil(parts).max(1);
     let size = if frames.div_ceil(even) < parts {
         (frames / parts).max(1)
@@ -91,8 +91,9 @@ pub struct NewSet<'a> {
 
 impl Card {
     pub(crate) fn new(set: &NewSet<'_>) -> Result<Self, SetError> {
-        let usual = || usual_size(set.job.frames(), set.parts.max(1));
-        let frames_per_shard = set.frames_per_shard.unwrap_or_else(usual);
+        let frames_per_shard = set
+            .frames_per_shard
+            .unwrap_or_else(|| choose_size(set.job.frames(), set.parts.max(1)));
         if !(1..=MOST_FRAMES_PER_SHARD).contains(&frames_per_shard) {
             return Err(SetError::Refused(format!(
                 "`--frames-per-shard` is {frames_per_shard}; must be 1 to {MOST_FRAMES_PER_SHARD}"

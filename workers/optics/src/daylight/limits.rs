@@ -51,16 +51,15 @@ impl Daylight {
     /// surfaces.
     #[must_use]
     pub fn tile_heights(&self, tile: &Tile, stand_in: Option<f64>) -> Option<Heights> {
-        let filled = stand_in.filter(|_| tile.has_holes).map(|z| [z, z]);
-        let [near, far] = match (tile.range_m, filled) {
-            (Some([near, far]), Some([z, _])) => [near.min(z), far.max(z)],
-            (range, filled) => range.or(filled)?,
+        let [near, far] = match (tile.range_m, stand_in.filter(|_| tile.has_holes)) {
+            (Some([near, far]), Some(z)) => [near.min(z), far.max(z)],
+            (Some(range), None) => range,
+            (None, filled) => [filled?; 2],
         };
         let [low, high] = self.tile_rises(tile);
-        let farthest_if = |is_far: bool| if is_far { far } else { near };
         Some(Heights {
-            lowest: (low * farthest_if(low < 0.0)).min(self.depth),
-            highest: (high * farthest_if(high > 0.0)).min(self.depth),
+            lowest: (low * if low < 0.0 { far } else { near }).min(self.depth),
+            highest: (high * if high > 0.0 { far } else { near }).min(self.depth),
         })
     }
 

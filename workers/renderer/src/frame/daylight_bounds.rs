@@ -41,7 +41,7 @@ impl TileDaylight {
 
 /// Bounds of each tile of the view, dark without surfaces; `None` if daylight reaches none.
 pub(crate) fn bound_tiles(context: &FrameContext<'_>) -> Option<Vec<TileDaylight>> {
-    let daylight = on_surfaces(&context.setting)?;
+    let daylight = find_surface_daylight(&context.setting)?;
     let view = context.view.as_ref()?;
     let stand_in = find_stand_in(context);
     let pattern = context.pattern.as_ref();
@@ -83,7 +83,7 @@ fn find_stand_in(context: &FrameContext<'_>) -> Option<f64> {
 }
 
 /// Daylight on the surfaces of a frame; `None` if it reaches none.
-pub(crate) fn on_surfaces(setting: &Setting) -> Option<&Daylight> {
+pub(crate) fn find_surface_daylight(setting: &Setting) -> Option<&Daylight> {
     let daylight = setting.water.as_ref()?.daylight()?;
     (daylight.surfaces() != SurfaceLight::None).then_some(daylight)
 }

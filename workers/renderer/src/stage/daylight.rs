@@ -17,7 +17,7 @@ use optics::setting::Setting;
 use optics::water::Water;
 
 use crate::context::FrameContext;
-use crate::daylight_bounds::on_surfaces;
+use crate::daylight_bounds::find_surface_daylight;
 use crate::inputs::caustics::Pattern;
 use crate::inputs::scene::Prepared;
 
@@ -30,7 +30,7 @@ pub(crate) fn run(context: &FrameContext<'_>) -> Option<Rgb<f32>> {
         ..
     } = context;
     let water = setting.water.as_ref()?;
-    let daylight = on_surfaces(setting)?;
+    let daylight = find_surface_daylight(setting)?;
     let scene = &prepared.scene.radiance;
     let range = &*of_surfaces(prepared.scene.range.as_ref()?, water.holes());
     let normals = normals(prepared, range, setting);

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fs;
+use std::ops::Range;
 use std::path::Path;
 
 use renderer::local::{LocalError, Summary, render_job};
@@ -19,15 +20,11 @@ fn job(files: &Files) -> Job {
 }
 
 fn run(job: &Job, out: &Path, slots: usize) -> Summary {
-    render_job(
-        job,
-        &engine_without_runtime(),
-        out,
-        0..job.frames(),
-        slots,
-        |_| {},
-    )
-    .unwrap()
+    render(job, out, 0..job.frames(), slots).unwrap()
+}
+
+fn render(job: &Job, out: &Path, frames: Range<u64>, slots: usize) -> Result<Summary, LocalError> {
+    render_job(job, &engine_without_runtime(), out, frames, slots, |_| {})
 }
 
 /// Every file by its path, except the records, which contain times.
@@ -97,16 +94,7 @@ fn an_interrupted_job_goes_on_where_it_was_and_ends_the_same() {
 #[test]
 fn a_folder_with_something_else_in_it_is_refused() {
     let (files, out) = (Files::new(), tempdir().unwrap());
-    let render = |job: &Job| {
-        render_job(
-            job,
-            &engine_without_runtime(),
-            out.path(),
-            0..job.frames(),
-            1,
-            |_| {},
-        )
-    };
+    let render = |job: &Job| render(job, out.path(), 0..job.frames(), 1);
     fs::write(out.path().join("notes.txt"), "mine").unwrap();
     assert!(matches!(render(&job(&files)), Err(LocalError::NotEmpty { .. })));
     fs::remove_file(out.path().join("notes.txt")).unwrap();
@@ -129,14 +117,7 @@ fn a_description_cut_off_by_a_crash_is_completed_only_before_the_first_frame() {
     run(&job, out.path(), 1);
     assert_eq!(fs::read_to_string(&card).unwrap(), job.canonical());
     fs::write(&card, &job.canonical()[..40]).unwrap();
-    let again = render_job(
-        &job,
-        &engine_without_runtime(),
-        out.path(),
-        0..job.frames(),
-        1,
-        |_| {},
-    );
+    let again = render(&job, out.path(), 0..job.frames(), 1);
     assert!(matches!(again, Err(LocalError::OtherJob { .. })), "{again:?}");
 }
 
@@ -147,14 +128,7 @@ fn a_folder_in_which_another_process_renders_is_taken_and_free_afterwards() {
     let first = run(&job, out.path(), 1);
     let other = fs::File::open(out.path().join("job.json")).unwrap();
     other.lock().unwrap();
-    let taken = render_job(
-        &job,
-        &engine_without_runtime(),
-        out.path(),
-        0..job.frames(),
-        1,
-        |_| {},
-    );
+    let taken = render(&job, out.path(), 0..job.frames(), 1);
     assert!(matches!(taken, Err(LocalError::Taken { .. })), "{taken:?}");
     drop(other);
     assert_eq!(run(&job, out.path(), 1).digest, first.digest);
@@ -176,4 +150,37 @@ fn frames_that_fail_are_listed_and_the_others_are_there() {
     let frames: Vec<u64> = records(out.path()).iter().map(|record| record.frame).collect();
     assert_eq!(frames, [0, 2]);
     assert!(!out.path().join("1").exists());
+}
+
+#[test]
+fn a_folder_holds_one_range_of_frames_that_grows_at_its_end() {
+    let (files, out, whole) = (Files::new(), tempdir().unwrap(), tempdir().unwrap());
+    let job = job(&files);
+    let all = run(&job, whole.path(), 2);
+    let part = render(&job, out.path(), 2..4, 2).unwrap();
+    assert_eq!((part.frames, part.kept), (2, 0));
+    for frame in 0..FRAMES {
+        let is_there = out.path().join(frame.to_string()).exists();
+        assert_eq!(is_there, (2..4).contains(&frame), "{frame}");
+    }
+    let picture = |folder: &Path| fs::read(folder.join("3/rgb.png")).unwrap();
+    assert_eq!(picture(out.path()), picture(whole.path()));
+    let earlier = render(&job, out.path(), 0..4, 1);
+    assert!(
+        matches!(
+            earlier,
+            Err(LocalError::OtherFrames {
+                first: 2,
+                next: 4,
+                wanted: 0
+            })
+        ),
+        "{earlier:?}"
+    );
+    let grown = render(&job, out.path(), 2..FRAMES, 2).unwrap();
+    assert_eq!((grown.frames, grown.kept), (FRAMES - 2, 2));
+    // Fewer frames than the folder holds change nothing, and the digest is that of the folder.
+    let fewer = render(&job, out.path(), 2..3, 1).unwrap();
+    assert_eq!((fewer.frames, &fewer.digest), (FRAMES - 2, &grown.digest));
+    assert_ne!(grown.digest, all.digest);
 }

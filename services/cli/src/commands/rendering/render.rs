@@ -29,7 +29,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         "{} in {:.1} s ({:.2} frames/s) in {}",
         count(summary.frames, "frame"),
         summary.elapsed.as_secs_f64(),
-        summary.frames as f64 / summary.elapsed.as_secs_f64().max(1e-9),
+        (summary.frames - summary.kept) as f64 / summary.elapsed.as_secs_f64().max(1e-9),
         arguments.out.display()
     );
     println!("digest {}", summary.digest);

@@ -7,7 +7,7 @@ use spec::RaySource;
 
 use crate::assessment::Assessment;
 use crate::context::FrameContext;
-use crate::daylight_bounds::{TileDaylight, farthest_surface, on_surfaces};
+use crate::daylight_bounds::{TileDaylight, farthest_surface, find_surface_daylight};
 
 /// Costs in ns per pixel: daylight on surfaces under an overcast sky and with the sun, a sun ray, each ambient-occlusion ray if any
 /// are traced, and caustics including their tiles.
@@ -50,7 +50,8 @@ pub(crate) fn assess(assessment: &Assessment<'_>) -> Vec<Stage> {
 /// Daylight on surfaces with the sun's shadows, ambient occlusion and caustics; or one factor for the whole scene.
 fn assess_surfaces(assessment: &Assessment<'_>) -> Vec<Stage> {
     let context = assessment.context;
-    let (Some(daylight), Some(tiles)) = (on_surfaces(&context.setting), &assessment.daylight) else {
+    let (Some(daylight), Some(tiles)) = (find_surface_daylight(&context.setting), &assessment.daylight)
+    else {
         return vec![assess_factor(assessment)];
     };
     let sun = daylight.sun();

@@ -1,4 +1,4 @@
-//! `fathom-cluster jobs watch`: reports the progress of the sets of a store to a service, and sends missing shards to a broker. Any
+//! `fathom child jobs watch`: reports the progress of the sets of a store to a service, and sends missing shards to a broker. Any
 //! number of processes may watch the same store: the broker drops duplicates.
 
 use std::collections::BTreeMap;
@@ -33,7 +33,7 @@ const REPORT_INTERVAL: Duration = Duration::from_secs(60);
 /// Interval between two lists of workers, and between two attempts to reach the broker.
 const WORKERS: Duration = Duration::from_secs(2);
 
-/// Options of `fathom-cluster jobs watch`.
+/// Options of `fathom child jobs watch`.
 #[derive(clap::Args)]
 pub(super) struct Arguments {
     store: String,

@@ -25,6 +25,11 @@ pub(super) fn upload_folder(client: &Client, arguments: &Arguments) -> Result<()
     if let Some(path) = arguments.pose.as_deref() {
         add_poses(&mut plan, path)?;
     }
+    if arguments.pose.is_some() || plan.layout == Layout::Nerfstudio {
+        let posed = plan.scenes.iter().filter(|scene| scene.has_pose()).count();
+        plan.notes
+            .push(format!("{posed} of {} pictures have a pose", plan.scenes.len()));
+    }
     if arguments.camera().is_given() && plan.scenes.iter().any(|scene| scene.camera.is_given()) {
         plan.notes
             .push("the camera of the options replaces those of the files".to_owned());

@@ -6,7 +6,7 @@ use super::named_role::find_named;
 use super::plan::{Assigned, FolderPlan};
 use super::role::Role;
 use super::words::{
-    PICTURES, Vocabulary, fits_role, is_companion_folder, is_companion_name, list_extensions,
+    PICTURES, Vocabulary, fits_role, is_companion_folder, is_companion_name, is_data, list_extensions,
 };
 
 /// Assigns the files of a layout of words.
@@ -20,7 +20,11 @@ pub(super) fn plan_named(plan: &mut FolderPlan, entries: &[Entry], vocabulary: &
                 scene: named.scene,
             }),
             // A simulator writes known files; a folder of common names may hold anything.
-            _ if plan.is_recognized && plan.layout == Layout::Parallel && is_companion(entry) => {
+            _ if plan.is_recognized
+                && plan.layout == Layout::Parallel
+                && is_companion(entry)
+                && is_data(&entry.extension()) =>
+            {
                 plan.problems.push(describe_lookalike(entry, None));
             }
             _ => {
@@ -68,10 +72,11 @@ fn extensions_of_pictures(entries: &[Entry]) -> &'static [&'static str] {
     if has_pictures { PICTURES } else { &["npy"] }
 }
 
-/// Tells which picture files may be maps of others. If the layout was recognized and some names have no word for such data, all
-/// those that have one; otherwise those that begin with the name of another picture.
+/// Tells which picture files may be maps of others. If the layout was recognized and some pictures have no word for such data in
+/// their names, all those that have one; otherwise those that begin with the name of another picture.
 fn find_suspects(entries: &[Entry], is_recognized: bool) -> impl Fn(&Entry) -> bool {
-    let is_strict = is_recognized && entries.iter().any(|entry| !is_companion(entry));
+    let is_plain = |entry: &Entry| PICTURES.contains(&entry.extension().as_str()) && !is_companion(entry);
+    let is_strict = is_recognized && entries.iter().any(is_plain);
     move |entry| is_companion(entry) && (is_strict || is_companion_of_picture(entry, entries))
 }
 
@@ -227,12 +232,20 @@ mod tests {
             let plan = plan_of(Layout::Flat, &names);
             assert!(plan.problems.join("\n").contains(names[1]), "{names:?}");
         }
-        let pictures = plan_of(Layout::Flat, &["depth_test_1.png", "depth_test_2.png"]);
+        let pictures = plan_of(
+            Layout::Flat,
+            &["depth_test_1.png", "depth_test_2.png", "README.md"],
+        );
         assert_eq!((pictures.scenes.len(), pictures.problems.len()), (2, 0));
         let arrays = plan_of(Layout::Flat, &["a.npy", "b.npy"]);
         assert_eq!(listed(&arrays), ["a: rgb", "b: rgb"]);
         let rest = plan_of(Layout::Parallel, &["rgb/1.png", "depth/1.png", "gt/1.png"]);
         assert!(rest.problems.join("\n").contains("gt/1.png"));
+        let notes = plan_of(
+            Layout::Parallel,
+            &["rgb/1.png", "masks/1.png", "masks/readme.txt"],
+        );
+        assert!(notes.problems.is_empty() && notes.unused.to_table().contains("masks/readme.txt"));
     }
 
     #[test]

@@ -41,6 +41,10 @@ pub(super) struct ScenePlan {
 }
 
 impl ScenePlan {
+    pub(super) fn has_pose(&self) -> bool {
+        self.pose.is_some() || self.files.contains_key(&Role::Pose)
+    }
+
     /// File name of the picture.
     pub(super) fn picture_name(&self) -> String {
         let picture = self.files.get(&Role::Picture).and_then(|path| path.file_name());

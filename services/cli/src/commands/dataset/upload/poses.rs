@@ -9,7 +9,7 @@ use imaging::codec::read_sides;
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
-use super::plan::{CameraNumbers, FolderPlan, ScenePlan};
+use super::plan::{CameraNumbers, FolderPlan};
 use super::role::Role;
 
 /// The file with its camera, which each frame may replace.
@@ -126,11 +126,6 @@ pub(super) fn read(path: &Path) -> Result<Transforms, Failure> {
 
 /// Adds notes about the use of the file.
 fn describe(plan: &mut FolderPlan, path: &Path, transforms: &Transforms, used: &[bool]) {
-    let scenes = plan.scenes.len();
-    let has_pose = |scene: &&ScenePlan| scene.pose.is_some() || scene.files.contains_key(&Role::Pose);
-    let posed = plan.scenes.iter().filter(has_pose).count();
-    plan.notes
-        .push(format!("{posed} of {scenes} pictures have a pose"));
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     for (frame, _) in transforms.frames.iter().zip(used).filter(|(_, used)| !**used) {
         plan.unused.add(
@@ -152,13 +147,10 @@ fn describe(plan: &mut FolderPlan, path: &Path, transforms: &Transforms, used: &
         .collect();
     distorted.sort_unstable();
     distorted.dedup();
-    let is_scaled = |key: &&str| match transforms.camera.get(*key) {
-        Some(Value::Number(scale)) => scale.as_f64() != Some(1.0),
-        other => other.is_some(),
-    };
     let moved: Vec<&str> = ["applied_transform", "applied_scale"]
         .into_iter()
-        .filter(is_scaled)
+        .filter(|key| !matches!(transforms.camera.get(*key), None | Some(Value::Null)))
+        .filter(|key| transforms.camera[*key].as_f64() != Some(1.0))
         .collect();
     if !moved.is_empty() {
         plan.notes.push(format!(

@@ -132,6 +132,13 @@ pub(super) fn fits_role(role: Role, extension: &str) -> bool {
     extensions_of(role).contains(&extension) || arrays.contains(&extension)
 }
 
+/// Whether files of an extension hold pictures or numbers for their pixels.
+pub(super) fn is_data(extension: &str) -> bool {
+    [PICTURES, MAPS, OTHER_DATA]
+        .iter()
+        .any(|extensions| extensions.contains(&extension))
+}
+
 /// The extensions of a role, for a message.
 pub(super) fn list_extensions(role: Role) -> String {
     extensions_of(role).join(", ")

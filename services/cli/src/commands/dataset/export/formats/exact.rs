@@ -2,6 +2,7 @@
 
 use cli::exit::Failure;
 use serde_json::Value;
+use sets::MOST_EXACT;
 use spec::LeafKind;
 
 use super::tables::{CellKind, TableColumn};
@@ -14,9 +15,6 @@ pub(crate) enum Readers {
     /// The library `datasets`, whose whole numbers have 63 bits.
     HuggingFace,
 }
-
-/// Whole numbers up to this are doubles.
-const MOST_EXACT: u64 = 1 << 53;
 
 /// An error for the first whole number of a row that its column or its readers cannot hold.
 pub(crate) fn check_exact(columns: &[TableColumn], row: &Value, readers: Readers) -> Result<(), Failure> {
