@@ -261,7 +261,8 @@ fn a_training_ends_with_a_service_that_is_killed() {
         std::thread::sleep(Duration::from_millis(20));
     }
     let _service = Service::start(data.path(), &["--slots", "1"]);
-    assert_eq!(walk(&data.path().join("tmp")), [PathBuf::new(); 0]);
+    let left = walk(&data.path().join("tmp"));
+    assert!(left.is_empty(), "{left:?}");
 }
 
 /// The process cannot write while it trains: the result has no place to be stored.

@@ -119,7 +119,7 @@ fn cell_ends(range: &Plane<f32>) -> Vec<f64> {
     ends
 }
 
-/// The farthest end among the cells that a ray is a corner of, m: clouds beyond it are not read for any pixel, and not counted before particles that show beside it. `columns` is the number of
+/// The farthest end among the cells around a ray, m: no pixel and no particle there reads clouds beyond it. `columns` is the number of
 /// rays in a row.
 fn farthest_beside(ends: &[f64], columns: usize, (column, row): (usize, usize)) -> f64 {
     let wide = columns - 1;
