@@ -1,0 +1,79 @@
+//! Pose of an essential matrix `E = [t]× R`.
+
+use imaging::vector::DVec3;
+
+use super::matrix::{Matrix, apply, cofactors, cross_matrix, multiply, transpose};
+use super::rays::{RayPair, RelativePose};
+
+/// The pose, of the four that an essential matrix allows, that puts the most points in front of both cameras; of equal
+/// ones the first. `None` for a matrix of zeros. Closed form of Horn 1990, "Recovering baseline and orientation from
+/// essential matrix": `t tᵀ = tr(E Eᵀ) I / 2 - E Eᵀ` and `|t|² R = cof E - [t]× E`.
+pub(crate) fn find_pose(e: &Matrix, pairs: impl Iterator<Item = RayPair> + Clone) -> Option<RelativePose> {
+    let square = multiply(e, &transpose(e));
+    let half_trace = 0.5 * (square[0][0] + square[1][1] + square[2][2]);
+    if half_trace.is_nan() || half_trace <= 0.0 {
+        return None;
+    }
+    // The largest diagonal entry of t tᵀ.
+    let axis = (0..3).min_by(|&a, &b| square[a][a].total_cmp(&square[b][b]))?;
+    let mut column = [0, 1, 2].map(|row| -square[row][axis]);
+    column[axis] += half_trace;
+    let translation = DVec3::from(column).normalized();
+    let scaled = translation * half_trace.sqrt();
+    let (cofactors, product) = (cofactors(e), multiply(&cross_matrix(scaled), e));
+    let rotation = |sign: f64| {
+        [0, 1, 2].map(|i| [0, 1, 2].map(|j| (cofactors[i][j] - sign * product[i][j]) / half_trace))
+    };
+    let mut best: Option<(usize, RelativePose)> = None;
+    for (rotation, translation) in [
+        (rotation(1.0), translation),
+        (rotation(1.0), -translation),
+        (rotation(-1.0), translation),
+        (rotation(-1.0), -translation),
+    ] {
+        let pose = RelativePose {
+            rotation,
+            translation,
+        };
+        let in_front = pairs.clone().filter(|pair| is_in_front(&pose, pair)).count();
+        if best.is_none_or(|(most, _)| in_front > most) {
+            best = Some((in_front, pose));
+        }
+    }
+    best.map(|(_, pose)| pose)
+}
+
+/// Whether both distances of the point nearest to both rays are positive.
+fn is_in_front(pose: &RelativePose, pair: &RayPair) -> bool {
+    let turned = apply(&pose.rotation, pair.previous);
+    let cosine = turned.dot(pair.current);
+    let (along_turned, along_current) = (turned.dot(pose.translation), pair.current.dot(pose.translation));
+    // Both are divided by 1 - cos², which is not negative.
+    cosine * along_current - along_turned > 0.0 && along_current - cosine * along_turned > 0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pose::matrix::rotation_angle_deg;
+    use crate::pose::rays::tests::{Scene, synthetic_pairs};
+
+    #[test]
+    fn the_pose_comes_back_from_its_matrix_of_either_sign() {
+        for seed in 0..50 {
+            let (pairs, truth) = synthetic_pairs(Scene::Cloud, seed, 20, 0.0);
+            let e = multiply(&cross_matrix(truth.translation), &truth.rotation);
+            for e in [e, e.map(|row| row.map(|value| -0.3 * value))] {
+                let found = find_pose(&e, pairs.iter().copied()).unwrap();
+                let turn = multiply(&transpose(&found.rotation), &truth.rotation);
+                assert!(rotation_angle_deg(&turn) < 1e-9);
+                assert!((found.translation - truth.translation.normalized()).length() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn zeros_have_no_pose() {
+        assert_eq!(find_pose(&[[0.0; 3]; 3], [].into_iter()), None);
+    }
+}
