@@ -26,10 +26,9 @@ use crate::vocabulary::Vocabulary;
 
 pub(crate) use lights::has_lamps;
 pub(crate) use names::is_dataset;
-pub(crate) use object::parse_default;
 use sections::{lights, truth};
 pub(crate) use truth::is_traced;
-pub(crate) use values::find_values;
+pub(crate) use values::{find_lists, find_values};
 
 /// Walks the document and the schema in parallel.
 pub(crate) struct Checker<'v> {
@@ -152,6 +151,9 @@ impl Checker<'_> {
             ) => self.check_list(location, element, *max, *distinct, items),
             (Shape::Rgb(range) | Shape::Vector(range), Value::Array(items)) if items.len() == 3 => {
                 self.check_items(location, &Shape::Number(*range), items)
+            }
+            (Shape::Pair(min, max), Value::Array(items)) if items.len() == 2 => {
+                self.check_items(location, &Shape::Integer(*min, *max), items)
             }
             (Shape::Object(fields), Value::Object(map)) => Some(self.check_object(location, fields, map)),
             (Shape::OneOf(fields), Value::Object(map)) => self.check_one_of(location, fields, map),

@@ -4,6 +4,7 @@ pub(crate) mod artifact;
 pub(crate) mod camera;
 pub(crate) mod classes;
 pub(crate) mod daylight;
+pub(crate) mod enhancement;
 pub(crate) mod frame;
 pub(crate) mod inhabited;
 pub(crate) mod label_types;

@@ -34,13 +34,18 @@ use declared::{leaves, rules, vocabulary};
 pub use described::{Beyond, Described, beyond};
 pub use description::truth;
 use description::{
-    artifact, camera, classes, daylight, frame, inhabited, label_types, light, results, scene, scene_files,
-    scene_parts, suspended, water,
+    artifact, camera, classes, daylight, enhancement, frame, inhabited, label_types, light, results, scene,
+    scene_files, scene_parts, suspended, water,
 };
 pub use distributions::law;
 use distributions::{node, normal};
 pub use earlier::{EARLIER_VERSION, is_of_earlier_version};
 pub use encode::Encode;
+pub use enhancement::mask::{Circle, Mask, Saturated};
+pub use enhancement::parameters::{
+    Clahe, DarkChannel, GrayWorld, Guided, Hscm, Ibla, IblaRefinement, Rayleigh, ResultColor, Stretching,
+};
+pub use enhancement::{Enhancement, HSCM_STEPS, MASK_STEP, METHODS, MetricsOver, Step};
 pub use frame::{Fidelity, Frame, SiteName};
 pub use inhabited::{Ground, Life};
 pub use invalid::{FieldError, Invalid, MAX_ERRORS};

@@ -3,6 +3,8 @@
 mod names;
 mod rule;
 
+use serde_json::Value;
+
 pub use names::Names;
 pub use rule::Rule;
 pub(crate) use rule::{TRACED, describe};
@@ -60,6 +62,11 @@ pub enum Presence {
     Default(&'static str),
 }
 
+/// The value of a default.
+pub(crate) fn parse_default(text: &str) -> Value {
+    serde_json::from_str(text).expect("the defaults of the table are JSON, a test reads them all")
+}
+
 /// Type and limits of a value.
 #[derive(Debug, Clone, Copy)]
 pub enum Shape {
@@ -82,6 +89,8 @@ pub enum Shape {
     Rgb(Range),
     /// Three numbers: x, y, z.
     Vector(Range),
+    /// Two whole numbers: across and down, both ends included.
+    Pair(i128, i128),
     /// An object with these fields.
     Object(&'static [Field]),
     /// An object with exactly one of these fields.
@@ -118,6 +127,7 @@ impl Shape {
             Self::List { .. } => "a list",
             Self::Rgb(_) => "a list of three numbers (R, G, B)",
             Self::Vector(_) => "a list of three numbers (x, y, z)",
+            Self::Pair(..) => "a list of two whole numbers (across, down)",
             Self::Object(_) | Self::OneOf(_) | Self::Tagged { .. } | Self::Labels => "an object",
             Self::Short(..) | Self::Either(..) => "a string or an object",
             Self::Bool => "true or false",
@@ -132,6 +142,7 @@ impl Shape {
             Self::Number(range) => range.to_string(),
             Self::Rgb(range) | Self::Vector(range) => format!("each {range}"),
             Self::Integer(min, max) => format!("{min}..={max}"),
+            Self::Pair(min, max) => format!("each {min}..={max}"),
             Self::Text(names) => names.limit(),
             Self::List {
                 element: Self::Text(names),

@@ -4,9 +4,12 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use enhance::hscm::{CLIP_LIMIT, CUTOFF, GRID, Luma, circle, clahe, homomorphic, median, merge};
+use enhance::hscm::homomorphic::{self, Filter};
+use enhance::hscm::{Luma, clahe, median, merge};
+use enhance::mask;
 use enhance::{Method, Variant};
 use imaging::{Raster, Rgb8};
+use spec::{Hscm, Mask};
 
 const WIDTH: usize = 869;
 const HEIGHT: usize = 565;
@@ -28,9 +31,10 @@ fn stages(criterion: &mut Criterion) {
     let colors = picture();
     let raster = Raster::from(colors.clone());
     let luma = Luma::new(&raster);
-    let filtered = homomorphic::homomorphic(&luma, CUTOFF, Variant::Fast);
-    let smoothed = median::median(&filtered, Variant::Fast);
-    let equalized = clahe::clahe(&smoothed, GRID, CLIP_LIMIT);
+    let filter = Filter::new(&Hscm::default(), WIDTH);
+    let filtered = homomorphic::homomorphic(&luma, &filter, Variant::Fast);
+    let smoothed = median::median(&filtered, 5, Variant::Fast);
+    let equalized = clahe::clahe(&smoothed, [8, 8], 2.0);
 
     let mut group = criterion.benchmark_group("hscm");
     group
@@ -43,23 +47,24 @@ fn stages(criterion: &mut Criterion) {
         ("homomorphic_reference", Variant::Reference),
     ] {
         group.bench_function(name, |b| {
-            b.iter(|| homomorphic::homomorphic(black_box(&luma), CUTOFF, variant));
+            b.iter(|| homomorphic::homomorphic(black_box(&luma), &filter, variant));
         });
     }
     group.bench_function("homomorphic_log", |b| {
-        b.iter(|| homomorphic::filtered_log(black_box(&luma), CUTOFF, Variant::Fast));
+        b.iter(|| homomorphic::filtered_log(black_box(&luma), &filter, Variant::Fast));
     });
     group.bench_function("median_5", |b| {
-        b.iter(|| median::median(black_box(&filtered), Variant::Fast))
+        b.iter(|| median::median(black_box(&filtered), 5, Variant::Fast))
     });
     group.bench_function("clahe", |b| {
-        b.iter(|| clahe::clahe(black_box(&smoothed), GRID, CLIP_LIMIT));
+        b.iter(|| clahe::clahe(black_box(&smoothed), [8, 8], 2.0));
     });
     group.bench_function("merge", |b| {
         b.iter(|| merge::merge(black_box(colors.data()), equalized.data()))
     });
+    let paper = Mask::Paper.circle().expect("it is a circle");
     group.bench_function("circle", |b| {
-        b.iter(|| circle::plane(WIDTH, HEIGHT, black_box(&circle::HSCM)));
+        b.iter(|| mask::circle_plane(WIDTH, HEIGHT, black_box(&paper)));
     });
     let method = Method::parse("hscm").expect("a name of the table");
     group.bench_function("whole", |b| b.iter(|| enhance::run(&method, black_box(&raster))));

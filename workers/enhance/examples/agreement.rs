@@ -7,7 +7,8 @@ mod content;
 use std::error::Error;
 
 use content::{SIZES, pictures};
-use enhance::hscm::{CUTOFF, Luma, homomorphic};
+use enhance::hscm::Luma;
+use enhance::hscm::homomorphic::{self, Filter};
 use enhance::{METHODS, Method, Variant, run_variant};
 use imaging::Raster;
 
@@ -68,11 +69,12 @@ fn homomorphic_filter() -> (f32, u8) {
     for (width, height) in sizes() {
         for (_, picture) in pictures(width, height) {
             let luma = Luma::new(&Raster::from(picture));
+            let filter = Filter::new(&spec::Hscm::default(), width);
             let variants = [Variant::Fast, Variant::Reference];
-            let [fast, exact] = variants.map(|variant| homomorphic::filtered_log(&luma, CUTOFF, variant));
+            let [fast, exact] = variants.map(|variant| homomorphic::filtered_log(&luma, &filter, variant));
             let off = fast.data().iter().zip(exact.data()).map(|(a, b)| (a - b).abs());
             logs = off.fold(logs, f32::max);
-            let [fast, exact] = variants.map(|variant| homomorphic::homomorphic(&luma, CUTOFF, variant));
+            let [fast, exact] = variants.map(|variant| homomorphic::homomorphic(&luma, &filter, variant));
             let off = fast.data().iter().zip(exact.data()).map(|(a, b)| a.abs_diff(*b));
             codes = off.fold(codes, u8::max);
         }

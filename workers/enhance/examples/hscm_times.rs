@@ -1,5 +1,5 @@
 //! Times HSCM for `scripts/compare-opencv.sh`: reads a picture; for every number of runs on standard input it prints
-//! one line with the milliseconds of each run. An optional second argument is the output file for the unmasked result.
+//! one line with the milliseconds of each run. An optional second argument is the output file for the result.
 
 use std::error::Error;
 use std::io::{self, BufRead, Write};
@@ -14,7 +14,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let picture = decode_picture(&fs::read(path)?)?;
     let method = Method::parse("hscm").ok_or("no such method")?;
     if let Some(result) = arguments.next() {
-        fs::write(result, encode_png(&run(&method, &picture)?.unmasked)?)?;
+        fs::write(result, encode_png(&run(&method, &picture)?.picture)?)?;
     }
     for line in io::stdin().lock().lines() {
         let mut times = Vec::new();

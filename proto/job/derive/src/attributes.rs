@@ -137,11 +137,12 @@ impl FieldAttributes {
             "max" => self.max = Some(meta.value()?.parse()?),
             "distinct" => self.distinct = true,
             "nonzero" => self.rules.push(quote!(crate::schema::Rule::NonZero)),
+            "odd" => self.rules.push(quote!(crate::schema::Rule::Odd)),
             "untraced" => {
                 let reason: LitStr = meta.value()?.parse()?;
                 self.rules.push(quote!(crate::schema::Rule::Untraced(#reason)));
             }
-            "needs" | "needs_always" | "excludes" | "below" | "differs" => {
+            "needs" | "needs_always" | "excludes" | "below" | "at_most" | "differs" => {
                 self.rules.push(parse_rule(&word, meta)?)
             }
             _ => return Err(meta.error("no attribute of a field")),
@@ -162,6 +163,7 @@ fn parse_rule(word: &str, meta: &ParseNestedMeta<'_>) -> syn::Result<TokenStream
         ("excludes", [_, ..]) => quote!(crate::schema::Rule::Excludes(&[#(#paths),*])),
         ("needs_always", [path]) => quote!(crate::schema::Rule::NeedsAlways(#path)),
         ("below", [path]) => quote!(crate::schema::Rule::Below(#path)),
+        ("at_most", [path]) => quote!(crate::schema::Rule::AtMost(#path)),
         ("differs", [path]) => quote!(crate::schema::Rule::Differs(#path)),
         _ => return Err(meta.error("the paths of other fields were expected")),
     })

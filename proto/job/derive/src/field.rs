@@ -64,7 +64,10 @@ impl Member {
 
     /// Whether the field holds one float or three.
     pub(crate) fn is_float(&self) -> bool {
-        is_named(&self.ty, "f64") || matches!(self.ty, Type::Array(_))
+        match &self.ty {
+            Type::Array(array) => is_named(&array.elem, "f64"),
+            ty => is_named(ty, "f64"),
+        }
     }
 
     pub(crate) fn field(&self) -> TokenStream {
@@ -135,7 +138,15 @@ fn shape(ty: &Type, attributes: &FieldAttributes) -> TokenStream {
         let range = range(attributes.limits.as_ref());
         return quote!(crate::schema::Shape::Number(#range));
     }
-    if let Type::Array(_) = ty {
+    if let Type::Array(array) = ty {
+        if !is_named(&array.elem, "f64") {
+            return match &attributes.limits {
+                Some(Limits::Within(low, high)) => {
+                    quote!(crate::schema::Shape::Pair(#low as i128, #high as i128))
+                }
+                _ => quote!(compile_error!("two whole numbers need `within(a, b)`")),
+            };
+        }
         let range = range(attributes.limits.as_ref());
         return if attributes.vector {
             quote!(crate::schema::Shape::Vector(#range))

@@ -29,8 +29,9 @@
 //! | `needs("a", "b")` | requires one of these fields |
 //! | `needs_always("a")` | requires this field in every frame |
 //! | `excludes("a", "b")` | rejects these fields |
-//! | `below("a")`, `differs("a")` | comparison with another field |
+//! | `below("a")`, `at_most("a")`, `differs("a")` | comparison with another field |
 //! | `nonzero` | its three numbers are not all 0 |
+//! | `odd` | the number is odd |
 //! | `untraced = "why"` | the Monte Carlo truth does not model it |
 //!
 //! A name without a dot is a field of the same object. A path with dots starts at the description, as in

@@ -1,7 +1,5 @@
 //! Checks across fields, except for the water.
 
-use std::collections::BTreeSet;
-
 use serde_json::Value;
 
 use super::Checker;
@@ -26,6 +24,7 @@ impl Checker<'_> {
         self.check_haze(document);
         self.check_daylight(document, &contents);
         self.check_artifacts(document, &contents);
+        self.check_enhance(document);
         self.check_truth_work(document, &contents);
     }
 
@@ -49,50 +48,5 @@ impl Checker<'_> {
                 }
             }
         }
-        if document.get("enhance").is_none() {
-            return;
-        }
-        let runs: Vec<_> = find_values(document, "enhance")
-            .iter()
-            .map(|(_, list)| certain_names(list))
-            .collect();
-        for (pointer, list) in find_values(document, "artifacts") {
-            let Node::List(items) = list else { continue };
-            for (position, item) in items.iter().enumerate() {
-                for (pointer, kind) in item.strings(&format!("{pointer}/{position}")) {
-                    let method = if kind == "hscm_mask" {
-                        "hscm"
-                    } else {
-                        kind.strip_prefix("enhanced.").unwrap_or_default()
-                    };
-                    if !method.is_empty() && !runs.iter().all(|names| names.contains(method)) {
-                        let message =
-                            format!("the artifact \"{kind}\" needs \"{method}\" in `enhance` of every frame");
-                        self.refuse(|| FieldError::new(&pointer, message).value(&Value::from(kind)));
-                    }
-                }
-            }
-        }
     }
-}
-
-/// The names that a list contains in every frame.
-fn certain_names(list: &Node) -> BTreeSet<&str> {
-    let Node::List(items) = list else {
-        return BTreeSet::new();
-    };
-    items
-        .iter()
-        .filter_map(|item| {
-            let names: BTreeSet<_> = Node::strings(item, "")
-                .into_iter()
-                .map(|(_, name)| name)
-                .collect();
-            if names.len() == 1 {
-                names.into_iter().next()
-            } else {
-                None
-            }
-        })
-        .collect()
 }

@@ -3,6 +3,7 @@
 use serde_json::Value;
 
 use super::{Checker, Location};
+use crate::artifact::ArtifactKind;
 use crate::invalid::{FieldError, quote};
 use crate::migration;
 use crate::node::Node;
@@ -17,6 +18,12 @@ const MAX_NAME: usize = 100;
 /// Maximum length of free text, characters.
 const MAX_WORDS: usize = 1000;
 
+/// Maximum length of an enhancement's name: `enhanced.NAME.STEP` is an artifact's.
+const MAX_ENHANCEMENT_NAME: usize = 32;
+
+/// The name under which the metrics of the result itself are stored.
+const MAIN_PICTURE: &str = "rgb";
+
 /// Maximum length of a water's name.
 const MAX_WATER_NAME: usize = 64;
 
@@ -27,6 +34,8 @@ impl Checker<'_> {
             Names::Preset => self.vocabulary.preset(text).map(str::to_owned),
             Names::Words => is_words(text).then(|| text.to_owned()),
             Names::WaterName => is_water_name(text).then(|| text.to_owned()),
+            Names::Enhancement => is_enhancement_name(text).then(|| text.to_owned()),
+            Names::Artifact if is_of_enhancement(text) => Some(text.to_owned()),
             Names::Dataset | Names::Collection => is_dataset(text).then(|| text.to_owned()),
             Names::SceneId => is_scene_id(text).then(|| text.to_owned()),
             Names::Path => is_path(text).then(|| text.to_owned()),
@@ -60,6 +69,7 @@ impl Checker<'_> {
                 }
                 Names::Words
                 | Names::WaterName
+                | Names::Enhancement
                 | Names::Dataset
                 | Names::Collection
                 | Names::SceneId
@@ -124,6 +134,20 @@ fn is_water_name(text: &str) -> bool {
         && text
             .chars()
             .all(|c: char| c.is_ascii_alphanumeric() || "._-".contains(c))
+}
+
+fn is_enhancement_name(text: &str) -> bool {
+    text.starts_with(|c: char| c.is_ascii_lowercase())
+        && text.len() <= MAX_ENHANCEMENT_NAME
+        && text != MAIN_PICTURE
+        && text
+            .bytes()
+            .all(|byte| matches!(byte, b'a'..=b'z' | b'0'..=b'9' | b'_' | b'-'))
+}
+
+/// Whether a text names a result of an enhancement; whether the frame has it is a check across fields.
+fn is_of_enhancement(text: &str) -> bool {
+    ArtifactKind::is_name(text) && ArtifactKind::parse(text).is_some_and(|kind| kind.enhancement().is_some())
 }
 
 fn is_scene_id(text: &str) -> bool {

@@ -5,7 +5,7 @@ use serde_json::{Map, Value};
 use super::{Checker, Location};
 use crate::migration;
 use crate::node::Node;
-use crate::schema::{Field, Presence, Shape};
+use crate::schema::{Field, Presence, Shape, parse_default};
 
 impl Checker<'_> {
     pub(super) fn check_object(
@@ -149,8 +149,4 @@ impl Checker<'_> {
             }
         }
     }
-}
-
-pub(crate) fn parse_default(text: &str) -> Value {
-    serde_json::from_str(text).expect("the defaults of the table are JSON, a test reads them all")
 }

@@ -81,6 +81,21 @@ impl Situation<'_> {
                     )
                 })
             }
+            Rule::AtMost(path) => {
+                let (value, limit) = (node.greatest()?, object.get(path)?.least()?);
+                (value > limit).then(|| {
+                    format!(
+                        "{location} is {value}; must be at most {}, which is {limit}",
+                        self.name(&[path])
+                    )
+                })
+            }
+            Rule::Odd => has_even(node).then(|| {
+                format!(
+                    "{location} can be even, {}; must be odd: a window has a middle",
+                    quote(&node.canonical())
+                )
+            }),
             Rule::Differs(path) => (object.get(path)?.canonical() == node.canonical()).then(|| {
                 format!(
                     "{location} is the same as {}: change one of them",
@@ -143,6 +158,14 @@ impl Situation<'_> {
 
 fn is_sibling(path: &str) -> bool {
     !path.contains('.')
+}
+
+/// Whether a whole number can be even; an interval of several numbers has an even one.
+fn has_even(number: &Node) -> bool {
+    number.alternatives("").into_iter().any(|(_, node)| {
+        let (least, greatest) = (node.least(), node.greatest());
+        least != greatest || least.is_some_and(|number| number % 2.0 == 0.0)
+    })
 }
 
 /// Whether a list contains only the constant 0.

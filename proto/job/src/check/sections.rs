@@ -2,6 +2,7 @@
 
 pub(crate) mod camera;
 pub(crate) mod daylight;
+pub(crate) mod enhance;
 pub(crate) mod labels;
 pub(crate) mod lights;
 pub(crate) mod scene;

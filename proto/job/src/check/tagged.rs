@@ -2,11 +2,10 @@
 
 use serde_json::{Map, Value};
 
-use super::object::parse_default;
 use super::{Checker, Location, collection};
 use crate::json::describe;
 use crate::node::Node;
-use crate::schema::{Presence, Variant};
+use crate::schema::{Presence, Variant, parse_default};
 
 impl Checker<'_> {
     pub(super) fn check_tagged(

@@ -12,7 +12,7 @@ pub(crate) fn find_values<'a>(document: &'a Node, name: &str) -> Vec<(String, &'
 }
 
 /// The possible lists of a document field, each with its location.
-pub(super) fn find_lists<'a>(document: &'a Node, name: &str) -> Vec<(Location, &'a [Node])> {
+pub(crate) fn find_lists<'a>(document: &'a Node, name: &str) -> Vec<(Location, &'a [Node])> {
     let mut lists = Vec::new();
     for (pointer, node) in find_values(document, name) {
         if let Node::List(items) = node {

@@ -1,7 +1,7 @@
 //! The columns of a record: every scalar of the description by its path, and the results of the frame.
 //!
 //! A leaf common to several kinds of one object, such as the intensity of a light, occurs once. Three numbers are
-//! three leaves, `….r`, `.g`, `.b` or `.x`, `.y`, `.z`. The length of a list is `LIST.count`, and its elements are
+//! three leaves, `….r`, `.g`, `.b` or `.x`, `.y`, `.z`; two are `….across` and `.down`. The length of a list is `LIST.count`, and its elements are
 //! `LIST.N` or `LIST.N.FIELD`.
 
 use serde_json::Value;
@@ -113,8 +113,9 @@ impl Leaves {
             Shape::Integer(_, max) if *max > EXACT => self.add(spot, LeafKind::Large),
             Shape::Integer(..) => self.add(spot, LeafKind::Whole),
             Shape::Text(_) => self.add(spot, LeafKind::Text),
-            Shape::Rgb(_) => self.triple(spot, ["r", "g", "b"]),
-            Shape::Vector(_) => self.triple(spot, ["x", "y", "z"]),
+            Shape::Rgb(_) => self.parts(spot, &["r", "g", "b"], LeafKind::Number),
+            Shape::Vector(_) => self.parts(spot, &["x", "y", "z"], LeafKind::Number),
+            Shape::Pair(..) => self.parts(spot, &["across", "down"], LeafKind::Whole),
             // The object has only the field that its string abbreviates.
             Shape::Short(_, [field]) => {
                 let inside = spot.below("", &format!("/{}", field.name));
@@ -179,9 +180,9 @@ impl Leaves {
         }
     }
 
-    fn triple(&mut self, spot: &Spot, parts: [&str; 3]) {
-        for (position, part) in parts.into_iter().enumerate() {
-            self.add(&spot.below(part, &format!("/{position}")), LeafKind::Number);
+    fn parts(&mut self, spot: &Spot, parts: &[&str], kind: LeafKind) {
+        for (position, part) in parts.iter().enumerate() {
+            self.add(&spot.below(part, &format!("/{position}")), kind);
         }
     }
 

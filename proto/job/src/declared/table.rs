@@ -90,6 +90,7 @@ fn lay_out(path: &str, shape: &Shape, rows: &mut Vec<Row>) {
         | Shape::Text(_)
         | Shape::Rgb(_)
         | Shape::Vector(_)
+        | Shape::Pair(..)
         | Shape::Bool
         | Shape::Labels
         | Shape::Scalar => {}

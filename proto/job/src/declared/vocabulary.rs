@@ -3,6 +3,7 @@ use std::collections::BTreeMap;
 use serde_json::{Map, Value};
 
 use crate::artifact::ArtifactKind;
+use crate::enhancement::METHODS;
 use crate::rules::{CameraRules, WaterRules};
 use crate::schema::Names;
 
@@ -30,8 +31,6 @@ pub struct Vocabulary {
     pub styles: Vec<String>,
     /// Style models that use the range of each pixel.
     pub range_styles: Vec<String>,
-    /// Enhancement methods.
-    pub enhancements: Vec<String>,
     /// Metrics, `name` or `name@profile`.
     pub metrics: Vec<String>,
     /// Collections of uploaded scenes: the ids of their scenes in order. Only collections mentioned by the
@@ -52,10 +51,11 @@ impl Vocabulary {
             Names::Camera => self.cameras.clone(),
             Names::Sensor => self.sensors.clone(),
             Names::Style => self.styles.clone(),
-            Names::Enhancement => self.enhancements.clone(),
+            Names::Method => METHODS.iter().map(|name| (*name).to_owned()).collect(),
             Names::Metric => self.metrics.clone(),
             Names::Artifact => self.artifacts().iter().map(ToString::to_string).collect(),
-            Names::Words
+            Names::Enhancement
+            | Names::Words
             | Names::WaterName
             | Names::Dataset
             | Names::Collection
@@ -64,11 +64,13 @@ impl Vocabulary {
         }
     }
 
-    /// Every kind of artifact: the fixed ones, then the result of each enhancement.
+    /// Every kind of artifact: the fixed ones, then the result of each method.
     #[must_use]
     pub fn artifacts(&self) -> Vec<ArtifactKind> {
         let fixed = ArtifactKind::FIXED.iter().map(|(_, kind)| kind.clone());
-        let enhanced = self.enhancements.iter().cloned().map(ArtifactKind::Enhanced);
+        let enhanced = METHODS
+            .iter()
+            .map(|name| ArtifactKind::Enhanced((*name).to_owned()));
         fixed.chain(enhanced).collect()
     }
 

@@ -18,12 +18,13 @@ macro_rules! artifacts {
         #[serde(try_from = "String")]
         pub enum ArtifactKind {
             $(#[doc = $about] $Kind,)*
-            /// Result of an enhancement method.
+            /// Result of an enhancement, by its name, or of a step of it, by both names.
             Enhanced(String),
         }
 
         impl ArtifactKind {
-            /// Every kind with a fixed name. The results of enhancements are named `enhanced.<method>`.
+            /// Every kind with a fixed name. The results of enhancements are named `enhanced.NAME`, and those of
+            /// their steps `enhanced.NAME.STEP`.
             pub const FIXED: &[(&str, Self)] = &[$(($name, Self::$Kind)),*];
 
             /// Format, unit and meaning of the file.
@@ -31,6 +32,7 @@ macro_rules! artifacts {
             pub fn about(&self) -> &'static str {
                 match self {
                     $(Self::$Kind => $about,)*
+                    Self::Enhanced(name) if name.ends_with(".mask") => "kept part of the enhancement: 8-bit PNG, 255 = kept",
                     Self::Enhanced(_) => "result of the enhancement, 8 bit, in the format of `encode`",
                 }
             }
@@ -38,6 +40,7 @@ macro_rules! artifacts {
             fn format(&self) -> FileFormat {
                 match self {
                     $(Self::$Kind => FileFormat::$format,)*
+                    Self::Enhanced(name) if name.ends_with(".mask") => FileFormat::Png,
                     Self::Enhanced(_) => FileFormat::Picture,
                 }
             }
@@ -67,7 +70,6 @@ artifacts! {
     Valid "valid" Png "part of the output covered by the uploaded image: 8-bit PNG, 255 = inside, 0 = outside";
     Truth "truth" Npy "light by Monte Carlo, three planes, and its standard error, three planes: NPY float32 [h, w, 6], linear, white = 1";
     TruthReport "truth_report" Json "work and accuracy of the Monte Carlo light, and the deviation of the image chain: JSON";
-    HscmMask "hscm_mask" Png "circular mask of HSCM: 8-bit PNG";
     Preview "preview" Picture "thumbnail of at most 256 px a side, in the format of `encode`";
 }
 
@@ -97,6 +99,16 @@ impl ArtifactKind {
             Self::Raw => Some("DN"),
             _ => None,
         }
+    }
+
+    /// The enhancement that it belongs to, and the step if it is one.
+    #[must_use]
+    pub fn enhancement(&self) -> Option<(&str, Option<&str>)> {
+        let Self::Enhanced(name) = self else { return None };
+        Some(match name.split_once('.') {
+            Some((name, step)) => (name, Some(step)),
+            None => (name, None),
+        })
     }
 
     /// Whether it needs labels, which are computed only on request.
@@ -151,7 +163,7 @@ impl ArtifactKind {
     /// Whether it may be missing from a frame: for lack of a scene part, or because an enhancement did not run.
     #[must_use]
     pub fn may_be_absent(&self) -> bool {
-        self.needs().is_some() || matches!(self, Self::Enhanced(_) | Self::HscmMask | Self::Raw)
+        self.needs().is_some() || matches!(self, Self::Enhanced(_) | Self::Raw)
     }
 
     /// Whether a text is the name of a kind and safe in paths and file names. Unknown methods are accepted.
@@ -164,11 +176,12 @@ impl ArtifactKind {
             && Self::parse(text).is_some()
     }
 
-    /// Parses a kind: a fixed one or `enhanced.<method>`.
+    /// Parses a kind: a fixed one, `enhanced.NAME` or `enhanced.NAME.STEP`.
     #[must_use]
     pub fn parse(name: &str) -> Option<Self> {
-        if let Some(method) = name.strip_prefix("enhanced.") {
-            return (!method.is_empty()).then(|| Self::Enhanced(method.to_owned()));
+        if let Some(enhanced) = name.strip_prefix("enhanced.") {
+            let mut parts = enhanced.splitn(2, '.');
+            return (!parts.any(str::is_empty)).then(|| Self::Enhanced(enhanced.to_owned()));
         }
         Self::FIXED
             .iter()
@@ -187,8 +200,8 @@ impl TryFrom<String> for ArtifactKind {
 
 impl std::fmt::Display for ArtifactKind {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        if let Self::Enhanced(method) = self {
-            return write!(f, "enhanced.{method}");
+        if let Self::Enhanced(name) = self {
+            return write!(f, "enhanced.{name}");
         }
         let name = Self::FIXED
             .iter()
@@ -215,7 +228,14 @@ mod tests {
 
     #[test]
     fn other_names_are_none() {
-        for name in ["", "RGB", "enhanced.", "depth"] {
+        for name in [
+            "",
+            "RGB",
+            "enhanced.",
+            "enhanced.hscm.",
+            "enhanced..mask",
+            "depth",
+        ] {
             assert_eq!(ArtifactKind::parse(name), None, "{name}");
         }
     }

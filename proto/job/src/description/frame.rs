@@ -10,6 +10,7 @@ use crate::artifact::ArtifactKind;
 use crate::camera::Camera;
 use crate::daylight::Daylight;
 use crate::encode::Encode;
+use crate::enhancement::Enhancement;
 use crate::light::{Haze, Light, RaySource};
 use crate::scene::Scene;
 use crate::truth::Truth;
@@ -60,9 +61,9 @@ pub struct Frame {
     /// lamps in the water, and haze in drawing order
     #[field(max = 64, default = [])]
     pub lights: Vec<Light>,
-    /// enhancement methods applied to the result
-    #[field(names = Enhancement, max = 64, distinct, default = [])]
-    pub enhance: Vec<String>,
+    /// enhancements of the result, each on its own
+    #[field(max = 64, default = [])]
+    pub enhance: Vec<Enhancement>,
     /// metrics to measure
     #[field(names = Metric, max = 64, distinct, default = ["entropy", "uicm", "uism", "uiconm", "uiqm", "uciqe"])]
     pub metrics: Vec<String>,

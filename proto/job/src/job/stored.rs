@@ -7,13 +7,13 @@ use std::collections::BTreeMap;
 
 use serde_json::{Map, Value, json};
 
-use crate::check::{constant, parse_default, whole};
+use crate::check::{constant, whole};
 use crate::fields::DOCUMENT;
 use crate::invalid::{FieldError, Invalid};
 use crate::json::step;
 use crate::law::find_key;
 use crate::node::{Node, float};
-use crate::schema::{Field, Names, Presence, Shape, Variant};
+use crate::schema::{Field, Names, Presence, Shape, Variant, parse_default};
 use crate::site::{NamedSite, split_site, take_names};
 
 use super::formula::{Document, Job, seed};
@@ -101,6 +101,9 @@ impl Reader {
             (Shape::Rgb(range) | Shape::Vector(range), Value::Array(items)) if items.len() == 3 => Some(
                 Node::List(self.read_items(pointer, &Shape::Number(*range), items)?),
             ),
+            (Shape::Pair(min, max), Value::Array(items)) if items.len() == 2 => Some(Node::List(
+                self.read_items(pointer, &Shape::Integer(*min, *max), items)?,
+            )),
             (Shape::Short(field, fields), Value::String(_)) => {
                 let map = Map::from_iter([((*field).to_owned(), value.clone())]);
                 Some(Node::Object(self.read_fields(pointer, fields, &map, None)?))

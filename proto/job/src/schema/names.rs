@@ -20,6 +20,8 @@ pub enum Names {
     /// A style model.
     Style,
     /// An enhancement method.
+    Method,
+    /// A user's name for an enhancement.
     Enhancement,
     /// A metric, `name` or `name@profile`.
     Metric,
@@ -61,7 +63,8 @@ impl Names {
             Self::Camera => "a known camera",
             Self::Sensor => "a known sensor",
             Self::Style => "a known style model",
-            Self::Enhancement => "a known enhancement method",
+            Self::Method => "a known enhancement method",
+            Self::Enhancement => "1 to 32 of a-z 0-9 _ - that begin with a letter, and not `rgb`",
             Self::Metric => "a known metric",
             Self::Artifact => "a known artifact kind",
             Self::Dataset | Self::Collection => {

@@ -14,10 +14,14 @@ pub enum Rule {
     Excludes(&'static [&'static str]),
     /// The number must be below that of this field.
     Below(&'static str),
+    /// The number must be at most that of this field.
+    AtMost(&'static str),
     /// The value must differ from that of this field.
     Differs(&'static str),
     /// The three numbers must not all be 0.
     NonZero,
+    /// The whole number must be odd.
+    Odd,
     /// The Monte Carlo truth does not model it, for this reason.
     Untraced(&'static str),
 }
@@ -32,7 +36,9 @@ impl std::fmt::Display for Rule {
             Self::NeedsAlways(path) => write!(f, "needs {} in every frame", describe(&[path])),
             Self::Excludes(paths) => write!(f, "not with {}", describe(paths)),
             Self::Below(path) => write!(f, "below `{path}`"),
+            Self::AtMost(path) => write!(f, "at most `{path}`"),
             Self::Differs(path) => write!(f, "not the same as `{path}`"),
+            Self::Odd => f.write_str("odd"),
             Self::NonZero => f.write_str("of any length above 0"),
             Self::Untraced(reason) => write!(f, "not with {}: {reason}", describe(&TRACED)),
         }

@@ -74,6 +74,9 @@ pub const REMOVED: &[Removed] = removed! {
     "lights[].samples" => SHADOWS;
     "lights[].glow_shadow" => SHADOWS;
     "rays" => "remove it: shadow rays use the solids of a procedural scene, else the range image";
+    "artifacts" = "hscm_mask" => "\"enhanced.hscm.mask\", with {\"method\": \"hscm\", \"mask\": \"paper\"} in `enhance`";
+    "enhance" = "grey_world" => "\"gray_world\"";
+    "enhance" = "ibla_guided" => "{\"method\": \"ibla\", \"refine\": \"guided\"}";
     "enhance" = "ibla_hybrid" => "\"ibla\": the planner chooses the variant by `fidelity`";
     "png_text" => "remove it: PNG files always contain their kind, unit and meaning";
     "truth.block" => "remove it: errors count in blocks of 8 pixels";

@@ -27,7 +27,6 @@ pub(crate) fn vocabulary(local: bool) -> Vocabulary {
         waters: [("quay".to_owned(), water)].into(),
         styles: names(&["atlantic", "mediterranean", "muddy", "ranged"]),
         range_styles: names(&["ranged"]),
-        enhancements: names(&["hscm", "ulap"]),
         metrics: names(&[
             "entropy",
             "uicm",

@@ -25,8 +25,9 @@ fn everything() -> Value {
         "lights": [{"kind": "haze", "x": {"uniform": [0, 1]}, "y": 1.0, "size": 0.2,
             "intensity": {"normal": [0.8, 0.1], "clip": [0, 1]}, "color": [1, 1, {"grid": [0.5, 1]}],
             "blend": "add", "space": "display"}],
-        "enhance": ["hscm"], "metrics": ["uiqm@table1", "psnr"], "fidelity": {"terms": 6},
-        "artifacts": ["rgb", "range", "enhanced.hscm", "hscm_mask"],
+        "enhance": ["hscm", {"method": "hscm", "name": "wide", "cutoff": {"uniform": [16, 64]}, "mask": "paper"},
+            {"name": "mine", "steps": [{"gray_world": {}}, {"clahe": {"clip": 3}}]}], "metrics": ["uiqm@table1", "psnr"], "fidelity": {"terms": 6},
+        "artifacts": ["rgb", "range", "enhanced.hscm", "enhanced.wide.mask", "enhanced.mine.1"],
         "encode": {"format": "jpeg", "quality": 80},
         "labels": {"run": "exp-41", "n": 2.0, "choice": true, "t": {"log_uniform": [1, 10]}},
     })

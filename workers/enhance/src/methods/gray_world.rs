@@ -9,12 +9,11 @@ use imaging::Raster;
 use crate::blocks::histogram;
 use crate::result::{Enhanced, OfGray};
 use crate::signs::{self, Signs};
-use crate::variant::Variant;
 use crate::warning::Warning;
 
 /// Balances a picture of at least one pixel.
 #[must_use]
-pub(crate) fn enhance(picture: &Raster, _: Variant) -> Enhanced {
+pub(crate) fn enhance(picture: &Raster) -> Enhanced {
     let colors = picture.to_rgb8();
     let sums = histogram::histograms(&colors).each_ref().map(histogram::sum);
     let total: u64 = sums.iter().sum();
@@ -50,7 +49,7 @@ mod tests {
     fn channel_means_become_equal_where_nothing_clips() {
         let picture = Rgb8::from_fn(2, 1, |x, _| if x == 0 { [10, 20, 60] } else { [20, 40, 30] });
         // Means 15, 30, 45: gains 2, 1 and 2/3.
-        let enhanced = enhance(&Raster::from(picture), Variant::Fast).picture.to_rgb8();
+        let enhanced = enhance(&Raster::from(picture)).picture.to_rgb8();
         assert_eq!(enhanced.data(), &[20, 20, 40, 40, 40, 20]);
     }
 
@@ -58,10 +57,7 @@ mod tests {
     fn a_channel_without_light_stays_black() {
         let picture = Rgb8::from_fn(3, 3, |_, _| [0, 90, 90]);
         assert_eq!(
-            enhance(&Raster::from(picture), Variant::Fast)
-                .picture
-                .to_rgb8()
-                .pixel(1, 1),
+            enhance(&Raster::from(picture)).picture.to_rgb8().pixel(1, 1),
             [0, 60, 60]
         );
     }

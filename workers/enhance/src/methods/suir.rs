@@ -22,6 +22,7 @@
 //! a picture of fewer than 9 pixels a side is all rim.
 
 use imaging::{Plane, Raster, Rgb8, vectorized};
+use spec::Guided;
 
 use crate::blocks::{FLAT, Guide, extremes, guided, range, window_max, window_min};
 use crate::result::{Enhanced, OfGray};
@@ -44,10 +45,10 @@ const CHROMA: [f64; 2] = [0.713, 0.564];
 
 /// Restores a picture of at least one pixel. The result is colored; 16 bit is reduced to 8.
 #[must_use]
-pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
+pub(crate) fn enhance(picture: &Raster, parameters: &Guided, variant: Variant) -> Enhanced {
     let colors = picture.to_rgb8();
     let stretch = JointStretch::new(&colors);
-    let guide = Guide::new(&colors).scaled(stretch.scale);
+    let guide = Guide::new(&colors).scaled(stretch.scale).of(parameters);
     let light = background(&guide, variant).map(|code| stretch.value(code).max(1.0 / 255.0));
     let (channels, exposure) = restored(&guide, &stretch, light, variant);
     let mut result = colors.clone();

@@ -12,6 +12,7 @@
 //! brightness only, so bright counts as distant. A picture of one color is unchanged.
 
 use imaging::{Plane, Raster, vectorized};
+use spec::Guided;
 
 use crate::blocks::{Guide, Veil, brightest_of, distance_of, distance_offset, guided, restore};
 use crate::result::{Enhanced, OfGray};
@@ -28,11 +29,11 @@ const TRANSMITTANCE: (f64, f64) = (0.1, 0.9);
 
 /// Restores a picture of at least one pixel. The result is colored; 16 bit is reduced to 8.
 #[must_use]
-pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
+pub(crate) fn enhance(picture: &Raster, parameters: &Guided, variant: Variant) -> Enhanced {
     let colors = picture.to_rgb8();
     let mut prior = Plane::filled(colors.width(), colors.height(), 0.0);
     vectorized!(attenuation_prior(colors.data(), prior.data_mut()));
-    let distance = guided(&Guide::new(&colors), &prior, variant);
+    let distance = guided(&Guide::new(&colors).of(parameters), &prior, variant);
     drop(prior);
     let light = brightest_of(&colors, &distance, variant).map(|code| f64::from(code) / 255.0);
     let nearest = distance_offset(&colors, light);
@@ -67,7 +68,9 @@ mod tests {
     use super::*;
 
     fn ulap(colors: Rgb8, variant: Variant) -> Rgb8 {
-        enhance(&Raster::from(colors), variant).picture.to_rgb8()
+        enhance(&Raster::from(colors), &Guided::default(), variant)
+            .picture
+            .to_rgb8()
     }
 
     #[test]

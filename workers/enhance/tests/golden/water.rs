@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use enhance::{Method, Variant, run_variant};
+use enhance::{Variant, run_variant};
 use imaging::Raster;
 use imaging::codec::decode_picture;
 use serde_json::{Map, Value};
@@ -45,7 +45,7 @@ fn golden_pictures_behind_water() {
         let file = |ending: &str| stem.with_extension(format!("{ending}.png"));
         let input = picture(&file("input"));
         for name in METHODS {
-            let method = Method::parse(name).expect("a method");
+            let method = crate::method::method(name);
             let expected = picture(&file(name)).to_rgb8();
             for variant in [Variant::Fast, Variant::Reference] {
                 let actual = run_variant(&method, &input, variant).expect("a result");

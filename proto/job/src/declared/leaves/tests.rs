@@ -14,6 +14,7 @@ fn documented() -> Vec<String> {
             "a number" | "a whole number" | "a string" | "a string or an object" => &[""],
             "a list of three numbers (R, G, B)" => &[".r", ".g", ".b"],
             "a list of three numbers (x, y, z)" => &[".x", ".y", ".z"],
+            "a list of two whole numbers (across, down)" => &[".across", ".down"],
             "a list" => &[".count"],
             _ => &[],
         };
@@ -24,7 +25,9 @@ fn documented() -> Vec<String> {
         } else {
             path
         };
-        if path != "count" && !is_short {
+        // Of a list inside another only the length is a leaf.
+        let is_nested = path.matches("[]").count() > 1;
+        if path != "count" && !is_short && !is_nested {
             names.extend(parts.iter().map(|part| format!("{path}{part}")));
         }
     }
@@ -41,13 +44,11 @@ fn every_leaf_of_a_description_has_its_own_name() {
         .filter(|leaf: &&Leaf| leaf.pointer.starts_with("/parameters/") && leaf.name != "water.optics")
         .map(|leaf| leaf.name.clone())
         .collect();
-    let lights = lists.iter().find(|list| list.name == "lights").unwrap();
-    names.extend(
-        lights
-            .element
-            .iter()
-            .map(|leaf| format!("lights[].{}", leaf.name)),
-    );
+    for of_objects in ["lights", "enhance"] {
+        let list = lists.iter().find(|list| list.name == of_objects).unwrap();
+        let fields = list.element.iter().filter(|leaf| !leaf.name.is_empty());
+        names.extend(fields.map(|leaf| format!("{of_objects}[].{}", leaf.name)));
+    }
     names.sort_unstable();
     assert_eq!(names, documented());
     let all: Vec<_> = lists.iter().map(|list| list.name.as_str()).collect();

@@ -1,6 +1,7 @@
 //! The guide of the filter.
 
 use imaging::{Plane, Rgb8};
+use spec::Guided;
 
 /// Radius of the methods' windows, pixels.
 pub const RADIUS_PX: usize = 50;
@@ -47,6 +48,12 @@ impl Guide {
             regularization,
             ..self
         }
+    }
+
+    /// Sets the radius and ε of a method.
+    #[must_use]
+    pub(crate) fn of(self, parameters: &Guided) -> Self {
+        self.window(parameters.guide_radius_px, parameters.guide_eps)
     }
 
     /// The larger of green and blue.

@@ -8,13 +8,13 @@ use imaging::{Plane, reflected, vectorized};
 
 type TileTable = [u8; 256];
 
-/// Equalizes a plane of at least one pixel. `grid` is the number of tiles across and down, at least one each;
+/// Equalizes a plane of at least one pixel. `[across, down]` is the number of tiles, at least one each;
 /// `clip_limit` is in mean bins; 0 disables clipping.
 ///
 /// If either side is not a multiple of its number of tiles, both are extended by reflection for the histograms: by
 /// `tiles - side mod tiles`, which is a whole row of pixels per tile on a side that did divide.
 #[must_use]
-pub fn clahe(picture: &Plane<u8>, (across, down): (usize, usize), clip_limit: f64) -> Plane<u8> {
+pub fn clahe(picture: &Plane<u8>, [across, down]: [usize; 2], clip_limit: f64) -> Plane<u8> {
     let tiles = TileGrid::new(picture.size(), across, down);
     let tables = tiles.tables(picture, clip_limit);
     let (width, height) = picture.size();
@@ -215,13 +215,13 @@ mod tests {
     fn one_tile_without_clipping_is_plain_equalization() {
         let picture = Plane::new(4, 1, vec![10u8, 20, 30, 40]).unwrap();
         // Cumulative counts 1..4 of 4, in steps of 63.75.
-        assert_eq!(clahe(&picture, (1, 1), 0.0).data(), &[64, 128, 191, 255]);
+        assert_eq!(clahe(&picture, [1, 1], 0.0).data(), &[64, 128, 191, 255]);
     }
 
     #[test]
     fn a_picture_of_one_pixel_goes_through_a_grid_of_any_size() {
-        for grid in [(1, 1), (8, 8), (256, 3)] {
-            assert_eq!(clahe(&Plane::filled(1, 1, 9u8), grid, 2.0).size(), (1, 1));
+        for tiles in [[1, 1], [8, 8], [256, 3]] {
+            assert_eq!(clahe(&Plane::filled(1, 1, 9u8), tiles, 2.0).size(), (1, 1));
         }
     }
 

@@ -1,10 +1,9 @@
-//! HSCM: homomorphic filter, spatial median, CLAHE and circular mask.
+//! HSCM: homomorphic filter, spatial median, CLAHE and color merge.
 //!
-//! Order: [`Luma`] → [`homomorphic`] → [`median`] → [`clahe`] → [`merge`] → [`circle`]. The first stages process only
-//! the luma; the merge restores the chroma of the input. Every stage is public, so that each can be compared with a
-//! reference from the output of the previous stage.
+//! Order: [`Luma`] → [`homomorphic`] → [`median`] → [`clahe`] → [`merge`]. The first stages process only the luma; the merge
+//! restores the chroma of the input. Every stage is public, so that each can be compared with a reference from the output
+//! of the previous stage.
 
-pub mod circle;
 pub mod clahe;
 pub mod homomorphic;
 mod luma;
@@ -12,19 +11,15 @@ pub mod median;
 pub mod merge;
 
 use imaging::{Channels, Plane, Raster, Samples};
+use spec::{Hscm, ResultColor};
 
+use homomorphic::Filter;
 pub use luma::Luma;
 
 use crate::result::{Enhanced, raster};
 use crate::variant::Variant;
 use crate::warning::{Warning, found};
 
-/// Cutoff of the homomorphic filter: `delta` is the width of the picture over this, in bins of the transform.
-pub const CUTOFF: f64 = 32.0;
-/// Tiles of CLAHE across and down.
-pub const GRID: (usize, usize) = (8, 8);
-/// Contrast limit of CLAHE, in mean bins.
-pub const CLIP_LIMIT: f64 = 2.0;
 /// Minimum pixels of a tile for a reliable histogram.
 const TILE_PIXELS: usize = 64;
 
@@ -33,37 +28,43 @@ const TILE_PIXELS: usize = 64;
 /// Gray stays gray. A 16-bit picture keeps its depth through the homomorphic stage and is reduced to 8 bit for the
 /// merge; the result, including alpha, is 8 bit.
 #[must_use]
-pub(super) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
-    let (width, height) = (picture.width(), picture.height());
+pub(super) fn enhance(picture: &Raster, parameters: &Hscm, variant: Variant) -> Enhanced {
     let luma = Luma::new(picture);
-    let warnings = warnings(&luma);
+    let warnings = warnings(&luma, parameters.tiles);
+    let filter = Filter::new(parameters, picture.width());
     // Each stage frees its input before the next one allocates: fresh pages for every picture would cost a third of the
     // time.
-    let filtered = homomorphic::homomorphic(&luma, CUTOFF, variant);
+    let filtered = homomorphic::homomorphic(&luma, &filter, variant);
     drop(luma);
-    let smoothed = median::median(&filtered, variant);
+    let smoothed = median::median(&filtered, parameters.median_px, variant);
     drop(filtered);
-    let equalized = clahe::clahe(&smoothed, GRID, CLIP_LIMIT);
+    let equalized = clahe::clahe(&smoothed, parameters.tiles, parameters.clip);
     drop(smoothed);
 
-    let (channels, unmasked) = with_luma(picture, equalized);
-    let mut shown = unmasked.clone();
-    circle::black_out(&mut shown, channels.count(), (width, height), &circle::HSCM);
-    Enhanced {
-        picture: raster(picture, channels, shown),
-        unmasked: raster(picture, channels, unmasked),
-        mask: Some(circle::plane(width, height, &circle::HSCM)),
-        warnings,
-    }
+    let (channels, codes) = match parameters.color {
+        ResultColor::Color => with_luma(picture, equalized),
+        ResultColor::Gray => (Channels::Gray, equalized.into_data()),
+    };
+    Enhanced::new(raster(picture, channels, codes), warnings)
+}
+
+/// The luma after each stage: homomorphic filter, median, and CLAHE.
+#[must_use]
+pub fn stages(picture: &Raster, parameters: &Hscm) -> [Plane<u8>; 3] {
+    let filter = Filter::new(parameters, picture.width());
+    let filtered = homomorphic::homomorphic(&Luma::new(picture), &filter, Variant::Fast);
+    let smoothed = median::median(&filtered, parameters.median_px, Variant::Fast);
+    let equalized = clahe::clahe(&smoothed, parameters.tiles, parameters.clip);
+    [filtered, smoothed, equalized]
 }
 
 /// Warnings about the equalization of tiles and the gain of dark parts.
-pub(super) fn warnings(luma: &Luma) -> Vec<Warning> {
+pub(super) fn warnings(luma: &Luma, [across, down]: [usize; 2]) -> Vec<Warning> {
     let pixels = luma.codes().data().len();
     let (low, high) = luma.extremes();
     found([
         (low == high, Warning::Constant),
-        (pixels < GRID.0 * GRID.1 * TILE_PIXELS, Warning::SmallTiles),
+        (pixels < across * down * TILE_PIXELS, Warning::SmallTiles),
         (luma.is_dark(), Warning::Dark),
     ])
 }

@@ -23,12 +23,12 @@
 //! change between frames of a film. A picture of one color is unchanged.
 
 mod blurriness;
-mod form;
 mod light;
 #[cfg(test)]
 mod tests;
 
 use imaging::{Plane, Raster, Rgb8, vectorized};
+use spec::{Ibla, IblaRefinement};
 
 use crate::blocks::{Guide, Matting, Veil, extremes, guided, normalized, restore, window_max};
 use crate::result::{Enhanced, OfGray};
@@ -36,7 +36,6 @@ use crate::signs::{self, Signs};
 use crate::variant::Variant;
 use crate::warning::Warning;
 use blurriness::{MAXIMUM_PX, blurriness};
-pub use form::{IblaRefinement, candidates};
 use light::{BackgroundLight, sigmoid};
 
 /// Units of distance between the nearest and the farthest pixel.
@@ -52,24 +51,14 @@ const TRANSMITTANCE: (f64, f64) = (0.1, f64::INFINITY);
 /// A brighter light that blackens the picture is a bright object.
 const BRIGHT_LIGHT: f64 = 0.8;
 
-/// Restores a picture of at least one pixel. The result is colored; 16 bit is reduced to 8.
+/// Restores a picture of at least one pixel; `auto` refines by matting. The result is colored; 16 bit is reduced to 8.
 #[must_use]
-pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
-    restored(picture, variant, IblaRefinement::Matting)
-}
-
-/// [`enhance`] refined by the guided filter.
-#[must_use]
-pub(crate) fn enhance_guided(picture: &Raster, variant: Variant) -> Enhanced {
-    restored(picture, variant, IblaRefinement::Guided)
-}
-
-fn restored(picture: &Raster, variant: Variant, form: IblaRefinement) -> Enhanced {
+pub(crate) fn enhance(picture: &Raster, parameters: &Ibla, variant: Variant) -> Enhanced {
     let colors = picture.to_rgb8();
-    let guide = &Guide::new(&colors);
+    let guide = &Guide::new(&colors).window(parameters.guide_radius_px, parameters.guide_eps);
     let blurriness = blurriness(&colors, variant);
-    let (light, mix, closeness) = match form {
-        IblaRefinement::Matting => {
+    let (light, mix, closeness) = match parameters.refine {
+        IblaRefinement::Auto | IblaRefinement::Matting => {
             let measures = Measures::new(guide, blurriness.clone(), variant);
             // Closeness depends on the light by one factor, which is approximately known: refine it together with
             // blurriness.
@@ -85,7 +74,7 @@ fn restored(picture: &Raster, variant: Variant, form: IblaRefinement) -> Enhance
             (light, mix, closeness)
         }
         IblaRefinement::Guided => {
-            let light = BackgroundLight::new(&colors, &form.refined(guide, &blurriness, variant), variant);
+            let light = BackgroundLight::new(&colors, &guided(guide, &blurriness, variant), variant);
             let mix = Mix::new(guide, light.color);
             let Measures {
                 by_red,
@@ -114,6 +103,25 @@ fn restored(picture: &Raster, variant: Variant, form: IblaRefinement) -> Enhance
         warnings.push(Warning::UnstableLight);
     }
     Enhanced::from_colors(picture, &restored, OfGray::Color, warnings)
+}
+
+/// The three candidate colors of the background light of a picture of at least one pixel. With refined blurriness
+/// `P_b`, small where the picture is blurred, they are in this order
+///
+/// - the mean color of the thousandth of the pixels with the smallest `P_b`, at least one pixel,
+/// - that of the quadtree region with the lowest variance of luma, the same for all refinements,
+/// - that of the quadtree region with the smallest mean `P_b`,
+///
+/// each red, green and blue in 0..=1 of the codes.
+#[must_use]
+pub fn candidates(picture: &Rgb8, refine: IblaRefinement, variant: Variant) -> [[f64; 3]; 3] {
+    let guide = Guide::new(picture);
+    let blurriness = blurriness(picture, variant);
+    let refined = match refine {
+        IblaRefinement::Auto | IblaRefinement::Matting => Matting::new(&guide, variant).refined(&blurriness),
+        IblaRefinement::Guided => guided(&guide, &blurriness, variant),
+    };
+    BackgroundLight::new(picture, &refined, variant).candidates
 }
 
 /// The measures of closeness, each 0..=1.

@@ -9,12 +9,20 @@ const LIGHT_TOLERANCE: f64 = 0.01;
 /// Tolerance of refined planes relative to their range.
 const PLANE_TOLERANCE: f64 = 1e-3;
 
-/// A variant: its name, its refinement of a plane, and the complete method.
+/// A variant: its name in the vectors, its refinement of a plane, and the parameter.
 type Refined<'a> = (
     &'static str,
     &'a dyn Fn(&Plane<f64>) -> Plane<f64>,
-    fn(&Raster, Variant) -> Enhanced,
+    IblaRefinement,
 );
+
+fn restored(picture: &Raster, refine: IblaRefinement, variant: Variant) -> Rgb8 {
+    let parameters = Ibla {
+        refine,
+        ..Ibla::default()
+    };
+    enhance(picture, &parameters, variant).picture.to_rgb8()
+}
 
 #[test]
 fn golden_stages_and_pictures() {
@@ -28,10 +36,10 @@ fn golden_stages_and_pictures() {
             let by_guide = |plane: &Plane<f64>| guided(&guide, plane, variant);
             let by_matting = |plane: &Plane<f64>| matting.refined(plane);
             let forms: [Refined; 2] = [
-                ("ibla", &by_matting, enhance),
-                ("ibla_guided", &by_guide, enhance_guided),
+                ("ibla", &by_matting, IblaRefinement::Auto),
+                ("ibla_guided", &by_guide, IblaRefinement::Guided),
             ];
-            for (form, refine, method) in forms {
+            for (form, refine, refinement) in forms {
                 let expected = &expected[name][form];
                 let raw = blurriness(&colors, variant);
                 let refined = refine(&raw);
@@ -63,14 +71,14 @@ fn golden_stages_and_pictures() {
                         "{name} {form} {key}: {got} for {expected}"
                     );
                 }
-                assert_picture(name, form, &method(&picture, variant).picture.to_rgb8());
+                assert_picture(name, form, &restored(&picture, refinement, variant));
             }
         }
     }
 }
 
 fn ibla(colors: &Rgb8, variant: Variant) -> Rgb8 {
-    enhance(&Raster::from(colors.clone()), variant).picture.to_rgb8()
+    restored(&Raster::from(colors.clone()), IblaRefinement::Auto, variant)
 }
 
 #[test]
@@ -97,7 +105,7 @@ fn shorter_waves_fade_less_under_white_light() {
 fn bright_haze_is_not_blackened_and_a_bright_wall_is_named() {
     let haze = decode_picture(file("peers_hazy_160x120", "input.png")).unwrap();
     assert!(
-        !enhance(&haze, Variant::Fast)
+        !enhance(&haze, &Ibla::default(), Variant::Fast)
             .warnings
             .contains(&Warning::Blackened)
     );
@@ -109,6 +117,6 @@ fn bright_haze_is_not_blackened_and_a_bright_wall_is_named() {
             [30 + texture, 70 + texture, 80 + texture]
         }
     });
-    let warnings = enhance(&Raster::from(wall), Variant::Fast).warnings;
+    let warnings = enhance(&Raster::from(wall), &Ibla::default(), Variant::Fast).warnings;
     assert!(warnings.contains(&Warning::Blackened) && warnings.contains(&Warning::LampAsBackground));
 }

@@ -5,12 +5,11 @@ use imaging::Rgb8;
 use crate::blocks::histogram::{self, CodeCounts, Curves, histograms};
 use crate::variant::Variant;
 
-/// α of the Rayleigh distribution.
-const ALPHA: f64 = 0.4;
 /// A value this close to an integer or to the mean counts as equal to it: rounding must not move it.
 const EQUAL: f64 = 1e-9;
 
-pub(super) fn curves(picture: &Rgb8, variant: Variant) -> Curves {
+/// The curves with α = `scale`, above 0.
+pub(super) fn curves(picture: &Rgb8, scale: f64, variant: Variant) -> Curves {
     let counts = histograms(picture);
     let gains = gains(counts.each_ref().map(histogram::mean));
     std::array::from_fn(|channel| {
@@ -22,8 +21,8 @@ pub(super) fn curves(picture: &Rgb8, variant: Variant) -> Curves {
         }
         let values = scaled.map(|value| (value - low) / (high - low) * 255.0);
         match variant {
-            Variant::Fast => merged(&values, &counts[channel]),
-            Variant::Reference => merged_by_pixels(&values, picture, channel),
+            Variant::Fast => merged(&values, &counts[channel], scale),
+            Variant::Reference => merged_by_pixels(&values, picture, channel, scale),
         }
     })
 }
@@ -45,12 +44,12 @@ fn gains(means: [f64; 3]) -> [f64; 3] {
 }
 
 /// `f(C)`, truncated to an integer code.
-fn rayleigh(share: f64) -> f64 {
+fn rayleigh(share: f64, scale: f64) -> f64 {
     if share >= 1.0 {
         return 255.0;
     }
-    let rest = 1.0 - (1.0 - (-1.0 / (2.0 * ALPHA * ALPHA)).exp()) * share;
-    (255.0 * (-2.0 * ALPHA * ALPHA * rest.ln()).sqrt())
+    let rest = 1.0 - (1.0 - (-1.0 / (2.0 * scale * scale)).exp()) * share;
+    (255.0 * (-2.0 * scale * scale * rest.ln()).sqrt())
         .min(255.0)
         .floor()
 }
@@ -60,7 +59,7 @@ fn whole(value: f64) -> usize {
 }
 
 /// Steps 3 and 4 on histograms.
-fn merged(values: &[f64; 256], counts: &CodeCounts) -> [f64; 256] {
+fn merged(values: &[f64; 256], counts: &CodeCounts, scale: f64) -> [f64; 256] {
     let total = histogram::total(counts) as f64;
     let mean = values
         .iter()
@@ -83,13 +82,13 @@ fn merged(values: &[f64; 256], counts: &CodeCounts) -> [f64; 256] {
     });
     values.map(|value| {
         let lower = is_lower(value);
-        let code = rayleigh(shares[usize::from(!lower)][whole(value).min(255)]);
+        let code = rayleigh(shares[usize::from(!lower)][whole(value).min(255)], scale);
         (code + if lower { 0.0 } else { 255.0 }) / 2.0
     })
 }
 
 /// Steps 3 and 4 on the pixels.
-fn merged_by_pixels(values: &[f64; 256], picture: &Rgb8, channel: usize) -> [f64; 256] {
+fn merged_by_pixels(values: &[f64; 256], picture: &Rgb8, channel: usize, scale: f64) -> [f64; 256] {
     let pixels: Vec<f64> = picture
         .pixels()
         .map(|pixel| values[usize::from(pixel[channel])])
@@ -104,7 +103,7 @@ fn merged_by_pixels(values: &[f64; 256], picture: &Rgb8, channel: usize) -> [f64
         };
         let below = set.iter().filter(|&&other| whole(other) <= whole(value)).count();
         let share = below as f64 / set.len().max(1) as f64;
-        (rayleigh(share) + other_picture) / 2.0
+        (rayleigh(share, scale) + other_picture) / 2.0
     })
 }
 
@@ -124,16 +123,16 @@ mod tests {
 
     #[test]
     fn the_distribution_ends_at_white() {
-        assert_eq!((rayleigh(0.0), rayleigh(1.0)), (0.0, 255.0));
+        assert_eq!((rayleigh(0.0, 0.4), rayleigh(1.0, 0.4)), (0.0, 255.0));
         // 1 - (1 - exp(-3.125)) / 2 = 0.52197; 255 · sqrt(-0.32 ln 0.52197) = 116.28.
-        assert_eq!(rayleigh(0.5), 116.0);
+        assert_eq!(rayleigh(0.5, 0.4), 116.0);
     }
 
     #[test]
     fn two_values_go_to_the_middle_and_to_white() {
         let picture = Rgb8::from_fn(4, 1, |x, _| [[60, 60, 180, 180][x], 100, 100]);
         for variant in [Variant::Fast, Variant::Reference] {
-            let [red, green, _] = curves(&picture, variant);
+            let [red, green, _] = curves(&picture, 0.4, variant);
             // Stretched to 0 and 255; each is the whole of its set: (255 + 0) / 2 and (255 + 255) / 2.
             assert_eq!((red[60], red[180]), (127.5, 255.0));
             assert!(green[100] > 0.0);

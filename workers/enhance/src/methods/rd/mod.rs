@@ -5,7 +5,7 @@
 //!    med / max, and clipped; a channel without light is unchanged, as is the largest if it would become 0.
 //! 2. Each channel is stretched linearly from its ends to 0..=255.
 //! 3. Each channel is split at its mean m. In each of the two sets, with the cumulative share C of a value's integer part,
-//!    `f(C) = min(255, 255 sqrt(-2 α² ln(1 - (1 - exp(-1 / (2 α²))) C)))`, α = 0.4, `f(1) = 255`. The lower picture is
+//!    `f(C) = min(255, 255 sqrt(-2 α² ln(1 - (1 - exp(-1 / (2 α²))) C)))`, α the scale, `f(1) = 255`. The lower picture is
 //!    f where the value is at most m and 255 elsewhere, the upper picture is f where it is above m and 0 elsewhere.
 //! 4. The mean of the two pictures, each truncated to integer codes. A channel of one value is unchanged.
 //! 5. HSV: saturation and value are stretched between their 1 % tails to 0..=1; values outside are unchanged.
@@ -17,6 +17,7 @@ mod curve;
 mod saturation;
 
 use imaging::Raster;
+use spec::Rayleigh;
 
 use crate::result::{Enhanced, OfGray};
 use crate::signs::{self, Signs};
@@ -25,9 +26,9 @@ use crate::warning::Warning;
 
 /// Stretches a picture of at least one pixel. Gray stays gray; 16 bit is reduced to 8.
 #[must_use]
-pub(crate) fn enhance(picture: &Raster, variant: Variant) -> Enhanced {
+pub(crate) fn enhance(picture: &Raster, parameters: &Rayleigh, variant: Variant) -> Enhanced {
     let colors = picture.to_rgb8();
-    let curves = curve::curves(&colors, variant);
+    let curves = curve::curves(&colors, parameters.rayleigh_scale, variant);
     let stretched = saturation::stretched(&colors, &curves, variant);
     let others: &[signs::FailureSign] = &[(Warning::ChannelWithoutLight, Signs::lacks_a_channel)];
     let warnings = signs::warnings(&colors, &stretched, others);
@@ -41,7 +42,7 @@ mod tests {
     use super::*;
 
     fn rd(colors: &Rgb8) -> Rgb8 {
-        enhance(&Raster::from(colors.clone()), Variant::Fast)
+        enhance(&Raster::from(colors.clone()), &Rayleigh::default(), Variant::Fast)
             .picture
             .to_rgb8()
     }

@@ -21,13 +21,17 @@ fn golden_light_exposure_and_pictures() {
             }
             let (_, exposure) = restored(&guide, &stretch, light, variant);
             assert_plane(name, "suir_exposure.npy", &exposure, EXPOSURE_TOLERANCE);
-            assert_picture(name, "suir", &enhance(&picture, variant).picture.to_rgb8());
+            assert_picture(
+                name,
+                "suir",
+                &enhance(&picture, &Guided::default(), variant).picture.to_rgb8(),
+            );
         }
     }
 }
 
 fn suir(colors: &Rgb8) -> Rgb8 {
-    enhance(&Raster::from(colors.clone()), Variant::Fast)
+    enhance(&Raster::from(colors.clone()), &Guided::default(), Variant::Fast)
         .picture
         .to_rgb8()
 }

@@ -12,7 +12,7 @@ use imaging::reflected;
 
 use super::logarithm::Logarithm;
 use super::padding::padded_side;
-use super::parameters::{R_HIGH, R_LOW};
+use super::parameters::Filter;
 use super::recipe::PassKernels;
 use super::separable::{BLOCK, RowRing, weighted_sum};
 use crate::methods::hscm::luma::Luma;
@@ -22,11 +22,16 @@ const REACH: usize = 3;
 
 /// Filters a picture; calls `finish` with each finished row of `x`, from the top down. Compile it by `vectorized!`.
 #[inline(always)]
-pub(super) fn sweep(luma: &Luma, kernels: &PassKernels, finish: &mut impl FnMut(usize, &[f32])) {
-    let (gain, drop) = (R_HIGH as f32, (R_HIGH - R_LOW) as f32);
+pub(super) fn sweep(
+    luma: &Luma,
+    filter: &Filter,
+    kernels: &PassKernels,
+    finish: &mut impl FnMut(usize, &[f32]),
+) {
+    let (gain, drop) = (filter.gain_high as f32, filter.drop() as f32);
     let (width, height) = luma.codes().size();
     let (padded, radius) = (padded_side(height), kernels.y.len() - 1);
-    let mut narrowing = Narrowing::new(luma);
+    let mut narrowing = Narrowing::new(luma, filter.eps);
     let half = narrowing.half;
     let stride = half.next_multiple_of(BLOCK);
     let mut line = vec![0.0f32; stride + 2 * (kernels.x.len() - 1)];
@@ -81,12 +86,12 @@ struct Narrowing<'a> {
 }
 
 impl<'a> Narrowing<'a> {
-    fn new(luma: &'a Luma) -> Self {
+    fn new(luma: &'a Luma, eps: f64) -> Self {
         let width = luma.codes().width();
         let padded = padded_side(width);
         Self {
             luma,
-            logarithm: Logarithm::new(luma),
+            logarithm: Logarithm::new(luma, eps),
             beyond: (width..padded).map(|x| reflected(x as isize, width)).collect(),
             line: vec![0.0; padded],
             even: vec![0.0; padded / 2 + 2 * REACH],

@@ -4,10 +4,9 @@
 //! `l = ln(y + eps)`; `x = IDFT(H · DFT(l))`; `s = 255 exp(min(x, 0))`, rounded, with `H(u, v) = (r_high - r_low)(1 -
 //! exp(-(u² + v²) / (2 delta²))) + r_low`.
 //!
-//! Symbols: `y` luma in 0..=1; `eps` = 0.01; `r_high` = 2.5 and `r_low` = 0.5 the gains of high and low frequencies;
-//! `u`, `v` signed bin numbers of the rows and columns of the padded picture; `delta` the cutoff in bins, the width
-//! over a constant ([`CUTOFF`](super::CUTOFF)), the same on both axes (so the cut is elliptical in cycles per pixel
-//! unless the picture is square). Each side is padded at its end to the next size without a prime factor above 5 (fast
+//! Symbols: `y` luma in 0..=1; `r_high` and `r_low` the gains of high and low frequencies; `u`, `v` signed bin numbers of
+//! the rows and columns of the padded picture; `delta` the cutoff in bins, the same on both axes (so the cut is
+//! elliptical in cycles per pixel unless the picture is square). [`Filter`] holds the parameters. Each side is padded at its end to the next size without a prime factor above 5 (fast
 //! to transform).
 //!
 //! [`Variant::Reference`] is the definition in f64. [`Variant::Fast`] uses that the filter is `r_high · l - (r_high -
@@ -32,22 +31,21 @@ pub use recipe::{FilterRecipe, PassKernels};
 use crate::elementary::exp;
 use crate::methods::hscm::luma::Luma;
 use crate::variant::Variant;
-use logarithm::log;
-use parameters::R_LOW;
+pub use parameters::Filter;
 
 /// Logarithms within this span are one value: a transform would leave noise on both sides of a rounding tie.
 const FLAT_LOG: f64 = 1e-6;
-/// The filtered luma, 8 bit, for `delta = max(width / cutoff, 1)`. `luma` must not be empty.
+/// The filtered luma, 8 bit. `luma` must not be empty.
 #[must_use]
-pub fn homomorphic(luma: &Luma, cutoff: f64, variant: Variant) -> Plane<u8> {
-    let recipe = choose(luma, cutoff, variant);
-    if let Some(exact) = exact(&recipe, luma) {
+pub fn homomorphic(luma: &Luma, filter: &Filter, variant: Variant) -> Plane<u8> {
+    let recipe = choose(luma, filter, variant);
+    if let Some(exact) = exact(&recipe, luma, filter) {
         return exact.map(|&x| reference::code(x));
     }
     let (width, height) = luma.codes().size();
     let mut codes = Plane::filled(width, height, 0u8);
     // Compiled separately: a closure with two callers is not inlined into either.
-    sweep(&recipe, luma, &mut |y: usize, row: &[f32]| {
+    sweep(&recipe, luma, filter, &mut |y: usize, row: &[f32]| {
         let codes = codes.row_mut(y);
         vectorized!(encode(row, codes));
     });
@@ -55,20 +53,20 @@ pub fn homomorphic(luma: &Luma, cutoff: f64, variant: Variant) -> Plane<u8> {
 }
 
 /// The filtered logarithm in f64, for recipes that need it.
-fn exact(recipe: &FilterRecipe, luma: &Luma) -> Option<Plane<f64>> {
+fn exact(recipe: &FilterRecipe, luma: &Luma, filter: &Filter) -> Option<Plane<f64>> {
     match recipe {
-        FilterRecipe::Flat => Some(luma.map(|y| R_LOW * log(y))),
-        FilterRecipe::Transform { delta } => Some(reference::filtered_log(luma, *delta)),
+        FilterRecipe::Flat => Some(luma.map(|y| filter.gain_low * (y + filter.eps).ln())),
+        FilterRecipe::Transform => Some(reference::filtered_log(luma, filter)),
         FilterRecipe::Separable(_) | FilterRecipe::Decimated(_) => None,
     }
 }
 
 /// Calls `finish` with each row of the filtered logarithm, for recipes of two passes.
-fn sweep(recipe: &FilterRecipe, luma: &Luma, finish: &mut impl FnMut(usize, &[f32])) {
+fn sweep(recipe: &FilterRecipe, luma: &Luma, filter: &Filter, finish: &mut impl FnMut(usize, &[f32])) {
     match recipe {
-        FilterRecipe::Flat | FilterRecipe::Transform { .. } => {}
-        FilterRecipe::Separable(kernels) => vectorized!(separable::sweep(luma, kernels, finish)),
-        FilterRecipe::Decimated(kernels) => vectorized!(decimated::sweep(luma, kernels, finish)),
+        FilterRecipe::Flat | FilterRecipe::Transform => {}
+        FilterRecipe::Separable(kernels) => vectorized!(separable::sweep(luma, filter, kernels, finish)),
+        FilterRecipe::Decimated(kernels) => vectorized!(decimated::sweep(luma, filter, kernels, finish)),
     }
 }
 
@@ -92,39 +90,32 @@ fn floor_code(value: f32) -> u8 {
 
 /// The filtered logarithm `x` before the exponential. `luma` must not be empty.
 #[must_use]
-pub fn filtered_log(luma: &Luma, cutoff: f64, variant: Variant) -> Plane<f32> {
-    filtered_by(&choose(luma, cutoff, variant), luma)
+pub fn filtered_log(luma: &Luma, filter: &Filter, variant: Variant) -> Plane<f32> {
+    filtered_by(&choose(luma, filter, variant), luma, filter)
 }
 
-/// The filtered logarithm by a recipe chosen for this picture.
+/// The filtered logarithm by a recipe chosen for this picture and filter.
 #[must_use]
-pub fn filtered_by(recipe: &FilterRecipe, luma: &Luma) -> Plane<f32> {
-    if let Some(exact) = exact(recipe, luma) {
+pub fn filtered_by(recipe: &FilterRecipe, luma: &Luma, filter: &Filter) -> Plane<f32> {
+    if let Some(exact) = exact(recipe, luma, filter) {
         return exact.map(|&x| x as f32);
     }
     let (width, height) = luma.codes().size();
     let mut logs = Plane::filled(width, height, 0.0f32);
-    sweep(recipe, luma, &mut |y: usize, row: &[f32]| {
+    sweep(recipe, luma, filter, &mut |y: usize, row: &[f32]| {
         logs.row_mut(y).copy_from_slice(row)
     });
     logs
 }
 
-fn choose(luma: &Luma, cutoff: f64, variant: Variant) -> FilterRecipe {
+fn choose(luma: &Luma, filter: &Filter, variant: Variant) -> FilterRecipe {
     let (low, high) = luma.extremes();
-    let size = luma.codes().size();
-    let delta = delta_bins(size.0, cutoff);
+    let is_flat = (high + filter.eps).ln() - (low + filter.eps).ln() < FLAT_LOG;
     match variant {
-        _ if log(high) - log(low) < FLAT_LOG => FilterRecipe::Flat,
-        Variant::Reference => FilterRecipe::Transform { delta },
-        Variant::Fast => FilterRecipe::choose(size, delta),
+        _ if is_flat => FilterRecipe::Flat,
+        Variant::Reference => FilterRecipe::Transform,
+        Variant::Fast => FilterRecipe::choose(luma.codes().size(), filter),
     }
-}
-
-/// The cutoff in bins for a picture of this width: `max(width / cutoff, 1)`.
-#[must_use]
-pub fn delta_bins(width: usize, cutoff: f64) -> f64 {
-    (width as f64 / cutoff).max(1.0)
 }
 
 #[cfg(test)]

@@ -2,17 +2,17 @@
 
 use imaging::fft::{self, Complex};
 
-use super::logarithm::EPS;
 use super::padding::padded_side;
-use super::parameters::{R_HIGH, R_LOW};
+use super::parameters::Filter;
 use super::response::{aliasing, response};
 
-/// Share of the circular Gaussian's weight that may be truncated. With logarithms in -4.6..=0 and `r_high` 2.5 the
-/// filtered logarithm then moves by at most 1e-5: one code in several hundred is close enough to a tie to change.
-const KERNEL_TAIL: f64 = 1e-6;
+/// Share of the circular Gaussian's weight that may be truncated, times the swing of the filter. With the defaults, a swing
+/// of 4.6, the share is 1e-6 and the filtered logarithm moves by at most 1e-5: one code in several hundred is close enough to
+/// a tie to change.
+const KERNEL_TAIL: f64 = 4.615e-6;
 /// The same for the decimated kernel, where division by the decimation response adds a small kink to the spectrum and a
 /// long faint tail to the kernel. The filtered logarithm moves by at most 1.4e-4.
-const KERNEL_TAIL_DECIMATED: f64 = 3e-5;
+const KERNEL_TAIL_DECIMATED: f64 = 1.3845e-4;
 /// Largest sum of both kernel radii. Beyond it the transform is cheaper than the two passes.
 const RADII_MAX: usize = 300;
 
@@ -39,41 +39,38 @@ pub enum FilterRecipe {
     /// Two passes, decimated by two along both axes.
     Decimated(PassKernels),
     /// The two-dimensional transform in double precision.
-    Transform {
-        /// The cutoff, in bins.
-        delta: f64,
-    },
+    Transform,
 }
 
 impl FilterRecipe {
-    /// The cheapest recipe for a picture of (width, height), at least 1×1 and not flat, with a cutoff of `delta` bins.
+    /// The cheapest recipe for a picture of (width, height), at least 1×1 and not flat.
     #[must_use]
-    pub fn choose(size: (usize, usize), delta: f64) -> Self {
-        Self::decimated(size, delta)
-            .or_else(|| Self::separable(size, delta))
-            .unwrap_or(Self::Transform { delta })
+    pub fn choose(size: (usize, usize), filter: &Filter) -> Self {
+        Self::decimated(size, filter)
+            .or_else(|| Self::separable(size, filter))
+            .unwrap_or(Self::Transform)
     }
 
     /// Two passes; `None` if a kernel would not fit or the transform is cheaper.
-    pub(super) fn separable((width, height): (usize, usize), delta: f64) -> Option<Self> {
-        let x = half_kernel(padded_side(width), delta, 1)?;
-        let y = half_kernel(padded_side(height), delta, 1)?;
+    pub(super) fn separable((width, height): (usize, usize), filter: &Filter) -> Option<Self> {
+        let x = half_kernel(padded_side(width), filter, 1)?;
+        let y = half_kernel(padded_side(height), filter, 1)?;
         (x.len() + y.len() - 2 <= RADII_MAX).then_some(Self::Separable(PassKernels { x, y }))
     }
 
     /// Two decimated passes; `None` if a side cannot be halved, a kernel would not fit, or aliasing might be visible.
-    fn decimated((width, height): (usize, usize), delta: f64) -> Option<Self> {
+    fn decimated((width, height): (usize, usize), filter: &Filter) -> Option<Self> {
         let sides = [padded_side(width), padded_side(height)];
         if sides.iter().any(|side| side % 2 == 1) {
             return None;
         }
-        // Stripes swing by half of the range; a component aliases before the Gaussian, and its image after it.
-        let swing = 0.5 * EPS.ln().abs() * (R_HIGH - R_LOW);
-        let gains = sides.map(|side| 2.0 * aliasing(side as f64 / (2.0 * std::f64::consts::PI * delta)));
-        if swing * (gains[0] + gains[1]) > ALIASING_MAX {
+        // A component aliases before the Gaussian, and its image after it.
+        let gains =
+            sides.map(|side| 2.0 * aliasing(side as f64 / (2.0 * std::f64::consts::PI * filter.delta)));
+        if filter.swing() * (gains[0] + gains[1]) > ALIASING_MAX {
             return None;
         }
-        let [x, y] = sides.map(|side| half_kernel(side, delta, 2));
+        let [x, y] = sides.map(|side| half_kernel(side, filter, 2));
         Some(Self::Decimated(PassKernels { x: x?, y: y? }))
     }
 }
@@ -81,11 +78,11 @@ impl FilterRecipe {
 /// The circular convolution kernel with the transform `exp(-k² / (2 delta²))` on every `step`-th (1 or 2) of `n`
 /// samples, divided by the decimation response for step 2, from its center outward until less than [`KERNEL_TAIL`] or
 /// [`KERNEL_TAIL_DECIMATED`] remains; `None` if more than half the side would be needed.
-fn half_kernel(side: usize, delta: f64, step: usize) -> Option<Vec<f32>> {
+fn half_kernel(side: usize, filter: &Filter, step: usize) -> Option<Vec<f32>> {
     let n = side / step;
     let bins = (0..n).map(|k| {
         let k = k.min(n - k);
-        let signed = k as f64 / delta;
+        let signed = k as f64 / filter.delta;
         let lost = if step == 1 { 1.0 } else { response(k, side) };
         Complex::new((-0.5 * signed * signed).exp() / lost / n as f64, 0.0)
     });
@@ -93,7 +90,7 @@ fn half_kernel(side: usize, delta: f64, step: usize) -> Option<Vec<f32>> {
     fft::double_inverse(n).process(&mut bins);
     let mut outside: f64 = bins[1..].iter().map(|weight| weight.re.abs()).sum();
     let mut taps = vec![bins[0].re];
-    let tail = [KERNEL_TAIL, KERNEL_TAIL_DECIMATED][step - 1];
+    let tail = [KERNEL_TAIL, KERNEL_TAIL_DECIMATED][step - 1] / filter.swing().max(f64::MIN_POSITIVE);
     while outside > tail {
         let next = taps.len();
         if 2 * next + 1 > n {
@@ -109,12 +106,20 @@ fn half_kernel(side: usize, delta: f64, step: usize) -> Option<Vec<f32>> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::delta_bins;
+    use spec::Hscm;
+
     use super::*;
-    use crate::methods::hscm::CUTOFF;
 
     fn chosen(size: (usize, usize)) -> FilterRecipe {
-        FilterRecipe::choose(size, delta_bins(size.0, CUTOFF))
+        FilterRecipe::choose(size, &Filter::new(&Hscm::default(), size.0))
+    }
+
+    /// The default filter with another cutoff.
+    fn with_delta(delta: f64) -> Filter {
+        Filter {
+            delta,
+            ..Filter::new(&Hscm::default(), 1)
+        }
     }
 
     #[test]
@@ -130,23 +135,26 @@ mod tests {
     #[test]
     fn odd_sides_and_narrow_gaussians_keep_every_sample() {
         // 75 is padded to 75; a cutoff of 60 bins gives a Gaussian of 2.4 by 1.5 pixels.
-        for recipe in [chosen((75, 96)), FilterRecipe::choose((869, 565), 60.0)] {
+        for recipe in [
+            chosen((75, 96)),
+            FilterRecipe::choose((869, 565), &with_delta(60.0)),
+        ] {
             assert!(matches!(recipe, FilterRecipe::Separable(_)), "{recipe:?}");
         }
     }
 
     #[test]
     fn kernels_longer_than_the_side_take_the_transform() {
-        assert_eq!(chosen((11, 3)), FilterRecipe::Transform { delta: 1.0 });
+        assert_eq!(chosen((11, 3)), FilterRecipe::Transform);
         assert_eq!(
-            FilterRecipe::choose((869, 565), 1.0),
-            FilterRecipe::Transform { delta: 1.0 }
+            FilterRecipe::choose((869, 565), &with_delta(1.0)),
+            FilterRecipe::Transform
         );
     }
 
     #[test]
     fn a_kernel_sums_to_one_and_has_the_width_of_its_gaussian() {
-        let taps = half_kernel(900, 27.0, 1).unwrap();
+        let taps = half_kernel(900, &with_delta(27.0), 1).unwrap();
         let taps: Vec<f64> = taps.into_iter().map(f64::from).collect();
         let sum = taps[0] + 2.0 * taps[1..].iter().sum::<f64>();
         let variance: f64 = 2.0
@@ -162,7 +170,7 @@ mod tests {
 
     #[test]
     fn a_cutoff_beyond_all_bins_needs_no_neighbors() {
-        assert_eq!(half_kernel(64, 1e6, 1).unwrap(), [1.0]);
-        assert_eq!(half_kernel(1, 1.0, 1).unwrap(), [1.0]);
+        assert_eq!(half_kernel(64, &with_delta(1e6), 1).unwrap(), [1.0]);
+        assert_eq!(half_kernel(1, &with_delta(1.0), 1).unwrap(), [1.0]);
     }
 }

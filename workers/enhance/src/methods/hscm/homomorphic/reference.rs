@@ -4,13 +4,13 @@ use imaging::fft::{self, Complex, Fft};
 use imaging::{Plane, reflected};
 
 use super::padding::padded_side;
-use super::parameters::{R_HIGH, R_LOW};
+use super::parameters::Filter;
 use crate::methods::hscm::luma::Luma;
 
-pub(super) fn filtered_log(luma: &Luma, delta: f64) -> Plane<f64> {
+pub(super) fn filtered_log(luma: &Luma, filter: &Filter) -> Plane<f64> {
     let (width, height) = luma.codes().size();
     let (padded_width, padded_height) = (padded_side(width), padded_side(height));
-    let logs = luma.map(super::logarithm::log);
+    let logs = luma.map(|y| (y + filter.eps).ln());
     let mut bins = Plane::from_fn(padded_width, padded_height, |x, y| {
         Complex::new(
             logs.pixel(reflected(x as isize, width), reflected(y as isize, height)),
@@ -23,9 +23,9 @@ pub(super) fn filtered_log(luma: &Luma, delta: f64) -> Plane<f64> {
     for v in 0..padded_height {
         for (u, bin) in bins.row_mut(v).iter_mut().enumerate() {
             // Signed bin numbers: the second half of a side counts back from its end.
-            let u = u.min(padded_width - u) as f64 / delta;
-            let v = v.min(padded_height - v) as f64 / delta;
-            *bin *= (R_HIGH - R_LOW) * (1.0 - (-0.5 * (u * u + v * v)).exp()) + R_LOW;
+            let u = u.min(padded_width - u) as f64 / filter.delta;
+            let v = v.min(padded_height - v) as f64 / filter.delta;
+            *bin *= filter.drop() * (1.0 - (-0.5 * (u * u + v * v)).exp()) + filter.gain_low;
         }
     }
     transform(&mut bins, along_x.inverse.as_ref(), along_y.inverse.as_ref());

@@ -7,7 +7,7 @@ use imaging::reflected;
 
 use super::logarithm::Logarithm;
 use super::padding::padded_side;
-use super::parameters::{R_HIGH, R_LOW};
+use super::parameters::Filter;
 use super::recipe::PassKernels;
 use crate::methods::hscm::luma::Luma;
 
@@ -16,12 +16,17 @@ pub(super) const BLOCK: usize = 32;
 
 /// Filters a picture; calls `finish` with each finished row of `x`, from the top down. Compile it by `vectorized!`.
 #[inline(always)]
-pub(super) fn sweep(luma: &Luma, kernels: &PassKernels, finish: &mut impl FnMut(usize, &[f32])) {
-    let (gain, drop) = (R_HIGH as f32, (R_HIGH - R_LOW) as f32);
+pub(super) fn sweep(
+    luma: &Luma,
+    filter: &Filter,
+    kernels: &PassKernels,
+    finish: &mut impl FnMut(usize, &[f32]),
+) {
+    let (gain, drop) = (filter.gain_high as f32, filter.drop() as f32);
     let (width, height) = luma.codes().size();
     let padded = padded_side(height);
     let radius = kernels.y.len() - 1;
-    let mut rows = RowPass::new(luma, &kernels.x);
+    let mut rows = RowPass::new(luma, filter.eps, &kernels.x);
     let mut logs = RowRing::new(2 * radius + 1, rows.stride);
     let mut blurred = RowRing::new(2 * radius + 1, rows.stride);
     let mut filtered = vec![0.0f32; rows.stride];
@@ -90,7 +95,7 @@ struct RowPass<'a> {
 }
 
 impl<'a> RowPass<'a> {
-    fn new(luma: &'a Luma, kernel: &'a [f32]) -> Self {
+    fn new(luma: &'a Luma, eps: f64, kernel: &'a [f32]) -> Self {
         let width = luma.codes().width();
         let padded = padded_side(width);
         let radius = kernel.len() - 1;
@@ -102,7 +107,7 @@ impl<'a> RowPass<'a> {
         Self {
             luma,
             kernel,
-            logarithm: Logarithm::new(luma),
+            logarithm: Logarithm::new(luma, eps),
             before,
             after,
             line: vec![0.0; stride + 2 * radius],
@@ -152,6 +157,7 @@ pub(super) fn weighted_sum<'a>(kernel: &[f32], samples: impl Fn(isize) -> &'a [f
 #[cfg(test)]
 mod tests {
     use imaging::{Plane, Raster, Rgb8};
+    use spec::Hscm;
 
     use super::super::recipe::FilterRecipe;
     use super::*;
@@ -160,15 +166,16 @@ mod tests {
     fn the_width_of_the_vector_unit_changes_no_bit() {
         let picture = Rgb8::from_fn(131, 97, |x, y| [(x * y) as u8, (7 * x) as u8, (3 * y) as u8]);
         let luma = Luma::new(&Raster::from(picture));
-        let delta = super::super::delta_bins(131, crate::methods::hscm::CUTOFF);
-        let recipe = FilterRecipe::separable((131, 97), delta).expect("the cutoff is separable at this size");
+        let filter = Filter::new(&Hscm::default(), 131);
+        let recipe =
+            FilterRecipe::separable((131, 97), &filter).expect("the cutoff is separable at this size");
         let FilterRecipe::Separable(kernels) = &recipe else {
             panic!("{recipe:?} is not separable");
         };
         let mut plain = Plane::filled(131, 97, 0.0f32);
         let mut finish = |y: usize, row: &[f32]| plain.row_mut(y).copy_from_slice(row);
-        sweep(&luma, kernels, &mut finish);
-        let dispatched = super::super::filtered_by(&recipe, &luma);
+        sweep(&luma, &filter, kernels, &mut finish);
+        let dispatched = super::super::filtered_by(&recipe, &luma, &filter);
         assert!(
             plain
                 .data()

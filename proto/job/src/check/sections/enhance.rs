@@ -1,0 +1,150 @@
+//! Names of enhancements, and the artifacts that belong to them.
+
+use std::collections::BTreeSet;
+
+use serde_json::Value;
+
+use crate::artifact::ArtifactKind;
+use crate::check::{Checker, Location, find_lists};
+use crate::enhancement::steps_of;
+use crate::invalid::FieldError;
+use crate::node::Node;
+
+/// An enhancement that a frame can have.
+struct Possible<'a> {
+    pointer: String,
+    name: &'a str,
+    /// Names of its intermediate results.
+    steps: Vec<String>,
+}
+
+impl Checker<'_> {
+    /// Names differ in every frame; a chain has a name and steps; requested artifacts belong to an enhancement.
+    pub(crate) fn check_enhance(&mut self, document: &Node) {
+        if document.get("enhance").is_none() {
+            return;
+        }
+        let mut certain: Option<BTreeSet<String>> = None;
+        for (location, items) in find_lists(document, "enhance") {
+            let mut seen = BTreeSet::new();
+            let mut kinds = BTreeSet::new();
+            for (position, item) in items.iter().enumerate() {
+                let possible = self.find_possible(&location.item(position), item);
+                for Possible { pointer, name, .. } in &possible {
+                    if seen.contains(name) {
+                        let message = format!(
+                            "{} can be \"{name}\", which the list already contains; give one of them another `name`",
+                            location.item(position)
+                        );
+                        self.refuse(|| FieldError::new(pointer, message).value(&Value::from(*name)));
+                    }
+                }
+                seen.extend(possible.iter().map(|one| one.name));
+                kinds.extend(certain_kinds(&possible));
+            }
+            certain = Some(match certain {
+                Some(before) => before.intersection(&kinds).cloned().collect(),
+                None => kinds,
+            });
+        }
+        self.check_enhanced(document, &certain.unwrap_or_default());
+    }
+
+    /// Every enhancement that an element of `enhance` can be.
+    fn find_possible<'a>(&mut self, location: &Location, item: &'a Node) -> Vec<Possible<'a>> {
+        let mut possible = Vec::new();
+        for (pointer, node) in item.alternatives(&location.pointer) {
+            match find_name(node) {
+                Some(name) => possible.push(Possible {
+                    pointer,
+                    name,
+                    steps: steps_of(&node.canonical()),
+                }),
+                None => {
+                    let message = format!(
+                        "{location} is a chain without a name: add `name`, which its artifacts and metrics carry"
+                    );
+                    self.refuse(|| FieldError::new(&pointer, message).limit("required"));
+                }
+            }
+            if let Some(Node::List(steps)) = node.get("steps")
+                && steps.is_empty()
+            {
+                let message = format!("{location}.steps is empty: add a method, such as {{\"clahe\": {{}}}}");
+                self.refuse(|| location.field("steps").error(message).limit("1 to 8 steps"));
+            }
+        }
+        possible
+    }
+
+    /// Requested results of enhancements that some frame does not have.
+    fn check_enhanced(&mut self, document: &Node, certain: &BTreeSet<String>) {
+        for (location, items) in find_lists(document, "artifacts") {
+            for (position, item) in items.iter().enumerate() {
+                for (pointer, text) in item.strings(&location.item(position).pointer) {
+                    let kind = ArtifactKind::parse(text);
+                    let Some((name, step)) = kind.as_ref().and_then(ArtifactKind::enhancement) else {
+                        continue;
+                    };
+                    let has_name = certain.contains(name);
+                    if certain.contains(text.trim_start_matches("enhanced.")) {
+                        continue;
+                    }
+                    self.refuse(|| {
+                        let message = match step {
+                            Some(step) if has_name => {
+                                format!(
+                                    "the artifact \"{text}\" needs a step `{step}`, which \"{name}\" lacks"
+                                )
+                            }
+                            _ => format!(
+                                "the artifact \"{text}\" needs \"{name}\" in `enhance` of every frame"
+                            ),
+                        };
+                        let prefix = format!("{name}.");
+                        let kinds = certain
+                            .iter()
+                            .filter(|kind| !has_name || kind.starts_with(&prefix));
+                        let kinds: Vec<_> = kinds.map(|kind| format!("enhanced.{kind}")).collect();
+                        let error = FieldError::new(&pointer, message).value(&Value::from(text));
+                        if kinds.is_empty() {
+                            error
+                        } else {
+                            error.allowed(kinds, text)
+                        }
+                    });
+                }
+            }
+        }
+    }
+}
+
+/// The kinds, without `enhanced.`, of an element that has one name in every frame.
+fn certain_kinds(possible: &[Possible<'_>]) -> Vec<String> {
+    let Some((first, others)) = possible.split_first() else {
+        return Vec::new();
+    };
+    if others.iter().any(|other| other.name != first.name) {
+        return Vec::new();
+    }
+    let in_all = first.steps.iter();
+    let in_all = in_all.filter(|step| others.iter().all(|other| other.steps.contains(step)));
+    let steps = in_all.map(|step| format!("{}.{step}", first.name));
+    std::iter::once(first.name.to_owned()).chain(steps).collect()
+}
+
+/// The name of an enhancement: given, or that of its method.
+fn find_name(enhancement: &Node) -> Option<&str> {
+    match enhancement {
+        Node::Constant(name) => name.as_str(),
+        enhancement => {
+            let named = ["name", "method"]
+                .iter()
+                .find_map(|field| match enhancement.get(field) {
+                    Some(Node::Constant(name)) => name.as_str(),
+                    _ => None,
+                });
+            named.filter(|name| *name != "chain" || enhancement.get("name").is_some())
+        }
+    }
+}
