@@ -13,6 +13,7 @@
 mod blocks;
 mod colors;
 mod error;
+mod illumination;
 mod linear;
 mod matching;
 mod measure;
@@ -25,6 +26,7 @@ mod work;
 
 pub use ciede2000::ciede2000_reference;
 pub use error::QualityError;
+pub use illumination::{Illumination, TrueLight};
 pub use matching::features::{FEATURE_BUDGET, Features, FrameFeatures, Keypoint, Threshold};
 pub use matching::motion::{CORRECT_PX, Motion};
 pub use matching::nearest::{MOST_BITS, Match, match_features};

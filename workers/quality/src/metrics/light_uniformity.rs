@@ -18,17 +18,13 @@
 
 use std::sync::LazyLock;
 
-use crate::linear::LINEAR;
+use crate::linear::{HALF_CODE, LINEAR, LUMINANCE};
 use crate::work::MetricInput;
 
 /// Cells along either axis.
 const CELLS: usize = 8;
 /// Light is summed in integer multiples of this, so that the order of the sum does not matter.
 const STEPS: f64 = (1u64 << 32) as f64;
-/// Weights of linear red, green and blue in luminance (IEC 61966-2-1).
-const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
-/// ε: half of the light of code 1.
-const HALF_CODE: f64 = 0.5 / 255.0 / 12.92;
 
 /// Luminance of each code of red, green and blue, in steps.
 static LIGHT: LazyLock<[[u64; 256]; 3]> =

@@ -83,7 +83,7 @@ fn find_root(function: &Polynomial, slope: &Polynomial, mut low: f64, mut high: 
         } else {
             0.5 * (low + high)
         };
-        if (next - x).abs() <= f64::EPSILON * x.abs() || high - low < f64::EPSILON {
+        if (next - x).abs() <= f64::EPSILON * x.abs() || low + f64::EPSILON > high {
             break;
         }
         x = next;
