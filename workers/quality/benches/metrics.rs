@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use imaging::Rgb8;
-use quality::{MetricId, measure};
+use quality::{MetricId, Needs, measure};
 
 const WIDTH: usize = 869;
 const HEIGHT: usize = 565;
@@ -33,7 +33,8 @@ fn metrics(criterion: &mut Criterion) {
         .sample_size(20)
         .warm_up_time(Duration::from_millis(300))
         .measurement_time(Duration::from_secs(1));
-    for id in MetricId::all() {
+    let alone = |id: &MetricId| matches!(id.info().needs, Needs::Nothing | Needs::PictureInAir);
+    for id in MetricId::all().filter(alone) {
         group.bench_function(id.to_string(), |b| {
             b.iter(|| measure(black_box(&picture), Some(&clean), &[id]))
         });
@@ -42,7 +43,9 @@ fn metrics(criterion: &mut Criterion) {
     group.bench_function("six_defaults", |b| {
         b.iter(|| measure(black_box(&picture), None, &defaults))
     });
-    let unreferenced: Vec<MetricId> = MetricId::all().filter(|id| !id.info().needs_reference).collect();
+    let unreferenced: Vec<MetricId> = MetricId::all()
+        .filter(|id| id.info().needs == Needs::Nothing)
+        .collect();
     group.bench_function("all_unreferenced", |b| {
         b.iter(|| measure(black_box(&picture), None, &unreferenced))
     });

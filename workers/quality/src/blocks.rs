@@ -1,6 +1,9 @@
 //! Square blocks from the top left corner; the remainder at the right and at the bottom is ignored.
 
+use imaging::Plane;
 use imaging::simd::{larger, smaller};
+
+use crate::mask::contains_block;
 
 /// The block grid over a picture.
 pub(crate) struct BlockGrid {
@@ -22,9 +25,20 @@ impl BlockGrid {
         }
     }
 
-    /// Number of blocks; at least one.
-    pub(crate) fn count(&self) -> f64 {
-        (self.across * self.down) as f64
+    /// Of the values of all blocks those of blocks entirely inside the mask.
+    pub(crate) fn keep_inside<T>(&self, mut values: Vec<T>, mask: Option<&Plane<u8>>) -> Vec<T> {
+        if let Some(mask) = mask {
+            let mut block = 0;
+            values.retain(|_| {
+                let (x, y) = (
+                    block % self.across * self.width_px,
+                    block / self.across * self.height_px,
+                );
+                block += 1;
+                contains_block(mask, x..x + self.width_px, y..y + self.height_px)
+            });
+        }
+        values
     }
 
     /// Number of rows inside blocks.
@@ -84,13 +98,21 @@ mod tests {
                 *sample = (10 * y + x) as u8;
             }
         });
-        assert_eq!(blocks.count(), 2.0);
         assert_eq!(extremes, [(0, 11), (2, 13)]);
     }
 
     #[test]
     fn a_short_axis_is_one_block_long() {
         let blocks = BlockGrid::new((25, 3), 10);
-        assert_eq!((blocks.count(), blocks.rows()), (2.0, 3));
+        assert_eq!((blocks.across, blocks.down, blocks.rows()), (2, 1, 3));
+    }
+
+    #[test]
+    fn blocks_that_touch_the_outside_of_a_mask_are_dropped() {
+        let blocks = BlockGrid::new((7, 5), 2);
+        let mask = Plane::from_fn(7, 5, |x, y| if (x, y) == (3, 2) || x > 5 { 0 } else { 9 });
+        let kept = blocks.keep_inside((0..6).collect(), Some(&mask));
+        assert_eq!(kept, [0, 1, 2, 3, 5]);
+        assert_eq!(blocks.keep_inside(vec![4; 6], None), [4; 6]);
     }
 }

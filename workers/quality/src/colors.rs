@@ -55,13 +55,14 @@ mod tests {
     use imaging::Rgb8;
 
     use super::*;
+    use crate::subject::Subject;
 
     #[test]
     fn equal_colors_are_counted_together_in_order() {
         let picture = Rgb8::from_fn(5, 1, |x, _| {
             [[9, 0, 5], [0, 255, 3], [9, 0, 2], [0, 255, 3], [9, 0, 5]][x]
         });
-        let colors = Colors::new(&MetricInput::new(&picture, None));
+        let colors = Colors::new(&MetricInput::new(&Subject::new(&picture)));
         assert_eq!(colors.codes, [0, 255, 3, 9, 0, 2, 9, 0, 5]);
         assert_eq!((colors.counts, colors.pixels), (vec![2, 1, 2], 5));
     }

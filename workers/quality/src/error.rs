@@ -1,5 +1,7 @@
 //! Errors of measurements.
 
+use crate::needs::Needs;
+
 /// A picture that cannot be measured.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum QualityError {
@@ -11,22 +13,26 @@ pub enum QualityError {
         /// Rows.
         height: usize,
     },
-    /// A metric needs a clean picture and there is none.
-    #[error("{metric} needs a clean picture, which is missing")]
-    NoReference {
+    /// A metric needs more than the picture.
+    #[error("{metric} needs {needs}, which is missing")]
+    Missing {
         /// The metric's name.
         metric: String,
+        /// The missing input.
+        needs: Needs,
     },
-    /// The clean picture has another size.
-    #[error("picture is {width}×{height} but the clean one is {clean_width}×{clean_height}")]
+    /// The clean picture, the mask or the illumination has another size.
+    #[error("picture is {width}×{height} but the {other} is {other_width}×{other_height}")]
     Size {
         /// Columns of the picture.
         width: usize,
         /// Rows of the picture.
         height: usize,
-        /// Columns of the clean picture.
-        clean_width: usize,
-        /// Rows of the clean picture.
-        clean_height: usize,
+        /// The other input.
+        other: &'static str,
+        /// Its columns.
+        other_width: usize,
+        /// Its rows.
+        other_height: usize,
     },
 }

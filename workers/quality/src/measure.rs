@@ -2,64 +2,147 @@
 
 use std::collections::BTreeMap;
 
-use imaging::{Rgb8, cancel};
+use imaging::{Plane, Rgb8, cancel};
 
 use crate::error::QualityError;
+use crate::mask::select_pixels;
+use crate::needs::Needs;
 use crate::registry::{MetricFormula, MetricId};
+use crate::subject::Subject;
 use crate::work::MetricInput;
 
-/// Measures a picture and returns the values in the order of the request. Pixels are 8-bit sRGB codes.
+/// Measures a picture that is not compared with other frames, see [`measure_subject`].
 ///
 /// # Errors
-/// [`QualityError`] if the picture has no pixels, if a metric needs `clean` and it is `None`, or if `clean` has another
-/// size.
+/// [`QualityError`] if the picture has no pixels, if a metric needs more than `clean` or `clean` is `None`, or if `clean`
+/// has another size.
 pub fn measure(
     picture: &Rgb8,
     clean: Option<&Rgb8>,
     metrics: &[MetricId],
 ) -> Result<Vec<(MetricId, f64)>, QualityError> {
-    let (width, height) = (picture.width(), picture.height());
+    let subject = Subject {
+        clean,
+        ..Subject::new(picture)
+    };
+    measure_subject(&subject, metrics)
+}
+
+/// Measures a picture and returns the values in the order of the request, without those that are not defined for it:
+/// metrics of previous frames in the first frame of a path, and the illumination residual under even light.
+///
+/// With a mask, statistics of pixels are over the counted pixels, metrics of blocks over the blocks entirely inside
+/// (derivatives at their borders read the neighbors), `entropy_2d` over counted pixels and `ssim` over windows with a
+/// counted center, both with all neighbors. Without a counted pixel, block or window they are 0.
+///
+/// # Errors
+/// [`QualityError`] if the picture has no pixels, if an input of a metric is missing, or if one has another size.
+pub fn measure_subject(
+    subject: &Subject,
+    metrics: &[MetricId],
+) -> Result<Vec<(MetricId, f64)>, QualityError> {
+    let (width, height) = (subject.picture.width(), subject.picture.height());
     if width == 0 || height == 0 {
         return Err(QualityError::Empty { width, height });
     }
-    if let Some(metric) = metrics.iter().find(|metric| metric.info().needs_reference) {
-        let Some(clean) = clean else {
-            return Err(QualityError::NoReference {
-                metric: metric.to_string(),
-            });
-        };
-        let (clean_width, clean_height) = (clean.width(), clean.height());
-        if (clean_width, clean_height) != (width, height) {
-            return Err(QualityError::Size {
-                width,
-                height,
-                clean_width,
-                clean_height,
-            });
-        }
+    check_size(subject, "mask", subject.mask.map(Plane::size))?;
+    for metric in metrics {
+        check_needs(subject, *metric)?;
     }
-    let work = MetricInput::new(picture, clean);
-    let mut known = BTreeMap::new();
+    let picture = subject.mask.map(|mask| select_pixels(subject.picture, mask));
+    let clean = subject
+        .mask
+        .and_then(|mask| Some(select_pixels(subject.clean?, mask)));
+    let counted = picture.as_ref().map(|picture| Subject {
+        clean: clean.as_ref(),
+        ..Subject::new(picture)
+    });
+    let mut measurement = Measurement {
+        whole: MetricInput::new(subject),
+        counted: counted.as_ref().map(MetricInput::new),
+        known: BTreeMap::new(),
+    };
     let measured = metrics
         .iter()
-        .map(|&metric| (metric, value(&work, metric, &mut known)));
+        .filter_map(|&metric| Some((metric, measurement.value(metric)?)));
     Ok(measured.collect())
 }
 
-/// A metric's value, computed once: sums need it, too.
-fn value(work: &MetricInput, metric: MetricId, known: &mut BTreeMap<MetricId, f64>) -> f64 {
-    if let Some(value) = known.get(&metric) {
-        return *value;
-    }
-    cancel::check();
-    let computed = match metric.info().compute {
-        MetricFormula::Direct(compute) => compute(work),
-        MetricFormula::Sum(terms) => terms
-            .iter()
-            .map(|(name, weight)| weight * value(work, metric.sibling(name), known))
-            .sum(),
+fn check_needs(subject: &Subject, metric: MetricId) -> Result<(), QualityError> {
+    let needs = metric.info().needs;
+    let is_present = match needs {
+        Needs::Nothing => true,
+        Needs::PictureInAir => {
+            let size = subject.clean.map(|clean| (clean.width(), clean.height()));
+            check_size(subject, "clean one", size)?;
+            size.is_some()
+        }
+        Needs::PreviousFrames(_) => subject.sequence.is_some(),
+        Needs::Illumination => {
+            let size = subject.illumination.map(|illumination| illumination.size());
+            check_size(subject, "illumination", size)?;
+            size.is_some()
+        }
     };
-    // Adding 0 turns -0 into +0 and nothing else.
-    known.insert(metric, computed + 0.0);
-    computed + 0.0
+    if is_present {
+        return Ok(());
+    }
+    Err(QualityError::Missing {
+        metric: metric.to_string(),
+        needs,
+    })
+}
+
+fn check_size(
+    subject: &Subject,
+    other: &'static str,
+    size: Option<(usize, usize)>,
+) -> Result<(), QualityError> {
+    let (width, height) = (subject.picture.width(), subject.picture.height());
+    match size {
+        Some((other_width, other_height)) if (other_width, other_height) != (width, height) => {
+            Err(QualityError::Size {
+                width,
+                height,
+                other,
+                other_width,
+                other_height,
+            })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// A picture, the counted pixels of a masked one, and the values computed so far.
+struct Measurement<'a> {
+    whole: MetricInput<'a>,
+    counted: Option<MetricInput<'a>>,
+    known: BTreeMap<MetricId, Option<f64>>,
+}
+
+impl Measurement<'_> {
+    /// A metric's value if it is defined, computed once: sums need it, too.
+    fn value(&mut self, metric: MetricId) -> Option<f64> {
+        if let Some(value) = self.known.get(&metric) {
+            return *value;
+        }
+        cancel::check();
+        let computed = match metric.info().compute {
+            MetricFormula::Pixels(compute) => match &self.counted {
+                Some(counted) if counted.picture().data().is_empty() => Some(0.0),
+                Some(counted) => Some(compute(counted)),
+                None => Some(compute(&self.whole)),
+            },
+            MetricFormula::Direct(compute) => Some(compute(&self.whole)),
+            MetricFormula::Defined(compute) => compute(&self.whole),
+            MetricFormula::Sum(terms) => terms
+                .iter()
+                .map(|(name, weight)| Some(weight * self.value(metric.sibling(name))?))
+                .sum(),
+        };
+        // Adding 0 turns -0 into +0 and nothing else.
+        let computed = computed.map(|value| value + 0.0);
+        self.known.insert(metric, computed);
+        computed
+    }
 }

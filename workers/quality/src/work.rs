@@ -7,10 +7,11 @@ use std::rc::Rc;
 
 use imaging::{Plane, Rgb8};
 
-/// A picture, the clean one if given, and the parts computed so far.
+use crate::subject::Subject;
+
+/// A picture, its other inputs, and the parts computed so far.
 pub(crate) struct MetricInput<'a> {
-    picture: &'a Rgb8,
-    clean: Option<&'a Rgb8>,
+    subject: Subject<'a>,
     parts: RefCell<HashMap<TypeId, Rc<dyn Any>>>,
 }
 
@@ -20,28 +21,36 @@ pub(crate) trait SharedPart: 'static {
 }
 
 impl<'a> MetricInput<'a> {
-    pub(crate) fn new(picture: &'a Rgb8, clean: Option<&'a Rgb8>) -> Self {
+    pub(crate) fn new(subject: &Subject<'a>) -> Self {
         Self {
-            picture,
-            clean,
+            subject: *subject,
             parts: RefCell::default(),
         }
     }
 
-    pub(crate) fn picture(&self) -> &'a Rgb8 {
-        self.picture
+    pub(crate) fn subject(&self) -> &Subject<'a> {
+        &self.subject
     }
 
-    /// The clean picture, of the same size. Only for metrics that declare `needs_reference`.
+    pub(crate) fn picture(&self) -> &'a Rgb8 {
+        self.subject.picture
+    }
+
+    pub(crate) fn mask(&self) -> Option<&'a Plane<u8>> {
+        self.subject.mask
+    }
+
+    /// The clean picture, of the same size. Only for metrics that declare `against_clean`.
     pub(crate) fn clean(&self) -> &'a Rgb8 {
-        self.clean
+        self.subject
+            .clean
             .expect("metrics that compare run only with a clean picture")
     }
 
     /// Interleaved codes of row `y`.
     pub(crate) fn picture_row(&self, y: usize) -> &'a [u8] {
-        let stride = 3 * self.picture.width();
-        &self.picture.data()[y * stride..][..stride]
+        let stride = 3 * self.picture().width();
+        &self.picture().data()[y * stride..][..stride]
     }
 
     /// Returns a part, computing it on the first call.
@@ -62,7 +71,7 @@ pub(crate) struct Gray(pub(crate) Plane<u8>);
 
 impl SharedPart for Gray {
     fn new(work: &MetricInput) -> Self {
-        Self(work.picture.to_gray8())
+        Self(work.picture().to_gray8())
     }
 }
 
@@ -71,6 +80,6 @@ pub(crate) struct ChannelPlanes(pub(crate) [Plane<u8>; 3]);
 
 impl SharedPart for ChannelPlanes {
     fn new(work: &MetricInput) -> Self {
-        Self(work.picture.to_planes())
+        Self(work.picture().to_planes())
     }
 }

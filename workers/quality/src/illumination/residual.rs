@@ -83,6 +83,11 @@ impl Illumination {
         illumination
     }
 
+    /// Columns and rows of the frame.
+    pub(crate) fn size(&self) -> (usize, usize) {
+        self.unexplained.size()
+    }
+
     /// `β / β_input` of a picture of the frame. `None` if the light is even, if the reflectance explains it, or if the
     /// input does not depend on it: if the spread of l is below 0.02, or β_input below 0.05.
     ///

@@ -49,8 +49,15 @@ pub(crate) fn with_neighborhood(work: &MetricInput) -> f64 {
             let sum = sums[x.saturating_sub(1)] + sums[x] + sums[(x + 1).min(width - 1)];
             counts[usize::from(code) << 8 | usize::from(sum / 9)] += 1;
         }
+        if let Some(mask) = work.mask() {
+            for (x, &code) in rows[1].iter().enumerate().filter(|(x, _)| mask.pixel(*x, y) == 0) {
+                let sum = sums[x.saturating_sub(1)] + sums[x] + sums[(x + 1).min(width - 1)];
+                counts[usize::from(code) << 8 | usize::from(sum / 9)] -= 1;
+            }
+        }
     }
-    of_counts(counts.into_iter(), gray.data().len())
+    let total = counts.iter().map(|&count| count as usize).sum();
+    of_counts(counts.into_iter(), total)
 }
 
 fn of_codes(codes: &[u8]) -> f64 {

@@ -19,6 +19,7 @@
 use std::sync::LazyLock;
 
 use crate::linear::{HALF_CODE, LINEAR, LUMINANCE};
+use crate::mask::contains_block;
 use crate::work::MetricInput;
 
 /// Cells along either axis.
@@ -33,6 +34,9 @@ static LIGHT: LazyLock<[[u64; 256]; 3]> =
 /// Evenness of the light, 0..=1.
 pub(crate) fn light_uniformity(work: &MetricInput) -> f64 {
     let cells = cells(work);
+    if cells.is_empty() {
+        return 0.0;
+    }
     // Relative to the first cell, so that even light is exactly 1.
     let first = cells[0] + HALF_CODE;
     let logs: Vec<f64> = cells
@@ -44,7 +48,7 @@ pub(crate) fn light_uniformity(work: &MetricInput) -> f64 {
     (-variance.sqrt()).exp()
 }
 
-/// Mean luminance of every cell.
+/// Mean luminance of every cell entirely inside the mask.
 fn cells(work: &MetricInput) -> Vec<f64> {
     let light: &[[u64; 256]; 3] = &LIGHT;
     let picture = work.picture();
@@ -54,6 +58,12 @@ fn cells(work: &MetricInput) -> Vec<f64> {
         let rows = j * picture.height() / down..(j + 1) * picture.height() / down;
         for i in 0..across {
             let columns = i * picture.width() / across..(i + 1) * picture.width() / across;
+            let inside = work
+                .mask()
+                .is_none_or(|mask| contains_block(mask, columns.clone(), rows.clone()));
+            if !inside {
+                continue;
+            }
             let mut sum = 0u64;
             for y in rows.clone() {
                 let pixels = &work.picture_row(y)[3 * columns.start..3 * columns.end];

@@ -21,8 +21,13 @@ const C2: f64 = (0.03 * 255.0) * (0.03 * 255.0);
 /// Structural similarity, -1..=1.
 pub(crate) fn ssim(work: &MetricInput) -> f64 {
     let (x, y) = (work.part::<Gray>(), work.clean().to_gray8());
+    let is_extended = x.0.size() != extended(&x.0).size();
+    let centers = work.mask().map(|mask| Centers {
+        mask,
+        first: if is_extended { 0 } else { RADIUS_PX },
+    });
     let (x, y) = (extended(&x.0), extended(&y));
-    vectorized!(separable(&x, &y))
+    vectorized!(separable(&x, &y, centers.as_ref()))
 }
 
 /// The definition, window by window: the reference of the fast variant.
@@ -76,15 +81,22 @@ impl WindowMoments {
     }
 }
 
-/// The fast variant: down the columns, then along the rows.
+/// The windows that count.
+struct Centers<'a> {
+    mask: &'a Plane<u8>,
+    /// Column and row of the first window's center in the mask.
+    first: usize,
+}
+
+/// The fast variant: down the columns, then along the rows. 0 if no window counts.
 #[inline(always)]
-fn separable(picture: &Plane<u8>, clean: &Plane<u8>) -> f64 {
+fn separable(picture: &Plane<u8>, clean: &Plane<u8>, centers: Option<&Centers>) -> f64 {
     let weights = weights();
     let (width, height) = picture.size();
     let (columns, rows) = (width - 2 * RADIUS_PX, height - 2 * RADIUS_PX);
     let [mut x, mut y, mut squares, mut product] = [const { Vec::new() }; 4];
     let mut similarities = vec![0.0; columns];
-    let mut sum = 0.0;
+    let (mut sum, mut count) = (0.0, 0);
     for top in 0..rows {
         cancel::check();
         for line in [&mut x, &mut y, &mut squares, &mut product] {
@@ -112,9 +124,17 @@ fn separable(picture: &Plane<u8>, clean: &Plane<u8>) -> f64 {
             }
             *similarity = moments.similarity();
         }
+        if let Some(Centers { mask, first }) = centers {
+            for (similarity, &code) in similarities.iter_mut().zip(&mask.row(top + first)[*first..]) {
+                *similarity = if code > 0 { *similarity } else { 0.0 };
+                count += usize::from(code > 0);
+            }
+        } else {
+            count += columns;
+        }
         sum += similarities.iter().sum::<f64>();
     }
-    sum / (columns * rows) as f64
+    sum / count.max(1) as f64
 }
 
 /// Gaussian weights along one axis, of sum 1.
@@ -147,7 +167,7 @@ mod tests {
     use super::*;
 
     fn fast(x: &Plane<u8>, y: &Plane<u8>) -> f64 {
-        separable(&extended(x), &extended(y))
+        separable(&extended(x), &extended(y), None)
     }
 
     #[test]

@@ -183,6 +183,7 @@ mod tests {
     use imaging::Rgb8;
 
     use super::*;
+    use crate::subject::Subject;
 
     #[test]
     fn contrast_takes_a_hundredth_at_either_end_and_at_least_one() {
@@ -209,7 +210,7 @@ mod tests {
     #[test]
     fn gray_has_no_chroma() {
         let gray = Rgb8::from_fn(16, 16, |x, y| [(16 * y + x) as u8; 3]);
-        let terms = MetricInput::new(&gray, None).part::<Terms>();
+        let terms = MetricInput::new(&Subject::new(&gray)).part::<Terms>();
         assert_eq!((terms.sigma_c, terms.mu_s), (0.0, 0.0));
         // Black and white, three of 256 at either end.
         assert!(terms.con_l > 0.98 && terms.con_l < 1.0);

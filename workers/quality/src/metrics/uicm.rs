@@ -133,6 +133,7 @@ mod tests {
     use imaging::Rgb8;
 
     use super::*;
+    use crate::subject::Subject;
 
     fn ten() -> OpponentHistogram {
         // Values 0..10, each once.
@@ -187,7 +188,7 @@ mod tests {
     #[test]
     fn differences_do_not_wrap_around() {
         let picture = Rgb8::from_fn(2, 1, |x, _| if x == 0 { [0, 255, 255] } else { [255, 0, 0] });
-        let Opponents { rg, yb } = Opponents::new(&MetricInput::new(&picture, None));
+        let Opponents { rg, yb } = Opponents::new(&MetricInput::new(&Subject::new(&picture)));
         assert_eq!((rg.counts[0], rg.counts[510]), (1, 1));
         assert_eq!((yb.counts[510 - 255], yb.counts[510 + 255]), (1, 1));
     }

@@ -56,8 +56,10 @@ fn mean<T: Copy + PartialOrd + Default>(
 ) -> f64 {
     let blocks = BlockGrid::new((work.picture().width(), work.picture().height()), side_px);
     let extremes = blocks.extremes(samples, |y, row: &mut [T]| fill(work.picture_row(y), row));
+    let extremes = blocks.keep_inside(extremes, work.mask());
+    let count = extremes.len().max(1) as f64;
     let uneven = extremes.into_iter().filter(|(low, high)| low < high);
-    uneven.map(|(low, high)| term(low, high)).sum::<f64>() / blocks.count()
+    uneven.map(|(low, high)| term(low, high)).sum::<f64>() / count
 }
 
 /// The term of a block with these extremes.

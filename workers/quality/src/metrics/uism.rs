@@ -5,7 +5,8 @@
 //! 0.587 EME_G + 0.114 EME_B`.
 //!
 //! `funie` weights blue by 0.144, a transposition of its program. `table1` uses blocks of 4 × 4 and only the vertical
-//! derivative, clipped at 255; it rescales each channel to codes, and a block with a 0 then adds 1.
+//! derivative, clipped at 255; it rescales each channel to codes, within a mask by the extremes of its blocks, and a block
+//! with a 0 then adds 1.
 
 use imaging::simd::{larger, smaller};
 use imaging::{Plane, vectorized};
@@ -35,7 +36,7 @@ pub(crate) fn table1(work: &MetricInput) -> f64 {
     let [r, g, b] = channels
         .0
         .each_ref()
-        .map(|channel| vectorized!(vertical(channel)));
+        .map(|channel| vectorized!(vertical(channel, work.mask())));
     0.299 * r + 0.587 * g + 0.114 * b
 }
 
@@ -45,12 +46,18 @@ struct Sharpness([f64; 3]);
 impl SharedPart for Sharpness {
     fn new(work: &MetricInput) -> Self {
         let channels = work.part::<ChannelPlanes>();
-        Self(channels.0.each_ref().map(|channel| vectorized!(eme(channel))))
+        let mask = work.mask();
+        Self(
+            channels
+                .0
+                .each_ref()
+                .map(|channel| vectorized!(eme(channel, mask))),
+        )
     }
 }
 
 #[inline(always)]
-fn eme(channel: &Plane<u8>) -> f64 {
+fn eme(channel: &Plane<u8>, mask: Option<&Plane<u8>>) -> f64 {
     let blocks = BlockGrid::new(channel.size(), BLOCK_PX);
     let mut sobel = Sobel::new(channel, Border::Replicate);
     let (mut gx, mut gy) = (vec![0i16; channel.width()], vec![0i16; channel.width()]);
@@ -63,17 +70,18 @@ fn eme(channel: &Plane<u8>) -> f64 {
             *square = f64::from(gx * gx + gy * gy) * f64::from(code * code);
         }
     });
+    let extremes = blocks.keep_inside(extremes, mask);
     let sum: f64 = extremes
         .iter()
         .filter(|(low, _)| *low > 0.0)
         .map(|(low, high)| 0.5 * (high / low).ln())
         .sum();
-    2.0 / blocks.count() * sum
+    2.0 / extremes.len().max(1) as f64 * sum
 }
 
 /// EME of vertical derivatives, rescaled to codes.
 #[inline(always)]
-fn vertical(channel: &Plane<u8>) -> f64 {
+fn vertical(channel: &Plane<u8>, mask: Option<&Plane<u8>>) -> f64 {
     let (width, height) = channel.size();
     let blocks = BlockGrid::new((width, height), TABLE1_BLOCK_PX);
     let mut sobel = Sobel::new(channel, Border::Reflect);
@@ -99,6 +107,10 @@ fn vertical(channel: &Plane<u8>) -> f64 {
     for y in blocks.rows()..height {
         measure_row(y, &mut []);
     }
+    if mask.is_some() {
+        (least, greatest) = (f64::INFINITY, 0.0);
+    }
+    let extremes = blocks.keep_inside(extremes, mask);
     for &(low, high) in &extremes {
         least = least.min(low);
         greatest = greatest.max(high);
@@ -121,5 +133,5 @@ fn vertical(channel: &Plane<u8>) -> f64 {
             if low > 0.0 { (high / low).ln() } else { 1.0 }
         })
         .sum();
-    2.0 / blocks.count() * sum
+    2.0 / extremes.len().max(1) as f64 * sum
 }
