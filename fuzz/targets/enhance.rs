@@ -3,7 +3,7 @@
 
 use imaging::{Raster, Rgb8};
 use libfuzzer_sys::fuzz_target;
-use quality::MetricId;
+use quality::{MetricId, Needs};
 
 fuzz_target!(|bytes: &[u8]| {
     let [method, width, height, samples @ ..] = bytes else {
@@ -19,11 +19,14 @@ fuzz_target!(|bytes: &[u8]| {
     let name = enhance::METHODS[usize::from(*method) % enhance::METHODS.len()];
     let method = enhance::Method::parse(name).expect("a name of the list");
     let enhanced = match enhance::run(&method, &Raster::from(picture.clone())) {
-        Ok(enhanced) => enhanced.unmasked.to_rgb8(),
+        Ok(enhanced) => enhanced.picture.to_rgb8(),
         Err(error) => panic!("{name} on {width}x{height}: {error}"),
     };
     assert_eq!((enhanced.width(), enhanced.height()), (width, height));
-    let metrics: Vec<MetricId> = MetricId::all().collect();
+    let of_pictures = [Needs::Nothing, Needs::PictureInAir];
+    let metrics: Vec<MetricId> = MetricId::all()
+        .filter(|metric| of_pictures.contains(&metric.info().needs))
+        .collect();
     let values = quality::measure(&enhanced, Some(&picture), &metrics).expect("pictures of one size");
     for (metric, value) in values {
         assert!(

@@ -1,8 +1,9 @@
 //! The faster variant of IBLA against the exact one: agreement of the candidates for background light, and difference of the results.
 
-use enhance::ibla::{IblaRefinement, candidates};
-use enhance::{EnhanceError, Variant, run};
+use enhance::ibla::candidates;
+use enhance::{EnhanceError, Method, Variant, run};
 use imaging::{Raster, Rgb8, transfer};
+use spec::IblaRefinement;
 
 use crate::measurement::{difference, time_once};
 
@@ -30,7 +31,7 @@ pub fn compare(picture: &Rgb8) -> Result<Comparison, EnhanceError> {
     let (mut light, mut ms) = (Vec::new(), [0.0; 2]);
     for (form, ms) in forms.iter().zip(&mut ms) {
         let mut enhanced = None;
-        *ms = time_once(|| enhanced = Some(run(&form.method(), &source)));
+        *ms = time_once(|| enhanced = Some(run(&Method::ibla(*form), &source)));
         let codes = enhanced.expect("it was run")?.picture.to_rgb8();
         light.push(transfer::decode_rgb8(&codes));
     }

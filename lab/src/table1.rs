@@ -20,7 +20,7 @@ use crate::table::Table;
 /// The parameters of the comparison.
 pub const PARAMETERS: &[Parameter] = &[Parameter::number("limit", "200", [1.0, 1e6], "pictures")];
 /// The methods, in the order of the published table, and the unchanged picture.
-const METHODS: &str = "none suir ibla ulap rd rghs hscm clahe grey_world";
+const METHODS: &str = "none suir ibla ulap rd rghs hscm clahe gray_world";
 /// The published metrics, then those of the usual profile.
 const METRICS: &str =
     "entropy_2d uicm@table1 uism@table1 uiconm@table1 uiqm@table1 entropy uicm uism uiconm uiqm";
@@ -86,7 +86,7 @@ impl Results {
         let (result, warned) = match Method::parse(self.method) {
             Some(method) => {
                 let enhanced = enhance::run(&method, &raster)?;
-                (enhanced.unmasked.to_rgb8(), !enhanced.warnings.is_empty())
+                (enhanced.picture.to_rgb8(), !enhanced.warnings.is_empty())
             }
             None => (picture.clone(), false),
         };

@@ -1,7 +1,7 @@
 """The frames of the proof: small jobs over the features of a description."""
 
 FAMILIES = ["structure", "shaft", "pipeline"]
-METHODS = ["hscm", "clahe", "grey_world", "ulap", "suir", "ibla", "rd", "rghs"]
+METHODS = ["hscm", "clahe", "gray_world", "ulap", "suir", "ibla", "rd", "rghs"]
 METRICS = ["entropy", "entropy_joint_rgb", "uicm", "uism", "uiconm", "uiqm", "uiqm@funie", "uiqm@table1", "uciqe", "light_uniformity", "psnr",
            "ssim", "ciede2000", "corner_repeatability"]
 LAYERS = ["rgb", "clean", "direct", "forward_scatter", "backscatter", "scattered", "hazed", "transmittance"]
@@ -117,7 +117,7 @@ def files(add):
 
 
 def results(add):
-    every = [f"enhanced.{method}" for method in METHODS] + ["hscm_mask"]
+    every = [f"enhanced.{method}" for method in METHODS] + ["enhanced.hscm.mask"]
     add("enhance", {"optics": "jerlov-1C"}, enhance=METHODS, artifacts=["rgb", *every], metrics=METRICS, size=(160, 120))
     add("style", {"optics": "jerlov-II", "style": STYLE}, alpha=0.35, artifacts=["rgb", "styled"])
     add("style-loose", {"style": STYLE}, fidelity={"tolerance": 1})

@@ -99,7 +99,7 @@ fn a_picture_is_enhanced_and_measured() {
     let input = input.to_str().expect("text");
     let output_path = folder.path().join("better.png");
     let better = output_path.to_str().expect("text");
-    let output = run(&["enhance", "hscm", input, better, "--no-mask"]);
+    let output = run(&["enhance", "hscm", input, "--out", better]);
     assert!(output.status.success(), "{}", text(&output.stderr));
     assert!(text(&output.stderr).contains("hscm: not measured against its authors' results"));
     let help = run(&["enhance", "--help"]);
@@ -120,7 +120,7 @@ fn a_picture_is_enhanced_and_measured() {
         .expect("a number");
     let measured = rows[0]["metrics"]["uiqm"].as_f64().expect("a number");
     assert!((measured - uiqm).abs() < 1e-9, "{measured} against {uiqm}");
-    let unknown = run(&["enhance", "hscn", input, better]);
+    let unknown = run(&["enhance", "hscn", input, "--out", better]);
     assert_eq!(unknown.status.code(), Some(2));
 }
 

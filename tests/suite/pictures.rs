@@ -91,7 +91,7 @@ fn an_orientation_tag_turns_the_picture_and_maps_of_the_stored_size() {
     );
     let out = uploader.place("out.png");
     let picture = range("tag6.jpg");
-    let enhanced = run(&["enhance", "grey_world", &picture, out.to_str().unwrap()]);
+    let enhanced = run(&["enhance", "gray_world", &picture, "--out", out.to_str().unwrap()]);
     assert!(enhanced.status.success());
     assert_eq!(sides(&out), (16, 24));
 }

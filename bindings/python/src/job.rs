@@ -7,7 +7,7 @@ use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
 use renderer::{Contents, SceneSource};
 use serde_json::json;
-use spec::{ArtifactKind, Frame};
+use spec::{ArtifactKind, Enhancement, Frame};
 
 use crate::arrays::{Array, of_content};
 use crate::errors::{invalid_job, render_error};
@@ -88,11 +88,12 @@ impl Job {
         if let Some(kinds) = kinds {
             frame.artifacts = kinds.iter().map(|name| kind(name)).collect::<PyResult<_>>()?;
         }
-        if !metrics {
+        if metrics {
+            add_enhancements(&mut frame);
+        } else {
             frame.metrics.clear();
-            frame.enhance.clear();
+            keep_enhancements(&mut frame);
         }
-        enhance_for(&mut frame);
         let mut slot = self.studio.take();
         let (slot, rendered) = py.detach(|| {
             let rendered = slot.attempt_contents(&frame, &SceneSource::Local);
@@ -123,16 +124,21 @@ impl Job {
     }
 }
 
-/// Adds the enhancements required by the requested artifacts.
-fn enhance_for(frame: &mut Frame) {
-    let methods = frame.artifacts.iter().filter_map(|kind| match kind {
-        ArtifactKind::Enhanced(method) => Some(method.clone()),
-        ArtifactKind::HscmMask => Some("hscm".to_owned()),
-        _ => None,
+/// Keeps the enhancements that the requested artifacts need, and adds methods that only they name.
+fn keep_enhancements(frame: &mut Frame) {
+    let artifacts = &frame.artifacts;
+    frame.enhance.retain(|enhancement| {
+        let mut names = artifacts.iter().filter_map(ArtifactKind::enhancement);
+        names.any(|(name, _)| name == enhancement.name)
     });
-    for method in methods {
-        if !frame.enhance.contains(&method) {
-            frame.enhance.push(method);
+    add_enhancements(frame);
+}
+
+/// Adds the methods, with their defaults, that only the requested artifacts name.
+fn add_enhancements(frame: &mut Frame) {
+    for (name, _) in frame.artifacts.iter().filter_map(ArtifactKind::enhancement) {
+        if frame.enhance.iter().all(|enhancement| enhancement.name != name) {
+            frame.enhance.extend(Enhancement::of_method(name));
         }
     }
 }

@@ -18,7 +18,7 @@ pub(crate) fn names() -> PyResult<BTreeMap<&'static str, Vec<String>>> {
     Ok(BTreeMap::from([
         ("artifacts", kinds),
         ("categories", categories.collect()),
-        ("enhancements", known.enhancements),
+        ("enhancements", known.listed(Names::Method)),
         ("families", known.families),
         ("findings", findings.collect()),
         ("metrics", known.metrics),

@@ -2,35 +2,32 @@
 
 use std::borrow::Cow;
 
-use ::enhance::Method;
 use imaging::codec;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use quality::MetricId;
+use spec::Enhancement;
 
 use crate::arrays::{Array, of_npy, of_raster, to_raster};
+use crate::errors::invalid_job;
 
 fn refused(error: impl ToString) -> PyErr {
     PyValueError::new_err(error.to_string())
 }
 
-/// The result and the method's warnings.
+/// The result and its warnings; `method` as [`Enhancement::parse`] reads it.
 #[pyfunction]
 pub(crate) fn enhance<'py>(
     py: Python<'py>,
     image: &Array<'py>,
     method: &str,
-    mask: bool,
 ) -> PyResult<(Array<'py>, Vec<String>)> {
     let picture = to_raster("image", image)?;
-    let chosen = Method::parse(method).ok_or_else(|| {
-        let known = ::enhance::METHODS.join(", ");
-        refused(format!("enhancement `{method}` does not exist; there is {known}"))
-    })?;
-    let enhanced = py.detach(|| ::enhance::run(&chosen, &picture)).map_err(refused)?;
+    let enhancement = Enhancement::parse(method).map_err(|invalid| invalid_job(py, &invalid))?;
+    let enhanced = py.detach(|| ::enhance::enhance(&enhancement, &picture, &[]));
+    let enhanced = enhanced.map_err(refused)?;
     let warnings = enhanced.warnings.iter().map(ToString::to_string).collect();
-    let result = if mask { enhanced.picture } else { enhanced.unmasked };
-    Ok((of_raster(py, result)?, warnings))
+    Ok((of_raster(py, enhanced.picture)?, warnings))
 }
 
 /// The metrics and their values, in the order of the request.

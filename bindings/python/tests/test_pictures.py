@@ -11,7 +11,7 @@ PICTURE = np.random.default_rng(1).integers(0, 255, (48, 64, 3), np.uint8)
 
 
 @pytest.mark.filterwarnings("ignore")
-@pytest.mark.parametrize("method", ["hscm", "clahe", "grey_world", "ulap", "suir", "ibla", "ibla_guided", "rd", "rghs"])
+@pytest.mark.parametrize("method", [*fathom._native.names()["enhancements"], "ibla:refine=guided"])
 def test_every_method_keeps_size_and_type(method: str) -> None:
     result = fathom.enhance(PICTURE, method)
     assert (result.shape, result.dtype) == (PICTURE.shape, np.dtype(np.uint8))
@@ -19,9 +19,21 @@ def test_every_method_keeps_size_and_type(method: str) -> None:
     assert (fathom.enhance(np.asfortranarray(PICTURE), method) == result).all()
 
 
-def test_the_mask_can_be_left_out() -> None:
-    assert (fathom.enhance(PICTURE, "hscm")[0, 0] == 0).all()
-    assert (fathom.enhance(PICTURE, "hscm", mask=False)[0, 0] != 0).any()
+def test_parameters_are_written_as_in_a_job_or_in_short() -> None:
+    short = fathom.enhance(PICTURE, "hscm:cutoff=16,mask=paper")
+    long = fathom.enhance(PICTURE, {"method": "hscm", "cutoff": 16, "mask": "paper"})
+    assert (short == long).all()
+    assert (short[0, 0] == 0).all()
+    assert (fathom.enhance(PICTURE, "hscm")[0, 0] != 0).any()
+    chain = {"name": "mine", "steps": [{"gray_world": {}}, {"clahe": {"clip": 3}}]}
+    steps = fathom.enhance(fathom.enhance(PICTURE, "gray_world"), "clahe:clip=3")
+    assert (fathom.enhance(PICTURE, chain) == steps).all()
+
+
+def test_every_wrong_parameter_is_named() -> None:
+    with pytest.raises(fathom.InvalidJob) as refused:
+        fathom.enhance(PICTURE, "hscm:cutoff=0,cut=1")
+    assert [error.pointer for error in refused.value.errors] == ["/cut", "/cutoff"]
 
 
 def test_gray_and_sixteen_bit_pictures_are_taken() -> None:

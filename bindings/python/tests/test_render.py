@@ -57,8 +57,8 @@ def test_arrays_have_their_shapes_and_types_and_can_be_written(job: fathom.Job) 
 
 
 def test_only_what_is_asked_for_is_made(job: fathom.Job) -> None:
-    frame = fathom.render(job, 2, ["rgb", "enhanced.clahe", "hscm_mask"], metrics=False)
-    assert list(frame.artifacts) == ["rgb", "enhanced.clahe", "hscm_mask"]
+    frame = fathom.render(job, 2, ["rgb", "enhanced.clahe", "enhanced.hscm.mask"], metrics=False)
+    assert list(frame.artifacts) == ["rgb", "enhanced.clahe", "enhanced.hscm.mask"]
     assert frame.record["measurements"] == {}
     assert fathom.render(job, 2, ["rgb"]).record["measurements"] != {}
     with pytest.raises(KeyError, match="frame 2 has no `range`"):

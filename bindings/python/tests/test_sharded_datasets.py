@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from conftest import KINDS, description
 
-MORE_KINDS = [*KINDS, "semantics.visible", "enhanced.hscm", "hscm_mask"]
+MORE_KINDS = [*KINDS, "semantics.visible", "enhanced.hscm", "enhanced.hscm.mask"]
 FRAMES = 8
 
 

@@ -2,23 +2,24 @@
 
 use enhance::{Method, Variant, run_variant};
 use imaging::{Raster, transfer};
+use spec::IblaRefinement;
 
 use super::bench::Bench;
 use super::scenes::ChartScene;
 use crate::measurement::{Measurement, time};
 
-/// The variants of IBLA on the scene's picture, against matting in f64. `ibla_guided` may estimate another background light; its
+/// The variants of IBLA on the scene's picture, against matting in f64. The guided one may estimate another background light; its
 /// error then covers the picture as a whole.
 pub(super) fn measure(scene: &ChartScene, runs: usize) -> Vec<Measurement> {
     let picture = Raster::from(transfer::encode_rgb8(&scene.radiance).0);
     let mut bench = Bench::new("ibla", scene, runs);
     let mut exact = None;
-    for (variant, name, form) in [
-        ("matting in f64", "ibla", Variant::Reference),
-        ("matting", "ibla", Variant::Fast),
-        ("guided", "ibla_guided", Variant::Fast),
+    for (variant, refine, form) in [
+        ("matting in f64", IblaRefinement::Matting, Variant::Reference),
+        ("matting", IblaRefinement::Matting, Variant::Fast),
+        ("guided", IblaRefinement::Guided, Variant::Fast),
     ] {
-        let method = Method::parse(name).expect("a name of the registry");
+        let method = Method::ibla(refine);
         let runs = if form == Variant::Reference { 1 } else { runs };
         let (times, enhanced) = time(runs, || run_variant(&method, &picture, form));
         let codes = enhanced.expect("a picture with pixels").picture.to_rgb8();

@@ -200,8 +200,8 @@ fn compare_ibla(picture: &Rgb8) -> Result<Vec<Column>, Failure> {
         Column::new("median distance", found.distance, Summary::Median),
         Column::new("95th percentile", found.distance, Summary::High),
         Column::new("largest", found.distance, Summary::Max),
-        Column::new("ibla, ms", found.ms[0], Summary::Median),
-        Column::new("ibla_guided, ms", found.ms[1], Summary::Median),
+        Column::new("matting, ms", found.ms[0], Summary::Median),
+        Column::new("guided, ms", found.ms[1], Summary::Median),
     ])
 }
 

@@ -83,7 +83,7 @@ fn enhance_picture(method: &str, picture: &Rgb8) -> Option<(Rgb8, bool)> {
         return Some((picture.clone(), false));
     }
     let enhanced = enhance::run(&Method::parse(method)?, &Raster::from(picture.clone())).ok()?;
-    Some((enhanced.unmasked.to_rgb8(), !enhanced.warnings.is_empty()))
+    Some((enhanced.picture.to_rgb8(), !enhanced.warnings.is_empty()))
 }
 
 fn measure_metrics(picture: &Rgb8, clean: &Rgb8, names: &[&str]) -> Vec<f64> {

@@ -12,6 +12,7 @@ mod rules;
 mod sections;
 mod tagged;
 mod values;
+mod written_enhancement;
 
 use std::collections::BTreeSet;
 
@@ -26,6 +27,7 @@ use crate::vocabulary::Vocabulary;
 
 pub(crate) use lights::has_lamps;
 pub(crate) use names::is_dataset;
+pub(crate) use sections::enhance::names_in;
 use sections::{lights, truth};
 pub(crate) use truth::is_traced;
 pub(crate) use values::{find_lists, find_values};

@@ -9,7 +9,6 @@ use std::path::Path;
 use std::{fs, io};
 
 use client::SceneSummary;
-use enhance::Method;
 use imaging::Raster;
 use imaging::codec::{Radiance, decode_picture, decode_radiance, encode_png, encode_webp_lossless};
 use imaging::geometry::Intrinsics;
@@ -17,7 +16,7 @@ use quality::MetricId;
 use scenes::uploaded::{check_objects, decode};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use spec::SceneFiles;
+use spec::{Enhancement, SceneFiles};
 use utoipa::ToSchema;
 
 use crate::limits;
@@ -70,9 +69,8 @@ pub(crate) struct SceneFacts {
 #[derive(Serialize, Deserialize)]
 pub(crate) struct EnhanceRequest {
     pub(crate) picture: String,
+    /// As [`Enhancement::parse`] reads it.
     pub(crate) method: String,
-    /// Whether pixels outside the method's mask become black.
-    pub(crate) masked: bool,
     pub(crate) is_webp: bool,
 }
 
@@ -168,18 +166,14 @@ fn camera_of(given: &GivenCamera, rgb: &[u8]) -> Result<Option<Intrinsics>, Refu
 fn enhanced(folder: &Path, request: &EnhanceRequest) -> Checked<String> {
     let bytes = fs::read(folder.join(&request.picture))?;
     let encoded = (|| {
-        let method = Method::parse(&request.method)
-            .ok_or_else(|| Refusal::new("method", format!("method is `{}`", request.method)))?;
+        let enhancement = Enhancement::parse(&request.method)
+            .map_err(|invalid| Refusal::new("method", invalid.to_string()))?;
         let picture = picture("picture", &bytes)?;
-        let enhanced =
-            enhance::run(&method, &picture).map_err(|error| Refusal::new("picture", error.to_string()))?;
-        let result = match request.masked {
-            true => enhanced.picture,
-            false => enhanced.unmasked,
-        };
+        let enhanced = enhance::enhance(&enhancement, &picture, &[])
+            .map_err(|error| Refusal::new("picture", error.to_string()))?;
         let bytes = match request.is_webp {
-            true => encode_webp_lossless(&result.to_rgb8()),
-            false => encode_png(&result),
+            true => encode_webp_lossless(&enhanced.picture.to_rgb8()),
+            false => encode_png(&enhanced.picture),
         };
         let codes: Vec<_> = enhanced.warnings.iter().map(|warning| warning.code()).collect();
         Ok((

@@ -89,6 +89,11 @@ pub fn write_all(files: &[(PathBuf, &[u8])]) -> Result<(), Failure> {
 
 /// Writes a picture; the format follows the file's extension: `.png` (default), `.jpg`, `.webp`.
 pub fn write_picture(path: &Path, picture: &Raster) -> Result<(), Failure> {
+    write(path, &encode_picture(path, picture)?)
+}
+
+/// Encodes a picture in the format of the file's extension.
+pub fn encode_picture(path: &Path, picture: &Raster) -> Result<Vec<u8>, Failure> {
     let extension = path
         .extension()
         .and_then(|e| e.to_str())
@@ -106,7 +111,7 @@ pub fn write_picture(path: &Path, picture: &Raster) -> Result<(), Failure> {
         }
     }
     .with_context(|| format!("cannot encode {}", path.display()))?;
-    write(path, &bytes)
+    Ok(bytes)
 }
 
 /// JPEG quality: visually lossless on ordinary frames.

@@ -50,6 +50,11 @@ impl Progress {
         self.set(done);
     }
 
+    /// Writes a line to standard error above the bar.
+    pub fn print(&self, line: &str) {
+        self.bar.suspend(|| eprintln!("{line}"));
+    }
+
     /// Removes the bar.
     pub fn finish(self) {
         self.bar.finish_and_clear();

@@ -129,7 +129,6 @@ fn rows_have_the_columns_of_every_site() {
     let vocabulary = Vocabulary {
         families: vec!["structure".to_owned()],
         metrics: vec!["uiqm".to_owned()],
-        enhancements: vec!["hscm".to_owned()],
         ..Vocabulary::default()
     };
     let job = Job::parse(text.as_bytes(), &vocabulary).unwrap();

@@ -141,7 +141,7 @@ impl Slot {
         record.warnings.extend(warnings);
         let enhancements = watch.time("enhance", || enhance::run(context, &developed.rgb, &mut record))?;
         watch.time("metrics", || {
-            measure::run(context, &developed.rgb, &enhancements, &mut record)
+            measure::run(context, &light.layers, &developed.rgb, &enhancements, &mut record)
         })?;
         record.scene = watch.time("labels", || labels::describe(context, &light.layers));
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -16,16 +17,19 @@ USUAL_METRICS = ("entropy", "uicm", "uism", "uiconm", "uiqm", "uciqe")
 """Default metrics."""
 
 
-def enhance(image: NDArray[Any], method: str, *, mask: bool = True) -> NDArray[np.uint8]:
+def enhance(image: NDArray[Any], method: str | Mapping[str, Any]) -> NDArray[np.uint8]:
     """Enhance a picture.
 
-    `image` holds sRGB codes, uint8 or uint16, of shape (H, W) or (H, W, 3). `method` is one of hscm, clahe, grey_world,
-    ulap, suir, ibla, ibla_guided, rd, rghs; `mask=False` leaves out the circular mask of hscm. Returns
-    uint8 of the same H and W. A picture on which the method is known to fail comes with a warning.
+    `image` holds sRGB codes, uint8 or uint16, of shape (H, W) or (H, W, 3). `method` is an enhancement as in a job: the name
+    of a method such as "hscm" (`fathom list enhancements` describes all), one with parameters such as
+    "hscm:cutoff=16,mask=paper" or {"method": "hscm", "cutoff": 16}, or a chain,
+    {"name": "mine", "steps": [{"gray_world": {}}, {"clahe": {"clip": 3}}]}. Returns uint8 of the same H and W. A
+    picture on which a method is known to fail comes with a warning.
     """
-    result, messages = _native.enhance(image, method, mask)
+    text = method if isinstance(method, str) else json.dumps(method)
+    result, messages = _native.enhance(image, text)
     for message in messages:
-        warnings.warn(f"{method}: {message}", stacklevel=2)
+        warnings.warn(f"{text}: {message}", stacklevel=2)
     return result
 
 

@@ -6,7 +6,7 @@ use imaging::digest::sha256;
 use serde_json::Value;
 
 use super::grids::{count_frames, lay_out_grids};
-use crate::check::{find_values, whole};
+use crate::check::{find_values, names_in, whole};
 use crate::frame::Frame;
 use crate::invalid::{FieldError, Invalid};
 use crate::label_types::{LabelType, label_types};
@@ -178,6 +178,15 @@ impl Job {
             .iter()
             .filter_map(|document| document.node.get(field));
         values.flat_map(Node::words).map(str::to_owned).collect()
+    }
+
+    /// The names of all enhancements, over all sites and distributions.
+    #[must_use]
+    pub fn enhancements(&self) -> BTreeSet<String> {
+        self.documents
+            .iter()
+            .flat_map(|document| names_in(&document.node))
+            .collect()
     }
 
     /// The types of each label over all sites.

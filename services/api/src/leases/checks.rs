@@ -117,7 +117,11 @@ impl Evidence<'_> {
         let frame = self.frame;
         let mut faults = Vec::new();
         for (subject, values) in &self.record.measurements {
-            if subject != "rgb" && !frame.enhance.contains(subject) {
+            let is_enhanced = frame
+                .enhance
+                .iter()
+                .any(|enhancement| enhancement.name == *subject);
+            if subject != "rgb" && !is_enhanced {
                 faults.push(format!("/measurements/{subject}: the frame has no such picture"));
             }
             let others = values.keys().filter(|metric| !frame.metrics.contains(metric));

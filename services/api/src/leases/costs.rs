@@ -23,11 +23,10 @@ const TYPICAL_NS: [(&str, f64); 13] = [
     ("files", 75.0),
 ];
 /// Bytes per pixel of each artifact kind: PNG of synthetic scenes, float32 NPY of the linear layers.
-const TYPICAL_BYTES: [(&str, f64); 13] = [
+const TYPICAL_BYTES: [(&str, f64); 12] = [
     ("range", 0.6),
     ("instances", 0.02),
     ("snow_mask", 0.1),
-    ("hscm_mask", 0.02),
     ("preview", 0.04),
     ("raw", 2.0),
     ("valid", 0.02),

@@ -3,7 +3,7 @@
 use camera::preset::{ASSUMPTIONS, CAMERAS, SENSORS, SensorPreset};
 use catalogue::{JobState, columns_of_every_image};
 use enhance::Method;
-use quality::{MetricId, MetricInfo, Profile};
+use quality::{MetricId, MetricInfo, Needs, Profile};
 use renderer::vocabulary;
 use scenes::SceneFamily;
 use scenes::categories::{CATEGORIES, FINDINGS};
@@ -50,12 +50,11 @@ pub(super) fn describe_metric(info: &MetricInfo) -> String {
     } else {
         String::new()
     };
-    let reference = if info.needs_reference {
-        "; needs the clean image"
-    } else {
-        ""
+    let needs = match info.needs {
+        Needs::Nothing => String::new(),
+        needs => format!("; needs {needs}"),
     };
-    format!("{}{range}{reference}", info.about)
+    format!("{}{range}{needs}", info.about)
 }
 
 pub(super) fn profiles(_: &Library) -> Vec<Entry> {

@@ -62,7 +62,7 @@ pub(crate) fn components(vocabulary: &Vocabulary) -> Components {
         "absorption_per_m": [0.42, 0.2, 0.5], "scattering_per_m": [1.0, 1.1, 1.3], "diffuse_attenuation_per_m": [0.6, 0.4, 0.8]
     }]);
     writer.found.insert("NewWater".to_owned(), water);
-    for names in [Names::Artifact, Names::Enhancement, Names::Metric, Names::Family] {
+    for names in [Names::Artifact, Names::Method, Names::Metric, Names::Family] {
         writer.text(names, None);
     }
     writer.found
@@ -145,6 +145,13 @@ impl Writer<'_> {
                 bare(
                     json!({"type": "array", "items": part, "minItems": 3, "maxItems": 3}),
                     "Triple",
+                )
+            }
+            Shape::Pair(low, high) => {
+                let part = self.place(&Shape::Integer(*low, *high), "", laws);
+                bare(
+                    json!({"type": "array", "items": part, "minItems": 2, "maxItems": 2}),
+                    "Pair",
                 )
             }
             Shape::Text(names) => self.text(*names, Some(type_name).filter(|name| !name.is_empty())),
@@ -281,7 +288,7 @@ impl Writer<'_> {
         let name = match names {
             Names::Fixed(_) => type_name.map(camel),
             Names::Family => Some("SceneFamily".to_owned()),
-            Names::Enhancement => Some("Enhancement".to_owned()),
+            Names::Method => Some("EnhancementMethod".to_owned()),
             Names::Metric => Some("Metric".to_owned()),
             Names::Artifact => Some("ArtifactKind".to_owned()),
             _ => None,

@@ -18,10 +18,10 @@ pub(super) fn listed_at(names: Names) -> &'static str {
         Names::Dataset => "; `GET /v1/datasets` lists the existing ones",
         Names::Collection => "; `GET /v1/collections` lists them",
         Names::Family => "; `GET /v1/lists/families` describes them",
-        Names::Enhancement => "; `GET /v1/lists/enhancements` describes them",
+        Names::Method => "; `GET /v1/lists/enhancements` describes them",
         Names::Metric => "; `GET /v1/lists/metrics` describes them",
         Names::Artifact => "; `GET /v1/lists/artifacts` describes them",
-        Names::Fixed(_) | Names::WaterName | Names::Words | Names::Path => "",
+        Names::Fixed(_) | Names::WaterName | Names::Enhancement | Names::Words | Names::Path => "",
     }
 }
 

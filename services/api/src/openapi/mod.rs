@@ -40,8 +40,6 @@ written! {
     JobDescription;
     /// A user-defined water.
     NewWater;
-    /// An enhancement method.
-    Enhancement;
     /// The type of a problem.
     ProblemType;
     /// The name of a built-in list.

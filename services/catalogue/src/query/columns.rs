@@ -186,7 +186,7 @@ impl Columns {
         };
         let plain = subject
             .chars()
-            .all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
+            .all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || matches!(c, '_' | '-'));
         let known = self.metrics.iter().find(|known| *known == metric)?;
         (plain && !subject.is_empty()).then(|| {
             let join = Join::Measured(subject.to_owned());

@@ -93,7 +93,7 @@ pub(crate) fn columns(job: &Job, metrics: &[String]) -> Vec<Column> {
             columns.push(column(column_name, kind, Source::Label { name, kind: label }));
         }
     }
-    let mut subjects = job.words("enhance");
+    let mut subjects = job.enhancements();
     subjects.insert("rgb".to_owned());
     for subject in subjects {
         for metric in metrics {

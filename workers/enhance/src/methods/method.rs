@@ -1,6 +1,6 @@
 //! A method of enhancement with its parameters.
 
-use spec::{Enhancement, IblaRefinement, Step};
+use spec::{Enhancement, Ibla, IblaRefinement, Step};
 
 /// Limit of the methods with a color guided filter, which hold several f64 planes.
 const GUIDED_PIXELS_MAX: usize = 16_000_000;
@@ -18,6 +18,15 @@ impl Method {
     #[must_use]
     pub fn parse(name: &str) -> Option<Self> {
         Enhancement::of_method(name)?.steps.pop().map(Self)
+    }
+
+    /// IBLA with this refinement and defaults otherwise.
+    #[must_use]
+    pub fn ibla(refine: IblaRefinement) -> Self {
+        Self(Step::Ibla(Ibla {
+            refine,
+            ..Ibla::default()
+        }))
     }
 
     /// The name that [`Method::parse`] reads.
@@ -61,7 +70,7 @@ impl Method {
 
 #[cfg(test)]
 mod tests {
-    use spec::{Ibla, METHODS};
+    use spec::METHODS;
 
     use super::*;
 
@@ -79,10 +88,7 @@ mod tests {
     fn methods_say_how_far_they_are_from_published_results() {
         let said = |name: &str| Method::parse(name).unwrap().against_published();
         assert!(said("ibla").contains("45 of the 45") && said("ibla").contains("U45"));
-        let guided = Method(Step::Ibla(Ibla {
-            refine: IblaRefinement::Guided,
-            ..Ibla::default()
-        }));
+        let guided = Method::ibla(IblaRefinement::Guided);
         assert!(guided.against_published().contains("34.5 dB"));
         assert!(said("suir").contains("43 dB") && said("suir").contains("7 %"));
         assert!(said("hscm").starts_with("not measured"));

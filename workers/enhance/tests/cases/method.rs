@@ -1,15 +1,12 @@
 //! Methods by the names of the vectors.
 
 use enhance::Method;
-use spec::{Ibla, IblaRefinement, Step};
+use spec::IblaRefinement;
 
 /// The method whose results have this name in the vectors.
 pub(crate) fn method(name: &str) -> Method {
     match name {
-        "ibla_guided" => Method(Step::Ibla(Ibla {
-            refine: IblaRefinement::Guided,
-            ..Ibla::default()
-        })),
+        "ibla_guided" => Method::ibla(IblaRefinement::Guided),
         name => Method::parse(name).expect("a method"),
     }
 }

@@ -33,7 +33,6 @@ pub fn vocabulary(library: &Library, local: bool) -> Vocabulary {
             .filter(|model| model.card.takes_range)
             .map(|model| model.name.clone())
             .collect(),
-        enhancements: owned(enhance::METHODS),
         metrics: MetricId::all().map(|metric| metric.to_string()).collect(),
         local,
     }

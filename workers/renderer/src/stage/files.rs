@@ -7,7 +7,7 @@ use imaging::codec::{self, EncodeError};
 use imaging::{Channels, Plane, Raster, Rgb, Rgb8, Samples, cancel, transfer};
 use optics::chain::Layers;
 use serde_json::json;
-use spec::{ArtifactKind, Counts, Encode, FrameRecord, ScenePart};
+use spec::{ArtifactKind, Counts, Encode, FrameRecord, MASK_STEP, ScenePart};
 
 use super::enhance::Enhancements;
 use super::labels::visible_semantics;
@@ -118,11 +118,7 @@ fn content<'a>(
         ArtifactKind::Backscatter => Some(linear(&layers.backscatter)),
         ArtifactKind::Transmittance => Some(Content::Linear(Cow::Owned(seen_transmittance(context)?))),
         ArtifactKind::Preview => Some(Content::Picture(Cow::Owned(codec::downscale(rgb, PREVIEW_PX)))),
-        ArtifactKind::Enhanced(method) => {
-            let enhanced = pictures.enhancements.get(method)?;
-            Some(Content::Picture(Cow::Owned(enhanced.picture.to_rgb8())))
-        }
-        ArtifactKind::HscmMask => codes(pictures.enhancements.get("hscm")?.mask.as_ref()),
+        ArtifactKind::Enhanced(_) => enhanced(pictures.enhancements, kind),
         ArtifactKind::SnowMask => {
             let codes_of = snow::codes(pictures.snow, context.setting.size);
             codes(Some(&*context.view_labels(&codes_of)))
@@ -162,6 +158,23 @@ fn content<'a>(
         ArtifactKind::TruthReport => Some(Content::Json(json!(pictures.traced?.report))),
         ArtifactKind::Range => Some(Content::Range(Cow::Borrowed(context.range()?))),
     }
+}
+
+/// The result of an enhancement, or of a step of it.
+fn enhanced(enhancements: &Enhancements, kind: &ArtifactKind) -> Option<Content<'static>> {
+    let (name, step) = kind.enhancement()?;
+    let outcome = enhancements.get(name)?;
+    let picture = match step {
+        None => &outcome.picture,
+        Some(step) => {
+            let (_, result) = outcome.steps.iter().find(|(name, _)| name == step)?;
+            if step == MASK_STEP {
+                return Some(Content::Codes(result.clone()));
+            }
+            result
+        }
+    };
+    Some(Content::Picture(Cow::Owned(picture.to_rgb8())))
 }
 
 /// Transmittance of the water in the geometry of the picture.

@@ -19,7 +19,7 @@ const EVERYTHING: [&str; 13] = [
     "range",
     "transmittance",
     "enhanced.hscm",
-    "hscm_mask",
+    "enhanced.hscm.mask",
     "preview",
 ];
 
@@ -51,7 +51,7 @@ fn every_kind_decodes_at_its_size_with_the_digest_of_the_record() {
                 "{}",
                 file.kind
             );
-            let gray = ["range", "hscm_mask"].contains(&file.kind.as_str());
+            let gray = ["range", "enhanced.hscm.mask"].contains(&file.kind.as_str());
             assert_eq!(picture.channels() == Channels::Gray, gray, "{}", file.kind);
         }
     }

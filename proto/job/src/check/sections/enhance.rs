@@ -11,7 +11,7 @@ use crate::invalid::FieldError;
 use crate::node::Node;
 
 /// An enhancement that a frame can have.
-struct Possible<'a> {
+pub(crate) struct Possible<'a> {
     pointer: String,
     name: &'a str,
     /// Names of its intermediate results.
@@ -51,7 +51,7 @@ impl Checker<'_> {
     }
 
     /// Every enhancement that an element of `enhance` can be.
-    fn find_possible<'a>(&mut self, location: &Location, item: &'a Node) -> Vec<Possible<'a>> {
+    pub(crate) fn find_possible<'a>(&mut self, location: &Location, item: &'a Node) -> Vec<Possible<'a>> {
         let mut possible = Vec::new();
         for (pointer, node) in item.alternatives(&location.pointer) {
             match find_name(node) {
@@ -131,6 +131,17 @@ fn certain_kinds(possible: &[Possible<'_>]) -> Vec<String> {
     let in_all = in_all.filter(|step| others.iter().all(|other| other.steps.contains(step)));
     let steps = in_all.map(|step| format!("{}.{step}", first.name));
     std::iter::once(first.name.to_owned()).chain(steps).collect()
+}
+
+/// The names of all enhancements that a frame can have.
+pub(crate) fn names_in(document: &Node) -> BTreeSet<String> {
+    let lists = find_lists(document, "enhance");
+    let items = lists.iter().flat_map(|(_, items)| items.iter());
+    let possible = items.flat_map(|item| item.alternatives(""));
+    possible
+        .filter_map(|(_, node)| find_name(node))
+        .map(str::to_owned)
+        .collect()
 }
 
 /// The name of an enhancement: given, or that of its method.

@@ -1,14 +1,14 @@
 use axum::http::{HeaderName, HeaderValue, header};
 use axum::response::{IntoResponse, Response};
-use enhance::Method;
 use serde::Deserialize;
+use spec::{Enhancement, FieldError, Invalid};
 use utoipa::{IntoParams, ToSchema};
 
 use crate::decode::{EnhanceRequest, Request};
 use crate::http::form::{Form, Kind};
 use crate::http::picture::PictureFormat;
 use crate::http::{MultipartBody, Problem, Query, State, Topic};
-use crate::openapi::{Bytes, Enhancement};
+use crate::openapi::Bytes;
 use crate::pictures::Pictures;
 
 /// Codes of the method's known failures with this image.
@@ -19,21 +19,13 @@ const WARNINGS: HeaderName = HeaderName::from_static("fathom-warnings");
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub(crate) struct Parameters {
-    /// The enhancement method.
-    #[param(value_type = Enhancement, example = "hscm")]
+    /// A method, as in `hscm` or `hscm:cutoff=16,mask=paper`, or an enhancement in JSON as in a job.
+    #[param(value_type = String, example = "hscm")]
     method: String,
-    /// Whether pixels outside the method's mask become black.
-    #[serde(default = "yes")]
-    #[param(default = true)]
-    mask: bool,
     /// Image format of the response.
     #[serde(default)]
     #[param(default = "png")]
     format: PictureFormat,
-}
-
-fn yes() -> bool {
-    true
 }
 
 /// A user image.
@@ -57,12 +49,12 @@ pub(crate) async fn enhance(
     Query(query): Query<Parameters>,
     MultipartBody(body): MultipartBody,
 ) -> Result<Response, Problem> {
-    let method = Method::parse(&query.method).ok_or_else(|| {
-        let known = enhance::METHODS.join(", ");
-        Problem::field(
-            "/method",
-            format!("method is `{}`; must be one of {known}", query.method),
-        )
+    Enhancement::parse(&query.method).map_err(|Invalid(errors)| {
+        let in_parameter = errors.into_iter().map(|error| FieldError {
+            pointer: format!("/method{}", error.pointer),
+            ..error
+        });
+        Problem::from(Invalid(in_parameter.collect()))
     })?;
     let mut form = Form::read(body, &[("picture", Kind::File)]).await?;
     form.require("picture");
@@ -73,8 +65,7 @@ pub(crate) async fn enhance(
     };
     let request = Request::Enhance(EnhanceRequest {
         picture: "picture".to_owned(),
-        method: method.name().to_owned(),
-        masked: query.mask,
+        method: query.method,
         is_webp: matches!(query.format, PictureFormat::Webp),
     });
     let enhanced = pictures.run::<String>(&request, &form, &["picture"]).await?;

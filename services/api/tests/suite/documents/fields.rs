@@ -28,6 +28,11 @@ fn compare(document: &Value, place: &str, shape: &Shape, schema: &Value) -> usiz
             );
             compare_range(place, range, without_law(document, &schema["items"]));
         }
+        Shape::Pair(..) => assert_eq!(
+            (&schema["minItems"], &schema["maxItems"]),
+            (&json!(2), &json!(2)),
+            "{place}"
+        ),
         Shape::Text(_) => assert_eq!(schema["type"], "string", "{place}"),
         Shape::List {
             element,

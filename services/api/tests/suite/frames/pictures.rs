@@ -28,16 +28,21 @@ fn an_enhanced_image_equals_that_of_the_library() {
         let codes: Vec<_> = expected.warnings.iter().map(|warning| warning.code()).collect();
         assert_eq!(answer.header("fathom-warnings"), codes.join(", "));
     }
-    let whole = service.form(
-        "/v1/enhance?method=hscm&mask=false&format=webp",
+    let masked = service.form(
+        "/v1/enhance?method=hscm:cutoff=16,mask=paper&format=webp",
         &[("picture", &sent)],
     );
-    assert_eq!(whole.header("content-type"), "image/webp", "{}", whole.text());
-    let hscm = enhance::run(&enhance::Method::parse("hscm").unwrap(), &picture).unwrap();
+    assert_eq!(masked.header("content-type"), "image/webp", "{}", masked.text());
+    let hscm = spec::Enhancement::parse("hscm:cutoff=16,mask=paper").unwrap();
+    let expected = enhance::enhance(&hscm, &picture, &[]).unwrap();
+    assert_ne!(expected.picture, expected.unmasked);
     assert_eq!(
-        decode_picture(&whole.body).unwrap().to_rgb8(),
-        hscm.unmasked.to_rgb8()
+        decode_picture(&masked.body).unwrap().to_rgb8(),
+        expected.picture.to_rgb8()
     );
+    let wrong = service.form("/v1/enhance?method=hscm:cutoff=0,cut=1", &[("picture", &sent)]);
+    let pointers = wrong.json()["errors"].as_array().unwrap().len();
+    assert_eq!((wrong.status, pointers), (422, 2), "{}", wrong.text());
     assert_eq!(service.shown(), [0, 0, 0]);
 }
 

@@ -64,7 +64,7 @@ const TOPICS: &[Topic] = topics! {
         "train" "fathom train bay.jpg --name bay";
     }
     "Picture commands" {
-        "enhance" "fathom enhance hscm dim.png clear.png";
+        "enhance" "fathom enhance hscm:cutoff=16 dive --out clear";
         "measure" "fathom measure dim.png clear.png --json";
     }
     "Shell commands" {

@@ -1,76 +1,151 @@
-//! `fathom enhance`: enhances a picture of the user.
+//! `fathom enhance`: enhances pictures of the user.
 
-use std::path::PathBuf;
+mod inputs;
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc;
+use std::thread;
 
 use cli::exit::Failure;
 use cli::files;
-use enhance::Method;
+use cli::plural::count;
+use cli::progress::Progress;
+use enhance::{Method, Outcome, Warning};
+use imaging::Raster;
+use spec::{Enhancement, HSCM_STEPS, Invalid, MASK_STEP};
+
+use inputs::{Work, find_work};
 
 /// Options of `fathom enhance`.
 #[derive(clap::Args)]
-#[command(after_long_help = methods())]
+#[command(after_long_help = list_methods())]
 pub(crate) struct Arguments {
-    /// Enhancement method
-    #[arg(value_parser = method)]
-    method: Method,
-    /// Picture to enhance (PNG, JPEG or WebP; 8 or 16 bit, gray or color)
-    input: PathBuf,
-    /// Where to write the result (.png, .jpg or .webp)
-    output: PathBuf,
-    /// Keep the whole frame instead of the circular mask
+    /// Method, with parameters as in `hscm:cutoff=16,mask=paper`, or an enhancement in JSON as in a job
+    #[arg(value_parser = parse_enhancement)]
+    method: Enhancement,
+    /// Pictures, or folders of pictures (PNG, JPEG or WebP; 8 or 16 bit, gray or color)
+    #[arg(required = true)]
+    inputs: Vec<PathBuf>,
+    /// Result of one picture (.png, .jpg or .webp), or a folder for all results, PNG files with the names of the pictures
+    #[arg(long, short)]
+    out: PathBuf,
+    /// Also write the intermediate results and the mask, as `NAME.STEP.png`
     #[arg(long)]
-    no_mask: bool,
-    /// Also write the mask itself, 255 where the picture is kept
-    #[arg(long, value_name = "FILE")]
-    mask_out: Option<PathBuf>,
+    steps: bool,
 }
 
 /// Every method with its description and its distance from published results.
-fn methods() -> String {
+fn list_methods() -> String {
     let all = enhance::METHODS.iter().filter_map(|name| Method::parse(name));
     let lines = all.map(|method| {
         let (name, about, published) = (method.name(), method.about(), method.against_published());
         format!("\n  {name}: {about}\n    {published}")
     });
     format!(
-        "Methods, with their distance from published results:{}",
+        "Methods, with their distance from published results:{}\n\n`fathom list fields` describes the parameters, as `enhance[](METHOD).…`.",
         lines.collect::<String>()
     )
 }
 
-fn method(name: &str) -> Result<Method, String> {
-    Method::parse(name).ok_or_else(|| {
-        format!(
-            "enhancement `{name}` does not exist; there is {}",
-            enhance::METHODS.join(", ")
-        )
+fn parse_enhancement(text: &str) -> Result<Enhancement, String> {
+    Enhancement::parse(text).map_err(|Invalid(errors)| {
+        let lines = errors.iter().map(|error| error.message.clone());
+        lines.collect::<Vec<_>>().join("; ")
     })
 }
 
-/// Runs the command.
+/// Runs the command. A picture that fails does not stop the others.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let picture = files::read_picture(&arguments.input)?;
-    let enhanced = enhance::run(&arguments.method, &picture)
-        .map_err(|error| Failure::BadInput(format!("{}: {error}", arguments.input.display())))?;
-    eprintln!(
-        "{}: {}",
-        arguments.method.name(),
-        arguments.method.against_published()
-    );
-    for warning in &enhanced.warnings {
-        eprintln!("warning: {warning}");
+    let work = find_work(&arguments.inputs, &arguments.out)?;
+    if let [step] = arguments.method.steps.as_slice() {
+        let method = Method(step.clone());
+        eprintln!("{}: {}", method.name(), method.against_published());
     }
-    let result = if arguments.no_mask {
-        &enhanced.unmasked
-    } else {
-        &enhanced.picture
-    };
-    files::write_picture(&arguments.output, result)?;
-    if let Some(path) = &arguments.mask_out {
-        let mask = enhanced
-            .mask
-            .ok_or_else(|| Failure::BadInput(format!("method {} has no mask", arguments.method.name())))?;
-        files::write_picture(path, &mask.into())?;
+    let failures = enhance_all(arguments, &work);
+    match failures.as_slice() {
+        [] => Ok(()),
+        [failure] if work.len() == 1 => Err(Failure::BadInput(failure.clone())),
+        failures => Err(Failure::BadInput(format!(
+            "{} of {} failed:\n{}",
+            failures.len(),
+            count(work.len(), "picture"),
+            failures.join("\n")
+        ))),
     }
-    Ok(())
+}
+
+/// Enhances every picture, each on one thread, and returns the failures in the order of the pictures.
+fn enhance_all(arguments: &Arguments, work: &[Work]) -> Vec<String> {
+    let (sender, results) = mpsc::channel();
+    let next = AtomicUsize::new(0);
+    let threads = thread::available_parallelism().map_or(1, usize::from);
+    let mut failures = BTreeMap::new();
+    thread::scope(|scope| {
+        for _ in 0..threads.min(work.len()) {
+            let (sender, next) = (sender.clone(), &next);
+            scope.spawn(move || {
+                loop {
+                    let position = next.fetch_add(1, Ordering::Relaxed);
+                    let Some(work) = work.get(position) else { break };
+                    // The other end waits for every sender.
+                    let _ = sender.send((position, enhance_one(arguments, work)));
+                }
+            });
+        }
+        drop(sender);
+        let mut progress = Progress::new("enhance", "pictures", work.len() as u64);
+        for (done, (position, result)) in results.into_iter().enumerate() {
+            let input = work[position].input.display();
+            match result {
+                Ok(warnings) => {
+                    for warning in warnings {
+                        progress.print(&format!("{input}: warning: {warning}"));
+                    }
+                }
+                Err(failure) => {
+                    failures.insert(position, failure.to_string());
+                }
+            }
+            progress.set(done as u64 + 1);
+        }
+        progress.finish();
+    });
+    failures.into_values().collect()
+}
+
+/// Enhances a picture, writes the result and returns the warnings.
+fn enhance_one(arguments: &Arguments, work: &Work) -> Result<Vec<Warning>, Failure> {
+    let picture = files::read_picture(&work.input)?;
+    let positions: Vec<String> = (1..arguments.method.steps.len())
+        .map(|step| step.to_string())
+        .collect();
+    let mut wanted: Vec<&str> = Vec::new();
+    if arguments.steps {
+        let positions = positions.iter().map(String::as_str);
+        wanted.extend(positions.chain(HSCM_STEPS).chain([MASK_STEP]));
+    }
+    let outcome = enhance::enhance(&arguments.method, &picture, &wanted)
+        .map_err(|error| Failure::BadInput(format!("{}: {error}", work.input.display())))?;
+    write(&work.output, &outcome)?;
+    Ok(outcome.warnings)
+}
+
+/// Writes the result and its steps together, so that a failure leaves neither.
+fn write(output: &Path, outcome: &Outcome) -> Result<(), Failure> {
+    let named = outcome
+        .steps
+        .iter()
+        .map(|(step, picture)| (output.with_extension(format!("{step}.png")), picture));
+    let pictures: Vec<(PathBuf, &Raster)> = std::iter::once((output.to_owned(), &outcome.picture))
+        .chain(named)
+        .collect();
+    let encoded = pictures
+        .iter()
+        .map(|(path, picture)| files::encode_picture(path, picture));
+    let encoded = encoded.collect::<Result<Vec<_>, _>>()?;
+    let paths = pictures.into_iter().map(|(path, _)| path);
+    let files: Vec<_> = paths.zip(encoded.iter().map(Vec::as_slice)).collect();
+    files::write_all(&files)
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use cli::exit::Failure;
 use cli::files;
 use cli::table::{decimal, table};
-use quality::{MetricId, Profile};
+use quality::{MetricId, Needs, Profile};
 use serde_json::{Map, Value, json};
 
 /// Options of `fathom measure`.
@@ -78,7 +78,7 @@ fn metrics(arguments: &Arguments) -> Vec<MetricId> {
         MetricId::all()
             .filter(|id: &MetricId| {
                 let info = id.info();
-                !info.needs_reference && info.profile.is_none_or(|its| its.name() == profile)
+                info.needs == Needs::Nothing && info.profile.is_none_or(|its| its.name() == profile)
             })
             .collect()
     };
