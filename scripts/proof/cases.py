@@ -3,7 +3,7 @@
 FAMILIES = ["structure", "shaft", "pipeline"]
 METHODS = ["hscm", "clahe", "gray_world", "ulap", "suir", "ibla", "rd", "rghs"]
 METRICS = ["entropy", "entropy_joint_rgb", "uicm", "uism", "uiconm", "uiqm", "uiqm@funie", "uiqm@table1", "uciqe", "light_uniformity", "psnr",
-           "ssim", "ciede2000", "corner_repeatability"]
+           "ssim", "ciede2000"]
 LAYERS = ["rgb", "clean", "direct", "forward_scatter", "backscatter", "scattered", "hazed", "transmittance"]
 LABELS = ["range", "instances", "semantics", "normals", "findings", "boxes"]
 STYLE = "kept-muddy"

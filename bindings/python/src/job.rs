@@ -147,7 +147,7 @@ fn kind(name: &str) -> PyResult<ArtifactKind> {
     ArtifactKind::parse(name).ok_or_else(|| {
         let known: Vec<&str> = ArtifactKind::FIXED.iter().map(|(name, _)| *name).collect();
         PyValueError::new_err(format!(
-            "artifact kind `{name}` does not exist; there is {}, enhanced.METHOD",
+            "artifact kind `{name}` does not exist; there is {}, enhanced.NAME",
             known.join(", ")
         ))
     })

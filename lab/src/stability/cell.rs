@@ -2,24 +2,24 @@
 
 use enhance::Method;
 use imaging::random::Stream;
-use imaging::{Raster, Rgb8};
-use quality::MetricId;
+use imaging::{Plane, Raster, Rgb8};
+use quality::{FrameFeatures, MetricId, Motion, match_features};
 
 use super::degradation::{Degradation, LEVELS, Specimen};
 use crate::statistics::{largest, mean};
 
 /// The recorded metrics.
 pub(super) const METRICS: [&str; 6] = ["entropy", "uicm", "uism", "uiconm", "uiqm", "uciqe"];
-/// Metrics against the clean picture; more is better.
-const JUDGES: [&str; 2] = ["ssim", "corner_repeatability"];
-/// A smaller loss is not counted: finer differences of SSIM and of shares of corners are invisible.
+/// Number of comparisons with the clean picture: SSIM, and the share of its features that are matched at their place.
+const JUDGES: usize = 2;
+/// A smaller loss is not counted: finer differences of SSIM and of shares of features are invisible.
 const WORSE: f64 = 1e-3;
 
 /// One specimen at one level.
 struct Sample {
-    /// [`JUDGES`] of the degraded picture.
-    before: Vec<f64>,
-    /// [`JUDGES`] and [`METRICS`] of the result; `None` if the method failed.
+    /// Comparisons of the degraded picture.
+    before: [f64; JUDGES],
+    /// Comparisons and [`METRICS`] of the result; `None` if the method failed.
     after: Option<Vec<f64>>,
     /// Mean change of the result over that of the picture.
     gain: Option<f64>,
@@ -33,11 +33,11 @@ pub(super) struct Cell {
     pub(super) method: &'static str,
     pub(super) degradation: Degradation,
     pub(super) level: usize,
-    /// Mean [`JUDGES`] before the method.
+    /// Mean comparisons before the method.
     pub(super) before: [f64; 2],
-    /// Mean [`JUDGES`] after it.
+    /// Mean comparisons after it.
     pub(super) after: [f64; 2],
-    /// Share of specimens that the method made worse by each of [`JUDGES`].
+    /// Share of specimens that the method made worse by each comparison.
     pub(super) worse: [f64; 2],
     /// Mean [`METRICS`] of the result.
     pub(super) values: Vec<f64>,
@@ -67,14 +67,16 @@ pub(super) fn run_method(method: &'static str, specimens: &[Specimen]) -> Vec<Ce
 fn measure_sample(method: &str, clean: &Rgb8, before: &Rgb8, number: u64) -> Sample {
     let shaken = nudge(before, number);
     let after = enhance_picture(method, before);
-    let all: Vec<&str> = JUDGES.into_iter().chain(METRICS).collect();
     let pair = after.as_ref().zip(enhance_picture(method, &shaken));
     let change = mean_difference(before, &shaken);
     Sample {
-        before: measure_metrics(before, clean, &JUDGES),
+        before: judge(before, clean),
         gain: pair.map(|((a, _), (b, _))| mean_difference(a, &b) / change),
         warned: after.as_ref().is_some_and(|(_, warned)| *warned),
-        after: after.map(|(picture, _)| measure_metrics(&picture, clean, &all)),
+        after: after.map(|(picture, _)| {
+            let judged = judge(&picture, clean).into_iter();
+            judged.chain(measure_metrics(&picture, clean, &METRICS)).collect()
+        }),
     }
 }
 
@@ -84,6 +86,20 @@ fn enhance_picture(method: &str, picture: &Rgb8) -> Option<(Rgb8, bool)> {
     }
     let enhanced = enhance::run(&Method::parse(method)?, &Raster::from(picture.clone())).ok()?;
     Some((enhanced.picture.to_rgb8(), !enhanced.warnings.is_empty()))
+}
+
+/// SSIM, and the share of the clean picture's features that are matched within 3 px of their place.
+fn judge(picture: &Rgb8, clean: &Rgb8) -> [f64; JUDGES] {
+    let ssim = measure_metrics(picture, clean, &["ssim"])[0];
+    let [found, wanted] = [picture, clean].map(|picture| FrameFeatures::find(picture, None).adaptive);
+    let unmoved = Motion {
+        positions: Plane::from_fn(picture.width(), picture.height(), |x, y| {
+            [x as f32 + 0.5, y as f32 + 0.5]
+        }),
+    };
+    let matches = match_features(&found, &wanted);
+    let correct = unmoved.correct_matches(&found, &wanted, &matches).len();
+    [ssim, correct as f64 / wanted.count().max(1) as f64]
 }
 
 fn measure_metrics(picture: &Rgb8, clean: &Rgb8, names: &[&str]) -> Vec<f64> {
@@ -121,7 +137,7 @@ impl Cell {
         let results = samples.iter().filter_map(|sample| sample.after.as_ref());
         let results: Vec<&Vec<f64>> = results.collect();
         let columns =
-            (0..JUDGES.len() + METRICS.len()).map(|column| finite(results.iter().map(|all| all[column])));
+            (0..JUDGES + METRICS.len()).map(|column| finite(results.iter().map(|all| all[column])));
         let means: Vec<f64> = columns.map(|values| mean(&values)).collect();
         let gains = finite(samples.iter().filter_map(|sample| sample.gain));
         let not_finite = results
@@ -139,7 +155,7 @@ impl Cell {
                 let worse = samples.iter().filter(|sample| sample.is_worse(judge));
                 worse.count() as f64 / count
             }),
-            values: means[JUDGES.len()..].to_vec(),
+            values: means[JUDGES..].to_vec(),
             gain: [mean(&gains), largest(gains)],
             warned: samples.iter().filter(|sample| sample.warned).count() as f64 / count,
             failures: samples.len() - results.len() + not_finite.count(),

@@ -79,8 +79,8 @@ fn report(runs: &[Vec<Cell>], about: String) -> Report {
 
 /// A row for each cell.
 fn list_cells(cells: &[Cell]) -> Table {
-    let columns = "method,degradation,level,value,ssim_before,ssim_after,repeatability_before,repeatability_after,worse_ssim,\
-                   worse_repeatability,gain_mean,gain_max,warned,failures";
+    let columns = "method,degradation,level,value,ssim_before,ssim_after,matched_before,matched_after,worse_ssim,\
+                   worse_matched,gain_mean,gain_max,warned,failures";
     let mut table = Table::new("cells", columns.split(',').chain(METRICS));
     for cell in cells {
         let (degradation, level) = (cell.degradation, cell.level);

@@ -60,5 +60,5 @@ pub(super) fn kind(name: &str) -> Result<String, String> {
         return Ok(name.to_owned());
     }
     let known: Vec<&str> = ArtifactKind::FIXED.iter().map(|(name, _)| *name).collect();
-    Err(format!("the kinds are {} and enhanced.METHOD", known.join(", ")))
+    Err(format!("the kinds are {} and enhanced.NAME", known.join(", ")))
 }
