@@ -24,7 +24,7 @@ pub use imaging::geometry::Intrinsics;
 pub use artifact::ArtifactKind;
 pub use camera::{
     Camera, CameraView, Cfa, Chroma, Defocus, Distortion, Exposure, Jpeg, Metering, Motion, Path, Port,
-    Sensor, Tone, Vignette, Waypoint, WhiteBalance,
+    Sensor, Stereo, Tone, Vignette, Waypoint, WhiteBalance,
 };
 pub use classes::{Classes, SceneCategory, Segment};
 pub use collection::{MAX_COLLECTION, is_collection};
@@ -41,7 +41,7 @@ pub use distributions::law;
 use distributions::{node, normal};
 pub use earlier::{EARLIER_VERSION, is_of_earlier_version};
 pub use encode::Encode;
-pub use frame::{Fidelity, Frame, SiteName};
+pub use frame::{Fidelity, Frame, Siblings, SiteName};
 pub use inhabited::{Ground, Life};
 pub use invalid::{FieldError, Invalid, MAX_ERRORS};
 pub use job::{Draft, Job};
