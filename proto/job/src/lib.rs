@@ -24,7 +24,7 @@ pub use imaging::geometry::Intrinsics;
 pub use artifact::ArtifactKind;
 pub use camera::{
     Camera, CameraView, Cfa, Chroma, Defocus, Distortion, Exposure, Jpeg, Metering, Motion, Path, Port,
-    Sensor, Tone, Vignette, Waypoint, WhiteBalance,
+    Sensor, Stereo, Tone, Vignette, Waypoint, WhiteBalance,
 };
 pub use classes::{Classes, SceneCategory, Segment};
 pub use collection::{MAX_COLLECTION, is_collection};
@@ -46,7 +46,7 @@ pub use enhancement::parameters::{
     Clahe, DarkChannel, GrayWorld, Guided, Hscm, Ibla, IblaRefinement, Rayleigh, ResultColor, Stretching,
 };
 pub use enhancement::{Enhancement, HSCM_STEPS, MASK_STEP, METHODS, MetricsOver, Step};
-pub use frame::{Fidelity, Frame, SiteName};
+pub use frame::{Fidelity, Frame, Siblings, SiteName};
 pub use inhabited::{Ground, Life};
 pub use invalid::{FieldError, Invalid, MAX_ERRORS};
 pub use job::{Draft, Job};

@@ -4,9 +4,15 @@ use imaging::geometry::Intrinsics;
 use spec::{Camera, CameraRules, Fault};
 
 use crate::parts::{Parts, PartsError, Scenery};
+use crate::preset;
 
 /// The rules of cameras.
-pub const RULES: CameraRules = CameraRules { faults };
+pub const RULES: CameraRules = CameraRules { faults, readout_s };
+
+/// The readout time of a camera, from its preset if it has one.
+fn readout_s(camera: &Camera) -> f64 {
+    preset::complete(camera).readout_s.unwrap_or(0.0)
+}
 
 /// The faults of a camera; `renders` is true if a scene is rendered for it.
 fn faults(camera: &Camera, renders: bool) -> Vec<Fault> {

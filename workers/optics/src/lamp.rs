@@ -166,6 +166,16 @@ impl Lamp {
         }
     }
 
+    /// The same lamp in the axes of a camera this many meters to the right.
+    #[must_use]
+    pub fn seen_from_right(self, right_m: f64) -> Self {
+        let [x, y, z] = self.position_m;
+        Self {
+            position_m: [x - right_m, y, z],
+            ..self
+        }
+    }
+
     /// The lamps among the lights of a frame, in their order, with their shadows on surfaces.
     ///
     /// # Errors

@@ -75,7 +75,8 @@ pub enum SettingError {
 }
 
 impl Setting {
-    /// The surroundings of a frame whose scene is seen like this.
+    /// The surroundings of a frame whose scene is seen like this. Lamps, thrusters and the depth belong to the described camera,
+    /// [`Frame::right_m`] to the left of this one.
     ///
     /// # Errors
     /// All errors of water, lamps, patches and snow together.
@@ -92,11 +93,17 @@ impl Setting {
             errors.extend(beyond.into_iter().map(named("lights")));
             Vec::new()
         });
+        let lamps: Vec<Lamp> = lamps
+            .into_iter()
+            .map(|lamp| lamp.seen_from_right(frame.right_m))
+            .collect();
+        let rise_m = frame.right_m * eye.world_from_camera[2][0];
         let is_wet = view.has_range && frame.water.optics.is_some();
         let medium = Medium::choose(&frame.water, &Surroundings::of_frame(frame))
             .filter(|_| is_wet)
             .map(|medium| Medium {
                 bottom: view.bottom,
+                depth_m: medium.depth_m.map(|depth_m| (depth_m - rise_m).max(0.0)),
                 ..medium
             });
         let resolve = if lamps.is_empty() {
@@ -145,7 +152,8 @@ impl Setting {
                     water.clone()
                 }
             }),
-            sediment: sediment.map(|law| Clouds::new(&law, world, &eye, up, knows_bottom)),
+            sediment: sediment
+                .map(|law| Clouds::new(&law, world, &eye, up, knows_bottom).seen_from_right(frame.right_m)),
             up,
             eye,
             water,

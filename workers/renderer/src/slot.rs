@@ -3,6 +3,7 @@
 mod effects;
 mod exposure;
 mod light;
+mod sequence;
 mod state;
 
 use std::sync::Arc;
@@ -21,12 +22,13 @@ use crate::inputs::camera::rendered_parts;
 use crate::inputs::scene::{self, Prepared};
 use crate::planning::plan_frame;
 use crate::plausibility;
+use crate::sequence::{History, find_motions};
 use crate::source::SceneSource;
 use crate::stage::files::{self, Pictures};
 use crate::stage::style::Networks;
 use crate::stage::{camera, enhance, haze, labels, measure, truth};
 use crate::stopwatch::Stopwatch;
-use state::{SceneKey, Taken, Thin};
+use state::{RightCaches, SceneKey, Taken, Thin};
 
 pub use light::WaterLight;
 pub use state::Slot;
@@ -59,6 +61,8 @@ impl Slot {
             resources: Resources::default(),
             thin: Thin::default(),
             last_scene: None,
+            right: RightCaches::default(),
+            history: History::default(),
             excluded: Vec::new(),
         }
     }
@@ -111,13 +115,14 @@ impl Slot {
         finish: impl FnOnce(&FrameContext<'_>, &Pictures<'_>, &mut FrameRecord) -> Result<T, RenderError>,
     ) -> Result<(T, FrameRecord), RenderError> {
         let mut watch = Stopwatch::start();
+        let described = frame;
         let frame = &*camera::complete(frame);
         let prepared = watch.time("scene", || self.scene(frame, source))?;
         let mut context = FrameContext::new(frame, &prepared, 0.0, &mut self.resources, &mut watch)?;
         let expected = watch.time("plan", || self.expect_exposure(&context))?;
         self.choose_effects(&mut context, expected, &mut watch)?;
         let (taken, mut record) = self.take(&mut context, expected, &mut watch)?;
-        let Taken { light, exposed } = &taken;
+        let Taken { light, exposed, .. } = &taken;
         let context = &context;
         record.warnings.extend(effects::find_overrun(context));
         let traced = if truth::is_asked(context) {
@@ -145,15 +150,19 @@ impl Slot {
         })?;
         record.scene = watch.time("labels", || labels::describe(context, &light.layers));
 
+        let motions = find_motions(context, &mut watch)?;
+        let right = self.take_right(context, (&taken, &developed), &mut record, &mut watch)?;
+        self.keep(described, context, &developed);
+
         let pictures = Pictures {
             layers: &light.layers,
             snow: light.mask.as_ref(),
             styled: &styled,
-            rgb: &developed.rgb,
-            deep: developed.deep.as_ref(),
-            raw: developed.raw.as_ref(),
+            developed: &developed,
             enhancements: &enhancements,
             traced: traced.as_ref(),
+            right: right.as_ref(),
+            motions: &motions,
         };
         let made = watch.time("files", || finish(context, &pictures, &mut record))?;
         record.timings_ms = watch.stop();
@@ -199,6 +208,7 @@ impl Slot {
             depth_m: frame.water.depth_m,
             view: source_view,
             labeled: scene::needs_labels(frame),
+            right_m: frame.right_m,
         };
         if let Some((last, prepared)) = &self.last_scene
             && *last == key

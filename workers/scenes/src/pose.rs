@@ -100,6 +100,15 @@ impl CameraPose {
         [x, y, z, [0.0, 0.0, 0.0, 1.0]]
     }
 
+    /// The pose this many meters to the right, with the same axes.
+    #[must_use]
+    pub fn moved_right(self, meters: f64) -> Self {
+        Self {
+            position_m: self.position_m + self.right * meters,
+            ..self
+        }
+    }
+
     /// Camera coordinates of a world point in meters: right, down, ahead.
     #[must_use]
     pub fn to_camera(&self, point: DVec3) -> DVec3 {

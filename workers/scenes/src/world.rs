@@ -73,6 +73,9 @@ impl World {
         Ok(Self { site, structures })
     }
 
+    /// The ground ends this far from a camera, m. No structure is that far from the paths through it.
+    pub const FAR_M: f64 = site::FAR_M as f64;
+
     /// Mean reflectance of the ground, at z = 0.
     #[must_use]
     pub fn ground_reflectance(&self) -> [f64; 3] {

@@ -9,10 +9,13 @@ use crate::invalid::FieldError;
 use crate::node::Node;
 use crate::schema::describe;
 
-/// The light that each artifact is derived from.
-const NEEDS: [(&str, [&str; 2]); 2] = [
-    ("snow_mask", ["water.snow", "water.sediment"]),
-    ("raw", ["camera.sensor", "camera.preset"]),
+/// The parts of a frame that each artifact is derived from.
+const NEEDS: [(&str, &[&str]); 5] = [
+    ("snow_mask", &["water.snow", "water.sediment"]),
+    ("raw", &["camera.sensor", "camera.preset"]),
+    ("flow", &["camera.path"]),
+    ("rgb_right", &["camera.stereo"]),
+    ("disparity", &["camera.stereo"]),
 ];
 
 impl Checker<'_> {
@@ -25,6 +28,7 @@ impl Checker<'_> {
         self.check_daylight(document, &contents);
         self.check_artifacts(document, &contents);
         self.check_enhance(document);
+        self.check_path_length(document, &contents, "flow");
         self.check_truth_work(document, &contents);
     }
 
@@ -41,7 +45,7 @@ impl Checker<'_> {
                     if kind == artifact {
                         let message = format!(
                             "the artifact \"{artifact}\" needs {}: add it, or remove the artifact",
-                            describe(&paths)
+                            describe(paths)
                         );
                         self.refuse(|| FieldError::new(&pointer, message).value(&Value::from(kind)));
                     }

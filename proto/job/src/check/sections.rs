@@ -6,5 +6,6 @@ pub(crate) mod enhance;
 pub(crate) mod labels;
 pub(crate) mod lights;
 pub(crate) mod scene;
+mod sequences;
 pub(crate) mod truth;
 pub(crate) mod water;

@@ -29,6 +29,8 @@ impl Default for WaterRules {
 pub struct CameraRules {
     /// Returns the faults of a camera; the flag distinguishes rendered scenes from uploaded images.
     pub faults: fn(&Camera, bool) -> Vec<Fault>,
+    /// Returns the readout time of a rolling shutter, s; 0 for a global one.
+    pub readout_s: fn(&Camera) -> f64,
 }
 
 impl Default for CameraRules {
@@ -36,6 +38,7 @@ impl Default for CameraRules {
     fn default() -> Self {
         Self {
             faults: |_, _| Vec::new(),
+            readout_s: |_| 0.0,
         }
     }
 }

@@ -50,6 +50,7 @@ macro_rules! artifacts {
 
 artifacts! {
     Rgb "rgb" Picture "the final image, 8 bit, in the format of `encode`";
+    RgbRight "rgb_right" Picture "the image of the right camera of `camera.stereo`, as `rgb`";
     Clean "clean" Picture "the scene in air, 8 bit, in the format of `encode`";
     Direct "direct" Npy "unscattered light: NPY float32 [h, w, 3], linear, white = 1";
     ForwardScatter "forward_scatter" Npy "forward-scattered light: NPY float32 [h, w, 3], linear, white = 1";
@@ -58,6 +59,8 @@ artifacts! {
     Styled "styled" Picture "output of the style network, 8 bit, in the format of `encode`";
     Hazed "hazed" Picture "the image after haze, the same as `rgb`";
     Range "range" Png "range along the line of sight: 16-bit PNG, mm, 0 = hole";
+    Flow "flow" Npy "motion to the next frame of the path in x and y, px, and its visibility there, 1 or 0: NPY float32 [h, w, 3], NaN without a range";
+    Disparity "disparity" Npy "position minus that in `rgb_right` in x and y, px, and its visibility there, 1 or 0: NPY float32 [h, w, 3], NaN without a range";
     Transmittance "transmittance" Npy "transmittance of the water along the ray, 0..1: NPY float32 [h, w, 3]";
     Instances "instances" Png "instance of each pixel, 0 = background: 8- or 16-bit PNG";
     Semantics "semantics" Png "category of each pixel by its number: 8-bit PNG; `categories` lists them";
@@ -97,6 +100,7 @@ impl ArtifactKind {
         match self {
             Self::Range => Some("mm"),
             Self::Raw => Some("DN"),
+            Self::Flow | Self::Disparity => Some("px"),
             _ => None,
         }
     }
@@ -124,6 +128,12 @@ impl ArtifactKind {
     #[must_use]
     pub fn is_traced(&self) -> bool {
         matches!(self, Self::Truth | Self::TruthReport)
+    }
+
+    /// Whether it needs one pose for all rows.
+    #[must_use]
+    pub fn needs_one_pose(&self) -> bool {
+        matches!(self, Self::Flow | Self::Disparity)
     }
 
     /// The scene part that the artifact requires.
@@ -160,10 +170,12 @@ impl ArtifactKind {
         }
     }
 
-    /// Whether it may be missing from a frame: for lack of a scene part, or because an enhancement did not run.
+    /// Whether it may be missing from a frame: for lack of a scene part, of another camera or of a next frame, or because
+    /// an enhancement did not run.
     #[must_use]
     pub fn may_be_absent(&self) -> bool {
-        self.needs().is_some() || matches!(self, Self::Enhanced(_) | Self::Raw)
+        let depends_on_camera = matches!(self, Self::Raw | Self::Flow | Self::RgbRight | Self::Disparity);
+        self.needs().is_some() || depends_on_camera || matches!(self, Self::Enhanced(_))
     }
 
     /// Whether a text is the name of a kind and safe in paths and file names. Unknown methods are accepted.

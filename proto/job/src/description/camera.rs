@@ -34,6 +34,13 @@ pub struct Camera {
     #[field(vector, within(-1000.0, 1000.0), nonzero, needs("scene.id", "scene.rgb"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub up: Option<[f64; 3]>,
+    /// second camera on the right; none by default
+    #[field(
+        needs_always("scene.family"),
+        needs("artifacts.rgb_right", "artifacts.disparity")
+    )]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stereo: Option<Stereo>,
     /// camera preset whose fields the others replace; a noise-free pinhole by default
     #[field(names = Camera, untraced = "a pinhole camera is traced")]
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -100,6 +107,15 @@ pub struct Camera {
     pub jpeg: Option<Jpeg>,
 }
 
+/// A stereo pair of equal cameras with parallel axes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, Described)]
+#[serde(deny_unknown_fields)]
+pub struct Stereo {
+    /// distance of the right camera, along the x axis of the left one
+    #[field(above(0.0, 10.0), unit = "m")]
+    pub baseline_m: f64,
+}
+
 /// The viewpoint in a procedural scene. Absent values are drawn from the scene's seed.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, Described)]
 #[serde(deny_unknown_fields)]
@@ -135,6 +151,7 @@ pub struct Path {
     pub frames: usize,
     /// position on the path; advances with each frame of the job by default
     #[field(fixed, within(0, 999_999), optional, below("frames"))]
+    #[serde(default)]
     pub frame: usize,
     /// first waypoint; on the family's usual path by default
     #[field(needs("end"))]
@@ -178,6 +195,7 @@ impl Camera {
             path: None,
             view: None,
             up: None,
+            stereo: None,
             preset: None,
             frames_per_s: 25.0,
             exposure_s: None,
@@ -211,6 +229,7 @@ impl Camera {
             path: self.path,
             view: self.view,
             up: self.up,
+            stereo: self.stereo,
             ..Self::pinhole(self.width, self.height, self.hfov_deg)
         };
         *self == bare

@@ -1,6 +1,7 @@
 //! One frame, fully resolved: plain values without distributions or open defaults.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use serde::Deserialize;
 use serde_json::Value;
@@ -11,6 +12,7 @@ use crate::camera::Camera;
 use crate::daylight::Daylight;
 use crate::encode::Encode;
 use crate::enhancement::Enhancement;
+use crate::invalid::Invalid;
 use crate::light::{Haze, Light, RaySource};
 use crate::scene::Scene;
 use crate::truth::Truth;
@@ -86,6 +88,41 @@ pub struct Frame {
     /// Canonical JSON of the fields above, without `index`.
     #[serde(skip)]
     pub parameters: Value,
+    /// Meters by which the camera is to the right of its described position: the baseline for the right picture of a
+    /// stereo pair, otherwise 0.
+    #[serde(skip)]
+    pub right_m: f64,
+    /// The other frames of the path.
+    #[serde(skip)]
+    pub siblings: Siblings,
+}
+
+/// The frames of the same job. Frames are compared without them.
+#[derive(Clone, Default)]
+pub struct Siblings(Option<(u64, Arc<ResolveFrame>)>);
+
+type ResolveFrame = dyn Fn(u64) -> Result<Frame, Invalid> + Send + Sync;
+
+impl Siblings {
+    /// The frames that `resolve` returns; `step` is the distance in the job of frames that follow each other on a path.
+    pub(crate) fn new(
+        step: u64,
+        resolve: impl Fn(u64) -> Result<Frame, Invalid> + Send + Sync + 'static,
+    ) -> Self {
+        Self(Some((step, Arc::new(resolve))))
+    }
+}
+
+impl PartialEq for Siblings {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+impl std::fmt::Debug for Siblings {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("Siblings")
+    }
 }
 
 impl Frame {
@@ -103,6 +140,47 @@ impl Frame {
             parameters,
             ..frame
         })
+    }
+
+    /// The previous frame on the camera path; `None` for the first one and without a path. Like every frame, it does not
+    /// depend on the number of frames of the job. If the description fixes the position on the path, the previous frame
+    /// differs from this one only in its position and index.
+    ///
+    /// # Errors
+    /// As [`crate::Job::resolve`].
+    pub fn previous(&self) -> Result<Option<Self>, Invalid> {
+        self.neighbor(-1)
+    }
+
+    /// The next frame on the camera path, as [`Frame::previous`]; `None` for the last one of the path.
+    ///
+    /// # Errors
+    /// As [`crate::Job::resolve`].
+    pub fn next(&self) -> Result<Option<Self>, Invalid> {
+        self.neighbor(1)
+    }
+
+    fn neighbor(&self, direction: i64) -> Result<Option<Self>, Invalid> {
+        let Some(mut path) = self.camera.path else {
+            return Ok(None);
+        };
+        let position = path.frame as i64 + direction;
+        if !(0..path.frames as i64).contains(&position) {
+            return Ok(None);
+        }
+        path.frame = position as usize;
+        let Siblings(Some((step, resolve))) = &self.siblings else {
+            let mut moved = self.clone();
+            moved.index = self.index.wrapping_add_signed(direction);
+            moved.camera.path = Some(path);
+            moved.parameters["camera"]["path"]["frame"] = position.into();
+            return Ok(Some(moved));
+        };
+        let steps = direction * *step as i64;
+        let neighbor = resolve(self.index.wrapping_add_signed(steps))?;
+        // A path that is drawn for each frame has no neighbors.
+        let is_next = neighbor.camera.path == Some(path) && neighbor.scene == self.scene;
+        Ok(is_next.then_some(neighbor))
     }
 
     /// The haze in drawing order.

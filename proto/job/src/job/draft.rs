@@ -55,7 +55,7 @@ impl<'v> Draft<'v> {
     pub fn read(json: &[u8], vocabulary: &'v Vocabulary) -> Result<Self, Invalid> {
         let mut draft = Self::start(json::read(json)?, vocabulary)?;
         let frames = draft.job.frames();
-        for (document, part) in draft.job.documents.iter().zip(&mut draft.parts) {
+        for (document, part) in draft.job.formula.documents.iter().zip(&mut draft.parts) {
             part.checker.check_across(&document.node);
             part.checker.try_waters(&document.node, frames);
             part.checker.try_cameras(&document.node, frames);
@@ -68,7 +68,7 @@ impl<'v> Draft<'v> {
             draft
                 .errors
                 .push(FieldError::new("", message).limit(format!("{MAX_BYTES} bytes")));
-        } else if draft.job.site.is_some()
+        } else if draft.job.formula.site.is_some()
             && let Err(Invalid(errors)) = json::read(draft.job.canonical.as_bytes())
         {
             // The descriptions of sites are nested deeper than the submitted text.
@@ -128,7 +128,7 @@ impl<'v> Draft<'v> {
     /// All errors of the description, at most [`crate::MAX_ERRORS`].
     pub fn check(mut self, uploads: &Uploads) -> Result<Job, Invalid> {
         let mut found = Vec::new();
-        for (document, part) in self.job.documents.iter().zip(&mut self.parts) {
+        for (document, part) in self.job.formula.documents.iter().zip(&mut self.parts) {
             let scene_warnings = part.checker.check_scenes(&document.node, uploads);
             let mut warnings = warnings::find(&document.node, part.checker.vocabulary);
             warnings.extend(scene_warnings);
@@ -161,7 +161,7 @@ impl<'v> Draft<'v> {
     /// Joins the findings of all documents: once if all have it, else labeled with the site's name.
     fn join<T: Clone + PartialEq>(&self, found: &[Vec<T>], label: impl Fn(&str, &T) -> T) -> Vec<T> {
         let mut joined = Vec::new();
-        for (position, (items, document)) in found.iter().zip(&self.job.documents).enumerate() {
+        for (position, (items, document)) in found.iter().zip(&self.job.formula.documents).enumerate() {
             for item in items {
                 if !found.iter().all(|others| others.contains(item)) {
                     joined.push(label(&document.site, item));
@@ -175,8 +175,8 @@ impl<'v> Draft<'v> {
 
     /// A path has one world.
     fn refuse_path_with_drawn_site(&mut self) {
-        let mut laws = self.job.site.iter().flat_map(Node::laws);
-        let documents = self.job.documents.iter();
+        let mut laws = self.job.formula.site.iter().flat_map(Node::laws);
+        let documents = self.job.formula.documents.iter();
         let mut cameras = documents.flat_map(|document| find_values(&document.node, "camera"));
         if laws.any(|law| law.key() != "grid") && cameras.any(|(_, camera)| camera.get("path").is_some()) {
             let message =

@@ -1,13 +1,14 @@
 //! A job: N frames as a formula.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 use imaging::digest::sha256;
 use serde_json::Value;
 
 use super::grids::{count_frames, lay_out_grids};
 use crate::check::{find_values, names_in, whole};
-use crate::frame::Frame;
+use crate::frame::{Frame, Siblings};
 use crate::invalid::{FieldError, Invalid};
 use crate::label_types::{LabelType, label_types};
 use crate::node::{Law, Node};
@@ -26,17 +27,23 @@ use crate::site::{OF_THE_JOB, insert_descriptions};
 /// path), instead of i.
 #[derive(Debug, Clone)]
 pub struct Job {
+    pub(super) formula: Arc<Formula>,
+    pub(crate) canonical: String,
+    dataset: String,
+    pub(super) frames: u64,
+    pub(crate) warnings: Vec<String>,
+}
+
+/// The frames of a job without their number.
+#[derive(Debug)]
+pub(super) struct Formula {
     /// Name of a frame's site, or its distribution. `None` for a job without sites.
     pub(super) site: Option<Node>,
     /// One per site, or a single one without sites. Never empty.
     pub(super) documents: Vec<Document>,
-    pub(crate) canonical: String,
-    dataset: String,
-    pub(super) frames: u64,
     /// Product of the lengths of the grid axes.
-    pub(super) cells: u64,
-    pub(super) seed: u64,
-    pub(crate) warnings: Vec<String>,
+    cells: u64,
+    seed: u64,
 }
 
 /// A complete, checked description.
@@ -65,10 +72,12 @@ impl Job {
             warnings: Vec::new(),
             canonical: canonical(site.as_ref(), &documents).to_string(),
             frames,
-            cells: cells.unwrap_or(1),
-            seed,
-            site,
-            documents,
+            formula: Arc::new(Formula {
+                cells: cells.unwrap_or(1),
+                seed,
+                site,
+                documents,
+            }),
         }
     }
 
@@ -101,7 +110,7 @@ impl Job {
     /// The job's seed.
     #[must_use]
     pub fn seed(&self) -> u64 {
-        self.seed
+        self.formula.seed
     }
 
     /// Resolves the frame of this index: a pure function of description and index, independent of `count`.
@@ -115,33 +124,7 @@ impl Job {
                 FieldError::new("", message).limit(format!("0..{}", self.frames)),
             ));
         }
-        let document = self.document(index);
-        let path_frames = path_frames(document, index);
-        let pass = index / self.cells / path_frames.unwrap_or(1).max(1);
-        let mut parameters = document.value(&|law| match law.law {
-            Law::Grid { .. } => law.draw(index),
-            _ if path_frames.is_some() && is_shared_by_pass(&law.pointer) => law.draw(pass),
-            _ => law.draw(index),
-        });
-        // Each cell of the grid passes over the whole path, then repeats.
-        if let Some(Value::Object(path)) = parameters.pointer_mut("/camera/path")
-            && !path.contains_key("frame")
-        {
-            let frames = path_frames.unwrap_or(1).max(1);
-            path.insert("frame".to_owned(), (index / self.cells % frames).into());
-        }
-        Frame::read(index, parameters)
-            .map_err(|error| single(FieldError::new("", format!("frame {index}: {error}"))))
-    }
-
-    /// The description of this frame's site.
-    fn document(&self, index: u64) -> &Node {
-        let drawn = self.site.as_ref().map(|site| site.value(&|law| law.draw(index)));
-        let document = self
-            .documents
-            .iter()
-            .find(|document: &&Document| drawn.as_ref().is_some_and(|name| *name == document.site));
-        &document.unwrap_or(&self.documents[0]).node
+        self.formula.resolve(index)
     }
 
     /// Names of all style models that a frame can use, sorted.
@@ -159,6 +142,7 @@ impl Job {
     /// All possible strings of an object's field over all sites, sorted.
     fn strings(&self, object: &str, field: &str) -> Vec<String> {
         let objects = self
+            .formula
             .documents
             .iter()
             .flat_map(|document| find_values(&document.node, object));
@@ -174,6 +158,7 @@ impl Job {
     #[must_use]
     pub fn words(&self, field: &str) -> BTreeSet<String> {
         let values = self
+            .formula
             .documents
             .iter()
             .filter_map(|document| document.node.get(field));
@@ -183,8 +168,8 @@ impl Job {
     /// The names of all enhancements, over all sites and distributions.
     #[must_use]
     pub fn enhancements(&self) -> BTreeSet<String> {
-        self.documents
-            .iter()
+        let documents = self.formula.documents.iter();
+        documents
             .flat_map(|document| names_in(&document.node))
             .collect()
     }
@@ -194,6 +179,7 @@ impl Job {
     pub fn label_types(&self) -> BTreeMap<String, BTreeSet<LabelType>> {
         let mut types: BTreeMap<String, BTreeSet<LabelType>> = BTreeMap::new();
         let labels = self
+            .formula
             .documents
             .iter()
             .filter_map(|document| document.node.get("labels"));
@@ -207,6 +193,44 @@ impl Job {
     #[must_use]
     pub fn warnings(&self) -> &[String] {
         &self.warnings
+    }
+}
+
+impl Formula {
+    /// Resolves the frame of any index, also beyond the last one.
+    fn resolve(self: &Arc<Self>, index: u64) -> Result<Frame, Invalid> {
+        let document = self.document(index);
+        let path_frames = path_frames(document, index);
+        let pass = index / self.cells / path_frames.unwrap_or(1).max(1);
+        let mut parameters = document.value(&|law| match law.law {
+            Law::Grid { .. } => law.draw(index),
+            _ if path_frames.is_some() && is_shared_by_pass(&law.pointer) => law.draw(pass),
+            _ => law.draw(index),
+        });
+        // Each cell of the grid passes over the whole path, then repeats.
+        if let Some(Value::Object(path)) = parameters.pointer_mut("/camera/path")
+            && !path.contains_key("frame")
+        {
+            let frames = path_frames.unwrap_or(1).max(1);
+            path.insert("frame".to_owned(), (index / self.cells % frames).into());
+        }
+        let mut frame = Frame::read(index, parameters)
+            .map_err(|error| single(FieldError::new("", format!("frame {index}: {error}"))))?;
+        if path_frames.is_some_and(|frames| frames > 1) {
+            let formula = Arc::clone(self);
+            frame.siblings = Siblings::new(self.cells, move |index| formula.resolve(index));
+        }
+        Ok(frame)
+    }
+
+    /// The description of this frame's site.
+    fn document(&self, index: u64) -> &Node {
+        let drawn = self.site.as_ref().map(|site| site.value(&|law| law.draw(index)));
+        let document = self
+            .documents
+            .iter()
+            .find(|document: &&Document| drawn.as_ref().is_some_and(|name| *name == document.site));
+        &document.unwrap_or(&self.documents[0]).node
     }
 }
 

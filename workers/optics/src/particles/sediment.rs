@@ -112,6 +112,15 @@ impl Clouds {
         }
     }
 
+    /// The same clouds if the thrusters are described in the axes of a camera this many meters to the left.
+    #[must_use]
+    pub fn seen_from_right(mut self, right_m: f64) -> Self {
+        for plume in &mut self.plumes {
+            plume.from[0] -= right_m;
+        }
+        self
+    }
+
     /// ρ at a point in camera axes.
     #[must_use]
     pub fn density(&self, place: [f64; 3]) -> f64 {

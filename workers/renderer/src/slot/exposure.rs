@@ -41,12 +41,12 @@ impl Slot {
                 .map(|expected| expected.gain);
             let exposed = gathered
                 .map(|picture| watch.time("camera", || camera::expose(context, picture, known, &mut record)));
-            let gain = exposed.as_ref().map_or(0.0, |exposed| exposed.gain);
+            let gain = exposed.as_ref().map(|exposed| exposed.gain);
             let promise = context.plan.promise();
             match (expected, promise) {
-                (Some(limit), Some(promise)) if limit.metering.is_some() && gain > limit.gain => {
+                (Some(limit), Some(promise)) if limit.metering.is_some() && gain > Some(limit.gain) => {
                     expected = Some(Expected {
-                        gain: AGAIN * gain,
+                        gain: AGAIN * gain.unwrap_or_default(),
                         ..limit
                     });
                     promised = Some(promise.bound);
@@ -55,7 +55,8 @@ impl Slot {
                 _ => {
                     record::finish_plan(&mut record, &context.plan);
                     let exposed = exposed.map(|exposed| exposed.picture);
-                    return Ok((Taken { light, exposed }, record));
+                    let taken = Taken { light, exposed, gain };
+                    return Ok((taken, record));
                 }
             }
         }

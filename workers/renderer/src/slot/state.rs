@@ -11,6 +11,7 @@ use spec::{Camera, Scene};
 use crate::context::Resources;
 use crate::inputs::scene::Prepared;
 use crate::light::Light;
+use crate::sequence::History;
 use crate::stage::style::Networks;
 
 /// Caches that one worker thread reuses between frames. They never change a result.
@@ -21,6 +22,10 @@ pub struct Slot {
     /// Caches for the thinned pictures used to meter exposures.
     pub(super) thin: Thin,
     pub(super) last_scene: Option<(SceneKey, Arc<Prepared>)>,
+    /// The caches of right cameras, exchanged with those above while one renders.
+    pub(super) right: RightCaches,
+    /// Pictures of the last frames.
+    pub(super) history: History,
     /// Effects that no frame of this slot has.
     pub(super) excluded: Vec<StageId>,
 }
@@ -35,6 +40,15 @@ pub(super) struct SceneKey {
     pub(super) depth_m: Option<f64>,
     pub(super) view: Option<SourcePicture>,
     pub(super) labeled: bool,
+    /// Of [`spec::Frame::right_m`].
+    pub(super) right_m: f64,
+}
+
+/// Caches of right cameras: their sensor and their view differ from those of left ones.
+#[derive(Default)]
+pub(super) struct RightCaches {
+    pub(super) resources: Resources,
+    pub(super) last_scene: Option<(SceneKey, Arc<Prepared>)>,
 }
 
 /// Caches for thinned pictures, separate from those of frames.
@@ -48,4 +62,6 @@ pub(super) struct Thin {
 pub(super) struct Taken {
     pub(super) light: Light,
     pub(super) exposed: Option<Rgb<f32>>,
+    /// The factor of the exposure; `None` for a pinhole.
+    pub(super) gain: Option<f64>,
 }

@@ -8,7 +8,7 @@ mod reference;
 mod shutter;
 
 pub(crate) use assess::{assess_electronics, assess_optics};
-pub(crate) use develop::develop;
+pub(crate) use develop::{Developed, develop};
 pub(crate) use lag::{follow, metered_frames};
 pub(crate) use metering::{Expected, expect_factor, thin_frame, thin_scene};
 pub(crate) use shutter::{expose, gather};

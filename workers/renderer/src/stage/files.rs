@@ -4,11 +4,12 @@ use std::borrow::Cow;
 
 use camera::sensor::Raw;
 use imaging::codec::{self, EncodeError};
-use imaging::{Channels, Plane, Raster, Rgb, Rgb8, Samples, cancel, transfer};
+use imaging::{Channels, Plane, Raster, Rgb, Samples, cancel, transfer};
 use optics::chain::Layers;
 use serde_json::json;
 use spec::{ArtifactKind, Counts, Encode, FrameRecord, MASK_STEP, ScenePart};
 
+use super::camera::Developed;
 use super::enhance::Enhancements;
 use super::labels::visible_semantics;
 use super::range_file::millimeters;
@@ -19,6 +20,7 @@ use crate::content::Content;
 use crate::context::FrameContext;
 use crate::error::RenderError;
 use crate::file::File;
+use crate::sequence::Motions;
 
 /// Longer side of a thumbnail.
 const PREVIEW_PX: usize = 256;
@@ -30,14 +32,13 @@ pub(crate) struct Pictures<'a> {
     pub(crate) snow: Option<&'a Plane<f32>>,
     /// Linear light after the style.
     pub(crate) styled: &'a Rgb<f32>,
-    pub(crate) rgb: &'a Rgb8,
-    /// The same in 16 bits, if the camera has them.
-    pub(crate) deep: Option<&'a Raster>,
-    /// Raw sensor codes; `None` without a sensor model.
-    pub(crate) raw: Option<&'a Raw>,
+    pub(crate) developed: &'a Developed,
     pub(crate) enhancements: &'a Enhancements,
     /// The light by Monte Carlo; `None` unless an artifact needs it.
     pub(crate) traced: Option<&'a Traced>,
+    /// The picture of the right camera; `None` unless an artifact needs it.
+    pub(crate) right: Option<&'a Developed>,
+    pub(crate) motions: &'a Motions,
 }
 
 /// Encodes the requested artifacts in the order of the frame. Each missing one adds a warning.
@@ -100,16 +101,21 @@ fn content<'a>(
     kind: &ArtifactKind,
     record: &FrameRecord,
 ) -> Option<Content<'a>> {
-    let Pictures { layers, rgb, .. } = *pictures;
+    let Pictures {
+        layers, developed, ..
+    } = *pictures;
+    let rgb = &developed.rgb;
     let (scene, labels) = (&context.prepared.scene, context.labels());
     let surfaces = labels.and_then(|labels| labels.surfaces.as_ref());
     let display = |layer: &Rgb<f32>| Content::Picture(Cow::Owned(transfer::encode_rgb8(layer).0));
     let linear = |layer: &'a Rgb<f32>| Content::Linear(context.view(layer));
     match kind {
-        ArtifactKind::Rgb | ArtifactKind::Hazed => Some(match pictures.deep {
-            Some(deep) => Content::Codes(deep.clone()),
-            None => Content::Picture(Cow::Borrowed(rgb)),
-        }),
+        ArtifactKind::Rgb | ArtifactKind::Hazed => Some(picture(pictures.developed)),
+        ArtifactKind::RgbRight => Some(picture(pictures.right?)),
+        ArtifactKind::Flow => Some(Content::Linear(Cow::Borrowed(pictures.motions.flow.as_ref()?))),
+        ArtifactKind::Disparity => Some(Content::Linear(Cow::Borrowed(
+            pictures.motions.disparity.as_ref()?,
+        ))),
         ArtifactKind::Clean => Some(display(&context.view(&scene.radiance))),
         ArtifactKind::Scattered => Some(display(&context.view(&layers.scattered))),
         ArtifactKind::Styled => Some(display(pictures.styled)),
@@ -134,7 +140,7 @@ fn content<'a>(
             let normals = Rgb::new(surfaces?.normals.clone()).ok()?;
             Some(Content::Linear(Cow::Owned(normals)))
         }
-        ArtifactKind::Raw => Some(Content::Codes(match pictures.raw? {
+        ArtifactKind::Raw => Some(Content::Codes(match developed.raw.as_ref()? {
             Raw::Mosaic(codes) => codes.clone().into(),
             Raw::Planes(planes) => interleaved(planes)?,
         })),
@@ -175,6 +181,13 @@ fn enhanced(enhancements: &Enhancements, kind: &ArtifactKind) -> Option<Content<
         }
     };
     Some(Content::Picture(Cow::Owned(picture.to_rgb8())))
+}
+
+fn picture(developed: &Developed) -> Content<'_> {
+    match &developed.deep {
+        Some(deep) => Content::Codes(deep.clone()),
+        None => Content::Picture(Cow::Borrowed(&developed.rgb)),
+    }
 }
 
 /// Transmittance of the water in the geometry of the picture.
@@ -242,6 +255,9 @@ fn encode_content(
 fn why_missing(kind: &ArtifactKind) -> &'static str {
     match kind.needs() {
         None if *kind == ArtifactKind::Raw => "the camera has no sensor",
+        None if *kind == ArtifactKind::Flow => "the path has no next frame, or the shutter is rolling",
+        None if *kind == ArtifactKind::Disparity => "the camera has no `stereo`, or the shutter is rolling",
+        None if *kind == ArtifactKind::RgbRight => "the camera has no `stereo`",
         Some(ScenePart::Range) => "the scene has no range",
         Some(ScenePart::Instances) => "the scene has no instance mask",
         Some(ScenePart::Surfaces) => "only procedural scenes know their surfaces",

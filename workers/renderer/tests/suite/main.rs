@@ -16,5 +16,6 @@ mod noise;
 #[path = "../../../style/tests/suite/onnx.rs"]
 mod onnx;
 mod promise;
+mod sequences;
 mod style;
 mod truth;

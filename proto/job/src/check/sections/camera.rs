@@ -4,9 +4,12 @@ use imaging::codec::MAX_PIXELS;
 
 use crate::camera::Camera;
 use crate::check::Checker;
+use crate::check::present::Contents;
 use crate::check::values::find_values;
 use crate::invalid::FieldError;
 use crate::node::Node;
+
+use super::sequences::find_rolling_faults;
 
 impl Checker<'_> {
     /// Tries the camera with each kind of scene.
@@ -19,12 +22,12 @@ impl Checker<'_> {
             .iter()
             .map(|(_, scene): &(String, &Node)| scene.get("family").is_some())
             .collect();
-        let find_faults = self.vocabulary.camera_rules.faults;
+        let rules = self.vocabulary.camera_rules;
+        let contents = Contents::read(document);
         self.try_values("camera", camera, frames, &|camera: &Camera| {
-            kinds
-                .iter()
-                .flat_map(|renders| find_faults(camera, *renders))
-                .collect()
+            let faults = kinds.iter().flat_map(|renders| (rules.faults)(camera, *renders));
+            let rolling = find_rolling_faults(camera, (rules.readout_s)(camera), &contents);
+            faults.chain(rolling).collect()
         });
     }
 

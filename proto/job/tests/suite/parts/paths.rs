@@ -72,3 +72,97 @@ fn a_view_needs_a_procedural_scene_and_no_waypoints() {
     let error = only_error(json!({"camera": {"view": {"pitch_deg": 90}}}));
     assert_eq!(error.message, "`camera.view.pitch_deg` is 90; must be -85..=85");
 }
+
+#[test]
+fn a_frame_knows_its_neighbors_on_the_path() {
+    let job = job_with(json!({
+        "scene": scene(json!({"int": [0, 1_000_000]})),
+        "camera": {"path": {"frames": 3}, "hfov_deg": {"uniform": [60, 90]}},
+        "water": {"optics": {"grid": ["jerlov-1C", "jerlov-3C"]}},
+        "count": 4,
+    }));
+    let resolve = |index| job.resolve(index).unwrap();
+    for index in 0..8 {
+        let frame = resolve(index);
+        let position = index / 2 % 3;
+        let previous = frame.previous().unwrap();
+        assert_eq!(previous, (position > 0).then(|| resolve(index - 2)), "{index}");
+        let next = frame.next().unwrap();
+        assert_eq!(
+            next.as_ref().map(|next| next.index),
+            (position < 2).then_some(index + 2)
+        );
+        if let Some(next) = next.filter(|next| next.index < 8) {
+            assert_eq!(next, resolve(next.index));
+            assert_eq!(next.previous().unwrap(), Some(frame));
+        }
+    }
+    assert_eq!(job_with(json!({})).resolve(0).unwrap().next().unwrap(), None);
+}
+
+#[test]
+fn the_neighbors_of_a_frame_at_a_fixed_position_differ_in_their_position_only() {
+    let frame = job_with(json!({"camera": {"path": {"frames": 3, "frame": 1}}}))
+        .resolve(0)
+        .unwrap();
+    let next = frame.next().unwrap().unwrap();
+    assert_eq!(next.camera.path.unwrap().frame, 2);
+    assert_eq!(next.parameters["camera"]["path"]["frame"], 2);
+    assert_ne!(next.index, frame.index);
+    assert_eq!(next.previous().unwrap(), Some(frame));
+    assert_eq!(next.next().unwrap(), None);
+}
+
+#[test]
+fn flow_needs_a_path_of_several_frames_and_a_global_shutter() {
+    let messages = |fields: Value| {
+        let error = only_error(fields);
+        (error.pointer, error.message)
+    };
+    assert_eq!(
+        messages(json!({"artifacts": ["flow"]})),
+        (
+            "/artifacts/0".to_owned(),
+            "the artifact \"flow\" needs `camera.path`: add it, or remove the artifact".to_owned()
+        )
+    );
+    let (pointer, message) = messages(json!({"artifacts": ["flow"], "camera": {"path": {"frames": 1}}}));
+    assert_eq!(pointer, "/camera/path/frames");
+    assert!(message.starts_with("`camera.path.frames` is 1, but"), "{message}");
+    let path = json!({"frames": 9});
+    let (pointer, message) = messages(
+        json!({"artifacts": ["flow"], "camera": {"path": path, "readout_s": {"uniform": [0, 0.02]}}}),
+    );
+    assert_eq!(pointer, "/camera/readout_s");
+    assert!(
+        message.contains("`camera.readout_s` is 0.02, but the artifact \"flow\""),
+        "{message}"
+    );
+    job_with(json!({"artifacts": ["flow"], "camera": {"path": path, "readout_s": 0}}));
+}
+
+#[test]
+fn a_stereo_pair_needs_a_baseline_a_procedural_scene_and_an_artifact() {
+    let uploaded = json!({"kind": "uploaded", "id": "scn_a"});
+    let stereo = |baseline: Value| json!({"stereo": {"baseline_m": baseline}});
+    for (fields, pointer) in [
+        (json!({"camera": stereo(json!(0.1))}), "/camera/stereo"),
+        (
+            json!({"camera": stereo(json!(0)), "artifacts": ["disparity"]}),
+            "/camera/stereo/baseline_m",
+        ),
+        (
+            json!({"camera": stereo(json!(10.1)), "artifacts": ["rgb_right"]}),
+            "/camera/stereo/baseline_m",
+        ),
+        (json!({"artifacts": ["rgb_right"]}), "/artifacts/0"),
+        (
+            json!({"scene": uploaded, "camera": stereo(json!(0.1)), "artifacts": ["rgb_right"]}),
+            "/camera/stereo",
+        ),
+    ] {
+        assert_eq!(only_error(fields.clone()).pointer, pointer, "{fields}");
+    }
+    let job = job_with(json!({"camera": stereo(json!({"uniform": [0.05, 10]})), "artifacts": ["rgb_right"]}));
+    assert!(job.resolve(0).unwrap().camera.is_pinhole());
+}

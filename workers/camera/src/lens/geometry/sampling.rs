@@ -87,6 +87,33 @@ impl Sampling {
         self.valid.as_ref()
     }
 
+    /// Position in the source picture of a pixel's green channel, px.
+    #[must_use]
+    pub fn position(&self, x: usize, y: usize) -> [f64; 2] {
+        let (tap, [column, row]) = self.tap(x, y);
+        [column + f64::from(tap.x), row + f64::from(tap.y)]
+    }
+
+    /// The source pixel whose label [`Sampling::labels`] takes for a pixel.
+    #[must_use]
+    pub fn nearest(&self, x: usize, y: usize) -> [f64; 2] {
+        let (tap, [column, row]) = self.tap(x, y);
+        [
+            column + f64::from(u8::from(tap.x >= 0.5)),
+            row + f64::from(u8::from(tap.y >= 0.5)),
+        ]
+    }
+
+    fn tap(&self, x: usize, y: usize) -> (Tap, [f64; 2]) {
+        let taps = self.taps.get(1).unwrap_or(&self.taps[0]);
+        let tap = taps[y * self.size.0 + x];
+        let (row, column) = (
+            tap.index as usize / self.source.0,
+            tap.index as usize % self.source.0,
+        );
+        (tap, [column as f64, row as f64])
+    }
+
     /// Samples a picture bilinearly along the map; its edge extends outwards.
     ///
     /// # Panics

@@ -12,7 +12,7 @@ use optics::daylight::Bottom;
 use optics::range::is_hole;
 use optics::setting::View;
 use scenes::uploaded;
-use scenes::{CameraPath, CameraPose, Labels, SceneError, World};
+use scenes::{CameraPath, CameraPose, LEAST_CLEARANCE_M, Labels, SceneError, World};
 use serde_json::json;
 use spec::{Classes, Frame, RangeKind, Scene, SceneFiles, SceneLighting};
 
@@ -98,7 +98,7 @@ pub(crate) fn needs_labels(frame: &Frame) -> bool {
 
 /// A procedural world and the camera path in it.
 pub(crate) struct Place {
-    world: Arc<World>,
+    pub(crate) world: Arc<World>,
     path: Option<(CameraPath, usize)>,
 }
 
@@ -127,7 +127,11 @@ impl Place {
         if let Some(depth_m) = frame.water.depth_m {
             world.raise_piles(highest_camera(frame, &world) + depth_m);
         }
-        let world = Arc::new(world);
+        Self::with_world(frame, Arc::new(world))
+    }
+
+    /// The path of a frame in its world.
+    pub(crate) fn with_world(frame: &Frame, world: Arc<World>) -> Result<Self, RenderError> {
         let Some(path) = frame.camera.path else {
             return Ok(Self { world, path: None });
         };
@@ -139,17 +143,36 @@ impl Place {
         })
     }
 
-    /// The scene `later` frames after the time of the frame: a pose of its path, or the scene's default pose.
+    /// The pose `later` frames after the time of the frame: that of its path, or the scene's default pose. A right camera must
+    /// stay clear of surfaces.
+    pub(crate) fn pose_at(&self, frame: &Frame, later: f64) -> Result<CameraPose, RenderError> {
+        let pose = match &self.path {
+            Some((places, at)) => places.pose_at(*at as f64 + later),
+            None => self.world.pose(),
+        };
+        if frame.right_m == 0.0 {
+            return Ok(pose);
+        }
+        let right = pose.moved_right(frame.right_m);
+        let clearance_m = self.world.clearance(right.position_m);
+        if clearance_m < LEAST_CLEARANCE_M {
+            return Err(RenderError::Scene(SceneError::View {
+                field: "stereo.baseline_m",
+                value: frame.right_m,
+                clearance_m,
+            }));
+        }
+        Ok(right)
+    }
+
+    /// The scene at that pose.
     pub(crate) fn prepare(
         &self,
         frame: &Frame,
         view: Option<SourcePicture>,
         later: f64,
     ) -> Result<Prepared, RenderError> {
-        let pose = match &self.path {
-            Some((places, at)) => places.pose_at(*at as f64 + later),
-            None => self.world.pose(),
-        };
+        let pose = self.pose_at(frame, later)?;
         let (width, height) = (frame.camera.width, frame.camera.height);
         let SourcePicture { size, camera } = view.unwrap_or_else(|| SourcePicture {
             size: (width, height),

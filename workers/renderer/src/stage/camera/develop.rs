@@ -4,10 +4,11 @@ use std::borrow::Cow;
 
 use ::camera::sensor::{self, Chance, Raw, SensorModel};
 use ::camera::{balance, jpeg, mosaic, preset, tone};
+use imaging::random::Stream;
 use imaging::{Raster, Rgb, Rgb8, transfer};
 use optics::plan::StageId;
 use serde_json::{Value, json};
-use spec::{FrameRecord, WhiteBalance};
+use spec::{Frame, FrameRecord, WhiteBalance};
 
 use crate::context::FrameContext;
 use crate::inputs::camera::Cameras;
@@ -22,6 +23,8 @@ pub(crate) struct Developed {
     pub(crate) clamped: u64,
     /// The codes of the sensor.
     pub(crate) raw: Option<Raw>,
+    /// The gains of the white balance; `None` without one.
+    pub(crate) balance: Option<[f64; 3]>,
 }
 
 /// The codes of exposed light.
@@ -38,6 +41,7 @@ pub(crate) fn develop(
             deep: None,
             clamped,
             raw: None,
+            balance: None,
         };
     };
     let mut light = Cow::Borrowed(light);
@@ -52,8 +56,9 @@ pub(crate) fn develop(
         note(record, "sensor", described(context, sensor));
         raw = Some(codes);
     }
-    if let Some(law) = taking.parts.balance.filter(|law| *law != WhiteBalance::Off) {
-        let gains = balance::gains(&light, law);
+    let law = taking.parts.balance.filter(|law| *law != WhiteBalance::Off);
+    let gains = law.map(|law| balance::gains(&light, law));
+    if let Some(gains) = gains {
         note(record, "white_balance", json!(gains));
         balance::apply(light.to_mut(), gains);
     }
@@ -69,11 +74,12 @@ pub(crate) fn develop(
         deep,
         clamped,
         raw,
+        balance: gains,
     }
 }
 
 fn read(context: &FrameContext<'_>, sensor: &SensorModel, light: &Rgb<f32>, cameras: &mut Cameras) -> Raw {
-    let seed = context.frame.seed;
+    let seed = sensor_seed(context.frame);
     let chance = Chance {
         seed,
         frame: context.frame.index,
@@ -84,6 +90,14 @@ fn read(context: &FrameContext<'_>, sensor: &SensorModel, light: &Rgb<f32>, came
     let planes = if sensor.cfa == spec::Cfa::None { 3 } else { 1 };
     let samples = light.width() * light.height() * planes;
     sensor::read(light, sensor, chance, cameras.pattern(sensor, seed, samples))
+}
+
+/// The seed of a frame's sensor. The right camera of a stereo pair has its own.
+fn sensor_seed(frame: &Frame) -> u64 {
+    if frame.right_m == 0.0 {
+        return frame.seed;
+    }
+    Stream::stage(frame.seed, "camera/right").bits(0, 0)
 }
 
 fn note(record: &mut FrameRecord, name: &str, value: Value) {

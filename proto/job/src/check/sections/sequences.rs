@@ -1,0 +1,64 @@
+//! Artifacts that relate a frame to the next one of its path, or its camera to another one.
+
+use serde_json::Value;
+
+use crate::artifact::ArtifactKind;
+use crate::camera::Camera;
+use crate::check::present::Contents;
+use crate::check::{Checker, find_values};
+use crate::invalid::FieldError;
+use crate::node::Node;
+use crate::rules::Fault;
+
+/// Minimum frames of a path on which a frame has a neighbor.
+const LEAST_FRAMES: f64 = 2.0;
+
+impl Checker<'_> {
+    /// Rejects paths of one frame if `artifact` is requested, which needs a next frame.
+    pub(crate) fn check_path_length(&mut self, document: &Node, contents: &Contents<'_>, artifact: &str) {
+        if !contents.has_given(&format!("artifacts.{artifact}"), None) {
+            return;
+        }
+        for (pointer, camera) in find_values(document, "camera") {
+            let pointer = format!("{pointer}/path");
+            let paths = camera.get("path").map(|path| path.alternatives(&pointer));
+            for (pointer, path) in paths.into_iter().flatten() {
+                let frames = path.get("frames").and_then(Node::greatest);
+                if let Some(frames) = frames.filter(|frames| *frames < LEAST_FRAMES) {
+                    let message = format!(
+                        "`camera.path.frames` is {frames}, but the artifact \"{artifact}\" needs a next frame: \
+                         must be at least {LEAST_FRAMES}, or remove the artifact"
+                    );
+                    self.refuse(|| {
+                        FieldError::new(&format!("{pointer}/frames"), message)
+                            .value(&Value::from(frames as u64))
+                            .limit(format!("at least {LEAST_FRAMES}"))
+                    });
+                }
+            }
+        }
+    }
+}
+
+/// The faults of a camera with a rolling shutter for artifacts that need one pose for all rows.
+pub(super) fn find_rolling_faults(camera: &Camera, readout_s: f64, contents: &Contents<'_>) -> Vec<Fault> {
+    let mut requested = ArtifactKind::FIXED.iter().filter(|(name, kind)| {
+        kind.needs_one_pose() && contents.has_given(&format!("artifacts.{name}"), None)
+    });
+    let Some((name, _)) = requested.next().filter(|_| readout_s > 0.0) else {
+        return Vec::new();
+    };
+    let source = if camera.readout_s.is_some() {
+        ""
+    } else {
+        " from its preset"
+    };
+    vec![Fault {
+        path: vec!["readout_s"],
+        message: format!(
+            "`camera.readout_s` is {readout_s}{source}, but the artifact \"{name}\" needs one pose for all rows: set it to \
+             0, or remove the artifact"
+        ),
+        missing: false,
+    }]
+}

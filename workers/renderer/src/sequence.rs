@@ -1,0 +1,16 @@
+//! Relations between pictures of one scene: the motion to the next frame of a path, the right camera of a stereo pair, and the
+//! previous picture.
+//!
+//! Only the camera moves. Procedural worlds are static within a pass over a path, including animals, plants and bubbles. Marine
+//! snow, sediment, caustics, lamplight and shadows move over surfaces and are no part of the motion.
+
+mod history;
+mod motion;
+mod stereo;
+mod viewpoint;
+
+pub use history::Held;
+pub(crate) use history::History;
+pub(crate) use motion::{Motions, find_motions};
+pub(crate) use stereo::{Developing, right_frame};
+pub use viewpoint::{RelativePose, Viewpoint};

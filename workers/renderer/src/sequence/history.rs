@@ -1,0 +1,61 @@
+//! Pictures of a slot's last frames, so that the frame after one of them need not render it again.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use imaging::{Plane, Rgb8};
+use spec::Frame;
+
+use super::viewpoint::Viewpoint;
+
+/// Maximum number of pictures.
+const MOST_PICTURES: usize = 8;
+/// Maximum pixels of all pictures but the newest one: 28 MB.
+const MOST_PIXELS: usize = 1 << 22;
+
+/// The finished picture of a frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Held {
+    /// The picture in 8 bits, after sensor and compression.
+    pub rgb: Rgb8,
+    /// Range of every pixel of the picture, m; `None` if the scene has none.
+    pub range: Option<Plane<f32>>,
+    /// Its camera.
+    pub viewpoint: Viewpoint,
+}
+
+/// The last pictures, the newest last.
+#[derive(Default)]
+pub(crate) struct History {
+    pictures: VecDeque<(Frame, Arc<Held>)>,
+    is_used: bool,
+}
+
+impl History {
+    /// Whether a picture was ever requested.
+    pub(crate) fn is_used(&self) -> bool {
+        self.is_used
+    }
+
+    /// The picture of this frame.
+    pub(crate) fn find(&mut self, frame: &Frame) -> Option<Arc<Held>> {
+        self.is_used = true;
+        let mut pictures = self.pictures.iter().rev();
+        pictures
+            .find(|(own, _)| own == frame)
+            .map(|(_, held)| Arc::clone(held))
+    }
+
+    /// Adds the picture of a frame and drops the oldest ones beyond the limits.
+    pub(crate) fn insert(&mut self, frame: Frame, held: Arc<Held>) {
+        self.pictures.retain(|(own, _)| *own != frame);
+        let is_beyond = |pictures: &VecDeque<(Frame, Arc<Held>)>| {
+            let pixels = pictures.iter().map(|(_, held)| held.rgb.data().len() / 3);
+            pictures.len() >= MOST_PICTURES || pixels.sum::<usize>() > MOST_PIXELS
+        };
+        while is_beyond(&self.pictures) {
+            self.pictures.pop_front();
+        }
+        self.pictures.push_back((frame, held));
+    }
+}
