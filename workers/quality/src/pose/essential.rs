@@ -1,14 +1,14 @@
-//! Pose of an essential matrix `E = [t]× R`.
+//! Poses of an essential matrix `E = [t]× R`.
 
 use imaging::vector::DVec3;
 
 use super::matrix::{Matrix, apply, cofactors, cross_matrix, multiply, transpose};
 use super::rays::{RayPair, RelativePose};
 
-/// The pose, of the four that an essential matrix allows, that puts the most points in front of both cameras; of equal
-/// ones the first. `None` for a matrix of zeros. Closed form of Horn 1990, "Recovering baseline and orientation from
-/// essential matrix": `t tᵀ = tr(E Eᵀ) I / 2 - E Eᵀ` and `|t|² R = cof E - [t]× E`.
-pub(crate) fn find_pose(e: &Matrix, pairs: impl Iterator<Item = RayPair> + Clone) -> Option<RelativePose> {
+/// The four poses of an essential matrix, translations of length 1. `None` for a matrix of zeros. Closed form of Horn
+/// 1990, "Recovering baseline and orientation from essential matrix": `t tᵀ = tr(E Eᵀ) I / 2 - E Eᵀ` and `|t|² R = cof E -
+/// [t]× E`.
+pub(crate) fn find_poses(e: &Matrix) -> Option<[RelativePose; 4]> {
     let square = multiply(e, &transpose(e));
     let half_trace = 0.5 * (square[0][0] + square[1][1] + square[2][2]);
     if half_trace.is_nan() || half_trace <= 0.0 {
@@ -21,26 +21,19 @@ pub(crate) fn find_pose(e: &Matrix, pairs: impl Iterator<Item = RayPair> + Clone
     let translation = DVec3::from(column).normalized();
     let scaled = translation * half_trace.sqrt();
     let (cofactors, product) = (cofactors(e), multiply(&cross_matrix(scaled), e));
-    let rotation = |sign: f64| {
-        [0, 1, 2].map(|i| [0, 1, 2].map(|j| (cofactors[i][j] - sign * product[i][j]) / half_trace))
-    };
-    let mut best: Option<(usize, RelativePose)> = None;
-    for (rotation, translation) in [
-        (rotation(1.0), translation),
-        (rotation(1.0), -translation),
-        (rotation(-1.0), translation),
-        (rotation(-1.0), -translation),
-    ] {
-        let pose = RelativePose {
-            rotation,
-            translation,
-        };
-        let in_front = pairs.clone().filter(|pair| is_in_front(&pose, pair)).count();
-        if best.is_none_or(|(most, _)| in_front > most) {
-            best = Some((in_front, pose));
-        }
-    }
-    best.map(|(_, pose)| pose)
+    Some(
+        [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)].map(|(twist, sign)| RelativePose {
+            rotation: [0, 1, 2]
+                .map(|i| [0, 1, 2].map(|j| (cofactors[i][j] - twist * product[i][j]) / half_trace)),
+            translation: translation * sign,
+        }),
+    )
+}
+
+/// The pose that puts the most points in front of both cameras, of equal ones the first.
+pub(crate) fn choose_in_front(poses: [RelativePose; 4], pairs: &[RayPair]) -> Option<RelativePose> {
+    let count = |pose: &RelativePose| pairs.iter().filter(|pair| is_in_front(pose, pair)).count();
+    poses.into_iter().rev().max_by_key(count)
 }
 
 /// Whether both distances of the point nearest to both rays are positive.
@@ -64,7 +57,7 @@ mod tests {
             let (pairs, truth) = synthetic_pairs(Scene::Cloud, seed, 20, 0.0);
             let e = multiply(&cross_matrix(truth.translation), &truth.rotation);
             for e in [e, e.map(|row| row.map(|value| -0.3 * value))] {
-                let found = find_pose(&e, pairs.iter().copied()).unwrap();
+                let found = choose_in_front(find_poses(&e).unwrap(), &pairs).unwrap();
                 let turn = multiply(&transpose(&found.rotation), &truth.rotation);
                 assert!(rotation_angle_deg(&turn) < 1e-9);
                 assert!((found.translation - truth.translation.normalized()).length() < 1e-12);
@@ -74,6 +67,6 @@ mod tests {
 
     #[test]
     fn zeros_have_no_pose() {
-        assert_eq!(find_pose(&[[0.0; 3]; 3], [].into_iter()), None);
+        assert_eq!(find_poses(&[[0.0; 3]; 3]), None);
     }
 }

@@ -3,7 +3,7 @@
 use imaging::random::Stream;
 use imaging::{cancel, vectorized};
 
-use super::essential::find_pose;
+use super::essential::{choose_in_front, find_poses};
 use super::five_point::solve_five_points;
 use super::matrix::Matrix;
 use super::rays::{RayLists, RayPair, RelativePose, square_distances};
@@ -13,6 +13,9 @@ use super::refine::{essential_matrix, refine};
 const INLIER_PX: f64 = 2.0;
 /// Most samples of five.
 const SAMPLES: usize = 1000;
+/// Least samples, and solutions to refine.
+const LEAST_SAMPLES: usize = 100;
+const REFINED: usize = 10;
 /// Sampling ends when the probability that no sample was free of outliers is below this.
 const MISSED: f64 = 1e-4;
 /// Pairs of a sample.
@@ -43,35 +46,50 @@ pub fn estimate_pose(matched: &MatchedRays) -> Option<RelativePose> {
         limit_square: limit * limit,
         squares: vec![0.0; pairs.len()],
     };
-    let stream = Stream::stage(matched.seed, "relative-pose");
-    let mut best: Option<RelativePose> = None;
-    // Without inliers each pair costs 1.
+    // The cost of inliers is truncated, so refinement ends in the nearest of several minima.
+    let mut best: Option<(RelativePose, f64)> = None;
+    for e in find_candidates(&mut consensus, pairs, matched.seed) {
+        let Some([start, ..]) = find_poses(&e) else {
+            continue;
+        };
+        let limit_square = consensus.limit_square;
+        let (pose, cost) = refine(start, pairs, limit_square, |pose| {
+            consensus.cost(&essential_matrix(pose))
+        });
+        if best.is_none_or(|(_, least)| cost < least) {
+            best = Some((pose, cost));
+        }
+    }
+    let e = essential_matrix(&best?.0);
+    consensus.cost(&e);
+    let inliers: Vec<RayPair> = consensus.inliers().map(|index| pairs[index]).collect();
+    choose_in_front(find_poses(&e)?, &inliers)
+}
+
+/// The essential matrices of samples with the lowest costs.
+fn find_candidates(consensus: &mut Consensus, pairs: &[RayPair], seed: u64) -> Vec<Matrix> {
+    let stream = Stream::stage(seed, "relative-pose");
+    let mut solutions: Vec<(f64, Matrix)> = Vec::new();
     let (mut least, mut inliers) = (f64::INFINITY, 0);
     for sample in 0..SAMPLES {
         cancel::check();
         let five = draw_five(&stream, sample as u64, pairs.len()).map(|index| pairs[index]);
         for e in solve_five_points(&five) {
-            if consensus.cost(&e) >= least {
-                continue;
-            }
-            let near = consensus.inliers();
-            let found = find_pose(&e, near.iter().map(|&index| pairs[index]));
-            let Some(pose) = found else {
-                continue;
-            };
-            let cost = |pose: &RelativePose| consensus.cost_of(&essential_matrix(pose));
-            let (pose, lower) = refine(pose, pairs, consensus.limit_square, cost);
-            if lower < least {
-                consensus.cost(&essential_matrix(&pose));
-                (best, least, inliers) = (Some(pose), lower, consensus.inliers().len());
+            let cost = consensus.cost(&e);
+            solutions.push((cost, e));
+            if cost < least {
+                (least, inliers) = (cost, consensus.inliers().count());
             }
         }
         let share = inliers as f64 / pairs.len() as f64;
-        if (1.0 - share.powi(FIVE as i32)).powi(sample as i32 + 1) < MISSED {
+        if sample + 1 >= LEAST_SAMPLES && (1.0 - share.powi(FIVE as i32)).powi(sample as i32 + 1) < MISSED {
             break;
         }
     }
-    best
+    // The sort is stable: of equal costs the first sample counts.
+    solutions.sort_by(|(one, _), (other, _)| one.total_cmp(other));
+    solutions.truncate(REFINED);
+    solutions.into_iter().map(|(_, e)| e).collect()
 }
 
 /// Five different indices below `count`.
@@ -106,18 +124,9 @@ impl Consensus {
         truncated_sum(&self.squares, self.limit_square)
     }
 
-    /// The same without keeping the distances.
-    fn cost_of(&self, e: &Matrix) -> f64 {
-        let mut squares = vec![0.0; self.squares.len()];
-        vectorized!(square_distances(&self.rays, e, &mut squares));
-        truncated_sum(&squares, self.limit_square)
-    }
-
     /// The pairs within the limit of the matrix measured last.
-    fn inliers(&self) -> Vec<usize> {
-        (0..self.squares.len())
-            .filter(|&index| self.squares[index] < self.limit_square)
-            .collect()
+    fn inliers(&self) -> impl Iterator<Item = usize> {
+        (0..self.squares.len()).filter(|&index| self.squares[index] < self.limit_square)
     }
 }
 

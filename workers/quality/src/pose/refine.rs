@@ -1,12 +1,15 @@
-//! Local refinement of a pose: Gauss-Newton steps on Sampson's distance of the inliers.
+//! Local refinement of a pose: damped Gauss-Newton steps (Levenberg and Marquardt) on Sampson's distance of the inliers.
 
 use imaging::vector::{DVec3, vec3};
 
 use super::matrix::{Matrix, apply, cross_matrix, multiply, rotation};
 use super::rays::{RayPair, RelativePose};
 
-/// Most steps; each must lower the cost.
-const STEPS: usize = 10;
+/// Most steps tried.
+const STEPS: usize = 20;
+/// Damping of the first step relative to the diagonal, and its factor after a step that does not lower the cost.
+const DAMPING: f64 = 1e-4;
+const MORE_DAMPING: f64 = 10.0;
 /// Unknowns: a small rotation and a shift of the unit translation along two tangents.
 const UNKNOWNS: usize = 5;
 
@@ -20,62 +23,95 @@ pub(crate) fn refine(
     start: RelativePose,
     pairs: &[RayPair],
     limit_square: f64,
-    cost: impl Fn(&RelativePose) -> f64,
+    mut cost: impl FnMut(&RelativePose) -> f64,
 ) -> (RelativePose, f64) {
     let mut best = (start, cost(&start));
+    let mut damping = DAMPING;
+    let mut equations = NormalEquations::new(&start, pairs, limit_square);
     for _ in 0..STEPS {
-        let Some(pose) = step(&best.0, pairs, limit_square) else {
+        let Some(pose) = equations.step(&best.0, damping) else {
             break;
         };
         let lower = cost(&pose);
-        if lower.is_nan() || lower >= best.1 {
-            break;
+        if lower < best.1 {
+            let is_last = best.1 - lower <= LEAST_GAIN * best.1;
+            best = (pose, lower);
+            if is_last {
+                break;
+            }
+            damping /= MORE_DAMPING;
+            equations = NormalEquations::new(&pose, pairs, limit_square);
+        } else {
+            damping *= MORE_DAMPING;
         }
-        best = (pose, lower);
     }
     best
 }
 
-/// One step over the inliers. `None` if they do not determine it.
-fn step(pose: &RelativePose, pairs: &[RayPair], limit_square: f64) -> Option<RelativePose> {
-    let (e, t) = (essential_matrix(pose), pose.translation);
-    let (first, second) = tangents(t);
-    let mut normal = [[0.0; UNKNOWNS]; UNKNOWNS];
-    let mut right = [0.0; UNKNOWNS];
-    for pair in pairs {
-        let (forward, back) = (apply(&e, pair.previous), apply_transposed(&e, pair.current));
-        let constraint = pair.current.dot(forward);
-        let norm = forward.dot(forward) + back.dot(back);
-        if norm == 0.0 || constraint * constraint > limit_square * norm {
-            continue;
-        }
-        // The derivatives of q' · (t × u), u = R q, by a rotation of u and by t.
-        let turned = apply(&pose.rotation, pair.previous);
-        let by_turn = turned.cross(pair.current.cross(t));
-        let by_shift = turned.cross(pair.current);
-        let row = [
-            by_turn.x,
-            by_turn.y,
-            by_turn.z,
-            by_shift.dot(first),
-            by_shift.dot(second),
-        ];
-        for i in 0..UNKNOWNS {
-            right[i] -= row[i] * constraint / norm;
-            for j in 0..UNKNOWNS {
-                normal[i][j] += row[i] * row[j] / norm;
-            }
-        }
-    }
-    let [x, y, z, u, v] = solve(normal, right)?;
-    Some(RelativePose {
-        rotation: multiply(&rotation(vec3(x, y, z) * 0.5), &pose.rotation),
-        translation: (t + first * u + second * v).normalized(),
-    })
+/// Steps end when one lowers the cost by less than this share.
+const LEAST_GAIN: f64 = 1e-6;
+
+/// Normal equations of the inliers.
+struct NormalEquations {
+    matrix: [[f64; UNKNOWNS]; UNKNOWNS],
+    right: [f64; UNKNOWNS],
 }
 
-fn apply_transposed(a: &Matrix, v: DVec3) -> DVec3 {
-    DVec3::from(a[0]) * v.x + DVec3::from(a[1]) * v.y + DVec3::from(a[2]) * v.z
+impl NormalEquations {
+    fn new(pose: &RelativePose, pairs: &[RayPair], limit_square: f64) -> Self {
+        let t = pose.translation;
+        let (first, second) = tangents(t);
+        let mut matrix = [[0.0; UNKNOWNS]; UNKNOWNS];
+        let mut right = [0.0; UNKNOWNS];
+        for pair in pairs {
+            // With u = R q the constraint is q' · (t × u), and the squared norm |t × u|² + |t × q'|².
+            let (u, q) = (apply(&pose.rotation, pair.previous), pair.current);
+            let constraint = q.dot(t.cross(u));
+            let (along_u, along_q) = (t.dot(u), t.dot(q));
+            let square = 2.0 - along_u * along_u - along_q * along_q;
+            if square <= 0.0 || constraint * constraint > limit_square * square {
+                continue;
+            }
+            let norm = square.sqrt();
+            let distance = constraint / norm;
+            // Derivatives of the distance by a rotation of u and by t.
+            let share = distance / square;
+            let by_turn = u.cross(q.cross(t)) * (1.0 / norm) + u.cross(t) * (along_u * share);
+            let by_shift = u.cross(q) * (1.0 / norm) + (u * along_u + q * along_q) * share;
+            let row = [
+                by_turn.x,
+                by_turn.y,
+                by_turn.z,
+                by_shift.dot(first),
+                by_shift.dot(second),
+            ];
+            for i in 0..UNKNOWNS {
+                right[i] -= row[i] * distance;
+                for j in 0..UNKNOWNS {
+                    matrix[i][j] += row[i] * row[j];
+                }
+            }
+        }
+        Self { matrix, right }
+    }
+
+    /// The pose after a step. `None` if the inliers do not determine it.
+    fn step(&self, pose: &RelativePose, damping: f64) -> Option<RelativePose> {
+        let mut matrix = self.matrix;
+        for (i, row) in matrix.iter_mut().enumerate() {
+            row[i] *= 1.0 + damping;
+        }
+        Some(moved_pose(pose, solve(matrix, self.right)?))
+    }
+}
+
+/// The pose after a small rotation and a shift along the tangents.
+fn moved_pose(pose: &RelativePose, [x, y, z, u, v]: [f64; UNKNOWNS]) -> RelativePose {
+    let (first, second) = tangents(pose.translation);
+    RelativePose {
+        rotation: multiply(&rotation(vec3(x, y, z) * 0.5), &pose.rotation),
+        translation: (pose.translation + first * u + second * v).normalized(),
+    }
 }
 
 /// Two unit vectors at right angles to a unit vector and each other.
@@ -145,6 +181,37 @@ mod tests {
         let turn = multiply(&transpose(&found.rotation), &truth.rotation);
         assert!(rotation_angle_deg(&turn) < 1e-6);
         assert!((found.translation - truth.translation.normalized()).length() < 1e-6);
+    }
+
+    /// Differences of the distance over a millionth of a radian.
+    #[test]
+    fn derivatives_agree_with_differences() {
+        let (pairs, truth) = synthetic_pairs(Scene::Cloud, 4, 1, 0.01);
+        let pose = RelativePose {
+            translation: truth.translation.normalized(),
+            ..truth
+        };
+        let distance = |pose: &RelativePose| {
+            let (u, q) = (apply(&pose.rotation, pairs[0].previous), pairs[0].current);
+            let across = [pose.translation.cross(u), pose.translation.cross(q)];
+            q.dot(across[0]) / (across[0].dot(across[0]) + across[1].dot(across[1])).sqrt()
+        };
+        // One pair has the gradient g: the matrix is g gᵀ and the right side -g d.
+        let equations = NormalEquations::new(&pose, &pairs, 1.0);
+        for unknown in 0..UNKNOWNS {
+            let moved = |step: f64| {
+                let mut shift = [0.0; UNKNOWNS];
+                shift[unknown] = step;
+                distance(&moved_pose(&pose, shift))
+            };
+            let slope = (moved(1e-6) - moved(-1e-6)) / 2e-6;
+            let expected = -slope * distance(&pose);
+            assert!((equations.right[unknown] - expected).abs() < 1e-9, "{unknown}");
+            assert!(
+                (equations.matrix[unknown][unknown] - slope * slope).abs() < 1e-7,
+                "{unknown}"
+            );
+        }
     }
 
     #[test]
