@@ -43,7 +43,8 @@ pub use earlier::{EARLIER_VERSION, is_of_earlier_version};
 pub use encode::Encode;
 pub use enhancement::mask::{Circle, Mask, Saturated};
 pub use enhancement::parameters::{
-    Clahe, DarkChannel, GrayWorld, Guided, Hscm, Ibla, IblaRefinement, Rayleigh, ResultColor, Stretching,
+    Clahe, DarkChannel, Fusion, GrayWorld, Guided, Hscm, Ibla, IblaRefinement, Mlle, Rayleigh, ResultColor,
+    Stretching,
 };
 pub use enhancement::{Enhancement, HSCM_STEPS, MASK_STEP, METHODS, MetricsOver, Step};
 pub use frame::{Fidelity, Frame, Siblings, SiteName};

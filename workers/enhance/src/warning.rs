@@ -49,6 +49,8 @@ warnings! {
     RedCast "red_cast" "the result is red where the picture was not, what is left of red was multiplied too far";
     /// Red is stretched by more than four.
     RedAmplified "red_amplified" "red is stretched by more than four, and its noise with it";
+    /// Contrast is multiplied by more than four.
+    NoiseAmplified "noise_amplified" "contrast is multiplied by more than four, and noise with it";
     /// A bright part of the picture was mistaken for the background light.
     LampAsBackground "lamp_as_background" "a bright part of the picture is taken for the background light, darker parts turn black";
     /// A fifth of a channel turned black.

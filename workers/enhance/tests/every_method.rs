@@ -115,7 +115,8 @@ fn methods_with_a_limit_refuse_a_larger_picture_and_name_the_limit() {
         None,
     )
     .unwrap();
-    for method in ["ulap", "suir", "ibla"].map(|name| Method::parse(name).unwrap()) {
+    let limited = ["ulap", "suir", "ibla", "dcp", "udcp", "fusion", "mlle"];
+    for method in limited.map(|name| Method::parse(name).unwrap()) {
         let text = run(&method, &large).unwrap_err().to_string();
         let name = method.name();
         let expected = format!("picture is 4001×4000 = 16004000 pixels but the limit of {name} is 16000000");

@@ -50,5 +50,5 @@ fn golden_results_of_the_compared_methods() {
         }
         compared += 1;
     }
-    assert_eq!(compared, 8 * 5, "eight pictures, five methods");
+    assert_eq!(compared, 8 * 9, "eight pictures, nine methods");
 }

@@ -34,7 +34,16 @@ fn reef() -> Rgb8 {
 
 #[test]
 fn an_ordinary_picture_has_no_warning() {
-    for name in ["hscm", "clahe", "gray_world", "ibla", "rd"] {
+    for name in [
+        "hscm",
+        "clahe",
+        "gray_world",
+        "ibla",
+        "rd",
+        "dcp",
+        "fusion",
+        "mlle",
+    ] {
         assert_eq!(warnings(name, &reef()), [], "{name}");
     }
 }
@@ -74,7 +83,7 @@ fn one_color_darkness_gray_and_small_pictures_are_named() {
         assert!(warnings(name, &flat).contains(&Warning::Constant), "{name}");
         assert!(warnings(name, &dark).contains(&Warning::Dark), "{name}");
     }
-    for name in ["ulap", "ibla", "suir"] {
+    for name in ["ulap", "ibla", "suir", "dcp", "udcp"] {
         assert!(warnings(name, &gray).contains(&Warning::Gray), "{name}");
         assert!(warnings(name, &small).contains(&Warning::FewPixels), "{name}");
     }
@@ -86,7 +95,7 @@ fn one_color_darkness_gray_and_small_pictures_are_named() {
 #[test]
 fn missing_and_weak_channels_are_named() {
     let without_red = Rgb8::from_fn(80, 70, |x, y| [0, (x + y) as u8 + 40, 2 * x as u8 + 60]);
-    for name in ["suir", "rd", "gray_world"] {
+    for name in ["suir", "rd", "gray_world", "dcp", "fusion", "mlle"] {
         assert!(
             warnings(name, &without_red).contains(&Warning::ChannelWithoutLight),
             "{name}"
@@ -101,4 +110,33 @@ fn missing_and_weak_channels_are_named() {
         |x, y| if (x + y) % 3 < 2 { [0; 3] } else { reef.pixel(x, y) },
     );
     assert!(warnings("rghs", &night).contains(&Warning::BlackMode));
+}
+
+#[test]
+fn a_white_object_is_named_if_udcp_blackens_the_rest() {
+    let base = reef_with(0.8);
+    let names_lamp = |object: [u8; 3]| {
+        let scene = Rgb8::from_fn(240, 160, |x, y| {
+            if (60..120).contains(&x) && y < 60 {
+                object
+            } else {
+                base.pixel(x, y)
+            }
+        });
+        warnings("udcp", &scene).contains(&Warning::LampAsBackground)
+    };
+    assert!(names_lamp([235, 240, 238]));
+    assert!(!names_lamp([30, 240, 235]));
+}
+
+#[test]
+fn amplified_noise_is_named() {
+    let calm = Rgb8::from_fn(160, 120, |x, y| [60 + grain(x, y), 110, 120 + (x / 12) as u8]);
+    for name in ["dcp", "udcp", "fusion", "mlle"] {
+        assert!(warnings(name, &calm).contains(&Warning::NoiseAmplified), "{name}");
+        assert!(
+            !warnings(name, &reef_with(0.8)).contains(&Warning::NoiseAmplified),
+            "{name}"
+        );
+    }
 }

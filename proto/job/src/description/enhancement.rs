@@ -15,7 +15,7 @@ use spec_derive::Described;
 use crate::described::Described;
 use crate::schema::{Field, Names, Presence, Shape, Variant, parse_default};
 use mask::Mask;
-use parameters::{Clahe, DarkChannel, GrayWorld, Guided, Hscm, Ibla, Rayleigh, Stretching};
+use parameters::{Clahe, DarkChannel, Fusion, GrayWorld, Guided, Hscm, Ibla, Mlle, Rayleigh, Stretching};
 
 /// One result of a frame, from its picture.
 #[derive(Debug, Clone, PartialEq)]
@@ -140,6 +140,10 @@ methods! {
     Ibla "ibla" Ibla "restoration by blurriness and light absorption (Peng and Cosman 2017)";
     Rd "rd" Rayleigh "two pictures integrated by the Rayleigh distribution (Abdul Ghani and Mat Isa 2014)";
     Rghs "rghs" Stretching "relative global histogram stretching (Huang et al. 2018)";
+    Dcp "dcp" DarkChannel "restoration by the dark channel prior (He, Sun and Tang 2011)";
+    Udcp "udcp" DarkChannel "restoration by the dark channel of green and blue (Drews et al. 2016)";
+    Fusion "fusion" Fusion "color balance and multi-scale fusion (Ancuti et al. 2018)";
+    Mlle "mlle" Mlle "minimal color loss and locally adaptive contrast (Zhang et al. 2022)";
 }
 
 const fn join<const N: usize>(shared: &[Field], own: &[Field]) -> [Field; N] {
@@ -265,9 +269,11 @@ by_description!(
     Hscm,
     Clahe,
     DarkChannel,
+    Fusion,
     GrayWorld,
     Guided,
     Ibla,
+    Mlle,
     Rayleigh,
     Stretching
 );

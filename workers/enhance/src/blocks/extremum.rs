@@ -55,6 +55,7 @@ fn doubled<T: Copy>(plane: &Plane<T>, radius: usize, pick: impl Fn(T, T) -> T + 
 
     // Along the rows; row `y` of `runs` starts `radius` above row `y` of the result.
     let mut line = Vec::with_capacity(width + 2 * radius);
+    let mut longer = line.clone();
     let mut runs: Vec<Vec<T>> = Vec::with_capacity(height + 2 * radius);
     for y in 0..height {
         let row = plane.row(y);
@@ -64,8 +65,11 @@ fn doubled<T: Copy>(plane: &Plane<T>, radius: usize, pick: impl Fn(T, T) -> T + 
         line.resize(width + 2 * radius, row[width - 1]);
         let mut run = 1;
         while run < longest {
-            for i in 0..line.len() - run {
-                line[i] = pick(line[i], line[i + run]);
+            let count = line.len() - run;
+            longer.clone_from(&line);
+            line.truncate(count);
+            for (to, &next) in line.iter_mut().zip(&longer[run..]) {
+                *to = pick(*to, next);
             }
             run *= 2;
         }

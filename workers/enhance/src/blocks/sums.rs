@@ -36,32 +36,31 @@ impl<const K: usize> WindowSums<K> {
     #[inline(always)]
     pub(super) fn total(&mut self) {
         let (radius, width) = (self.radius, self.width);
-        let mut rest = self.totals.iter_mut().zip(&self.columns);
+        let (quads, rest) = self.totals.as_chunks_mut::<4>();
+        let (quad_columns, rest_columns) = self.columns.as_chunks::<4>();
         // Four sums at a time: a single one would wait for its previous addition.
-        while let Some((a, from_a)) = rest.next() {
-            let (a, from_a) = (&mut a[radius + 1..], from_a.as_slice());
-            if let (Some((b, from_b)), Some((c, from_c)), Some((d, from_d))) =
-                (rest.next(), rest.next(), rest.next())
-            {
-                let (b, c, d) = (&mut b[radius + 1..], &mut c[radius + 1..], &mut d[radius + 1..]);
-                let mut sums = [0.0f64; 4];
-                let columns = from_a.iter().zip(from_b).zip(from_c.iter().zip(from_d));
-                let totals = a.iter_mut().zip(b.iter_mut()).zip(c.iter_mut().zip(d.iter_mut()));
-                for (((a, b), (c, d)), ((va, vb), (vc, vd))) in totals.zip(columns) {
-                    sums = [sums[0] + va, sums[1] + vb, sums[2] + vc, sums[3] + vd];
-                    [*a, *b, *c, *d] = sums;
-                }
-                for (totals, sum) in [a, b, c, d].into_iter().zip(sums) {
-                    totals[width..].fill(sum);
-                }
-            } else {
-                let mut sum = 0.0;
-                for (total, column) in a.iter_mut().zip(from_a) {
-                    sum += column;
-                    *total = sum;
-                }
-                a[width..].fill(sum);
+        for (totals, columns) in quads.iter_mut().zip(quad_columns) {
+            let [a, b, c, d] = totals.each_mut().map(|totals| &mut totals[radius + 1..]);
+            let [from_a, from_b, from_c, from_d] = columns.each_ref().map(Vec::as_slice);
+            let mut sums = [0.0f64; 4];
+            let columns = from_a.iter().zip(from_b).zip(from_c.iter().zip(from_d));
+            let totals = a.iter_mut().zip(b.iter_mut()).zip(c.iter_mut().zip(d.iter_mut()));
+            for (((a, b), (c, d)), ((va, vb), (vc, vd))) in totals.zip(columns) {
+                sums = [sums[0] + va, sums[1] + vb, sums[2] + vc, sums[3] + vd];
+                [*a, *b, *c, *d] = sums;
             }
+            for (totals, sum) in [a, b, c, d].into_iter().zip(sums) {
+                totals[width..].fill(sum);
+            }
+        }
+        for (totals, column) in rest.iter_mut().zip(rest_columns) {
+            let totals = &mut totals[radius + 1..];
+            let mut sum = 0.0;
+            for (total, column) in totals.iter_mut().zip(column) {
+                sum += column;
+                *total = sum;
+            }
+            totals[width..].fill(sum);
         }
     }
 

@@ -2,8 +2,8 @@
 
 use spec::{Enhancement, Ibla, IblaRefinement, Step};
 
-/// Limit of the methods with a color guided filter, which hold several f64 planes.
-const GUIDED_PIXELS_MAX: usize = 16_000_000;
+/// Limit of the methods that hold several f64 planes or a dozen f32 ones.
+const PLANES_PIXELS_MAX: usize = 16_000_000;
 
 /// Distance of IBLA refined by the guided filter from IBLA refined by matting: the 95 % quantile over rendered frames of the
 /// RMS difference in linear light, as measured by `fathom-lab ibla`.
@@ -44,7 +44,13 @@ impl Method {
     /// Pixel limit; `None` if only memory limits it.
     pub(super) fn pixels_max(&self) -> Option<usize> {
         match self.0 {
-            Step::Ulap(_) | Step::Suir(_) | Step::Ibla(_) => Some(GUIDED_PIXELS_MAX),
+            Step::Ulap(_)
+            | Step::Suir(_)
+            | Step::Ibla(_)
+            | Step::Dcp(_)
+            | Step::Udcp(_)
+            | Step::Fusion(_)
+            | Step::Mlle(_) => Some(PLANES_PIXELS_MAX),
             Step::Hscm(_) | Step::Clahe(_) | Step::GrayWorld(_) | Step::Rd(_) | Step::Rghs(_) => None,
         }
     }
@@ -62,6 +68,18 @@ impl Method {
             }
             Step::Ibla(_) => {
                 "its definition in f64 reproduces 45 of the 45 results published with the photos of U45 bit for bit"
+            }
+            Step::Dcp(_) => {
+                "not measured against its authors' results; median 30 dB to a public program on 5 pictures"
+            }
+            Step::Udcp(_) => {
+                "not measured against its authors' results; median 32 dB to a public program on 5 pictures"
+            }
+            Step::Fusion(_) => {
+                "not measured against its authors' results; median 38 dB to a public program on 5 pictures"
+            }
+            Step::Mlle(_) => {
+                "not measured against its authors' results; median 35 dB to a public program on 5 pictures"
             }
             _ => "not measured against its authors' results",
         }

@@ -1,10 +1,13 @@
 //! The methods, a file or folder for each.
 
 mod clahe;
+mod dcp;
+mod fusion;
 mod gray_world;
 pub mod hscm;
 pub mod ibla;
 mod method;
+mod mlle;
 mod rd;
 mod rghs;
 mod suir;
@@ -55,5 +58,9 @@ pub fn run_variant(method: &Method, picture: &Raster, variant: Variant) -> Resul
         Step::Ibla(parameters) => ibla::enhance(picture, parameters, variant),
         Step::Rd(parameters) => rd::enhance(picture, parameters, variant),
         Step::Rghs(_) => rghs::enhance(picture, variant),
+        Step::Dcp(parameters) => dcp::enhance(picture, parameters, variant),
+        Step::Udcp(parameters) => dcp::enhance_underwater(picture, parameters, variant),
+        Step::Fusion(parameters) => fusion::enhance(picture, parameters, variant),
+        Step::Mlle(parameters) => mlle::enhance(picture, parameters, variant),
     })
 }

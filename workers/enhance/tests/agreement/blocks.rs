@@ -2,7 +2,8 @@
 
 use enhance::Variant::{Fast, Reference};
 use enhance::blocks::{
-    Guide, Matting, Veil, filled, gaussian, guided, largest, restore, tails, window_max, window_min,
+    Guide, Matting, Veil, binomial, binomial_exact, dehaze, filled, gaussian, guided, largest, restore,
+    tails, window_max, window_mean, window_min,
 };
 use imaging::{Plane, Rgb8};
 
@@ -76,6 +77,63 @@ fn restored_codes() {
             let [fast, exact] = [Fast, Reference].map(|variant| restore(&picture, &distance, &veil, variant));
             for (a, b) in fast.data().iter().zip(exact.data()) {
                 assert!(a.abs_diff(*b) <= 1, "{width}×{height} {content}: {a} for {b}");
+            }
+        }
+    }
+}
+
+/// As for [`restored_codes`].
+#[test]
+fn dehazed_codes() {
+    for (width, height) in SIZES {
+        for (content, picture) in pictures(width, height) {
+            let transmittance = planes(&picture)[0].map(|value| 1.2 * value);
+            let [fast, exact] = [Fast, Reference].map(|variant| {
+                dehaze(
+                    &picture.to_planes(),
+                    &transmittance,
+                    [0.1, 0.5, 0.55],
+                    0.1,
+                    variant,
+                )
+            });
+            for (a, b) in fast.data().iter().zip(exact.data()) {
+                assert!(a.abs_diff(*b) <= 1, "{width}×{height} {content}: {a} for {b}");
+            }
+        }
+    }
+}
+
+/// Two sums of five products of at most 1, each rounded in single precision.
+const BINOMIAL_AGREEMENT: f64 = 5e-7;
+
+#[test]
+fn binomial_windows() {
+    for (width, height) in SIZES {
+        for (content, picture) in pictures(width, height) {
+            for plane in planes(&picture) {
+                let fast = binomial(&plane.map(|&value| value as f32)).map(|&value| f64::from(value));
+                let what = format!("{width}×{height} {content}");
+                assert_close(&fast, &binomial_exact(&plane), BINOMIAL_AGREEMENT, &what);
+            }
+        }
+    }
+}
+
+/// Running sums of up to 77 000 values of at most 1.
+const MEAN_AGREEMENT: f64 = 1e-11;
+
+#[test]
+fn window_means() {
+    for (width, height) in SIZES {
+        for (content, picture) in pictures(width, height) {
+            let [a, b] = planes(&picture);
+            for radius in [0, 1, 12, 400] {
+                let [fast, exact] = [Fast, Reference].map(|variant| window_mean([&a, &b], radius, variant));
+                for (fast, exact) in fast.iter().zip(&exact) {
+                    let what = format!("{width}×{height} {content}, radius {radius}");
+                    assert_close(fast, exact, MEAN_AGREEMENT, &what);
+                }
             }
         }
     }

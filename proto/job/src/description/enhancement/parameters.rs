@@ -67,7 +67,7 @@ pub struct DarkChannel {
     /// side of the window of the dark channel
     #[field(within(1, 101), odd, default = 15, unit = "px")]
     pub window_px: usize,
-    /// share of the haze that is removed
+    /// share of the haze to remove
     #[field(within(0.0, 1.0), default = 0.95)]
     pub omega: f64,
     /// least transmittance
@@ -130,3 +130,37 @@ pub struct Rayleigh {
 /// RGHS has no parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Described)]
 pub struct Stretching {}
+
+/// Parameters of the fusion.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Described)]
+pub struct Fusion {
+    /// gain of the compensation of red by green
+    #[field(within(0.0, 5.0), default = 1)]
+    pub red_gain: f64,
+    /// gain of the compensation of blue by green; 1 suits green water
+    #[field(within(0.0, 5.0), default = 0)]
+    pub blue_gain: f64,
+    /// exponent of the first input, for values in 0 to 1; above 1 darkens
+    #[field(within(0.2, 5.0), default = 1.2)]
+    pub gamma: f64,
+    /// most levels of the pyramids
+    #[field(within(1, 16), default = 5)]
+    pub levels: usize,
+}
+
+/// Parameters of MLLE.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Described)]
+pub struct Mlle {
+    /// exponent of the attenuation map, for values in 0 to 1
+    #[field(within(0.1, 5.0), default = 1.2)]
+    pub attenuation_gamma: f64,
+    /// side of the windows of contrast
+    #[field(within(3, 255), odd, default = 25, unit = "px")]
+    pub window_px: usize,
+    /// largest gain of contrast
+    #[field(within(1.0, 10.0), default = 2)]
+    pub contrast_max: f64,
+    /// regularization of the guided filter, for lightness in 0 to 1
+    #[field(within(1e-8, 1.0), default = 0.0001)]
+    pub guide_eps: f64,
+}

@@ -16,6 +16,7 @@ use imaging::Plane;
 
 use crate::variant::Variant;
 pub use guide::{Guide, RADIUS_MAX, RADIUS_PX, REGULARIZATION};
+pub(in crate::blocks) use reference::box_mean;
 
 /// Filters a plane of the guide's size.
 ///

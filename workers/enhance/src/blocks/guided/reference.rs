@@ -47,7 +47,7 @@ pub(super) fn guided(guide: &Guide, plane: &Plane<f64>) -> Plane<f64> {
 }
 
 /// The mean of the samples within `radius` columns and rows, over the part of the window inside the plane.
-pub(super) fn box_mean(plane: &Plane<f64>, radius: usize) -> Plane<f64> {
+pub(in crate::blocks) fn box_mean(plane: &Plane<f64>, radius: usize) -> Plane<f64> {
     let (width, height) = plane.size();
     let along = Plane::from_fn(width, height, |x, y| {
         inside(x, radius, width).map(|i| plane.pixel(i, y)).sum::<f64>()

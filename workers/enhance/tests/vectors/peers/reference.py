@@ -287,19 +287,152 @@ def rghs(rgb):
                 o_max = min(max(o_max, high), 255)
             v[..., i] = np.clip(o_min + (z - low) * (o_max - o_min) / (high - low), 0, 255) if high > low else z
     v /= 255
-    linear = np.where(v <= 0.04045, v / 12.92, ((v + 0.055) / 1.055) ** 2.4)
-    t = linear @ XYZ.T / WHITE
-    f = np.where(t > (6 / 29) ** 3, np.cbrt(t), t / (3 * (6 / 29) ** 2) + 4 / 29)
-    l, a, b = 116 * f[..., 1] - 16, 500 * (f[..., 0] - f[..., 1]), 200 * (f[..., 1] - f[..., 2])
+    l, a, b = np.moveaxis(to_lab(v), -1, 0)
     low, high = tails(l, 0.01)
     if high > low + FLAT:
         l = 100 * np.clip((l - low) / (high - low), 0, 1)
     a, b = (p * 1.3 ** (1 - np.abs(p) / 128) for p in (a, b))
+    return codes(from_lab(l, a, b))
+
+
+def dark(rgb, scales, omega_set, radius=7):
+    return np.minimum.reduce([lmin(rgb[..., i] / scales[i], 2 * radius + 1) for i in omega_set])
+
+
+def haze_removal(rgb, omega_set):
+    c = rgb / 255
+    depth = dark(rgb, (1, 1, 1), omega_set)
+    far = top(depth, int(np.ceil(0.001 * depth.size)))
+    pixels = rgb.reshape(-1, 3).astype(int)[far]
+    light = np.maximum(pixels[np.argmax((pixels**2).sum(1))], 1) / 255
+    t = np.clip(guided(c, 1 - 0.95 * dark(c, light, omega_set)), 0.1, 1)[..., None]
+    return codes((c - light) / t + light)
+
+
+def dcp(rgb):
+    return haze_removal(rgb, (0, 1, 2))
+
+
+def udcp(rgb):
+    return haze_removal(rgb, (1, 2))
+
+
+BINOMIAL = np.outer((1, 4, 6, 4, 1), (1, 4, 6, 4, 1)) / 256
+
+
+def binomial(z):
+    height, width = z.shape
+    padded = np.pad(z, 2, mode="edge")
+    return sum(BINOMIAL[i, j] * padded[i : i + height, j : j + width] for i in range(5) for j in range(5))
+
+
+def each(function, c):
+    return np.stack([function(c[..., i]) for i in range(3)], -1)
+
+
+def to_lab(v):
+    linear = np.where(v <= 0.04045, v / 12.92, ((v + 0.055) / 1.055) ** 2.4)
+    t = linear @ XYZ.T / WHITE
+    f = np.where(t > (6 / 29) ** 3, np.cbrt(t), t / (3 * (6 / 29) ** 2) + 4 / 29)
+    return np.stack([116 * f[..., 1] - 16, 500 * (f[..., 0] - f[..., 1]), 200 * (f[..., 1] - f[..., 2])], -1)
+
+
+def from_lab(l, a, b):
     y = (l + 16) / 116
     f = np.stack([y + a / 500, y, y - b / 200], -1)
     t = np.where(f > 6 / 29, f**3, 3 * (6 / 29) ** 2 * (f - 4 / 29)) * WHITE
     linear = np.clip(t @ np.linalg.inv(XYZ).T, 0, 1)
-    return codes(np.where(linear <= 0.04045 / 12.92, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055))
+    return np.where(linear <= 0.04045 / 12.92, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+
+
+def fusion_weight(c):
+    y = luma(c)
+    padded = np.pad(y, 1, mode="edge")
+    neighbors = padded[:-2, 1:-1] + padded[2:, 1:-1] + padded[1:-1, :-2] + padded[1:-1, 2:]
+    color = to_lab(c)
+    saliency = np.linalg.norm(each(binomial, color) - color.reshape(-1, 3).mean(0), axis=-1)
+    saturation = np.sqrt(((c - y[..., None]) ** 2).mean(-1))
+    return np.abs(4 * y - neighbors) + saliency / 100 + saturation
+
+
+def halve(z):
+    return binomial(z)[::2, ::2]
+
+
+def double(z, shape):
+    """Zeros between the samples of the padded plane, blurred with four times the weights."""
+    padded = np.pad(z, 1, mode="edge")
+    sparse = np.zeros((2 * padded.shape[0], 2 * padded.shape[1]))
+    sparse[::2, ::2] = 4 * padded
+    return binomial(sparse)[2 : 2 + shape[0], 2 : 2 + shape[1]]
+
+
+def fusion(rgb, red_gain=1.0, gamma=1.2, most=5):
+    c = rgb / 255
+    means = c.reshape(-1, 3).mean(0)
+    c[..., 0] += red_gain * max(means[1] - means[0], 0) * (1 - c[..., 0]) * c[..., 1]
+    c = np.minimum(c, 1)
+    means = c.reshape(-1, 3).mean(0)
+    c = np.minimum(c * np.where(means > 0, means.mean() / np.where(means > 0, means, 1), 1), 1)
+    detail = c - each(binomial, c)
+    span = np.ptp(detail)
+    inputs = [c**gamma, (c + (detail - detail.min()) / span) / 2 if span > FLAT else c]
+    weights = [fusion_weight(one) + 0.1 for one in inputs]
+    levels = min(most, 1 + int(np.log2(min(rgb.shape[:2]))))
+    result = np.zeros_like(c)
+    for one, weight in zip(inputs, weights):
+        share = [weight / sum(weights)]
+        planes = [[one[..., i]] for i in range(3)]
+        for pyramid in (share, *planes):
+            while len(pyramid) < levels:
+                pyramid.append(halve(pyramid[-1]))
+        for i, pyramid in enumerate(planes):
+            total = share[-1] * pyramid[-1]
+            for level in range(levels - 2, -1, -1):
+                shape = pyramid[level].shape
+                layer = pyramid[level] - double(pyramid[level + 1], shape)
+                total = double(total, shape) + share[level] * layer
+            result[..., i] += total
+    return codes(result)
+
+
+def mlle(rgb, gamma=1.2, radius=12, most=2.0, e=1e-4):
+    c = rgb / 255
+    sums = rgb.reshape(-1, 3).astype(int).sum(0)
+    means = c.reshape(-1, 3).mean(0)
+    largest = int(np.argmax(sums))
+
+    def stretch(z):
+        return (z - z.min()) / np.ptp(z) if np.ptp(z) > 0 else z
+
+    moved = c.copy()
+    others = [i for i in range(3) if sums[i] < sums[largest]]
+    for i in set(range(3)) - set(others):
+        moved[..., i] = stretch(c[..., i])
+    reached = moved[..., largest].mean()
+    while sum(abs(reached - means[i]) for i in others) > 0.01 and reached > 0:
+        for i in others:
+            moved[..., i] += (reached - means[i]) * moved[..., largest]
+            means[i] += (reached - means[i]) * reached
+    attenuation = (1 - c**gamma).max(-1)[..., None]
+    c = np.clip(c - each(binomial, c) + attenuation * moved + (1 - attenuation) * c, 0, 1)
+    color = to_lab(c)
+    l = color[..., 0] / 100
+    mean = box(l, radius)
+    variance = np.maximum(box(l * l, radius) - mean**2, 0)
+    whole = ((l - l.mean()) ** 2).mean()
+    gain = np.where(variance * most > whole, whole / np.where(variance > 0, variance, 1), most)
+    expanded = mean + gain * (l - mean)
+    slope = (box(l * expanded, radius) - mean * box(expanded, radius)) / (variance + e)
+    offset = box(expanded, radius) - slope * mean
+    l = 100 * np.clip(box(slope, radius) * l + box(offset, radius), 0, 1)
+    a, b = color[..., 1] + 128, color[..., 2] + 128
+    ratio = abs(a.mean() - b.mean()) / (a.mean() + b.mean())
+    if a.mean() < b.mean():
+        a = a * (1 + ratio)
+    else:
+        b = b * (1 + ratio)
+    return codes(from_lab(l, a - 128, b - 128))
 
 
 def main():
@@ -307,7 +440,7 @@ def main():
     for path in sys.argv[1:]:
         name = os.path.basename(path).split(".")[0]
         rgb = cv2.cvtColor(cv2.imread(path), cv2.COLOR_BGR2RGB)
-        for method in (ulap, ibla_guided, suir, rd, rghs):
+        for method in (ulap, ibla_guided, suir, rd, rghs, dcp, udcp, fusion, mlle):
             result = cv2.cvtColor(method(rgb), cv2.COLOR_RGB2BGR)
             cv2.imwrite(os.path.join(folder, f"{name}.{method.__name__}.png"), result)
 
