@@ -4,13 +4,16 @@
 //! Only the camera moves. Procedural worlds are static within a pass over a path, including animals, plants and bubbles. Marine
 //! snow, sediment, caustics, lamplight and shadows move over surfaces and are no part of the motion.
 
+mod held;
 mod history;
 mod motion;
 mod stereo;
+mod track;
 mod viewpoint;
 
-pub use history::Held;
+pub use held::Held;
 pub(crate) use history::History;
 pub(crate) use motion::{Motions, find_motions};
 pub(crate) use stereo::{Developing, right_frame};
+pub(crate) use track::Track;
 pub use viewpoint::{RelativePose, Viewpoint};

@@ -25,8 +25,9 @@ use crate::plausibility;
 use crate::sequence::{History, find_motions};
 use crate::source::SceneSource;
 use crate::stage::files::{self, Pictures};
+use crate::stage::measure::{self, Measured};
 use crate::stage::style::Networks;
-use crate::stage::{camera, enhance, haze, labels, measure, truth};
+use crate::stage::{camera, enhance, haze, labels, truth};
 use crate::stopwatch::Stopwatch;
 use state::{RightCaches, SceneKey, Taken, Thin};
 
@@ -145,8 +146,17 @@ impl Slot {
         let warnings = plausibility::list_warnings(context, &developed.rgb, record.counts.clamped);
         record.warnings.extend(warnings);
         let enhancements = watch.time("enhance", || enhance::run(context, &developed.rgb, &mut record))?;
+        let track = watch.time("previous", || {
+            self.track(described, (context, &developed), source)
+        })?;
         watch.time("metrics", || {
-            measure::run(context, &light.layers, &developed.rgb, &enhancements, &mut record)
+            let inputs = Measured {
+                layers: &light.layers,
+                rgb: &developed.rgb,
+                enhancements: &enhancements,
+                track: track.as_ref(),
+            };
+            measure::run(context, &inputs, &mut record)
         })?;
         record.scene = watch.time("labels", || labels::describe(context, &light.layers));
 

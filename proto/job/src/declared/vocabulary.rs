@@ -33,6 +33,8 @@ pub struct Vocabulary {
     pub range_styles: Vec<String>,
     /// Metrics, `name` or `name@profile`.
     pub metrics: Vec<String>,
+    /// Metrics that compare with the previous frames of a camera path.
+    pub path_metrics: Vec<String>,
     /// Collections of uploaded scenes: the ids of their scenes in order. Only collections mentioned by the
     /// description need to be present.
     pub collections: BTreeMap<String, Vec<String>>,

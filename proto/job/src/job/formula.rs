@@ -169,9 +169,7 @@ impl Job {
     #[must_use]
     pub fn enhancements(&self) -> BTreeSet<String> {
         let documents = self.formula.documents.iter();
-        documents
-            .flat_map(|document| names_in(&document.node))
-            .collect()
+        documents.flat_map(|document| names_in(&document.node)).collect()
     }
 
     /// The types of each label over all sites.

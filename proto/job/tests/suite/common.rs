@@ -27,7 +27,9 @@ pub(crate) fn vocabulary(local: bool) -> Vocabulary {
         waters: [("quay".to_owned(), water)].into(),
         styles: names(&["atlantic", "mediterranean", "muddy", "ranged"]),
         range_styles: names(&["ranged"]),
+        path_metrics: names(&["matches"]),
         metrics: names(&[
+            "matches",
             "entropy",
             "uicm",
             "uism",

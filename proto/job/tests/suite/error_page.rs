@@ -125,6 +125,8 @@ const RULES: &[&str] = &[
     r#"{"enhance": [{"steps": [{"clahe": {}}]}]}"#,
     r#"{"enhance": [{"method": "hscm", "gain_low": 3, "median_px": 4}]}"#,
     r#"{"enhance": [{"method": "clahe", "cutoff": 16}]}"#,
+    r#"{"metrics": ["matches"]}"#,
+    r#"{"metrics": ["matches"], "camera": {"path": {"frames": 1}}}"#,
     r#"{"artifacts": ["flow"]}"#,
     r#"{"artifacts": ["flow"], "camera": {"path": {"frames": 1}}}"#,
     r#"{"artifacts": ["flow"], "camera": {"path": {"frames": 9}, "readout_s": 0.02}}"#,

@@ -1,6 +1,6 @@
 //! The names allowed in a description, collected from the crates that define them.
 
-use quality::MetricId;
+use quality::{MetricId, Needs};
 use spec::Vocabulary;
 use style::Library;
 
@@ -34,6 +34,10 @@ pub fn vocabulary(library: &Library, local: bool) -> Vocabulary {
             .map(|model| model.name.clone())
             .collect(),
         metrics: MetricId::all().map(|metric| metric.to_string()).collect(),
+        path_metrics: MetricId::all()
+            .filter(|metric| matches!(metric.info().needs, Needs::PreviousFrames(_)))
+            .map(|metric| metric.to_string())
+            .collect(),
         local,
     }
 }

@@ -1,28 +1,16 @@
-//! Pictures of a slot's last frames, so that the frame after one of them need not render it again.
+//! Pictures of a slot's last frames, so that the frames after them need not render them again.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use imaging::{Plane, Rgb8};
 use spec::Frame;
 
-use super::viewpoint::Viewpoint;
+use super::held::Held;
 
 /// Maximum number of pictures.
 const MOST_PICTURES: usize = 8;
 /// Maximum pixels of all pictures but the newest one: 28 MB.
 const MOST_PIXELS: usize = 1 << 22;
-
-/// The finished picture of a frame.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Held {
-    /// The picture in 8 bits, after sensor and compression.
-    pub rgb: Rgb8,
-    /// Range of every pixel of the picture, m; `None` if the scene has none.
-    pub range: Option<Plane<f32>>,
-    /// Its camera.
-    pub viewpoint: Viewpoint,
-}
 
 /// The last pictures, the newest last.
 #[derive(Default)]

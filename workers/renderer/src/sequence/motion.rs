@@ -78,7 +78,7 @@ fn find_flow(context: &FrameContext<'_>) -> Result<Option<Rgb<f32>>, RenderError
     };
     let pose = place.pose_at(&next, 0.0)?;
     let to = from.of_sibling(&frame.camera, &next, pose)?;
-    Ok(find_motion(context, &from, &to, &place.world))
+    Ok(find_motion_in(context, &from, &to, &place.world))
 }
 
 fn find_disparity(context: &FrameContext<'_>) -> Option<Rgb<f32>> {
@@ -87,26 +87,29 @@ fn find_disparity(context: &FrameContext<'_>) -> Option<Rgb<f32>> {
     let mut right = from;
     right.pose = from.pose.moved_right(baseline_m);
     let world = context.prepared.world.as_deref()?;
-    let mut motion = find_motion(context, &from, &right, world)?;
+    let mut motion = find_motion_in(context, &from, &right, world)?;
     let [x, y, _] = motion.planes_mut();
     x.iter_mut().chain(y).for_each(|v| *v = -*v);
     Some(motion)
 }
 
-/// The motion from the picture of a frame to another one.
-fn find_motion(
+fn find_motion_in(
     context: &FrameContext<'_>,
     from: &Viewpoint,
     to: &Viewpoint,
     world: &World,
 ) -> Option<Rgb<f32>> {
-    let range = context.range()?;
+    find_motion(context.range()?, &PixelRays::new(context), [from, to], world)
+}
+
+/// The motion from a picture of this range to another one.
+pub(super) fn find_motion(
+    range: &Plane<f32>,
+    pixels: &PixelRays,
+    [from, to]: [&Viewpoint; 2],
+    world: &World,
+) -> Option<Rgb<f32>> {
     let (width, height) = range.size();
-    let taking = context.taking.as_ref();
-    let pixels = PixelRays {
-        camera: context.prepared.view().camera,
-        sampling: taking.and_then(|taking| taking.sampling.as_deref()),
-    };
     let (way, solids) = (from.relative_to(to), world.rays(&to.pose));
     let mut planes = [f32::NAN, f32::NAN, 0.0].map(|value| Plane::filled(width, height, value));
     let (mut rays, mut tested, mut clear) = (ShadowRays::default(), Vec::new(), Vec::new());
@@ -141,15 +144,23 @@ fn find_motion(
 }
 
 /// The rays of the pixels of a picture.
-struct PixelRays<'a> {
+pub(super) struct PixelRays {
     camera: Intrinsics,
-    sampling: Option<&'a Sampling>,
+    sampling: Option<Arc<Sampling>>,
 }
 
-impl PixelRays<'_> {
+impl PixelRays {
+    pub(super) fn new(context: &FrameContext<'_>) -> Self {
+        let taking = context.taking.as_ref();
+        Self {
+            camera: context.prepared.view().camera,
+            sampling: taking.and_then(|taking| taking.sampling.clone()),
+        }
+    }
+
     /// The point at this range along the ray of a pixel, and the surface point whose range it is, in camera axes.
     fn points(&self, [x, y]: [usize; 2], meters: f64) -> [[f64; 3]; 2] {
-        match self.sampling {
+        match &self.sampling {
             None => [self.point([x as f64, y as f64], meters); 2],
             Some(sampling) => {
                 [sampling.position(x, y), sampling.nearest(x, y)].map(|place| self.point(place, meters))

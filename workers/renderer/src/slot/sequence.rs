@@ -3,12 +3,13 @@
 use std::mem::swap;
 use std::sync::Arc;
 
+use quality::{MetricId, Needs};
 use spec::{ArtifactKind, Frame, FrameRecord};
 
 use super::state::{Slot, Taken};
 use crate::context::FrameContext;
 use crate::error::RenderError;
-use crate::sequence::{Developing, Held, Viewpoint, right_frame};
+use crate::sequence::{Developing, Held, Track, right_frame};
 use crate::source::SceneSource;
 use crate::stage::camera::{self, Developed};
 use crate::stage::haze;
@@ -31,7 +32,9 @@ impl Slot {
         if let Some(held) = self.history.find(&previous) {
             return Ok(Some(held));
         }
-        let (held, _) = self.picture(&previous, source, |context, developed| hold(context, &developed))?;
+        let (held, _) = self.picture(&previous, source, |context, developed| {
+            Held::new(context, &developed.rgb).map(Arc::new)
+        })?;
         if let Some(held) = &held {
             self.history.insert(previous, Arc::clone(held));
         }
@@ -41,9 +44,37 @@ impl Slot {
     /// Keeps the picture of a frame if pictures of earlier frames were ever requested.
     pub(super) fn keep(&mut self, frame: &Frame, context: &FrameContext<'_>, developed: &Developed) {
         let is_needed = self.history.is_used() && frame.camera.path.is_some();
-        if let Some(held) = is_needed.then(|| hold(context, developed)).flatten() {
-            self.history.insert(frame.clone(), held);
+        if is_needed && self.history.find(frame).is_none() {
+            let held = Held::new(context, &developed.rgb).map(Arc::new);
+            held.into_iter()
+                .for_each(|held| self.history.insert(frame.clone(), held));
         }
+    }
+
+    /// The picture of a frame, which is kept, and as many earlier ones of its path as the metrics need. `None` if they need
+    /// none, and for a scene without a pose.
+    pub(super) fn track(
+        &mut self,
+        frame: &Frame,
+        (context, developed): (&FrameContext<'_>, &Developed),
+        source: &SceneSource,
+    ) -> Result<Option<Track>, RenderError> {
+        let most = count_previous(&frame.metrics);
+        let held = (most > 0).then(|| Held::new(context, &developed.rgb)).flatten();
+        let Some(own) = held.map(Arc::new) else {
+            return Ok(None);
+        };
+        self.history.insert(frame.clone(), Arc::clone(&own));
+        let mut pictures = vec![own];
+        let mut newest = frame.clone();
+        while pictures.len() <= most
+            && let Some(held) = self.previous(&newest, source)?
+            && let Some(previous) = newest.previous().map_err(RenderError::Resolve)?
+        {
+            pictures.push(held);
+            newest = previous;
+        }
+        Ok(Some(Track::new(pictures)))
     }
 
     /// The picture of the right camera, if an artifact needs them. Adds warnings that the left picture does not have.
@@ -108,10 +139,12 @@ impl Slot {
     }
 }
 
-fn hold(context: &FrameContext<'_>, developed: &Developed) -> Option<Arc<Held>> {
-    Some(Arc::new(Held {
-        rgb: developed.rgb.clone(),
-        range: context.range().cloned(),
-        viewpoint: Viewpoint::new(context)?,
-    }))
+/// The most previous frames that one of the metrics compares with.
+fn count_previous(metrics: &[String]) -> usize {
+    let needs = metrics.iter().filter_map(|name| MetricId::parse(name));
+    let counts = needs.map(|metric| match metric.info().needs {
+        Needs::PreviousFrames(frames) => frames,
+        Needs::Nothing | Needs::PictureInAir | Needs::Illumination => 0,
+    });
+    counts.max().unwrap_or(0)
 }

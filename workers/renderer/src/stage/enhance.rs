@@ -96,7 +96,7 @@ fn list_wanted<'a>(artifacts: &'a [ArtifactKind], name: &str) -> Vec<&'a str> {
 }
 
 /// The enhancement with the planner's choices.
-fn complete<'a>(context: &FrameContext<'_>, enhancement: &'a Enhancement) -> Cow<'a, Enhancement> {
+pub(crate) fn complete<'a>(context: &FrameContext<'_>, enhancement: &'a Enhancement) -> Cow<'a, Enhancement> {
     let planned = context.plan.stage(StageId::Ibla);
     if planned.is_none_or(|stage| stage.variant.name() == MATTING) {
         return Cow::Borrowed(enhancement);

@@ -1,23 +1,36 @@
 //! Image quality of the result and of each enhancement, the latter measured before its mask is applied.
 
-use imaging::{Plane, Rgb, Rgb8, transfer};
+use std::sync::Arc;
+
+use imaging::{Plane, Raster, Rgb, Rgb8, transfer};
 use optics::chain::Layers;
-use quality::{Illumination, MetricId, Needs, Subject, TrueLight};
+use quality::{
+    CameraMotion, FrameFeatures, Illumination, MetricId, Needs, PreviousFrame, RelativePose, Sequence,
+    Subject, TrueLight,
+};
 use spec::{Enhancement, FrameRecord, MetricsOver};
 
-use super::enhance::Enhancements;
+use super::enhance::{Enhancements, complete};
 use crate::context::FrameContext;
 use crate::error::RenderError;
+use crate::sequence::{Held, Track};
 
 /// Weights of red, green and blue in linear luminance (Rec. 709).
 const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
+/// The pictures of a frame, and what they are compared with.
+pub(crate) struct Measured<'a> {
+    pub(crate) layers: &'a Layers,
+    pub(crate) rgb: &'a Rgb8,
+    pub(crate) enhancements: &'a Enhancements,
+    /// The last pictures of the path, if a metric compares with them.
+    pub(crate) track: Option<&'a Track>,
+}
+
 /// Measures `rgb` and every enhancement.
 pub(crate) fn run(
     context: &FrameContext<'_>,
-    layers: &Layers,
-    rgb: &Rgb8,
-    enhancements: &Enhancements,
+    measured: &Measured<'_>,
     record: &mut FrameRecord,
 ) -> Result<(), RenderError> {
     let metrics = context.frame.metrics.iter().map(|name| parse(name));
@@ -26,36 +39,142 @@ pub(crate) fn run(
         return Ok(());
     }
     let needs = |needs: Needs| metrics.iter().any(|metric| metric.info().needs == needs);
-    let clean = needs(Needs::PictureInAir)
-        .then(|| transfer::encode_rgb8(&context.view(&context.prepared.scene.radiance)).0);
-    let light = needs(Needs::Illumination).then(|| SceneLight::new(context, layers));
-    let mut measure = |name: &str, picture: &Rgb8, mask: Option<&Plane<u8>>| {
-        let illumination = light.as_ref().map(|light| light.seen_in(rgb, mask));
+    let measure = Measure {
+        clean: needs(Needs::PictureInAir)
+            .then(|| transfer::encode_rgb8(&context.view(&context.prepared.scene.radiance)).0),
+        light: needs(Needs::Illumination).then(|| SceneLight::new(context, measured.layers)),
+        context,
+        measured,
+        metrics,
+    };
+    measure.add(None, measured.rgb, None, record)?;
+    for enhancement in &context.frame.enhance {
+        if let Some(outcome) = measured.enhancements.get(&enhancement.name) {
+            let mask = outcome.mask.as_ref();
+            let mask = mask.filter(|_| enhancement.metrics_over == MetricsOver::Mask);
+            measure.add(Some(enhancement), &outcome.unmasked.to_rgb8(), mask, record)?;
+        }
+    }
+    Ok(())
+}
+
+/// The metrics of a frame.
+struct Measure<'a> {
+    context: &'a FrameContext<'a>,
+    measured: &'a Measured<'a>,
+    metrics: Vec<MetricId>,
+    clean: Option<Rgb8>,
+    light: Option<SceneLight>,
+}
+
+impl Measure<'_> {
+    /// Measures the picture of an enhancement, or `rgb` itself, and adds the values to the record.
+    fn add(
+        &self,
+        of: Option<&Enhancement>,
+        picture: &Rgb8,
+        mask: Option<&Plane<u8>>,
+        record: &mut FrameRecord,
+    ) -> Result<(), RenderError> {
+        let light = self.light.as_ref();
+        let illumination = light.map(|light| light.seen_in(self.measured.rgb, mask));
         let subject = Subject {
-            clean: clean.as_ref(),
+            clean: self.clean.as_ref(),
             mask,
             illumination: illumination.as_ref(),
             ..Subject::new(picture)
         };
-        let values = quality::measure_subject(&subject, &metrics)?;
+        let values = match self.measured.track {
+            None => quality::measure_subject(&subject, &self.metrics)?,
+            Some(track) => {
+                let features = self.find_features(track, of, picture, mask)?;
+                self.measure_along(track, &features, subject)?
+            }
+        };
         let values = values
             .into_iter()
             .map(|(metric, value)| (metric.to_string(), value));
+        let name = of.map_or("rgb", |enhancement| &enhancement.name);
         record.measurements.insert(name.to_owned(), values.collect());
-        Ok::<_, RenderError>(())
-    };
-    measure("rgb", rgb, None)?;
-    for Enhancement {
-        name, metrics_over, ..
-    } in &context.frame.enhance
-    {
-        if let Some(outcome) = enhancements.get(name) {
-            let mask = outcome.mask.as_ref();
-            let mask = mask.filter(|_| *metrics_over == MetricsOver::Mask);
-            measure(name, &outcome.unmasked.to_rgb8(), mask)?;
-        }
+        Ok(())
     }
-    Ok(())
+
+    /// The features of a picture and of the previous ones, which are enhanced in the same way.
+    fn find_features(
+        &self,
+        track: &Track,
+        of: Option<&Enhancement>,
+        picture: &Rgb8,
+        mask: Option<&Plane<u8>>,
+    ) -> Result<Vec<Arc<FrameFeatures>>, RenderError> {
+        let Some((own, previous)) = track.pictures.split_first() else {
+            return Ok(Vec::new());
+        };
+        let mut features = vec![own.find_features(of, picture, mask)];
+        for held in previous {
+            features.push(match held.features(of) {
+                Some(known) => known,
+                None => self.find_previous(held, of)?,
+            });
+        }
+        Ok(features)
+    }
+
+    fn find_previous(
+        &self,
+        held: &Held,
+        of: Option<&Enhancement>,
+    ) -> Result<Arc<FrameFeatures>, RenderError> {
+        let Some(enhancement) = of else {
+            return Ok(held.find_features(None, &held.rgb, None));
+        };
+        let picture = Raster::from(held.rgb.clone());
+        let outcome = enhance::enhance(&complete(self.context, enhancement), &picture, &[])?;
+        let mask = outcome.mask.as_ref();
+        let mask = mask.filter(|_| enhancement.metrics_over == MetricsOver::Mask);
+        Ok(held.find_features(of, &outcome.unmasked.to_rgb8(), mask))
+    }
+
+    fn measure_along(
+        &self,
+        track: &Track,
+        features: &[Arc<FrameFeatures>],
+        subject: Subject<'_>,
+    ) -> Result<Vec<(MetricId, f64)>, RenderError> {
+        let [own, earlier @ ..] = features else {
+            return Ok(quality::measure_subject(&subject, &self.metrics)?);
+        };
+        let previous = earlier.iter().zip(&track.motions);
+        let previous: Vec<_> = previous
+            .map(|(features, motion)| PreviousFrame { features, motion })
+            .collect();
+        let current_ray = |x: f64, y: f64| track.ray(0, x, y);
+        let previous_ray = |x: f64, y: f64| track.ray(1, x, y);
+        let pose = track.pictures.get(1).map(|newest| {
+            let pose = newest.viewpoint.relative_to(&track.pictures[0].viewpoint);
+            RelativePose {
+                rotation: pose.rotation,
+                translation: pose.translation_m.into(),
+            }
+        });
+        let frame = self.context.frame;
+        let sequence = Sequence {
+            features: own,
+            previous: &previous,
+            camera: pose.map(|pose| CameraMotion {
+                current: &current_ray,
+                previous: &previous_ray,
+                pose,
+                pixel_rad: track.pixel_rad(),
+                seed: frame.seed ^ frame.index.rotate_left(32),
+            }),
+        };
+        let subject = Subject {
+            sequence: Some(&sequence),
+            ..subject
+        };
+        Ok(quality::measure_subject(&subject, &self.metrics)?)
+    }
 }
 
 fn parse(name: &str) -> Result<MetricId, RenderError> {

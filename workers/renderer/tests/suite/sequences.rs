@@ -1,5 +1,6 @@
 //! Motion along paths, stereo pairs and previous pictures.
 
+mod metrics;
 mod motion;
 mod previous;
 mod stereo;

@@ -5,7 +5,7 @@ use serde_json::Value;
 use crate::artifact::ArtifactKind;
 use crate::camera::Camera;
 use crate::check::present::Contents;
-use crate::check::{Checker, find_values};
+use crate::check::{Checker, find_lists, find_values};
 use crate::invalid::FieldError;
 use crate::node::Node;
 use crate::rules::Fault;
@@ -14,11 +14,44 @@ use crate::rules::Fault;
 const LEAST_FRAMES: f64 = 2.0;
 
 impl Checker<'_> {
-    /// Rejects paths of one frame if `artifact` is requested, which needs a next frame.
-    pub(crate) fn check_path_length(&mut self, document: &Node, contents: &Contents<'_>, artifact: &str) {
-        if !contents.has_given(&format!("artifacts.{artifact}"), None) {
+    /// Rejects frames without a neighbor on a path if they need one: the next frame for the artifact `flow`, the previous one
+    /// for metrics.
+    pub(crate) fn check_neighbors(&mut self, document: &Node, contents: &Contents<'_>) {
+        if contents.has_given("artifacts.flow", None) {
+            self.check_path_length(
+                document,
+                "the artifact \"flow\" needs a next frame",
+                "the artifact",
+            );
+        }
+        let requested = find_lists(document, "metrics")
+            .into_iter()
+            .flat_map(|(location, items)| {
+                let items = items.iter().enumerate();
+                let strings =
+                    items.flat_map(move |(position, item)| item.strings(&location.item(position).pointer));
+                strings.collect::<Vec<_>>()
+            });
+        let requested: Vec<_> = requested.collect();
+        let path_metrics = self.vocabulary.path_metrics.iter();
+        let asked = path_metrics.filter_map(|metric| requested.iter().find(|(_, name)| name == metric));
+        let Some((pointer, metric)) = asked.min_by_key(|(pointer, _)| pointer.clone()) else {
+            return;
+        };
+        if contents.is_certain("camera.path") {
+            let reason = format!("the metric \"{metric}\" needs a previous frame");
+            self.check_path_length(document, &reason, "the metric");
             return;
         }
+        let message = format!(
+            "the metric \"{metric}\" compares with the previous frame and needs `camera.path` in every frame: add it, or remove \
+             the metric"
+        );
+        self.refuse(|| FieldError::new(pointer, message).value(&Value::from(*metric)));
+    }
+
+    /// Rejects paths of one frame.
+    fn check_path_length(&mut self, document: &Node, reason: &str, removable: &str) {
         for (pointer, camera) in find_values(document, "camera") {
             let pointer = format!("{pointer}/path");
             let paths = camera.get("path").map(|path| path.alternatives(&pointer));
@@ -26,8 +59,7 @@ impl Checker<'_> {
                 let frames = path.get("frames").and_then(Node::greatest);
                 if let Some(frames) = frames.filter(|frames| *frames < LEAST_FRAMES) {
                     let message = format!(
-                        "`camera.path.frames` is {frames}, but the artifact \"{artifact}\" needs a next frame: \
-                         must be at least {LEAST_FRAMES}, or remove the artifact"
+                        "`camera.path.frames` is {frames}, but {reason}: must be at least {LEAST_FRAMES}, or remove {removable}"
                     );
                     self.refuse(|| {
                         FieldError::new(&format!("{pointer}/frames"), message)

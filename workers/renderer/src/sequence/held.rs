@@ -1,0 +1,85 @@
+//! The finished picture of a frame, with what later frames of its path compare with.
+
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+use imaging::{Plane, Rgb8};
+use quality::{FrameFeatures, Motion};
+use scenes::World;
+use spec::Enhancement;
+
+use super::motion::{PixelRays, find_motion};
+use super::viewpoint::Viewpoint;
+use crate::context::FrameContext;
+
+/// The finished picture of a frame.
+pub struct Held {
+    /// The picture in 8 bits, after sensor and compression.
+    pub rgb: Rgb8,
+    /// Range of every pixel of the picture, m; `None` if the scene has none.
+    pub range: Option<Plane<f32>>,
+    /// Its camera.
+    pub viewpoint: Viewpoint,
+    pixels: PixelRays,
+    world: Option<Arc<World>>,
+    /// Features of the picture (`None`) and of its enhancements.
+    features: Mutex<Vec<(Option<Enhancement>, Arc<FrameFeatures>)>>,
+    /// Motion from this picture to the previous one.
+    back: OnceLock<Option<Arc<Motion>>>,
+}
+
+impl Held {
+    /// The picture of a frame; `None` for a scene without a pose.
+    pub(crate) fn new(context: &FrameContext<'_>, rgb: &Rgb8) -> Option<Self> {
+        Some(Self {
+            rgb: rgb.clone(),
+            range: context.range().cloned(),
+            viewpoint: Viewpoint::new(context)?,
+            pixels: PixelRays::new(context),
+            world: context.prepared.world.clone(),
+            features: Mutex::default(),
+            back: OnceLock::new(),
+        })
+    }
+
+    /// The known features of the picture or of an enhancement.
+    pub(crate) fn features(&self, of: Option<&Enhancement>) -> Option<Arc<FrameFeatures>> {
+        let known = self.features.lock().unwrap_or_else(PoisonError::into_inner);
+        let found = known.iter().find(|(own, _)| own.as_ref() == of);
+        found.map(|(_, features)| Arc::clone(features))
+    }
+
+    /// Finds and keeps the features of a picture. `mask` excludes pixels of value 0.
+    pub(crate) fn find_features(
+        &self,
+        of: Option<&Enhancement>,
+        picture: &Rgb8,
+        mask: Option<&Plane<u8>>,
+    ) -> Arc<FrameFeatures> {
+        let found = Arc::new(FrameFeatures::find(picture, mask));
+        let mut known = self.features.lock().unwrap_or_else(PoisonError::into_inner);
+        known.push((of.cloned(), Arc::clone(&found)));
+        found
+    }
+
+    /// The position of each pixel's point in the previous picture; `None` without range or world.
+    pub(crate) fn motion_to(&self, previous: &Self) -> Option<Arc<Motion>> {
+        let motion = self.back.get_or_init(|| {
+            let (range, world) = (self.range.as_ref()?, previous.world.as_ref()?);
+            let way = [&self.viewpoint, &previous.viewpoint];
+            let motion = find_motion(range, &self.pixels, way, world)?;
+            let [across, down, visible] = motion.planes();
+            let positions = Plane::from_fn(range.width(), range.height(), |x, y| {
+                match visible.pixel(x, y) > 0.0 {
+                    // The center of the first pixel is at 0 in a viewpoint and at 0.5 in a motion.
+                    true => [
+                        x as f32 + 0.5 + across.pixel(x, y),
+                        y as f32 + 0.5 + down.pixel(x, y),
+                    ],
+                    false => [f32::NAN; 2],
+                }
+            });
+            Some(Arc::new(Motion { positions }))
+        });
+        motion.clone()
+    }
+}
