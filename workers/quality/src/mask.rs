@@ -2,7 +2,7 @@
 
 use imaging::{Plane, Rgb8};
 
-/// The pixels at which the mask is not 0, in one row.
+/// The pixels inside the mask, those of values other than 0, in one row.
 pub(crate) fn select_pixels(picture: &Rgb8, mask: &Plane<u8>) -> Rgb8 {
     let counted = picture.pixels().zip(mask.data()).filter(|(_, code)| **code > 0);
     let codes: Vec<u8> = counted.flat_map(|(pixel, _)| pixel).collect();

@@ -2,14 +2,14 @@
 
 use std::fmt;
 
-/// What a metric needs besides the picture.
+/// An input of a metric besides the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Needs {
     /// The picture alone.
     Nothing,
     /// The clean picture, in air.
     PictureInAir,
-    /// As many previous frames of the camera's path, as far as the path has them, with true motion and poses.
+    /// Up to this number of previous frames of the camera's path, with true motion and poses.
     PreviousFrames(usize),
     /// The true illumination and reflectance.
     Illumination,

@@ -37,7 +37,7 @@ pub struct MetricInfo {
     pub about: &'static str,
     /// Bounds over all 8-bit pictures; infinite if unknown.
     pub range: RangeInclusive<f64>,
-    /// What it needs besides the picture.
+    /// Its input besides the picture.
     pub needs: Needs,
     pub(crate) compute: MetricFormula,
 }

@@ -43,7 +43,7 @@ impl<'a> Subject<'a> {
 pub struct Sequence<'a> {
     /// Features of the picture.
     pub features: &'a FrameFeatures,
-    /// The frames before, the newest first; none for the first frame of a path.
+    /// The frames before, the newest first; empty for the first frame of a path.
     pub previous: &'a [PreviousFrame<'a>],
     /// The camera's motion from the newest of them.
     pub camera: Option<CameraMotion<'a>>,

@@ -13,7 +13,7 @@ const LEAST_COEFFICIENT: f64 = 0.05;
 /// Darker illumination, relative to the brightest, counts as this.
 const LEAST_LIGHT: f32 = 1e-4;
 
-/// What the simulator knows of the light of a frame, of the size of its picture.
+/// The simulated light of a frame, in planes of the size of its picture.
 #[derive(Debug, Clone, Copy)]
 pub struct TrueLight<'a> {
     /// Luminance of the light from a white surface: lamps and daylight times transmittance, linear, of any scale.
@@ -308,14 +308,14 @@ mod tests {
 
     #[test]
     fn a_picture_of_one_pixel_has_no_residual() {
-        let one = Rgb8::from_fn(1, 1, |_, _| [90; 3]);
+        let pixel = Rgb8::from_fn(1, 1, |_, _| [90; 3]);
         let plane = Plane::filled(1, 1, 0.5f32);
         let prepared = Illumination::new(&TrueLight {
             illumination: &plane,
             reflectance: &plane,
-            input: &one,
+            input: &pixel,
             mask: None,
         });
-        assert_eq!(prepared.residual(&one), None);
+        assert_eq!(prepared.residual(&pixel), None);
     }
 }

@@ -24,7 +24,7 @@ pub const FEATURE_BUDGET: usize = 1000;
 /// Smallest contrast of a feature.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Threshold {
-    /// The lowest at which the picture fills the budget.
+    /// The lowest that fills the budget.
     Adaptive,
     /// More than 20 codes.
     Default,

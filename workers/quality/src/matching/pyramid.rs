@@ -97,10 +97,11 @@ mod tests {
     const TOLERANCE: f64 = 0.5 + 2.0 * 255.0 / 512.0;
 
     fn interpolate(source: &Plane<u8>, x: f64, y: f64) -> f64 {
-        let [(left, across), (top, down)] = [(x, source.width()), (y, source.height())].map(|(at, sides)| {
-            let at = at.clamp(0.0, sides as f64 - 1.0);
-            (at.floor() as usize, at - at.floor())
-        });
+        let [(left, across), (top, down)] =
+            [(x, source.width()), (y, source.height())].map(|(position, side)| {
+                let position = position.clamp(0.0, side as f64 - 1.0);
+                (position.floor() as usize, position.fract())
+            });
         let sample = |x: usize, y: usize| {
             f64::from(source.pixel(x.min(source.width() - 1), y.min(source.height() - 1)))
         };

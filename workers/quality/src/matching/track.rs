@@ -2,11 +2,11 @@
 
 use super::nearest::Match;
 
-/// Most earlier frames into which a feature is followed.
+/// Most earlier frames of a track.
 pub const TRACK_FRAMES: usize = 5;
 
-/// The mean over the features of the current frame of the number of consecutive earlier frames into which correct
-/// matches lead, 0 for a frame without features.
+/// Mean length of the tracks that end in the features of the current frame: the number of consecutive earlier frames
+/// reached by correct matches. 0 for a frame without features.
 ///
 /// `pairs` holds the correct matches of neighboring frames, the newest pair first: the features of the current frame with
 /// those of the previous one, and so on. The result is at most their number.

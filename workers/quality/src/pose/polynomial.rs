@@ -8,7 +8,7 @@ const STEPS: usize = 64;
 /// Coefficients, the constant first.
 pub(crate) type Polynomial = [f64; DEGREE + 1];
 
-/// The real roots at which the polynomial changes its sign. Those beyond ±1 are the inverse roots of the polynomial with
+/// The real roots of odd order, where the sign changes. Those beyond ±1 are the inverse roots of the polynomial with
 /// its coefficients reversed, so all are found within -1..=1.
 pub(crate) fn find_roots(polynomial: &Polynomial) -> Vec<f64> {
     let mut roots = find_small_roots(polynomial);

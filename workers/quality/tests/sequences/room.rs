@@ -69,7 +69,7 @@ impl Camera {
         ]
     }
 
-    /// The picture with this contrast, a mean code, and noise of so many codes.
+    /// The picture with this contrast, a mean code, and noise, both in codes.
     pub(crate) fn render(&self, contrast: f64, mean: f64, noise: f64) -> Rgb8 {
         Rgb8::from_fn(WIDTH, HEIGHT, |x, y| {
             let Surface { plane, point } = self.trace(x as f64 + 0.5, y as f64 + 0.5);
@@ -83,7 +83,7 @@ impl Camera {
         })
     }
 
-    /// True motion from this frame into a previous one; the room occludes nothing.
+    /// True motion from this frame into a previous one; the room has no occluders.
     pub(crate) fn motion_from(&self, previous: &Self) -> Motion {
         Motion {
             positions: Plane::from_fn(WIDTH, HEIGHT, |x, y| {
@@ -140,10 +140,10 @@ fn texture(u: f64, v: f64, salt: i64) -> f64 {
         let (u, v) = (u / cell, v / cell);
         let (i, j) = (u.floor(), v.floor());
         let [s, t] = [u - i, v - j].map(|f| f * f * (3.0 - 2.0 * f));
-        let at = |across: i64, down: i64| lattice(i as i64 + across, j as i64 + down, salt);
+        let value = |across: i64, down: i64| lattice(i as i64 + across, j as i64 + down, salt);
         let (upper, lower) = (
-            at(0, 0) * (1.0 - s) + at(1, 0) * s,
-            at(0, 1) * (1.0 - s) + at(1, 1) * s,
+            value(0, 0) * (1.0 - s) + value(1, 0) * s,
+            value(0, 1) * (1.0 - s) + value(1, 1) * s,
         );
         upper * (1.0 - t) + lower * t
     };
