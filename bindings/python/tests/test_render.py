@@ -56,6 +56,19 @@ def test_arrays_have_their_shapes_and_types_and_can_be_written(job: fathom.Job) 
     assert set(frame.artifacts) == set(KINDS)
 
 
+def test_motion_and_a_stereo_pair_are_arrays() -> None:
+    camera = {"width": 96, "height": 64, "path": {"frames": 8}, "stereo": {"baseline_m": 0.2}}
+    kinds = ["rgb", "range", "flow", "rgb_right", "disparity"]
+    frame = fathom.render(fathom.Job(description(camera=camera, artifacts=kinds)), 1)
+    assert frame.rgb_right.shape == frame.rgb.shape
+    assert (frame.rgb_right != frame.rgb).any()
+    for motion in (frame.flow, frame.disparity):
+        assert (motion.shape, motion.dtype) == ((64, 96, 3), np.float32)
+        assert (np.isnan(motion[..., 0]) == np.isnan(frame.range_m)).all()
+        assert set(np.unique(motion[..., 2])) <= {0, 1}
+    assert (frame.disparity[..., 0] >= 0).sum() == np.isfinite(frame.range_m).sum()
+
+
 def test_only_what_is_asked_for_is_made(job: fathom.Job) -> None:
     frame = fathom.render(job, 2, ["rgb", "enhanced.clahe", "enhanced.hscm.mask"], metrics=False)
     assert list(frame.artifacts) == ["rgb", "enhanced.clahe", "enhanced.hscm.mask"]

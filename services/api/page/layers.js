@@ -6,8 +6,8 @@ import { legendOf, pixels } from "./picture.js";
 import { path } from "./text.js";
 
 // In the order of the light path; other layers follow.
-const ORDER = ["rgb", "clean", "direct", "forward_scatter", "backscatter", "scattered", "styled", "hazed", "range", "transmittance",
-  "semantics", "semantics.visible", "instances", "findings", "normals", "snow_mask"];
+const ORDER = ["rgb", "rgb_right", "clean", "direct", "forward_scatter", "backscatter", "scattered", "styled", "hazed", "range", "transmittance",
+  "semantics", "semantics.visible", "instances", "findings", "normals", "flow", "disparity", "snow_mask"];
 
 export class Layers {
   constructor(route, base, record, about) {

@@ -60,7 +60,9 @@ export function readNpy(data) {
 function ofArray({ shape, values }, kind) {
   const [height, width, channels = 1] = shape;
   const image = new ImageData(width, height);
-  const code = { normals: (v) => 127.5 * (v + 1), transmittance: (v) => 255 * v }[kind] ?? encoded;
+  // Motions of up to 32 px to either side.
+  const motion = (v) => 127.5 + 4 * v;
+  const code = { normals: (v) => 127.5 * (v + 1), transmittance: (v) => 255 * v, flow: motion, disparity: motion }[kind] ?? encoded;
   for (let at = 0; at < width * height; at += 1) {
     for (let c = 0; c < 3; c += 1) image.data[4 * at + c] = code(values[at * channels + Math.min(c, channels - 1)]);
     image.data[4 * at + 3] = 255;

@@ -1,8 +1,8 @@
 //! Relations between pictures of one scene: the motion to the next frame of a path, the right camera of a stereo pair, and the
 //! previous picture.
 //!
-//! Only the camera moves. Procedural worlds are static within a pass over a path, including animals, plants and bubbles. Marine
-//! snow, sediment, caustics, lamplight and shadows move over surfaces and are no part of the motion.
+//! Only the camera moves. Procedural worlds are static within a pass over a path, including animals, plants and bubbles. The motion
+//! excludes marine snow, sediment, caustics, lamplight and shadows, which move over surfaces.
 
 mod held;
 mod history;

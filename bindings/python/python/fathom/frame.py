@@ -109,6 +109,21 @@ class Frame:
         return self._array("normals")
 
     @property
+    def rgb_right(self) -> NDArray[np.uint8]:
+        """The picture of the right camera: uint8 sRGB codes, (H, W, 3)."""
+        return self._array("rgb_right")
+
+    @property
+    def flow(self) -> NDArray[np.float32]:
+        """Motion to the next frame of the path in x and y, and visibility there, 1 or 0: float32, (H, W, 3), in pixels."""
+        return self._array("flow")
+
+    @property
+    def disparity(self) -> NDArray[np.float32]:
+        """Position minus that in `rgb_right` in x and y, and visibility there, 1 or 0: float32, (H, W, 3), in pixels."""
+        return self._array("disparity")
+
+    @property
     def transmittance(self) -> NDArray[np.float32]:
         """Share of the direct light that arrives, by band: float32 in 0..1, (H, W, 3)."""
         return self._array("transmittance")

@@ -88,8 +88,8 @@ pub struct Frame {
     /// Canonical JSON of the fields above, without `index`.
     #[serde(skip)]
     pub parameters: Value,
-    /// Meters by which the camera is to the right of its described position: the baseline for the right picture of a
-    /// stereo pair, otherwise 0.
+    /// Distance of the camera to the right of its described position, m: the baseline for the right picture of a stereo
+    /// pair, otherwise 0.
     #[serde(skip)]
     pub right_m: f64,
     /// The other frames of the path.
@@ -178,7 +178,7 @@ impl Frame {
         };
         let steps = direction * *step as i64;
         let neighbor = resolve(self.index.wrapping_add_signed(steps))?;
-        // A path that is drawn for each frame has no neighbors.
+        // Frames with a path drawn for each of them have no neighbors.
         let is_next = neighbor.camera.path == Some(path) && neighbor.scene == self.scene;
         Ok(is_next.then_some(neighbor))
     }

@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use spec::{Frame, FrameRecord};
+use spec::{ArtifactKind, Frame, FrameRecord};
 
 /// Nanoseconds per pixel of each stage on one core of a server processor, 768×492, before any measurement; per lamp
 /// for lamps.
-const TYPICAL_NS: [(&str, f64); 13] = [
+const TYPICAL_NS: [(&str, f64); 16] = [
     ("scene", 90.0),
     ("plan", 2.0),
     ("turbidity", 20.0),
@@ -20,10 +20,13 @@ const TYPICAL_NS: [(&str, f64); 13] = [
     ("encode", 5.0),
     ("enhance", 20.0),
     ("metrics", 50.0),
+    ("flow", 32.0),
+    ("disparity", 32.0),
+    ("right", 500.0),
     ("files", 75.0),
 ];
 /// Bytes per pixel of each artifact kind: PNG of synthetic scenes, float32 NPY of the linear layers.
-const TYPICAL_BYTES: [(&str, f64); 12] = [
+const TYPICAL_BYTES: [(&str, f64); 14] = [
     ("range", 0.6),
     ("instances", 0.02),
     ("snow_mask", 0.1),
@@ -34,6 +37,8 @@ const TYPICAL_BYTES: [(&str, f64); 12] = [
     ("forward_scatter", 12.0),
     ("backscatter", 12.0),
     ("transmittance", 12.0),
+    ("flow", 12.0),
+    ("disparity", 12.0),
     ("truth", 24.0),
     ("clean", 1.0),
 ];
@@ -149,6 +154,9 @@ impl Learned {
 fn runs(frame: &Frame, stage: &str) -> bool {
     let water = &frame.water;
     match stage {
+        "flow" => frame.artifacts.contains(&ArtifactKind::Flow),
+        "disparity" => frame.artifacts.contains(&ArtifactKind::Disparity),
+        "right" => frame.artifacts.contains(&ArtifactKind::RgbRight),
         "water" => water.optics.is_some(),
         "lamps" => frame.has_lamps(),
         "snow" => water.snow.is_some_and(|snow| snow.density_per_m3 > 0.0),

@@ -37,13 +37,14 @@ impl History {
     /// Adds the picture of a frame and drops the oldest ones beyond the limits.
     pub(crate) fn insert(&mut self, frame: Frame, held: Arc<Held>) {
         self.pictures.retain(|(own, _)| *own != frame);
-        let is_beyond = |pictures: &VecDeque<(Frame, Arc<Held>)>| {
-            let pixels = pictures.iter().map(|(_, held)| held.rgb.data().len() / 3);
-            pictures.len() >= MOST_PICTURES || pixels.sum::<usize>() > MOST_PIXELS
-        };
-        while is_beyond(&self.pictures) {
+        while self.pictures.len() >= MOST_PICTURES || self.count_pixels() > MOST_PIXELS {
             self.pictures.pop_front();
         }
         self.pictures.push_back((frame, held));
+    }
+
+    fn count_pixels(&self) -> usize {
+        let pixels = self.pictures.iter().map(|(_, held)| held.rgb.data().len() / 3);
+        pixels.sum()
     }
 }

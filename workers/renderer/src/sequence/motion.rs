@@ -37,13 +37,14 @@ pub(crate) struct Motions {
     pub(crate) disparity: Option<Rgb<f32>>,
 }
 
-/// Finds the requested motions of a frame; none with a rolling shutter, whose rows have several poses.
+/// Finds the requested motions of a frame. Empty with a rolling shutter, because its rows have several poses.
 pub(crate) fn find_motions(
     context: &FrameContext<'_>,
     watch: &mut Stopwatch,
 ) -> Result<Motions, RenderError> {
-    let asks = |kind: &ArtifactKind| context.frame.artifacts.contains(kind);
-    let (needs_flow, needs_disparity) = (asks(&ArtifactKind::Flow), asks(&ArtifactKind::Disparity));
+    let artifacts = &context.frame.artifacts;
+    let needs_flow = artifacts.contains(&ArtifactKind::Flow);
+    let needs_disparity = artifacts.contains(&ArtifactKind::Disparity);
     let has_one_pose = ::camera::preset::complete(&context.frame.camera)
         .readout_s
         .is_none_or(|readout_s| readout_s == 0.0);
@@ -67,7 +68,7 @@ fn find_flow(context: &FrameContext<'_>) -> Result<Option<Rgb<f32>>, RenderError
     let Some(next) = frame.next().map_err(RenderError::Resolve)? else {
         return Ok(None);
     };
-    let Some(from) = Viewpoint::new(context) else {
+    let Some(own) = Viewpoint::new(context) else {
         return Ok(None);
     };
     // The height of piles depends on the depth.
@@ -77,17 +78,17 @@ fn find_flow(context: &FrameContext<'_>) -> Result<Option<Rgb<f32>>, RenderError
         _ => Place::read(&next)?,
     };
     let pose = place.pose_at(&next, 0.0)?;
-    let to = from.of_sibling(&frame.camera, &next, pose)?;
-    Ok(find_motion_in(context, &from, &to, &place.world))
+    let other = own.of_sibling(&frame.camera, &next, pose)?;
+    Ok(find_motion_in(context, &own, &other, &place.world))
 }
 
 fn find_disparity(context: &FrameContext<'_>) -> Option<Rgb<f32>> {
     let baseline_m = context.frame.camera.stereo?.baseline_m;
-    let from = Viewpoint::new(context)?;
-    let mut right = from;
-    right.pose = from.pose.moved_right(baseline_m);
+    let left = Viewpoint::new(context)?;
+    let mut right = left;
+    right.pose = left.pose.moved_right(baseline_m);
     let world = context.prepared.world.as_deref()?;
-    let mut motion = find_motion_in(context, &from, &right, world)?;
+    let mut motion = find_motion_in(context, &left, &right, world)?;
     let [x, y, _] = motion.planes_mut();
     x.iter_mut().chain(y).for_each(|v| *v = -*v);
     Some(motion)

@@ -126,18 +126,21 @@ impl Viewpoint {
     /// Whether a position is in the picture.
     #[must_use]
     pub fn contains(&self, [x, y]: [f64; 2]) -> bool {
-        let is_within = |place: f64, side: usize| place >= -0.5 && place < side as f64 - 0.5;
-        is_within(x, self.size.0) && is_within(y, self.size.1)
+        let (width, height) = (self.size.0 as f64, self.size.1 as f64);
+        (-0.5..width - 0.5).contains(&x) && (-0.5..height - 0.5).contains(&y)
     }
 
     /// The map of points from the axes of this camera to those of another.
     #[must_use]
     pub fn relative_to(&self, other: &Self) -> RelativePose {
-        let from = [self.pose.right, self.pose.down, self.pose.ahead];
-        let to = [other.pose.right, other.pose.down, other.pose.ahead];
+        let own = axes(&self.pose);
         RelativePose {
-            rotation: to.map(|axis| from.map(|own| axis.dot(own))),
+            rotation: axes(&other.pose).map(|axis| own.map(|column| axis.dot(column))),
             translation_m: other.pose.to_camera(self.pose.position_m).into(),
         }
     }
+}
+
+fn axes(pose: &CameraPose) -> [DVec3; 3] {
+    [pose.right, pose.down, pose.ahead]
 }

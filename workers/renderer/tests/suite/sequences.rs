@@ -83,10 +83,10 @@ pub(crate) fn moved_path(frames: usize, [right_m, down_m, ahead_m]: [f64; 3]) ->
         ahead[0] * right[1] - ahead[1] * right[0],
     ];
     let waypoint = |share: f64| {
-        let at = [0, 1, 2]
+        let position = [0, 1, 2]
             .map(|i| place[i] + share * (right_m * right[i] + down_m * down[i] + ahead_m * ahead[i]));
-        let target = [0, 1, 2].map(|i| at[i] + 4.0 * ahead[i]);
-        json!({"position_m": at, "target_m": target})
+        let target = [0, 1, 2].map(|i| position[i] + 4.0 * ahead[i]);
+        json!({"position_m": position, "target_m": target})
     };
     json!({"frames": frames, "start": waypoint(0.0), "end": waypoint(1.0)})
 }

@@ -10,7 +10,7 @@ use crate::invalid::FieldError;
 use crate::node::Node;
 use crate::rules::Fault;
 
-/// Minimum frames of a path on which a frame has a neighbor.
+/// Minimum length of a path with a next frame.
 const LEAST_FRAMES: f64 = 2.0;
 
 impl Checker<'_> {

@@ -94,7 +94,7 @@ impl Sampling {
         [column + f64::from(tap.x), row + f64::from(tap.y)]
     }
 
-    /// The source pixel whose label [`Sampling::labels`] takes for a pixel.
+    /// The source pixel that provides the label of a pixel in [`Sampling::labels`].
     #[must_use]
     pub fn nearest(&self, x: usize, y: usize) -> [f64; 2] {
         let (tap, [column, row]) = self.tap(x, y);

@@ -92,7 +92,7 @@ fn read(context: &FrameContext<'_>, sensor: &SensorModel, light: &Rgb<f32>, came
     sensor::read(light, sensor, chance, cameras.pattern(sensor, seed, samples))
 }
 
-/// The seed of a frame's sensor. The right camera of a stereo pair has its own.
+/// The seed of a frame's sensor; another one for the right camera of a stereo pair.
 fn sensor_seed(frame: &Frame) -> u64 {
     if frame.right_m == 0.0 {
         return frame.seed;

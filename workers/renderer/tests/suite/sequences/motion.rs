@@ -1,4 +1,4 @@
-//! Flow against re-projection from published numbers, planes known by hand, and the pictures themselves.
+//! Flow against re-projection from published numbers, the analytic plane, and the pictures.
 
 use imaging::Rgb;
 use imaging::rays::Rays;
@@ -52,12 +52,12 @@ fn flow_is_the_reprojection_by_range_and_both_poses() {
         }
         let point = along(&camera, [x as f64, y as f64], f64::from(meters));
         let [u, v, w] = to_camera(&poses[1], to_world(&poses[0], point));
-        let there = [
+        let target = [
             camera.cx + camera.focal_px * u / w,
             camera.cy + camera.focal_px * v / w,
         ];
         assert!(
-            near(dx, there[0] - x as f64) && near(dy, there[1] - y as f64),
+            near(dx, target[0] - x as f64) && near(dy, target[1] - y as f64),
             "{x} {y}"
         );
         (found, moved) = (found + 1, moved.max(dx.abs()));
@@ -114,10 +114,10 @@ fn flow_follows_distortion_and_port() {
         );
         let [u, v, w] = to_camera(&poses[1], to_world(&poses[0], ray.map(|v| v * meters)));
         let [u, v] = image_of(&record, [u / w, v / w]);
-        let there = [camera.cx + camera.focal_px * u, camera.cy + camera.focal_px * v];
+        let target = [camera.cx + camera.focal_px * u, camera.cy + camera.focal_px * v];
         assert!(
-            near(dx, there[0] - x) && near(dy, there[1] - y),
-            "{x} {y}: {dx} {there:?}"
+            near(dx, target[0] - x) && near(dy, target[1] - y),
+            "{x} {y}: {dx} {target:?}"
         );
         found += 1;
     }
@@ -147,11 +147,11 @@ fn ray_in_water(lens: &LensRecord, target: [f64; 2]) -> [f64; 3] {
     const STEP: f64 = 1e-6;
     let mut at = target.map(|v| v / 1.34);
     for _ in 0..20 {
-        let here = image_of(lens, at);
+        let image = image_of(lens, at);
         let [right, below] =
             [[at[0] + STEP, at[1]], [at[0], at[1] + STEP]].map(|place| image_of(lens, place));
-        let [[a, c], [b, d]] = [right, below].map(|side| [0, 1].map(|i| (side[i] - here[i]) / STEP));
-        let off = [0, 1].map(|i| here[i] - target[i]);
+        let [[a, c], [b, d]] = [right, below].map(|side| [0, 1].map(|i| (side[i] - image[i]) / STEP));
+        let off = [0, 1].map(|i| image[i] - target[i]);
         let determinant = a * d - b * c;
         at[0] -= (d * off[0] - b * off[1]) / determinant;
         at[1] -= (a * off[1] - c * off[0]) / determinant;
@@ -171,9 +171,9 @@ fn a_point_is_visible_if_no_surface_is_before_it() {
     let solids = world.rays(&CameraPose::from_matrix(&poses[1]).unwrap());
     let (mut counts, mut by_ray, mut by_range) = ([0; 2], 0, 0);
     for (x, y, [dx, dy, visible]) in pixels(linear(&this, "flow")) {
-        let there = [x as f32 + dx, y as f32 + dy].map(f32::round);
+        let target = [x as f32 + dx, y as f32 + dy].map(f32::round);
         let [width, height] = [range(&next).width(), range(&next).height()].map(|side| side as f32);
-        let is_inside = there[0] >= 0.0 && there[1] >= 0.0 && there[0] < width && there[1] < height;
+        let is_inside = target[0] >= 0.0 && target[1] >= 0.0 && target[0] < width && target[1] < height;
         if !is_inside {
             assert_eq!(visible, 0.0, "{x} {y}");
             continue;
@@ -187,7 +187,7 @@ fn a_point_is_visible_if_no_surface_is_before_it() {
         let hit = solids.hit([0.0; 3], point.map(|v| v / meters), 0.0, 0.999 * meters);
         by_ray += u32::from(is_visible == hit.is_some());
         // The nearest pixel, whose center is up to 0.7 px away.
-        let shown = f64::from(range(&next).pixel(there[0] as usize, there[1] as usize));
+        let shown = f64::from(range(&next).pixel(target[0] as usize, target[1] as usize));
         by_range += u32::from(is_visible != ((shown - meters).abs() < EDGE * meters));
     }
     let all = counts[0] + counts[1];
@@ -205,19 +205,19 @@ fn forward_and_backward_flow_cancel() {
     let mut offsets = Vec::new();
     for (x, y, [dx, dy, visible]) in pixels(linear(&forward, "flow")) {
         if visible == 1.0 {
-            let there = [(x as f32 + dx).round() as usize, (y as f32 + dy).round() as usize];
-            let [bx, by, _] = returned.pixel(there[0], there[1]);
+            let target = [(x as f32 + dx).round() as usize, (y as f32 + dy).round() as usize];
+            let [bx, by, _] = returned.pixel(target[0], target[1]);
             offsets.push((dx + bx).hypot(dy + by));
         }
     }
     offsets.sort_by(f32::total_cmp);
-    // The nearest pixel is up to 0.7 px away, over which the flow changes by a tenth.
-    let at = |share: f64| offsets[(share * offsets.len() as f64) as usize];
+    // The nearest pixel is up to 0.7 px away; the flow changes by a tenth over that distance.
+    let quantile = |share: f64| offsets[(share * offsets.len() as f64) as usize];
     assert!(
-        offsets.len() > 4000 && at(0.5) < 0.1 && at(0.95) < 0.5,
+        offsets.len() > 4000 && quantile(0.5) < 0.1 && quantile(0.95) < 0.5,
         "{} {}",
-        at(0.5),
-        at(0.95)
+        quantile(0.5),
+        quantile(0.95)
     );
 }
 
@@ -230,9 +230,9 @@ fn the_next_picture_warped_by_flow_is_this_picture() {
     let (mut warped, mut still) = (Vec::new(), Vec::new());
     for (x, y, [dx, dy, visible]) in pixels(linear(&this, "flow")) {
         if visible == 1.0 {
-            let there = [(x as f32 + dx), (y as f32 + dy)];
+            let target = [(x as f32 + dx), (y as f32 + dy)];
             let own = before.pixel(x, y);
-            warped.push(difference(own, bilinear(after, there)));
+            warped.push(difference(own, bilinear(after, target)));
             still.push(difference(own, after.pixel(x, y).map(f32::from)));
         }
     }

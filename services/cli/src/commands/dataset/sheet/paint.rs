@@ -10,6 +10,8 @@ use scenes::categories::FINDINGS;
 
 /// Meters of one code of a stored range.
 const RANGE_UNIT_M: f64 = 1e-3;
+/// Codes for each pixel of a motion: 32 px to either side.
+const MOTION_CODES: f32 = 4.0;
 /// Numbers below the ramp.
 const TICKS: usize = 5;
 /// The color of pixels without a return.
@@ -41,6 +43,9 @@ impl Stored {
             "findings" => Self::Findings(codes()?),
             "normals" => Self::Picture(linear(kind, bytes, |axes| {
                 axes.map(|v| ((0.5 + 0.5 * v) * 255.0) as u8)
+            })?),
+            "flow" | "disparity" => Self::Picture(linear(kind, bytes, |motion| {
+                motion.map(|v| (127.5 + MOTION_CODES * v) as u8)
             })?),
             "transmittance" => {
                 Self::Picture(linear(kind, bytes, |shares| shares.map(|v| (v * 255.0) as u8))?)
