@@ -1,6 +1,7 @@
-// JSON with whole numbers beyond 2^53 as BigInt, so that seeds of 64 bits keep their digits.
+// JSON with whole numbers beyond 2^53 as BigInt, so that seeds of 64 bits keep their digits. `parse` skips comments.
 
 const TOKEN = /"(?:[^"\\]|\\.)*"|-?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?/g;
+const COMMENT = /"(?:[^"\\]|\\.)*"|\/\/.*/g;
 // No text of JSON starts so: control characters are escaped in it.
 const MARK = "\u0001whole:";
 
@@ -8,7 +9,8 @@ function isLarge(token) {
   return /^-?\d{16,}$/.test(token) && !Number.isSafeInteger(Number(token));
 }
 
-export function parse(text) {
+export function parse(written) {
+  const text = written.replace(COMMENT, (token) => (token.startsWith("/") ? "" : token));
   if (!/\d{16}/.test(text)) return JSON.parse(text);
   const marked = text.replace(TOKEN, (token) => (isLarge(token) ? JSON.stringify(MARK + token) : token));
   return JSON.parse(marked, (_, value) => (typeof value === "string" && value.startsWith(MARK) ? BigInt(value.slice(MARK.length)) : value));

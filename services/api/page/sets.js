@@ -29,7 +29,7 @@ export async function show(root, route) {
 function empty() {
   return h("div.empty", {}, h("h2", {}, "There are no images yet"),
     h("p", {}, h("a", { href: "#/compose" }, "Compose a job"), " and watch its first frame change while you do, or start with a site:"),
-    h("pre", { tabindex: "0", role: "group", "aria-label": "Commands" }, "fathom new shaft\nfathom submit shaft.json --wait"));
+    h("pre", { tabindex: "0", role: "group", "aria-label": "Commands" }, "fathom new shaft > shaft.json\nfathom submit shaft.json --wait"));
 }
 
 function card(dataset, jobs, route) {

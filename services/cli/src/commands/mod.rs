@@ -62,7 +62,7 @@ pub(crate) enum Command {
     Seal(cli::seal::SealArguments),
     /// Remove files of a set that belong to no shard
     Gc(gc::Arguments),
-    /// Write a job that starts from a site
+    /// Write a job that starts from a site, with a comment on each field
     New(new::Arguments),
     /// Show how a frame would be rendered: variant, error bound and cost of each stage
     Plan(plan::Arguments),
