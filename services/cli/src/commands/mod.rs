@@ -29,7 +29,7 @@ use style::{styles, train, waters};
 #[command(name = "fathom", version, max_term_width = 100)]
 pub(crate) struct Arguments {
     /// Print tables as wide as they are, beyond the terminal
-    #[arg(long, global = true)]
+    #[arg(long, global = true, display_order = 900)]
     pub(crate) wide: bool,
     /// End when standard input does
     #[arg(long, global = true, hide = true)]
