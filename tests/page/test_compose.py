@@ -93,6 +93,15 @@ def test_json_that_is_not_valid_cannot_be_submitted(visit):
     assert posted == []
 
 
+def test_json_with_comments_is_read(visit):
+    page = compose(visit, JOB)
+    page.fill("#json", '// frames\n{"site": "tank", // a "tank"\n "labels": {"url": "http://a//b"}}')
+    until(page, "document.querySelector('[aria-label=Site]').value === 'tank'")
+    assert page.get_attribute("#json", "aria-invalid") is None
+    page.fill("#f-dataset", "bath")
+    assert job_of(page) == {"site": "tank", "labels": {"url": "http://a//b"}, "dataset": "bath"}
+
+
 def test_a_preview_that_fails_leaves_submit_enabled(visit):
     page = compose(visit, {**JOB, "dataset": "unseen"})
     ready(page)

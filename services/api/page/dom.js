@@ -34,6 +34,11 @@ export function heading(text, ...beside) {
   return h("div.heading", {}, h("h1", { tabindex: "-1" }, text), ...beside);
 }
 
+// Text with the parts between backticks as code.
+export function prose(text) {
+  return text.split("`").map((part, index) => (index % 2 ? h("code", {}, part) : part));
+}
+
 // The equivalent API calls and commands.
 export function same(...lines) {
   return h("details.same", {}, h("summary", {}, "Without this page"),

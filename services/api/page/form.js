@@ -1,7 +1,7 @@
 // The form of a job: one control per field. Form and JSON edit the same document.
 
 import { get, known } from "./api.js";
-import { h, put, select } from "./dom.js";
+import { h, prose, put, select } from "./dom.js";
 import { isNumber, typed } from "./exact.js";
 import { GROUPS, JOB_FIELDS, LAMPS, NEW_LAMPS, OPEN_GROUPS, OWN, at, put as set, useUploaded } from "./fields.js";
 import { lawEditor, lawOf, lawsFor, newLaw } from "./laws.js";
@@ -146,7 +146,7 @@ export class Form {
     }) : this.plain(field, value, id, options);
     const unit = about?.unit && h("span.quiet", {}, `, ${about.unit}`);
     return h("div.control", { "data-pointer": field.pointer }, h("div.control-head", {}, h("label", { for: law || field.kind === "list" ? undefined : id }, label, unit),
-      h("span.state", {}, this.siteState(field, own), this.kindSelect(field, value, law, label))), editor, h("p.help", {}, h("code", {}, name), about && ` ${helpOf(about.about)}`), note);
+      h("span.state", {}, this.siteState(field, own), this.kindSelect(field, value, law, label))), editor, h("p.help", {}, h("code", {}, name), about && [" ", prose(helpOf(about.about))]), note);
   }
 
   kindSelect(field, value, law, label) {
@@ -173,7 +173,7 @@ export class Form {
   plain(field, value, id, options) {
     if (field.kind === "list") return this.many(field, value ?? [], options);
     if (field.kind === "text") {
-      const box = h("input", { id, type: "text", value: value ?? "", oninput: () => this.change(field, box.value || undefined) });
+      const box = h("input", { id, type: "text", value: value ?? "", placeholder: field.value, oninput: () => this.change(field, box.value || undefined) });
       return box;
     }
     if (field.kind === "choice") {

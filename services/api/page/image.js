@@ -1,7 +1,7 @@
 // One image: its layers with a divider, its record, and its verification.
 
 import { get, known, post, read } from "./api.js";
-import { columnField, h, heading, problemBox, put, same } from "./dom.js";
+import { columnField, h, heading, problemBox, prose, put, same } from "./dom.js";
 import { print } from "./exact.js";
 import { Layers } from "./layers.js";
 import { singleScene } from "./live.js";
@@ -87,7 +87,7 @@ function valueOf(record, column) {
 async function along(record, route) {
   const numbers = Object.keys(flat(record.parameters)).concat(Object.keys(record.measurements.rgb ?? {}));
   const place = h("div.strip");
-  const chosen = route.query.along ?? "alpha";
+  const chosen = route.query.along ?? Object.keys(record.measurements.rgb ?? {})[0] ?? "alpha";
   const draw = async (column) => {
     const value = valueOf(record, column);
     if (typeof value !== "number") return put(place, h("p.quiet", {}, `This image has no ${column}.`));
@@ -116,7 +116,7 @@ function flat(value, name = "", found = {}) {
 
 function files(record, base, about) {
   return h("ul.plain", {}, record.artifacts.map((file) => h("li", {}, h("a", { href: `${base}/artifacts/${path(file.kind)}`, download: "" },
-    file.kind), ` ${bytes(file.bytes)} `, h("span.quiet", {}, about.get(file.kind) ?? ""))));
+    file.kind), ` ${bytes(file.bytes)} `, h("span.quiet", {}, prose(about.get(file.kind) ?? "")))));
 }
 
 async function verify(base, button, place, route) {

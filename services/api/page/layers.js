@@ -1,7 +1,7 @@
 // Two layers of an image with a divider, moved by pointer or keyboard.
 
 import { drawBoxes } from "./set.js";
-import { h, put, select } from "./dom.js";
+import { h, prose, put, select } from "./dom.js";
 import { legendOf, pixels } from "./picture.js";
 import { path } from "./text.js";
 
@@ -89,7 +89,7 @@ export class Layers {
       this.stage.style.maxWidth = `calc(70vh * ${image.width / image.height})`;
       canvas.getContext("2d").putImageData(image, 0, 0);
       const legend = await legendOf(kind, image, new Map((this.record.scene?.categories ?? []).map((one) => [one.id, one.name])));
-      this.notes[side] = [`${kind}: ${this.about.get(kind) ?? ""}`, legend && [h("br"), legend]];
+      this.notes[side] = [`${kind}: `, prose(this.about.get(kind) ?? ""), legend && [h("br"), legend]];
     } catch (error) {
       if (this.route.signal.aborted) return undefined;
       this.notes[side] = `${kind}: ${error.message}`;

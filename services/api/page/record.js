@@ -88,7 +88,8 @@ function flatten(value, name, rows) {
 
 export function planTable(record) {
   const plan = record.plan.filter((stage) => stage.variant !== "skip");
-  const rows = plan.map((stage) => [stage.stage, [stage.variant, stage.terms ? ` ${stage.terms}` : ""], stage.bound === undefined ? "–"
+  // Long names break after a point.
+  const rows = plan.map((stage) => [stage.stage.replaceAll(".", ".\u200b"), [stage.variant, stage.terms ? ` ${stage.terms}` : ""], stage.bound === undefined ? "–"
     : number(stage.bound, 3), stage.share === undefined ? "–" : number(stage.share, 3), stage.cost_ms === undefined ? "–" : number(stage.cost_ms, 3)]);
   const skipped = record.plan.length - plan.length;
   const times = Object.entries(record.timings_ms ?? {}).filter(([name, ms]) => name !== "total" && ms >= 0.05).sort((a, b) => b[1] - a[1]);

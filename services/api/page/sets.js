@@ -29,7 +29,7 @@ export async function show(root, route) {
 function empty() {
   return h("div.empty", {}, h("h2", {}, "There are no images yet"),
     h("p", {}, h("a", { href: "#/compose" }, "Compose a job"), " and watch its first frame change while you do, or start with a site:"),
-    h("pre", { tabindex: "0", role: "group", "aria-label": "Commands" }, "fathom new shaft\nfathom submit shaft.json --wait"));
+    h("pre", { tabindex: "0", role: "group", "aria-label": "Commands" }, "fathom new shaft > shaft.json\nfathom submit shaft.json --wait"));
 }
 
 function card(dataset, jobs, route) {
@@ -89,7 +89,7 @@ async function compare(root, route) {
     };
     put(place, h("div.split", {}, table(["", state.a, state.b], [
       ["images", ...infos.map((info) => number(info.images))], ["bytes", ...infos.map((info) => bytes(info.bytes))],
-      ...metrics.map((metric) => [metric, value(0, metric), value(1, metric)])], { label: "Both datasets" }),
+      ...metrics.map((metric) => [metric, value(0, metric), value(1, metric)]).filter(([, ...both]) => both.some((one) => one !== "–"))], { label: "Both datasets" }),
     h("section.panel", {}, columnField("Column", columns, { chosen: column }, (name) => {
       route.set({ column: name });
       draw();
@@ -103,8 +103,10 @@ async function compare(root, route) {
 async function drawBoth(plot, names, column, route) {
   const ask = (name, more) => get(`/v1/datasets/${path(name)}/histogram`, { column, bins: 40, ...more }, route.signal);
   const own = await Promise.all(names.map((name) => ask(name, {})));
-  const min = Math.min(...own.map((bins) => bins.edges[0]));
-  const max = Math.max(...own.map((bins) => bins.edges.at(-1)));
+  const known = own.filter((bins) => bins.counts.some((one) => one > 0));
+  if (known.length === 0) return put(plot, h("p.quiet", {}, `Neither dataset has values of ${column}.`));
+  const min = Math.min(...known.map((bins) => bins.edges[0]));
+  const max = Math.max(...known.map((bins) => bins.edges.at(-1)));
   const [a, b] = await Promise.all(names.map((name) => ask(name, { min, max })));
-  put(plot, histogram(a, { label: `${column} of ${names[0]} and ${names[1]}`, other: b }));
+  return put(plot, histogram(a, { label: `${column} of ${names[0]} and ${names[1]}`, other: b }));
 }

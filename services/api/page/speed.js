@@ -7,6 +7,8 @@ import { shade } from "./picture.js";
 import { count, number, path } from "./text.js";
 
 const SAMPLE = 24;
+// Stages that take less are left out.
+const LEAST_MS = 0.05;
 
 export async function show(root, route) {
   const chart = h("section.panel");
@@ -65,7 +67,7 @@ async function stability(place, route) {
     const worse = shown.filter((row) => Number(row.ssim_after) < Number(row.ssim_before)).length;
     const cell = (row) => {
       const change = Number(row.ssim_after) - Number(row.ssim_before);
-      const label = what === "ssim" ? `${change > 0 ? "+" : ""}${change.toFixed(2)}` : `${row.gain}×`;
+      const label = what === "ssim" ? `${change > 0 ? "+" : ""}${change.toFixed(2)}`.replace(/^[-+](0\.00)$/, "$1") : `${row.gain}×`;
       const share = what === "ssim" ? 0.5 - change : Math.log10(Math.max(1, Number(row.gain))) / 2;
       const [r, g, b] = shade(share);
       const td = h("td", { title: `${row.degradation} ${row.value}: SSIM ${row.ssim_before} to ${row.ssim_after}, gain ${row.gain}, failures ${row.failures}` }, label);
@@ -106,12 +108,13 @@ async function ofDataset(place, route) {
       for (const [stage, ms] of Object.entries(record.timings_ms ?? {})) times.set(stage, [...(times.get(stage) ?? []), ms]);
     }
     const median = (values) => values.sort((a, b) => a - b)[Math.floor(values.length / 2)];
+    const medians = [...times].map(([stage, values]) => ({ stage, ms: median(values) })).filter(({ ms }) => ms >= LEAST_MS).sort((a, b) => b.ms - a.ms);
     put(place, h("h2", {}, "Frames of a dataset"), select("Dataset", datasets, name, (value) => {
       route.set({ dataset: value });
       draw(value);
     }), h("p.quiet", {}, `Of the newest ${count(records.length, "frame")}.`), h("div.split.even", {},
-      table(["stage", "median ms"], [...times].map(([stage, values]) => [stage, number(median(values), 3)]), { label: "Time of each stage" }),
-      table(["stage and variant", "frames", "largest bound", "planned ms"], [...stages].map(([stage, one]) => [stage, number(one.frames),
+      table(["stage", "median ms"], medians.map(({ stage, ms }) => [stage, number(ms, 3)]), { label: "Time of each stage" }),
+      stages.size > 0 && table(["stage and variant", "frames", "largest bound", "planned ms"], [...stages].map(([stage, one]) => [stage, number(one.frames),
         one.bound ? number(one.bound, 3) : "–", number(one.cost / one.frames, 3)]), { label: "Bounds of each stage" })));
   };
   const chosen = route.query.dataset ?? route.query.set;

@@ -130,7 +130,7 @@ function waterCard(water, wall) {
     : wall.picture(`The scene in ${water.name}`, { ...SCENE, water: { optics: water.name, range_scale: 0.25 } });
   const c = water.beam_attenuation_per_m;
   const steps = Array.from({ length: 41 }, (_, step) => step / 2);
-  const through = c && COLORS.map(([color, index]) => ({ name: NAMES[color], color, points: steps.map((range) => [range, Math.exp(-c[index] * range)]) }));
+  const through = c && COLORS.filter(([, index]) => typeof c[index] === "number" && c[index] > 0).map(([color, index]) => ({ name: NAMES[color], color, points: steps.map((range) => [range, Math.exp(-c[index] * range)]) }));
   const spectrum = ["absorption_per_m", "scattering_per_m", "beam_attenuation_per_m", "diffuse_attenuation_per_m"].filter((name) => water[name]);
   return h("article.card", {}, canvas, h("h3", {}, water.name), h("p.quiet", {}, [water.jerlov_type && `Jerlov ${water.jerlov_type}. `, water.source]),
     through && curves(through, { label: `Transmittance of ${water.name} over 20 m in red, green and blue`, x: "range, m", y: "transmittance" }),
@@ -225,7 +225,7 @@ function trainer(route, done) {
     if (event.dataTransfer.files.length > 0) photo.files = event.dataTransfer.files;
   } }, h("h2", {}, "Train a style from a photo"), h("p.quiet", {}, "Drop photos of one water here, or choose them. A thousand steps take about a minute on four free cores."),
   h("div.row", {}, photo, name, h("label.field", {}, h("span", {}, "steps"), steps),
-    h("label.field", { title: "Contrast falls with range as in the photos; scenes need a range" }, h("span", {}, "follows the range"), range), h("button.primary", {}, "Train")), words);
+    h("span.checks", {}, h("label", { title: "Contrast falls with range as in the photos; scenes need a range" }, range, "follows the range")), h("button.primary", {}, "Train")), words);
   return form;
 }
 

@@ -22,6 +22,17 @@ pub struct Row {
     pub doc: String,
 }
 
+impl Row {
+    /// Meaning and limits, without the unit.
+    #[must_use]
+    pub fn summary(&self) -> String {
+        match self.limit.as_str() {
+            "" => self.doc.clone(),
+            limit => format!("{}; {limit}", self.doc),
+        }
+    }
+}
+
 /// Every accepted field, parents before children.
 #[must_use]
 pub fn rows() -> Vec<Row> {

@@ -81,9 +81,11 @@ impl<'v> Draft<'v> {
     fn start(written: Value, vocabulary: &'v Vocabulary) -> Result<Self, Invalid> {
         let seed = seed(&written);
         let mut checker = Checker::new(vocabulary, seed);
-        let Some(sites) = Sites::expand(&written, &mut checker) else {
-            return Err(Invalid(checker.errors));
-        };
+        let sites = Sites::expand(&written, &mut checker);
+        let mut errors = checker.errors;
+        if sites.descriptions.is_empty() {
+            return Err(Invalid(errors));
+        }
         let (mut documents, mut parts) = (Vec::new(), Vec::new());
         for description in sites.descriptions {
             let mut checker = Checker::new(vocabulary, seed);
@@ -98,7 +100,6 @@ impl<'v> Draft<'v> {
             let pointer = description.pointer;
             parts.push(Part { checker, pointer });
         }
-        let mut errors = Vec::new();
         let job = Job::assemble(seed, sites.name, documents, &mut errors);
         Ok(Self {
             job,

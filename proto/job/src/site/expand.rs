@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 use super::SitePreset;
 use super::merge::merge;
 use crate::check::{Checker, Location};
-use crate::fields::JOB;
+use crate::fields::{DOCUMENT, JOB};
 use crate::invalid::FieldError;
 use crate::node::Node;
 use crate::schema::{Names, Shape};
@@ -22,7 +22,7 @@ const MAX_SITES: usize = 16;
 pub(crate) struct Sites {
     /// Name of a frame's site, or its distribution. `None` for a job without sites.
     pub(crate) name: Option<Node>,
-    /// One per site, or a single one without sites. Never empty.
+    /// One per site, or a single one without sites. Empty if `site` is rejected.
     pub(crate) descriptions: Vec<SiteDescription>,
 }
 
@@ -49,35 +49,36 @@ struct SiteFields {
 }
 
 impl Sites {
-    /// Merges the fields of the job into each of its sites.
-    ///
-    /// Returns `None` if `site` itself is rejected, with its errors added.
-    pub(crate) fn expand(written: &Value, checker: &mut Checker<'_>) -> Option<Self> {
+    /// Merges the fields of the job into each of its sites, and adds the errors of `site`. Rejected sites have no
+    /// description.
+    pub(crate) fn expand(written: &Value, checker: &mut Checker<'_>) -> Self {
         let Some((site, fields)) = split_site(written) else {
-            return Some(Self {
+            return Self {
                 name: None,
                 descriptions: vec![SiteDescription {
                     name: String::new(),
                     pointer: String::new(),
                     value: written.clone(),
                 }],
-            });
+            };
         };
         let mut named = Vec::new();
         let names = take_names(&site, "/site".to_owned(), &mut named);
         if named.len() > MAX_SITES {
             let message = format!("`site` names {} sites; must be at most {MAX_SITES}", named.len());
             checker.refuse(|| FieldError::new("/site", message).limit(format!("at most {MAX_SITES} sites")));
-            return None;
+            named.clear();
         }
         let location = Location::default().field("site");
-        let name = checker.check(&location, &Shape::Text(Names::WaterName), true, &names)?;
+        let name = checker.check(&location, &Shape::Text(Names::WaterName), true, &names);
         let mut sites = BTreeMap::new();
-        for site in named {
-            checker.add_site(site, &mut sites);
+        if name.is_some() {
+            for site in named {
+                checker.add_site(site, &mut sites);
+            }
         }
-        if !checker.errors.is_empty() {
-            return None;
+        if sites.is_empty() {
+            checker.check_overrides(&fields);
         }
         let descriptions = sites.into_iter().map(|(name, site)| {
             let mut value = merge(&JOB, site.fields, &fields);
@@ -88,10 +89,10 @@ impl Sites {
                 value: value.into(),
             }
         });
-        Some(Self {
-            name: Some(name),
+        Self {
+            name,
             descriptions: descriptions.collect(),
-        })
+        }
     }
 }
 
@@ -127,6 +128,20 @@ impl Checker<'_> {
             self.refuse(|| FieldError::new(&pointer, message).value(&name.as_str().into()));
         }
         sites.insert(name, site);
+    }
+
+    /// Adds the errors of the fields next to a rejected site, except for missing and removed values, which depend on
+    /// the site.
+    fn check_overrides(&mut self, fields: &Map<String, Value>) {
+        let mut checker = Checker::new(self.vocabulary, self.seed);
+        let fields = merge(&JOB, Map::new(), fields).into();
+        checker.check(&Location::default(), &DOCUMENT, false, &fields);
+        let errors = checker.errors.into_iter();
+        self.errors.extend(
+            errors.filter(|error| {
+                error.limit.as_deref() != Some("required") && error.value != Some(Value::Null)
+            }),
+        );
     }
 
     fn refuse_unknown_site(&mut self, name: &str, pointer: &str) {

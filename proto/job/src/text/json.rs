@@ -1,4 +1,4 @@
-//! Strict JSON parsing: RFC 8259 within limits, without duplicate keys.
+//! Strict JSON parsing: RFC 8259 within limits, without duplicate keys, with `//` comments.
 //!
 //! A common parser silently keeps the last of two equal keys.
 
@@ -25,7 +25,8 @@ pub fn skip_byte_order_mark(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
 }
 
-/// Parses one JSON document, with or without a byte order mark.
+/// Parses one JSON document, with or without a byte order mark. Two slashes outside a string begin a comment, which
+/// ends with its line.
 ///
 /// # Errors
 /// Too long, not JSON, nested too deeply, an overlong key, or duplicate keys (all of them).
@@ -45,7 +46,8 @@ pub fn read(bytes: &[u8]) -> Result<Value, Invalid> {
         ]));
     }
     let mut reader = Reader::default();
-    let mut deserializer = serde_json::Deserializer::from_slice(bytes);
+    let text = blank_comments(bytes);
+    let mut deserializer = serde_json::Deserializer::from_slice(&text);
     let value = Seed(&mut reader).deserialize(&mut deserializer);
     match value.and_then(|value| deserializer.end().map(|()| value)) {
         Ok(value) if reader.duplicates.is_empty() => Ok(value),
@@ -54,10 +56,34 @@ pub fn read(bytes: &[u8]) -> Result<Value, Invalid> {
             &pointer(&reader.path),
             match error.classify() {
                 Category::Data => error.to_string(),
+                _ if text != bytes && !bytes.contains(&b'\n') => format!(
+                    "not valid JSON: {error}; a comment ends with its line, but the text is one line \
+                     (`curl --data` joins lines, `curl --data-binary` keeps them)"
+                ),
                 _ => format!("not valid JSON: {error}"),
             },
         )])),
     }
+}
+
+/// The text with spaces in place of comments, so that errors keep their line and column.
+fn blank_comments(bytes: &[u8]) -> Vec<u8> {
+    let mut text = bytes.to_vec();
+    let (mut position, mut is_string) = (0, false);
+    while position < text.len() {
+        match text[position] {
+            b'\\' if is_string => position += 1,
+            b'"' => is_string = !is_string,
+            b'/' if !is_string && text[position..].starts_with(b"//") => {
+                let rest = text[position..].iter_mut();
+                rest.take_while(|byte| **byte != b'\n')
+                    .for_each(|byte| *byte = b' ');
+            }
+            _ => {}
+        }
+        position += 1;
+    }
+    text
 }
 
 /// One step of a JSON pointer, escaped after RFC 6901.
@@ -196,6 +222,19 @@ mod tests {
         let pointers: Vec<_> = found.iter().map(|error| error.pointer.as_str()).collect();
         assert_eq!(pointers, ["/a", "/l/0/x~1y"]);
         assert_eq!(found[0].value, Some(2.into()));
+    }
+
+    #[test]
+    fn comments_end_with_their_line_and_errors_keep_their_position() {
+        let text = "// a \"job\" {\n{\"url\": \"a//b\\\"//c\\\\\", // {\r\n\"b\": [1, //2,\n3]} //";
+        let expected = serde_json::json!({"url": "a//b\"//c\\", "b": [1, 3]});
+        assert_eq!(read(text.as_bytes()).unwrap(), expected);
+        assert!(errors("// job\n{} //\n/")[0].message.ends_with("line 3 column 1"));
+        let joined = errors("{ // job  \"count\": 1}").remove(0).message;
+        assert!(joined.ends_with("`curl --data-binary` keeps them)"), "{joined}");
+        for text in ["{} / /", "{} /* a */", "// {}", "{\"a // b\n\": 1}"] {
+            assert!(errors(text)[0].message.starts_with("not valid JSON"), "{text}");
+        }
     }
 
     #[test]

@@ -141,6 +141,7 @@ const RULES: &[&str] = &[
 
 const SITES: &[&str] = &[
     r#"{"site": "tnk"}"#,
+    r#"{"site": "tnk", "alpha": 2, "scene": {"cracks": 0.1}}"#,
     r#"{"site": {"choice": ["tank"], "weights": [1, 2]}}"#,
     r#"{"site": {"name": "quay-7", "count": 3}}"#,
     r#"{"site": {"choice": [{"name": "quay-7", "seed": 1}, {"name": "quay-7"}]}}"#,

@@ -104,15 +104,9 @@ pub(super) fn findings(_: &Library) -> Vec<Entry> {
 pub(super) fn fields(_: &Library) -> Vec<Entry> {
     table::rows()
         .into_iter()
-        .map(|row| {
-            let about = match row.limit.as_str() {
-                "" => row.doc,
-                limit => format!("{}; {limit}", row.doc),
-            };
-            Entry {
-                unit: row.unit.map(str::to_owned),
-                ..entry(row.path, about)
-            }
+        .map(|row| Entry {
+            unit: row.unit.map(str::to_owned),
+            ..entry(row.path.clone(), row.summary())
         })
         .collect()
 }

@@ -29,7 +29,7 @@ use style::{styles, train, waters};
 #[command(name = "fathom", version, max_term_width = 100)]
 pub(crate) struct Arguments {
     /// Print tables as wide as they are, beyond the terminal
-    #[arg(long, global = true)]
+    #[arg(long, global = true, display_order = 900)]
     pub(crate) wide: bool,
     /// End when standard input does
     #[arg(long, global = true, hide = true)]
@@ -62,7 +62,7 @@ pub(crate) enum Command {
     Seal(cli::seal::SealArguments),
     /// Remove files of a set that belong to no shard
     Gc(gc::Arguments),
-    /// Write a job that starts from a site
+    /// Write a job that starts from a site, with a comment on each field
     New(new::Arguments),
     /// Show how a frame would be rendered: variant, error bound and cost of each stage
     Plan(plan::Arguments),

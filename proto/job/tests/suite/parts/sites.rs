@@ -262,6 +262,33 @@ fn an_unknown_site_comes_with_the_known_ones() {
     );
 }
 
+fn error_pointers(document: &Value) -> Vec<String> {
+    let found = errors(document).into_iter();
+    found.map(|error| error.pointer).collect()
+}
+
+#[test]
+fn the_other_errors_are_listed_next_to_those_of_the_site() {
+    // What the site would set is not missing: the scene, the kind of the scene, the preset of the water.
+    let overrides = json!({
+        "site": "shft", "alpha": 2, "sed": 1, "scene": {"cracks": 0.1}, "camera": {"width": 0},
+        "water": {"optics": {"backscatter_fraction": 0.02}, "snow": null},
+    });
+    let found = error_pointers(&overrides);
+    assert_eq!(found, ["/site", "/sed", "/camera/width", "/alpha"]);
+    // A null removes a field, but not the site.
+    let nulls = json!({"site": null, "lights": null, "seed": -1});
+    assert_eq!(error_pointers(&nulls), ["/site", "/seed"]);
+    // The known sites of a mix are checked with their own fields.
+    let mixed = json!({"site": {"choice": ["tank", "shft"]}, "alpha": 0.5});
+    assert_eq!(error_pointers(&mixed), ["/site/choice/1", "/alpha"]);
+    let own = json!({"site": {"name": "quay", "count": 3, "alpha": 2}});
+    assert_eq!(
+        error_pointers(&own),
+        ["/site/count", "/site/alpha", "/site/scene"]
+    );
+}
+
 #[test]
 fn bad_sites_are_rejected_at_their_pointer() {
     let cases = [

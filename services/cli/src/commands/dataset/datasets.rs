@@ -1,10 +1,8 @@
 //! `fathom datasets`: lists the datasets of a service, and the sealed versions of one.
 
-use std::slice;
-
 use cli::exit::Failure;
 use cli::known;
-use cli::plural::count;
+use cli::plural::{count, describe_bytes};
 use cli::remote::ServerArguments;
 use cli::table::table;
 use client::{DatasetRow, VersionRow};
@@ -43,11 +41,15 @@ fn print_datasets(datasets: &[DatasetRow], as_json: bool) {
     let rows: Vec<Vec<String>> = datasets
         .iter()
         .map(|row| {
-            let counts = [row.images, row.bytes, row.jobs].map(|count| count.to_string());
-            [slice::from_ref(&row.name), &counts[..]].concat()
+            vec![
+                row.name.clone(),
+                row.images.to_string(),
+                describe_bytes(row.bytes as f64),
+                row.jobs.to_string(),
+            ]
         })
         .collect();
-    println!("{}", table(&["name", "images", "bytes", "jobs"], &rows));
+    println!("{}", table(&["name", "images", "size", "jobs"], &rows));
     println!("{}", count(rows.len(), "dataset"));
 }
 
@@ -59,12 +61,17 @@ fn print_versions(versions: &[VersionRow], as_json: bool) {
     let rows: Vec<Vec<String>> = versions
         .iter()
         .map(|row| {
-            let counts = [row.images, row.bytes, row.jobs].map(|count| count.to_string());
-            let seal = [row.created_at.to_string(), row.root.clone()];
-            [slice::from_ref(&row.name), &counts[..], &seal].concat()
+            vec![
+                row.name.clone(),
+                row.images.to_string(),
+                describe_bytes(row.bytes as f64),
+                row.jobs.to_string(),
+                row.created_at.to_string(),
+                row.root.clone(),
+            ]
         })
         .collect();
-    let header = ["name", "images", "bytes", "jobs", "created_at", "root"];
+    let header = ["name", "images", "size", "jobs", "created_at", "root"];
     println!("{}", table(&header, &rows));
-    println!("{} sealed versions", rows.len());
+    println!("{}", count(rows.len(), "sealed version"));
 }

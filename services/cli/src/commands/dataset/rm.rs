@@ -5,7 +5,7 @@ use std::io::{BufRead, IsTerminal, Write};
 use anyhow::Context;
 use cli::exit::Failure;
 use cli::known::{self, Version};
-use cli::plural::count;
+use cli::plural::{count, describe_bytes};
 use cli::remote::ServerArguments;
 use client::{Client, DatasetRow, Deleted, JobRow, SceneView, encode};
 
@@ -53,7 +53,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         let deleted: Option<Deleted> = client.delete(path)?;
         println!("deleted {described}");
         if let Some(Deleted { images, bytes, .. }) = deleted {
-            println!("{}, {} MB", count(images, "image"), bytes / 1_000_000);
+            println!("{}, {}", count(images, "image"), describe_bytes(bytes as f64));
         }
     }
     Ok(())
@@ -97,10 +97,10 @@ fn target(client: &Client, name: &str) -> Result<Target, Failure> {
     Ok(Target {
         path: format!("/v1/datasets/{}", encode(name)),
         described: format!(
-            "dataset {name} ({}, {}, {} MB)",
+            "dataset {name} ({}, {}, {})",
             count(jobs, "job"),
             count(images, "image"),
-            bytes / 1_000_000
+            describe_bytes(bytes as f64)
         ),
     })
 }

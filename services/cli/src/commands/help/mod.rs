@@ -2,4 +2,6 @@
 
 pub(crate) mod completions;
 pub(crate) mod list;
+#[cfg(test)]
+mod page;
 pub(crate) mod topics;

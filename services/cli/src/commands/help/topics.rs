@@ -4,10 +4,10 @@ use std::fmt::Write;
 
 use clap::Command;
 
-struct Topic {
-    title: &'static str,
+pub(super) struct Topic {
+    pub(super) title: &'static str,
     /// Each command with an example.
-    commands: &'static [(&'static str, &'static str)],
+    pub(super) commands: &'static [(&'static str, &'static str)],
 }
 
 /// Declares topics: title, and each command with an example.
@@ -17,7 +17,7 @@ macro_rules! topics {
     };
 }
 
-const TOPICS: &[Topic] = topics! {
+pub(super) const TOPICS: &[Topic] = topics! {
     "Rendering commands" {
         "new" "fathom new shaft --out job.json";
         "render" "fathom render job.json --out frames --slots 4";

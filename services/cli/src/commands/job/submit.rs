@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use cli::exit::Failure;
 use cli::files;
-use cli::plural::{count, describe_duration};
+use cli::plural::{count, describe_bytes, describe_duration};
 use cli::progress::Progress;
 use cli::remote::ServerArguments;
 use client::{Client, Estimate, FrameWarning, JobPreview, JobRow, JobState};
@@ -75,11 +75,11 @@ fn show_preview(preview: &JobPreview, as_json: bool) {
         slots,
     } = preview.estimate;
     println!(
-        "{} · about {} on {} · about {:.1} MB; nothing was submitted",
+        "{} · about {} on {} · about {}; nothing was submitted",
         count(preview.frames, "frame"),
         describe_duration(seconds),
         count(slots, "slot"),
-        bytes / 1e6
+        describe_bytes(bytes)
     );
 }
 

@@ -42,23 +42,39 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The text of a job: the site, and the fields that most jobs change with the site's values.
+/// The text of a job: the site, and the fields that most jobs change with the site's values. A comment above each field
+/// has its meaning, unit and limits.
 fn job(site: &SitePreset) -> String {
     let site_fields = Value::from(site.description());
     let value = |pointer: &str, default: Value| site_fields.pointer(pointer).cloned().unwrap_or(default);
-    let fields = [
-        ("site", json!(site.name)),
-        ("dataset", json!(site.name)),
-        ("count", json!(COUNT)),
-        ("seed", json!(1)),
-        (
-            "camera",
-            json!({"width": value("/camera/width", json!(768)), "height": value("/camera/height", json!(492))}),
-        ),
-        ("artifacts", value("/artifacts", json!(["rgb"]))),
+    let camera = [
+        ("width", value("/camera/width", json!(768)).to_string()),
+        ("height", value("/camera/height", json!(492)).to_string()),
+        ("hfov_deg", value("/camera/hfov_deg", json!(80)).to_string()),
     ];
-    let lines = fields.map(|(name, value)| format!("  \"{name}\": {value}"));
-    format!("{{\n{}\n}}\n", lines.join(",\n"))
+    let fields = [
+        ("site", json!(site.name).to_string()),
+        ("dataset", json!(site.name).to_string()),
+        ("count", COUNT.to_string()),
+        ("seed", "1".to_owned()),
+        ("camera", object("camera.", "  ", &camera)),
+        ("artifacts", value("/artifacts", json!(["rgb"])).to_string()),
+    ];
+    object("", "", &fields) + "\n"
+}
+
+/// The text of an object whose fields have this path before their names.
+fn object(path: &str, indent: &str, fields: &[(&str, String)]) -> String {
+    let rows = spec::table::rows();
+    let lines = fields.iter().map(|(name, value)| {
+        let row = rows.iter().find(|row| row.path == format!("{path}{name}"));
+        let comment = row.map_or_else(String::new, |row| {
+            let unit = row.unit.map_or_else(String::new, |unit| format!(" [{unit}]"));
+            format!("{indent}  // {}{unit}\n", row.summary())
+        });
+        format!("{comment}{indent}  \"{name}\": {value}")
+    });
+    format!("{{\n{}\n{indent}}}", lines.collect::<Vec<_>>().join(",\n"))
 }
 
 fn next_steps(site: &SitePreset, path: &Path) -> String {
@@ -120,9 +136,14 @@ mod tests {
         run(&arguments).unwrap();
         let written = std::fs::read_to_string(folder.path().join("job.json")).unwrap();
         assert!(
-            written.starts_with("{\n  \"site\": \"tank\",\n  \"dataset\": \"tank\",\n  \"count\": 100,"),
+            written.contains("\n  // frames of each grid cell; 1..=100000000\n  \"count\": 100,\n"),
             "{written}"
         );
+        // Every line of a field has its comment above.
+        let lines: Vec<_> = written.lines().map(str::trim_start).collect();
+        for pair in lines.windows(2).filter(|pair| pair[1].starts_with('"')) {
+            assert!(pair[0].starts_with("// "), "{written}");
+        }
         assert!(
             run(&arguments)
                 .unwrap_err()

@@ -1,6 +1,7 @@
 //! `fathom backup`: a copy of everything that a running service has stored.
 
 use cli::exit::Failure;
+use cli::plural::describe_bytes;
 use cli::remote::ServerArguments;
 use client::BackupView;
 
@@ -14,7 +15,10 @@ pub(crate) struct Arguments {
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let BackupView { folder, bytes } = arguments.server.patient_client().back_up()?;
-    println!("{folder} ({} MB) on the service's machine", bytes / 1_000_000);
+    println!(
+        "{folder} ({}) on the service's machine",
+        describe_bytes(bytes as f64)
+    );
     println!("restore it with: fathom serve --data {folder}");
     Ok(())
 }
