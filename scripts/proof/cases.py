@@ -1,7 +1,9 @@
 """The frames of the proof: small jobs over the features of a description."""
 
 FAMILIES = ["structure", "shaft", "pipeline"]
-METHODS = ["hscm", "clahe", "gray_world", "ulap", "suir", "ibla", "rd", "rghs"]
+WIDE = {"method": "hscm", "name": "wide", "cutoff": {"uniform": [16, 64]}, "tiles": [4, 3], "mask": "paper", "metrics_over": "mask"}
+CHAIN = {"name": "mine", "steps": [{"gray_world": {}}, {"clahe": {"clip": 3}}]}
+METHODS = ["hscm", "clahe", "gray_world", "dcp", "udcp", "fusion", "mlle", "ulap", "suir", "ibla", "rd", "rghs"]
 METRICS = ["entropy", "entropy_joint_rgb", "uicm", "uism", "uiconm", "uiqm", "uiqm@funie", "uiqm@table1", "uciqe", "light_uniformity", "psnr",
            "ssim", "ciede2000"]
 LAYERS = ["rgb", "clean", "direct", "forward_scatter", "backscatter", "scattered", "hazed", "transmittance"]
@@ -103,6 +105,10 @@ def cameras(add):
     add("camera-deep", {"optics": "jerlov-1C"}, camera={"bits": 16, "tone": "linear", "exposure": {"fixed": 3}})
     add("path", {"optics": "jerlov-1C", "snow": SNOW}, "pipeline", count=3, artifacts=["rgb", "snow_mask", "boxes"],
         camera={"path": {"frames": 3, "sway_m": 0.05, "sway_deg": 2, "sway_frames": 7.5}, "exposure_s": 0.04})
+    add("path-metrics", {"optics": "jerlov-1C"}, "pipeline", count=3, artifacts=["rgb", "flow"], size=(160, 120),
+        metrics=["features", "matches_correct", "track_length", "pose_error_deg", "illumination_residual"],
+        enhance=["clahe", WIDE], camera={"path": {"frames": 9, "sway_m": 0.02}})
+    add("stereo", {"optics": "jerlov-1C"}, camera={"stereo": {"baseline_m": 0.1}}, artifacts=["rgb", "rgb_right", "disparity"])
 
 
 def files(add):
@@ -119,6 +125,8 @@ def files(add):
 def results(add):
     every = [f"enhanced.{method}" for method in METHODS] + ["enhanced.hscm.mask"]
     add("enhance", {"optics": "jerlov-1C"}, enhance=METHODS, artifacts=["rgb", *every], metrics=METRICS, size=(160, 120))
+    add("enhance-chain", {"optics": "jerlov-1C"}, enhance=[CHAIN, WIDE], metrics=METRICS, size=(160, 120),
+        artifacts=["enhanced.mine", "enhanced.mine.1", "enhanced.wide", "enhanced.wide.median", "enhanced.wide.mask"])
     add("style", {"optics": "jerlov-II", "style": STYLE}, alpha=0.35, artifacts=["rgb", "styled"])
     add("style-loose", {"style": STYLE}, fidelity={"tolerance": 1})
     add("jpeg", {"optics": "jerlov-II"}, encode={"format": "jpeg", "quality": 80})

@@ -34,7 +34,7 @@ WRONG = {
     "haze-spaces": GOOD | {"lights": [{"kind": "haze", "x": 0, "y": 0, "space": "linear"}, {"kind": "haze", "x": 0, "y": 0, "space": "display"}]},
     "lamp": GOOD | {"lights": [{"kind": "point", "position_m": [0, 0], "intensity": [1e7, 0, 0]}, {"kind": "spot", "position_m": [0, 0, 1001], "intensity": [1, 1, 1], "direction": [0, 0, 0], "cone_deg": 91}]},
     "lamp-kind": GOOD | {"lights": [{"kind": "lamp"}]}, "lamp-no-scatter": GOOD | {"water": {"optics": "uuv-simulator"}, "lights": [{"kind": "point", "position_m": [0, 0, 0], "intensity": [1, 1, 1]}]},
-    "names": GOOD | {"enhance": ["hscn", "hscm", "hscm"], "metrics": ["uiqn", "uiqm@tabel1"], "artifacts": ["rbg", "enhanced.hscm", "hscm_mask"]},
+    "names": GOOD | {"enhance": ["hscn", "hscm", "hscm"], "metrics": ["uiqn", "uiqm@tabel1"], "artifacts": ["rbg", "enhanced.hscm", "hscm_mask", "enhanced.hscm.mask"]},
     "fidelity": GOOD | {"fidelity": {"tolerance": 1e-4, "terms": 3}}, "fidelity-terms": GOOD | {"fidelity": {"terms": 65}}, "fidelity-word": GOOD | {"fidelity": "referenz"},
     "encode": GOOD | {"encode": {"format": "gif"}}, "quality": GOOD | {"encode": {"format": "png", "quality": 3}}, "jpeg": GOOD | {"encode": {"format": "jpeg", "quality": 101}},
     "labels": GOOD | {"labels": {"a b": 1, "list": [1], "long": "x" * 257}},
