@@ -130,6 +130,7 @@ const RULES: &[&str] = &[
     r#"{"artifacts": ["flow"]}"#,
     r#"{"artifacts": ["flow"], "camera": {"path": {"frames": 1}}}"#,
     r#"{"artifacts": ["flow"], "camera": {"path": {"frames": 9}, "readout_s": 0.02}}"#,
+    r#"{"metrics": ["matches"], "camera": {"path": {"frames": 9}, "readout_s": 0.02}}"#,
     r#"{"artifacts": ["rgb_right"]}"#,
     r#"{"camera": {"stereo": {"baseline_m": 0.1}}}"#,
     r#"{"artifacts": ["disparity"], "camera": {"stereo": {"baseline_m": 0}}}"#,

@@ -24,9 +24,10 @@ impl Checker<'_> {
             .collect();
         let rules = self.vocabulary.camera_rules;
         let contents = Contents::read(document);
+        let one_pose = self.find_needs_of_one_pose(&contents);
         self.try_values("camera", camera, frames, &|camera: &Camera| {
             let faults = kinds.iter().flat_map(|renders| (rules.faults)(camera, *renders));
-            let rolling = find_rolling_faults(camera, (rules.readout_s)(camera), &contents);
+            let rolling = find_rolling_faults(camera, (rules.readout_s)(camera), one_pose.as_deref());
             faults.chain(rolling).collect()
         });
     }

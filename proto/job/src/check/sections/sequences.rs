@@ -72,12 +72,22 @@ impl Checker<'_> {
     }
 }
 
-/// The faults of a camera with a rolling shutter for artifacts that need one pose for all rows.
-pub(super) fn find_rolling_faults(camera: &Camera, readout_s: f64, contents: &Contents<'_>) -> Vec<Fault> {
-    let mut requested = ArtifactKind::FIXED.iter().filter(|(name, kind)| {
-        kind.needs_one_pose() && contents.has_given(&format!("artifacts.{name}"), None)
-    });
-    let Some((name, _)) = requested.next().filter(|_| readout_s > 0.0) else {
+impl Checker<'_> {
+    /// The first requested artifact or metric that needs one pose for all rows.
+    pub(super) fn find_needs_of_one_pose(&self, contents: &Contents<'_>) -> Option<String> {
+        let kinds = ArtifactKind::FIXED.iter().filter(|(_, kind)| kind.needs_one_pose());
+        let artifacts = kinds.map(|(name, _)| ("artifact", *name));
+        let metrics = self.vocabulary.path_metrics.iter().map(|name| ("metric", name.as_str()));
+        let mut requested = artifacts
+            .chain(metrics)
+            .filter(|(field, name)| contents.has_given(&format!("{field}s.{name}"), None));
+        requested.next().map(|(field, name)| format!("the {field} \"{name}\""))
+    }
+}
+
+/// The faults of a camera with a rolling shutter if something needs one pose for all rows.
+pub(super) fn find_rolling_faults(camera: &Camera, readout_s: f64, one_pose: Option<&str>) -> Vec<Fault> {
+    let Some(what) = one_pose.filter(|_| readout_s > 0.0) else {
         return Vec::new();
     };
     let source = if camera.readout_s.is_some() {
@@ -88,8 +98,7 @@ pub(super) fn find_rolling_faults(camera: &Camera, readout_s: f64, contents: &Co
     vec![Fault {
         path: vec!["readout_s"],
         message: format!(
-            "`camera.readout_s` is {readout_s}{source}, but the artifact \"{name}\" needs one pose for all rows: set it to \
-             0, or remove the artifact"
+            "`camera.readout_s` is {readout_s}{source}, but {what} needs one pose for all rows: set it to 0, or remove it"
         ),
         missing: false,
     }]
