@@ -24,9 +24,9 @@ pub(super) struct Declaration {
 pub(super) struct Figure {
     pub(super) number: u8,
     pub(super) title: String,
-    /// What the published figure shows.
+    /// Content of the published figure, in substance.
     pub(super) caption: String,
-    /// What differs here, and why.
+    /// Differences from it, with reasons.
     pub(super) differs: String,
     /// Panels next to each other.
     pub(super) columns: usize,
@@ -72,7 +72,7 @@ impl Declaration {
         Ok(declaration)
     }
 
-    /// The description of a row's job, complete and valid on its own.
+    /// The complete description of a row's job.
     pub(super) fn describe_row(&self, row: &Row) -> Value {
         let mut artifacts: Vec<&str> = row.panels.iter().map(|panel| panel.artifact.as_str()).collect();
         if row.matched.is_some() {

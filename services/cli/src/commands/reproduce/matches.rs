@@ -2,12 +2,12 @@
 
 use cli::exit::Failure;
 use imaging::{Plane, Rgb8};
-use quality::{Features, FrameFeatures, Match, Motion, Threshold, match_features};
+use quality::{Features, FrameFeatures, Match, Motion, match_features};
 use spec::SceneRecord;
 
 use super::shot::Shot;
 
-/// Share of the range by which a surface may lie behind the visible one before it counts as occluded.
+/// A point is occluded if the visible surface is nearer by more than this share of its range.
 const OCCLUSION_TOLERANCE: f64 = 0.02;
 /// Columns between the two frames.
 const GAP_PX: usize = 8;
@@ -40,23 +40,14 @@ pub(super) fn match_shots(current: &Shot, previous: &Shot, kind: &str) -> Result
         .each_ref()
         .map(|picture| FrameFeatures::find(picture, None));
     let mut picture = join(&pictures);
-    let mut count = |threshold, is_drawn: bool| {
-        let (now, before) = (now.with_threshold(threshold), before.with_threshold(threshold));
-        let all = match_features(now, before);
-        let correct = motion.correct_matches(now, before, &all);
-        if is_drawn {
-            draw_matches(&mut picture, [now, before], &all, &correct);
-        }
-        Count {
-            correct: correct.len(),
-            all: all.len(),
-        }
-    };
-    let counts = [count(Threshold::Default, true), count(Threshold::Adaptive, false)];
+    let default = MatchSet::new(&now.default, &before.default, &motion);
+    let adaptive = MatchSet::new(&now.adaptive, &before.adaptive, &motion);
+    default.draw(&mut picture);
+    let counts = [default.count(), adaptive.count()];
     Ok(Matched { picture, counts })
 }
 
-/// What the camera saw, and from where.
+/// Ranges of a frame with its camera and pose.
 struct View {
     range_m: Plane<f32>,
     scene: SceneRecord,
@@ -85,7 +76,7 @@ impl View {
         (range_m > 0.0).then_some(world)
     }
 
-    /// The position at which a point of the world is visible; the center of the first pixel is (0.5, 0.5).
+    /// Picture position of a visible point of the world; the center of the first pixel is (0.5, 0.5).
     fn position(&self, world: [f64; 3]) -> Option<[f32; 2]> {
         let [right, down, ahead] = [0, 1, 2].map(|column| {
             let pose = &self.world_from_camera;
@@ -128,15 +119,46 @@ fn join([current, previous]: &[Rgb8; 2]) -> Rgb8 {
     })
 }
 
-fn draw_matches(picture: &mut Rgb8, [now, before]: [&Features; 2], all: &[Match], correct: &[Match]) {
-    let offset = (picture.width() - GAP_PX) / 2 + GAP_PX;
-    for pair in all {
-        let (end, start) = (
-            &now.keypoints[pair.current as usize],
-            &before.keypoints[pair.previous as usize],
-        );
-        let color = if correct.contains(pair) { CORRECT } else { WRONG };
-        draw_line(picture, [start.x, start.y], [end.x + offset as f32, end.y], color);
+/// Matches of features, and the correct ones of them.
+struct MatchSet<'a> {
+    now: &'a Features,
+    before: &'a Features,
+    all: Vec<Match>,
+    correct: Vec<Match>,
+}
+
+impl<'a> MatchSet<'a> {
+    fn new(now: &'a Features, before: &'a Features, motion: &Motion) -> Self {
+        let all = match_features(now, before);
+        let correct = motion.correct_matches(now, before, &all);
+        Self {
+            now,
+            before,
+            all,
+            correct,
+        }
+    }
+
+    fn count(&self) -> Count {
+        Count {
+            correct: self.correct.len(),
+            all: self.all.len(),
+        }
+    }
+
+    /// Draws a line for each match between two joined pictures.
+    fn draw(&self, picture: &mut Rgb8) {
+        let offset = ((picture.width() - GAP_PX) / 2 + GAP_PX) as f32;
+        for pair in &self.all {
+            let start = &self.before.keypoints[pair.previous as usize];
+            let end = &self.now.keypoints[pair.current as usize];
+            let color = if self.correct.contains(pair) {
+                CORRECT
+            } else {
+                WRONG
+            };
+            draw_line(picture, [start.x, start.y], [end.x + offset, end.y], color);
+        }
     }
 }
 

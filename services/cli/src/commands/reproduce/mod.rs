@@ -80,13 +80,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 
 /// Creates the folder, so that a wrong one is reported before any work.
 fn check_folder(out: &Path) -> Result<(), Failure> {
-    let refused = |reason: String| Failure::BadInput(format!("--out {}: {reason}", out.display()));
-    fs::create_dir_all(out).map_err(|error| refused(format!("cannot create the folder: {error}")))?;
-    let mut entries = fs::read_dir(out).map_err(|error| refused(error.to_string()))?;
-    if entries.next().is_some() {
-        return Err(refused("the folder is not empty; name a new one".to_owned()));
-    }
-    Ok(())
+    let entries = fs::create_dir_all(out).and_then(|()| fs::read_dir(out));
+    let reason = match entries.map(|mut entries| entries.next().is_some()) {
+        Ok(false) => return Ok(()),
+        Ok(true) => "the folder is not empty; name a new one".to_owned(),
+        Err(error) => format!("cannot create the folder: {error}"),
+    };
+    Err(Failure::BadInput(format!("--out {}: {reason}", out.display())))
 }
 
 fn print_times(summaries: &[Summary]) {

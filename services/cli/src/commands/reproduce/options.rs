@@ -4,7 +4,7 @@
 pub(super) struct NodeOption {
     pub(super) name: &'static str,
     pub(super) meaning: &'static str,
-    /// Paths as in the table of fields; none if no field is needed.
+    /// Paths as in the table of fields; empty without a counterpart.
     pub(super) fields: &'static [&'static str],
     pub(super) translation: &'static str,
 }
@@ -114,28 +114,22 @@ mod tests {
                 "no field `{field}`"
             );
         }
+        assert!(!rows.iter().any(|row| is_same(&row.path, "scene(procedural).rgb")));
     }
 
-    /// Whether a path of the table, whose kinds are lists, is that of a field of one kind.
+    /// Whether a path of the table, which lists kinds in parentheses, is that of a field of one kind.
     fn is_same(path: &str, field: &str) -> bool {
-        let plain = |path: &str| {
-            let mut depth = 0;
-            let kept = path.chars().filter(|letter| {
-                depth += i32::from(*letter == '(');
-                let is_kept = depth == 0;
-                depth -= i32::from(*letter == ')');
-                is_kept
-            });
-            kept.collect::<String>()
+        let (Some((start, kinds, end)), Some((known_start, kind, known_end))) = (split(path), split(field))
+        else {
+            return path == field;
         };
-        let kind = |path: &str| {
-            path.split_once('(')
-                .and_then(|(_, rest)| Some(rest.split_once(')')?.0.to_owned()))
-        };
-        plain(path) == plain(field)
-            && match (kind(path), kind(field)) {
-                (Some(kinds), Some(kind)) => kinds.split(", ").any(|known| known == kind),
-                (known, named) => known == named,
-            }
+        (start, end) == (known_start, known_end) && kinds.split(", ").any(|known| known == kind)
+    }
+
+    /// The path before, within and after its parentheses.
+    fn split(path: &str) -> Option<(&str, &str, &str)> {
+        let (start, rest) = path.split_once('(')?;
+        let (kinds, end) = rest.split_once(')')?;
+        Some((start, kinds, end))
     }
 }

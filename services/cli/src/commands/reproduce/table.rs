@@ -190,26 +190,42 @@ pub(super) struct Summary {
     pub(super) usual_profile: Vec<Spread>,
     /// Seconds a frame on one thread.
     pub(super) seconds: Spread,
-    /// Number of frames on which the method warned.
+    /// Number of frames with a warning.
     pub(super) warned: usize,
 }
 
 /// The summaries of [`METHODS`] over at least one frame.
 pub(super) fn summarize(frames: &[FrameValues]) -> Vec<Summary> {
-    let summaries = (0..METHODS.len()).map(|method| {
-        let of_frames = || frames.iter().map(|frame| &frame.methods[method]);
-        let spread =
-            |metric: usize| Spread::new(&of_frames().map(|found| found.values[metric]).collect::<Vec<_>>());
-        Summary {
-            published_profile: (0..METRICS.len()).map(spread).collect(),
-            usual_profile: (METRICS.len()..METRICS.len() + USUAL_METRICS.len())
-                .map(spread)
-                .collect(),
-            seconds: Spread::new(&of_frames().map(|found| found.seconds).collect::<Vec<_>>()),
-            warned: of_frames().filter(|found| found.is_warned).count(),
-        }
+    let methods = 0..METHODS.len();
+    methods
+        .map(|method| {
+            summarize_method(
+                &frames
+                    .iter()
+                    .map(|frame| &frame.methods[method])
+                    .collect::<Vec<_>>(),
+            )
+        })
+        .collect()
+}
+
+fn summarize_method(frames: &[&MethodValues]) -> Summary {
+    let metrics = 0..METRICS.len() + USUAL_METRICS.len();
+    let spreads = metrics.map(|metric| {
+        Spread::new(
+            &frames
+                .iter()
+                .map(|frame| frame.values[metric])
+                .collect::<Vec<_>>(),
+        )
     });
-    summaries.collect()
+    let mut published_profile: Vec<Spread> = spreads.collect();
+    Summary {
+        usual_profile: published_profile.split_off(METRICS.len()),
+        published_profile,
+        seconds: Spread::new(&frames.iter().map(|frame| frame.seconds).collect::<Vec<_>>()),
+        warned: frames.iter().filter(|frame| frame.is_warned).count(),
+    }
 }
 
 #[cfg(test)]
