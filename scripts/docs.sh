@@ -7,16 +7,11 @@ cargo build --release --locked --bin fathom --bin fathom-lab
 fathom=target/release/fathom
 lab=target/release/fathom-lab
 work=target/docs
-rm -rf "$work" && mkdir -p "$work/frames"
+rm -rf "$work" && mkdir -p "$work"
 
 "$fathom" demo --out "$work/demo"
 
-"$fathom" render examples/table1.json --out "$work/table1"
-for frame in "$work"/table1/*/; do
-    cp "$frame/rgb.png" "$work/frames/$(basename "$frame").png"
-done
-"$lab" experiment table1 "$work/frames" --out "$work/table1"
-cp "$work/table1/table1.svg" docs/science/charts/
+"$fathom" reproduce --out "$work/reproduce"
 
 "$lab" experiment stability --set scenes=8 --out "$work/stability"
 cp "$work/stability/stability-cells.csv" docs/science/data/stability.csv

@@ -8,7 +8,7 @@ use cli::styles::StyleArguments;
 
 use crate::report::Report;
 use crate::setup::{Parameter, Setup};
-use crate::{campaign, chain, chart, jobs, stability, table1};
+use crate::{campaign, chain, chart, jobs, stability};
 
 /// The code or file of an experiment.
 enum Work {
@@ -46,7 +46,6 @@ experiments! {
         "campaign", "random, directed and climbing frames against the bounds of their plans", campaign::PARAMETERS, campaign::run;
         "chain", "hostile frames through the chain of the water, each against its limit", &[], chain::run;
         "stability", "failure regions of enhancements and metrics", stability::PARAMETERS, stability::run;
-        "table1", "the enhancement methods over the pictures of a folder", table1::PARAMETERS, table1::run;
     }
     jobs {
         "ibla", "the faster variant of IBLA against the exact one";
@@ -59,8 +58,6 @@ experiments! {
         "camera", "one frame with several cameras";
         "suspended", "one frame with snow and turbidity";
         "sequence", "four frames of a sequence with snow and turbidity";
-        "figure5", "every step of the published chain";
-        "figure6", "every style water";
     }
 }
 

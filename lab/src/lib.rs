@@ -17,4 +17,3 @@ pub mod stability;
 pub mod statistics;
 pub mod studio;
 pub mod table;
-pub mod table1;

@@ -159,22 +159,6 @@ fn the_waters_carry_their_source_and_the_styles_their_digest() {
 }
 
 #[test]
-fn the_figures_of_the_paper_are_drawn() {
-    let folder = temporary();
-    for name in ["figure5", "figure6"] {
-        let out = folder.path().to_str().expect("text");
-        let output = run_lab(&["experiment", name, "--out", out]);
-        assert!(output.status.success(), "{}", text(&output.stderr));
-        let bytes = std::fs::read(folder.path().join(format!("{name}.png"))).expect("a figure");
-        assert!(
-            bytes.starts_with(b"\x89PNG") && bytes.len() > 50_000,
-            "{name} is {} bytes",
-            bytes.len()
-        );
-    }
-}
-
-#[test]
 fn a_wrong_experiment_gets_one_message_with_every_mistake() {
     let refused = |words: &[&str]| {
         let output = run_lab(words);

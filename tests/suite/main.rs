@@ -10,6 +10,7 @@ mod faults;
 mod folders;
 mod pictures;
 mod proof;
+mod reproduce;
 mod same_bytes;
 mod service;
 mod trained;

@@ -6,6 +6,7 @@ pub(crate) mod help;
 pub(crate) mod job;
 pub(crate) mod picture;
 pub(crate) mod rendering;
+pub(crate) mod reproduce;
 pub(crate) mod service;
 pub(crate) mod sharded;
 pub(crate) mod style;
@@ -116,6 +117,8 @@ pub(crate) enum Command {
     Train(train::Arguments),
     /// Render a small dataset with a temporary service and show the result
     Demo(demo::Arguments),
+    /// Write a page with the figures and the table of the published method
+    Reproduce(reproduce::Arguments),
     /// Print the completions of a shell
     Completions(completions::Arguments),
     /// Write manual pages
@@ -166,6 +169,7 @@ impl Command {
             Self::Styles(arguments) => styles::run(&arguments),
             Self::Train(arguments) => train::run(&arguments),
             Self::Demo(arguments) => demo::run(&arguments),
+            Self::Reproduce(arguments) => reproduce::run(&arguments),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! `fathom sheet`: a contact sheet of a dataset.
 
-mod paint;
+pub(crate) mod paint;
 
 use std::path::{Path, PathBuf};
 

@@ -23,6 +23,7 @@ pub(super) const TOPICS: &[Topic] = topics! {
         "render" "fathom render job.json --out frames --slots 4";
         "plan" "fathom plan job.json --frame 3";
         "demo" "fathom demo --out data/demo";
+        "reproduce" "fathom reproduce --out paper";
     }
     "Service commands" {
         "serve" "fathom serve --data data --workers 2";

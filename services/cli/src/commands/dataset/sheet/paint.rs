@@ -9,7 +9,7 @@ use imaging::{Plane, Rgb8, transfer};
 use scenes::categories::FINDINGS;
 
 /// Meters of one code of a stored range.
-const RANGE_UNIT_M: f64 = 1e-3;
+pub(crate) const RANGE_UNIT_M: f64 = 1e-3;
 /// Codes for each pixel of a motion: 32 px to either side.
 const MOTION_CODES: f32 = 4.0;
 /// Numbers below the ramp.
@@ -18,7 +18,7 @@ const TICKS: usize = 5;
 const HOLE: [u8; 3] = [0, 0, 0];
 
 /// An artifact as it was stored.
-pub(super) enum Stored {
+pub(crate) enum Stored {
     Picture(Rgb8),
     Range(Plane<u16>),
     Semantics(Plane<u16>),
@@ -28,7 +28,7 @@ pub(super) enum Stored {
 
 impl Stored {
     /// Reads an artifact of a kind.
-    pub(super) fn read(kind: &str, bytes: &[u8]) -> Result<Self, Failure> {
+    pub(crate) fn read(kind: &str, bytes: &[u8]) -> Result<Self, Failure> {
         let codes = || match codec::decode_plane(bytes) {
             Ok(FilePlane::Codes(codes)) => Ok(codes),
             Ok(_) => Err(Failure::input(format!(
@@ -82,14 +82,14 @@ fn linear(kind: &str, bytes: &[u8], paint: impl Fn([f32; 3]) -> [u8; 3]) -> Resu
 }
 
 /// The common scale of a sheet's artifacts, which makes them comparable.
-pub(super) struct Paint {
+pub(crate) struct Paint {
     /// Nearest and farthest range on the sheet, in meters.
     near_m: f64,
     far_m: f64,
 }
 
 impl Paint {
-    pub(super) fn new<'a>(all: impl Iterator<Item = &'a Stored>) -> Self {
+    pub(crate) fn new<'a>(all: impl Iterator<Item = &'a Stored>) -> Self {
         let mut limits: Option<(u16, u16)> = None;
         for stored in all {
             if let Stored::Range(codes) = stored {
@@ -107,7 +107,7 @@ impl Paint {
     }
 
     /// The picture of an artifact.
-    pub(super) fn picture(&self, stored: &Stored) -> Rgb8 {
+    pub(crate) fn picture(&self, stored: &Stored) -> Rgb8 {
         let paint = |codes: &Plane<u16>, color: &dyn Fn(u16) -> [u8; 3]| {
             Rgb8::from_fn(codes.width(), codes.height(), |x, y| color(codes.pixel(x, y)))
         };
@@ -140,7 +140,7 @@ impl Paint {
     }
 
     /// The legend of a sheet; `classes` are those of its scenes.
-    pub(super) fn legend(&self, all: &[Stored], classes: &Named) -> Option<Legend> {
+    pub(crate) fn legend(&self, all: &[Stored], classes: &Named) -> Option<Legend> {
         match all.first()? {
             Stored::Picture(_) | Stored::Instances(_) => None,
             Stored::Range(_) if self.far_m > 0.0 => Some(Legend::Ramp {
