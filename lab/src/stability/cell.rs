@@ -136,8 +136,7 @@ impl Cell {
     fn new(method: &'static str, degradation: Degradation, level: usize, samples: &[Sample]) -> Self {
         let results = samples.iter().filter_map(|sample| sample.after.as_ref());
         let results: Vec<&Vec<f64>> = results.collect();
-        let columns =
-            (0..JUDGES + METRICS.len()).map(|column| finite(results.iter().map(|all| all[column])));
+        let columns = (0..JUDGES + METRICS.len()).map(|column| finite(results.iter().map(|all| all[column])));
         let means: Vec<f64> = columns.map(|values| mean(&values)).collect();
         let gains = finite(samples.iter().filter_map(|sample| sample.gain));
         let not_finite = results

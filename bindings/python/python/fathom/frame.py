@@ -115,12 +115,12 @@ class Frame:
 
     @property
     def flow(self) -> NDArray[np.float32]:
-        """Motion to the next frame of the path in x and y, and visibility there, 1 or 0: float32, (H, W, 3), in pixels."""
+        """Motion to the next frame in x and y, and visibility there, 1 or 0: float32, (H, W, 3), in pixels."""
         return self._array("flow")
 
     @property
     def disparity(self) -> NDArray[np.float32]:
-        """Position minus that in `rgb_right` in x and y, and visibility there, 1 or 0: float32, (H, W, 3), in pixels."""
+        """Position minus that in `rgb_right`, and visibility there, 1 or 0: float32, (H, W, 3), in pixels."""
         return self._array("disparity")
 
     @property

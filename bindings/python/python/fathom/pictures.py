@@ -20,8 +20,8 @@ USUAL_METRICS = ("entropy", "uicm", "uism", "uiconm", "uiqm", "uciqe")
 def enhance(image: NDArray[Any], method: str | Mapping[str, Any]) -> NDArray[np.uint8]:
     """Enhance a picture.
 
-    `image` holds sRGB codes, uint8 or uint16, of shape (H, W) or (H, W, 3). `method` is an enhancement as in a job: the name
-    of a method such as "hscm" (`fathom list enhancements` describes all), one with parameters such as
+    `image` holds sRGB codes, uint8 or uint16, of shape (H, W) or (H, W, 3). `method` is an enhancement as in a job: the
+    name of a method such as "hscm" (`fathom list enhancements` describes all), one with parameters such as
     "hscm:cutoff=16,mask=paper" or {"method": "hscm", "cutoff": 16}, or a chain,
     {"name": "mine", "steps": [{"gray_world": {}}, {"clahe": {"clip": 3}}]}. Returns uint8 of the same H and W. A
     picture on which a method is known to fail comes with a warning.

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 use spec::{FieldError, Job, MAX_ERRORS};
 
-use crate::common::{document_with, errors, job, only_error, vocabulary};
+use crate::common::{document_with, errors, only_error, vocabulary};
 
 fn pointers(errors: &[FieldError]) -> Vec<&str> {
     errors.iter().map(|error| error.pointer.as_str()).collect()
@@ -296,103 +296,6 @@ fn repeated_names_are_refused_even_if_only_possible() {
     );
     let choice = json!({"artifacts": ["rgb", {"choice": ["range", "rgb"]}]});
     assert_eq!(only_error(choice).pointer, "/artifacts/1/choice/1");
-}
-
-#[test]
-fn an_artifact_of_a_method_needs_the_method() {
-    assert!(
-        only_error(json!({"artifacts": ["enhanced.hscm"]}))
-            .message
-            .contains("needs \"hscm\" in `enhance`")
-    );
-    assert_eq!(
-        only_error(json!({"enhance": ["ulap"], "artifacts": ["rgb", "enhanced.hscm.mask"]})).pointer,
-        "/artifacts/1"
-    );
-    let sometimes = json!({"enhance": [{"choice": ["hscm", "ulap"]}], "artifacts": ["enhanced.hscm"]});
-    assert_eq!(only_error(sometimes).pointer, "/artifacts/0");
-}
-
-#[test]
-fn an_enhancement_is_refused_at_the_field_that_is_wrong() {
-    let method = |fields: Value| {
-        let mut hscm = json!({"method": "hscm"});
-        hscm.as_object_mut()
-            .unwrap()
-            .extend(fields.as_object().unwrap().clone());
-        json!({"enhance": [hscm]})
-    };
-    for (fields, pointer, text) in [
-        (json!({"cut_off": 16}), "/enhance/0/cut_off", "no field `cut_off`"),
-        (
-            json!({"guide_eps": 0.1}),
-            "/enhance/0/guide_eps",
-            "belongs to method \"ulap\"",
-        ),
-        (json!({"cutoff": 0}), "/enhance/0/cutoff", "above 0"),
-        (json!({"median_px": 4}), "/enhance/0/median_px", "must be odd"),
-        (
-            json!({"median_px": {"int": [3, 5]}}),
-            "/enhance/0/median_px",
-            "must be odd",
-        ),
-        (
-            json!({"gain_low": 3}),
-            "/enhance/0/gain_low",
-            "at most `enhance[0].gain_high`, which is 2.5",
-        ),
-        (
-            json!({"tiles": [8]}),
-            "/enhance/0/tiles",
-            "a list of two whole numbers",
-        ),
-        (json!({"tiles": [8, 0]}), "/enhance/0/tiles/1", "1..=256"),
-        (json!({"mask": "round"}), "/enhance/0/mask", "is not one of"),
-        (
-            json!({"mask": {"circle": {"radius": -1}}}),
-            "/enhance/0/mask/circle/radius",
-            "0..=10",
-        ),
-        (json!({"name": "rgb"}), "/enhance/0/name", "not `rgb`"),
-        (json!({"name": "a.b"}), "/enhance/0/name", "1 to 32 of"),
-    ] {
-        let error = only_error(method(fields.clone()));
-        assert_eq!(error.pointer, pointer, "{fields}");
-        assert!(error.message.contains(text), "{fields}: {}", error.message);
-    }
-    let steps = |steps: Value| json!({"enhance": [{"name": "mine", "steps": steps}]});
-    for (steps, pointer) in [
-        (json!([]), "/enhance/0/steps"),
-        (json!([{}]), "/enhance/0/steps/0"),
-        (json!([{"clahe": {}, "hscm": {}}]), "/enhance/0/steps/0"),
-        (json!([{"chain": {}}]), "/enhance/0/steps/0"),
-        (json!(vec![json!({"clahe": {}}); 9]), "/enhance/0/steps"),
-        (
-            json!([{"clahe": {"cutoff": 3}}]),
-            "/enhance/0/steps/0/clahe/cutoff",
-        ),
-    ]
-    .map(|(list, pointer)| (steps(list), pointer))
-    {
-        assert_eq!(only_error(steps.clone()).pointer, pointer, "{steps}");
-    }
-    let unnamed = json!({"enhance": [{"steps": [{"clahe": {}}]}]});
-    assert!(only_error(unnamed).message.contains("a chain without a name"));
-}
-
-#[test]
-fn enhancements_of_a_frame_have_different_names() {
-    let wide = |name: &str| json!({"method": "hscm", "name": name, "cutoff": 16});
-    let wide_and = |other: Value| json!({"enhance": [wide("wide"), other], "artifacts": ["enhanced.wide"]});
-    job(&document_with(wide_and(json!("hscm"))));
-    let sometimes = json!({"choice": [wide("other"), wide("wide")]});
-    assert_eq!(only_error(wide_and(sometimes)).pointer, "/enhance/1/choice/1");
-    assert_eq!(only_error(wide_and(wide("wide"))).pointer, "/enhance/1");
-    let same = json!({"enhance": ["hscm", {"method": "hscm", "cutoff": 16}]});
-    assert!(only_error(same).message.contains("another `name`"));
-    let cutoffs = json!({"choice": [wide("wide"), {"method": "clahe", "name": "wide"}]});
-    let common = json!({"enhance": [cutoffs], "artifacts": ["enhanced.wide", "enhanced.wide.median"]});
-    assert_eq!(only_error(common).pointer, "/artifacts/1");
 }
 
 #[test]

@@ -75,13 +75,21 @@ impl Checker<'_> {
 impl Checker<'_> {
     /// The first requested artifact or metric that needs one pose for all rows.
     pub(super) fn find_needs_of_one_pose(&self, contents: &Contents<'_>) -> Option<String> {
-        let kinds = ArtifactKind::FIXED.iter().filter(|(_, kind)| kind.needs_one_pose());
+        let kinds = ArtifactKind::FIXED
+            .iter()
+            .filter(|(_, kind)| kind.needs_one_pose());
         let artifacts = kinds.map(|(name, _)| ("artifact", *name));
-        let metrics = self.vocabulary.path_metrics.iter().map(|name| ("metric", name.as_str()));
+        let metrics = self
+            .vocabulary
+            .path_metrics
+            .iter()
+            .map(|name| ("metric", name.as_str()));
         let mut requested = artifacts
             .chain(metrics)
             .filter(|(field, name)| contents.has_given(&format!("{field}s.{name}"), None));
-        requested.next().map(|(field, name)| format!("the {field} \"{name}\""))
+        requested
+            .next()
+            .map(|(field, name)| format!("the {field} \"{name}\""))
     }
 }
 
