@@ -37,7 +37,7 @@ class Cases(dict):
 def cases():
     """Every case."""
     all_cases = Cases()
-    for group in [scenes, waters, daylight, lamps, suspended, cameras, files, results, laws]:
+    for group in [scenes, waters, daylight, lamps, suspended, cameras, files, results, laws, motion]:
         group(all_cases.add)
     return dict(all_cases)
 
@@ -105,10 +105,6 @@ def cameras(add):
     add("camera-deep", {"optics": "jerlov-1C"}, camera={"bits": 16, "tone": "linear", "exposure": {"fixed": 3}})
     add("path", {"optics": "jerlov-1C", "snow": SNOW}, "pipeline", count=3, artifacts=["rgb", "snow_mask", "boxes"],
         camera={"path": {"frames": 3, "sway_m": 0.05, "sway_deg": 2, "sway_frames": 7.5}, "exposure_s": 0.04})
-    add("path-metrics", {"optics": "jerlov-1C"}, "pipeline", count=3, artifacts=["rgb", "flow"], size=(160, 120),
-        metrics=["features", "matches_correct", "track_length", "pose_error_deg", "illumination_residual"],
-        enhance=["clahe", WIDE], camera={"path": {"frames": 9, "sway_m": 0.02}})
-    add("stereo", {"optics": "jerlov-1C"}, camera={"stereo": {"baseline_m": 0.1}}, artifacts=["rgb", "rgb_right", "disparity"])
 
 
 def files(add):
@@ -125,8 +121,6 @@ def files(add):
 def results(add):
     every = [f"enhanced.{method}" for method in METHODS] + ["enhanced.hscm.mask"]
     add("enhance", {"optics": "jerlov-1C"}, enhance=METHODS, artifacts=["rgb", *every], metrics=METRICS, size=(160, 120))
-    add("enhance-chain", {"optics": "jerlov-1C"}, enhance=[CHAIN, WIDE], metrics=METRICS, size=(160, 120),
-        artifacts=["enhanced.mine", "enhanced.mine.1", "enhanced.wide", "enhanced.wide.median", "enhanced.wide.mask"])
     add("style", {"optics": "jerlov-II", "style": STYLE}, alpha=0.35, artifacts=["rgb", "styled"])
     add("style-loose", {"style": STYLE}, fidelity={"tolerance": 1})
     add("jpeg", {"optics": "jerlov-II"}, encode={"format": "jpeg", "quality": 80})
@@ -141,3 +135,12 @@ def laws(add):
     sky = {"choice": ["none", {"sun_elevation_deg": {"uniform": [20, 80]}, "cloud_cover": {"normal": [0.5, 0.3], "clip": [0, 1]}}]}
     add("laws", water, scene=scene, daylight=sky, lights=[SPOT], count=6, labels={"run": "a", "number": {"uniform": [0, 1]}})
     add("grid", {"optics": {"grid": ["jerlov-IB", "jerlov-1C"]}, "range_scale": {"grid": [0.5, 1]}}, size=(48, 32))
+
+
+def motion(add):
+    add("enhance-chain", {"optics": "jerlov-1C"}, enhance=[CHAIN, WIDE], metrics=METRICS, size=(160, 120),
+        artifacts=["enhanced.mine", "enhanced.mine.1", "enhanced.wide", "enhanced.wide.median", "enhanced.wide.mask"])
+    add("path-metrics", {"optics": "jerlov-1C"}, "pipeline", count=3, artifacts=["rgb", "flow"], size=(160, 120),
+        metrics=["features", "matches_correct", "track_length", "pose_error_deg", "illumination_residual"],
+        enhance=["clahe", WIDE], camera={"path": {"frames": 9, "sway_m": 0.02}})
+    add("stereo", {"optics": "jerlov-1C"}, camera={"stereo": {"baseline_m": 0.1}}, artifacts=["rgb", "rgb_right", "disparity"])

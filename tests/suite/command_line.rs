@@ -218,7 +218,7 @@ fn frames_are_rendered_as_named_and_datasets_are_continued() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = |name: &str| folder.path().join(name).to_str().expect("text").to_owned();
     let job = run(&["new", "tank"]);
-    let mut job: serde_json::Value = serde_json::from_slice(&job.stdout).expect("a job on standard output");
+    let mut job: serde_json::Value = spec::read_json(&job.stdout).expect("a job on standard output");
     job["count"] = 6.into();
     job["camera"] = serde_json::json!({"width": 48, "height": 32});
     std::fs::write(path("job.json"), job.to_string()).expect("a writable folder");

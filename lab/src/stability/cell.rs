@@ -10,7 +10,7 @@ use crate::statistics::{largest, mean};
 
 /// The recorded metrics.
 pub(super) const METRICS: [&str; 6] = ["entropy", "uicm", "uism", "uiconm", "uiqm", "uciqe"];
-/// Number of comparisons with the clean picture: SSIM, and the share of its features that are matched at their place.
+/// Number of comparisons with the clean picture: SSIM, and the share of features with a match at their place.
 const JUDGES: usize = 2;
 /// A smaller loss is not counted: finer differences of SSIM and of shares of features are invisible.
 const WORSE: f64 = 1e-3;
@@ -88,7 +88,7 @@ fn enhance_picture(method: &str, picture: &Rgb8) -> Option<(Rgb8, bool)> {
     Some((enhanced.picture.to_rgb8(), !enhanced.warnings.is_empty()))
 }
 
-/// SSIM, and the share of the clean picture's features that are matched within 3 px of their place.
+/// SSIM, and the share of the clean picture's features with a match within 3 px of their place.
 fn judge(picture: &Rgb8, clean: &Rgb8) -> [f64; JUDGES] {
     let ssim = measure_metrics(picture, clean, &["ssim"])[0];
     let [found, wanted] = [picture, clean].map(|picture| FrameFeatures::find(picture, None).adaptive);

@@ -42,7 +42,11 @@ pub fn enhance(
             picture: result,
             warnings: found,
         } = run(&Method(step.clone()), &current)?;
-        warnings.extend(found);
+        for warning in found {
+            if !warnings.contains(&warning) {
+                warnings.push(warning);
+            }
+        }
         current = result;
         let name = (position + 1).to_string();
         if position + 1 < last && wanted.contains(&name.as_str()) {
@@ -62,8 +66,6 @@ pub fn enhance(
         let plane = mask.clone().unwrap_or_else(whole);
         steps.push((MASK_STEP.to_owned(), plane.into()));
     }
-    warnings.sort_unstable();
-    warnings.dedup();
     Ok(Outcome {
         picture: match &mask {
             Some(mask) => masked(&current, mask),

@@ -246,7 +246,7 @@ fn the_words_of_the_document_are_those_of_the_program() {
     for (component, list) in [
         ("ArtifactKind", "artifacts"),
         ("Metric", "metrics"),
-        ("Enhancement", "enhancements"),
+        ("EnhancementMethod", "enhancements"),
         ("SceneFamily", "families"),
         ("JobState", "states"),
         ("JerlovType", "jerlov-types"),
@@ -255,7 +255,7 @@ fn the_words_of_the_document_are_those_of_the_program() {
     }
     let metrics: Vec<_> = quality::MetricId::all().map(|id| id.to_string()).collect();
     assert_eq!(
-        (words("Metric"), words("Enhancement")),
+        (words("Metric"), words("EnhancementMethod")),
         (json!(metrics), json!(enhance::METHODS))
     );
     let problems: Vec<_> = api::Slug::ALL

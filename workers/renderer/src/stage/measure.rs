@@ -18,7 +18,7 @@ use crate::sequence::{Held, Track};
 /// Weights of red, green and blue in linear luminance (Rec. 709).
 const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
-/// The pictures of a frame, and what they are compared with.
+/// The pictures of a frame, and the inputs of comparisons.
 pub(crate) struct Measured<'a> {
     pub(crate) layers: &'a Layers,
     pub(crate) rgb: &'a Rgb8,

@@ -3,9 +3,9 @@
 use imaging::{Plane, Rgb8, vectorized};
 use spec::Fusion;
 
+use super::definition::{Fused, WEIGHT_FLOOR, balance, compensation, count_levels};
 use super::pyramid::{collapse, gaussian};
 use super::weight::Perceived;
-use super::{Fused, WEIGHT_FLOOR, balance, compensation, count_levels};
 use crate::blocks::{FLAT, blurred_row};
 use crate::elementary::{exp, ln};
 

@@ -25,12 +25,13 @@
 //! Known failures: N stretches the differences of a picture without edges, which are noise. Compensation copies green
 //! into missing red. Gray world turns a picture of one color gray and shifts with colored objects.
 
+mod definition;
 mod fast;
 mod pyramid;
 mod reference;
 mod weight;
 
-use imaging::{Raster, Rgb8};
+use imaging::Raster;
 use spec::Fusion;
 
 use crate::result::{Enhanced, OfGray};
@@ -40,26 +41,6 @@ use crate::warning::Warning;
 
 /// A larger gain causes a warning.
 const LARGE_GAIN: f64 = 4.0;
-/// δ of the normalized weights.
-const WEIGHT_FLOOR: f64 = 0.1;
-/// Distances in CIE Lab are divided by the lightness of white.
-const SALIENCY_SCALE: f64 = 1e-2;
-const LUMA: [f64; 3] = [0.299, 0.587, 0.114];
-
-/// Levels of the pyramids for a picture of this size.
-fn count_levels(most: usize, width: usize, height: usize) -> usize {
-    most.clamp(1, 1 + width.min(height).ilog2() as usize)
-}
-
-/// The fused picture and its gains.
-struct Fused {
-    picture: Rgb8,
-    /// Gains of the gray world.
-    balance: [f64; 3],
-    /// Gain of input 2 for differences.
-    detail: f64,
-}
-
 /// Enhances a picture of at least one pixel. Gray stays gray; 16 bit is reduced to 8.
 #[must_use]
 pub(crate) fn enhance(picture: &Raster, parameters: &Fusion, variant: Variant) -> Enhanced {
@@ -82,24 +63,11 @@ pub(crate) fn enhance(picture: &Raster, parameters: &Fusion, variant: Variant) -
     Enhanced::from_colors(picture, &fused.picture, OfGray::Gray, warnings)
 }
 
-/// Coefficients of the compensation, `a max(m_G - m, 0)` of red, green and blue.
-fn compensation(parameters: &Fusion, means: [f64; 3]) -> [f64; 3] {
-    let missing = means.map(|mean| (means[1] - mean).max(0.0));
-    [
-        parameters.red_gain * missing[0],
-        0.0,
-        parameters.blue_gain * missing[2],
-    ]
-}
-
-/// Gains of the gray world.
-fn balance(means: [f64; 3]) -> [f64; 3] {
-    let mean = means.iter().sum::<f64>() / 3.0;
-    means.map(|own| if own > 0.0 { mean / own } else { 1.0 })
-}
-
 #[cfg(test)]
 mod tests {
+    use imaging::Rgb8;
+
+    use super::definition::count_levels;
     use super::*;
 
     fn fused(colors: &Rgb8, parameters: &Fusion) -> Rgb8 {

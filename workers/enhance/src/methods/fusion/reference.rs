@@ -3,7 +3,7 @@
 use imaging::{Plane, Rgb8};
 use spec::Fusion;
 
-use super::{Fused, LUMA, SALIENCY_SCALE, WEIGHT_FLOOR, balance, compensation, count_levels};
+use super::definition::{Fused, LUMA, SALIENCY_SCALE, WEIGHT_FLOOR, balance, compensation, count_levels};
 use crate::blocks::lab::exact_lab;
 use crate::blocks::{FLAT, binomial_exact, range};
 

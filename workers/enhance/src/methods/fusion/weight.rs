@@ -2,7 +2,7 @@
 
 use imaging::{Plane, vectorized};
 
-use super::{LUMA, SALIENCY_SCALE};
+use super::definition::{LUMA, SALIENCY_SCALE};
 use crate::blocks::blurred_row;
 use crate::blocks::lab::lab_of_encoded;
 

@@ -6,7 +6,7 @@ use imaging::{Plane, Rgb, Rgb8, lab, transfer, vectorized};
 use spec::Mlle;
 
 use super::color::{ChannelTransfer, Transfer};
-use super::{NEUTRAL, WHITE, balance};
+use super::definition::{NEUTRAL, WHITE, balance};
 use crate::blocks::binomial;
 use crate::blocks::lab::{lab_of_encoded, linear_of_lab};
 use contrast::contrasted;

@@ -22,6 +22,7 @@
 //! can change roles from frame to frame. Contrast above that of the whole picture is reduced.
 
 mod color;
+mod definition;
 mod fast;
 mod reference;
 
@@ -36,9 +37,6 @@ use color::Transfer;
 
 /// A larger stretch of the largest channel causes a warning.
 const LARGE_STRETCH: f64 = 4.0;
-/// Lightness of white in CIE Lab, and the offset of the balanced a and b.
-const WHITE: f64 = 100.0;
-const NEUTRAL: f64 = 128.0;
 
 /// Enhances a picture of at least one pixel. Gray stays gray; 16 bit is reduced to 8.
 #[must_use]
@@ -60,14 +58,9 @@ pub(crate) fn enhance(picture: &Raster, parameters: &Mlle, variant: Variant) -> 
     Enhanced::from_colors(picture, &enhanced, OfGray::Gray, warnings)
 }
 
-/// Factors of `a + 128` and `b + 128` by their means.
-fn balance([a, b]: [f64; 2]) -> [f64; 2] {
-    let factor = |own: f64, other: f64| 1.0 + (other - own).max(0.0) / (own + other);
-    [factor(a, b), factor(b, a)]
-}
-
 #[cfg(test)]
 mod tests {
+    use super::definition::balance;
     use super::*;
 
     fn mlle(colors: &Rgb8, parameters: &Mlle) -> Rgb8 {

@@ -4,7 +4,7 @@ use imaging::{Plane, Rgb8, lab, transfer};
 use spec::Mlle;
 
 use super::color::{ChannelTransfer, Transfer};
-use super::{NEUTRAL, WHITE, balance};
+use super::definition::{NEUTRAL, WHITE, balance};
 use crate::blocks::lab::exact_lab;
 use crate::blocks::{binomial_exact, window_mean};
 use crate::variant::Variant;

@@ -1,4 +1,4 @@
-//! Metrics along a path do not depend on what the slot holds, and say what the pictures show.
+//! Metrics along a path: independent of the order of frames, and plausible in clear water.
 
 use renderer::{SceneSource, Slot};
 use serde_json::{Value, json};
