@@ -63,7 +63,7 @@ def test_motion_and_a_stereo_pair_are_arrays() -> None:
     assert frame.rgb_right.shape == frame.rgb.shape
     assert (frame.rgb_right != frame.rgb).any()
     for motion in (frame.flow, frame.disparity):
-        assert (motion.shape, motion.dtype) == ((64, 96, 3), np.float32)
+        assert (motion.shape, motion.dtype) == ((64, 96, 3), np.dtype(np.float32))
         assert (np.isnan(motion[..., 0]) == np.isnan(frame.range_m)).all()
         assert set(np.unique(motion[..., 2])) <= {0, 1}
     assert (frame.disparity[..., 0] >= 0).sum() == np.isfinite(frame.range_m).sum()
