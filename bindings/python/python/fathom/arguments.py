@@ -24,18 +24,17 @@ def list_names(argument: str, names: Iterable[str]) -> tuple[str, ...]:
     return listed
 
 
-def list_kinds(kinds: Iterable[str] | None, *, stored: bool = False) -> tuple[str, ...] | None:
+def list_kinds(kinds: Iterable[str] | None) -> tuple[str, ...] | None:
     """Return the kinds of artifacts of an argument, `None` for all.
 
-    Raises `InvalidArgument` for an unknown kind, with the nearest known one. Stored frames may have enhancements that
-    this version lacks.
+    Raises `InvalidArgument` for an unknown kind, with the nearest known one. Names of enhancements are the user's.
     """
     if kinds is None:
         return None
     listed = list_names("kinds", kinds)
     known = _known_kinds()
     for kind in listed:
-        if kind not in known and not (stored and kind.startswith("enhanced.")):
+        if kind not in known and not kind.startswith("enhanced."):
             raise InvalidArgument(f"artifact kind {describe_unknown(kind, known, 'kinds', most=len(known))}")
     return listed
 

@@ -33,7 +33,7 @@ class Frames(Sequence[dict[str, Artifact]]):
         Raises `fathom.InvalidArgument` for an unknown kind.
         """
         self.source = source
-        self.kinds = list_kinds(kinds, stored=not isinstance(source, Job))
+        self.kinds = list_kinds(kinds)
         self.indices = range(len(source)) if indices is None else indices
 
     def __repr__(self) -> str:

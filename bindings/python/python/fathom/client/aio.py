@@ -153,7 +153,7 @@ class AsyncClient:
         parallel: int = calls.PARALLEL,
     ) -> AsyncIterator[Frame]:
         """Fetch the images of rows in their order, some at a time."""
-        kinds = list_kinds(kinds, stored=True)
+        kinds = list_kinds(kinds)
         left = iter(rows)
         ahead = [self._begin(row, kinds) for row in islice(left, parallel)]
         try:

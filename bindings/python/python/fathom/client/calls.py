@@ -155,7 +155,7 @@ def seal(dataset: str) -> Call[dict[str, Any]]:
 
 def frame(job: str, number: int, kinds: Sequence[str] | None) -> Call[Frame]:
     """Request the record of an image and its artifacts."""
-    wanted = list_kinds(kinds, stored=True)
+    wanted = list_kinds(kinds)
     path = f"/v1/images/{path_part(job)}/{number}"
     record = yield from get(path)
     there = {artifact["kind"]: artifact for artifact in record["artifacts"]}

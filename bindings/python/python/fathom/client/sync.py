@@ -167,7 +167,7 @@ class Client:
         parallel: int = calls.PARALLEL,
     ) -> Iterator[Frame]:
         """Fetch the images of rows in their order, some at a time."""
-        kinds = list_kinds(kinds, stored=True)
+        kinds = list_kinds(kinds)
         with ThreadPoolExecutor(parallel) as pool:
             left = iter(rows)
             ahead = [self._begin(pool, row, kinds) for row in islice(left, 2 * parallel)]

@@ -68,7 +68,7 @@ fn most_matches_in_clear_water_are_correct_and_give_the_pose() {
     );
     let of = |metric: &str| values["rgb"][metric].as_f64().unwrap();
     assert!(
-        of("matches_correct") > 100.0 && of("matches_precision") > 0.8,
+        of("matches_correct") > 100.0 && of("matches_precision") > 0.5,
         "{values}"
     );
     assert!(of("track_length") > 0.3, "{values}");
