@@ -27,7 +27,7 @@ fn error_pointers(document: &Value) -> Vec<String> {
 fn the_other_errors_are_listed_next_to_those_of_the_site() {
     // What the site would set is not missing: the scene, the kind of the scene, the preset of the water.
     let overrides = json!({
-        "site": "shft", "alpha": 2, "sed": 1, "scene": {"cracks": 0.1}, "camera": {"width": 0},
+        "site": "tnk", "alpha": 2, "sed": 1, "scene": {"cracks": 0.1}, "camera": {"width": 0},
         "water": {"optics": {"backscatter_fraction": 0.02}, "snow": null},
     });
     let found = error_pointers(&overrides);
@@ -36,7 +36,7 @@ fn the_other_errors_are_listed_next_to_those_of_the_site() {
     let nulls = json!({"site": null, "lights": null, "seed": -1});
     assert_eq!(error_pointers(&nulls), ["/site", "/seed"]);
     // The known sites of a mix are checked with their own fields.
-    let mixed = json!({"site": {"choice": ["tank", "shft"]}, "alpha": 0.5});
+    let mixed = json!({"site": {"choice": ["tank", "tnk"]}, "alpha": 0.5});
     assert_eq!(error_pointers(&mixed), ["/site/choice/1", "/alpha"]);
     let own = json!({"site": {"name": "quay", "count": 3, "alpha": 2}});
     assert_eq!(
