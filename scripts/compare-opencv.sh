@@ -1,15 +1,11 @@
 #!/bin/sh
 # Times HSCM beside the same method written for NumPy and OpenCV, paired in one run, one thread each, on one core.
-# Needs Python 3 with venv; fetches opencv-python-headless and numpy into target/opencv the first time.
+# Needs Python 3 with venv.
 # Usage: scripts/compare-opencv.sh [ROUNDS]
 set -eu
 cd "$(dirname "$0")/.."
 target="${CARGO_TARGET_DIR:-target}"
-venv="$target/opencv"
-if ! "$venv/bin/python" -c 'import cv2, numpy' 2>/dev/null; then
-    python3 -m venv "$venv"
-    "$venv/bin/pip" install --quiet --disable-pip-version-check opencv-python-headless numpy
-fi
+python="$(scripts/get-opencv.sh)"
 cargo build --quiet --release -p enhance --example hscm_times
 # Both take turns on the same core, so they need not share it with each other.
 pin=""
@@ -18,4 +14,4 @@ if command -v taskset >/dev/null; then
     pin="taskset -c $core"
 fi
 exec env OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $pin \
-    "$venv/bin/python" scripts/compare_opencv.py "$target/release/examples/hscm_times" "${1:-20}"
+    "$python" scripts/compare_opencv.py "$target/release/examples/hscm_times" "${1:-20}"

@@ -251,7 +251,9 @@ export class Form {
 
   many(field, value, options) {
     const chosen = new Set(Array.isArray(value) ? value : []);
-    return h("div.checks", { role: "group", "aria-label": field.label }, options.map((one) => h("label", {}, h("input", { type: "checkbox", checked: chosen.has(one), onchange: (event) => {
+    const written = [...chosen].filter((one) => typeof one !== "string").length;
+    const note = written > 0 && h("p.quiet", {}, `${written} more with parameters; edit them in the JSON.`);
+    return h("div.checks", { role: "group", "aria-label": field.label }, note, options.map((one) => h("label", {}, h("input", { type: "checkbox", checked: chosen.has(one), onchange: (event) => {
       if (event.target.checked) chosen.add(one);
       else chosen.delete(one);
       this.change(field, [...chosen]);

@@ -3,7 +3,7 @@
 //! [`hscm`] is the homomorphic filter, median, CLAHE and color merge. The others are the methods of the published comparison
 //! and baselines; [`METHODS`] lists all of them, and the crate `spec` declares their parameters. Every method accepts any
 //! decoded raster of at least one pixel and returns an 8-bit one; alpha is not processed and is returned with the result.
-//! Pictures on which a method is known to fail carry a [`Warning`]. [`enhance`] runs a chain of methods and applies a mask.
+//! Pictures of a known failure have a [`Warning`]. [`enhance`] runs a chain of methods and applies a mask.
 //!
 //! A new method is one file in `methods` and one row of the table of `spec`. This crate does not depend on the water
 //! model: an enhancement must not see the ground truth used to judge it.

@@ -1,4 +1,4 @@
-//! The part of a picture that an enhancement keeps: a robot's camera may see its own housing.
+//! The part of a picture that an enhancement keeps: a robot's camera may see the robot's housing.
 
 use std::ops::Range;
 

@@ -41,7 +41,7 @@ fn matching(criterion: &mut Criterion) {
         .sample_size(20)
         .warm_up_time(Duration::from_millis(300))
         .measurement_time(Duration::from_secs(1));
-    // In the pale picture both thresholds have features of their own.
+    // In the pale picture the thresholds select different features.
     for (name, contrast) in [("clear", 220.0), ("pale", 40.0)] {
         let [current, previous] = [6, 0].map(|shift| picture(shift, contrast));
         let before = FrameFeatures::find(&previous, None);

@@ -140,7 +140,7 @@ impl Measurement<'_> {
                 .map(|(name, weight)| Some(weight * self.value(metric.sibling(name))?))
                 .sum(),
         };
-        // Adding 0 turns -0 into +0 and nothing else.
+        // Adding 0 turns -0 into +0.
         let computed = computed.map(|value| value + 0.0);
         self.known.insert(metric, computed);
         computed

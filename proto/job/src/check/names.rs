@@ -21,7 +21,7 @@ const MAX_WORDS: usize = 1000;
 /// Maximum length of an enhancement's name: `enhanced.NAME.STEP` is an artifact's.
 const MAX_ENHANCEMENT_NAME: usize = 32;
 
-/// The name under which the metrics of the result itself are stored.
+/// Name of the unenhanced picture in stored metrics.
 const MAIN_PICTURE: &str = "rgb";
 
 /// Maximum length of a water's name.

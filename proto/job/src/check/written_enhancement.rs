@@ -45,7 +45,7 @@ impl Enhancement {
 }
 
 impl Checker<'_> {
-    /// The rules across the fields of an enhancement, as in a job with nothing else.
+    /// Checks the rules across the fields of an enhancement.
     fn check_enhancement_rules(&mut self, node: &Node) {
         let document = Node::Object(vec![("enhance".to_owned(), Node::List(vec![node.clone()]))]);
         let before = self.errors.len();

@@ -24,13 +24,13 @@ pub struct Enhancement {
     pub name: String,
     /// The kept part of the picture.
     pub mask: Mask,
-    /// The part over which metrics are taken.
+    /// Where metrics are measured.
     pub metrics_over: MetricsOver,
-    /// At least one step, each on the result of the one before.
+    /// At least one step, each on the result of the previous one.
     pub steps: Vec<Step>,
 }
 
-/// The part of a picture over which metrics are taken.
+/// The measured part of a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, Described)]
 #[serde(rename_all = "snake_case")]
 pub enum MetricsOver {
@@ -50,7 +50,7 @@ struct Shared {
     /// the kept part; pixels outside are black
     #[field(default = "none")]
     mask: Mask,
-    /// the part over which metrics are taken
+    /// the measured part
     #[field(fixed, default = "picture")]
     metrics_over: MetricsOver,
 }
@@ -245,7 +245,7 @@ fn take<T: DeserializeOwned>(
 }
 
 /// The default of each field that has one.
-fn defaults(fields: &[Field]) -> Map<String, Value> {
+pub(crate) fn defaults(fields: &[Field]) -> Map<String, Value> {
     let given = fields.iter().filter_map(|field| match field.presence {
         Presence::Default(text) => Some((field.name.to_owned(), parse_default(text))),
         Presence::Required | Presence::Optional => None,

@@ -63,7 +63,7 @@ pub struct Frame {
     /// lamps in the water, and haze in drawing order
     #[field(max = 64, default = [])]
     pub lights: Vec<Light>,
-    /// enhancements of the result, each on its own
+    /// enhancements of the result, independent of each other
     #[field(max = 64, default = [])]
     pub enhance: Vec<Enhancement>,
     /// metrics to measure

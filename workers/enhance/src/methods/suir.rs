@@ -48,7 +48,9 @@ const CHROMA: [f64; 2] = [0.713, 0.564];
 pub(crate) fn enhance(picture: &Raster, parameters: &Guided, variant: Variant) -> Enhanced {
     let colors = picture.to_rgb8();
     let stretch = JointStretch::new(&colors);
-    let guide = Guide::new(&colors).scaled(stretch.scale).of(parameters);
+    let guide = Guide::new(&colors)
+        .scaled(stretch.scale)
+        .with_parameters(parameters);
     let light = background(&guide, variant).map(|code| stretch.value(code).max(1.0 / 255.0));
     let (channels, exposure) = restored(&guide, &stretch, light, variant);
     let mut result = colors.clone();

@@ -33,7 +33,7 @@ pub(crate) fn enhance(picture: &Raster, parameters: &Guided, variant: Variant) -
     let colors = picture.to_rgb8();
     let mut prior = Plane::filled(colors.width(), colors.height(), 0.0);
     vectorized!(attenuation_prior(colors.data(), prior.data_mut()));
-    let distance = guided(&Guide::new(&colors).of(parameters), &prior, variant);
+    let distance = guided(&Guide::new(&colors).with_parameters(parameters), &prior, variant);
     drop(prior);
     let light = brightest_of(&colors, &distance, variant).map(|code| f64::from(code) / 255.0);
     let nearest = distance_offset(&colors, light);

@@ -1,6 +1,6 @@
 //! True motion between two frames, and the matches that follow it.
 
-use imaging::Plane;
+use imaging::{Plane, Rgb};
 
 use super::features::{Features, Keypoint};
 use super::nearest::Match;
@@ -19,6 +19,25 @@ pub struct Motion {
 }
 
 impl Motion {
+    /// From displacements in x and y, px, and a third plane that is above 0 where the point is visible.
+    #[must_use]
+    pub fn from_displacements(motion: &Rgb<f32>) -> Self {
+        let [across, down, visible] = motion.planes();
+        let (width, height) = across.size();
+        Self {
+            positions: Plane::from_fn(width, height, |x, y| {
+                if visible.pixel(x, y) > 0.0 {
+                    [
+                        x as f32 + 0.5 + across.pixel(x, y),
+                        y as f32 + 0.5 + down.pixel(x, y),
+                    ]
+                } else {
+                    [f32::NAN; 2]
+                }
+            }),
+        }
+    }
+
     /// The position of a keypoint in the previous frame: that of its pixel, shifted by the keypoint's distance from the
     /// pixel's center. `None` outside of the plane and where the position is NaN.
     #[must_use]
@@ -53,6 +72,15 @@ impl Motion {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn displacements_start_at_the_center_of_their_pixel() {
+        let planes = [[3.0, 9.0], [-1.0, 9.0], [1.0, 0.0]];
+        let planes = planes.map(|values| Plane::new(2, 1, values.to_vec()).unwrap());
+        let motion = Motion::from_displacements(&Rgb::new(planes).unwrap());
+        assert_eq!(motion.positions.pixel(0, 0), [3.5, -0.5]);
+        assert!(motion.positions.pixel(1, 0)[0].is_nan());
+    }
 
     fn keypoint(x: f32, y: f32) -> Keypoint {
         Keypoint {

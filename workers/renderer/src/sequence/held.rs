@@ -67,18 +67,7 @@ impl Held {
             let (range, world) = (self.range.as_ref()?, previous.world.as_ref()?);
             let way = [&self.viewpoint, &previous.viewpoint];
             let motion = find_motion(range, &self.pixels, way, world)?;
-            let [across, down, visible] = motion.planes();
-            let positions = Plane::from_fn(range.width(), range.height(), |x, y| {
-                match visible.pixel(x, y) > 0.0 {
-                    // The center of the first pixel is at 0 in a viewpoint and at 0.5 in a motion.
-                    true => [
-                        x as f32 + 0.5 + across.pixel(x, y),
-                        y as f32 + 0.5 + down.pixel(x, y),
-                    ],
-                    false => [f32::NAN; 2],
-                }
-            });
-            Some(Arc::new(Motion { positions }))
+            Some(Arc::new(Motion::from_displacements(&motion)))
         });
         motion.clone()
     }

@@ -15,7 +15,7 @@ pub(crate) struct Track {
 }
 
 impl Track {
-    /// The track of these pictures, as far as the motion between them is known.
+    /// The track of these pictures up to the first unknown motion.
     pub(crate) fn new(mut pictures: Vec<Arc<Held>>) -> Self {
         let pairs = pictures.windows(2);
         let motions: Vec<_> = pairs.map_while(|pair| pair[0].motion_to(&pair[1])).collect();

@@ -42,7 +42,7 @@ pub(crate) fn run(
     let measure = Measure {
         clean: needs(Needs::PictureInAir)
             .then(|| transfer::encode_rgb8(&context.view(&context.prepared.scene.radiance)).0),
-        light: needs(Needs::Illumination).then(|| SceneLight::new(context, measured.layers)),
+        light: needs(Needs::Illumination).then(|| SceneLight::new(context, measured)),
         context,
         measured,
         metrics,
@@ -77,11 +77,13 @@ impl Measure<'_> {
         record: &mut FrameRecord,
     ) -> Result<(), RenderError> {
         let light = self.light.as_ref();
-        let illumination = light.map(|light| light.seen_in(self.measured.rgb, mask));
+        let in_mask = light
+            .zip(mask)
+            .map(|(light, mask)| light.within(self.measured.rgb, mask));
         let subject = Subject {
             clean: self.clean.as_ref(),
             mask,
-            illumination: illumination.as_ref(),
+            illumination: in_mask.as_ref().or(light.map(|light| &light.whole)),
             ..Subject::new(picture)
         };
         let values = match self.measured.track {
@@ -188,13 +190,15 @@ fn parse(name: &str) -> Result<MetricId, RenderError> {
 struct SceneLight {
     illumination: Plane<f32>,
     reflectance: Plane<f32>,
+    /// Prepared for pictures without a mask.
+    whole: Illumination,
 }
 
 impl SceneLight {
     /// The illumination is that of a white surface at each pixel, lamps and daylight times transmittance: unscattered light
     /// over the scene in air. It is NaN where the scene is black in a channel.
-    fn new(context: &FrameContext<'_>, layers: &Layers) -> Self {
-        let direct = context.view(&layers.direct);
+    fn new(context: &FrameContext<'_>, measured: &Measured<'_>) -> Self {
+        let direct = context.view(&measured.layers.direct);
         let in_air = context.view(&context.prepared.scene.radiance);
         let mut white = [0, 1, 2].map(|channel| {
             let mut gains = direct.planes()[channel].clone();
@@ -207,18 +211,26 @@ impl SceneLight {
         let [red, green, blue] = &mut white;
         weigh([red.data_mut(), green.data_mut(), blue.data_mut()]);
         let [illumination, ..] = white;
+        let reflectance = luminance(&in_air);
+        let whole = Illumination::new(&TrueLight {
+            illumination: &illumination,
+            reflectance: &reflectance,
+            input: measured.rgb,
+            mask: None,
+        });
         Self {
             illumination,
-            reflectance: luminance(&in_air),
+            reflectance,
+            whole,
         }
     }
 
-    fn seen_in(&self, input: &Rgb8, mask: Option<&Plane<u8>>) -> Illumination {
+    fn within(&self, input: &Rgb8, mask: &Plane<u8>) -> Illumination {
         Illumination::new(&TrueLight {
             illumination: &self.illumination,
             reflectance: &self.reflectance,
             input,
-            mask,
+            mask: Some(mask),
         })
     }
 }

@@ -6,7 +6,8 @@ use serde_json::Value;
 
 use crate::artifact::ArtifactKind;
 use crate::check::{Checker, Location, find_lists};
-use crate::enhancement::steps_of;
+use crate::enhancement::parameters::Ibla;
+use crate::enhancement::{defaults, steps_of};
 use crate::invalid::FieldError;
 use crate::node::Node;
 
@@ -67,6 +68,8 @@ impl Checker<'_> {
                     self.refuse(|| FieldError::new(&pointer, message).limit("required"));
                 }
             }
+            self.check_metrics_over(location, node);
+            self.check_refinement(location, node);
             if let Some(Node::List(steps)) = node.get("steps")
                 && steps.is_empty()
             {
@@ -75,6 +78,46 @@ impl Checker<'_> {
             }
         }
         possible
+    }
+
+    /// Metrics over a mask need one.
+    fn check_metrics_over(&mut self, location: &Location, node: &Node) {
+        let is_word = |field: &str, word: &str| {
+            let values = node.get(field).map(|node| node.strings("")).unwrap_or_default();
+            values.iter().any(|(_, text)| *text == word)
+        };
+        if is_word("metrics_over", "mask") && is_word("mask", "none") {
+            let location = location.field("metrics_over");
+            let message =
+                format!("{location} is \"mask\", but the mask can be \"none\": add a `mask`, or remove it");
+            self.refuse(|| location.error(message).value(&Value::from("mask")));
+        }
+    }
+
+    /// The guided filter has no effect on a refinement by matting.
+    fn check_refinement(&mut self, location: &Location, node: &Node) {
+        let steps = match node.get("steps") {
+            Some(Node::List(steps)) => steps.iter().filter_map(|step| step.get("ibla")).collect(),
+            _ => vec![node],
+        };
+        for step in steps {
+            let refine = step
+                .get("refine")
+                .map(|refine| refine.strings(""))
+                .unwrap_or_default();
+            let is_unused = !refine.is_empty() && refine.iter().all(|(_, word)| *word == "matting");
+            let defaults = defaults(Ibla::FIELDS);
+            for field in ["guide_radius_px", "guide_eps"].into_iter().filter(|_| is_unused) {
+                let given = step.get(field).and_then(Node::greatest);
+                if given != defaults[field].as_f64() {
+                    let location = location.field(field);
+                    let message = format!(
+                        "{location} has no effect with `refine` \"matting\": use \"guided\", or remove it"
+                    );
+                    self.refuse(|| location.error(message));
+                }
+            }
+        }
     }
 
     /// Requested results of enhancements that some frame does not have.

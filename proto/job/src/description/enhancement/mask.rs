@@ -40,7 +40,7 @@ pub struct Saturated {
     /// least saturated code of any channel, 8 bit
     #[field(within(1, 255), default = 250)]
     pub threshold: u8,
-    /// distance around saturated pixels that is removed too
+    /// radius of the removed square around each saturated pixel
     #[field(within(0, 200), default = 5, unit = "px")]
     pub dilation_px: usize,
 }

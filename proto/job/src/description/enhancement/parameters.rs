@@ -13,7 +13,7 @@ pub struct Hscm {
     #[field(above(0.0, 20.0), at_most("gain_high"), default = 0.5)]
     pub gain_low: f64,
     /// cutoff frequency: the width of the picture over it, at least 1, is `delta`
-    #[field(above(0.0, 4096.0), default = 32)]
+    #[field(above(0.0, 4096.0), excludes("delta"), default = 32)]
     pub cutoff: f64,
     /// cutoff frequency in bins of the transform, instead of `cutoff`
     #[field(above(0.0, 16384.0), unit = "bins")]

@@ -60,6 +60,16 @@ fn an_enhancement_is_refused_at_the_field_that_is_wrong() {
             "0..=10",
         ),
         (json!({"name": "rgb"}), "/enhance/0/name", "not `rgb`"),
+        (
+            json!({"cutoff": 16, "delta": 9}),
+            "/enhance/0/cutoff",
+            "cannot be combined with `enhance[0].delta`",
+        ),
+        (
+            json!({"metrics_over": "mask"}),
+            "/enhance/0/metrics_over",
+            "add a `mask`",
+        ),
         (json!({"name": "a.b"}), "/enhance/0/name", "1 to 32 of"),
     ] {
         let error = only_error(method(fields.clone()));
@@ -99,4 +109,14 @@ fn enhancements_of_a_frame_have_different_names() {
     let cutoffs = json!({"choice": [wide("wide"), {"method": "clahe", "name": "wide"}]});
     let common = json!({"enhance": [cutoffs], "artifacts": ["enhanced.wide", "enhanced.wide.median"]});
     assert_eq!(only_error(common).pointer, "/artifacts/1");
+}
+
+#[test]
+fn a_guide_needs_the_guided_refinement() {
+    let ibla = |refine: &str| json!({"enhance": [{"method": "ibla", "refine": refine, "guide_eps": 0.01}]});
+    job(&document_with(ibla("guided")));
+    job(&document_with(ibla("auto")));
+    assert_eq!(only_error(ibla("matting")).pointer, "/enhance/0/guide_eps");
+    let step = json!({"enhance": [{"name": "mine", "steps": [{"ibla": {"refine": "matting", "guide_radius_px": 9}}]}]});
+    assert!(only_error(step).message.contains("no effect"));
 }

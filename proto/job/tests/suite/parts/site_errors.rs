@@ -25,7 +25,7 @@ fn error_pointers(document: &Value) -> Vec<String> {
 
 #[test]
 fn the_other_errors_are_listed_next_to_those_of_the_site() {
-    // What the site would set is not missing: the scene, the kind of the scene, the preset of the water.
+    // Fields of the site do not count as missing: the scene, its kind, the preset of the water.
     let overrides = json!({
         "site": "tnk", "alpha": 2, "sed": 1, "scene": {"cracks": 0.1}, "camera": {"width": 0},
         "water": {"optics": {"backscatter_fraction": 0.02}, "snow": null},
@@ -35,7 +35,7 @@ fn the_other_errors_are_listed_next_to_those_of_the_site() {
     // A null removes a field, but not the site.
     let nulls = json!({"site": null, "lights": null, "seed": -1});
     assert_eq!(error_pointers(&nulls), ["/site", "/seed"]);
-    // The known sites of a mix are checked with their own fields.
+    // The known sites of a mix are checked.
     let mixed = json!({"site": {"choice": ["tank", "tnk"]}, "alpha": 0.5});
     assert_eq!(error_pointers(&mixed), ["/site/choice/1", "/alpha"]);
     let own = json!({"site": {"name": "quay", "count": 3, "alpha": 2}});

@@ -14,7 +14,7 @@ const PAGE: &str = concat!(
 );
 /// Line of the page where the generated part begins.
 const BEGIN: &str = "<!-- Generated from here on by `FATHOM_WRITE=1 cargo test -p cli page`. -->\n";
-/// An option with the same meaning in so many commands is described once.
+/// An option with the same meaning in at least this many commands is described once.
 const SHARED: usize = 7;
 
 /// Commands by the row of an option, which is the same for options of equal name, default and meaning.
@@ -160,7 +160,7 @@ fn list_values(arg: &Arg) -> String {
     format!(": {}", values.collect::<Vec<_>>().join(", "))
 }
 
-/// Text for a cell, in which Markdown finds no HTML, emphasis or column.
+/// Text for a cell, without HTML, emphasis or columns in Markdown.
 fn escape(text: &str) -> String {
     let text = text.replace('|', "\\|").replace('\n', " ");
     let parts = text.split('`').enumerate();

@@ -76,7 +76,7 @@ impl Declaration {
     pub(super) fn describe_row(&self, row: &Row) -> Value {
         let mut artifacts: Vec<&str> = row.panels.iter().map(|panel| panel.artifact.as_str()).collect();
         if row.matched.is_some() {
-            artifacts.push("range");
+            artifacts.push("flow");
         }
         let mut job = row.job.clone();
         job.insert("artifacts".to_owned(), json!(artifacts));

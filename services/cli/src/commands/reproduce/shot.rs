@@ -2,12 +2,13 @@
 
 use cli::exit::Failure;
 use cli::sheet::with_legend;
-use imaging::{Plane, Rgb8};
+use imaging::codec::{Radiance, decode_radiance};
+use imaging::{Rgb, Rgb8};
 use renderer::{Rendered, SceneSource, Slot};
-use spec::{Job, SceneRecord};
+use spec::Job;
 
 use super::declaration::invalid;
-use crate::commands::dataset::sheet::paint::{Paint, RANGE_UNIT_M, Stored};
+use crate::commands::dataset::sheet::paint::{Paint, Stored};
 
 /// A rendered frame.
 pub(super) struct Shot {
@@ -37,25 +38,24 @@ impl Shot {
         Ok(legend.map_or_else(|| picture.clone(), |legend| with_legend(&picture, &legend)))
     }
 
-    /// The range in meters, 0 without a return.
+    /// The motion to the next frame.
     ///
     /// # Errors
     /// The job does not make it.
-    pub(super) fn range_m(&self) -> Result<Plane<f32>, Failure> {
-        match self.stored("range")? {
-            Stored::Range(codes) => Ok(codes.map(|&code| (f64::from(code) * RANGE_UNIT_M) as f32)),
-            _ => Err(missing("range")),
+    pub(super) fn flow(&self) -> Result<Rgb<f32>, Failure> {
+        match decode_radiance(self.bytes("flow")?) {
+            Ok(Radiance::Linear(flow)) => Ok(flow),
+            _ => Err(missing("flow")),
         }
     }
 
-    /// The camera and its pose.
-    pub(super) fn scene(&self) -> Option<&SceneRecord> {
-        self.rendered.record.scene.as_ref()
+    fn stored(&self, kind: &str) -> Result<Stored, Failure> {
+        Stored::read(kind, self.bytes(kind)?)
     }
 
-    fn stored(&self, kind: &str) -> Result<Stored, Failure> {
+    fn bytes(&self, kind: &str) -> Result<&[u8], Failure> {
         let file = self.rendered.files.iter().find(|file| file.kind == kind);
-        Stored::read(kind, &file.ok_or_else(|| missing(kind))?.bytes)
+        Ok(&file.ok_or_else(|| missing(kind))?.bytes)
     }
 }
 

@@ -52,7 +52,7 @@ impl Guide {
 
     /// Sets the radius and ε of a method.
     #[must_use]
-    pub(crate) fn of(self, parameters: &Guided) -> Self {
+    pub(crate) fn with_parameters(self, parameters: &Guided) -> Self {
         self.window(parameters.guide_radius_px, parameters.guide_eps)
     }
 

@@ -9,7 +9,7 @@ use imaging::{Plane, Rgb8, transfer};
 use scenes::categories::FINDINGS;
 
 /// Meters of one code of a stored range.
-pub(crate) const RANGE_UNIT_M: f64 = 1e-3;
+const RANGE_UNIT_M: f64 = 1e-3;
 /// Codes for each pixel of a motion: 32 px to either side.
 const MOTION_CODES: f32 = 4.0;
 /// Numbers below the ramp.
