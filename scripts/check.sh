@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Everything that can be checked without building the project: formatting, spelling, prose and names, types of the page's scripts, unused
-# dependencies, licenses and sources of dependencies, titles of commits. The tools are installed below target/tools the first time.
+# Everything that can be checked without building the project: formatting, spelling, prose and names, lints of Python, types of the page's
+# scripts, unused dependencies, licenses and sources of dependencies, titles of commits. The tools are installed below target/tools the first
+# time.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 tools=${CARGO_TARGET_DIR:-$PWD/target}/tools
@@ -24,6 +25,14 @@ fi
 "$typos/bin/typos"
 
 python3 scripts/check_prose.py
+
+ruff=$tools/ruff-0.17.6
+if [ ! -x "$ruff/bin/ruff" ]; then
+    python3 -m venv "$ruff"
+    "$ruff/bin/pip" install --quiet --disable-pip-version-check 'ruff==0.17.6'
+fi
+"$ruff/bin/ruff" check --quiet --cache-dir "$tools/ruff-cache" bindings/python
+"$ruff/bin/ruff" format --quiet --check --cache-dir "$tools/ruff-cache" bindings/python
 
 # The types of the page's scripts, by TypeScript; Node comes from a wheel of Python, so that nothing has to be installed by hand.
 types=$tools/typescript-5.9.3

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Tests the Python package: builds the wheel, installs it into virtual environments of the oldest and the newest Python
-# there are, and runs its tests there; mypy and ruff run once. Arguments are handed on to pytest.
+# there are, and runs its tests there; mypy runs once. Arguments are handed on to pytest.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 target=${CARGO_TARGET_DIR:-$PWD/target}
@@ -40,14 +40,12 @@ environment() {
 oldest=$target/python/oldest
 newest=$target/python/newest
 environment "$oldest" "${found[0]}" 'numpy<2' httpx==0.28.1 pytest==9.2.0
-environment "$newest" "${found[-1]}" numpy httpx==0.28.1 pytest==9.2.0 mypy==2.4.1 ruff==0.17.6 jax==0.12.0.1 pandas pyarrow nbformat \
+environment "$newest" "${found[-1]}" numpy httpx==0.28.1 pytest==9.2.0 mypy==2.4.1 jax==0.12.0.1 pandas pyarrow nbformat \
     jsonschema==4.26.0 openapi-spec-validator==0.9.0 openapi-python-client==0.29.1 \
     webdataset==1.0.2 datasets==5.2.0 pillow albumentations==2.0.8 pycocotools==2.0.11 mlcroissant==1.1.1 pyyaml==6.0.3
 
 cd bindings/python
 export FATHOM=${FATHOM:-$target/release/fathom} PYTHONDONTWRITEBYTECODE=1
-"$newest/bin/ruff" check --quiet --cache-dir "$target/python/ruff" .
-"$newest/bin/ruff" format --quiet --check --cache-dir "$target/python/ruff" .
 "$newest/bin/mypy" --cache-dir "$target/python/mypy"
 for place in "$oldest" "$newest"; do
     "$place/bin/python" --version

@@ -71,7 +71,7 @@ def test_what_is_no_picture_is_refused(image: Any, error: type[Exception], messa
 
 
 def test_unknown_names_are_refused_with_those_that_there_are() -> None:
-    with pytest.raises(ValueError, match="`clache` is not a known enhancement method|\"clache\" is not a known enhancement method"):
+    with pytest.raises(ValueError, match=r"clache. is not a known enhancement method"):
         fathom.enhance(PICTURE, "clache")
     with pytest.raises(ValueError, match="metric `psrn` does not exist"):
         fathom.measure(PICTURE, ["psrn"])

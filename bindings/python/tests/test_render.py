@@ -74,7 +74,7 @@ def test_only_what_is_asked_for_is_made(job: fathom.Job) -> None:
     assert list(frame.artifacts) == ["rgb", "enhanced.clahe", "enhanced.hscm.mask"]
     assert frame.record["measurements"] == {}
     assert fathom.render(job, 2, ["rgb"]).record["measurements"] != {}
-    with pytest.raises(fathom.RenderError, match="there is no artifact `enhanced.hscn`"):
+    with pytest.raises(fathom.RenderError, match=r"there is no artifact `enhanced\.hscn`"):
         fathom.render(job, 2, ["enhanced.hscn"])
     with pytest.raises(KeyError, match="frame 2 has no `range`"):
         _ = frame.range_m

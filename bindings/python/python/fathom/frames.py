@@ -8,7 +8,6 @@ from typing import Protocol, overload
 from fathom.arguments import list_kinds
 from fathom.display import html_table
 from fathom.frame import Artifact, Frame
-from fathom.job import Job
 
 
 class Source(Protocol):
