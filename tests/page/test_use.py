@@ -69,6 +69,24 @@ def test_a_service_that_dies_and_returns_is_waited_for(visit, browser, tmp_path)
         service.stop()
 
 
+def test_thumbnails_that_a_busy_service_refuses_are_requested_again(visit):
+    refused = set()
+
+    def refuse_once(route):
+        if route.request.url in refused:
+            route.continue_()
+        else:
+            refused.add(route.request.url)
+            route.fulfill(status=503, headers={"retry-after": "1"}, content_type="application/problem+json", body='{"title": "Busy"}')
+
+    page = visit()
+    page.route("**/preview", refuse_once)
+    page.click(".card h2 a")
+    page.wait_for_selector(".cell img")
+    until(page, "[...document.querySelectorAll('.cell img')].every((image) => image.naturalWidth > 0)")
+    assert refused
+
+
 def test_a_token_is_requested_once_and_survives_a_reload(visit, tmp_path):
     service = Service(str(tmp_path), token="s3cret")
     try:

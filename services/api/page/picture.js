@@ -3,20 +3,28 @@
 import { binary, hasToken, known, send } from "./api.js";
 import { h } from "./dom.js";
 
-// An image of the service. An img element cannot send a token.
+// An image of the service. An img element can neither send a token nor wait for a busy service.
 export function picture(path, alt, props = {}) {
   const image = h("img", { alt, decoding: "async", ...props });
   if (hasToken()) {
-    send(path).then(async (response) => {
-      const address = URL.createObjectURL(await response.blob());
-      image.onload = () => URL.revokeObjectURL(address);
-      image.src = address;
-    }, () => image.classList.add("missing"));
+    load(image, path);
   } else {
-    image.onerror = () => image.classList.add("missing");
+    image.onerror = () => load(image, path);
     image.src = path;
   }
   return image;
+}
+
+async function load(image, path) {
+  image.onerror = () => image.classList.add("missing");
+  try {
+    const response = await send(path);
+    const address = URL.createObjectURL(await response.blob());
+    image.onload = () => URL.revokeObjectURL(address);
+    image.src = address;
+  } catch {
+    image.classList.add("missing");
+  }
 }
 
 // Kinds whose pixels are numbers of categories, bits of findings or numbers of objects.
