@@ -6,7 +6,7 @@ use std::path::Path;
 
 use fathom_tests::run;
 use imaging::Plane;
-use imaging::codec::{encode_jpeg, encode_npy_plane};
+use imaging::codec::{decode_picture, encode_jpeg, encode_npy_plane, encode_png};
 use serde_json::json;
 
 use crate::uploader::{SIZE, Uploader, distances, millimeters, picture, png};
@@ -94,6 +94,48 @@ fn an_orientation_tag_turns_the_picture_and_maps_of_the_stored_size() {
     let enhanced = run(&["enhance", "gray_world", &picture, "--out", out.to_str().unwrap()]);
     assert!(enhanced.status.success());
     assert_eq!(sides(&out), (16, 24));
+}
+
+#[test]
+fn a_drawn_mask_blackens_the_enhanced_picture_of_its_size_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = |name: &str| folder.path().join(name).display().to_string();
+    let left_half = |width: usize| {
+        let mask = Plane::from_fn(width, SIZE.1, |x, _| if x < width / 2 { 255u8 } else { 0 });
+        encode_png(&mask.into()).unwrap()
+    };
+    std::fs::write(place("a.png"), png(1)).unwrap();
+    std::fs::write(place("mask.png"), left_half(SIZE.0)).unwrap();
+    std::fs::write(place("wide.png"), left_half(SIZE.0 + 1)).unwrap();
+    let enhance = |method: &str, mask: &str| {
+        run(&[
+            "enhance",
+            method,
+            &place("a.png"),
+            "--out",
+            &place("out.png"),
+            "--mask",
+            &place(mask),
+        ])
+    };
+    for (method, mask, reason) in [
+        ("clahe", "wide.png", "its mask is 25×16"),
+        ("clahe", "a.png", "--mask: "),
+        ("clahe:mask=paper", "mask.png", "has a mask of its own"),
+    ] {
+        let refused = enhance(method, mask);
+        let text = String::from_utf8_lossy(&refused.stderr);
+        assert!(!refused.status.success() && text.contains(reason), "{text}");
+        assert!(!Path::new(&place("out.png")).exists());
+    }
+    assert!(enhance("clahe", "mask.png").status.success());
+    let masked = decode_picture(&std::fs::read(place("out.png")).unwrap())
+        .unwrap()
+        .to_rgb8();
+    for (position, pixel) in masked.pixels().enumerate() {
+        let is_kept = position % SIZE.0 < SIZE.0 / 2;
+        assert_eq!(pixel != [0; 3], is_kept, "pixel {position}");
+    }
 }
 
 fn sides(path: &Path) -> (usize, usize) {

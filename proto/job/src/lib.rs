@@ -42,6 +42,7 @@ use distributions::{node, normal};
 pub use earlier::{EARLIER_VERSION, is_of_earlier_version};
 pub use encode::Encode;
 pub use enhancement::mask::{Circle, Mask, Saturated};
+pub use enhancement::mask_image::MaskImage;
 pub use enhancement::parameters::{
     Clahe, DarkChannel, Fusion, GrayWorld, Guided, Hscm, Ibla, IblaRefinement, Mlle, Rayleigh, ResultColor,
     Stretching,

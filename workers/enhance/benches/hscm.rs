@@ -9,7 +9,7 @@ use enhance::hscm::{Luma, clahe, median, merge};
 use enhance::mask;
 use enhance::{Method, Variant};
 use imaging::{Raster, Rgb8};
-use spec::{Hscm, Mask};
+use spec::{Circle, Hscm};
 
 const WIDTH: usize = 869;
 const HEIGHT: usize = 565;
@@ -62,7 +62,7 @@ fn stages(criterion: &mut Criterion) {
     group.bench_function("merge", |b| {
         b.iter(|| merge::merge(black_box(colors.data()), equalized.data()))
     });
-    let paper = Mask::Paper.circle().expect("it is a circle");
+    let paper = Circle::PAPER;
     group.bench_function("circle", |b| {
         b.iter(|| mask::circle_plane(WIDTH, HEIGHT, black_box(&paper)));
     });

@@ -27,7 +27,7 @@ pub struct Outcome {
 /// Runs an enhancement by the fast variants; `wanted` names the intermediate results to return.
 ///
 /// # Errors
-/// As [`run`], for any of the steps.
+/// As [`run`] for any of the steps, and as [`kept`].
 pub fn enhance(
     enhancement: &Enhancement,
     picture: &Raster,
@@ -60,7 +60,7 @@ pub fn enhance(
         let asked = stages.filter(|(name, _)| wanted.contains(name));
         steps.extend(asked.map(|(name, luma)| (name.to_owned(), luma.into())));
     }
-    let mask = kept(picture, &enhancement.mask);
+    let mask = kept(picture, &enhancement.mask)?;
     if wanted.contains(&MASK_STEP) {
         let whole = || Plane::filled(picture.width(), picture.height(), u8::MAX);
         let plane = mask.clone().unwrap_or_else(whole);

@@ -6,16 +6,28 @@ use imaging::{Plane, Raster};
 use spec::{Circle, Mask, Saturated};
 
 use crate::blocks::window_max;
+use crate::result::EnhanceError;
 use crate::variant::Variant;
 
 /// The kept part of a picture, 255 where it is kept and 0 elsewhere; `None` keeps all of it.
-#[must_use]
-pub fn kept(picture: &Raster, mask: &Mask) -> Option<Plane<u8>> {
-    match (mask, mask.circle()) {
-        (_, Some(circle)) => Some(circle_plane(picture.width(), picture.height(), &circle)),
-        (Mask::Saturated(saturated), _) => Some(unsaturated(picture, saturated)),
-        _ => None,
-    }
+///
+/// # Errors
+/// [`EnhanceError::MaskSize`]: the mask is drawn for pictures of another size.
+pub fn kept(picture: &Raster, mask: &Mask) -> Result<Option<Plane<u8>>, EnhanceError> {
+    let (width, height) = (picture.width(), picture.height());
+    Ok(match mask {
+        Mask::None => None,
+        Mask::Paper => Some(circle_plane(width, height, &Circle::PAPER)),
+        Mask::Circle(circle) => Some(circle_plane(width, height, circle)),
+        Mask::Saturated(saturated) => Some(unsaturated(picture, saturated)),
+        Mask::Image(image) if image.kept().size() == (width, height) => Some(image.kept().clone()),
+        Mask::Image(image) => {
+            return Err(EnhanceError::MaskSize {
+                picture: (width, height),
+                mask: image.kept().size(),
+            });
+        }
+    })
 }
 
 /// 255 inside the circle and 0 outside.
@@ -93,7 +105,7 @@ mod tests {
 
     #[test]
     fn radius_zero_keeps_the_center() {
-        let mask = circle_plane(2, 2, &Mask::Paper.circle().unwrap());
+        let mask = circle_plane(2, 2, &Circle::PAPER);
         assert_eq!(mask.data(), &[255, 0, 0, 0]);
     }
 
@@ -110,7 +122,7 @@ mod tests {
             threshold: 250,
             dilation_px: 1,
         });
-        let kept = kept(&picture.into(), &mask).unwrap();
+        let kept = kept(&picture.into(), &mask).unwrap().unwrap();
         let removed = Plane::from_fn(7, 5, |x, y| {
             if x.abs_diff(3) <= 1 && y.abs_diff(2) <= 1 {
                 0

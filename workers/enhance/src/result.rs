@@ -38,6 +38,14 @@ pub enum EnhanceError {
         /// Pixel limit.
         limit: usize,
     },
+    /// A drawn mask has another size.
+    #[error("picture is {}×{} but its mask is {}×{}; draw the mask in the size of the picture", .picture.0, .picture.1, .mask.0, .mask.1)]
+    MaskSize {
+        /// Columns and rows of the picture.
+        picture: (usize, usize),
+        /// Columns and rows of the mask.
+        mask: (usize, usize),
+    },
 }
 
 /// Channels of the result for a gray picture.

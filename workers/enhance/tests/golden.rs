@@ -36,7 +36,7 @@ fn filter_of(luma: &Luma) -> Filter {
 }
 
 fn paper() -> Circle {
-    Mask::Paper.circle().expect("it is a circle")
+    Circle::PAPER
 }
 
 fn gray(case: &Case, stage: &str) -> Plane<u8> {

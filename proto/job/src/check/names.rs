@@ -4,6 +4,7 @@ use serde_json::Value;
 
 use super::{Checker, Location};
 use crate::artifact::ArtifactKind;
+use crate::enhancement::mask_image::MaskImage;
 use crate::invalid::{FieldError, quote};
 use crate::migration;
 use crate::node::Node;
@@ -39,6 +40,14 @@ impl Checker<'_> {
             Names::Dataset | Names::Collection => is_dataset(text).then(|| text.to_owned()),
             Names::SceneId => is_scene_id(text).then(|| text.to_owned()),
             Names::Path => is_path(text).then(|| text.to_owned()),
+            Names::MaskImage => {
+                if let Err(why) = MaskImage::parse(text) {
+                    let message = format!("{location} {why}");
+                    self.refuse(|| location.error(message).limit(names.describe()));
+                    return None;
+                }
+                Some(text.to_owned())
+            }
             _ => self
                 .vocabulary
                 .listed(names)

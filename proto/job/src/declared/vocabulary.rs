@@ -62,7 +62,8 @@ impl Vocabulary {
             | Names::Dataset
             | Names::Collection
             | Names::SceneId
-            | Names::Path => Vec::new(),
+            | Names::Path
+            | Names::MaskImage => Vec::new(),
         }
     }
 

@@ -5,6 +5,7 @@
 //! {"clip": 2}}]}`.
 
 pub(crate) mod mask;
+pub(crate) mod mask_image;
 pub(crate) mod parameters;
 
 use serde::Deserialize;

@@ -35,6 +35,8 @@ pub enum Names {
     Collection,
     /// A path on this machine.
     Path,
+    /// A mask as a PNG in base64.
+    MaskImage,
 }
 
 impl Names {
@@ -72,6 +74,7 @@ impl Names {
             }
             Self::SceneId => "the id of an uploaded scene, `scn_…`",
             Self::Path => "a path of 1 to 4096 bytes",
+            Self::MaskImage => "a gray PNG in base64, at most 16384 bytes of text",
         }
     }
 }

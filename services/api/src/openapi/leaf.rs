@@ -21,7 +21,12 @@ pub(super) fn listed_at(names: Names) -> &'static str {
         Names::Method => "; `GET /v1/lists/enhancements` describes them",
         Names::Metric => "; `GET /v1/lists/metrics` describes them",
         Names::Artifact => "; `GET /v1/lists/artifacts` describes them",
-        Names::Fixed(_) | Names::WaterName | Names::Enhancement | Names::Words | Names::Path => "",
+        Names::Fixed(_)
+        | Names::WaterName
+        | Names::Enhancement
+        | Names::Words
+        | Names::Path
+        | Names::MaskImage => "",
     }
 }
 

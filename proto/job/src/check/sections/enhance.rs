@@ -49,6 +49,7 @@ impl Checker<'_> {
             });
         }
         self.check_enhanced(document, &certain.unwrap_or_default());
+        self.check_mask_sizes(document);
     }
 
     /// Every enhancement that an element of `enhance` can be.

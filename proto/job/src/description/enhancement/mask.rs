@@ -3,8 +3,10 @@
 use serde::Deserialize;
 use spec_derive::Described;
 
+use super::mask_image::MaskImage;
+
 /// The kept part of a picture.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize, Described)]
+#[derive(Debug, Clone, PartialEq, Default, Deserialize, Described)]
 #[serde(rename_all = "snake_case")]
 pub enum Mask {
     /// The whole picture.
@@ -16,6 +18,9 @@ pub enum Mask {
     Circle(Circle),
     /// everything but saturated pixels and their surroundings
     Saturated(Saturated),
+    /// a PNG of the picture's size in base64: black pixels are removed
+    #[field(names = MaskImage)]
+    Image(MaskImage),
 }
 
 /// A circle relative to the picture; it may be outside.
@@ -45,18 +50,11 @@ pub struct Saturated {
     pub dilation_px: usize,
 }
 
-impl Mask {
-    /// The circle of this mask, if it is one.
-    #[must_use]
-    pub fn circle(&self) -> Option<Circle> {
-        match self {
-            Self::Paper => Some(Circle {
-                center_x: 0.45,
-                center_y: 0.33,
-                radius: 0.44,
-            }),
-            Self::Circle(circle) => Some(*circle),
-            Self::None | Self::Saturated(_) => None,
-        }
-    }
+impl Circle {
+    /// The circle of the published method.
+    pub const PAPER: Self = Self {
+        center_x: 0.45,
+        center_y: 0.33,
+        radius: 0.44,
+    };
 }

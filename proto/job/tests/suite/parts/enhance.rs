@@ -1,8 +1,12 @@
 //! Enhancements of a description: their fields, names and artifacts.
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use imaging::Plane;
+use imaging::codec::encode_png;
 use serde_json::{Value, json};
 
-use crate::common::{document_with, job, only_error};
+use crate::common::{document_with, job, job_with, only_error};
 
 #[test]
 fn an_artifact_of_a_method_needs_the_method() {
@@ -119,4 +123,35 @@ fn a_guide_needs_the_guided_refinement() {
     assert_eq!(only_error(ibla("matting")).pointer, "/enhance/0/guide_eps");
     let step = json!({"enhance": [{"name": "mine", "steps": [{"ibla": {"refine": "matting", "guide_radius_px": 9}}]}]});
     assert!(only_error(step).message.contains("no effect"));
+}
+
+#[test]
+fn a_drawn_mask_has_the_size_of_every_image() {
+    let png = encode_png(&Plane::filled(64, 48, 255u8).into()).unwrap();
+    let mask = STANDARD.encode(png);
+    let masked =
+        |camera: Value| json!({"camera": camera, "enhance": [{"method": "hscm", "mask": {"image": mask}}]});
+    job_with(masked(json!({"width": 64, "height": 48})));
+    for (camera, sizes) in [
+        (json!({"width": 65, "height": 48}), "65×48"),
+        (
+            json!({"width": 64, "height": {"int": [48, 50]}}),
+            "64×48 to 64×50",
+        ),
+        (
+            json!({"width": {"choice": [64, 128]}, "height": 48}),
+            "64×48 to 128×48",
+        ),
+    ] {
+        let error = only_error(masked(camera));
+        assert_eq!(error.pointer, "/enhance/0/mask/image");
+        assert_eq!(error.limit.as_deref(), Some(sizes));
+        assert!(
+            error.message.contains("the mask has 64×48 pixels"),
+            "{}",
+            error.message
+        );
+    }
+    let error = only_error(json!({"enhance": [{"method": "hscm", "mask": {"image": "robot.png"}}]}));
+    assert!(error.message.contains("is not base64"), "{}", error.message);
 }

@@ -14,7 +14,7 @@ use cli::plural::count;
 use cli::progress::Progress;
 use enhance::{Method, Outcome, Warning};
 use imaging::Raster;
-use spec::{Enhancement, HSCM_STEPS, Invalid, MASK_STEP};
+use spec::{Enhancement, HSCM_STEPS, Invalid, MASK_STEP, Mask, MaskImage};
 
 use inputs::{Work, find_work};
 
@@ -31,6 +31,9 @@ pub(crate) struct Arguments {
     /// Result of one picture (.png, .jpg or .webp), or a folder for all results, PNG files with the names of the pictures
     #[arg(long, short)]
     out: PathBuf,
+    /// Mask for a METHOD without one: a gray picture of the same size, black where the result is removed
+    #[arg(long, value_name = "FILE")]
+    mask: Option<PathBuf>,
     /// Also write the intermediate results and the mask, as `NAME.STEP.png`
     #[arg(long)]
     steps: bool,
@@ -58,12 +61,13 @@ fn parse_enhancement(text: &str) -> Result<Enhancement, String> {
 
 /// Runs the command. A picture that fails does not stop the others.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let enhancement = with_mask(arguments)?;
     let work = find_work(&arguments.inputs, &arguments.out)?;
-    if let [step] = arguments.method.steps.as_slice() {
+    if let [step] = enhancement.steps.as_slice() {
         let method = Method(step.clone());
         eprintln!("{}: {}", method.name(), method.against_published());
     }
-    let failures = enhance_all(arguments, &work);
+    let failures = enhance_all(&enhancement, arguments.steps, &work);
     match failures.as_slice() {
         [] => Ok(()),
         [failure] if work.len() == 1 => Err(Failure::BadInput(failure.clone())),
@@ -76,8 +80,24 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
 }
 
+/// The enhancement with the mask of `--mask`.
+fn with_mask(arguments: &Arguments) -> Result<Enhancement, Failure> {
+    let mut enhancement = arguments.method.clone();
+    if let Some(path) = &arguments.mask {
+        if enhancement.mask != Mask::None {
+            return Err(Failure::BadInput(
+                "METHOD has a mask of its own, so --mask has no effect; leave one of them out".to_owned(),
+            ));
+        }
+        let mask = MaskImage::decode(&files::read(path)?);
+        let mask = mask.map_err(|why| Failure::BadInput(format!("--mask: {} {why}", path.display())))?;
+        enhancement.mask = Mask::Image(mask);
+    }
+    Ok(enhancement)
+}
+
 /// Enhances every picture, each on one thread, and returns the failures in the order of the pictures.
-fn enhance_all(arguments: &Arguments, work: &[Work]) -> Vec<String> {
+fn enhance_all(enhancement: &Enhancement, steps: bool, work: &[Work]) -> Vec<String> {
     let (sender, results) = mpsc::channel();
     let next = AtomicUsize::new(0);
     let threads = thread::available_parallelism().map_or(1, usize::from);
@@ -90,7 +110,7 @@ fn enhance_all(arguments: &Arguments, work: &[Work]) -> Vec<String> {
                     let position = next.fetch_add(1, Ordering::Relaxed);
                     let Some(work) = work.get(position) else { break };
                     // The other end waits for every sender.
-                    let _ = sender.send((position, enhance_one(arguments, work)));
+                    let _ = sender.send((position, enhance_one(enhancement, steps, work)));
                 }
             });
         }
@@ -116,17 +136,17 @@ fn enhance_all(arguments: &Arguments, work: &[Work]) -> Vec<String> {
 }
 
 /// Enhances a picture, writes the result and returns the warnings.
-fn enhance_one(arguments: &Arguments, work: &Work) -> Result<Vec<Warning>, Failure> {
+fn enhance_one(enhancement: &Enhancement, steps: bool, work: &Work) -> Result<Vec<Warning>, Failure> {
     let picture = files::read_picture(&work.input)?;
-    let positions: Vec<String> = (1..arguments.method.steps.len())
+    let positions: Vec<String> = (1..enhancement.steps.len())
         .map(|step| step.to_string())
         .collect();
     let mut wanted: Vec<&str> = Vec::new();
-    if arguments.steps {
+    if steps {
         let positions = positions.iter().map(String::as_str);
         wanted.extend(positions.chain(HSCM_STEPS).chain([MASK_STEP]));
     }
-    let outcome = enhance::enhance(&arguments.method, &picture, &wanted)
+    let outcome = enhance::enhance(enhancement, &picture, &wanted)
         .map_err(|error| Failure::BadInput(format!("{}: {error}", work.input.display())))?;
     write(&work.output, &outcome)?;
     Ok(outcome.warnings)
