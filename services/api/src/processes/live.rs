@@ -14,9 +14,10 @@ use serde_json::json;
 use spec::{Frame, Job};
 use tokio::io::{AsyncBufReadExt, AsyncReadExt, AsyncWriteExt, BufReader};
 use tokio::process::{Child, ChildStdin, ChildStdout, Command};
-use tokio::sync::{Mutex, OwnedMutexGuard, Semaphore};
+use tokio::sync::{Mutex, OwnedMutexGuard};
 
 use super::child::{Allowance, exceeded};
+use crate::http::budget::{Budget, Share};
 
 /// Limits of a frame.
 const ALLOWANCE: Allowance = Allowance {
@@ -38,7 +39,7 @@ const MAX_PICTURE_BYTES: u64 = 8 << 20;
 pub(crate) struct Live {
     program: PathBuf,
     arguments: Vec<PathBuf>,
-    places: Semaphore,
+    places: Budget,
     running: Arc<Mutex<Option<Running>>>,
 }
 
@@ -65,7 +66,12 @@ struct Head {
 
 impl Live {
     /// A process of this program on this data folder, with options for styles.
-    pub(crate) fn new(program: &Path, data: &Path, options: Vec<(&'static str, PathBuf)>) -> Self {
+    pub(crate) fn new(
+        program: &Path,
+        data: &Path,
+        options: Vec<(&'static str, PathBuf)>,
+        share: Share,
+    ) -> Self {
         let given = options
             .into_iter()
             .flat_map(|(option, path)| [PathBuf::from(option), path]);
@@ -75,7 +81,7 @@ impl Live {
                 .into_iter()
                 .chain(given)
                 .collect(),
-            places: Semaphore::new(PLACES),
+            places: Budget::new("previews", PLACES, share, Duration::ZERO),
             running: Arc::default(),
         }
     }
@@ -83,12 +89,12 @@ impl Live {
     /// Time limit of a frame.
     pub(crate) const LIMIT: Duration = ALLOWANCE.time;
 
-    /// Renders the only frame of a job. `None`: use a job instead.
-    pub(crate) async fn draw(&self, job: &Job) -> Option<Drawn> {
+    /// Renders the only frame of a job for a caller. `None`: use a job instead.
+    pub(crate) async fn draw(&self, job: &Job, caller: &str) -> Option<Drawn> {
         if !is_small(&job.resolve(0).ok()?) {
             return None;
         }
-        let _place = self.places.try_acquire().ok()?;
+        let _place = self.places.acquire(caller).await.ok()?;
         let mut request = json!({"spec": job.canonical()}).to_string();
         request.push('\n');
         let held = Arc::clone(&self.running).lock_owned().await;

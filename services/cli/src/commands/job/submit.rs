@@ -73,12 +73,16 @@ fn show_preview(preview: &JobPreview, as_json: bool) {
         seconds,
         bytes,
         slots,
+        slot_seconds,
+        frame_seconds,
     } = preview.estimate;
     println!(
-        "{} · about {} on {} · about {}; nothing was submitted",
+        "{} · about {} on {} · price {} of slots, at most {} a frame · about {}; nothing was submitted",
         count(preview.frames, "frame"),
         describe_duration(seconds),
         count(slots, "slot"),
+        describe_duration(slot_seconds),
+        describe_duration(frame_seconds),
         describe_bytes(bytes)
     );
 }
