@@ -35,7 +35,7 @@ pub use error::{CatalogueError, FilterError};
 pub use maintenance::replica::REPLICA_ROWS;
 pub use maintenance::scrub::DamagedRow;
 pub use types::{
-    Charge, Histogram, Idempotency, ImageQuery, ImportedArtifact, ImportedShard, InsertImage, InsertJob, NamedDigest,
-    NewJob, NewShard, OpenJob, Place, Retried, SceneRow, ShardEnd, StoredArtifact,
+    Charge, Histogram, Idempotency, ImageQuery, ImportedArtifact, ImportedShard, InsertImage, InsertJob,
+    NamedDigest, NewJob, NewShard, OpenJob, Place, Retried, SceneRow, ShardEnd, StoredArtifact,
 };
 pub use uploads::waters::WaterRow;

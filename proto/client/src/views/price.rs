@@ -1,4 +1,4 @@
-//! What jobs cost.
+//! Prices of jobs.
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;

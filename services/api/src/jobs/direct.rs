@@ -53,7 +53,9 @@ impl Drop for RenderRequest {
             return;
         }
         self.jobs.end_priority(&self.id);
-        let Ok(runtime) = Handle::try_current() else { return };
+        let Ok(runtime) = Handle::try_current() else {
+            return;
+        };
         let (jobs, id, on_leave) = (Arc::clone(&self.jobs), self.id.clone(), self.on_leave);
         runtime.spawn(async move {
             let ended = match on_leave {

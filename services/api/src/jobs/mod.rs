@@ -78,7 +78,9 @@ impl Jobs {
             if description.as_deref().is_some_and(is_of_earlier_version) {
                 tracing::warn!(job = job.row.id, "{EARLIER_VERSION}");
             } else {
-                self.leases.dispatch.add_job(self.priced(job, description.as_deref()).await);
+                self.leases
+                    .dispatch
+                    .add_job(self.priced(job, description.as_deref()).await);
             }
         }
         Ok(())

@@ -191,10 +191,22 @@ mod tests {
             slot_seconds: 3000.0,
             bytes: 900_000_000,
         };
-        assert!(prices.refuse_caller(cost(600_000_000, 100_000_000), price).is_none());
+        assert!(
+            prices
+                .refuse_caller(cost(600_000_000, 100_000_000), price)
+                .is_none()
+        );
         let refused = prices.refuse_caller(cost(601_000_000, 100_000_001), price);
         let detail = refused.map(|problem| problem.to_string()).unwrap_or_default();
-        for part in ["50 min", "10 min", "60 min", "0.9 GB", "--max-caller-h", "--max-caller-gb", "cancel one"] {
+        for part in [
+            "50 min",
+            "10 min",
+            "60 min",
+            "0.9 GB",
+            "--max-caller-h",
+            "--max-caller-gb",
+            "cancel one",
+        ] {
             assert!(detail.contains(part), "{part}: {detail}");
         }
     }

@@ -15,7 +15,7 @@ use crate::leases::table::OpenCost;
 
 /// Frames resolved for a price, spread over the job.
 const SAMPLE: u64 = 16;
-/// Time after which no more frames are resolved.
+/// Maximum time to resolve them.
 const MAX_SAMPLING: Duration = Duration::from_millis(5);
 
 /// The price of a job, and the costs of its frames.
@@ -67,8 +67,12 @@ impl Jobs {
         Ok(JobPrice { price, cost })
     }
 
-    /// Reserves room for a job among the open ones of its caller. A job that is not stored anew needs none.
-    pub(super) async fn admit(&self, new: &NewJob, price: JobPrice) -> Result<Option<Reservation<'_>>, Problem> {
+    /// Reserves room for a job among the open ones of its caller. A repeated submission needs none.
+    pub(super) async fn admit(
+        &self,
+        new: &NewJob,
+        price: JobPrice,
+    ) -> Result<Option<Reservation<'_>>, Problem> {
         let Some(Charge { owner, price: of_job }) = &new.charge else {
             return Ok(None);
         };

@@ -66,7 +66,9 @@ impl Costs {
     pub(crate) fn learn(&self, frame: &Frame, record: &FrameRecord) {
         let camera = &record.parameters["camera"];
         let sides = (camera["width"].as_f64(), camera["height"].as_f64());
-        let (Some(width), Some(height)) = sides else { return };
+        let (Some(width), Some(height)) = sides else {
+            return;
+        };
         let pixels = (width * height).max(1.0);
         let seconds = stage_seconds(record, "total") - stage_seconds(record, TRACED);
         let bytes: u64 = record.artifacts.iter().map(|artifact| artifact.bytes).sum();

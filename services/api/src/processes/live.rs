@@ -207,6 +207,36 @@ mod tests {
     }
 
     #[tokio::test]
+    async fn a_caller_with_two_frames_leaves_places_for_others() {
+        use std::os::unix::fs::PermissionsExt;
+
+        let folder = tempfile::tempdir().unwrap();
+        let program = folder.path().join("program");
+        std::fs::write(&program, "#!/bin/sh\nexec sleep 60\n").unwrap();
+        std::fs::set_permissions(&program, std::fs::Permissions::from_mode(0o755)).unwrap();
+        let share = Share { percent: 50 };
+        let live = Arc::new(Live::new(&program, folder.path(), Vec::new(), share));
+        let text = r#"{"dataset": "x", "scene": {"kind": "procedural", "family": "structure", "seed": 1},
+                       "camera": {"width": 32, "height": 20}}"#;
+        let library = style::Library::embedded().unwrap();
+        let vocabulary = renderer::vocabulary(&library, false);
+        let job = Arc::new(Job::parse(text.as_bytes(), &vocabulary).unwrap());
+        let mut drawing = tokio::task::JoinSet::new();
+        for _ in 0..2 {
+            let (live, job) = (Arc::clone(&live), Arc::clone(&job));
+            drawing.spawn(async move { live.draw(&job, "a").await.is_some() });
+        }
+        tokio::time::sleep(Duration::from_millis(100)).await;
+        let wait = Duration::from_millis(300);
+        let third = tokio::time::timeout(wait, live.draw(&job, "a")).await;
+        assert!(
+            matches!(third, Ok(None)),
+            "a job renders the third frame of a caller"
+        );
+        assert!(tokio::time::timeout(wait, live.draw(&job, "b")).await.is_err());
+    }
+
+    #[tokio::test]
     async fn malformed_replies_are_rejected() {
         let good = r#"read line; printf '{"media_type":"image/png","bytes":3}\nabc'; read line"#;
         assert_eq!(drawn(good).await.as_deref(), Some(&b"abc"[..]));

@@ -1,4 +1,4 @@
-//! One at a time; callers take turns, however many requests each has.
+//! A place for one request at a time. Callers take turns, independent of their number of requests.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -49,7 +49,7 @@ impl Turns {
             let Some(next) = queue.pop() else { return };
             queue.is_taken = true;
             drop(queue);
-            // If its request was dropped, the turn comes back, and its drop starts the next.
+            // If its request was dropped, the turn is dropped, which starts the next.
             let unused = next.start.send(Turn(self.clone()));
             if unused.is_ok() {
                 return;

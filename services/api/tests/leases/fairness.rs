@@ -1,7 +1,7 @@
 //! Shares of callers: the state machine with slots that take time.
 //!
 //! Failures: a caller with frames waits while others are served more than its share; a job of a caller is served before
-//! one of higher priority; a slot is idle although frames are offered; an account differs from the time that was used.
+//! one of higher priority; a slot is idle although frames are offered; the open cost differs from the unfinished frames.
 
 use std::collections::BTreeMap;
 
@@ -99,7 +99,7 @@ impl Fleet {
     fn fill(&mut self) {
         for slot in self.slots.iter_mut().filter(|slot| slot.grant.is_none()) {
             self.token += 1;
-            // The worker's own mean, over frames of all jobs.
+            // The mean of the worker over all jobs.
             let Some(grant) = self.table.grant("w", Millis(self.now), self.token, 100.0) else {
                 return;
             };
@@ -128,7 +128,12 @@ impl Fleet {
                 slot.grant = Some(grant);
             }
         }
-        let tokens: Vec<u64> = self.slots.iter().flat_map(|slot| &slot.grant).map(|grant| grant.token).collect();
+        let tokens: Vec<u64> = self
+            .slots
+            .iter()
+            .flat_map(|slot| &slot.grant)
+            .map(|grant| grant.token)
+            .collect();
         self.table.beat("w", &tokens, now);
     }
 
@@ -170,7 +175,9 @@ fn with_400_jobs_of_one_caller_40_frames_of_another_take_at_most_twice_their_tim
         shared.run(60_000);
         let small = shared.submit(work(2, 40, ms));
         let shared_ms = time_of(&mut shared, &small);
-        println!("{slots} slots, {ms} ms: {alone_ms} ms alone, {shared_ms} ms with 400 jobs of another caller");
+        println!(
+            "{slots} slots, {ms} ms: {alone_ms} ms alone, {shared_ms} ms with 400 jobs of another caller"
+        );
         assert!(shared_ms <= 2 * alone_ms, "{shared_ms} ms instead of {alone_ms}");
     }
 }

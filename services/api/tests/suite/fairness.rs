@@ -42,7 +42,7 @@ fn submit_as(service: &Running, caller: &str, dataset: &str, frames: u64) -> Str
     answer.json()["id"].as_str().unwrap().to_owned()
 }
 
-/// A description of one frame that is rendered by a job.
+/// A description of one frame for a direct render.
 fn direct() -> Value {
     let mut body = job();
     body["count"] = json!(1);
@@ -84,7 +84,9 @@ fn time_of(service: &Running, job: &str) -> Duration {
     let begun = Instant::now();
     loop {
         let path = format!("/v1/jobs/{job}?wait=1&since=999999");
-        let row = service.get_with(&path, &[("authorization", "Bearer boss")]).json();
+        let row = service
+            .get_with(&path, &[("authorization", "Bearer boss")])
+            .json();
         if row["state"] == "done" {
             return begun.elapsed();
         }
@@ -135,8 +137,8 @@ fn the_priority_of_a_direct_render_ends_with_its_request() {
 fn a_waiting_direct_render_goes_before_the_other_jobs_of_its_caller() {
     let service = start();
     service.submit(&job());
+    let headers = [("content-type", "application/json"), ("prefer", "wait=30")];
     std::thread::scope(|scope| {
-        let headers = [("content-type", "application/json"), ("prefer", "wait=30")];
         let rendered =
             scope.spawn(|| service.post_with("/v1/renders", &headers, direct().to_string().as_bytes()));
         let fake = Fake::register(&service);
@@ -148,7 +150,10 @@ fn a_waiting_direct_render_goes_before_the_other_jobs_of_its_caller() {
 }
 
 fn jobs(service: &Running) -> Vec<Value> {
-    service.get("/v1/jobs").json()["items"].as_array().unwrap().clone()
+    service.get("/v1/jobs").json()["items"]
+        .as_array()
+        .unwrap()
+        .clone()
 }
 
 fn await_jobs(service: &Running, count: usize) {
@@ -181,7 +186,11 @@ fn a_direct_render_is_cancelled_when_its_client_leaves() {
     drop(clients);
     await_jobs(&service, 0);
     // Its dataset keeps the cancelled job.
-    let named = send_render(&service, &json!({"dataset": "kept", "scene": direct()["scene"]}), "");
+    let named = send_render(
+        &service,
+        &json!({"dataset": "kept", "scene": direct()["scene"]}),
+        "",
+    );
     await_jobs(&service, 1);
     drop(named);
     let begun = Instant::now();

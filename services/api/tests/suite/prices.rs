@@ -92,13 +92,15 @@ fn the_open_jobs_of_a_caller_are_limited_together() {
         detail.contains("--max-caller-h") && detail.contains("cancel one"),
         "{detail}"
     );
-    // Others have their own limit, and a repeated submission is no new job.
+    // The limit is per caller, and a repeated submission returns its job.
     assert_eq!(submit("bob", "third").status, 202);
     assert_eq!(submit("alice", "first").json()["id"], first.json()["id"]);
     let id = first.json()["id"].as_str().unwrap().to_owned();
     let headers = [("authorization", "Bearer alice")];
     assert_eq!(
-        service.post_with(&format!("/v1/jobs/{id}/cancel"), &headers, b"").status,
+        service
+            .post_with(&format!("/v1/jobs/{id}/cancel"), &headers, b"")
+            .status,
         200
     );
     assert_eq!(submit("alice", "second").status, 202);

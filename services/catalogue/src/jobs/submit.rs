@@ -29,11 +29,12 @@ impl Catalogue {
         let Some(key) = &job.idempotency else {
             return Ok(false);
         };
-        let found: i64 = sqlx::query_scalar("SELECT count(*) FROM idempotency_keys WHERE owner = ? AND key = ?")
-            .bind(&key.owner)
-            .bind(&key.key)
-            .fetch_one(&mut *self.reader().await?)
-            .await?;
+        let found: i64 =
+            sqlx::query_scalar("SELECT count(*) FROM idempotency_keys WHERE owner = ? AND key = ?")
+                .bind(&key.owner)
+                .bind(&key.key)
+                .fetch_one(&mut *self.reader().await?)
+                .await?;
         Ok(found > 0)
     }
 

@@ -98,7 +98,9 @@ impl Running {
         {
             let Claim { job_id, frame, .. } = &late.claim;
             let limit = limits.frame.as_secs_f64();
-            let message = format!("frame {frame} of {job_id} took more than {limit} s, its time limit (--frame-limit-s)");
+            let message = format!(
+                "frame {frame} of {job_id} took more than {limit} s, its time limit (--frame-limit-s)"
+            );
             let claim = late.claim.clone();
             return Some(Verdict::Late { claim, message });
         }

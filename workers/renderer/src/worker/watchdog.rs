@@ -41,7 +41,9 @@ pub(crate) fn run(shared: &Shared) {
 fn report_late(shared: &Shared, claim: Claim, message: String) {
     let fail = FailRequest {
         claim: Some(claim),
-        error: format!("{message}; it is not tried again: simplify it, or raise the limit and retry the failed frames"),
+        error: format!(
+            "{message}; it is not tried again: simplify it, or raise the limit and retry the failed frames"
+        ),
         retryable: false,
         timings_ms: BTreeMap::new(),
     };

@@ -1,4 +1,4 @@
-//! Kinds of work: a heavy job says nothing about the time of frames of another kind.
+//! Kinds of work: frames of one kind have similar costs relative to the typical ones.
 
 use std::fmt::Write;
 
@@ -19,7 +19,7 @@ const STAGES: [&str; 9] = [
     "right",
 ];
 
-/// What the time of a frame depends on, besides its pixels.
+/// Scene, fidelity, size and stages of a frame.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct WorkKind(String);
 

@@ -114,8 +114,10 @@ fn a_single_slow_frame_changes_no_price() {
 #[test]
 fn a_trace_is_priced_at_its_most_whatever_earlier_ones_took() {
     let costs = Costs::default();
-    let traced = job(json!({"water": {"optics": "jerlov-1C"}, "artifacts": ["rgb", "truth"],
-                            "truth": {"paths_max": 65536}}));
+    let traced = job(
+        json!({"water": {"optics": "jerlov-1C"}, "artifacts": ["rgb", "truth"],
+                            "truth": {"paths_max": 65536}}),
+    );
     for _ in 0..9 {
         learn(&costs, &traced, 1.0, 1000);
     }

@@ -52,7 +52,11 @@ pub(crate) fn typical_seconds(frame: &Frame, pixels: f64) -> f64 {
     let ns = stages.map(|(stage, ns): &(&str, f64)| {
         let units = match *stage {
             "lamps" => frame.lamp_count(),
-            "enhance" => frame.enhance.iter().map(|enhancement| enhancement.steps.len()).sum(),
+            "enhance" => frame
+                .enhance
+                .iter()
+                .map(|enhancement| enhancement.steps.len())
+                .sum(),
             _ => 1,
         };
         ns * units as f64
@@ -66,7 +70,10 @@ pub(crate) fn typical_seconds(frame: &Frame, pixels: f64) -> f64 {
 
 /// Bytes of the artifacts and rows.
 pub(crate) fn typical_bytes(frame: &Frame, pixels: f64) -> f64 {
-    let kinds = frame.artifacts.iter().map(|kind| bytes_per_pixel(&kind.to_string()));
+    let kinds = frame
+        .artifacts
+        .iter()
+        .map(|kind| bytes_per_pixel(&kind.to_string()));
     kinds.sum::<f64>() * pixels + ROW_BYTES
 }
 

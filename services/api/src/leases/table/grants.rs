@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
+use super::LeaseTable;
 use super::job::Job;
 use super::lease::Lease;
 use super::suspects::Suspect;
 use super::types::{Grant, Millis, TERM_MS};
-use super::LeaseTable;
 
 /// Target work of one lease: long enough to make the overhead negligible, short enough to limit the cost of a lost
 /// one and the wait of another caller for a slot.

@@ -1,8 +1,8 @@
-//! The order in which jobs are served: callers first, then the jobs of each.
+//! Scheduling order: callers first, then the jobs of each.
 //!
 //! Fair queueing by time (start-time fair queueing, Goyal, Vin and Cheng 1996): each caller has the slot time that it was
-//! served, and the least served one goes first, so callers with frames share the slots equally whatever number of jobs they
-//! have. It is deficit round robin with a quantum towards zero: the deficit is the difference to the caller served most.
+//! served, and the least served one goes first, so callers with frames share the slots equally, independent of their number
+//! of jobs. It is deficit round robin with a quantum towards zero: the deficit is the difference to the caller served most.
 //! Within a caller, higher priorities go first, and equal jobs share its time in the same way.
 //!
 //! A grant is charged with the price of its frames. When a frame ends, the charge is replaced by the time that it took, so a
@@ -16,7 +16,7 @@ use super::types::OpenCost;
 /// Slot time in microseconds.
 pub(crate) type Micros = u64;
 
-/// Slot time that a caller may use before the others if it was served less: small jobs are finished at once.
+/// Slot time that a caller may use before the others if it was served less: small jobs finish soon.
 const CREDIT_US: Micros = 30_000_000;
 /// A new job queues behind jobs served this much less than the last one: the time of a lease.
 const TURN_US: Micros = 1_000_000;
@@ -31,7 +31,7 @@ type JobPlace = (Reverse<i32>, Micros, u64, String);
 pub(crate) struct Line {
     callers: BTreeMap<String, CallerAccount>,
     order: BTreeSet<CallerPlace>,
-    /// The largest served time at which a caller was granted a lease.
+    /// Largest served time of a caller before a grant.
     floor: Micros,
     grants: u64,
 }
@@ -42,7 +42,7 @@ struct CallerAccount {
     last_grant: u64,
     jobs: BTreeMap<String, JobAccount>,
     order: BTreeSet<JobPlace>,
-    /// The largest served time at which one of its jobs was granted a lease.
+    /// Largest served time of its jobs before a grant.
     floor: Micros,
     /// Served time of a new job.
     start: Micros,
@@ -59,7 +59,12 @@ struct JobAccount {
 
 impl JobAccount {
     fn place(&self, id: &str) -> JobPlace {
-        (Reverse(self.priority), self.served, self.last_grant, id.to_owned())
+        (
+            Reverse(self.priority),
+            self.served,
+            self.last_grant,
+            id.to_owned(),
+        )
     }
 }
 
@@ -114,7 +119,8 @@ impl Line {
     /// Sets the price of a job's unfinished frames.
     pub(crate) fn set_open(&mut self, caller: &str, id: &str, open: OpenCost) {
         let account = self.callers.get_mut(caller);
-        let Some((job, total)) = account.and_then(|account| Some((account.jobs.get_mut(id)?, &mut account.open)))
+        let Some((job, total)) =
+            account.and_then(|account| Some((account.jobs.get_mut(id)?, &mut account.open)))
         else {
             return;
         };
@@ -134,7 +140,7 @@ impl Line {
         callers.flat_map(|account| account.order.iter().map(|(.., id)| id.as_str()))
     }
 
-    /// Charges a granted lease. A caller or job that has waited with nothing to offer catches up only in part.
+    /// Charges a granted lease. A caller or job that was idle catches up only in part.
     pub(crate) fn charge_grant(&mut self, caller: &str, id: &str, price: Micros) {
         self.grants += 1;
         let (grants, floor) = (self.grants, self.floor);

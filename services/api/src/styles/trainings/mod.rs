@@ -194,7 +194,8 @@ fn check_room(list: &VecDeque<Arc<Training>>, owner: &str) -> Result<(), Problem
         (all + 1, own + usize::from(training.order.owner == owner))
     });
     if own >= limits::OPEN_TRAININGS_OF_CALLER {
-        let detail = format!("{own} of your trainings are open, the limit of a caller; cancel one or retry later");
+        let detail =
+            format!("{own} of your trainings are open, the limit of a caller; cancel one or retry later");
         return Err(Problem::overloaded(detail));
     }
     if all >= limits::OPEN_TRAININGS {
@@ -210,6 +211,38 @@ mod tests {
     use imaging::codec::encode_png;
 
     use super::*;
+
+    fn training(owner: &str) -> Arc<Training> {
+        Arc::new(Training {
+            id: "trn_1".to_owned(),
+            order: Order {
+                owner: owner.to_owned(),
+                name: "harbour".to_owned(),
+                seed: 1,
+                steps: 1,
+                range: false,
+                licence: String::new(),
+                source: String::new(),
+                photos: 1,
+                folder: tempfile::tempdir().unwrap(),
+            },
+            state: Mutex::new(Progress::Open),
+            ended: Notify::new(),
+            stop: CancellationToken::new(),
+        })
+    }
+
+    #[test]
+    fn a_caller_may_have_half_of_the_open_trainings() {
+        let mut list: VecDeque<_> = (0..4).map(|_| training("a")).collect();
+        let refused = check_room(&list, "a").map_err(|problem| problem.to_string());
+        assert!(refused.is_err_and(|text| text.contains("4 of your trainings")));
+        assert!(check_room(&list, "b").is_ok());
+        list.extend((0..4).map(|_| training("b")));
+        assert!(check_room(&list, "c").is_err());
+        list[0].end(Progress::Cancelled);
+        assert!(check_room(&list, "c").is_ok() && check_room(&list, "a").is_ok());
+    }
 
     #[test]
     fn only_a_small_png_is_a_preview() {
