@@ -92,10 +92,10 @@ fn measured_frames_correct_their_kind_and_no_other() {
     let heavy = job(json!({"water": {"optics": "jerlov-3C"}, "lights": vec![lamp; 4]}));
     let before = cost(&costs, &plain);
     for _ in 0..20 {
-        learn(&costs, &heavy, 60_000.0, 30_000);
+        learn(&costs, &heavy, 2_000.0, 30_000);
     }
     let learned = cost(&costs, &heavy);
-    assert!((learned.seconds - 60.0).abs() < 0.01, "{learned:?}");
+    assert!((learned.seconds - 2.0).abs() < 1e-6, "{learned:?}");
     assert!((learned.bytes - 30_000.0).abs() < 1.0, "{learned:?}");
     assert_eq!(cost(&costs, &plain), before);
 }
