@@ -166,7 +166,8 @@ class Compose {
 
   tell({ frames, estimate }) {
     const tolerance = at(this.job.site === undefined ? this.job : this.first[0].parameters, "/fidelity/tolerance");
-    put(this.facts, `${count(frames, "frame")}, about ${duration(estimate.seconds)} with ${count(estimate.slots, "slot")}, `
+    put(this.facts, `${count(frames, "frame")}, about ${duration(estimate.seconds)} with ${count(estimate.slots, "slot")} `
+      + `(${duration(estimate.slot_seconds)} of slots, at most ${duration(estimate.frame_seconds)} a frame), `
       + `${bytes(estimate.bytes)}, error within ${typeof tolerance === "number" || tolerance === undefined ? number(tolerance ?? 3e-4) : "the tolerance"}`);
   }
 

@@ -133,7 +133,8 @@ class JobView {
     put(this.controls, this.button("pause", "Pause", isOpen && job.state !== "paused"), this.button("resume", "Resume", job.state === "paused"),
       this.button("cancel", "Cancel", isOpen), this.button("retry-failed", "Retry failed frames", job.failed > 0 && !isOpen), compose);
     put(this.facts, h("h2", {}, "Job"), table(["", ""], [["id", h("code", {}, this.id)], ["submitted", when(job.created_at)], ["started", when(job.started_at)],
-      ["finished", when(job.finished_at)], ["bytes", bytes(job.bytes)], ["digest", h("code", {}, job.digest ?? "–")]], { label: "Job" }));
+      ["finished", when(job.finished_at)], ["bytes", bytes(job.bytes)],
+      ["price", job.price ? `${duration(job.price.slot_seconds)} of slots, ${bytes(job.price.bytes)}` : "–"], ["digest", h("code", {}, job.digest ?? "–")]], { label: "Job" }));
     showWarnings(this.warnings, this.base, this.route).catch(() => {});
     if (job.failed !== this.shownFailed) {
       this.shownFailed = job.failed;

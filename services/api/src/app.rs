@@ -15,8 +15,10 @@ use crate::data::{Data, DataError, FolderLock};
 use crate::datasets::Datasets;
 use crate::engine::Engine;
 use crate::http::auth::TokenError;
+use crate::http::budget::Share;
 use crate::images::Images;
 use crate::jobs::Jobs;
+use crate::jobs::prices::Prices;
 use crate::leases::Leases;
 use crate::leases::probes::Probes;
 use crate::limits::Limits;
@@ -137,6 +139,7 @@ impl App {
             styles: Arc::clone(&styles),
             waters: Arc::clone(&waters),
             processes: Arc::clone(&processes),
+            prices: Prices::new(config.prices),
             engine: new_engine(config),
             turn: Default::default(),
             clock: clock.clone(),
@@ -183,6 +186,9 @@ impl App {
 fn new_processes(config: &Config, limits: &Limits, scratch: Scratch) -> Processes {
     let scratch = Arc::new(scratch);
     let program = &config.program;
+    let share = Share {
+        percent: limits.caller_percent,
+    };
     Processes {
         compute: Compute::new(limits.compute),
         children: Children::new(program, config.style_options(), limits.children),
@@ -193,7 +199,7 @@ fn new_processes(config: &Config, limits: &Limits, scratch: Scratch) -> Processe
             limits.decoding_mib,
         ),
         scratch,
-        live: (config.workers > 0).then(|| Live::new(program, &config.data, config.style_options())),
+        live: (config.workers > 0).then(|| Live::new(program, &config.data, config.style_options(), share)),
     }
 }
 

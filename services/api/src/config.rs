@@ -10,7 +10,7 @@ use crate::bytes::sets::ReadBucket;
 use crate::clock::Clock;
 use crate::engine::EngineOptions;
 use crate::leases::table::Rules;
-use crate::limits::{self, Limits};
+use crate::limits::{self, Limits, PriceLimits};
 
 /// Settings of the user.
 pub struct Config {
@@ -45,6 +45,8 @@ pub struct Config {
     pub style_trial: Duration,
     /// Time limit of a frame, enforced by the workers. A worker that exceeds it loses its lease a while later.
     pub frame_limit: Duration,
+    /// Limits on the expected cost of jobs.
+    pub prices: PriceLimits,
     /// Whether workers of different versions, CPU features or ONNX Runtimes may share a job.
     pub mix_workers: bool,
     /// One of this many frames of each worker is rendered again and compared; 0: none.

@@ -44,7 +44,7 @@ pub use http::auth::TokenError;
 pub use http::problem::Slug;
 pub use leases::Worker;
 pub use leases::table as lease_table;
-pub use limits::Limits;
+pub use limits::{Limits, PriceLimits};
 pub use lists::{Entry, List};
 pub use operations::routes::backup::clear_unfinished;
 pub use service::{Service, start, start_in};

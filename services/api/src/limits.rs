@@ -1,6 +1,10 @@
 //! All limits of the service, with their reasons.
 
+mod price;
+
 use std::time::Duration;
+
+pub use price::PriceLimits;
 
 /// A job description: the documented example has 900 bytes; a choice among ten thousand scenes has 400 KiB.
 pub(crate) const JSON_BYTES: usize = 1 << 20;
@@ -22,6 +26,8 @@ pub(crate) const PHOTOS_BYTES: usize = 128 << 20;
 pub(crate) const STEPS: u32 = 5000;
 /// Queued trainings: each keeps its photos on disk.
 pub(crate) const OPEN_TRAININGS: usize = 8;
+/// Open trainings of one caller.
+pub(crate) const OPEN_TRAININGS_OF_CALLER: usize = OPEN_TRAININGS / 2;
 /// Trainings kept for status requests: a few kilobytes each.
 pub(crate) const KNOWN_TRAININGS: usize = 100;
 /// A text of a form: a caveat on a style's card is a paragraph.

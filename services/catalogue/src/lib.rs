@@ -26,7 +26,7 @@ pub use aggregation::histogram_2d::{Histogram2d, Histogram2dAxis, Histogram2dCol
 pub use catalogue::Catalogue;
 pub use client::{
     CollectionRow, CollectionScene, ColumnInfo, CountedSource, DatasetRow, Deleted, FailureRow, GroupColumn,
-    GroupStats, JobRow, JobState, Page, Statistics, UnixMs, VersionRow,
+    GroupStats, JobRow, JobState, Page, Price, Statistics, UnixMs, VersionRow,
 };
 pub use commit::insert::NewImage;
 pub use datasets::columns::columns_of_every_image;
@@ -35,7 +35,7 @@ pub use error::{CatalogueError, FilterError};
 pub use maintenance::replica::REPLICA_ROWS;
 pub use maintenance::scrub::DamagedRow;
 pub use types::{
-    Histogram, Idempotency, ImageQuery, ImportedArtifact, ImportedShard, InsertImage, InsertJob, NamedDigest,
-    NewJob, NewShard, OpenJob, Place, Retried, SceneRow, ShardEnd, StoredArtifact,
+    Charge, Histogram, Idempotency, ImageQuery, ImportedArtifact, ImportedShard, InsertImage, InsertJob,
+    NamedDigest, NewJob, NewShard, OpenJob, Place, Retried, SceneRow, ShardEnd, StoredArtifact,
 };
 pub use uploads::waters::WaterRow;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use client::{CountedSource, FailureRow, JobRow, UnixMs};
+use client::{CountedSource, FailureRow, JobRow, Price, UnixMs};
 use serde::{Deserialize, Serialize};
 use spec::{ArtifactEntry, Provenance, SceneFiles};
 use utoipa::ToSchema;
@@ -29,8 +29,19 @@ pub struct NewJob {
     pub idempotency: Option<Idempotency>,
     /// Folder or URL of the set that its images are imported from; a repeat finds this job by it.
     pub set: Option<String>,
+    /// Who is charged for it; `None` for imported jobs.
+    pub charge: Option<Charge>,
     /// Whether it is stored although its dataset has every image of the same description.
     pub again: bool,
+}
+
+/// The caller of a job, and its expected cost.
+#[derive(Debug, Clone)]
+pub struct Charge {
+    /// The caller.
+    pub owner: String,
+    /// The expected cost.
+    pub price: Price,
 }
 
 /// A key under which a repeated submission returns its job.

@@ -47,7 +47,7 @@ fn poisoned_frames_are_given_up_with_their_reason_and_their_neighbors_finish() {
     for (frame, part) in [
         (3, "broken on purpose"),
         (11, "worker"),
-        (17, "took more than 2 s"),
+        (17, "took more than 2 s, its time limit"),
         (23, "may take 400"),
         (29, "NaN"),
     ] {
@@ -58,6 +58,14 @@ fn poisoned_frames_are_given_up_with_their_reason_and_their_neighbors_finish() {
         );
     }
     assert_eq!(errors.len(), 5, "{errors:?}");
+    let late = errors
+        .iter()
+        .find(|row| row["frame"] == 17)
+        .expect("checked above");
+    assert_eq!(
+        late["strikes"], 1,
+        "a frame beyond its time limit is not tried again: {late}"
+    );
     let (_, page) = service.get("/v1/images?dataset=poison&limit=100&fields=frame&order_by=frame");
     let frames: Vec<u64> = page["items"]
         .as_array()

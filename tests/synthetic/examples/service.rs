@@ -159,6 +159,7 @@ fn start(runtime: &Runtime, folder: &Path) -> anyhow::Result<Service> {
         style_trial: Duration::from_secs(60),
         frame_limit: Duration::from_secs(600),
         // The rows stored first name another version.
+        prices: api::PriceLimits::default(),
         mix_workers: true,
         spot_check: 0,
     };

@@ -30,6 +30,7 @@ pub fn job(id: &str, dataset: &str, frames: u64, now_ms: u64) -> NewJob {
         priority: 0,
         created_at: UnixMs(now_ms),
         idempotency: None,
+        charge: None,
         set: None,
         again: false,
     }

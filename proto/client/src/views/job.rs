@@ -5,6 +5,7 @@ use serde_json::Value;
 use utoipa::ToSchema;
 
 use super::job_state::JobState;
+use super::price::{Estimate, Price};
 use super::time::UnixMs;
 
 /// A job: one submitted description and how far its frames are.
@@ -47,6 +48,12 @@ pub struct JobRow {
     /// What the user should know, though nothing is wrong. Only in the answer to the submission.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub warnings: Vec<String>,
+    /// Expected cost; absent for imported jobs and those of earlier versions.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub price: Option<Price>,
+    /// The caller that submitted it. Known to the service alone.
+    #[serde(skip)]
+    pub owner: Option<String>,
     /// Higher goes first. Known to the service alone.
     #[serde(skip)]
     pub priority: i32,
@@ -98,17 +105,6 @@ pub struct ResolvedFrame {
     /// Its description.
     #[schema(value_type = Object)]
     pub parameters: Value,
-}
-
-/// Estimated cost of a job.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct Estimate {
-    /// Duration on the current slots without other work, s.
-    pub seconds: f64,
-    /// Stored bytes.
-    pub bytes: f64,
-    /// Slots of the registered workers; at least 1.
-    pub slots: u64,
 }
 
 /// A job that was not submitted.

@@ -64,12 +64,15 @@ pub(crate) struct Share {
 impl Budget {
     /// `patience`: how long a request waits for a permit before it is shed.
     pub(crate) fn new(name: &'static str, permits: usize, share: Share, patience: Duration) -> Self {
-        let reserved = permits / RESERVED;
+        let per_caller = (permits * share.percent).div_ceil(100).max(1);
+        // Without a place beyond the callers' shares, two callers could fill a small budget.
+        let is_shared = (2..permits).contains(&per_caller);
+        let reserved = (permits / RESERVED).max(usize::from(is_shared));
         Self(Arc::new(Permits {
             name,
             all: Arc::new(Semaphore::new(permits - reserved)),
             reserved: Arc::new(Semaphore::new(reserved)),
-            per_caller: (permits * share.percent).div_ceil(100).max(1),
+            per_caller,
             callers: Mutex::default(),
             patience,
         }))
@@ -175,6 +178,20 @@ mod tests {
         let third = budget.acquire("c").await;
         assert!(third.is_ok() && !is_free(&budget, "c").await);
         assert!(budget.acquire("d").await.is_ok());
+    }
+
+    #[tokio::test(start_paused = true)]
+    async fn two_callers_cannot_fill_a_small_budget() {
+        for permits in [4, 6] {
+            let budget = Budget::new("tests", permits, HALF, Duration::ZERO);
+            let mut held = Vec::new();
+            for caller in ["a", "b"] {
+                while let Ok(permit) = budget.acquire(caller).await {
+                    held.push(permit);
+                }
+            }
+            assert!(is_free(&budget, "c").await, "{} of {permits}", held.len());
+        }
     }
 
     #[tokio::test(start_paused = true)]

@@ -95,6 +95,11 @@ slugs! {
     QueryTooSlow = "query-too-slow", UNPROCESSABLE_ENTITY, "The query takes too long";
     /// The same idempotency key was used with another description.
     IdempotencyKeyReused = "idempotency-key-reused", UNPROCESSABLE_ENTITY, "The idempotency key belongs to another job";
+    /// A frame is expected to exceed the limit on slot time; `detail` has the figure and the limit.
+    TooExpensive = "too-expensive", UNPROCESSABLE_ENTITY, "The frames are too expensive";
+    /// The open jobs of this caller would exceed its limit; `detail` has the figures. Retry after some of
+    /// them have ended.
+    CallerLimit = "caller-limit", TOO_MANY_REQUESTS, "This caller has too much open work";
     /// The body is larger than the limit.
     TooLarge = "too-large", PAYLOAD_TOO_LARGE, "The body is too large";
     /// The content type is not supported by this route.

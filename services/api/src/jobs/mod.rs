@@ -1,7 +1,10 @@
 //! Jobs: submission, events, control.
 
 pub(crate) mod control;
+mod direct;
 mod follow;
+pub(crate) mod prices;
+mod pricing;
 pub(crate) mod probe;
 pub(crate) mod routes;
 mod submit;
@@ -23,6 +26,7 @@ use crate::leases::Leases;
 use crate::processes::Processes;
 use crate::styles::Styles;
 use crate::waters::Waters;
+use prices::Prices;
 
 /// An id for a new job; ids increase over time.
 pub(crate) fn new_job_id() -> String {
@@ -38,6 +42,7 @@ pub(crate) struct Jobs {
     pub(crate) styles: Arc<Styles>,
     pub(crate) waters: Arc<Waters>,
     pub(crate) processes: Arc<Processes>,
+    pub(crate) prices: Prices,
     /// Renders jobs in place of the workers of this service.
     pub(crate) engine: Option<Engine>,
     /// Serializes state changes of jobs.
@@ -70,10 +75,12 @@ impl Jobs {
         }
         for job in jobs {
             let description = self.catalogue.description(&job.row.id).await?;
-            if description.is_some_and(|text| is_of_earlier_version(&text)) {
+            if description.as_deref().is_some_and(is_of_earlier_version) {
                 tracing::warn!(job = job.row.id, "{EARLIER_VERSION}");
             } else {
-                self.leases.dispatch.add_job(job);
+                self.leases
+                    .dispatch
+                    .add_job(self.priced(job, description.as_deref()).await);
             }
         }
         Ok(())

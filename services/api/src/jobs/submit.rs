@@ -3,14 +3,16 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use catalogue::{Idempotency, InsertJob, JobRow, JobState, NewJob};
+use catalogue::{Charge, Idempotency, InsertJob, JobRow, JobState, NewJob};
 use spec::{Draft, Job, Uploads};
 use tokio::sync::watch::Receiver;
 
+use super::pricing::JobPrice;
 use super::{Jobs, new_job_id};
 use crate::engine::orders::{Accepted, Order};
 use crate::http::extract::Submitter;
 use crate::http::problem::{Problem, Slug};
+use crate::limits;
 use crate::processes::compute::to_the_end;
 
 /// A job with a known state.
@@ -30,7 +32,7 @@ pub(super) struct Submitted {
 /// Options of a submission.
 pub(super) struct Submission {
     pub(super) submitter: Submitter,
-    /// Higher values are rendered first.
+    /// Higher values are rendered first among the caller's jobs.
     pub(super) priority: i32,
     /// Whether to render frames that the dataset already has.
     pub(super) again: bool,
@@ -45,9 +47,10 @@ impl Jobs {
         submission: Submission,
     ) -> Result<Submitted, Problem> {
         self.check_runtime(&job)?;
+        let price = self.price(&job).await?;
         self.bytes.space.room().await?;
         let jobs = Arc::clone(self);
-        to_the_end(async move { jobs.store(&job, submission).await }).await
+        to_the_end(async move { jobs.store(&job, submission, price).await }).await
     }
 
     /// Routes a job to its renderer: the workers of the broker if there is one and they can, else those of this
@@ -60,17 +63,23 @@ impl Jobs {
         if self.engine.as_ref().is_none_or(|engine| !engine.takes(&job)) {
             return self.submit(job, submission).await;
         }
+        let price = self.price(&job).await?;
         self.bytes.space.room().await?;
         let jobs = Arc::clone(self);
-        to_the_end(async move { jobs.begin_set(&job, submission).await }).await
+        to_the_end(async move { jobs.begin_set(&job, submission, price).await }).await
     }
 
     /// Creates the set of a job and adds it to the catalogue. The store knows the key, so a repeat finds the job
     /// through every service.
-    async fn begin_set(&self, job: &Job, submission: Submission) -> Result<Submitted, Problem> {
+    async fn begin_set(
+        &self,
+        job: &Job,
+        submission: Submission,
+        price: JobPrice,
+    ) -> Result<Submitted, Problem> {
         let engine = self.engine.as_ref();
         let engine = engine.ok_or_else(|| Problem::internal(&"a set is begun without an engine"))?;
-        let mut new = self.row_of(job, submission);
+        let mut new = self.row_of(job, submission, price);
         let duplicate = self.catalogue.duplicate(&new).await?;
         if let Some(duplicate) = duplicate.as_ref().filter(|job| job.state == JobState::Done) {
             return Ok(self.submitted(duplicate.clone(), true));
@@ -136,14 +145,14 @@ impl Jobs {
     }
 
     /// The unsaved row of a job.
-    fn row_of(&self, job: &Job, submission: Submission) -> NewJob {
+    fn row_of(&self, job: &Job, submission: Submission, price: JobPrice) -> NewJob {
         let spec_digest = job.digest();
         let Submitter {
             owner,
             idempotency_key,
         } = submission.submitter;
         let idempotency = idempotency_key.map(|key| Idempotency {
-            owner,
+            owner: owner.clone(),
             key,
             body_digest: spec_digest.clone(),
         });
@@ -153,17 +162,28 @@ impl Jobs {
             spec: job.canonical().to_owned(),
             spec_digest,
             frames: job.frames(),
-            priority: submission.priority,
+            priority: limits::JOB_PRIORITY,
             created_at: self.clock.wall(),
             idempotency,
             set: None,
+            charge: Some(Charge {
+                owner,
+                price: price.price,
+            }),
             again: submission.again,
         }
     }
 
-    async fn store(&self, job: &Job, submission: Submission) -> Result<Submitted, Problem> {
-        let new = self.row_of(job, submission);
+    pub(super) async fn store(
+        &self,
+        job: &Job,
+        submission: Submission,
+        price: JobPrice,
+    ) -> Result<Submitted, Problem> {
+        let priority = submission.priority;
+        let new = self.row_of(job, submission, price);
         let id = new.id.clone();
+        let _reservation = self.admit(&new, price).await?;
         // No scene may be deleted until the row that references it is stored.
         let _turn = self.bytes.naming.beside_others().await;
         if let Some(gone) = self.catalogue.missing_scene(&job.uploaded_scene_ids()).await? {
@@ -177,7 +197,7 @@ impl Jobs {
         faults::point("submit.inserted");
         match inserted {
             InsertJob::Created(row) => {
-                self.leases.dispatch.add_job(row.clone().into());
+                self.leases.dispatch.add_urgent_job(row.clone().into(), priority);
                 let (dataset, frames) = (&row.dataset, row.frames);
                 tracing::info!(job = id, dataset, frames, "job accepted");
                 Ok(Submitted {

@@ -15,10 +15,12 @@ use tokio::sync::Notify;
 use tokio::time::{Instant, timeout_at};
 use wire::messages::{BeatResponse, FrameClaim, Lease, RegisterRequest};
 
+use super::costs::count_price;
 use super::misbehavior::Misbehavior;
 use super::table::{JobEntry, LeaseTable, Millis, Rules, StrikeEvent, Toolchain};
 use crate::clock::{Clock, ordered_id};
 use crate::leases::table::{Grant, TERM_MS};
+use crate::limits;
 use crate::telemetry;
 
 /// Interval at which a waiting worker checks again: frames become available without a notification when their pause
@@ -71,6 +73,11 @@ impl Dispatch {
 
     /// Offers a job's open frames to workers.
     pub(crate) fn add_job(&self, job: OpenJob) {
+        self.add_urgent_job(job, limits::JOB_PRIORITY);
+    }
+
+    /// Offers a job's open frames with a priority among the jobs of its caller.
+    pub(crate) fn add_urgent_job(&self, job: OpenJob, priority: i32) {
         let OpenJob {
             row,
             done,
@@ -84,10 +91,13 @@ impl Dispatch {
         };
         let mut state = self.state();
         state.open.insert(row.id.clone(), open);
+        let cost = row.price.as_ref().map(count_price).unwrap_or_default();
         state.table.add_job(JobEntry {
             id: row.id,
+            caller: row.owner.unwrap_or_default(),
             frames: row.frames,
-            priority: row.priority,
+            frame_cost: cost.divided(row.frames),
+            priority,
             done,
             failed,
             strikes,

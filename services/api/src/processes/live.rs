@@ -14,9 +14,10 @@ use serde_json::json;
 use spec::{Frame, Job};
 use tokio::io::{AsyncBufReadExt, AsyncReadExt, AsyncWriteExt, BufReader};
 use tokio::process::{Child, ChildStdin, ChildStdout, Command};
-use tokio::sync::{Mutex, OwnedMutexGuard, Semaphore};
+use tokio::sync::{Mutex, OwnedMutexGuard};
 
 use super::child::{Allowance, exceeded};
+use crate::http::budget::{Budget, Share};
 
 /// Limits of a frame.
 const ALLOWANCE: Allowance = Allowance {
@@ -38,7 +39,7 @@ const MAX_PICTURE_BYTES: u64 = 8 << 20;
 pub(crate) struct Live {
     program: PathBuf,
     arguments: Vec<PathBuf>,
-    places: Semaphore,
+    places: Budget,
     running: Arc<Mutex<Option<Running>>>,
 }
 
@@ -65,7 +66,12 @@ struct Head {
 
 impl Live {
     /// A process of this program on this data folder, with options for styles.
-    pub(crate) fn new(program: &Path, data: &Path, options: Vec<(&'static str, PathBuf)>) -> Self {
+    pub(crate) fn new(
+        program: &Path,
+        data: &Path,
+        options: Vec<(&'static str, PathBuf)>,
+        share: Share,
+    ) -> Self {
         let given = options
             .into_iter()
             .flat_map(|(option, path)| [PathBuf::from(option), path]);
@@ -75,7 +81,7 @@ impl Live {
                 .into_iter()
                 .chain(given)
                 .collect(),
-            places: Semaphore::new(PLACES),
+            places: Budget::new("previews", PLACES, share, Duration::ZERO),
             running: Arc::default(),
         }
     }
@@ -83,12 +89,12 @@ impl Live {
     /// Time limit of a frame.
     pub(crate) const LIMIT: Duration = ALLOWANCE.time;
 
-    /// Renders the only frame of a job. `None`: use a job instead.
-    pub(crate) async fn draw(&self, job: &Job) -> Option<Drawn> {
+    /// Renders the only frame of a job for a caller. `None`: use a job instead.
+    pub(crate) async fn draw(&self, job: &Job, caller: &str) -> Option<Drawn> {
         if !is_small(&job.resolve(0).ok()?) {
             return None;
         }
-        let _place = self.places.try_acquire().ok()?;
+        let _place = self.places.acquire(caller).await.ok()?;
         let mut request = json!({"spec": job.canonical()}).to_string();
         request.push('\n');
         let held = Arc::clone(&self.running).lock_owned().await;
@@ -198,6 +204,36 @@ mod tests {
         let is_kept = held.lock().await.is_some();
         assert_eq!(is_kept, first.is_some());
         first.map(|(drawn, _)| drawn.bytes)
+    }
+
+    #[tokio::test]
+    async fn a_caller_with_two_frames_leaves_places_for_others() {
+        use std::os::unix::fs::PermissionsExt;
+
+        let folder = tempfile::tempdir().unwrap();
+        let program = folder.path().join("program");
+        std::fs::write(&program, "#!/bin/sh\nexec sleep 60\n").unwrap();
+        std::fs::set_permissions(&program, std::fs::Permissions::from_mode(0o755)).unwrap();
+        let share = Share { percent: 50 };
+        let live = Arc::new(Live::new(&program, folder.path(), Vec::new(), share));
+        let text = r#"{"dataset": "x", "scene": {"kind": "procedural", "family": "structure", "seed": 1},
+                       "camera": {"width": 32, "height": 20}}"#;
+        let library = style::Library::embedded().unwrap();
+        let vocabulary = renderer::vocabulary(&library, false);
+        let job = Arc::new(Job::parse(text.as_bytes(), &vocabulary).unwrap());
+        let mut drawing = tokio::task::JoinSet::new();
+        for _ in 0..2 {
+            let (live, job) = (Arc::clone(&live), Arc::clone(&job));
+            drawing.spawn(async move { live.draw(&job, "a").await.is_some() });
+        }
+        tokio::time::sleep(Duration::from_millis(100)).await;
+        let wait = Duration::from_millis(300);
+        let third = tokio::time::timeout(wait, live.draw(&job, "a")).await;
+        assert!(
+            matches!(third, Ok(None)),
+            "a job renders the third frame of a caller"
+        );
+        assert!(tokio::time::timeout(wait, live.draw(&job, "b")).await.is_err());
     }
 
     #[tokio::test]

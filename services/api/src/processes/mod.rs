@@ -8,6 +8,7 @@ pub(crate) mod decoding;
 pub(crate) mod fleet;
 pub(crate) mod live;
 pub(crate) mod scratch;
+pub(crate) mod turns;
 
 /// Executors for long work.
 pub(crate) struct Processes {

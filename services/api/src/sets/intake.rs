@@ -117,6 +117,7 @@ impl<'c> Intake<'c> {
             priority: 0,
             created_at: now,
             idempotency: None,
+            charge: None,
             set: Some(self.head.location.clone()),
             // Equal images of another set do not count: that set may be removed.
             again: true,

@@ -22,6 +22,7 @@ fn about(name: &str, slots: u32) -> RegisterRequest {
 }
 
 mod control;
+mod fairness;
 mod fake_service;
 mod poison;
 mod promises;

@@ -1,6 +1,6 @@
 //! Jobs, one row each.
 
-use client::{JobRow, JobState, Page};
+use client::{JobRow, JobState, Page, Price};
 use sqlx::AssertSqlSafe;
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
 
@@ -353,5 +353,15 @@ pub(super) fn row(row: &SqliteRow) -> Result<JobRow, CatalogueError> {
         priority: cells.take()?,
         spec_digest: cells.take()?,
         set: cells.take()?,
+        owner: cells.take()?,
+        price: read_price(cells.take()?, cells.take()?),
+    })
+}
+
+fn read_price(price_ms: Option<i64>, bytes: Option<i64>) -> Option<Price> {
+    let (price_ms, bytes) = price_ms.zip(bytes)?;
+    Some(Price {
+        slot_seconds: price_ms as f64 / 1000.0,
+        bytes: bytes.max(0) as u64,
     })
 }

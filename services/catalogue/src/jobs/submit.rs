@@ -21,6 +21,23 @@ impl Catalogue {
             .await
     }
 
+    /// Whether the key of a submission was used before.
+    ///
+    /// # Errors
+    /// [`CatalogueError`].
+    pub async fn has_key(&self, job: &NewJob) -> Result<bool, CatalogueError> {
+        let Some(key) = &job.idempotency else {
+            return Ok(false);
+        };
+        let found: i64 =
+            sqlx::query_scalar("SELECT count(*) FROM idempotency_keys WHERE owner = ? AND key = ?")
+                .bind(&key.owner)
+                .bind(&key.key)
+                .fetch_one(&mut *self.reader().await?)
+                .await?;
+        Ok(found > 0)
+    }
+
     /// An existing job with the same description and dataset, with a warning about it. [`Catalogue::insert_job`] returns it if it is
     /// done.
     ///
@@ -67,9 +84,11 @@ pub(super) async fn insert(
         Some(duplicate) => duplicate.warnings,
         None => Vec::new(),
     };
+    let price = job.charge.as_ref().map(|charge| charge.price);
     let stored = sqlx::query(concat!(
-        "INSERT INTO jobs (id, dataset, spec, spec_digest, frames, priority, state, created_ms, set_location)
-         VALUES (?, ?, ?, ?, ?, ?, 'queued', ?, ?) RETURNING ",
+        "INSERT INTO jobs (id, dataset, spec, spec_digest, frames, priority, state, created_ms, set_location, owner,
+                           price_ms, price_bytes)
+         VALUES (?, ?, ?, ?, ?, ?, 'queued', ?, ?, ?, ?, ?) RETURNING ",
         job_columns!(),
     ))
     .bind(&job.id)
@@ -80,6 +99,9 @@ pub(super) async fn insert(
     .bind(job.priority)
     .bind(job.created_at.0 as i64)
     .bind(&job.set)
+    .bind(job.charge.as_ref().map(|charge| &charge.owner))
+    .bind(price.map(|price| (price.slot_seconds * 1000.0).ceil() as i64))
+    .bind(price.map(|price| i64::try_from(price.bytes).unwrap_or(i64::MAX)))
     .fetch_one(&mut *connection)
     .await?;
     sqlx::query(

@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
+use wire::messages::Claim;
+
 use crate::worker::held::Hold;
 
 /// How long a frame may run after its lease is lost. Loops check their flag every few milliseconds; longer computations are inside a
@@ -46,8 +48,7 @@ pub(crate) struct Running(pub(super) Mutex<BTreeMap<usize, Frame>>);
 
 #[derive(Clone)]
 pub(super) struct Frame {
-    pub(super) job: String,
-    pub(super) frame: u64,
+    pub(super) claim: Claim,
     pub(super) begun: Instant,
     pub(super) hold: Hold,
     /// When the loss of its lease was noticed.
@@ -57,17 +58,18 @@ pub(super) struct Frame {
 /// Why the process must end.
 #[derive(Debug, PartialEq)]
 pub(super) enum Verdict {
-    /// A frame exceeded its time, or the worker its memory.
+    /// A frame exceeded its time. Leases of other frames are released.
+    Late { claim: Claim, message: String },
+    /// The worker exceeded its memory.
     Guilty(String),
     /// A cancelled frame does not stop. Leases of other frames are released.
     Idle(String),
 }
 
 impl Running {
-    pub(crate) fn begin(&self, slot: usize, job: &str, frame: u64, hold: &Hold) {
+    pub(crate) fn begin(&self, slot: usize, claim: &Claim, hold: &Hold) {
         let frame = Frame {
-            job: job.to_owned(),
-            frame,
+            claim: claim.clone(),
             begun: Instant::now(),
             hold: hold.clone(),
             lost: None,
@@ -85,8 +87,8 @@ impl Running {
         for frame in running.values_mut().filter(|frame| frame.hold.is_lost()) {
             let lost = frame.lost.get_or_insert_with(Instant::now);
             if lost.elapsed() > limits.lost {
-                let Frame { job, frame, .. } = frame;
-                let message = format!("frame {frame} of {job} goes on although nobody waits for it");
+                let Claim { job_id, frame, .. } = &frame.claim;
+                let message = format!("frame {frame} of {job_id} goes on although nobody waits for it");
                 return Some(Verdict::Idle(message));
             }
         }
@@ -94,15 +96,18 @@ impl Running {
             .values()
             .find(|frame| frame.begun.elapsed() > limits.frame)
         {
-            let Frame { job, frame, .. } = late;
+            let Claim { job_id, frame, .. } = &late.claim;
             let limit = limits.frame.as_secs_f64();
-            let message = format!("frame {frame} of {job} took more than {limit} s (--frame-limit-s)");
-            return Some(Verdict::Guilty(message));
+            let message = format!(
+                "frame {frame} of {job_id} took more than {limit} s, its time limit (--frame-limit-s)"
+            );
+            let claim = late.claim.clone();
+            return Some(Verdict::Late { claim, message });
         }
         let memory = memory_bytes.filter(|&bytes| bytes > limits.memory_bytes)?;
         let frames: Vec<String> = running
             .values()
-            .map(|f| format!("{} of {}", f.frame, f.job))
+            .map(|f| format!("{} of {}", f.claim.frame, f.claim.job_id))
             .collect();
         Some(Verdict::Guilty(format!(
             "the worker takes {} MiB and may take {} (--memory-limit-mib) while it renders frames: {}",
@@ -122,28 +127,36 @@ mod tests {
     use super::*;
     use crate::worker::held::Held;
 
+    fn claim() -> Claim {
+        Claim {
+            token: 1,
+            job_id: "job_a".to_owned(),
+            frame: 7,
+            attempt: 1,
+        }
+    }
+
     #[test]
     fn what_is_within_its_limits_goes_on_and_what_is_not_is_named() {
         let running = Running::default();
         let hold = Held::default().take(1);
         let limits = Limits::new(Duration::from_millis(5), 100 << 20);
-        let guilty = |verdict| match verdict {
-            Some(Verdict::Guilty(message)) => message,
-            other => panic!("{other:?}"),
-        };
         assert_eq!(running.verdict(&limits, Some(100 << 20)), None);
-        running.begin(0, "job_a", 7, &hold);
+        running.begin(0, &claim(), &hold);
         assert_eq!(running.verdict(&limits, None), None);
-        let greedy = guilty(running.verdict(&limits, Some(101 << 20)));
+        let greedy = running.verdict(&limits, Some(101 << 20));
         assert!(
-            greedy.contains("101 MiB") && greedy.contains("7 of job_a"),
-            "{greedy}"
+            matches!(&greedy, Some(Verdict::Guilty(text)) if text.contains("101 MiB") && text.contains("7 of job_a")),
+            "{greedy:?}"
         );
         std::thread::sleep(Duration::from_millis(10));
-        let late = guilty(running.verdict(&limits, None));
+        let Some(Verdict::Late { claim: late, message }) = running.verdict(&limits, None) else {
+            panic!("the frame is late");
+        };
+        assert_eq!(late, claim());
         assert!(
-            late.contains("frame 7 of job_a") && late.contains("0.005 s"),
-            "{late}"
+            message.contains("frame 7 of job_a") && message.contains("0.005 s"),
+            "{message}"
         );
         running.end(0);
         assert_eq!(running.verdict(&limits, None), None);
@@ -157,7 +170,7 @@ mod tests {
             lost: Duration::from_millis(5),
             ..Limits::NONE
         };
-        running.begin(0, "job_a", 7, &hold);
+        running.begin(0, &claim(), &hold);
         hold.lose();
         assert_eq!(running.verdict(&limits, None), None);
         std::thread::sleep(Duration::from_millis(10));

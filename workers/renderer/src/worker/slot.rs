@@ -81,8 +81,14 @@ fn work(
             finished = false;
             break;
         }
+        let claim = Claim {
+            token: lease.token,
+            job_id: lease.job_id.clone(),
+            frame,
+            attempt,
+        };
         let begun = Instant::now();
-        shared.running.begin(number, &lease.job_id, frame, &hold);
+        shared.running.begin(number, &claim, &hold);
         let outcome = match &job {
             Ok(job) => render(shared, slot, job, frame, &hold).map_err(Refusal::from),
             Err(refusal) => Err(refusal.clone()),
@@ -93,12 +99,6 @@ fn work(
             break;
         }
         *frame_ms = mean(*frame_ms, begun.elapsed().as_secs_f64() * 1000.0);
-        let claim = Claim {
-            token: lease.token,
-            job_id: lease.job_id.clone(),
-            frame,
-            attempt,
-        };
         parcels
             .send(Parcel::Frame {
                 claim,

@@ -35,6 +35,7 @@ pub(crate) struct Parameters {
         (status = 200, description = "Nothing is rendered: the dataset has every image of this description, from the job of the \
             answer, whose `warnings` say so.", body = JobRow),
         (status = 409, response = crate::openapi::Problem),
+        (status = 429, response = crate::openapi::Problem),
         (status = 502, response = crate::openapi::Problem)))]
 pub(crate) async fn create(
     State(jobs): Topic<Jobs>,

@@ -1,18 +1,15 @@
-use std::collections::BTreeMap;
-
 use client::{Estimate, JobPreview, ResolvedFrame};
 use serde::Deserialize;
 use spec::{Frame, Job};
 use utoipa::IntoParams;
 
 use crate::http::bounds::out_of_range;
+use crate::http::extract::Submitter;
 use crate::http::{Json, JsonBytes, Problem, Query, State, Topic};
 use crate::jobs::Jobs;
-use crate::leases::costs::Sized;
+use crate::jobs::pricing::JobPrice;
 use crate::openapi::JobDescription;
 
-/// Frames sampled for the estimate, spread over the job.
-const SAMPLE: u64 = 64;
 /// Default number of frames in a preview.
 const SHOWN: u64 = 5;
 /// Maximum number of frames in a preview.
@@ -30,14 +27,15 @@ pub(crate) struct Parameters {
 
 /// Preview a job: frames and estimated cost. Nothing is stored.
 ///
-/// Rejects the same descriptions as a submission. The estimate uses frames rendered by this service, or typical
-/// figures without any.
+/// Rejects the same descriptions as a submission, including too expensive ones. The estimate uses frames of the same kind
+/// rendered by this service, or typical figures without any.
 #[utoipa::path(post, path = "/v1/jobs/preview", tag = "jobs", operation_id = "preview_job", params(Parameters),
     request_body(content = JobDescription, content_type = "application/json"),
     responses((status = 200, description = "The first frames and the cost.", body = JobPreview),
               (status = 409, response = crate::openapi::Problem)))]
 pub(crate) async fn preview(
     State(jobs): Topic<Jobs>,
+    submitter: Submitter,
     Query(query): Query<Parameters>,
     JsonBytes(body): JsonBytes,
 ) -> Result<Json<JobPreview>, Problem> {
@@ -47,13 +45,12 @@ pub(crate) async fn preview(
     }
     let job = jobs.parse(&body).await?;
     jobs.check_runtime(&job)?;
-    let (frames, warnings) = (job.frames(), job.warnings().to_vec());
-    let (first, sample) = jobs
-        .processes
-        .compute
-        .run(move || resolved(&job, shown))
-        .await??;
-    let estimate = estimate(&jobs, &sample, frames).await?;
+    let price = jobs.price(&job).await?;
+    let (frames, mut warnings) = (job.frames(), job.warnings().to_vec());
+    warnings.extend(jobs.warn_caller(&submitter.owner, price));
+    let compute = &jobs.processes.compute;
+    let first = compute.run(move || resolve_first(&job, shown)).await??;
+    let estimate = estimate(&jobs, price);
     Ok(Json(JobPreview {
         frames,
         first: first
@@ -68,40 +65,18 @@ pub(crate) async fn preview(
     }))
 }
 
-/// The first frames, and a sample of the whole job at equal distances.
-fn resolved(job: &Job, shown: u64) -> Result<(Vec<Frame>, Vec<Frame>), Problem> {
-    let step = job.frames().div_ceil(SAMPLE) as usize;
+fn resolve_first(job: &Job, shown: u64) -> Result<Vec<Frame>, Problem> {
     let first = (0..shown.min(job.frames())).map(|index| job.resolve(index));
-    let sample = (0..job.frames()).step_by(step).map(|index| job.resolve(index));
-    Ok((
-        first.collect::<Result<_, _>>()?,
-        sample.collect::<Result<_, _>>()?,
-    ))
+    Ok(first.collect::<Result<_, _>>()?)
 }
 
-async fn estimate(jobs: &Jobs, sample: &[Frame], frames: u64) -> Result<Estimate, Problem> {
-    let mut uploads: BTreeMap<&str, f64> = BTreeMap::new();
-    let mut sized = Vec::with_capacity(sample.len());
-    for frame in sample {
-        let pixels = match frame.scene.uploaded_id() {
-            Some(id) => match uploads.get(id) {
-                Some(pixels) => *pixels,
-                None => {
-                    let row = jobs.catalogue.scene(id).await?;
-                    let pixels = row.map_or(0.0, |row| f64::from(row.width) * f64::from(row.height));
-                    uploads.insert(id, pixels);
-                    pixels
-                }
-            },
-            None => frame.camera.width as f64 * frame.camera.height as f64,
-        };
-        sized.push(Sized { frame, pixels });
-    }
-    let cost = jobs.leases.costs.mean(&sized);
+fn estimate(jobs: &Jobs, JobPrice { price, cost }: JobPrice) -> Estimate {
     let slots = jobs.leases.dispatch.slots().max(1);
-    Ok(Estimate {
-        seconds: cost.seconds * frames as f64 / slots as f64,
-        bytes: (cost.bytes * frames as f64).round(),
+    Estimate {
+        seconds: price.slot_seconds / slots as f64,
+        bytes: price.bytes as f64,
         slots,
-    })
+        slot_seconds: price.slot_seconds,
+        frame_seconds: cost.most_seconds,
+    }
 }

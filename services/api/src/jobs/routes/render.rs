@@ -6,6 +6,7 @@ use crate::http::extract::{PreferredWait, Submitter, listed};
 use crate::http::located::located;
 use crate::http::{Json, JsonBytes, Problem, Slug, State, Topic};
 use crate::jobs::Jobs;
+use crate::jobs::direct::OnLeave;
 use crate::jobs::submit::Submission;
 use crate::jobs::wait::Until;
 use crate::limits;
@@ -17,10 +18,11 @@ const DATASET: &str = "renders";
 
 /// Render one frame now.
 ///
-/// Submits a job of one frame with high priority and waits for it. Small images of procedural scenes that are not
+/// Submits a job of one frame that is rendered before the caller's other jobs, and waits for it. Small images of procedural scenes that are not
 /// stored are rendered without a job. The response is the image if `Accept` names an image type, else its record. The
 /// image is only stored if the description names a dataset or the request has an `Idempotency-Key`;
-/// `Content-Location` is then its location. A render that exceeds the wait becomes the job in `Location`.
+/// `Content-Location` is then its location. A render that exceeds the wait becomes the ordinary job in `Location`. If the
+/// client disconnects first, the job is cancelled, unless an `Idempotency-Key` can return it later.
 #[utoipa::path(post, path = "/v1/renders", tag = "jobs", operation_id = "render_frame",
     params(("Prefer" = Option<String>, Header, description = "`wait=N`: seconds, default 30, at most 60"),
            ("Accept" = Option<String>, Header, description = "`image/*` for the image"),
@@ -30,7 +32,8 @@ const DATASET: &str = "renders";
         (status = 200, description = "The image, or its record.",
          content((ImageRecord = "application/json"), (Bytes = "image/jpeg"), (Bytes = "image/png"), (Bytes = "image/webp"))),
         (status = 202, description = "Not ready in time; `Location` is the job.", body = JobRow),
-        (status = 409, response = crate::openapi::Problem)))]
+        (status = 409, response = crate::openapi::Problem),
+        (status = 429, response = crate::openapi::Problem)))]
 pub(crate) async fn create(
     State(jobs): Topic<Jobs>,
     submitter: Submitter,
@@ -51,7 +54,7 @@ pub(crate) async fn create(
     if !is_kept && wait >= Live::LIMIT && wants_picture(&headers) {
         jobs.check_runtime(&job)?;
         if let Some(live) = &jobs.processes.live
-            && let Some(drawn) = live.draw(&job).await
+            && let Some(drawn) = live.draw(&job, &submitter.owner).await
         {
             return Ok(([(header::CONTENT_TYPE, drawn.media_type)], drawn.bytes).into_response());
         }
@@ -62,7 +65,12 @@ pub(crate) async fn create(
         // A temporary render needs a separate job.
         again: true,
     };
-    let submitted = jobs.submit(job, submission).await?.job;
+    let on_leave = match (submission.submitter.idempotency_key.is_some(), is_kept) {
+        (true, _) => OnLeave::Continue,
+        (false, true) => OnLeave::Cancel,
+        (false, false) => OnLeave::Delete,
+    };
+    let (submitted, request) = jobs.submit_direct(job, submission, on_leave).await?;
     let row = jobs.wait_on(submitted, wait, Until::Ended).await?;
     let id = row.id.clone();
     let mut response = match row.state {
@@ -75,10 +83,12 @@ pub(crate) async fn create(
             }
         }
         _ => {
+            request.end();
             let location = format!("/v1/jobs/{id}");
             return Ok(located(StatusCode::ACCEPTED, location, row).into_response());
         }
     };
+    request.end();
     if !is_kept {
         jobs.delete(id).await?;
         response.headers_mut().remove(CONTENT_LOCATION);

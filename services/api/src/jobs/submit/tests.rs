@@ -23,6 +23,7 @@ async fn app(folder: &std::path::Path) -> App {
         buckets: std::sync::Arc::new(|place, _| Err(crate::Unread::Gone(place.set.clone()))),
         style_trial: Duration::from_secs(1),
         frame_limit: Duration::from_secs(600),
+        prices: crate::limits::PriceLimits::default(),
         mix_workers: false,
         spot_check: 0,
     };

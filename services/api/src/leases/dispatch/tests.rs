@@ -33,6 +33,8 @@ fn job(id: &str) -> OpenJob {
         digest: None,
         set: None,
         warnings: Vec::new(),
+        price: None,
+        owner: None,
         priority: 0,
         spec_digest: format!("digest of {id}"),
     })

@@ -168,7 +168,9 @@ impl Leases {
         }
         if matches!(inserted, Ok(InsertImage::Inserted)) {
             telemetry::committed(record);
-            self.costs.learn(record);
+            if let Ok(frame) = self.frame(claim).await {
+                self.costs.learn(&frame, record);
+            }
             self.probes.record_commit(worker, &claim.job_id, claim.frame);
         }
         self.changes.notify(&claim.job_id);

@@ -32,13 +32,18 @@ impl LeaseTable {
     /// [`Stale`], also if the lease has expired by `now` or the frame is already being written.
     pub fn begin_commit(&mut self, claim: &Claim, now: Millis) -> Result<(), Stale> {
         self.check(claim)?;
-        let lease = self.leases.get_mut(claim.token);
         let frame = frame_of(claim);
-        let lease = lease.filter(|lease| lease.ends > now).ok_or(Stale)?;
+        let lease = self.leases.get(claim.token).ok_or(Stale)?;
         if self.pinned.contains_key(&frame) {
             return Err(Stale);
         }
-        lease.since = now;
+        if lease.ends <= now {
+            return Err(Stale);
+        }
+        let taken = self.charge_time(claim.token, now);
+        if let Some(job) = self.jobs.get_mut(&claim.job_id) {
+            job.record_time(taken);
+        }
         self.pinned.insert(frame, claim.token);
         Ok(())
     }
@@ -50,6 +55,7 @@ impl LeaseTable {
             return;
         };
         let cancelled = self.leases.get(token).is_none_or(|lease| lease.cancelled);
+        self.refund(token);
         self.leases.take_out(token, frame);
         if let Some(entry) = self.jobs.get_mut(job).filter(|_| !cancelled) {
             entry.complete(frame);
@@ -76,6 +82,7 @@ impl LeaseTable {
         if self.pinned.contains_key(&frame_of(claim)) {
             return Err(Stale);
         }
+        self.refund(claim.token);
         self.leases.take_out(claim.token, claim.frame);
         if let Some(job) = self.jobs.get_mut(&claim.job_id) {
             job.give_back(claim.frame);
@@ -99,7 +106,8 @@ impl LeaseTable {
             return Err(Stale);
         }
         let (job, frame) = (&claim.job_id, claim.frame);
-        self.excuse(claim.token, now);
+        self.charge_time(claim.token, now);
+        self.refund(claim.token);
         self.leases.take_out(claim.token, frame);
         let entry = self.jobs.get_mut(job).ok_or(Stale)?;
         let Struck { strikes, again } = entry.strike(frame, retryable, now);

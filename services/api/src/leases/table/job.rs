@@ -3,21 +3,26 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
-use super::types::{JobEntry, Millis, Toolchain};
+use super::line::Micros;
+use super::types::{JobEntry, Millis, OpenCost, Toolchain};
 
 /// A frame that kills its worker or fails this often is quarantined.
 const STRIKES: u32 = 3;
 /// First pause after a failure. It doubles with each strike, which gives transient faults time to pass.
 const PAUSE_MS: u64 = 1000;
 const LONGEST_PAUSE_MS: u64 = 30_000;
+/// Least price of a frame: storing it takes as long.
+const LEAST_PRICE_US: Micros = 1000;
 
 pub(crate) struct Job {
-    pub(crate) priority: i32,
+    pub(crate) caller: String,
+    /// Price of a frame.
+    pub(crate) frame_cost: OpenCost,
     pub(crate) held_back: bool,
-    /// Time of the last grant, counted in grants: the job that has waited longest goes first.
-    pub(crate) served: u64,
     /// Provenance of its images; `None` before the first.
     pub(crate) made: Option<Toolchain>,
+    /// Running mean of the slot time of its frames; `None` before the first.
+    measured_us: Option<Micros>,
     frames: u64,
     finished: u64,
     /// Whether any frame has an image.
@@ -46,9 +51,13 @@ pub(crate) struct Struck {
 impl Job {
     pub(crate) fn new(entry: &JobEntry) -> Self {
         let mut job = Self {
-            priority: entry.priority,
+            caller: entry.caller.clone(),
+            frame_cost: OpenCost {
+                us: entry.frame_cost.us.max(LEAST_PRICE_US),
+                ..entry.frame_cost
+            },
             held_back: entry.paused,
-            served: 0,
+            measured_us: None,
             made: entry.made.clone(),
             frames: entry.frames,
             finished: 0,
@@ -94,6 +103,27 @@ impl Job {
     /// Frames that are neither finished nor leased.
     pub(crate) fn queued(&self) -> u64 {
         self.frames - self.finished - self.leased
+    }
+
+    /// Price of the unfinished frames.
+    pub(crate) fn open_cost(&self) -> OpenCost {
+        self.frame_cost.times(self.frames - self.finished)
+    }
+
+    /// Expected slot time of a frame for a worker whose frames took `frame_ms` recently.
+    pub(crate) fn expected_ms(&self, frame_ms: f64) -> f64 {
+        match self.measured_us {
+            Some(us) => us.max(1) as f64 / 1000.0,
+            None => frame_ms.max(self.frame_cost.us as f64 / 1000.0),
+        }
+    }
+
+    /// Counts the slot time of a frame.
+    pub(crate) fn record_time(&mut self, us: Micros) {
+        self.measured_us = Some(match self.measured_us {
+            Some(mean) => mean / 4 * 3 + us / 4,
+            None => us,
+        });
     }
 
     /// Leased frames.

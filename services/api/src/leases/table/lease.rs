@@ -2,11 +2,15 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::line::Micros;
 use super::types::Millis;
 
 pub(crate) struct Lease {
     pub(crate) worker: String,
     pub(crate) job: String,
+    pub(crate) caller: String,
+    /// Charged for each open frame.
+    pub(crate) frame_us: Micros,
     /// Open frames with their attempt.
     pub(crate) frames: BTreeMap<u64, u32>,
     /// Whether it initially had several frames.

@@ -57,7 +57,9 @@ impl LeaseTable {
             let lease = self.leases.get(token);
             let several = lease.is_some_and(|lease| lease.several);
             let is_stalled = lease.is_some_and(|lease| self.rules.is_stalled(lease, now));
+            self.charge_time(token, now);
             for (job, frame) in self.drop_open(token) {
+                self.refund(token);
                 let Some(entry) = self.jobs.get_mut(&job) else {
                     continue;
                 };

@@ -1,9 +1,10 @@
 //! The lease table: a pure state machine. Time and tokens are arguments, so a test can play any history. Delivery is
 //! at least once; a stale token has no effect.
 //!
-//! **Scheduling.** The highest priority goes first; among equals the job with the oldest grant, and a new job queues
-//! behind waiting ones. A huge job does not starve a later small one, nor do many small ones starve it. A lease holds
-//! about three seconds of work, and less towards the end of a job, so that all slots finish together.
+//! **Scheduling.** The least served caller goes first, and among its jobs the highest priority and then the least served
+//! one ([`line`]); a new job queues behind waiting ones. A huge job does not starve a later small one, nor do many small
+//! ones starve it. A lease holds about a second of work, and less towards the end of a job, so that all slots finish
+//! together.
 //!
 //! **Blame for a crash.** A worker that vanishes loses all its frames, and it renders several at a time. Only a frame
 //! that was the worker's single one gets a strike. Frames from leases of several are offered one at a time from then
@@ -11,25 +12,27 @@
 //! worker without other leases, and that worker gets no others meanwhile. One worker at a time is kept from new work
 //! until it is empty, so that suspects do not wait forever.
 
+mod charges;
 mod claims;
 mod grants;
 mod job;
 mod lease;
+mod line;
 mod loss;
 mod suspects;
 mod toolchain;
 mod types;
 mod workers;
 
-use std::cmp::Reverse;
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, HashMap};
 
 use wire::messages::{BeatResponse, RegisterRequest};
 
 use self::job::Job;
 use self::lease::Leases;
+use self::line::Line;
 use self::suspects::Suspects;
-pub use self::types::{Grant, JobEntry, Millis, Rules, Stale, StrikeEvent, Toolchain, Totals};
+pub use self::types::{Grant, JobEntry, Millis, OpenCost, Rules, Stale, StrikeEvent, Toolchain, Totals};
 pub use types::TERM_MS;
 
 /// An idle worker without messages for this long is dropped.
@@ -39,14 +42,12 @@ const FORGET_AFTER_MS: u64 = 600_000;
 #[derive(Default)]
 pub struct LeaseTable {
     pub(crate) jobs: BTreeMap<String, Job>,
-    /// The jobs in scheduling order: priority, last grant, id.
-    line: BTreeSet<(Reverse<i32>, u64, String)>,
+    line: Line,
     suspects: Suspects,
     pub(crate) leases: Leases,
     /// Frames whose image is being written, with the token of their lease.
     pub(crate) pinned: HashMap<(String, u64), u64>,
     workers: BTreeMap<String, Worker>,
-    grants: u64,
     rules: Rules,
 }
 
@@ -73,11 +74,11 @@ impl LeaseTable {
 
     /// Offers a job's open frames.
     pub fn add_job(&mut self, entry: JobEntry) {
-        let mut job = Job::new(&entry);
+        let job = Job::new(&entry);
         if !job.finished() && !self.jobs.contains_key(&entry.id) {
-            job.served = self.grants;
-            self.line.insert(place(&entry.id, &job));
-            self.jobs.insert(entry.id, job);
+            self.line.add_job(&entry.caller, &entry.id, entry.priority);
+            self.jobs.insert(entry.id.clone(), job);
+            self.recount(&entry.id);
         }
     }
 
@@ -90,6 +91,19 @@ impl LeaseTable {
                 lease.cancelled = true;
             }
         }
+    }
+
+    /// Changes the priority of a job among those of its caller.
+    pub fn set_priority(&mut self, job: &str, priority: i32) {
+        if let Some(known) = self.jobs.get(job) {
+            self.line.set_priority(&known.caller, job, priority);
+        }
+    }
+
+    /// Price of a caller's unfinished frames.
+    #[must_use]
+    pub fn open_cost(&self, caller: &str) -> OpenCost {
+        self.line.open(caller)
     }
 
     /// Stops offering a job; its leases continue.
@@ -110,20 +124,22 @@ impl LeaseTable {
 
     /// Offers the quarantined ones of these frames again, one at a time and without their strikes. Returns whether
     /// the table has the job; an ended job must be added again.
-    pub fn retry(&mut self, job: &str, frames: &[u64]) -> bool {
-        let Some(job) = self.jobs.get_mut(job) else {
+    pub fn retry(&mut self, id: &str, frames: &[u64]) -> bool {
+        let Some(job) = self.jobs.get_mut(id) else {
             return false;
         };
         frames.iter().for_each(|&frame| job.retry(frame));
+        self.recount(id);
         true
     }
 
     /// Offers frames again that have lost their image, one at a time. Returns whether the table has the job.
-    pub fn reopen(&mut self, job: &str, frames: &[u64]) -> bool {
-        let Some(job) = self.jobs.get_mut(job) else {
+    pub fn reopen(&mut self, id: &str, frames: &[u64]) -> bool {
+        let Some(job) = self.jobs.get_mut(id) else {
             return false;
         };
         frames.iter().for_each(|&frame| job.reopen(frame));
+        self.recount(id);
         true
     }
 
@@ -169,8 +185,10 @@ impl LeaseTable {
     }
 
     /// Takes the open frames of a lease back without counting an attempt.
-    pub fn release(&mut self, token: u64, _now: Millis) {
+    pub fn release(&mut self, token: u64, now: Millis) {
+        self.charge_time(token, now);
         for (job, frame) in self.drop_open(token) {
+            self.refund(token);
             if let Some(job) = self.jobs.get_mut(&job) {
                 job.give_back(frame);
             }
@@ -195,6 +213,7 @@ impl LeaseTable {
     }
 
     pub(crate) fn forget_finished(&mut self, job: &str) {
+        self.recount(job);
         if self.jobs.get(job).is_some_and(Job::finished) {
             self.forget_job(job);
         }
@@ -202,14 +221,10 @@ impl LeaseTable {
 
     fn forget_job(&mut self, id: &str) {
         if let Some(job) = self.jobs.remove(id) {
-            self.line.remove(&place(id, &job));
+            self.line.remove_job(&job.caller, id);
             self.suspects.forget_job(id);
         }
     }
-}
-
-fn place(id: &str, job: &Job) -> (Reverse<i32>, u64, String) {
-    (Reverse(job.priority), job.served, id.to_owned())
 }
 
 pub(crate) fn event(job: &str, frame: u64, strikes: u32, error: String, quarantined: bool) -> StrikeEvent {

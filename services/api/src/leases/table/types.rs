@@ -49,9 +49,13 @@ pub struct Toolchain {
 pub struct JobEntry {
     /// The job's id.
     pub id: String,
+    /// The caller that it is served for.
+    pub caller: String,
     /// Number of frames.
     pub frames: u64,
-    /// Higher goes first.
+    /// Expected cost of a frame.
+    pub frame_cost: OpenCost,
+    /// Higher goes first among the jobs of the caller.
     pub priority: i32,
     /// Frames with an image.
     pub done: Vec<Range<u64>>,
@@ -63,6 +67,54 @@ pub struct JobEntry {
     pub paused: bool,
     /// Provenance of its images; `None` before the first.
     pub made: Option<Toolchain>,
+}
+
+/// Expected cost of unfinished frames.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct OpenCost {
+    /// Microseconds of a slot.
+    pub us: u64,
+    /// Bytes of artifacts.
+    pub bytes: u64,
+}
+
+impl OpenCost {
+    /// The sum.
+    #[must_use]
+    pub fn plus(self, other: Self) -> Self {
+        Self {
+            us: self.us.saturating_add(other.us),
+            bytes: self.bytes.saturating_add(other.bytes),
+        }
+    }
+
+    /// The difference, at least 0.
+    #[must_use]
+    pub fn minus(self, other: Self) -> Self {
+        Self {
+            us: self.us.saturating_sub(other.us),
+            bytes: self.bytes.saturating_sub(other.bytes),
+        }
+    }
+
+    /// The cost of this many such frames.
+    #[must_use]
+    pub fn times(self, frames: u64) -> Self {
+        Self {
+            us: self.us.saturating_mul(frames),
+            bytes: self.bytes.saturating_mul(frames),
+        }
+    }
+
+    /// The mean of this many frames.
+    #[must_use]
+    pub fn divided(self, frames: u64) -> Self {
+        let frames = frames.max(1);
+        Self {
+            us: self.us / frames,
+            bytes: self.bytes / frames,
+        }
+    }
 }
 
 /// Frames leased to a worker.

@@ -4,6 +4,7 @@ use style::is_name;
 use utoipa::ToSchema;
 
 use super::training::TrainingView;
+use crate::http::extract::Submitter;
 use crate::http::failure::writing;
 use crate::http::form::{Form, Kind};
 use crate::http::located::{Located, located};
@@ -51,8 +52,8 @@ pub(crate) struct TrainingUpload {
 
 /// Train a style from photos.
 ///
-/// Unsuitable photos are rejected immediately. Trainings run in a separate process, one at a time; a thousand steps
-/// take about a minute on four free cores. Jobs may use the style as soon as the training is done. The service stores
+/// Unsuitable photos are rejected immediately. Trainings run in a separate process, one at a time, and callers take turns;
+/// each may have half of the eight waiting ones. A thousand steps take about a minute on four free cores. Jobs may use the style as soon as the training is done. The service stores
 /// the style, not the training: after a restart, submit an open training again.
 #[utoipa::path(post, path = "/v1/styles/train", tag = "styles", operation_id = "train_style",
     request_body(content = TrainingUpload, content_type = "multipart/form-data"),
@@ -60,15 +61,16 @@ pub(crate) struct TrainingUpload {
               (status = 409, response = crate::openapi::Problem)))]
 pub(crate) async fn train(
     State(styles): Topic<Styles>,
+    Submitter { owner, .. }: Submitter,
     MultipartBody(body): MultipartBody,
 ) -> Result<Located<TrainingView>, Problem> {
-    let training = styles.train(read(body, &styles).await?).await?;
+    let training = styles.train(read(body, &styles, owner).await?).await?;
     let location = format!("/v1/styles/trainings/{}", training.id);
     let view = TrainingView::new(&training);
     Ok(located(StatusCode::ACCEPTED, location, view))
 }
 
-async fn read(body: Multipart, styles: &Styles) -> Result<Order, Problem> {
+async fn read(body: Multipart, styles: &Styles, owner: String) -> Result<Order, Problem> {
     let mut form = Form::read(body, &FIELDS).await?;
     let seed_limit = format!("a whole number in 0..={}", u64::MAX);
     let seed = form.parsed("seed", &seed_limit, |_| true);
@@ -94,6 +96,7 @@ async fn read(body: Multipart, styles: &Styles) -> Result<Order, Problem> {
         written.map_err(|error| writing(&error))?;
     }
     Ok(Order {
+        owner,
         name,
         seed: seed.unwrap_or(1),
         steps: steps.unwrap_or(1000),

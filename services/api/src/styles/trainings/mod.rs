@@ -24,6 +24,7 @@ use crate::clock::ordered_id;
 use crate::http::problem::{Problem, Slug};
 use crate::limits;
 use crate::processes::child::Children;
+use crate::processes::turns::Turns;
 pub(crate) use order::Order;
 
 /// State of a training.
@@ -114,6 +115,7 @@ fn is_preview(bytes: &[u8]) -> bool {
 pub(crate) struct Trainings {
     list: Mutex<VecDeque<Arc<Training>>>,
     /// One at a time: each uses half of the cores.
+    turns: Turns,
     trainers: Children,
     /// Validate photos before a request returns.
     lookers: Children,
@@ -123,6 +125,7 @@ impl Trainings {
     pub(crate) fn new(program: &Path, lookers: usize) -> Self {
         Self {
             list: Mutex::default(),
+            turns: Turns::default(),
             trainers: Children::new(program, Vec::new(), 1),
             lookers: Children::new(program, Vec::new(), lookers),
         }
@@ -145,6 +148,7 @@ impl Trainings {
 
     /// Trains a network. The training's view shows an error.
     pub(super) async fn train(&self, order: &Order) -> Result<NewStyle, String> {
+        let _turn = self.turns.take(&order.owner).await;
         process::train(&self.trainers, order).await
     }
 
@@ -167,13 +171,7 @@ impl Trainings {
             let detail = format!("{} already trains a style `{}`", other.id, order.name);
             return Err(Problem::new(Slug::NameTaken, detail));
         }
-        if list.iter().filter(|training| training.is_open()).count() >= limits::OPEN_TRAININGS {
-            let detail = format!(
-                "{} trainings are waiting, the limit; retry later",
-                limits::OPEN_TRAININGS
-            );
-            return Err(Problem::overloaded(detail));
-        }
+        check_room(&list, &order.owner)?;
         let training = Arc::new(Training {
             id: format!("trn_{}", ordered_id().simple()),
             order,
@@ -189,12 +187,62 @@ impl Trainings {
     }
 }
 
+/// Rejects a training beyond the limit of all callers or of this one.
+fn check_room(list: &VecDeque<Arc<Training>>, owner: &str) -> Result<(), Problem> {
+    let open = list.iter().filter(|training| training.is_open());
+    let (all, own) = open.fold((0, 0), |(all, own), training| {
+        (all + 1, own + usize::from(training.order.owner == owner))
+    });
+    if own >= limits::OPEN_TRAININGS_OF_CALLER {
+        let detail =
+            format!("{own} of your trainings are open, the limit of a caller; cancel one or retry later");
+        return Err(Problem::overloaded(detail));
+    }
+    if all >= limits::OPEN_TRAININGS {
+        let detail = format!("{all} trainings are waiting, the limit; retry later");
+        return Err(Problem::overloaded(detail));
+    }
+    Ok(())
+}
+
 #[cfg(test)]
 mod tests {
     use imaging::Rgb8;
     use imaging::codec::encode_png;
 
     use super::*;
+
+    fn training(owner: &str) -> Arc<Training> {
+        Arc::new(Training {
+            id: "trn_1".to_owned(),
+            order: Order {
+                owner: owner.to_owned(),
+                name: "harbour".to_owned(),
+                seed: 1,
+                steps: 1,
+                range: false,
+                licence: String::new(),
+                source: String::new(),
+                photos: 1,
+                folder: tempfile::tempdir().unwrap(),
+            },
+            state: Mutex::new(Progress::Open),
+            ended: Notify::new(),
+            stop: CancellationToken::new(),
+        })
+    }
+
+    #[test]
+    fn a_caller_may_have_half_of_the_open_trainings() {
+        let mut list: VecDeque<_> = (0..4).map(|_| training("a")).collect();
+        let refused = check_room(&list, "a").map_err(|problem| problem.to_string());
+        assert!(refused.is_err_and(|text| text.contains("4 of your trainings")));
+        assert!(check_room(&list, "b").is_ok());
+        list.extend((0..4).map(|_| training("b")));
+        assert!(check_room(&list, "c").is_err());
+        list[0].end(Progress::Cancelled);
+        assert!(check_room(&list, "c").is_ok() && check_room(&list, "a").is_ok());
+    }
 
     #[test]
     fn only_a_small_png_is_a_preview() {

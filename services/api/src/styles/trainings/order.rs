@@ -4,6 +4,8 @@ use tempfile::TempDir;
 
 /// The options of a training; the photos are in `folder`.
 pub(crate) struct Order {
+    /// The caller that submitted it.
+    pub(crate) owner: String,
     pub(crate) name: String,
     pub(crate) seed: u64,
     pub(crate) steps: u32,

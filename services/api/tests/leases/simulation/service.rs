@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use api::lease_table::{Grant, JobEntry, LeaseTable, Millis, StrikeEvent, TERM_MS};
+use api::lease_table::{Grant, JobEntry, LeaseTable, Millis, OpenCost, StrikeEvent, TERM_MS};
 use wire::messages::BeatResponse;
 
 /// Bug of the service.
@@ -105,7 +105,9 @@ impl Service {
         let remembers = self.variant != Variant::ForgetsImages;
         self.table.add_job(JobEntry {
             id: id.to_owned(),
+            caller: id.to_owned(),
             frames: self.jobs[id],
+            frame_cost: OpenCost::default(),
             priority: i32::from(id == "b"),
             done: self
                 .images

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use api::{Clock, Config, Limits, Service, Surroundings};
+use api::{Clock, Config, Limits, PriceLimits, Service, Surroundings};
 use serde_json::{Value, json};
 use style::Library;
 use tempfile::TempDir;
@@ -18,6 +18,7 @@ pub(crate) mod worker;
 pub(crate) struct Setup {
     pub(crate) token: Option<&'static str>,
     pub(crate) limits: Limits,
+    pub(crate) prices: PriceLimits,
     pub(crate) clock: Clock,
     /// Instead of the shipped styles and one that needs ONNX Runtime.
     pub(crate) library: Option<Library>,
@@ -33,6 +34,7 @@ impl Default for Setup {
                 reserve_bytes: 0,
                 ..Limits::default()
             },
+            prices: PriceLimits::default(),
             clock: Clock::system(),
             library: None,
             program: env!("CARGO_BIN_EXE_api-child"),
@@ -108,6 +110,7 @@ fn start_at(data: TempDir, folder: PathBuf, setup: Setup) -> Running {
     let runtime = Runtime::new().unwrap();
     let mut config = config(&folder, setup.token);
     config.program = setup.program.into();
+    config.prices = setup.prices;
     if let Some(library) = setup.library {
         config.library = library;
     }
@@ -146,6 +149,7 @@ pub(crate) fn config(data: &Path, token: Option<&str>) -> Config {
         buckets: std::sync::Arc::new(|place, _| Err(api::Unread::Gone(place.set.clone()))),
         style_trial: Duration::from_secs(10),
         frame_limit: Duration::from_secs(600),
+        prices: PriceLimits::default(),
         mix_workers: false,
         spot_check: 0,
     }

@@ -215,18 +215,6 @@ fn a_render_that_exceeds_the_wait_becomes_a_job() {
 }
 
 #[test]
-fn a_render_goes_before_a_job_that_was_there_first() {
-    let service = start();
-    service.submit(&job());
-    let headers = [("content-type", "application/json"), ("prefer", "wait=0")];
-    let render = service
-        .post_with("/v1/renders", &headers, single_frame().to_string().as_bytes())
-        .json();
-    let worker = Fake::register(&service);
-    assert_eq!(json!(worker.lease(1000).expect("a frame").job_id), render["id"]);
-}
-
-#[test]
 fn a_failed_render_reports_the_reason() {
     let service = start();
     let worker = Fake::register(&service);

@@ -73,14 +73,26 @@ fn show_preview(preview: &JobPreview, as_json: bool) {
         seconds,
         bytes,
         slots,
+        slot_seconds,
+        frame_seconds,
     } = preview.estimate;
     println!(
-        "{} · about {} on {} · about {}; nothing was submitted",
+        "{} · about {} on {} · price {} of slots, at most {} a frame · about {}; nothing was submitted",
         count(preview.frames, "frame"),
         describe_duration(seconds),
         count(slots, "slot"),
+        describe_slot_time(slot_seconds),
+        describe_slot_time(frame_seconds),
         describe_bytes(bytes)
     );
+}
+
+/// Such as `0.35 s` or `2 min 5 s`.
+fn describe_slot_time(seconds: f64) -> String {
+    match seconds {
+        ..10.0 => format!("{seconds:.2} s"),
+        _ => describe_duration(seconds),
+    }
 }
 
 /// Prints a job on a line, and its digest once it has one.

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use anyhow::Context;
-use api::EngineOptions;
+use api::{EngineOptions, PriceLimits};
 use cli::engine::EngineArguments;
 use cli::exit::Failure;
 use cli::render::seconds;
@@ -52,6 +52,15 @@ pub(crate) struct Arguments {
     /// Longest time of one frame, after which its worker process is ended and its lease expires
     #[arg(long, env = "FATHOM_FRAME_LIMIT_S", default_value_t = 600.0, value_parser = seconds)]
     pub(crate) frame_limit_s: f64,
+    /// Longest expected slot time of a frame; jobs with more expensive frames are refused
+    #[arg(long, env = "FATHOM_MAX_FRAME_S", default_value_t = 3600.0, value_parser = seconds)]
+    pub(crate) max_frame_s: f64,
+    /// Expected slot time of all unfinished frames of a caller, hours; further jobs are refused
+    #[arg(long, env = "FATHOM_MAX_CALLER_H", default_value_t = 10_000, value_parser = clap::value_parser!(u64).range(1..=100_000_000))]
+    pub(crate) max_caller_h: u64,
+    /// Expected size of all unfinished frames of a caller, GB; further jobs are refused
+    #[arg(long, env = "FATHOM_MAX_CALLER_GB", default_value_t = 10_000, value_parser = clap::value_parser!(u64).range(1..=100_000_000))]
+    pub(crate) max_caller_gb: u64,
     /// Let workers of different versions, CPU features or ONNX Runtimes share a job, whose frames may then differ in their last digits
     #[arg(long, env = "FATHOM_MIX_WORKERS")]
     pub(crate) mix_workers: bool,
@@ -125,6 +134,11 @@ pub(crate) fn config(arguments: Arguments) -> Result<api::Config, Failure> {
         buckets: buckets::reader(),
         style_trial: Duration::from_secs(arguments.style_trial_s),
         frame_limit: Duration::from_secs_f64(arguments.frame_limit_s),
+        prices: PriceLimits {
+            frame: Duration::from_secs_f64(arguments.max_frame_s),
+            caller: Duration::from_secs(arguments.max_caller_h * 3600),
+            caller_bytes: arguments.max_caller_gb * 1_000_000_000,
+        },
         mix_workers: arguments.mix_workers,
         spot_check: arguments.spot_check,
     })
