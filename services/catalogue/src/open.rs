@@ -9,6 +9,7 @@ use sqlx::ConnectOptions;
 use sqlx::migrate::MigrateError;
 use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions, SqliteSynchronous};
 
+use crate::damage::DamageLog;
 use crate::catalogue::Catalogue;
 use crate::commit::writer::Writer;
 use crate::digests::row_digests;
@@ -102,7 +103,7 @@ impl Catalogue {
             job_cache: JobCache::default(),
             readers,
             reads: AtomicU64::new(0),
-            damage: Mutex::default(),
+            damage: DamageLog::default(),
             writer: Mutex::new(Some(writer)),
             task: Mutex::new(Some(task)),
         })

@@ -7,6 +7,7 @@
 mod auth;
 mod common;
 mod control;
+mod damaged;
 mod documents;
 mod frames;
 mod jobs;

@@ -264,7 +264,7 @@ fn open_family(name: &str) -> Option<Column> {
             join: Some(Join::Record),
             found: Some(RecordValue::Label(label.to_owned())),
             ..Column::new(
-                format!("json_extract({}.record, ?)", Join::Record.alias()),
+                format!("json_extract({}, ?)", Join::record_json()),
                 Kind::Label,
             )
         });
@@ -292,12 +292,12 @@ fn json_path(pointer: &str) -> String {
 
 /// A value at a place of the record.
 fn extracted(path: String, kind: Kind, unit: Option<&'static str>) -> Column {
-    let record = Join::Record.alias();
+    let record = Join::record_json();
     // In SQLite text is greater than every number, and a list is text: such values must not compare as numbers.
     let sql = match kind {
-        Kind::Text => format!("CAST(json_extract({record}.record, ?) AS TEXT)"),
+        Kind::Text => format!("CAST(json_extract({record}, ?) AS TEXT)"),
         Kind::Number | Kind::Whole | Kind::Large | Kind::Bool | Kind::Label => format!(
-            "(SELECT iif(typeof(v) = 'text', NULL, v) FROM (SELECT json_extract({record}.record, ?) AS v))"
+            "(SELECT iif(typeof(v) = 'text', NULL, v) FROM (SELECT json_extract({record}, ?) AS v))"
         ),
     };
     Column {
