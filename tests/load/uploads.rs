@@ -82,6 +82,8 @@ fn large_uploads_at_the_same_time_take_the_memory_of_one() {
         most >> 20
     );
     assert!(most - before < MOST_GROWTH, "{} MiB", (most - before) >> 20);
-    let left = std::fs::read_dir(data.path().join("tmp")).expect("a folder").count();
+    let left = std::fs::read_dir(data.path().join("tmp"))
+        .expect("a folder")
+        .count();
     assert_eq!(left, 0, "temporary files");
 }

@@ -29,7 +29,9 @@ fn flood(head: &'static str, part: &'static [u8]) -> String {
 
 fn pour(mut stream: &TcpStream, head: &str, part: &[u8]) -> Option<()> {
     let mut lines = BufReader::new(stream).lines();
-    lines.find(|line| line.as_ref().is_ok_and(String::is_empty))?.ok()?;
+    lines
+        .find(|line| line.as_ref().is_ok_and(String::is_empty))?
+        .ok()?;
     stream.write_all(head.as_bytes()).ok()?;
     let block = part.repeat((1 << 16) / part.len());
     let block = match head.contains("chunked") {
@@ -130,7 +132,12 @@ fn no_escape_sequence_of_a_service_reaches_the_terminal() {
             Some("/v1/datasets") => json!({"items": [row], "next_cursor": null, "damaged": [EVIL]}),
             Some("/v1/images") => json!({"items": [image], "next_cursor": null}),
             Some(errors) if errors.ends_with("/errors") => failure,
-            _ => return (400, json!({"title": EVIL, "detail": EVIL}).to_string().into_bytes()),
+            _ => {
+                return (
+                    400,
+                    json!({"title": EVIL, "detail": EVIL}).to_string().into_bytes(),
+                );
+            }
         };
         (200, body.to_string().into_bytes())
     });
@@ -144,10 +151,17 @@ fn no_escape_sequence_of_a_service_reaches_the_terminal() {
     ] {
         let output = run(&[command.as_slice(), &["--server", &url]].concat());
         let text = String::from_utf8([output.stdout, output.stderr].concat()).expect("text");
-        let bad = text.chars().find(|c| (c.is_control() && *c != '\n') || *c == '\u{202e}');
+        let bad = text
+            .chars()
+            .find(|c| (c.is_control() && *c != '\n') || *c == '\u{202e}');
         assert_eq!(bad, None, "{command:?} prints {text:?}");
-        let forges = text.lines().any(|line| line.trim_start().starts_with("job_forged"));
+        let forges = text
+            .lines()
+            .any(|line| line.trim_start().starts_with("job_forged"));
         let is_table = matches!(command[..], ["datasets"] | ["query", _] | ["errors", _]);
-        assert!(!(forges && is_table && !text.contains("left out")), "{command:?} prints {text:?}");
+        assert!(
+            !(forges && is_table && !text.contains("left out")),
+            "{command:?} prints {text:?}"
+        );
     }
 }

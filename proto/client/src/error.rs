@@ -23,13 +23,17 @@ pub enum ClientError {
     #[error("{}", .0.message())]
     Refused(Problem),
     /// A response that is longer than any of the service.
-    #[error("the response is longer than {limit} bytes, the most that a service sends here; check the address of the service")]
+    #[error(
+        "the response is longer than {limit} bytes, the most that a service sends here; check the address of the service"
+    )]
     TooLong {
         /// Most bytes.
         limit: u64,
     },
     /// A list whose cursors do not end.
-    #[error("the list {path} does not end: its cursor after {pages} pages leads nowhere; check the address of the service")]
+    #[error(
+        "the list {path} does not end: its cursor after {pages} pages leads nowhere; check the address of the service"
+    )]
     EndlessList {
         /// The path of the list.
         path: String,

@@ -88,8 +88,8 @@ impl Catalogue {
     }
 
     /// Waits until damage of another image is found.
-    pub async fn image_damage_found(&self) {
-        self.damage.found().await;
+    pub async fn wait_for_damaged_image(&self) {
+        self.damage.wait_for_image().await;
     }
 
     /// Removes an image whose rows are restored from the damage.

@@ -45,7 +45,7 @@ impl DamageLog {
     }
 
     /// Waits for the next finding about an image.
-    pub(crate) async fn found(&self) {
+    pub(crate) async fn wait_for_image(&self) {
         self.found.notified().await;
     }
 

@@ -9,9 +9,9 @@ use sqlx::ConnectOptions;
 use sqlx::migrate::MigrateError;
 use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions, SqliteSynchronous};
 
-use crate::damage::DamageLog;
 use crate::catalogue::Catalogue;
 use crate::commit::writer::Writer;
+use crate::damage::DamageLog;
 use crate::digests::row_digests;
 use crate::error::CatalogueError;
 use crate::query::cache::JobCache;

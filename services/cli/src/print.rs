@@ -66,7 +66,10 @@ mod tests {
     fn no_character_reaches_the_terminal_as_a_command() {
         assert_eq!(visible("a\tb\nc – µ"), "a\tb\nc – µ");
         assert_eq!(visible("\u{1b}]0;x\u{7}"), "\\u001b]0;x\\u0007");
-        assert_eq!(visible("\r\u{9b}2J\u{202e}\u{7f}"), "\\u000d\\u009b2J\\u202e\\u007f");
+        assert_eq!(
+            visible("\r\u{9b}2J\u{202e}\u{7f}"),
+            "\\u000d\\u009b2J\\u202e\\u007f"
+        );
         let json = serde_json::json!("a\u{9b}\u{7f}").to_string();
         let read: String = serde_json::from_str(&visible(&json)).unwrap();
         assert_eq!(read, "a\u{9b}\u{7f}");

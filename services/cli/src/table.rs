@@ -35,7 +35,10 @@ fn fit(
     is_left: impl Fn(usize) -> bool,
     limit: Option<usize>,
 ) -> String {
-    let rows: Vec<Vec<String>> = rows.iter().map(|row| row.iter().map(|cell| one_line(cell)).collect()).collect();
+    let rows: Vec<Vec<String>> = rows
+        .iter()
+        .map(|row| row.iter().map(|cell| escape_cell(cell)).collect())
+        .collect();
     let mut widths: Vec<usize> = (0..header.len())
         .map(|column| {
             let cells = rows
@@ -104,7 +107,7 @@ impl<F: Fn(usize) -> bool> Layout<'_, F> {
 }
 
 /// A cell as it is shown: a line break in it would look like another row.
-fn one_line(cell: &str) -> String {
+fn escape_cell(cell: &str) -> String {
     visible(&cell.replace('\n', "\\n").replace('\t', " ")).into_owned()
 }
 

@@ -295,7 +295,13 @@ fn a_pipe_in_place_of_a_file_is_refused_at_once() {
     let folder = tempfile::tempdir().unwrap();
     let store = Store::open(&Location::Folder(folder.path().to_owned())).unwrap();
     let pipe = folder.path().join("set.json");
-    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    assert!(
+        std::process::Command::new("mkfifo")
+            .arg(&pipe)
+            .status()
+            .unwrap()
+            .success()
+    );
     let begun = Instant::now();
     let refusals = [
         store.get("set.json").map(drop),

@@ -293,7 +293,10 @@ fn an_endless_list_ends_the_export() {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let output = export(&url, "lies", &folder.path().join("out"), &[]);
         let complaint = String::from_utf8_lossy(&output.stderr);
-        assert!(!output.status.success() && complaint.contains("check the address"), "{complaint}");
+        assert!(
+            !output.status.success() && complaint.contains("check the address"),
+            "{complaint}"
+        );
         let read = pages.load(Ordering::SeqCst);
         assert!(read < 20, "{read} pages");
     }

@@ -44,7 +44,10 @@ fn pipes_block_no_import() {
             scope.spawn(|| {
                 let (status, problem) = service.post("/v1/sets", &json!({"url": trap}));
                 let detail = problem["detail"].to_string();
-                assert!(status == 422 && detail.contains("not a regular file"), "{problem}");
+                assert!(
+                    status == 422 && detail.contains("not a regular file"),
+                    "{problem}"
+                );
             });
         }
     });

@@ -52,8 +52,15 @@ fn frames_of_damaged_records_are_rendered_again_while_the_service_runs() {
     );
     let begun = Instant::now();
     let (status, page) = service.get("/v1/images?dataset=heal");
-    assert_eq!((status, page["damaged"].as_array().map(Vec::len)), (200, Some(3)), "{page}");
-    assert_eq!(service.get_bytes(&format!("/v1/images/{id}/4/artifacts/rgb")).0, 500);
+    assert_eq!(
+        (status, page["damaged"].as_array().map(Vec::len)),
+        (200, Some(3)),
+        "{page}"
+    );
+    assert_eq!(
+        service.get_bytes(&format!("/v1/images/{id}/4/artifacts/rgb")).0,
+        500
+    );
     while service.get_bytes("/readyz") != (200, b"ready\n".to_vec()) {
         let ready = service.get_bytes("/readyz").1;
         assert!(
@@ -65,12 +72,20 @@ fn frames_of_damaged_records_are_rendered_again_while_the_service_runs() {
     }
     println!("four images restored after {:?}", begun.elapsed());
     for frame in 0..FRAMES {
-        assert_eq!(without_times(image(frame).1), stored[frame as usize], "frame {frame}");
+        assert_eq!(
+            without_times(image(frame).1),
+            stored[frame as usize],
+            "frame {frame}"
+        );
         let artifact = format!("/v1/images/{id}/{frame}/artifacts/rgb");
         assert_eq!(service.get_bytes(&artifact).0, 200, "frame {frame}");
     }
     let (_, page) = service.get("/v1/images?dataset=heal");
-    assert_eq!(page["items"].as_array().map(Vec::len), Some(FRAMES as usize), "{page}");
+    assert_eq!(
+        page["items"].as_array().map(Vec::len),
+        Some(FRAMES as usize),
+        "{page}"
+    );
     assert!(page.get("damaged").is_none(), "{page}");
     drop(service);
     audit(&data, &[&id], "after the restoration");

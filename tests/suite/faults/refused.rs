@@ -52,14 +52,22 @@ fn a_disk_that_refuses_writes_is_reported_with_the_reason_until_writes_work_agai
     std::fs::remove_file(&flag).unwrap();
     let begun = Instant::now();
     while service.get_bytes("/readyz").0 != 200 {
-        assert!(begun.elapsed() < Duration::from_secs(20), "{:?}", service.get("/readyz"));
+        assert!(
+            begun.elapsed() < Duration::from_secs(20),
+            "{:?}",
+            service.get("/readyz")
+        );
         std::thread::sleep(Duration::from_millis(50));
     }
     println!("ready {:?} after the disk", begun.elapsed());
     let other = service.submit(&job(3));
     for job in [&id, &other] {
         let ended = service.finished(job);
-        assert_eq!((&ended["state"], &ended["done"]), (&json!("done"), &json!(FRAMES)), "{ended}");
+        assert_eq!(
+            (&ended["state"], &ended["done"]),
+            (&json!("done"), &json!(FRAMES)),
+            "{ended}"
+        );
     }
     drop(service);
     audit(&data, &[&id, &other], "after the refusals");

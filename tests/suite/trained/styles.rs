@@ -210,7 +210,10 @@ fn hostile() -> Vec<(&'static str, Vec<u8>, &'static str)> {
             "boundless",
             from_image(
                 &[node("Sigmoid", &["image"], &["styled"])],
-                &[Message::default().number(1, 1 << 60).number(2, 1).bytes(8, "weights")],
+                &[Message::default()
+                    .number(1, 1 << 60)
+                    .number(2, 1)
+                    .bytes(8, "weights")],
             ),
             "`weights` has the sides [1152921504606846976]",
         ),

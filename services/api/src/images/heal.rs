@@ -26,7 +26,7 @@ async fn restore_all(images: &Images) {
         let found: BTreeSet<ImageId> = found.map(|damage| damage.image).collect();
         let open: Vec<ImageId> = found.difference(&given_up).cloned().collect();
         if open.is_empty() {
-            images.catalogue.image_damage_found().await;
+            images.catalogue.wait_for_damaged_image().await;
         }
         for image in open {
             let ImageId { job, frame } = &image;

@@ -54,11 +54,7 @@ impl Images {
             let detail = "the frame uses local files of the machine that rendered it";
             return Err(Problem::new(Slug::RenderFailed, detail));
         }
-        let folder = self
-            .processes
-            .scratch
-            .folder()
-            .map_err(|error| writing(&error))?;
+        let folder = self.processes.scratch.folder().map_err(|error| writing(&error))?;
         let scene = match resolved.scene.uploaded_id() {
             Some(id) => self.lay_out(id, folder.path()).await?,
             None => Value::Null,

@@ -47,10 +47,13 @@ impl SetJob {
 
 /// The checks of a commit by a worker that registered with the provenance of the record and stored its files.
 fn check_record(frame: &Frame, record: &FrameRecord) -> Vec<String> {
-    let stored = record.artifacts.iter().map(|entry: &ArtifactEntry| PendingArtifact {
-        entry: entry.clone(),
-        sides: None,
-    });
+    let stored = record
+        .artifacts
+        .iter()
+        .map(|entry: &ArtifactEntry| PendingArtifact {
+            entry: entry.clone(),
+            sides: None,
+        });
     let pending: Vec<PendingArtifact> = stored.collect();
     let worker = RegisterRequest {
         code_version: record.provenance.code_version.clone(),
@@ -70,7 +73,10 @@ fn check_record(frame: &Frame, record: &FrameRecord) -> Vec<String> {
         match kind.map(|kind| kind.media_type(frame.encode)) {
             None => faults.push(format!("`{}` was not requested", entry.kind)),
             Some(media_type) if media_type != entry.media_type => {
-                faults.push(format!("`{}` is {media_type}, not {}", entry.kind, entry.media_type));
+                faults.push(format!(
+                    "`{}` is {media_type}, not {}",
+                    entry.kind, entry.media_type
+                ));
             }
             Some(_) => {}
         }
@@ -139,22 +145,34 @@ mod tests {
         assert_eq!(check(&job, &honest(&job)), Ok(()));
         let lies: [(&str, Lie); 9] = [
             ("/parameters/alpha", |r| r.parameters["alpha"] = json!(0.123)),
-            ("/parameters/labels", |r| r.parameters["labels"] = json!({"site": "<script>"})),
+            ("/parameters/labels", |r| {
+                r.parameters["labels"] = json!({"site": "<script>"})
+            }),
             ("/parameters", |r| r.frame = 0),
             ("/counts/holes", |r| r.counts.holes = i64::MAX as u64),
-            ("/timings_ms", |r| drop(r.timings_ms.insert("water".to_owned(), 1.7e308))),
-            ("text/html", |r| r.artifacts[0].media_type = "text/html".to_owned()),
+            ("/timings_ms", |r| {
+                drop(r.timings_ms.insert("water".to_owned(), 1.7e308))
+            }),
+            ("text/html", |r| {
+                r.artifacts[0].media_type = "text/html".to_owned()
+            }),
             ("missing", |r| drop(r.artifacts.pop())),
             ("was not requested", |r| r.artifacts[1].kind = "raw".to_owned()),
             ("/measurements/rgb/entropy", |r| {
-                r.measurements.entry("rgb".to_owned()).or_default().insert("entropy".to_owned(), 1.0);
+                r.measurements
+                    .entry("rgb".to_owned())
+                    .or_default()
+                    .insert("entropy".to_owned(), 1.0);
             }),
         ];
         for (named, lie) in lies {
             let mut record = honest(&job);
             lie(&mut record);
             let refused = check(&job, &record);
-            assert!(refused.as_ref().is_err_and(|why| why.contains(named)), "{named}: {refused:?}");
+            assert!(
+                refused.as_ref().is_err_and(|why| why.contains(named)),
+                "{named}: {refused:?}"
+            );
         }
         let mut beyond = honest(&job);
         beyond.frame = 2;
@@ -166,6 +184,9 @@ mod tests {
         let mut artifacts = honest(&job()).artifacts;
         assert!(check_types(&artifacts).is_empty());
         artifacts[0].media_type = "text/html".to_owned();
-        assert_eq!(check_types(&artifacts), ["`rgb` is text/html, the type of no artifact"]);
+        assert_eq!(
+            check_types(&artifacts),
+            ["`rgb` is text/html, the type of no artifact"]
+        );
     }
 }

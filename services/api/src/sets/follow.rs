@@ -77,7 +77,7 @@ impl Sets {
         loop {
             let begun = Instant::now();
             let polled = self.look_once(reader, location, job, followed).await;
-            let Some(pause) = pauses.after(&polled, begun.elapsed()) else {
+            let Some(pause) = pauses.next_pause(&polled, begun.elapsed()) else {
                 return;
             };
             let woken = tokio::time::timeout(pause, followed.wake.notified()).await;
@@ -145,7 +145,7 @@ struct Pauses {
 
 impl Pauses {
     /// The pause after a poll, or `None` after the last one.
-    fn after(&mut self, polled: &Polled, took: Duration) -> Option<Duration> {
+    fn next_pause(&mut self, polled: &Polled, took: Duration) -> Option<Duration> {
         let pause = self.least.max(took * PAUSE_SHARE);
         match polled {
             Polled::Ended => None,
@@ -158,8 +158,16 @@ impl Pauses {
                 is_of_content,
             } => {
                 self.failures = if *is_same { self.failures + 1 } else { 1 };
-                let longest = if *is_of_content { PAUSE_DAMAGED } else { PAUSE_FAILED };
-                Some(pause.saturating_mul(1 << self.failures.min(16)).min(longest.max(pause)))
+                let longest = if *is_of_content {
+                    PAUSE_DAMAGED
+                } else {
+                    PAUSE_FAILED
+                };
+                Some(
+                    pause
+                        .saturating_mul(1 << self.failures.min(16))
+                        .min(longest.max(pause)),
+                )
             }
         }
     }
@@ -180,7 +188,7 @@ mod tests {
                 is_same: number > 0,
                 is_of_content,
             };
-            sum += pauses.after(&polled, Duration::ZERO).unwrap();
+            sum += pauses.next_pause(&polled, Duration::ZERO).unwrap();
         }
         sum
     }
@@ -190,12 +198,15 @@ mod tests {
         assert!(sum_of_pauses(true, 12) > Duration::from_secs(3600));
         assert!(sum_of_pauses(true, 3) < Duration::from_secs(60));
         let later = sum_of_pauses(false, 100);
-        assert!(later < PAUSE_FAILED * 100 && later > PAUSE_FAILED * 80, "{later:?}");
+        assert!(
+            later < PAUSE_FAILED * 100 && later > PAUSE_FAILED * 80,
+            "{later:?}"
+        );
         let mut pauses = Pauses {
             least: PAUSE,
             failures: 9,
         };
-        assert_eq!(pauses.after(&Polled::Read, Duration::ZERO), Some(PAUSE));
-        assert_eq!(pauses.after(&Polled::Ended, Duration::ZERO), None);
+        assert_eq!(pauses.next_pause(&Polled::Read, Duration::ZERO), Some(PAUSE));
+        assert_eq!(pauses.next_pause(&Polled::Ended, Duration::ZERO), None);
     }
 }

@@ -70,7 +70,10 @@ fn a_damaged_record_is_left_out_of_every_list_and_named() {
             let (frames, damaged, next) = page(&service, query);
             assert!(!frames.contains(&2), "{damage} {query}: {frames:?}");
             assert_eq!(damaged, [name.as_str()], "{damage} {query}");
-            assert!(frames.len() >= 3 && next.is_null(), "{damage} {query}: {frames:?}");
+            assert!(
+                frames.len() >= 3 && next.is_null(),
+                "{damage} {query}: {frames:?}"
+            );
         }
         // A filter over the record itself cannot match the damaged one.
         let (frames, _, _) = page(&service, "filter=labels.run%20%3D%20%22a%22");
@@ -84,12 +87,22 @@ fn a_damaged_record_is_left_out_of_every_list_and_named() {
             assert_eq!(answer.status, 200, "{damage} {path}: {}", answer.text());
             assert_eq!(answer.header("fathom-damaged"), name, "{damage} {path}");
             let lines = answer.text().lines().count();
-            assert_eq!(lines, if path.ends_with("csv") { 5 } else { 4 }, "{damage} {path}");
+            assert_eq!(
+                lines,
+                if path.ends_with("csv") { 5 } else { 4 },
+                "{damage} {path}"
+            );
         }
-        for path in ["/v1/jobs", "/v1/datasets/tests", "/v1/datasets/tests/stats?metric=uiqm"] {
+        for path in [
+            "/v1/jobs",
+            "/v1/datasets/tests",
+            "/v1/datasets/tests/stats?metric=uiqm",
+        ] {
             assert_eq!(service.get(path).status, 200, "{damage} {path}");
         }
-        service.get(&format!("/v1/images/{id}/2")).problem(500, "corrupt-artifact");
+        service
+            .get(&format!("/v1/images/{id}/2"))
+            .problem(500, "corrupt-artifact");
         assert_eq!(service.get(&format!("/v1/images/{id}/1")).status, 200);
         let ready = service.get("/readyz");
         assert_eq!(ready.status, 200);
@@ -104,7 +117,10 @@ fn a_damaged_record_is_left_out_of_every_list_and_named() {
 #[test]
 fn cursors_pass_damaged_rows_even_if_a_page_has_no_other() {
     let (service, id) = rendered(6);
-    sabotage(&service, "UPDATE records SET record = '{}' WHERE frame IN (1, 2, 3)");
+    sabotage(
+        &service,
+        "UPDATE records SET record = '{}' WHERE frame IN (1, 2, 3)",
+    );
     let (mut frames, mut damaged, mut cursor) = (Vec::new(), Vec::new(), String::new());
     for _ in 0..10 {
         let (some, names, next) = page(&service, &format!("limit=2{cursor}"));
@@ -132,7 +148,12 @@ fn damaged_rows_of_jobs_datasets_and_scenes_are_left_out_and_named() {
     );
     for (path, name, left, damaged) in [
         ("/v1/jobs", "id", kept.as_str(), format!("row {id} of jobs")),
-        ("/v1/datasets", "name", "others", "row tests of datasets".to_owned()),
+        (
+            "/v1/datasets",
+            "name",
+            "others",
+            "row tests of datasets".to_owned(),
+        ),
     ] {
         for limit in [1, 100] {
             let answer = service.get(&format!("{path}?limit={limit}"));
@@ -140,7 +161,11 @@ fn damaged_rows_of_jobs_datasets_and_scenes_are_left_out_and_named() {
             let page = answer.json();
             let mut all = vec![page.clone()];
             if let Some(cursor) = page["next_cursor"].as_str() {
-                all.push(service.get(&format!("{path}?limit={limit}&cursor={cursor}")).json());
+                all.push(
+                    service
+                        .get(&format!("{path}?limit={limit}&cursor={cursor}"))
+                        .json(),
+                );
             }
             let items: Vec<&str> = all
                 .iter()
@@ -163,7 +188,9 @@ fn damage_after_the_first_lines_cuts_the_response_and_the_next_one_names_it() {
     let (service, id) = rendered(130);
     sabotage(&service, "UPDATE records SET record = '{}' WHERE frame = 120");
     let path = format!("/v1/jobs/{id}/results");
-    let cut = crate::common::agent().get(format!("{}{path}", service.url)).call();
+    let cut = crate::common::agent()
+        .get(format!("{}{path}", service.url))
+        .call();
     let cut = cut.unwrap().body_mut().read_to_vec();
     assert!(cut.is_err(), "the client cannot take it for complete");
     let answer = service.get(&path);

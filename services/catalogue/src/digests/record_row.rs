@@ -35,9 +35,8 @@ impl<'a> About<'a> {
     pub(crate) fn verified(row: &'a SqliteRow) -> Result<(Self, &'a str), CatalogueError> {
         let (about, record, stored) =
             Self::read(row).map_err(|_| CatalogueError::damaged_image("the record", named(row)))?;
-        let record = record.filter(|record: &&str| {
-            stored == Some(about.row_digest(&spec::sha256(record.as_bytes())))
-        });
+        let record =
+            record.filter(|record: &&str| stored == Some(about.row_digest(&spec::sha256(record.as_bytes()))));
         match record {
             Some(record) => Ok((about, record)),
             None => Err(CatalogueError::damaged_image("the record", about.image())),

@@ -83,7 +83,10 @@ impl Catalogue {
                 .extend(self.damage.skip(image(row), &mut found.damaged)?);
         }
         let last = rows.last().filter(|_| rows.len() == limit as usize);
-        found.next = last.map(|row| row.try_get::<i64, _>(1)).transpose()?.map(|frame| frame as u64);
+        found.next = last
+            .map(|row| row.try_get::<i64, _>(1))
+            .transpose()?
+            .map(|frame| frame as u64);
         Ok(found)
     }
 

@@ -5,8 +5,8 @@ use sqlx::AssertSqlSafe;
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
 
 use crate::catalogue::{Catalogue, within};
-use crate::datasets::versions::refuse_sealed;
 use crate::damage::DamageLog;
+use crate::datasets::versions::refuse_sealed;
 use crate::digests::row_digests::{Side, intact};
 use crate::digests::tables::{JOBS, digested_job_columns, job_columns};
 use crate::error::CatalogueError;

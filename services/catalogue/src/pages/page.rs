@@ -40,14 +40,26 @@ impl Catalogue {
             if found.is_empty() {
                 return Ok(Page::whole(Vec::new()));
             }
-            let (page, rows) = within(images(&mut *self.reader().await?, &statement, &query, &self.damage)).await?;
+            let (page, rows) = within(images(
+                &mut *self.reader().await?,
+                &statement,
+                &query,
+                &self.damage,
+            ))
+            .await?;
             // Else some of them have gone since they were found.
             if rows == found.len() || page.next_cursor.is_some() {
                 return Ok(page);
             }
         }
         let statement = PageStatement::new(&self.columns, &query)?;
-        let (page, _) = within(images(&mut *self.reader().await?, &statement, &query, &self.damage)).await?;
+        let (page, _) = within(images(
+            &mut *self.reader().await?,
+            &statement,
+            &query,
+            &self.damage,
+        ))
+        .await?;
         Ok(page)
     }
 }

@@ -62,6 +62,8 @@ impl OtherServer {
 /// Warns about damaged rows that a list leaves out.
 fn report_damage(damaged: &[String]) {
     for what in damaged {
-        eprintln!("left out: {what} is damaged; the service restores images, `fathom scrub` lists all damage");
+        eprintln!(
+            "left out: {what} is damaged; the service restores images, `fathom scrub` lists all damage"
+        );
     }
 }

@@ -155,7 +155,10 @@ mod tests {
             println!("{} bytes for {rows} texts of {length}", bomb.len());
             assert!(bomb.len() < 200_000);
             let refused = texts(&bomb);
-            assert!(refused.as_ref().is_err_and(|why| why.contains("must be at most")), "{refused:?}");
+            assert!(
+                refused.as_ref().is_err_and(|why| why.contains("must be at most")),
+                "{refused:?}"
+            );
         }
     }
 }

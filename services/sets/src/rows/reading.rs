@@ -215,7 +215,10 @@ impl Set {
                     .map_err(|reason| SetError::damaged(&name, format!("frame {frame}: {reason}")))?;
                 digests.push(image.record.digest().to_owned());
             }
-            bytes += images.iter().map(|image| image.record.as_str().len()).sum::<usize>();
+            bytes += images
+                .iter()
+                .map(|image| image.record.as_str().len())
+                .sum::<usize>();
             if marker.images <= KEPT_IMAGES && bytes <= KEPT_BYTES {
                 kept.push(images);
             } else {

@@ -130,14 +130,18 @@ impl Store {
             }
         })?;
         found.transpose().map_err(|size| {
-            SetError::Damaged(format!("{name} has {size} bytes; must be at most {MOST_OBJECT_BYTES}"))
+            SetError::Damaged(format!(
+                "{name} has {size} bytes; must be at most {MOST_OBJECT_BYTES}"
+            ))
         })
     }
 
     /// Rejects anything but a regular file: opening a pipe would wait for its writer. The object store reports absent files.
     fn check_regular(&self, name: &str) -> Result<(), SetError> {
         match &self.location {
-            Location::Folder(root) if std::fs::metadata(root.join(name)).is_ok_and(|found| !found.is_file()) => {
+            Location::Folder(root)
+                if std::fs::metadata(root.join(name)).is_ok_and(|found| !found.is_file()) =>
+            {
                 Err(SetError::Damaged(format!("{name} is not a regular file")))
             }
             _ => Ok(()),

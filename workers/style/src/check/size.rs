@@ -112,7 +112,9 @@ fn collect_sides(bytes: &[u8], path: &[u32], sides: &mut Vec<u64>) -> Result<(),
 
 fn product(sides: &[u64]) -> u64 {
     // A side of 0 must not hide others that overflow.
-    sides.iter().fold(1, |product: u64, side| product.saturating_mul((*side).max(1)))
+    sides
+        .iter()
+        .fold(1, |product: u64, side| product.saturating_mul((*side).max(1)))
 }
 
 fn unpack(mut packed: &[u8]) -> Option<Vec<u64>> {
@@ -125,7 +127,10 @@ fn unpack(mut packed: &[u8]) -> Option<Vec<u64>> {
 
 fn too_large(name: &[u8], sides: Vec<u64>) -> Unfit {
     Unfit::TooLarge {
-        tensor: String::from_utf8_lossy(name).chars().take(NAME_CHARACTERS).collect(),
+        tensor: String::from_utf8_lossy(name)
+            .chars()
+            .take(NAME_CHARACTERS)
+            .collect(),
         sides: sides.into_iter().take(8).collect(),
         most: MAX_ELEMENTS,
     }
@@ -154,7 +159,11 @@ mod tests {
     #[test]
     fn a_tensor_of_too_many_elements_is_found_wherever_it_is_declared() {
         let mut packed = Vec::new();
-        bytes(&mut packed, 1, &[0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0x10]);
+        bytes(
+            &mut packed,
+            1,
+            &[0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0x80, 0x10],
+        );
         let sparse = |side: i64| {
             let mut sparse = Vec::new();
             integer(&mut sparse, 3, side);
@@ -179,7 +188,10 @@ mod tests {
             [0; 3].map(|_| nest(&[7, 5], &tensor(&[1 << 26]))).concat(),
         ];
         for model in large {
-            assert!(matches!(check_size(&model), Err(Unfit::TooLarge { .. })), "{model:?}");
+            assert!(
+                matches!(check_size(&model), Err(Unfit::TooLarge { .. })),
+                "{model:?}"
+            );
         }
         for model in [
             nest(&[7, 5], &tensor(&[1 << 20])),
@@ -208,8 +220,13 @@ mod tests {
         let library = crate::Library::embedded().unwrap();
         for name in ["atlantic", "atlantic-range", "mediterranean", "muddy"] {
             let mut size = Size::default();
-            size.add(TensorMessage::Model, &library.get(name).unwrap().onnx).unwrap();
-            assert!(size.nodes < 200 && size.elements < 1 << 20, "{name}: {}", size.nodes);
+            size.add(TensorMessage::Model, &library.get(name).unwrap().onnx)
+                .unwrap();
+            assert!(
+                size.nodes < 200 && size.elements < 1 << 20,
+                "{name}: {}",
+                size.nodes
+            );
         }
     }
 }

@@ -30,7 +30,9 @@ pub enum Unfit {
         most: usize,
     },
     /// A tensor is larger than the file can hold.
-    #[error("its tensor `{tensor}` has the sides {sides:?}, which are more than {most} elements together with its other tensors")]
+    #[error(
+        "its tensor `{tensor}` has the sides {sides:?}, which are more than {most} elements together with its other tensors"
+    )]
     TooLarge {
         /// The tensor's name.
         tensor: String,

@@ -52,7 +52,7 @@ pub(crate) async fn receive(
     let Received { kept, _memory } = receiving.whole(body, &caller).await?;
     let (body, _turn) = match (kept, &receiving.spool) {
         (Kept::OnDisk(body), Some(spool)) => {
-            let turn = spool.turn(&body).await?;
+            let turn = spool.take_turn(&body).await?;
             (body.into_body().await?, Some(turn))
         }
         (Kept::OnDisk(body), None) => (body.into_body().await?, None),

@@ -47,7 +47,7 @@ impl Spool {
     }
 
     /// Waits for the turn of a complete body; it lasts as long as the permit.
-    pub(super) async fn turn(&self, body: &SpooledBody) -> Result<OwnedSemaphorePermit, Problem> {
+    pub(super) async fn take_turn(&self, body: &SpooledBody) -> Result<OwnedSemaphorePermit, Problem> {
         let places = body.bytes.div_ceil(PLACE_BYTES).min(self.most_places);
         let places = u32::try_from(places).unwrap_or(u32::MAX);
         let turn = Arc::clone(&self.turns).acquire_many_owned(places).await;
@@ -96,11 +96,19 @@ mod tests {
         let mut body = spool.begin().unwrap_or_else(|problem| panic!("{problem}"));
         let sent: Vec<u8> = (0..700_000_u32).map(|number| number as u8).collect();
         for piece in sent.chunks(9_999) {
-            body.add(piece).await.unwrap_or_else(|problem| panic!("{problem}"));
+            body.add(piece)
+                .await
+                .unwrap_or_else(|problem| panic!("{problem}"));
         }
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
-        let _turn = spool.turn(&body).await.unwrap_or_else(|problem| panic!("{problem}"));
-        let body = body.into_body().await.unwrap_or_else(|problem| panic!("{problem}"));
+        let _turn = spool
+            .take_turn(&body)
+            .await
+            .unwrap_or_else(|problem| panic!("{problem}"));
+        let body = body
+            .into_body()
+            .await
+            .unwrap_or_else(|problem| panic!("{problem}"));
         let read = axum::body::to_bytes(body, usize::MAX).await.unwrap();
         assert!(read == sent);
     }
@@ -112,15 +120,24 @@ mod tests {
         let mut bodies = Vec::new();
         for bytes in [60_000, 60_000, 900_000] {
             let mut body = spool.begin().unwrap_or_else(|problem| panic!("{problem}"));
-            body.add(&vec![1; bytes]).await.unwrap_or_else(|problem| panic!("{problem}"));
+            body.add(&vec![1; bytes])
+                .await
+                .unwrap_or_else(|problem| panic!("{problem}"));
             bodies.push(body);
         }
         for pair in [(0, 1), (1, 2)] {
-            let turn = spool.turn(&bodies[pair.0]).await;
+            let turn = spool.take_turn(&bodies[pair.0]).await;
             let second = std::time::Duration::from_secs(1);
-            assert!(tokio::time::timeout(second, spool.turn(&bodies[pair.1])).await.is_err());
+            assert!(
+                tokio::time::timeout(second, spool.take_turn(&bodies[pair.1]))
+                    .await
+                    .is_err()
+            );
             drop(turn);
         }
-        assert!(spool.turn(&bodies[2]).await.is_ok(), "a body beyond the limit has a turn alone");
+        assert!(
+            spool.take_turn(&bodies[2]).await.is_ok(),
+            "a body beyond the limit has a turn alone"
+        );
     }
 }

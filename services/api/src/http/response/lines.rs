@@ -58,9 +58,7 @@ where
     });
     let all = stream::iter([Ok::<_, io::Error>(Bytes::from(first.bytes))]).chain(rest);
     let mut response = ([(header::CONTENT_TYPE, media_type)], Body::from_stream(all)).into_response();
-    response
-        .headers_mut()
-        .extend(names.map(|names| (DAMAGED, names)));
+    response.headers_mut().extend(names.map(|names| (DAMAGED, names)));
     response
 }
 

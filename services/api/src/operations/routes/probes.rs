@@ -48,7 +48,11 @@ pub(crate) async fn readyz(State(operations): Topic<Operations>) -> Result<Strin
         .await
         .map_err(|error| Problem::overloaded(error.to_string()))?;
     let damage = operations.catalogue.damage();
-    let state = if damage.is_empty() { "ready\n" } else { "degraded\n" };
+    let state = if damage.is_empty() {
+        "ready\n"
+    } else {
+        "degraded\n"
+    };
     let lines = damage.iter().map(|what| format!("damaged: {what}\n"));
     Ok([state.to_owned()].into_iter().chain(lines).collect())
 }

@@ -75,7 +75,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut progress = Progress::new("export", "images", selection.images);
     for rows in client.image_pages(query) {
         export.add(rows?)?;
-        if export.images() > selection.images.saturating_mul(MOST_GROWTH).saturating_add(PAGE_ROWS as u64) {
+        if export.images()
+            > selection
+                .images
+                .saturating_mul(MOST_GROWTH)
+                .saturating_add(PAGE_ROWS as u64)
+        {
             return Err(Failure::Other(anyhow::anyhow!(
                 "the service counted {} images and lists more than {}; check the address of the service",
                 selection.images,
