@@ -13,6 +13,7 @@ mod frames;
 mod jobs;
 mod load;
 mod rejections;
+mod sandbox;
 mod space;
 mod streams;
 mod versions;
