@@ -34,14 +34,15 @@ fn pipes_block_no_import() {
     for number in 0..4 {
         let set = work.folder().join(format!("trap-{number}"));
         std::fs::create_dir(&set).expect("a folder");
-        let made = Command::new("mkfifo").arg(set.join("set.json")).status();
+        let made = Command::new("mkfifo").arg(set.join("job.json")).status();
         assert!(made.is_ok_and(|status| status.success()));
         traps.push(set);
     }
     let begun = Instant::now();
     std::thread::scope(|scope| {
         for trap in &traps {
-            scope.spawn(|| {
+            let service = &service;
+            scope.spawn(move || {
                 let (status, problem) = service.post("/v1/sets", &json!({"url": trap}));
                 let detail = problem["detail"].to_string();
                 assert!(

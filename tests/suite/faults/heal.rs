@@ -35,7 +35,7 @@ fn frames_of_damaged_records_are_rendered_again_while_the_service_runs() {
     let data = folder.path().join("data");
     let service = Service::start(&data, &["--workers", "1", "--slots", "2"]);
     let id = service.submit(&json!({
-        "dataset": "heal", "count": FRAMES, "seed": 8, "alpha": {"uniform": [0.2, 0.8]},
+        "dataset": "heal", "count": FRAMES, "seed": 8,
         "scene": {"kind": "procedural", "family": "structure", "seed": {"int": [0, 99]}},
         "camera": {"width": 40, "height": 26, "hfov_deg": 80},
         "water": {"optics": "jerlov-3C"}, "metrics": ["entropy"]

@@ -25,7 +25,8 @@ fn check_refusal(what: &str, response: &(u16, Value)) {
     assert_eq!(*status, 503, "{what}: {problem}");
     assert_eq!(problem["type"], "/problems/storage-failed", "{what}: {problem}");
     let detail = problem["detail"].as_str().unwrap();
-    assert!(detail.contains("cannot be written"), "{what}: {detail}");
+    let is_named = detail.contains("I/O error") || detail.contains("Input/output error");
+    assert!(is_named, "{what}: {detail}");
 }
 
 /// Failure: a write that is accepted or fails without the reason, a read that fails, a readiness that hides the failure

@@ -98,7 +98,7 @@ fn check_types(artifacts: &[ArtifactEntry]) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use serde_json::json;
-    use spec::Vocabulary;
+    use spec::{Provenance, Vocabulary};
 
     use super::*;
 
@@ -121,12 +121,17 @@ mod tests {
             bytes: 9,
             media_type: kind.media_type(frame.encode).to_owned(),
         });
+        let provenance = Provenance {
+            code_version: "1".to_owned(),
+            cpu_features: "avx2".to_owned(),
+            ..Provenance::default()
+        };
         let record = json!({
             "frame": 1, "parameters": frame.parameters, "optics": {}, "plan": [],
             "measurements": {"rgb": {"uiqm": 0.5}}, "artifacts": artifacts.collect::<Vec<_>>(),
             "counts": {"holes": 0, "negative_radiance": 0, "clamped": 0, "range_saturated": 0},
             "timings_ms": {"water": 3.0}, "warnings": [],
-            "provenance": {"code_version": "1", "cpu_features": "avx2"}
+            "provenance": provenance
         });
         serde_json::from_value(record).unwrap()
     }

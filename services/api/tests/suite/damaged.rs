@@ -96,7 +96,7 @@ fn a_damaged_record_is_left_out_of_every_list_and_named() {
         for path in [
             "/v1/jobs",
             "/v1/datasets/tests",
-            "/v1/datasets/tests/stats?metric=uiqm",
+            "/v1/datasets/tests/stats?metrics=uiqm",
         ] {
             assert_eq!(service.get(path).status, 200, "{damage} {path}");
         }
@@ -191,8 +191,9 @@ fn damage_after_the_first_lines_cuts_the_response_and_the_next_one_names_it() {
     let cut = crate::common::agent()
         .get(format!("{}{path}", service.url))
         .call();
-    let cut = cut.unwrap().body_mut().read_to_vec();
-    assert!(cut.is_err(), "the client cannot take it for complete");
+    // The connection may end before the header was sent.
+    let is_cut = cut.is_err() || cut.is_ok_and(|mut cut| cut.body_mut().read_to_vec().is_err());
+    assert!(is_cut, "the client cannot take it for complete");
     let answer = service.get(&path);
     assert_eq!(answer.text().lines().count(), 129);
     assert_eq!(answer.header("fathom-damaged"), format!("the record of {id}/120"));
