@@ -156,12 +156,12 @@ mod tests {
             ("/parameters", |r| r.frame = 0),
             ("/counts/holes", |r| r.counts.holes = i64::MAX as u64),
             ("/timings_ms", |r| {
-                drop(r.timings_ms.insert("water".to_owned(), 1.7e308))
+                r.timings_ms.insert("water".to_owned(), 1.7e308);
             }),
             ("text/html", |r| {
                 r.artifacts[0].media_type = "text/html".to_owned()
             }),
-            ("missing", |r| drop(r.artifacts.pop())),
+            ("missing", |r| drop(r.artifacts.remove(0))),
             ("was not requested", |r| r.artifacts[1].kind = "raw".to_owned()),
             ("/measurements/rgb/entropy", |r| {
                 r.measurements
