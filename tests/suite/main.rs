@@ -8,6 +8,7 @@ mod earlier;
 mod environment;
 mod faults;
 mod folders;
+mod hostile_service;
 mod pictures;
 mod proof;
 mod reproduce;

@@ -183,7 +183,9 @@ impl Client {
 
     /// All rows of a list that has one page.
     pub fn list<T: DeserializeOwned>(&self, path: &str) -> Result<Vec<T>, ClientError> {
-        self.get::<Page<T>>(path).map(|page| page.items)
+        let page = self.get::<Page<T>>(path)?;
+        self.report_damage(&page.damaged);
+        Ok(page.items)
     }
 
     fn find_all<T: DeserializeOwned>(&self, path: &str) -> Result<Option<Vec<T>>, ClientError> {

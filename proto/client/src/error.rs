@@ -22,6 +22,24 @@ pub enum ClientError {
     /// The service refused.
     #[error("{}", .0.message())]
     Refused(Problem),
+    /// A response that is longer than any of the service.
+    #[error(
+        "the response is longer than {limit} bytes, the most that a service sends here; check the address of the service"
+    )]
+    TooLong {
+        /// Most bytes.
+        limit: u64,
+    },
+    /// A list whose cursors do not end.
+    #[error(
+        "the list {path} does not end: its cursor after {pages} pages leads nowhere; check the address of the service"
+    )]
+    EndlessList {
+        /// The path of the list.
+        path: String,
+        /// Pages that were read.
+        pages: usize,
+    },
     /// A response of success that is not of the expected form.
     #[error("the response to {path} is not of the expected form")]
     Unreadable {
@@ -51,6 +69,7 @@ impl ClientError {
             HttpError::Unreachable(ureq::Error::Other(source)) if source.is::<InvalidProxy>() => {
                 Self::Proxy(*source.downcast().expect("its type was tested"))
             }
+            HttpError::Unreachable(ureq::Error::BodyExceedsLimit(limit)) => Self::TooLong { limit },
             HttpError::Unreachable(source) => Self::Unreachable {
                 base: http.base().to_owned(),
                 proxy: http.proxy().map(str::to_owned),

@@ -10,8 +10,12 @@ use ureq::{Agent, AsSendBody, Body, RequestBuilder};
 use crate::proxy::{InvalidProxy, choose_proxy};
 
 const CONNECT_LIMIT: Duration = Duration::from_secs(5);
-/// The largest body: an artifact of the largest picture, or a file of a scene.
-const MOST_BYTES: u64 = 1 << 30;
+/// The largest file: the artifacts of a frame (512 MiB) as a tar, with its record.
+const FILE_BYTES: u64 = 528 << 20;
+/// The largest document, and the largest file of undeclared length: a page of rows ends before 8 MiB.
+pub(crate) const DOCUMENT_BYTES: u64 = 64 << 20;
+/// The largest problem: a description has at most thousands of errors.
+const PROBLEM_BYTES: u64 = 1 << 20;
 
 /// A connection to a service; cheap to clone, shared by threads.
 #[derive(Clone)]
@@ -148,14 +152,26 @@ impl Http {
         self.proxy.as_deref()
     }
 
-    /// GET.
+    /// GET of a file.
     ///
     /// # Errors
     /// [`HttpError`].
     pub fn get(&self, path: &str) -> Result<Reply, HttpError> {
+        self.get_within(path, FILE_BYTES)
+    }
+
+    /// GET of a document, which is shorter than a file may be.
+    ///
+    /// # Errors
+    /// [`HttpError`].
+    pub fn get_document(&self, path: &str) -> Result<Reply, HttpError> {
+        self.get_within(path, DOCUMENT_BYTES)
+    }
+
+    fn get_within(&self, path: &str, most: u64) -> Result<Reply, HttpError> {
         self.check_proxy()?;
         let request = self.agent.get(format!("{}{path}", self.base));
-        reply(self.with_headers(request, &[]).call())
+        reply(self.with_headers(request, &[]).call(), most)
     }
 
     /// GET of a body that is read as it arrives.
@@ -170,7 +186,7 @@ impl Http {
         if response.status().as_u16() < 400 {
             return Ok(response.into_body().into_reader());
         }
-        match reply(Ok(response)) {
+        match reply(Ok(response), PROBLEM_BYTES) {
             Ok(reply) => Err(HttpError::Problem(Problem::new(reply.status, &reply.bytes))),
             Err(error) => Err(error),
         }
@@ -188,7 +204,7 @@ impl Http {
     ) -> Result<Reply, HttpError> {
         self.check_proxy()?;
         let request = self.agent.post(format!("{}{path}", self.base));
-        reply(self.with_headers(request, headers).send(body))
+        reply(self.with_headers(request, headers).send(body), DOCUMENT_BYTES)
     }
 
     /// DELETE.
@@ -198,7 +214,7 @@ impl Http {
     pub fn delete(&self, path: &str) -> Result<Reply, HttpError> {
         self.check_proxy()?;
         let request = self.agent.delete(format!("{}{path}", self.base));
-        reply(self.with_headers(request, &[]).call())
+        reply(self.with_headers(request, &[]).call(), DOCUMENT_BYTES)
     }
 
     fn check_proxy(&self) -> Result<(), HttpError> {
@@ -222,10 +238,20 @@ impl Http {
     }
 }
 
-fn reply(response: Result<Response<Body>, ureq::Error>) -> Result<Reply, HttpError> {
+/// Reads a response of at most this many bytes; without a declared length, at most those of a document.
+fn reply(response: Result<Response<Body>, ureq::Error>, most: u64) -> Result<Reply, HttpError> {
     let mut response = response.map_err(HttpError::Unreachable)?;
     let status = response.status();
-    let body = response.body_mut().with_config().limit(MOST_BYTES);
+    let declared = response.body().content_length();
+    let limit = match (status.as_u16(), declared) {
+        (400.., _) => PROBLEM_BYTES,
+        (_, Some(_)) => most,
+        (_, None) => most.min(DOCUMENT_BYTES),
+    };
+    if declared.is_some_and(|length| length > limit) {
+        return Err(HttpError::Unreachable(ureq::Error::BodyExceedsLimit(limit)));
+    }
+    let body = response.body_mut().with_config().limit(limit);
     let bytes = body.read_to_vec().map_err(HttpError::Unreachable)?;
     match status.as_u16() {
         ..400 => Ok(Reply { status, bytes }),

@@ -8,6 +8,7 @@ use serde_json::{Map, Value};
 use crate::PAGE_ROWS;
 use crate::client::Client;
 use crate::error::ClientError;
+use crate::pages::PagesRead;
 use crate::query::with_query;
 use crate::views::Page;
 
@@ -71,6 +72,7 @@ pub struct ImagePages<'a> {
     query: ImageQuery<'a>,
     remaining: usize,
     cursor: Option<String>,
+    read: PagesRead,
 }
 
 #[allow(
@@ -92,6 +94,7 @@ impl Client {
             query,
             remaining: query.limit,
             cursor: None,
+            read: PagesRead::default(),
         }
     }
 }
@@ -106,14 +109,19 @@ impl Iterator for ImagePages<'_> {
         let path = self
             .query
             .path(self.remaining.min(PAGE_ROWS), self.cursor.as_deref());
-        match self.client.get::<Page<ImageRow>>(&path) {
-            Ok(page) => {
-                self.remaining = self.remaining.saturating_sub(page.items.len());
-                if page.items.is_empty() || page.next_cursor.is_none() {
-                    self.remaining = 0;
-                }
-                self.cursor = page.next_cursor;
-                Some(Ok(page.items))
+        let page = self.client.get::<Page<ImageRow>>(&path);
+        let followed = page.and_then(|page| {
+            let next = self.read.follow(self.client, "/v1/images", &page)?;
+            Ok((page.items, next))
+        });
+        match followed {
+            Ok((rows, next)) => {
+                self.remaining = match next {
+                    Some(_) => self.remaining.saturating_sub(rows.len()),
+                    None => 0,
+                };
+                self.cursor = next;
+                Some(Ok(rows))
             }
             Err(error) => {
                 self.remaining = 0;

@@ -5,6 +5,7 @@ mod client;
 mod error;
 mod http;
 mod images;
+mod pages;
 mod proxy;
 mod query;
 mod views;

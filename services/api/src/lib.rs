@@ -48,6 +48,7 @@ pub use limits::{Limits, PriceLimits};
 pub use lists::{Entry, List};
 pub use operations::routes::backup::clear_unfinished;
 pub use service::{Service, start, start_in};
+pub use sets::conformity::SetJob;
 pub use sets::feed::{Known, Line, SetHead, SetImage, SetPart};
 pub use sets::intake::{Intake, IntakeError, Storing, prepare};
 pub use styles::{AddedStyleError, added_styles};

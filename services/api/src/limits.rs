@@ -129,7 +129,7 @@ pub struct Limits {
     pub lines: usize,
     /// Concurrently decoded uploads, each in a process with up to 256 MiB.
     pub uploads: usize,
-    /// Total bytes of request bodies in memory.
+    /// Total bytes of request bodies, in memory or, of uploads, on disk.
     pub body_bytes: usize,
     /// Total bytes of workers' bodies in memory: the artifacts of one frame are at most 512 MiB, usually 2 MiB.
     pub worker_body_bytes: usize,

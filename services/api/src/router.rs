@@ -23,6 +23,7 @@ use crate::http::observe::observe;
 use crate::http::problem::Problem;
 use crate::http::problem_page;
 use crate::http::receive::{PLACE_BYTES, Receiving};
+use crate::http::spool::Spool;
 use crate::limits::{self, Limits, SHED_AFTER, SHED_IMMEDIATELY, SHED_QUERY_AFTER, SHED_UPLOAD_AFTER};
 use crate::lists::List;
 use crate::{bytes, http, jobs, leases, openapi, scenes, styles};
@@ -44,6 +45,7 @@ pub(crate) fn router(app: App, tokens: &Arc<Tokens>, hosts: Hosts, limits: &Limi
         waits: budgets.new_budget("waits", limits.waits, SHED_IMMEDIATELY),
         others: requests.clone(),
     };
+    let spool = Spool::new(app.operations.processes.scratch.path(), limits::SCENE_BYTES);
     let (read, submit) = (Some(Scope::Read), Some(Scope::Submit));
     let (upload, wait) = (limits::UPLOAD, limits::MAX_WAIT + limits::LONG_POLL_GRACE);
     let groups = [
@@ -59,20 +61,20 @@ pub(crate) fn router(app: App, tokens: &Arc<Tokens>, hosts: Hosts, limits: &Limi
             .with_body(limits::JSON_BYTES),
         RouteGroup::new(scene_upload_routes(), submit, &uploads)
             .with_timeout(upload)
-            .with_body(limits::SCENE_BYTES),
+            .with_upload(limits::SCENE_BYTES, &spool),
         RouteGroup::new(style_upload_routes(), submit, &uploads)
             .with_timeout(upload)
-            .with_body(limits::STYLE_BYTES),
+            .with_upload(limits::STYLE_BYTES, &spool),
         RouteGroup::new(training_routes(), submit, &uploads)
             .with_timeout(upload)
-            .with_body(limits::PHOTOS_BYTES),
+            .with_upload(limits::PHOTOS_BYTES, &spool),
         RouteGroup::new(backup_routes(), Some(Scope::Admin), &backups).with_timeout(limits::BACKUP),
         RouteGroup::new(verify_routes(), submit, &renders)
             .with_timeout(upload)
             .with_body(limits::JSON_BYTES),
         RouteGroup::new(image_routes(), submit, &pictures)
             .with_timeout(upload)
-            .with_body(limits::PICTURES_BYTES),
+            .with_upload(limits::PICTURES_BYTES, &spool),
     ];
     let memory = budgets.bodies("bodies", limits.body_bytes);
     let routes = OpenApiRouter::with_openapi(openapi::frame());
@@ -117,6 +119,7 @@ impl Budgets<'_> {
             max_bytes: 0,
             grace: self.0.body_grace,
             memory: memory.clone(),
+            spool: None,
         }
     }
 }

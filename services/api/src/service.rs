@@ -17,6 +17,7 @@ use crate::data::FolderLock;
 use crate::http::auth::Tokens;
 use crate::http::hosts::Hosts;
 use crate::http::listener;
+use crate::images::heal;
 use crate::jobs::probe;
 use crate::leases::Leases;
 use crate::operations::replica;
@@ -82,6 +83,7 @@ pub async fn start_in(config: Config, surroundings: Surroundings) -> Result<Serv
         tokio::spawn(unnamed::run(Arc::clone(&app.bytes), limits.unnamed, end.clone())),
         tokio::spawn(replica::run(Arc::clone(&app.catalogue), end.clone())),
         tokio::spawn(Arc::clone(&app.sets).show_shared()),
+        tokio::spawn(heal::run(Arc::clone(&app.images), end.clone())),
         tokio::spawn(probe::run(Arc::clone(&app.jobs), end.clone())),
     ];
     let recipe = recipe(&config, address, own_secret);

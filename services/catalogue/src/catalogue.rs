@@ -1,7 +1,6 @@
 //! The catalogue's connections, and the paths of reads and writes. The operations are in the folders of their topics.
 
 use client::{DatasetRow, Page};
-use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -12,6 +11,7 @@ use sqlx::sqlite::{Sqlite, SqliteConnection, SqlitePool, SqliteRow};
 use tokio::task::JoinHandle;
 
 use crate::commit::writer::{Running, Writer};
+use crate::damage::{DamageLog, ImageDamage, ImageId};
 use crate::digests::row_digests::Side;
 use crate::digests::tables::DATASETS;
 use crate::error::CatalogueError;
@@ -19,10 +19,9 @@ use crate::query::cache::JobCache;
 use crate::query::cells::Cells;
 use crate::query::columns::Columns;
 use crate::query::cursor;
+use crate::query::list_page::list_page;
 use crate::replica::files::Replica;
 
-/// Findings that are kept; more call for a full check anyway.
-const MOST_DAMAGE: usize = 100;
 /// Time limit of a query.
 const QUERY_LIMIT: Duration = Duration::from_secs(20);
 
@@ -35,7 +34,7 @@ pub struct Catalogue {
     pub(crate) job_cache: JobCache,
     pub(crate) readers: SqlitePool,
     pub(crate) reads: AtomicU64,
-    pub(crate) damage: Mutex<BTreeSet<String>>,
+    pub(crate) damage: DamageLog,
     pub(crate) writer: Mutex<Option<Writer>>,
     pub(crate) task: Mutex<Option<JoinHandle<()>>>,
 }
@@ -59,8 +58,7 @@ impl Catalogue {
         .bind(i64::from(limit) + 1)
         .fetch_all(&mut *self.reader().await?)
         .await?;
-        let rows = rows.iter().map(dataset).collect::<Result<_, _>>()?;
-        Ok(cursor::page(&identity, rows, limit, |row: &DatasetRow| &row.name))
+        list_page(&identity, &rows, limit, &self.damage, dataset)
     }
 
     /// A dataset by its name, but not a sealed version.
@@ -72,19 +70,36 @@ impl Catalogue {
         row.as_ref().map(dataset).transpose()
     }
 
-    /// Damage that was found since the catalogue was opened, here or in the packs.
+    /// Damage that was found since the catalogue was opened, here or in the packs, and is not restored.
     #[must_use]
     pub fn damage(&self) -> Vec<String> {
-        let damage = self.damage.lock().unwrap_or_else(PoisonError::into_inner);
-        damage.iter().cloned().collect()
+        self.damage.texts()
     }
 
     /// Records damage.
     pub fn note_damage(&self, what: &str) {
-        let mut damage = self.damage.lock().unwrap_or_else(PoisonError::into_inner);
-        if damage.len() < MOST_DAMAGE {
-            damage.insert(what.to_owned());
-        }
+        self.damage.note(what.to_owned(), None);
+    }
+
+    /// The damaged rows of images among the damage.
+    #[must_use]
+    pub fn damaged_images(&self) -> Vec<ImageDamage> {
+        self.damage.images()
+    }
+
+    /// Waits until damage of another image is found.
+    pub async fn wait_for_damaged_image(&self) {
+        self.damage.wait_for_image().await;
+    }
+
+    /// Removes an image whose rows are restored from the damage.
+    pub fn forget_damage(&self, image: &ImageId) {
+        self.damage.forget(image);
+    }
+
+    /// Notes damage of a row that is read alone.
+    pub(crate) fn noted<T>(&self, row: Result<T, CatalogueError>) -> Result<T, CatalogueError> {
+        row.inspect_err(|error| self.damage.note_error(error))
     }
 
     /// Leaves a damaged row out of a list without which the service could not start.
@@ -95,7 +110,7 @@ impl Catalogue {
         match row {
             Err(error @ CatalogueError::Damaged { .. }) => {
                 tracing::error!(%error, "left out");
-                self.note_damage(&error.to_string());
+                self.damage.note_error(&error);
                 None
             }
             other => Some(other),

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use crate::damage::ImageId;
+
 /// An error of the catalogue.
 #[derive(Debug, Clone, thiserror::Error)]
 pub enum CatalogueError {
@@ -83,6 +85,12 @@ pub enum CatalogueError {
         /// The message of SQLite.
         message: String,
     },
+    /// The disk refuses reads or writes: the change is not stored.
+    #[error("the catalogue cannot be written: {message}")]
+    Unwritable {
+        /// The message of SQLite.
+        message: String,
+    },
     /// A query took too long.
     #[error("the query took longer than {seconds} s")]
     Timeout {
@@ -120,6 +128,8 @@ pub enum CatalogueError {
     Damaged {
         /// What, such as `the record of job_…/3`.
         what: String,
+        /// The image, if the row belongs to one.
+        image: Option<ImageId>,
     },
     /// The catalogue was closed.
     #[error("the catalogue is closed")]
@@ -159,7 +169,15 @@ impl CatalogueError {
     }
 
     pub(crate) fn damaged(what: String) -> Self {
-        Self::Damaged { what }
+        Self::Damaged { what, image: None }
+    }
+
+    /// Damage of a row of an image: `part` is such as `the record`.
+    pub(crate) fn damaged_image(part: &str, image: ImageId) -> Self {
+        Self::Damaged {
+            what: format!("{part} of {}/{}", image.job, image.frame),
+            image: Some(image),
+        }
     }
 
     /// An invalid query with a valid filter.
@@ -174,6 +192,8 @@ impl From<sqlx::Error> for CatalogueError {
         const FULL: [i32; 2] = [13, 4874];
         /// CORRUPT and NOTADB.
         const DAMAGED: [i32; 2] = [11, 26];
+        /// READONLY, IOERR and CANTOPEN.
+        const UNWRITABLE: [i32; 3] = [8, 10, 14];
         /// BUSY.
         const LOCKED: i32 = 5;
         let code = error.as_database_error().and_then(|error| error.code());
@@ -185,6 +205,7 @@ impl From<sqlx::Error> for CatalogueError {
             (Some(code), _) if DAMAGED.contains(&(code & 0xff)) => {
                 Self::damaged(format!("a page ({message})"))
             }
+            (Some(code), _) if UNWRITABLE.contains(&(code & 0xff)) => Self::Unwritable { message },
             // Every value has the type of its column when it is written.
             (_, sqlx::Error::ColumnDecode { .. } | sqlx::Error::Decode(_)) => {
                 Self::damaged(format!("a value ({message})"))

@@ -7,6 +7,7 @@
 mod aggregation;
 mod catalogue;
 mod commit;
+mod damage;
 mod datasets;
 mod digests;
 mod error;
@@ -29,13 +30,14 @@ pub use client::{
     GroupStats, JobRow, JobState, Page, Price, Statistics, UnixMs, VersionRow,
 };
 pub use commit::insert::NewImage;
+pub use damage::{ImageDamage, ImageId};
 pub use datasets::columns::columns_of_every_image;
 pub use datasets::versions::{SealedImage, VersionJob};
 pub use error::{CatalogueError, FilterError};
 pub use maintenance::replica::REPLICA_ROWS;
 pub use maintenance::scrub::DamagedRow;
 pub use types::{
-    Charge, Histogram, Idempotency, ImageQuery, ImportedArtifact, ImportedShard, InsertImage, InsertJob,
+    Charge, FrameRows, Histogram, Idempotency, ImageQuery, ImportedArtifact, ImportedShard, InsertImage, InsertJob,
     NamedDigest, NewJob, NewShard, OpenJob, Place, Retried, SceneRow, ShardEnd, StoredArtifact,
 };
 pub use uploads::waters::WaterRow;

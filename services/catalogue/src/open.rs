@@ -11,6 +11,7 @@ use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions, S
 
 use crate::catalogue::Catalogue;
 use crate::commit::writer::Writer;
+use crate::damage::DamageLog;
 use crate::digests::row_digests;
 use crate::error::CatalogueError;
 use crate::query::cache::JobCache;
@@ -102,7 +103,7 @@ impl Catalogue {
             job_cache: JobCache::default(),
             readers,
             reads: AtomicU64::new(0),
-            damage: Mutex::default(),
+            damage: DamageLog::default(),
             writer: Mutex::new(Some(writer)),
             task: Mutex::new(Some(task)),
         })

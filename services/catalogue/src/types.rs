@@ -249,3 +249,14 @@ pub struct SceneRow {
     /// When it was stored.
     pub created_at: UnixMs,
 }
+
+/// Records of a job in frame order.
+#[derive(Debug, Clone, Default)]
+pub struct FrameRows {
+    /// The records.
+    pub rows: Vec<serde_json::Value>,
+    /// Damaged rows, which are left out.
+    pub damaged: Vec<String>,
+    /// The frame after which the next rows start, if there may be any.
+    pub next: Option<u64>,
+}

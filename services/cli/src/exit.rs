@@ -60,7 +60,9 @@ impl From<ClientError> for Failure {
             ClientError::Refused(problem) if problem.status.is_client_error() => Self::BadInput(message),
             ClientError::Refused(_) => Self::NoServer(message),
             ClientError::Proxy(_) => Self::BadInput(message),
-            ClientError::Unreadable { .. } => Self::Other(error.into()),
+            ClientError::Unreadable { .. }
+            | ClientError::TooLong { .. }
+            | ClientError::EndlessList { .. } => Self::Other(error.into()),
         }
     }
 }

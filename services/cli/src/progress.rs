@@ -5,6 +5,8 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use crate::print::visible;
+
 /// Shortest time between plain lines, so that the log of a long job stays readable.
 const PLAIN_INTERVAL: Duration = Duration::from_secs(2);
 const STYLE: &str = "{prefix} [{bar:40.cyan/blue}] {pos}/{len} {msg} · {per_sec} · {eta} left";
@@ -24,7 +26,7 @@ impl Progress {
         if let Ok(style) = ProgressStyle::with_template(STYLE) {
             bar.set_style(style.progress_chars("━╸ "));
         }
-        bar.set_prefix(what.to_owned());
+        bar.set_prefix(visible(what).into_owned());
         bar.set_message(unit.to_owned());
         let plain = (!std::io::stderr().is_terminal()).then_some(None);
         Self { bar, total, plain }
@@ -46,7 +48,7 @@ impl Progress {
 
     /// Sets the number of finished units and a message in place of the unit.
     pub fn set_with(&mut self, done: u64, message: String) {
-        self.bar.set_message(message);
+        self.bar.set_message(visible(&message).into_owned());
         self.set(done);
     }
 

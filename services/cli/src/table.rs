@@ -3,6 +3,7 @@
 use client::ImageRow;
 use serde_json::Value;
 
+use crate::print::visible;
 use crate::terminal;
 
 /// The cell of a missing value.
@@ -34,6 +35,10 @@ fn fit(
     is_left: impl Fn(usize) -> bool,
     limit: Option<usize>,
 ) -> String {
+    let rows: Vec<Vec<String>> = rows
+        .iter()
+        .map(|row| row.iter().map(|cell| escape_cell(cell)).collect())
+        .collect();
     let mut widths: Vec<usize> = (0..header.len())
         .map(|column| {
             let cells = rows
@@ -60,7 +65,7 @@ fn fit(
     let rule: Vec<String> = widths.iter().map(|&width| "─".repeat(width)).collect();
     let mut lines = layout.lines(header);
     lines.push(rule.join("  "));
-    for row in rows {
+    for row in &rows {
         let cells: Vec<&str> = row.iter().map(String::as_str).collect();
         lines.extend(layout.lines(&cells));
     }
@@ -99,6 +104,11 @@ impl<F: Fn(usize) -> bool> Layout<'_, F> {
         });
         lines.collect()
     }
+}
+
+/// A cell as it is shown: a line break in it would look like another row.
+fn escape_cell(cell: &str) -> String {
+    visible(&cell.replace('\n', "\\n").replace('\t', " ")).into_owned()
 }
 
 fn length(text: &str) -> usize {

@@ -289,3 +289,31 @@ fn a_cancelled_set_stays_cancelled_whoever_pauses_and_resumes_it() {
         assert_eq!(set.state().unwrap(), SetState::Cancelled);
     }
 }
+
+#[test]
+fn a_pipe_in_place_of_a_file_is_refused_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = Store::open(&Location::Folder(folder.path().to_owned())).unwrap();
+    let pipe = folder.path().join("set.json");
+    assert!(
+        std::process::Command::new("mkfifo")
+            .arg(&pipe)
+            .status()
+            .unwrap()
+            .success()
+    );
+    let begun = Instant::now();
+    let refusals = [
+        store.get("set.json").map(drop),
+        store.entry("set.json").map(drop),
+        store.range("set.json", 0..1).map(drop),
+    ];
+    for refused in refusals {
+        assert!(
+            matches!(&refused, Err(SetError::Damaged(reason)) if reason == "set.json is not a regular file"),
+            "{refused:?}"
+        );
+    }
+    assert!(begun.elapsed() < Duration::from_secs(5));
+    assert!(store.get("absent.json").unwrap().is_none());
+}

@@ -7,12 +7,24 @@ const FULL: [i32; 2] = [13, 4874];
 /// valid for an intact pack.
 const DAMAGED: [i32; 3] = [1, 11, 26];
 
+/// SQLite primary result codes for a disk that refuses writes: READONLY, IOERR, CANTOPEN.
+const UNWRITABLE: [i32; 3] = [8, 10, 14];
+
+/// The operating system's code of an input/output error, which has no kind.
+const EIO: i32 = 5;
+
 /// An error of the store.
 #[derive(Debug, Clone, thiserror::Error)]
 pub enum StoreError {
     /// The disk is full. The call stored nothing; reads still work, and writes work again once there is space.
     #[error("no space left for artifacts: {message}")]
     Full {
+        /// Message from SQLite or the operating system.
+        message: String,
+    },
+    /// The disk refuses writes. The call stored nothing.
+    #[error("the artifact store cannot be written: {message}")]
+    Unwritable {
         /// Message from SQLite or the operating system.
         message: String,
     },
@@ -75,6 +87,7 @@ impl From<sqlx::Error> for StoreError {
         let message = error.to_string();
         match code(&error) {
             Some(code) if FULL.contains(&code) => Self::Full { message },
+            Some(code) if UNWRITABLE.contains(&(code & 0xff)) => Self::Unwritable { message },
             _ if is_damage(&error) => Self::Damaged { message },
             _ => Self::Failed { message },
         }
@@ -86,6 +99,10 @@ impl From<std::io::Error> for StoreError {
         let message = error.to_string();
         match error.kind() {
             std::io::ErrorKind::StorageFull | std::io::ErrorKind::QuotaExceeded => Self::Full { message },
+            std::io::ErrorKind::ReadOnlyFilesystem | std::io::ErrorKind::FileTooLarge => {
+                Self::Unwritable { message }
+            }
+            _ if error.raw_os_error() == Some(EIO) => Self::Unwritable { message },
             _ => Self::Failed { message },
         }
     }

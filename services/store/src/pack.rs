@@ -209,6 +209,18 @@ pub(crate) async fn transaction(
     done
 }
 
+/// Writes and syncs a page without a change of content.
+pub(crate) async fn touch(connection: &mut SqliteConnection) -> Result<(), sqlx::Error> {
+    let statement = format!("PRAGMA user_version = {FORMAT}");
+    transaction(connection, async |connection| {
+        connection
+            .execute(AssertSqlSafe(statement.as_str()))
+            .await
+            .map(drop)
+    })
+    .await
+}
+
 /// Rejects a file that is not a pack of this format.
 pub(crate) async fn check(connection: &mut SqliteConnection, path: &Path) -> Result<(), StoreError> {
     let id: i64 = sqlx::query_scalar("PRAGMA application_id")

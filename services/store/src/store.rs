@@ -110,6 +110,14 @@ impl Store {
         self.writer()?.put(new).await
     }
 
+    /// Finds out whether writes work.
+    ///
+    /// # Errors
+    /// [`StoreError::Unwritable`], [`StoreError::Full`].
+    pub async fn check_writes(&self) -> Result<(), StoreError> {
+        self.writer()?.check().await
+    }
+
     /// Reads and verifies a blob; `None` if it is not stored.
     ///
     /// # Errors

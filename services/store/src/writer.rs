@@ -39,6 +39,10 @@ impl Writer {
         self.call(|reply| Call::Delete(digests, reply)).await
     }
 
+    pub(crate) async fn check(&self) -> Result<(), StoreError> {
+        self.call(Call::Check).await
+    }
+
     pub(crate) async fn remove(&self, pack: u32) -> Result<bool, StoreError> {
         self.call(|reply| Call::Remove(pack, reply)).await
     }

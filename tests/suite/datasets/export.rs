@@ -3,6 +3,8 @@
 use std::collections::BTreeSet;
 use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use fathom_tests::{Service, run, scripted};
 use serde_json::{Value, json};
@@ -253,4 +255,49 @@ fn a_growing_dataset_keeps_its_parts_apart_by_scene() {
         train.is_disjoint(&test) && !train.is_empty() && !test.is_empty(),
         "{train:?} {test:?}"
     );
+}
+
+/// Failure: an export that follows a cursor without an end, or lists many more images than were counted.
+#[test]
+fn an_endless_list_ends_the_export() {
+    let cursors: [fn(u64) -> Value; 2] = [|_| json!("same"), |number| json!(number.to_string())];
+    for next in cursors {
+        let pages = Arc::new(AtomicU64::new(0));
+        let read = Arc::clone(&pages);
+        let url = scripted::serve(move |path| {
+            let columns = ["job", "frame", "artifacts.rgb", "alpha"]
+                .map(|name| json!({"name": name, "kind": "text", "unit": null}));
+            let groups = json!([{"group": {}, "metric": "frame", "count": 3}]);
+            let body = match path.split('?').next() {
+                Some("/v1/datasets/lies") => {
+                    json!({"name": "lies", "images": 3, "bytes": 1, "jobs": 1, "columns": columns})
+                }
+                Some("/v1/datasets/lies/stats") => {
+                    json!({"groups": groups, "source": {"mirror": 0, "catalogue": 3}})
+                }
+                Some("/v1/images") => {
+                    let page = read.fetch_add(1, Ordering::SeqCst);
+                    let rows: Vec<Value> = (0..50)
+                        .map(|row| {
+                            let mut image = honest().row;
+                            image["frame"] = json!(page * 50 + row);
+                            image
+                        })
+                        .collect();
+                    json!({"items": rows, "next_cursor": next(page)})
+                }
+                _ => return (200, honest().archive),
+            };
+            (200, body.to_string().into_bytes())
+        });
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let output = export(&url, "lies", &folder.path().join("out"), &[]);
+        let complaint = String::from_utf8_lossy(&output.stderr);
+        assert!(
+            !output.status.success() && complaint.contains("check the address"),
+            "{complaint}"
+        );
+        let read = pages.load(Ordering::SeqCst);
+        assert!(read < 20, "{read} pages");
+    }
 }

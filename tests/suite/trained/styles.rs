@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use fathom_tests::onnx::{
-    body, constant, elsewhere, file, from_image, graph, node, numbers, picture, scalar, yes,
+    Message, body, constant, elsewhere, file, from_image, graph, node, numbers, picture, scalar, yes,
 };
 use fathom_tests::{Service, root};
 use serde_json::json;
@@ -118,6 +118,18 @@ fn a_network_that_cannot_be_used_is_refused_by_what_it_does() {
     assert_eq!(status, 201, "the service is as well as before: {card}");
 }
 
+/// A chain of 10^5 nodes.
+fn crowded() -> Vec<u8> {
+    let names: Vec<String> = (0..100_000).map(|number| format!("n{number}")).collect();
+    let nodes: Vec<Message> = ["image"]
+        .into_iter()
+        .chain(names.iter().map(String::as_str))
+        .zip(names.iter().map(String::as_str).chain(["styled"]))
+        .map(|(input, output)| node("Identity", &[input], &[output]))
+        .collect();
+    from_image(&nodes, &[])
+}
+
 /// A name, the file, and the text of the refusal.
 fn hostile() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     let one_channel = graph(
@@ -194,6 +206,18 @@ fn hostile() -> Vec<(&'static str, Vec<u8>, &'static str)> {
             from_image(&[node("Expand", &["image", "shape"], &["styled"])], &[greedy]),
             "memory",
         ),
+        (
+            "boundless",
+            from_image(
+                &[node("Sigmoid", &["image"], &["styled"])],
+                &[Message::default()
+                    .number(1, 1 << 60)
+                    .number(2, 1)
+                    .bytes(8, "weights")],
+            ),
+            "`weights` has the sides [1152921504606846976]",
+        ),
+        ("crowded", crowded(), "more than 20000 nodes"),
         (
             "endless",
             from_image(&[endless], &endless_constants),

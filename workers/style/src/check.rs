@@ -3,6 +3,7 @@
 //! Time and memory are unlimited: run it in a separate process.
 
 mod external;
+mod size;
 mod unfit;
 
 use imaging::{Plane, Rgb};
@@ -20,6 +21,7 @@ use unfit::{SIZES, SMALL, USUAL};
 /// [`Unfit`]: the first defect.
 pub fn check(model: &StyleModel, runtime: impl Fn() -> Result<Runtime, RuntimeMissing>) -> Result<(), Unfit> {
     external::find_external(&model.onnx)?;
+    size::check_size(&model.onnx)?;
     let mut first = open_session(model, &runtime)?;
     for size in SIZES {
         let styled = answer(&mut first, &ramp(size))?;

@@ -10,6 +10,10 @@ pub struct Page<T> {
     pub items: Vec<T>,
     /// Pass it as `cursor` for the next page; null: this is the last one.
     pub next_cursor: Option<String>,
+    /// Rows that are damaged and therefore not among the items; absent without any. The service restores images while
+    /// it runs.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub damaged: Vec<String>,
 }
 
 impl<T> Page<T> {
@@ -18,6 +22,7 @@ impl<T> Page<T> {
         Self {
             items,
             next_cursor: None,
+            damaged: Vec::new(),
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Stored bytes: disk space, digests awaiting their row, and reclaiming.
 
+pub(crate) mod failure;
 pub(crate) mod naming;
 pub(crate) mod note;
 pub(crate) mod reclaim;
@@ -15,6 +16,7 @@ use catalogue::Catalogue;
 use store::Store;
 use tokio::sync::{Mutex, Notify};
 
+use failure::WriteFailure;
 use naming::Naming;
 use sets::SetFiles;
 use space::Space;
@@ -26,6 +28,7 @@ pub(crate) struct Bytes {
     pub(crate) sets: SetFiles,
     pub(crate) naming: Naming,
     pub(crate) space: Arc<Space>,
+    pub(crate) failure: WriteFailure,
     /// Held while rows and bytes of deleted jobs are removed, and during a backup.
     pub(crate) upkeep: Mutex<()>,
     /// Notified after each deletion.
@@ -46,6 +49,7 @@ impl Bytes {
             sets,
             naming: Naming::default(),
             space: Arc::new(Space::new(folder, reserve_bytes)),
+            failure: WriteFailure::default(),
             upkeep: Mutex::default(),
             reclaim: Notify::new(),
             catalogue,

@@ -105,6 +105,10 @@ fn read_range(folder: &Path, file: &str, range: Range<u64>) -> io::Result<Option
     if !path.starts_with(&folder) {
         return Ok(None);
     }
+    // Opening a pipe would wait for its writer.
+    if !std::fs::metadata(&path)?.is_file() {
+        return Err(io::Error::other("not a regular file"));
+    }
     let file = File::open(path)?;
     // Check the length before allocating memory.
     if file.metadata()?.len() < range.end {

@@ -83,7 +83,7 @@ impl Space {
         full
     }
 
-    fn probe(&self) -> io::Result<()> {
+    pub(super) fn probe(&self) -> io::Result<()> {
         let path = self.folder.join(PROBE);
         if self.in_use.load(Ordering::SeqCst) {
             return Err(io::ErrorKind::StorageFull.into());
@@ -92,7 +92,10 @@ impl Space {
         if self.given.load(Ordering::SeqCst) {
             laid_aside?;
         }
-        let written = std::fs::write(&path, vec![1; PROBE_BYTES]);
+        let written = File::create(&path).and_then(|mut file| {
+            file.write_all(&vec![1; PROBE_BYTES])?;
+            file.sync_all()
+        });
         let removed = std::fs::remove_file(&path);
         written.and(removed)
     }

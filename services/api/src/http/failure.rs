@@ -3,6 +3,7 @@
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+use axum::http::{HeaderValue, header};
 use catalogue::CatalogueError;
 use store::StoreError;
 use wire::MessageError;
@@ -23,6 +24,7 @@ impl From<CatalogueError> for Problem {
             CatalogueError::Cursor => Self::new(Slug::InvalidCursor, error.to_string()),
             CatalogueError::NotFound { .. } => Self::not_found(error.to_string()),
             CatalogueError::Full { .. } => storage_full(&error),
+            CatalogueError::Unwritable { .. } => storage_failed(&error),
             CatalogueError::Sealed { .. } => Self::new(Slug::Sealed, error.to_string()),
             CatalogueError::InUse { .. } => Self::new(Slug::InUse, error.to_string()),
             CatalogueError::Transition { .. }
@@ -62,6 +64,7 @@ impl From<StoreError> for Problem {
     fn from(error: StoreError) -> Self {
         match error {
             StoreError::Full { .. } => storage_full(&error),
+            StoreError::Unwritable { .. } => storage_failed(&error),
             StoreError::DigestMismatch { .. } | StoreError::NotADigest { .. } => {
                 Self::new(Slug::InvalidBody, error.to_string())
             }
@@ -90,8 +93,14 @@ pub(crate) fn writing(error: &std::io::Error) -> Problem {
     use std::io::ErrorKind;
     match error.kind() {
         ErrorKind::StorageFull | ErrorKind::QuotaExceeded => storage_full(error),
-        _ => Problem::internal(error),
+        _ => storage_failed(error),
     }
+}
+
+pub(crate) fn storage_failed(error: &dyn std::fmt::Display) -> Problem {
+    tracing::error!(%error, "the data folder cannot be written");
+    let detail = format!("{error}; nothing was stored");
+    Problem::new(Slug::StorageFailed, detail).header(header::RETRY_AFTER, HeaderValue::from_static("5"))
 }
 
 pub(crate) fn storage_full(error: &dyn std::fmt::Display) -> Problem {

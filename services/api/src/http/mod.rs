@@ -20,7 +20,7 @@ pub(crate) use axum::Json;
 pub(crate) use axum::extract::State;
 
 use connection::{held, patient};
-pub(crate) use connection::{hosts, listener, receive};
+pub(crate) use connection::{hosts, listener, receive, spool};
 pub(crate) use extract::{JsonBytes, MultipartBody, Path, Protobuf, Query};
 pub(crate) use problem::{Problem, Slug, found};
 pub(crate) use response::{docs, lines, page, picture, problem_page, stored};

@@ -110,6 +110,8 @@ slugs! {
     Overloaded = "overloaded", SERVICE_UNAVAILABLE, "The service is too busy";
     /// The disk is full. Reads still work; writes work again once there is space.
     StorageFull = "storage-full", INSUFFICIENT_STORAGE, "The disk is full";
+    /// The disk refuses writes; `detail` has the reason. Nothing was stored; retry after `Retry-After` seconds.
+    StorageFailed = "storage-failed", SERVICE_UNAVAILABLE, "The data folder cannot be written";
     /// Stored bytes do not match their digest; they are not served.
     CorruptArtifact = "corrupt-artifact", INTERNAL_SERVER_ERROR, "The stored bytes are damaged";
     /// The tar of the artifact's set is missing or has changed; its bytes are not served.

@@ -13,6 +13,7 @@ use tar::{EntryType, Header};
 use super::Images;
 use crate::http::lines::cut_short;
 use crate::http::problem::Problem;
+use crate::http::stored::GUARDED;
 
 const BLOCK: u64 = 512;
 /// A tar ends with two blocks of zeros.
@@ -51,9 +52,8 @@ pub(crate) async fn response(
     let headers = [
         (header::CONTENT_TYPE, "application/x-tar".to_owned()),
         (header::CONTENT_LENGTH, length.to_string()),
-        (header::X_CONTENT_TYPE_OPTIONS, "nosniff".to_owned()),
     ];
-    Ok((headers, Body::from_stream(all)).into_response())
+    Ok((headers, GUARDED, Body::from_stream(all)).into_response())
 }
 
 /// An artifact as a member of the tar.

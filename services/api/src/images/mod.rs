@@ -1,6 +1,7 @@
 //! Images and their artifacts.
 
 mod archive;
+pub(crate) mod heal;
 pub(crate) mod rerender;
 pub(crate) mod routes;
 

@@ -13,6 +13,7 @@ use spec::{EARLIER_VERSION, FrameRecord, Job, is_of_earlier_version};
 use tempfile::TempDir;
 
 use super::Images;
+use crate::http::failure::writing;
 use crate::http::problem::{Problem, Slug, found};
 use crate::processes::child::{Allowance, Ended};
 
@@ -53,11 +54,7 @@ impl Images {
             let detail = "the frame uses local files of the machine that rendered it";
             return Err(Problem::new(Slug::RenderFailed, detail));
         }
-        let folder = self
-            .processes
-            .scratch
-            .folder()
-            .map_err(|error| Problem::internal(&error))?;
+        let folder = self.processes.scratch.folder().map_err(|error| writing(&error))?;
         let scene = match resolved.scene.uploaded_id() {
             Some(id) => self.lay_out(id, folder.path()).await?,
             None => Value::Null,
@@ -106,7 +103,7 @@ impl Images {
 }
 
 fn write(folder: &Path, name: &str, bytes: &[u8]) -> Result<(), Problem> {
-    fs::write(folder.join(name), bytes).map_err(|error| Problem::internal(&error))
+    fs::write(folder.join(name), bytes).map_err(|error| writing(&error))
 }
 
 /// The maximum difference between two artifacts: in codes of an image or mask, in the unit of a linear layer. `None`

@@ -8,7 +8,7 @@ use spec::SetState;
 
 use super::Jobs;
 use crate::engine::Engine;
-use crate::http::problem::Problem;
+use crate::http::problem::{Problem, Slug};
 use crate::limits;
 use crate::processes::compute::to_the_end;
 
@@ -162,6 +162,10 @@ impl Jobs {
                 .catalogue
                 .jobs(name, None, limits::MAX_PAGE_ROWS, cursor)
                 .await?;
+            if let Some(what) = page.damaged.first() {
+                let detail = format!("{what} is damaged: restore a backup, or run `fathom scrub`");
+                return Err(Problem::new(Slug::CorruptArtifact, detail));
+            }
             let found = page.items.into_iter().filter(JobRow::is_shared);
             shared.extend(found.map(|row| (engine, row)));
             cursor = page.next_cursor;

@@ -1,7 +1,7 @@
 //! The assignment of frames to workers: the lease table, the workers, and their reports.
 
 pub(crate) mod changes;
-mod checks;
+pub(crate) mod checks;
 pub(crate) mod costs;
 mod descriptions;
 pub(crate) mod dispatch;

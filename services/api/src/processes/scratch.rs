@@ -23,6 +23,11 @@ impl Scratch {
         Ok(Self(folder))
     }
 
+    /// The folder itself.
+    pub(crate) fn path(&self) -> &Path {
+        &self.0
+    }
+
     /// A folder, removed on drop.
     pub(crate) fn folder(&self) -> io::Result<TempDir> {
         TempDir::new_in(&self.0)

@@ -9,6 +9,7 @@ use crate::app::App;
 use crate::http::auth::{Scope, Tokens};
 use crate::http::layers::{Choice, Group};
 use crate::http::receive::Receiving;
+use crate::http::spool::Spool;
 use crate::limits;
 
 pub(super) struct RouteGroup {
@@ -17,6 +18,7 @@ pub(super) struct RouteGroup {
     budget: Choice,
     timeout: Duration,
     max_bytes: usize,
+    spool: Option<Spool>,
 }
 
 impl RouteGroup {
@@ -28,6 +30,7 @@ impl RouteGroup {
             budget: budget.into(),
             timeout: limits::REQUEST,
             max_bytes: 0,
+            spool: None,
         }
     }
 
@@ -39,6 +42,15 @@ impl RouteGroup {
         Self { max_bytes, ..self }
     }
 
+    /// A large body, kept on disk until its turn.
+    pub(super) fn with_upload(self, max_bytes: usize, spool: &Spool) -> Self {
+        Self {
+            max_bytes,
+            spool: Some(spool.clone()),
+            ..self
+        }
+    }
+
     pub(super) fn build(self, receiving: Receiving, tokens: &Arc<Tokens>) -> OpenApiRouter<App> {
         let group = Group {
             scope: self.scope,
@@ -46,6 +58,7 @@ impl RouteGroup {
             timeout: self.timeout,
             receiving: Receiving {
                 max_bytes: self.max_bytes,
+                spool: self.spool,
                 ..receiving
             },
         };

@@ -4,12 +4,15 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use catalogue::UnixMs;
 use tokio::sync::Notify;
+use tokio_util::sync::CancellationToken;
 
 /// A followed set.
 #[derive(Default)]
 pub(crate) struct Followed {
     pub(super) last: Mutex<Last>,
     pub(super) wake: Notify,
+    /// Cancelled when its job is deleted.
+    pub(super) stop: CancellationToken,
 }
 
 /// Result of the last poll.

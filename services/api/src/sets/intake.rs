@@ -2,12 +2,14 @@
 
 use std::collections::BTreeMap;
 use std::pin::Pin;
+use std::sync::Arc;
 
 use catalogue::{Catalogue, CatalogueError, InsertJob, JobRow, NewImage, NewJob, NewShard, UnixMs};
 use futures::future::poll_immediate;
 use futures::stream::{FuturesUnordered, StreamExt};
 use spec::{Draft, Invalid, Job, Uploads, Vocabulary, is_of_earlier_version};
 
+use super::conformity::SetJob;
 use super::feed::{Known, SetHead, SetImage};
 use crate::jobs::new_job_id;
 
@@ -25,6 +27,14 @@ pub enum IntakeError {
         /// The existing job.
         job: String,
     },
+    /// A record of the set that no commit could have stored.
+    #[error("frame {frame}: {faults}")]
+    Record {
+        /// The frame.
+        frame: u64,
+        /// What is wrong with it.
+        faults: String,
+    },
     /// The set's job cannot be read here.
     #[error("the job of {location}: {invalid}")]
     Job {
@@ -39,6 +49,7 @@ pub enum IntakeError {
 pub struct Intake<'c> {
     catalogue: &'c Catalogue,
     head: SetHead,
+    job: Arc<SetJob>,
     id: String,
     is_there: bool,
 }
@@ -53,7 +64,8 @@ impl<'c> Intake<'c> {
         head: SetHead,
         vocabulary: &Vocabulary,
     ) -> Result<Self, IntakeError> {
-        check(&head, vocabulary).map_err(|invalid| IntakeError::Job {
+        let checked = check(&head, vocabulary).and_then(|()| SetJob::read(&head.job));
+        let job = checked.map_err(|invalid| IntakeError::Job {
             location: head.location.clone(),
             invalid,
         })?;
@@ -68,6 +80,7 @@ impl<'c> Intake<'c> {
             _ => Ok(Self {
                 catalogue,
                 head,
+                job: Arc::new(job),
                 is_there: known.is_some(),
                 id: known.map_or_else(new_job_id, |known| known.id),
             }),
@@ -78,6 +91,12 @@ impl<'c> Intake<'c> {
     #[must_use]
     pub fn id(&self) -> &str {
         &self.id
+    }
+
+    /// The job of the set, for [`prepare`].
+    #[must_use]
+    pub fn job(&self) -> Arc<SetJob> {
+        Arc::clone(&self.job)
     }
 
     /// Sets the id of a job that is not stored yet.
@@ -205,19 +224,25 @@ impl Storing<'_> {
     }
 }
 
-/// Prepares images for [`Storing::store`], on any thread.
+/// Checks the records of images and prepares them for [`Storing::store`], on any thread. `id`: the job that they join.
 ///
 /// # Errors
-/// [`CatalogueError::Failed`] for a malformed record.
+/// [`IntakeError::Record`]; [`CatalogueError::Failed`] for a malformed record.
 pub fn prepare(
     catalogue: &Catalogue,
-    job: &str,
+    id: &str,
+    job: &SetJob,
     images: Vec<SetImage>,
-) -> Result<Vec<NewImage>, CatalogueError> {
-    images
-        .into_iter()
-        .map(|image: SetImage| catalogue.imported_image(job, &image.record, image.created_ms, &image.offsets))
-        .collect()
+) -> Result<Vec<NewImage>, IntakeError> {
+    let mut prepared = Vec::with_capacity(images.len());
+    for image in images {
+        job.check(&image.record).map_err(|faults| IntakeError::Record {
+            frame: image.record.record().frame,
+            faults,
+        })?;
+        prepared.push(catalogue.imported_image(id, &image.record, image.created_ms, &image.offsets)?);
+    }
+    Ok(prepared)
 }
 
 /// Checks the job of a set. Its frames are rendered, so styles and scene files need not be available. The program

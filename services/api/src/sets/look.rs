@@ -18,7 +18,9 @@ impl From<LookError> for Problem {
             LookError::Intake(IntakeError::AnotherJob { .. }) => {
                 Self::new(Slug::NameTaken, error.to_string())
             }
-            LookError::Refused(_) | LookError::Damaged(_) | LookError::Intake(IntakeError::Job { .. }) => {
+            LookError::Refused(_)
+            | LookError::Damaged(_)
+            | LookError::Intake(IntakeError::Job { .. } | IntakeError::Record { .. }) => {
                 Self::field("/url", error.to_string())
             }
         }
@@ -65,7 +67,7 @@ impl Sets {
             return Ok(None);
         }
         let known = intake.known().await?;
-        let mut parts = std::pin::pin!(reading.ask(&known, catalogue, job).await?);
+        let mut parts = std::pin::pin!(reading.ask(&known, catalogue, &intake).await?);
         let mut storing = intake.storing();
         while let Some(part) = parts.next().await {
             let part = part?;

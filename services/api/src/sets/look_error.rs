@@ -25,13 +25,18 @@ pub(crate) enum LookError {
 }
 
 impl LookError {
+    /// Whether only another content of the set can help, rather than another time.
+    pub(crate) fn is_of_content(&self) -> bool {
+        matches!(self, Self::Damaged(_) | Self::Intake(IntakeError::Record { .. }))
+    }
+
     /// Whether another poll is useless.
     pub(crate) fn is_final(&self) -> bool {
         match self {
             Self::Refused(_) | Self::Intake(IntakeError::AnotherJob { .. } | IntakeError::Job { .. }) => true,
             Self::Later(_)
             | Self::Damaged(_)
-            | Self::Intake(IntakeError::Catalogue(_))
+            | Self::Intake(IntakeError::Catalogue(_) | IntakeError::Record { .. })
             | Self::Catalogue(_) => false,
         }
     }

@@ -1,5 +1,6 @@
 //! Sets made outside this service: their images are imported as they are rendered, their bytes stay in place.
 
+pub(crate) mod conformity;
 pub(crate) mod feed;
 mod follow;
 mod followed;

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use catalogue::{Catalogue, NewImage, NewShard};
 use futures::stream::{self, Stream, StreamExt};
@@ -11,10 +12,11 @@ use tokio::process::{Child, ChildStdout, Command};
 use tokio::sync::{Semaphore, SemaphorePermit};
 use tokio::task::JoinHandle;
 
+use super::conformity::SetJob;
 use super::feed::{Known, Line, SetHead, SetPart};
-use super::intake::prepare;
+use super::intake::{Intake, prepare};
 use super::look_error::LookError;
-use crate::processes::child::beginning;
+use crate::processes::child::{Allowance, beginning, exceeded};
 
 /// The command of the process.
 const COMMAND: [&str; 2] = ["child", "shards"];
@@ -22,6 +24,12 @@ const COMMAND: [&str; 2] = ["child", "shards"];
 const READERS: usize = 2;
 /// Maximum length of a line: some hundred images with records of some tens of kilobytes.
 const LINE_BYTES: u64 = 64 << 20;
+/// Longest wait for a line: a shard of a hundred megabytes over a slow connection.
+const LINE: Duration = Duration::from_secs(120);
+/// Longest reading; the next one continues after the stored shards.
+const READING: Duration = Duration::from_secs(3600);
+/// Most memory of a reader, several times that of a machine with many cores and large shards.
+const MEMORY_BYTES: u64 = 2 << 30;
 /// Lines prepared in parallel while one is stored.
 const PREPARED: usize = 2;
 
@@ -38,6 +46,7 @@ pub(crate) struct Reading<'r> {
     child: Child,
     lines: BufReader<ChildStdout>,
     said: Option<JoinHandle<String>>,
+    begun: Instant,
     _place: SemaphorePermit<'r>,
 }
 
@@ -83,6 +92,7 @@ impl Reader {
             lines: BufReader::new(lines),
             child,
             said: Some(said),
+            begun: Instant::now(),
             _place: place,
         };
         let first = reading.line().await?.unwrap_or_default();
@@ -101,7 +111,7 @@ impl Reading<'_> {
         &mut self,
         known: &Known,
         catalogue: &Arc<Catalogue>,
-        job: &str,
+        intake: &Intake<'_>,
     ) -> Result<impl Stream<Item = Result<Prepared, LookError>>, LookError> {
         let mut line = serde_json::to_vec(known).map_err(|error| LookError::Damaged(error.to_string()))?;
         line.push(b'\n');
@@ -117,12 +127,12 @@ impl Reading<'_> {
                 Err(error) => Some((Err(error), None)),
             }
         });
-        let (catalogue, job) = (Arc::clone(catalogue), job.to_owned());
+        let (catalogue, id, job) = (Arc::clone(catalogue), intake.id().to_owned(), intake.job());
         let prepared = lines.map(move |line| {
-            let (catalogue, job) = (Arc::clone(&catalogue), job.clone());
+            let (catalogue, id, job) = (Arc::clone(&catalogue), id.clone(), Arc::clone(&job));
             async move {
                 let line = line?;
-                let prepared = tokio::task::spawn_blocking(move || part(&catalogue, &job, &line));
+                let prepared = tokio::task::spawn_blocking(move || part(&catalogue, &id, &job, &line));
                 prepared
                     .await
                     .unwrap_or_else(|error| Err(LookError::Damaged(error.to_string())))
@@ -131,8 +141,27 @@ impl Reading<'_> {
         Ok(prepared.buffered(PREPARED))
     }
 
-    /// The next line; `None` when the reader has ended successfully.
+    /// The next line; `None` when the reader has ended successfully. A reader beyond its limits is killed when this
+    /// reading is dropped.
     async fn line(&mut self) -> Result<Option<Vec<u8>>, LookError> {
+        let left = READING.saturating_sub(self.begun.elapsed());
+        let allowance = Allowance {
+            time: LINE.min(left),
+            memory_bytes: MEMORY_BYTES,
+        };
+        let id = self.child.id();
+        tokio::select! {
+            line = self.next_line() => line,
+            _ = tokio::time::sleep(left) => Err(LookError::Later(format!(
+                "reading is stopped after {} min and continues later", READING.as_secs() / 60
+            ))),
+            reason = exceeded(id, allowance) => {
+                Err(LookError::Damaged(format!("the reader of the set was stopped: {reason}")))
+            }
+        }
+    }
+
+    async fn next_line(&mut self) -> Result<Option<Vec<u8>>, LookError> {
         let mut line = Vec::new();
         let mut limited = (&mut self.lines).take(LINE_BYTES);
         let read = limited.read_until(b'\n', &mut line).await;
@@ -167,10 +196,10 @@ impl Reading<'_> {
     }
 }
 
-fn part(catalogue: &Catalogue, job: &str, line: &[u8]) -> Result<Prepared, LookError> {
+fn part(catalogue: &Catalogue, id: &str, job: &SetJob, line: &[u8]) -> Result<Prepared, LookError> {
     match serde_json::from_slice(line) {
         Ok(Line::Part(SetPart { images, shard })) => Ok(Prepared {
-            images: prepare(catalogue, job, images)?,
+            images: prepare(catalogue, id, job, images)?,
             shard,
         }),
         Ok(Line::Set(_)) => Err(LookError::Damaged(

@@ -7,6 +7,7 @@
 mod auth;
 mod common;
 mod control;
+mod damaged;
 mod documents;
 mod fairness;
 mod frames;
@@ -14,6 +15,7 @@ mod jobs;
 mod load;
 mod prices;
 mod rejections;
+mod sandbox;
 mod space;
 mod streams;
 mod versions;

@@ -1,7 +1,9 @@
 //! Records with the digest that covers the record and the identity of its image.
 
+use sqlx::Row;
 use sqlx::sqlite::SqliteRow;
 
+use crate::damage::ImageId;
 use crate::digests::row_digests::RowDigest;
 use crate::error::CatalogueError;
 use crate::query::cells::Cells;
@@ -31,6 +33,18 @@ impl<'a> About<'a> {
 
     /// Reads a row that begins with these fields, record and digest; returns them with the record (JSON) if the digest matches.
     pub(crate) fn verified(row: &'a SqliteRow) -> Result<(Self, &'a str), CatalogueError> {
+        let (about, record, stored) =
+            Self::read(row).map_err(|_| CatalogueError::damaged_image("the record", named(row)))?;
+        let record =
+            record.filter(|record: &&str| stored == Some(about.row_digest(&spec::sha256(record.as_bytes()))));
+        match record {
+            Some(record) => Ok((about, record)),
+            None => Err(CatalogueError::damaged_image("the record", about.image())),
+        }
+    }
+
+    /// The fields, the record and its digest; fails if one of them has another type.
+    fn read(row: &'a SqliteRow) -> Result<(Self, Option<&'a str>, Option<i64>), sqlx::Error> {
         let mut cells = Cells::new(row);
         let about = Self {
             job: cells.take()?,
@@ -39,15 +53,22 @@ impl<'a> About<'a> {
             created_ms: cells.take()?,
             digest: cells.take()?,
         };
-        let (record, stored): (Option<&str>, Option<i64>) = (cells.take()?, cells.take()?);
-        let Some(record) =
-            record.filter(|record: &&str| stored == Some(about.row_digest(&spec::sha256(record.as_bytes()))))
-        else {
-            return Err(CatalogueError::damaged(format!(
-                "the record of {}/{}",
-                about.job, about.frame
-            )));
-        };
-        Ok((about, record))
+        Ok((about, cells.take()?, cells.take()?))
+    }
+
+    pub(crate) fn image(&self) -> ImageId {
+        ImageId {
+            job: self.job.to_owned(),
+            frame: self.frame as u64,
+        }
+    }
+}
+
+/// The image of a row, as far as its fields are readable.
+fn named(row: &SqliteRow) -> ImageId {
+    let job = row.try_get_unchecked::<&[u8], _>(0).unwrap_or_default();
+    ImageId {
+        job: String::from_utf8_lossy(job).into_owned(),
+        frame: row.try_get_unchecked::<i64, _>(1).unwrap_or_default() as u64,
     }
 }

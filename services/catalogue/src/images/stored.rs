@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 use serde_json::Value;
 use spec::{ArtifactEntry, FrameRecord};
+use sqlx::Row;
 use sqlx::sqlite::SqliteRow;
 
 use crate::catalogue::{Catalogue, within};
@@ -13,7 +14,7 @@ use crate::commit::insert::NewImage;
 use crate::digests::record_row::About;
 use crate::error::CatalogueError;
 use crate::query::cells::Cells;
-use crate::types::{InsertImage, Place, StoredArtifact};
+use crate::types::{FrameRows, InsertImage, Place, StoredArtifact};
 
 impl Catalogue {
     /// Stores an image with its measurements, artifact names and the job's counters, all or nothing.
@@ -36,7 +37,7 @@ impl Catalogue {
     /// [`CatalogueError`].
     pub async fn image(&self, job: &str, frame: u64) -> Result<Option<Value>, CatalogueError> {
         let found = self.image_row(job, frame).await?;
-        found.as_ref().map(image).transpose()
+        self.noted(found.as_ref().map(image).transpose())
     }
 
     /// The row of an image, as [`About::verified`] reads it.
@@ -53,7 +54,7 @@ impl Catalogue {
         Ok(found)
     }
 
-    /// Images of a job in frame order, those after a frame.
+    /// Images of a job in frame order, those after a frame. Damaged ones are left out, named and noted.
     ///
     /// # Errors
     /// [`CatalogueError`].
@@ -62,7 +63,7 @@ impl Catalogue {
         job: &str,
         after: Option<u64>,
         limit: u32,
-    ) -> Result<Vec<Value>, CatalogueError> {
+    ) -> Result<FrameRows, CatalogueError> {
         let mut reader = self.reader().await?;
         let rows = sqlx::query(
             "SELECT images.job_id, images.frame, dataset, created_ms, digest, record, row_digest
@@ -75,7 +76,18 @@ impl Catalogue {
         .bind(limit)
         .fetch_all(&mut *reader);
         let rows = within(async { Ok(rows.await?) }).await?;
-        rows.iter().map(image).collect()
+        let mut found = FrameRows::default();
+        for row in &rows {
+            found
+                .rows
+                .extend(self.damage.skip(image(row), &mut found.damaged)?);
+        }
+        let last = rows.last().filter(|_| rows.len() == limit as usize);
+        found.next = last
+            .map(|row| row.try_get::<i64, _>(1))
+            .transpose()?
+            .map(|frame| frame as u64);
+        Ok(found)
     }
 
     /// The digest, length and type of an artifact, and where its bytes are.
@@ -108,12 +120,12 @@ impl Catalogue {
             return Ok(None);
         };
         // Only the place is read from the row, since its bytes are verified anyway; kind and digest are those of the record.
-        let (_, record) = About::verified(&image)?;
+        let (about, record) = self.noted(About::verified(&image))?;
         let Listed { artifacts } = serde_json::from_str(record)?;
         let entry = artifacts.into_iter().find(|entry| entry.kind == kind);
         if found.as_ref().map(|artifact| &artifact.entry) != entry.as_ref() {
-            let what = format!("artifact `{kind}` of {job}/{frame}");
-            return Err(CatalogueError::damaged(what));
+            let part = format!("artifact `{kind}`");
+            return self.noted(Err(CatalogueError::damaged_image(&part, about.image())));
         }
         Ok(found)
     }

@@ -74,7 +74,7 @@ async fn provenance(
     connection: &mut SqliteConnection,
     job: &str,
 ) -> Result<Option<Provenance>, CatalogueError> {
-    let sql = "SELECT record ->> '$.provenance' FROM records WHERE job_id = ? ORDER BY frame LIMIT 1";
+    let sql = "SELECT iif(json_valid(record), record, NULL) ->> '$.provenance' FROM records WHERE job_id = ? ORDER BY frame LIMIT 1";
     let text: Option<Option<String>> = sqlx::query_scalar(sql)
         .bind(job)
         .fetch_optional(connection)

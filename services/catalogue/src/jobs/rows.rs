@@ -5,6 +5,7 @@ use sqlx::AssertSqlSafe;
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
 
 use crate::catalogue::{Catalogue, within};
+use crate::damage::DamageLog;
 use crate::datasets::versions::refuse_sealed;
 use crate::digests::row_digests::{Side, intact};
 use crate::digests::tables::{JOBS, digested_job_columns, job_columns};
@@ -12,6 +13,7 @@ use crate::error::CatalogueError;
 use crate::jobs::recovery;
 use crate::query::cells::Cells;
 use crate::query::cursor;
+use crate::query::list_page::list_page;
 use crate::query::scope::Scope;
 use crate::types::{OpenJob, Retried};
 
@@ -95,7 +97,13 @@ impl Catalogue {
         if let Some(Err(message)) = state.as_deref().map(str::parse::<JobState>) {
             return Err(CatalogueError::refused(message));
         }
-        within(list(&mut *self.reader().await?, dataset, state, limit, cursor)).await
+        let list = JobList {
+            dataset,
+            state,
+            limit,
+            cursor,
+        };
+        within(list.read(&mut *self.reader().await?, &self.damage)).await
     }
 
     /// The jobs of imported sets, newest first. Damaged ones are reported and left out.
@@ -195,51 +203,61 @@ pub(super) async fn known_job(connection: &mut SqliteConnection, id: &str) -> Re
         .ok_or_else(|| CatalogueError::not_found("job", id))
 }
 
-async fn list(
-    connection: &mut SqliteConnection,
+/// A page of jobs.
+struct JobList {
     dataset: Option<String>,
     state: Option<String>,
     limit: u32,
     cursor: Option<String>,
-) -> Result<Page<JobRow>, CatalogueError> {
-    let identity = cursor::query_identity(&[Some("jobs"), dataset.as_deref(), state.as_deref()]);
-    let before = cursor::read_id(&identity, cursor.as_deref())?;
-    // Conditions are left out if unused: an `OR` would prevent the use of the index.
-    let mut sql = concat!(
-        "SELECT ",
-        digested_job_columns!(),
-        " FROM jobs WHERE id NOT IN (SELECT job_id FROM deletions)"
-    )
-    .to_owned();
-    let scope = dataset.as_deref().map(Scope::parse);
-    let version = scope.and_then(|scope| scope.version);
-    let conditions = [
-        (scope.map(|scope| scope.dataset), " AND dataset = ?"),
-        (state.as_deref(), " AND state = ?"),
-        (before.as_deref(), " AND id < ?"),
-    ];
-    for (value, condition) in &conditions {
-        sql.push_str(if value.is_some() { condition } else { "" });
+}
+
+impl JobList {
+    async fn read(
+        self,
+        connection: &mut SqliteConnection,
+        damage: &DamageLog,
+    ) -> Result<Page<JobRow>, CatalogueError> {
+        let Self {
+            dataset,
+            state,
+            limit,
+            cursor,
+        } = self;
+        let identity = cursor::query_identity(&[Some("jobs"), dataset.as_deref(), state.as_deref()]);
+        let before = cursor::read_id(&identity, cursor.as_deref())?;
+        // Conditions are left out if unused: an `OR` would prevent the use of the index.
+        let mut sql = concat!(
+            "SELECT ",
+            digested_job_columns!(),
+            " FROM jobs WHERE id NOT IN (SELECT job_id FROM deletions)"
+        )
+        .to_owned();
+        let scope = dataset.as_deref().map(Scope::parse);
+        let version = scope.and_then(|scope| scope.version);
+        let conditions = [
+            (scope.map(|scope| scope.dataset), " AND dataset = ?"),
+            (state.as_deref(), " AND state = ?"),
+            (before.as_deref(), " AND id < ?"),
+        ];
+        for (value, condition) in &conditions {
+            sql.push_str(if value.is_some() { condition } else { "" });
+        }
+        if version.is_some() {
+            sql.push_str(
+                " AND id IN (SELECT job_id FROM version_jobs v WHERE v.dataset = jobs.dataset AND version = ?)",
+            );
+        }
+        sql.push_str(" ORDER BY id DESC LIMIT ?");
+        let mut statement = sqlx::query(AssertSqlSafe(sql));
+        for value in conditions.into_iter().filter_map(|(value, _)| value) {
+            statement = statement.bind(value);
+        }
+        if let Some(version) = version {
+            statement = statement.bind(version as i64);
+        }
+        let rows = statement.bind(i64::from(limit) + 1).fetch_all(connection).await?;
+        list_page(&identity, &rows, limit, damage, |row| verified(row, Side::Reader))
     }
-    if version.is_some() {
-        sql.push_str(
-            " AND id IN (SELECT job_id FROM version_jobs v WHERE v.dataset = jobs.dataset AND version = ?)",
-        );
-    }
-    sql.push_str(" ORDER BY id DESC LIMIT ?");
-    let mut statement = sqlx::query(AssertSqlSafe(sql));
-    for value in conditions.into_iter().filter_map(|(value, _)| value) {
-        statement = statement.bind(value);
-    }
-    if let Some(version) = version {
-        statement = statement.bind(version as i64);
-    }
-    let rows = statement.bind(i64::from(limit) + 1).fetch_all(connection).await?;
-    let items = rows
-        .iter()
-        .map(|row| verified(row, Side::Reader))
-        .collect::<Result<Vec<_>, _>>()?;
-    Ok(cursor::page(&identity, items, limit, |job| &job.id))
 }
 
 async fn set_state(

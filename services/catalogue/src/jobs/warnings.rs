@@ -25,7 +25,7 @@ async fn list(connection: &mut SqliteConnection, job: &str) -> Result<Vec<FrameW
     let rows: Vec<(String, i64, i64)> = sqlx::query_as(
         "SELECT warning.value, count(*), min(frame) FROM
            (SELECT images.frame, record FROM images JOIN records USING (job_id, frame)
-            WHERE images.job_id = ?1 AND images.warnings > 0 AND images.job_id NOT IN (SELECT job_id FROM deletions)
+            WHERE images.job_id = ?1 AND images.warnings > 0 AND json_valid(record) AND images.job_id NOT IN (SELECT job_id FROM deletions)
             ORDER BY images.frame LIMIT ?2),
            json_each(record, '$.warnings') AS warning
          GROUP BY 1 ORDER BY 2 DESC, 1 LIMIT ?3",

@@ -196,7 +196,7 @@ impl Images {
         });
         let (about, record) = match verified {
             Ok(verified) => verified,
-            Err(CatalogueError::Damaged { what }) => return Some(what),
+            Err(CatalogueError::Damaged { what, .. }) => return Some(what),
             Err(error) => return Some(error.to_string()),
         };
         let name = format!("{}/{}", about.job, about.frame);

@@ -14,6 +14,20 @@ use crate::open::wal_path;
 pub(crate) const MOST_FINDINGS: u32 = 100;
 
 impl Catalogue {
+    /// Writes and syncs a page without a change of content, to find out whether writes work.
+    ///
+    /// # Errors
+    /// [`CatalogueError::Unwritable`], [`CatalogueError::Full`].
+    pub async fn check_writes(&self) -> Result<(), CatalogueError> {
+        self.write(|c| {
+            Box::pin(async move {
+                sqlx::query("PRAGMA user_version = 0").execute(c).await?;
+                Ok(())
+            })
+        })
+        .await
+    }
+
     /// Writes a consistent copy while the service runs. The file appears whole or not at all; one that is there stays.
     ///
     /// # Errors

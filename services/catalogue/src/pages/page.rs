@@ -8,6 +8,7 @@ use sqlx::sqlite::{SqliteConnection, SqliteRow};
 use super::order::{Order, identity};
 use super::top_k::ImageKey;
 use crate::catalogue::{Catalogue, within};
+use crate::damage::DamageLog;
 use crate::digests::record_row::About;
 use crate::error::CatalogueError;
 use crate::query::column_value::{column, stored, value};
@@ -39,43 +40,56 @@ impl Catalogue {
             if found.is_empty() {
                 return Ok(Page::whole(Vec::new()));
             }
-            let (page, rows) = within(images(&mut *self.reader().await?, &statement, &query)).await?;
+            let (page, rows) = within(images(
+                &mut *self.reader().await?,
+                &statement,
+                &query,
+                &self.damage,
+            ))
+            .await?;
             // Else some of them have gone since they were found.
             if rows == found.len() || page.next_cursor.is_some() {
                 return Ok(page);
             }
         }
         let statement = PageStatement::new(&self.columns, &query)?;
-        let (page, _) = within(images(&mut *self.reader().await?, &statement, &query)).await?;
+        let (page, _) = within(images(
+            &mut *self.reader().await?,
+            &statement,
+            &query,
+            &self.damage,
+        ))
+        .await?;
         Ok(page)
     }
 }
 
-/// A page, and how many rows were read for it.
+/// A page without damaged rows, and how many rows were read for it.
 async fn images(
     connection: &mut SqliteConnection,
     statement: &PageStatement,
     query: &ImageQuery,
+    damage: &DamageLog,
 ) -> Result<(Page<Value>, usize), CatalogueError> {
     let mut rows = statement.sql.statement().fetch(connection);
-    let (mut items, mut bytes, mut read) = (Vec::new(), 0, 0);
+    let (mut page, mut bytes, mut read) = (Page::whole(Vec::new()), 0, 0);
     let mut last = None;
-    let mut next_cursor = None;
     while let Some(row) = rows.try_next().await? {
         read += 1;
-        if items.len() == query.limit as usize || bytes >= PAGE_BYTES {
-            let places = last.map(|row| statement.place(&row));
-            next_cursor = places
-                .transpose()?
-                .map(|place| cursor::write(&statement.identity, &place));
+        if read > query.limit as usize || bytes >= PAGE_BYTES {
+            page.next_cursor = last.map(|place| cursor::write(&statement.identity, &place));
             break;
         }
-        let item = statement.item(&row)?;
-        bytes += size(&item);
-        items.push(Value::Object(item));
-        last = Some(row);
+        if let Some(item) = damage.skip(statement.item(&row), &mut page.damaged)? {
+            bytes += size(&item);
+            page.items.push(Value::Object(item));
+            last = Some(statement.place(&row)?);
+        } else {
+            // Its place may be damaged too; the next page then names the row again.
+            last = statement.place(&row).ok().or(last);
+        }
     }
-    Ok((Page { items, next_cursor }, read))
+    Ok((page, read))
 }
 
 /// About the length of an item as JSON.
@@ -200,8 +214,10 @@ impl PageStatement {
         let record = self.reader.read(record)?;
         for (at, kind, place) in &self.compared {
             if value(row, *at, *kind)? != record.value(place) {
-                let what = format!("a parameter or metric of {}/{}", about.job, about.frame);
-                return Err(CatalogueError::damaged(what));
+                return Err(CatalogueError::damaged_image(
+                    "a parameter or metric",
+                    about.image(),
+                ));
             }
         }
         let mut item = Map::new();

@@ -263,10 +263,7 @@ fn open_family(name: &str) -> Option<Column> {
             binds: vec![Bind::Text(path)],
             join: Some(Join::Record),
             found: Some(RecordValue::Label(label.to_owned())),
-            ..Column::new(
-                format!("json_extract({}.record, ?)", Join::Record.alias()),
-                Kind::Label,
-            )
+            ..Column::new(format!("json_extract({}, ?)", Join::record_json()), Kind::Label)
         });
     }
     let stage = name.strip_prefix("timings.")?;
@@ -292,13 +289,13 @@ fn json_path(pointer: &str) -> String {
 
 /// A value at a place of the record.
 fn extracted(path: String, kind: Kind, unit: Option<&'static str>) -> Column {
-    let record = Join::Record.alias();
+    let record = Join::record_json();
     // In SQLite text is greater than every number, and a list is text: such values must not compare as numbers.
     let sql = match kind {
-        Kind::Text => format!("CAST(json_extract({record}.record, ?) AS TEXT)"),
-        Kind::Number | Kind::Whole | Kind::Large | Kind::Bool | Kind::Label => format!(
-            "(SELECT iif(typeof(v) = 'text', NULL, v) FROM (SELECT json_extract({record}.record, ?) AS v))"
-        ),
+        Kind::Text => format!("CAST(json_extract({record}, ?) AS TEXT)"),
+        Kind::Number | Kind::Whole | Kind::Large | Kind::Bool | Kind::Label => {
+            format!("(SELECT iif(typeof(v) = 'text', NULL, v) FROM (SELECT json_extract({record}, ?) AS v))")
+        }
     };
     Column {
         binds: vec![Bind::Text(path)],

@@ -3,7 +3,6 @@
 //! A cursor is readable text with a checksum. It is not secret: a forged one could only start a page at another row of the same
 //! query. The checksum detects mistakes.
 
-use client::Page;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
@@ -46,15 +45,6 @@ pub(crate) fn read_id(query: &str, cursor: Option<&str>) -> Result<Option<String
     let Some(cursor) = cursor else { return Ok(None) };
     let id = read(query, cursor)?.as_str().map(str::to_owned);
     id.map(Some).ok_or(CatalogueError::Cursor)
-}
-
-/// A page of a list in the order of ids, from its rows and one more if there is a next page.
-pub(crate) fn page<T>(query: &str, mut items: Vec<T>, limit: u32, id: impl Fn(&T) -> &str) -> Page<T> {
-    let more = items.len() > limit as usize;
-    items.truncate(limit as usize);
-    let last = items.last().filter(|_| more);
-    let next_cursor = last.map(|last| write(query, &json!(id(last))));
-    Page { items, next_cursor }
 }
 
 fn check(query: &str, text: &str) -> String {

@@ -104,14 +104,14 @@ impl Column {
         if self.kind != Kind::Label {
             return self;
         }
-        let record = Join::Record.alias();
+        let record = Join::record_json();
         let (types, place) = match kind {
             Kind::Text => ("'text'", "?"),
             Kind::Bool => ("'true', 'false'", "?"),
             _ => ("'integer', 'real'", JSON_PLACE),
         };
         Self {
-            sql: format!("(SELECT atom FROM json_each({record}.record, ?) WHERE type IN ({types}))"),
+            sql: format!("(SELECT atom FROM json_each({record}, ?) WHERE type IN ({types}))"),
             kind,
             place,
             ..self
@@ -124,7 +124,7 @@ impl Column {
             return self;
         }
         Self {
-            sql: format!("({}.record -> ?)", Join::Record.alias()),
+            sql: format!("({} -> ?)", Join::record_json()),
             kind: Kind::Text,
             ..self
         }
@@ -146,6 +146,12 @@ pub(crate) enum Join {
 }
 
 impl Join {
+    /// The record as an operand of JSON functions, which would fail the whole statement for a damaged one.
+    pub(crate) fn record_json() -> String {
+        let record = Self::Record.alias();
+        format!("iif(json_valid({record}.record), {record}.record, NULL)")
+    }
+
     /// The alias of the row in a statement. Names of pictures contain no quotes, which is checked when columns are looked up.
     pub(crate) fn alias(&self) -> String {
         match self {

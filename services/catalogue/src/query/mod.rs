@@ -7,6 +7,7 @@ pub(crate) mod columns;
 pub(crate) mod cursor;
 pub(crate) mod filter;
 pub(crate) mod leaf_tree;
+pub(crate) mod list_page;
 pub(crate) mod record_reader;
 pub(crate) mod record_value;
 pub(crate) mod scope;

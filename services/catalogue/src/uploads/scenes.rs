@@ -10,6 +10,7 @@ use crate::digests::tables::{SCENES, scene_columns};
 use crate::error::CatalogueError;
 use crate::query::cells::Cells;
 use crate::query::cursor;
+use crate::query::list_page::list_page;
 use crate::types::SceneRow;
 
 /// The columns of a row, with the digest over them.
@@ -96,11 +97,9 @@ impl Catalogue {
         .bind(i64::from(limit) + 1)
         .fetch_all(&mut *self.reader().await?)
         .await?;
-        let items = rows
-            .iter()
-            .map(|row| verified(row, Side::Reader))
-            .collect::<Result<Vec<_>, _>>()?;
-        Ok(cursor::page(&identity, items, limit, |scene| &scene.id))
+        list_page(&identity, &rows, limit, &self.damage, |row| {
+            verified(row, Side::Reader)
+        })
     }
 }
 

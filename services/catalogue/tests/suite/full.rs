@@ -48,7 +48,12 @@ async fn on_a_small_disk() {
         let job = catalogue.job("job_a").await.unwrap().unwrap();
         assert!(job.done >= first, "what was acknowledged is there");
         assert_eq!(
-            catalogue.results("job_a", None, u32::MAX).await.unwrap().len() as u64,
+            catalogue
+                .results("job_a", None, u32::MAX)
+                .await
+                .unwrap()
+                .rows
+                .len() as u64,
             job.done
         );
         let page = catalogue.images(ImageQuery {

@@ -32,7 +32,7 @@ async fn rows_of_the_first_version_are_kept_and_found() {
     let dataset = &at.datasets().await[0];
     assert_eq!((dataset.images, dataset.bytes, dataset.jobs), (3, job.bytes, 2));
     assert!(job.bytes > 1_000_000, "filled in by the upgrade");
-    let results = at.catalogue.results("job_old", None, 10).await.unwrap();
+    let results = at.catalogue.results("job_old", None, 10).await.unwrap().rows;
     assert_eq!(results.len(), 3);
     for image in results {
         let entry = &image["artifacts"][0];

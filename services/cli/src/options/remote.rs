@@ -27,12 +27,12 @@ pub struct ServerArguments {
 impl ServerArguments {
     /// A client of the service.
     pub fn client(&self) -> Client {
-        Client::new(&self.server, self.token.as_deref())
+        Client::new(&self.server, self.token.as_deref()).with_damage_report(report_damage)
     }
 
     /// A client for requests that may take the service up to an hour.
     pub fn patient_client(&self) -> Client {
-        Client::with_patience(&self.server, self.token.as_deref())
+        Client::with_patience(&self.server, self.token.as_deref()).with_damage_report(report_damage)
     }
 }
 
@@ -55,6 +55,15 @@ impl OtherServer {
             .clone()?
             .or_else(|| std::env::var("FATHOM_SERVER").ok())
             .unwrap_or_else(|| LOCAL_SERVICE.to_owned());
-        Some(Client::new(&server, self.token.as_deref()))
+        Some(Client::new(&server, self.token.as_deref()).with_damage_report(report_damage))
+    }
+}
+
+/// Warns about damaged rows that a list leaves out.
+fn report_damage(damaged: &[String]) {
+    for what in damaged {
+        eprintln!(
+            "left out: {what} is damaged; the service restores images, `fathom scrub` lists all damage"
+        );
     }
 }

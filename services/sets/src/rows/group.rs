@@ -11,6 +11,11 @@ use parquet::schema::types::{ColumnDescriptor, SchemaDescriptor};
 /// A column of whole numbers with the variable part of its name.
 pub(crate) type Named = (String, Vec<Option<i64>>);
 
+/// Most rows of a group: ten times as many as are written.
+const MOST_ROWS: i64 = 20_000;
+/// Most unpacked bytes of a group: its records were gathered in 4 MiB, the other columns are a fraction.
+const MOST_BYTES: i64 = 64 << 20;
+
 /// A group of rows.
 pub(crate) struct Group<'a> {
     reader: Box<dyn RowGroupReader + 'a>,
@@ -22,9 +27,14 @@ pub(crate) struct Group<'a> {
 impl<'a> Group<'a> {
     pub(crate) fn open(file: &'a SerializedFileReader<Bytes>, number: usize) -> Result<Self, String> {
         let reader = file.get_row_group(number).map_err(|error| error.to_string())?;
-        let rows = reader.metadata().num_rows();
+        let (rows, bytes) = (reader.metadata().num_rows(), reader.metadata().total_byte_size());
+        if !(0..=MOST_ROWS).contains(&rows) || !(0..=MOST_BYTES).contains(&bytes) {
+            return Err(format!(
+                "a group has {rows} rows and {bytes} bytes; must be at most {MOST_ROWS} and {MOST_BYTES}"
+            ));
+        }
         Ok(Self {
-            rows: usize::try_from(rows).map_err(|_| format!("a group has {rows} rows"))?,
+            rows: rows as usize,
             schema: reader.metadata().schema_descr_ptr(),
             reader,
         })
@@ -41,7 +51,17 @@ impl<'a> Group<'a> {
     /// The values of a column of text.
     pub(crate) fn texts(&self, name: &str) -> Result<Vec<Option<ByteArray>>, String> {
         match self.column(name)? {
-            (ColumnReader::ByteArrayColumnReader(reader), column) => self.values(reader, column),
+            (ColumnReader::ByteArrayColumnReader(reader), column) => {
+                let values = self.values(reader, column)?;
+                // Rows may share the bytes of a dictionary, so that few bytes become many texts.
+                let bytes: usize = values.iter().flatten().map(ByteArray::len).sum();
+                if bytes as i64 > MOST_BYTES {
+                    return Err(format!(
+                        "column {name} of a group has {bytes} bytes; must be at most {MOST_BYTES}"
+                    ));
+                }
+                Ok(values)
+            }
             _ => Err(format!("column {name} holds no text")),
         }
     }
@@ -97,5 +117,48 @@ impl<'a> Group<'a> {
             ));
         }
         Ok(values)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use parquet::file::writer::SerializedFileWriter;
+
+    use super::*;
+    use crate::rows::cells::{Cell, Gathered, Kind, compressed, schema};
+
+    /// A file with a column of texts, all of this length.
+    fn file(rows: usize, length: usize) -> Bytes {
+        let schema = schema([("record", Kind::Text)].into_iter()).unwrap();
+        let properties = Arc::new(compressed().build());
+        let mut writer = SerializedFileWriter::new(Vec::new(), Arc::new(schema), properties).unwrap();
+        let mut column = Gathered::new(Kind::Text);
+        let text = "x".repeat(length);
+        (0..rows).for_each(|_| column.push(Some(Cell::Text(text.clone()))));
+        let mut group = writer.next_row_group().unwrap();
+        column.write(&mut group).unwrap();
+        group.close().unwrap();
+        writer.into_inner().unwrap().into()
+    }
+
+    fn texts(file: &Bytes) -> Result<usize, String> {
+        let reader = SerializedFileReader::new(file.clone()).unwrap();
+        Group::open(&reader, 0)?.texts("record").map(|texts| texts.len())
+    }
+
+    #[test]
+    fn few_bytes_do_not_become_many() {
+        assert_eq!(texts(&file(500, 20_000)), Ok(500));
+        // A dictionary of one text, and pages of one text each.
+        for (rows, length) in [(2000, 200_000), (30, 3 << 20), (100_000, 1)] {
+            let bomb = file(rows, length);
+            println!("{} bytes for {rows} texts of {length}", bomb.len());
+            assert!(bomb.len() < 200_000);
+            let refused = texts(&bomb);
+            assert!(
+                refused.as_ref().is_err_and(|why| why.contains("must be at most")),
+                "{refused:?}"
+            );
+        }
     }
 }

@@ -14,13 +14,14 @@ use crate::rows::group::{Group, Named};
 use crate::set::marker::Marker;
 use crate::set::opened::Set;
 use crate::storage::layout;
+use crate::storage::store::MOST_OBJECT_BYTES;
 
-/// Longest file of rows: a hundred thousand records, the most that a shard has, are a tenth of it.
-const MOST_ROWS_BYTES: u64 = 4 << 30;
 /// Longest artifact: the limit of the service for a frame.
 const MOST_ARTIFACT_BYTES: u64 = 512 << 20;
 /// Images that stay in memory between the check and the use; those of longer shards are read twice.
 const KEPT_IMAGES: u64 = 5000;
+/// Bytes of records that stay in memory between the check and the use.
+const KEPT_BYTES: usize = 64 << 20;
 /// 9999-12-31: later times have no usual form.
 const LAST_MS: i64 = 253_402_300_799_999;
 
@@ -155,9 +156,9 @@ impl Set {
 
     fn rows_file(&self, marker: &Marker) -> Result<Bytes, SetError> {
         let (name, sum) = (marker.rows_name(), &marker.rows);
-        if sum.bytes > MOST_ROWS_BYTES {
+        if sum.bytes > MOST_OBJECT_BYTES {
             return Err(SetError::Damaged(format!(
-                "{name} has {} bytes; must be at most {MOST_ROWS_BYTES}",
+                "{name} has {} bytes; must be at most {MOST_OBJECT_BYTES}",
                 sum.bytes
             )));
         }
@@ -187,6 +188,7 @@ impl Set {
             ));
         }
         let (mut kept, mut digests, mut next) = (Vec::new(), Vec::new(), frames.start);
+        let mut bytes = 0;
         for number in 0..reader.num_row_groups() {
             let images = images(&name, &reader, number, &marker.tar_name())?;
             for image in &images {
@@ -213,8 +215,14 @@ impl Set {
                     .map_err(|reason| SetError::damaged(&name, format!("frame {frame}: {reason}")))?;
                 digests.push(image.record.digest().to_owned());
             }
-            if marker.images <= KEPT_IMAGES {
+            bytes += images
+                .iter()
+                .map(|image| image.record.as_str().len())
+                .sum::<usize>();
+            if marker.images <= KEPT_IMAGES && bytes <= KEPT_BYTES {
                 kept.push(images);
+            } else {
+                kept.clear();
             }
         }
         let digest = spec::job_digest(digests.iter().map(String::as_str));

@@ -29,6 +29,8 @@ const PAUSES: BackoffConfig = BackoffConfig {
     max_backoff: Duration::from_secs(3),
     base: 3.0,
 };
+/// Longest object that is read as a whole: the rows of a shard, a hundred thousand records at most.
+pub(crate) const MOST_OBJECT_BYTES: u64 = 512 << 20;
 /// Attempts to create an object while its existence is unknown.
 const CREATE_TRIES: usize = 3;
 
@@ -118,8 +120,32 @@ impl Store {
 
     /// The bytes of an object; `None` if there is none.
     pub(crate) fn get(&self, name: &str) -> Result<Option<Vec<u8>>, SetError> {
+        self.check_regular(name)?;
         let path = self.path(name);
-        self.found(async { Ok(self.objects.get(&path).await?.bytes().await?.to_vec()) })
+        let found = self.found(async {
+            let found = self.objects.get(&path).await?;
+            match found.meta.size {
+                ..=MOST_OBJECT_BYTES => Ok(Ok(found.bytes().await?.to_vec())),
+                size => Ok(Err(size)),
+            }
+        })?;
+        found.transpose().map_err(|size| {
+            SetError::Damaged(format!(
+                "{name} has {size} bytes; must be at most {MOST_OBJECT_BYTES}"
+            ))
+        })
+    }
+
+    /// Rejects anything but a regular file: opening a pipe would wait for its writer. The object store reports absent files.
+    fn check_regular(&self, name: &str) -> Result<(), SetError> {
+        match &self.location {
+            Location::Folder(root)
+                if std::fs::metadata(root.join(name)).is_ok_and(|found| !found.is_file()) =>
+            {
+                Err(SetError::Damaged(format!("{name} is not a regular file")))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// A part of an object that is there.
@@ -127,6 +153,7 @@ impl Store {
     /// # Errors
     /// [`SetError::Damaged`] if it is not there; otherwise [`SetError`] of the store.
     pub fn range(&self, name: &str, range: Range<u64>) -> Result<Bytes, SetError> {
+        self.check_regular(name)?;
         let path = self.path(name);
         self.wait(self.objects.get_range(&path, range))
     }
@@ -136,6 +163,7 @@ impl Store {
     /// # Errors
     /// [`SetError`] of the store.
     pub fn entry(&self, name: &str) -> Result<Option<Entry>, SetError> {
+        self.check_regular(name)?;
         let path = self.path(name);
         let found = self.found(self.objects.head(&path))?;
         Ok(found.map(|meta| self.listed(&meta)))

@@ -26,6 +26,8 @@ pub(super) enum Call {
     /// Blobs of a pack under compaction, to be stored in the open pack.
     Move(u32, Vec<CheckedBlob>, Reply<()>),
     Delete(Vec<Digest>, Reply<u64>),
+    /// Writes and syncs a page without a change of content.
+    Check(Reply<()>),
     /// Removes a pack without blobs.
     Remove(u32, Reply<bool>),
 }

@@ -10,7 +10,7 @@ use super::call::{Call, CheckedBlob, GROUP_BYTES, Reply, Shared};
 use crate::digest::Digest;
 use crate::error::StoreError;
 use crate::index::Location;
-use crate::pack::{delete_entries, remove_log, transaction};
+use crate::pack::{delete_entries, remove_log, touch, transaction};
 
 pub(super) struct Task {
     pub(super) shared: Arc<Shared>,
@@ -33,6 +33,7 @@ impl Task {
                 Call::Put(blobs, reply) => waiting = self.put(blobs, reply, &mut queue).await,
                 Call::Move(from, blobs, reply) => drop(reply.send(self.move_blobs(from, blobs).await)),
                 Call::Delete(digests, reply) => drop(reply.send(self.delete(digests).await)),
+                Call::Check(reply) => drop(reply.send(self.check_writes().await)),
                 Call::Remove(pack, reply) => drop(reply.send(self.remove(pack).await)),
             }
         }
@@ -124,6 +125,15 @@ impl Task {
             }
         }
         Ok(())
+    }
+
+    async fn check_writes(&mut self) -> Result<(), StoreError> {
+        let (_, connection) = self.pack().await?;
+        let written = touch(connection).await.map_err(StoreError::from);
+        if matches!(&written, Err(error) if !matches!(error, StoreError::Full { .. })) {
+            self.open = None;
+        }
+        written
     }
 
     /// Removes blobs from the index first, so that no reader looks for a deleted entry. Failed deletions are

@@ -8,7 +8,7 @@ const MAX_DEPTH: usize = 64;
 
 /// ONNX messages that can contain a tensor.
 #[derive(Clone, Copy, PartialEq)]
-enum TensorMessage {
+pub(super) enum TensorMessage {
     Model,
     Training,
     Graph,
@@ -21,7 +21,7 @@ enum TensorMessage {
 
 impl TensorMessage {
     /// The message type of a field, if it can contain a tensor.
-    fn nested(self, field: u32) -> Option<Self> {
+    pub(super) fn nested(self, field: u32) -> Option<Self> {
         Some(match (self, field) {
             (Self::Model, 7) | (Self::Training, 1 | 2) | (Self::Attribute, 6 | 11) => Self::Graph,
             (Self::Model, 20) => Self::Training,

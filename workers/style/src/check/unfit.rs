@@ -23,6 +23,24 @@ pub enum Unfit {
         /// The tensor's name.
         tensor: String,
     },
+    /// Loading it takes too long.
+    #[error("it has more than {most} nodes, the limit of a style")]
+    TooManyNodes {
+        /// The limit.
+        most: usize,
+    },
+    /// A tensor is larger than the file can hold.
+    #[error(
+        "its tensor `{tensor}` has the sides {sides:?}, which are more than {most} elements together with its other tensors"
+    )]
+    TooLarge {
+        /// The tensor's name.
+        tensor: String,
+        /// Its sides.
+        sides: Vec<u64>,
+        /// The limit.
+        most: u64,
+    },
     /// It does not load, fails, or returns an invalid picture.
     #[error(transparent)]
     Fails(#[from] StyleError),

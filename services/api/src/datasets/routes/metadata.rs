@@ -23,7 +23,9 @@ pub(crate) struct Parameters {
 
 /// Export the metadata of a dataset's images, one JSON object per line.
 ///
-/// Parameters, labels, metrics, counts, digests of the artifacts. Every row has the same members.
+/// Parameters, labels, metrics, counts, digests of the artifacts. Every row has the same members. Damaged
+/// rows are left out and named in the header `Fathom-Damaged`. If one is found after the header was sent, the response is
+/// cut short; a repeated request leaves it out.
 #[utoipa::path(get, path = "/v1/datasets/{name}/metadata.jsonl", tag = "datasets", operation_id = "export_metadata_jsonl",
     params(("name" = String, Path, description = "Name of the dataset"), Parameters),
     responses((status = 200, description = "One object per line.", content_type = "application/x-ndjson", body = String)))]
@@ -41,7 +43,8 @@ pub(crate) async fn jsonl(
 /// Export the metadata of a dataset's images as CSV.
 ///
 /// The first line has the column names; absent values are empty. Text that a spreadsheet would read as a formula is
-/// prefixed with an apostrophe.
+/// prefixed with an apostrophe. Damaged rows are left out and named in the header `Fathom-Damaged`. If one is found after
+/// the header was sent, the response is cut short; a repeated request leaves it out.
 #[utoipa::path(get, path = "/v1/datasets/{name}/metadata.csv", tag = "datasets", operation_id = "export_metadata_csv",
     params(("name" = String, Path, description = "Name of the dataset"), Parameters),
     responses((status = 200, description = "RFC 4180.", content_type = "text/csv", body = String)))]
@@ -92,8 +95,9 @@ impl Table {
         let mut first = self.batch(None, write).await?;
         head.append(&mut first.bytes);
         first.bytes = head;
+        let known = self.known_damage().await?;
         let table = Arc::new(self);
-        Ok(lines::respond(media_type, first, move |cursor| {
+        Ok(lines::respond(media_type, first, known, move |cursor| {
             let table = Arc::clone(&table);
             async move { table.batch(Some(cursor), write).await }
         }))
@@ -113,7 +117,21 @@ impl Table {
         Ok(Batch {
             bytes: write(&self.columns, page.items)?,
             next: page.next_cursor,
+            damaged: page.damaged,
         })
+    }
+
+    /// Rows of the dataset that were found damaged before.
+    async fn known_damage(&self) -> Result<Vec<String>, Problem> {
+        let dataset = self.dataset.split('@').next();
+        let mut known = Vec::new();
+        for damage in self.catalogue.damaged_images() {
+            let job = self.catalogue.job(&damage.image.job).await?;
+            if job.is_some_and(|job| Some(job.dataset.as_str()) == dataset) {
+                known.push(damage.what);
+            }
+        }
+        Ok(known)
     }
 }
 

@@ -5,3 +5,4 @@ pub(crate) mod hosts;
 pub(crate) mod listener;
 pub(crate) mod patient;
 pub(crate) mod receive;
+pub(crate) mod spool;

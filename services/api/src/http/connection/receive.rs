@@ -12,6 +12,7 @@ use futures::{StreamExt, stream};
 use hyper::body::Body as _;
 use tokio::time::{Instant, timeout_at};
 
+use super::spool::{Spool, SpooledBody};
 use crate::http::budget::{Budget, Permit, identify_caller};
 use crate::http::problem::{Problem, Slug};
 use crate::limits::BODY_BYTES_PER_S;
@@ -25,8 +26,10 @@ pub(crate) struct Receiving {
     pub(crate) max_bytes: usize,
     /// Time for a body in addition to the time allowed by its bytes.
     pub(crate) grace: Duration,
-    /// Budget of bodies in memory, KiB.
+    /// Budget of bodies in memory or on disk, KiB.
     pub(crate) memory: Budget,
+    /// Where bodies are kept; absent: in memory.
+    pub(crate) spool: Option<Spool>,
 }
 
 /// Receives the whole body of a request and passes it on. Its bytes count until the response.
@@ -46,16 +49,40 @@ pub(crate) async fn receive(
     if is_beyond {
         return Err(receiving.discarded(body.into_data_stream()).await);
     }
-    let Received { pieces, _memory } = receiving.whole(body, &caller).await?;
-    let pieces = pieces.into_iter().map(Ok::<_, std::convert::Infallible>);
-    let body = Body::from_stream(stream::iter(pieces));
+    let Received { kept, _memory } = receiving.whole(body, &caller).await?;
+    let (body, _turn) = match (kept, &receiving.spool) {
+        (Kept::OnDisk(body), Some(spool)) => {
+            let turn = spool.take_turn(&body).await?;
+            (body.into_body().await?, Some(turn))
+        }
+        (Kept::OnDisk(body), None) => (body.into_body().await?, None),
+        (Kept::InMemory(pieces), _) => {
+            let pieces = pieces.into_iter().map(Ok::<_, std::convert::Infallible>);
+            (Body::from_stream(stream::iter(pieces)), None)
+        }
+    };
     Ok(next.run(Request::from_parts(parts, body)).await)
 }
 
-/// A body in memory.
+/// A received body.
 struct Received {
-    pieces: Vec<Bytes>,
+    kept: Kept,
     _memory: Vec<Permit>,
+}
+
+enum Kept {
+    InMemory(Vec<Bytes>),
+    OnDisk(SpooledBody),
+}
+
+impl Kept {
+    async fn add(&mut self, piece: Bytes) -> Result<(), Problem> {
+        match self {
+            Self::InMemory(pieces) => pieces.push(piece),
+            Self::OnDisk(body) => body.add(&piece).await?,
+        }
+        Ok(())
+    }
 }
 
 impl Receiving {
@@ -64,7 +91,10 @@ impl Receiving {
         let mut coming = body.into_data_stream();
         let (mut bytes, mut places) = (0, 0);
         let mut received = Received {
-            pieces: Vec::new(),
+            kept: match &self.spool {
+                Some(spool) => Kept::OnDisk(spool.begin()?),
+                None => Kept::InMemory(Vec::new()),
+            },
             _memory: Vec::new(),
         };
         loop {
@@ -88,7 +118,7 @@ impl Receiving {
                     .push(self.memory.acquire_many(caller, count).await?);
                 places += more;
             }
-            received.pieces.push(piece);
+            received.kept.add(piece).await?;
         }
     }
 
@@ -135,6 +165,7 @@ mod tests {
             max_bytes,
             grace: GRACE,
             memory: Budget::new("bodies", memory_kib, Share { percent: 100 }, Duration::ZERO),
+            spool: None,
         }
     }
 
@@ -148,8 +179,10 @@ mod tests {
     }
 
     async fn bytes(receiving: &Receiving, body: Body) -> Result<usize, Problem> {
-        let received = receiving.whole(body, "a").await?;
-        Ok(received.pieces.iter().map(Bytes::len).sum())
+        match receiving.whole(body, "a").await?.kept {
+            Kept::InMemory(pieces) => Ok(pieces.iter().map(Bytes::len).sum()),
+            Kept::OnDisk(_) => Err(Problem::internal(&"it has no folder")),
+        }
     }
 
     #[tokio::test(start_paused = true)]

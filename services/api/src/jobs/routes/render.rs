@@ -4,6 +4,7 @@ use catalogue::{JobRow, JobState};
 
 use crate::http::extract::{PreferredWait, Submitter, listed};
 use crate::http::located::located;
+use crate::http::stored::GUARDED;
 use crate::http::{Json, JsonBytes, Problem, Slug, State, Topic};
 use crate::jobs::Jobs;
 use crate::jobs::direct::OnLeave;
@@ -56,7 +57,8 @@ pub(crate) async fn create(
         if let Some(live) = &jobs.processes.live
             && let Some(drawn) = live.draw(&job, &submitter.owner).await
         {
-            return Ok(([(header::CONTENT_TYPE, drawn.media_type)], drawn.bytes).into_response());
+            let media_type = [(header::CONTENT_TYPE, drawn.media_type)];
+            return Ok((media_type, GUARDED, drawn.bytes).into_response());
         }
     }
     let submission = Submission {

@@ -14,11 +14,12 @@ pub(crate) async fn livez() -> &'static str {
     "ok\n"
 }
 
-/// Check whether requests can be served: the catalogue is readable, there is space, the service is not stopping, and
-/// none of its workers was dismissed.
+/// Check whether requests can be served: the catalogue is readable, there is space, writes work, the service is not
+/// stopping, and none of its workers was dismissed.
 ///
-/// A full disk is checked again each time; the status is 200 as soon as there is space. Damage found since the start
-/// is listed in the body, one item per line; damaged items are not served.
+/// A full disk and failed writes are checked again each time; the status is 200 as soon as writes work. With
+/// damage found since the start and not restored yet, the status is 200 and the body is `degraded` and one line for each
+/// damaged item. Damaged items are not served.
 #[utoipa::path(get, path = "/readyz", tag = "operations", operation_id = "get_readiness", security(()),
     responses((status = 200, description = "Ready.", body = String),
               (status = 507, response = crate::openapi::Problem)))]
@@ -29,6 +30,9 @@ pub(crate) async fn readyz(State(operations): Topic<Operations>) -> Result<Strin
     if operations.bytes.space.is_full().await {
         let detail = "the data folder has no space left; reads still work";
         return Err(Problem::new(Slug::StorageFull, detail));
+    }
+    if let Some(reason) = operations.bytes.write_failure().await {
+        return Err(Problem::new(Slug::StorageFailed, reason));
     }
     let dismissed = operations.leases.dispatch.dismissed_own();
     if !dismissed.is_empty() {
@@ -44,8 +48,13 @@ pub(crate) async fn readyz(State(operations): Topic<Operations>) -> Result<Strin
         .await
         .map_err(|error| Problem::overloaded(error.to_string()))?;
     let damage = operations.catalogue.damage();
+    let state = if damage.is_empty() {
+        "ready\n"
+    } else {
+        "degraded\n"
+    };
     let lines = damage.iter().map(|what| format!("damaged: {what}\n"));
-    Ok(["ready\n".to_owned()].into_iter().chain(lines).collect())
+    Ok([state.to_owned()].into_iter().chain(lines).collect())
 }
 
 /// Versions of the running software.

@@ -7,6 +7,7 @@ use utoipa::{IntoParams, ToSchema};
 use crate::decode::{EnhanceRequest, Request};
 use crate::http::form::{Form, Kind};
 use crate::http::picture::PictureFormat;
+use crate::http::stored::GUARDED;
 use crate::http::{MultipartBody, Problem, Query, State, Topic};
 use crate::openapi::Bytes;
 use crate::pictures::Pictures;
@@ -70,7 +71,8 @@ pub(crate) async fn enhance(
     });
     let enhanced = pictures.run::<String>(&request, &form, &["picture"]).await?;
     let (bytes, warnings) = (enhanced.result().await?, &enhanced.reply);
-    let mut response = ([(header::CONTENT_TYPE, media_type)], bytes).into_response();
+    let media_type = [(header::CONTENT_TYPE, media_type)];
+    let mut response = (media_type, GUARDED, bytes).into_response();
     if let Ok(codes) = HeaderValue::from_str(warnings) {
         response.headers_mut().insert(WARNINGS, codes);
     }

@@ -17,5 +17,6 @@ pub(crate) async fn list(
     Ok(Json(Page {
         items: page.items.into_iter().map(|row| view(row, None)).collect(),
         next_cursor: page.next_cursor,
+        damaged: page.damaged,
     }))
 }

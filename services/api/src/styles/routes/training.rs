@@ -5,6 +5,7 @@ use serde_json::Value;
 use style::ModelCard;
 use utoipa::{IntoParams, ToSchema};
 
+use crate::http::stored::GUARDED;
 use crate::http::{Json, Path, Problem, Query, State, Topic, bounds};
 use crate::openapi::{Bytes, StyleCard};
 use crate::styles::Styles;
@@ -132,7 +133,7 @@ pub(crate) async fn preview(
         (header::CONTENT_TYPE, "image/png"),
         (header::CACHE_CONTROL, "no-store"),
     ];
-    Ok((head, bytes).into_response())
+    Ok((head, GUARDED, bytes).into_response())
 }
 
 /// Cancel a training.

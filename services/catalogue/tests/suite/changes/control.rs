@@ -144,7 +144,7 @@ async fn results_and_failures_come_in_frame_order_page_by_page() {
     let mut frames = Vec::new();
     let mut after = None;
     loop {
-        let page = at.catalogue.results("job_a", after, 2).await.unwrap();
+        let page = at.catalogue.results("job_a", after, 2).await.unwrap().rows;
         let Some(last) = page.last() else { break };
         after = last["frame"].as_u64();
         frames.extend(page.iter().map(|image| image["frame"].as_u64().unwrap()));

@@ -46,7 +46,14 @@ async fn a_deleted_job_is_out_of_sight_at_once_and_its_dataset_counts_without_it
     assert_eq!(at.catalogue.job("job_a").await.unwrap(), None);
     assert_eq!(at.catalogue.image("job_a", 0).await.unwrap(), None);
     assert_eq!(at.catalogue.artifact("job_a", 0, "rgb").await.unwrap(), None);
-    assert!(at.catalogue.results("job_a", None, 9).await.unwrap().is_empty());
+    assert!(
+        at.catalogue
+            .results("job_a", None, 9)
+            .await
+            .unwrap()
+            .rows
+            .is_empty()
+    );
     assert_eq!(at.all_failures("job_a").await, []);
     assert!(
         at.catalogue

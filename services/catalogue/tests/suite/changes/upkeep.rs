@@ -19,7 +19,7 @@ async fn a_copy_made_while_images_come_in_opens_and_is_sound() {
     assert_eq!(restored.integrity_check().await.unwrap(), [""; 0]);
     let job = restored.job("job_a").await.unwrap().unwrap();
     assert!(job.done >= 100, "{}", job.done);
-    let last = restored.results("job_a", None, u32::MAX).await.unwrap();
+    let last = restored.results("job_a", None, u32::MAX).await.unwrap().rows;
     assert_eq!(last.len() as u64, job.done);
     // It goes on where the copy ends.
     synthetic::fill(&std::sync::Arc::new(restored), "job_a", 0..3000, 0)

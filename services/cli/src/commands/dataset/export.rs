@@ -21,7 +21,7 @@ mod output;
 
 use cli::exit::Failure;
 use cli::progress::Progress;
-use client::ImageQuery;
+use client::{ImageQuery, PAGE_ROWS};
 
 pub(crate) use arguments::Arguments;
 use files::split::Splits;
@@ -30,6 +30,9 @@ use formats::tables::list_mixed;
 use input::order::Order;
 use input::selection::Selection;
 use output::work::Export;
+
+/// How many times as many images as were counted may be listed, while jobs of the dataset are running.
+const MOST_GROWTH: u64 = 2;
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -72,6 +75,18 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut progress = Progress::new("export", "images", selection.images);
     for rows in client.image_pages(query) {
         export.add(rows?)?;
+        if export.images()
+            > selection
+                .images
+                .saturating_mul(MOST_GROWTH)
+                .saturating_add(PAGE_ROWS as u64)
+        {
+            return Err(Failure::Other(anyhow::anyhow!(
+                "the service counted {} images and lists more than {}; check the address of the service",
+                selection.images,
+                export.images()
+            )));
+        }
         progress.set(export.images());
     }
     progress.finish();

@@ -112,7 +112,7 @@ async fn rows(data: &Data, mut repair: Option<&mut Repair>, findings: &mut Findi
     let mut integrity = whole(data).await?;
     let damaged = match data.catalogue.damaged_rows().await {
         Ok(rows) => rows,
-        Err(CatalogueError::Damaged { what }) => {
+        Err(CatalogueError::Damaged { what, .. }) => {
             integrity.push(format!("{what}: restore a backup"));
             Vec::new()
         }
@@ -149,7 +149,7 @@ async fn rows(data: &Data, mut repair: Option<&mut Repair>, findings: &mut Findi
 /// Damage of the catalogue's file, which may be too large for SQLite's own check.
 async fn whole(data: &Data) -> anyhow::Result<Vec<String>> {
     match data.catalogue.integrity_check().await {
-        Err(CatalogueError::Damaged { what }) => Ok(vec![what]),
+        Err(CatalogueError::Damaged { what, .. }) => Ok(vec![what]),
         other => Ok(other?),
     }
 }

@@ -60,12 +60,12 @@ fn import(
     let known = runtime.block_on(intake.known()).map_err(stored)?;
     let missing = missing(set, &known)?;
     let (mut tally, mut bar, mut storing) = (Tally::default(), None, None);
-    let job = intake.id().to_owned();
+    let (id, job) = (intake.id().to_owned(), intake.job());
     read_all(
         set,
         &missing,
         |part| {
-            let images = api::prepare(&data.catalogue, &job, part.images).map_err(stored)?;
+            let images = api::prepare(&data.catalogue, &id, &job, part.images).map_err(Failure::input)?;
             Ok((images, part.shard))
         },
         |(images, shard)| {
