@@ -4,3 +4,4 @@ mod bombs;
 mod cancel;
 mod chaos;
 mod flood;
+mod liars;

@@ -35,7 +35,8 @@ pub use error::{CatalogueError, FilterError};
 pub use maintenance::replica::REPLICA_ROWS;
 pub use maintenance::scrub::DamagedRow;
 pub use types::{
-    Histogram, Idempotency, ImageQuery, ImportedArtifact, ImportedShard, InsertImage, InsertJob, NamedDigest,
-    NewJob, NewShard, OpenJob, Place, Retried, SceneRow, ShardEnd, StoredArtifact,
+    Delivery, DueCheck, Histogram, Idempotency, ImageQuery, ImportedArtifact, ImportedShard, InsertImage,
+    InsertJob, NamedDigest, NewJob, NewShard, OpenJob, Place, Retried, SceneRow, Settled, ShardEnd,
+    StoredArtifact,
 };
 pub use uploads::waters::WaterRow;

@@ -2,9 +2,12 @@
 
 pub(crate) mod control;
 mod follow;
+mod machines;
 pub(crate) mod probe;
+mod rounding;
 pub(crate) mod routes;
 mod submit;
+mod verdict;
 mod wait;
 
 use std::sync::Arc;
@@ -55,7 +58,7 @@ impl Jobs {
     /// A stored job, with a warning if it waits for a compatible worker.
     pub(crate) async fn get(&self, id: &str) -> Result<JobRow, Problem> {
         let mut row = found(self.catalogue.job(id).await?, "job", id)?;
-        row.warnings.extend(self.leases.dispatch.waits_for(id));
+        row.warnings.extend(self.leases.dispatch.warnings(id));
         if !row.state.has_ended() && self.check_version(id).await.is_err() {
             row.warnings.push(EARLIER_VERSION.to_owned());
         }
@@ -68,6 +71,10 @@ impl Jobs {
         if !jobs.is_empty() {
             tracing::info!(jobs = jobs.len(), "resuming unfinished jobs");
         }
+        let rows: Vec<JobRow> = jobs.iter().map(|job| job.row.clone()).collect();
+        self.leases
+            .proofs
+            .resume(&rows, self.catalogue.due_checks().await?);
         for job in jobs {
             let description = self.catalogue.description(&job.row.id).await?;
             if description.is_some_and(|text| is_of_earlier_version(&text)) {

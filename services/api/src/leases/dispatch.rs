@@ -93,6 +93,7 @@ impl Dispatch {
             strikes,
             paused: row.state == JobState::Paused,
             made: provenance.as_ref().map(Toolchain::from_provenance),
+            mixed: row.mixed,
         });
         drop(state);
         self.work.notify_waiters();

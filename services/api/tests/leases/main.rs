@@ -26,4 +26,5 @@ mod fake_service;
 mod poison;
 mod promises;
 mod simulation;
+mod toolchains;
 mod workers;

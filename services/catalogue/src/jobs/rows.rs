@@ -353,5 +353,8 @@ pub(super) fn row(row: &SqliteRow) -> Result<JobRow, CatalogueError> {
         priority: cells.take()?,
         spec_digest: cells.take()?,
         set: cells.take()?,
+        unproven: cells.take::<Option<i64>>()?.unwrap_or(0) as u64,
+        mixed: cells.take::<Option<bool>>()?.unwrap_or(false),
+        distrusted: cells.take::<Option<bool>>()?.unwrap_or(false),
     })
 }

@@ -4,7 +4,7 @@ use sqlx::SqlSafeStr;
 use sqlx::migrate::{Migration, MigrationType, Migrator};
 
 /// The files of `migrations/`, in order: description and text. A file's version is its place, from 1.
-const FILES: [(&str, &str); 16] = [
+const FILES: [(&str, &str); 17] = [
     (
         "catalogue",
         include_str!("../../../../migrations/0001_catalogue.sql"),
@@ -45,6 +45,7 @@ const FILES: [(&str, &str); 16] = [
         "scene_numbers",
         include_str!("../../../../migrations/0016_scene_numbers.sql"),
     ),
+    ("proofs", include_str!("../../../../migrations/0017_proofs.sql")),
 ];
 
 /// The migrator that brings any older catalogue up to date.

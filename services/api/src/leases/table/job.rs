@@ -14,6 +14,8 @@ const LONGEST_PAUSE_MS: u64 = 30_000;
 pub(crate) struct Job {
     pub(crate) priority: i32,
     pub(crate) held_back: bool,
+    /// Whether its frames may come from different programs and machines.
+    pub(crate) mixed: bool,
     /// Time of the last grant, counted in grants: the job that has waited longest goes first.
     pub(crate) served: u64,
     /// Provenance of its images; `None` before the first.
@@ -48,6 +50,7 @@ impl Job {
         let mut job = Self {
             priority: entry.priority,
             held_back: entry.paused,
+            mixed: entry.mixed,
             served: 0,
             made: entry.made.clone(),
             frames: entry.frames,

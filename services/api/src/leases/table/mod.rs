@@ -29,6 +29,7 @@ use wire::messages::{BeatResponse, RegisterRequest};
 use self::job::Job;
 use self::lease::Leases;
 use self::suspects::Suspects;
+pub use self::toolchain::Misfits;
 pub use self::types::{Grant, JobEntry, Millis, Rules, Stale, StrikeEvent, Toolchain, Totals};
 pub use types::TERM_MS;
 
