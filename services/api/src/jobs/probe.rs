@@ -91,7 +91,7 @@ impl Jobs {
                 Some(Verdict::Good) => self.leases.probes.mark_good(&probe),
                 None | Some(Verdict::Open(_)) => self.leases.probes.mark_inconclusive(&probe),
                 Some(Verdict::Differs(_)) => {
-                    self.dismiss(&probe.worker).await;
+                    self.leases.dispatch.dismiss(&probe.worker);
                     for (job, frames) in self.leases.probes.take(&probe.worker) {
                         self.take_back(&probe.worker, &job, frames).await;
                     }
@@ -124,7 +124,7 @@ impl Jobs {
     /// Renders all frames of a worker again that were not checked themselves, and has every other delivery of the job
     /// checked: the worker may have been there under other names.
     async fn reject_worker(self: &Arc<Self>, check: &DueCheck) -> Result<(), CatalogueError> {
-        self.dismiss(&check.worker).await;
+        self.leases.dispatch.dismiss(&check.worker);
         let mut by_job: BTreeMap<String, Vec<u64>> = BTreeMap::new();
         for (job, frame) in self.catalogue.unchecked_frames(&check.worker).await? {
             by_job.entry(job).or_default().push(frame);
@@ -136,11 +136,6 @@ impl Jobs {
         let checks = self.catalogue.distrust(&check.job).await?;
         self.leases.proofs.push(checks);
         Ok(())
-    }
-
-    async fn dismiss(&self, worker: &str) {
-        let events = self.leases.dispatch.dismiss(worker);
-        self.leases.record_strikes(events).await;
     }
 
     async fn take_back(self: &Arc<Self>, worker: &str, job: &str, frames: Vec<u64>) {

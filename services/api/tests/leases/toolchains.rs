@@ -152,3 +152,18 @@ fn a_runtime_that_cannot_be_checked_excludes_its_worker_from_the_job() {
     table.register("same", worker("2", Some("1.22")), now);
     assert!(table.grant("same", now, 3, 0.0).is_some());
 }
+
+#[test]
+fn a_dismissed_worker_returns_its_frames_without_a_strike() {
+    let now = Millis(0);
+    let mut table = LeaseTable::new();
+    table.register("liar", worker("1", None), now);
+    table.add_job(job("a", 1));
+    for token in 1..=4 {
+        let grant = table.grant("liar", now, token, 0.0).unwrap();
+        assert_eq!(grant.frames, [(0, 1)], "the first attempt each time");
+        table.dismiss("liar", now);
+        assert!(!table.has_worker("liar"));
+        table.register("liar", worker("1", None), now);
+    }
+}
