@@ -4,4 +4,5 @@ mod bombs;
 mod cancel;
 mod chaos;
 mod flood;
+mod liars;
 mod uploads;

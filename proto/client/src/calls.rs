@@ -21,6 +21,10 @@ pub enum JobChange {
     Resume,
     /// Try its failed frames again.
     RetryFailed,
+    /// Let workers of any version and kind of machine render its frames.
+    FinishElsewhere,
+    /// Remove its images and render it from the beginning.
+    StartAgain,
 }
 
 impl JobChange {
@@ -30,6 +34,8 @@ impl JobChange {
             Self::Pause => "pause",
             Self::Resume => "resume",
             Self::RetryFailed => "retry-failed",
+            Self::FinishElsewhere => "finish-elsewhere",
+            Self::StartAgain => "start-again",
         }
     }
 }

@@ -28,6 +28,9 @@ pub use camera::{
 };
 pub use classes::{Classes, SceneCategory, Segment};
 pub use collection::{MAX_COLLECTION, is_collection};
+pub use comparison::{
+    Agreement, RecordDifference, UNCOMPARED_MEMBERS, compare_records, compare_values, find_unknown_members,
+};
 pub use daylight::{Daylight, NamedDaylight, Sky};
 pub use declared::{fields, table};
 use declared::{leaves, rules, vocabulary};
@@ -62,7 +65,7 @@ pub use own_water::{JERLOV_TYPES, OwnWater};
 pub use recent::RecentJobs;
 pub use record::{ArtifactEntry, Counts, FrameRecord, Promise, Provenance, RecordOf, job_digest};
 pub use record_text::{BriefRecord, RecordText, Sound};
-use records::{merkle, record, record_text, scene_record, set_state, shard_member};
+use records::{comparison, merkle, record, record_text, scene_record, set_state, shard_member};
 pub use rules::{CameraRules, Fault, WaterConditions, WaterRules};
 pub use scene::{Scene, SceneLighting};
 pub use scene_files::{RangeFile, RangeKind, SceneFiles};

@@ -1,5 +1,6 @@
 //! Records of frames and shards.
 
+pub(crate) mod comparison;
 pub(crate) mod merkle;
 pub(crate) mod record;
 pub(crate) mod record_text;

@@ -81,9 +81,10 @@ class Bar {
   }
 
   draw() {
-    const { done, failed, frames, state } = this.job;
+    const { done, failed, frames, state, unproven } = this.job;
     this.meter.value = done + failed;
-    put(this.numbers, `${number(done)} of ${number(frames)}`, failed > 0 && h("span.bad", {}, `, ${number(failed)} failed`));
+    put(this.numbers, `${number(done)} of ${number(frames)}`, failed > 0 && h("span.bad", {}, `, ${number(failed)} failed`),
+      unproven > 0 && h("span.bad", {}, `, ${number(unproven)} unproven`));
     const rate = this.rate();
     const rest = state === "running" && rate > 0 ? `, ${duration((frames - done - failed) / rate)} left` : "";
     put(this.words, state.replaceAll("_", " "), rate > 0 && ` · ${number(rate, 3)} frames/s${rest}`);
@@ -105,6 +106,7 @@ class JobView {
     this.controls = h("div.row.above");
     this.wrong = h("div", { "aria-live": "polite" });
     this.workers = h("div");
+    this.machines = h("div", { "aria-live": "polite" });
     this.facts = h("section.panel");
     this.tiles = h("div.tiles");
     this.images = h("section.panel", { hidden: true }, h("h2", {}, "First images"), this.tiles);
@@ -115,14 +117,15 @@ class JobView {
     this.shownTiles = 0;
     this.isWatched = false;
     root.append(heading(`Job of ${job.dataset}`, h("a", { href: `#/dataset/${path(job.dataset)}` }, "To its dataset")), h("div.note.big", {}, this.bar.element, this.bar.words),
-      this.controls, this.wrong, this.workers, this.images, this.warnings, this.failures, this.facts, this.description,
-      same(`GET ${this.base}`, `GET ${this.base}/description`, `GET ${this.base}/events`, `POST ${this.base}/pause`, `POST ${this.base}/retry-failed`, `fathom wait ${id}`,
+      this.controls, this.wrong, this.machines, this.workers, this.images, this.warnings, this.failures, this.facts, this.description,
+      same(`GET ${this.base}`, `GET ${this.base}/description`, `GET ${this.base}/events`, `POST ${this.base}/pause`, `POST ${this.base}/retry-failed`, `POST ${this.base}/finish-elsewhere`, `POST ${this.base}/start-again`, `fathom wait ${id}`,
         `fathom pause ${id}`, `fathom errors ${id}`, `fathom retry ${id}`));
   }
 
   async start() {
     this.draw();
     if (OPEN.includes(this.bar.job.state)) this.watch();
+    this.watchMachines().catch(() => {});
     await Promise.all([this.showDescription(), this.showTiles()]);
   }
 
@@ -131,7 +134,10 @@ class JobView {
     const isOpen = OPEN.includes(job.state);
     const compose = this.composed && h("a", { href: `#/compose?job=${encodeURIComponent(print(this.composed))}` }, "Compose from this");
     put(this.controls, this.button("pause", "Pause", isOpen && job.state !== "paused"), this.button("resume", "Resume", job.state === "paused"),
-      this.button("cancel", "Cancel", isOpen), this.button("retry-failed", "Retry failed frames", job.failed > 0 && !isOpen), compose);
+      this.button("cancel", "Cancel", isOpen), this.button("retry-failed", "Retry failed frames", job.failed > 0 && !isOpen),
+      this.button("finish-elsewhere", "Finish on other machines", isOpen && !job.mixed && job.warnings?.length > 0),
+      this.button("start-again", "Start again", (isOpen && job.warnings?.length > 0) || job.unproven > 0), compose);
+    put(this.machines, (job.warnings ?? []).map((warning) => h("p.note.bad", {}, warning)));
     put(this.facts, h("h2", {}, "Job"), table(["", ""], [["id", h("code", {}, this.id)], ["submitted", when(job.created_at)], ["started", when(job.started_at)],
       ["finished", when(job.finished_at)], ["bytes", bytes(job.bytes)],
       ["price", job.price ? `${duration(job.price.slot_seconds)} of slots, ${bytes(job.price.bytes)}` : "–"], ["digest", h("code", {}, job.digest ?? "–")]], { label: "Job" }));
@@ -151,7 +157,7 @@ class JobView {
   async act(name) {
     try {
       const now = await read(await post(`${this.base}/${name}`, undefined, { signal: this.route.signal }));
-      this.bar.tell("state", now.job ?? now);
+      this.bar.tell("state", { warnings: [], ...now.job ?? now });
       put(this.wrong);
       this.watch();
     } catch (error) {
@@ -174,6 +180,17 @@ class JobView {
     if (this.route.signal.aborted) return;
     this.draw();
     await this.showTiles(true).catch(() => {});
+  }
+
+  // Events have no warnings about workers of another kind.
+  async watchMachines() {
+    while (OPEN.includes(this.bar.job.state)) {
+      await pause(2000, this.route.signal);
+      const { warnings = [] } = await get(this.base, {}, this.route.signal);
+      const isChanged = warnings.join() !== (this.bar.job.warnings ?? []).join();
+      this.bar.job.warnings = warnings;
+      if (isChanged) this.draw();
+    }
   }
 
   async showNoWorker() {

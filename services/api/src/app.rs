@@ -19,8 +19,9 @@ use crate::http::budget::Share;
 use crate::images::Images;
 use crate::jobs::Jobs;
 use crate::jobs::prices::Prices;
-use crate::leases::Leases;
 use crate::leases::probes::Probes;
+use crate::leases::proofs::Proofs;
+use crate::leases::{Checks, Leases};
 use crate::limits::Limits;
 use crate::operations::Operations;
 use crate::pictures::Pictures;
@@ -121,8 +122,11 @@ impl App {
             Arc::clone(&catalogue),
             Arc::clone(&bytes),
             clock.clone(),
-            config.rules(),
-            Probes::new(config.spot_check),
+            config.rules(surroundings.style_runtime.as_ref().ok()),
+            Checks {
+                own: Probes::new(config.spot_check),
+                outside: Proofs::new(config.spot_check, catalogue.check_key().await?),
+            },
             stop.clone(),
         ));
         let images = Arc::new(Images {

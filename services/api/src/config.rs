@@ -9,7 +9,7 @@ use style::{Library, Runtime};
 use crate::bytes::sets::ReadBucket;
 use crate::clock::Clock;
 use crate::engine::EngineOptions;
-use crate::leases::table::Rules;
+use crate::leases::table::{Rules, Toolchain};
 use crate::limits::{self, Limits, PriceLimits};
 
 /// Settings of the user.
@@ -55,11 +55,16 @@ pub struct Config {
 
 impl Config {
     /// Lease rules of all jobs.
-    pub(crate) fn rules(&self) -> Rules {
+    pub(crate) fn rules(&self, style_runtime: Option<&String>) -> Rules {
         let limit = self.frame_limit.saturating_add(limits::HAND_IN);
         Rules {
             frame_limit_ms: u64::try_from(limit.as_millis()).unwrap_or(u64::MAX),
             mixed: self.mix_workers,
+            reference: (self.spot_check > 0).then(|| Toolchain {
+                code_version: renderer::CODE_VERSION.to_owned(),
+                cpu_features: renderer::cpu_features(),
+                onnx_runtime: style_runtime.cloned(),
+            }),
         }
     }
 

@@ -198,5 +198,8 @@ async fn tidy_up(app: App, end: CancellationToken) {
         app.leases
             .probes
             .retain_registered(|worker| dispatch.has_worker(worker));
+        app.leases
+            .proofs
+            .retain_registered(|worker| dispatch.has_worker(worker));
     }
 }

@@ -37,7 +37,8 @@ pub use error::{CatalogueError, FilterError};
 pub use maintenance::replica::REPLICA_ROWS;
 pub use maintenance::scrub::DamagedRow;
 pub use types::{
-    Charge, FrameRows, Histogram, Idempotency, ImageQuery, ImportedArtifact, ImportedShard, InsertImage, InsertJob,
-    NamedDigest, NewJob, NewShard, OpenJob, Place, Retried, SceneRow, ShardEnd, StoredArtifact,
+    Charge, Delivery, DueCheck, FrameRows, Histogram, Idempotency, ImageQuery, ImportedArtifact,
+    ImportedShard, InsertImage, InsertJob, NamedDigest, NewJob, NewShard, OpenJob, Place, Retried, SceneRow,
+    Settled, ShardEnd, StoredArtifact,
 };
 pub use uploads::waters::WaterRow;

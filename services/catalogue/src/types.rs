@@ -195,6 +195,37 @@ pub enum InsertImage {
     AlreadyThere,
 }
 
+/// Who rendered a frame, if the service does not trust it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Delivery {
+    /// Id of the worker's registration.
+    pub worker: String,
+    /// Order of commits: larger than that of every earlier delivery.
+    pub place: u64,
+    /// Whether the frame was drawn to be rendered again.
+    pub is_due: bool,
+}
+
+/// A frame to be rendered again and compared.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct DueCheck {
+    /// Its job.
+    pub job: String,
+    /// The frame.
+    pub frame: u64,
+    /// Id of the registration of the worker that rendered it.
+    pub worker: String,
+}
+
+/// What became of a job whose frames have all ended.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Settled {
+    /// Frames drawn to be checked before it can end.
+    pub checks: Vec<DueCheck>,
+    /// Whether it has ended now.
+    pub has_ended: bool,
+}
+
 /// A query for a page of images.
 #[derive(Debug, Clone, Default)]
 pub struct ImageQuery {

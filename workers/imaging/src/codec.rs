@@ -8,6 +8,7 @@ mod color_profile;
 mod decode;
 mod encode;
 mod jpeg;
+mod layout;
 mod npy;
 mod openexr;
 mod orientation;
@@ -22,6 +23,7 @@ pub use decode::{
     decode_mask, decode_picture, decode_plane, decode_radiance, has_distances, has_transparency,
 };
 pub use encode::{EncodeError, encode_jpeg, encode_png, encode_png_with_text, encode_webp_lossless};
+pub use layout::{FileLayout, read_layout};
 pub use npy::{NpyArray, NpyValues, decode_npy, encode_npy_pair, encode_npy_plane, encode_npy_rgb};
 pub use orientation::Orientation;
 pub use scale::downscale;

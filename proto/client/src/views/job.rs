@@ -54,6 +54,16 @@ pub struct JobRow {
     /// The caller that submitted it. Known to the service alone.
     #[serde(skip)]
     pub owner: Option<String>,
+    /// Frames from workers outside of the service without a good check after them. Of an ended job: frames that no check
+    /// could prove.
+    #[serde(default)]
+    pub unproven: u64,
+    /// Whether its frames may come from workers of any version and kind of machine; absent: no.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub mixed: bool,
+    /// Whether a check found a wrong frame, so that every frame from outside is checked. Known to the service alone.
+    #[serde(skip)]
+    pub distrusted: bool,
     /// Higher goes first. Known to the service alone.
     #[serde(skip)]
     pub priority: i32,

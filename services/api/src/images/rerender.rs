@@ -1,15 +1,16 @@
-//! Renders a stored frame again in a child process. A folder passes the description and the scene's files to it, and
+//! Renders stored frames again in a child process. A folder passes the description and the scene's files to it, and
 //! the artifacts back.
 
 use std::ffi::OsStr;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Duration;
 
 use imaging::Samples;
 use imaging::codec::{Radiance, decode_picture, decode_radiance};
 use serde_json::{Value, json};
-use spec::{EARLIER_VERSION, FrameRecord, Job, is_of_earlier_version};
+use spec::{EARLIER_VERSION, FrameRecord, Job, Scene, is_of_earlier_version};
 use tempfile::TempDir;
 
 use super::Images;
@@ -25,7 +26,9 @@ const ALLOWANCE: Allowance = Allowance {
 
 /// A frame rendered again.
 pub(crate) struct Again {
-    folder: TempDir,
+    /// Dropped with the last frame that was rendered together with this one.
+    _folder: Arc<TempDir>,
+    path: PathBuf,
     pub(crate) record: FrameRecord,
 }
 
@@ -37,29 +40,71 @@ impl Again {
             .artifacts
             .iter()
             .position(|artifact| artifact.kind == kind)?;
-        fs::read(self.folder.path().join(format!("artifact-{position}"))).ok()
+        fs::read(self.path.join(format!("artifact-{position}"))).ok()
     }
 }
 
 impl Images {
     /// Renders a frame of a stored job.
     pub(crate) async fn rerender(&self, job_id: &str, frame: u64) -> Result<Again, Problem> {
+        let job = self.renderable(job_id).await?;
+        let scene = job.resolve(frame)?.scene;
+        check_local_files(&scene)?;
+        let mut again = self.render_again(&job, &[frame], scene.uploaded_id()).await?;
+        again
+            .pop()
+            .ok_or_else(|| Problem::internal(&"no frame was rendered"))
+    }
+
+    /// Renders frames of a stored job, those without uploaded scenes in one process. Returns the result of each.
+    pub(crate) async fn rerender_all(
+        &self,
+        job_id: &str,
+        frames: &[u64],
+    ) -> Result<Vec<(u64, Result<Again, Problem>)>, Problem> {
+        let job = self.renderable(job_id).await?;
+        let mut together = Vec::new();
+        for &frame in frames {
+            if matches!(job.resolve(frame)?.scene, Scene::Procedural { .. }) {
+                together.push(frame);
+            }
+        }
+        let mut results = Vec::with_capacity(frames.len());
+        if together.len() > 1
+            && let Ok(all) = self.render_again(&job, &together, None).await
+        {
+            results.extend(together.into_iter().zip(all.into_iter().map(Ok)));
+        }
+        // One by one if they failed together, so that only the failing one has no result.
+        for &frame in frames {
+            if results.iter().all(|(known, _)| *known != frame) {
+                results.push((frame, self.rerender(job_id, frame).await));
+            }
+        }
+        Ok(results)
+    }
+
+    async fn renderable(&self, job_id: &str) -> Result<Job, Problem> {
         let spec = found(self.catalogue.description(job_id).await?, "job", job_id)?;
         if is_of_earlier_version(&spec) {
             return Err(Problem::new(Slug::RenderFailed, EARLIER_VERSION));
         }
-        let resolved = Job::from_canonical(&spec)?.resolve(frame)?;
-        if resolved.scene.files().is_some() {
-            // For an imported set these are paths on this machine, which the set's author has no permission to read.
-            let detail = "the frame uses local files of the machine that rendered it";
-            return Err(Problem::new(Slug::RenderFailed, detail));
-        }
-        let folder = self.processes.scratch.folder().map_err(|error| writing(&error))?;
-        let scene = match resolved.scene.uploaded_id() {
+        Ok(Job::from_canonical(&spec)?)
+    }
+
+    async fn render_again(
+        &self,
+        job: &Job,
+        frames: &[u64],
+        scene: Option<&str>,
+    ) -> Result<Vec<Again>, Problem> {
+        let folder = self.processes.scratch.folder();
+        let folder = Arc::new(folder.map_err(|error| writing(&error))?);
+        let scene = match scene {
             Some(id) => self.lay_out(id, folder.path()).await?,
             None => Value::Null,
         };
-        let request = json!({"spec": spec, "frame": frame, "scene": scene});
+        let request = json!({"spec": job.canonical(), "frames": frames, "scene": scene});
         write(folder.path(), "request.json", request.to_string().as_bytes())?;
         let arguments = [
             OsStr::new("rerender"),
@@ -81,10 +126,7 @@ impl Images {
                 return Err(Problem::new(Slug::RenderFailed, detail));
             }
         }
-        let record =
-            fs::read(folder.path().join("record.json")).map_err(|error| Problem::internal(&error))?;
-        let record = serde_json::from_slice(&record).map_err(|error| Problem::internal(&error))?;
-        Ok(Again { folder, record })
+        frames.iter().map(|&frame| read_again(&folder, frame)).collect()
     }
 
     /// Writes the files of an uploaded scene; returns its description.
@@ -100,6 +142,25 @@ impl Images {
         }
         Ok(json!(row.files))
     }
+}
+
+/// For an imported set these are paths on this machine, which the set's author has no permission to read.
+fn check_local_files(scene: &Scene) -> Result<(), Problem> {
+    if scene.files().is_none() {
+        return Ok(());
+    }
+    let detail = "the frame uses local files of the machine that rendered it";
+    Err(Problem::new(Slug::RenderFailed, detail))
+}
+
+fn read_again(folder: &Arc<TempDir>, frame: u64) -> Result<Again, Problem> {
+    let path = folder.path().join(frame.to_string());
+    let record = fs::read(path.join("record.json")).map_err(|error| Problem::internal(&error))?;
+    Ok(Again {
+        record: serde_json::from_slice(&record).map_err(|error| Problem::internal(&error))?,
+        _folder: Arc::clone(folder),
+        path,
+    })
 }
 
 fn write(folder: &Path, name: &str, bytes: &[u8]) -> Result<(), Problem> {

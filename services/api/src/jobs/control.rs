@@ -192,12 +192,12 @@ impl Jobs {
         deleted
     }
 
-    fn notify(&self, id: &str, what: &str) {
+    pub(super) fn notify(&self, id: &str, what: &str) {
         self.leases.changes.notify(id);
         tracing::info!(job = id, "job {what}");
     }
 
-    async fn in_turn<T, F>(
+    pub(super) async fn in_turn<T, F>(
         self: &Arc<Self>,
         change: impl FnOnce(Arc<Self>) -> F + Send + 'static,
     ) -> Result<T, Problem>

@@ -3,11 +3,14 @@
 pub(crate) mod control;
 mod direct;
 mod follow;
+mod machines;
 pub(crate) mod prices;
 mod pricing;
 pub(crate) mod probe;
+mod rounding;
 pub(crate) mod routes;
 mod submit;
+mod verdict;
 mod wait;
 
 use std::sync::Arc;
@@ -60,7 +63,7 @@ impl Jobs {
     /// A stored job, with a warning if it waits for a compatible worker.
     pub(crate) async fn get(&self, id: &str) -> Result<JobRow, Problem> {
         let mut row = found(self.catalogue.job(id).await?, "job", id)?;
-        row.warnings.extend(self.leases.dispatch.waits_for(id));
+        row.warnings.extend(self.leases.dispatch.warnings(id));
         if !row.state.has_ended() && self.check_version(id).await.is_err() {
             row.warnings.push(EARLIER_VERSION.to_owned());
         }
@@ -73,6 +76,10 @@ impl Jobs {
         if !jobs.is_empty() {
             tracing::info!(jobs = jobs.len(), "resuming unfinished jobs");
         }
+        let rows: Vec<JobRow> = jobs.iter().map(|job| job.row.clone()).collect();
+        self.leases
+            .proofs
+            .resume(&rows, self.catalogue.due_checks().await?);
         for job in jobs {
             let description = self.catalogue.description(&job.row.id).await?;
             if description.as_deref().is_some_and(is_of_earlier_version) {

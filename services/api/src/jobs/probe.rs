@@ -1,171 +1,186 @@
 //! Spot checks: frames rendered a second time by a process of the service and compared with a worker's commit. A
-//! worker with a different frame is dismissed; its frames since the last good check lose their images and are
-//! rendered by others.
+//! worker with a different frame is dismissed. Its frames lose their images and are rendered by others: for a worker of
+//! the service those since its last good check, for another one all that were not checked themselves.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use imaging::Samples;
-use imaging::codec::decode_picture;
-use serde_json::json;
+use catalogue::{CatalogueError, DueCheck};
 use tokio_util::sync::CancellationToken;
 
 use super::Jobs;
-use crate::http::problem::Problem;
-use crate::images::rerender::Again;
+use super::verdict::Verdict;
 use crate::leases::probes::Probe;
 use crate::telemetry;
 
 /// Interval of looking for frames to check.
 const LOOK: Duration = Duration::from_millis(200);
-/// Checks take at most one part in this many of the time of one core, because small frames arrive faster than a
-/// process starts.
-const MAX_PAUSES: u32 = 99;
-/// Parts of a record that depend only on the job, for one program and kind of machine.
-const FACTS: [&str; 8] = [
-    "parameters",
-    "optics",
-    "plan",
-    "measurements",
-    "artifacts",
-    "counts",
-    "warnings",
-    "scene",
-];
-/// Maximum mean difference of two images on different kinds of machines, 8-bit codes: rounding of the last bit.
-const OTHER_MACHINE_CODES: f64 = 1.0;
-
-/// Result of a check.
-enum Verdict {
-    Good,
-    /// The check is inconclusive.
-    Open(String),
-    /// The frames differ.
-    Differs(String),
-}
 
 /// Checks frames until the service stops.
 pub(crate) async fn run(jobs: Arc<Jobs>, end: CancellationToken) {
-    let probes = &jobs.leases.probes;
-    let pauses =
-        u32::try_from(probes.one_in.saturating_sub(1)).map_or(MAX_PAUSES, |rest| rest.min(MAX_PAUSES));
     let work = async {
         loop {
-            let Some(probe) = probes.next() else {
-                tokio::time::sleep(LOOK).await;
+            jobs.settle_ending().await;
+            let own = jobs.leases.probes.next_batch();
+            let outside = jobs.leases.proofs.next_batch();
+            if own.is_empty() && outside.is_empty() {
+                // Own probes and missed notifications wait for the interval.
+                let _ = tokio::time::timeout(LOOK, jobs.leases.proofs.work.notified()).await;
                 continue;
-            };
-            let begun = Instant::now();
-            jobs.check(&probe).await;
-            tokio::time::sleep(begun.elapsed() * pauses).await;
+            }
+            jobs.check_own(own).await;
+            jobs.check_outside(outside).await;
         }
     };
     end.run_until_cancelled(work).await;
 }
 
 impl Jobs {
-    /// Checks a frame and handles the result.
-    async fn check(self: &Arc<Self>, probe: &Probe) {
-        let Probe {
-            worker, job, frame, ..
-        } = probe;
-        let job: &str = job;
-        let verdict = match self.verdict(job, *frame).await {
-            Ok(verdict) => verdict,
-            Err(problem) => Verdict::Open(problem.to_string()),
-        };
-        match verdict {
-            Verdict::Good => {
-                telemetry::checked("good");
-                self.leases.probes.mark_good(probe);
-            }
-            Verdict::Open(why) => {
-                telemetry::checked("open");
-                tracing::info!(worker, job, frame, why, "a frame could not be checked");
-                self.leases.probes.mark_inconclusive(probe);
-            }
-            Verdict::Differs(what) => {
-                telemetry::checked("differs");
-                tracing::error!(worker, job, frame, what, "a committed frame is wrong");
-                let events = self.leases.dispatch.dismiss(worker);
-                self.leases.record_strikes(events).await;
-                self.take_back(worker).await;
+    /// Renders frames of a job again and compares them. Frames without a verdict had none drawn.
+    async fn judge_all(&self, job: &str, frames: &[u64]) -> BTreeMap<u64, Verdict> {
+        let mut verdicts = BTreeMap::new();
+        let mut stored = BTreeMap::new();
+        for &frame in frames {
+            match self.checkable(job, frame).await {
+                Ok(record) => drop(stored.insert(frame, record)),
+                Err(verdict) => drop(verdicts.insert(frame, verdict)),
             }
         }
-    }
-
-    /// Renders all unproven frames of a worker again.
-    async fn take_back(self: &Arc<Self>, worker: &str) {
-        for (job, frames) in self.leases.probes.take(worker) {
-            let count = frames.len();
-            match self.reopen(job.clone(), frames).await {
-                Ok(row) => {
-                    tracing::warn!(job, worker, frames = count, state = %row.state, "rendering images again")
+        let frames: Vec<u64> = stored.keys().copied().collect();
+        let again = match self.images.rerender_all(job, &frames).await {
+            Ok(again) => again,
+            Err(problem) => {
+                let open = Verdict::Open(problem.to_string());
+                verdicts.extend(frames.into_iter().map(|frame| (frame, open.clone())));
+                return verdicts;
+            }
+        };
+        for (frame, again) in again {
+            let judged = match (again, stored.get(&frame)) {
+                (Ok(again), Some(record)) => self.judge(job, record, again).await,
+                (Err(problem), _) => Err(problem),
+                (_, None) => continue,
+            };
+            let verdict = judged.unwrap_or_else(|problem| Verdict::Open(problem.to_string()));
+            verdicts.insert(frame, verdict);
+        }
+        for (frame, verdict) in &verdicts {
+            match verdict {
+                Verdict::Good => telemetry::checked("good"),
+                Verdict::Open(why) => {
+                    telemetry::checked("open");
+                    tracing::info!(job, frame, why, "a frame could not be checked");
                 }
-                Err(problem) => {
-                    tracing::error!(job, worker, frames = count, %problem, "cannot render images again")
+                Verdict::Differs(what) => {
+                    telemetry::checked("differs");
+                    tracing::error!(job, frame, what, "a committed frame is wrong");
                 }
             }
         }
+        verdicts
     }
 
-    async fn verdict(&self, job: &str, frame: u64) -> Result<Verdict, Problem> {
-        let image = self.images.get(job, frame).await?;
-        let again = self.images.rerender(job, frame).await?;
-        let record = json!(again.record);
-        let differing: Vec<_> = ["code_version", "onnx_runtime", "inputs", "cpu_features"]
-            .into_iter()
-            .filter(|name| image["provenance"].get(name) != record["provenance"].get(name))
-            .collect();
-        match differing.first() {
-            Some(&("code_version" | "onnx_runtime")) => {
-                Ok(Verdict::Open("the frame is of another version".to_owned()))
-            }
-            Some(&"inputs") => Ok(Verdict::Differs("/provenance/inputs".to_owned())),
-            Some(_) => self.compare_images(job, frame, again).await,
-            None => {
-                let different = FACTS.iter().find(|name| image[**name] != record[**name]);
-                Ok(different.map_or(Verdict::Good, |name| Verdict::Differs((*name).to_owned())))
+    /// Checks frames of the service's workers, all of one job.
+    async fn check_own(self: &Arc<Self>, batch: Vec<Probe>) {
+        let Some(first) = batch.first() else { return };
+        let frames: Vec<u64> = batch.iter().map(|probe| probe.frame).collect();
+        let verdicts = self.judge_all(&first.job, &frames).await;
+        for probe in batch {
+            match verdicts.get(&probe.frame) {
+                Some(Verdict::Good) => self.leases.probes.mark_good(&probe),
+                None | Some(Verdict::Open(_)) => self.leases.probes.mark_inconclusive(&probe),
+                Some(Verdict::Differs(_)) => {
+                    self.leases.dispatch.dismiss(&probe.worker);
+                    for (job, frames) in self.leases.probes.take(&probe.worker) {
+                        self.take_back(&probe.worker, &job, frames).await;
+                    }
+                }
             }
         }
     }
 
-    /// Compares only the images, which may differ by rounding.
-    async fn compare_images(&self, job: &str, frame: u64, again: Again) -> Result<Verdict, Problem> {
-        const PICTURE: &str = "rgb";
-        let Some(bytes) = again.bytes(PICTURE) else {
-            return Ok(Verdict::Open(
-                "the frame is of another kind of machine and has no image".to_owned(),
-            ));
+    /// Checks frames of other workers, all of one job.
+    async fn check_outside(self: &Arc<Self>, batch: Vec<DueCheck>) {
+        let Some(job) = batch.first().map(|check| check.job.clone()) else {
+            return;
         };
-        let stored = self.images.artifact(job, frame, PICTURE).await?;
-        let stored = self.images.stored(stored).await?.bytes;
-        let mean = self
-            .processes
-            .compute
-            .run(move || mean_difference(&stored, &bytes))
-            .await?;
-        Ok(match mean {
-            Some(codes) if codes <= OTHER_MACHINE_CODES => Verdict::Good,
-            Some(codes) => Verdict::Differs(format!("{PICTURE}, by {codes:.1} codes in the mean")),
-            None => Verdict::Differs(format!("the size of {PICTURE}")),
-        })
+        let frames: Vec<u64> = batch.iter().map(|check| check.frame).collect();
+        let verdicts = self.judge_all(&job, &frames).await;
+        for check in batch {
+            let recorded = match verdicts.get(&check.frame) {
+                Some(Verdict::Good) => self.catalogue.record_good_check(check).await,
+                None | Some(Verdict::Open(_)) => self.catalogue.record_open_check(check).await,
+                Some(Verdict::Differs(_)) => self.reject_worker(&check).await,
+            };
+            if let Err(error) = recorded {
+                tracing::error!(%error, job, "cannot store a check; it is repeated after a restart");
+            }
+        }
+        self.leases.changes.notify(&job);
+        self.leases.end_if_complete(&job);
     }
-}
 
-/// Mean difference of two images of one size and depth, 8-bit codes.
-fn mean_difference(one: &[u8], other: &[u8]) -> Option<f64> {
-    let (one, other) = (decode_picture(one).ok()?, decode_picture(other).ok()?);
-    let (sum, count): (f64, _) = match (one.samples(), other.samples()) {
-        (Samples::U8(a), Samples::U8(b)) if a.len() == b.len() => {
-            let differences = a.iter().zip(b).map(|(a, b)| f64::from(a.abs_diff(*b)));
-            (differences.sum(), a.len())
+    /// Renders all frames of a worker again that were not checked themselves, and has every other delivery of the job
+    /// checked: the worker may have been there under other names.
+    async fn reject_worker(self: &Arc<Self>, check: &DueCheck) -> Result<(), CatalogueError> {
+        self.leases.dispatch.dismiss(&check.worker);
+        let mut by_job: BTreeMap<String, Vec<u64>> = BTreeMap::new();
+        for (job, frame) in self.catalogue.unchecked_frames(&check.worker).await? {
+            by_job.entry(job).or_default().push(frame);
         }
-        (Samples::U16(a), Samples::U16(b)) if a.len() == b.len() => {
-            let differences = a.iter().zip(b).map(|(a, b)| f64::from(a.abs_diff(*b)) / 257.0);
-            (differences.sum(), a.len())
+        for (job, frames) in by_job {
+            self.take_back(&check.worker, &job, frames).await;
         }
-        _ => return None,
-    };
-    Some(sum / count.max(1) as f64)
+        self.leases.proofs.distrust(&check.job);
+        let checks = self.catalogue.distrust(&check.job).await?;
+        self.leases.proofs.push(checks);
+        Ok(())
+    }
+
+    async fn take_back(self: &Arc<Self>, worker: &str, job: &str, frames: Vec<u64>) {
+        let count = frames.len();
+        match self.reopen(job.to_owned(), frames).await {
+            Ok(row) => {
+                tracing::warn!(job, worker, frames = count, state = %row.state, "rendering images again")
+            }
+            Err(problem) => {
+                tracing::error!(job, worker, frames = count, %problem, "cannot render images again")
+            }
+        }
+    }
+
+    /// Ends the jobs whose frames have all ended and are proven, and draws further checks for the others.
+    async fn settle_ending(&self) {
+        let proofs = &self.leases.proofs;
+        for (job, gives_up) in proofs.take_ending() {
+            let settled = match self.catalogue.settle(&job, gives_up, self.clock.wall().0).await {
+                Ok(settled) => settled,
+                Err(error) => {
+                    tracing::error!(%error, job, "cannot end a job; it is repeated");
+                    proofs.mark_ending(&job);
+                    continue;
+                }
+            };
+            if !settled.checks.is_empty() {
+                proofs.count_round(&job);
+                proofs.push(settled.checks);
+            }
+            if settled.has_ended {
+                proofs.forget_job(&job);
+                self.leases.changes.notify(&job);
+                self.forget_deliveries(&job).await;
+            }
+        }
+    }
+
+    async fn forget_deliveries(&self, job: &str) {
+        loop {
+            match self.catalogue.forget_deliveries(job).await {
+                Ok(true) => {}
+                Ok(false) => return,
+                Err(error) => return tracing::warn!(%error, job, "rows of proven frames stay"),
+            }
+        }
+    }
 }

@@ -1,8 +1,13 @@
 //! Checks of a worker's report on a frame against the description, the files stored under the same lease, and the
 //! worker's registration. A misbehaving worker must not be able to store false facts.
 
-use serde_json::{Number, Value};
-use spec::{ArtifactKind, Counts, Frame, FrameRecord, Scene};
+mod measured;
+mod structure;
+
+use serde_json::{Value, json};
+use spec::{
+    Agreement, ArtifactKind, Counts, Frame, FrameRecord, Scene, compare_values, find_unknown_members,
+};
 use wire::messages::{Artifact, RegisterRequest};
 
 use super::pending::PendingArtifact;
@@ -12,6 +17,15 @@ const MAX_MS: f64 = 7.0 * 86_400e3;
 /// Maximum number and length of a frame's warnings: a few sentences.
 const WARNINGS: usize = 64;
 const WARNING_BYTES: usize = 4096;
+/// Maximum stages of a plan: there are about 30.
+const MAX_STAGES: usize = 64;
+/// Maximum members of a stage, and bytes of its text.
+const MAX_STAGE_MEMBERS: usize = 32;
+const MAX_STAGE_BYTES: usize = 16_384;
+/// The camera of a frame.
+const CAMERA: &str = "/parameters/camera";
+/// Maximum faults of one kind in a rejection.
+const MAX_FAULTS: usize = 20;
 
 /// Returns all faults of a file of a frame.
 pub(crate) fn check_file(frame: &Frame, file: &Artifact) -> Vec<String> {
@@ -28,15 +42,10 @@ pub(crate) fn check_file(frame: &Frame, file: &Artifact) -> Vec<String> {
     if file.media_type != media_type {
         faults.push(format!("`{kind}` is {media_type}, not {}", file.media_type));
     }
-    let is_json = matches!(kind, ArtifactKind::Boxes);
-    let is_readable = if is_json {
-        serde_json::from_slice::<serde::de::IgnoredAny>(&file.data).is_ok()
-    } else {
-        imaging::codec::read_sides(&file.data).is_some()
-    };
-    if !is_readable {
-        faults.push(format!("the bytes of `{kind}` are not {media_type}"));
-    }
+    let wrong = structure::find_fault(frame, kind, &file.data);
+    faults.extend(
+        wrong.map(|wrong| format!("the bytes of `{kind}` are not {media_type} as workers write it: {wrong}")),
+    );
     faults
 }
 
@@ -46,6 +55,8 @@ pub(crate) struct Evidence<'a> {
     pub(crate) pending: &'a [PendingArtifact],
     pub(crate) worker: &'a RegisterRequest,
     pub(crate) record: &'a FrameRecord,
+    /// The record as it was received; `None` for a worker of the service.
+    pub(crate) received: Option<&'a Value>,
 }
 
 impl Evidence<'_> {
@@ -55,7 +66,9 @@ impl Evidence<'_> {
             self.parameters(),
             self.artifacts(),
             self.sides(),
-            self.measurements(),
+            measured::find_faults(self.frame, self.record),
+            self.plan(),
+            self.unknown(),
             self.numbers(),
             self.promise(),
             self.origin(),
@@ -65,10 +78,17 @@ impl Evidence<'_> {
 
     /// The parameters must match the resolved description. A non-procedural scene has its camera in the upload.
     fn parameters(&self) -> Vec<String> {
-        let ignored = (!self.is_procedural()).then_some("camera");
-        let place = difference(&self.frame.parameters, &self.record.parameters, ignored);
-        let fault = place.map(|place| format!("/parameters{place} is not what the description resolves to"));
-        fault.into_iter().collect()
+        let found = &self.record.parameters;
+        let differences = compare_values("/parameters", &self.frame.parameters, found, Agreement::Exact);
+        let is_ignored = !self.is_procedural();
+        let wrong = differences
+            .into_iter()
+            .map(|difference| difference.pointer)
+            .filter(|pointer: &String| !(is_ignored && is_of_camera(pointer)));
+        wrong
+            .take(MAX_FAULTS)
+            .map(|pointer| format!("{pointer} is not what the description resolves to"))
+            .collect()
     }
 
     /// The files must match the stored ones, each once, and include all mandatory kinds.
@@ -112,24 +132,6 @@ impl Evidence<'_> {
             .collect()
     }
 
-    /// Only requested metrics of present images are allowed.
-    fn measurements(&self) -> Vec<String> {
-        let frame = self.frame;
-        let mut faults = Vec::new();
-        for (subject, values) in &self.record.measurements {
-            let is_enhanced = frame
-                .enhance
-                .iter()
-                .any(|enhancement| enhancement.name == *subject);
-            if subject != "rgb" && !is_enhanced {
-                faults.push(format!("/measurements/{subject}: the frame has no such picture"));
-            }
-            let others = values.keys().filter(|metric| !frame.metrics.contains(metric));
-            faults.extend(others.map(|metric| format!("/measurements/{subject}/{metric} was not requested")));
-        }
-        faults
-    }
-
     /// Counts, times and warnings must be plausible, so that sums over many frames stay finite.
     fn numbers(&self) -> Vec<String> {
         let Counts {
@@ -167,6 +169,50 @@ impl Evidence<'_> {
         faults
     }
 
+    /// A plan is a list of stages, each a small object.
+    fn plan(&self) -> Vec<String> {
+        let mut faults = Vec::new();
+        let Some(stages) = self.record.plan.as_array() else {
+            return vec!["/plan is not a list of stages".to_owned()];
+        };
+        if stages.len() > MAX_STAGES {
+            faults.push(format!(
+                "/plan has {} stages; must be at most {MAX_STAGES}",
+                stages.len()
+            ));
+        }
+        let members = stages.iter().take(MAX_STAGES).enumerate();
+        let wrong = members.filter(|(_, stage)| {
+            let is_small = stage
+                .as_object()
+                .is_some_and(|stage| stage.len() <= MAX_STAGE_MEMBERS);
+            !is_small || stage.to_string().len() > MAX_STAGE_BYTES
+        });
+        faults.extend(wrong.map(|(place, _)| {
+            format!(
+                "/plan/{place} is not an object of at most {MAX_STAGE_MEMBERS} members and {MAX_STAGE_BYTES} bytes"
+            )
+        }));
+        let optics = json!(self.record.optics).to_string().len();
+        if optics > MAX_STAGE_BYTES {
+            faults.push(format!(
+                "/optics has {optics} bytes; must be at most {MAX_STAGE_BYTES}"
+            ));
+        }
+        faults.truncate(MAX_FAULTS);
+        faults
+    }
+
+    /// A record has only the members that this version declares.
+    fn unknown(&self) -> Vec<String> {
+        let received = self.received.into_iter();
+        let unknown = received.flat_map(|text| find_unknown_members(text, self.record));
+        unknown
+            .take(MAX_FAULTS)
+            .map(|pointer| format!("{pointer} is unknown"))
+            .collect()
+    }
+
     /// A promise is a bound and a few short sentences.
     fn promise(&self) -> Vec<String> {
         let mut faults = Vec::new();
@@ -188,19 +234,28 @@ impl Evidence<'_> {
     /// The provenance must match the worker's registration.
     fn origin(&self) -> Vec<String> {
         let (made, worker) = (&self.record.provenance, self.worker);
-        let runtime = made.onnx_runtime.as_deref();
-        let pairs = [
+        let mut faults = Vec::new();
+        for (name, is_same) in [
             ("code_version", made.code_version == worker.code_version),
             ("cpu_features", made.cpu_features == worker.cpu_features),
-            (
-                "onnx_runtime",
-                runtime.is_none() || runtime == worker.onnx_runtime.as_deref(),
-            ),
-        ];
-        let wrong = pairs.into_iter().filter(|(_, is_same)| !is_same);
-        wrong
-            .map(|(name, _)| format!("/provenance/{name} is not that of the worker's registration"))
-            .collect()
+        ] {
+            if !is_same {
+                faults.push(format!(
+                    "/provenance/{name} is not that of the worker's registration"
+                ));
+            }
+        }
+        let has_style = self.frame.water.style.is_some() && self.frame.alpha > 0.0;
+        match &made.onnx_runtime {
+            Some(runtime) if !has_style => faults.push(format!(
+                "/provenance/onnx_runtime is `{runtime}`; must be null, because the frame has no style"
+            )),
+            Some(_) if made.onnx_runtime != worker.onnx_runtime => {
+                faults.push("/provenance/onnx_runtime is not that of the worker's registration".to_owned());
+            }
+            _ => {}
+        }
+        faults
     }
 
     fn is_procedural(&self) -> bool {
@@ -217,39 +272,14 @@ impl Evidence<'_> {
     }
 }
 
+fn is_of_camera(pointer: &str) -> bool {
+    let rest = pointer.strip_prefix(CAMERA);
+    rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
+}
+
 /// The artifact of this name, if the frame requests it.
 fn find_requested<'a>(frame: &'a Frame, name: &str) -> Option<&'a ArtifactKind> {
     frame.artifacts.iter().find(|kind| kind.to_string() == name)
-}
-
-/// JSON pointer to the first difference of two values; one key may be ignored.
-fn difference(expected: &Value, found: &Value, ignored: Option<&str>) -> Option<String> {
-    match (expected, found) {
-        (Value::Object(a), Value::Object(b)) => {
-            let mut keys = a
-                .keys()
-                .chain(b.keys())
-                .filter(|key| Some(key.as_str()) != ignored);
-            keys.find_map(|key| match (a.get(key), b.get(key)) {
-                (Some(value), Some(other)) => {
-                    difference(value, other, None).map(|rest| format!("/{key}{rest}"))
-                }
-                _ => Some(format!("/{key}")),
-            })
-        }
-        (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {
-            let mut pairs = a.iter().zip(b).enumerate();
-            pairs.find_map(|(index, (a, b))| difference(a, b, None).map(|rest| format!("/{index}{rest}")))
-        }
-        (Value::Number(a), Value::Number(b)) => (!is_same_number(a, b)).then(String::new),
-        _ => (expected != found).then(String::new),
-    }
-}
-
-/// A parser may round a number of a record by its last bit, so the expected number is parsed as well.
-fn is_same_number(expected: &Number, found: &Number) -> bool {
-    expected == found
-        || serde_json::from_str::<Number>(&expected.to_string()).is_ok_and(|parsed| parsed == *found)
 }
 
 #[cfg(test)]

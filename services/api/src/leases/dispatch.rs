@@ -103,6 +103,7 @@ impl Dispatch {
             strikes,
             paused: row.state == JobState::Paused,
             made: provenance.as_ref().map(Toolchain::from_provenance),
+            mixed: row.mixed,
         });
         drop(state);
         self.work.notify_waiters();
@@ -272,19 +273,19 @@ impl State {
 
 impl Dispatch {
     /// Dismisses a worker that committed a wrong frame.
-    pub(crate) fn dismiss(&self, id: &str) -> Vec<StrikeEvent> {
+    pub(crate) fn dismiss(&self, id: &str) {
         let mut state = self.state();
         let now = self.now();
         let known = state.table.workers().find(|(known, ..)| *known == id);
         let Some(name) = known.map(|(_, about, _)| about.name.clone()) else {
-            return Vec::new();
+            return;
         };
         let is_own = state.own.contains(id);
         state.misbehavior.dismiss(id, &name, is_own);
         tracing::error!(worker = name, "worker dismissed for a wrong frame");
-        let events = state.table.drop_worker(id, now);
+        state.table.dismiss(id, now);
         drop(state);
-        self.after_loss(events)
+        self.work.notify_waiters();
     }
 }
 

@@ -8,6 +8,7 @@ pub(crate) mod dispatch;
 mod misbehavior;
 pub(crate) mod pending;
 pub(crate) mod probes;
+pub(crate) mod proofs;
 pub(crate) mod routes;
 mod strikes;
 pub mod table;
@@ -26,8 +27,15 @@ use descriptions::Descriptions;
 use dispatch::Dispatch;
 use pending::PendingArtifacts;
 use probes::Probes;
+use proofs::Proofs;
 use table::Rules;
 pub use worker::Worker;
+
+/// The checks of the service's workers and of others.
+pub(crate) struct Checks {
+    pub(crate) own: Probes,
+    pub(crate) outside: Proofs,
+}
 
 /// Leased and queued frames, and the costs learned from finished ones.
 pub(crate) struct Leases {
@@ -37,6 +45,7 @@ pub(crate) struct Leases {
     descriptions: Descriptions,
     pub(crate) pending: PendingArtifacts,
     pub(crate) probes: Probes,
+    pub(crate) proofs: Proofs,
     pub(crate) catalogue: Arc<Catalogue>,
     pub(crate) bytes: Arc<Bytes>,
     /// Workers of a broker.
@@ -51,7 +60,7 @@ impl Leases {
         bytes: Arc<Bytes>,
         clock: Clock,
         rules: Rules,
-        probes: Probes,
+        checks: Checks,
         stop: CancellationToken,
     ) -> Self {
         Self {
@@ -60,7 +69,8 @@ impl Leases {
             costs: Costs::default(),
             descriptions: Descriptions::default(),
             pending: PendingArtifacts::default(),
-            probes,
+            probes: checks.own,
+            proofs: checks.outside,
             catalogue,
             bytes,
             elsewhere: Mutex::default(),

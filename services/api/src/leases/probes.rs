@@ -1,5 +1,5 @@
-//! Selects frames for spot checks: the first frame of each worker and then a random one of each `one_in`,
-//! unpredictable for workers. Tracks the commits of each worker since its last good check.
+//! Selects frames of the service's workers for spot checks: the first frame of each worker and then a random one of each
+//! `one_in`. Tracks the commits of each worker since its last good check.
 
 use std::collections::{BTreeMap, HashMap, VecDeque};
 use std::hash::{BuildHasher, RandomState};
@@ -7,6 +7,9 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Maximum tracked frames of a worker: some megabytes. Older ones are dropped if checks fall behind.
 const MAX_UNPROVEN: usize = 100_000;
+
+/// Maximum frames that a process renders again.
+const BATCH: usize = 32;
 
 /// The unchecked frames of all workers.
 pub(crate) struct Probes {
@@ -26,8 +29,9 @@ struct State {
 #[derive(Default)]
 struct Unproven {
     frames: VecDeque<(Arc<str>, u64)>,
-    has_been_checked: bool,
-    is_waiting: bool,
+    has_been_drawn: bool,
+    /// Checks that have not ended.
+    waiting: usize,
 }
 
 /// A frame to render again.
@@ -71,8 +75,9 @@ impl Probes {
             unproven.frames.pop_front();
         }
         unproven.frames.push_back((Arc::clone(&job), frame));
-        if !unproven.is_waiting && (is_drawn || !unproven.has_been_checked) {
-            unproven.is_waiting = true;
+        if is_drawn || !unproven.has_been_drawn {
+            unproven.has_been_drawn = true;
+            unproven.waiting += 1;
             waiting.push_back(Probe {
                 worker: worker.to_owned(),
                 job,
@@ -82,15 +87,21 @@ impl Probes {
         }
     }
 
-    /// The longest waiting frame.
-    pub(crate) fn next(&self) -> Option<Probe> {
-        self.state().waiting.pop_front()
+    /// The longest waiting frames of one job.
+    pub(crate) fn next_batch(&self) -> Vec<Probe> {
+        let mut state = self.state();
+        let mut batch: Vec<Probe> = state.waiting.pop_front().into_iter().collect();
+        while batch.len() < BATCH
+            && let Some(next) = state.waiting.pop_front_if(|next| next.job == batch[0].job)
+        {
+            batch.push(next);
+        }
+        batch
     }
 
     /// The frame is good, and so are its worker's earlier commits.
     pub(crate) fn mark_good(&self, probe: &Probe) {
         self.finish(probe, |unproven| {
-            unproven.has_been_checked = true;
             let known = unproven.frames.iter();
             let place = known
                 .take(probe.covers)
@@ -99,14 +110,14 @@ impl Probes {
         });
     }
 
-    /// The check is inconclusive: another frame is selected.
+    /// The check is inconclusive: the worker's frames wait for a later one.
     pub(crate) fn mark_inconclusive(&self, probe: &Probe) {
         self.finish(probe, |_| {});
     }
 
     fn finish(&self, probe: &Probe, change: impl FnOnce(&mut Unproven)) {
         if let Some(unproven) = self.state().workers.get_mut(&probe.worker) {
-            unproven.is_waiting = false;
+            unproven.waiting = unproven.waiting.saturating_sub(1);
             change(unproven);
         }
     }
@@ -127,7 +138,7 @@ impl Probes {
     pub(crate) fn retain_registered(&self, is_registered: impl Fn(&str) -> bool) {
         self.state()
             .workers
-            .retain(|worker, unproven| unproven.is_waiting || is_registered(worker));
+            .retain(|worker, unproven| unproven.waiting > 0 || is_registered(worker));
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
@@ -143,17 +154,23 @@ mod tests {
         frames.for_each(|frame| probes.record_commit(worker, "job_a", frame));
     }
 
+    fn next(probes: &Probes) -> Option<Probe> {
+        let mut batch = probes.next_batch();
+        assert!(batch.len() < 2);
+        batch.pop()
+    }
+
     #[test]
     fn the_first_frame_of_each_worker_is_checked_and_then_a_random_share() {
         let probes = Probes::new(100);
         commit(&probes, "a", 0..1);
         commit(&probes, "b", 1..2);
-        let first = [probes.next(), probes.next()].map(|probe| probe.map(|probe| probe.frame));
-        assert_eq!((first, probes.next()), ([Some(0), Some(1)], None));
+        let first: Vec<u64> = probes.next_batch().iter().map(|probe| probe.frame).collect();
+        assert_eq!((first.as_slice(), next(&probes)), ([0, 1].as_slice(), None));
         let mut checked = 0;
         for frame in 0..20_000 {
             commit(&probes, "c", frame..frame + 1);
-            if let Some(probe) = probes.next() {
+            if let Some(probe) = next(&probes) {
                 probes.mark_good(&probe);
                 checked += 1;
             }
@@ -161,26 +178,34 @@ mod tests {
         assert!((120..300).contains(&checked), "{checked} of 20000");
         let none = Probes::new(0);
         commit(&none, "a", 0..1000);
-        assert_eq!(none.next(), None);
+        assert_eq!(next(&none), None);
+    }
+
+    #[test]
+    fn the_share_is_met_in_frames_however_long_the_checks_take() {
+        let probes = Probes::new(10);
+        commit(&probes, "a", 0..10_000);
+        let mut waiting = 0;
+        while let count @ 1.. = probes.next_batch().len() {
+            waiting += count;
+        }
+        assert!((850..1150).contains(&waiting), "{waiting} of 10000");
     }
 
     #[test]
     fn frames_after_the_last_good_one_are_unproven() {
-        let probes = Probes::new(1);
+        let probes = Probes::new(u64::MAX);
         commit(&probes, "a", 0..5);
-        let first = probes.next().unwrap();
-        assert_eq!((first.frame, probes.next()), (0, None));
+        let first = next(&probes).unwrap();
+        assert_eq!((first.frame, next(&probes)), (0, None));
         probes.mark_good(&first);
         commit(&probes, "a", 5..7);
-        let second = probes.next().unwrap();
-        assert_eq!(second.frame, 5);
-        probes.mark_inconclusive(&second);
         commit(&probes, "b", 100..101);
         assert_eq!(
             probes.take("a"),
             BTreeMap::from([("job_a".to_owned(), vec![1, 2, 3, 4, 5, 6])])
         );
-        assert_eq!(probes.next().map(|probe| probe.worker), Some("b".to_owned()));
+        assert_eq!(next(&probes).map(|probe| probe.worker), Some("b".to_owned()));
         assert!(probes.take("a").is_empty());
     }
 }

@@ -79,6 +79,8 @@ pub(super) fn submit_routes() -> OpenApiRouter<App> {
         .routes(routes!(jobs::routes::control::pause))
         .routes(routes!(jobs::routes::control::resume))
         .routes(routes!(jobs::routes::control::retry_failed))
+        .routes(routes!(jobs::routes::control::finish_elsewhere))
+        .routes(routes!(jobs::routes::control::start_again))
         .routes(routes!(datasets::routes::dataset::delete))
         .routes(routes!(datasets::routes::versions::delete))
         .routes(routes!(sets::routes::create::create))

@@ -27,4 +27,5 @@ mod fake_service;
 mod poison;
 mod promises;
 mod simulation;
+mod toolchains;
 mod workers;

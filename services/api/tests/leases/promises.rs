@@ -3,10 +3,9 @@
 use std::collections::BTreeMap;
 
 use super::claim;
-use api::lease_table::{Grant, JobEntry, LeaseTable, Millis, Rules, Stale, Toolchain};
-use wire::messages::{Claim, RegisterRequest};
+use api::lease_table::{JobEntry, LeaseTable, Millis, Stale};
 
-fn job(id: &str, frames: u64) -> JobEntry {
+pub(super) fn job(id: &str, frames: u64) -> JobEntry {
     JobEntry {
         id: id.to_owned(),
         frames,
@@ -251,84 +250,4 @@ fn old_leases_do_not_affect_a_job_resubmitted_after_a_cancel() {
         [1],
         "its last frame was written"
     );
-}
-
-fn worker(code_version: &str, onnx_runtime: Option<&str>) -> RegisterRequest {
-    RegisterRequest {
-        name: code_version.to_owned(),
-        slots: 1,
-        code_version: code_version.to_owned(),
-        onnx_runtime: onnx_runtime.map(str::to_owned),
-        cpu_features: "avx2".to_owned(),
-        ..RegisterRequest::default()
-    }
-}
-
-fn toolchain(code_version: &str, onnx_runtime: Option<&str>) -> Toolchain {
-    Toolchain {
-        code_version: code_version.to_owned(),
-        cpu_features: "avx2".to_owned(),
-        onnx_runtime: onnx_runtime.map(str::to_owned),
-    }
-}
-
-fn first_claim(grant: &Grant) -> Claim {
-    Claim {
-        token: grant.token,
-        job_id: grant.job_id.clone(),
-        frame: grant.frames[0].0,
-        attempt: grant.frames[0].1,
-    }
-}
-
-#[test]
-fn a_job_stays_with_the_program_and_the_machines_of_its_first_image() {
-    let now = Millis(0);
-    for mixed in [false, true] {
-        let mut table = LeaseTable::with_rules(Rules {
-            mixed,
-            ..Rules::default()
-        });
-        table.register("old", worker("1", None), now);
-        table.register("new", worker("2", None), now);
-        table.add_job(job("a", 10));
-        let [first, second] =
-            [("old", 1), ("new", 2)].map(|(name, token)| table.grant(name, now, token, 0.0).unwrap());
-        // There is no frame yet that the second could differ from.
-        assert_eq!(table.waits_for("a"), None);
-        assert!(table.record_toolchain("a", &toolchain("1", None)));
-        table.begin_commit(&first_claim(&first), now).unwrap();
-        assert_eq!(table.record_toolchain("a", &toolchain("2", None)), mixed);
-        table.finish_commit(&first_claim(&first));
-        assert_eq!(table.record_toolchain("a", &toolchain("2", None)), mixed);
-        table.refuse(&first_claim(&second)).unwrap();
-        assert_eq!(table.grant("new", now, 3, 0.0).is_some(), mixed);
-        assert!(table.grant("old", now, 4, 0.0).is_some());
-        table.drop_worker("old", now);
-        assert_eq!(table.waits_for("a").is_some(), !mixed);
-        if !mixed {
-            // Another job has no provenance yet.
-            table.add_job(job("b", 1));
-            assert_eq!(table.grant("new", now, 5, 0.0).unwrap().job_id, "b");
-        }
-    }
-}
-
-#[test]
-fn a_runtime_binds_only_jobs_that_have_used_it() {
-    let now = Millis(0);
-    let mut table = LeaseTable::new();
-    let resumed = |id: &str, onnx_runtime| JobEntry {
-        done: std::iter::once(0..1).collect(),
-        made: Some(toolchain("1", onnx_runtime)),
-        ..job(id, 2)
-    };
-    table.add_job(resumed("plain", None));
-    table.add_job(resumed("styled", Some("1.20")));
-    table.register("other", worker("1", Some("1.22")), now);
-    assert_eq!(table.grant("other", now, 1, 0.0).unwrap().job_id, "plain");
-    assert_eq!(table.grant("other", now, 2, 0.0), None);
-    assert!(!table.record_toolchain("styled", &toolchain("1", Some("1.22"))));
-    table.register("same", worker("1", Some("1.20")), now);
-    assert_eq!(table.grant("same", now, 3, 0.0).unwrap().job_id, "styled");
 }

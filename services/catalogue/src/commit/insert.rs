@@ -13,10 +13,11 @@ use sqlx::sqlite::SqliteConnection;
 use crate::commit::progress;
 use crate::digests::record_row::About;
 use crate::error::CatalogueError;
+use crate::jobs::proofs::insert_delivery;
 use crate::query::cells::{Statement, bound};
 use crate::query::columns::Columns;
 use crate::query::filter::Bind;
-use crate::types::InsertImage;
+use crate::types::{Delivery, InsertImage};
 
 /// Rows of one statement: few sizes, so that SQLite keeps every statement prepared.
 const ROWS: [usize; 4] = [64, 16, 4, 1];
@@ -39,6 +40,8 @@ pub struct NewImage {
     pub(crate) artifacts: Vec<NewArtifact>,
     warnings: i64,
     now_ms: u64,
+    /// `None`: the service trusts its worker.
+    delivery: Option<Delivery>,
 }
 
 /// An artifact of such an image.
@@ -69,6 +72,7 @@ impl NewImage {
             artifacts: artifacts(record, offsets),
             warnings: record.warnings.len() as i64,
             now_ms,
+            delivery: None,
         })
     }
 
@@ -92,7 +96,13 @@ impl NewImage {
             artifacts: artifacts(record, offsets),
             warnings: record.warnings.len() as i64,
             now_ms,
+            delivery: None,
         })
+    }
+
+    /// The same from a worker that the service does not trust.
+    pub(crate) fn delivered(self, delivery: Option<Delivery>) -> Self {
+        Self { delivery, ..self }
     }
 
     fn bytes(&self) -> u64 {
@@ -318,6 +328,10 @@ async fn count(
             ..progress::Added::default()
         });
         added.images += 1;
+        if let Some(delivery) = &image.delivery {
+            insert_delivery(connection, &image.job, image.frame, delivery).await?;
+            added.deliveries += 1;
+        }
         added.given_up += i64::from(*was_given_up);
         added.bytes += image.bytes() as i64;
         added.first_ms = added.first_ms.min(image.now_ms);

@@ -40,7 +40,7 @@ pub(crate) async fn strike(
         "UPDATE jobs SET failed = failed + ?2, version = version + 1,
                          state = CASE WHEN state = 'queued' AND ?2 THEN 'running' ELSE state END
          WHERE id = ?1
-         RETURNING done + failed >= frames AND state IN ('queued', 'running', 'paused'), dataset, failed",
+         RETURNING done + failed >= frames AND state IN ('queued', 'running', 'paused') AND unproven IS NULL, dataset, failed",
     )
     .bind(job)
     .bind(failure.quarantined)
@@ -57,6 +57,8 @@ pub(crate) struct Added {
     /// Of their frames, those that had counted as failed.
     pub(crate) given_up: i64,
     pub(crate) bytes: i64,
+    /// Deliveries, which are unproven at first.
+    pub(crate) deliveries: i64,
     pub(crate) first_ms: u64,
     pub(crate) last_ms: u64,
 }
@@ -75,23 +77,38 @@ pub(crate) async fn count_images(
         .await?;
     let changed = sqlx::query_as(
         "UPDATE jobs SET done = done + ?2, failed = failed - ?3, bytes = bytes + ?4, version = version + ?2,
-                         started_ms = coalesce(started_ms, ?5),
+                         started_ms = coalesce(started_ms, ?5), unproven = nullif(coalesce(unproven, 0) + ?6, 0),
                          state = CASE WHEN state = 'queued' OR (state = 'done_with_failures' AND ?3 > 0)
                                       THEN 'running' ELSE state END
          WHERE id = ?1
-         RETURNING done + failed >= frames AND state IN ('queued', 'running', 'paused'), dataset, failed",
+         RETURNING done + failed >= frames AND state IN ('queued', 'running', 'paused') AND unproven IS NULL, dataset, failed",
     )
     .bind(job)
     .bind(added.images)
     .bind(added.given_up)
     .bind(added.bytes)
     .bind(added.first_ms as i64)
+    .bind(added.deliveries)
     .fetch_one(&mut *connection)
     .await?;
     finish(connection, job, changed, Some(added.last_ms)).await
 }
 
-/// Whether every frame of a job has ended, its dataset, its failed frames.
+/// Ends a job whose frames have all ended, with the deliveries that are unproven.
+pub(crate) async fn end(
+    connection: &mut SqliteConnection,
+    job: &str,
+    now_ms: u64,
+) -> Result<(), CatalogueError> {
+    let changed =
+        sqlx::query_as("UPDATE jobs SET version = version + 1 WHERE id = ? RETURNING 1, dataset, failed")
+            .bind(job)
+            .fetch_one(&mut *connection)
+            .await?;
+    finish(connection, job, changed, Some(now_ms)).await
+}
+
+/// Whether every frame of a job has ended and is proven, its dataset, its failed frames.
 type Changed = (bool, String, i64);
 
 /// Ends a job whose frames have all ended: one without failures gets its digest.

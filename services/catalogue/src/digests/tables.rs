@@ -13,7 +13,7 @@ pub(crate) struct Table {
 macro_rules! job_columns {
     () => {
         "id, dataset, state, frames, done, failed, bytes, version, created_ms, started_ms, finished_ms, digest,
-         priority, spec_digest, set_location, owner, price_ms, price_bytes"
+         priority, spec_digest, set_location, owner, price_ms, price_bytes, unproven, mixed, distrusted"
     };
 }
 pub(crate) use job_columns;

@@ -14,7 +14,7 @@ use crate::commit::insert::NewImage;
 use crate::digests::record_row::About;
 use crate::error::CatalogueError;
 use crate::query::cells::Cells;
-use crate::types::{FrameRows, InsertImage, Place, StoredArtifact};
+use crate::types::{Delivery, FrameRows, InsertImage, Place, StoredArtifact};
 
 impl Catalogue {
     /// Stores an image with its measurements, artifact names and the job's counters, all or nothing.
@@ -29,6 +29,21 @@ impl Catalogue {
     ) -> Result<InsertImage, CatalogueError> {
         let image = NewImage::new(&self.columns, job, record, now_ms, &BTreeMap::new())?;
         self.writer()?.insert(image).await
+    }
+
+    /// Stores an image from a worker that the service does not trust, with its delivery.
+    ///
+    /// # Errors
+    /// As [`Catalogue::insert_image`].
+    pub async fn insert_delivered(
+        &self,
+        job: &str,
+        record: &FrameRecord,
+        now_ms: u64,
+        delivery: Option<Delivery>,
+    ) -> Result<InsertImage, CatalogueError> {
+        let image = NewImage::new(&self.columns, job, record, now_ms, &BTreeMap::new())?;
+        self.writer()?.insert(image.delivered(delivery)).await
     }
 
     /// An image: its record, with its job, its dataset and when it was stored.

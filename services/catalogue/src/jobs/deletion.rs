@@ -132,7 +132,8 @@ async fn hide_dataset(connection: &mut SqliteConnection, name: &str) -> Result<D
 
 /// The tables with rows of frames, in the order of deletion: after a crash between two transactions every unreferenced digest is an
 /// orphan.
-const OF_FRAMES: [&str; 6] = [
+const OF_FRAMES: [&str; 7] = [
+    "deliveries",
     "artifacts",
     "measurements",
     "failures",

@@ -2,6 +2,7 @@
 
 pub(crate) mod deletion;
 pub(crate) mod import;
+pub(crate) mod proofs;
 pub(crate) mod recovery;
 pub(crate) mod reopen;
 pub(crate) mod rows;

@@ -4,6 +4,7 @@ use serde_json::json;
 use sqlx::AssertSqlSafe;
 use sqlx::sqlite::SqliteConnection;
 
+use super::proofs;
 use super::rows::{imported, known_job, row};
 use crate::catalogue::Catalogue;
 use crate::datasets::versions::refuse_sealed;
@@ -13,7 +14,7 @@ use crate::replica::files as replica_files;
 use crate::types::Retried;
 
 /// Tables with rows of a frame's image, without `images`.
-const BESIDE: [&str; 3] = ["artifacts", "measurements", "records"];
+const BESIDE: [&str; 4] = ["artifacts", "measurements", "records", "deliveries"];
 /// Which rows: of this job and these frames.
 const WHERE: &str = "WHERE job_id = ?1 AND frame IN (SELECT value FROM json_each(?2))";
 
@@ -67,6 +68,7 @@ async fn reopen(
         .bind(&job.dataset)
         .execute(&mut *connection)
         .await?;
+    proofs::count_unproven(connection, id).await?;
     let changed = sqlx::query(concat!(
         "UPDATE jobs SET done = done - ?2, bytes = bytes - ?3, version = version + 1, digest = NULL, finished_ms = NULL,
                          state = CASE WHEN state IN ('done', 'done_with_failures') THEN 'running' ELSE state END

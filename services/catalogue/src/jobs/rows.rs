@@ -373,6 +373,9 @@ pub(super) fn row(row: &SqliteRow) -> Result<JobRow, CatalogueError> {
         set: cells.take()?,
         owner: cells.take()?,
         price: read_price(cells.take()?, cells.take()?),
+        unproven: cells.take::<Option<i64>>()?.unwrap_or(0) as u64,
+        mixed: cells.take::<Option<bool>>()?.unwrap_or(false),
+        distrusted: cells.take::<Option<bool>>()?.unwrap_or(false),
     })
 }
 

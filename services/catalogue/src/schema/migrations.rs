@@ -4,7 +4,7 @@ use sqlx::SqlSafeStr;
 use sqlx::migrate::{Migration, MigrationType, Migrator};
 
 /// The files of `migrations/`, in order: description and text. A file's version is its place, from 1.
-const FILES: [(&str, &str); 17] = [
+const FILES: [(&str, &str); 18] = [
     (
         "catalogue",
         include_str!("../../../../migrations/0001_catalogue.sql"),
@@ -46,6 +46,7 @@ const FILES: [(&str, &str); 17] = [
         include_str!("../../../../migrations/0016_scene_numbers.sql"),
     ),
     ("prices", include_str!("../../../../migrations/0017_prices.sql")),
+    ("proofs", include_str!("../../../../migrations/0018_proofs.sql")),
 ];
 
 /// The migrator that brings any older catalogue up to date.

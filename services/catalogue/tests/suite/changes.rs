@@ -3,5 +3,6 @@
 pub(crate) mod control;
 pub(crate) mod deletion;
 pub(crate) mod import;
+pub(crate) mod proofs;
 pub(crate) mod upkeep;
 pub(crate) mod versions;

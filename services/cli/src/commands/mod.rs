@@ -77,6 +77,10 @@ pub(crate) enum Command {
     Errors(errors::Arguments),
     /// Try the failed frames of a job again
     Retry(control::Arguments),
+    /// Let workers of any version and kind of machine finish a job; images state their origin
+    FinishElsewhere(control::Arguments),
+    /// Remove the images of a job and render it from the beginning
+    StartAgain(control::Arguments),
     /// Pause a job; frames being rendered are finished
     Pause(control::Arguments),
     /// Resume a paused job
@@ -147,6 +151,8 @@ impl Command {
             Self::Wait(arguments) => wait::run(&arguments),
             Self::Errors(arguments) => errors::run(&arguments),
             Self::Retry(arguments) => control::run(&arguments, JobChange::RetryFailed),
+            Self::FinishElsewhere(arguments) => control::run(&arguments, JobChange::FinishElsewhere),
+            Self::StartAgain(arguments) => control::run(&arguments, JobChange::StartAgain),
             Self::Pause(arguments) => control::run(&arguments, JobChange::Pause),
             Self::Resume(arguments) => control::run(&arguments, JobChange::Resume),
             Self::Cancel(arguments) => control::run(&arguments, JobChange::Cancel),

@@ -126,6 +126,15 @@ impl<'a> Header<'a> {
             .ok_or_else(|| damaged("its header has no `descr`, `fortran_order` and `shape`"))
     }
 
+    pub(super) fn is_float32_by_rows(&self) -> bool {
+        self.kind == "<f4" && !self.is_fortran
+    }
+
+    /// Length of the data.
+    pub(super) fn data_bytes(&self) -> usize {
+        self.data.len()
+    }
+
     fn parse(text: &'a str, data: &'a [u8]) -> Option<Self> {
         let kind = entry(text, "descr")?;
         let quote = kind.chars().next().filter(|c| ['\'', '"'].contains(c))?;

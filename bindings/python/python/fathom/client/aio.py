@@ -277,6 +277,16 @@ class AsyncSubmitted(JobState):
         self.state = await self._client._run(calls.cancel(self.id))
         return self
 
+    async def finish_elsewhere(self) -> AsyncSubmitted:
+        """Let workers of any version and kind of machine finish it; images state their origin."""
+        self.state = await self._client._run(calls.finish_elsewhere(self.id))
+        return self
+
+    async def start_again(self) -> AsyncSubmitted:
+        """Remove its images and render it from the beginning."""
+        self.state = await self._client._run(calls.start_again(self.id))
+        return self
+
     async def errors(self) -> Rows:
         """Return its failed frames, a row each."""
         return await self._client._run(calls.errors(self.id))

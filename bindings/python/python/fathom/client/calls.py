@@ -62,6 +62,18 @@ def cancel(job: str) -> Call[dict[str, Any]]:
     return state
 
 
+def finish_elsewhere(job: str) -> Call[dict[str, Any]]:
+    """Let workers of any kind finish a job."""
+    state: dict[str, Any] = read_json((yield from _request_about_job(job, "POST", "finish-elsewhere")))
+    return state
+
+
+def start_again(job: str) -> Call[dict[str, Any]]:
+    """Remove the images of a job and render it from the beginning."""
+    state: dict[str, Any] = read_json((yield from _request_about_job(job, "POST", "start-again")))
+    return state
+
+
 def errors(job: str) -> Call[Rows]:
     """Request the failed frames of a job."""
     response = yield from _request_about_job(job, "GET", "errors")

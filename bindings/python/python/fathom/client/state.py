@@ -12,7 +12,7 @@ class JobState:
 
     def __init__(self, state: dict[str, Any]) -> None:
         self.state = state
-        """Latest state from the service: `id`, `dataset`, `state`, `frames`, `done`, `failed`, `digest`."""
+        """Latest state from the service: `id`, `dataset`, `state`, `frames`, `done`, `failed`, `unproven`, `digest`."""
 
     @property
     def id(self) -> str:
@@ -29,4 +29,5 @@ class JobState:
 
     def _describe_progress(self) -> str:
         failed = f", {self.state['failed']} failed" if self.state["failed"] else ""
-        return f"{self.state['state']}, {self.state['done']} of {self.state['frames']} frames{failed}"
+        unproven = f", {self.state['unproven']} unproven" if self.state.get("unproven") else ""
+        return f"{self.state['state']}, {self.state['done']} of {self.state['frames']} frames{failed}{unproven}"

@@ -301,6 +301,16 @@ class Submitted(JobState):
         self.state = self._client._run(calls.cancel(self.id))
         return self
 
+    def finish_elsewhere(self) -> Submitted:
+        """Let workers of any version and kind of machine finish it; images state their origin."""
+        self.state = self._client._run(calls.finish_elsewhere(self.id))
+        return self
+
+    def start_again(self) -> Submitted:
+        """Remove its images and render it from the beginning."""
+        self.state = self._client._run(calls.start_again(self.id))
+        return self
+
     def errors(self) -> Rows:
         """Return its failed frames, a row each."""
         return self._client._run(calls.errors(self.id))

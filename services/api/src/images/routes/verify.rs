@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use catalogue::StoredArtifact;
 use serde::{Deserialize, Serialize};
-use spec::ArtifactEntry;
+use spec::{Agreement, ArtifactEntry, FrameRecord, RecordDifference, compare_records};
 use store::StoreError;
 use utoipa::ToSchema;
 
@@ -53,8 +53,11 @@ pub(crate) struct VerifiedArtifact {
 pub(crate) struct Verified {
     /// Whether every artifact is unchanged.
     intact: bool,
-    /// Whether the frame renders to the same bytes now; null: not rendered.
+    /// Whether the frame renders to the same bytes and the same record now; null: not rendered.
     reproduced: Option<bool>,
+    /// Where the stored record differs from that of the frame rendered now: parameters, plan, metrics, labels, counts,
+    /// warnings, artifacts. Times and provenance are not compared, except the inputs.
+    record_differences: Vec<RecordDifference>,
     /// One entry per artifact.
     artifacts: Vec<VerifiedArtifact>,
     /// Differences of program, machine or models that explain different bytes; these are not errors.
@@ -88,16 +91,27 @@ pub(crate) async fn verify(
         let artifact = images.artifact(&job, frame, &entry.kind).await?;
         artifacts.push(compared(&images, artifact, again.clone()).await?);
     }
+    let record_differences = match &again {
+        Some(again) => {
+            let stored = FrameRecord::deserialize(&image).map_err(|error| Problem::internal(&error))?;
+            compare_records(&again.record, &stored, Agreement::Exact)
+        }
+        None => Vec::new(),
+    };
+    let is_same_record = record_differences.is_empty();
     Ok(Json(Verified {
         intact: artifacts
             .iter()
             .all(|artifact| artifact.stored == StoredBytes::Good),
         reproduced: again.as_ref().map(|_| {
-            artifacts.iter().all(|artifact: &VerifiedArtifact| {
-                artifact.rerendered_digest.as_ref() == Some(&artifact.digest)
-            })
+            let mut compared = artifacts.iter();
+            is_same_record
+                && compared.all(|artifact: &VerifiedArtifact| {
+                    artifact.rerendered_digest.as_ref() == Some(&artifact.digest)
+                })
         }),
         differences: again.map_or_else(Vec::new, |again| differences(&image, &again)),
+        record_differences,
         artifacts,
     }))
 }

@@ -56,6 +56,37 @@ pub(crate) async fn retry_failed(
     Ok(Json(jobs.retry_failed(id).await?))
 }
 
+/// Finish a job on machines of any kind.
+///
+/// By default all frames of a job come from the version and kind of machine that the service can check byte by byte. After
+/// this, workers of any version, CPU features and ONNX Runtime render the remaining frames. The provenance of each image
+/// states its origin, and frames that cannot be checked count as `unproven`.
+#[utoipa::path(post, path = "/v1/jobs/{id}/finish-elsewhere", tag = "jobs", operation_id = "finish_job_elsewhere",
+    params(("id" = String, Path, description = "`job_…`")),
+    responses((status = 200, description = "The present state of the job.", body = JobRow),
+              (status = 409, response = crate::openapi::Problem)))]
+pub(crate) async fn finish_elsewhere(
+    State(jobs): Topic<Jobs>,
+    Path(id): Path<String>,
+) -> Result<Json<JobRow>, Problem> {
+    Ok(Json(jobs.finish_elsewhere(id).await?))
+}
+
+/// Start a job again.
+///
+/// Its images are removed and all frames are rendered from the beginning, by one version on one kind of machine. A
+/// cancelled, sealed or imported job is rejected.
+#[utoipa::path(post, path = "/v1/jobs/{id}/start-again", tag = "jobs", operation_id = "start_job_again",
+    params(("id" = String, Path, description = "`job_…`")),
+    responses((status = 200, description = "The present state of the job.", body = JobRow),
+              (status = 409, response = crate::openapi::Problem)))]
+pub(crate) async fn start_again(
+    State(jobs): Topic<Jobs>,
+    Path(id): Path<String>,
+) -> Result<Json<JobRow>, Problem> {
+    Ok(Json(jobs.start_again(id).await?))
+}
+
 /// Delete a job with its images in any state.
 ///
 /// Deletion is immediate and permanent; space is reclaimed in the background. Scenes are kept.

@@ -1,5 +1,7 @@
-use imaging::Rgb8;
+use std::collections::BTreeMap;
+
 use imaging::codec::encode_png;
+use imaging::{Plane, Rgb8};
 use serde_json::json;
 use spec::{ArtifactEntry, Job, Promise, Provenance, Vocabulary};
 
@@ -48,10 +50,13 @@ type Lie = fn(&mut FrameRecord);
 /// The record of an honest worker.
 fn record(frame: &Frame, pending: &[PendingArtifact]) -> FrameRecord {
     let text = frame.parameters.to_string();
+    let values = [("uiqm".to_owned(), 0.5), ("uciqe".to_owned(), 0.4)];
+    let values: BTreeMap<String, f64> = values.into();
     FrameRecord {
         frame: 1,
         parameters: serde_json::from_str(&text).unwrap(),
-        measurements: [("rgb".to_owned(), [("uiqm".to_owned(), 0.5)].into())].into(),
+        measurements: [("rgb".to_owned(), values.clone()), ("hscm".to_owned(), values)].into(),
+        plan: json!([{"stage": "attenuation", "variant": "fast"}]),
         artifacts: pending.iter().map(|put| put.entry.clone()).collect(),
         timings_ms: [("water".to_owned(), 3.0)].into(),
         provenance: Provenance {
@@ -84,6 +89,7 @@ fn an_honest_record_has_no_fault_and_each_false_one_is_named() {
             pending,
             worker: &worker,
             record,
+            received: None,
         };
         evidence.faults()
     };
@@ -92,7 +98,7 @@ fn an_honest_record_has_no_fault_and_each_false_one_is_named() {
         "{:?}",
         faults(&pending, &honest)
     );
-    let changes: [(&str, Lie); 16] = [
+    let changes: [(&str, Lie); 22] = [
         ("/parameters/alpha", |record| {
             record.parameters["alpha"] = json!(0.5)
         }),
@@ -119,6 +125,24 @@ fn an_honest_record_has_no_fault_and_each_false_one_is_named() {
         ("/measurements/rgb/psnr", |record| {
             let rgb = record.measurements.get_mut("rgb").unwrap();
             rgb.insert("psnr".to_owned(), 99.0);
+        }),
+        ("/measurements/hscm/uciqe is missing", |record| {
+            record.measurements.remove("hscm");
+        }),
+        ("/measurements/rgb/uiqm is missing", |record| {
+            record.measurements.get_mut("rgb").unwrap().remove("uiqm");
+        }),
+        ("/plan has 10000 stages", |record| {
+            record.plan = Value::Array(vec![json!({"stage": "water"}); 10_000]);
+        }),
+        ("/plan/0 is not an object", |record| {
+            record.plan = json!(["water"])
+        }),
+        ("/optics has", |record| {
+            record.optics.insert("more".to_owned(), json!("x".repeat(20_000)));
+        }),
+        ("must be null, because the frame has no style", |record| {
+            record.provenance.onnx_runtime = Some("1.20".to_owned());
         }),
         ("/counts/holes", |record| record.counts.holes = u64::MAX >> 1),
         ("/timings_ms", |record| {
@@ -168,8 +192,60 @@ fn a_file_has_a_requested_kind_and_matches_its_media_type() {
     );
     assert_eq!(
         file("range", "text/html", b"<script>"),
-        "`range` is image/png, not text/html; the bytes of `range` are not image/png"
+        "`range` is image/png, not text/html; the bytes of `range` are not image/png as workers write it: it is neither \
+         PNG, JPEG, WebP nor NPY"
     );
+}
+
+#[test]
+fn truncated_extended_and_other_samples_are_rejected() {
+    let frame = frame();
+    let picture = encode_png(&Rgb8::from_fn(32, 24, |x, y| [x as u8, y as u8, 9]).into()).unwrap();
+    let behind: Vec<u8> = picture.iter().copied().chain(vec![0; 3 << 20]).collect();
+    let gray = encode_png(&Plane::filled(32, 24, 9_u8).into()).unwrap();
+    let deep = encode_png(&Plane::filled(32, 24, 9_u16).into()).unwrap();
+    let files: [(&str, &[u8], &str); 6] = [
+        ("rgb", &picture[..60], "truncated"),
+        ("rgb", &behind, "3145728 bytes follow its end"),
+        ("rgb", &gray, "1 channels of 8 bits; must be 3 channels of 8 bits"),
+        (
+            "range",
+            &gray,
+            "1 channels of 8 bits; must be 1 channels of 16 bits",
+        ),
+        ("rgb", &deep, "1 channels of 16 bits"),
+        ("range", &deep, ""),
+    ];
+    for (kind, data, wrong) in files {
+        let file = Artifact {
+            kind: kind.to_owned(),
+            media_type: "image/png".to_owned(),
+            data: data.to_vec(),
+            digest: String::new(),
+        };
+        let found = check_file(&frame, &file).join("; ");
+        assert!(
+            found.contains(wrong) && found.is_empty() == wrong.is_empty(),
+            "{kind}: {found}"
+        );
+    }
+}
+
+#[test]
+fn members_of_no_version_are_rejected() {
+    let (frame, worker) = (frame(), worker());
+    let pending = [stored_file("rgb", (32, 24)), stored_file("range", (32, 24))];
+    let honest = record(&frame, &pending);
+    let mut received = json!(honest);
+    received["counts"]["more"] = json!(1);
+    let evidence = Evidence {
+        frame: &frame,
+        pending: &pending,
+        worker: &worker,
+        record: &honest,
+        received: Some(&received),
+    };
+    assert_eq!(evidence.faults(), ["/counts/more is unknown"]);
 }
 
 /// A seeded random stream.
@@ -215,6 +291,7 @@ fn records_that_were_changed_at_random_never_panic_and_none_passes_with_other_fa
             pending: &pending,
             worker: &worker,
             record: &changed,
+            received: None,
         };
         if evidence.faults().is_empty() {
             passed += 1;

@@ -3,20 +3,31 @@
 use wire::messages::RegisterRequest;
 
 use super::{Dispatch, State};
-use crate::leases::table::Millis;
+use crate::leases::table::{Millis, Misfits};
 use crate::leases::worker::Worker;
 use crate::telemetry;
 
+/// Maximum workers that a warning names.
+const MAX_NAMED: usize = 3;
+
 impl Dispatch {
-    /// Why a job waits although there are workers.
-    pub(crate) fn waits_for(&self, job: &str) -> Option<String> {
+    /// Warnings about an open job: workers that get none of its frames, and frames of two versions.
+    pub(crate) fn warnings(&self, job: &str) -> Vec<String> {
         self.table(|table, _| {
-            let made = table.waits_for(job)?;
-            Some(format!(
-                "no worker makes the same bytes as this job's images, which were made with {made}: start such a worker, or the \
-                 service with --mix-workers"
-            ))
+            let misfits = table.misfits(job).map(|misfits| describe_misfits(job, &misfits));
+            let upgraded = table.upgraded(job).map(|(made, now)| {
+                format!(
+                    "its first images were made with {made}, the others are made with {now}: `fathom start-again {job}` renders \
+                     all of them with one version"
+                )
+            });
+            misfits.into_iter().chain(upgraded).collect()
         })
+    }
+
+    /// Whether a worker was started by the service.
+    pub(crate) fn is_own(&self, id: &str) -> bool {
+        self.state().own.contains(id)
     }
 
     /// Whether a registered worker has the runtime of the style models.
@@ -59,5 +70,39 @@ impl Dispatch {
         let now = self.clock.wall().0;
         let age_ms = oldest.map_or(0, |submitted| now.saturating_sub(submitted.0));
         telemetry::queue(totals.queued, totals.leased, age_ms);
+    }
+}
+
+fn describe_misfits(job: &str, misfits: &Misfits) -> String {
+    let Misfits {
+        needed,
+        workers,
+        is_waiting,
+    } = misfits;
+    let shown = workers.iter().take(MAX_NAMED).map(|worker| {
+        let RegisterRequest {
+            name, code_version, ..
+        } = worker;
+        let runtime = worker.onnx_runtime.as_deref().unwrap_or("none");
+        format!(
+            "`{name}` (version {code_version}, CPU features {}, ONNX Runtime {runtime})",
+            worker.cpu_features
+        )
+    });
+    let shown: Vec<String> = shown.collect();
+    let remedy = format!(
+        "`fathom finish-elsewhere {job}` lets any worker finish it, with these frames marked, and `fathom start-again {job}` \
+         renders it from the beginning"
+    );
+    match is_waiting {
+        true => format!(
+            "no worker makes the same bytes as the service, {needed}: {} get none of its frames. Start such a worker; {remedy}",
+            shown.join(", ")
+        ),
+        false => format!(
+            "{} of the workers get none of its frames, which need {needed}: {}. {remedy}",
+            workers.len(),
+            shown.join(", ")
+        ),
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use catalogue::InsertImage;
+use catalogue::{Delivery, DueCheck, InsertImage};
 use imaging::codec::read_sides;
 use spec::{ArtifactEntry, Frame, FrameRecord};
 use store::Blob;
@@ -59,7 +59,7 @@ pub(crate) async fn commit(
     let claim = request.claim.unwrap_or_default();
     let current = leases.dispatch.table(|table, _| table.check(&claim));
     current.map_err(|_| stale_lease(&claim))?;
-    let worker = leases.examine(&claim, &record).await?;
+    let worker = leases.examine(&claim, &record, &request.record_json).await?;
     let begun = leases.dispatch.free(|table, now| {
         if table.record_toolchain(&claim.job_id, &Toolchain::from_provenance(&record.provenance)) {
             return table.begin_commit(&claim, now);
@@ -120,7 +120,7 @@ impl Leases {
     }
 
     /// Compares a record with the known facts of its frame; returns the worker.
-    async fn examine(&self, claim: &Claim, record: &FrameRecord) -> Result<String, Problem> {
+    async fn examine(&self, claim: &Claim, record: &FrameRecord, text: &[u8]) -> Result<String, Problem> {
         let worker = self.dispatch.holder(claim.token);
         let (id, worker) = worker.ok_or_else(|| stale_lease(claim))?;
         let known = match self.pending.get(claim) {
@@ -130,11 +130,16 @@ impl Leases {
                 files: vec![],
             },
         };
+        let received = match self.dispatch.is_own(&id) {
+            true => None,
+            false => serde_json::from_slice(text).ok(),
+        };
         let evidence = Evidence {
             frame: &known.frame,
             pending: &known.files,
             worker: &worker,
             record,
+            received: received.as_ref(),
         };
         let faults = evidence.faults();
         if faults.is_empty() {
@@ -160,7 +165,21 @@ impl Leases {
         record: &FrameRecord,
         worker: &str,
     ) -> Result<InsertImage, Problem> {
-        let inserted = self.insert(claim, record).await;
+        let is_own = self.dispatch.is_own(worker);
+        let now_ms = self.clock.wall().0;
+        let delivery = match is_own {
+            true => None,
+            false => self
+                .proofs
+                .begin_delivery(worker, &claim.job_id, claim.frame, now_ms),
+        };
+        let check = delivery.as_ref().filter(|delivery| delivery.is_due);
+        let check = check.map(|delivery| DueCheck {
+            job: claim.job_id.clone(),
+            frame: claim.frame,
+            worker: delivery.worker.clone(),
+        });
+        let inserted = self.insert(claim, record, delivery).await;
         faults::point("commit.inserted");
         match inserted {
             Err(_) => self.dispatch.free(|table, _| table.abort_commit(claim)),
@@ -171,13 +190,22 @@ impl Leases {
             if let Ok(frame) = self.frame(claim).await {
                 self.costs.learn(&frame, record);
             }
-            self.probes.record_commit(worker, &claim.job_id, claim.frame);
+            match is_own {
+                true => self.probes.record_commit(worker, &claim.job_id, claim.frame),
+                false => self.proofs.push(check),
+            }
+            self.end_if_complete(&claim.job_id);
         }
         self.changes.notify(&claim.job_id);
         inserted
     }
 
-    async fn insert(&self, claim: &Claim, record: &FrameRecord) -> Result<InsertImage, Problem> {
+    async fn insert(
+        &self,
+        claim: &Claim,
+        record: &FrameRecord,
+        delivery: Option<Delivery>,
+    ) -> Result<InsertImage, Problem> {
         self.room(claim).await?;
         let _turn = self.bytes.naming.beside_others().await;
         for ArtifactEntry { kind, digest, .. } in &record.artifacts {
@@ -187,7 +215,10 @@ impl Leases {
             }
         }
         let now_ms = self.clock.wall().0;
-        let inserted = self.catalogue.insert_image(&claim.job_id, record, now_ms).await?;
+        let inserted = self
+            .catalogue
+            .insert_delivered(&claim.job_id, record, now_ms, delivery)
+            .await?;
         let digests = record.artifacts.iter().map(|artifact| artifact.digest.as_str());
         self.bytes.naming.named(digests);
         self.pending.remove(claim);

@@ -19,6 +19,8 @@ pub(crate) struct Job {
     /// Price of a frame.
     pub(crate) frame_cost: OpenCost,
     pub(crate) held_back: bool,
+    /// Whether its frames may come from different programs and machines.
+    pub(crate) mixed: bool,
     /// Provenance of its images; `None` before the first.
     pub(crate) made: Option<Toolchain>,
     /// Running mean of the slot time of its frames; `None` before the first.
@@ -58,6 +60,7 @@ impl Job {
             },
             held_back: entry.paused,
             measured_us: None,
+            mixed: entry.mixed,
             made: entry.made.clone(),
             frames: entry.frames,
             finished: 0,

@@ -32,6 +32,7 @@ use self::job::Job;
 use self::lease::Leases;
 use self::line::Line;
 use self::suspects::Suspects;
+pub use self::toolchain::Misfits;
 pub use self::types::{Grant, JobEntry, Millis, OpenCost, Rules, Stale, StrikeEvent, Toolchain, Totals};
 pub use types::TERM_MS;
 

@@ -1,4 +1,7 @@
 //! Provenance rules: the frames of one job come from one program on one kind of machine, unless mixing is allowed.
+//!
+//! If frames are checked, that is the program and machine of the checks: only they can prove a frame, and no unverified
+//! frame decides. An upgrade of the service thus continues open jobs. Otherwise the first image of a job decides.
 
 use spec::Provenance;
 use wire::messages::RegisterRequest;
@@ -25,15 +28,22 @@ impl Toolchain {
             && (self.onnx_runtime.is_none() || self.onnx_runtime == worker.onnx_runtime)
     }
 
+    /// Whether a frame of another provenance can be compared byte by byte with one of this.
+    fn can_check(&self, other: &Self) -> bool {
+        let runtimes = (&self.onnx_runtime, &other.onnx_runtime);
+        self.code_version == other.code_version
+            && self.cpu_features == other.cpu_features
+            && !matches!(runtimes, (Some(own), Some(other)) if own != other)
+    }
+
     /// Merges the provenance of another frame; returns whether it is compatible.
     fn merge(&mut self, other: &Self) -> bool {
+        let is_compatible = self.can_check(other);
         let is_same = self.code_version == other.code_version && self.cpu_features == other.cpu_features;
-        let runtimes = (&self.onnx_runtime, &other.onnx_runtime);
-        let differ = matches!(runtimes, (Some(one), Some(other)) if one != other);
         if is_same && self.onnx_runtime.is_none() {
             self.onnx_runtime.clone_from(&other.onnx_runtime);
         }
-        is_same && !differ
+        is_compatible
     }
 }
 
@@ -53,15 +63,46 @@ impl std::fmt::Display for Toolchain {
 
 impl Rules {
     /// Whether a worker may render frames of a job.
-    pub(super) fn fits(self, job: &Job, worker: &RegisterRequest) -> bool {
-        let is_open = self.mixed || job.is_untouched();
-        is_open || job.made.as_ref().is_none_or(|made| made.matches(worker))
+    pub(super) fn fits(&self, job: &Job, worker: &RegisterRequest) -> bool {
+        if self.mixed || job.mixed {
+            return true;
+        }
+        match self.needed(job) {
+            Some(needed) => needed.matches(worker),
+            None => true,
+        }
+    }
+
+    /// The toolchain that a job needs; `None`: any.
+    fn needed(&self, job: &Job) -> Option<Toolchain> {
+        let made = job.made.as_ref();
+        let Some(reference) = &self.reference else {
+            return made.filter(|_| !job.is_untouched()).cloned();
+        };
+        let runtime = made.and_then(|made| made.onnx_runtime.as_ref());
+        let kind = made.filter(|_| !job.is_untouched()).unwrap_or(reference);
+        Some(Toolchain {
+            code_version: reference.code_version.clone(),
+            cpu_features: kind.cpu_features.clone(),
+            onnx_runtime: runtime.map(|made| reference.onnx_runtime.as_ref().unwrap_or(made).clone()),
+        })
     }
 
     /// Whether the frame of a lease has exceeded the time limit.
-    pub(super) fn is_stalled(self, lease: &Lease, now: Millis) -> bool {
+    pub(super) fn is_stalled(&self, lease: &Lease, now: Millis) -> bool {
         !lease.cancelled && lease.since.plus(self.frame_limit_ms) <= now
     }
+}
+
+/// Registered workers that get no frames of a job.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Misfits {
+    /// The toolchain that the job needs.
+    pub needed: Toolchain,
+    /// The excluded workers.
+    pub workers: Vec<RegisterRequest>,
+    /// Whether no worker fits.
+    pub is_waiting: bool,
 }
 
 impl LeaseTable {
@@ -71,22 +112,60 @@ impl LeaseTable {
         let Some(job) = self.jobs.get_mut(job) else {
             return true;
         };
+        let is_mixed = self.rules.mixed || job.mixed;
+        let reference = self.rules.reference.as_ref().filter(|_| !is_mixed);
+        if let Some(reference) = reference
+            && !reference.can_check(toolchain)
+        {
+            // From now on its runtime excludes workers with another one.
+            let made = job.made.get_or_insert_with(|| reference.clone());
+            made.onnx_runtime.clone_from(&reference.onnx_runtime);
+            return false;
+        }
         if job.made.is_none() || (job.is_untouched() && !is_being_written) {
             job.made = Some(toolchain.clone());
             return true;
         }
         let takes = job.made.as_mut().is_some_and(|made| made.merge(toolchain));
-        takes || self.rules.mixed
+        takes || is_mixed || reference.is_some()
+    }
+
+    /// Lets workers of any kind render the frames of a job.
+    pub fn mix(&mut self, job: &str) {
+        if let Some(job) = self.jobs.get_mut(job) {
+            job.mixed = true;
+        }
     }
 
     /// The provenance that a job waits for, if there are workers but none is compatible.
     #[must_use]
-    pub fn waits_for(&self, job: &str) -> Option<&Toolchain> {
+    pub fn waits_for(&self, job: &str) -> Option<Toolchain> {
+        let misfits = self.misfits(job)?;
+        misfits.is_waiting.then_some(misfits.needed)
+    }
+
+    /// The registered workers that get no frames of an open job; `None` without any.
+    #[must_use]
+    pub fn misfits(&self, job: &str) -> Option<Misfits> {
+        let job = self.jobs.get(job)?;
+        let needed = self.rules.needed(job)?;
+        let workers = self.workers.values().map(|worker| &worker.about);
+        let misfits: Vec<_> = workers
+            .filter(|about: &&RegisterRequest| !self.rules.fits(job, about))
+            .cloned()
+            .collect();
+        (!misfits.is_empty()).then(|| Misfits {
+            needed,
+            is_waiting: misfits.len() == self.workers.len(),
+            workers: misfits,
+        })
+    }
+
+    /// The provenance of a job's first images, if the service has another version now, and the present one.
+    #[must_use]
+    pub fn upgraded(&self, job: &str) -> Option<(&Toolchain, &Toolchain)> {
         let job = self.jobs.get(job).filter(|job| !job.is_untouched())?;
-        let made = job.made.as_ref()?;
-        let mut workers = self.workers.values();
-        let is_unfit =
-            !self.rules.mixed && workers.len() > 0 && workers.all(|worker| !made.matches(&worker.about));
-        is_unfit.then_some(made)
+        let (made, reference) = job.made.as_ref().zip(self.rules.reference.as_ref())?;
+        (made.code_version != reference.code_version).then_some((made, reference))
     }
 }

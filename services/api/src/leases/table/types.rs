@@ -16,12 +16,14 @@ impl Millis {
 }
 
 /// Lease rules of all jobs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Rules {
     /// Maximum time a worker may hold a frame: rendering plus upload.
     pub frame_limit_ms: u64,
     /// Whether frames of one job may come from different programs and machines.
     pub mixed: bool,
+    /// Program and machine on which frames are checked; `None`: no frame is checked, and the first image of a job decides.
+    pub reference: Option<Toolchain>,
 }
 
 impl Default for Rules {
@@ -29,6 +31,7 @@ impl Default for Rules {
         Self {
             frame_limit_ms: u64::MAX,
             mixed: false,
+            reference: None,
         }
     }
 }
@@ -67,6 +70,8 @@ pub struct JobEntry {
     pub paused: bool,
     /// Provenance of its images; `None` before the first.
     pub made: Option<Toolchain>,
+    /// Whether its frames may come from different programs and machines.
+    pub mixed: bool,
 }
 
 /// Expected cost of unfinished frames.

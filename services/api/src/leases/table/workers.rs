@@ -14,6 +14,15 @@ impl LeaseTable {
             .insert(worker.to_owned(), Worker { about, seen: now });
     }
 
+    /// Removes a worker that committed a wrong frame. Its leased frames return without a strike, because they are not to
+    /// blame.
+    pub fn dismiss(&mut self, worker: &str, now: Millis) {
+        for token in self.leases.tokens_of(worker) {
+            self.release(token, now);
+        }
+        self.workers.remove(worker);
+    }
+
     /// Whether a worker is registered.
     #[must_use]
     pub fn has_worker(&self, worker: &str) -> bool {

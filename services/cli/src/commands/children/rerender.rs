@@ -1,5 +1,6 @@
-//! `fathom child rerender`: renders a stored frame again, for the service.
+//! `fathom child rerender`: renders stored frames again, for the service.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -15,7 +16,8 @@ use super::engine::EngineArguments;
 /// Options of `fathom child rerender`.
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// Folder with `request.json` and the files of the scene; the record and the artifacts are written there
+    /// Folder with `request.json` and the files of the scene; the record and the artifacts of each frame are written to a
+    /// folder in it
     #[arg(long)]
     folder: PathBuf,
     #[command(flatten)]
@@ -26,7 +28,7 @@ pub(crate) struct Arguments {
 #[derive(Deserialize)]
 struct Request {
     spec: String,
-    frame: u64,
+    frames: Vec<u64>,
     scene: Option<SceneFiles<String>>,
 }
 
@@ -36,18 +38,23 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let request: Request = serde_json::from_slice(&files::read(&folder.join("request.json"))?)
         .context("request.json cannot be read")?;
     let job = Job::from_canonical(&request.spec).map_err(Failure::input)?;
-    let frame = job.resolve(request.frame).map_err(Failure::input)?;
     let source = match &request.scene {
         Some(scene) => SceneSource::Uploaded(Arc::new(uploaded(folder, scene)?)),
         None => SceneSource::Local,
     };
-    let rendered = Slot::new(&arguments.engine.engine()?).attempt(&frame, &source);
-    let rendered = rendered.map_err(Failure::input)?;
-    for (position, file) in rendered.files.iter().enumerate() {
-        files::write(&folder.join(format!("artifact-{position}")), &file.bytes)?;
+    let mut slot = Slot::new(&arguments.engine.engine()?);
+    for &index in &request.frames {
+        let frame = job.resolve(index).map_err(Failure::input)?;
+        let rendered = slot.attempt(&frame, &source).map_err(Failure::input)?;
+        let folder = folder.join(index.to_string());
+        fs::create_dir_all(&folder).with_context(|| format!("cannot create {}", folder.display()))?;
+        for (position, file) in rendered.files.iter().enumerate() {
+            files::write(&folder.join(format!("artifact-{position}")), &file.bytes)?;
+        }
+        let record = serde_json::to_vec(&rendered.record).context("the record cannot be written")?;
+        files::write(&folder.join("record.json"), &record)?;
     }
-    let record = serde_json::to_vec(&rendered.record).context("the record cannot be written")?;
-    files::write(&folder.join("record.json"), &record)
+    Ok(())
 }
 
 /// The files of a scene, stored in the folder under their names.

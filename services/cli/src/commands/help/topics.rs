@@ -37,6 +37,8 @@ pub(super) const TOPICS: &[Topic] = topics! {
         "wait" "fathom wait job_0198c0ffee007000800000000000000a";
         "errors" "fathom errors job_0198c0ffee007000800000000000000a";
         "retry" "fathom retry job_0198c0ffee007000800000000000000a";
+        "finish-elsewhere" "fathom finish-elsewhere job_0198c0ffee007000800000000000000a";
+        "start-again" "fathom start-again job_0198c0ffee007000800000000000000a";
         "pause" "fathom pause job_0198c0ffee007000800000000000000a";
         "resume" "fathom resume job_0198c0ffee007000800000000000000a";
         "cancel" "fathom cancel job_0198c0ffee007000800000000000000a";

@@ -1,4 +1,4 @@
-//! `fathom cancel`, `pause`, `resume` and `retry`: change the state of jobs.
+//! `fathom cancel`, `pause`, `resume`, `retry`, `finish-elsewhere` and `start-again`: change jobs.
 
 use cli::exit::Failure;
 use cli::known;

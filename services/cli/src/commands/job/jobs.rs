@@ -30,7 +30,9 @@ pub(crate) struct Arguments {
     server: ServerArguments,
 }
 
-const HEADER: [&str; 7] = ["job", "dataset", "state", "frames", "failed", "frames/s", "left"];
+const HEADER: [&str; 8] = [
+    "job", "dataset", "state", "frames", "failed", "unproven", "frames/s", "left",
+];
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -64,6 +66,7 @@ fn row(job: &JobRow, id: String, now: UnixMs) -> Vec<String> {
         job.state.to_string(),
         format!("{}/{}", job.done, job.frames),
         job.failed.to_string(),
+        job.unproven.to_string(),
         rate.unwrap_or_else(|| DASH.to_owned()),
         remaining.unwrap_or_else(|| DASH.to_owned()),
     ]

@@ -107,10 +107,15 @@ pub(crate) fn show(job: &JobRow, as_json: bool) {
         state,
         done,
         frames,
+        unproven,
         ..
     } = job;
+    let unproven = match unproven {
+        0 => String::new(),
+        unproven => format!(" · {unproven} unproven"),
+    };
     println!(
-        "job {id} · dataset {dataset} · {state} · {done} of {}",
+        "job {id} · dataset {dataset} · {state} · {done} of {}{unproven}",
         count(frames, "frame")
     );
     if let Some(digest) = &job.digest {

@@ -64,7 +64,8 @@ pub(crate) struct Arguments {
     /// Let workers of different versions, CPU features or ONNX Runtimes share a job, whose frames may then differ in their last digits
     #[arg(long, env = "FATHOM_MIX_WORKERS")]
     pub(crate) mix_workers: bool,
-    /// Render the first frame of each worker and one in this number of frames a second time and compare; a worker that differs is dismissed. 0: none
+    /// Render one in this number of frames a second time and compare; of workers outside of this service also their first eight frames and one
+    /// after their last of each job. A worker that differs is dismissed. 0: none
     #[arg(long, env = "FATHOM_SPOT_CHECK", default_value_t = 200, value_name = "FRAMES")]
     pub(crate) spot_check: u64,
     /// Folder or s3://BUCKET/PREFIX below which clients may have sets imported; may be given several times. With --engine one:
