@@ -56,6 +56,7 @@ impl Stream {
         text: &str,
         vary: &str,
         has_metrics: bool,
+        deadline_ms: Option<f64>,
         styles: Option<PathBuf>,
         onnxruntime: Option<PathBuf>,
     ) -> PyResult<Self> {
@@ -70,6 +71,7 @@ impl Stream {
                 }
             },
             has_metrics,
+            deadline_ms,
         };
         let opened = py.detach(|| renderer::Stream::open(text.as_bytes(), options, &studio.engine));
         let stream = opened.map_err(|invalid| invalid_job(py, &invalid))?;

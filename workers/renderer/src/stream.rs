@@ -1,6 +1,7 @@
 //! Frames of a running camera: arrays in, arrays out, and nothing is stored.
 
 mod check;
+mod deadline;
 mod decode;
 mod description;
 mod error;
@@ -10,7 +11,7 @@ mod output;
 use std::sync::Arc;
 use std::time::Instant;
 
-use spec::{ArtifactKind, Frame, Invalid, Job};
+use spec::{ArtifactKind, Fidelity, FieldError, Frame, FrameRecord, Invalid, Job, RangeKind};
 
 use crate::engine::Engine;
 use crate::error::RenderError;
@@ -18,6 +19,7 @@ use crate::inputs::scene::prepare_picture;
 use crate::slot::Slot;
 use crate::stopwatch::Stopwatch;
 use check::{Checked, check_input};
+use deadline::{CALIBRATION_FRAMES, CALIBRATION_SIZE, CostModel};
 use decode::Decoder;
 use description::{StreamJob, read_job};
 
@@ -43,6 +45,8 @@ pub struct Stream {
     /// Whether the job gives a field of view, which the cameras of frames must not contradict.
     gives_hfov: bool,
     warnings: Vec<String>,
+    /// `None` without a deadline.
+    costs: Option<CostModel>,
     slot: Slot,
     decoder: Decoder,
     /// Rendered frames; the stamp of a frame without one.
@@ -61,16 +65,53 @@ impl Stream {
             warnings,
             gives_hfov,
         } = read_job(text, options.has_metrics, &vocabulary)?;
-        Ok(Self {
+        let mut stream = Self {
             fixed: job.resolve_any(0)?,
             job,
             options,
             gives_hfov,
             warnings,
+            costs: None,
             slot: Slot::new(engine),
             decoder: Decoder::default(),
             frames: 0,
-        })
+        };
+        if let Some(deadline_ms) = options.deadline_ms {
+            check_deadline(deadline_ms, stream.fixed.fidelity)?;
+            stream.costs = Some(stream.calibrate(deadline_ms));
+        }
+        Ok(stream)
+    }
+
+    /// The cost model of the job on this machine, from pictures of a slanted wall. Without one of them, such as in water that
+    /// rejects the frame, costs are those of plans.
+    fn calibrate(&mut self, deadline_ms: f64) -> CostModel {
+        let (width, height) = CALIBRATION_SIZE;
+        let codes: Vec<u8> = (0..3 * width * height).map(|i| (i % 251) as u8).collect();
+        let meters: Vec<f32> = (0..width * height)
+            .map(|i| 1.0 + 4.0 * (i % width) as f32 / width as f32)
+            .collect();
+        let frames = (0..CALIBRATION_FRAMES).map_while(|stamp_ns| {
+            let input = StreamInput {
+                picture: StreamPicture {
+                    size: CALIBRATION_SIZE,
+                    channels: ChannelOrder::Rgb,
+                    samples: PictureSamples::Srgb(&codes),
+                },
+                depth: Some(StreamDepth {
+                    kind: RangeKind::Range,
+                    size: CALIBRATION_SIZE,
+                    samples: DepthSamples::Meters(&meters),
+                }),
+                camera: None,
+                stamp_ns: Some(stamp_ns),
+                pose: None,
+            };
+            Some(self.render(&input).ok()?.record)
+        });
+        let records: Vec<FrameRecord> = frames.collect();
+        self.frames = 0;
+        CostModel::new(deadline_ms, &records)
     }
 
     /// Warnings about the job.
@@ -102,9 +143,13 @@ impl Stream {
             .guard(&frame, |slot| slot.contents_of(&frame, &prepared, watch))?;
         self.decoder.recycle(prepared.scene);
         self.frames += 1;
+        let mut record = contents.record;
+        if let Some(costs) = &self.costs {
+            costs.correct_warnings(&mut record, input.picture.size);
+        }
         Ok(StreamFrame {
             artifacts: contents.artifacts,
-            record: contents.record,
+            record,
             elapsed_ms: begun.elapsed().as_secs_f64() * 1e3,
         })
     }
@@ -126,8 +171,30 @@ impl Stream {
                 .unwrap_or([pose.right.z, pose.down.z, pose.ahead.z]);
             frame.camera.up = Some(up);
         }
+        if let Some(costs) = &self.costs {
+            frame.fidelity = Fidelity::BudgetMs(costs.budget_ms(input.picture.size));
+        }
         list_artifacts(&mut frame, input.depth.is_some());
         Ok(frame)
+    }
+}
+
+/// Refuses a deadline that is no time, and one next to a chosen accuracy.
+fn check_deadline(deadline_ms: f64, fidelity: Fidelity) -> Result<(), Invalid> {
+    let mut errors = Vec::new();
+    if !(deadline_ms.is_finite() && deadline_ms > 0.0) {
+        let message = format!("`deadline_ms` is {deadline_ms}; must be above 0");
+        errors.push(FieldError::new("", message));
+    }
+    if fidelity != Fidelity::Picture {
+        let message =
+            "`fidelity` is given, but `deadline_ms` of the stream chooses the accuracy; remove one of them";
+        errors.push(FieldError::new("/fidelity", message));
+    }
+    if errors.is_empty() {
+        Ok(())
+    } else {
+        Err(Invalid(errors))
     }
 }
 

@@ -51,7 +51,15 @@ class StreamRecord:
 class Stream:
     """A job over the pictures of a camera."""
 
-    def __new__(cls, text: str, vary: str, has_metrics: bool, styles: str | None, onnxruntime: str | None) -> Stream:
+    def __new__(
+        cls,
+        text: str,
+        vary: str,
+        has_metrics: bool,
+        deadline_ms: float | None,
+        styles: str | None,
+        onnxruntime: str | None,
+    ) -> Stream:
         """Check a description; raises `fathom.InvalidJob` and `fathom.InvalidArgument`."""
 
     @property

@@ -119,6 +119,7 @@ class Stream:
         job: Job | Mapping[str, Any] | str | os.PathLike[str],
         *,
         vary: Literal["stream", "frame"] = "stream",
+        deadline_ms: float | None = None,
         metrics: bool = False,
         styles: str | os.PathLike[str] | None = None,
         onnxruntime: str | os.PathLike[str] | None = None,
@@ -126,7 +127,8 @@ class Stream:
         """Open a stream with a `Job`, a mapping, or the path of a JSON file.
 
         The pictures of the stream replace the `scene` of the job, which may be absent. `vary`: "stream" draws the random
-        distributions of the job once, "frame" for each frame from its stamp. `metrics=True` measures the metrics of the
+        distributions of the job once, "frame" for each frame from its stamp. `deadline_ms` selects, on this machine, the
+        most accurate plan that is expected to meet it; a late frame has a warning. `metrics=True` measures the metrics of the
         job. `styles` and `onnxruntime` as for `Job`. Raises `InvalidJob` with every error of the description.
         """
         places = tuple(None if path is None else os.fspath(path) for path in (styles, onnxruntime))
@@ -136,7 +138,7 @@ class Stream:
             text, places = job.canonical, job.places
         else:
             text = read_description(job)
-        self._native = _native.Stream(text, vary, metrics, *places)
+        self._native = _native.Stream(text, vary, metrics, deadline_ms, *places)
         for warning in self.warnings:
             _warnings.warn(warning, stacklevel=2)
 

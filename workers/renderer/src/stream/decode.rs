@@ -182,7 +182,7 @@ fn find_not_finite(picture: &StreamPicture<'_>, samples: &[f32]) -> Option<Input
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::stream::ChannelOrder;
+    use super::super::input::ChannelOrder;
     use imaging::geometry::range_from_z_depth;
 
     fn decode(samples: PictureSamples<'_>, channels: ChannelOrder) -> Rgb<f32> {

@@ -19,6 +19,9 @@ pub struct StreamOptions {
     pub vary: Vary,
     /// Whether the metrics of the job are measured.
     pub has_metrics: bool,
+    /// Time for a frame, ms: selects the most accurate plan that is expected to meet it. Plans then depend on the machine;
+    /// `None` makes them depend on the job alone.
+    pub deadline_ms: Option<f64>,
 }
 
 /// Order of the samples of a pixel.
