@@ -1,22 +1,20 @@
 //! Streams: pictures of a camera as arrays.
 
-use std::borrow::Cow;
+mod arrays;
+
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
-use numpy::{Element, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
-use renderer::{
-    ChannelOrder, DepthSamples, PictureSamples, StreamDepth, StreamError, StreamFrame, StreamInput,
-    StreamOptions, StreamPicture, Vary,
-};
+use renderer::{ChannelOrder, StreamError, StreamFrame, StreamInput, StreamOptions, Vary};
 use serde_json::json;
-use spec::{FrameRecord, RangeKind};
+use spec::FrameRecord;
 
 use crate::arrays::{Array, of_content};
 use crate::errors::{invalid_argument, invalid_job, render_error};
 use crate::studio::Studio;
+use arrays::{DepthArray, PictureArray};
 
 /// A job over the pictures of a camera.
 #[pyclass(frozen, module = "fathom._native")]
@@ -111,37 +109,20 @@ impl Stream {
         };
         let (samples, distances) = (picture.samples(), depth.as_ref().map(DepthArray::samples));
         let input = StreamInput {
-            picture: StreamPicture {
-                size: picture.size,
-                channels,
-                samples: samples.borrow(),
-            },
+            picture: picture.describe(channels, &samples),
             depth: depth
                 .as_ref()
                 .zip(distances.as_ref())
-                .map(|(depth, samples)| StreamDepth {
-                    kind: depth.kind,
-                    size: depth.size,
-                    samples: samples.borrow(),
-                }),
+                .map(|(depth, samples)| depth.describe(samples)),
             camera,
             stamp_ns,
             pose,
         };
-        let mut stream = self.take()?;
-        let (stream, rendered) = py.detach(|| {
-            let rendered = stream.render(&input);
-            (stream, rendered)
-        });
-        *self.idle.lock().unwrap_or_else(PoisonError::into_inner) = Some(stream);
         let StreamFrame {
             artifacts,
             record,
             elapsed_ms,
-        } = rendered.map_err(|error| match error {
-            StreamError::Input(_) => invalid_argument(py, error.to_string()),
-            StreamError::Render(error) => render_error(py, stamp_ns.unwrap_or_default(), error),
-        })?;
+        } = self.run(py, &input)?;
         let bound = record.promise.as_ref().map(|promise| promise.bound);
         let arrays = artifacts
             .into_iter()
@@ -156,6 +137,20 @@ impl Stream {
 }
 
 impl Stream {
+    /// Renders a frame detached from the interpreter.
+    fn run(&self, py: Python<'_>, input: &StreamInput<'_>) -> PyResult<StreamFrame> {
+        let mut stream = self.take()?;
+        let (stream, rendered) = py.detach(|| {
+            let rendered = stream.render(input);
+            (stream, rendered)
+        });
+        *self.idle.lock().unwrap_or_else(PoisonError::into_inner) = Some(stream);
+        rendered.map_err(|error| match error {
+            StreamError::Input(_) => invalid_argument(py, error.to_string()),
+            StreamError::Render(error) => render_error(py, input.stamp_ns.unwrap_or_default(), error),
+        })
+    }
+
     fn take(&self) -> PyResult<renderer::Stream> {
         let idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner).take();
         idle.ok_or_else(|| {
@@ -171,161 +166,4 @@ fn read_channels(name: &str) -> Result<ChannelOrder, String> {
         let known = ChannelOrder::ALL.map(|(name, _)| name).join(", ");
         format!("`channels` is \"{name}\"; must be one of {known}")
     })
-}
-
-/// An array in the order of its indices: borrowed if its memory has this order.
-fn in_order<'a, T: Element + Copy>(array: &'a PyReadonlyArrayDyn<'_, T>) -> Cow<'a, [T]> {
-    match array.as_slice() {
-        Ok(samples) => Cow::Borrowed(samples),
-        Err(_) => Cow::Owned(array.as_array().iter().copied().collect()),
-    }
-}
-
-/// The shape of an array of an argument.
-fn read_shape(name: &str, given: &Array<'_>) -> Result<Vec<usize>, String> {
-    match given.cast::<PyUntypedArray>() {
-        Ok(array) => Ok(array.shape().to_vec()),
-        Err(_) => {
-            let kind = given.get_type().name();
-            let kind = kind.map_or_else(|_| String::new(), |name| name.to_string());
-            Err(format!("`{name}` is a {kind}; must be a NumPy array"))
-        }
-    }
-}
-
-fn describe_type(given: &Array<'_>) -> String {
-    let array = given.cast::<PyUntypedArray>();
-    array.map_or_else(|_| String::new(), |array| array.dtype().to_string())
-}
-
-/// Sizes as Python writes them.
-fn describe_shape(shape: &[usize]) -> String {
-    let sides: Vec<String> = shape.iter().map(ToString::to_string).collect();
-    format!("({})", sides.join(", "))
-}
-
-/// The picture of a call.
-struct PictureArray<'py> {
-    size: (usize, usize),
-    held: PictureHeld<'py>,
-}
-
-enum PictureHeld<'py> {
-    Srgb(PyReadonlyArrayDyn<'py, u8>),
-    Linear(PyReadonlyArrayDyn<'py, f32>),
-}
-
-enum PictureCow<'a> {
-    Srgb(Cow<'a, [u8]>),
-    Linear(Cow<'a, [f32]>),
-}
-
-impl PictureCow<'_> {
-    fn borrow(&self) -> PictureSamples<'_> {
-        match self {
-            Self::Srgb(samples) => PictureSamples::Srgb(samples),
-            Self::Linear(samples) => PictureSamples::Linear(samples),
-        }
-    }
-}
-
-impl<'py> PictureArray<'py> {
-    fn read(given: &Array<'py>, channels: ChannelOrder) -> Result<Self, String> {
-        let shape = read_shape("rgb", given)?;
-        let size = match *shape {
-            [height, width] if channels == ChannelOrder::Mono => (width, height),
-            [height, width, count] if count == channels.count() => (width, height),
-            _ => {
-                let needed = match channels {
-                    ChannelOrder::Mono => "(height, width)".to_owned(),
-                    _ => format!("(height, width, {})", channels.count()),
-                };
-                return Err(format!(
-                    "`rgb` has the shape {}; must be {needed} with `channels` \"{}\"",
-                    describe_shape(&shape),
-                    channels.name()
-                ));
-            }
-        };
-        let held = if let Ok(codes) = given.extract() {
-            PictureHeld::Srgb(codes)
-        } else if let Ok(light) = given.extract() {
-            PictureHeld::Linear(light)
-        } else {
-            return Err(format!(
-                "`rgb` has the dtype {}; must be uint8 (sRGB codes) or float32 (linear light)",
-                describe_type(given)
-            ));
-        };
-        Ok(Self { size, held })
-    }
-
-    fn samples(&self) -> PictureCow<'_> {
-        match &self.held {
-            PictureHeld::Srgb(codes) => PictureCow::Srgb(in_order(codes)),
-            PictureHeld::Linear(light) => PictureCow::Linear(in_order(light)),
-        }
-    }
-}
-
-/// The distances of a call.
-struct DepthArray<'py> {
-    kind: RangeKind,
-    size: (usize, usize),
-    held: DepthHeld<'py>,
-}
-
-enum DepthHeld<'py> {
-    Meters(PyReadonlyArrayDyn<'py, f32>),
-    Millimeters(PyReadonlyArrayDyn<'py, u16>),
-}
-
-enum DepthCow<'a> {
-    Meters(Cow<'a, [f32]>),
-    Millimeters(Cow<'a, [u16]>),
-}
-
-impl DepthCow<'_> {
-    fn borrow(&self) -> DepthSamples<'_> {
-        match self {
-            Self::Meters(samples) => DepthSamples::Meters(samples),
-            Self::Millimeters(samples) => DepthSamples::Millimeters(samples),
-        }
-    }
-}
-
-impl<'py> DepthArray<'py> {
-    fn read(name: &str, given: &Array<'py>) -> Result<Self, String> {
-        let shape = read_shape(name, given)?;
-        let ([height, width] | [height, width, 1]) = *shape else {
-            let shape = describe_shape(&shape);
-            return Err(format!("`{name}` has the shape {shape}; must be (height, width)"));
-        };
-        let held = if let Ok(meters) = given.extract() {
-            DepthHeld::Meters(meters)
-        } else if let Ok(codes) = given.extract() {
-            DepthHeld::Millimeters(codes)
-        } else {
-            return Err(format!(
-                "`{name}` has the dtype {}; must be float32 (meters) or uint16 (millimeters)",
-                describe_type(given)
-            ));
-        };
-        Ok(Self {
-            kind: if name == "z_depth" {
-                RangeKind::ZDepth
-            } else {
-                RangeKind::Range
-            },
-            size: (width, height),
-            held,
-        })
-    }
-
-    fn samples(&self) -> DepthCow<'_> {
-        match &self.held {
-            DepthHeld::Meters(meters) => DepthCow::Meters(in_order(meters)),
-            DepthHeld::Millimeters(codes) => DepthCow::Millimeters(in_order(codes)),
-        }
-    }
 }

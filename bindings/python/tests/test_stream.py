@@ -131,7 +131,10 @@ def test_a_frame_without_distances_skips_the_water_alone() -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"rgb": RGB[..., :2]}, r"`rgb` has the shape \(48, 64, 2\); must be \(height, width, 3\) with `channels` \"rgb\""),
+        (
+            {"rgb": RGB[..., :2]},
+            r"`rgb` has the shape \(48, 64, 2\); must be \(height, width, 3\) with `channels` \"rgb\"",
+        ),
         ({"channels": "rgba"}, r"must be \(height, width, 4\)"),
         ({"channels": "mono"}, r"must be \(height, width\)"),
         ({"channels": "rgbd"}, r"`channels` is \"rgbd\"; must be one of rgb, bgr, rgba, bgra, mono"),
@@ -177,7 +180,7 @@ def test_one_call_puts_a_picture_into_water() -> None:
     stream = fathom.Stream({"water": {"optics": "jerlov-3C"}, "lights": [lamp]})
     assert (wet == stream(RGB, range_m=RANGE_M).rgb).all()
     with pytest.warns(UserWarning, match="no range: the water's optics are skipped"):
-        assert (fathom.apply(RGB, water="jerlov-3C") == RGB).all()
+        assert np.array_equal(fathom.apply(RGB, water="jerlov-3C"), RGB)
 
 
 def test_metrics_and_other_artifacts_come_on_request() -> None:
@@ -196,7 +199,8 @@ def test_other_threads_run_while_a_frame_renders_and_may_not_use_its_stream() ->
     picture, meters = make_picture(1, 480, 640), make_range(480, 640)
     stream(picture, range_m=meters)
     ended = threading.Event()
-    ticks, errors = 0, 0
+    ticks = 0
+    errors: list[str] = []
 
     def render() -> None:
         for stamp in range(4):
@@ -215,22 +219,22 @@ def test_other_threads_run_while_a_frame_renders_and_may_not_use_its_stream() ->
         try:
             stream(RGB[:1, :1], stamp_ns=0)
         except RuntimeError as error:
-            assert "in another thread; open one stream for each thread" in str(error)
-            errors += 1
+            errors.append(str(error))
         time.sleep(0.001)
     thread.join()
     # Were the interpreter held, this thread would hardly run meanwhile.
     assert ticks >= 5
-    assert errors >= 1
+    assert errors
+    assert all("in another thread; open one stream for each thread" in error for error in errors)
 
 
 def test_memory_stays_flat() -> None:
     stream = fathom.Stream(JOB)
-    picture, meters = make_picture(1, 240, 320), make_range(240, 320)
-    for stamp in range(30):
+    picture, meters = make_picture(1, 180, 240), make_range(180, 240)
+    for stamp in range(10):
         stream(picture, range_m=meters, stamp_ns=stamp)
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    for stamp in range(120):
+    for stamp in range(50):
         stream(picture, range_m=meters if stamp % 3 else None, stamp_ns=stamp)
-    # One frame kept per call would add more than 100 MB.
+    # One frame kept by every call would add more than 30 MB.
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 5 * 1024

@@ -75,7 +75,7 @@ class StreamFrame:
 
     @property
     def range_m(self) -> NDArray[np.float32] | None:
-        """Range along the ray in meters: float32, (H, W), NaN without a return; `None` for a frame without distances."""
+        """Range along the ray in meters: float32, (H, W), NaN without a return; `None` without distances."""
         meters = self.artifacts.get("range")
         assert meters is None or isinstance(meters, np.ndarray)
         return meters
@@ -126,10 +126,11 @@ class Stream:
     ) -> None:
         """Open a stream with a `Job`, a mapping, or the path of a JSON file.
 
-        The pictures of the stream replace the `scene` of the job, which may be absent. `vary`: "stream" draws the random
-        distributions of the job once, "frame" for each frame from its stamp. `deadline_ms` selects, on this machine, the
-        most accurate plan that is expected to meet it; a late frame has a warning. `metrics=True` measures the metrics of the
-        job. `styles` and `onnxruntime` as for `Job`. Raises `InvalidJob` with every error of the description.
+        The pictures of the stream replace the `scene` of the job, which may be absent. `vary`: "stream" draws the
+        random distributions of the job once, "frame" for each frame from its stamp. `deadline_ms` selects, on this
+        machine, the most accurate plan that is expected to meet it; a late frame has a warning. `metrics=True` measures
+        the metrics of the job. `styles` and `onnxruntime` as for `Job`. Raises `InvalidJob` with every error of the
+        description.
         """
         places = tuple(None if path is None else os.fspath(path) for path in (styles, onnxruntime))
         if isinstance(job, Job):
@@ -167,8 +168,8 @@ class Stream:
         number of frames so far. `pose`: the 4×4 matrix from camera axes (right, down, ahead) to a world whose z axis
         points up; snow, turbidity and caustics keep their places in it. Arrays may have any strides.
 
-        Raises `InvalidArgument`, a `ValueError`, with everything wrong with the arguments, and `RenderError`. The stream
-        continues after an error.
+        Raises `InvalidArgument`, a `ValueError`, with everything wrong with the arguments, and `RenderError`. The
+        stream continues after an error.
         """
         if z_depth is not None and range_m is not None:
             raise InvalidArgument("`z_depth` and `range_m` are both given; give the one that was measured")
@@ -197,9 +198,9 @@ def apply(
 ) -> NDArray[Any]:
     """Return one picture in water.
 
-    `water` is the name of an optical water such as "jerlov-3C", or the `water` of a job; `lights` and `fields` are those
-    of a job, such as `alpha=0.5`, `site="harbour-wall"` or `seed=3`. The other arguments are those of a `Stream`, which
-    renders many pictures faster. What cannot be applied, such as water without distances, is a warning.
+    `water` is the name of an optical water such as "jerlov-3C", or the `water` of a job; `lights` and `fields` are
+    those of a job, such as `alpha=0.5`, `site="harbour-wall"` or `seed=3`. The other arguments are those of a
+    `Stream`, which renders many pictures faster. What cannot be applied, such as water without distances, is a warning.
     """
     job: dict[str, Any] = dict(fields)
     if water is not None:

@@ -181,8 +181,8 @@ fn find_not_finite(picture: &StreamPicture<'_>, samples: &[f32]) -> Option<Input
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use super::super::input::ChannelOrder;
+    use super::*;
     use imaging::geometry::range_from_z_depth;
 
     fn decode(samples: PictureSamples<'_>, channels: ChannelOrder) -> Rgb<f32> {

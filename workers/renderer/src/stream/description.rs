@@ -1,7 +1,7 @@
 //! The job of a stream: a job whose scene is replaced by the pictures of the stream.
 
 use serde_json::{Map, Value, json};
-use spec::{Invalid, Job, Vocabulary};
+use spec::{ArtifactKind, Invalid, Job, ScenePart, Vocabulary};
 
 /// Name of the files that the pictures and distances of the stream stand for; errors name it.
 const STREAM: &str = "stream";
@@ -16,7 +16,13 @@ const PROCEDURAL: [&str; 8] = [
     "frames_per_s",
     "readout_s",
 ];
-/// Those of them that every description has, with values by default.
+/// The artifacts of a camera path and of a stereo pair.
+const NEEDS_CAMERA_PATH: [ArtifactKind; 3] = [
+    ArtifactKind::Flow,
+    ArtifactKind::RgbRight,
+    ArtifactKind::Disparity,
+];
+/// Those of the fields that every description has, with values by default.
 const ALWAYS: [&str; 4] = ["width", "height", "supersample", "frames_per_s"];
 /// Field of view by default, degrees.
 const DEFAULT_HFOV_DEG: f64 = 80.0;
@@ -138,7 +144,10 @@ fn replace_scene(fields: &mut Map<String, Value>, warnings: &mut Vec<String>) ->
     }
     removed.sort_unstable();
     removed.dedup();
-    let without: Vec<String> = removed.iter().map(|name| format!("`camera.{name}`")).collect();
+    let mut without: Vec<String> = removed.iter().map(|name| format!("`camera.{name}`")).collect();
+    if let Some(Value::Array(kinds)) = fields.get_mut("artifacts") {
+        without.extend(remove_labels(kinds));
+    }
     let without = match without.len() {
         0 => String::new(),
         _ => format!(", without {}", without.join(", ")),
@@ -148,6 +157,23 @@ fn replace_scene(fields: &mut Map<String, Value>, warnings: &mut Vec<String>) ->
         warnings.push(warning);
     }
     true
+}
+
+/// Removes the artifacts that only procedural scenes have, and describes them.
+fn remove_labels(kinds: &mut Vec<Value>) -> Vec<String> {
+    let mut removed = Vec::new();
+    kinds.retain(|kind| {
+        let parsed = kind.as_str().and_then(ArtifactKind::parse);
+        let is_removed = parsed.is_some_and(|kind| {
+            let needed = kind.needs();
+            needed.is_some_and(|part| part != ScenePart::Range) || NEEDS_CAMERA_PATH.contains(&kind)
+        });
+        if is_removed {
+            removed.push(format!("the artifact {kind}"));
+        }
+        !is_removed
+    });
+    removed
 }
 
 /// Removes the fields of a camera, or of each camera of a distribution, that apply to procedural scenes only.

@@ -37,11 +37,12 @@ fn the_pictures_replace_the_scene_of_a_job_and_of_a_site() {
     let stream = open(&json!({
         "scene": {"kind": "procedural", "family": "structure"},
         "camera": {"width": 640, "height": 480, "view": {"pitch_deg": 4}},
-        "water": {"optics": "jerlov-3C"}
+        "water": {"optics": "jerlov-3C"},
+        "artifacts": ["rgb", "boxes", "range"]
     }));
     assert_eq!(
         stream.warnings(),
-        ["the pictures of the stream replace `scene`, without `camera.view`"]
+        ["the pictures of the stream replace `scene`, without `camera.view`, the artifact \"boxes\""]
     );
     let camera = Camera::new();
     for site in [json!("harbour-wall"), json!({"choice": ["shaft", "tank"]})] {
