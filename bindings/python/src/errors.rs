@@ -10,6 +10,11 @@ pub(crate) fn invalid_job(py: Python<'_>, invalid: &Invalid) -> PyErr {
     exception(py, "invalid_job", (errors,))
 }
 
+/// An `InvalidArgument`.
+pub(crate) fn invalid_argument(py: Python<'_>, message: String) -> PyErr {
+    exception(py, "InvalidArgument", (message,))
+}
+
 /// A `RenderError` of one frame.
 pub(crate) fn render_error(py: Python<'_>, frame: u64, reason: impl ToString) -> PyErr {
     exception(py, "RenderError", (reason.to_string(), frame))

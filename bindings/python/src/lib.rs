@@ -10,6 +10,7 @@ mod errors;
 mod job;
 mod names;
 mod pictures;
+mod stream;
 mod studio;
 
 use pyo3::pymodule;
@@ -24,4 +25,6 @@ mod _native {
     use crate::names::names;
     #[pymodule_export]
     use crate::pictures::{decode, encode_png, enhance, measure};
+    #[pymodule_export]
+    use crate::stream::{Stream, StreamRecord};
 }

@@ -136,7 +136,7 @@ def test_a_collection_gives_every_scene_its_frames(client: fathom.Client) -> Non
     codes = [int(client.frame(made.id, number).rgb[0, 0, 0]) for number in range(6)]
     assert codes == [*shades.values(), *shades.values()]
     with pytest.raises(fathom.InvalidJob, match="needs a range, which scene `scn_"):
-        client.submit(job | {"water": {"optics": "jerlov-1C"}})
+        client.submit(job | {"artifacts": ["rgb", "range"]})
     with pytest.raises(fathom.InvalidJob, match="needs a service"):
         fathom.Job(job)
 

@@ -87,8 +87,11 @@ def test_what_cannot_be_made_is_refused(job: fathom.Job, tmp_path: Path) -> None
         fathom.render(description(camera={}, scene={"kind": "uploaded", "id": "scn_" + "0" * 64}), 0)
     picture = tmp_path / "dry.png"
     picture.write_bytes(_native.encode_png(np.full((8, 8, 3), 9, np.uint8)))
-    dry = description(camera={}, scene={"kind": "files", "rgb": str(picture)}, artifacts=["rgb"])
-    with pytest.raises(fathom.InvalidJob, match=r"`water\.optics` needs a range"):
+    dry = description(camera={}, scene={"kind": "files", "rgb": str(picture)}, artifacts=["rgb", "range"])
+    with pytest.raises(fathom.InvalidJob, match=r'the artifact "range" needs a range'):
+        fathom.Job(dry)
+    dry["artifacts"] = ["rgb"]
+    with pytest.warns(UserWarning, match=r"`water\.optics` .* needs a range, .* rendered without it"):
         fathom.Job(dry)
     del dry["water"]
     with pytest.raises(fathom.RenderError, match="no artifact `range`: the scene has no range"):

@@ -28,7 +28,8 @@ impl Slot {
         self.guard(frame, |slot| slot.contents(frame, source))
     }
 
-    fn guard<T>(
+    /// Converts a panic into an error and resets the caches.
+    pub(crate) fn guard<T>(
         &mut self,
         frame: &Frame,
         render: impl FnOnce(&mut Self) -> Result<T, RenderError>,

@@ -17,6 +17,7 @@ mod sequence;
 mod slot;
 mod stage;
 mod stopwatch;
+mod stream;
 pub mod worker;
 
 pub use content::{Content, Contents};
@@ -31,4 +32,8 @@ pub use sequence::{Held, RelativePose, Viewpoint};
 pub use slot::{LinearPicture, Rendered, Slot, WaterLight};
 pub use source::{SceneBytes, SceneSource};
 pub use stage::truth::{Round, Traced, Tracing};
+pub use stream::{
+    ChannelOrder, DepthSamples, InputError, PictureSamples, Stream, StreamDepth, StreamError, StreamFrame,
+    StreamInput, StreamOptions, StreamPicture, Vary,
+};
 pub use vocabulary::vocabulary;

@@ -116,10 +116,32 @@ impl Slot {
         finish: impl FnOnce(&FrameContext<'_>, &Pictures<'_>, &mut FrameRecord) -> Result<T, RenderError>,
     ) -> Result<(T, FrameRecord), RenderError> {
         let mut watch = Stopwatch::start();
-        let described = frame;
-        let frame = &*camera::complete(frame);
-        let prepared = watch.time("scene", || self.scene(frame, source))?;
-        let mut context = FrameContext::new(frame, &prepared, 0.0, &mut self.resources, &mut watch)?;
+        let completed = &*camera::complete(frame);
+        let prepared = watch.time("scene", || self.scene(completed, source))?;
+        self.run_prepared((frame, completed), (&prepared, source), watch, finish)
+    }
+
+    /// Renders a frame of a scene that the caller prepared, without encoding its artifacts. `watch` has the time so far.
+    pub(crate) fn contents_of(
+        &mut self,
+        frame: &Frame,
+        prepared: &Prepared,
+        watch: Stopwatch,
+    ) -> Result<Contents, RenderError> {
+        let completed = &*camera::complete(frame);
+        let scene = (prepared, &SceneSource::Local);
+        let (artifacts, record) = self.run_prepared((frame, completed), scene, watch, files::contents)?;
+        Ok(Contents { artifacts, record })
+    }
+
+    fn run_prepared<T>(
+        &mut self,
+        (described, frame): (&Frame, &Frame),
+        (prepared, source): (&Prepared, &SceneSource),
+        mut watch: Stopwatch,
+        finish: impl FnOnce(&FrameContext<'_>, &Pictures<'_>, &mut FrameRecord) -> Result<T, RenderError>,
+    ) -> Result<(T, FrameRecord), RenderError> {
+        let mut context = FrameContext::new(frame, prepared, 0.0, &mut self.resources, &mut watch)?;
         let expected = watch.time("plan", || self.expect_exposure(&context))?;
         self.choose_effects(&mut context, expected, &mut watch)?;
         let (taken, mut record) = self.take(&mut context, expected, &mut watch)?;

@@ -4,6 +4,7 @@ import fathom
 job = fathom.Job({"scene": {"kind": "procedural", "family": "structure"}, "count": 100})
 frame = fathom.render(job, 17)
 frames = fathom.Frames(job, kinds=["rgb", "semantics"])
+stream = fathom.Stream({"water": {"optics": "jerlov-3C"}})
 """
 
 from __future__ import annotations
@@ -30,6 +31,7 @@ from fathom.frames import Frames, Source
 from fathom.job import Job
 from fathom.pictures import enhance, measure
 from fathom.stored import open
+from fathom.stream import Stream, StreamFrame, apply
 from fathom.training import Style, train
 
 if TYPE_CHECKING:
@@ -53,8 +55,11 @@ __all__ = [
     "Problem",
     "RenderError",
     "Source",
+    "Stream",
+    "StreamFrame",
     "Style",
     "Unreachable",
+    "apply",
     "enhance",
     "measure",
     "names",

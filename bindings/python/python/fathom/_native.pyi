@@ -38,6 +38,45 @@ class Job:
     ) -> tuple[list[tuple[str, NDArray[Any] | str]], str]:
         """Return the artifacts of a frame by kind (`boxes` as JSON) and its record as JSON."""
 
+class StreamRecord:
+    """The record of a frame of a stream."""
+
+    @property
+    def warnings(self) -> list[str]:
+        """Warnings about the frame."""
+
+    def text(self) -> str:
+        """Return the record as JSON."""
+
+class Stream:
+    """A job over the pictures of a camera."""
+
+    def __new__(
+        cls,
+        text: str,
+        vary: str,
+        has_metrics: bool,
+        deadline_ms: float | None,
+        styles: str | None,
+        onnxruntime: str | None,
+    ) -> Stream:
+        """Check a description; raises `fathom.InvalidJob` and `fathom.InvalidArgument`."""
+
+    @property
+    def warnings(self) -> list[str]:
+        """Warnings about the job."""
+
+    def render(
+        self,
+        rgb: NDArray[Any],
+        channels: str,
+        depth: tuple[str, NDArray[Any]] | None,
+        camera: list[list[float]] | None,
+        stamp_ns: int | None,
+        pose: list[list[float]] | None,
+    ) -> tuple[list[tuple[str, NDArray[Any] | str]], StreamRecord, float | None, float]:
+        """Return the artifacts of a frame by kind, its record, error bound and time in ms."""
+
 def enhance(image: NDArray[Any], method: str) -> tuple[NDArray[np.uint8], list[str]]:
     """Return the enhanced image and its warnings."""
 

@@ -40,10 +40,7 @@ class Job:
         `styles` is a folder with more style models (NAME.onnx), `onnxruntime` the library file for networks of foreign
         architecture. Raises `InvalidJob` with every error of the description.
         """
-        if isinstance(description, Mapping):
-            text = json.dumps(_plain(description))
-        else:
-            text = Path(description).read_text(encoding="utf-8")
+        text = read_description(description)
         self._load(text, *(None if path is None else os.fspath(path) for path in (styles, onnxruntime)))
         for warning in self.warnings:
             warnings.warn(warning, stacklevel=2)
@@ -84,6 +81,11 @@ class Job:
 
     def __setstate__(self, state: tuple[str, tuple[str | None, str | None]]) -> None:
         self._load(state[0], *state[1])
+
+    @property
+    def places(self) -> tuple[str | None, str | None]:
+        """Folder of more style models and library of networks, as given."""
+        return self._places
 
     @property
     def canonical(self) -> str:
@@ -136,6 +138,13 @@ class Job:
         if not 0 <= position < len(self):
             raise IndexError(f"frame {index} does not exist, the job has {len(self)} frames")
         return position
+
+
+def read_description(description: Mapping[str, Any] | str | os.PathLike[str]) -> str:
+    """Return the JSON text of a mapping, or of the file at a path."""
+    if isinstance(description, Mapping):
+        return json.dumps(_plain(description))
+    return Path(description).read_text(encoding="utf-8")
 
 
 def _list_presets(value: Any) -> list[str]:

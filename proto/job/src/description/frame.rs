@@ -92,6 +92,9 @@ pub struct Frame {
     /// pair, otherwise 0.
     #[serde(skip)]
     pub right_m: f64,
+    /// Time of a frame of a stream, s; `None` for frames of jobs. All frames of a stream share one world, like those of a path.
+    #[serde(skip)]
+    pub stream_s: Option<f64>,
     /// The other frames of the path.
     #[serde(skip)]
     pub siblings: Siblings,
@@ -225,11 +228,12 @@ impl Frame {
         self.artifacts.iter().any(ArtifactKind::is_traced)
     }
 
-    /// Index of the world that particles and patches are drawn from. All frames of a path share one; otherwise each
-    /// frame has its own.
+    /// Index of the world that particles and patches are drawn from. All frames of a path or of a stream share one;
+    /// otherwise each frame has its own.
     #[must_use]
     pub fn world_index(&self) -> u64 {
-        if self.camera.path.is_some() { 0 } else { self.index }
+        let is_shared = self.camera.path.is_some() || self.stream_s.is_some();
+        if is_shared { 0 } else { self.index }
     }
 }
 

@@ -127,6 +127,14 @@ impl Job {
         self.formula.resolve(index)
     }
 
+    /// As [`Job::resolve`], for any index: the frames of a stream are numbered by their time stamps.
+    ///
+    /// # Errors
+    /// A value outside the schema.
+    pub fn resolve_any(&self, index: u64) -> Result<Frame, Invalid> {
+        self.formula.resolve(index)
+    }
+
     /// Names of all style models that a frame can use, sorted.
     #[must_use]
     pub fn styles(&self) -> Vec<String> {

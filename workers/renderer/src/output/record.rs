@@ -113,6 +113,7 @@ fn warnings(context: &FrameContext<'_>) -> Vec<String> {
             (frame.water.optics.is_some(), "water's optics are"),
             (frame.has_lamps(), "lamps are"),
             (frame.water.snow.is_some(), "snow is"),
+            (frame.water.sediment.is_some(), "sediment is"),
         ];
         let skipped = skipped.into_iter().filter(|(asked, _)| *asked);
         return skipped

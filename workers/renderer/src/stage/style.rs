@@ -42,8 +42,8 @@ impl Networks {
         }
     }
 
-    /// Styles a picture as planned: linear light after the blend. A style that needs a range leaves a scene without one unchanged;
-    /// jobs that only have such frames were refused. The record names the model used, with the suffix `.lut` for the color table and
+    /// Styles a picture as planned: linear light after the blend. A style that needs a range leaves a scene without one unchanged,
+    /// with a warning. The record names the model used, with the suffix `.lut` for the color table and
     /// `.noise` for a network fed noise of (job seed, frame).
     pub(crate) fn run<'a>(
         &mut self,
@@ -59,6 +59,8 @@ impl Networks {
         let is_table = *variant == Variant::Fast(TABLE);
         let range = context.range();
         if model.card.takes_range && range.is_none() {
+            let skipped = format!("the scene has no range: the style \"{name}\" is skipped");
+            record.warnings.push(skipped);
             return Ok(Cow::Borrowed(scattered));
         }
         let session = self.session(&model, is_table)?;

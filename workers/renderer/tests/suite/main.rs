@@ -17,5 +17,6 @@ mod noise;
 mod onnx;
 mod promise;
 mod sequences;
+mod stream;
 mod style;
 mod truth;

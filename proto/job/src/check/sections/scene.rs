@@ -1,4 +1,5 @@
-//! Requirements on scenes: an error if no frame meets them, a warning if some frames do not.
+//! Requirements on scenes: an error if no frame meets them, a warning if some frames do not. Water and lamps without a range are
+//! always a warning.
 
 mod requirements;
 
@@ -48,11 +49,16 @@ impl Checker<'_> {
             self.refuse(|| FieldError::new("/camera/hfov_deg", message));
         }
         let lacking = ScenePart::ALL.map(|part| find_lacking(&scenes, part));
+        // A picture without range passes the water unchanged.
         for draws in [
             find_water_requirements(document),
+            find_lamp_requirements(document),
+        ] {
+            warn_of_lacking(&draws, &lacking, &mut warnings);
+        }
+        for draws in [
             self.find_styles(document),
             find_camera_requirements(document),
-            find_lamp_requirements(document),
             find_artifact_requirements(document),
         ] {
             if draws
@@ -65,18 +71,7 @@ impl Checker<'_> {
                     .for_each(|requirement| self.refuse_requirement(requirement, &lacking));
                 continue;
             }
-            let mut named = BTreeSet::new();
-            for requirement in draws.iter().flatten().flat_map(|element| &element.requirements) {
-                if requirement.find_lacking(&lacking).count > 0
-                    && named.insert((&requirement.name, requirement.part))
-                {
-                    let Requirement { pointer, name, .. } = requirement;
-                    let needs = needs(requirement, requirement.find_lacking(&lacking));
-                    warnings.push(format!(
-                        "{name} at {pointer} {needs}; those frames are rendered without it"
-                    ));
-                }
-            }
+            warn_of_lacking(&draws, &lacking, &mut warnings);
         }
         warnings
     }
@@ -191,6 +186,21 @@ impl Checker<'_> {
             parts: parts?,
             is_certain: false,
         })
+    }
+}
+
+/// Warns of each value that some frames are rendered without.
+fn warn_of_lacking(draws: &[Vec<Selectable>], lacking: &[Lacking], warnings: &mut Vec<String>) {
+    let mut named = BTreeSet::new();
+    for requirement in draws.iter().flatten().flat_map(|element| &element.requirements) {
+        let lacking = requirement.find_lacking(lacking);
+        if lacking.count > 0 && named.insert((&requirement.name, requirement.part)) {
+            let Requirement { pointer, name, .. } = requirement;
+            let needs = needs(requirement, lacking);
+            warnings.push(format!(
+                "{name} at {pointer} {needs}; those frames are rendered without it"
+            ));
+        }
     }
 }
 

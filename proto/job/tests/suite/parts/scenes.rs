@@ -56,32 +56,47 @@ fn all_missing_ranges_are_reported_with_the_other_errors() {
         }),
     ));
     let pointers: Vec<_> = found.iter().map(|error| error.pointer.as_str()).collect();
-    let expected = [
-        "/alpha",
-        "/water/optics",
-        "/water/snow",
-        "/lights/1",
-        "/artifacts/1",
-        "/artifacts/2",
-        "/artifacts/3",
-    ];
+    let expected = ["/alpha", "/artifacts/1", "/artifacts/2", "/artifacts/3"];
     assert_eq!(pointers, expected);
     assert_eq!(
         found[1].message,
-        "`water.optics` needs a range, which scene `scn_flat` lacks"
+        "the artifact \"range\" needs a range, which scene `scn_flat` lacks"
     );
     assert_eq!(
         found[1].limit.as_deref(),
         Some("only with a scene that has a range")
     );
-    let possible = &found[5].allowed;
+    let possible = &found[2].allowed;
     assert!(possible.contains(&"rgb".to_owned()) && possible.contains(&"transmittance".to_owned()));
     assert!(
         !["range", "instances", "normals", "boxes"]
             .iter()
             .any(|kind| possible.contains(&(*kind).to_owned()))
     );
-    assert_eq!(found[5].value, Some(json!("instances")));
+    assert_eq!(found[2].value, Some(json!("instances")));
+}
+
+#[test]
+fn a_picture_without_a_range_passes_the_water_with_a_warning() {
+    let fields = json!({
+        "water": {"optics": "jerlov-1C", "snow": {"density_per_m3": 1}, "style": "muddy"},
+        "lights": [{"kind": "haze", "x": 0, "y": 0}, lamp()],
+    });
+    let without = "needs a range, which scene `scn_flat` lacks; those frames are rendered without it";
+    assert_eq!(
+        warnings(&over(json!("scn_flat"), fields.clone())),
+        [
+            format!("`water.optics` at /water/optics {without}"),
+            format!("`water.snow` at /water/snow {without}"),
+            format!("the lamp `lights[1]` at /lights/1 {without}"),
+        ]
+    );
+    assert_eq!(warnings(&over(json!("scn_deep"), fields)), [""; 0]);
+    let defocused = json!({"camera": {"defocus": {"aperture_m": 0.01, "focus_m": 1}}});
+    assert_eq!(
+        errors(&over(json!("scn_flat"), defocused))[0].pointer,
+        "/camera/defocus"
+    );
 }
 
 #[test]
@@ -123,9 +138,10 @@ fn the_parts_of_a_scene_can_be_requested() {
 #[test]
 fn a_distribution_that_always_needs_a_part_is_rejected_and_one_that_may_causes_a_warning() {
     let waters = |choice: Value| over(json!("scn_flat"), json!({"water": {"choice": choice}}));
-    let always = errors(&waters(json!([{"optics": "jerlov-1C"}, {"optics": "jerlov-3C"}])));
+    let styles = json!({"water": {"style": {"choice": ["ranged", "ranged"]}}});
+    let always = errors(&over(json!("scn_flat"), styles));
     let pointers: Vec<_> = always.iter().map(|error| error.pointer.as_str()).collect();
-    assert_eq!(pointers, ["/water/choice/0/optics", "/water/choice/1/optics"]);
+    assert_eq!(pointers, ["/water/style/choice/0", "/water/style/choice/1"]);
     assert_eq!(
         warnings(&waters(json!([{"style": "muddy"}, {"optics": "jerlov-3C"}]))),
         [
@@ -154,10 +170,10 @@ fn a_scene_by_chance_is_warned_of_unless_no_scene_will_do() {
     let water = json!({"water": {"optics": "jerlov-1C"}});
     let some = over(json!({"choice": ["scn_deep", "scn_flat"]}), water.clone());
     assert!(warnings(&some)[0].contains("which scene `scn_flat` lacks"));
-    let none = over(json!({"grid": ["scn_flat", "scn_flat"]}), water.clone());
+    let none = json!({"artifacts": ["range"]});
     assert_eq!(
-        errors(&none)[0].message,
-        "`water.optics` needs a range, which scene `scn_flat` and another scene lack"
+        errors(&over(json!({"grid": ["scn_flat", "scn_flat"]}), none))[0].message,
+        "the artifact \"range\" needs a range, which scene `scn_flat` and another scene lack"
     );
     let mut mixed = water;
     mixed["scene"] = json!({"choice": [{"kind": "procedural", "family": "structure"}, {"kind": "uploaded", "id": "scn_flat"}]});
@@ -192,7 +208,7 @@ fn files_have_the_named_parts() {
     };
     assert!(job(json!({"kind": "files", "rgb": "a.png", "z_depth": "d.npy"})).is_ok());
     let refused = job(json!({"kind": "files", "rgb": "a.png"})).unwrap_err().0;
-    assert_eq!(refused.len(), 2);
+    assert_eq!(refused.len(), 1);
     assert!(
         refused[0].message.ends_with("which the scene of `a.png` lacks"),
         "{}",
@@ -287,10 +303,6 @@ fn a_collection_is_rejected_if_one_of_its_scenes_lacks_a_required_part() {
     assert_eq!(
         found,
         [
-            (
-                "/water/optics",
-                "`water.optics` needs a range, which scene `scn_b` lacks"
-            ),
             (
                 "/artifacts/1",
                 "the artifact \"range\" needs a range, which scene `scn_b` lacks"

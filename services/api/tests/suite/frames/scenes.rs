@@ -51,17 +51,10 @@ fn a_job_that_needs_a_missing_part_of_its_scene_is_rejected_by_every_endpoint() 
                 .iter()
                 .map(|error| error["pointer"].as_str().unwrap())
                 .collect();
-            let expected = [
-                "/alpha",
-                "/water/optics",
-                "/lights/0",
-                "/artifacts/1",
-                "/artifacts/2",
-            ];
-            assert_eq!(pointers, expected, "{path}");
-            assert_eq!(errors[3]["value"], "boxes");
+            assert_eq!(pointers, ["/alpha", "/artifacts/1", "/artifacts/2"], "{path}");
+            assert_eq!(errors[1]["value"], "boxes");
             assert!(
-                errors[3]["allowed"].as_array().unwrap().contains(&json!("clean")),
+                errors[1]["allowed"].as_array().unwrap().contains(&json!("clean")),
                 "{problem}"
             );
         }

@@ -91,6 +91,20 @@ pub(crate) fn prepare(
     }
 }
 
+/// Prepares a decoded picture in place of the frame's files.
+pub(crate) fn prepare_picture(
+    frame: &Frame,
+    scene: scenes::Scene,
+    pose: Option<CameraPose>,
+) -> Result<Prepared, RenderError> {
+    let hfov_deg = scene.intrinsics.is_none().then_some(frame.camera.hfov_deg);
+    Ok(Prepared {
+        pose,
+        hfov_deg,
+        ..checked(frame, scene, BTreeMap::new())?
+    })
+}
+
 /// Whether an artifact of the frame is made of labels.
 pub(crate) fn needs_labels(frame: &Frame) -> bool {
     frame.artifacts.iter().any(spec::ArtifactKind::needs_labels)

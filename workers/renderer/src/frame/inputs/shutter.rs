@@ -35,9 +35,10 @@ impl Shutter {
         Self {
             focus: parts.and_then(|parts| Some((parts.focus?, scale(parts)))),
             exposure_s,
-            time_s: camera
-                .path
-                .map_or(0.0, |path| (path.frame as f64 + later) / camera.frames_per_s),
+            time_s: match camera.path {
+                Some(path) => (path.frame as f64 + later) / camera.frames_per_s,
+                None => frame.stream_s.unwrap_or(0.0),
+            },
         }
     }
 

@@ -1,0 +1,92 @@
+"""Measures streams: the time of a call from arrays to arrays, and the part of it outside of the chain.
+
+Run by the interpreter of an environment with the wheel, on one core: `taskset -c 0 python scripts/measure_stream.py`.
+"""
+
+import resource
+import statistics
+import time
+
+import fathom
+import numpy as np
+
+SIZE = (768, 492)
+FRAMES = 60
+WARM = 8
+LAMP = {"kind": "spot", "intensity": [20, 20, 20], "cone_deg": 60}
+LAMPS = [
+    LAMP | {"position_m": [0.7, -0.4, 0.1], "direction": [-0.2, 0.1, 1]},
+    LAMP | {"position_m": [-0.7, -0.4, 0.1], "direction": [0.2, 0.1, 1]},
+]
+HAZE = {"kind": "haze", "x": 0.3, "y": 1, "size": 0.1, "intensity": 0.4}
+WATER = {"optics": "jerlov-1C"}
+JOBS = {
+    "water": {"water": WATER},
+    "water, haze": {"water": WATER, "lights": [HAZE]},
+    "water, style, two hazes": {
+        "water": WATER | {"style": "muddy"},
+        "lights": [HAZE, HAZE | {"x": 0.7}],
+    },
+    "water, haze, two lamps": {"water": WATER, "lights": [*LAMPS, HAZE]},
+    "water, haze, two lamps, HSCM": {
+        "water": WATER,
+        "lights": [*LAMPS, HAZE],
+        "enhance": ["hscm"],
+    },
+    "no water": {},
+    "HSCM alone": {"enhance": ["hscm"]},
+}
+
+
+def main() -> None:
+    """Print one row for each job."""
+    width, height = SIZE
+    job = {
+        "scene": {"kind": "procedural", "family": "structure", "lighting": "in_air"},
+        "metrics": [],
+    }
+    air = fathom.render(
+        job | {"camera": {"width": width, "height": height}}, 0, ["clean", "range"]
+    )
+    print(
+        f"{'job':32} {'ms':>7} {'best':>7} {'CPU':>7} {'outside':>8} {'MB':>5}  largest stages, ms"
+    )
+    for name, job in JOBS.items():
+        stream = fathom.Stream(job)
+        meters = None if "water" not in job else air.range_m
+        times, processor, outside, stages = [], [], [], {}
+        for stamp in range(FRAMES + WARM):
+            begun, worked = time.perf_counter(), time.process_time()
+            out = stream(air.clean, range_m=meters, stamp_ns=stamp)
+            elapsed, worked = (
+                1e3 * (time.perf_counter() - begun),
+                1e3 * (time.process_time() - worked),
+            )
+            if stamp < WARM:
+                memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+                continue
+            spent = out.record["timings_ms"]
+            times.append(elapsed)
+            processor.append(worked)
+            # Decoding is of the stream; a chain begins with the planes.
+            outside.append(elapsed - spent["total"] + spent["scene"])
+            for stage, ms in spent.items():
+                stages.setdefault(stage, []).append(ms)
+        grown = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - memory) / 1024
+        middle = {
+            stage: statistics.median(ms)
+            for stage, ms in stages.items()
+            if stage != "total"
+        }
+        largest = sorted(middle.items(), key=lambda item: -item[1])[:6]
+        listed = ", ".join(f"{stage} {ms:.1f}" for stage, ms in largest)
+        middle_ms = [
+            statistics.median(values) for values in (times, processor, outside)
+        ]
+        print(
+            f"{name:32} {middle_ms[0]:7.1f} {min(times):7.1f} {middle_ms[1]:7.1f} {middle_ms[2]:8.2f} {grown:5.1f}  {listed}"
+        )
+
+
+if __name__ == "__main__":
+    main()

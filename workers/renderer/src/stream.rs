@@ -1,0 +1,213 @@
+//! Frames of a running camera: arrays in, arrays out, and nothing is stored.
+
+mod check;
+mod deadline;
+mod decode;
+mod description;
+mod error;
+mod input;
+mod output;
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use spec::{ArtifactKind, Fidelity, FieldError, Frame, FrameRecord, Invalid, Job, RangeKind};
+
+use crate::engine::Engine;
+use crate::error::RenderError;
+use crate::inputs::scene::prepare_picture;
+use crate::slot::Slot;
+use crate::stopwatch::Stopwatch;
+use check::{Checked, check_input};
+use deadline::{CALIBRATION_FRAMES, CALIBRATION_SIZE, CostModel};
+use decode::Decoder;
+use description::{StreamJob, read_job};
+
+pub use error::{InputError, StreamError};
+pub use input::{
+    ChannelOrder, DepthSamples, PictureSamples, StreamDepth, StreamInput, StreamOptions, StreamPicture, Vary,
+};
+pub use output::StreamFrame;
+
+/// Nanoseconds of a second.
+const NS_PER_S: f64 = 1e9;
+
+/// A job over the pictures of a camera. Kernels, style networks, camera maps and buffers persist between frames.
+///
+/// A frame is a function of the job, its input and its stamp: the random numbers of its stages belong to (job seed, stamp).
+/// All frames share one world of particles and patches. With a pose they stay at their places in the world, without one
+/// they move with the camera.
+pub struct Stream {
+    job: Job,
+    options: StreamOptions,
+    /// The frame whose values all frames have with [`Vary::Stream`].
+    fixed: Frame,
+    /// Whether the job gives a field of view, which the cameras of frames must not contradict.
+    gives_hfov: bool,
+    warnings: Vec<String>,
+    /// `None` without a deadline.
+    costs: Option<CostModel>,
+    slot: Slot,
+    decoder: Decoder,
+    /// Rendered frames; the stamp of a frame without one.
+    frames: u64,
+}
+
+impl Stream {
+    /// Opens a stream. The pictures of the stream replace the scene of the job, which is therefore optional.
+    ///
+    /// # Errors
+    /// All errors of the description.
+    pub fn open(text: &[u8], options: StreamOptions, engine: &Arc<Engine>) -> Result<Self, Invalid> {
+        let vocabulary = crate::vocabulary::vocabulary(&engine.library(), true);
+        let StreamJob {
+            job,
+            warnings,
+            gives_hfov,
+        } = read_job(text, options.has_metrics, &vocabulary)?;
+        let mut stream = Self {
+            fixed: job.resolve_any(0)?,
+            job,
+            options,
+            gives_hfov,
+            warnings,
+            costs: None,
+            slot: Slot::new(engine),
+            decoder: Decoder::default(),
+            frames: 0,
+        };
+        if let Some(deadline_ms) = options.deadline_ms {
+            check_deadline(deadline_ms, stream.fixed.fidelity)?;
+            stream.costs = Some(stream.calibrate(deadline_ms));
+        }
+        Ok(stream)
+    }
+
+    /// The cost model of the job on this machine, from pictures of a slanted wall. Without one of them, such as in water that
+    /// rejects the frame, costs are those of plans.
+    fn calibrate(&mut self, deadline_ms: f64) -> CostModel {
+        let (width, height) = CALIBRATION_SIZE;
+        let codes: Vec<u8> = (0..3 * width * height).map(|i| (i % 251) as u8).collect();
+        let meters: Vec<f32> = (0..width * height)
+            .map(|i| 1.0 + 4.0 * (i % width) as f32 / width as f32)
+            .collect();
+        let frames = (0..CALIBRATION_FRAMES).map_while(|stamp_ns| {
+            let input = StreamInput {
+                picture: StreamPicture {
+                    size: CALIBRATION_SIZE,
+                    channels: ChannelOrder::Rgb,
+                    samples: PictureSamples::Srgb(&codes),
+                },
+                depth: Some(StreamDepth {
+                    kind: RangeKind::Range,
+                    size: CALIBRATION_SIZE,
+                    samples: DepthSamples::Meters(&meters),
+                }),
+                camera: None,
+                stamp_ns: Some(stamp_ns),
+                pose: None,
+            };
+            Some(self.render(&input).ok()?.record)
+        });
+        let records: Vec<FrameRecord> = frames.collect();
+        self.frames = 0;
+        CostModel::new(deadline_ms, &records)
+    }
+
+    /// Warnings about the job.
+    #[must_use]
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    /// Renders a frame. After an error the stream continues with the next frame.
+    ///
+    /// # Errors
+    /// [`StreamError::Input`] lists everything wrong with the input; [`StreamError::Render`] otherwise.
+    pub fn render(&mut self, input: &StreamInput<'_>) -> Result<StreamFrame, StreamError> {
+        let begun = Instant::now();
+        let mut watch = Stopwatch::start();
+        let checked = check_input(input, self.gives_hfov, &self.fixed.camera).map_err(StreamError::Input)?;
+        let frame = self.describe_frame(input, &checked)?;
+        let decoded = watch.time("scene", || {
+            let camera = checked
+                .camera
+                .unwrap_or_else(|| checked.default_camera(&frame.camera));
+            self.decoder.decode(input, &camera)
+        });
+        let mut scene = decoded.map_err(|error| StreamError::Input(vec![error]))?;
+        scene.intrinsics = checked.camera;
+        let prepared = watch.time("scene", || prepare_picture(&frame, scene, checked.pose))?;
+        let contents = self
+            .slot
+            .guard(&frame, |slot| slot.contents_of(&frame, &prepared, watch))?;
+        self.decoder.recycle(prepared.scene);
+        self.frames += 1;
+        let mut record = contents.record;
+        if let Some(costs) = &self.costs {
+            costs.correct_warnings(&mut record, input.picture.size);
+        }
+        Ok(StreamFrame {
+            artifacts: contents.artifacts,
+            record,
+            elapsed_ms: begun.elapsed().as_secs_f64() * 1e3,
+        })
+    }
+
+    /// The frame of an input: its distributions, stamp and artifacts.
+    fn describe_frame(&self, input: &StreamInput<'_>, checked: &Checked) -> Result<Frame, RenderError> {
+        let stamp_ns = input.stamp_ns.unwrap_or(self.frames);
+        let mut frame = match self.options.vary {
+            Vary::Stream => self.fixed.clone(),
+            Vary::Frame => self.job.resolve_any(stamp_ns).map_err(RenderError::Resolve)?,
+        };
+        frame.index = stamp_ns;
+        frame.stream_s = Some(stamp_ns as f64 / NS_PER_S);
+        if let Some(pose) = &checked.pose {
+            // The axes of the world in those of the camera; z is up.
+            let up = frame
+                .camera
+                .up
+                .unwrap_or([pose.right.z, pose.down.z, pose.ahead.z]);
+            frame.camera.up = Some(up);
+        }
+        if let Some(costs) = &self.costs {
+            frame.fidelity = Fidelity::BudgetMs(costs.budget_ms(input.picture.size));
+        }
+        list_artifacts(&mut frame, input.depth.is_some());
+        Ok(frame)
+    }
+}
+
+/// Refuses a deadline that is no time, and one next to a chosen accuracy.
+fn check_deadline(deadline_ms: f64, fidelity: Fidelity) -> Result<(), Invalid> {
+    let mut errors = Vec::new();
+    if !(deadline_ms.is_finite() && deadline_ms > 0.0) {
+        let message = format!("`deadline_ms` is {deadline_ms}; must be above 0");
+        errors.push(FieldError::new("", message));
+    }
+    if fidelity != Fidelity::Picture {
+        let message =
+            "`fidelity` is given, but `deadline_ms` of the stream chooses the accuracy; remove one of them";
+        errors.push(FieldError::new("/fidelity", message));
+    }
+    if errors.is_empty() {
+        Ok(())
+    } else {
+        Err(Invalid(errors))
+    }
+}
+
+/// Adds the artifacts that every frame of a stream has.
+fn list_artifacts(frame: &mut Frame, has_range: bool) {
+    let enhanced = frame.enhance.iter();
+    let enhanced = enhanced.map(|enhancement| ArtifactKind::Enhanced(enhancement.name.clone()));
+    let mut added = vec![ArtifactKind::Rgb];
+    added.extend(has_range.then_some(ArtifactKind::Range));
+    added.extend(enhanced);
+    for kind in added {
+        if !frame.artifacts.contains(&kind) {
+            frame.artifacts.push(kind);
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! The job of a stream: its scene, its distributions and its deadline.
+
+use super::*;
+
+#[test]
+fn distributions_are_drawn_once_or_for_each_stamp() {
+    let (files, camera) = (Files::new(), Camera::new());
+    let fields = json!({"count": 3, "seed": 4, "water": {"optics": "jerlov-3C", "range_scale": {"uniform": [0.1, 2]}}});
+    let mut described = fields.clone();
+    described["scene"] = files.scene("range.npy");
+    let job = files.job(&described);
+    let mut slot = renderer::Slot::new(&engine_without_runtime());
+    let expected = [0, 1, 2].map(|index| {
+        let frame = job.resolve(index).unwrap();
+        pixels(
+            &slot.render(&frame, &renderer::SceneSource::Local).unwrap(),
+            "rgb",
+        )
+    });
+    let options = StreamOptions {
+        vary: Vary::Frame,
+        ..StreamOptions::default()
+    };
+    let (mut still, mut varied) = (open(&fields), open_with(&fields, options));
+    for (stamp, expected_here) in (0..).zip(&expected) {
+        assert!(
+            rgb(&mut varied, &camera.input(stamp)) == *expected_here,
+            "{stamp}"
+        );
+        assert!(rgb(&mut still, &camera.input(stamp)) == expected[0], "{stamp}");
+    }
+    assert!(expected[0] != expected[1]);
+}
+
+#[test]
+fn the_pictures_replace_the_scene_of_a_job_and_of_a_site() {
+    let stream = open(&json!({
+        "scene": {"kind": "procedural", "family": "structure"},
+        "camera": {"width": 640, "height": 480, "view": {"pitch_deg": 4}},
+        "water": {"optics": "jerlov-3C"},
+        "artifacts": ["rgb", "boxes", "range"]
+    }));
+    assert_eq!(
+        stream.warnings(),
+        ["the pictures of the stream replace `scene`, without `camera.view`, the artifact \"boxes\""]
+    );
+    let camera = Camera::new();
+    for site in [json!("harbour-wall"), json!({"choice": ["shaft", "tank"]})] {
+        let mut stream = open(&json!({"site": site}));
+        assert!(
+            stream.warnings()[0].contains("replace `scene`"),
+            "{:?}",
+            stream.warnings()
+        );
+        assert!(rgb(&mut stream, &camera.input(0)) != camera.codes);
+    }
+    let lit = open(&json!({"scene": {"lighting": "water"}, "water": {"optics": "jerlov-3C"}}));
+    assert_eq!(lit.warnings(), [""; 0]);
+}
+
+#[test]
+fn artifacts_that_no_stream_has_are_refused_with_their_field() {
+    let job = json!({"artifacts": ["rgb", "range", "boxes"], "alpha": 2});
+    let opened = Stream::open(
+        job.to_string().as_bytes(),
+        StreamOptions::default(),
+        &engine_without_runtime(),
+    );
+    let pointers: Vec<String> = opened
+        .err()
+        .unwrap()
+        .0
+        .into_iter()
+        .map(|error| error.pointer)
+        .collect();
+    assert_eq!(pointers, ["/alpha", "/artifacts/2"]);
+}
+
+#[test]
+fn a_deadline_keeps_the_plan_it_has_time_for_and_reports_one_that_is_late() {
+    let camera = Camera::new();
+    let job = json!({
+        "water": {"optics": "jerlov-3C"},
+        "lights": [{"kind": "point", "position_m": [0.3, -0.2, 0], "intensity": [4, 4, 4]}]
+    });
+    let open_for = |deadline_ms: f64| {
+        open_with(
+            &job,
+            StreamOptions {
+                deadline_ms: Some(deadline_ms),
+                ..StreamOptions::default()
+            },
+        )
+    };
+    let free = open(&job).render(&camera.input(0)).unwrap();
+    let ample = open_for(1e6).render(&camera.input(0)).unwrap();
+    assert_eq!(codes(&ample, "rgb"), codes(&free, "rgb"));
+    assert_eq!(
+        (ample.error_bound(), &ample.record.warnings),
+        (free.error_bound(), &free.record.warnings)
+    );
+    let late = open_for(1e-3).render(&camera.input(0)).unwrap();
+    assert!(late.error_bound() > free.error_bound(), "a looser tolerance");
+    let warning = late.record.warnings.last().unwrap();
+    assert!(
+        warning.starts_with("`deadline_ms` is 0.001, but the cheapest plan"),
+        "{warning}"
+    );
+}
+
+#[test]
+fn a_deadline_that_is_none_or_contradicts_the_job_is_refused() {
+    let refused = |job: Value, deadline_ms: f64| {
+        let options = StreamOptions {
+            deadline_ms: Some(deadline_ms),
+            ..StreamOptions::default()
+        };
+        let opened = Stream::open(job.to_string().as_bytes(), options, &engine_without_runtime());
+        opened.err().unwrap().to_string()
+    };
+    for deadline_ms in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert!(
+            refused(json!({}), deadline_ms).contains("must be above 0"),
+            "{deadline_ms}"
+        );
+    }
+    assert!(
+        refused(json!({"fidelity": "reference"}), 66.0).contains("`fidelity` is given, but `deadline_ms`")
+    );
+}
