@@ -38,6 +38,14 @@ pub enum EnhanceError {
         /// Pixel limit.
         limit: usize,
     },
+    /// A network of the user failed.
+    #[error("network `{model}` {reason}")]
+    Network {
+        /// The network's name.
+        model: String,
+        /// Cause.
+        reason: String,
+    },
 }
 
 /// Channels of the result for a gray picture.

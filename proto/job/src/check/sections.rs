@@ -5,6 +5,7 @@ pub(crate) mod daylight;
 pub(crate) mod enhance;
 pub(crate) mod labels;
 pub(crate) mod lights;
+pub(crate) mod networks;
 pub(crate) mod scene;
 mod sequences;
 pub(crate) mod truth;

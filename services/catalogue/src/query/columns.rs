@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use serde::Deserializer;
-use spec::{Leaf, LeafKind, Leaves, List};
+use spec::{Leaf, LeafKind, Leaves, List, METRIC_NETWORK};
 
 use crate::query::filter::{Bind, Column, Join, Kind};
 use crate::query::leaf_tree::LeafTree;
@@ -111,7 +111,7 @@ impl Columns {
     }
 
     /// Names that a query may use, apart from the open families `labels.…`, `timings.…`, `LIST.N.…` such as
-    /// `lights.0.x`, `artifacts.KIND` (its digest) and `SUBJECT.METRIC`.
+    /// `lights.0.x`, `artifacts.KIND` (its digest), `SUBJECT.METRIC`, and `net.NAME` and `SUBJECT.net.NAME` of networks.
     pub(crate) fn names(&self) -> Vec<String> {
         let own = OWN.iter().map(|(name, ..)| (*name).to_owned());
         let aliases = ALIASES.iter().map(|(name, _)| (*name).to_owned());
@@ -175,6 +175,7 @@ impl Columns {
         // A label may be called like a metric.
         open_family(name)
             .or_else(|| self.metric(name))
+            .or_else(|| metric_of_network(name))
             .or_else(|| self.element(name))
     }
 
@@ -277,6 +278,26 @@ fn open_family(name: &str) -> Option<Column> {
     ))
 }
 
+/// The value of a network of the user, `net.NAME` or `SUBJECT.net.NAME`. Networks come while the catalogue is open, so their values
+/// have no column of the schema and are read from the record.
+fn metric_of_network(name: &str) -> Option<Column> {
+    let (subject, network) = match name.strip_prefix(METRIC_NETWORK) {
+        Some(network) => (MAIN_SUBJECT, network),
+        None => {
+            let (subject, metric) = name.split_once('.')?;
+            (subject, metric.strip_prefix(METRIC_NETWORK)?)
+        }
+    };
+    let are_plain = [subject, network].iter().all(|text| {
+        !text.is_empty()
+            && text
+                .chars()
+                .all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || matches!(c, '_' | '-'))
+    });
+    let path = format!("$.measurements.\"{subject}\".\"{METRIC_NETWORK}{network}\"");
+    are_plain.then(|| extracted(path, Kind::Number, None))
+}
+
 /// `/parameters/lights/0/color/2` as `$.parameters.lights[0].color[2]`.
 fn json_path(pointer: &str) -> String {
     let steps: String = pointer
@@ -314,6 +335,30 @@ mod tests {
 
     fn columns() -> Columns {
         Columns::new(&["uiqm".to_owned()])
+    }
+
+    #[test]
+    fn the_value_of_a_network_is_read_from_the_record() {
+        let columns = columns();
+        for (name, path) in [
+            ("net.my-net", "$.measurements.\"rgb\".\"net.my-net\""),
+            ("hscm.net.my-net", "$.measurements.\"hscm\".\"net.my-net\""),
+        ] {
+            let column = columns.get(name).unwrap();
+            assert_eq!(column.binds, [Bind::Text(path.to_owned())]);
+            assert_eq!(column.kind, Kind::Number);
+        }
+        for name in [
+            "net.",
+            "hscm.net.",
+            ".net.x",
+            "net.a\"b",
+            "net.A",
+            "hscm.net",
+            "a.b.net.x",
+        ] {
+            assert!(columns.get(name).is_none(), "{name}");
+        }
     }
 
     #[test]
