@@ -118,7 +118,7 @@ impl PictureNetwork {
         (columns, rows): (usize, usize),
         interpret: impl FnOnce(Output<'_>, (usize, usize)) -> Result<T, String>,
     ) -> Result<T, String> {
-        let failed = |error: ort::Error| format!("failed: {error},");
+        let failed = |error: ort::Error| format!("failed: {},", error.to_string().replace('\n', " "));
         let shape = self.input.layout.shape(columns, rows);
         let image = TensorRef::from_array_view((shape, self.samples.as_slice())).map_err(failed)?;
         let outputs = self

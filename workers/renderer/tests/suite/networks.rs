@@ -113,8 +113,8 @@ fn a_network_enhances_the_frame_and_its_digest_is_in_the_record() {
         invert(&picture(&rendered, "rgb"))
     );
     let provenance = &rendered.record.provenance;
-    let digest = &library().get("invert").unwrap().card.sha256;
-    assert_eq!(provenance.inputs.get("enhancer.invert"), Some(digest));
+    let digest = library().get("invert").unwrap().card.sha256.clone();
+    assert_eq!(provenance.inputs.get("enhancer.invert"), Some(&digest));
     assert!(provenance.onnx_runtime.is_some());
 }
 

@@ -44,15 +44,21 @@ impl Ports {
     }
 }
 
-/// Why an outlet is no picture of this layout; negative sides are dynamic.
+/// Why an outlet is no picture of this layout; negative sides are dynamic. Three at the channels of the other layout alone means that
+/// the file has that layout.
 fn find_fault(outlet: &Outlet, layout: Layout) -> Option<String> {
+    let other = match layout {
+        Layout::ChannelsFirst => Layout::ChannelsLast,
+        Layout::ChannelsLast => Layout::ChannelsFirst,
+    };
     let is_picture = matches!(outlet.dtype(), ValueType::Tensor {
         ty: TensorElementType::Float32,
         shape,
         ..
     } if shape.len() == 4
         && (shape[0] == 1 || shape[0] < 0)
-        && (shape[layout.channel_axis()] == 3 || shape[layout.channel_axis()] < 0));
+        && (shape[layout.channel_axis()] == 3
+            || shape[layout.channel_axis()] < 0 && shape[other.channel_axis()] != 3));
     let axes = match layout {
         Layout::ChannelsFirst => "[1, 3, height, width]",
         Layout::ChannelsLast => "[1, height, width, 3]",

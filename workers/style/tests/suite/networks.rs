@@ -139,17 +139,17 @@ fn a_metric_is_one_number() {
     .unwrap();
     let gray = Rgb8::from_fn(5, 3, |_, _| [30, 60, 90]);
     assert_eq!(mean.measure(&gray).unwrap(), 60.0);
-    let by_channel = [(
+    let by_column = [(
         "ReduceMean",
         1,
         &[
-            Attribute::Integers("axes", &[2, 3]),
+            Attribute::Integers("axes", &[1, 2]),
             Attribute::Integer("keepdims", 0),
         ][..],
     )];
-    let mut three = network(ModelRole::Metric, &mean_after(&by_channel), &json!({})).unwrap();
-    let error = three.measure(&gray).unwrap_err().to_string();
-    assert!(error.contains("[1, 3]; must be one number"), "{error}");
+    let mut five = network(ModelRole::Metric, &mean_after(&by_column), &json!({})).unwrap();
+    let error = five.measure(&gray).unwrap_err().to_string();
+    assert!(error.contains("[1, 5]; must be one number"), "{error}");
 }
 
 #[test]
@@ -192,7 +192,7 @@ fn every_size_with_a_defect_is_named() {
 #[test]
 fn a_metric_that_cannot_be_used_is_refused_by_what_it_does() {
     let refused: [(&[(&str, usize, &[Attribute<'_>])], &str); 4] = [
-        (&[("Identity", 1, &[])], "must be one number"),
+        (&[("Identity", 1, &[])], "must be one float32 number"),
         (&[("Sub", 2, &[]), TO_MEAN], "must tell them apart"),
         (&[("Log", 1, &[]), TO_MEAN], "must be a finite number"),
         (
