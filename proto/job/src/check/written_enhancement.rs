@@ -179,10 +179,10 @@ mod tests {
             by_name,
             parse(&format!("onnx:model={digest},mask=paper")).unwrap()
         );
-        let Invalid(errors) = parse("onnx:model=muddy").unwrap_err();
-        assert_eq!(errors[0].pointer, "/model");
-        assert!(errors[0].message.contains("is a style; use it as `water.style`"));
-        assert_eq!(errors[0].allowed, ["mine"]);
+        let Invalid(refused) = parse("onnx:model=muddy").unwrap_err();
+        assert_eq!(refused[0].pointer, "/model");
+        assert!(refused[0].message.contains("is a style; use it as `water.style`"));
+        assert_eq!(refused[0].allowed, ["mine"]);
         for text in ["onnx", "onnx:mask=paper", "onnx:model=mine"] {
             let message = errors(text).remove(0).1;
             assert!(
