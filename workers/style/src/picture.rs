@@ -11,7 +11,7 @@ use crate::library::StyleModel;
 use crate::role::{ModelRole, PictureInput};
 use crate::session::options;
 use port::Ports;
-use samples::{fill, read};
+use samples::{Output, fill, read};
 
 /// A network that cannot run on a picture. Deterministic: a retry does not help.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -137,11 +137,4 @@ impl PictureNetwork {
             reason,
         }
     }
-}
-
-/// The output tensor of a network.
-#[derive(Clone, Copy)]
-struct Output<'a> {
-    shape: &'a [i64],
-    values: &'a [f32],
 }

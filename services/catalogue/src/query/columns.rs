@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use serde::Deserializer;
-use spec::{Leaf, LeafKind, Leaves, List, METRIC_NETWORK};
+use spec::{Leaf, LeafKind, Leaves, List};
 
+use crate::query::extracted::{MAIN_SUBJECT, extracted, json_path, metric_of_network};
 use crate::query::filter::{Bind, Column, Join, Kind};
 use crate::query::leaf_tree::LeafTree;
 use crate::query::record_value::RecordValue;
@@ -34,9 +35,6 @@ const OWN: &[(&str, &str, Kind, Option<&str>)] = &[
     ("failed", "(1 = 0)", Kind::Bool, None),
     ("warned", "(images.warnings > 0)", Kind::Bool, None),
 ];
-
-/// The picture of metrics without a subject.
-const MAIN_SUBJECT: &str = "rgb";
 
 /// All columns of one catalogue.
 #[derive(Debug, Clone)]
@@ -276,57 +274,6 @@ fn open_family(name: &str) -> Option<Column> {
         Kind::Number,
         Some("ms"),
     ))
-}
-
-/// The value of a network of the user, `net.NAME` or `SUBJECT.net.NAME`. Networks come while the catalogue is open, so their values
-/// have no column of the schema and are read from the record.
-fn metric_of_network(name: &str) -> Option<Column> {
-    let (subject, network) = match name.strip_prefix(METRIC_NETWORK) {
-        Some(network) => (MAIN_SUBJECT, network),
-        None => {
-            let (subject, metric) = name.split_once('.')?;
-            (subject, metric.strip_prefix(METRIC_NETWORK)?)
-        }
-    };
-    let are_plain = [subject, network].iter().all(|text| {
-        !text.is_empty()
-            && text
-                .chars()
-                .all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || matches!(c, '_' | '-'))
-    });
-    let path = format!("$.measurements.\"{subject}\".\"{METRIC_NETWORK}{network}\"");
-    are_plain.then(|| extracted(path, Kind::Number, None))
-}
-
-/// `/parameters/lights/0/color/2` as `$.parameters.lights[0].color[2]`.
-fn json_path(pointer: &str) -> String {
-    let steps: String = pointer
-        .split('/')
-        .skip(1)
-        .map(|step: &str| match step.parse::<u16>() {
-            Ok(position) => format!("[{position}]"),
-            Err(_) => format!(".{step}"),
-        })
-        .collect();
-    format!("${steps}")
-}
-
-/// A value at a place of the record.
-fn extracted(path: String, kind: Kind, unit: Option<&'static str>) -> Column {
-    let record = Join::Record.alias();
-    // In SQLite text is greater than every number, and a list is text: such values must not compare as numbers.
-    let sql = match kind {
-        Kind::Text => format!("CAST(json_extract({record}.record, ?) AS TEXT)"),
-        Kind::Number | Kind::Whole | Kind::Large | Kind::Bool | Kind::Label => format!(
-            "(SELECT iif(typeof(v) = 'text', NULL, v) FROM (SELECT json_extract({record}.record, ?) AS v))"
-        ),
-    };
-    Column {
-        binds: vec![Bind::Text(path)],
-        unit,
-        join: Some(Join::Record),
-        ..Column::new(sql, kind)
-    }
 }
 
 #[cfg(test)]

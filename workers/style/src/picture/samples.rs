@@ -2,8 +2,14 @@
 
 use imaging::Rgb8;
 
-use super::Output;
 use crate::role::{Layout, PictureInput};
+
+/// The output tensor of a network.
+#[derive(Clone, Copy)]
+pub(super) struct Output<'a> {
+    pub(super) shape: &'a [i64],
+    pub(super) values: &'a [f32],
+}
 
 /// Writes a picture into the input of a network, reflected beyond its right and lower edges.
 pub(super) fn fill(
