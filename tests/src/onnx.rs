@@ -51,6 +51,13 @@ pub fn node(operator: &str, inputs: &[&str], outputs: &[&str]) -> Message {
     node.bytes(4, operator)
 }
 
+/// An attribute with an integer.
+#[must_use]
+pub fn whole(name: &str, value: u64) -> Message {
+    const INT: u64 = 2;
+    Message::default().bytes(1, name).number(3, value).number(20, INT)
+}
+
 /// An attribute with a list of integers.
 #[must_use]
 pub fn numbers(name: &str, values: &[u64]) -> Message {
@@ -110,6 +117,12 @@ pub fn picture(name: &str, channels: u64, sides: [&str; 2]) -> Message {
         .bytes(1, side(sides[0]))
         .bytes(1, side(sides[1]));
     typed(name, FLOAT, Some(shape))
+}
+
+/// An output of floats without a declared shape.
+#[must_use]
+pub fn floats(name: &str) -> Message {
+    typed(name, FLOAT, None)
 }
 
 /// An input or output of a loop's graph: a counter or a condition.

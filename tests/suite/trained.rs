@@ -1,5 +1,6 @@
 //! Styles and waters, shipped, uploaded and trained.
 
+pub(crate) mod networks;
 pub(crate) mod style_training;
 pub(crate) mod styles;
 pub(crate) mod training;

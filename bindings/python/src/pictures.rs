@@ -1,30 +1,44 @@
 //! Enhancement, measurement and files of a user's pictures.
 
 use std::borrow::Cow;
+use std::path::PathBuf;
 
-use imaging::codec;
+use imaging::{Rgb8, codec};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use quality::MetricId;
-use spec::Enhancement;
+use renderer::PictureNetworks;
+use spec::schema::Names;
+use spec::{Enhancement, METRIC_NETWORK};
 
 use crate::arrays::{Array, of_npy, of_raster, to_raster};
 use crate::errors::invalid_job;
+use crate::studio::Studio;
 
 fn refused(error: impl ToString) -> PyErr {
     PyValueError::new_err(error.to_string())
 }
 
-/// The result and its warnings; `method` as [`Enhancement::parse`] reads it.
+/// The result and its warnings; `method` as [`Enhancement::parse_with`] reads it. Networks are those of the folder `styles`.
 #[pyfunction]
 pub(crate) fn enhance<'py>(
     py: Python<'py>,
     image: &Array<'py>,
     method: &str,
+    styles: Option<PathBuf>,
+    onnxruntime: Option<PathBuf>,
 ) -> PyResult<(Array<'py>, Vec<String>)> {
     let picture = to_raster("image", image)?;
-    let enhancement = Enhancement::parse(method).map_err(|invalid| invalid_job(py, &invalid))?;
-    let enhanced = py.detach(|| ::enhance::enhance(&enhancement, &picture, &[]));
+    let studio = Studio::open_recent(styles.as_deref(), onnxruntime.as_deref())?;
+    let vocabulary = renderer::vocabulary(&studio.engine.library(), true);
+    let enhancement =
+        Enhancement::parse_with(method, &vocabulary).map_err(|invalid| invalid_job(py, &invalid))?;
+    let mut networks = studio.take_networks();
+    let (networks, enhanced) = py.detach(|| {
+        let enhanced = networks.enhance(&enhancement, &picture, &[]);
+        (networks, enhanced)
+    });
+    studio.keep_networks(networks);
     let enhanced = enhanced.map_err(refused)?;
     let warnings = enhanced.warnings.iter().map(ToString::to_string).collect();
     Ok((of_raster(py, enhanced.picture)?, warnings))
@@ -37,27 +51,60 @@ pub(crate) fn measure(
     image: &Array<'_>,
     metrics: Vec<String>,
     clean: Option<&Array<'_>>,
+    styles: Option<PathBuf>,
+    onnxruntime: Option<PathBuf>,
 ) -> PyResult<Vec<(String, f64)>> {
     let picture = to_raster("image", image)?.to_rgb8();
     let clean = clean.map(|clean| to_raster("clean", clean)).transpose()?;
     let clean = clean.map(|clean| clean.to_rgb8());
-    let metric = |name: &String| {
-        MetricId::parse(name).ok_or_else(|| {
-            let known: Vec<String> = MetricId::all().map(|id| id.to_string()).collect();
-            refused(format!(
-                "metric `{name}` does not exist; there is {}",
-                known.join(", ")
-            ))
-        })
-    };
-    let ids = metrics.iter().map(metric).collect::<PyResult<Vec<_>>>()?;
-    let values = py
-        .detach(|| quality::measure(&picture, clean.as_ref(), &ids))
-        .map_err(refused)?;
-    Ok(metrics
-        .into_iter()
-        .zip(values.into_iter().map(|(_, value)| value))
-        .collect())
+    let studio = Studio::open_recent(styles.as_deref(), onnxruntime.as_deref())?;
+    let known = renderer::vocabulary(&studio.engine.library(), true).listed(Names::Metric);
+    let (mut ids, mut wanted) = (Vec::new(), Vec::new());
+    for name in &metrics {
+        match (MetricId::parse(name), name.strip_prefix(METRIC_NETWORK)) {
+            (Some(id), _) => ids.push(id),
+            (None, Some(network)) if known.contains(name) => wanted.push(network),
+            (None, _) => {
+                let known = known.join(", ");
+                return Err(refused(format!(
+                    "metric `{name}` does not exist; there is {known}"
+                )));
+            }
+        }
+    }
+    let mut networks = studio.take_networks();
+    let (networks, values) = py.detach(|| {
+        let values = measure_all(&picture, clean.as_ref(), &ids, &wanted, &mut networks);
+        (networks, values)
+    });
+    studio.keep_networks(networks);
+    let (registered, of_networks) = values.map_err(PyValueError::new_err)?;
+    let (mut registered, mut of_networks) = (registered.into_iter(), of_networks.into_iter());
+    let values = metrics.into_iter().filter_map(|name| {
+        let value = match name.starts_with(METRIC_NETWORK) {
+            true => of_networks.next(),
+            false => registered.next(),
+        };
+        Some((name, value?))
+    });
+    Ok(values.collect())
+}
+
+/// The values of the metrics of the registry, and those of networks, each in order.
+fn measure_all(
+    picture: &Rgb8,
+    clean: Option<&Rgb8>,
+    ids: &[MetricId],
+    wanted: &[&str],
+    networks: &mut PictureNetworks,
+) -> Result<(Vec<f64>, Vec<f64>), String> {
+    let registered = quality::measure(picture, clean, ids).map_err(|error| error.to_string())?;
+    let registered = registered.into_iter().map(|(_, value)| value).collect();
+    let of_networks = wanted.iter().map(|name| networks.measure(name, picture));
+    let of_networks = of_networks
+        .collect::<Result<_, _>>()
+        .map_err(|error| error.to_string())?;
+    Ok((registered, of_networks))
 }
 
 /// The array of a PNG, JPEG, WebP or NPY file.

@@ -1,17 +1,51 @@
 //! Rendering resources of this process.
 
-use std::path::Path;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::time::SystemTime;
 
 use pyo3::PyResult;
 use pyo3::exceptions::PyValueError;
-use renderer::{Engine, Slot};
+use renderer::{Engine, PictureNetworks, Slot};
 use style::Library;
 
 /// The style networks and the idle slots.
 pub(crate) struct Studio {
     pub(crate) engine: Arc<Engine>,
     idle: Mutex<Vec<Slot>>,
+    idle_networks: Mutex<Vec<PictureNetworks>>,
+}
+
+/// Where a studio comes from. A changed folder is another origin.
+#[derive(PartialEq)]
+struct Origin {
+    styles: Option<PathBuf>,
+    onnxruntime: Option<PathBuf>,
+    /// Name, bytes and time of each file of the folder, in order.
+    files: Vec<(OsString, u64, Option<SystemTime>)>,
+}
+
+impl Origin {
+    fn new(styles: Option<&Path>, onnxruntime: Option<&Path>) -> Self {
+        let entries = styles
+            .and_then(|folder| folder.read_dir().ok())
+            .into_iter()
+            .flatten();
+        let mut files: Vec<_> = entries
+            .filter_map(|entry| {
+                let entry = entry.ok()?;
+                let metadata = entry.metadata().ok()?;
+                Some((entry.file_name(), metadata.len(), metadata.modified().ok()))
+            })
+            .collect();
+        files.sort();
+        Self {
+            styles: styles.map(Path::to_owned),
+            onnxruntime: onnxruntime.map(Path::to_owned),
+            files,
+        }
+    }
 }
 
 impl Studio {
@@ -30,12 +64,44 @@ impl Studio {
         let studio = Arc::new(Self {
             engine: Arc::new(Engine::new(library, onnxruntime)),
             idle: Mutex::default(),
+            idle_networks: Mutex::default(),
         });
         Ok(if is_shipped {
             Arc::clone(SHIPPED.get_or_init(|| studio))
         } else {
             studio
         })
+    }
+
+    /// As [`Studio::open`]; the last one is kept until its folder changes, so that its networks stay prepared between pictures.
+    pub(crate) fn open_recent(styles: Option<&Path>, onnxruntime: Option<&Path>) -> PyResult<Arc<Self>> {
+        static RECENT: Mutex<Option<(Origin, Arc<Studio>)>> = Mutex::new(None);
+        let origin = Origin::new(styles, onnxruntime);
+        let mut recent = RECENT.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((known, studio)) = &*recent
+            && *known == origin
+        {
+            return Ok(Arc::clone(studio));
+        }
+        let studio = Self::open(styles, onnxruntime)?;
+        *recent = Some((origin, Arc::clone(&studio)));
+        Ok(studio)
+    }
+
+    /// Idle networks, or new ones.
+    pub(crate) fn take_networks(&self) -> PictureNetworks {
+        let idle = self
+            .idle_networks
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .pop();
+        idle.unwrap_or_else(|| PictureNetworks::new(&self.engine))
+    }
+
+    /// Returns networks for the next picture.
+    pub(crate) fn keep_networks(&self, networks: PictureNetworks) {
+        let mut idle = self.idle_networks.lock().unwrap_or_else(PoisonError::into_inner);
+        idle.push(networks);
     }
 
     /// An idle slot, or a new one: there are at most as many as rendering threads.

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import hashlib
+import json
 from pathlib import Path
 from typing import Any
 
@@ -7,6 +9,7 @@ import fathom
 import numpy as np
 import pytest
 
+ROOT = Path(__file__).resolve().parents[3]
 PICTURE = np.random.default_rng(1).integers(0, 255, (48, 64, 3), np.uint8)
 
 
@@ -79,6 +82,36 @@ def test_unknown_names_are_refused_with_those_that_there_are() -> None:
         fathom.measure(PICTURE, ["psnr"])
     with pytest.raises(ValueError, match="the clean one is 64×20"):
         fathom.measure(PICTURE, ["psnr"], clean=PICTURE[:20])
+
+
+@pytest.fixture
+def networks(tmp_path: Path) -> Path:
+    """Make a folder with the network of `muddy` as an enhancer."""
+    network = (ROOT / "models/muddy.onnx").read_bytes()
+    card = {"name": "mud", "role": "enhancer", "sha256": hashlib.sha256(network).hexdigest()}
+    (tmp_path / "mud.onnx").write_bytes(network)
+    (tmp_path / "mud.card.json").write_text(json.dumps(card))
+    return tmp_path
+
+
+def test_a_network_of_a_folder_enhances_a_picture(networks: Path) -> None:
+    runtime = ROOT / ".onnxruntime/libonnxruntime.so"
+    method = {"method": "onnx", "model": "mud", "mask": "paper"}
+    first, again = (fathom.enhance(PICTURE, method, styles=networks, onnxruntime=runtime) for _ in range(2))
+    assert (first.shape, first.dtype) == (PICTURE.shape, np.dtype(np.uint8))
+    assert (first == again).all()
+    assert (first[0, 0] == 0).all()
+    assert (first[20, 30] != PICTURE[20, 30]).any()
+
+
+def test_a_network_that_cannot_run_is_refused_with_the_reason(networks: Path) -> None:
+    with pytest.raises(fathom.InvalidJob) as refused:
+        fathom.enhance(PICTURE, {"method": "onnx", "model": "mut"}, styles=networks)
+    assert [(error.pointer, error.allowed) for error in refused.value.errors] == [("/model", ("mud",))]
+    with pytest.raises(ValueError, match=r"metric `net.mud` does not exist"):
+        fathom.measure(PICTURE, ["net.mud"], styles=networks)
+    with pytest.raises(ValueError, match="get-onnxruntime"):
+        fathom.enhance(PICTURE, "onnx:model=mud", styles=networks, onnxruntime="/nowhere/libonnxruntime.so")
 
 
 @pytest.mark.parametrize("with_range", [False, True])

@@ -28,6 +28,7 @@ use crate::vocabulary::Vocabulary;
 pub(crate) use lights::has_lamps;
 pub(crate) use names::is_dataset;
 pub(crate) use sections::enhance::names_in;
+pub(crate) use sections::networks::find_enhancers;
 use sections::{lights, truth};
 pub(crate) use truth::is_traced;
 pub(crate) use values::{find_lists, find_values};

@@ -9,7 +9,7 @@ use crate::earlier::refuse_earlier_version;
 use crate::invalid::Invalid;
 use crate::json;
 use crate::scene_parts::Uploads;
-use crate::vocabulary::Vocabulary;
+use crate::vocabulary::{KnownNetwork, Vocabulary};
 
 pub use draft::Draft;
 pub use formula::Job;
@@ -32,5 +32,20 @@ impl Job {
         let stored = json::read(text.as_bytes())?;
         refuse_earlier_version(&stored)?;
         stored::read_job(&stored)
+    }
+
+    /// Adds the models of a job to a vocabulary, so that its description is valid where they are missing.
+    pub fn admit_models(&self, vocabulary: &mut Vocabulary) {
+        vocabulary.styles.extend(self.styles());
+        for (networks, names) in [
+            (&mut vocabulary.enhancers, self.enhancers()),
+            (&mut vocabulary.metric_networks, self.metric_networks()),
+        ] {
+            networks.extend(names.into_iter().map(|name| KnownNetwork {
+                name,
+                digest: String::new(),
+                size: None,
+            }));
+        }
     }
 }

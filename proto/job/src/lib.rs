@@ -47,10 +47,10 @@ pub use encode::Encode;
 pub use enhancement::mask::{Circle, Mask, Saturated};
 pub use enhancement::mask_image::MaskImage;
 pub use enhancement::parameters::{
-    Clahe, DarkChannel, Fusion, GrayWorld, Guided, Hscm, Ibla, IblaRefinement, Mlle, Rayleigh, ResultColor,
-    Stretching,
+    Clahe, DarkChannel, EnhancerNetwork, Fusion, GrayWorld, Guided, Hscm, Ibla, IblaRefinement, Mlle,
+    Rayleigh, ResultColor, Stretching,
 };
-pub use enhancement::{Enhancement, HSCM_STEPS, MASK_STEP, METHODS, MetricsOver, Step};
+pub use enhancement::{Enhancement, HSCM_STEPS, MASK_STEP, METHODS, MetricsOver, NETWORK_METHOD, Step};
 pub use frame::{Fidelity, Frame, Siblings, SiteName};
 pub use inhabited::{Ground, Life};
 pub use invalid::{FieldError, Invalid, MAX_ERRORS};
@@ -79,5 +79,5 @@ pub use suspended::{Sediment, Snow, Turbidity};
 pub use text::migration;
 use text::{earlier, encode, invalid, json, suggest};
 pub use truth::{Truth, TruthRecord};
-pub use vocabulary::Vocabulary;
+pub use vocabulary::{KnownNetwork, METRIC_NETWORK, Vocabulary};
 pub use water::{ForwardScatter, HoleRule, Optics, PhaseFunction, ScatterModel, ScatterSource, Water};

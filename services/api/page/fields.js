@@ -29,7 +29,7 @@ export const GROUPS = [
     choice("/water/optics", "Water", "/v1/waters", { value: "jerlov-1C", none: "no water" }),
     slider("/water/range_scale", "Scale of the coefficients", 0.02, 4, { log: true, value: 1 }),
     slider("/water/depth_m", "Depth of the camera", 0, 60, { value: 5, optional: true }),
-    choice("/water/style", "Style", "/v1/styles", { none: "no style" }),
+    choice("/water/style", "Style", "/v1/styles?role=style", { none: "no style" }),
     slider("/alpha", "Strength of the style", 0, 1, { value: 1, when: hasStyle }),
   ]],
   ["Lights", []],

@@ -186,7 +186,7 @@ async function styles(root, route) {
   const place = h("div.cards");
   const notice = h("div");
   const wall = new Wall(route, notice);
-  const draw = async () => put(place, (await list("/v1/styles", route.signal)).map((style) => styleCard(style, wall)));
+  const draw = async () => put(place, (await list("/v1/styles?role=style", route.signal)).map((style) => styleCard(style, wall)));
   root.append(heading("Styles"), notice, place, trainer(route, draw), same("GET /v1/styles", "POST /v1/styles/train", "fathom styles", "fathom train dock.png --name dock"));
   await draw();
 }

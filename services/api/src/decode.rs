@@ -169,7 +169,7 @@ fn enhanced(folder: &Path, request: &EnhanceRequest) -> Checked<String> {
         let enhancement = Enhancement::parse(&request.method)
             .map_err(|invalid| Refusal::new("method", invalid.to_string()))?;
         let picture = picture("picture", &bytes)?;
-        let enhanced = enhance::enhance(&enhancement, &picture, &[])
+        let enhanced = enhance::enhance(&enhancement, &picture, &[], &mut enhance::refuse_network)
             .map_err(|error| Refusal::new("picture", error.to_string()))?;
         let bytes = match request.is_webp {
             true => encode_webp_lossless(&enhanced.picture.to_rgb8()),

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use spec::{Draft, Invalid, Job, Uploads};
+use quality::MetricId;
+use spec::{Draft, Invalid, Job, METRIC_NETWORK, Uploads};
 use style::Library;
 
 use crate::exit::Failure;
@@ -17,6 +18,15 @@ pub fn read(path: &Path, library: &Library) -> Result<Job, Failure> {
     Draft::read(&text, &vocabulary)
         .and_then(|draft| draft.check(&Uploads::Known(BTreeMap::new())))
         .map_err(|invalid| refused(path, &invalid))
+}
+
+/// The metrics that frames of a job can have: those of this program, and networks that the job names.
+#[must_use]
+pub fn metrics(job: &Job) -> Vec<String> {
+    let networks = job.metric_networks().into_iter();
+    let networks = networks.map(|name| format!("{METRIC_NETWORK}{name}"));
+    let registered = MetricId::all().map(|metric| metric.to_string());
+    registered.chain(networks).collect()
 }
 
 /// The errors of a job description, one per line.

@@ -5,6 +5,7 @@ use spec::{Enhancement, HSCM_STEPS, MASK_STEP, Step};
 
 use crate::mask::{black_out, kept};
 use crate::methods::{Method, hscm, run};
+use crate::network::{RunNetwork, run_network};
 use crate::result::{EnhanceError, Enhanced, raster};
 use crate::warning::Warning;
 
@@ -24,14 +25,16 @@ pub struct Outcome {
     pub warnings: Vec<Warning>,
 }
 
-/// Runs an enhancement by the fast variants; `wanted` names the intermediate results to return.
+/// Runs an enhancement by the fast variants; `wanted` names the intermediate results to return. `network` runs the networks of the
+/// user; [`refuse_network`](crate::refuse_network) is that of callers without any.
 ///
 /// # Errors
-/// As [`run`] for any of the steps, and as [`kept`].
+/// As [`run`] for any of the steps, and as [`kept`]; [`EnhanceError::Network`] if `network` fails.
 pub fn enhance(
     enhancement: &Enhancement,
     picture: &Raster,
     wanted: &[&str],
+    network: RunNetwork<'_>,
 ) -> Result<Outcome, EnhanceError> {
     let mut steps = Vec::new();
     let mut warnings = Vec::new();
@@ -41,7 +44,10 @@ pub fn enhance(
         let Enhanced {
             picture: result,
             warnings: found,
-        } = run(&Method(step.clone()), &current)?;
+        } = match step {
+            Step::Onnx(parameters) => run_network(parameters, &current, network)?,
+            step => run(&Method(step.clone()), &current)?,
+        };
         for warning in found {
             if !warnings.contains(&warning) {
                 warnings.push(warning);
@@ -90,9 +96,10 @@ fn masked(picture: &Raster, mask: &Plane<u8>) -> Raster {
 #[cfg(test)]
 mod tests {
     use imaging::Rgb8;
-    use spec::{Clahe, GrayWorld, Hscm, Mask};
+    use spec::{Clahe, EnhancerNetwork, GrayWorld, Hscm, Mask};
 
     use super::*;
+    use crate::network::refuse_network;
 
     fn picture() -> Raster {
         Rgb8::from_fn(64, 48, |x, y| {
@@ -109,7 +116,7 @@ mod tests {
             steps: vec![gray_world.clone(), clahe.clone()],
             ..Enhancement::from(gray_world.clone())
         };
-        let outcome = enhance(&chain, &picture(), &["1"]).unwrap();
+        let outcome = enhance(&chain, &picture(), &["1"], &mut refuse_network).unwrap();
         let first = run(&Method(gray_world), &picture()).unwrap().picture;
         let second = run(&Method(clahe), &first).unwrap().picture;
         assert_eq!(outcome.steps, [("1".to_owned(), first)]);
@@ -124,7 +131,8 @@ mod tests {
             mask: Mask::Paper,
             ..alone.clone()
         };
-        let [alone, masked] = [alone, masked].map(|one| enhance(&one, &picture(), &["mask"]).unwrap());
+        let [alone, masked] =
+            [alone, masked].map(|one| enhance(&one, &picture(), &["mask"], &mut refuse_network).unwrap());
         assert_eq!(alone.picture, masked.unmasked);
         let mask = masked.mask.unwrap();
         assert_eq!(masked.steps, [("mask".to_owned(), mask.clone().into())]);
@@ -142,10 +150,69 @@ mod tests {
             color: spec::ResultColor::Gray,
             ..Hscm::default()
         };
-        let outcome = enhance(&Step::Hscm(hscm).into(), &picture(), &HSCM_STEPS).unwrap();
+        let outcome = enhance(
+            &Step::Hscm(hscm).into(),
+            &picture(),
+            &HSCM_STEPS,
+            &mut refuse_network,
+        )
+        .unwrap();
         let names: Vec<_> = outcome.steps.iter().map(|(name, _)| name.as_str()).collect();
         assert_eq!(names, HSCM_STEPS);
         assert_eq!(outcome.steps[2].1, outcome.picture);
         assert_ne!(outcome.steps[0].1, outcome.steps[1].1);
+    }
+
+    #[test]
+    fn a_network_is_a_step_like_any_other() {
+        let network = EnhancerNetwork {
+            model: "invert".to_owned(),
+        };
+        let gray_world = Step::GrayWorld(GrayWorld {});
+        let chain = Enhancement {
+            steps: vec![gray_world.clone(), Step::Onnx(network)],
+            mask: Mask::Paper,
+            ..Enhancement::from(gray_world.clone())
+        };
+        let first = run(&Method(gray_world), &picture()).unwrap().picture;
+        let mut seen = Vec::new();
+        let outcome = enhance(&chain, &picture(), &["1"], &mut |network, colors| {
+            seen.push((network.model.clone(), colors.clone()));
+            Ok(invert(colors))
+        });
+        let outcome = outcome.unwrap();
+        assert_eq!(outcome.steps[0].1, first);
+        assert_eq!(outcome.unmasked.to_rgb8(), invert(&first.to_rgb8()));
+        assert_eq!(seen, [("invert".to_owned(), first.to_rgb8())]);
+        let mask = outcome.mask.unwrap();
+        let outside = mask.data().iter().position(|&kept| kept == 0).unwrap();
+        assert_eq!(outcome.picture.to_rgb8().pixels().nth(outside), Some([0; 3]));
+    }
+
+    fn invert(colors: &Rgb8) -> Rgb8 {
+        let codes = colors.data().iter().map(|code| 255 - code);
+        Rgb8::new(colors.width(), colors.height(), codes.collect()).unwrap()
+    }
+
+    #[test]
+    fn a_network_that_fails_or_changes_the_size_is_an_error_with_its_name() {
+        let network = Step::Onnx(EnhancerNetwork {
+            model: "mine".to_owned(),
+        });
+        let enhancement = Enhancement::from(network);
+        let error = enhance(&enhancement, &picture(), &[], &mut refuse_network).unwrap_err();
+        assert!(
+            error.to_string().contains("`mine`") && error.to_string().contains("jobs"),
+            "{error}"
+        );
+        let smaller = |_: &EnhancerNetwork, _: &Rgb8| Ok(Rgb8::from_fn(3, 2, |_, _| [9; 3]));
+        let error = enhance(&enhancement, &picture(), &[], &mut { smaller }).unwrap_err();
+        assert!(
+            error.to_string().contains("3×2") && error.to_string().contains("64×48"),
+            "{error}"
+        );
+        let empty = Raster::from(Rgb8::new(0, 0, Vec::new()).unwrap());
+        let error = enhance(&enhancement, &empty, &[], &mut refuse_network).unwrap_err();
+        assert!(error.to_string().contains("at least 1×1"), "{error}");
     }
 }

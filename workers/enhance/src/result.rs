@@ -46,6 +46,14 @@ pub enum EnhanceError {
         /// Columns and rows of the mask.
         mask: (usize, usize),
     },
+    /// A network of the user failed.
+    #[error("network `{model}` {reason}")]
+    Network {
+        /// The network's name.
+        model: String,
+        /// Cause.
+        reason: String,
+    },
 }
 
 /// Channels of the result for a gray picture.

@@ -6,7 +6,7 @@ use optics::chain::ChainError;
 use optics::setting::SettingError;
 use quality::QualityError;
 use scenes::SceneError;
-use style::StyleError;
+use style::{NetworkError, StyleError};
 
 /// Why a frame has no image.
 #[derive(Debug, thiserror::Error)]
@@ -58,6 +58,19 @@ pub enum RenderError {
         /// The styles it has.
         known: String,
     },
+    /// The worker does not have the enhancer or metric network.
+    #[error("{role} network `{name}` does not exist here; there is {known}")]
+    UnknownNetwork {
+        /// Its role.
+        role: &'static str,
+        /// The network.
+        name: String,
+        /// The networks of the role that it has.
+        known: String,
+    },
+    /// An enhancer or metric network failed.
+    #[error(transparent)]
+    Network(#[from] NetworkError),
     /// The camera has no picture of this scene.
     #[error("camera: {0}")]
     Camera(#[from] camera::PartsError),

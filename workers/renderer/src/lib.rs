@@ -31,6 +31,7 @@ use resources::{engine, source, vocabulary};
 pub use sequence::{Held, RelativePose, Viewpoint};
 pub use slot::{LinearPicture, Rendered, Slot, WaterLight};
 pub use source::{SceneBytes, SceneSource};
+pub use stage::networks::PictureNetworks;
 pub use stage::truth::{Round, Traced, Tracing};
 pub use stream::{
     ChannelOrder, DepthSamples, InputError, PictureSamples, Stream, StreamDepth, StreamError, StreamFrame,

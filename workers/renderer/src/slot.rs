@@ -26,6 +26,7 @@ use crate::sequence::{History, find_motions};
 use crate::source::SceneSource;
 use crate::stage::files::{self, Pictures};
 use crate::stage::measure::{self, Measured};
+use crate::stage::networks::PictureNetworks;
 use crate::stage::style::Networks;
 use crate::stage::{camera, enhance, haze, labels, truth};
 use crate::stopwatch::Stopwatch;
@@ -58,6 +59,7 @@ impl Slot {
     pub fn new(engine: &Arc<Engine>) -> Self {
         Self {
             networks: Networks::new(engine),
+            picture_networks: PictureNetworks::new(engine),
             kernels: KernelCache::new(),
             resources: Resources::default(),
             thin: Thin::default(),
@@ -167,7 +169,10 @@ impl Slot {
         record.counts.clamped += developed.clamped;
         let warnings = plausibility::list_warnings(context, &developed.rgb, record.counts.clamped);
         record.warnings.extend(warnings);
-        let enhancements = watch.time("enhance", || enhance::run(context, &developed.rgb, &mut record))?;
+        let networks = &mut self.picture_networks;
+        let enhancements = watch.time("enhance", || {
+            enhance::run(context, &developed.rgb, networks, &mut record)
+        })?;
         let track = watch.time("previous", || {
             self.track(described, (context, &developed), source)
         })?;
@@ -178,8 +183,9 @@ impl Slot {
                 enhancements: &enhancements,
                 track: track.as_ref(),
             };
-            measure::run(context, &inputs, &mut record)
+            measure::run(context, &inputs, &mut self.picture_networks, &mut record)
         })?;
+        self.picture_networks.record(frame, &mut record);
         record.scene = watch.time("labels", || labels::describe(context, &light.layers));
 
         let motions = find_motions(context, &mut watch)?;

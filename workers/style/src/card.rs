@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use crate::ports::takes;
+use crate::role::{InputScale, Layout, ModelRole, PictureInput, SizeRule};
 
 /// Metadata of a model. A card file is this as JSON; all fields but the name and the digest are optional.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -12,6 +13,9 @@ use crate::ports::takes;
 pub struct ModelCard {
     /// Name in job descriptions.
     pub name: String,
+    /// Its use in jobs.
+    #[serde(default)]
+    pub role: ModelRole,
     /// Name of the ONNX file.
     #[serde(default)]
     pub file: String,
@@ -46,6 +50,15 @@ pub struct ModelCard {
     /// The value of white in its inputs and outputs, such as 255; 1 if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scale: Option<f32>,
+    /// Enhancers and metrics only: the values of black and white.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub input_scale: Option<InputScale>,
+    /// Enhancers and metrics only: the order of the axes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub layout: Option<Layout>,
+    /// Enhancers and metrics only: the sizes that it takes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub size: Option<SizeRule>,
     /// Effect of the style weight on its output.
     #[serde(default)]
     pub alpha: String,
@@ -159,15 +172,67 @@ impl ModelCard {
                 "its `scale` is {scale}; must be above 0 and at most {MAX_SCALE}"
             ));
         }
-        card.takes_noise = takes(onnx, "noise");
-        card.takes_range = takes(onnx, "range");
+        let foreign = card.foreign_fields();
+        if !foreign.is_empty() {
+            let faults = foreign
+                .iter()
+                .map(|(field, reason)| format!("its `{field}` {reason}"));
+            return Err(faults.collect::<Vec<_>>().join("; "));
+        }
+        let is_style = card.role == ModelRole::Style;
+        card.takes_noise = is_style && takes(onnx, "noise");
+        card.takes_range = is_style && takes(onnx, "range");
+        card.declare_input();
         Ok(card)
+    }
+
+    /// How an enhancer or a metric takes a picture.
+    #[must_use]
+    pub fn picture_input(&self) -> PictureInput {
+        PictureInput {
+            scale: self.input_scale.unwrap_or_default(),
+            layout: self.layout.unwrap_or_default(),
+            size: self.size.unwrap_or_default(),
+        }
+    }
+
+    /// The given fields that a model of this role does not have, with the reasons.
+    #[must_use]
+    pub fn foreign_fields(&self) -> Vec<(&'static str, String)> {
+        let role = self.role.name();
+        if self.role == ModelRole::Style {
+            let given = [
+                ("input_scale", self.input_scale.is_some()),
+                ("layout", self.layout.is_some()),
+                ("size", self.size.is_some()),
+            ];
+            let foreign = given.into_iter().filter(|(_, is_given)| *is_given);
+            let reason =
+                "belongs to enhancers and metrics, but the role is `style`; set the role, or remove it";
+            return foreign.map(|(field, _)| (field, reason.to_owned())).collect();
+        }
+        let reason = format!("belongs to styles, but the role is `{role}`; ");
+        let scale = self
+            .scale
+            .is_some()
+            .then(|| ("scale", format!("{reason}use `input_scale`")));
+        let alpha = (!self.alpha.is_empty()).then(|| ("alpha", format!("{reason}remove it")));
+        scale.into_iter().chain(alpha).collect()
+    }
+
+    /// Fills in the defaults of an enhancer or a metric.
+    pub fn declare_input(&mut self) {
+        if self.role != ModelRole::Style {
+            let PictureInput { scale, layout, size } = self.picture_input();
+            (self.input_scale, self.layout, self.size) = (Some(scale), Some(layout), Some(size));
+        }
     }
 
     /// The card of a model without one.
     pub(crate) fn absent(name: &str, onnx: &[u8]) -> Self {
         Self {
             name: name.to_owned(),
+            role: ModelRole::Style,
             file: file_of(name),
             sha256: sha256(onnx),
             architecture: unknown(),
@@ -179,6 +244,9 @@ impl ModelCard {
             takes_noise: takes(onnx, "noise"),
             takes_range: takes(onnx, "range"),
             scale: None,
+            input_scale: None,
+            layout: None,
+            size: None,
             alpha: String::new(),
             caveats: vec!["it came without a card".to_owned()],
             training: None,
@@ -211,5 +279,45 @@ mod tests {
         let error =
             ModelCard::parse(r#"{"name": "harbour", "license": "MIT"}"#, "harbour", b"model").unwrap_err();
         assert!(error.contains("unknown field `license`"), "{error}");
+    }
+    #[test]
+    fn an_enhancer_declares_how_it_takes_a_picture() {
+        let card = |fields: &str| {
+            let digest = sha256(b"model");
+            let text = format!(r#"{{"name": "net", "sha256": "{digest}", {fields}}}"#);
+            ModelCard::parse(&text, "net", b"model")
+        };
+        let declared =
+            card(r#""role": "enhancer", "input_scale": "-1..1", "layout": "NHWC", "size": "multiple of 32""#);
+        let expected = PictureInput {
+            scale: InputScale::Signed,
+            layout: Layout::ChannelsLast,
+            size: SizeRule::MultipleOf(32),
+        };
+        assert_eq!(declared.unwrap().picture_input(), expected);
+        let usual = card(r#""role": "metric""#).unwrap();
+        assert_eq!(
+            (usual.input_scale, usual.size),
+            (Some(InputScale::Unit), Some(SizeRule::Any))
+        );
+    }
+
+    #[test]
+    fn fields_of_another_role_are_refused_together() {
+        let refused = |fields: &str| {
+            let digest = sha256(b"model");
+            let text = format!(r#"{{"name": "net", "sha256": "{digest}", {fields}}}"#);
+            ModelCard::parse(&text, "net", b"model").unwrap_err()
+        };
+        let error = refused(r#""layout": "NHWC", "size": "any""#);
+        assert!(
+            error.contains("`layout` belongs to enhancers") && error.contains("`size` belongs to enhancers"),
+            "{error}"
+        );
+        let error = refused(r#""role": "enhancer", "scale": 255"#);
+        assert!(error.contains("use `input_scale`"), "{error}");
+        let error = refused(r#""role": "enhancer", "size": "multiple of 0""#);
+        assert!(error.contains("`multiple of N`"), "{error}");
+        assert!(refused(r#""role": "judge""#).contains("judge"));
     }
 }

@@ -3,25 +3,30 @@
 //! Time and memory are unlimited: run it in a separate process.
 
 mod external;
+mod picture;
 mod size;
 mod unfit;
 
 use imaging::{Plane, Rgb};
 
 use crate::library::StyleModel;
+use crate::role::ModelRole;
 use crate::runtime::{Runtime, RuntimeMissing};
 use crate::session::{ModelInputs, Session};
 pub use unfit::Unfit;
 use unfit::{SIZES, SMALL, USUAL};
 
-/// Runs a model on frames of 1×1, of odd sides and of the usual size, on black, on white, and twice on the same.
-/// `runtime` is called only if the model needs it.
+/// Runs a model on frames of 1×1, of odd sides and of the usual size, on black, on white, and twice on the same. An enhancer or a
+/// metric of one size runs on pictures of that size. `runtime` is called only if the model needs it.
 ///
 /// # Errors
-/// [`Unfit`]: the first defect.
+/// [`Unfit`]: the first defect of a style; every defect of an enhancer or a metric.
 pub fn check(model: &StyleModel, runtime: impl Fn() -> Result<Runtime, RuntimeMissing>) -> Result<(), Unfit> {
     external::find_external(&model.onnx)?;
     size::check_size(&model.onnx)?;
+    if model.card.role != ModelRole::Style {
+        return picture::check(model, &runtime()?);
+    }
     let mut first = open_session(model, &runtime)?;
     for size in SIZES {
         let styled = answer(&mut first, &ramp(size))?;

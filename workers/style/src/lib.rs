@@ -3,6 +3,8 @@
 //! A network maps an sRGB-encoded picture to one of the same size. The network of the shipped waters and of those
 //! trained here runs in this crate ([`net`]). All others run on ONNX Runtime, a library loaded at run time; without it
 //! everything else still works, and [`RuntimeMissing`] explains how to install it.
+//!
+//! Networks of other [roles](ModelRole) enhance or measure the 8-bit picture of a frame: [`PictureNetwork`].
 
 mod card;
 mod check;
@@ -10,7 +12,9 @@ mod error;
 mod library;
 pub mod net;
 mod noise;
+mod picture;
 mod ports;
+mod role;
 mod runtime;
 mod search;
 mod session;
@@ -20,6 +24,8 @@ pub use check::{Unfit, check};
 pub use error::StyleError;
 pub use library::{Library, LibraryError, StyleModel, is_name};
 pub use noise::noise;
+pub use picture::{NetworkError, PictureNetwork};
+pub use role::{InputScale, Layout, ModelRole, PictureInput, SizeRule};
 pub use runtime::{Runtime, RuntimeMissing};
 pub use session::{ModelInputs, Repainted, Session};
 

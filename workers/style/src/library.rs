@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use crate::card::ModelCard;
 use crate::net;
+use crate::role::ModelRole;
 
 /// Largest ONNX file: the shipped ones have 43 KB, the largest known style network has 7 MB.
 const MAX_MODEL_BYTES: u64 = 256 << 20;
@@ -37,10 +38,11 @@ impl StyleModel {
         }
     }
 
-    /// Whether it requires ONNX Runtime: any architecture other than that of the shipped and locally trained waters.
+    /// Whether it requires ONNX Runtime: enhancers, metrics, and styles of any architecture other than that of the shipped and
+    /// locally trained waters.
     #[must_use]
     pub fn needs_runtime(&self) -> bool {
-        net::onnx::read(&self.onnx).is_none()
+        self.card.role != ModelRole::Style || net::onnx::read(&self.onnx).is_none()
     }
 }
 
@@ -163,6 +165,11 @@ impl Library {
     /// The models, sorted by name.
     pub fn models(&self) -> impl Iterator<Item = &StyleModel> {
         self.models.values().map(Arc::as_ref)
+    }
+
+    /// The models of a role, sorted by name.
+    pub fn of_role(&self, role: ModelRole) -> impl Iterator<Item = &StyleModel> {
+        self.models().filter(move |model| model.card.role == role)
     }
 
     /// Whether a model of this name requires ONNX Runtime; false for an unknown name.

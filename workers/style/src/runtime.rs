@@ -9,6 +9,7 @@ use ort::{LoadDynamicError, MINOR_VERSION};
 
 use crate::error::StyleError;
 use crate::library::StyleModel;
+use crate::picture::{NetworkError, PictureNetwork};
 use crate::search::{SearchPaths, candidates};
 use crate::session::Session;
 
@@ -17,12 +18,12 @@ use crate::session::Session;
 pub enum RuntimeMissing {
     /// No file was named or found.
     #[error(
-        "this style water needs ONNX Runtime, which is not installed: run scripts/get-onnxruntime.sh, or name the library with --onnxruntime or ORT_DYLIB_PATH"
+        "this network needs ONNX Runtime, which is not installed: run scripts/get-onnxruntime.sh, or name the library with --onnxruntime or ORT_DYLIB_PATH"
     )]
     NotInstalled,
     /// The file cannot be loaded, is not ONNX Runtime, or is too old.
     #[error(
-        "this style water needs ONNX Runtime, which cannot be loaded from {}: {reason}; run scripts/get-onnxruntime.sh for one that fits",
+        "this network needs ONNX Runtime, which cannot be loaded from {}: {reason}; run scripts/get-onnxruntime.sh for one that fits",
         path.display()
     )]
     Unusable {
@@ -125,6 +126,14 @@ impl Runtime {
     /// [`StyleError::Model`] if the file is not a model, or has inputs or outputs of another shape.
     pub fn session(&self, model: &StyleModel) -> Result<Session, StyleError> {
         Session::onnx(&self.environment, model)
+    }
+
+    /// Prepares an enhancer or a metric to run on one thread.
+    ///
+    /// # Errors
+    /// [`NetworkError`] if it is a style, if the file is not a model, or if its input or output has another shape.
+    pub fn picture_network(&self, model: &StyleModel) -> Result<PictureNetwork, NetworkError> {
+        PictureNetwork::new(&self.environment, model)
     }
 }
 

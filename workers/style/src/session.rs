@@ -12,6 +12,7 @@ use crate::net::{self, ColorTable, Network, Scratch, TableScratch};
 
 pub use inputs::ModelInputs;
 use onnx::RuntimeGraph;
+pub(crate) use onnx::options;
 
 /// A model ready to run. It runs only on the calling thread: parallel frames need a session each. The same frame yields
 /// the same bits: for the native network on every machine, for others on one build of ONNX Runtime and one set of CPU

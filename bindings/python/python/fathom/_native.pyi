@@ -77,10 +77,18 @@ class Stream:
     ) -> tuple[list[tuple[str, NDArray[Any] | str]], StreamRecord, float | None, float]:
         """Return the artifacts of a frame by kind, its record, error bound and time in ms."""
 
-def enhance(image: NDArray[Any], method: str) -> tuple[NDArray[np.uint8], list[str]]:
+def enhance(
+    image: NDArray[Any], method: str, styles: str | None, onnxruntime: str | None
+) -> tuple[NDArray[np.uint8], list[str]]:
     """Return the enhanced image and its warnings."""
 
-def measure(image: NDArray[Any], metrics: list[str], clean: NDArray[Any] | None) -> list[tuple[str, float]]:
+def measure(
+    image: NDArray[Any],
+    metrics: list[str],
+    clean: NDArray[Any] | None,
+    styles: str | None,
+    onnxruntime: str | None,
+) -> list[tuple[str, float]]:
     """Return the metrics with their values."""
 
 def decode(file: bytes) -> NDArray[Any]:

@@ -28,6 +28,7 @@ impl Checker<'_> {
         self.check_daylight(document, &contents);
         self.check_artifacts(document, &contents);
         self.check_enhance(document);
+        self.check_network_sizes(document);
         self.check_neighbors(document, &contents);
         self.check_truth_work(document, &contents);
     }

@@ -4,11 +4,13 @@ use serde_json::Value;
 
 use super::{Checker, Location};
 use crate::artifact::ArtifactKind;
+use crate::enhancement::NETWORK_METHOD;
 use crate::enhancement::mask_image::MaskImage;
 use crate::invalid::{FieldError, quote};
 use crate::migration;
 use crate::node::Node;
 use crate::schema::Names;
+use crate::vocabulary::METRIC_NETWORK;
 
 /// Maximum path length of common systems, bytes.
 const MAX_PATH_BYTES: usize = 4096;
@@ -33,6 +35,7 @@ impl Checker<'_> {
     pub(super) fn check_text(&mut self, location: &Location, names: Names, text: &str) -> Option<Node> {
         let canonical = match names {
             Names::Preset => self.vocabulary.preset(text).map(str::to_owned),
+            Names::Enhancer => self.vocabulary.enhancer(text).map(str::to_owned),
             Names::Words => is_words(text).then(|| text.to_owned()),
             Names::WaterName => is_water_name(text).then(|| text.to_owned()),
             Names::Enhancement => is_enhancement_name(text).then(|| text.to_owned()),
@@ -71,7 +74,18 @@ impl Checker<'_> {
                 let message = format!("{location} {} was removed in 0.2; {}", quote(&value), removed.instruction());
                 return location.error(message).value(&value);
             }
+            let names_models = matches!(names, Names::Style | Names::Enhancer | Names::Metric);
+            let usage = self.vocabulary.usage_of_model(text).filter(|_| names_models);
             let problem = match names {
+                Names::Style | Names::Enhancer | Names::Metric if usage.is_some() => usage.unwrap_or_default(),
+                Names::Enhancer if allowed.is_empty() => {
+                    "is not known: there is no enhancer network here; networks run in jobs of a service that has them (`fathom styles \
+                     add FILE --role enhancer`), and in `fathom enhance` and `fathom render` with --styles"
+                        .to_owned()
+                }
+                Names::Method if text == NETWORK_METHOD => format!(
+                    "needs a model: {{\"method\": \"{NETWORK_METHOD}\", \"model\": \"NAME\"}}"
+                ),
                 Names::Preset if self.vocabulary.waters.contains_key(text) => {
                     "is a user-defined water and cannot be in a choice of presets; use a choice of optics, {\"optics\": {\"choice\": […]}}"
                         .to_owned()
@@ -148,7 +162,7 @@ fn is_water_name(text: &str) -> bool {
 fn is_enhancement_name(text: &str) -> bool {
     text.starts_with(|c: char| c.is_ascii_lowercase())
         && text.len() <= MAX_ENHANCEMENT_NAME
-        && text != MAIN_PICTURE
+        && ![MAIN_PICTURE, METRIC_NETWORK.trim_end_matches('.')].contains(&text)
         && text
             .bytes()
             .all(|byte| matches!(byte, b'a'..=b'z' | b'0'..=b'9' | b'_' | b'-'))

@@ -6,6 +6,7 @@ pub(crate) mod enhance;
 pub(crate) mod labels;
 pub(crate) mod lights;
 mod masks;
+pub(crate) mod networks;
 pub(crate) mod scene;
 mod sequences;
 pub(crate) mod truth;

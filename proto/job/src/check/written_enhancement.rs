@@ -12,14 +12,22 @@ use crate::schema::Names;
 use crate::vocabulary::Vocabulary;
 
 impl Enhancement {
-    /// Reads an enhancement for a picture. Distributions are refused: they are drawn for the frames of a job.
+    /// Reads an enhancement for a picture, without networks of the user.
+    ///
+    /// # Errors
+    /// As [`Enhancement::parse_with`].
+    pub fn parse(text: &str) -> Result<Self, Invalid> {
+        Self::parse_with(text, &Vocabulary::default())
+    }
+
+    /// Reads an enhancement for a picture with the networks of a vocabulary. Distributions are refused: they are drawn for the
+    /// frames of a job.
     ///
     /// # Errors
     /// All errors of the fields, with pointers into the JSON form.
-    pub fn parse(text: &str) -> Result<Self, Invalid> {
+    pub fn parse_with(text: &str, vocabulary: &Vocabulary) -> Result<Self, Invalid> {
         let written = read(text)?;
-        let vocabulary = Vocabulary::default();
-        let mut checker = Checker::new(&vocabulary, 0);
+        let mut checker = Checker::new(vocabulary, 0);
         let location = Location {
             pointer: String::new(),
             name: "enhancement".to_owned(),
@@ -103,6 +111,7 @@ mod tests {
     use super::*;
     use crate::enhancement::Step;
     use crate::enhancement::mask::Mask;
+    use crate::vocabulary::KnownNetwork;
 
     fn errors(text: &str) -> Vec<(String, String)> {
         let Invalid(errors) = Enhancement::parse(text).unwrap_err();
@@ -149,5 +158,37 @@ mod tests {
                 .contains("without a name")
         );
         assert!(!errors("{").is_empty());
+    }
+
+    #[test]
+    fn a_network_is_named_by_its_name_or_its_digest() {
+        let digest = "ab".repeat(32);
+        let vocabulary = Vocabulary {
+            styles: vec!["muddy".to_owned()],
+            enhancers: vec![KnownNetwork {
+                name: "mine".to_owned(),
+                digest: digest.clone(),
+                size: None,
+            }],
+            ..Vocabulary::default()
+        };
+        let parse = |text: &str| Enhancement::parse_with(text, &vocabulary);
+        let by_name = parse("onnx:model=mine,mask=paper").unwrap();
+        assert_eq!(by_name.name, "onnx");
+        assert_eq!(
+            by_name,
+            parse(&format!("onnx:model={digest},mask=paper")).unwrap()
+        );
+        let Invalid(refused) = parse("onnx:model=muddy").unwrap_err();
+        assert_eq!(refused[0].pointer, "/model");
+        assert!(refused[0].message.contains("is a style; use it as `water.style`"));
+        assert_eq!(refused[0].allowed, ["mine"]);
+        for text in ["onnx", "onnx:mask=paper", "onnx:model=mine"] {
+            let message = errors(text).remove(0).1;
+            assert!(
+                message.contains("model") || message.contains("--styles"),
+                "{message}"
+            );
+        }
     }
 }

@@ -31,6 +31,10 @@ pub struct Vocabulary {
     pub styles: Vec<String>,
     /// Style models that use the range of each pixel.
     pub range_styles: Vec<String>,
+    /// Networks of the user that enhance a picture.
+    pub enhancers: Vec<KnownNetwork>,
+    /// Networks of the user that measure a picture: the metrics `net.NAME`.
+    pub metric_networks: Vec<KnownNetwork>,
     /// Metrics, `name` or `name@profile`.
     pub metrics: Vec<String>,
     /// Metrics that compare with the previous frames of a camera path.
@@ -40,6 +44,20 @@ pub struct Vocabulary {
     pub collections: BTreeMap<String, Vec<String>>,
     /// Whether `scene.kind` may be `files`.
     pub local: bool,
+}
+
+/// Prefix of the metrics that a network of the user computes.
+pub const METRIC_NETWORK: &str = "net.";
+
+/// A network of the user that takes a picture.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct KnownNetwork {
+    /// Its name.
+    pub name: String,
+    /// SHA-256 of its file, lower-case hex.
+    pub digest: String,
+    /// Columns and rows of the pictures it takes; `None` if it takes several sizes.
+    pub size: Option<[usize; 2]>,
 }
 
 impl Vocabulary {
@@ -54,7 +72,16 @@ impl Vocabulary {
             Names::Sensor => self.sensors.clone(),
             Names::Style => self.styles.clone(),
             Names::Method => METHODS.iter().map(|name| (*name).to_owned()).collect(),
-            Names::Metric => self.metrics.clone(),
+            Names::Enhancer => self
+                .enhancers
+                .iter()
+                .map(|network| network.name.clone())
+                .collect(),
+            Names::Metric => {
+                let networks = self.metric_networks.iter();
+                let networks = networks.map(|network| format!("{METRIC_NETWORK}{}", network.name));
+                self.metrics.iter().cloned().chain(networks).collect()
+            }
             Names::Artifact => self.artifacts().iter().map(ToString::to_string).collect(),
             Names::Enhancement
             | Names::Words
@@ -75,6 +102,33 @@ impl Vocabulary {
             .iter()
             .map(|name| ArtifactKind::Enhanced((*name).to_owned()));
         fixed.chain(enhanced).collect()
+    }
+
+    /// The name of the enhancer with this name or digest.
+    pub(crate) fn enhancer(&self, written: &str) -> Option<&str> {
+        let networks = &self.enhancers;
+        let by_name = networks.iter().find(|network| network.name == written);
+        let found = by_name.or_else(|| networks.iter().find(|network| network.digest == written));
+        found.map(|network| network.name.as_str())
+    }
+
+    /// How a model is used that the description names where models of another role are allowed.
+    pub(crate) fn usage_of_model(&self, written: &str) -> Option<String> {
+        let name = written.strip_prefix(METRIC_NETWORK).unwrap_or(written);
+        if self.styles.iter().any(|style| style == name) {
+            return Some(format!("is a style; use it as `water.style`: \"{name}\""));
+        }
+        if let Some(name) = self.enhancer(name) {
+            return Some(format!(
+                "is an enhancer; use it in `enhance`: {{\"method\": \"onnx\", \"model\": \"{name}\"}}"
+            ));
+        }
+        let mut metrics = self.metric_networks.iter();
+        let metric = metrics.find(|network| network.name == name || network.digest == name)?;
+        let name = &metric.name;
+        Some(format!(
+            "is a metric; use it in `metrics`: \"{METRIC_NETWORK}{name}\""
+        ))
     }
 
     /// The full name of a preset with this full or short name.

@@ -16,7 +16,9 @@ use spec_derive::Described;
 use crate::described::Described;
 use crate::schema::{Field, Names, Presence, Shape, Variant, parse_default};
 use mask::Mask;
-use parameters::{Clahe, DarkChannel, Fusion, GrayWorld, Guided, Hscm, Ibla, Mlle, Rayleigh, Stretching};
+use parameters::{
+    Clahe, DarkChannel, EnhancerNetwork, Fusion, GrayWorld, Guided, Hscm, Ibla, Mlle, Rayleigh, Stretching,
+};
 
 /// One result of a frame, from its picture.
 #[derive(Debug, Clone, PartialEq)]
@@ -72,9 +74,12 @@ pub const HSCM_STEPS: [&str; 3] = ["homomorphic", "median", "contrast"];
 const METHOD: &str = "method";
 const CHAIN: &str = "chain";
 
-/// Declares the methods: variant, name, parameters and meaning.
+/// Method of the user's networks, which has no defaults.
+pub const NETWORK_METHOD: &str = "onnx";
+
+/// Declares the methods: variant, name, parameters and meaning; the first ones have a default for every parameter.
 macro_rules! methods {
-    ($($Method:ident $name:literal $Parameters:ident $about:literal;)*) => {
+    (@all $names:tt $($Method:ident $name:literal $Parameters:ident $about:literal;)*) => {
         /// A method with its parameters.
         #[derive(Debug, Clone, PartialEq, Deserialize, Described)]
         #[serde(rename_all = "snake_case")]
@@ -82,8 +87,8 @@ macro_rules! methods {
             $(#[doc = $about] $Method($Parameters),)*
         }
 
-        /// Names of the methods.
-        pub const METHODS: &[&str] = &[$($name),*];
+        /// Names of the methods that need no parameters.
+        pub const METHODS: &[&str] = &$names;
 
         impl Step {
             /// Name of the method.
@@ -130,21 +135,32 @@ macro_rules! methods {
             );
         }
     };
+    (
+        with_defaults { $($Method:ident $name:literal $Parameters:ident $about:literal;)* }
+        with_parameters { $($rest:tt)* }
+    ) => {
+        methods! { @all [$($name),*] $($Method $name $Parameters $about;)* $($rest)* }
+    };
 }
 
 methods! {
-    Hscm "hscm" Hscm "homomorphic filter, spatial median, CLAHE and color merge";
-    Clahe "clahe" Clahe "CLAHE of the luma, the chroma kept (Zuiderveld 1994)";
-    GrayWorld "gray_world" GrayWorld "gray world: each channel scaled to the mean of all (Buchsbaum 1980)";
-    Ulap "ulap" Guided "restoration by the underwater light attenuation prior (Song et al. 2018)";
-    Suir "suir" Guided "blue-green dehazing and red correction (Li, Guo, Pang, Chen and Wang 2016)";
-    Ibla "ibla" Ibla "restoration by blurriness and light absorption (Peng and Cosman 2017)";
-    Rd "rd" Rayleigh "two pictures integrated by the Rayleigh distribution (Abdul Ghani and Mat Isa 2014)";
-    Rghs "rghs" Stretching "relative global histogram stretching (Huang et al. 2018)";
-    Dcp "dcp" DarkChannel "restoration by the dark channel prior (He, Sun and Tang 2011)";
-    Udcp "udcp" DarkChannel "restoration by the dark channel of green and blue (Drews et al. 2016)";
-    Fusion "fusion" Fusion "color balance and multi-scale fusion (Ancuti et al. 2018)";
-    Mlle "mlle" Mlle "minimal color loss and locally adaptive contrast (Zhang et al. 2022)";
+    with_defaults {
+        Hscm "hscm" Hscm "homomorphic filter, spatial median, CLAHE and color merge";
+        Clahe "clahe" Clahe "CLAHE of the luma, the chroma kept (Zuiderveld 1994)";
+        GrayWorld "gray_world" GrayWorld "gray world: each channel scaled to the mean of all (Buchsbaum 1980)";
+        Ulap "ulap" Guided "restoration by the underwater light attenuation prior (Song et al. 2018)";
+        Suir "suir" Guided "blue-green dehazing and red correction (Li, Guo, Pang, Chen and Wang 2016)";
+        Ibla "ibla" Ibla "restoration by blurriness and light absorption (Peng and Cosman 2017)";
+        Rd "rd" Rayleigh "two pictures integrated by the Rayleigh distribution (Abdul Ghani and Mat Isa 2014)";
+        Rghs "rghs" Stretching "relative global histogram stretching (Huang et al. 2018)";
+        Dcp "dcp" DarkChannel "restoration by the dark channel prior (He, Sun and Tang 2011)";
+        Udcp "udcp" DarkChannel "restoration by the dark channel of green and blue (Drews et al. 2016)";
+        Fusion "fusion" Fusion "color balance and multi-scale fusion (Ancuti et al. 2018)";
+        Mlle "mlle" Mlle "minimal color loss and locally adaptive contrast (Zhang et al. 2022)";
+    }
+    with_parameters {
+        Onnx "onnx" EnhancerNetwork "a network of the user, on ONNX Runtime";
+    }
 }
 
 const fn join<const N: usize>(shared: &[Field], own: &[Field]) -> [Field; N] {
@@ -300,6 +316,7 @@ mod tests {
             assert_eq!(enhancement, read(json!(name)));
         }
         assert_eq!(Enhancement::of_method("chain"), None);
+        assert_eq!(Enhancement::of_method(NETWORK_METHOD), None);
         assert_eq!((Hscm::default().cutoff, Hscm::default().tiles), (32.0, [8, 8]));
     }
 
@@ -322,6 +339,23 @@ mod tests {
             ..Hscm::default()
         };
         assert_eq!(enhancement.steps, [Step::Hscm(expected)]);
+    }
+
+    #[test]
+    fn a_network_is_a_method_with_a_model() {
+        let alone = read(json!({
+            "method": "onnx", "name": "mine", "model": "net", "mask": "paper", "metrics_over": "mask",
+        }));
+        let network = EnhancerNetwork {
+            model: "net".to_owned(),
+        };
+        assert_eq!((alone.name.as_str(), alone.mask), ("mine", Mask::Paper));
+        assert_eq!(alone.steps, [Step::Onnx(network.clone())]);
+        let chain = read(json!({
+            "method": "chain", "name": "mine", "mask": "none", "metrics_over": "picture",
+            "steps": [{"gray_world": {}}, {"onnx": {"model": "net"}}],
+        }));
+        assert_eq!(chain.steps[1], Step::Onnx(network));
     }
 
     #[test]

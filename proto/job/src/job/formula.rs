@@ -7,12 +7,13 @@ use imaging::digest::sha256;
 use serde_json::Value;
 
 use super::grids::{count_frames, lay_out_grids};
-use crate::check::{find_values, names_in, whole};
+use crate::check::{find_enhancers, find_values, names_in, whole};
 use crate::frame::{Frame, Siblings};
 use crate::invalid::{FieldError, Invalid};
 use crate::label_types::{LabelType, label_types};
 use crate::node::{Law, Node};
 use crate::site::{OF_THE_JOB, insert_descriptions};
+use crate::vocabulary::METRIC_NETWORK;
 
 /// A job, valid by construction: N frames as a formula.
 ///
@@ -139,6 +140,32 @@ impl Job {
     #[must_use]
     pub fn styles(&self) -> Vec<String> {
         self.strings("water", "style")
+    }
+
+    /// Names of all enhancer networks that a frame can use, sorted.
+    #[must_use]
+    pub fn enhancers(&self) -> Vec<String> {
+        let documents = self.formula.documents.iter();
+        let names = documents.flat_map(|document| find_enhancers(&document.node));
+        let names: BTreeSet<_> = names.map(|(_, name)| name.to_owned()).collect();
+        names.into_iter().collect()
+    }
+
+    /// Names of all metric networks that a frame can use, sorted, without `net.`.
+    #[must_use]
+    pub fn metric_networks(&self) -> Vec<String> {
+        let names = self.words("metrics").into_iter();
+        let networks = names.filter_map(|name| Some(name.strip_prefix(METRIC_NETWORK)?.to_owned()));
+        networks.collect()
+    }
+
+    /// Names of all models that a frame can use: styles, enhancers and metric networks.
+    #[must_use]
+    pub fn models(&self) -> Vec<String> {
+        let mut models = self.styles();
+        models.extend(self.enhancers());
+        models.extend(self.metric_networks());
+        models
     }
 
     /// Ids of all uploaded scenes that a frame can use, sorted.

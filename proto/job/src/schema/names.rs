@@ -19,6 +19,8 @@ pub enum Names {
     Sensor,
     /// A style model.
     Style,
+    /// An enhancer network, by name or digest.
+    Enhancer,
     /// An enhancement method.
     Method,
     /// A user's name for an enhancement.
@@ -65,8 +67,9 @@ impl Names {
             Self::Camera => "a known camera",
             Self::Sensor => "a known sensor",
             Self::Style => "a known style model",
+            Self::Enhancer => "a known enhancer network",
             Self::Method => "a known enhancement method",
-            Self::Enhancement => "1 to 32 of a-z 0-9 _ - that begin with a letter, and not `rgb`",
+            Self::Enhancement => "1 to 32 of a-z 0-9 _ - that begin with a letter, and not `rgb` or `net`",
             Self::Metric => "a known metric",
             Self::Artifact => "a known artifact kind",
             Self::Dataset | Self::Collection => {

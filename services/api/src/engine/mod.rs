@@ -58,7 +58,7 @@ impl Engine {
 
     /// Whether any worker can render a job: only built-in resources are used.
     pub(crate) fn takes(&self, job: &Job) -> bool {
-        job.uploaded_scene_ids().is_empty() && job.styles().iter().all(|style| self.styles.contains(style))
+        job.uploaded_scene_ids().is_empty() && job.models().iter().all(|style| self.styles.contains(style))
     }
 
     /// Creates the set of a job, or finds the set of an earlier submission with the same key.

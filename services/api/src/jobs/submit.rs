@@ -225,10 +225,10 @@ impl Jobs {
         }
     }
 
-    /// Rejects a style that needs ONNX Runtime if no worker has it.
+    /// Rejects a model that needs ONNX Runtime if no worker has it.
     pub(super) fn check_runtime(&self, job: &Job) -> Result<(), Problem> {
         let known = self.styles.known();
-        let is_needed = job.styles().iter().any(|name| known.library.needs_runtime(name));
+        let is_needed = job.models().iter().any(|name| known.library.needs_runtime(name));
         match &self.styles.runtime {
             Err(missing) if is_needed && !self.leases.dispatch.has_style_runtime() => {
                 let hint = "run scripts/get-onnxruntime.sh and restart, or connect a worker that has it";

@@ -24,10 +24,10 @@ pub(super) const LISTS: &[List] = lists! {
     "sites" from sites: "complete places that a job can start from", ["`site` of a job", "`fathom new`"];
     "artifacts" from artifacts: "files that can be stored for a frame",
         ["`artifacts` of a job", "`kind` of `/v1/images/{job}/{frame}/artifacts/{kind}`", "`fathom export --kinds`"];
-    "metrics" from metrics: "measures of image quality, `name` or `name@profile`",
+    "metrics" from metrics: "measures of image quality, `name` or `name@profile`; `net.NAME` is a network of the user",
         ["`metrics` of a job", "`metrics` of `/v1/measure` and `/v1/datasets/{name}/stats`", "`fathom measure --metrics`"];
     "profiles" from profiles: "published arithmetic of a metric", ["after the `@` of a metric", "`fathom measure --profile`"];
-    "enhancements" from enhancements: "image enhancement methods",
+    "enhancements" from enhancements: "image enhancement methods; `onnx` with the field `model` runs a network of the user",
         ["`enhance` of a job", "`method` of `/v1/enhance`", "`fathom enhance`"];
     "families" from families: "families of procedural scenes", ["`scene.family` of a job"];
     "categories" from categories: "classes of objects with their numbers",
@@ -44,7 +44,7 @@ pub(super) const LISTS: &[List] = lists! {
     "sensors" from sensors: "sensors with their noise", ["`camera.sensor` of a job"];
     "waters" at "/v1/waters" from waters: "optical waters: built-in ones, in a service also user-defined ones",
         ["`water.optics` of a job", "`/v1/waters/{name}`"];
-    "styles" at "/v1/styles" from styles: "style waters: built-in ones, in a service also added ones", ["`water.style` of a job"];
+    "styles" at "/v1/styles" from styles: "style waters: built-in ones, in a service also added ones, with enhancer and metric networks", ["`water.style` of a job", "`enhance[].model` of a job", "`net.NAME` in `metrics` of a job"];
     "scenes" at "/v1/scenes": "uploaded scenes, by their id", ["`scene.id` of a job"];
     "collections" at "/v1/collections": "collections of uploaded scenes",
         ["`scene.name` of a job", "`collection` of an upload", "`/v1/collections/{name}`", "`fathom upload --collection`"];

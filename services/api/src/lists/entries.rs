@@ -7,8 +7,8 @@ use quality::{MetricId, MetricInfo, Needs, Profile};
 use renderer::vocabulary;
 use scenes::SceneFamily;
 use scenes::categories::{CATEGORIES, FINDINGS};
-use spec::{JERLOV_TYPES, SITES, table};
-use style::Library;
+use spec::{JERLOV_TYPES, METRIC_NETWORK, SITES, table};
+use style::{Library, ModelRole};
 
 use super::entry::Entry;
 use crate::http::problem::Slug;
@@ -37,9 +37,14 @@ pub(super) fn artifacts(library: &Library) -> Vec<Entry> {
         .collect()
 }
 
-pub(super) fn metrics(_: &Library) -> Vec<Entry> {
+pub(super) fn metrics(library: &Library) -> Vec<Entry> {
+    let networks = library.of_role(ModelRole::Metric).map(|model| {
+        let name = format!("{METRIC_NETWORK}{}", model.name);
+        entry(name, format!("network of the user; {}", model.card.source))
+    });
     MetricId::all()
         .map(|id| entry(id.to_string(), describe_metric(id.info())))
+        .chain(networks)
         .collect()
 }
 
@@ -179,6 +184,13 @@ pub(super) fn waters(_: &Library) -> Vec<Entry> {
 pub(super) fn styles(library: &Library) -> Vec<Entry> {
     library
         .models()
-        .map(|model| entry(model.name.clone(), model.card.source.clone()))
+        .map(|model| {
+            let source = &model.card.source;
+            let about = match model.card.role {
+                ModelRole::Style => source.clone(),
+                role => format!("{}; {source}", role.name()),
+            };
+            entry(model.name.clone(), about)
+        })
         .collect()
 }

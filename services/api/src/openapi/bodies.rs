@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde_json::Value;
 use spec::{ArtifactEntry, Counts, Promise, Provenance, SceneRecord};
-use style::{TableDistance, TrainingCard};
+use style::{InputScale, Layout, ModelRole, SizeRule, TableDistance, TrainingCard};
 use utoipa::ToSchema;
 
 /// Columns of an image by name: strings, numbers, booleans; null if absent. `GET /v1/lists/columns` lists those of
@@ -65,8 +65,10 @@ pub(crate) struct ImageRecord {
 #[derive(ToSchema)]
 #[expect(dead_code, reason = "describes the body; `style` writes it")]
 pub(crate) struct StyleCard {
-    /// Name of the style in jobs.
+    /// Name of the model in jobs.
     name: String,
+    /// Its use in jobs.
+    role: ModelRole,
     /// Name of the ONNX file.
     file: String,
     /// SHA-256 of the ONNX file, lower-case hex.
@@ -87,6 +89,15 @@ pub(crate) struct StyleCard {
     takes_noise: bool,
     /// Whether it has a range input: it then needs scenes with a range.
     takes_range: bool,
+    /// Enhancers and metrics only: the values of black and white.
+    #[schema(nullable = false)]
+    input_scale: Option<InputScale>,
+    /// Enhancers and metrics only: the order of the axes.
+    #[schema(nullable = false)]
+    layout: Option<Layout>,
+    /// Enhancers and metrics only: the sizes that it takes, `any`, `multiple of N` or `fixed WxH`.
+    #[schema(nullable = false, value_type = Option<String>)]
+    size: Option<SizeRule>,
     /// Effect of the style weight on its output.
     alpha: String,
     /// Caveats for users.

@@ -12,6 +12,7 @@ pub(super) fn listed_at(names: Names) -> &'static str {
     match names {
         Names::Preset => ", or a user-defined water; `GET /v1/waters` lists both",
         Names::Style => "; `GET /v1/styles` lists them",
+        Names::Enhancer => "; `GET /v1/styles?role=enhancer` lists them",
         Names::Camera => "; `GET /v1/lists/cameras` describes them",
         Names::Sensor => "; `GET /v1/lists/sensors` describes them",
         Names::SceneId => "; `GET /v1/scenes` lists them",

@@ -245,7 +245,7 @@ pub fn prepare(
     Ok(prepared)
 }
 
-/// Checks the job of a set. Its frames are rendered, so styles and scene files need not be available. The program
+/// Checks the job of a set. Its frames are rendered, so models and scene files need not be available. The program
 /// that rendered a job of version 0.1 has checked it.
 fn check(head: &SetHead, vocabulary: &Vocabulary) -> Result<(), Invalid> {
     if is_of_earlier_version(&head.job) {
@@ -253,7 +253,7 @@ fn check(head: &SetHead, vocabulary: &Vocabulary) -> Result<(), Invalid> {
     }
     let mut vocabulary = vocabulary.clone();
     vocabulary.local = true;
-    vocabulary.styles.extend(Job::from_canonical(&head.job)?.styles());
+    Job::from_canonical(&head.job)?.admit_models(&mut vocabulary);
     let draft = Draft::read(head.job.as_bytes(), &vocabulary)?;
     draft.check(&Uploads::Known(BTreeMap::new())).map(drop)
 }

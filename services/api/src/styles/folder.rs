@@ -5,7 +5,7 @@ use std::fs::{self, DirEntry, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use style::{Library, LibraryError, is_name};
+use style::{Library, LibraryError, ModelRole, is_name};
 
 use crate::http::problem::{Problem, Slug};
 use crate::limits;
@@ -28,9 +28,9 @@ pub enum AddedStyleError {
         /// Error of the file system.
         source: io::Error,
     },
-    /// A configured style has the name of an added one, and is another network.
+    /// A configured style has the name of an added one, and is another network or has another role.
     #[error(
-        "{}: the configured style `{name}` is another network; rename it, or delete this card, after which its images cannot be rendered again",
+        "{}: the configured style `{name}` is another network or has another role; rename it, or delete this card, after which its images cannot be rendered again",
         path.display()
     )]
     Taken {
@@ -61,7 +61,7 @@ pub fn added_styles(data: &Path, mut library: Library) -> Result<Library, AddedS
         let card = fs::read_to_string(&path).map_err(file_error(&path))?;
         let digest = digest_of(&card);
         if let Some(other) = library.get(&name) {
-            if other.card.sha256 == digest {
+            if other.card.sha256 == digest && other.card.role.name() == role_of(&card) {
                 continue;
             }
             return Err(AddedStyleError::Taken { path, name });
@@ -176,6 +176,15 @@ fn digest_of(card: &str) -> String {
     let card: serde_json::Value = serde_json::from_str(card).unwrap_or_default();
     let digest = card["sha256"].as_str().unwrap_or_default();
     digest.chars().filter(char::is_ascii_hexdigit).collect()
+}
+
+/// The role in a card, `style` unless given.
+fn role_of(card: &str) -> String {
+    let card: serde_json::Value = serde_json::from_str(card).unwrap_or_default();
+    card["role"]
+        .as_str()
+        .unwrap_or(ModelRole::Style.name())
+        .to_owned()
 }
 
 fn read_model(folder: &Path, digest: &str) -> io::Result<Vec<u8>> {

@@ -114,12 +114,16 @@ impl Styles {
         let Some(model) = known.library.get(&new.card.name) else {
             return Ok(None);
         };
-        if model.card.sha256 == imaging::digest::sha256(&new.onnx) && model.card.scale == new.card.scale {
+        let (old, card) = (&model.card, &new.card);
+        let is_same_use = old.role == card.role && old.picture_input() == card.picture_input();
+        if old.sha256 == imaging::digest::sha256(&new.onnx) && old.scale == card.scale && is_same_use {
             return Ok(Some(model.card.clone()));
         }
         let detail = format!(
-            "the style `{}` exists with another network or scale, digest {}; choose another name",
-            model.name, model.card.sha256
+            "the {} `{}` exists with another network, role, scale, layout or size rule, digest {}; choose another name",
+            old.role.name(),
+            model.name,
+            old.sha256
         );
         Err(Problem::new(Slug::NameTaken, detail))
     }

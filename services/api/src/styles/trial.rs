@@ -16,7 +16,15 @@ impl Styles {
         let written = tokio::fs::write(&file, &new.onnx).await;
         written.map_err(|error| writing(&error))?;
         let scale = new.card.scale.unwrap_or(1.0).to_string();
-        let arguments = [
+        let input = new.card.picture_input();
+        let size = input.size.to_string();
+        let options = [
+            ("--role", new.card.role.name()),
+            ("--layout", input.layout.name()),
+            ("--size", &size),
+        ];
+        let input_scale = format!("--input-scale={}", input.scale.name());
+        let mut arguments = vec![
             OsStr::new("check-style"),
             OsStr::new("--model"),
             file.as_os_str(),
@@ -24,7 +32,11 @@ impl Styles {
             OsStr::new(&new.card.name),
             OsStr::new("--scale"),
             OsStr::new(&scale),
+            OsStr::new(&input_scale),
         ];
+        for (option, value) in options {
+            arguments.extend([OsStr::new(option), OsStr::new(value)]);
+        }
         match self
             .processes
             .children

@@ -9,7 +9,7 @@ use sqlx::sqlite::SqliteConnection;
 use crate::catalogue::{Catalogue, within};
 use crate::error::CatalogueError;
 use crate::query::cache::{JobCache, Pictures};
-use crate::query::columns::Columns;
+use crate::query::columns::{Columns, measured_name};
 use crate::query::filter::Kind;
 use crate::query::scope::Scope;
 
@@ -78,6 +78,25 @@ async fn labels(
     Ok(labels)
 }
 
+/// The metrics of networks that the jobs of a dataset name, such as `net.NAME`.
+async fn metric_networks(
+    connection: &mut SqliteConnection,
+    dataset: &str,
+) -> Result<BTreeSet<String>, CatalogueError> {
+    let scope = Scope::parse(dataset);
+    let named: Vec<String> = sqlx::query_scalar(
+        "SELECT DISTINCT metric.value FROM jobs, json_tree(jobs.spec) AS metric
+         WHERE dataset = ?1 AND jobs.id NOT IN (SELECT job_id FROM deletions) AND instr(jobs.spec, '\"net.') > 0
+           AND (?2 IS NULL OR jobs.id IN (SELECT job_id FROM version_jobs WHERE dataset = ?1 AND version = ?2))
+           AND metric.type = 'text' AND metric.value GLOB 'net.*' AND metric.path GLOB '*.metrics*'",
+    )
+    .bind(scope.dataset)
+    .bind(scope.version.map(|version| version as i64))
+    .fetch_all(connection)
+    .await?;
+    Ok(named.into_iter().collect())
+}
+
 async fn names(
     connection: &mut SqliteConnection,
     columns: &Columns,
@@ -94,6 +113,10 @@ async fn names(
     for subject in subjects.iter().filter(|subject| *subject != "rgb") {
         let metrics = columns.metrics().iter();
         names.extend(metrics.map(|metric| Named::from(format!("{subject}.{metric}"))));
+    }
+    for network in metric_networks(connection, dataset).await? {
+        let measured = subjects.iter().map(|subject| measured_name(subject, &network));
+        names.extend(measured.map(Named::from));
     }
     names.extend(
         kinds

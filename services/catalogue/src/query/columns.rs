@@ -5,6 +5,7 @@ use std::sync::Arc;
 use serde::Deserializer;
 use spec::{Leaf, LeafKind, Leaves, List};
 
+use crate::query::extracted::{MAIN_SUBJECT, extracted, json_path, metric_of_network};
 use crate::query::filter::{Bind, Column, Join, Kind};
 use crate::query::leaf_tree::LeafTree;
 use crate::query::record_value::RecordValue;
@@ -34,9 +35,6 @@ const OWN: &[(&str, &str, Kind, Option<&str>)] = &[
     ("failed", "(1 = 0)", Kind::Bool, None),
     ("warned", "(images.warnings > 0)", Kind::Bool, None),
 ];
-
-/// The picture of metrics without a subject.
-const MAIN_SUBJECT: &str = "rgb";
 
 /// All columns of one catalogue.
 #[derive(Debug, Clone)]
@@ -111,7 +109,7 @@ impl Columns {
     }
 
     /// Names that a query may use, apart from the open families `labels.…`, `timings.…`, `LIST.N.…` such as
-    /// `lights.0.x`, `artifacts.KIND` (its digest) and `SUBJECT.METRIC`.
+    /// `lights.0.x`, `artifacts.KIND` (its digest), `SUBJECT.METRIC`, and `net.NAME` and `SUBJECT.net.NAME` of networks.
     pub(crate) fn names(&self) -> Vec<String> {
         let own = OWN.iter().map(|(name, ..)| (*name).to_owned());
         let aliases = ALIASES.iter().map(|(name, _)| (*name).to_owned());
@@ -175,6 +173,7 @@ impl Columns {
         // A label may be called like a metric.
         open_family(name)
             .or_else(|| self.metric(name))
+            .or_else(|| metric_of_network(name))
             .or_else(|| self.element(name))
     }
 
@@ -274,43 +273,36 @@ fn open_family(name: &str) -> Option<Column> {
     ))
 }
 
-/// `/parameters/lights/0/color/2` as `$.parameters.lights[0].color[2]`.
-fn json_path(pointer: &str) -> String {
-    let steps: String = pointer
-        .split('/')
-        .skip(1)
-        .map(|step: &str| match step.parse::<u16>() {
-            Ok(position) => format!("[{position}]"),
-            Err(_) => format!(".{step}"),
-        })
-        .collect();
-    format!("${steps}")
-}
-
-/// A value at a place of the record.
-fn extracted(path: String, kind: Kind, unit: Option<&'static str>) -> Column {
-    let record = Join::record_json();
-    // In SQLite text is greater than every number, and a list is text: such values must not compare as numbers.
-    let sql = match kind {
-        Kind::Text => format!("CAST(json_extract({record}, ?) AS TEXT)"),
-        Kind::Number | Kind::Whole | Kind::Large | Kind::Bool | Kind::Label => {
-            format!("(SELECT iif(typeof(v) = 'text', NULL, v) FROM (SELECT json_extract({record}, ?) AS v))")
-        }
-    };
-    Column {
-        binds: vec![Bind::Text(path)],
-        unit,
-        join: Some(Join::Record),
-        ..Column::new(sql, kind)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn columns() -> Columns {
         Columns::new(&["uiqm".to_owned()])
+    }
+
+    #[test]
+    fn the_value_of_a_network_is_read_from_the_record() {
+        let columns = columns();
+        for (name, path) in [
+            ("net.my-net", "$.measurements.\"rgb\".\"net.my-net\""),
+            ("hscm.net.my-net", "$.measurements.\"hscm\".\"net.my-net\""),
+        ] {
+            let column = columns.get(name).unwrap();
+            assert_eq!(column.binds, [Bind::Text(path.to_owned())]);
+            assert_eq!(column.kind, Kind::Number);
+        }
+        for name in [
+            "net.",
+            "hscm.net.",
+            ".net.x",
+            "net.a\"b",
+            "net.A",
+            "hscm.net",
+            "a.b.net.x",
+        ] {
+            assert!(columns.get(name).is_none(), "{name}");
+        }
     }
 
     #[test]

@@ -5,6 +5,7 @@ pub(crate) mod cells;
 pub(crate) mod column_value;
 pub(crate) mod columns;
 pub(crate) mod cursor;
+mod extracted;
 pub(crate) mod filter;
 pub(crate) mod leaf_tree;
 pub(crate) mod list_page;

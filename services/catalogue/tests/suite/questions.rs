@@ -272,3 +272,56 @@ async fn whole_rows_have_every_column_of_the_dataset_and_come_page_by_page() {
             .all(|c| !c.name.starts_with("labels"))
     );
 }
+
+#[tokio::test]
+async fn the_values_of_networks_are_filtered_sorted_and_listed() {
+    let at = Fixture::new().await;
+    let mut new = synthetic::job("job_a", "bay", 3, 1000);
+    let mut description: serde_json::Value = serde_json::from_str(&new.spec).unwrap();
+    description["metrics"] = json!(["uiqm", "net.judge"]);
+    new.spec = description.to_string();
+    new.spec_digest = spec::sha256(new.spec.as_bytes());
+    at.catalogue.insert_job(new).await.unwrap();
+    at.job("job_b", "bay", 2, 2).await;
+    for frame in 0..3 {
+        let mut record = synthetic::record("job_a", frame);
+        for subject in ["rgb", "mine"] {
+            let values = record.measurements.entry(subject.to_owned()).or_default();
+            values.insert("net.judge".to_owned(), frame as f64 + 0.5);
+        }
+        at.catalogue.insert_image("job_a", &record, 2000).await.unwrap();
+    }
+    let query = ImageQuery {
+        dataset: Some("bay".to_owned()),
+        filter: Some("net.judge > 1".to_owned()),
+        order_by: Some("-mine.net.judge".to_owned()),
+        limit: 10,
+        fields: vec!["frame".to_owned(), "mine.net.judge".to_owned()],
+        ..ImageQuery::default()
+    };
+    let rows = at.catalogue.images(query.clone()).await.unwrap().items;
+    let found: Vec<_> = rows
+        .iter()
+        .map(|row| (row["frame"].as_u64(), row["mine.net.judge"].as_f64()))
+        .collect();
+    assert_eq!(found, [(Some(2), Some(2.5)), (Some(1), Some(1.5))]);
+    let unmeasured = ImageQuery {
+        filter: Some("mine.net.judge is null".to_owned()),
+        ..query
+    };
+    assert_eq!(at.catalogue.images(unmeasured).await.unwrap().items.len(), 2);
+    let columns = at.catalogue.columns("bay").await.unwrap();
+    for name in ["net.judge", "mine.net.judge"] {
+        let column = columns.iter().find(|column| column.name == name);
+        assert_eq!(
+            column.map(|column| column.kind.as_str()),
+            Some("number"),
+            "{name}"
+        );
+    }
+    let stats = at
+        .catalogue
+        .stats("bay", &["net.judge".to_owned()], None, None)
+        .await;
+    assert_eq!(json!(stats.unwrap())["groups"][0]["mean"], json!(1.5));
+}

@@ -134,8 +134,8 @@ impl Arguments {
             eprintln!("warning: {warning}");
         }
         let engine = Arc::new(Engine::new(library, self.style.onnxruntime.as_deref()));
-        let styles = job.styles();
-        if styles.iter().any(|name| engine.library().needs_runtime(name))
+        let models = job.models();
+        if models.iter().any(|name| engine.library().needs_runtime(name))
             && let Err(missing) = engine.runtime()
         {
             return Err(Failure::RuntimeMissing(missing.to_string()));

@@ -51,7 +51,12 @@ impl Method {
             | Step::Udcp(_)
             | Step::Fusion(_)
             | Step::Mlle(_) => Some(PLANES_PIXELS_MAX),
-            Step::Hscm(_) | Step::Clahe(_) | Step::GrayWorld(_) | Step::Rd(_) | Step::Rghs(_) => None,
+            Step::Hscm(_)
+            | Step::Clahe(_)
+            | Step::GrayWorld(_)
+            | Step::Rd(_)
+            | Step::Rghs(_)
+            | Step::Onnx(_) => None,
         }
     }
 

@@ -18,6 +18,7 @@ mod vectors;
 use imaging::Raster;
 use spec::Step;
 
+use crate::network::{refuse_network, run_network};
 use crate::result::{EnhanceError, Enhanced};
 use crate::variant::Variant;
 pub use method::{IBLA_GUIDED_DISTANCE, Method};
@@ -25,7 +26,8 @@ pub use method::{IBLA_GUIDED_DISTANCE, Method};
 /// Enhances one picture by the fast variant of a method.
 ///
 /// # Errors
-/// [`EnhanceError::Empty`] for a picture without pixels; [`EnhanceError::TooLarge`] beyond the method's limit.
+/// [`EnhanceError::Empty`] for a picture without pixels; [`EnhanceError::TooLarge`] beyond the method's limit;
+/// [`EnhanceError::Network`] for a network, which only [`enhance`](crate::enhance) runs.
 pub fn run(method: &Method, picture: &Raster) -> Result<Enhanced, EnhanceError> {
     run_variant(method, picture, Variant::Fast)
 }
@@ -62,5 +64,6 @@ pub fn run_variant(method: &Method, picture: &Raster, variant: Variant) -> Resul
         Step::Udcp(parameters) => dcp::enhance_underwater(picture, parameters, variant),
         Step::Fusion(parameters) => fusion::enhance(picture, parameters, variant),
         Step::Mlle(parameters) => mlle::enhance(picture, parameters, variant),
+        Step::Onnx(parameters) => run_network(parameters, picture, &mut refuse_network)?,
     })
 }

@@ -1,8 +1,8 @@
 //! The names allowed in a description, collected from the crates that define them.
 
 use quality::{MetricId, Needs};
-use spec::Vocabulary;
-use style::Library;
+use spec::{KnownNetwork, Vocabulary};
+use style::{Library, ModelRole};
 
 /// The vocabulary of this build with these style models. `local` allows scenes from local files.
 #[must_use]
@@ -27,9 +27,14 @@ pub fn vocabulary(library: &Library, local: bool) -> Vocabulary {
             .map(|sensor| sensor.name.to_owned())
             .collect(),
         camera_rules: camera::rules::RULES,
-        styles: library.names().iter().map(ToString::to_string).collect(),
+        styles: library
+            .of_role(ModelRole::Style)
+            .map(|model| model.name.clone())
+            .collect(),
+        enhancers: list_networks(library, ModelRole::Enhancer),
+        metric_networks: list_networks(library, ModelRole::Metric),
         range_styles: library
-            .models()
+            .of_role(ModelRole::Style)
             .filter(|model| model.card.takes_range)
             .map(|model| model.name.clone())
             .collect(),
@@ -40,6 +45,15 @@ pub fn vocabulary(library: &Library, local: bool) -> Vocabulary {
             .collect(),
         local,
     }
+}
+
+fn list_networks(library: &Library, role: ModelRole) -> Vec<KnownNetwork> {
+    let networks = library.of_role(role).map(|model| KnownNetwork {
+        name: model.name.clone(),
+        digest: model.card.sha256.clone(),
+        size: model.card.picture_input().size.fixed(),
+    });
+    networks.collect()
 }
 
 fn owned(names: &[&str]) -> Vec<String> {

@@ -12,11 +12,13 @@ use crate::context::Resources;
 use crate::inputs::scene::Prepared;
 use crate::light::Light;
 use crate::sequence::History;
+use crate::stage::networks::PictureNetworks;
 use crate::stage::style::Networks;
 
 /// Caches that one worker thread reuses between frames. They never change a result.
 pub struct Slot {
     pub(crate) networks: Networks,
+    pub(super) picture_networks: PictureNetworks,
     pub(super) kernels: KernelCache,
     pub(super) resources: Resources,
     /// Caches for the thinned pictures used to meter exposures.

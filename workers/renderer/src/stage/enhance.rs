@@ -10,6 +10,7 @@ use spec::{ArtifactKind, Enhancement, Frame, FrameRecord, IblaRefinement, Step};
 
 use crate::context::FrameContext;
 use crate::error::RenderError;
+use crate::stage::networks::PictureNetworks;
 
 /// Results by name.
 pub(crate) type Enhancements = BTreeMap<String, Outcome>;
@@ -66,6 +67,7 @@ fn choose_ibla(tolerance: Option<f64>) -> Stage {
 pub(crate) fn run(
     context: &FrameContext<'_>,
     rgb: &Rgb8,
+    networks: &mut PictureNetworks,
     record: &mut FrameRecord,
 ) -> Result<Enhancements, RenderError> {
     let mut enhancements = Enhancements::new();
@@ -76,7 +78,7 @@ pub(crate) fn run(
     for enhancement in &context.frame.enhance {
         let name = &enhancement.name;
         let wanted = list_wanted(&context.frame.artifacts, name);
-        let outcome = enhance::enhance(&complete(context, enhancement), &picture, &wanted)?;
+        let outcome = networks.enhance(&complete(context, enhancement), &picture, &wanted)?;
         let warnings = outcome.warnings.iter();
         record
             .warnings

@@ -1,16 +1,21 @@
 //! Image quality of the result and of each enhancement, the latter measured before its mask is applied.
 
+use std::borrow::Cow;
+use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use enhance::mask::black_out;
 use imaging::{Plane, Raster, Rgb, Rgb8, transfer};
 use optics::chain::Layers;
 use quality::{
     CameraMotion, FrameFeatures, Illumination, MetricId, Needs, PreviousFrame, RelativePose, Sequence,
     Subject, TrueLight,
 };
-use spec::{Enhancement, FrameRecord, MetricsOver};
+use spec::{Enhancement, FrameRecord, METRIC_NETWORK, MetricsOver};
 
 use super::enhance::{Enhancements, complete};
+use super::networks::{PictureNetworks, split_networks};
 use crate::context::FrameContext;
 use crate::error::RenderError;
 use crate::sequence::{Held, Track};
@@ -31,11 +36,13 @@ pub(crate) struct Measured<'a> {
 pub(crate) fn run(
     context: &FrameContext<'_>,
     measured: &Measured<'_>,
+    networks: &mut PictureNetworks,
     record: &mut FrameRecord,
 ) -> Result<(), RenderError> {
-    let metrics = context.frame.metrics.iter().map(|name| parse(name));
+    let (registered, metric_networks) = split_networks(&context.frame.metrics);
+    let metrics = registered.into_iter().map(parse);
     let metrics = metrics.collect::<Result<Vec<_>, _>>()?;
-    if metrics.is_empty() {
+    if metrics.is_empty() && metric_networks.is_empty() {
         return Ok(());
     }
     let needs = |needs: Needs| metrics.iter().any(|metric| metric.info().needs == needs);
@@ -46,6 +53,8 @@ pub(crate) fn run(
         context,
         measured,
         metrics,
+        metric_networks,
+        networks: RefCell::new(networks),
     };
     measure.add(None, measured.rgb, None, record)?;
     for enhancement in &context.frame.enhance {
@@ -63,6 +72,10 @@ struct Measure<'a> {
     context: &'a FrameContext<'a>,
     measured: &'a Measured<'a>,
     metrics: Vec<MetricId>,
+    /// Names of networks that measure.
+    metric_networks: Vec<&'a str>,
+    /// Runs one network at a time.
+    networks: RefCell<&'a mut PictureNetworks>,
     clean: Option<Rgb8>,
     light: Option<SceneLight>,
 }
@@ -96,9 +109,30 @@ impl Measure<'_> {
         let values = values
             .into_iter()
             .map(|(metric, value)| (metric.to_string(), value));
+        let mut values: BTreeMap<_, _> = values.collect();
+        values.extend(self.run_metric_networks(picture, mask)?);
         let name = of.map_or("rgb", |enhancement| &enhancement.name);
-        record.measurements.insert(name.to_owned(), values.collect());
+        record.measurements.insert(name.to_owned(), values);
         Ok(())
+    }
+
+    /// The values of the metric networks, for which pixels outside the mask are black.
+    fn run_metric_networks(
+        &self,
+        picture: &Rgb8,
+        mask: Option<&Plane<u8>>,
+    ) -> Result<Vec<(String, f64)>, RenderError> {
+        let mut picture = Cow::Borrowed(picture);
+        if let Some(mask) = mask.filter(|_| !self.metric_networks.is_empty()) {
+            black_out(picture.to_mut().data_mut(), 3, mask);
+        }
+        let mut networks = self.networks.borrow_mut();
+        let values = self.metric_networks.iter().map(|name| {
+            let value = networks.measure(name, &picture)?;
+            // Adding 0 turns -0 into +0.
+            Ok((format!("{METRIC_NETWORK}{name}"), value + 0.0))
+        });
+        values.collect()
     }
 
     /// The features of a picture and of the previous ones, which are enhanced in the same way.
@@ -131,7 +165,11 @@ impl Measure<'_> {
             return Ok(held.find_features(None, &held.rgb, None));
         };
         let picture = Raster::from(held.rgb.clone());
-        let outcome = enhance::enhance(&complete(self.context, enhancement), &picture, &[])?;
+        let enhancement_of_plan = complete(self.context, enhancement);
+        let outcome = self
+            .networks
+            .borrow_mut()
+            .enhance(&enhancement_of_plan, &picture, &[])?;
         let mask = outcome.mask.as_ref();
         let mask = mask.filter(|_| enhancement.metrics_over == MetricsOver::Mask);
         Ok(held.find_features(of, &outcome.unmasked.to_rgb8(), mask))

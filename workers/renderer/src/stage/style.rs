@@ -7,7 +7,7 @@ use std::sync::Arc;
 use imaging::{Rgb, transfer};
 use optics::plan::{ErrorBound, Stage, StageId, Variant};
 use spec::FrameRecord;
-use style::{ModelInputs, RANGE_SCALE_M, Session, StyleError, StyleModel};
+use style::{ModelInputs, ModelRole, RANGE_SCALE_M, Session, StyleError, StyleModel};
 
 use crate::assessment::Assessment;
 use crate::context::FrameContext;
@@ -143,9 +143,15 @@ pub(crate) fn assess(assessment: &Assessment<'_>, engine: &Engine) -> Result<Sta
 
 fn find(name: &str, engine: &Engine) -> Result<Arc<StyleModel>, RenderError> {
     let library = engine.library();
-    library.shared(name).ok_or_else(|| RenderError::UnknownStyle {
-        name: name.to_owned(),
-        known: library.names().join(", "),
+    let known = library
+        .shared(name)
+        .filter(|model| model.card.role == ModelRole::Style);
+    known.ok_or_else(|| {
+        let names = library.of_role(ModelRole::Style).map(|model| model.name.as_str());
+        RenderError::UnknownStyle {
+            name: name.to_owned(),
+            known: names.collect::<Vec<_>>().join(", "),
+        }
     })
 }
 

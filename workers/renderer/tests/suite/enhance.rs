@@ -94,7 +94,7 @@ fn steps_and_masks_of_enhancements_are_artifacts() {
     let picture = |kind: &str| imaging::codec::decode_picture(file(&rendered, kind)).unwrap();
     let run = |text: &str, picture: &imaging::Raster| {
         let enhancement = spec::Enhancement::parse(text).unwrap();
-        enhance::enhance(&enhancement, picture, &["mask"]).unwrap()
+        enhance::enhance(&enhancement, picture, &["mask"], &mut enhance::refuse_network).unwrap()
     };
     let wide = run(
         "hscm:cutoff=16,mask={\"circle\":{\"radius\":0.3}}",

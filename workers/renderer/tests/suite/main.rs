@@ -11,6 +11,7 @@ mod examples;
 mod folders;
 mod labels;
 mod light;
+mod networks;
 mod noise;
 #[expect(dead_code, reason = "the tests of the style crate use more of it")]
 #[path = "../../../style/tests/suite/onnx.rs"]

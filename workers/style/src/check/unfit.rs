@@ -1,6 +1,7 @@
-//! Why a network cannot be a style.
+//! Why a network cannot be used.
 
 use crate::error::StyleError;
+use crate::picture::NetworkError;
 use crate::runtime::RuntimeMissing;
 
 /// Required sizes: the smallest, one divisible by no stride, the usual one.
@@ -44,6 +45,54 @@ pub enum Unfit {
     /// It does not load, fails, or returns an invalid picture.
     #[error(transparent)]
     Fails(#[from] StyleError),
+    /// An enhancer or a metric fails on a test picture, or its output is not what its role needs.
+    #[error(transparent)]
+    Network(#[from] NetworkError),
+    /// An enhancer returns the same value everywhere.
+    #[error(
+        "it returns {value} of 0 to 1 in every sample of a {width}×{height} picture of all levels; an enhancer must keep the scene"
+    )]
+    Flat {
+        /// The value.
+        value: f32,
+        /// Columns of the picture.
+        width: usize,
+        /// Rows of the picture.
+        height: usize,
+    },
+    /// A metric returns the same value for every test picture.
+    #[error(
+        "it returns {value} for every test picture: black, white, a ramp and a checkerboard; a metric must tell them apart"
+    )]
+    Indifferent {
+        /// The value.
+        value: f64,
+    },
+    /// Most samples of an enhancer are no colors.
+    #[error(
+        "it returns values from {least} to {most} of 0 to 1 for a {width}×{height} picture; another input scale may fit: 0..1, 0..255 or -1..1"
+    )]
+    Scale {
+        /// Its least sample.
+        least: f32,
+        /// Its greatest sample.
+        most: f32,
+        /// Columns of the picture.
+        width: usize,
+        /// Rows of the picture.
+        height: usize,
+    },
+    /// Two runs of an enhancer or a metric differ.
+    #[error("two runs on the same {width}×{height} picture differ; a network must not draw random numbers")]
+    Drawn {
+        /// Columns of the picture.
+        width: usize,
+        /// Rows of the picture.
+        height: usize,
+    },
+    /// Several defects.
+    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
+    Several(Vec<Unfit>),
     /// It returns a sample that is not finite.
     #[error("it returns a sample of {value} for a {width}×{height} frame")]
     NotFinite {

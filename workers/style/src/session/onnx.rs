@@ -86,7 +86,7 @@ impl RuntimeGraph {
 }
 
 /// One thread, no spinning, sequential operators and deterministic kernels.
-fn options(environment: &Environment) -> ort::Result<SessionBuilder> {
+pub(crate) fn options(environment: &Environment) -> ort::Result<SessionBuilder> {
     Ok(SessionBuilder::new(environment)?
         .with_intra_threads(1)?
         .with_inter_threads(1)?

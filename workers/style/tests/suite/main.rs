@@ -4,6 +4,7 @@
 
 mod agreement;
 mod models;
+mod networks;
 mod onnx;
 mod waters;
 

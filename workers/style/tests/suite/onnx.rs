@@ -75,3 +75,84 @@ fn varint(mut value: u64) -> Vec<u8> {
     bytes.push(value as u8);
     bytes
 }
+
+/// An attribute of an operator.
+pub(crate) enum Attribute<'a> {
+    Integer(&'a str, u64),
+    Integers(&'a str, &'a [u64]),
+}
+
+/// A chain of operators on a picture, each with its attributes. An operator with two operands gets its input twice.
+pub(crate) struct Chain<'a> {
+    pub(crate) operators: &'a [(&'a str, usize, &'a [Attribute<'a>])],
+    /// Shape of the picture, 0 for free sides.
+    pub(crate) input: [u64; 4],
+    /// Shape of the output; `None`: not declared.
+    pub(crate) output: Option<&'a [u64]>,
+    /// Inputs besides the picture.
+    pub(crate) unused: &'a [&'a str],
+}
+
+impl Chain<'_> {
+    /// The file.
+    pub(crate) fn bytes(&self) -> Vec<u8> {
+        let mut graph = field(2, b"test");
+        let last = self.operators.len();
+        for (position, (operator, operands, attributes)) in self.operators.iter().enumerate() {
+            let mut node = field(1, tensor_name(position, last).as_bytes()).repeat(*operands);
+            node.extend(field(2, tensor_name(position + 1, last).as_bytes()));
+            node.extend(field(4, operator.as_bytes()));
+            for attribute in *attributes {
+                node.extend(field(5, &attribute.bytes()));
+            }
+            graph.extend(field(1, &node));
+        }
+        graph.extend(field(11, &port("picture", Some(&self.input))));
+        for unused in self.unused {
+            graph.extend(field(11, &port(unused, Some(&self.input))));
+        }
+        graph.extend(field(12, &port("result", self.output)));
+        let operators = [field(1, b""), number(2, 17)].concat();
+        [number(1, 8), field(7, &graph), field(8, &operators)].concat()
+    }
+}
+
+fn tensor_name(position: usize, last: usize) -> String {
+    match position {
+        0 => "picture".to_owned(),
+        position if position == last => "result".to_owned(),
+        position => format!("t{position}"),
+    }
+}
+
+impl Attribute<'_> {
+    fn bytes(&self) -> Vec<u8> {
+        const INT: u64 = 2;
+        const INTS: u64 = 7;
+        match self {
+            Self::Integer(name, value) => {
+                [field(1, name.as_bytes()), number(3, *value), number(20, INT)].concat()
+            }
+            Self::Integers(name, values) => {
+                let values: Vec<u8> = values.iter().flat_map(|&value| number(8, value)).collect();
+                [field(1, name.as_bytes()), values, number(20, INTS)].concat()
+            }
+        }
+    }
+}
+
+/// A float32 input or output.
+fn port(name: &str, shape: Option<&[u64]>) -> Vec<u8> {
+    let mut tensor = number(1, FLOAT);
+    if let Some(shape) = shape {
+        let sides = shape.iter().enumerate().flat_map(|(axis, &side)| {
+            let side = match side {
+                0 => field(2, format!("{name}{axis}").as_bytes()),
+                side => number(1, side),
+            };
+            field(1, &side)
+        });
+        tensor.extend(field(2, &sides.collect::<Vec<u8>>()));
+    }
+    [field(1, name.as_bytes()), field(2, &field(1, &tensor))].concat()
+}

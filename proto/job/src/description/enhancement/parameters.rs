@@ -164,3 +164,11 @@ pub struct Mlle {
     #[field(within(1e-8, 1.0), default = 0.0001)]
     pub guide_eps: f64,
 }
+
+/// Parameters of a network of the user.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize, Described)]
+pub struct EnhancerNetwork {
+    /// enhancer network, by its name or by the SHA-256 of its file
+    #[field(names = Enhancer)]
+    pub model: String,
+}

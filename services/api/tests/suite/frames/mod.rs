@@ -2,6 +2,7 @@
 
 pub(crate) mod images;
 pub(crate) mod lamps;
+pub(crate) mod networks;
 pub(crate) mod pictures;
 pub(crate) mod rendered;
 pub(crate) mod scenes;

@@ -34,7 +34,7 @@ fn an_enhanced_image_equals_that_of_the_library() {
     );
     assert_eq!(masked.header("content-type"), "image/webp", "{}", masked.text());
     let hscm = spec::Enhancement::parse("hscm:cutoff=16,mask=paper").unwrap();
-    let expected = enhance::enhance(&hscm, &picture, &[]).unwrap();
+    let expected = enhance::enhance(&hscm, &picture, &[], &mut enhance::refuse_network).unwrap();
     assert_ne!(expected.picture, expected.unmasked);
     assert_eq!(
         decode_picture(&masked.body).unwrap().to_rgb8(),

@@ -145,7 +145,8 @@ pub(super) fn measure_frame(frame: &Rgb8) -> Result<FrameValues, Failure> {
             Some(name) => {
                 let enhancement = Enhancement::of_method(name);
                 let enhancement = enhancement.ok_or_else(|| anyhow::anyhow!("no method `{name}`"))?;
-                let outcome = enhance::enhance(&enhancement, &raster, &[]).map_err(Failure::input)?;
+                let outcome = enhance::enhance(&enhancement, &raster, &[], &mut enhance::refuse_network);
+                let outcome = outcome.map_err(Failure::input)?;
                 (outcome.unmasked.to_rgb8(), !outcome.warnings.is_empty())
             }
         };

@@ -37,9 +37,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         frames_per_shard: arguments.set.frames_per_shard,
         parts: selection.part.map_or(1, |part| part.parts),
         code_version: renderer::CODE_VERSION,
-        metrics: quality::MetricId::all()
-            .map(|metric| metric.to_string())
-            .collect(),
+        metrics: cli::job::metrics(&job),
     };
     let set = Set::begin(&location, &new).map_err(failure)?;
     let tally = match &arguments.set.engine.engine {

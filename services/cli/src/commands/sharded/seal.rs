@@ -13,7 +13,7 @@ use super::open::open;
 pub(crate) fn run(arguments: &SealArguments) -> Result<(), Failure> {
     let set = open(&arguments.what)?;
     let mut sources = waters(&set);
-    sources.extend(styles(&set, arguments)?);
+    sources.extend(list_models(&set, arguments)?);
     let manifest = set.seal(sources).map_err(failure)?;
     println!(
         "{}",
@@ -37,18 +37,18 @@ fn waters(set: &Set) -> Vec<Source> {
         .collect()
 }
 
-fn styles(set: &Set, arguments: &SealArguments) -> Result<Vec<Source>, Failure> {
+fn list_models(set: &Set, arguments: &SealArguments) -> Result<Vec<Source>, Failure> {
     let library = arguments.style.library()?;
     set.job()
         .map_err(failure)?
-        .styles()
+        .models()
         .into_iter()
         .map(|name: String| {
             let card = library.get(&name).map(|model| model.card.clone());
-            let card =
-                card.ok_or_else(|| Failure::BadInput(format!("style `{name}` is not here; see --styles")))?;
+            let card = card
+                .ok_or_else(|| Failure::BadInput(format!("the model `{name}` is not here; see --styles")))?;
             Ok(Source {
-                name: format!("style {name}"),
+                name: format!("{} {name}", card.role.name()),
                 source: card.source,
                 licence: card.licence,
             })

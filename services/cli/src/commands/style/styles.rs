@@ -1,4 +1,4 @@
-//! `fathom styles`: lists the style waters of this program or of a service, and adds one to a service.
+//! `fathom styles`: lists the style waters, enhancers and metric networks of this program or of a service, and adds one to a service.
 
 mod add;
 
@@ -28,7 +28,7 @@ pub(crate) struct Arguments {
 
 #[derive(clap::Subcommand)]
 enum Action {
-    /// Add a style network to a service, for immediate use in jobs
+    /// Add a style, an enhancer or a metric network to a service, for immediate use in jobs
     Add(add::Arguments),
 }
 
@@ -52,7 +52,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let rows: Vec<Vec<String>> = cards.iter().map(row).collect();
     println!(
         "{}",
-        table(&["style", "license", "noise", "range", "sha256"], &rows)
+        table(&["name", "role", "license", "noise", "range", "sha256"], &rows)
     );
     if client.is_none() {
         match Runtime::load(arguments.style.onnxruntime.as_deref()) {
@@ -67,6 +67,7 @@ fn row(card: &ModelCard) -> Vec<String> {
     let [noise, range] = [card.takes_noise, card.takes_range].map(|takes| if takes { "yes" } else { "no" });
     vec![
         card.name.clone(),
+        card.role.name().to_owned(),
         card.licence.clone(),
         noise.to_owned(),
         range.to_owned(),

@@ -25,7 +25,7 @@ impl Jobs {
     }
 }
 
-/// Fetches and parses a description, and fetches the styles that this worker lacks. A style that the service lacks as well
+/// Fetches and parses a description, and fetches the models that this worker lacks. A model that the service lacks as well
 /// fails the frames that use it.
 fn fetch(shared: &Shared, hold: &Hold, lease: &Lease) -> Result<Job, RenderError> {
     let what = format!("the description of {}", lease.job_id);
@@ -33,9 +33,9 @@ fn fetch(shared: &Shared, hold: &Hold, lease: &Lease) -> Result<Job, RenderError
     let text = fetch_bytes(shared, hold, &what, &lease.spec_digest, description)?;
     let job = Job::from_canonical(&String::from_utf8_lossy(&text)).map_err(RenderError::Resolve)?;
     let library = shared.engine.library();
-    if job.styles().iter().any(|name| library.get(name).is_none()) {
+    if job.models().iter().any(|name| library.get(name).is_none()) {
         styles::learn(shared).map_err(|error| RenderError::Fetch {
-            what: "the styles of the job".to_owned(),
+            what: "the models of the job".to_owned(),
             reason: error.to_string(),
             retryable: true,
         })?;

@@ -67,9 +67,7 @@ fn submit(store: &str) -> Result<(), Failure> {
         frames_per_shard: Some((job.frames() / SHARDS).clamp(LEAST_FRAMES, MOST_FRAMES)),
         parts: 1,
         code_version: renderer::CODE_VERSION,
-        metrics: quality::MetricId::all()
-            .map(|metric| metric.to_string())
-            .collect(),
+        metrics: cli::job::metrics(&job),
     };
     let submitted = shared(store)?.submit(&order.id, order.key.as_deref(), &new);
     let accepted = match submitted.map_err(failure)? {

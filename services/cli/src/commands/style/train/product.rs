@@ -7,7 +7,7 @@ use cli::exit::Failure;
 use cli::files;
 use imaging::codec;
 use style::net::{Network, onnx};
-use style::{LossTerms, ModelCard, TrainingCard};
+use style::{LossTerms, ModelCard, ModelRole, TrainingCard};
 use training::loss::Losses;
 use training::{Best, Score};
 
@@ -75,6 +75,10 @@ impl Product<'_> {
         }
         ModelCard {
             scale: None,
+            role: ModelRole::Style,
+            input_scale: None,
+            layout: None,
+            size: None,
             name: name.clone(),
             file: format!("{name}.onnx"),
             sha256: imaging::digest::sha256(model),

@@ -4,7 +4,7 @@ use cli::classes::Named;
 use client::ColumnInfo;
 use quality::MetricId;
 use serde_json::{Map, Value, json};
-use spec::{ArtifactKind, LabelType, Leaves};
+use spec::{ArtifactKind, LabelType, Leaves, METRIC_NETWORK};
 
 use crate::commands::dataset::export::format::RECORD;
 use crate::commands::dataset::export::input::selection::Selection;
@@ -62,6 +62,10 @@ pub(crate) fn meaning(column: &ColumnInfo) -> String {
     if let Some(label) = name.strip_prefix("labels.") {
         return format!("label `{label}` of the job");
     }
+    if let Some((subject, network)) = split_network(name) {
+        let picture = subject.map(|subject| format!(", of `enhanced.{subject}`"));
+        return format!("metric of the network `{network}`{}", picture.unwrap_or_default());
+    }
     let about = |name: &str| MetricId::parse(name).map(|id| id.info().about);
     match (about(name), name.split_once('.')) {
         (Some(about), _) => about.to_owned(),
@@ -71,6 +75,15 @@ pub(crate) fn meaning(column: &ColumnInfo) -> String {
         },
         (None, None) => String::new(),
     }
+}
+
+/// The picture, unless it is the frame's own, and the network of `net.NAME` or `SUBJECT.net.NAME`.
+fn split_network(name: &str) -> Option<(Option<&str>, &str)> {
+    if let Some(network) = name.strip_prefix(METRIC_NETWORK) {
+        return Some((None, network));
+    }
+    let (subject, metric) = name.split_once('.')?;
+    Some((Some(subject), metric.strip_prefix(METRIC_NETWORK)?))
 }
 
 /// Former names of columns remain valid, without their first word.
@@ -106,6 +119,8 @@ mod tests {
             ("holes", "without a valid range"),
             ("uiqm", ""),
             ("hscm.uiqm", "`enhanced.hscm`"),
+            ("net.mine", "network `mine`"),
+            ("hscm.net.mine", "`enhanced.hscm`"),
             ("labels.run", "label `run`"),
             ("artifacts.range", "SHA-256"),
             ("snow.radius_m", "`water.snow.radius_m`"),
