@@ -42,13 +42,13 @@ pub(super) fn json_path(pointer: &str) -> String {
 
 /// A value at a place of the record.
 pub(super) fn extracted(path: String, kind: Kind, unit: Option<&'static str>) -> Column {
-    let record = Join::Record.alias();
+    let record = Join::record_json();
     // In SQLite text is greater than every number, and a list is text: such values must not compare as numbers.
     let sql = match kind {
-        Kind::Text => format!("CAST(json_extract({record}.record, ?) AS TEXT)"),
-        Kind::Number | Kind::Whole | Kind::Large | Kind::Bool | Kind::Label => format!(
-            "(SELECT iif(typeof(v) = 'text', NULL, v) FROM (SELECT json_extract({record}.record, ?) AS v))"
-        ),
+        Kind::Text => format!("CAST(json_extract({record}, ?) AS TEXT)"),
+        Kind::Number | Kind::Whole | Kind::Large | Kind::Bool | Kind::Label => {
+            format!("(SELECT iif(typeof(v) = 'text', NULL, v) FROM (SELECT json_extract({record}, ?) AS v))")
+        }
     };
     Column {
         binds: vec![Bind::Text(path)],
