@@ -45,8 +45,7 @@ impl PictureNetwork {
             return Err(wrong("it is a style; use it as `water.style`".to_owned()));
         }
         let input = model.card.picture_input();
-        let session =
-            options(environment).and_then(|mut builder| Ok(builder.commit_from_memory(&model.onnx)?));
+        let session = options(environment).and_then(|mut builder| builder.commit_from_memory(&model.onnx));
         let session = session.map_err(|error| wrong(error.to_string()))?;
         let ports = Ports::find(session.inputs(), session.outputs(), role, input.layout).map_err(wrong)?;
         Ok(Self {
