@@ -12,13 +12,10 @@ use futures::{StreamExt, stream};
 use hyper::body::Body as _;
 use tokio::time::{Instant, timeout_at};
 
-use super::spool::{Spool, SpooledBody};
+use super::spool::{PLACE_BYTES, Spool, SpooledBody};
 use crate::http::budget::{Budget, Permit, identify_caller};
 use crate::http::problem::{Problem, Slug};
 use crate::limits::BODY_BYTES_PER_S;
-
-/// Bytes per permit in the budget of bodies.
-pub(crate) const PLACE_BYTES: usize = 1 << 10;
 
 /// How bodies of a group are received.
 #[derive(Clone)]
