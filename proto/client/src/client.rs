@@ -137,7 +137,8 @@ impl Client {
             let most = (limit - rows.len()).min(PAGE_ROWS).to_string();
             let page = [("limit", Some(most.as_str())), ("cursor", cursor.as_deref())];
             let page: Page<T> = self.get(&with_query(path, &[parameters, &page].concat()))?;
-            cursor = read.follow(self, path, &page)?;
+            self.report_damage(&page.damaged);
+            cursor = read.follow(path, &page)?;
             rows.extend(page.items);
             if cursor.is_none() {
                 break;

@@ -111,7 +111,8 @@ impl Iterator for ImagePages<'_> {
             .path(self.remaining.min(PAGE_ROWS), self.cursor.as_deref());
         let page = self.client.get::<Page<ImageRow>>(&path);
         let followed = page.and_then(|page| {
-            let next = self.read.follow(self.client, "/v1/images", &page)?;
+            self.client.report_damage(&page.damaged);
+            let next = self.read.follow("/v1/images", &page)?;
             Ok((page.items, next))
         });
         match followed {

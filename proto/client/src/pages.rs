@@ -4,7 +4,6 @@ use std::collections::HashSet;
 use std::collections::hash_map::DefaultHasher;
 use std::hash::{Hash, Hasher};
 
-use crate::client::Client;
 use crate::error::ClientError;
 use crate::views::Page;
 
@@ -21,14 +20,8 @@ pub(crate) struct PagesRead {
 }
 
 impl PagesRead {
-    /// The cursor of the next page, if there is one; reports the damaged rows of this page.
-    pub(crate) fn follow<T>(
-        &mut self,
-        client: &Client,
-        path: &str,
-        page: &Page<T>,
-    ) -> Result<Option<String>, ClientError> {
-        client.report_damage(&page.damaged);
+    /// The cursor of the next page, if there is one.
+    pub(crate) fn follow<T>(&mut self, path: &str, page: &Page<T>) -> Result<Option<String>, ClientError> {
         let Some(cursor) = &page.next_cursor else {
             return Ok(None);
         };

@@ -11,10 +11,11 @@ use sqlx::sqlite::{Sqlite, SqliteConnection, SqlitePool, SqliteRow};
 use tokio::task::JoinHandle;
 
 use crate::commit::writer::{Running, Writer};
-use crate::damage::{DamageLog, ImageDamage, ImageId};
+use crate::damage::{DamageLog, ImageDamage};
 use crate::digests::row_digests::Side;
 use crate::digests::tables::DATASETS;
 use crate::error::CatalogueError;
+use crate::image_id::ImageId;
 use crate::query::cache::JobCache;
 use crate::query::cells::Cells;
 use crate::query::columns::Columns;

@@ -6,18 +6,10 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use tokio::sync::Notify;
 
 use crate::error::CatalogueError;
+use crate::image_id::ImageId;
 
 /// Findings that are kept; more call for a full check anyway.
 const MOST_FINDINGS: usize = 100;
-
-/// An image by its job and frame.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub struct ImageId {
-    /// The job.
-    pub job: String,
-    /// The frame.
-    pub frame: u64,
-}
 
 /// A damaged row of an image.
 #[derive(Debug, Clone)]

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::damage::ImageId;
+use crate::image_id::ImageId;
 
 /// An error of the catalogue.
 #[derive(Debug, Clone, thiserror::Error)]

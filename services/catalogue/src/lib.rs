@@ -11,6 +11,7 @@ mod damage;
 mod datasets;
 mod digests;
 mod error;
+mod image_id;
 mod images;
 mod jobs;
 mod maintenance;
@@ -30,10 +31,11 @@ pub use client::{
     GroupStats, JobRow, JobState, Page, Price, Statistics, UnixMs, VersionRow,
 };
 pub use commit::insert::NewImage;
-pub use damage::{ImageDamage, ImageId};
+pub use damage::ImageDamage;
 pub use datasets::columns::columns_of_every_image;
 pub use datasets::versions::{SealedImage, VersionJob};
 pub use error::{CatalogueError, FilterError};
+pub use image_id::ImageId;
 pub use maintenance::replica::REPLICA_ROWS;
 pub use maintenance::scrub::DamagedRow;
 pub use types::{

@@ -3,9 +3,9 @@
 use sqlx::Row;
 use sqlx::sqlite::SqliteRow;
 
-use crate::damage::ImageId;
 use crate::digests::row_digests::RowDigest;
 use crate::error::CatalogueError;
+use crate::image_id::ImageId;
 use crate::query::cells::Cells;
 
 /// The fields of a record's digest besides the record.

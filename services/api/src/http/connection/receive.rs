@@ -12,13 +12,10 @@ use futures::{StreamExt, stream};
 use hyper::body::Body as _;
 use tokio::time::{Instant, timeout_at};
 
-use super::spool::{Spool, SpooledBody};
+use super::spool::{PLACE_BYTES, Spool, SpooledBody};
 use crate::http::budget::{Budget, Permit, identify_caller};
 use crate::http::problem::{Problem, Slug};
 use crate::limits::BODY_BYTES_PER_S;
-
-/// Bytes per permit in the budget of bodies.
-pub(crate) const PLACE_BYTES: usize = 1 << 10;
 
 /// How bodies of a group are received.
 #[derive(Clone)]
@@ -91,9 +88,13 @@ impl Receiving {
         let mut coming = body.into_data_stream();
         let (mut bytes, mut places) = (0, 0);
         let mut received = Received {
-            kept: match &self.spool {
-                Some(spool) => Kept::OnDisk(spool.begin()?),
-                None => Kept::InMemory(Vec::new()),
+            kept: match self.spool.as_ref().map(Spool::begin).transpose() {
+                Ok(Some(body)) => Kept::OnDisk(body),
+                Ok(None) => Kept::InMemory(Vec::new()),
+                Err(problem) => {
+                    self.discard(coming).await;
+                    return Err(problem);
+                }
             },
             _memory: Vec::new(),
         };
@@ -118,13 +119,17 @@ impl Receiving {
                     .push(self.memory.acquire_many(caller, count).await?);
                 places += more;
             }
-            received.kept.add(piece).await?;
+            if let Err(problem) = received.kept.add(piece).await {
+                drop(received);
+                self.discard(coming).await;
+                return Err(problem);
+            }
         }
     }
 
     /// Reads and discards up to twice the limit of the route. A client that is still sending when the connection
     /// closes would not see the response.
-    async fn discarded(&self, mut coming: BodyDataStream) -> Problem {
+    async fn discard(&self, mut coming: BodyDataStream) {
         let (begun, mut bytes) = (Instant::now(), 0);
         while let Ok(Some(Ok(piece))) = timeout_at(begun + self.grace, coming.next()).await {
             bytes += piece.len();
@@ -132,6 +137,10 @@ impl Receiving {
                 break;
             }
         }
+    }
+
+    async fn discarded(&self, coming: BodyDataStream) -> Problem {
+        self.discard(coming).await;
         self.too_large()
     }
 

@@ -10,10 +10,11 @@ use tokio::fs::File;
 use tokio::io::{AsyncReadExt, AsyncSeekExt, AsyncWriteExt};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
-use super::receive::PLACE_BYTES;
 use crate::http::failure::writing;
 use crate::http::problem::Problem;
 
+/// Bytes per permit in the budgets of bodies.
+pub(crate) const PLACE_BYTES: usize = 1 << 10;
 /// Bytes that are read from the disk at a time.
 const PIECE_BYTES: usize = 256 << 10;
 
