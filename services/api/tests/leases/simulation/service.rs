@@ -123,6 +123,7 @@ impl Service {
                 .collect(),
             paused: self.paused.contains(id),
             made: None,
+            mixed: false,
         });
     }
 
