@@ -10,10 +10,10 @@ use spec::{ArtifactEntry, FrameRecord, RecordOf, RecordText};
 use sqlx::AssertSqlSafe;
 use sqlx::sqlite::SqliteConnection;
 
+use crate::commit::deliveries::insert_delivery;
 use crate::commit::progress;
 use crate::digests::record_row::About;
 use crate::error::CatalogueError;
-use crate::jobs::proofs::insert_delivery;
 use crate::query::cells::{Statement, bound};
 use crate::query::columns::Columns;
 use crate::query::filter::Bind;

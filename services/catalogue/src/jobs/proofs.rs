@@ -11,7 +11,7 @@ use crate::catalogue::Catalogue;
 use crate::commit::progress;
 use crate::digests::tables::job_columns;
 use crate::error::CatalogueError;
-use crate::types::{Delivery, DueCheck, Settled};
+use crate::types::{DueCheck, Settled};
 
 /// Rows that one transaction forgets.
 const FORGOTTEN_ROWS: u32 = 1000;
@@ -129,27 +129,6 @@ fn due_check((job, frame, worker): DueRow) -> DueCheck {
         frame: frame as u64,
         worker,
     }
-}
-
-/// Stores the delivery of a new image.
-pub(crate) async fn insert_delivery(
-    connection: &mut SqliteConnection,
-    job: &str,
-    frame: i64,
-    delivery: &Delivery,
-) -> Result<(), CatalogueError> {
-    sqlx::query(
-        "INSERT OR REPLACE INTO deliveries (job_id, frame, worker, place, due, covers)
-         SELECT id, ?2, ?3, ?4, ?5, CASE WHEN distrusted = 1 THEN 0 ELSE ?4 END FROM jobs WHERE id = ?1",
-    )
-    .bind(job)
-    .bind(frame)
-    .bind(&delivery.worker)
-    .bind(delivery.place as i64)
-    .bind(delivery.is_due)
-    .execute(connection)
-    .await?;
-    Ok(())
 }
 
 async fn record_good(connection: &mut SqliteConnection, check: &DueCheck) -> Result<(), CatalogueError> {

@@ -125,6 +125,7 @@ impl Service {
                 .collect(),
             paused: self.paused.contains(id),
             made: None,
+            mixed: false,
         });
     }
 
