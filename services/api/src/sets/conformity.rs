@@ -1,5 +1,7 @@
 //! Checks of imported records: those of a commit, as far as they need no bytes. The author of a set is not trusted.
 
+use serde::Deserialize;
+use serde_json::Value;
 use spec::{ArtifactEntry, Frame, FrameRecord, Invalid, Job, RecordText, is_of_earlier_version};
 use wire::messages::RegisterRequest;
 
@@ -26,10 +28,11 @@ impl SetJob {
         let faults = match &self.0 {
             None => check_types(&record.record().artifacts),
             Some(job) => {
-                let record: FrameRecord =
+                let received: Value =
                     serde_json::from_str(record.as_str()).map_err(|error| error.to_string())?;
+                let record = FrameRecord::deserialize(&received).map_err(|error| error.to_string())?;
                 let frame = job.resolve(record.frame).map_err(|error| error.to_string())?;
-                check_record(&frame, &record)
+                check_record(&frame, &record, &received)
             }
         };
         match faults.len() {
@@ -46,7 +49,7 @@ impl SetJob {
 }
 
 /// The checks of a commit by a worker that registered with the provenance of the record and stored its files.
-fn check_record(frame: &Frame, record: &FrameRecord) -> Vec<String> {
+fn check_record(frame: &Frame, record: &FrameRecord, received: &Value) -> Vec<String> {
     let stored = record
         .artifacts
         .iter()
@@ -66,6 +69,7 @@ fn check_record(frame: &Frame, record: &FrameRecord) -> Vec<String> {
         pending: &pending,
         worker: &worker,
         record,
+        received: Some(received),
     };
     let mut faults = evidence.faults();
     for entry in &record.artifacts {

@@ -41,7 +41,7 @@ impl LeaseTable {
             .filter(|worker| worker.seen.plus(TERM_MS.into()) > now);
         let slots: u64 = alive.map(|worker| u64::from(worker.about.slots)).sum();
         let about = &self.workers.get(worker)?.about;
-        let (jobs, rules) = (&mut self.jobs, self.rules);
+        let (jobs, rules) = (&mut self.jobs, &self.rules);
         let found = self.line.jobs().find_map(|id: &str| {
             let job = jobs.get_mut(id)?;
             if !rules.fits(job, about) {

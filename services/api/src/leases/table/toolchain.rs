@@ -154,7 +154,7 @@ impl LeaseTable {
             .filter(|about: &&RegisterRequest| !self.rules.fits(job, about))
             .cloned()
             .collect();
-        (!misfits.is_empty()).then(|| Misfits {
+        (!misfits.is_empty()).then_some(Misfits {
             needed,
             is_waiting: misfits.len() == self.workers.len(),
             workers: misfits,
