@@ -80,11 +80,9 @@ def main() -> None:
         }
         largest = sorted(middle.items(), key=lambda item: -item[1])[:6]
         listed = ", ".join(f"{stage} {ms:.1f}" for stage, ms in largest)
-        middle_ms = [
-            statistics.median(values) for values in (times, processor, outside)
-        ]
+        figures = [statistics.median(times), statistics.median(processor), min(outside)]
         print(
-            f"{name:32} {middle_ms[0]:7.1f} {min(times):7.1f} {middle_ms[1]:7.1f} {middle_ms[2]:8.2f} {grown:5.1f}  {listed}"
+            f"{name:32} {figures[0]:7.1f} {min(times):7.1f} {figures[1]:7.1f} {figures[2]:8.2f} {grown:5.1f}  {listed}"
         )
 
 
