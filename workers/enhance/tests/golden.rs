@@ -14,7 +14,7 @@ use cases::Case;
 use enhance::hscm::homomorphic::{self, Filter};
 use enhance::hscm::{Luma, clahe, median, merge};
 use enhance::mask::{black_out, circle_plane};
-use enhance::{Method, Variant, enhance, run_variant};
+use enhance::{Method, Variant, enhance, refuse_network, run_variant};
 use imaging::codec::{FilePlane, decode_plane, encode_png};
 use imaging::{Plane, Raster};
 use spec::{Circle, Enhancement, Hscm, Mask};
@@ -249,7 +249,7 @@ fn golden_whole_chain() {
             mask: Mask::Paper,
             ..Enhancement::of_method("hscm").unwrap()
         };
-        let color = enhance(&hscm, &input, &[]).unwrap();
+        let color = enhance(&hscm, &input, &[], &mut refuse_network).unwrap();
         mean(&color.unmasked, "color");
         mean(&color.picture, "masked_color");
         assert_eq!(color.mask, Some(gray(&case, "mask")), "{}", case.name);

@@ -27,6 +27,8 @@ pub(crate) fn vocabulary(local: bool) -> Vocabulary {
         waters: [("quay".to_owned(), water)].into(),
         styles: names(&["atlantic", "mediterranean", "muddy", "ranged"]),
         range_styles: names(&["ranged"]),
+        enhancers: Vec::new(),
+        metric_networks: Vec::new(),
         path_metrics: names(&["matches"]),
         metrics: names(&[
             "matches",

@@ -163,6 +163,9 @@ fn a_usable_network_passes_the_check() {
     assert!(check(&fixed, || Ok(runtime())).is_ok());
 }
 
+/// Operators with their inputs and attributes, and a part of the reason why they are refused.
+type Refusal<'a> = (&'a [(&'a str, usize, &'a [Attribute<'a>])], &'a str);
+
 #[test]
 fn an_enhancer_that_cannot_be_used_is_refused_by_what_it_does() {
     let smaller = [(
@@ -170,7 +173,7 @@ fn an_enhancer_that_cannot_be_used_is_refused_by_what_it_does() {
         1,
         &[Attribute::Integers("kernel_shape", &[2, 2])][..],
     )];
-    let refused: [(&[(&str, usize, &[Attribute<'_>])], &str); 5] = [
+    let refused: [Refusal; 5] = [
         (&smaller, "must have the shape [1, 3, 17, 33]"),
         (&[("Sub", 2, &[])], "of a 768×492 picture of all levels"),
         (&[("Acosh", 1, &[])], "a sample of NaN"),
@@ -191,7 +194,7 @@ fn every_size_with_a_defect_is_named() {
 
 #[test]
 fn a_metric_that_cannot_be_used_is_refused_by_what_it_does() {
-    let refused: [(&[(&str, usize, &[Attribute<'_>])], &str); 4] = [
+    let refused: [Refusal; 4] = [
         (&[("Identity", 1, &[])], "must be one float32 number"),
         (&[("Sub", 2, &[]), TO_MEAN], "must tell them apart"),
         (&[("Log", 1, &[]), TO_MEAN], "must be a finite number"),
