@@ -1,6 +1,6 @@
 //! Scheduling order: callers first, then the jobs of each.
 //!
-//! Fair queueing by time (start-time fair queueing, Goyal, Vin and Cheng 1996): each caller has the slot time that it was
+//! Fair queuing by time (Goyal, Vin and Cheng 1996): each caller has the slot time that it was
 //! served, and the least served one goes first, so callers with frames share the slots equally, independent of their number
 //! of jobs. It is deficit round robin with a quantum towards zero: the deficit is the difference to the caller served most.
 //! Within a caller, higher priorities go first, and equal jobs share its time in the same way.
