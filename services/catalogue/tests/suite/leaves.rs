@@ -1,6 +1,6 @@
 //! Columns of every leaf: large whole numbers, elements of lists, and images stored before a column was there.
 
-use catalogue::{CatalogueError, ImageQuery};
+use catalogue::ImageQuery;
 use serde_json::{Value, json};
 use spec::FrameRecord;
 
@@ -171,9 +171,9 @@ async fn columns_of_a_newer_program_are_filled_from_the_records_wherever_the_las
         limit: 2,
         ..ImageQuery::default()
     };
-    let found = at.catalogue.images(seventh).await;
+    let found = at.catalogue.images(seventh).await.unwrap();
     assert!(
-        matches!(found, Err(CatalogueError::Damaged { .. })),
+        found.items.is_empty() && found.damaged.len() == 1,
         "it goes on, it does not begin again: {found:?}"
     );
     // As under a program that knew fewer columns.

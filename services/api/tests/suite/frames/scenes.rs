@@ -225,10 +225,10 @@ fn a_job_over_a_collection_keeps_the_scenes_that_it_had() {
         .json();
     assert_eq!(rows["items"].as_array().unwrap().len(), 5, "{rows}");
     // Missing parts of such a scene are reported at submission.
-    let mut wet = body;
-    wet["water"] = json!({"optics": "jerlov-1C"});
-    let problem = service.post("/v1/jobs", &wet).problem(422, "validation");
-    assert_eq!(problem["errors"][0]["pointer"], "/water/optics");
+    let mut ranged = body;
+    ranged["artifacts"] = json!(["rgb", "range"]);
+    let problem = service.post("/v1/jobs", &ranged).problem(422, "validation");
+    assert_eq!(problem["errors"][0]["pointer"], "/artifacts/1");
     assert!(
         problem["errors"][0]["message"].as_str().unwrap().contains("scn_"),
         "{problem}"
