@@ -6,7 +6,8 @@ mod structure;
 
 use serde_json::{Value, json};
 use spec::{
-    Agreement, ArtifactKind, Counts, Frame, FrameRecord, Scene, compare_values, find_unknown_members,
+    Agreement, ArtifactKind, Counts, Frame, FrameRecord, METRIC_NETWORK, Scene, Step, compare_values,
+    find_unknown_members,
 };
 use wire::messages::{Artifact, RegisterRequest};
 
@@ -245,10 +246,9 @@ impl Evidence<'_> {
                 ));
             }
         }
-        let has_style = self.frame.water.style.is_some() && self.frame.alpha > 0.0;
         match &made.onnx_runtime {
-            Some(runtime) if !has_style => faults.push(format!(
-                "/provenance/onnx_runtime is `{runtime}`; must be null, because the frame has no style"
+            Some(runtime) if !self.has_network() => faults.push(format!(
+                "/provenance/onnx_runtime is `{runtime}`; must be null, because the frame has no style and no network"
             )),
             Some(_) if made.onnx_runtime != worker.onnx_runtime => {
                 faults.push("/provenance/onnx_runtime is not that of the worker's registration".to_owned());
@@ -256,6 +256,22 @@ impl Evidence<'_> {
             _ => {}
         }
         faults
+    }
+
+    /// Whether a stage of the frame can need ONNX Runtime.
+    fn has_network(&self) -> bool {
+        let mut steps = self
+            .frame
+            .enhance
+            .iter()
+            .flat_map(|enhancement| &enhancement.steps);
+        (self.frame.water.style.is_some() && self.frame.alpha > 0.0)
+            || steps.any(|step| matches!(step, Step::Onnx(_)))
+            || self
+                .frame
+                .metrics
+                .iter()
+                .any(|metric| metric.starts_with(METRIC_NETWORK))
     }
 
     fn is_procedural(&self) -> bool {
