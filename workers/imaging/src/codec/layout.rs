@@ -276,7 +276,7 @@ mod tests {
     fn pixels_that_do_not_fit_and_hidden_chunks_are_rejected() {
         let png = encode_png(&picture().into()).unwrap();
         let mut wide = png.clone();
-        wide[18] = 0x20;
+        wide[16] = 0x20;
         assert!(read_layout(&wide).unwrap_err().contains("pixels in"));
         let mut hidden = png[..33].to_vec();
         hidden.extend([0, 0, 0, 2]);
