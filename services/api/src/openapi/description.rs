@@ -297,14 +297,18 @@ impl Writer<'_> {
             let text = format!("{}{}", names.describe(), listed_at(names));
             return bare(json!({"type": "string", "description": text}), "Text");
         };
-        self.named(&name, |writer| {
+        let mut listed = self.named(&name, |writer| {
             let mut schema = json!({"type": "string", "enum": writer.vocabulary.listed(names)});
             let about = listed_at(names);
             if !about.is_empty() {
                 schema["description"] = format!("{}{about}", names.describe()).into();
             }
             schema
-        })
+        });
+        if let Some(pattern) = find_own_names(names) {
+            listed.schema = json!({"anyOf": [listed.schema, {"type": "string", "pattern": pattern}]});
+        }
+        listed
     }
 
     fn labels(&mut self) -> Plain {
@@ -313,6 +317,14 @@ impl Writer<'_> {
             json!({"type": "object", "additionalProperties": value, "maxProperties": MAX_LABELS,
                    "description": Shape::Labels.limit()})
         })
+    }
+}
+
+/// The pattern of names that users give, beside the listed ones.
+fn find_own_names(names: Names) -> Option<&'static str> {
+    match names {
+        Names::Artifact => Some(r"^enhanced\.[a-z][a-z0-9_-]{0,31}(\.[a-z0-9]+)?$"),
+        _ => None,
     }
 }
 
