@@ -306,7 +306,7 @@ impl Writer<'_> {
             schema
         });
         if let Some(pattern) = find_own_names(names) {
-            listed.schema = json!({"anyOf": [listed.schema, {"type": "string", "pattern": pattern}]});
+            listed.schema = json!({"type": "string", "anyOf": [listed.schema, {"pattern": pattern}]});
         }
         listed
     }
