@@ -31,7 +31,7 @@ pub(crate) use sections::enhance::names_in;
 pub(crate) use sections::networks::find_enhancers;
 use sections::{lights, truth};
 pub(crate) use truth::is_traced;
-pub(crate) use values::{find_lists, find_values};
+pub(crate) use values::{find_lists, find_values, has_procedural_scene};
 
 /// Walks the document and the schema in parallel.
 pub(crate) struct Checker<'v> {

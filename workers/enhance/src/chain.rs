@@ -26,7 +26,7 @@ pub struct Outcome {
 }
 
 /// Runs an enhancement by the fast variants; `wanted` names the intermediate results to return. `network` runs the networks of the
-/// user; [`refuse_network`](crate::refuse_network) is that of callers without any.
+/// user; callers without any pass [`refuse_network`](crate::refuse_network).
 ///
 /// # Errors
 /// As [`run`] for any of the steps, and as [`kept`]; [`EnhanceError::Network`] if `network` fails.

@@ -280,6 +280,7 @@ mod tests {
             ModelCard::parse(r#"{"name": "harbour", "license": "MIT"}"#, "harbour", b"model").unwrap_err();
         assert!(error.contains("unknown field `license`"), "{error}");
     }
+
     #[test]
     fn an_enhancer_declares_how_it_takes_a_picture() {
         let card = |fields: &str| {

@@ -16,6 +16,9 @@ use crate::session::{ModelInputs, Session};
 pub use unfit::Unfit;
 use unfit::{SIZES, SMALL, USUAL};
 
+/// Half of an 8-bit code: rounding beyond it is visible.
+const MARGIN: f32 = 0.5 / 255.0;
+
 /// Runs a model on frames of 1×1, of odd sides and of the usual size, on black, on white, and twice on the same. An enhancer or a
 /// metric of one size runs on pictures of that size. `runtime` is called only if the model needs it.
 ///
@@ -48,27 +51,45 @@ pub fn check(model: &StyleModel, runtime: impl Fn() -> Result<Runtime, RuntimeMi
 
 /// Fails if a frame of all levels becomes one value, or if most of its samples are outside of 0 to 1.
 fn check_levels(styled: &Rgb<f32>) -> Result<(), Unfit> {
-    /// Half of an 8-bit code: rounding beyond it is visible.
-    const MARGIN: f32 = 0.5 / 255.0;
-    let samples = || {
-        styled
-            .planes()
-            .iter()
-            .flat_map(|plane| plane.data().iter().copied())
-    };
-    let (least, most) = samples().fold((f32::INFINITY, f32::NEG_INFINITY), |(least, most), sample| {
-        (least.min(sample), most.max(sample))
-    });
-    if most - least < MARGIN {
+    let planes = styled.planes().iter();
+    let levels = Levels::measure(planes.flat_map(|plane| plane.data().iter().copied()));
+    let (least, most) = (levels.least, levels.most);
+    if levels.is_flat() {
         return Err(Unfit::Constant { value: most });
     }
-    let outside = samples()
-        .filter(|sample| !(-MARGIN..=1.0 + MARGIN).contains(sample))
-        .count();
-    if 2 * outside > samples().count() {
+    if levels.is_mostly_outside {
         return Err(Unfit::Saturated { least, most });
     }
     Ok(())
+}
+
+/// The range of the samples of a picture.
+struct Levels {
+    least: f32,
+    most: f32,
+    /// Whether more than half of the samples are outside of 0 to 1.
+    is_mostly_outside: bool,
+}
+
+impl Levels {
+    fn measure(samples: impl Iterator<Item = f32>) -> Self {
+        let (mut least, mut most) = (f32::INFINITY, f32::NEG_INFINITY);
+        let (mut count, mut outside) = (0_usize, 0_usize);
+        for sample in samples {
+            (least, most) = (least.min(sample), most.max(sample));
+            count += 1;
+            outside += usize::from(!(-MARGIN..=1.0 + MARGIN).contains(&sample));
+        }
+        Self {
+            least,
+            most,
+            is_mostly_outside: 2 * outside > count,
+        }
+    }
+
+    fn is_flat(&self) -> bool {
+        self.most - self.least < MARGIN
+    }
 }
 
 fn open_session(

@@ -11,6 +11,12 @@ pub(crate) fn find_values<'a>(document: &'a Node, name: &str) -> Vec<(String, &'
         .unwrap_or_default()
 }
 
+/// Whether a frame can have a procedural scene.
+pub(crate) fn has_procedural_scene(document: &Node) -> bool {
+    let scenes = find_values(document, "scene");
+    scenes.iter().any(|(_, scene)| scene.get("family").is_some())
+}
+
 /// The possible lists of a document field, each with its location.
 pub(crate) fn find_lists<'a>(document: &'a Node, name: &str) -> Vec<(Location, &'a [Node])> {
     let mut lists = Vec::new();

@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use serde_json::{Map, Value};
 
 use crate::artifact::ArtifactKind;
-use crate::enhancement::METHODS;
+use crate::enhancement::{METHODS, NETWORK_METHOD};
 use crate::rules::{CameraRules, WaterRules};
 use crate::schema::Names;
 
@@ -49,14 +49,14 @@ pub struct Vocabulary {
 /// Prefix of the metrics that a network of the user computes.
 pub const METRIC_NETWORK: &str = "net.";
 
-/// A network of the user that takes a picture.
+/// A network of the user that enhances or measures a picture.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct KnownNetwork {
     /// Its name.
     pub name: String,
     /// SHA-256 of its file, lower-case hex.
     pub digest: String,
-    /// Columns and rows of the pictures it takes; `None` if it takes several sizes.
+    /// The only picture size, columns and rows; `None` for networks of several sizes.
     pub size: Option<[usize; 2]>,
 }
 
@@ -112,7 +112,7 @@ impl Vocabulary {
         found.map(|network| network.name.as_str())
     }
 
-    /// How a model is used that the description names where models of another role are allowed.
+    /// The correct use of a model that is named in a field for another role.
     pub(crate) fn usage_of_model(&self, written: &str) -> Option<String> {
         let name = written.strip_prefix(METRIC_NETWORK).unwrap_or(written);
         if self.styles.iter().any(|style| style == name) {
@@ -120,7 +120,7 @@ impl Vocabulary {
         }
         if let Some(name) = self.enhancer(name) {
             return Some(format!(
-                "is an enhancer; use it in `enhance`: {{\"method\": \"onnx\", \"model\": \"{name}\"}}"
+                "is an enhancer; use it in `enhance`: {{\"method\": \"{NETWORK_METHOD}\", \"model\": \"{name}\"}}"
             ));
         }
         let mut metrics = self.metric_networks.iter();

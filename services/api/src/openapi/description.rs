@@ -305,7 +305,7 @@ impl Writer<'_> {
             }
             schema
         });
-        if let Some(pattern) = find_own_names(names) {
+        if let Some(pattern) = find_name_pattern(names) {
             listed.schema = json!({"type": "string", "anyOf": [listed.schema, {"pattern": pattern}]});
         }
         listed
@@ -320,8 +320,8 @@ impl Writer<'_> {
     }
 }
 
-/// The pattern of names that users give, beside the listed ones.
-fn find_own_names(names: Names) -> Option<&'static str> {
+/// The pattern of valid names that are not listed.
+fn find_name_pattern(names: Names) -> Option<&'static str> {
     match names {
         Names::Artifact => Some(r"^enhanced\.[a-z][a-z0-9_-]{0,31}(\.[a-z0-9]+)?$"),
         _ => None,

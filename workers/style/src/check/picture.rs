@@ -2,14 +2,13 @@
 
 use imaging::Rgb8;
 
+use super::Levels;
 use super::unfit::{SIZES, Unfit};
 use crate::library::StyleModel;
 use crate::picture::PictureNetwork;
 use crate::role::{ModelRole, SizeRule};
 use crate::runtime::Runtime;
 
-/// Half of an 8-bit code: rounding beyond it is visible.
-const MARGIN: f32 = 0.5 / 255.0;
 /// Side of the fields of the checkerboard.
 const FIELD_PX: usize = 4;
 
@@ -56,10 +55,7 @@ fn check_enhancer(
         // The ramp is the first picture.
         if position == 0 {
             defects.extend(find_level_defect(&values, (width, height)));
-            if again
-                .enhance_unclamped(picture)
-                .is_ok_and(|other| other != values)
-            {
+            if again.enhance_unclamped(picture).ok() != Some(values) {
                 defects.push(Unfit::Drawn { width, height });
             }
         }
@@ -68,21 +64,14 @@ fn check_enhancer(
 
 /// A result of one value for a picture of all levels, or one mostly outside of 0 to 1. One pixel has one level.
 fn find_level_defect(values: &[f32], (width, height): (usize, usize)) -> Option<Unfit> {
-    let [least, most] = [
-        values.iter().copied().fold(f32::INFINITY, f32::min),
-        values.iter().copied().fold(f32::NEG_INFINITY, f32::max),
-    ];
-    let outside = values
-        .iter()
-        .filter(|value| !(-MARGIN..=1.0 + MARGIN).contains(*value))
-        .count();
-    if width * height > 1 && most - least < MARGIN {
-        let value = most;
+    let levels = Levels::measure(values.iter().copied());
+    if width * height > 1 && levels.is_flat() {
+        let value = levels.most;
         return Some(Unfit::Flat { value, width, height });
     }
-    (2 * outside > values.len()).then_some(Unfit::Scale {
-        least,
-        most,
+    levels.is_mostly_outside.then_some(Unfit::Scale {
+        least: levels.least,
+        most: levels.most,
         width,
         height,
     })
@@ -106,7 +95,7 @@ fn check_metric(
         }
     }
     let value = values[0];
-    if again.measure(&pictures[0]).is_ok_and(|other| other != value) {
+    if again.measure(&pictures[0]).ok() != Some(value) {
         defects.push(Unfit::Drawn { width, height });
     } else if width * height > 1 && values.iter().all(|other| *other == value) {
         let known = defects

@@ -25,7 +25,7 @@ pub enum Unfit {
         tensor: String,
     },
     /// Loading it takes too long.
-    #[error("it has more than {most} nodes, the limit of a style")]
+    #[error("it has more than {most} nodes, the limit of a model")]
     TooManyNodes {
         /// The limit.
         most: usize,

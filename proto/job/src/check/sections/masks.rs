@@ -4,7 +4,7 @@ use std::fmt::{self, Display, Formatter};
 
 use serde_json::Value;
 
-use crate::check::{Checker, find_lists, find_values};
+use crate::check::{Checker, find_lists, find_values, has_procedural_scene};
 use crate::enhancement::mask_image::MaskImage;
 use crate::invalid::FieldError;
 use crate::node::Node;
@@ -45,35 +45,30 @@ impl Display for ImageSizes {
 }
 
 impl Checker<'_> {
-    /// A drawn mask has the size of every image. That of an uploaded scene is known when it is rendered.
+    /// Rejects drawn masks of another size than a camera. Uploaded pictures have other sizes, which are checked at rendering.
     pub(super) fn check_mask_sizes(&mut self, document: &Node) {
-        let kinds = find_values(document, "scene")
-            .into_iter()
-            .filter_map(|(_, scene)| scene.get("kind"));
-        if kinds.flat_map(Node::words).any(|kind| kind != "procedural") {
+        if !has_procedural_scene(document) {
             return;
         }
-        let cameras = find_values(document, "camera");
-        for sizes in cameras
-            .into_iter()
+        let cameras = find_values(document, "camera").into_iter();
+        let cameras: Vec<_> = cameras
             .filter_map(|(_, camera)| ImageSizes::of_camera(camera))
-        {
-            for (location, items) in find_lists(document, "enhance") {
-                for (position, item) in items.iter().enumerate() {
-                    for (pointer, text) in find_drawn(item, &location.item(position).pointer) {
-                        self.check_mask_size(&pointer, text, &sizes);
-                    }
+            .collect();
+        for (location, items) in find_lists(document, "enhance") {
+            for (position, item) in items.iter().enumerate() {
+                for (pointer, text) in find_drawn(item, &location.item(position).pointer) {
+                    self.check_mask_size(&pointer, text, &cameras);
                 }
             }
         }
     }
 
-    fn check_mask_size(&mut self, pointer: &str, text: &str, sizes: &ImageSizes) {
+    fn check_mask_size(&mut self, pointer: &str, text: &str, cameras: &[ImageSizes]) {
         let Ok(mask) = MaskImage::parse(text) else {
             return;
         };
         let (width, height) = mask.kept().size();
-        if !sizes.are_all(width, height) {
+        for sizes in cameras.iter().filter(|sizes| !sizes.are_all(width, height)) {
             let message = format!(
                 "the mask has {width}×{height} pixels and the images have {sizes}; draw it in the size of the camera"
             );

@@ -2,18 +2,17 @@
 
 use serde_json::Value;
 
-use crate::check::{Checker, find_lists, find_values};
+use crate::check::{Checker, find_lists, find_values, has_procedural_scene};
 use crate::enhancement::NETWORK_METHOD;
 use crate::invalid::FieldError;
 use crate::node::Node;
 use crate::vocabulary::{KnownNetwork, METRIC_NETWORK};
 
 impl Checker<'_> {
-    /// Rejects networks of one size if a frame can have another. The pictures of uploaded scenes have sizes of their own, which
-    /// are checked when they are rendered.
+    /// Rejects networks of one size if a camera can have another. Uploaded pictures have other sizes, which are checked at
+    /// rendering.
     pub(crate) fn check_network_sizes(&mut self, document: &Node) {
-        let mut scenes = find_values(document, "scene").into_iter();
-        if !scenes.any(|(_, scene)| scene.get("family").is_some()) {
+        if !has_procedural_scene(document) {
             return;
         }
         let vocabulary = self.vocabulary;

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use crate::check::{Checker, find_values, has_lamps, is_traced};
+use crate::check::{Checker, find_values, has_lamps, has_procedural_scene, is_traced};
 use crate::daylight::Daylight;
 use crate::node::Node;
 use crate::rules::WaterConditions;
@@ -66,9 +66,7 @@ fn find_widest_view(document: &Node) -> Option<f64> {
             let across = 2.0 * (0.5 * hfov_deg.to_radians()).tan();
             Some(across * across * height / width)
         });
-    cameras.reduce(f64::max).filter(|_| {
-        find_values(document, "scene")
-            .iter()
-            .any(|(_, scene)| scene.get("family").is_some())
-    })
+    cameras
+        .reduce(f64::max)
+        .filter(|_| has_procedural_scene(document))
 }

@@ -1,4 +1,4 @@
-//! A drawn mask, written into the description: the same frame comes out wherever the job is rendered.
+//! A drawn mask. The description contains it, so that every machine renders the same frame.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use imaging::codec::{decode_mask, read_sides};
 use serde::Deserialize;
 use serde::de::Error;
 
-/// Maximum length of the text. The record of every frame holds it; the outline of a robot at 1920 × 1080 needs 3 KB.
+/// Maximum length of the text. The record of every frame contains it; the outline of a robot at 1920 × 1080 needs 3 KB.
 const MAX_TEXT_BYTES: usize = 16 << 10;
 
 /// Maximum pixels of a mask, the largest picture of the masked methods. A small file can hold many equal pixels.

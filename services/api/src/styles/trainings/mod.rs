@@ -114,8 +114,8 @@ fn is_preview(bytes: &[u8]) -> bool {
 /// The trainings of a running service, oldest first.
 pub(crate) struct Trainings {
     list: Mutex<VecDeque<Arc<Training>>>,
-    /// One at a time: each uses half of the cores.
     turns: Turns,
+    /// One at a time: each uses half of the cores.
     trainers: Children,
     /// Validate photos before a request returns.
     lookers: Children,

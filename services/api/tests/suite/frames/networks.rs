@@ -1,21 +1,9 @@
 //! Enhancers and metric networks of users: uploads, roles and jobs that use them.
 
+use super::styles::{muddy, names, trusting};
 use crate::common::worker::Fake;
-use crate::common::{Running, Setup, job, start_on, start_with};
+use crate::common::{Running, job, start_on, start_with};
 use serde_json::{Value, json};
-use style::Library;
-
-/// A service whose trial accepts every network.
-fn trusting() -> Setup {
-    Setup {
-        program: "/bin/true",
-        ..Setup::default()
-    }
-}
-
-fn muddy() -> Vec<u8> {
-    Library::embedded().unwrap().get("muddy").unwrap().onnx.to_vec()
-}
 
 /// Adds a network; `fields` are further form fields.
 fn add(service: &Running, name: &str, fields: &[(&str, &str)]) -> (u16, Value) {
@@ -32,14 +20,6 @@ const ENHANCER: &[(&str, &str)] = &[
     ("layout", "NHWC"),
     ("size", "multiple of 32"),
 ];
-
-fn names(service: &Running, path: &str) -> Vec<String> {
-    let page = service.get(path).json();
-    let cards = page["items"].as_array().unwrap().iter();
-    cards
-        .map(|card| card["name"].as_str().unwrap().to_owned())
-        .collect()
-}
 
 #[test]
 fn networks_are_listed_by_role_and_keep_their_declaration_after_a_restart() {

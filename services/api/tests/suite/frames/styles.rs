@@ -33,19 +33,19 @@ fn a_worker_fetches_a_style_that_it_lacks() {
 }
 
 /// A service whose trial accepts every network.
-fn trusting() -> Setup {
+pub(super) fn trusting() -> Setup {
     Setup {
         program: "/bin/true",
         ..Setup::default()
     }
 }
 
-fn muddy() -> Vec<u8> {
+pub(super) fn muddy() -> Vec<u8> {
     Library::embedded().unwrap().get("muddy").unwrap().onnx.to_vec()
 }
 
-fn names(service: &Running) -> Vec<String> {
-    let page = service.get("/v1/styles").json();
+pub(super) fn names(service: &Running, path: &str) -> Vec<String> {
+    let page = service.get(path).json();
     let cards = page["items"].as_array().unwrap().iter();
     cards
         .map(|card| card["name"].as_str().unwrap().to_owned())
@@ -122,7 +122,10 @@ fn a_name_belongs_to_one_network() {
     assert_eq!(add("muddy", &muddy()).status, 200, "a shipped one");
     assert_eq!(add("dock", &muddy()).status, 201, "one network under two names");
     assert_eq!(
-        names(&service).iter().filter(|name| *name == "harbour").count(),
+        names(&service, "/v1/styles")
+            .iter()
+            .filter(|name| *name == "harbour")
+            .count(),
         1
     );
 }
@@ -133,7 +136,7 @@ type Refused<'a> = (&'a [(&'a str, &'a [u8])], &'a str, &'a str);
 #[test]
 fn a_rejected_style_leaves_no_files() {
     let service = start();
-    let before = names(&service);
+    let before = names(&service, "/v1/styles");
     let onnx = muddy();
     let refused: [Refused; 9] = [
         (
@@ -172,7 +175,7 @@ fn a_rejected_style_leaves_no_files() {
     service
         .form("/v1/styles", &[("name", b"large"), ("model", &large)])
         .problem(413, "too-large");
-    assert_eq!(names(&service), before);
+    assert_eq!(names(&service, "/v1/styles"), before);
     assert!(!service.folder().join("added-styles").exists());
 }
 
@@ -198,7 +201,7 @@ fn a_damaged_style_is_left_out_and_the_service_still_starts() {
     std::fs::write(&file, bytes).unwrap();
     std::fs::write(folder.join(".new-abc"), b"half").unwrap();
     let service = start_on(data, trusting());
-    let names = names(&service);
+    let names = names(&service, "/v1/styles");
     assert!(
         names.contains(&"harbour".to_owned()) && !names.contains(&"dock".to_owned()),
         "{names:?}"
@@ -284,5 +287,5 @@ fn a_training_without_a_result_fails_with_a_reason() {
         training["error"].as_str().unwrap().contains("wrote no onnx"),
         "{training}"
     );
-    assert!(!names(&service).contains(&"harbour".to_owned()));
+    assert!(!names(&service, "/v1/styles").contains(&"harbour".to_owned()));
 }

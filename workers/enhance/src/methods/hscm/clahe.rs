@@ -8,8 +8,8 @@ use imaging::{Plane, reflected, vectorized};
 
 type TileTable = [u8; 256];
 
-/// Histograms of a tile, added at its end. With one, equal neighbors, which smooth pictures are full of, would wait for each
-/// other's increment.
+/// Partial histograms of a tile. In a single one, equal neighbors, frequent in smooth pictures, would wait for the previous
+/// increment.
 const LANES: usize = 4;
 
 type Lanes = [[u32; 256]; LANES];
@@ -115,7 +115,7 @@ impl TileGrid {
     }
 }
 
-/// Adds the codes to the histograms in turn.
+/// Counts consecutive codes in different partial histograms.
 fn count_codes(codes: &[u8], lanes: &mut Lanes) {
     let quads = codes.chunks_exact(LANES);
     for &code in quads.remainder() {
