@@ -146,7 +146,7 @@ impl Reading<'_> {
     async fn line(&mut self) -> Result<Option<Vec<u8>>, LookError> {
         let left = READING.saturating_sub(self.begun.elapsed());
         let allowance = Allowance {
-            time: LINE.min(left),
+            time: LINE,
             memory_bytes: MEMORY_BYTES,
         };
         let id = self.child.id();
