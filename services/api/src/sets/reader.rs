@@ -151,6 +151,8 @@ impl Reading<'_> {
         };
         let id = self.child.id();
         tokio::select! {
+            // A line that arrived in time counts, even if storing the previous one took longer.
+            biased;
             line = self.next_line() => line,
             _ = tokio::time::sleep(left) => Err(LookError::Later(format!(
                 "reading is stopped after {} min and continues later", READING.as_secs() / 60
