@@ -1,4 +1,4 @@
-//! Checks of imported records: those of a commit, as far as they need no bytes. The author of a set is not trusted.
+//! Checks imported records as a commit does, except their artifacts' bytes: the author of a set is not trusted.
 
 use serde::Deserialize;
 use serde_json::Value;
