@@ -43,7 +43,7 @@ fn upload(service: &Service, token: &str, level: f32) -> u16 {
     }
 }
 
-/// Failure: four uploads of 192 MiB at the same time take more memory than the bound, one of them is lost, or other requests wait.
+/// Failure: four uploads of 192 MiB at the same time take more memory than the bound, one of them is lost, or another request fails.
 #[test]
 fn large_uploads_at_the_same_time_take_the_memory_of_one() {
     let data = tempfile::tempdir().expect("a temporary folder");
@@ -66,7 +66,7 @@ fn large_uploads_at_the_same_time_take_the_memory_of_one() {
                 scope.spawn(move || upload(service, token, 0.1 + number as f32 / 10.0))
             })
             .collect();
-        assert!(reader.get("/v1/scenes").is_ok(), "others are served");
+        assert!(reader.get("/v1/scenes").is_ok(), "other requests are served");
         let statuses: Vec<u16> = uploads
             .into_iter()
             .map(|upload| upload.join().expect("a response"))

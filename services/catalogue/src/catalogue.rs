@@ -98,8 +98,8 @@ impl Catalogue {
         self.damage.forget(image);
     }
 
-    /// Notes damage of a row that is read alone.
-    pub(crate) fn noted<T>(&self, row: Result<T, CatalogueError>) -> Result<T, CatalogueError> {
+    /// Notes the damage of a row outside of lists; returns the result unchanged.
+    pub(crate) fn note_if_damaged<T>(&self, row: Result<T, CatalogueError>) -> Result<T, CatalogueError> {
         row.inspect_err(|error| self.damage.note_error(error))
     }
 

@@ -217,7 +217,7 @@ pub struct DueCheck {
     pub worker: String,
 }
 
-/// What became of a job whose frames have all ended.
+/// The state of a job whose frames have all ended.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Settled {
     /// Frames drawn to be checked before it can end.

@@ -35,18 +35,17 @@ pub fn line(out: &mut impl Write, text: fmt::Arguments<'_>) {
     }
 }
 
-/// The text with control characters and changes of direction as `\\u001b`, which is also their escape in JSON. Line feeds and tabs stay.
+/// The text with control characters and changes of direction as `\u001b`, which is also their escape in JSON. Line feeds and tabs stay.
 pub fn visible(text: &str) -> Cow<'_, str> {
     if !text.contains(is_hidden) {
         return text.into();
     }
     let mut shown = String::with_capacity(text.len() + 16);
     for character in text.chars() {
-        match character {
-            hidden if is_hidden(hidden) => {
-                shown.push_str(&format!("\\u{:04x}", u32::from(hidden)));
-            }
-            other => shown.push(other),
+        if is_hidden(character) {
+            shown.push_str(&format!("\\u{:04x}", u32::from(character)));
+        } else {
+            shown.push(character);
         }
     }
     shown.into()

@@ -107,7 +107,7 @@ impl<F: Fn(usize) -> bool> Layout<'_, F> {
 }
 
 /// A cell as it is shown: a line break in it would look like another row.
-fn escape_cell(cell: &str) -> String {
+pub(crate) fn escape_cell(cell: &str) -> String {
     visible(&cell.replace('\n', "\\n").replace('\t', " ")).into_owned()
 }
 

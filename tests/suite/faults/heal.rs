@@ -27,7 +27,7 @@ fn without_times(mut image: Value) -> Value {
     image
 }
 
-/// Failure: a list that fails, a damage that lasts although its frame can be rendered, or a restored image that differs
+/// Failure: a list that fails, damage that lasts although its frame can be rendered, or a restored image that differs
 /// from the stored one.
 #[test]
 fn frames_of_damaged_records_are_rendered_again_while_the_service_runs() {

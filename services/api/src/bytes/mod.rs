@@ -55,9 +55,7 @@ impl Bytes {
             catalogue,
         }
     }
-}
 
-impl Bytes {
     /// The reason why writes fail. After a failure it writes to the folder, the catalogue and the packs each time, so
     /// that it returns `None` as soon as all of them work.
     pub(crate) async fn write_failure(&self) -> Option<String> {

@@ -294,7 +294,7 @@ fn is_of_camera(pointer: &str) -> bool {
 }
 
 /// The artifact of this name, if the frame requests it.
-fn find_requested<'a>(frame: &'a Frame, name: &str) -> Option<&'a ArtifactKind> {
+pub(crate) fn find_requested<'a>(frame: &'a Frame, name: &str) -> Option<&'a ArtifactKind> {
     frame.artifacts.iter().find(|kind| kind.to_string() == name)
 }
 

@@ -1,11 +1,11 @@
-//! Checks of imported records: those of a commit, as far as they need no bytes. The author of a set is not trusted.
+//! Checks imported records as a commit does, except their artifacts' bytes: the author of a set is not trusted.
 
 use serde::Deserialize;
 use serde_json::Value;
 use spec::{ArtifactEntry, Frame, FrameRecord, Invalid, Job, RecordText, is_of_earlier_version};
 use wire::messages::RegisterRequest;
 
-use crate::leases::checks::Evidence;
+use crate::leases::checks::{Evidence, find_requested};
 use crate::leases::pending::PendingArtifact;
 
 /// Most faults of a record in a message.
@@ -73,8 +73,7 @@ fn check_record(frame: &Frame, record: &FrameRecord, received: &Value) -> Vec<St
     };
     let mut faults = evidence.faults();
     for entry in &record.artifacts {
-        let kind = frame.artifacts.iter().find(|kind| kind.to_string() == entry.kind);
-        match kind.map(|kind| kind.media_type(frame.encode)) {
+        match find_requested(frame, &entry.kind).map(|kind| kind.media_type(frame.encode)) {
             None => faults.push(format!("`{}` was not requested", entry.kind)),
             Some(media_type) if media_type != entry.media_type => {
                 faults.push(format!(

@@ -16,7 +16,7 @@ const PAUSE: Duration = Duration::from_secs(2);
 const PAUSE_ANNOUNCED: Duration = Duration::from_secs(30);
 /// Longest pause after polls that failed with the same reason; each one doubles it.
 const PAUSE_FAILED: Duration = Duration::from_secs(60);
-/// The same if only another content of the set can help.
+/// The same while the content of the set is damaged.
 const PAUSE_DAMAGED: Duration = Duration::from_secs(3600);
 /// The pause is at least this many times the duration of a poll, which is longer for a large set.
 const PAUSE_SHARE: u32 = 10;
@@ -65,7 +65,7 @@ impl Sets {
         tokio::spawn(async move {
             let stop = sets.jobs.stop.clone();
             let follow = sets.follow_to_the_end(&location, &job, &followed, least);
-            // Dropping it ends the process that reads the set.
+            // Cancelling drops the future, which ends the process that reads the set.
             stop.run_until_cancelled(followed.stop.run_until_cancelled(follow))
                 .await;
         });
@@ -129,9 +129,9 @@ enum Polled {
     Ended,
     Read,
     Failed {
-        /// Whether the reason is that of the poll before.
+        /// Whether the previous poll failed with the same reason.
         is_same: bool,
-        /// Whether only another content of the set can help.
+        /// Whether the content of the set must change before a poll can succeed.
         is_of_content: bool,
     },
 }

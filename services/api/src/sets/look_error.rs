@@ -25,7 +25,7 @@ pub(crate) enum LookError {
 }
 
 impl LookError {
-    /// Whether only another content of the set can help, rather than another time.
+    /// Whether the content of the set must change before a poll can succeed.
     pub(crate) fn is_of_content(&self) -> bool {
         matches!(self, Self::Damaged(_) | Self::Intake(IntakeError::Record { .. }))
     }

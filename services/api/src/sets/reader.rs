@@ -146,11 +146,13 @@ impl Reading<'_> {
     async fn line(&mut self) -> Result<Option<Vec<u8>>, LookError> {
         let left = READING.saturating_sub(self.begun.elapsed());
         let allowance = Allowance {
-            time: LINE.min(left),
+            time: LINE,
             memory_bytes: MEMORY_BYTES,
         };
         let id = self.child.id();
         tokio::select! {
+            // A line that arrived in time counts, even if storing the previous one took longer.
+            biased;
             line = self.next_line() => line,
             _ = tokio::time::sleep(left) => Err(LookError::Later(format!(
                 "reading is stopped after {} min and continues later", READING.as_secs() / 60

@@ -42,7 +42,7 @@ fn page(service: &Running, query: &str) -> (Vec<u64>, Vec<String>, Value) {
     (frames, damaged.collect(), page["next_cursor"].clone())
 }
 
-/// Every way in which the bytes of a record can be wrong.
+/// SQL that damages a record: another value, a missing start, no JSON, no UTF-8.
 const DAMAGES: [&str; 4] = [
     "replace(record, '0.4', '0.5')",
     "substr(record, 3)",

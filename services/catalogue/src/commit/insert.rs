@@ -101,7 +101,7 @@ impl NewImage {
     }
 
     /// The same from a worker that the service does not trust.
-    pub(crate) fn delivered(self, delivery: Option<Delivery>) -> Self {
+    pub(crate) fn with_delivery(self, delivery: Option<Delivery>) -> Self {
         Self { delivery, ..self }
     }
 

@@ -34,7 +34,7 @@ impl<'a> About<'a> {
     /// Reads a row that begins with these fields, record and digest; returns them with the record (JSON) if the digest matches.
     pub(crate) fn verified(row: &'a SqliteRow) -> Result<(Self, &'a str), CatalogueError> {
         let (about, record, stored) =
-            Self::read(row).map_err(|_| CatalogueError::damaged_image("the record", named(row)))?;
+            Self::read(row).map_err(|_| CatalogueError::damaged_image("the record", read_image_id(row)))?;
         let record =
             record.filter(|record: &&str| stored == Some(about.row_digest(&spec::sha256(record.as_bytes()))));
         match record {
@@ -65,7 +65,7 @@ impl<'a> About<'a> {
 }
 
 /// The image of a row, as far as its fields are readable.
-fn named(row: &SqliteRow) -> ImageId {
+fn read_image_id(row: &SqliteRow) -> ImageId {
     let job = row.try_get_unchecked::<&[u8], _>(0).unwrap_or_default();
     ImageId {
         job: String::from_utf8_lossy(job).into_owned(),

@@ -43,7 +43,7 @@ impl Catalogue {
         delivery: Option<Delivery>,
     ) -> Result<InsertImage, CatalogueError> {
         let image = NewImage::new(&self.columns, job, record, now_ms, &BTreeMap::new())?;
-        self.writer()?.insert(image.delivered(delivery)).await
+        self.writer()?.insert(image.with_delivery(delivery)).await
     }
 
     /// An image: its record, with its job, its dataset and when it was stored.
@@ -52,7 +52,7 @@ impl Catalogue {
     /// [`CatalogueError`].
     pub async fn image(&self, job: &str, frame: u64) -> Result<Option<Value>, CatalogueError> {
         let found = self.image_row(job, frame).await?;
-        self.noted(found.as_ref().map(image).transpose())
+        self.note_if_damaged(found.as_ref().map(image).transpose())
     }
 
     /// The row of an image, as [`About::verified`] reads it.
@@ -135,12 +135,12 @@ impl Catalogue {
             return Ok(None);
         };
         // Only the place is read from the row, since its bytes are verified anyway; kind and digest are those of the record.
-        let (about, record) = self.noted(About::verified(&image))?;
+        let (about, record) = self.note_if_damaged(About::verified(&image))?;
         let Listed { artifacts } = serde_json::from_str(record)?;
         let entry = artifacts.into_iter().find(|entry| entry.kind == kind);
         if found.as_ref().map(|artifact| &artifact.entry) != entry.as_ref() {
             let part = format!("artifact `{kind}`");
-            return self.noted(Err(CatalogueError::damaged_image(&part, about.image())));
+            return self.note_if_damaged(Err(CatalogueError::damaged_image(&part, about.image())));
         }
         Ok(found)
     }

@@ -2,6 +2,8 @@
 
 use client::Client;
 
+use crate::table::escape_cell;
+
 /// Where `fathom serve` listens by default.
 pub const LOCAL_SERVICE: &str = "http://127.0.0.1:7311";
 
@@ -62,6 +64,7 @@ impl OtherServer {
 /// Warns about damaged rows that a list leaves out.
 fn report_damage(damaged: &[String]) {
     for what in damaged {
+        let what = escape_cell(what);
         eprintln!(
             "left out: {what} is damaged; the service restores images, `fathom scrub` lists all damage"
         );

@@ -14,7 +14,6 @@ use crate::rows::group::{Group, Named};
 use crate::set::marker::Marker;
 use crate::set::opened::Set;
 use crate::storage::layout;
-use crate::storage::store::MOST_OBJECT_BYTES;
 
 /// Longest artifact: the limit of the service for a frame.
 const MOST_ARTIFACT_BYTES: u64 = 512 << 20;
@@ -156,12 +155,6 @@ impl Set {
 
     fn rows_file(&self, marker: &Marker) -> Result<Bytes, SetError> {
         let (name, sum) = (marker.rows_name(), &marker.rows);
-        if sum.bytes > MOST_OBJECT_BYTES {
-            return Err(SetError::Damaged(format!(
-                "{name} has {} bytes; must be at most {MOST_OBJECT_BYTES}",
-                sum.bytes
-            )));
-        }
         self.check_length(&name, sum.bytes)?;
         let rows = self.store.get(&name)?;
         let rows = rows.ok_or_else(|| SetError::Damaged(format!("{name} is gone")))?;

@@ -30,7 +30,7 @@ const PAUSES: BackoffConfig = BackoffConfig {
     base: 3.0,
 };
 /// Longest object that is read as a whole: the rows of a shard, a hundred thousand records at most.
-pub(crate) const MOST_OBJECT_BYTES: u64 = 512 << 20;
+const MOST_OBJECT_BYTES: u64 = 512 << 20;
 /// Attempts to create an object while its existence is unknown.
 const CREATE_TRIES: usize = 3;
 

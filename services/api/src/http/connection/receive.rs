@@ -47,13 +47,12 @@ pub(crate) async fn receive(
         return Err(receiving.discarded(body.into_data_stream()).await);
     }
     let Received { kept, _memory } = receiving.whole(body, &caller).await?;
-    let (body, _turn) = match (kept, &receiving.spool) {
-        (Kept::OnDisk(body), Some(spool)) => {
-            let turn = spool.take_turn(&body).await?;
+    let (body, _turn) = match kept {
+        Kept::OnDisk(body) => {
+            let turn = body.take_turn().await?;
             (body.into_body().await?, Some(turn))
         }
-        (Kept::OnDisk(body), None) => (body.into_body().await?, None),
-        (Kept::InMemory(pieces), _) => {
+        Kept::InMemory(pieces) => {
             let pieces = pieces.into_iter().map(Ok::<_, std::convert::Infallible>);
             (Body::from_stream(stream::iter(pieces)), None)
         }

@@ -1,4 +1,4 @@
-//! Bodies of uploads on disk while they arrive, and the memory of those that are worked on.
+//! Bodies of uploads: on disk while they arrive, in memory when it is their turn.
 
 use std::io::{self, SeekFrom};
 use std::path::{Path, PathBuf};
@@ -18,17 +18,17 @@ pub(crate) const PLACE_BYTES: usize = 1 << 10;
 /// Bytes that are read from the disk at a time.
 const PIECE_BYTES: usize = 256 << 10;
 
-/// Where bodies are kept until their turn.
+/// The folder of bodies until their turn.
 #[derive(Clone)]
 pub(crate) struct Spool {
     folder: PathBuf,
-    /// KiB of bodies that are worked on at the same time: their forms are in memory.
+    /// KiB of bodies that handlers have at the same time: their forms are in memory.
     turns: Arc<Semaphore>,
     most_places: usize,
 }
 
 impl Spool {
-    /// `folder`: below the data folder. Bodies of at most `working_bytes` together are worked on.
+    /// `folder`: below the data folder. `working_bytes`: limit of all bodies that handlers have at the same time.
     pub(crate) fn new(folder: &Path, working_bytes: usize) -> Self {
         let most_places = working_bytes.div_ceil(PLACE_BYTES);
         Self {
@@ -42,22 +42,16 @@ impl Spool {
     pub(super) fn begin(&self) -> Result<SpooledBody, Problem> {
         let file = tempfile::tempfile_in(&self.folder).map_err(|error| writing(&error))?;
         Ok(SpooledBody {
+            spool: self.clone(),
             file: File::from_std(file),
             bytes: 0,
         })
-    }
-
-    /// Waits for the turn of a complete body; it lasts as long as the permit.
-    pub(super) async fn take_turn(&self, body: &SpooledBody) -> Result<OwnedSemaphorePermit, Problem> {
-        let places = body.bytes.div_ceil(PLACE_BYTES).min(self.most_places);
-        let places = u32::try_from(places).unwrap_or(u32::MAX);
-        let turn = Arc::clone(&self.turns).acquire_many_owned(places).await;
-        turn.map_err(|error| Problem::internal(&error))
     }
 }
 
 /// A body on disk.
 pub(super) struct SpooledBody {
+    spool: Spool,
     file: File,
     bytes: usize,
 }
@@ -67,6 +61,17 @@ impl SpooledBody {
         self.bytes += piece.len();
         let written = self.file.write_all(piece).await;
         written.map_err(|error| writing(&error))
+    }
+
+    /// Waits for the turn of a complete body; it lasts as long as the permit.
+    pub(super) async fn take_turn(&self) -> Result<OwnedSemaphorePermit, Problem> {
+        let Spool {
+            turns, most_places, ..
+        } = &self.spool;
+        let places = self.bytes.div_ceil(PLACE_BYTES).min(*most_places);
+        let places = u32::try_from(places).unwrap_or(u32::MAX);
+        let turn = Arc::clone(turns).acquire_many_owned(places).await;
+        turn.map_err(|error| Problem::internal(&error))
     }
 
     /// The body from its beginning.
@@ -102,8 +107,8 @@ mod tests {
                 .unwrap_or_else(|problem| panic!("{problem}"));
         }
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
-        let _turn = spool
-            .take_turn(&body)
+        let _turn = body
+            .take_turn()
             .await
             .unwrap_or_else(|problem| panic!("{problem}"));
         let body = body
@@ -127,17 +132,17 @@ mod tests {
             bodies.push(body);
         }
         for pair in [(0, 1), (1, 2)] {
-            let turn = spool.take_turn(&bodies[pair.0]).await;
+            let turn = bodies[pair.0].take_turn().await;
             let second = std::time::Duration::from_secs(1);
             assert!(
-                tokio::time::timeout(second, spool.take_turn(&bodies[pair.1]))
+                tokio::time::timeout(second, bodies[pair.1].take_turn())
                     .await
                     .is_err()
             );
             drop(turn);
         }
         assert!(
-            spool.take_turn(&bodies[2]).await.is_ok(),
+            bodies[2].take_turn().await.is_ok(),
             "a body beyond the limit has a turn alone"
         );
     }

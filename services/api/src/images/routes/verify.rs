@@ -98,15 +98,13 @@ pub(crate) async fn verify(
         }
         None => Vec::new(),
     };
-    let is_same_record = record_differences.is_empty();
     Ok(Json(Verified {
         intact: artifacts
             .iter()
             .all(|artifact| artifact.stored == StoredBytes::Good),
         reproduced: again.as_ref().map(|_| {
-            let mut compared = artifacts.iter();
-            is_same_record
-                && compared.all(|artifact: &VerifiedArtifact| {
+            record_differences.is_empty()
+                && artifacts.iter().all(|artifact: &VerifiedArtifact| {
                     artifact.rerendered_digest.as_ref() == Some(&artifact.digest)
                 })
         }),

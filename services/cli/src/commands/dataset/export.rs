@@ -31,7 +31,7 @@ use input::order::Order;
 use input::selection::Selection;
 use output::work::Export;
 
-/// How many times as many images as were counted may be listed, while jobs of the dataset are running.
+/// Bounds the images listed to this multiple of those counted, which leaves room for running jobs.
 const MOST_GROWTH: u64 = 2;
 
 /// Runs the command.
@@ -73,14 +73,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         limit: usize::MAX,
     };
     let mut progress = Progress::new("export", "images", selection.images);
+    let growth = selection.images.saturating_mul(MOST_GROWTH);
+    let most = growth.saturating_add(PAGE_ROWS as u64);
     for rows in client.image_pages(query) {
         export.add(rows?)?;
-        if export.images()
-            > selection
-                .images
-                .saturating_mul(MOST_GROWTH)
-                .saturating_add(PAGE_ROWS as u64)
-        {
+        if export.images() > most {
             return Err(Failure::Other(anyhow::anyhow!(
                 "the service counted {} images and lists more than {}; check the address of the service",
                 selection.images,
