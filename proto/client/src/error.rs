@@ -32,7 +32,7 @@ pub enum ClientError {
     },
     /// A list whose cursors do not end.
     #[error(
-        "the list {path} does not end: its cursor after {pages} pages leads nowhere; check the address of the service"
+        "the list {path} has no end after {pages} pages; check the address of the service, or request fewer rows with a filter"
     )]
     EndlessList {
         /// The path of the list.

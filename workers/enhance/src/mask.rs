@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use imaging::{Plane, Raster};
-use spec::{Circle, Mask, Saturated};
+use spec::{Circle, Mask, MaskImage, Saturated};
 
 use crate::blocks::window_max;
 use crate::result::EnhanceError;
@@ -12,7 +12,7 @@ use crate::variant::Variant;
 /// The kept part of a picture, 255 where it is kept and 0 elsewhere; `None` keeps all of it.
 ///
 /// # Errors
-/// [`EnhanceError::MaskSize`]: the mask is drawn for pictures of another size.
+/// [`EnhanceError::MaskSize`]: the mask is drawn for pictures of another size; [`EnhanceError::Mask`]: it cannot be decoded.
 pub fn kept(picture: &Raster, mask: &Mask) -> Result<Option<Plane<u8>>, EnhanceError> {
     let (width, height) = (picture.width(), picture.height());
     Ok(match mask {
@@ -20,14 +20,17 @@ pub fn kept(picture: &Raster, mask: &Mask) -> Result<Option<Plane<u8>>, EnhanceE
         Mask::Paper => Some(circle_plane(width, height, &Circle::PAPER)),
         Mask::Circle(circle) => Some(circle_plane(width, height, circle)),
         Mask::Saturated(saturated) => Some(unsaturated(picture, saturated)),
-        Mask::Image(image) if image.kept().size() == (width, height) => Some(image.kept().clone()),
-        Mask::Image(image) => {
-            return Err(EnhanceError::MaskSize {
-                picture: (width, height),
-                mask: image.kept().size(),
-            });
-        }
+        Mask::Image(image) => Some(drawn_plane(image, (width, height))?),
     })
+}
+
+fn drawn_plane(image: &MaskImage, picture: (usize, usize)) -> Result<Plane<u8>, EnhanceError> {
+    let plane = image.decode().map_err(EnhanceError::Mask)?;
+    let mask = plane.size();
+    match mask == picture {
+        true => Ok(plane),
+        false => Err(EnhanceError::MaskSize { picture, mask }),
+    }
 }
 
 /// 255 inside the circle and 0 outside.

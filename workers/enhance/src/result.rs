@@ -38,6 +38,9 @@ pub enum EnhanceError {
         /// Pixel limit.
         limit: usize,
     },
+    /// A drawn mask cannot be decoded.
+    #[error("the mask {0}")]
+    Mask(String),
     /// A drawn mask has another size.
     #[error("picture is {}×{} but its mask is {}×{}; draw the mask in the size of the picture", .picture.0, .picture.1, .mask.0, .mask.1)]
     MaskSize {

@@ -44,7 +44,7 @@ impl Checker<'_> {
             Names::SceneId => is_scene_id(text).then(|| text.to_owned()),
             Names::Path => is_path(text).then(|| text.to_owned()),
             Names::MaskImage => {
-                if let Err(why) = MaskImage::parse(text) {
+                if let Err(why) = MaskImage::parse(text).and_then(|mask| mask.decode()) {
                     let message = format!("{location} {why}");
                     self.refuse(|| location.error(message).limit(names.describe()));
                     return None;

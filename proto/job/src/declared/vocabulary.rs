@@ -60,6 +60,13 @@ pub struct KnownNetwork {
     pub size: Option<[usize; 2]>,
 }
 
+impl KnownNetwork {
+    /// Whether its file has this digest. That of an imported job's network is unknown, and its digest empty.
+    fn has_digest(&self, written: &str) -> bool {
+        !self.digest.is_empty() && self.digest == written
+    }
+}
+
 impl Vocabulary {
     /// The allowed names; empty if any well-formed text is allowed.
     #[must_use]
@@ -108,7 +115,7 @@ impl Vocabulary {
     pub(crate) fn enhancer(&self, written: &str) -> Option<&str> {
         let networks = &self.enhancers;
         let by_name = networks.iter().find(|network| network.name == written);
-        let found = by_name.or_else(|| networks.iter().find(|network| network.digest == written));
+        let found = by_name.or_else(|| networks.iter().find(|network| network.has_digest(written)));
         found.map(|network| network.name.as_str())
     }
 
@@ -124,7 +131,7 @@ impl Vocabulary {
             ));
         }
         let mut metrics = self.metric_networks.iter();
-        let metric = metrics.find(|network| network.name == name || network.digest == name)?;
+        let metric = metrics.find(|network| network.name == name || network.has_digest(name))?;
         let name = &metric.name;
         Some(format!(
             "is a metric; use it in `metrics`: \"{METRIC_NETWORK}{name}\""

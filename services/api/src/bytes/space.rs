@@ -3,8 +3,8 @@
 use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::http::failure::storage_full;
 use crate::http::problem::Problem;
@@ -26,6 +26,8 @@ pub(crate) struct Space {
     given: AtomicBool,
     /// Whether that deletion is still running.
     in_use: AtomicBool,
+    /// Held by a probe: all write the same file.
+    probing: Mutex<()>,
 }
 
 impl Space {
@@ -37,6 +39,7 @@ impl Space {
             reserve_bytes,
             given: AtomicBool::new(false),
             in_use: AtomicBool::new(false),
+            probing: Mutex::default(),
         };
         if let Err(error) = space.lay_aside() {
             tracing::warn!(%error, "no space for a reserve; deletions will fail on a full disk");
@@ -84,6 +87,7 @@ impl Space {
     }
 
     pub(super) fn probe(&self) -> io::Result<()> {
+        let _alone = self.probing.lock().unwrap_or_else(PoisonError::into_inner);
         let path = self.folder.join(PROBE);
         if self.in_use.load(Ordering::SeqCst) {
             return Err(io::ErrorKind::StorageFull.into());

@@ -30,13 +30,14 @@ async fn restore_all(images: &Images) {
         }
         for image in open {
             let ImageId { job, frame } = &image;
-            match images.restore(&image).await {
+            let result = images.restore(&image).await;
+            let is_deleted = result.is_err() && matches!(images.catalogue.description(job).await, Ok(None));
+            match result {
                 Ok(()) => {
                     tracing::warn!(job, frame, "a damaged image is restored");
                     images.catalogue.forget_damage(&image);
                 }
-                // Its job was deleted.
-                Err(problem) if problem.is(Slug::NotFound) => images.catalogue.forget_damage(&image),
+                Err(_) if is_deleted => images.catalogue.forget_damage(&image),
                 Err(problem) if is_temporary(&problem) => tokio::time::sleep(PAUSE).await,
                 Err(problem) => {
                     tracing::error!(job, frame, %problem, "a damaged image cannot be restored");

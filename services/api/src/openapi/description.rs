@@ -324,6 +324,7 @@ impl Writer<'_> {
 fn find_name_pattern(names: Names) -> Option<&'static str> {
     match names {
         Names::Artifact => Some(r"^enhanced\.[a-z][a-z0-9_-]{0,31}(\.[a-z0-9]+)?$"),
+        Names::Metric => Some(r"^net\.[a-z0-9_-]{1,64}$"),
         _ => None,
     }
 }

@@ -15,6 +15,7 @@ use crate::query::column_value::{column, stored, value};
 use crate::query::columns::Columns;
 use crate::query::cursor;
 use crate::query::filter::{Bind, Kind};
+use crate::query::list_page::no_next_page;
 use crate::query::record_reader::{Place, Reader, Wanted};
 use crate::query::select::Select;
 use crate::types::ImageQuery;
@@ -77,7 +78,8 @@ async fn images(
     while let Some(row) = rows.try_next().await? {
         read += 1;
         if read > query.limit as usize || bytes >= PAGE_BYTES {
-            page.next_cursor = last.map(|place| cursor::write(&statement.identity, &place));
+            let place = last.ok_or_else(|| no_next_page(&page.damaged))?;
+            page.next_cursor = Some(cursor::write(&statement.identity, &place));
             break;
         }
         if let Some(item) = damage.skip(statement.item(&row), &mut page.damaged)? {

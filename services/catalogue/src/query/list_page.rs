@@ -9,6 +9,11 @@ use super::cursor;
 use crate::damage::DamageLog;
 use crate::error::CatalogueError;
 
+/// The next page would begin behind a damaged row: the rows behind it must not be lost silently.
+pub(crate) fn no_next_page(damaged: &[String]) -> CatalogueError {
+    CatalogueError::damaged(format!("the place of {}", damaged.join(", ")))
+}
+
 /// A page from its rows, which begin with their id, and one more if there is a next page. Damaged rows are left out, named and noted.
 pub(crate) fn list_page<T>(
     query: &str,
@@ -26,6 +31,9 @@ pub(crate) fn list_page<T>(
     let last = shown.iter().rev().filter(|_| has_more);
     // A damaged id may be no text.
     let last = last.filter_map(|row| row.try_get::<String, _>(0).ok()).next();
+    if has_more && last.is_none() {
+        return Err(no_next_page(&damaged));
+    }
     Ok(Page {
         items,
         next_cursor: last.map(|id| cursor::write(query, &json!(id))),

@@ -106,7 +106,7 @@ impl PictureNetworks {
                 .map_err(|missing| RenderError::RuntimeMissing(missing.to_string()))?;
             let session = runtime.picture_network(&model)?;
             if self.sessions.len() == MAX_SESSIONS {
-                self.sessions.clear();
+                self.sessions.pop_first();
             }
             self.sessions.insert(name.to_owned(), session);
         }

@@ -64,10 +64,10 @@ impl Checker<'_> {
     }
 
     fn check_mask_size(&mut self, pointer: &str, text: &str, cameras: &[ImageSizes]) {
-        let Ok(mask) = MaskImage::parse(text) else {
+        let sides = MaskImage::parse(text).ok().and_then(|mask| mask.sides());
+        let Some((width, height)) = sides else {
             return;
         };
-        let (width, height) = mask.kept().size();
         for sizes in cameras.iter().filter(|sizes| !sizes.are_all(width, height)) {
             let message = format!(
                 "the mask has {width}×{height} pixels and the images have {sizes}; draw it in the size of the camera"

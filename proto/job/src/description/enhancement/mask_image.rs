@@ -1,7 +1,5 @@
 //! A drawn mask. The description contains it, so that every machine renders the same frame.
 
-use std::sync::Arc;
-
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use imaging::Plane;
@@ -12,17 +10,17 @@ use serde::de::Error;
 /// Maximum length of the text. The record of every frame contains it; the outline of a robot at 1920 × 1080 needs 3 KB.
 const MAX_TEXT_BYTES: usize = 16 << 10;
 
-/// Maximum pixels of a mask, the largest picture of the masked methods. A small file can hold many equal pixels.
+/// Maximum pixels of a mask. A small file can hold many equal pixels, and every frame decodes it.
 const MAX_PIXELS: usize = 16 << 20;
 
-/// The kept pixels of a picture of one size.
+/// The file of a drawn mask. Its pixels are decoded where a frame is enhanced: a description is read far more often.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MaskImage {
-    kept: Arc<Plane<u8>>,
+    file: Vec<u8>,
 }
 
 impl MaskImage {
-    /// Reads a gray or black-and-white picture in base64.
+    /// Reads base64 of a file, without decoding it.
     ///
     /// # Errors
     /// The reason in words.
@@ -34,29 +32,37 @@ impl MaskImage {
             ));
         }
         let file = STANDARD.decode(text);
-        Self::decode(&file.map_err(|error| format!("is not base64: {error}"))?)
+        let file = file.map_err(|error| format!("is not base64: {error}"))?;
+        Ok(Self { file })
     }
 
-    /// Decodes a gray picture file without loss: PNG, BMP, TIFF or WebP.
+    /// A mask that can be decoded, from a gray picture file without loss: PNG, BMP, TIFF or WebP.
+    ///
+    /// # Errors
+    /// As [`Self::decode`].
+    pub fn from_file(file: Vec<u8>) -> Result<Self, String> {
+        let mask = Self { file };
+        mask.decode().map(|_| mask)
+    }
+
+    /// 255 where the picture is kept and 0 elsewhere.
     ///
     /// # Errors
     /// The reason in words.
-    pub fn decode(file: &[u8]) -> Result<Self, String> {
-        let (width, height) = read_sides(file).ok_or("is not a picture")?;
+    pub fn decode(&self) -> Result<Plane<u8>, String> {
+        let (width, height) = read_sides(&self.file).ok_or("is not a picture")?;
         if width.saturating_mul(height) > MAX_PIXELS {
             return Err(format!(
                 "has {width}×{height} pixels; at most {MAX_PIXELS} are allowed"
             ));
         }
-        let codes = decode_mask(file).map_err(|error| format!("cannot be decoded: {error}"))?;
-        let kept = codes.map(|&code| if code == 0 { 0 } else { u8::MAX });
-        Ok(Self { kept: Arc::new(kept) })
+        let codes = decode_mask(&self.file).map_err(|error| format!("cannot be decoded: {error}"))?;
+        Ok(codes.map(|&code| if code == 0 { 0 } else { u8::MAX }))
     }
 
-    /// 255 where the picture is kept and 0 elsewhere.
-    #[must_use]
-    pub fn kept(&self) -> &Plane<u8> {
-        &self.kept
+    /// Columns and rows, if the file is a picture.
+    pub(crate) fn sides(&self) -> Option<(usize, usize)> {
+        read_sides(&self.file)
     }
 }
 
@@ -81,7 +87,7 @@ mod tests {
     fn black_pixels_are_removed() {
         let drawn = Plane::new(3, 1, vec![0u8, 1, 255]).unwrap();
         let mask = MaskImage::parse(&written(drawn)).unwrap();
-        assert_eq!(mask.kept().data(), [0, 255, 255]);
+        assert_eq!(mask.decode().unwrap().data(), [0, 255, 255]);
     }
 
     #[test]
@@ -95,11 +101,13 @@ mod tests {
             (written(noise), "at most 16384 are allowed"),
         ];
         for (text, reason) in cases {
-            let error = MaskImage::parse(&text).unwrap_err();
+            let error = MaskImage::parse(&text)
+                .and_then(|mask| mask.decode())
+                .unwrap_err();
             assert!(error.contains(reason), "{error}");
         }
         let vast = encode_png(&Plane::filled(5000, 5000, 0u8).into()).unwrap();
-        let error = MaskImage::decode(&vast).unwrap_err();
+        let error = MaskImage::from_file(vast).unwrap_err();
         assert!(error.contains("has 5000×5000 pixels"), "{error}");
     }
 }

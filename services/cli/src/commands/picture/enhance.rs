@@ -124,7 +124,7 @@ fn add_mask(enhancement: &mut Enhancement, file: Option<&Path>) -> Result<(), Fa
         let message = "METHOD has a mask of its own, so --mask has no effect; leave one of them out";
         return Err(Failure::BadInput(message.to_owned()));
     }
-    let mask = MaskImage::decode(&files::read(file)?);
+    let mask = MaskImage::from_file(files::read(file)?);
     let mask = mask.map_err(|why| Failure::BadInput(format!("--mask: {} {why}", file.display())))?;
     enhancement.mask = Mask::Image(mask);
     Ok(())

@@ -110,6 +110,13 @@ impl Gauge {
             let message = format!("metric {unknown} does not exist; there is {known}");
             return Err(Failure::BadInput(message));
         }
+        let has_comparison = registered.iter().any(|id| id.info().needs == Needs::PictureInAir);
+        if arguments.clean.is_some() && !has_comparison {
+            let compared = COMPARING.join(", ");
+            let message =
+                format!("--clean has no effect: no metric compares with it; add {compared}, or leave it out");
+            return Err(Failure::BadInput(message));
+        }
         let engine = Arc::new(Engine::new(library, arguments.style.onnxruntime.as_deref()));
         if has_network && let Err(missing) = engine.runtime() {
             return Err(Failure::RuntimeMissing(missing.to_string()));
