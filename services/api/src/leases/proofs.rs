@@ -123,6 +123,11 @@ impl Proofs {
         }
     }
 
+    /// Keeps a job whose end could not be stored until the next interval of checks.
+    pub(crate) fn keep_ending(&self, job: &str) {
+        self.state().ending.insert(job.to_owned());
+    }
+
     /// The longest waiting checks of one job.
     pub(crate) fn next_batch(&self) -> Vec<DueCheck> {
         take_batch(&mut self.state().waiting, |check| &check.job)
