@@ -70,8 +70,7 @@ pub(crate) async fn commit(
     begun.map_err(|_| stale_lease(&claim))?;
     faults::point("commit.begun");
     // The frame is pinned now: the task unpins it even if the worker disconnects.
-    let stored =
-        to_the_end(async move { leases.commit(&claim, &record, &worker, &frame).await }).await?;
+    let stored = to_the_end(async move { leases.commit(&claim, &record, &worker, &frame).await }).await?;
     let already_there = stored == InsertImage::AlreadyThere;
     Ok(Protobuf(CommitResponse { already_there }))
 }

@@ -2,7 +2,8 @@
 //!
 //! Start-time fair queuing (Goyal, Vin and Cheng 1996): each caller has an account of its served slot time, and the least
 //! served caller goes first. Callers with frames thus share the slots equally, independent of their number of jobs. It is
-//! the limit of deficit round robin for small quanta. Within a caller, higher priorities go first, and equal jobs share its time in the same way.
+//! the limit of deficit round robin for small quanta. Within a caller, higher priorities go first, and equal jobs share
+//! its time in the same way.
 //!
 //! A grant is charged with the price of its frames. When a frame ends, the charge is replaced by the time that it took, so a
 //! wrong price favors its caller only until then.
