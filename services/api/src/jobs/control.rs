@@ -19,6 +19,7 @@ impl Jobs {
             let row = jobs.set_state(&id, SetState::Cancelled).await?;
             if row.state == JobState::Cancelled {
                 jobs.leases.dispatch.cancel(&id);
+                jobs.leases.proofs.mark_ending(&id);
                 jobs.notify(&id, "cancelled");
             }
             Ok(row)
@@ -135,6 +136,7 @@ impl Jobs {
                 engine.retire(&row).await?;
             }
             jobs.leases.dispatch.cancel(&id);
+            jobs.leases.proofs.forget_job(&id);
             jobs.notify(&id, "deleted");
             Ok(deleted)
         })

@@ -185,7 +185,16 @@ async fn settle(
     .fetch_optional(&mut *connection)
     .await?;
     let Some((unproven, is_distrusted)) = open else {
-        return Ok(Settled::default());
+        // A job can also end with its last image or failure, or by a cancel.
+        let has_ended = "SELECT EXISTS (SELECT 1 FROM jobs WHERE id = ? AND state NOT IN ('queued', 'running', 'paused'))";
+        let has_ended: bool = sqlx::query_scalar(has_ended)
+            .bind(job)
+            .fetch_one(&mut *connection)
+            .await?;
+        return Ok(Settled {
+            checks: Vec::new(),
+            has_ended,
+        });
     };
     if unproven > 0 && !gives_up {
         let is_waiting = "SELECT EXISTS (SELECT 1 FROM deliveries WHERE job_id = ? AND due = 1)";
