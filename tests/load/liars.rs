@@ -95,7 +95,7 @@ fn lies_of_ever_new_workers_are_found_before_a_job_is_done() {
         let begun = Instant::now();
         let name = format!("lies-{number}");
         let id = service.submit(&job(&name, factor * strategy.frames));
-        let mut campaign = Campaign::default();
+        let mut campaign = Campaign::with_lies(&Lie::ALL);
         for visit in 0..factor * strategy.visits {
             let identity = Identity::honest(&format!("{name}-{visit}"));
             campaign.visit(&service.url, &identity, strategy.length, strategy.is_lie);
@@ -178,7 +178,7 @@ fn workers_that_cannot_be_checked_get_no_frames_without_consent_and_theirs_stay_
 
     let (status, row) = service.post(&format!("/v1/jobs/{id}/finish-elsewhere"), &json!({}));
     assert_eq!((status, &row["mixed"]), (200, &json!(true)), "{row}");
-    let mut campaign = Campaign::default();
+    let mut campaign = Campaign::with_lies(&Lie::ALL);
     while campaign.visit(&service.url, &other_version, 20, |_| false) > 0 {}
     wait("the job ends", || state(&service, &id)["state"] == "done");
     let end = state(&service, &id);
@@ -191,7 +191,7 @@ fn workers_that_cannot_be_checked_get_no_frames_without_consent_and_theirs_stay_
     // The same description on a machine of another kind: black pictures and flat ranges are found.
     let id = service.submit(&job("other", 20));
     let _ = service.post(&format!("/v1/jobs/{id}/finish-elsewhere"), &json!({}));
-    let mut campaign = Campaign::of(&[Lie::FlatRange]);
+    let mut campaign = Campaign::with_lies(&[Lie::FlatRange]);
     campaign.visit(&service.url, &other_machine, 20, |_| true);
     let honest = Worker::start(&service.url, "honest", 1);
     wait("the job ends", || state(&service, &id)["state"] == "done");
@@ -222,7 +222,7 @@ fn verification_compares_the_whole_record() {
     let data = tempfile::tempdir().expect("a temporary folder");
     let service = Service::start(data.path(), &["--workers", "0", "--spot-check", "0"]);
     let id = service.submit(&job("verified", 3));
-    let mut campaign = Campaign::of(&[Lie::Metric, Lie::EmptyPlan]);
+    let mut campaign = Campaign::with_lies(&[Lie::Metric, Lie::EmptyPlan]);
     campaign.visit(&service.url, &Identity::honest("liar"), 3, |place| place > 0);
     wait("the job ends", || state(&service, &id)["state"] == "done");
     let found = [0, 1, 2].map(|frame| {

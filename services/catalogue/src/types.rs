@@ -222,7 +222,7 @@ pub struct DueCheck {
 pub struct Settled {
     /// Frames drawn to be checked before it can end.
     pub checks: Vec<DueCheck>,
-    /// Whether it has ended now.
+    /// Whether it has ended, now or before.
     pub has_ended: bool,
 }
 

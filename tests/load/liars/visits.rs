@@ -137,7 +137,7 @@ pub(super) struct Campaign {
 
 impl Campaign {
     /// A campaign of these lies, in turn.
-    pub(super) fn of(kinds: &[Lie]) -> Self {
+    pub(super) fn with_lies(kinds: &[Lie]) -> Self {
         Self {
             kinds: kinds.to_vec(),
             ..Self::default()
@@ -152,10 +152,6 @@ impl Campaign {
         length: usize,
         is_lie: fn(usize) -> bool,
     ) -> usize {
-        let kinds = match self.kinds.is_empty() {
-            true => Lie::ALL.to_vec(),
-            false => self.kinds.clone(),
-        };
         let Ok(mut visitor) = Visitor::register(url, identity) else {
             return 0;
         };
@@ -165,7 +161,7 @@ impl Campaign {
             };
             let truth = visitor.render(&lease);
             let mut delivered = truth.clone();
-            let lie = is_lie(place).then(|| kinds[self.lies % kinds.len()]);
+            let lie = is_lie(place).then(|| self.kinds[self.lies % self.kinds.len()]);
             if let Some(lie) = lie {
                 lie.apply(&mut delivered);
             }

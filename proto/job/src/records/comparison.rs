@@ -59,12 +59,7 @@ pub fn compare_records(
     found: &FrameRecord,
     agreement: Agreement,
 ) -> Vec<RecordDifference> {
-    let mut comparison = Comparison {
-        agreement,
-        differences: Vec::new(),
-    };
-    comparison.compare("", Some(&json!(expected)), Some(&json!(found)));
-    comparison.differences
+    compare_values("", &json!(expected), &json!(found), agreement)
 }
 
 /// Returns all differences of two JSON values. Pointers begin with `base`.
@@ -83,7 +78,7 @@ pub fn compare_values(
     comparison.differences
 }
 
-/// Members of a record's text that no version of the record declares, as JSON pointers.
+/// Members of a record's text that this version does not declare, as JSON pointers.
 #[must_use]
 pub fn find_unknown_members(text: &Value, record: &FrameRecord) -> Vec<String> {
     let differences = compare_values("", &json!(record), text, Agreement::Exact);

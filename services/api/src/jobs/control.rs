@@ -19,6 +19,7 @@ impl Jobs {
             let row = jobs.set_state(&id, SetState::Cancelled).await?;
             if row.state == JobState::Cancelled {
                 jobs.leases.dispatch.cancel(&id);
+                jobs.leases.proofs.mark_ending(&id);
                 jobs.notify(&id, "cancelled");
             }
             Ok(row)
@@ -91,13 +92,21 @@ impl Jobs {
             let dispatch = &jobs.leases.dispatch;
             let known = dispatch.free(|table, _| table.retry(&id, &again.frames));
             if !known && !again.job.state.has_ended() {
-                let open = jobs.catalogue.open_job(again.job.clone()).await?;
-                dispatch.add_job(open);
+                jobs.offer_again(&again.job).await?;
             }
             jobs.notify(&id, "tried again");
             Ok(again.job)
         })
         .await
+    }
+
+    /// Offers the frames of a job that the lease table has dropped.
+    pub(super) async fn offer_again(&self, job: &JobRow) -> Result<(), Problem> {
+        // With unproven frames it ends only through a settlement.
+        self.leases.proofs.resume(std::slice::from_ref(job), Vec::new());
+        let open = self.catalogue.open_job(job.clone()).await?;
+        self.leases.dispatch.add_job(open);
+        Ok(())
     }
 
     /// Deletes the images of some frames, which are then rendered again.
@@ -108,8 +117,7 @@ impl Jobs {
             let dispatch = &jobs.leases.dispatch;
             let is_known = dispatch.free(|table, _| table.reopen(&id, &again.frames));
             if !is_known && !again.job.state.has_ended() {
-                let open = jobs.catalogue.open_job(again.job.clone()).await?;
-                dispatch.add_job(open);
+                jobs.offer_again(&again.job).await?;
             }
             jobs.bytes.reclaim.notify_one();
             jobs.notify(&id, "opened again");
@@ -128,6 +136,7 @@ impl Jobs {
                 engine.retire(&row).await?;
             }
             jobs.leases.dispatch.cancel(&id);
+            jobs.leases.proofs.forget_job(&id);
             jobs.notify(&id, "deleted");
             Ok(deleted)
         })

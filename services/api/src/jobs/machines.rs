@@ -41,8 +41,7 @@ impl Jobs {
             }
             jobs.catalogue.retry_failed(&id).await?;
             let row = jobs.catalogue.mix_machines(&id, false).await?;
-            let open = jobs.catalogue.open_job(row.clone()).await?;
-            jobs.leases.dispatch.add_job(open);
+            jobs.offer_again(&row).await?;
             jobs.bytes.reclaim.notify_one();
             jobs.notify(&id, "started again");
             Ok(row)

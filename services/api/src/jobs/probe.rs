@@ -37,12 +37,12 @@ pub(crate) async fn run(jobs: Arc<Jobs>, end: CancellationToken) {
 }
 
 impl Jobs {
-    /// Renders frames of a job again and compares them. Frames without a verdict had none drawn.
+    /// Renders frames of a job again and compares them. Frames that were not rendered have no verdict.
     async fn judge_all(&self, job: &str, frames: &[u64]) -> BTreeMap<u64, Verdict> {
         let mut verdicts = BTreeMap::new();
         let mut stored = BTreeMap::new();
         for &frame in frames {
-            match self.checkable(job, frame).await {
+            match self.read_checkable(job, frame).await {
                 Ok(record) => drop(stored.insert(frame, record)),
                 Err(verdict) => drop(verdicts.insert(frame, verdict)),
             }
@@ -158,7 +158,7 @@ impl Jobs {
                 Ok(settled) => settled,
                 Err(error) => {
                     tracing::error!(%error, job, "cannot end a job; it is repeated");
-                    proofs.mark_ending(&job);
+                    proofs.keep_ending(&job);
                     continue;
                 }
             };

@@ -162,6 +162,7 @@ impl Jobs {
             spec: job.canonical().to_owned(),
             spec_digest,
             frames: job.frames(),
+            // That of a direct render ends with its request.
             priority: limits::JOB_PRIORITY,
             created_at: self.clock.wall(),
             idempotency,
@@ -197,7 +198,9 @@ impl Jobs {
         faults::point("submit.inserted");
         match inserted {
             InsertJob::Created(row) => {
-                self.leases.dispatch.add_urgent_job(row.clone().into(), priority);
+                self.leases
+                    .dispatch
+                    .add_job_with_priority(row.clone().into(), priority);
                 let (dataset, frames) = (&row.dataset, row.frames);
                 tracing::info!(job = id, dataset, frames, "job accepted");
                 Ok(Submitted {

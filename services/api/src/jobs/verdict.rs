@@ -62,7 +62,7 @@ fn describe(differences: &[RecordDifference]) -> Option<String> {
 
 impl Jobs {
     /// The record of a stored frame, or why it cannot be checked at all.
-    pub(super) async fn checkable(&self, job: &str, frame: u64) -> Result<FrameRecord, Verdict> {
+    pub(super) async fn read_checkable(&self, job: &str, frame: u64) -> Result<FrameRecord, Verdict> {
         let image = self.images.get(job, frame).await;
         let image = image.map_err(|problem| Verdict::Open(problem.to_string()))?;
         let stored = FrameRecord::deserialize(&image);

@@ -23,7 +23,7 @@ const MAX_STAGES: usize = 64;
 /// Maximum members of a stage, and bytes of its text.
 const MAX_STAGE_MEMBERS: usize = 32;
 const MAX_STAGE_BYTES: usize = 16_384;
-/// The camera of a frame.
+/// Pointer to the camera of a frame.
 const CAMERA: &str = "/parameters/camera";
 /// Maximum faults of one kind in a rejection.
 const MAX_FAULTS: usize = 20;

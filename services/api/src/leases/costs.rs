@@ -18,9 +18,9 @@ use super::table::OpenCost;
 const KEPT: usize = 9;
 /// Maximum learned kinds; beyond it all are learned again.
 const MAX_KINDS: usize = 256;
-/// A measured cost is at most this many times the typical one, or this part of it.
+/// Maximum ratio of a measured cost to the typical one, and its inverse the minimum.
 const WIDEST: f64 = 1000.0;
-/// Artifacts that only the Monte Carlo trace computes.
+/// Stage of the Monte Carlo trace in a record's times.
 const TRACED: &str = "truth";
 
 /// Costs learned from rendered frames.
@@ -49,8 +49,6 @@ pub(crate) struct Cost {
     pub(crate) bytes: f64,
     /// Seconds of the most expensive frame.
     pub(crate) most_seconds: f64,
-    /// Bytes of the largest frame.
-    pub(crate) most_bytes: f64,
 }
 
 /// A price as the lease table counts it.
@@ -96,7 +94,6 @@ impl Costs {
             cost.seconds += seconds / count;
             cost.bytes += bytes / count;
             cost.most_seconds = cost.most_seconds.max(seconds);
-            cost.most_bytes = cost.most_bytes.max(bytes);
         }
         cost
     }

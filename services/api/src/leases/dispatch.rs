@@ -73,11 +73,11 @@ impl Dispatch {
 
     /// Offers a job's open frames to workers.
     pub(crate) fn add_job(&self, job: OpenJob) {
-        self.add_urgent_job(job, limits::JOB_PRIORITY);
+        self.add_job_with_priority(job, limits::JOB_PRIORITY);
     }
 
     /// Offers a job's open frames with a priority among the jobs of its caller.
-    pub(crate) fn add_urgent_job(&self, job: OpenJob, priority: i32) {
+    pub(crate) fn add_job_with_priority(&self, job: OpenJob, priority: i32) {
         let OpenJob {
             row,
             done,

@@ -8,8 +8,19 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 /// Maximum tracked frames of a worker: some megabytes. Older ones are dropped if checks fall behind.
 const MAX_UNPROVEN: usize = 100_000;
 
-/// Maximum frames that a process renders again.
+/// Maximum frames that a process renders again: a small frame takes less time than its start.
 const BATCH: usize = 32;
+
+/// Removes the longest waiting checks of one job from a queue.
+pub(super) fn take_batch<C>(waiting: &mut VecDeque<C>, job: fn(&C) -> &str) -> Vec<C> {
+    let mut batch: Vec<C> = waiting.pop_front().into_iter().collect();
+    while batch.len() < BATCH
+        && let Some(next) = waiting.pop_front_if(|next| job(next) == job(&batch[0]))
+    {
+        batch.push(next);
+    }
+    batch
+}
 
 /// The unchecked frames of all workers.
 pub(crate) struct Probes {
@@ -89,14 +100,7 @@ impl Probes {
 
     /// The longest waiting frames of one job.
     pub(crate) fn next_batch(&self) -> Vec<Probe> {
-        let mut state = self.state();
-        let mut batch: Vec<Probe> = state.waiting.pop_front().into_iter().collect();
-        while batch.len() < BATCH
-            && let Some(next) = state.waiting.pop_front_if(|next| next.job == batch[0].job)
-        {
-            batch.push(next);
-        }
-        batch
+        take_batch(&mut self.state().waiting, |probe| &probe.job)
     }
 
     /// The frame is good, and so are its worker's earlier commits.

@@ -10,10 +10,10 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use catalogue::{Delivery, DueCheck, JobRow};
 use tokio::sync::Notify;
 
+use super::probes::take_batch;
+
 /// First frames of a registration that are all checked.
 pub(crate) const PROBATION: u64 = 8;
-/// Maximum frames that a process renders again: a small frame takes less time than its start.
-const BATCH: usize = 32;
 /// How often frames of a job are drawn after its last one, if the earlier ones could not be rendered again.
 const MAX_ROUNDS: u32 = 3;
 /// Maximum registrations whose frames are counted; beyond it every frame is drawn.
@@ -91,7 +91,7 @@ impl Proofs {
         draw.is_none_or(|draw| draw.is_multiple_of(self.one_in))
     }
 
-    /// Continues with the open jobs of an earlier run of the service.
+    /// Continues with open jobs of an earlier run of the service, or with ended jobs that were opened again.
     pub(crate) fn resume(&self, jobs: &[JobRow], checks: Vec<DueCheck>) {
         let mut state = self.state();
         for row in jobs {
@@ -123,16 +123,14 @@ impl Proofs {
         }
     }
 
+    /// Keeps a job whose end could not be stored until the next interval of checks.
+    pub(crate) fn keep_ending(&self, job: &str) {
+        self.state().ending.insert(job.to_owned());
+    }
+
     /// The longest waiting checks of one job.
     pub(crate) fn next_batch(&self) -> Vec<DueCheck> {
-        let mut state = self.state();
-        let mut batch: Vec<DueCheck> = state.waiting.pop_front().into_iter().collect();
-        while batch.len() < BATCH
-            && let Some(next) = state.waiting.pop_front_if(|next| next.job == batch[0].job)
-        {
-            batch.push(next);
-        }
-        batch
+        take_batch(&mut self.state().waiting, |check| &check.job)
     }
 
     /// The jobs whose frames have all ended, and whether their unproven frames are given up.

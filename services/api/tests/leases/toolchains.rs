@@ -3,6 +3,7 @@
 use api::lease_table::{Grant, JobEntry, LeaseTable, Millis, Rules, Toolchain};
 use wire::messages::{Claim, RegisterRequest};
 
+use super::claim;
 use super::promises::job;
 
 fn worker(code_version: &str, onnx_runtime: Option<&str>) -> RegisterRequest {
@@ -25,12 +26,8 @@ fn toolchain(code_version: &str, onnx_runtime: Option<&str>) -> Toolchain {
 }
 
 fn first_claim(grant: &Grant) -> Claim {
-    Claim {
-        token: grant.token,
-        job_id: grant.job_id.clone(),
-        frame: grant.frames[0].0,
-        attempt: grant.frames[0].1,
-    }
+    let (frame, attempt) = grant.frames[0];
+    claim(&grant.job_id, frame, grant.token, attempt)
 }
 
 #[test]

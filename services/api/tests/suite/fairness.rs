@@ -24,7 +24,13 @@ fn two_callers() -> Running {
     service
 }
 
-fn post_as(service: &Running, caller: &str, path: &str, body: &Value, more: &[(&str, &str)]) -> Answer {
+pub(super) fn post_as(
+    service: &Running,
+    caller: &str,
+    path: &str,
+    body: &Value,
+    more: &[(&str, &str)],
+) -> Answer {
     let bearer = format!("Bearer {caller}");
     let mut headers = vec![
         ("content-type", "application/json"),

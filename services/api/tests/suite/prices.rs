@@ -6,9 +6,10 @@ use api::PriceLimits;
 use serde_json::{Value, json};
 
 use crate::common::worker::Fake;
-use crate::common::{Running, Setup, job, start, start_on, start_with};
+use crate::common::{Answer, Running, Setup, job, start, start_on, start_with};
+use crate::fairness::post_as;
 
-/// A small frame with two million paths for each pixel.
+/// A small frame with a million paths for each pixel.
 fn expensive() -> Value {
     json!({
         "dataset": "truth", "count": 1000, "scene": {"kind": "procedural", "family": "structure", "seed": 3},
@@ -53,6 +54,19 @@ fn the_limit_of_a_frame_can_be_changed() {
     assert_eq!(service.post("/v1/jobs", &expensive()).status, 202);
 }
 
+/// Submits 100 frames of the small job with the dataset as key.
+fn submit_as(service: &Running, caller: &str, dataset: &str) -> Answer {
+    let mut body = job();
+    (body["dataset"], body["count"]) = (json!(dataset), json!(100));
+    post_as(
+        service,
+        caller,
+        "/v1/jobs",
+        &body,
+        &[("idempotency-key", dataset)],
+    )
+}
+
 /// The price of 100 frames of the small job, s.
 fn price_of_100(service: &Running) -> f64 {
     let mut body = job();
@@ -73,28 +87,20 @@ fn the_open_jobs_of_a_caller_are_limited_together() {
         ..Setup::default()
     });
     service.token = Some("boss");
-    let submit = |caller: &str, dataset: &str| {
-        let mut body = job();
-        (body["dataset"], body["count"]) = (json!(dataset), json!(100));
-        let bearer = format!("Bearer {caller}");
-        let headers = [
-            ("content-type", "application/json"),
-            ("authorization", bearer.as_str()),
-            ("idempotency-key", dataset),
-        ];
-        service.post_with("/v1/jobs", &headers, body.to_string().as_bytes())
-    };
-    let first = submit("alice", "first");
+    let first = submit_as(&service, "alice", "first");
     assert_eq!(first.status, 202, "{}", first.text());
-    let problem = submit("alice", "second").problem(429, "caller-limit");
+    let problem = submit_as(&service, "alice", "second").problem(429, "caller-limit");
     let detail = problem["detail"].as_str().unwrap();
     assert!(
         detail.contains("--max-caller-h") && detail.contains("cancel one"),
         "{detail}"
     );
     // The limit is per caller, and a repeated submission returns its job.
-    assert_eq!(submit("bob", "third").status, 202);
-    assert_eq!(submit("alice", "first").json()["id"], first.json()["id"]);
+    assert_eq!(submit_as(&service, "bob", "third").status, 202);
+    assert_eq!(
+        submit_as(&service, "alice", "first").json()["id"],
+        first.json()["id"]
+    );
     let id = first.json()["id"].as_str().unwrap().to_owned();
     let headers = [("authorization", "Bearer alice")];
     assert_eq!(
@@ -103,7 +109,7 @@ fn the_open_jobs_of_a_caller_are_limited_together() {
             .status,
         200
     );
-    assert_eq!(submit("alice", "second").status, 202);
+    assert_eq!(submit_as(&service, "alice", "second").status, 202);
 }
 
 #[test]

@@ -109,7 +109,7 @@ impl Catalogue {
             .await
     }
 
-    /// Forgets some deliveries of an ended job without unproven frames and due checks. Returns whether any remain.
+    /// Forgets some deliveries of an ended job without unproven frames and due checks. Returns whether more may remain.
     ///
     /// # Errors
     /// [`CatalogueError`].
@@ -185,7 +185,16 @@ async fn settle(
     .fetch_optional(&mut *connection)
     .await?;
     let Some((unproven, is_distrusted)) = open else {
-        return Ok(Settled::default());
+        // A job can also end with its last image or failure, or by a cancel.
+        let has_ended = "SELECT EXISTS (SELECT 1 FROM jobs WHERE id = ? AND state NOT IN ('queued', 'running', 'paused'))";
+        let has_ended: bool = sqlx::query_scalar(has_ended)
+            .bind(job)
+            .fetch_one(&mut *connection)
+            .await?;
+        return Ok(Settled {
+            checks: Vec::new(),
+            has_ended,
+        });
     };
     if unproven > 0 && !gives_up {
         let is_waiting = "SELECT EXISTS (SELECT 1 FROM deliveries WHERE job_id = ? AND due = 1)";
@@ -216,12 +225,10 @@ async fn settle(
 
 /// Draws a frame of each worker with unproven deliveries, after the last of them, so that no worker can foresee it.
 async fn draw_last(connection: &mut SqliteConnection, job: &str) -> Result<Vec<DueCheck>, CatalogueError> {
-    let sql =
-        "SELECT job_id, max(place), worker FROM deliveries WHERE job_id = ? AND proof = 0 GROUP BY worker";
-    let workers: Vec<(String, i64, String)> =
-        sqlx::query_as(sql).bind(job).fetch_all(&mut *connection).await?;
+    let sql = "SELECT max(place), worker FROM deliveries WHERE job_id = ? AND proof = 0 GROUP BY worker";
+    let workers: Vec<(i64, String)> = sqlx::query_as(sql).bind(job).fetch_all(&mut *connection).await?;
     let mut checks = Vec::with_capacity(workers.len());
-    for (_, last, worker) in workers {
+    for (last, worker) in workers {
         let drawn: DueRow = sqlx::query_as(
             "UPDATE deliveries SET due = 1, covers = ?3
              WHERE job_id = ?1 AND frame = (SELECT frame FROM deliveries WHERE job_id = ?1 AND worker = ?2 AND proof = 0

@@ -11,7 +11,7 @@ const PNG_SIGNATURE_BYTES: usize = 8;
 const MAX_TEXT_BYTES: usize = 4096;
 /// Deflate packs at most this many bytes into one.
 const DEFLATE_RATIO: usize = 1032;
-/// Maximum bytes that deflate adds to pixels that cannot be compressed, and a share of them.
+/// Bytes that deflate may add to incompressible pixels, besides a 64th of them.
 const DEFLATE_OVERHEAD: usize = 4096;
 
 /// Sides and samples of a file.
@@ -88,6 +88,10 @@ fn read_png(bytes: &[u8]) -> Result<FileLayout, String> {
     Ok(layout)
 }
 
+fn describe_truncation() -> String {
+    "it is truncated".to_owned()
+}
+
 /// Whether deflate can pack the pixels of this layout into this number of bytes.
 fn check_pixels(layout: FileLayout, stored: usize) -> Result<(), String> {
     let FileLayout {
@@ -120,12 +124,14 @@ struct PngChunks<'a> {
 impl<'a> PngChunks<'a> {
     /// The next chunk: its length, kind, data and checksum, which is not verified.
     fn next_chunk(&mut self) -> Result<PngChunk<'a>, String> {
-        let cut = || "it is truncated".to_owned();
-        let (length, rest) = self.rest.split_first_chunk::<4>().ok_or_else(cut)?;
-        let (kind, rest) = rest.split_first_chunk::<4>().ok_or_else(cut)?;
+        let (length, rest) = self
+            .rest
+            .split_first_chunk::<4>()
+            .ok_or_else(describe_truncation)?;
+        let (kind, rest) = rest.split_first_chunk::<4>().ok_or_else(describe_truncation)?;
         let length = u32::from_be_bytes(*length) as usize;
-        let (data, rest) = rest.split_at_checked(length).ok_or_else(cut)?;
-        let (_, rest) = rest.split_first_chunk::<4>().ok_or_else(cut)?;
+        let (data, rest) = rest.split_at_checked(length).ok_or_else(describe_truncation)?;
+        let (_, rest) = rest.split_first_chunk::<4>().ok_or_else(describe_truncation)?;
         self.rest = rest;
         Ok(PngChunk { kind, data })
     }
@@ -133,11 +139,10 @@ impl<'a> PngChunks<'a> {
 
 /// Walks the segments of a JPEG file. Entropy-coded data ends at the next marker that is not a restart.
 fn read_jpeg(bytes: &[u8]) -> Result<FileLayout, String> {
-    let cut = || "it is truncated".to_owned();
-    let mut rest = bytes.get(2..).ok_or_else(cut)?;
+    let mut rest = bytes.get(2..).ok_or_else(describe_truncation)?;
     let mut layout = None;
     loop {
-        let (&[first, kind], after) = rest.split_first_chunk::<2>().ok_or_else(cut)?;
+        let (&[first, kind], after) = rest.split_first_chunk::<2>().ok_or_else(describe_truncation)?;
         if first != 0xff {
             return Err("it has bytes between its segments".to_owned());
         }
@@ -147,9 +152,9 @@ fn read_jpeg(bytes: &[u8]) -> Result<FileLayout, String> {
             }
             return layout.ok_or_else(|| "it has no picture".to_owned());
         }
-        let (length, _) = after.split_first_chunk::<2>().ok_or_else(cut)?;
+        let (length, _) = after.split_first_chunk::<2>().ok_or_else(describe_truncation)?;
         let length = usize::from(u16::from_be_bytes(*length));
-        let (segment, after) = after.split_at_checked(length).ok_or_else(cut)?;
+        let (segment, after) = after.split_at_checked(length).ok_or_else(describe_truncation)?;
         if let (0xc0..=0xc2, [_, _, bits, h0, h1, w0, w1, channels, ..]) = (kind, segment) {
             layout = Some(FileLayout {
                 width: usize::from(u16::from_be_bytes([*w0, *w1])),
@@ -159,7 +164,7 @@ fn read_jpeg(bytes: &[u8]) -> Result<FileLayout, String> {
             });
         }
         rest = match kind {
-            0xda => skip_entropy_coded(after).ok_or_else(cut)?,
+            0xda => skip_entropy_coded(after).ok_or_else(describe_truncation)?,
             _ if length < 2 => return Err("a segment of it is shorter than its length".to_owned()),
             _ => after,
         };

@@ -88,7 +88,7 @@ impl Running {
             let lost = frame.lost.get_or_insert_with(Instant::now);
             if lost.elapsed() > limits.lost {
                 let Claim { job_id, frame, .. } = &frame.claim;
-                let message = format!("frame {frame} of {job_id} goes on although nobody waits for it");
+                let message = format!("frame {frame} of {job_id} continues although its lease was lost");
                 return Some(Verdict::Idle(message));
             }
         }

@@ -52,7 +52,7 @@ fn report_late(shared: &Shared, claim: Claim, message: String) {
     }
 }
 
-/// Releases the leases of other frames. One whose release fails expires after the process ends.
+/// Releases all leases. One whose release fails expires after the process ends.
 fn release_all(shared: &Shared) {
     for token in shared.held.tokens() {
         let _ = shared

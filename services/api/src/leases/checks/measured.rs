@@ -1,4 +1,4 @@
-//! The measurements of a record: exactly the metrics that the frame requests, for each of its pictures.
+//! The measurements of a record: only metrics that the frame requests, and of those all that are always defined.
 
 use std::collections::BTreeMap;
 
@@ -8,20 +8,16 @@ use spec::{Frame, FrameRecord};
 /// Returns all faults of the measurements.
 pub(super) fn find_faults(frame: &Frame, record: &FrameRecord) -> Vec<String> {
     let mut faults = Vec::new();
+    let enhanced = frame.enhance.iter().map(|enhancement| enhancement.name.as_str());
+    let subjects: Vec<&str> = std::iter::once("rgb").chain(enhanced).collect();
     for (subject, values) in &record.measurements {
-        if subject != "rgb"
-            && !frame
-                .enhance
-                .iter()
-                .any(|enhancement| enhancement.name == *subject)
-        {
+        if !subjects.contains(&subject.as_str()) {
             faults.push(format!("/measurements/{subject}: the frame has no such picture"));
         }
         let others = values.keys().filter(|metric| !frame.metrics.contains(metric));
         faults.extend(others.map(|metric| format!("/measurements/{subject}/{metric} was not requested")));
     }
-    let enhanced = frame.enhance.iter().map(|enhancement| enhancement.name.as_str());
-    for subject in std::iter::once("rgb").chain(enhanced) {
+    for subject in subjects {
         let values = record.measurements.get(subject);
         let missing = frame.metrics.iter().filter(|metric| is_missing(metric, values));
         faults.extend(missing.map(|metric| format!("/measurements/{subject}/{metric} is missing")));

@@ -1,7 +1,5 @@
 //! Kinds of work: frames of one kind have similar costs relative to the typical ones.
 
-use std::fmt::Write;
-
 use spec::{Fidelity, Frame, Scene};
 
 use super::typical::runs;
@@ -43,8 +41,8 @@ impl WorkKind {
         let steps = frame.enhance.iter().flat_map(|enhancement| &enhancement.steps);
         let stages = STAGES.into_iter().filter(|stage| runs(frame, stage));
         for name in stages.chain(steps.map(|step| step.name())) {
-            // Writing to a text cannot fail.
-            let _ = write!(kind, " {name}");
+            kind.push(' ');
+            kind.push_str(name);
         }
         Self(kind)
     }

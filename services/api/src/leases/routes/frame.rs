@@ -59,7 +59,7 @@ pub(crate) async fn commit(
     let claim = request.claim.unwrap_or_default();
     let current = leases.dispatch.table(|table, _| table.check(&claim));
     current.map_err(|_| stale_lease(&claim))?;
-    let worker = leases.examine(&claim, &record, &request.record_json).await?;
+    let (worker, frame) = leases.examine(&claim, &record, &request.record_json).await?;
     let begun = leases.dispatch.free(|table, now| {
         if table.record_toolchain(&claim.job_id, &Toolchain::from_provenance(&record.provenance)) {
             return table.begin_commit(&claim, now);
@@ -70,7 +70,7 @@ pub(crate) async fn commit(
     begun.map_err(|_| stale_lease(&claim))?;
     faults::point("commit.begun");
     // The frame is pinned now: the task unpins it even if the worker disconnects.
-    let stored = to_the_end(async move { leases.commit(&claim, &record, &worker).await }).await?;
+    let stored = to_the_end(async move { leases.commit(&claim, &record, &worker, &frame).await }).await?;
     let already_there = stored == InsertImage::AlreadyThere;
     Ok(Protobuf(CommitResponse { already_there }))
 }
@@ -119,8 +119,13 @@ impl Leases {
             .map_err(|error| Problem::internal(&error))
     }
 
-    /// Compares a record with the known facts of its frame; returns the worker.
-    async fn examine(&self, claim: &Claim, record: &FrameRecord, text: &[u8]) -> Result<String, Problem> {
+    /// Compares a record with the known facts of its frame; returns the worker and the frame.
+    async fn examine(
+        &self,
+        claim: &Claim,
+        record: &FrameRecord,
+        text: &[u8],
+    ) -> Result<(String, Arc<Frame>), Problem> {
         let worker = self.dispatch.holder(claim.token);
         let (id, worker) = worker.ok_or_else(|| stale_lease(claim))?;
         let known = match self.pending.get(claim) {
@@ -143,7 +148,7 @@ impl Leases {
         };
         let faults = evidence.faults();
         if faults.is_empty() {
-            return Ok(id);
+            return Ok((id, known.frame));
         }
         Err(self.refuse(claim, &faults).await)
     }
@@ -164,6 +169,7 @@ impl Leases {
         claim: &Claim,
         record: &FrameRecord,
         worker: &str,
+        frame: &Frame,
     ) -> Result<InsertImage, Problem> {
         let is_own = self.dispatch.is_own(worker);
         let now_ms = self.clock.wall().0;
@@ -187,9 +193,7 @@ impl Leases {
         }
         if matches!(inserted, Ok(InsertImage::Inserted)) {
             telemetry::committed(record);
-            if let Ok(frame) = self.frame(claim).await {
-                self.costs.learn(&frame, record);
-            }
+            self.costs.learn(frame, record);
             match is_own {
                 true => self.probes.record_commit(worker, &claim.job_id, claim.frame),
                 false => self.proofs.push(check),

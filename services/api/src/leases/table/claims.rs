@@ -34,10 +34,7 @@ impl LeaseTable {
         self.check(claim)?;
         let frame = frame_of(claim);
         let lease = self.leases.get(claim.token).ok_or(Stale)?;
-        if self.pinned.contains_key(&frame) {
-            return Err(Stale);
-        }
-        if lease.ends <= now {
+        if lease.ends <= now || self.pinned.contains_key(&frame) {
             return Err(Stale);
         }
         let taken = self.charge_time(claim.token, now);

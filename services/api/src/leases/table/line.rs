@@ -1,9 +1,9 @@
 //! Scheduling order: callers first, then the jobs of each.
 //!
-//! Fair queuing by time (Goyal, Vin and Cheng 1996): each caller has the slot time that it was
-//! served, and the least served one goes first, so callers with frames share the slots equally, independent of their number
-//! of jobs. It is deficit round robin with a quantum towards zero: the deficit is the difference to the caller served most.
-//! Within a caller, higher priorities go first, and equal jobs share its time in the same way.
+//! Start-time fair queuing (Goyal, Vin and Cheng 1996): each caller has an account of its served slot time, and the least
+//! served caller goes first. Callers with frames thus share the slots equally, independent of their number of jobs. It is
+//! the limit of deficit round robin for small quanta. Within a caller, higher priorities go first, and equal jobs share
+//! its time in the same way.
 //!
 //! A grant is charged with the price of its frames. When a frame ends, the charge is replaced by the time that it took, so a
 //! wrong price favors its caller only until then.

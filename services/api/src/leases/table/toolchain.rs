@@ -64,17 +64,14 @@ impl std::fmt::Display for Toolchain {
 impl Rules {
     /// Whether a worker may render frames of a job.
     pub(super) fn fits(&self, job: &Job, worker: &RegisterRequest) -> bool {
-        if self.mixed || job.mixed {
-            return true;
-        }
-        match self.needed(job) {
-            Some(needed) => needed.matches(worker),
-            None => true,
-        }
+        self.needed(job).is_none_or(|needed| needed.matches(worker))
     }
 
     /// The toolchain that a job needs; `None`: any.
     fn needed(&self, job: &Job) -> Option<Toolchain> {
+        if self.mixed || job.mixed {
+            return None;
+        }
         let made = job.made.as_ref();
         let Some(reference) = &self.reference else {
             return made.filter(|_| !job.is_untouched()).cloned();
@@ -151,7 +148,7 @@ impl LeaseTable {
         let needed = self.rules.needed(job)?;
         let workers = self.workers.values().map(|worker| &worker.about);
         let misfits: Vec<_> = workers
-            .filter(|about: &&RegisterRequest| !self.rules.fits(job, about))
+            .filter(|about: &&RegisterRequest| !needed.matches(about))
             .cloned()
             .collect();
         (!misfits.is_empty()).then_some(Misfits {

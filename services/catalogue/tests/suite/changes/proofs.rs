@@ -81,6 +81,8 @@ async fn frames_that_cannot_be_checked_stay_unproven_in_an_ended_job() {
     assert!(at.catalogue.settle("job_a", true, 5000).await.unwrap().has_ended);
     let done = row(&at).await;
     assert_eq!((done.state, done.unproven), (JobState::Done, 2));
+    let again = at.catalogue.settle("job_a", false, 6000).await.unwrap();
+    assert_eq!((again.checks.len(), again.has_ended), (0, true));
     let at = at.reopen().await;
     assert_eq!(row(&at).await.unproven, 2);
 }
