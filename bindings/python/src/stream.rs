@@ -107,31 +107,24 @@ impl Stream {
                 return Err(refuse(messages.join("; ")));
             }
         };
-        let (samples, distances) = (picture.samples(), depth.as_ref().map(DepthArray::samples));
         let input = StreamInput {
-            picture: picture.describe(channels, &samples),
-            depth: depth
-                .as_ref()
-                .zip(distances.as_ref())
-                .map(|(depth, samples)| depth.describe(samples)),
+            picture: picture.describe(channels),
+            depth: depth.as_ref().map(DepthArray::describe),
             camera,
             stamp_ns,
             pose,
         };
-        let StreamFrame {
-            artifacts,
-            record,
-            elapsed_ms,
-        } = self.run(py, &input)?;
-        let bound = record.promise.as_ref().map(|promise| promise.bound);
-        let arrays = artifacts
+        let frame = self.run(py, &input)?;
+        let bound = frame.error_bound();
+        let arrays = frame
+            .artifacts
             .into_iter()
             .map(|(kind, content)| Ok((kind.to_string(), of_content(py, content)?)));
         Ok((
             arrays.collect::<PyResult<_>>()?,
-            StreamRecord(record),
+            StreamRecord(frame.record),
             bound,
-            elapsed_ms,
+            frame.elapsed_ms,
         ))
     }
 }
