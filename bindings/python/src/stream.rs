@@ -133,6 +133,7 @@ impl Stream {
     /// Renders a frame detached from the interpreter.
     fn run(&self, py: Python<'_>, input: &StreamInput<'_>) -> PyResult<StreamFrame> {
         let mut stream = self.take()?;
+        let stamp_ns = input.stamp_ns.unwrap_or(stream.frames());
         let (stream, rendered) = py.detach(|| {
             let rendered = stream.render(input);
             (stream, rendered)
@@ -140,7 +141,7 @@ impl Stream {
         *self.idle.lock().unwrap_or_else(PoisonError::into_inner) = Some(stream);
         rendered.map_err(|error| match error {
             StreamError::Input(_) => invalid_argument(py, error.to_string()),
-            StreamError::Render(error) => render_error(py, input.stamp_ns.unwrap_or_default(), error),
+            StreamError::Render(error) => render_error(py, stamp_ns, error),
         })
     }
 
