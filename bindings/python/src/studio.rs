@@ -17,7 +17,7 @@ pub(crate) struct Studio {
     idle_networks: Mutex<Vec<PictureNetworks>>,
 }
 
-/// Where a studio comes from. A changed folder is another origin.
+/// The inputs of a studio. A changed folder is a different origin.
 #[derive(PartialEq)]
 struct Origin {
     styles: Option<PathBuf>,
