@@ -1,17 +1,18 @@
-"""Measures streams: the time of a call from arrays to arrays, and the part of it outside of the chain.
+"""Measures streams: the time of a call from arrays to arrays, and the part of it outside the rendering stages.
 
-Run by the interpreter of an environment with the wheel, on one core: `taskset -c 0 python scripts/measure_stream.py`.
+Run it with the interpreter of an environment with the wheel, on one core: `taskset -c 0 python scripts/measure_stream.py`.
+An argument sets the number of measured frames of each job.
 """
 
 import resource
 import statistics
+import sys
 import time
 
 import fathom
-import numpy as np
 
 SIZE = (768, 492)
-FRAMES = 60
+FRAMES = int(sys.argv[1]) if len(sys.argv) > 1 else 60
 WARM = 8
 LAMP = {"kind": "spot", "intensity": [20, 20, 20], "cone_deg": 60}
 LAMPS = [
@@ -20,6 +21,7 @@ LAMPS = [
 ]
 HAZE = {"kind": "haze", "x": 0.3, "y": 1, "size": 0.1, "intensity": 0.4}
 WATER = {"optics": "jerlov-1C"}
+LATE = "water, haze, two lamps, 50 ms"
 JOBS = {
     "water": {"water": WATER},
     "water, haze": {"water": WATER, "lights": [HAZE]},
@@ -33,6 +35,7 @@ JOBS = {
         "lights": [*LAMPS, HAZE],
         "enhance": ["hscm"],
     },
+    LATE: {"water": WATER, "lights": [*LAMPS, HAZE]},
     "no water": {},
     "HSCM alone": {"enhance": ["hscm"]},
 }
@@ -41,18 +44,20 @@ JOBS = {
 def main() -> None:
     """Print one row for each job."""
     width, height = SIZE
-    job = {
+    described = {
         "scene": {"kind": "procedural", "family": "structure", "lighting": "in_air"},
         "metrics": [],
     }
     air = fathom.render(
-        job | {"camera": {"width": width, "height": height}}, 0, ["clean", "range"]
+        described | {"camera": {"width": width, "height": height}},
+        0,
+        ["clean", "range"],
     )
     print(
         f"{'job':32} {'ms':>7} {'best':>7} {'CPU':>7} {'outside':>8} {'MB':>5}  largest stages, ms"
     )
     for name, job in JOBS.items():
-        stream = fathom.Stream(job)
+        stream = fathom.Stream(job, deadline_ms=50 if name == LATE else None)
         meters = None if "water" not in job else air.range_m
         times, processor, outside, stages = [], [], [], {}
         for stamp in range(FRAMES + WARM):
@@ -68,7 +73,7 @@ def main() -> None:
             spent = out.record["timings_ms"]
             times.append(elapsed)
             processor.append(worked)
-            # Decoding is of the stream; a chain begins with the planes.
+            # `scene` is the decoding of the arrays, which belongs to the stream.
             outside.append(elapsed - spent["total"] + spent["scene"])
             for stage, ms in spent.items():
                 stages.setdefault(stage, []).append(ms)

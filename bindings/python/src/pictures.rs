@@ -59,12 +59,12 @@ pub(crate) fn measure(
     let clean = clean.map(|clean| clean.to_rgb8());
     let studio = Studio::open_recent(styles.as_deref(), onnxruntime.as_deref())?;
     let known = renderer::vocabulary(&studio.engine.library(), true).listed(Names::Metric);
-    let (mut ids, mut wanted) = (Vec::new(), Vec::new());
+    let mut ids = Vec::new();
     for name in &metrics {
-        match (MetricId::parse(name), name.strip_prefix(METRIC_NETWORK)) {
-            (Some(id), _) => ids.push(id),
-            (None, Some(network)) if known.contains(name) => wanted.push(network),
-            (None, _) => {
+        match MetricId::parse(name) {
+            Some(id) => ids.push(id),
+            None if name.starts_with(METRIC_NETWORK) && known.contains(name) => {}
+            None => {
                 let known = known.join(", ");
                 return Err(refused(format!(
                     "metric `{name}` does not exist; there is {known}"
@@ -74,37 +74,34 @@ pub(crate) fn measure(
     }
     let mut networks = studio.take_networks();
     let (networks, values) = py.detach(|| {
-        let values = measure_all(&picture, clean.as_ref(), &ids, &wanted, &mut networks);
+        let values = measure_all(&picture, clean.as_ref(), &ids, metrics, &mut networks);
         (networks, values)
     });
     studio.keep_networks(networks);
-    let (registered, of_networks) = values.map_err(PyValueError::new_err)?;
-    let (mut registered, mut of_networks) = (registered.into_iter(), of_networks.into_iter());
-    let values = metrics.into_iter().filter_map(|name| {
-        let value = match name.starts_with(METRIC_NETWORK) {
-            true => of_networks.next(),
-            false => registered.next(),
-        };
-        Some((name, value?))
-    });
-    Ok(values.collect())
+    values.map_err(PyValueError::new_err)
 }
 
-/// The values of the metrics of the registry, and those of networks, each in order.
+/// The values of the metrics with these names, of which `ids` are those of the registry.
 fn measure_all(
     picture: &Rgb8,
     clean: Option<&Rgb8>,
     ids: &[MetricId],
-    wanted: &[&str],
+    names: Vec<String>,
     networks: &mut PictureNetworks,
-) -> Result<(Vec<f64>, Vec<f64>), String> {
+) -> Result<Vec<(String, f64)>, String> {
     let registered = quality::measure(picture, clean, ids).map_err(|error| error.to_string())?;
-    let registered = registered.into_iter().map(|(_, value)| value).collect();
-    let of_networks = wanted.iter().map(|name| networks.measure(name, picture));
-    let of_networks = of_networks
-        .collect::<Result<_, _>>()
-        .map_err(|error| error.to_string())?;
-    Ok((registered, of_networks))
+    let mut registered = registered.into_iter().map(|(_, value)| value);
+    let mut all = Vec::with_capacity(names.len());
+    for name in names {
+        let value = match name.strip_prefix(METRIC_NETWORK) {
+            Some(network) => networks
+                .measure(network, picture)
+                .map_err(|error| error.to_string())?,
+            None => registered.next().ok_or("a metric has no value")?,
+        };
+        all.push((name, value));
+    }
+    Ok(all)
 }
 
 /// The array of a PNG, JPEG, WebP or NPY file.

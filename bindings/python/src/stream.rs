@@ -107,31 +107,24 @@ impl Stream {
                 return Err(refuse(messages.join("; ")));
             }
         };
-        let (samples, distances) = (picture.samples(), depth.as_ref().map(DepthArray::samples));
         let input = StreamInput {
-            picture: picture.describe(channels, &samples),
-            depth: depth
-                .as_ref()
-                .zip(distances.as_ref())
-                .map(|(depth, samples)| depth.describe(samples)),
+            picture: picture.describe(channels),
+            depth: depth.as_ref().map(DepthArray::describe),
             camera,
             stamp_ns,
             pose,
         };
-        let StreamFrame {
-            artifacts,
-            record,
-            elapsed_ms,
-        } = self.run(py, &input)?;
-        let bound = record.promise.as_ref().map(|promise| promise.bound);
-        let arrays = artifacts
+        let frame = self.run(py, &input)?;
+        let bound = frame.error_bound();
+        let arrays = frame
+            .artifacts
             .into_iter()
             .map(|(kind, content)| Ok((kind.to_string(), of_content(py, content)?)));
         Ok((
             arrays.collect::<PyResult<_>>()?,
-            StreamRecord(record),
+            StreamRecord(frame.record),
             bound,
-            elapsed_ms,
+            frame.elapsed_ms,
         ))
     }
 }
@@ -140,6 +133,7 @@ impl Stream {
     /// Renders a frame detached from the interpreter.
     fn run(&self, py: Python<'_>, input: &StreamInput<'_>) -> PyResult<StreamFrame> {
         let mut stream = self.take()?;
+        let stamp_ns = input.stamp_ns.unwrap_or(stream.frames());
         let (stream, rendered) = py.detach(|| {
             let rendered = stream.render(input);
             (stream, rendered)
@@ -147,7 +141,7 @@ impl Stream {
         *self.idle.lock().unwrap_or_else(PoisonError::into_inner) = Some(stream);
         rendered.map_err(|error| match error {
             StreamError::Input(_) => invalid_argument(py, error.to_string()),
-            StreamError::Render(error) => render_error(py, input.stamp_ns.unwrap_or_default(), error),
+            StreamError::Render(error) => render_error(py, stamp_ns, error),
         })
     }
 

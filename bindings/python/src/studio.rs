@@ -17,7 +17,7 @@ pub(crate) struct Studio {
     idle_networks: Mutex<Vec<PictureNetworks>>,
 }
 
-/// Where a studio comes from. A changed folder is another origin.
+/// The inputs of a studio. A changed folder is a different origin.
 #[derive(PartialEq)]
 struct Origin {
     styles: Option<PathBuf>,
@@ -73,9 +73,12 @@ impl Studio {
         })
     }
 
-    /// As [`Studio::open`]; the last one is kept until its folder changes, so that its networks stay prepared between pictures.
+    /// As [`Studio::open`], but keeps the last one until its folder changes, so that its networks stay loaded.
     pub(crate) fn open_recent(styles: Option<&Path>, onnxruntime: Option<&Path>) -> PyResult<Arc<Self>> {
         static RECENT: Mutex<Option<(Origin, Arc<Studio>)>> = Mutex::new(None);
+        if styles.is_none() && onnxruntime.is_none() {
+            return Self::open(None, None);
+        }
         let origin = Origin::new(styles, onnxruntime);
         let mut recent = RECENT.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((known, studio)) = &*recent

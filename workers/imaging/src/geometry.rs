@@ -32,6 +32,14 @@ impl Intrinsics {
     pub fn ray(&self, x: f64, y: f64) -> DVec3 {
         vec3((x - self.cx) / self.focal_px, (y - self.cy) / self.focal_px, 1.0)
     }
+
+    /// Length of the ray of a pixel up to z = 1, `sqrt(1 + ((x-cx)/f)² + ((y-cy)/f)²)`: the factor from z-depth to range.
+    #[must_use]
+    pub fn ray_length(&self, x: usize, y: usize) -> f64 {
+        let u = (x as f64 - self.cx) / self.focal_px;
+        let v = (y as f64 - self.cy) / self.focal_px;
+        (1.0 + u * u + v * v).sqrt()
+    }
 }
 
 /// Range in meters along the ray, `Z = d sqrt(1 + ((x-cx)/f)² + ((y-cy)/f)²)`, from z-depth `d` in meters. Invalid
@@ -39,9 +47,7 @@ impl Intrinsics {
 #[must_use]
 pub fn range_from_z_depth(z_depth: &Plane<f32>, camera: &Intrinsics) -> Plane<f32> {
     Plane::from_fn(z_depth.width(), z_depth.height(), |x, y| {
-        let u = (x as f64 - camera.cx) / camera.focal_px;
-        let v = (y as f64 - camera.cy) / camera.focal_px;
-        (f64::from(z_depth.pixel(x, y)) * (1.0 + u * u + v * v).sqrt()) as f32
+        (f64::from(z_depth.pixel(x, y)) * camera.ray_length(x, y)) as f32
     })
 }
 

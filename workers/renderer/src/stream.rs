@@ -11,6 +11,7 @@ mod output;
 use std::sync::Arc;
 use std::time::Instant;
 
+use imaging::geometry::Intrinsics;
 use spec::{ArtifactKind, Fidelity, FieldError, Frame, FrameRecord, Invalid, Job, RangeKind};
 
 use crate::engine::Engine;
@@ -49,7 +50,6 @@ pub struct Stream {
     costs: Option<CostModel>,
     slot: Slot,
     decoder: Decoder,
-    /// Rendered frames; the stamp of a frame without one.
     frames: u64,
 }
 
@@ -83,8 +83,8 @@ impl Stream {
         Ok(stream)
     }
 
-    /// The cost model of the job on this machine, from pictures of a slanted wall. Without one of them, such as in water that
-    /// rejects the frame, costs are those of plans.
+    /// Calibrates the cost model of the job on this machine with pictures of a slanted wall. If they cannot be rendered, the
+    /// costs of plans are used unchanged.
     fn calibrate(&mut self, deadline_ms: f64) -> CostModel {
         let (width, height) = CALIBRATION_SIZE;
         let codes: Vec<u8> = (0..3 * width * height).map(|i| (i % 251) as u8).collect();
@@ -120,20 +120,25 @@ impl Stream {
         &self.warnings
     }
 
+    /// Rendered frames so far: the stamp of the next frame if its input has none.
+    #[must_use]
+    pub fn frames(&self) -> u64 {
+        self.frames
+    }
+
     /// Renders a frame. After an error the stream continues with the next frame.
     ///
     /// # Errors
-    /// [`StreamError::Input`] lists everything wrong with the input; [`StreamError::Render`] otherwise.
+    /// [`StreamError::Input`] lists the errors of the input; [`StreamError::Render`] otherwise.
     pub fn render(&mut self, input: &StreamInput<'_>) -> Result<StreamFrame, StreamError> {
         let begun = Instant::now();
         let mut watch = Stopwatch::start();
         let checked = check_input(input, self.gives_hfov, &self.fixed.camera).map_err(StreamError::Input)?;
         let frame = self.describe_frame(input, &checked)?;
         let decoded = watch.time("scene", || {
-            let camera = checked
-                .camera
-                .unwrap_or_else(|| checked.default_camera(&frame.camera));
-            self.decoder.decode(input, &camera)
+            let (width, height) = input.picture.size;
+            let described = Intrinsics::centered(frame.camera.focal_px(width), width, height);
+            self.decoder.decode(input, &checked.camera.unwrap_or(described))
         });
         let mut scene = decoded.map_err(|error| StreamError::Input(vec![error]))?;
         scene.intrinsics = checked.camera;
@@ -179,11 +184,11 @@ impl Stream {
     }
 }
 
-/// Refuses a deadline that is no time, and one next to a chosen accuracy.
+/// Rejects a deadline that is not positive and finite, or whose job chooses the accuracy.
 fn check_deadline(deadline_ms: f64, fidelity: Fidelity) -> Result<(), Invalid> {
     let mut errors = Vec::new();
     if !(deadline_ms.is_finite() && deadline_ms > 0.0) {
-        let message = format!("`deadline_ms` is {deadline_ms}; must be above 0");
+        let message = format!("`deadline_ms` is {deadline_ms}; must be above 0 and finite");
         errors.push(FieldError::new("", message));
     }
     if fidelity != Fidelity::Picture {
@@ -200,11 +205,10 @@ fn check_deadline(deadline_ms: f64, fidelity: Fidelity) -> Result<(), Invalid> {
 
 /// Adds the artifacts that every frame of a stream has.
 fn list_artifacts(frame: &mut Frame, has_range: bool) {
-    let enhanced = frame.enhance.iter();
-    let enhanced = enhanced.map(|enhancement| ArtifactKind::Enhanced(enhancement.name.clone()));
     let mut added = vec![ArtifactKind::Rgb];
     added.extend(has_range.then_some(ArtifactKind::Range));
-    added.extend(enhanced);
+    let enhancements = frame.enhance.iter();
+    added.extend(enhancements.map(|enhancement| ArtifactKind::Enhanced(enhancement.name.clone())));
     for kind in added {
         if !frame.artifacts.contains(&kind) {
             frame.artifacts.push(kind);

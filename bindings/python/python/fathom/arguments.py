@@ -1,8 +1,9 @@
-"""Checks of arguments that are lists of names."""
+"""Checks and conversions of arguments."""
 
 from __future__ import annotations
 
 import difflib
+import os
 from collections.abc import Iterable, Sequence
 from functools import cache
 
@@ -22,6 +23,13 @@ def list_names(argument: str, names: Iterable[str]) -> tuple[str, ...]:
         if not isinstance(name, str):
             raise InvalidArgument(f"`{argument}` contains {name!r}; must be a list of names")
     return listed
+
+
+def list_paths(
+    styles: str | os.PathLike[str] | None, onnxruntime: str | os.PathLike[str] | None
+) -> tuple[str | None, str | None]:
+    """Return the folder of styles and the library of networks as strings."""
+    return None if styles is None else os.fspath(styles), None if onnxruntime is None else os.fspath(onnxruntime)
 
 
 def list_kinds(kinds: Iterable[str] | None) -> tuple[str, ...] | None:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from fathom import _native
-from fathom.arguments import list_kinds
+from fathom.arguments import list_kinds, list_paths
 from fathom.display import html_table
 from fathom.frame import Frame
 
@@ -41,7 +41,7 @@ class Job:
         architecture. Raises `InvalidJob` with every error of the description.
         """
         text = read_description(description)
-        self._load(text, *(None if path is None else os.fspath(path) for path in (styles, onnxruntime)))
+        self._load(text, *list_paths(styles, onnxruntime))
         for warning in self.warnings:
             warnings.warn(warning, stacklevel=2)
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fathom import _native
-from fathom.arguments import list_names
+from fathom.arguments import list_names, list_paths
 
 USUAL_METRICS = ("entropy", "uicm", "uism", "uiconm", "uiqm", "uciqe")
 """Default metrics."""
@@ -37,7 +37,7 @@ def enhance(
     "enhancer"; `onnxruntime` is the library file of ONNX Runtime. The networks of the last folder stay loaded.
     """
     text = method if isinstance(method, str) else json.dumps(method)
-    result, messages = _native.enhance(image, text, *_list_paths(styles, onnxruntime))
+    result, messages = _native.enhance(image, text, *list_paths(styles, onnxruntime))
     for message in messages:
         warnings.warn(f"{text}: {message}", stacklevel=2)
     return result
@@ -59,10 +59,4 @@ def measure(
     Returns the values by name.
     """
     names = list(list_names("metrics", metrics))
-    return dict(_native.measure(image, names, clean, *_list_paths(styles, onnxruntime)))
-
-
-def _list_paths(
-    styles: str | os.PathLike[str] | None, onnxruntime: str | os.PathLike[str] | None
-) -> tuple[str | None, str | None]:
-    return None if styles is None else os.fspath(styles), None if onnxruntime is None else os.fspath(onnxruntime)
+    return dict(_native.measure(image, names, clean, *list_paths(styles, onnxruntime)))

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fathom import _native
+from fathom.arguments import list_paths
 from fathom.display import encode_thumbnail, html_table
 from fathom.errors import InvalidArgument
 from fathom.frame import Artifact
@@ -24,6 +25,7 @@ Channels = Literal["rgb", "bgr", "rgba", "bgra", "mono"]
 
 _ENHANCED = "enhanced."
 _MOST_STAMP_NS = 2**64 - 1
+_NOT_APPLIED = ("artifacts", "enhance", "metrics")
 
 
 class StreamFrame:
@@ -43,7 +45,7 @@ class StreamFrame:
         self.error_bound = error_bound
         """Bound on the error of the exposed light; `None` if the job has no tolerance."""
         self.elapsed_ms = elapsed_ms
-        """Milliseconds that the frame took."""
+        """Milliseconds from the call of the renderer to its result."""
         self._record = record
 
     def __repr__(self) -> str:
@@ -60,8 +62,8 @@ class StreamFrame:
         try:
             return self.artifacts[kind]
         except KeyError:
-            there = ", ".join(self.artifacts)
-            raise KeyError(f"the frame has no `{kind}` but {there}: name it in `artifacts` of the job") from None
+            present = ", ".join(self.artifacts)
+            raise KeyError(f"the frame has no `{kind}` but {present}: name it in `artifacts` of the job") from None
 
     def __contains__(self, kind: str) -> bool:
         return kind in self.artifacts
@@ -132,9 +134,9 @@ class Stream:
         the metrics of the job. `styles` and `onnxruntime` as for `Job`. Raises `InvalidJob` with every error of the
         description.
         """
-        places = tuple(None if path is None else os.fspath(path) for path in (styles, onnxruntime))
+        places = list_paths(styles, onnxruntime)
         if isinstance(job, Job):
-            if any(place is not None for place in places):
+            if places != (None, None):
                 raise InvalidArgument("`styles` and `onnxruntime` belong to the job; give them to `fathom.Job`")
             text, places = job.canonical, job.places
         else:
@@ -168,16 +170,20 @@ class Stream:
         number of frames so far. `pose`: the 4×4 matrix from camera axes (right, down, ahead) to a world whose z axis
         points up; snow, turbidity and caustics keep their places in it. Arrays may have any strides.
 
-        Raises `InvalidArgument`, a `ValueError`, with everything wrong with the arguments, and `RenderError`. The
-        stream continues after an error.
+        Raises `InvalidArgument`, a `ValueError`, for wrong arguments, and `RenderError`. The stream continues after an
+        error.
         """
         if z_depth is not None and range_m is not None:
             raise InvalidArgument("`z_depth` and `range_m` are both given; give the one that was measured")
-        depth = ("z_depth", z_depth) if range_m is None else ("range_m", range_m)
+        depth: tuple[str, NDArray[Any]] | None = None
+        if z_depth is not None:
+            depth = ("z_depth", z_depth)
+        elif range_m is not None:
+            depth = ("range_m", range_m)
         artifacts, record, error_bound, elapsed_ms = self._native.render(
             rgb,
             channels,
-            None if depth[1] is None else (depth[0], depth[1]),
+            depth,
             _read_matrix("camera", camera, 3),
             _read_stamp(stamp_ns),
             _read_matrix("pose", pose, 4),
@@ -200,8 +206,12 @@ def apply(
 
     `water` is the name of an optical water such as "jerlov-3C", or the `water` of a job; `lights` and `fields` are
     those of a job, such as `alpha=0.5`, `site="harbour-wall"` or `seed=3`. The other arguments are those of a
-    `Stream`, which renders many pictures faster. What cannot be applied, such as water without distances, is a warning.
+    `Stream`, which renders many pictures faster and also returns `enhance`, `artifacts` and `metrics`. Fields without
+    effect, such as water without distances, come with a warning.
     """
+    for name in _NOT_APPLIED:
+        if fields.get(name):
+            _warnings.warn(f"`{name}` does not change the picture; use `fathom.Stream` for it", stacklevel=2)
     job: dict[str, Any] = dict(fields)
     if water is not None:
         job["water"] = {"optics": water} if isinstance(water, str) else water

@@ -1,7 +1,5 @@
 //! The arrays of a call.
 
-use std::borrow::Cow;
-
 use numpy::{Element, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use renderer::{ChannelOrder, DepthSamples, PictureSamples, StreamDepth, StreamPicture};
@@ -9,12 +7,28 @@ use spec::RangeKind;
 
 use crate::arrays::Array;
 
-/// An array in the order of its indices: borrowed if its memory has this order.
-fn in_order<'a, T: Element + Copy>(array: &'a PyReadonlyArrayDyn<'_, T>) -> Cow<'a, [T]> {
-    // A slice in the order of columns is one, too.
-    match array.as_slice() {
-        Ok(samples) if array.is_c_contiguous() => Cow::Borrowed(samples),
-        _ => Cow::Owned(array.as_array().iter().copied().collect()),
+/// The samples of an array in the order of its indices: shared with Python if its memory has this order.
+enum OrderedSamples<'py, T: Element + Copy> {
+    Shared(PyReadonlyArrayDyn<'py, T>),
+    Copied(Vec<T>),
+}
+
+impl<'py, T: Element + Copy> OrderedSamples<'py, T> {
+    fn new(array: PyReadonlyArrayDyn<'py, T>) -> Self {
+        // Arrays in Fortran order have a slice as well.
+        let is_in_order = array.is_c_contiguous() && array.as_slice().is_ok();
+        if is_in_order {
+            Self::Shared(array)
+        } else {
+            Self::Copied(array.as_array().iter().copied().collect())
+        }
+    }
+
+    fn as_slice(&self) -> &[T] {
+        match self {
+            Self::Shared(array) => array.as_slice().expect("its order was checked"),
+            Self::Copied(samples) => samples,
+        }
     }
 }
 
@@ -49,22 +63,8 @@ pub(super) struct PictureArray<'py> {
 }
 
 enum PictureHeld<'py> {
-    Srgb(PyReadonlyArrayDyn<'py, u8>),
-    Linear(PyReadonlyArrayDyn<'py, f32>),
-}
-
-pub(super) enum PictureCow<'a> {
-    Srgb(Cow<'a, [u8]>),
-    Linear(Cow<'a, [f32]>),
-}
-
-impl PictureCow<'_> {
-    fn borrow(&self) -> PictureSamples<'_> {
-        match self {
-            Self::Srgb(samples) => PictureSamples::Srgb(samples),
-            Self::Linear(samples) => PictureSamples::Linear(samples),
-        }
-    }
+    Srgb(OrderedSamples<'py, u8>),
+    Linear(OrderedSamples<'py, f32>),
 }
 
 impl<'py> PictureArray<'py> {
@@ -86,9 +86,9 @@ impl<'py> PictureArray<'py> {
             }
         };
         let held = if let Ok(codes) = given.extract() {
-            PictureHeld::Srgb(codes)
+            PictureHeld::Srgb(OrderedSamples::new(codes))
         } else if let Ok(light) = given.extract() {
-            PictureHeld::Linear(light)
+            PictureHeld::Linear(OrderedSamples::new(light))
         } else {
             return Err(format!(
                 "`rgb` has the dtype {}; must be uint8 (sRGB codes) or float32 (linear light)",
@@ -98,23 +98,14 @@ impl<'py> PictureArray<'py> {
         Ok(Self { size, held })
     }
 
-    /// The picture with its samples.
-    pub(super) fn describe<'a>(
-        &self,
-        channels: ChannelOrder,
-        samples: &'a PictureCow<'_>,
-    ) -> StreamPicture<'a> {
+    pub(super) fn describe(&self, channels: ChannelOrder) -> StreamPicture<'_> {
         StreamPicture {
             size: self.size,
             channels,
-            samples: samples.borrow(),
-        }
-    }
-
-    pub(super) fn samples(&self) -> PictureCow<'_> {
-        match &self.held {
-            PictureHeld::Srgb(codes) => PictureCow::Srgb(in_order(codes)),
-            PictureHeld::Linear(light) => PictureCow::Linear(in_order(light)),
+            samples: match &self.held {
+                PictureHeld::Srgb(codes) => PictureSamples::Srgb(codes.as_slice()),
+                PictureHeld::Linear(light) => PictureSamples::Linear(light.as_slice()),
+            },
         }
     }
 }
@@ -127,22 +118,8 @@ pub(super) struct DepthArray<'py> {
 }
 
 enum DepthHeld<'py> {
-    Meters(PyReadonlyArrayDyn<'py, f32>),
-    Millimeters(PyReadonlyArrayDyn<'py, u16>),
-}
-
-pub(super) enum DepthCow<'a> {
-    Meters(Cow<'a, [f32]>),
-    Millimeters(Cow<'a, [u16]>),
-}
-
-impl DepthCow<'_> {
-    fn borrow(&self) -> DepthSamples<'_> {
-        match self {
-            Self::Meters(samples) => DepthSamples::Meters(samples),
-            Self::Millimeters(samples) => DepthSamples::Millimeters(samples),
-        }
-    }
+    Meters(OrderedSamples<'py, f32>),
+    Millimeters(OrderedSamples<'py, u16>),
 }
 
 impl<'py> DepthArray<'py> {
@@ -153,9 +130,9 @@ impl<'py> DepthArray<'py> {
             return Err(format!("`{name}` has the shape {shape}; must be (height, width)"));
         };
         let held = if let Ok(meters) = given.extract() {
-            DepthHeld::Meters(meters)
+            DepthHeld::Meters(OrderedSamples::new(meters))
         } else if let Ok(codes) = given.extract() {
-            DepthHeld::Millimeters(codes)
+            DepthHeld::Millimeters(OrderedSamples::new(codes))
         } else {
             return Err(format!(
                 "`{name}` has the dtype {}; must be float32 (meters) or uint16 (millimeters)",
@@ -173,19 +150,14 @@ impl<'py> DepthArray<'py> {
         })
     }
 
-    /// The distances with their samples.
-    pub(super) fn describe<'a>(&self, samples: &'a DepthCow<'_>) -> StreamDepth<'a> {
+    pub(super) fn describe(&self) -> StreamDepth<'_> {
         StreamDepth {
             kind: self.kind,
             size: self.size,
-            samples: samples.borrow(),
-        }
-    }
-
-    pub(super) fn samples(&self) -> DepthCow<'_> {
-        match &self.held {
-            DepthHeld::Meters(meters) => DepthCow::Meters(in_order(meters)),
-            DepthHeld::Millimeters(codes) => DepthCow::Millimeters(in_order(codes)),
+            samples: match &self.held {
+                DepthHeld::Meters(meters) => DepthSamples::Meters(meters.as_slice()),
+                DepthHeld::Millimeters(codes) => DepthSamples::Millimeters(codes.as_slice()),
+            },
         }
     }
 }

@@ -8,28 +8,19 @@ use spec::Camera;
 use super::error::InputError;
 use super::input::{StreamInput, StreamPicture};
 
-/// Largest difference of the two focal lengths, relative: pixels are square here.
+/// Largest difference of the two focal lengths, relative: the renderer assumes square pixels.
 const SQUARE: f64 = 0.01;
 /// Largest difference of the focal length from that of the job, relative.
 const SAME_FOCAL: f64 = 0.01;
 
 /// The checked parts of an input.
 pub(super) struct Checked {
-    size: (usize, usize),
     /// The camera of the frame; `None` for that of the job.
     pub(super) camera: Option<Intrinsics>,
     pub(super) pose: Option<CameraPose>,
 }
 
-impl Checked {
-    /// The camera that the job describes.
-    pub(super) fn default_camera(&self, camera: &Camera) -> Intrinsics {
-        let (width, height) = self.size;
-        Intrinsics::centered(camera.focal_px(width), width, height)
-    }
-}
-
-/// Checks an input of a job with this camera. `gives_hfov` tells whether the job states its field of view.
+/// Checks an input of a job with this camera. `gives_hfov`: whether the job states its field of view.
 pub(super) fn check_input(
     input: &StreamInput<'_>,
     gives_hfov: bool,
@@ -39,7 +30,6 @@ pub(super) fn check_input(
     errors.extend(find_picture_error(&input.picture));
     errors.extend(find_depth_error(input));
     let mut checked = Checked {
-        size: input.picture.size,
         camera: None,
         pose: None,
     };
@@ -107,7 +97,7 @@ fn find_depth_error(input: &StreamInput<'_>) -> Option<InputError> {
     })
 }
 
-/// The camera of a matrix, or the reason why it has none or contradicts the picture or the job.
+/// The camera of a matrix. An error is the reason why the matrix is invalid or contradicts the picture or the job.
 fn read_camera(
     matrix: &[[f64; 3]; 3],
     (width, height): (usize, usize),

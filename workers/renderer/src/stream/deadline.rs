@@ -1,11 +1,11 @@
-//! Plans that meet a deadline. The expected costs of a plan are those of one machine; a calibration scales them to this one.
+//! Plans that meet a deadline. Plans expect the costs of a reference machine; a calibration scales them to this one.
 
 use std::collections::BTreeMap;
 
 use serde_json::Value;
 use spec::FrameRecord;
 
-/// Timings of the stages whose cost a plan states.
+/// Stages whose cost a plan states, as named in timings.
 const PLANNED: [&str; 8] = [
     "above",
     "turbidity",
@@ -23,7 +23,7 @@ pub(super) const CALIBRATION_SIZE: (usize, usize) = (384, 246);
 /// Pictures of a calibration. The first one fills the caches.
 pub(super) const CALIBRATION_FRAMES: u64 = 4;
 
-/// The time of frames on this machine, from frames of a calibration.
+/// The time of frames on this machine.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct CostModel {
     deadline_ms: f64,
@@ -34,7 +34,7 @@ pub(super) struct CostModel {
 }
 
 impl CostModel {
-    /// The model of these frames without the first one; each share is its least one, since disturbances only add time.
+    /// Fits the model to all frames but the first. It takes the minimum of each share, since disturbances only add time.
     pub(super) fn new(deadline_ms: f64, records: &[FrameRecord]) -> Self {
         let (width, height) = CALIBRATION_SIZE;
         let warm = records.iter().skip(1);

@@ -20,7 +20,7 @@ pub(super) struct Decoder {
     rays: Option<RayLengths>,
 }
 
-/// Length of the ray of each pixel up to z = 1: the factor from z-depth to range.
+/// [`Intrinsics::ray_length`] of each pixel.
 struct RayLengths {
     camera: Intrinsics,
     size: (usize, usize),
@@ -119,11 +119,7 @@ impl RayLengths {
     fn new(camera: Intrinsics, (width, height): (usize, usize)) -> Self {
         let mut factors = Vec::with_capacity(width * height);
         for y in 0..height {
-            let v = (y as f64 - camera.cy) / camera.focal_px;
-            factors.extend((0..width).map(|x| {
-                let u = (x as f64 - camera.cx) / camera.focal_px;
-                (1.0 + u * u + v * v).sqrt()
-            }));
+            factors.extend((0..width).map(|x| camera.ray_length(x, y)));
         }
         Self {
             camera,

@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 use spec::{ArtifactKind, Invalid, Job, ScenePart, Vocabulary};
 
-/// Name of the files that the pictures and distances of the stream stand for; errors name it.
+/// Name of the files that represent the pictures and distances of the stream; errors name it.
 const STREAM: &str = "stream";
 /// The fields of a camera that apply to procedural scenes only.
 const PROCEDURAL: [&str; 8] = [
@@ -22,7 +22,7 @@ const NEEDS_CAMERA_PATH: [ArtifactKind; 3] = [
     ArtifactKind::RgbRight,
     ArtifactKind::Disparity,
 ];
-/// Those of the fields that every description has, with values by default.
+/// Those that every canonical description has. They may be defaults, so they are removed without a warning.
 const ALWAYS: [&str; 4] = ["width", "height", "supersample", "frames_per_s"];
 /// Field of view by default, degrees.
 const DEFAULT_HFOV_DEG: f64 = 80.0;
@@ -46,18 +46,12 @@ pub(super) fn read_job(
     if let Value::Object(fields) = &mut written {
         complete(fields, has_metrics);
     }
-    let job = Job::parse(written.to_string().as_bytes(), vocabulary)?;
+    let mut job = Job::parse(written.to_string().as_bytes(), vocabulary)?;
     let mut canonical = spec::read_json(job.canonical().as_bytes())?;
     let mut warnings = Vec::new();
-    if !replace_scenes(&mut canonical, &mut warnings) {
-        warnings = job.warnings().to_vec();
-        return Ok(StreamJob {
-            job,
-            warnings,
-            gives_hfov,
-        });
+    if replace_scenes(&mut canonical, &mut warnings) {
+        job = Job::parse(canonical.to_string().as_bytes(), vocabulary)?;
     }
-    let job = Job::parse(canonical.to_string().as_bytes(), vocabulary)?;
     warnings.extend(job.warnings().iter().cloned());
     Ok(StreamJob {
         job,
@@ -93,10 +87,10 @@ fn complete(fields: &mut Map<String, Value>, has_metrics: bool) {
     }
 }
 
-/// Whether a scene is described on its own: by its kind or a distribution of scenes.
+/// Whether a scene has a kind or is a distribution of scenes.
 fn is_complete(scene: &Map<String, Value>) -> bool {
-    let is_law = scene.keys().any(|key| spec::law::KEYS.contains(&key.as_str()));
-    is_law || scene.contains_key("kind")
+    let is_distribution = scene.keys().any(|key| spec::law::KEYS.contains(&key.as_str()));
+    is_distribution || scene.contains_key("kind")
 }
 
 fn stream_scene(lighting: Option<Value>) -> Value {
@@ -107,24 +101,16 @@ fn stream_scene(lighting: Option<Value>) -> Value {
     scene
 }
 
-/// Replaces the scene of every site of a canonical description. Returns whether one was another than that of the stream.
+/// Replaces the scenes of a canonical description. Returns whether any of them was not that of the stream.
 fn replace_scenes(value: &mut Value, warnings: &mut Vec<String>) -> bool {
     match value {
-        Value::Array(items) => {
-            let replaced: Vec<bool> = items
-                .iter_mut()
-                .map(|item| replace_scenes(item, warnings))
-                .collect();
-            replaced.contains(&true)
-        }
+        Value::Array(items) => items
+            .iter_mut()
+            .fold(false, |replaced, item| replace_scenes(item, warnings) || replaced),
         Value::Object(fields) if fields.contains_key("scene") => replace_scene(fields, warnings),
-        Value::Object(fields) => {
-            let replaced: Vec<bool> = fields
-                .values_mut()
-                .map(|field| replace_scenes(field, warnings))
-                .collect();
-            replaced.contains(&true)
-        }
+        Value::Object(fields) => fields.values_mut().fold(false, |replaced, field| {
+            replace_scenes(field, warnings) || replaced
+        }),
         _ => false,
     }
 }

@@ -21,7 +21,7 @@ impl StreamFrame {
     /// The content of an artifact.
     #[must_use]
     pub fn content(&self, kind: &ArtifactKind) -> Option<&Content<'static>> {
-        let found = self.artifacts.iter().find(|(own, _)| own == kind);
+        let found = self.artifacts.iter().find(|(known, _)| known == kind);
         found.map(|(_, content)| content)
     }
 
