@@ -191,7 +191,7 @@ fn workers_that_cannot_be_checked_get_no_frames_without_consent_and_theirs_stay_
     // The same description on a machine of another kind: black pictures and flat ranges are found.
     let id = service.submit(&job("other", 20));
     let _ = service.post(&format!("/v1/jobs/{id}/finish-elsewhere"), &json!({}));
-    let mut campaign = Campaign::with_lies(&[Lie::FlatRange]);
+    let mut campaign = Campaign::with_lies(&[Lie::Black, Lie::FlatRange]);
     campaign.visit(&service.url, &other_machine, 20, |_| true);
     let honest = Worker::start(&service.url, "honest", 1);
     wait("the job ends", || state(&service, &id)["state"] == "done");

@@ -110,6 +110,11 @@ impl Stream {
             Some(self.render(&input).ok()?.record)
         });
         let records: Vec<FrameRecord> = frames.collect();
+        if records.is_empty() {
+            let uncalibrated =
+                "no frame could be timed for the deadline: expected costs are those of a usual machine";
+            self.warnings.push(uncalibrated.to_owned());
+        }
         self.frames = 0;
         CostModel::new(deadline_ms, &records)
     }

@@ -44,7 +44,7 @@ fn a_job_stays_with_the_program_and_the_machines_of_its_first_image() {
         let [first, second] =
             [("old", 1), ("new", 2)].map(|(name, token)| table.grant(name, now, token, 0.0).unwrap());
         // There is no frame yet that the second could differ from.
-        assert_eq!(table.waits_for("a"), None);
+        assert!(table.misfits("a").is_none());
         assert!(table.record_toolchain("a", &toolchain("1", None)));
         table.begin_commit(&first_claim(&first), now).unwrap();
         assert_eq!(table.record_toolchain("a", &toolchain("2", None)), mixed);
@@ -54,7 +54,10 @@ fn a_job_stays_with_the_program_and_the_machines_of_its_first_image() {
         assert_eq!(table.grant("new", now, 3, 0.0).is_some(), mixed);
         assert!(table.grant("old", now, 4, 0.0).is_some());
         table.drop_worker("old", now);
-        assert_eq!(table.waits_for("a").is_some(), !mixed);
+        assert_eq!(
+            table.misfits("a").is_some_and(|misfits| misfits.is_waiting),
+            !mixed
+        );
         if !mixed {
             // Another job has no provenance yet.
             table.add_job(job("b", 1));

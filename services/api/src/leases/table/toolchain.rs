@@ -134,13 +134,6 @@ impl LeaseTable {
         }
     }
 
-    /// The provenance that a job waits for, if there are workers but none is compatible.
-    #[must_use]
-    pub fn waits_for(&self, job: &str) -> Option<Toolchain> {
-        let misfits = self.misfits(job)?;
-        misfits.is_waiting.then_some(misfits.needed)
-    }
-
     /// The registered workers that get no frames of an open job; `None` without any.
     #[must_use]
     pub fn misfits(&self, job: &str) -> Option<Misfits> {
