@@ -16,18 +16,18 @@ import time
 import cv2
 import numpy as np
 
-WIDTH, HEIGHT = 869, 565
+SIZES = [(869, 565), (1280, 720), (1920, 1080)]
 RUNS = 5  # of each program in a round
 R_HIGH, R_LOW, CUTOFF, EPS = 2.5, 0.5, 32, 0.01
 
 
-def picture():
+def picture(width, height):
     """Soft light, edges and grain, as in the benches."""
-    y, x = np.mgrid[0:HEIGHT, 0:WIDTH]
-    u, v = x / WIDTH, y / HEIGHT
+    y, x = np.mgrid[0:height, 0:width]
+    u, v = x / width, y / height
     light = 0.25 + 0.6 * np.exp(-4 * ((u - 0.4) ** 2 + (v - 0.3) ** 2))
     plate = np.where((x // 97 + y // 61) % 3 == 0, 0.75, 1.0)
-    grain = np.random.default_rng(1).random((HEIGHT, WIDTH)) - 0.5
+    grain = np.random.default_rng(1).random((height, width)) - 0.5
     channels = [255 * (light * plate * tint + 0.04 * grain) for tint in (0.5, 0.8, 0.9)]
     return np.clip(np.dstack(channels), 0, 255).astype(np.uint8)
 
@@ -131,14 +131,12 @@ def machine():
     return f"{model}, {os.cpu_count()} cores, load {load:.1f}; OpenCV {cv2.__version__}, NumPy {np.__version__}"
 
 
-def main():
-    program, rounds = sys.argv[1], int(sys.argv[2])
-    cv2.setNumThreads(1)
-    rgb = picture()
+def compare(program, rounds, width, height):
+    rgb = picture(width, height)
     with tempfile.TemporaryDirectory() as folder:
         source, result = os.path.join(folder, "source.png"), os.path.join(folder, "result.png")
         cv2.imwrite(source, cv2.cvtColor(rgb, cv2.COLOR_RGB2BGR))
-        fathom, others = Fathom(program, source, result), [Tuned(HEIGHT, WIDTH), Plain(HEIGHT, WIDTH)]
+        fathom, others = Fathom(program, source, result), [Tuned(height, width), Plain(height, width)]
         times = {one.name: [] for one in [fathom, *others]}
         for turn in range(rounds + 1):
             row = {fathom.name: fathom.run(), **{other.name: timed(other, rgb) for other in others}}
@@ -149,13 +147,20 @@ def main():
         ours = cv2.cvtColor(cv2.imread(result), cv2.COLOR_BGR2RGB).astype(int)
         differences = {other.name: np.abs(other(rgb).astype(int) - ours).mean() for other in others}
 
-    print(f"HSCM at {WIDTH}x{HEIGHT}, one thread, {rounds} rounds of {RUNS} in turns")
-    print(machine())
+    print(f"\nHSCM at {width}x{height}, one thread, {rounds} rounds of {RUNS} in turns")
     print(f"{'':26}{'median ms':>10}{'least ms':>10}{'ours / it':>11}{'mean difference, codes':>24}")
     for name, values in times.items():
         ratio = statistics.median(mine / it for mine, it in zip(times[fathom.name], values))
         apart = f"{differences[name]:.2f}" if name in differences else ""
         print(f"{name:26}{statistics.median(values):10.2f}{min(values):10.2f}{ratio:11.3f}{apart:>24}")
+
+
+def main():
+    program, rounds = sys.argv[1], int(sys.argv[2])
+    cv2.setNumThreads(1)
+    print(machine())
+    for width, height in SIZES:
+        compare(program, rounds, width, height)
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 //! Time and memory are unlimited: run it in a separate process.
 
 mod external;
+mod levels;
 mod picture;
 mod size;
 mod unfit;
@@ -13,11 +14,9 @@ use crate::library::StyleModel;
 use crate::role::ModelRole;
 use crate::runtime::{Runtime, RuntimeMissing};
 use crate::session::{ModelInputs, Session};
+use levels::Levels;
 pub use unfit::Unfit;
 use unfit::{SIZES, SMALL, USUAL};
-
-/// Half of an 8-bit code: rounding beyond it is visible.
-const MARGIN: f32 = 0.5 / 255.0;
 
 /// Runs a model on frames of 1×1, of odd sides and of the usual size, on black, on white, and twice on the same. An enhancer or a
 /// metric of one size runs on pictures of that size. `runtime` is called only if the model needs it.
@@ -61,35 +60,6 @@ fn check_levels(styled: &Rgb<f32>) -> Result<(), Unfit> {
         return Err(Unfit::Saturated { least, most });
     }
     Ok(())
-}
-
-/// The range of the samples of a picture.
-struct Levels {
-    least: f32,
-    most: f32,
-    /// Whether more than half of the samples are outside of 0 to 1.
-    is_mostly_outside: bool,
-}
-
-impl Levels {
-    fn measure(samples: impl Iterator<Item = f32>) -> Self {
-        let (mut least, mut most) = (f32::INFINITY, f32::NEG_INFINITY);
-        let (mut count, mut outside) = (0_usize, 0_usize);
-        for sample in samples {
-            (least, most) = (least.min(sample), most.max(sample));
-            count += 1;
-            outside += usize::from(!(-MARGIN..=1.0 + MARGIN).contains(&sample));
-        }
-        Self {
-            least,
-            most,
-            is_mostly_outside: 2 * outside > count,
-        }
-    }
-
-    fn is_flat(&self) -> bool {
-        self.most - self.least < MARGIN
-    }
 }
 
 fn open_session(

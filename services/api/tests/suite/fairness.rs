@@ -2,6 +2,7 @@
 
 use std::io::Write;
 use std::net::TcpStream;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -56,8 +57,8 @@ fn direct() -> Value {
     body
 }
 
-/// A slot whose frames take [`FRAME`].
-fn render(service: &Running, name: &str, stop: &AtomicBool) {
+/// A slot whose frames take [`FRAME`]; notes the job of each frame that it rendered.
+fn render(service: &Running, name: &str, stop: &AtomicBool, rendered: &Mutex<Vec<String>>) {
     let fake = Fake::try_named(service, name, None).unwrap();
     let request = LeaseRequest {
         worker_id: fake.id.clone(),
@@ -81,12 +82,13 @@ fn render(service: &Running, name: &str, stop: &AtomicBool) {
                 Ok(_) | Err(ClientError::Stale) => {}
                 Err(error) => panic!("{error}"),
             }
+            rendered.lock().unwrap().push(lease.job_id.clone());
         }
     }
 }
 
-/// Time until a job has its images.
-fn time_of(service: &Running, job: &str) -> Duration {
+/// Waits until a job has its images.
+fn await_images(service: &Running, job: &str) {
     let begun = Instant::now();
     loop {
         let path = format!("/v1/jobs/{job}?wait=1&since=999999");
@@ -94,29 +96,42 @@ fn time_of(service: &Running, job: &str) -> Duration {
             .get_with(&path, &[("authorization", "Bearer boss")])
             .json();
         if row["state"] == "done" {
-            return begun.elapsed();
+            return;
         }
-        assert!(begun.elapsed() < Duration::from_secs(60), "{row}");
+        assert!(begun.elapsed() < Duration::from_secs(120), "{row}");
     }
 }
 
+/// Counted in frames: the time alone is that of 40 frames, so twice that leaves room for 40 frames of another caller. A time would depend on
+/// what else the machine does.
 #[test]
 fn with_400_jobs_of_one_token_40_frames_of_another_take_at_most_twice_their_time_alone() {
     let service = two_callers();
     let stop = AtomicBool::new(false);
+    let rendered = Mutex::new(Vec::new());
     std::thread::scope(|scope| {
         for name in ["one", "two"] {
-            let (service, stop) = (&service, &stop);
-            scope.spawn(move || render(service, name, stop));
+            let (service, stop, rendered) = (&service, &stop, &rendered);
+            scope.spawn(move || render(service, name, stop, rendered));
         }
-        let alone = time_of(&service, &submit_as(&service, "bob", "alone", 40));
         for _ in 0..400 {
             submit_as(&service, "alice", "flood", 50);
         }
-        let shared = time_of(&service, &submit_as(&service, "bob", "shared", 40));
+        let begun = Instant::now();
+        let before = rendered.lock().unwrap().len();
+        let shared = submit_as(&service, "bob", "shared", 40);
+        await_images(&service, &shared);
         stop.store(true, Ordering::SeqCst);
-        println!("40 frames: {alone:?} alone, {shared:?} with 400 jobs of another token");
-        assert!(shared <= 2 * alone, "{shared:?} instead of {alone:?}");
+        let since = &rendered.lock().unwrap()[before..];
+        let other = since.iter().filter(|job| **job != shared).count();
+        println!(
+            "40 frames in {:?}, meanwhile {other} of 400 jobs of another token",
+            begun.elapsed()
+        );
+        assert!(
+            other <= 40,
+            "{other} frames of the other caller came before the last of 40"
+        );
     });
 }
 

@@ -2,8 +2,8 @@
 
 use imaging::Rgb8;
 
-/// Odd, prime, one pixel, smaller than every window.
-pub(crate) const SIZES: [(usize, usize); 12] = [
+/// Odd, prime, one pixel, smaller than every window, 16:9.
+pub(crate) const SIZES: [(usize, usize); 13] = [
     (1, 1),
     (1, 37),
     (53, 1),
@@ -15,6 +15,7 @@ pub(crate) const SIZES: [(usize, usize); 12] = [
     (127, 101),
     (160, 120),
     (33, 250),
+    (320, 180),
     (320, 239),
 ];
 

@@ -2,7 +2,7 @@
 
 use imaging::Rgb8;
 
-use super::Levels;
+use super::levels::Levels;
 use super::unfit::{SIZES, Unfit};
 use crate::library::StyleModel;
 use crate::picture::PictureNetwork;

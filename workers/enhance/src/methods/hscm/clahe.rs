@@ -25,7 +25,7 @@ pub fn clahe(picture: &Plane<u8>, [across, down]: [usize; 2], clip_limit: f64) -
     let tables = tiles.tables(picture, clip_limit);
     let (width, height) = picture.size();
     let columns: Vec<Neighbors> = (0..width).map(|x| Neighbors::new(x, tiles.width_px)).collect();
-    let weights: Vec<f64> = columns.iter().map(|column| column.weight).collect();
+    let weights: Vec<f32> = columns.iter().map(|column| column.weight).collect();
     let gaps: Vec<Gap> = columns
         .chunk_by(|a, b| a.gap == b.gap)
         .map(Gap::of_columns)
@@ -110,7 +110,7 @@ impl TileGrid {
         let mut cumulative = 0u32;
         histogram.map(|count| {
             cumulative += count;
-            round_ties_even(f64::from(cumulative as f32 * scale))
+            round_ties_even(cumulative as f32 * scale)
         })
     }
 }
@@ -152,7 +152,7 @@ struct Neighbors {
     /// The gap between centers, equal to the number of the following tile; 0 before the first center.
     gap: usize,
     /// Weight of the following tile.
-    weight: f64,
+    weight: f32,
 }
 
 impl Neighbors {
@@ -161,7 +161,7 @@ impl Neighbors {
         let floor = centered.floor();
         Self {
             gap: (floor + 1.0) as usize,
-            weight: centered - floor,
+            weight: (centered - floor) as f32,
         }
     }
 }
@@ -194,7 +194,7 @@ impl Gap {
 }
 
 #[inline(always)]
-fn blend_row(from: &[u8], gaps: &[Gap], weights: &[f64], blends: &[[u32; 256]], b: f64, to: &mut [u8]) {
+fn blend_row(from: &[u8], gaps: &[Gap], weights: &[f32], blends: &[[u32; 256]], b: f32, to: &mut [u8]) {
     const BLOCK: usize = 64;
     let mut start = 0;
     for gap in gaps {
@@ -209,23 +209,25 @@ fn blend_row(from: &[u8], gaps: &[Gap], weights: &[f64], blends: &[[u32; 256]], 
                 *entry = table[usize::from(code)];
             }
             for ((to, &entry), &a) in to.iter_mut().zip(&entries).zip(weights) {
-                let upper = (1.0 - a) * extract_byte(entry, 0) + a * extract_byte(entry, 1);
-                let lower = (1.0 - a) * extract_byte(entry, 2) + a * extract_byte(entry, 3);
-                *to = round_ties_even((1.0 - b) * upper + b * lower);
+                let [left, right] = [extract_byte(entry, 0), extract_byte(entry, 1)];
+                let upper = left + a * (right - left);
+                let [left, right] = [extract_byte(entry, 2), extract_byte(entry, 3)];
+                let lower = left + a * (right - left);
+                *to = round_ties_even(upper + b * (lower - upper));
             }
         }
     }
 }
 
 #[inline(always)]
-fn extract_byte(word: u32, byte: u32) -> f64 {
-    ((word >> (8 * byte)) & 255) as i32 as f64
+fn extract_byte(word: u32, byte: u32) -> f32 {
+    ((word >> (8 * byte)) & 255) as i32 as f32
 }
 
-/// Rounds a value within 0..=255: adding 2^52 leaves no bit for the fraction.
+/// Rounds a value within 0..=255: adding 2^23 leaves no bit for the fraction.
 #[inline(always)]
-fn round_ties_even(value: f64) -> u8 {
-    (value + 4_503_599_627_370_496.0).to_bits() as u8
+fn round_ties_even(value: f32) -> u8 {
+    (value + 8_388_608.0).to_bits() as u8
 }
 
 #[cfg(test)]

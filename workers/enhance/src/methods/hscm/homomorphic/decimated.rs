@@ -18,7 +18,7 @@ use super::separable::{BLOCK, RowRing, weighted_sum};
 use crate::methods::hscm::luma::Luma;
 
 /// Reach of the binomial, in samples.
-const REACH: usize = 3;
+pub(super) const REACH: usize = 3;
 
 /// Filters a picture; calls `finish` with each finished row of `x`, from the top down. Compile it by `vectorized!`.
 #[inline(always)]
@@ -72,7 +72,7 @@ pub(super) fn sweep(
 }
 
 /// Computes logarithms and decimated rows.
-struct Narrowing<'a> {
+pub(super) struct Narrowing<'a> {
     luma: &'a Luma,
     logarithm: Logarithm,
     /// Columns of the picture that follow it on the padded circle.
@@ -82,11 +82,11 @@ struct Narrowing<'a> {
     even: Vec<f32>,
     odd: Vec<f32>,
     /// Samples of a narrow row.
-    half: usize,
+    pub(super) half: usize,
 }
 
 impl<'a> Narrowing<'a> {
-    fn new(luma: &'a Luma, eps: f64) -> Self {
+    pub(super) fn new(luma: &'a Luma, eps: f64) -> Self {
         let width = luma.codes().width();
         let padded = padded_side(width);
         Self {
@@ -102,7 +102,7 @@ impl<'a> Narrowing<'a> {
 
     /// The row at a position of the padded circle.
     #[inline(always)]
-    fn run(&mut self, position: usize, logs: &mut [f32], narrow: &mut [f32]) {
+    pub(super) fn run(&mut self, position: usize, logs: &mut [f32], narrow: &mut [f32]) {
         let (width, height) = self.luma.codes().size();
         let y = reflected(position as isize, height);
         self.logarithm.row(self.luma.codes().row(y), logs);
@@ -125,6 +125,13 @@ impl<'a> Narrowing<'a> {
 fn blur_row(rows: [&[f32]; 7], kernel: &[f32], line: &mut [f32], half: usize, small: &mut [f32]) {
     let radius = kernel.len() - 1;
     binomial_of_rows(rows, &mut line[radius..radius + half]);
+    blur_line(kernel, line, half, small);
+}
+
+/// Blurs `half` samples of a circle, which stand in `line` after a place for as many neighbors as the kernel reaches.
+#[inline(always)]
+pub(super) fn blur_line(kernel: &[f32], line: &mut [f32], half: usize, small: &mut [f32]) {
+    let radius = kernel.len() - 1;
     close(&mut line[..half + 2 * radius], radius);
     for (block, out) in small.chunks_exact_mut(BLOCK).enumerate() {
         let window = &line[block * BLOCK..][..BLOCK + 2 * radius];
@@ -136,7 +143,7 @@ fn blur_row(rows: [&[f32]; 7], kernel: &[f32], line: &mut [f32], half: usize, sm
 
 /// Blurs down the columns around row `center` of the ring and interpolates along the row.
 #[inline(always)]
-fn widen_row(
+pub(super) fn widen_row(
     small: &RowRing,
     center: usize,
     kernel: &[f32],

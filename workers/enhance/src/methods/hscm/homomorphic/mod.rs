@@ -16,6 +16,7 @@
 
 mod decimated;
 mod logarithm;
+mod narrowed;
 mod padding;
 mod parameters;
 mod recipe;
@@ -57,7 +58,7 @@ fn exact(recipe: &FilterRecipe, luma: &Luma, filter: &Filter) -> Option<Plane<f6
     match recipe {
         FilterRecipe::Flat => Some(luma.map(|y| filter.gain_low * (y + filter.eps).ln())),
         FilterRecipe::Transform => Some(reference::filtered_log(luma, filter)),
-        FilterRecipe::Separable(_) | FilterRecipe::Decimated(_) => None,
+        FilterRecipe::Separable(_) | FilterRecipe::Decimated(_) | FilterRecipe::Narrowed(_) => None,
     }
 }
 
@@ -67,6 +68,7 @@ fn sweep(recipe: &FilterRecipe, luma: &Luma, filter: &Filter, finish: &mut impl 
         FilterRecipe::Flat | FilterRecipe::Transform => {}
         FilterRecipe::Separable(kernels) => vectorized!(separable::sweep(luma, filter, kernels, finish)),
         FilterRecipe::Decimated(kernels) => vectorized!(decimated::sweep(luma, filter, kernels, finish)),
+        FilterRecipe::Narrowed(kernels) => vectorized!(narrowed::sweep(luma, filter, kernels, finish)),
     }
 }
 

@@ -38,6 +38,8 @@ pub enum FilterRecipe {
     Separable(PassKernels),
     /// Two passes, decimated by two along both axes.
     Decimated(PassKernels),
+    /// Two passes, decimated by two along the rows.
+    Narrowed(PassKernels),
     /// The two-dimensional transform in double precision.
     Transform,
 }
@@ -47,6 +49,7 @@ impl FilterRecipe {
     #[must_use]
     pub fn choose(size: (usize, usize), filter: &Filter) -> Self {
         Self::decimated(size, filter)
+            .or_else(|| Self::narrowed(size, filter))
             .or_else(|| Self::separable(size, filter))
             .unwrap_or(Self::Transform)
     }
@@ -61,18 +64,31 @@ impl FilterRecipe {
     /// Two decimated passes; `None` if a side cannot be halved, a kernel would not fit, or aliasing might be visible.
     fn decimated((width, height): (usize, usize), filter: &Filter) -> Option<Self> {
         let sides = [padded_side(width), padded_side(height)];
-        if sides.iter().any(|side| side % 2 == 1) {
-            return None;
-        }
-        // A component aliases before the Gaussian, and its image after it.
-        let gains =
-            sides.map(|side| 2.0 * aliasing(side as f64 / (2.0 * std::f64::consts::PI * filter.delta)));
-        if filter.swing() * (gains[0] + gains[1]) > ALIASING_MAX {
+        if !is_halved(&sides, filter) {
             return None;
         }
         let [x, y] = sides.map(|side| half_kernel(side, filter, 2));
         Some(Self::Decimated(PassKernels { x: x?, y: y? }))
     }
+
+    /// Two passes over rows of half the length; `None` as for [`Self::decimated`], or if the transform is cheaper.
+    fn narrowed((width, height): (usize, usize), filter: &Filter) -> Option<Self> {
+        let side = padded_side(width);
+        if !is_halved(&[side], filter) {
+            return None;
+        }
+        let x = half_kernel(side, filter, 2)?;
+        let y = half_kernel(padded_side(height), filter, 1)?;
+        (x.len() + y.len() - 2 <= RADII_MAX).then_some(Self::Narrowed(PassKernels { x, y }))
+    }
+}
+
+/// Whether every second sample of these padded sides is enough.
+fn is_halved(sides: &[usize], filter: &Filter) -> bool {
+    let sigma_px = |side: usize| side as f64 / (2.0 * std::f64::consts::PI * filter.delta);
+    // A component aliases before the Gaussian, and its image after it.
+    let gain: f64 = sides.iter().map(|&side| 2.0 * aliasing(sigma_px(side))).sum();
+    sides.iter().all(|side| side % 2 == 0) && filter.swing() * gain <= ALIASING_MAX
 }
 
 /// The circular convolution kernel with the transform `exp(-k² / (2 delta²))` on every `step`-th (1 or 2) of `n`
@@ -127,6 +143,16 @@ mod tests {
         for size in [(869, 565), (640, 480), (1280, 960), (800, 800)] {
             let FilterRecipe::Decimated(PassKernels { x, y }) = chosen(size) else {
                 panic!("{size:?} should be decimated");
+            };
+            assert!(x.len() < 16 && y.len() < 16, "{size:?}");
+        }
+    }
+
+    #[test]
+    fn a_wide_picture_keeps_every_row() {
+        for size in [(1280, 720), (1920, 1080)] {
+            let FilterRecipe::Narrowed(PassKernels { x, y }) = chosen(size) else {
+                panic!("{size:?} should be narrowed");
             };
             assert!(x.len() < 16 && y.len() < 16, "{size:?}");
         }
