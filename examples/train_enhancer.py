@@ -3,7 +3,7 @@
     pip install fathom_datasets-*.whl jax onnx pillow
     python examples/train_enhancer.py [STEPS [FOLDER]]
 
-Pairs of a picture under water and the same scene in air are rendered while it learns, with nothing stored. Writes the
+Pairs of a picture under water and the same scene in air are rendered during training and not stored. Writes the
 network, its card and a picture of the comparison. Needs ONNX Runtime: scripts/get-onnxruntime.sh.
 """
 
