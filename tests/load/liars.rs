@@ -5,9 +5,11 @@
 mod lies;
 mod visits;
 
+use std::path::Path;
+use std::process::Command;
 use std::time::{Duration, Instant};
 
-use fathom_tests::{Service, Worker};
+use fathom_tests::{Service, Worker, run};
 use serde::Deserialize;
 use serde_json::{Value, json};
 use spec::{Agreement, FrameRecord, compare_records};
@@ -240,4 +242,38 @@ fn verification_compares_the_whole_record() {
             (false, Some("/plan/0".to_owned()))
         ]
     );
+    drop(service);
+    assert_eq!(
+        find_false_records_by_repair(data.path()),
+        ["/measurements/rgb/uiqm", "/plan/0"]
+    );
+}
+
+/// Damages every artifact of a stopped service and repairs them; returns the pointers of the false records that the repair
+/// finds.
+fn find_false_records_by_repair(data: &Path) -> Vec<String> {
+    let script = "import sqlite3, sys\nc = sqlite3.connect(sys.argv[1])\n\
+                  c.execute('UPDATE data SET bytes = zeroblob(length(bytes))')\nc.commit()";
+    let pack = data.join("packs/pack-000001.sqlite");
+    let changed = Command::new("python3").args(["-c", script]).arg(pack).status();
+    assert!(changed.is_ok_and(|status| status.success()));
+    let output = run(&[
+        "scrub",
+        "--repair",
+        "--json",
+        "--data",
+        data.to_str().expect("text"),
+    ]);
+    let findings: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert!(!output.status.success(), "{findings}");
+    let damaged = findings["damaged"].as_array().expect("a list");
+    assert!(
+        damaged.iter().all(|damaged| damaged["repaired"] == true),
+        "{findings}"
+    );
+    let rows = findings["rows"].as_array().expect("a list").iter();
+    let pointers = rows.filter_map(|row| row["what"].as_str()?.split(' ').nth(3));
+    let mut pointers: Vec<String> = pointers.map(str::to_owned).collect();
+    pointers.sort();
+    pointers
 }

@@ -8,5 +8,6 @@ pub(crate) mod lost;
 pub(crate) mod poison;
 pub(crate) mod power;
 pub(crate) mod refused;
+pub(crate) mod restart;
 pub(crate) mod scrub;
 pub(crate) mod spot_checks;

@@ -29,7 +29,8 @@ pub use camera::{
 pub use classes::{Classes, SceneCategory, Segment};
 pub use collection::{MAX_COLLECTION, is_collection};
 pub use comparison::{
-    Agreement, RecordDifference, UNCOMPARED_MEMBERS, compare_records, compare_values, find_unknown_members,
+    Agreement, RecordDifference, UNCOMPARED_MEMBERS, compare_records, compare_values, describe_differences,
+    find_unknown_members,
 };
 pub use daylight::{Daylight, NamedDaylight, Sky};
 pub use declared::{fields, table};

@@ -18,7 +18,7 @@ use crate::http::auth::Tokens;
 use crate::http::hosts::Hosts;
 use crate::http::listener;
 use crate::images::heal;
-use crate::jobs::probe;
+use crate::jobs::{machines, probe};
 use crate::leases::Leases;
 use crate::operations::replica;
 use crate::operations::routes::backup;
@@ -85,6 +85,7 @@ pub async fn start_in(config: Config, surroundings: Surroundings) -> Result<Serv
         tokio::spawn(Arc::clone(&app.sets).show_shared()),
         tokio::spawn(heal::run(Arc::clone(&app.images), end.clone())),
         tokio::spawn(probe::run(Arc::clone(&app.jobs), end.clone())),
+        tokio::spawn(machines::run(Arc::clone(&app.jobs), end.clone())),
     ];
     let recipe = recipe(&config, address, own_secret);
     let fleet = Fleet::start(recipe, config.workers, &frames_back(&app.leases));

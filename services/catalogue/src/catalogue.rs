@@ -82,7 +82,16 @@ impl Catalogue {
         self.damage.note(what.to_owned(), None);
     }
 
-    /// The damaged rows of images among the damage.
+    /// Records that the bytes of an artifact of an image are damaged or missing.
+    pub fn note_damaged_artifact(&self, image: &ImageId, what: &str) {
+        let damage = ImageDamage {
+            image: image.clone(),
+            what: what.to_owned(),
+        };
+        self.damage.note(what.to_owned(), Some(damage));
+    }
+
+    /// The images with damaged rows or artifacts among the damage.
     #[must_use]
     pub fn damaged_images(&self) -> Vec<ImageDamage> {
         self.damage.images()
@@ -93,7 +102,7 @@ impl Catalogue {
         self.damage.wait_for_image().await;
     }
 
-    /// Removes an image whose rows are restored from the damage.
+    /// Removes a restored image from the damage.
     pub fn forget_damage(&self, image: &ImageId) {
         self.damage.forget(image);
     }

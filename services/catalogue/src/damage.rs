@@ -11,16 +11,16 @@ use crate::image_id::ImageId;
 /// Findings that are kept; more call for a full check anyway.
 const MOST_FINDINGS: usize = 100;
 
-/// A damaged row of an image.
+/// A damaged row or artifact of an image.
 #[derive(Debug, Clone)]
 pub struct ImageDamage {
     /// The image.
     pub image: ImageId,
-    /// The row as lists name it.
+    /// The row as lists name it, or the artifact.
     pub what: String,
 }
 
-/// The findings, with the damaged image if one of its rows is damaged.
+/// The findings, each with the image that it concerns, if any.
 #[derive(Default)]
 pub(crate) struct DamageLog {
     findings: Mutex<BTreeMap<String, Option<ImageDamage>>>,

@@ -8,6 +8,8 @@ use serde::{Deserialize, Serialize};
 use spec::{ArtifactEntry, Provenance, SceneFiles};
 use utoipa::ToSchema;
 
+use crate::image_id::ImageId;
+
 /// A job to store.
 #[derive(Debug, Clone)]
 pub struct NewJob {
@@ -123,6 +125,8 @@ pub struct NamedDigest {
 /// An artifact, and where its bytes are.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct StoredArtifact {
+    /// The image that it belongs to.
+    pub image: ImageId,
     /// Kind, digest, length and type.
     pub entry: ArtifactEntry,
     /// The place of the bytes in a set; `None`: in the packs.

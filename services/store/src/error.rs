@@ -108,6 +108,14 @@ impl From<std::io::Error> for StoreError {
     }
 }
 
+/// SQLite result codes for pages that the disk does not return: IOERR_READ, IOERR_SHORT_READ, IOERR_CORRUPTFS.
+const UNREADABLE: [i32; 3] = [266, 522, 8458];
+
+/// Whether the disk failed to return pages.
+pub(crate) fn is_unreadable(error: &sqlx::Error) -> bool {
+    code(error).is_some_and(|code| UNREADABLE.contains(&code))
+}
+
 /// Whether SQLite reported damaged pages.
 pub(crate) fn is_damage(error: &sqlx::Error) -> bool {
     code(error).is_some_and(|code| DAMAGED.contains(&(code & 0xff)))

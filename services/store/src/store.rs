@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tokio::task::JoinHandle;
 
 use crate::digest::Digest;
-use crate::error::{StoreError, is_damage};
+use crate::error::{StoreError, is_damage, is_unreadable};
 use crate::index::Index;
 use crate::pack::Folder;
 use crate::readers::Readers;
@@ -138,7 +138,8 @@ impl Store {
                     (found == digest).then_some(bytes)
                 }
                 Ok(None) => None,
-                Err(error) if is_damage(&error) || !self.shared.folder.path(place.pack).exists() => None,
+                Err(error) if is_damage(&error) || is_unreadable(&error) => None,
+                Err(_) if !self.shared.folder.path(place.pack).exists() => None,
                 // Moved or deleted during the read.
                 Err(_) if self.index().locate(&digest) != Some(place) => continue,
                 Err(error) => return Err(error.into()),

@@ -1,7 +1,7 @@
 //! Comparison of two records of one frame.
 //!
-//! It serves every place that renders a frame again or receives a record: spot checks, the verification of an image,
-//! and the parameters of a commit.
+//! It serves every place that renders a frame again or receives a record: spot checks, the verification of images and
+//! sets, repairs, and the parameters of a commit or an import.
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Number, Value, json};
@@ -60,6 +60,23 @@ pub fn compare_records(
     agreement: Agreement,
 ) -> Vec<RecordDifference> {
     compare_values("", &json!(expected), &json!(found), agreement)
+}
+
+/// The first difference between a stored record (`found`) and that of its frame rendered again (`expected`), and the number
+/// of further ones; `None` without differences.
+#[must_use]
+pub fn describe_differences(differences: &[RecordDifference]) -> Option<String> {
+    let RecordDifference {
+        pointer,
+        expected,
+        found,
+    } = differences.first()?;
+    let [found, expected] = [found, expected].map(|value| value.as_deref().unwrap_or("missing"));
+    let more = match differences.len() - 1 {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    Some(format!("{pointer} is {found}, rendered again {expected}{more}"))
 }
 
 /// Returns all differences of two JSON values. Pointers begin with `base`.
@@ -282,6 +299,21 @@ mod tests {
                 ("/parameters/water", Some(r#"{"optics":"jerlov-3C"}"#), None),
                 ("/parameters/more~1~0", None, Some("1")),
             ]
+        );
+    }
+
+    #[test]
+    fn a_description_names_the_first_difference_and_the_number_of_others() {
+        let mut changed = record();
+        assert_eq!(describe_differences(&[]), None);
+        changed.plan = json!([]);
+        changed.warnings.push("dark".to_owned());
+        let found = compare_records(&record(), &changed, Agreement::Exact);
+        let described = describe_differences(&found).unwrap();
+        assert!(
+            described.starts_with("/plan/0 is missing, rendered again {")
+                && described.ends_with(" and 1 more"),
+            "{described}"
         );
     }
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use imaging::digest::hex;
 use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
 use sha2::{Digest, Sha256};
 use utoipa::ToSchema;
 
@@ -143,6 +143,19 @@ pub struct Provenance {
     pub cpu_features: String,
     /// SHA-256 of every model and uploaded file used, by name.
     pub inputs: BTreeMap<String, String>,
+}
+
+impl Provenance {
+    /// Each member that differs from that of another rendering, such as `code_version was "1" and is "2"`.
+    #[must_use]
+    pub fn describe_changes(&self, now: &Self) -> Vec<String> {
+        let (then, now) = (json!(self), json!(now));
+        let names = ["code_version", "onnx_runtime", "cpu_features", "inputs"];
+        let changed = names.into_iter().filter(|name| then[name] != now[name]);
+        changed
+            .map(|name| format!("{name} was {} and is {}", then[name], now[name]))
+            .collect()
+    }
 }
 
 impl FrameRecord {

@@ -1,10 +1,11 @@
-//! Restores damaged rows of images while the service runs.
+//! Restores damaged rows and artifacts of images while the service runs.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Duration;
 
 use catalogue::ImageId;
+use store::{Blob, StoreError};
 use tokio_util::sync::CancellationToken;
 
 use super::Images;
@@ -13,7 +14,7 @@ use crate::http::problem::{Problem, Slug};
 /// Pause before another attempt if all places for rendering processes are taken or the disk refuses writes.
 const PAUSE: Duration = Duration::from_secs(5);
 
-/// Restores every image of which a row was found damaged, one at a time. A failed restoration is not repeated before
+/// Restores every image of which a row or an artifact was found damaged, one at a time. A failed restoration is not repeated before
 /// the next start.
 pub(crate) async fn run(images: Arc<Images>, end: CancellationToken) {
     end.run_until_cancelled(restore_all(&images)).await;
@@ -55,8 +56,46 @@ fn is_temporary(problem: &Problem) -> bool {
 }
 
 impl Images {
-    /// Restores the rows of an image from its record or, if that is damaged, from its frame rendered again.
     async fn restore(&self, image: &ImageId) -> Result<(), Problem> {
+        self.restore_rows(image).await?;
+        self.restore_artifacts(image).await
+    }
+
+    /// Stores damaged and missing artifacts of an image again, from its frame rendered again.
+    async fn restore_artifacts(&self, ImageId { job, frame }: &ImageId) -> Result<(), Problem> {
+        let mut damaged = Vec::new();
+        for artifact in self.artifacts(job, *frame).await? {
+            if artifact.place.is_some() {
+                continue;
+            }
+            match self.read_pack(&artifact).await {
+                Ok(Some(_)) => {}
+                Ok(None) | Err(StoreError::Corrupt { .. }) => damaged.push(artifact.entry),
+                Err(error) => return Err(error.into()),
+            }
+        }
+        if damaged.is_empty() {
+            return Ok(());
+        }
+        let again = self.rerender(job, *frame).await?;
+        let mut blobs = Vec::with_capacity(damaged.len());
+        for entry in damaged {
+            let bytes = again
+                .bytes(&entry.kind)
+                .filter(|_| again.record.artifacts.contains(&entry));
+            let bytes = bytes.ok_or_else(renders_otherwise)?;
+            blobs.push(Blob {
+                digest: entry.digest,
+                bytes,
+            });
+        }
+        let digests = blobs.iter().map(|blob| blob.digest.clone());
+        self.bytes.naming.announce(digests).await;
+        Ok(self.bytes.store.put_all(blobs).await?)
+    }
+
+    /// Restores the rows of an image from its record or, if that is damaged, from its frame rendered again.
+    async fn restore_rows(&self, image: &ImageId) -> Result<(), Problem> {
         let ImageId { job, frame } = image;
         if self.catalogue.restore_from_record(job, *frame).await? {
             return Ok(());
@@ -65,7 +104,11 @@ impl Images {
         if self.catalogue.restore_image(job, again.record.clone()).await? {
             return Ok(());
         }
-        let detail = "the frame renders to other bytes than those of its record";
-        Err(Problem::new(Slug::RenderFailed, detail))
+        Err(renders_otherwise())
     }
+}
+
+fn renders_otherwise() -> Problem {
+    let detail = "the frame renders to other bytes than those of its record";
+    Problem::new(Slug::RenderFailed, detail)
 }

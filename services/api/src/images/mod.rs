@@ -12,6 +12,7 @@ use catalogue::{Catalogue, StoredArtifact};
 use serde::Deserialize;
 use serde_json::Value;
 use spec::ArtifactEntry;
+use store::StoreError;
 
 use crate::bytes::Bytes;
 use crate::http::problem::{Problem, Slug, found};
@@ -61,7 +62,7 @@ impl Images {
     pub(crate) async fn stored(&self, artifact: StoredArtifact) -> Result<Stored, Problem> {
         let bytes = match &artifact.place {
             Some(place) => Some(self.bytes.sets.read(place, &artifact.entry).await?),
-            None => self.bytes.store.get(&artifact.entry.digest).await?,
+            None => self.read_pack(&artifact).await?,
         };
         let ArtifactEntry {
             kind,
@@ -71,8 +72,7 @@ impl Images {
         } = artifact.entry;
         let Some(bytes) = bytes else {
             tracing::error!(digest, kind, "a stored artifact is missing");
-            let detail = format!("the bytes of artifact {digest} are missing");
-            return Err(Problem::new(Slug::CorruptArtifact, detail));
+            return Err(Problem::new(Slug::CorruptArtifact, describe_missing(&digest)));
         };
         Ok(Stored {
             digest,
@@ -80,4 +80,25 @@ impl Images {
             bytes,
         })
     }
+
+    /// Reads the bytes of an artifact from the packs; `None` if they are missing. Notes damage, so that the frame is rendered
+    /// again.
+    pub(crate) async fn read_pack(&self, artifact: &StoredArtifact) -> Result<Option<Vec<u8>>, StoreError> {
+        let digest = &artifact.entry.digest;
+        let read = self.bytes.store.get(digest).await;
+        let damage = match &read {
+            Ok(None) => Some(describe_missing(digest)),
+            Err(error @ StoreError::Corrupt { .. }) => Some(error.to_string()),
+            _ => None,
+        };
+        if let Some(what) = damage {
+            self.catalogue.note_damaged_artifact(&artifact.image, &what);
+        }
+        read
+    }
+}
+
+/// The detail of the response, and the finding that it becomes.
+fn describe_missing(digest: &str) -> String {
+    format!("the bytes of artifact {digest} are missing")
 }

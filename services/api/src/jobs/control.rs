@@ -102,6 +102,9 @@ impl Jobs {
 
     /// Offers the frames of a job that the lease table has dropped.
     pub(super) async fn offer_again(&self, job: &JobRow) -> Result<(), Problem> {
+        if self.catalogue.restarting_jobs().await?.contains(&job.id) {
+            return Ok(());
+        }
         // With unproven frames it ends only through a settlement.
         self.leases.proofs.resume(std::slice::from_ref(job), Vec::new());
         let open = self.catalogue.open_job(job.clone()).await?;

@@ -3,7 +3,7 @@
 pub(crate) mod control;
 mod direct;
 mod follow;
-mod machines;
+pub(crate) mod machines;
 pub(crate) mod prices;
 mod pricing;
 pub(crate) mod probe;

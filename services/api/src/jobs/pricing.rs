@@ -49,7 +49,9 @@ impl Jobs {
         let sample = match self.prices.sample(&digest) {
             Some(sample) => sample,
             None => {
-                let sample = Arc::new(self.measure_frames(resolve_sample(job)?).await?);
+                let described = job.clone();
+                let sampling = self.processes.compute.run(move || resolve_sample(&described));
+                let sample = Arc::new(self.measure_frames(sampling.await??).await?);
                 self.prices.keep_sample(&digest, Arc::clone(&sample));
                 sample
             }
@@ -77,8 +79,7 @@ impl Jobs {
             return Ok(None);
         };
         let reservation = self.prices.reserve(owner, price.open_cost());
-        let offered = self.leases.dispatch.table(|table, _| table.open_cost(owner));
-        let open = offered.plus(reservation.before);
+        let open = self.open_cost(owner).await?.plus(reservation.before);
         let Some(problem) = self.prices.refuse_caller(open, *of_job) else {
             return Ok(Some(reservation));
         };
@@ -102,11 +103,25 @@ impl Jobs {
         job
     }
 
+    /// Price of a caller's unfinished frames, those rendered by the workers of the broker included.
+    async fn open_cost(&self, caller: &str) -> Result<OpenCost, Problem> {
+        let mut open = self.leases.dispatch.table(|table, _| table.open_cost(caller));
+        if self.engine.is_none() {
+            return Ok(open);
+        }
+        for job in self.catalogue.open_shared_jobs(caller).await? {
+            let unfinished = job.frames.saturating_sub(job.done + job.failed);
+            let cost = job.price.as_ref().map(count_price).unwrap_or_default();
+            open = open.plus(cost.divided(job.frames).times(unfinished));
+        }
+        Ok(open)
+    }
+
     /// Warns about a job that would be refused because of the caller's other jobs.
-    pub(super) fn warn_caller(&self, caller: &str, price: JobPrice) -> Option<String> {
-        let open = self.leases.dispatch.table(|table, _| table.open_cost(caller));
-        let problem = self.prices.refuse_caller(open, price.price)?;
-        Some(format!("a submission would be refused: {}", problem.detail()))
+    pub(super) async fn warn_caller(&self, caller: &str, price: JobPrice) -> Result<Option<String>, Problem> {
+        let open = self.open_cost(caller).await?;
+        let refused = self.prices.refuse_caller(open, price.price);
+        Ok(refused.map(|problem| format!("a submission would be refused: {}", problem.detail())))
     }
 
     /// Adds the number of pixels to frames; that of an uploaded scene is stored with it.

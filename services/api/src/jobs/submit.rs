@@ -84,7 +84,9 @@ impl Jobs {
         if let Some(duplicate) = duplicate.as_ref().filter(|job| job.state == JobState::Done) {
             return Ok(self.submitted(duplicate.clone(), true));
         }
-        let key = new.idempotency.take();
+        let _reservation = self.admit(&new, price).await?;
+        // The key is also stored here, so that a repeated submission is found before it is refused.
+        let key = new.idempotency.as_ref();
         let order = Order {
             id: new.id.clone(),
             job: new.spec.clone(),
@@ -248,4 +250,4 @@ fn key_conflict() -> Problem {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

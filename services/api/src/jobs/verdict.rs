@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use serde::Deserialize;
-use spec::{Agreement, ArtifactEntry, FrameRecord, Provenance, RecordDifference, compare_records};
+use spec::{Agreement, ArtifactEntry, FrameRecord, Provenance, compare_records, describe_differences};
 
 use super::Jobs;
 use super::rounding::artifact_differs;
@@ -43,23 +43,6 @@ fn choose_agreement(stored: &Provenance, again: &Provenance) -> Result<Agreement
     }
 }
 
-fn describe(differences: &[RecordDifference]) -> Option<String> {
-    let RecordDifference {
-        pointer,
-        expected,
-        found,
-    } = differences.first()?;
-    let shown = [found, expected].map(|value| value.as_deref().unwrap_or("missing"));
-    let more = match differences.len() - 1 {
-        0 => String::new(),
-        more => format!(" and {more} more"),
-    };
-    Some(format!(
-        "{pointer} is {}, rendered again {}{more}",
-        shown[0], shown[1]
-    ))
-}
-
 impl Jobs {
     /// The record of a stored frame, or why it cannot be checked at all.
     pub(super) async fn read_checkable(&self, job: &str, frame: u64) -> Result<FrameRecord, Verdict> {
@@ -88,7 +71,7 @@ impl Jobs {
             Err(verdict) => return Ok(verdict),
         };
         let differences = compare_records(&again.record, stored, agreement);
-        if let Some(difference) = describe(&differences) {
+        if let Some(difference) = describe_differences(&differences) {
             return Ok(Verdict::Differs(difference));
         }
         if agreement == Agreement::Exact {

@@ -1,7 +1,11 @@
-//! Program for a service under test in place of `fathom`: it decodes, and fails at everything else.
+//! Program for a service under test in place of `fathom`: it decodes, accepts jobs for a store that nobody renders, and fails
+//! at everything else.
 
+use std::io;
 use std::path::Path;
 use std::process::ExitCode;
+
+use api::{Accepted, Order};
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -13,6 +17,22 @@ fn main() -> ExitCode {
                 ExitCode::FAILURE
             }
         },
+        ["child", "jobs", "submit", store] => {
+            let order: Order = serde_json::from_reader(io::stdin()).expect("an order");
+            let location = format!("{store}/{}", order.id);
+            let accepted = Accepted::Job {
+                id: order.id,
+                location,
+            };
+            println!("{}", serde_json::to_string(&accepted).expect("JSON"));
+            ExitCode::SUCCESS
+        }
+        ["child", "jobs", "state", _] => ExitCode::SUCCESS,
+        ["child", "jobs", "watch", ..] => {
+            // Until the service ends.
+            let ended = io::copy(&mut io::stdin(), &mut io::sink());
+            ended.map_or(ExitCode::FAILURE, |_| ExitCode::SUCCESS)
+        }
         _ => ExitCode::FAILURE,
     }
 }

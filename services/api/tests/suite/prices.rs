@@ -113,6 +113,44 @@ fn the_open_jobs_of_a_caller_are_limited_together() {
 }
 
 #[test]
+fn jobs_of_a_broker_count_among_the_open_ones_of_their_caller() {
+    let price = price_of_100(&start());
+    let store = tempfile::tempdir().unwrap();
+    let setup = || Setup {
+        token: Some("boss,read+submit:alice,read+submit:bob"),
+        prices: PriceLimits {
+            caller: Duration::from_secs_f64(price * 1.5),
+            ..PriceLimits::default()
+        },
+        broker_store: Some(store.path().to_owned()),
+        ..Setup::default()
+    };
+    let mut service = start_with(setup());
+    service.token = Some("boss");
+    let first = submit_as(&service, "alice", "first");
+    assert_eq!(first.status, 202, "{}", first.text());
+    assert!(first.json()["set"].is_string(), "{}", first.text());
+    submit_as(&service, "alice", "second").problem(429, "caller-limit");
+    let mut body = job();
+    (body["dataset"], body["count"]) = (json!("second"), json!(100));
+    let preview = post_as(&service, "alice", "/v1/jobs/preview", &body, &[]).json();
+    assert!(
+        preview["warnings"].to_string().contains("--max-caller-h"),
+        "{preview}"
+    );
+    // A repeated submission returns its job, the limit is per caller, and it holds after a restart.
+    let again = submit_as(&service, "alice", "first");
+    assert_eq!(again.json()["id"], first.json()["id"], "{}", again.text());
+    assert_eq!(submit_as(&service, "bob", "third").status, 202);
+    let mut service = start_on(service.stop(), setup());
+    service.token = Some("boss");
+    submit_as(&service, "alice", "second").problem(429, "caller-limit");
+    let cancel = format!("/v1/jobs/{}/cancel", first.json()["id"].as_str().unwrap());
+    assert_eq!(post_as(&service, "alice", &cancel, &json!({}), &[]).status, 200);
+    assert_eq!(submit_as(&service, "alice", "second").status, 202);
+}
+
+#[test]
 fn the_price_of_a_job_is_shown_and_survives_a_restart() {
     let service = start();
     let mut body = job();

@@ -13,7 +13,8 @@ pub(crate) struct Table {
 macro_rules! job_columns {
     () => {
         "id, dataset, state, frames, done, failed, bytes, version, created_ms, started_ms, finished_ms, digest,
-         priority, spec_digest, set_location, owner, price_ms, price_bytes, unproven, mixed, distrusted"
+         priority, spec_digest, set_location, owner, price_ms, price_bytes, unproven, mixed, distrusted,
+         restarting"
     };
 }
 pub(crate) use job_columns;

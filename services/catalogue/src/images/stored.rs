@@ -13,6 +13,7 @@ use crate::catalogue::{Catalogue, within};
 use crate::commit::insert::NewImage;
 use crate::digests::record_row::About;
 use crate::error::CatalogueError;
+use crate::image_id::ImageId;
 use crate::query::cells::Cells;
 use crate::types::{Delivery, FrameRows, InsertImage, Place, StoredArtifact};
 
@@ -130,7 +131,11 @@ impl Catalogue {
         .bind(kind)
         .fetch_optional(&mut *self.reader().await?)
         .await?;
-        let found = found.as_ref().map(|row| stored(kind, row)).transpose()?;
+        let image = ImageId {
+            job: job.to_owned(),
+            frame,
+        };
+        let found = found.as_ref().map(|row| stored(image, kind, row)).transpose()?;
         let Some(image) = self.image_row(job, frame).await? else {
             return Ok(None);
         };
@@ -157,7 +162,7 @@ struct Listed {
     artifacts: Vec<ArtifactEntry>,
 }
 
-fn stored(kind: &str, row: &SqliteRow) -> Result<StoredArtifact, CatalogueError> {
+fn stored(image: ImageId, kind: &str, row: &SqliteRow) -> Result<StoredArtifact, CatalogueError> {
     let mut cells = Cells::new(row);
     let entry = ArtifactEntry {
         kind: kind.to_owned(),
@@ -173,7 +178,7 @@ fn stored(kind: &str, row: &SqliteRow) -> Result<StoredArtifact, CatalogueError>
             offset: offset as u64,
         }),
     };
-    Ok(StoredArtifact { entry, place })
+    Ok(StoredArtifact { image, entry, place })
 }
 
 fn image(row: &SqliteRow) -> Result<Value, CatalogueError> {

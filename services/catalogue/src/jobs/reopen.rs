@@ -31,7 +31,7 @@ impl Catalogue {
     }
 }
 
-async fn reopen(
+pub(super) async fn reopen(
     connection: &mut SqliteConnection,
     id: &str,
     frames: &[u64],

@@ -10,12 +10,11 @@ use crate::datasets::versions::refuse_sealed;
 use crate::digests::row_digests::{Side, intact};
 use crate::digests::tables::{JOBS, digested_job_columns, job_columns};
 use crate::error::CatalogueError;
-use crate::jobs::recovery;
 use crate::query::cells::Cells;
 use crate::query::cursor;
 use crate::query::list_page::list_page;
 use crate::query::scope::Scope;
-use crate::types::{OpenJob, Retried};
+use crate::types::Retried;
 
 impl Catalogue {
     /// Changes the state of a job and returns its row. Cancelling an ended job has no effect.
@@ -128,40 +127,6 @@ impl Catalogue {
     /// [`CatalogueError`].
     pub async fn job_of_set(&self, set: &str) -> Result<Option<JobRow>, CatalogueError> {
         of_set(&mut *self.reader().await?, set, Side::Reader).await
-    }
-
-    /// Open jobs that this service renders. Damaged ones are reported and left out.
-    ///
-    /// # Errors
-    /// [`CatalogueError`].
-    pub async fn open_jobs(&self) -> Result<Vec<OpenJob>, CatalogueError> {
-        let mut reader = self.reader().await?;
-        let rows = sqlx::query(concat!(
-            "SELECT ",
-            digested_job_columns!(),
-            " FROM jobs
-              WHERE state IN ('queued', 'running', 'paused') AND set_location IS NULL
-                AND id NOT IN (SELECT job_id FROM deletions) ORDER BY id",
-        ));
-        let rows = rows.fetch_all(&mut *reader).await?;
-        let mut open = Vec::with_capacity(rows.len());
-        for found in &rows {
-            let row = match self.unless_damaged(verified(found, Side::Reader)) {
-                Some(row) => row?,
-                None => continue,
-            };
-            let left = recovery::what_is_left(&mut reader, row).await;
-            open.extend(self.unless_damaged(left).transpose()?);
-        }
-        Ok(open)
-    }
-
-    /// The state of the frames of an open job.
-    ///
-    /// # Errors
-    /// [`CatalogueError`].
-    pub async fn open_job(&self, row: JobRow) -> Result<OpenJob, CatalogueError> {
-        recovery::what_is_left(&mut *self.reader().await?, row).await
     }
 }
 
@@ -336,7 +301,7 @@ pub(super) fn imported(job: JobRow) -> CatalogueError {
     }
 }
 
-fn cannot_become(job: &JobRow, to: &str) -> CatalogueError {
+pub(super) fn cannot_become(job: &JobRow, to: &str) -> CatalogueError {
     CatalogueError::Transition {
         id: job.id.clone(),
         from: job.state.to_string(),

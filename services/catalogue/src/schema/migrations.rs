@@ -4,7 +4,7 @@ use sqlx::SqlSafeStr;
 use sqlx::migrate::{Migration, MigrationType, Migrator};
 
 /// The files of `migrations/`, in order: description and text. A file's version is its place, from 1.
-const FILES: [(&str, &str); 18] = [
+const FILES: [(&str, &str); 19] = [
     (
         "catalogue",
         include_str!("../../../../migrations/0001_catalogue.sql"),
@@ -47,6 +47,10 @@ const FILES: [(&str, &str); 18] = [
     ),
     ("prices", include_str!("../../../../migrations/0017_prices.sql")),
     ("proofs", include_str!("../../../../migrations/0018_proofs.sql")),
+    (
+        "restarts",
+        include_str!("../../../../migrations/0019_restarts.sql"),
+    ),
 ];
 
 /// The migrator that brings any older catalogue up to date.

@@ -3,8 +3,6 @@
 use sha2::{Digest, Sha256};
 
 use crate::error::SetError;
-use crate::processes::crew::{Crew, Finished};
-use crate::set::marker::Marker;
 use crate::set::opened::Set;
 use crate::storage::upload::FileSum;
 
@@ -53,34 +51,6 @@ impl Set {
         Ok(report)
     }
 
-    /// Renders a frame again and compares it with its row; returns the difference.
-    ///
-    /// # Errors
-    /// [`SetError`] of the store and of this machine.
-    pub fn verify_by_rendering(&self, frame: u64, crew: &mut Crew) -> Result<Option<String>, SetError> {
-        let shard = frame / self.card().frames_per_shard;
-        let Some(marker) = self.marker(shard)? else {
-            return Ok(Some(format!("shard {shard} has no marker")));
-        };
-        let stored = marker.frame_digest(frame, self)?;
-        let mut rendered = None;
-        crew.render(frame..frame + 1, &|| Ok(()), |_, finished| {
-            if let Finished::Image { record, .. } = finished {
-                let record: spec::FrameRecord = serde_json::from_slice(&record)
-                    .map_err(|error| SetError::Machine(format!("a record cannot be read: {error}")))?;
-                rendered = Some(record.digest());
-            }
-            Ok(())
-        })?;
-        Ok((stored != rendered).then(|| {
-            format!(
-                "frame {frame} is stored as {} and rendered as {}",
-                stored.as_deref().unwrap_or("no image"),
-                rendered.as_deref().unwrap_or("no image")
-            )
-        }))
-    }
-
     /// Reads a file piece by piece.
     fn compare(&self, name: &str, sum: &FileSum, report: &mut Report) -> Result<(), SetError> {
         let found = self.store.entry(name)?.map(|entry| entry.bytes);
@@ -111,19 +81,6 @@ impl Report {
     fn with_damage(mut self, damage: String) -> Self {
         self.damage.push(damage);
         self
-    }
-}
-
-impl Marker {
-    /// Digest of a frame of this shard; `None` if it has no image.
-    fn frame_digest(&self, frame: u64, set: &Set) -> Result<Option<String>, SetError> {
-        if self.failed.iter().any(|failed| failed.frame == frame) {
-            return Ok(None);
-        }
-        let first = set.card().frames_of(self.shard).start;
-        let failed_before = self.failed.iter().filter(|failed| failed.frame < frame).count();
-        let position = (frame - first) as usize - failed_before;
-        Ok(self.frame_digests(&set.store)?.get(position).cloned())
     }
 }
 

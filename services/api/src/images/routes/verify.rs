@@ -91,12 +91,16 @@ pub(crate) async fn verify(
         let artifact = images.artifact(&job, frame, &entry.kind).await?;
         artifacts.push(compared(&images, artifact, again.clone()).await?);
     }
-    let record_differences = match &again {
+    let (record_differences, differences) = match &again {
         Some(again) => {
+            let record = &again.record;
             let stored = FrameRecord::deserialize(&image).map_err(|error| Problem::internal(&error))?;
-            compare_records(&again.record, &stored, Agreement::Exact)
+            (
+                compare_records(record, &stored, Agreement::Exact),
+                stored.provenance.describe_changes(&record.provenance),
+            )
         }
-        None => Vec::new(),
+        None => (Vec::new(), Vec::new()),
     };
     Ok(Json(Verified {
         intact: artifacts
@@ -108,9 +112,9 @@ pub(crate) async fn verify(
                     artifact.rerendered_digest.as_ref() == Some(&artifact.digest)
                 })
         }),
-        differences: again.map_or_else(Vec::new, |again| differences(&image, &again)),
         record_differences,
         artifacts,
+        differences,
     }))
 }
 
@@ -154,7 +158,7 @@ pub(crate) async fn condition(
     artifact: &StoredArtifact,
 ) -> Result<(StoredBytes, Option<Vec<u8>>), Problem> {
     let Some(place) = &artifact.place else {
-        return match images.bytes.store.get(&artifact.entry.digest).await {
+        return match images.read_pack(artifact).await {
             Ok(Some(bytes)) => Ok((StoredBytes::Good, Some(bytes))),
             Ok(None) => Ok((StoredBytes::Missing, None)),
             Err(StoreError::Corrupt { .. }) => Ok((StoredBytes::Corrupt, None)),
@@ -167,15 +171,4 @@ pub(crate) async fn condition(
         Err(Unread::Differs(_)) => Ok((StoredBytes::Corrupt, None)),
         Err(error) => Err(error.into()),
     }
-}
-
-/// Differences in provenance from the record.
-fn differences(record: &serde_json::Value, again: &Again) -> Vec<String> {
-    let now = serde_json::to_value(&again.record.provenance).unwrap_or_default();
-    let names = ["code_version", "onnx_runtime", "cpu_features", "inputs"];
-    let changed = names.into_iter().filter_map(|name| {
-        let (then, now) = (record.pointer(&format!("/provenance/{name}"))?, now.get(name)?);
-        (then != now).then(|| format!("{name} was {then} and is {now}"))
-    });
-    changed.collect()
 }

@@ -47,7 +47,7 @@ pub(crate) async fn preview(
     jobs.check_runtime(&job)?;
     let price = jobs.price(&job).await?;
     let (frames, mut warnings) = (job.frames(), job.warnings().to_vec());
-    warnings.extend(jobs.warn_caller(&submitter.owner, price));
+    warnings.extend(jobs.warn_caller(&submitter.owner, price).await?);
     let compute = &jobs.processes.compute;
     let first = compute.run(move || resolve_first(&job, shown)).await??;
     let estimate = estimate(&jobs, price);

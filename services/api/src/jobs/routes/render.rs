@@ -7,7 +7,7 @@ use crate::http::located::located;
 use crate::http::stored::GUARDED;
 use crate::http::{Json, JsonBytes, Problem, Slug, State, Topic};
 use crate::jobs::Jobs;
-use crate::jobs::direct::OnLeave;
+use crate::jobs::direct::Unanswered;
 use crate::jobs::submit::Submission;
 use crate::jobs::wait::Until;
 use crate::limits;
@@ -67,35 +67,49 @@ pub(crate) async fn create(
         // A temporary render needs a separate job.
         again: true,
     };
-    let on_leave = match (submission.submitter.idempotency_key.is_some(), is_kept) {
-        (true, _) => OnLeave::Continue,
-        (false, true) => OnLeave::Cancel,
-        (false, false) => OnLeave::Delete,
+    let unanswered = match (submission.submitter.idempotency_key.is_some(), is_kept) {
+        (true, _) => Unanswered::Continue,
+        (false, true) => Unanswered::Cancel,
+        (false, false) => Unanswered::Delete,
     };
-    let (submitted, request) = jobs.submit_direct(job, submission, on_leave).await?;
-    let row = jobs.wait_on(submitted, wait, Until::Ended).await?;
-    let id = row.id.clone();
-    let mut response = match row.state {
-        JobState::Done => picture_or_record(&jobs, &headers, &id).await?,
-        JobState::DoneWithFailures => {
-            let problem = why_failed(&jobs, &id).await?;
-            match is_kept {
-                true => problem.with_member("job", id.as_str()).into_response(),
-                false => problem.into_response(),
-            }
-        }
-        _ => {
-            request.end();
-            let location = format!("/v1/jobs/{id}");
-            return Ok(located(StatusCode::ACCEPTED, location, row).into_response());
+    let (submitted, request) = jobs.submit_direct(job, submission, unanswered).await?;
+    let ended = async {
+        let row = jobs.wait_on(submitted, wait, Until::Ended).await?;
+        let response = respond(&jobs, &headers, &row, is_kept).await?;
+        Ok::<_, Problem>((row, response))
+    };
+    let (row, mut response) = match ended.await {
+        Ok(ended) => ended,
+        Err(problem) => {
+            request.fail();
+            return Err(problem);
         }
     };
     request.end();
-    if !is_kept {
-        jobs.delete(id).await?;
+    if !is_kept && matches!(row.state, JobState::Done | JobState::DoneWithFailures) {
+        jobs.delete(row.id).await?;
         response.headers_mut().remove(CONTENT_LOCATION);
     }
     Ok(response)
+}
+
+/// The image or record of an ended job, why it failed, or the location of a job that continues.
+async fn respond(jobs: &Jobs, headers: &HeaderMap, row: &JobRow, is_kept: bool) -> Result<Response, Problem> {
+    let id = row.id.as_str();
+    match row.state {
+        JobState::Done => picture_or_record(jobs, headers, id).await,
+        JobState::DoneWithFailures => {
+            let problem = why_failed(jobs, id).await?;
+            Ok(match is_kept {
+                true => problem.with_member("job", id).into_response(),
+                false => problem.into_response(),
+            })
+        }
+        _ => {
+            let location = format!("/v1/jobs/{id}");
+            Ok(located(StatusCode::ACCEPTED, location, row.clone()).into_response())
+        }
+    }
 }
 
 const CONTENT_LOCATION: HeaderName = HeaderName::from_static("content-location");

@@ -6,7 +6,7 @@ use crate::config::{Config, Surroundings};
 use crate::jobs::wait::Until;
 use crate::limits::Limits;
 
-async fn app(folder: &std::path::Path) -> App {
+pub(in crate::jobs) async fn app(folder: &std::path::Path) -> App {
     let config = Config {
         data: folder.to_owned(),
         listen: "127.0.0.1:0".parse().unwrap(),
@@ -32,10 +32,29 @@ async fn app(folder: &std::path::Path) -> App {
         style_runtime: Err("none".to_owned()),
         limits: Limits {
             reserve_bytes: 1 << 16,
+            compute: 1,
             ..Limits::default()
         },
     };
     App::open(&config, &surroundings).await.unwrap().0
+}
+
+/// Failure: a job is priced on a thread that serves requests.
+#[tokio::test]
+async fn a_price_is_sampled_in_a_place_of_the_pool() {
+    let folder = tempfile::tempdir().unwrap();
+    let jobs = app(folder.path()).await.jobs;
+    let text = r#"{"dataset": "x", "scene": {"kind": "procedural", "family": "structure", "seed": 1}}"#;
+    let job = Job::parse(text.as_bytes(), &jobs.vocabulary()).unwrap();
+    let (release, released) = std::sync::mpsc::channel::<()>();
+    let processes = Arc::clone(&jobs.processes);
+    let held = tokio::spawn(async move { processes.compute.run(move || released.recv()).await });
+    tokio::task::yield_now().await;
+    let early = tokio::time::timeout(Duration::from_millis(100), jobs.price(&job)).await;
+    assert!(early.is_err(), "it does not wait for a place");
+    release.send(()).unwrap();
+    jobs.price(&job).await.unwrap();
+    held.await.unwrap().unwrap().unwrap();
 }
 
 #[tokio::test]

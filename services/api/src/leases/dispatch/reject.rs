@@ -1,9 +1,9 @@
-//! Rejected reports and the workers that send them.
+//! Commits and rejected reports, and the workers that send them.
 
 use wire::messages::{Claim, RegisterRequest};
 
 use super::Dispatch;
-use crate::leases::table::StrikeEvent;
+use crate::leases::table::{Stale, StrikeEvent, Toolchain};
 
 impl Dispatch {
     /// The worker that holds a lease: its id and registration.
@@ -12,6 +12,18 @@ impl Dispatch {
             let (id, about) = table.holder(token)?;
             Some((id.to_owned(), about.clone()))
         })
+    }
+
+    /// Pins the frame of a commit while its image is written. If its job needs another toolchain, nobody is to blame, and the
+    /// frame is offered again. Waiting workers are only woken then: each of them looks at every job.
+    pub(crate) fn begin_commit(&self, claim: &Claim, toolchain: &Toolchain) -> Result<(), Stale> {
+        let begun = self.table(
+            |table, now| match table.record_toolchain(&claim.job_id, toolchain) {
+                true => table.begin_commit(claim, now),
+                false => table.refuse(claim).and(Err(Stale)),
+            },
+        );
+        begun.inspect_err(|_| self.work.notify_waiters())
     }
 
     /// Handles a rejected report: the frame is offered again, and a worker that repeats this is dismissed with all

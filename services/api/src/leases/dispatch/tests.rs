@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use catalogue::JobRow;
-use wire::messages::FrameClaim;
+use wire::messages::{Claim, FrameClaim};
 
 use super::super::table::TERM_MS;
 use super::*;
@@ -190,4 +190,56 @@ async fn a_waiting_worker_is_woken_by_a_new_job() {
     dispatch.add_job(job("job_b"));
     assert_eq!(waiting.await.unwrap().as_deref(), Some("job_b"));
     assert_eq!(begun.elapsed(), Duration::ZERO);
+}
+
+/// Failure: a worker that may render none of the open jobs looks at all of them with every commit of the others.
+#[tokio::test(start_paused = true)]
+async fn commits_do_not_wake_waiting_workers() {
+    const COMMITS: u64 = 50;
+    let toolchain = Toolchain {
+        code_version: "1".to_owned(),
+        cpu_features: String::new(),
+        onnx_runtime: None,
+    };
+    let rules = Rules {
+        reference: Some(toolchain.clone()),
+        ..Rules::default()
+    };
+    let dispatch = Arc::new(Dispatch::new(Clock::from_functions(|| 0, || 0), rules));
+    let mut many = job("job_a");
+    many.row.frames = COMMITS + 1;
+    dispatch.add_job(many);
+    let same = RegisterRequest {
+        code_version: "1".to_owned(),
+        ..about()
+    };
+    let (worker, misfit) = (
+        dispatch.register(same, true).unwrap(),
+        dispatch.register(about(), false).unwrap(),
+    );
+    let waiting = {
+        let dispatch = Arc::clone(&dispatch);
+        tokio::spawn(async move {
+            let granted = dispatch.lease(&misfit, Duration::from_secs(60), 0.0).await;
+            granted.ok().flatten().is_some()
+        })
+    };
+    tokio::task::yield_now().await;
+    let first = dispatch.next_token.load(Ordering::Relaxed);
+    for _ in 0..COMMITS {
+        let granted = dispatch.lease(&worker, Duration::ZERO, 0.0).await;
+        let lease = granted.ok().flatten().unwrap().hand_over();
+        let claim = Claim {
+            token: lease.token,
+            job_id: lease.job_id.clone(),
+            frame: lease.frames[0].frame,
+            attempt: 1,
+        };
+        dispatch.begin_commit(&claim, &toolchain).unwrap();
+        dispatch.table(|table, _| table.finish_commit(&claim));
+        tokio::task::yield_now().await;
+    }
+    let looks = dispatch.next_token.load(Ordering::Relaxed) - first;
+    assert_eq!(looks, COMMITS, "the others are those of the misfit");
+    waiting.abort();
 }

@@ -13,7 +13,7 @@ use crate::http::{Problem, Protobuf, Slug, State, Topic};
 use crate::leases::Leases;
 use crate::leases::checks::{Evidence, check_file};
 use crate::leases::pending::{PendingArtifact, PendingFrame};
-use crate::leases::table::{Stale, Toolchain};
+use crate::leases::table::Toolchain;
 use crate::processes::compute::to_the_end;
 use crate::telemetry;
 
@@ -60,13 +60,8 @@ pub(crate) async fn commit(
     let current = leases.dispatch.table(|table, _| table.check(&claim));
     current.map_err(|_| stale_lease(&claim))?;
     let (worker, frame) = leases.examine(&claim, &record, &request.record_json).await?;
-    let begun = leases.dispatch.free(|table, now| {
-        if table.record_toolchain(&claim.job_id, &Toolchain::from_provenance(&record.provenance)) {
-            return table.begin_commit(&claim, now);
-        }
-        // Another worker came first with other versions: nobody is to blame, and the frame is rendered again.
-        table.refuse(&claim).and(Err(Stale))
-    });
+    let toolchain = Toolchain::from_provenance(&record.provenance);
+    let begun = leases.dispatch.begin_commit(&claim, &toolchain);
     begun.map_err(|_| stale_lease(&claim))?;
     faults::point("commit.begun");
     // The frame is pinned now: the task unpins it even if the worker disconnects.

@@ -45,6 +45,12 @@ impl LeaseTable {
         Ok(())
     }
 
+    /// Whether the image of a frame of a job is being written.
+    #[must_use]
+    pub fn is_being_written(&self, job: &str) -> bool {
+        self.pinned.keys().any(|(other, _)| other == job)
+    }
+
     /// The image of a pinned frame is durable.
     pub fn finish_commit(&mut self, claim: &Claim) {
         let (job, frame) = (&claim.job_id, claim.frame);

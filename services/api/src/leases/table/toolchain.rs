@@ -11,7 +11,40 @@ use super::job::Job;
 use super::lease::Lease;
 use super::types::{Millis, Rules, Toolchain};
 
+/// The toolchain that a job needs. It borrows its texts: every look of a waiting worker compares it for many jobs while the
+/// table is locked.
+struct NeededToolchain<'a> {
+    code_version: &'a str,
+    cpu_features: &'a str,
+    onnx_runtime: Option<&'a str>,
+}
+
+impl NeededToolchain<'_> {
+    /// Whether a worker of this registration produces the same bytes. A job without ONNX Runtime accepts any version.
+    fn matches(&self, worker: &RegisterRequest) -> bool {
+        self.code_version == worker.code_version
+            && self.cpu_features == worker.cpu_features
+            && (self.onnx_runtime.is_none() || self.onnx_runtime == worker.onnx_runtime.as_deref())
+    }
+
+    fn to_toolchain(&self) -> Toolchain {
+        Toolchain {
+            code_version: self.code_version.to_owned(),
+            cpu_features: self.cpu_features.to_owned(),
+            onnx_runtime: self.onnx_runtime.map(str::to_owned),
+        }
+    }
+}
+
 impl Toolchain {
+    fn as_needed(&self) -> NeededToolchain<'_> {
+        NeededToolchain {
+            code_version: &self.code_version,
+            cpu_features: &self.cpu_features,
+            onnx_runtime: self.onnx_runtime.as_deref(),
+        }
+    }
+
     /// From the provenance of a record.
     pub(crate) fn from_provenance(provenance: &Provenance) -> Self {
         Self {
@@ -19,13 +52,6 @@ impl Toolchain {
             cpu_features: provenance.cpu_features.clone(),
             onnx_runtime: provenance.onnx_runtime.clone(),
         }
-    }
-
-    /// Whether a worker of this registration produces the same bytes. A job without ONNX Runtime accepts any version.
-    fn matches(&self, worker: &RegisterRequest) -> bool {
-        self.code_version == worker.code_version
-            && self.cpu_features == worker.cpu_features
-            && (self.onnx_runtime.is_none() || self.onnx_runtime == worker.onnx_runtime)
     }
 
     /// Whether a frame of another provenance can be compared byte by byte with one of this.
@@ -68,20 +94,20 @@ impl Rules {
     }
 
     /// The toolchain that a job needs; `None`: any.
-    fn needed(&self, job: &Job) -> Option<Toolchain> {
+    fn needed<'a>(&'a self, job: &'a Job) -> Option<NeededToolchain<'a>> {
         if self.mixed || job.mixed {
             return None;
         }
         let made = job.made.as_ref();
         let Some(reference) = &self.reference else {
-            return made.filter(|_| !job.is_untouched()).cloned();
+            return made.filter(|_| !job.is_untouched()).map(Toolchain::as_needed);
         };
-        let runtime = made.and_then(|made| made.onnx_runtime.as_ref());
+        let runtime = made.and_then(|made| made.onnx_runtime.as_deref());
         let kind = made.filter(|_| !job.is_untouched()).unwrap_or(reference);
-        Some(Toolchain {
-            code_version: reference.code_version.clone(),
-            cpu_features: kind.cpu_features.clone(),
-            onnx_runtime: runtime.map(|made| reference.onnx_runtime.as_ref().unwrap_or(made).clone()),
+        Some(NeededToolchain {
+            code_version: &reference.code_version,
+            cpu_features: &kind.cpu_features,
+            onnx_runtime: runtime.map(|made| reference.onnx_runtime.as_deref().unwrap_or(made)),
         })
     }
 
@@ -105,7 +131,7 @@ pub struct Misfits {
 impl LeaseTable {
     /// Records the provenance of a frame before it is written; returns whether the job accepts it.
     pub fn record_toolchain(&mut self, job: &str, toolchain: &Toolchain) -> bool {
-        let is_being_written = self.pinned.keys().any(|(other, _)| other == job);
+        let is_being_written = self.is_being_written(job);
         let Some(job) = self.jobs.get_mut(job) else {
             return true;
         };
@@ -145,7 +171,7 @@ impl LeaseTable {
             .cloned()
             .collect();
         (!misfits.is_empty()).then_some(Misfits {
-            needed,
+            needed: needed.to_toolchain(),
             is_waiting: misfits.len() == self.workers.len(),
             workers: misfits,
         })

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use api::{Clock, Config, Limits, PriceLimits, Service, Surroundings};
+use api::{Clock, Config, EngineOptions, Limits, PriceLimits, Service, Surroundings};
 use serde_json::{Value, json};
 use style::Library;
 use tempfile::TempDir;
@@ -24,6 +24,8 @@ pub(crate) struct Setup {
     pub(crate) library: Option<Library>,
     /// Program for decoding and trying styles; the default rejects every style.
     pub(crate) program: &'static str,
+    /// Store of a broker whose workers render the jobs.
+    pub(crate) broker_store: Option<PathBuf>,
 }
 
 impl Default for Setup {
@@ -38,6 +40,7 @@ impl Default for Setup {
             clock: Clock::system(),
             library: None,
             program: env!("CARGO_BIN_EXE_api-child"),
+            broker_store: None,
         }
     }
 }
@@ -111,6 +114,15 @@ fn start_at(data: TempDir, folder: PathBuf, setup: Setup) -> Running {
     let mut config = config(&folder, setup.token);
     config.program = setup.program.into();
     config.prices = setup.prices;
+    if let Some(store) = setup.broker_store {
+        config.stores = vec![store.display().to_string()];
+        config.engine = Some(EngineOptions {
+            url: "nats://127.0.0.1:1".to_owned(),
+            token: None,
+            lease_s: 15.0,
+            replicas: 1,
+        });
+    }
     if let Some(library) = setup.library {
         config.library = library;
     }

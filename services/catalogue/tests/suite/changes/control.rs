@@ -279,3 +279,65 @@ async fn a_description_whose_images_are_there_is_not_stored_again() {
         "its images are gone"
     );
 }
+
+/// Failure: a kill during a restart leaves a job that workers continue, with images of its earlier run.
+#[tokio::test]
+async fn an_interrupted_restart_continues_until_no_image_remains() {
+    let at = Fixture::new().await;
+    at.job("job_a", "bay", 1500, 0).await;
+    at.catalogue.mix_machines("job_a", true).await.unwrap();
+    synthetic::fill(&at.catalogue, "job_a", 0..1499, 2000)
+        .await
+        .unwrap();
+    at.give_up("job_a", 1499).await;
+    at.catalogue.begin_restart("job_a").await.unwrap();
+    let mut at = at.reopen().await;
+    for left in [1499, 499] {
+        let row = at.catalogue.job("job_a").await.unwrap().unwrap();
+        assert_eq!((row.state, row.done, row.failed), (JobState::Running, left, 0));
+        assert_eq!(at.catalogue.restarting_jobs().await.unwrap(), ["job_a"]);
+        assert!(at.catalogue.open_jobs().await.unwrap().is_empty());
+        assert_eq!(at.catalogue.continue_restart("job_a").await.unwrap(), None);
+        at = at.reopen().await;
+    }
+    let row = at.catalogue.continue_restart("job_a").await.unwrap().unwrap();
+    assert_eq!(
+        (row.state, row.done, row.failed, row.bytes, row.mixed),
+        (JobState::Queued, 0, 0, 0, false)
+    );
+    let at = at.reopen().await;
+    assert!(at.catalogue.restarting_jobs().await.unwrap().is_empty());
+    let open = at.catalogue.open_jobs().await.unwrap();
+    assert!(open.len() == 1 && open[0].done.is_empty() && open[0].failed.is_empty());
+    assert_eq!(
+        (at.all_failures("job_a").await, at.datasets().await[0].images),
+        (vec![], 0)
+    );
+    at.is_sound().await;
+    synthetic::fill(&at.catalogue, "job_a", 0..1500, 3000)
+        .await
+        .unwrap();
+    assert_eq!(
+        at.catalogue.job("job_a").await.unwrap().unwrap().state,
+        JobState::Done
+    );
+}
+
+#[tokio::test]
+async fn a_cancelled_job_does_not_start_again_and_ends_a_restart() {
+    let at = Fixture::new().await;
+    at.job("job_a", "bay", 3, 2).await;
+    at.catalogue.begin_restart("job_a").await.unwrap();
+    at.catalogue
+        .set_state("job_a", JobState::Cancelled)
+        .await
+        .unwrap();
+    let row = at.catalogue.continue_restart("job_a").await.unwrap().unwrap();
+    assert_eq!((row.state, row.done), (JobState::Cancelled, 2));
+    assert!(at.catalogue.restarting_jobs().await.unwrap().is_empty());
+    let refused = at.catalogue.begin_restart("job_a").await;
+    assert!(
+        matches!(refused, Err(CatalogueError::Transition { .. })),
+        "{refused:?}"
+    );
+}

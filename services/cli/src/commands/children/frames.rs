@@ -10,6 +10,7 @@ use anyhow::Context;
 use cli::exit::Failure;
 use cli::styles::StyleArguments;
 use renderer::{Engine, SceneSource, Slot, extension};
+use serde_json::json;
 use sets::{Message, ParcelFile};
 use spec::Job;
 
@@ -66,10 +67,13 @@ fn render(job: &Job, slot: &mut Slot, index: u64) -> Message {
         Ok(frame) => frame,
         Err(invalid) => return failed(invalid.to_string(), false),
     };
-    let rendered = match slot.attempt(&frame, &SceneSource::Local) {
+    let mut rendered = match slot.attempt(&frame, &SceneSource::Local) {
         Ok(rendered) => rendered,
         Err(error) => return failed(error.to_string(), error.retryable()),
     };
+    if faults::frame_point("record.wrong", index) {
+        rendered.record.plan = json!([]);
+    }
     let record = match serde_json::to_vec(&rendered.record) {
         Ok(record) => record,
         Err(error) => return failed(format!("the record cannot be written: {error}"), false),

@@ -98,6 +98,9 @@ async fn scrub(arguments: &Arguments, sets: SetFiles) -> Result<Findings, Failur
     let mut repair = wants_repair.then(|| Repair::new(library, arguments.style.onnxruntime.as_deref()));
     rows(&data, repair.as_mut(), &mut findings).await?;
     artifacts(&data, repair.as_mut(), &mut findings).await?;
+    findings
+        .rows
+        .extend(repair.map(|repair| repair.false_records).into_iter().flatten());
     for job in jobs {
         imported(&data, &sets, &job, wants_repair, &mut findings).await?;
     }

@@ -1,4 +1,6 @@
-//! `fathom verify`: reads a set again and compares it with its markers.
+//! `fathom verify`: reads a set again and compares it with its markers, and frames with those rendered again.
+
+use std::collections::BTreeMap;
 
 use cli::exit::Failure;
 use cli::progress::Progress;
@@ -55,9 +57,15 @@ fn render(arguments: &VerifyArguments, set: &Set, done: &[u64]) -> Result<Vec<St
         .iter()
         .flat_map(|&shard| set.card().frames_of(shard))
         .collect();
-    let mut wrong = Vec::new();
+    let mut by_shard: BTreeMap<u64, Vec<u64>> = BTreeMap::new();
     for frame in spread(&frames, arguments.render) {
-        wrong.extend(set.verify_by_rendering(frame, &mut crew).map_err(failure)?);
+        let shard = frame / set.card().frames_per_shard;
+        by_shard.entry(shard).or_default().push(frame);
+    }
+    let mut wrong = Vec::new();
+    for (shard, frames) in by_shard {
+        let differences = set.verify_by_rendering(shard, &frames, &mut crew);
+        wrong.extend(differences.map_err(failure)?);
     }
     Ok(wrong)
 }

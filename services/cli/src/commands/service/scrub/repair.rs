@@ -1,4 +1,4 @@
-//! Restores artifacts by rendering their frames again.
+//! Restores artifacts by rendering their frames again, and compares the stored records with these frames.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -6,11 +6,14 @@ use std::sync::Arc;
 
 use anyhow::Context;
 use api::Data;
-use catalogue::NamedDigest;
+use catalogue::{CatalogueError, NamedDigest};
 use renderer::{Engine, File, SceneBytes, SceneSource, Slot};
-use spec::{FrameRecord, Job};
+use serde::Deserialize;
+use spec::{Agreement, FrameRecord, Job, compare_records, describe_differences};
 use store::Blob;
 use style::Library;
+
+use super::findings::Row;
 
 const DIFFERS: &str = "the frame now renders to other bytes: this build, ONNX Runtime or processor differs from that of the record";
 
@@ -19,6 +22,8 @@ pub(crate) struct Repair {
     slot: Slot,
     /// The last frame, since its artifacts are often damaged together.
     last: Option<Rendered>,
+    /// Stored records that contradict their frames.
+    pub(super) false_records: Vec<Row>,
 }
 
 struct Rendered {
@@ -34,6 +39,7 @@ impl Repair {
         Self {
             slot: Slot::new(&engine),
             last: None,
+            false_records: Vec::new(),
         }
     }
 
@@ -65,7 +71,16 @@ impl Repair {
             .filter(|last| last.job == *job && last.frame == frame);
         let last = match last {
             Some(last) => last,
-            None => self.render(data, job, frame).await?,
+            None => {
+                let rendered = self.render(data, job, frame).await?;
+                // A frame is rendered again for each of its artifacts that are far apart.
+                if let Some(row) = find_false_record(data, &rendered).await?
+                    && self.false_records.iter().all(|known| known.what != row.what)
+                {
+                    self.false_records.push(row);
+                }
+                rendered
+            }
         };
         Ok(self.last.insert(last))
     }
@@ -93,6 +108,32 @@ impl Repair {
                 .collect(),
         })
     }
+}
+
+/// Compares the stored record of a frame with that of the frame rendered again. `None` if they agree, if another program or
+/// kind of machine rendered the frame, or if the stored record is damaged, which is a finding of its own.
+async fn find_false_record(data: &Data, rendered: &Rendered) -> anyhow::Result<Option<Row>> {
+    let Rendered {
+        job, frame, record, ..
+    } = rendered;
+    let stored = match data.catalogue.image(job, *frame).await {
+        Ok(Some(image)) => FrameRecord::deserialize(&image)?,
+        Ok(None) | Err(CatalogueError::Damaged { .. }) => return Ok(None),
+        Err(error) => return Err(error.into()),
+    };
+    let (then, now) = (&stored.provenance, &record.provenance);
+    let is_comparable = then.code_version == now.code_version
+        && then.cpu_features == now.cpu_features
+        && then.onnx_runtime == now.onnx_runtime;
+    if !is_comparable {
+        return Ok(None);
+    }
+    let difference = describe_differences(&compare_records(record, &stored, Agreement::Exact));
+    Ok(difference.map(|difference| Row {
+        what: format!("record of {job}/{frame}: {difference}"),
+        repaired: Some(false),
+        reason: Some(format!("`fathom start-again {job}` renders the job again")),
+    }))
 }
 
 /// The files of an uploaded scene.
