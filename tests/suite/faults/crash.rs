@@ -37,9 +37,22 @@ fn audit(data: &Path, when: &str) {
     );
 }
 
+/// In every other life a job of an earlier one starts again or may be finished by other machines, and a worker from outside takes part,
+/// whose frames have to be proven.
+fn disturb(service: &Service, kill: usize, jobs: &[(String, String)], dice: &mut Dice) -> Option<Worker> {
+    if kill.is_multiple_of(2) || jobs.is_empty() {
+        return None;
+    }
+    let (_, id) = &jobs[dice.draw(jobs.len() as u64) as usize];
+    let action = ["start-again", "finish-elsewhere"][dice.draw(2) as usize];
+    // A service that dies meanwhile does not respond.
+    let _ = service.try_post_bytes(&format!("/v1/jobs/{id}/{action}"), b"");
+    Some(Worker::start(&service.url, &format!("outsider-{kill}"), 1))
+}
+
 /// Failure: an acknowledged job is lost or does not finish, a frame has two images or no image, a row's bytes are
 /// missing or differ, counts disagree, a database is damaged, the digest differs from that of an undisturbed run, a
-/// healthy frame is given up, or a key creates a second job.
+/// healthy frame is given up, a frame stays unproven, or a key creates a second job.
 #[test]
 fn kills_at_every_step_and_at_any_time_lose_nothing() {
     let kills: usize = std::env::var("FATHOM_CRASH_KILLS").map_or(50, |n| n.parse().expect("a number"));
@@ -81,6 +94,7 @@ fn kills_at_every_step_and_at_any_time_lose_nothing() {
                 acknowledged.push((key, id));
             }
         }
+        let outsider = disturb(&service, kill, &acknowledged, &mut dice);
         let until = Instant::now() + Duration::from_millis(40 + dice.draw(600));
         while service.is_alive() && Instant::now() < until {
             std::thread::sleep(Duration::from_millis(2));
@@ -91,6 +105,7 @@ fn kills_at_every_step_and_at_any_time_lose_nothing() {
             by_itself += 1
         }
         service.kill();
+        drop(outsider);
         audit(data.path(), &format!("after kill {kill} ({fault})"));
     }
     let service = Service::start(data.path(), &["--workers", "2", "--slots", "2"]);
@@ -104,6 +119,7 @@ fn kills_at_every_step_and_at_any_time_lose_nothing() {
             "{done}"
         );
         assert_eq!(done["digest"], expected, "{done}");
+        assert_eq!(done["unproven"].as_u64().unwrap_or(0), 0, "{done}");
     }
     drop(service);
     audit(data.path(), "at the end");

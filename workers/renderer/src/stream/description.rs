@@ -103,16 +103,17 @@ fn stream_scene(lighting: Option<Value>) -> Value {
 
 /// Replaces the scenes of a canonical description. Returns whether any of them was not that of the stream.
 fn replace_scenes(value: &mut Value, warnings: &mut Vec<String>) -> bool {
-    match value {
-        Value::Array(items) => items
-            .iter_mut()
-            .fold(false, |replaced, item| replace_scenes(item, warnings) || replaced),
-        Value::Object(fields) if fields.contains_key("scene") => replace_scene(fields, warnings),
-        Value::Object(fields) => fields.values_mut().fold(false, |replaced, field| {
-            replace_scenes(field, warnings) || replaced
-        }),
-        _ => false,
+    let values: Vec<&mut Value> = match value {
+        Value::Array(items) => items.iter_mut().collect(),
+        Value::Object(fields) if fields.contains_key("scene") => return replace_scene(fields, warnings),
+        Value::Object(fields) => fields.values_mut().collect(),
+        _ => Vec::new(),
+    };
+    let mut is_replaced = false;
+    for value in values {
+        is_replaced |= replace_scenes(value, warnings);
     }
+    is_replaced
 }
 
 fn replace_scene(fields: &mut Map<String, Value>, warnings: &mut Vec<String>) -> bool {
