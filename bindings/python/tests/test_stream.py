@@ -221,7 +221,7 @@ def test_other_threads_run_while_a_frame_renders_and_may_not_use_its_stream() ->
     while not ended.is_set():
         ticks += 1
         try:
-            stream(RGB[:1, :1], stamp_ns=0)
+            stream(RGB[:2, :2], stamp_ns=0)
         except RuntimeError as error:
             errors.append(str(error))
         time.sleep(0.001)

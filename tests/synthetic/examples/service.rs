@@ -65,11 +65,29 @@ fn time_once<R>(call: impl FnOnce() -> R) -> f64 {
 fn measure(rows: u64, folder: &Path) -> anyhow::Result<String> {
     let runtime = Runtime::new().context("cannot start the asynchronous runtime")?;
     let commits = runtime.block_on(fill(rows, folder))?;
+    print_times(
+        "start of the service",
+        "1000 ms",
+        measure_starts(&runtime, folder)?,
+    );
     let service = start(&runtime, folder)?;
     let server = format!("http://{}", service.address());
     let measured = measure_requests(&server);
     runtime.block_on(service.stop())?;
     measured.map(|()| commits)
+}
+
+/// Milliseconds until the service listens.
+fn measure_starts(runtime: &Runtime, folder: &Path) -> anyhow::Result<Vec<f64>> {
+    let mut times = Vec::new();
+    for _ in 0..5 {
+        let mut started = None;
+        times.push(time_once(|| started = Some(start(runtime, folder))));
+        if let Some(service) = started {
+            runtime.block_on(service?.stop())?;
+        }
+    }
+    Ok(times)
 }
 
 fn measure_requests(server: &str) -> anyhow::Result<()> {
