@@ -10,7 +10,7 @@ import time
 from pathlib import Path
 
 FATHOM = os.environ["FATHOM"]
-JOB = json.loads(Path("examples/tour.json").read_text()) | {"count": 120}
+JOB = json.loads(Path("examples/tour.json").read_text()) | {"count": 60}
 SERVER = "http://127.0.0.1:7399"
 TICKS = os.sysconf("SC_CLK_TCK")
 
@@ -61,6 +61,7 @@ def measure(count):
             ways = [lambda: render(job, Path(one)), lambda: serve(job, Path(two))]
             times = [way() for way in ways[:: 1 if number % 2 else -1]]
             rows.append(times[:: 1 if number % 2 else -1])
+            print("pair", *(f"{wall:.2f}" for wall, _ in rows[-1]), "s", file=sys.stderr)
     return rows
 
 

@@ -151,9 +151,11 @@ pub(super) fn widen_row(
     half: usize,
     wide: &mut [f32],
 ) {
+    let radius = kernel.len() - 1;
+    let rows_around = small.rows_around(center, radius);
     for block in (0..half).step_by(BLOCK) {
         let sums = weighted_sum(kernel, |offset| {
-            &small.row(center.wrapping_add_signed(offset))[block..]
+            &rows_around[radius.wrapping_add_signed(offset)][block..]
         });
         let end = (block + BLOCK).min(half);
         line[REACH + block..REACH + end].copy_from_slice(&sums[..end - block]);
@@ -161,12 +163,14 @@ pub(super) fn widen_row(
     let line = &mut line[..half + 2 * REACH];
     close(line, REACH);
     let rows: [&[f32]; 4] = std::array::from_fn(|i| &line[REACH + i - 1..][..half]);
-    for (j, pair) in wide.chunks_mut(2).enumerate() {
-        let samples = rows.map(|row| row[j]);
-        pair[0] = even_sample(samples);
-        if let Some(odd) = pair.get_mut(1) {
-            *odd = odd_sample(samples);
-        }
+    let pairs = wide.len() / 2;
+    let [a, b, c, d] = rows.map(|row| &row[..pairs]);
+    for (j, pair) in wide.chunks_exact_mut(2).enumerate() {
+        let samples = [a[j], b[j], c[j], d[j]];
+        (pair[0], pair[1]) = (even_sample(samples), odd_sample(samples));
+    }
+    if wide.len() % 2 == 1 {
+        wide[2 * pairs] = even_sample(rows.map(|row| row[pairs]));
     }
 }
 

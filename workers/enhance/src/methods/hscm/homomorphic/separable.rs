@@ -38,12 +38,13 @@ pub(super) fn sweep(
             continue;
         };
         let center = y + radius;
+        let rows_around = blurred.rows_around(center, radius);
         let blocks = filtered
             .chunks_exact_mut(BLOCK)
             .zip(logs.row(center).chunks_exact(BLOCK));
         for (block, (x, log)) in blocks.enumerate() {
             let sums = weighted_sum(&kernels.y, |offset| {
-                &blurred.row(center.wrapping_add_signed(offset))[block * BLOCK..]
+                &rows_around[radius.wrapping_add_signed(offset)][block * BLOCK..]
             });
             for i in 0..BLOCK {
                 x[i] = gain * log[i] - drop * sums[i];
@@ -72,6 +73,15 @@ impl RowRing {
     #[inline(always)]
     pub(super) fn row(&self, position: usize) -> &[f32] {
         &self.samples[position % self.rows * self.stride..][..self.stride]
+    }
+
+    /// The rows up to `radius` before and after a position. Looked up once for all blocks of a row: a division for every tap of every
+    /// block takes as long as the sums.
+    #[inline(always)]
+    pub(super) fn rows_around(&self, center: usize, radius: usize) -> Vec<&[f32]> {
+        (center - radius..=center + radius)
+            .map(|position| self.row(position))
+            .collect()
     }
 
     #[inline(always)]
