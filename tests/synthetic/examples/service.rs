@@ -149,6 +149,8 @@ async fn fill(rows: u64, folder: &Path) -> anyhow::Result<String> {
         synthetic::fill(&catalogue, "job_bench", start..end, now_ms).await?;
         rates.push((end - start) as f64 / begun.elapsed().as_secs_f64());
     }
+    // The stored rows name another kind of machine.
+    catalogue.mix_machines("job_bench", true).await?;
     catalogue.close().await;
     data.store.close().await;
     let last = rates[rates.len() - 1];
@@ -176,7 +178,6 @@ fn start(runtime: &Runtime, folder: &Path) -> anyhow::Result<Service> {
         buckets: std::sync::Arc::new(|place, _| Err(api::Unread::Gone(place.set.clone()))),
         style_trial: Duration::from_secs(60),
         frame_limit: Duration::from_secs(600),
-        // The rows stored first name another version.
         prices: api::PriceLimits::default(),
         mix_workers: true,
         spot_check: 0,

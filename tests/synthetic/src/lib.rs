@@ -19,7 +19,7 @@ const METRICS: [&str; 6] = ["entropy", "uicm", "uism", "uiconm", "uiqm", "uciqe"
 /// A job to store before its images.
 #[must_use]
 pub fn job(id: &str, dataset: &str, frames: u64, now_ms: u64) -> NewJob {
-    let spec = json!({"dataset": dataset, "count": frames, "seed": 42, "labels": {"run": id},
+    let spec = json!({"dataset": dataset, "count": frames, "seed": 42, "labels": {"run": id}, "site": "shaft",
                       "scene": {"kind": "procedural", "family": "shaft", "seed": {"int": [0, 1_000_000]}}});
     NewJob {
         id: id.to_owned(),
@@ -91,7 +91,7 @@ pub fn record(job: &str, frame: u64) -> FrameRecord {
         scene: None,
         truth: None,
         provenance: Provenance {
-            code_version: "0.1.0".to_owned(),
+            code_version: env!("CARGO_PKG_VERSION").to_owned(),
             cpu_features: "avx2,fma".to_owned(),
             ..Provenance::default()
         },
