@@ -37,8 +37,8 @@ fn audit(data: &Path, when: &str) {
     );
 }
 
-/// In every other life a job of an earlier one starts again or may be finished by other machines, and a worker from outside takes part,
-/// whose frames have to be proven.
+/// In every other life a job of an earlier life starts again, or other machines may finish it. A worker from outside renders too, so its
+/// frames have to be proven.
 fn disturb(service: &Service, kill: usize, jobs: &[(String, String)], dice: &mut Dice) -> Option<Worker> {
     if kill.is_multiple_of(2) || jobs.is_empty() {
         return None;

@@ -119,7 +119,7 @@ impl Vocabulary {
         found.map(|network| network.name.as_str())
     }
 
-    /// The correct use of a model that is named in a field for another role.
+    /// How to use a model whose role does not fit the field that names it.
     pub(crate) fn usage_of_model(&self, written: &str) -> Option<String> {
         let name = written.strip_prefix(METRIC_NETWORK).unwrap_or(written);
         if self.styles.iter().any(|style| style == name) {

@@ -14,7 +14,7 @@ use crate::http::problem::{Problem, Slug};
 /// Pause before another attempt if all places for rendering processes are taken or the disk refuses writes.
 const PAUSE: Duration = Duration::from_secs(5);
 
-/// Restores every image of which a row or an artifact was found damaged, one at a time. A failed restoration is not repeated before
+/// Restores every image with a damaged row or artifact, one at a time. A failed restoration is not repeated before
 /// the next start.
 pub(crate) async fn run(images: Arc<Images>, end: CancellationToken) {
     end.run_until_cancelled(restore_all(&images)).await;
@@ -94,7 +94,7 @@ impl Images {
         Ok(self.bytes.store.put_all(blobs).await?)
     }
 
-    /// Restores the rows of an image from its record or, if that is damaged, from its frame rendered again.
+    /// Restores the rows of an image from its record. Renders the frame again if the record is damaged.
     async fn restore_rows(&self, image: &ImageId) -> Result<(), Problem> {
         let ImageId { job, frame } = image;
         if self.catalogue.restore_from_record(job, *frame).await? {

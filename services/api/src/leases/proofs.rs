@@ -91,7 +91,7 @@ impl Proofs {
         draw.is_none_or(|draw| draw.is_multiple_of(self.one_in))
     }
 
-    /// Continues with open jobs of an earlier run of the service, or with ended jobs that were opened again.
+    /// Continues with open jobs of an earlier run of the service, or with reopened jobs.
     pub(crate) fn resume(&self, jobs: &[JobRow], checks: Vec<DueCheck>) {
         let mut state = self.state();
         for row in jobs {

@@ -1,4 +1,4 @@
-//! Program for a service under test in place of `fathom`: it decodes, accepts jobs for a store that nobody renders, and fails
+//! Program for a service under test in place of `fathom`: it decodes, accepts jobs of a store without rendering them, and fails
 //! at everything else.
 
 use std::io;

@@ -11,8 +11,8 @@ use crate::jobs::recovery;
 use crate::types::OpenJob;
 
 impl Catalogue {
-    /// Open jobs that this service renders, without those of which [`Catalogue::continue_restart`] removes images. Damaged ones
-    /// are reported and left out.
+    /// Open jobs that this service renders, except jobs that start again ([`Catalogue::continue_restart`]). Damaged ones are
+    /// reported and left out.
     ///
     /// # Errors
     /// [`CatalogueError`].

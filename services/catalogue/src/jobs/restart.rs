@@ -30,7 +30,7 @@ impl Catalogue {
     }
 
     /// Removes some images of a marked job. Returns its row once none remain: then the mark is gone, and the caller offers its
-    /// frames to workers. A job that was cancelled meanwhile keeps its remaining images.
+    /// frames to workers. A job cancelled meanwhile keeps its remaining images.
     ///
     /// # Errors
     /// [`CatalogueError::NotFound`] for a deleted job.

@@ -14,8 +14,8 @@ impl Dispatch {
         })
     }
 
-    /// Pins the frame of a commit while its image is written. If its job needs another toolchain, nobody is to blame, and the
-    /// frame is offered again. Waiting workers are only woken then: each of them looks at every job.
+    /// Pins the frame of a commit while its image is written. If its job needs another toolchain, this does not count
+    /// against the worker, and the frame is offered again. Waiting workers are only woken then: each of them looks at every job.
     pub(crate) fn begin_commit(&self, claim: &Claim, toolchain: &Toolchain) -> Result<(), Stale> {
         let begun = self.table(
             |table, now| match table.record_toolchain(&claim.job_id, toolchain) {

@@ -192,7 +192,7 @@ async fn a_waiting_worker_is_woken_by_a_new_job() {
     assert_eq!(begun.elapsed(), Duration::ZERO);
 }
 
-/// Failure: a worker that may render none of the open jobs looks at all of them with every commit of the others.
+/// Failure: a worker that may not render any open job looks at all of them with every commit of the others.
 #[tokio::test(start_paused = true)]
 async fn commits_do_not_wake_waiting_workers() {
     const COMMITS: u64 = 50;

@@ -111,7 +111,7 @@ impl Repair {
 }
 
 /// Compares the stored record of a frame with that of the frame rendered again. `None` if they agree, if another program or
-/// kind of machine rendered the frame, or if the stored record is damaged, which is a finding of its own.
+/// kind of machine rendered the frame, or if the stored record is damaged, which is reported separately.
 async fn find_false_record(data: &Data, rendered: &Rendered) -> anyhow::Result<Option<Row>> {
     let Rendered {
         job, frame, record, ..

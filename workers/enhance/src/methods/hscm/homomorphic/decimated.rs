@@ -128,7 +128,7 @@ fn blur_row(rows: [&[f32]; 7], kernel: &[f32], line: &mut [f32], half: usize, sm
     blur_line(kernel, line, half, small);
 }
 
-/// Blurs `half` samples of a circle, which stand in `line` after a place for as many neighbors as the kernel reaches.
+/// Blurs a circle of `half` samples. In `line` they follow room for as many neighbors as the kernel reaches.
 #[inline(always)]
 pub(super) fn blur_line(kernel: &[f32], line: &mut [f32], half: usize, small: &mut [f32]) {
     let radius = kernel.len() - 1;
