@@ -138,14 +138,15 @@ mod tests {
 
     /// The state of a job once the tasks of its request have ended.
     async fn state(jobs: &Jobs, id: &str) -> JobState {
+        let mut state = jobs.get(id).await.unwrap().state;
         for _ in 0..20 {
-            let state = jobs.get(id).await.unwrap().state;
             if state == JobState::Cancelled {
-                return state;
+                break;
             }
             tokio::time::sleep(Duration::from_millis(10)).await;
+            state = jobs.get(id).await.unwrap().state;
         }
-        JobState::Queued
+        state
     }
 
     /// Failure: a request that the service ends counts as one whose client left.
