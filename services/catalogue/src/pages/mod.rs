@@ -1,5 +1,6 @@
 //! Pages of images.
 
+mod json;
 mod order;
 mod page;
 #[cfg(test)]

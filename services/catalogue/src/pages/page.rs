@@ -1,8 +1,10 @@
 //! Pages of images: filter, order, fields, and cursors that begin the next page where the last one ended.
 
+use std::collections::BTreeSet;
+
 use client::Page;
 use futures::TryStreamExt;
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
 
 use super::order::{Order, identity};
@@ -26,52 +28,83 @@ const MOST_FIELDS: usize = 1000;
 const PAGE_BYTES: usize = 8 << 20;
 
 impl Catalogue {
-    /// A page of images with the requested number of rows, or fewer if they are large.
+    /// A page of images with the requested number of rows, or fewer if they are large. Each is an object without missing values.
     ///
     /// # Errors
     /// [`CatalogueError::Filter`] for filter, order or fields; [`CatalogueError::Cursor`]; [`CatalogueError::Timeout`].
     pub async fn images(&self, query: ImageQuery) -> Result<Page<Value>, CatalogueError> {
+        Ok(self.image_page(&query).await?.into_objects())
+    }
+
+    /// The page of [`Catalogue::images`] as JSON, in half of the time that a tree of values takes.
+    ///
+    /// # Errors
+    /// As [`Catalogue::images`].
+    pub async fn images_as_json(&self, query: ImageQuery) -> Result<String, CatalogueError> {
+        Ok(self.image_page(&query).await?.to_json()?)
+    }
+
+    async fn image_page(&self, query: &ImageQuery) -> Result<ImagePage, CatalogueError> {
         if query.cursor.is_some() && query.offset > 0 {
             let message =
                 "`offset` and `cursor` both set the start of a page; use only one of them".to_owned();
             return Err(CatalogueError::refused(message));
         }
-        if let Some(found) = self.top_k(&query).await? {
-            let statement = PageStatement::of_rows(&self.columns, &query, &found)?;
+        if let Some(found) = self.top_k(query).await? {
+            let statement = PageStatement::of_rows(&self.columns, query, &found)?;
             if found.is_empty() {
-                return Ok(Page::whole(Vec::new()));
+                return Ok(statement.named(Page::whole(Vec::new())));
             }
-            let (page, rows) = within(images(
-                &mut *self.reader().await?,
-                &statement,
-                &query,
-                &self.damage,
-            ))
-            .await?;
+            let (page, rows) =
+                within(rows(&mut *self.reader().await?, &statement, query, &self.damage)).await?;
             // Else some of them have gone since they were found.
             if rows == found.len() || page.next_cursor.is_some() {
-                return Ok(page);
+                return Ok(statement.named(page));
             }
         }
-        let statement = PageStatement::new(&self.columns, &query)?;
-        let (page, _) = within(images(
-            &mut *self.reader().await?,
-            &statement,
-            &query,
-            &self.damage,
-        ))
-        .await?;
-        Ok(page)
+        let statement = PageStatement::new(&self.columns, query)?;
+        let (page, _) = within(rows(&mut *self.reader().await?, &statement, query, &self.damage)).await?;
+        Ok(statement.named(page))
+    }
+}
+
+/// A page of images with their cells in the order of the names.
+pub(super) struct ImagePage {
+    pub(super) names: Vec<String>,
+    pub(super) page: Page<Vec<Cell>>,
+}
+
+/// A value of an image. Most of the columns have none in most images.
+pub(super) struct Cell {
+    /// Index of its name.
+    pub(super) name: usize,
+    pub(super) value: Value,
+}
+
+impl ImagePage {
+    pub(super) fn into_objects(self) -> Page<Value> {
+        let Self { names, page } = self;
+        let object = |cells: Vec<Cell>| {
+            let pairs = cells
+                .into_iter()
+                .map(|cell| (names[cell.name].clone(), cell.value));
+            Value::Object(pairs.collect())
+        };
+        Page {
+            items: page.items.into_iter().map(object).collect(),
+            next_cursor: page.next_cursor,
+            damaged: page.damaged,
+        }
     }
 }
 
 /// A page without damaged rows, and how many rows were read for it.
-async fn images(
+async fn rows(
     connection: &mut SqliteConnection,
     statement: &PageStatement,
     query: &ImageQuery,
     damage: &DamageLog,
-) -> Result<(Page<Value>, usize), CatalogueError> {
+) -> Result<(Page<Vec<Cell>>, usize), CatalogueError> {
     let mut rows = statement.sql.statement().fetch(connection);
     let (mut page, mut bytes, mut read) = (Page::whole(Vec::new()), 0, 0);
     let mut last = None;
@@ -83,8 +116,8 @@ async fn images(
             break;
         }
         if let Some(item) = damage.skip(statement.item(&row), &mut page.damaged)? {
-            bytes += size(&item);
-            page.items.push(Value::Object(item));
+            bytes += statement.size(&item);
+            page.items.push(item);
             last = Some(statement.place(&row)?);
         } else {
             // Its place may be damaged too; the next page then names the row again.
@@ -94,20 +127,10 @@ async fn images(
     Ok((page, read))
 }
 
-/// About the length of an item as JSON.
-fn size(item: &Map<String, Value>) -> usize {
-    /// Quotes, colon, comma and a number of usual length.
-    const BESIDE: usize = 16;
-    let pairs = item.iter();
-    pairs
-        .map(|(name, value)| name.len() + BESIDE + value.as_str().map_or(0, str::len))
-        .sum()
-}
-
 /// The statement of a page; its first columns are those of [`Columns::of_record`].
 pub(super) struct PageStatement {
     pub(super) sql: Select,
-    /// The fields of an item.
+    /// The fields of an item, by name.
     fields: Vec<(String, Shown)>,
     /// Columns of filter and order, whose values must be those of the record.
     compared: Vec<(usize, Kind, Place)>,
@@ -177,7 +200,7 @@ impl PageStatement {
         let mut selected = columns.of_record();
         let mut fields = Vec::with_capacity(names.len());
         let mut wanted = Wanted::default();
-        for name in names {
+        for name in names.into_iter().collect::<BTreeSet<_>>() {
             let column = column(columns, &name)?;
             let shown = match &column.found {
                 Some(found) => Shown::Record(wanted.add(found)),
@@ -210,8 +233,8 @@ impl PageStatement {
         Ok((statement, order))
     }
 
-    /// A row as an object without missing values.
-    fn item(&self, row: &SqliteRow) -> Result<Map<String, Value>, CatalogueError> {
+    /// The fields of a row that have a value.
+    fn item(&self, row: &SqliteRow) -> Result<Vec<Cell>, CatalogueError> {
         let (about, record) = About::verified(row)?;
         let record = self.reader.read(record)?;
         for (at, kind, place) in &self.compared {
@@ -222,17 +245,33 @@ impl PageStatement {
                 ));
             }
         }
-        let mut item = Map::new();
-        for (name, shown) in &self.fields {
+        let mut cells = Vec::new();
+        for (name, (_, shown)) in self.fields.iter().enumerate() {
             let value = match shown {
                 Shown::Record(place) => record.value(place),
                 Shown::Cell(at, kind) => value(row, *at, *kind)?,
             };
             if !value.is_null() {
-                item.insert(name.clone(), value);
+                cells.push(Cell { name, value });
             }
         }
-        Ok(item)
+        Ok(cells)
+    }
+
+    /// About the length of an item as JSON.
+    fn size(&self, item: &[Cell]) -> usize {
+        /// Quotes, colon, comma and a number of usual length.
+        const BESIDE: usize = 16;
+        item.iter()
+            .map(|cell| self.fields[cell.name].0.len() + BESIDE + cell.value.as_str().map_or(0, str::len))
+            .sum()
+    }
+
+    fn named(&self, page: Page<Vec<Cell>>) -> ImagePage {
+        ImagePage {
+            names: self.fields.iter().map(|(name, _)| name.clone()).collect(),
+            page,
+        }
     }
 
     /// The position of a row: the value of the order column, job, frame.

@@ -29,3 +29,18 @@ async fn ten_million_frames_are_one_row() {
     let open = at.open_job("job_large").await;
     assert_eq!(open.done.first(), Some(&(FRAMES - 1..FRAMES)));
 }
+
+#[tokio::test]
+async fn finished_frames_are_found_whatever_their_gaps() {
+    let at = Fixture::new().await;
+    at.job("job_a", "bay", FRAMES, 0).await;
+    assert!(at.open_job("job_a").await.done.is_empty());
+    // Runs of frames that end within, at and after the frames that are counted at once, and single ones.
+    let runs = [3..4, 6..8200, 8201..8202, 8203..16_600, 90_000..90_001];
+    for run in runs.clone() {
+        synthetic::fill(&at.catalogue, "job_a", run, 0).await.unwrap();
+    }
+    at.job("job_b", "bay", FRAMES, 5).await;
+    assert_eq!(at.open_job("job_a").await.done, runs);
+    assert_eq!(at.open_job("job_b").await.done, [0..5]);
+}

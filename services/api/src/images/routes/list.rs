@@ -1,8 +1,9 @@
-use crate::http::{Json, Problem, Query, State, Topic, bounds};
+use crate::http::{Problem, Query, State, Topic, bounds};
 
+use axum::http::header::CONTENT_TYPE;
+use axum::response::IntoResponse;
 use catalogue::{Catalogue, ImageQuery, Page};
 use serde::Deserialize;
-use serde_json::Value;
 use utoipa::IntoParams;
 
 use crate::openapi::ImageRow;
@@ -39,7 +40,7 @@ pub(crate) struct Parameters {
 pub(crate) async fn list(
     State(catalogue): Topic<Catalogue>,
     Query(query): Query<Parameters>,
-) -> Result<Json<Page<Value>>, Problem> {
+) -> Result<impl IntoResponse, Problem> {
     let query = ImageQuery {
         dataset: query.dataset,
         filter: bounds::check_filter(query.filter)?,
@@ -53,5 +54,6 @@ pub(crate) async fn list(
             .map(bounds::split_names)
             .unwrap_or_default(),
     };
-    Ok(Json(catalogue.images(query).await?))
+    let page = catalogue.images_as_json(query).await?;
+    Ok(([(CONTENT_TYPE, "application/json")], page))
 }

@@ -57,7 +57,7 @@ async fn the_root_follows_from_descriptions_and_images_whatever_the_jobs_are_cal
         (version.name.as_str(), version.images, version.jobs),
         ("bay@1", 8, 2)
     );
-    assert_eq!(version.code_versions, ["0.1.0"]);
+    assert_eq!(version.code_versions, [env!("CARGO_PKG_VERSION")]);
     assert_eq!(version.root, root(&[job_root("b", 5), job_root("a", 3)]));
     let parts = at.catalogue.version_jobs("bay", 1).await.unwrap();
     let ids: Vec<_> = parts.iter().map(|part| (part.id.as_str(), part.images)).collect();
